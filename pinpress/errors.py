@@ -1,0 +1,81 @@
+"""Every exception of the library. Each carries its data as attributes, so that a caller need not read the sentence."""
+
+import difflib
+from collections.abc import Iterable
+
+
+class PinpressError(Exception):
+    """Base of all errors: something the caller can put right; the message says where it is and how."""
+
+
+class UrdfError(PinpressError):
+    """A URDF that cannot be used.
+
+    Attributes:
+        file: path of the file, or the name it was asked for by.
+        element: the XML element at fault, e.g. ``<joint name="A">``; None where it is the file as a whole.
+        line: line of that element in the file; None where there is none.
+        problem: what is wrong.
+        remedy: what to write instead.
+    """
+
+    def __init__(self, file: str, element: str | None, line: int | None, problem: str, remedy: str) -> None:
+        self.file, self.element, self.line, self.problem, self.remedy = file, element, line, problem, remedy
+        place = file if line is None else f"{file}:{line}"
+        where = place if element is None else f"{place}: {element}"
+        super().__init__(f"{where}: {problem}; {remedy}")
+
+
+class AssemblyError(PinpressError):
+    """The loops of a linkage do not close at a crank angle.
+
+    Attributes:
+        crank_angle: angle of the driver joint [rad].
+        gap: largest distance left between the two sides of a loop [m].
+        iterations: Newton steps taken.
+    """
+
+    def __init__(self, problem: str, crank_angle: float, gap: float, iterations: int) -> None:
+        self.crank_angle, self.gap, self.iterations = crank_angle, gap, iterations
+        super().__init__(f"{problem} (crank angle {_degrees(crank_angle)}, gap {gap:.3g} m after {iterations} Newton steps)")
+
+
+class SingularityError(PinpressError):
+    """The driver does not determine the linkage at a crank angle: it locks there, or two assemblies meet.
+
+    Attributes:
+        crank_angle: angle of the driver joint [rad].
+        smallest_singular_value: of the loop Jacobian's columns of the dependent joints, lengths in units of the linkage's size [-].
+    """
+
+    def __init__(self, problem: str, crank_angle: float, smallest_singular_value: float) -> None:
+        self.crank_angle, self.smallest_singular_value = crank_angle, smallest_singular_value
+        super().__init__(
+            f"{problem} (crank angle {_degrees(crank_angle)}, smallest singular value {smallest_singular_value:.3g})"
+        )
+
+
+class UnknownNameError(PinpressError, KeyError):
+    """A bearing, link or joint that the linkage does not have.
+
+    Attributes:
+        name: the name asked for.
+        known: the names there are.
+    """
+
+    def __init__(self, kind: str, name: object, known: Iterable[str]) -> None:
+        self.name, self.known = name, tuple(known)
+        super().__init__(f"no {kind} {name!r}{suggestion(str(name), self.known)}; there are: {', '.join(self.known)}")
+
+    def __str__(self) -> str:  # KeyError would print the message as a quoted literal
+        return str(self.args[0])
+
+
+def suggestion(name: str, known: Iterable[str]) -> str:
+    """", did you mean 'x'?" where a known name is close to the one given, else an empty string."""
+    close = difflib.get_close_matches(name, tuple(known), n=1)
+    return f", did you mean {close[0]!r}?" if close else ""
+
+
+def _degrees(angle: float) -> str:
+    return f"{angle * 57.29577951308232:.6g} deg"
