@@ -50,9 +50,7 @@ class SingularityError(PinpressError):
 
     def __init__(self, problem: str, crank_angle: float, smallest_singular_value: float) -> None:
         self.crank_angle, self.smallest_singular_value = crank_angle, smallest_singular_value
-        super().__init__(
-            f"{problem} (crank angle {_degrees(crank_angle)}, smallest singular value {smallest_singular_value:.3g})"
-        )
+        super().__init__(f"{problem} (crank angle {_degrees(crank_angle)}, smallest singular value {smallest_singular_value:.3g})")
 
 
 class UnknownNameError(PinpressError, KeyError):
@@ -72,7 +70,7 @@ class UnknownNameError(PinpressError, KeyError):
 
 
 def suggestion(name: str, known: Iterable[str]) -> str:
-    """", did you mean 'x'?" where a known name is close to the one given, else an empty string."""
+    """ ", did you mean 'x'?" where a known name is close to the one given, else an empty string."""
     close = difflib.get_close_matches(name, tuple(known), n=1)
     return f", did you mean {close[0]!r}?" if close else ""
 

@@ -1,0 +1,37 @@
+"""Mechanical press linkages as Pinocchio rigid-body models with closed loops.
+
+    import pinpress as pp
+
+    press = pp.load("zxn2_3000b")
+    motion = pp.cycle(press, speed=70 * pp.RPM, points=360)
+    result = pp.inverse_dynamics(press, motion)
+    result.driving_torque, result.bearing_force["A"], result.shaking_force
+    pp.record(press, motion, "press.html")
+
+SI units and radians throughout. World z is up; a planar press stands in the x-z plane.
+"""
+
+from .errors import AssemblyError, PinpressError, SingularityError, UnknownNameError, UrdfError
+from .linkage import Linkage, load, presses
+from .loads import PointForce
+from .motion import RPM, Motion, cycle
+from .reactions import Reactions, inverse_dynamics
+from .recording import record
+
+__all__ = [
+    "RPM",
+    "AssemblyError",
+    "Linkage",
+    "Motion",
+    "PinpressError",
+    "PointForce",
+    "Reactions",
+    "SingularityError",
+    "UnknownNameError",
+    "UrdfError",
+    "cycle",
+    "inverse_dynamics",
+    "load",
+    "presses",
+    "record",
+]

@@ -1,0 +1,226 @@
+"""The drawn assembly of a linkage, carried over the crank angle.
+
+Loop equations have several solutions at one crank angle, and a closure residual cannot tell them apart. The branch is therefore walked once
+from the drawn pose, in steps so small that another assembly cannot be reached, and kept as a table: quintic Hermite polynomials through the
+joint coordinates and their first two derivatives by the crank angle. It predicts any configuration closely enough for Newton's method
+to have nothing, or one step, left to do.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .errors import AssemblyError, SingularityError
+
+Array = NDArray[np.float64]
+
+COARSE_STEP = 2 * np.pi / 64  # longest step of the walk [rad]
+SUBDIVISION = 8  # nodes of the table per step of the walk
+SMALLEST_STEP = 1e-10  # the walk ends where it would need a shorter one: the linkage locks there [rad]
+MOST_TURNS = 8  # turns of the crank after which a linkage must have come back to its start
+
+
+@dataclass(frozen=True)
+class Closure:
+    """Closed configurations and their first-order and second-order influence coefficients.
+
+    Attributes:
+        position: (nv, n) joint coordinates [rad or m].
+        first: (nv, n) d position / d crank angle.
+        second: (nv, n) d2 position / d crank angle2.
+        gap: (n,) largest distance between the two sides of a loop [m]; not finite where Newton's method failed.
+        iterations: Newton steps taken.
+        margins: (blocks, n) distance of every block of loops from singularity: the smallest singular value of its Jacobian, columns scaled to
+            unit length, with the sign of its determinant. Zero where two assemblies meet. None unless asked for.
+    """
+
+    position: Array
+    first: Array
+    second: Array
+    gap: Array
+    iterations: int
+    margins: Array | None = None
+
+
+Close = Callable[[Array, Array], Closure]
+"""(crank angles (n,), guesses (nv, n)) -> Closure with its margins. Never raises; the caller judges gap and margins."""
+
+
+@dataclass(frozen=True)
+class Branch:
+    """The table. ``period`` is the crank angle after which the linkage is back at its start [rad], None where it locks before.
+
+    Attributes:
+        angles: (m + 1,) nodes over the crank angle, rising [rad].
+        coefficients: (m, 6, nv) of the polynomials in (crank angle - node).
+        advance: (nv,) what every joint gains over a period (whole turns; 0 for a joint that swings).
+        margins: smallest margin at the first and at the last node.
+    """
+
+    angles: Array
+    coefficients: Array
+    period: float | None
+    advance: Array
+    margins: tuple[float, float]
+
+
+def walk(close: Close, drawn: Array, size: float, tolerance: float) -> Branch:
+    """Walk the branch of the closed configuration ``drawn`` (nv,) at crank angle 0, up to a full period or to where it locks both ways.
+
+    Args:
+        close: the engine's closure.
+        drawn: (nv,) joint coordinates.
+        size: length of the linkage [m], to weigh travels against angles.
+        tolerance: gap at which a loop counts as closed [m].
+
+    Raises:
+        AssemblyError: the linkage is not back at its start after `MOST_TURNS` turns.
+    """
+    start = close(np.zeros(1), drawn[:, None])
+    upward = [_Node.of(0.0, start)]
+    for turn in range(1, MOST_TURNS + 1):
+        locked = _advance(close, upward, 2 * np.pi * turn, size, tolerance)
+        if locked:
+            downward = upward[:1]
+            _advance(close, downward, -2 * np.pi * MOST_TURNS, size, tolerance)
+            return _table(close, downward[:0:-1] + upward, None, np.zeros_like(drawn))
+        gained = upward[-1].position - drawn
+        whole_turns = 2 * np.pi * np.round(gained / (2 * np.pi))
+        for advance in (np.zeros_like(drawn), whole_turns):  # a travel of 2 pi metres is not a turn, so zero is tried first
+            if np.all(np.abs(gained - advance) <= 1e-9 * (1 + size)):
+                return _table(close, upward, 2 * np.pi * turn, advance)
+    raise AssemblyError(
+        f"the linkage is not back at its drawn pose after {MOST_TURNS} turns of the driver", upward[-1].angle, float(start.gap[0]), 0
+    )
+
+
+def predict(branch: Branch, angle: Array) -> Array:
+    """Joint coordinates (nv, n) of the branch at crank angles (n,), to about 1e-12 of their range.
+
+    Raises:
+        SingularityError: the linkage locks before it reaches one of the angles.
+    """
+    if branch.period is None:
+        _refuse_beyond_lock(branch, angle)
+        turns, local = None, angle
+    else:
+        turns = np.floor((angle - branch.angles[0]) / branch.period)
+        local = angle - turns * branch.period if turns.any() else angle
+        turns = turns if turns.any() else None
+    interval = branch.angles.searchsorted(local, side="right") - 1
+    np.minimum(np.maximum(interval, 0, out=interval), len(branch.coefficients) - 1, out=interval)
+    t = (local - branch.angles[interval])[:, None]
+    c = branch.coefficients[interval]
+    x = c[:, 5] * t
+    for k in (4, 3, 2, 1):
+        x += c[:, k]
+        x *= t
+    x += c[:, 0]
+    if turns is not None:
+        x += turns[:, None] * branch.advance
+    return np.ascontiguousarray(x.T)
+
+
+@dataclass(frozen=True)
+class _Node:
+    angle: float
+    position: Array
+    first: Array
+    second: Array
+    margins: Array
+
+    @staticmethod
+    def of(angle: float, closure: Closure) -> "_Node":
+        assert closure.margins is not None
+        return _Node(angle, closure.position[:, 0], closure.first[:, 0], closure.second[:, 0], closure.margins[:, 0])
+
+
+def _advance(close: Close, nodes: list[_Node], target: float, size: float, tolerance: float) -> bool:
+    """Append nodes up to the crank angle ``target``; True where the linkage locks before it."""
+    direction = 1.0 if target > nodes[-1].angle else -1.0
+    longest = step = COARSE_STEP
+    weight = 1.0 / (1.0 + size)
+    while abs(target - nodes[-1].angle) > 0:
+        last = nodes[-1]
+        remaining = abs(target - last.angle)
+        # the last step of a turn is stretched or cut to end on it exactly
+        angle = target if remaining <= 1.01 * step else last.angle + direction * step
+        h = angle - last.angle
+        guess = last.position + h * (last.first + 0.5 * h * last.second)
+        closure = close(np.array([angle]), guess[:, None])
+        if _belongs(closure, guess, last, h, weight, tolerance):
+            nodes.append(_Node.of(angle, closure))
+            step = min(2 * step, longest)
+        else:
+            step = min(step, abs(h)) / 2
+            if step < SMALLEST_STEP:
+                return True
+    return False
+
+
+def _belongs(closure: Closure, guess: Array, last: _Node, h: float, weight: float, tolerance: float) -> bool:
+    """Whether a closed configuration is the continuation of the last node and not another assembly.
+
+    Newton's method must have moved it little from its prediction, compared with the step itself, and every margin, which passes through
+    zero where assemblies meet, must have kept its sign and half its value.
+    """
+    assert closure.margins is not None
+    if not closure.gap[0] <= tolerance or not np.all(np.isfinite(closure.second)):
+        return False
+    before, margins = np.abs(last.margins), closure.margins[:, 0] * np.sign(last.margins)
+    if np.any(margins < 0.5 * before) or np.any(margins > 2.0 * np.maximum(before, 0.25)):
+        return False
+    correction = weight * np.abs(closure.position[:, 0] - guess).max()
+    return bool(correction <= 0.1 * abs(h) * (1.0 + weight * np.abs(last.first).max()))
+
+
+def _table(close: Close, nodes: list[_Node], period: float | None, advance: Array) -> Branch:
+    """Polynomials on a finer grid than the walk's, its nodes closed all at once from the walk's own polynomials."""
+    coarse = _hermite(
+        np.array([node.angle for node in nodes]),
+        *(np.array([getattr(node, name) for node in nodes]) for name in ("position", "first", "second")),
+    )
+    angles = np.concatenate(
+        [a + (b - a) * np.arange(SUBDIVISION) / SUBDIVISION for a, b in zip(coarse[0][:-1], coarse[0][1:], strict=True)] + [coarse[0][-1:]]
+    )
+    margins = (float(np.abs(nodes[0].margins).min(initial=1.0)), float(np.abs(nodes[-1].margins).min(initial=1.0)))
+    rough = Branch(coarse[0], coarse[1], None, advance, margins)
+    closure = close(angles, predict(rough, angles))
+    fine = _hermite(angles, closure.position.T, closure.first.T, closure.second.T)
+    return Branch(fine[0], fine[1], period, advance, margins)
+
+
+def _hermite(angles: Array, position: Array, first: Array, second: Array) -> tuple[Array, Array]:
+    """Coefficients (m, 6, nv) of the quintics with these values and derivatives (m + 1, nv) at both ends.
+
+    Written out, because SciPy's BPoly would cost its import (longer than everything else a first cycle does).
+    """
+    h = np.diff(angles)[:, None]
+    value = position[1:] - position[:-1] - h * (first[:-1] + 0.5 * h * second[:-1])
+    slope = h * (first[1:] - first[:-1] - h * second[:-1])
+    bend = 0.5 * h**2 * (second[1:] - second[:-1])
+    return angles, np.stack(
+        [
+            position[:-1],
+            first[:-1],
+            0.5 * second[:-1],
+            (10 * value - 4 * slope + bend) / h**3,
+            (-15 * value + 7 * slope - 2 * bend) / h**4,
+            (6 * value - 3 * slope + bend) / h**5,
+        ],
+        axis=1,
+    )
+
+
+def _refuse_beyond_lock(branch: Branch, angle: Array) -> None:
+    low, high = branch.angles[0], branch.angles[-1]
+    if angle.min() < low or angle.max() > high:
+        lock, margin = (high, branch.margins[1]) if angle.max() > high else (low, branch.margins[0])
+        raise SingularityError(
+            f"the linkage locks: from its drawn pose the driver turns only from {np.degrees(low):.6g} to {np.degrees(high):.6g} deg;"
+            " change the link lengths, or keep the motion inside",
+            float(lock),
+            margin,
+        )

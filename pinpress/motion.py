@@ -1,0 +1,241 @@
+"""The motion of a linkage: every configuration closed, with exact rates, from the motion of its driver."""
+
+import os
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from . import tables
+from .branch import Closure, predict
+from .errors import AssemblyError, PinpressError
+from .linkage import ACCEPTED, Linkage
+from .plane import Array
+from .plane_dynamics import PIECE
+from .spatial import configuration
+
+RPM = 2 * np.pi / 60
+"""One revolution per minute [rad/s]."""
+
+PREDICTED = 1e-3  # how far Newton's method may move a joint from the branch's prediction [rad, or lengths of the linkage]
+
+
+@dataclass(frozen=True, eq=False)
+class Motion:
+    """States of a linkage, n of them, closed. All arrays are read-only.
+
+    Attributes:
+        linkage: its name. driver: its driver joint. joints: names in the order of v.
+        crank_angle, crank_speed, crank_acceleration: (n,) of the driver joint, the angle unwrapped [rad, rad/s, rad/s2].
+        q: (n, nq), v, a: (n, nv) in Pinocchio's order.
+        closure_error: (n,) largest distance between the two sides of a loop [m].
+        time: (n,) [s]. See `cycle` for states that are not in time.
+        slide_position, slide_velocity, slide_acceleration: (n,) of the slide link's origin along its guide's axis in world coordinates,
+            positive along the axis (upwards) [m, m/s, m/s2].
+    """
+
+    linkage: str
+    driver: str
+    joints: tuple[str, ...]
+    crank_angle: Array
+    crank_speed: Array
+    crank_acceleration: Array
+    q: Array
+    v: Array
+    a: Array
+    closure_error: Array
+    _time: Array | None = field(repr=False)
+    _slide: tuple[Array, Array, Array] | None = field(repr=False)
+
+    @property
+    def time(self) -> Array:
+        if self._time is None:
+            raise PinpressError("these states are no motion in time (angle and speed do not fit together): pass time= to cycle")
+        return self._time
+
+    @property
+    def slide_position(self) -> Array:
+        return self._along_guide(0)
+
+    @property
+    def slide_velocity(self) -> Array:
+        return self._along_guide(1)
+
+    @property
+    def slide_acceleration(self) -> Array:
+        return self._along_guide(2)
+
+    def columns(self) -> dict[str, Array]:
+        """All quantities as (n,) columns under their names with units, as `to_csv` writes them."""
+        columns = {} if self._time is None else {"time [s]": self._time}
+        columns |= {
+            "crank_angle [rad]": self.crank_angle,
+            "crank_speed [rad/s]": self.crank_speed,
+            "crank_acceleration [rad/s2]": self.crank_acceleration,
+        }
+        if self._slide is not None:
+            columns |= dict(zip(("slide_position [m]", "slide_velocity [m/s]", "slide_acceleration [m/s2]"), self._slide, strict=True))
+        return columns | {"closure_error [m]": self.closure_error}
+
+    def to_csv(self, path: str | os.PathLike[str]) -> None:
+        """Write the columns, one state a line, full precision, units in the header."""
+        tables.write_csv(path, self.columns())
+
+    def to_frame(self) -> "tables.DataFrame":
+        """The columns as a pandas DataFrame."""
+        return tables.frame(self.columns())
+
+    def to_mat(self, path: str | os.PathLike[str]) -> None:
+        """Write a MATLAB file with one vector a column (names without units) and the matrices q, v, a."""
+        tables.write_mat(path, self.columns() | {"q": self.q, "v": self.v, "a": self.a})
+
+    def _along_guide(self, derivative: int) -> Array:
+        if self._slide is None:
+            raise PinpressError(f"{self.linkage} has no slide: name a link that the frame guides, load(..., slide=...)")
+        return self._slide[derivative]
+
+
+def cycle(
+    press: Linkage,
+    speed: ArrayLike,
+    points: int | None = None,
+    angle: ArrayLike | None = None,
+    acceleration: ArrayLike = 0.0,
+    time: ArrayLike | None = None,
+    engine: str = "auto",
+) -> Motion:
+    """The motion of a press: one turn at constant speed, or a servo motion.
+
+    Args:
+        speed: of the driver joint [rad/s]. One number, with ``points`` (default 360): one turn from crank angle 0 in equal steps, the end
+            left out, backwards where it is negative. With ``angle``: (n,) or one number.
+        angle, acceleration: (n,) of the driver joint, any angles in any order [rad, rad/s2]; ``acceleration`` may be one number.
+        time: (n,) of a servo motion, rising [s]. By default it is found from angle and speed by the trapezoidal rule; states in which
+            these do not fit together have no time, and `Motion.time` says so.
+        engine: "plane" (all crank angles at once), "pinocchio" (any linkage), or "auto": the plane where the linkage is planar.
+
+    Raises:
+        PinpressError: a number that is not finite, arrays of different lengths, fewer than two points, a turn at speed zero.
+        SingularityError: the linkage locks within the motion.
+        AssemblyError: the loops do not close.
+    """
+    if angle is None:
+        angles, speeds, accelerations, times = _turn(speed, 360 if points is None else points, acceleration, time)
+    else:
+        if points is not None:
+            raise PinpressError("points goes with one turn at constant speed: leave it out where angle is given")
+        angles, speeds, accelerations, times = _servo(angle, speed, acceleration, time)
+    closure = _closed(press, angles, engine)
+    v = closure.first * speeds
+    a = closure.first * accelerations
+    a += closure.second * (speeds * speeds)
+    slide = None
+    if press.slide is not None:
+        guide, offset = press.slide_guide
+        slide = (_fixed(closure.position[guide] + offset), _fixed(v[guide]), _fixed(a[guide]))
+    return Motion(
+        linkage=press.name,
+        driver=press.driver,
+        joints=press.joints,
+        crank_angle=_fixed(angles),
+        crank_speed=_fixed(speeds),
+        crank_acceleration=_fixed(accelerations),
+        q=_fixed(configuration(press.model, closure.position).T),
+        v=_fixed(v.T),
+        a=_fixed(a.T),
+        closure_error=_fixed(closure.gap),
+        _time=None if times is None else _fixed(times),
+        _slide=slide,
+    )
+
+
+def _turn(speed: ArrayLike, points: int, acceleration: ArrayLike, time: ArrayLike | None) -> tuple[Array, Array, Array, Array | None]:
+    rate = _numbers("speed", speed)
+    if rate.ndim:
+        raise PinpressError("speed is an array, but a turn at constant speed takes one number: give angle too, for a servo motion")
+    if rate == 0.0:
+        raise PinpressError("speed is 0: a turn never ends; give a speed [rad/s], e.g. 70 * pinpress.RPM")
+    if time is not None or np.any(np.asarray(acceleration) != 0.0):
+        raise PinpressError("time and acceleration belong to a servo motion: give angle too")
+    if isinstance(points, bool) or not isinstance(points, int | np.integer) or points < 2:
+        raise PinpressError(f"points is {points!r}: a turn takes a whole number of at least 2")
+    angles = np.sign(rate) * (2 * np.pi / points) * np.arange(points)
+    return angles, np.full(points, float(rate)), np.zeros(points), angles / rate
+
+
+def _servo(angle: ArrayLike, speed: ArrayLike, acceleration: ArrayLike, time: ArrayLike | None) -> tuple[Array, Array, Array, Array | None]:
+    given = {"angle": angle, "speed": speed, "acceleration": acceleration} | ({} if time is None else {"time": time})
+    arrays = {name: _numbers(name, values) for name, values in given.items()}
+    angles = arrays["angle"]
+    if angles.ndim != 1 or len(angles) == 0:
+        raise PinpressError(f"angle has shape {angles.shape}: give (n,) crank angles [rad]")
+    for name, values in arrays.items():
+        if values.shape != angles.shape and not (values.ndim == 0 and name in ("speed", "acceleration")):
+            raise PinpressError(f"{name} has shape {values.shape}, but angle has {angles.shape}")
+    speeds, accelerations = (np.broadcast_to(arrays[name], angles.shape).copy() for name in ("speed", "acceleration"))
+    if "time" not in arrays:
+        return angles, speeds, accelerations, _times(angles, speeds)
+    if np.any(np.diff(arrays["time"]) <= 0):
+        raise PinpressError("time does not rise throughout")
+    return angles, speeds, accelerations, arrays["time"]
+
+
+def _times(angles: Array, speeds: Array) -> Array | None:
+    """Time (n,) from 0 by the trapezoidal rule, None where angles and speeds do not belong together."""
+    with np.errstate(all="ignore"):
+        steps = 2 * np.diff(angles) / (speeds[1:] + speeds[:-1])
+    if not np.all(np.isfinite(steps) & (steps > 0)):
+        return None
+    return np.concatenate([[0.0], np.cumsum(steps)])
+
+
+def _numbers(name: str, values: ArrayLike) -> Array:
+    try:
+        numbers = np.array(values, dtype=float)
+    except (TypeError, ValueError):
+        raise PinpressError(f"{name} is not a number or an array of numbers") from None
+    if not np.isfinite(numbers).all():
+        raise PinpressError(f"{name} is not finite{_where(np.isfinite(numbers))}")
+    return numbers
+
+
+def _where(good: np.ndarray) -> str:
+    return "" if good.ndim == 0 else f" at point {int(np.argmin(good.ravel()))}"
+
+
+def _closed(press: Linkage, angles: Array, engine: str) -> Closure:
+    """Closed configurations on the drawn branch, in pieces that stay in the cache."""
+    branch = press.branch
+    if len(angles) <= PIECE:
+        return _piece(press, angles, predict(branch, angles), engine)
+    pieces = []
+    for start in range(0, len(angles), PIECE):
+        part = angles[start : start + PIECE]
+        pieces.append(_piece(press, part, predict(branch, part), engine))
+    return Closure(
+        *(np.concatenate([getattr(piece, name) for piece in pieces], axis=-1) for name in ("position", "first", "second", "gap")),
+        iterations=max(piece.iterations for piece in pieces),
+    )
+
+
+def _piece(press: Linkage, angles: Array, guess: Array, engine: str) -> Closure:
+    closure = press.close(angles, guess, engine)
+    tolerance = ACCEPTED * (press.planar(engine) or press.spatial).tolerance
+    good = closure.gap <= tolerance
+    if closure.iterations:  # another assembly would be far from the prediction
+        good &= np.abs(closure.position - guess).max(axis=0) <= PREDICTED * (1 + press.spatial.size)
+    if not (good.all() and np.isfinite(closure.second).all()):
+        good &= np.isfinite(closure.second).all(axis=0)
+        worst = int(np.argmin(good))
+        raise AssemblyError(
+            f"the loops of {press.name} do not close on the drawn branch",
+            float(angles[worst]),
+            float(closure.gap[worst]),
+            closure.iterations,
+        )
+    return closure
+
+
+def _fixed(array: Array) -> Array:
+    array.setflags(write=False)
+    return array

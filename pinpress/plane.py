@@ -1,0 +1,261 @@
+"""A planar linkage as constant matrices over rotors.
+
+In the plane a vector is a complex number and a rotation a multiplication by a rotor u = exp(i phi). Every point of a linkage is then a fixed
+linear combination of few functions of the configuration, its *basis* (nb, n):
+
+    row 0         1                       the frame
+    revolute      u of the link it turns  absolute rotor, 1 in the drawn pose
+    prismatic     travel x u of its guide
+
+so that positions, loop gaps and the columns of the loop Jacobian are ``rows @ basis``, and velocities and accelerations ``rows`` times the
+basis' derivatives: one matrix product for all links and all crank angles. The rows are read once from the Pinocchio model in its drawn pose
+(all joints at zero); complex numbers are components along ``axes[0]`` and ``axes[1]``, which with ``normal`` make a right-handed frame.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import combinations
+
+import numpy as np
+import pinocchio as pin
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+ComplexArray = NDArray[np.complex128]
+
+PARALLEL = 1e-12  # joint axes further from the plane's normal than this [rad] make a linkage spatial
+
+
+@dataclass(frozen=True)
+class LoopPin:
+    """A pin at which a loop was cut. Point k is fixed to the body of Pinocchio joint k (0: the frame), in that joint's frame [m]."""
+
+    name: str
+    joint1: int
+    point1: Array
+    joint2: int
+    point2: Array
+
+
+@dataclass(frozen=True)
+class Block:
+    """Loops that close together, and the joints that close them: as many joints as loop equations.
+
+    Attributes:
+        loops: indices of the loops.
+        joints: indices (in v) of the joints this block determines.
+        columns: per loop, (joint, row of `Plane.closure`) of every column of its Jacobian, joints of earlier blocks and the driver included.
+    """
+
+    loops: tuple[int, ...]
+    joints: tuple[int, ...]
+    columns: tuple[tuple[tuple[int, int], ...], ...]
+
+
+@dataclass(frozen=True)
+class Plane:
+    """Constants of a planar linkage; joints are counted as in v, loops as declared. See the module for ``basis``.
+
+    Attributes:
+        normal, axes: (3,) and (2, 3) world directions.
+        driver: index of the driver joint.
+        parents: index of every joint's parent joint, -1 for the frame.
+        sense: (nv,) +1 or -1 where a revolute axis lies along or against the normal, 0 for a prismatic joint.
+        slots: per joint, its first place in Pinocchio's q and whether it is unbounded (cosine and sine there).
+        revolute, prismatic: joint indices in the order of the basis.
+        turn: (nr, nv) absolute angles of the rotors from joint angles. spin: (nv, nv) the same for every link, also where it only translates.
+        frames: (nv, 3, 3) a vector in a joint's frame to its components along axes[0], axes[1], normal in the drawn pose.
+        guide_rotors: (np,) basis row of the rotor that carries each prismatic direction.
+        origins, centers: (nv, nb) joint origins; centres of mass relative to their joint's origin.
+        heights, center_heights: (nv,) the same along the normal, centres from the world origin [m].
+        directions: (np, nb) prismatic directions.
+        closure: (nl + columns, nb) loop gaps (point 2 minus point 1), then the columns of the loop Jacobian.
+        loop_points: (nl, nb) point 1 of every loop. loop_heights: (nl,) along the normal [m].
+        blocks: the order in which loops are closed.
+        carried: (nv, nv) 1 where the link of joint k hangs on joint j. crossed: (nv, nl) +1 / -1 where loop l's point 2 / 1 hangs on joint j.
+        tolerance: gap at which a loop is closed to rounding [m].
+    """
+
+    normal: Array
+    axes: Array
+    driver: int
+    parents: tuple[int, ...]
+    sense: Array
+    slots: tuple[tuple[int, bool], ...]
+    revolute: tuple[int, ...]
+    prismatic: tuple[int, ...]
+    turn: Array
+    spin: Array
+    frames: Array
+    guide_rotors: tuple[int, ...]
+    origins: ComplexArray
+    centers: ComplexArray
+    heights: Array
+    center_heights: Array
+    directions: ComplexArray
+    closure: ComplexArray
+    loop_points: ComplexArray
+    loop_heights: Array
+    blocks: tuple[Block, ...]
+    carried: Array
+    crossed: Array
+    tolerance: float
+
+    def rotor(self, joint: int) -> int:
+        """Basis row of the rotor of a joint's link; 0 for the frame (joint -1) and for links that only translate."""
+        while joint >= 0:
+            if joint in self.revolute:
+                return 1 + self.revolute.index(joint)
+            joint = self.parents[joint]
+        return 0
+
+    def point(self, joint: int, position: ComplexArray | complex, origin: complex) -> ComplexArray:
+        """Row (nb,) of a point of a joint's link that is at ``position`` in the drawn pose, where the joint is at ``origin``."""
+        row = self.origins[joint].copy() if joint >= 0 else np.zeros(self.closure.shape[1], complex)
+        row[self.rotor(joint)] += position - origin
+        return row
+
+
+def build(model: pin.Model, loops: Sequence[LoopPin], driver: int) -> Plane | None:
+    """Constants of a linkage, or None where it is not planar or its loops do not fall into square blocks (a redundant one does not)."""
+    data = model.createData()
+    pin.computeJointJacobians(model, data, pin.neutral(model))
+    count = model.nv
+    place = [data.oMi[j + 1] for j in range(count)]
+    subspace = [pin.getJointJacobian(model, data, j + 1, pin.LOCAL)[:, j] for j in range(count)]
+    turning = [np.linalg.norm(s[3:]) > 0.5 for s in subspace]
+    directions = [place[j].rotation @ (subspace[j][3:] if turning[j] else subspace[j][:3]) for j in range(count)]
+    if not any(turning):
+        return None
+    normal, axes = _frame(directions[driver] if turning[driver] else directions[turning.index(True)])
+    sense = np.array([np.sign(d @ normal) if t else 0.0 for d, t in zip(directions, turning, strict=True)])
+    for d, t in zip(directions, turning, strict=True):
+        off = np.linalg.norm(np.cross(d, normal)) if t else abs(d @ normal)
+        if off > PARALLEL:
+            return None
+
+    def flat(vector: Array) -> complex:
+        return complex(*(axes @ vector))
+
+    parents = tuple(int(model.parents[j + 1]) - 1 for j in range(count))
+    revolute = tuple(j for j in range(count) if turning[j])
+    prismatic = tuple(j for j in range(count) if not turning[j])
+    width = 1 + count
+    position = [flat(p.translation) for p in place]
+    bodies = [(place[j], model.inertias[j + 1]) for j in range(count)]
+    skeleton = Plane(
+        normal=normal,
+        axes=axes,
+        driver=driver,
+        parents=parents,
+        sense=sense,
+        slots=tuple((model.joints[j + 1].idx_q, model.joints[j + 1].nq == 2) for j in range(count)),
+        revolute=revolute,
+        prismatic=prismatic,
+        turn=np.array([[sense[k] * (k in _ancestry(parents, j)) for k in range(count)] for j in revolute]),
+        spin=np.array([[sense[k] * (k in _ancestry(parents, j)) for k in range(count)] for j in range(count)]),
+        frames=np.array([np.array([*axes, normal]) @ p.rotation for p in place]),
+        guide_rotors=(),
+        origins=np.zeros((count, width), complex),
+        centers=np.zeros((count, width), complex),
+        heights=np.array([p.translation @ normal for p in place]),
+        center_heights=np.array([p.act(y.lever) @ normal for p, y in bodies]),
+        directions=np.zeros((len(prismatic), width), complex),
+        closure=np.zeros((0, width), complex),
+        loop_points=np.zeros((len(loops), width), complex),
+        loop_heights=np.zeros(len(loops)),
+        blocks=(),
+        carried=np.array([[float(j in _ancestry(parents, k)) for k in range(count)] for j in range(count)]),
+        crossed=np.array(
+            [
+                [float(j in _ancestry(parents, loop.joint2 - 1)) - float(j in _ancestry(parents, loop.joint1 - 1)) for loop in loops]
+                for j in range(count)
+            ]
+        ).reshape(count, len(loops)),
+        tolerance=0.0,
+    )
+    for j in range(count):  # parents come before their children in Pinocchio
+        p = parents[j]
+        skeleton.origins[j] = skeleton.point(p, position[j], position[p] if p >= 0 else 0.0)
+        if j in prismatic:
+            k = prismatic.index(j)
+            skeleton.origins[j, 1 + len(revolute) + k] = flat(directions[j])
+            skeleton.directions[k, skeleton.rotor(p)] = flat(directions[j])
+        skeleton.centers[j, skeleton.rotor(j)] = flat(place[j].rotation @ bodies[j][1].lever)
+    return _with_loops(skeleton, loops, place, position)
+
+
+def _with_loops(plane: Plane, loops: Sequence[LoopPin], place: list[pin.SE3], position: list[complex]) -> Plane | None:
+    """The plane with its loop equations, None where the loops leave the plane or do not fall into square blocks."""
+
+    def end(joint: int, point: Array) -> tuple[ComplexArray, float]:
+        world = place[joint - 1].act(point) if joint else point
+        row = plane.point(joint - 1, complex(*(plane.axes @ world)), position[joint - 1] if joint else 0.0)
+        return row, float(world @ plane.normal)
+
+    gaps, columns, owners = [], [], []
+    for k, loop in enumerate(loops):
+        (first, height1), (second, height2) = end(loop.joint1, loop.point1), end(loop.joint2, loop.point2)
+        plane.loop_points[k], plane.loop_heights[k] = first, height1
+        gaps.append(second - first)
+        if abs(height1 - height2) > PARALLEL * np.abs(gaps[-1]).sum():
+            return None
+        for joint in np.flatnonzero(plane.crossed[:, k]):
+            row = np.zeros_like(first)
+            if joint in plane.revolute:
+                side = second if plane.crossed[joint, k] > 0 else first
+                row += 1j * plane.sense[joint] * plane.crossed[joint, k] * (side - plane.origins[joint])
+            else:
+                row += plane.crossed[joint, k] * plane.directions[plane.prismatic.index(joint)]
+            columns.append(row)
+            owners.append((k, int(joint)))
+    blocks = _blocks(owners, len(loops), plane.driver, len(plane.parents))
+    if blocks is None:
+        return None
+    size = max((float(np.abs(g[: 1 + len(plane.revolute)]).sum()) for g in gaps), default=1.0)
+    changes = {
+        "guide_rotors": tuple(plane.rotor(plane.parents[j]) for j in plane.prismatic),
+        "closure": np.array(gaps + columns).reshape(-1, plane.origins.shape[1]),
+        "blocks": blocks,
+        "tolerance": 16 * np.finfo(float).eps * size,
+    }
+    return Plane(**{**plane.__dict__, **changes})
+
+
+def _blocks(owners: list[tuple[int, int]], loops: int, driver: int, joints: int) -> tuple[Block, ...] | None:
+    """The smallest blocks in an order in which each needs only the ones before it; None where there is no such order."""
+    involved: list[set[int]] = [{j for k, j in owners if k == loop} for loop in range(loops)]
+    rows = {owner: loops + row for row, owner in enumerate(owners)}
+    known, open_loops, blocks = {driver}, list(range(loops)), []
+    while open_loops:
+        for size in range(1, len(open_loops) + 1):
+            group = next(
+                (g for g in combinations(open_loops, size) if len(set().union(*(involved[k] for k in g)) - known) == 2 * size), None
+            )
+            if group is not None:
+                break
+        else:
+            return None
+        unknown = tuple(sorted(set().union(*(involved[k] for k in group)) - known))
+        blocks.append(Block(group, unknown, tuple(tuple((j, rows[k, j]) for j in sorted(involved[k])) for k in group)))
+        known |= set(unknown)
+        open_loops = [k for k in open_loops if k not in group]
+    return tuple(blocks) if len(known) == joints else None
+
+
+def _ancestry(parents: tuple[int, ...], joint: int) -> set[int]:
+    """The joint and all joints between it and the frame."""
+    line = set()
+    while joint >= 0:
+        line.add(joint)
+        joint = parents[joint]
+    return line
+
+
+def _frame(normal: Array) -> tuple[Array, Array]:
+    """Unit normal and the two axes of the plane, world x (or y, where x is the normal) projected into it first."""
+    normal = normal / np.linalg.norm(normal)
+    start = np.eye(3)[1 if abs(normal[0]) > 0.9 else 0]
+    first = start - (start @ normal) * normal
+    first /= np.linalg.norm(first)
+    return normal, np.array([first, np.cross(normal, first)]) + 0.0  # + 0.0 turns -0.0 into 0.0

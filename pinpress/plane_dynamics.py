@@ -1,0 +1,258 @@
+"""Inverse dynamics of a planar linkage at all crank angles at once.
+
+Newton-Euler from the tips of the tree to the frame, the loops open; then, block by block against the order of closure, the two components of
+every loop pin's force from the joints that nothing drives; then every joint's force and moment. A lever arm r and a force f, both complex,
+make the moment Im(conj(r) f) about the normal. What acts out of the plane is computed in `plane_axial`, and only where there is something.
+
+Signs: forces and moments of a joint are the action of parent on child, of a loop the action of link1 on link2.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import pinocchio as pin
+from numpy.typing import NDArray
+
+from . import plane_axial
+from .errors import AssemblyError
+from .loads import AppliedForce
+from .plane import Array, ComplexArray, LoopPin, Plane
+from .plane_kinematics import basis_acceleration, basis_of_configuration, basis_velocity, block_matrix, dyad_columns
+from .wrenches import Wrenches
+
+PIECE = 2048  # crank angles worked through at a time: what is in flight stays in the cache
+ROUNDING = 1e-13  # relative size below which an offset from the plane is rounding
+LOOSEST = 1e-6  # gap, in lengths of the linkage, beyond which a motion is another linkage's
+
+
+@dataclass(frozen=True)
+class Bodies:
+    """Inertial constants of a planar linkage, and the rows that give forces and arms from the basis.
+
+    Attributes:
+        weight: (nv,) m g in the plane [N]; carried_weight: (nv,) of all bodies that hang on a joint; axial_weight: (nv,) along the normal.
+        inertia: (nv, nv) d/dt of the angular momentum about every centre of mass from joint accelerations.
+        products: (nv,) products of inertia with the normal, I_1n + i I_2n, in the drawn pose [kg m2].
+        forces: (2 nv, nb) on the second derivative of the basis: m times acceleration of every body, then of all that hang on a joint.
+        arms: on the basis: centres of mass from their joints, `Plane.closure`, then arms of the pairs of ``inner``, directions of the
+            prismatic joints, arms of ``guided``, points of application of ``grounded``.
+        inner: joints whose parent is not the frame, tips first.
+        guided: (prismatic joint, loop) pairs: the loop's force turns the joint's link.
+        grounded: (bearing, sign) of the joints and loops that act on the frame.
+        frame_weight: (3,) of the frame itself [N]; frame_moment: (3,) its moment about the world origin [N m].
+        indeterminate: (bearings, 6) `Wrenches.indeterminate`: along the normal round every loop.
+        flat: everything moves and acts in the plane through the world origin.
+    """
+
+    weight: ComplexArray
+    carried_weight: ComplexArray
+    axial_weight: Array
+    inertia: Array
+    products: ComplexArray
+    forces: ComplexArray
+    arms: ComplexArray
+    inner: tuple[int, ...]
+    guided: tuple[tuple[int, int], ...]
+    grounded: tuple[tuple[int, float], ...]
+    frame_weight: Array
+    frame_moment: Array
+    indeterminate: NDArray[np.bool_]
+    flat: bool
+
+
+def build(plane: Plane, model: pin.Model, loops: Sequence[LoopPin]) -> Bodies:
+    """Inertial constants of a linkage, read once from the Pinocchio model."""
+    count = model.nv
+    inertias = [model.inertias[j + 1] for j in range(count)]
+    gravity = model.gravity.linear
+    mass = np.array([y.mass for y in inertias])
+    tensors = np.array([f @ y.inertia @ f.T for f, y in zip(plane.frames, inertias, strict=True)])
+    products = tensors[:, 0, 2] + 1j * tensors[:, 1, 2]
+    products[np.abs(products) <= ROUNDING * np.abs(tensors).max(axis=(1, 2))] = 0.0
+    axial_weight = mass * float(gravity @ plane.normal)
+    body_forces = mass[:, None] * (plane.origins + plane.centers)
+    inner = tuple(j for j in reversed(range(count)) if plane.parents[j] >= 0)
+    guided = tuple((j, int(k)) for j in plane.prismatic for k in np.flatnonzero(plane.crossed[j]))
+    grounded = [(j, -1.0) for j in range(count) if plane.parents[j] < 0]
+    grounded += [(count + k, -1.0) for k, loop in enumerate(loops) if loop.joint1 == 0]
+    grounded += [(count + k, 1.0) for k, loop in enumerate(loops) if loop.joint2 == 0]
+    arms = [
+        *plane.centers,
+        *plane.closure,
+        *(plane.origins[j] - plane.origins[plane.parents[j]] for j in inner),
+        *plane.directions,
+        *(plane.loop_points[k] - plane.origins[j] for j, k in guided),
+        *(plane.origins[bearing] if bearing < count else plane.loop_points[bearing - count] for bearing, _ in grounded),
+    ]
+    frame_weight = model.inertias[0].mass * gravity
+    offsets = np.concatenate([plane.heights, plane.center_heights, plane.loop_heights])
+    return Bodies(
+        weight=mass * complex(*(plane.axes @ gravity)),
+        carried_weight=plane.carried @ mass * complex(*(plane.axes @ gravity)),
+        axial_weight=axial_weight,
+        inertia=tensors[:, 2, 2][:, None] * plane.spin,
+        products=products,
+        forces=np.concatenate([body_forces, plane.carried @ body_forces]),
+        arms=np.array(arms),
+        inner=inner,
+        guided=guided,
+        grounded=tuple(grounded),
+        frame_weight=frame_weight,
+        frame_moment=np.cross(model.inertias[0].lever, frame_weight),
+        indeterminate=plane_axial.indeterminate(plane),
+        flat=bool(
+            np.all(np.abs(offsets) <= ROUNDING * np.abs(plane.origins).max(initial=0.0))
+            and not products.any()
+            and np.all(np.abs(axial_weight) <= ROUNDING * mass * np.linalg.norm(gravity))
+        ),
+    )
+
+
+def inverse_dynamics(plane: Plane, bodies: Bodies, q: Array, v: Array, a: Array, loads: Sequence[AppliedForce]) -> Wrenches:
+    """Driving torque and the wrench of every joint and loop.
+
+    Args:
+        q: (nq, n) closed configurations in Pinocchio's order.
+        v, a: (nv, n) joint rates and accelerations.
+        loads: forces on links.
+
+    Raises:
+        AssemblyError: the configurations do not close the loops of this linkage.
+    """
+    n = v.shape[1]
+    if n <= PIECE:
+        return _piece(plane, bodies, q, v, a, loads)
+    parts = [slice(start, start + PIECE) for start in range(0, n, PIECE)]
+    return Wrenches.joined([_piece(plane, bodies, q[:, s], v[:, s], a[:, s], [load.part(s) for load in loads]) for s in parts])
+
+
+def power_balance(
+    plane: Plane, bodies: Bodies, q: Array, v: Array, a: Array, torque: Array, loads: Sequence[AppliedForce]
+) -> tuple[Array, Array]:
+    """Power of drive and loads less the rate of kinetic and potential energy, and the sum of the absolute powers, both (n,) [W].
+
+    The energy's rate is taken body by body from velocities and accelerations: it shares nothing with the recursion that gave the torque.
+    """
+    at = basis_of_configuration(plane, q)
+    first, second = basis_velocity(plane, at, v), basis_acceleration(plane, at, v, a)
+    count = len(plane.parents)
+    resisting = bodies.forces[:count] @ second - bodies.weight[:, None]
+    terms = [torque * v[plane.driver]]
+    terms += list(-(((plane.origins + plane.centers) @ first).conj() * resisting).real - (bodies.inertia @ a) * (plane.spin @ v))
+    for load in loads:
+        if load.joint:
+            row = plane.origins[load.joint - 1].copy()
+            row[plane.rotor(load.joint - 1)] += complex(*(plane.frames[load.joint - 1] @ load.point)[:2])
+            terms.append(((row @ first).conj() * flat(plane, load.force)).real)
+    powers = np.array(terms)
+    return powers.sum(axis=0), np.abs(powers).sum(axis=0)
+
+
+def _piece(plane: Plane, bodies: Bodies, q: Array, v: Array, a: Array, loads: Sequence[AppliedForce]) -> Wrenches:
+    count, loops = len(plane.parents), len(plane.loop_points)
+    at = basis_of_configuration(plane, q)
+    forces = bodies.forces @ basis_acceleration(plane, at, v, a)
+    own, carried = forces[:count], forces[count:]
+    own -= bodies.weight[:, None]
+    carried -= bodies.carried_weight[:, None]
+    arms = bodies.arms @ at
+    closure, row = arms[count : count + len(plane.closure)], count + len(plane.closure)
+    _refuse_open_loops(plane, q, closure[:loops])
+
+    moment = (arms[:count].conj() * own).imag
+    moment += bodies.inertia @ a
+    for load in loads:
+        if load.joint:
+            _take_load(plane, at, carried, moment, load)
+    for j in bodies.inner:
+        moment[plane.parents[j]] += moment[j] + (arms[row].conj() * carried[j]).imag
+        row += 1
+    passive = plane.sense[:, None] * moment
+    for j in plane.prismatic:
+        passive[j] = (arms[row].conj() * carried[j]).real
+        row += 1
+
+    bearings = np.empty((count + loops, v.shape[1]), complex)
+    pins = bearings[count:]
+    _solve_pins(plane, closure, passive, pins)
+    np.matmul(plane.crossed.astype(complex), pins, out=bearings[:count])
+    np.subtract(carried, bearings[:count], out=bearings[:count])
+    about = np.zeros(bearings.shape)
+    about[plane.driver] = plane.sense[plane.driver] * passive[plane.driver]
+    for j in plane.prismatic:
+        about[j] = moment[j]
+    for j, k in bodies.guided:
+        about[j] -= plane.crossed[j, k] * (arms[row].conj() * pins[k]).imag
+        row += 1
+
+    shaking, tilting = np.zeros(v.shape[1], complex), np.zeros(v.shape[1])
+    for index, sign in bodies.grounded:
+        shaking += sign * bearings[index]
+        tilting += sign * ((arms[row].conj() * bearings[index]).imag + about[index])
+        row += 1
+    result = Wrenches(
+        torque=passive[plane.driver].copy(),
+        force=in_space(plane, bearings),
+        moment=about[:, :, None] * plane.normal,
+        shaking_force=in_space(plane, shaking) + bodies.frame_weight,
+        shaking_moment=tilting[:, None] * plane.normal + bodies.frame_moment,
+        indeterminate=bodies.indeterminate,
+    )
+    for load in loads:
+        if load.joint == 0:
+            result.shaking_force[:] += load.force
+            result.shaking_moment[:] += np.cross(load.point, load.force)
+    if not (bodies.flat and all(plane_axial.is_flat(plane, load) for load in loads)):
+        plane_axial.add(plane, bodies, at, v, a, own, carried, arms[:count], pins, loads, result)
+    return result
+
+
+def _take_load(plane: Plane, at: ComplexArray, carried: ComplexArray, moment: Array, load: AppliedForce) -> None:
+    """Relieve the joints that carry the loaded link; its own joint of the moment too, the others get theirs in the recursion."""
+    joint = load.joint - 1
+    force = flat(plane, load.force)
+    arm = complex(*(plane.frames[joint] @ load.point)[:2]) * at[plane.rotor(joint)]
+    moment[joint] -= (arm.conj() * force).imag
+    carried[plane.carried[:, joint] > 0] -= force
+
+
+def _solve_pins(plane: Plane, closure: ComplexArray, passive: Array, pins: ComplexArray) -> None:
+    """Loop pin forces (nl, n), so that no passive joint transmits a generalised force; ``passive`` is left with the driver's torque.
+
+    A column c of the loop Jacobian and the force p of the pin do Re(conj(c) p) of work per unit rate of the joint. For a dyad with columns
+    a, b: Re(conj(a) p) = s, Re(conj(b) p) = t has the solution p = i (t a - s b) / Im(conj(a) b).
+    """
+    for block in reversed(plane.blocks):
+        if len(block.loops) == 1:
+            a, b = dyad_columns(block, closure)
+            s, t = passive[block.joints[0]], passive[block.joints[1]]
+            pins[block.loops[0]] = (t * a - s * b) * (1j / (a.conj() * b).imag)
+        else:
+            matrix = block_matrix(block, closure).transpose(0, 2, 1)
+            parts = np.linalg.solve(matrix, passive[list(block.joints)].T[:, :, None])[:, :, 0]
+            pins[list(block.loops)] = parts[:, 0::2].T + 1j * parts[:, 1::2].T
+        for loop, columns in zip(block.loops, block.columns, strict=True):
+            for joint, row in columns:
+                if joint not in block.joints:
+                    passive[joint] -= (closure[row].conj() * pins[loop]).real
+
+
+def _refuse_open_loops(plane: Plane, q: Array, gaps: ComplexArray) -> None:
+    widest = np.abs(gaps.view(np.float64)).max(initial=0.0)
+    if widest * 16 * np.finfo(float).eps > LOOSEST * plane.tolerance:
+        worst = int(np.abs(gaps).max(axis=0).argmax())
+        slot, unbounded = plane.slots[plane.driver]
+        angle = np.arctan2(q[slot + 1, worst], q[slot, worst]) if unbounded else q[slot, worst]
+        raise AssemblyError("the motion leaves the loops of this linkage open: it is another one's", float(angle), float(widest), 0)
+
+
+def flat(plane: Plane, vectors: Array) -> ComplexArray:
+    """World vectors (..., 3) as complex numbers, what is along the normal left out."""
+    return np.asarray(vectors @ plane.axes[0] + 1j * (vectors @ plane.axes[1]))
+
+
+def in_space(plane: Plane, vectors: ComplexArray) -> Array:
+    """Complex vectors (...) as world vectors (..., 3) in the plane."""
+    parts = np.ascontiguousarray(vectors).view(np.float64).reshape(-1, 2)
+    return (parts @ plane.axes).reshape(*vectors.shape, 3)

@@ -1,0 +1,294 @@
+"""Any linkage, one configuration at a time, by Pinocchio's constraint models and recursive Newton-Euler algorithm.
+
+The general path, and the judge of the planar one. A loop pin is a `PointAnchorConstraintModel`; its three rows are turned into world axes.
+Redundant rows are allowed: rank is found from singular values, and forces that rigid mechanics does not decide are chosen as those with the
+least sum of squared bearing forces.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import pinocchio as pin
+
+from .branch import Closure
+from .loads import AppliedForce
+from .plane import Array, LoopPin
+from .wrenches import Wrenches
+
+RANK = 1e-9  # singular values below this share of the largest are zero, columns scaled to unit length
+MOST_NEWTON_STEPS = 25
+
+
+@dataclass(frozen=True)
+class Spatial:
+    """Constants of a linkage for this engine.
+
+    Attributes:
+        model: the Pinocchio model. loops: in declared order. driver: index of the driver joint in v.
+        crossed: (nv, nl) +1 / -1 where loop l's point 2 / 1 hangs on joint j.
+        size: length of the linkage [m]. tolerance: gap at which a loop is closed to rounding [m].
+        reference: (3 nl, nv - 1) orthonormal basis of the passive columns in the drawn pose, against which the sign of the branch is told.
+    """
+
+    model: pin.Model
+    loops: tuple[LoopPin, ...]
+    driver: int
+    crossed: Array
+    size: float
+    tolerance: float
+    reference: Array
+
+
+def build(model: pin.Model, loops: Sequence[LoopPin], driver: int, drawn: Array) -> Spatial:
+    """Constants of a linkage whose closed pose at crank angle 0 is ``drawn`` (nv,)."""
+    size, reach = _extent(model, loops)
+    crossed = np.zeros((model.nv, len(loops)))
+    for k, loop in enumerate(loops):
+        for joint, sign in ((loop.joint2, 1.0), (loop.joint1, -1.0)):
+            while joint > 0:
+                crossed[joint - 1, k] += sign
+                joint = model.parents[joint]
+    _, columns = loop_rows(model, loops, drawn)
+    passive = _unit_columns(np.delete(columns, driver, axis=1))[0]
+    reference = np.linalg.svd(passive, full_matrices=False)[0][:, : passive.shape[1]]
+    return Spatial(model, tuple(loops), driver, crossed, size, 64 * np.finfo(float).eps * (size + reach), reference)
+
+
+def configuration(model: pin.Model, x: Array) -> Array:
+    """Pinocchio configurations (nq, ...) of joint coordinates (nv, ...): an unbounded joint's angle becomes its cosine and sine."""
+    q = np.empty((model.nq, *x.shape[1:]))
+    for j in range(model.nv):
+        joint = model.joints[j + 1]
+        if joint.nq == 2:
+            np.cos(x[j], out=q[joint.idx_q, ...])
+            np.sin(x[j], out=q[joint.idx_q + 1, ...])
+        else:
+            q[joint.idx_q] = x[j]
+    return q
+
+
+def loop_rows(model: pin.Model, loops: Sequence[LoopPin], x: Array) -> tuple[Array, Array]:
+    """Loop gaps (3 nl,) and their Jacobian (3 nl, nv) at joint coordinates (nv,), world axes: point 2 minus point 1."""
+    return _Anchors(model, loops).rows(configuration(model, x))
+
+
+def mobility(columns: Array) -> int:
+    """Degrees of freedom left by a loop Jacobian (rows, nv): nv less its rank."""
+    scaled, _ = _unit_columns(columns)
+    values = np.linalg.svd(scaled, compute_uv=False)
+    return int(columns.shape[1] - np.count_nonzero(values > RANK * max(1.0, values.max(initial=0.0))))
+
+
+def close(spatial: Spatial, angle: Array, guess: Array) -> Closure:
+    """Close all loops at crank angles (n,) by Newton's method from guesses (nv, n), with margins; see `plane_kinematics.close`."""
+    anchors = _Anchors(spatial.model, spatial.loops)
+    results = [_close_one(spatial, anchors, float(angle[i]), guess[:, i]) for i in range(len(angle))]
+    position, first, second = (np.array([r[k] for r in results]).T.reshape(guess.shape) for k in range(3))
+    gap, steps, margin = (np.array([r[k] for r in results]) for k in (3, 4, 5))
+    return Closure(position, first, second, gap, int(steps.max(initial=0)), margin[None, :])
+
+
+def inverse_dynamics(spatial: Spatial, q: Array, v: Array, a: Array, loads: Sequence[AppliedForce]) -> Wrenches:
+    """Driving torque and the wrench of every joint and loop; arguments as `plane_dynamics.inverse_dynamics`."""
+    model, count, bearings = spatial.model, spatial.model.nv, spatial.model.nv + len(spatial.loops)
+    n = v.shape[1]
+    result = Wrenches(
+        torque=np.empty(n),
+        force=np.empty((bearings, n, 3)),
+        moment=np.zeros((bearings, n, 3)),
+        shaking_force=np.empty((n, 3)),
+        shaking_moment=np.empty((n, 3)),
+        indeterminate=np.zeros((bearings, 6), dtype=bool),
+    )
+    anchors = _Anchors(model, spatial.loops)
+    data = anchors.data
+    roots = [j for j in range(1, model.njoints) if model.parents[j] == 0]
+    frame_weight = model.inertias[0].mass * model.gravity.linear
+    frame_moment = np.cross(model.inertias[0].lever, frame_weight)
+    for i in range(n):
+        at = np.ascontiguousarray(q[:, i])
+        _, columns = anchors.rows(at)
+        external = _external(model, data, [(load.joint, load.point, load.force[i]) for load in loads])
+        effort = pin.rnea(model, data, at, v[:, i].copy(), a[:, i].copy(), external)
+        carried = np.array([data.oMi[j + 1].rotation @ data.f[j + 1].linear for j in range(count)]).reshape(count, 3)
+        pins = _solve_pins(spatial, columns, effort, carried, data, result.indeterminate)
+        result.torque[i] = effort[spatial.driver] - columns[:, spatial.driver] @ pins.ravel()
+        forces = [(loop.joint2, loop.point2, pins[k]) for k, loop in enumerate(spatial.loops)]
+        forces += [(loop.joint1, loop.point1, -pins[k]) for k, loop in enumerate(spatial.loops)]
+        forces += [(load.joint, load.point, load.force[i]) for load in loads]
+        pin.rnea(model, data, at, v[:, i].copy(), a[:, i].copy(), _external(model, data, forces))
+        result.force[count:, i] = pins
+        for j in range(count):
+            wrench = data.f[j + 1]
+            result.force[j, i] = data.oMi[j + 1].rotation @ wrench.linear
+            result.moment[j, i] = data.oMi[j + 1].rotation @ wrench.angular
+        shaking, tilting = frame_weight.copy(), frame_moment.copy()
+        for j in roots:
+            wrench = data.oMi[j].act(data.f[j])
+            shaking -= wrench.linear
+            tilting -= wrench.angular
+        for joint, point, force in forces:  # what acts on the frame goes through it to the foundation
+            if joint == 0:
+                shaking += force
+                tilting += np.cross(point, force)
+        result.shaking_force[i], result.shaking_moment[i] = shaking, tilting
+    return result
+
+
+def power_balance(spatial: Spatial, q: Array, v: Array, a: Array, torque: Array, loads: Sequence[AppliedForce]) -> tuple[Array, Array]:
+    """As `plane_dynamics.power_balance`, body by body from Pinocchio's forward kinematics."""
+    model, data = spatial.model, spatial.model.createData()
+    gravity = model.gravity.linear
+    balance, total = np.empty(v.shape[1]), np.empty(v.shape[1])
+    for i in range(v.shape[1]):
+        pin.forwardKinematics(model, data, np.ascontiguousarray(q[:, i]), v[:, i].copy(), a[:, i].copy())
+        powers = [torque[i] * v[spatial.driver, i]]
+        for j in range(1, model.njoints):
+            inertia, velocity = model.inertias[j], data.v[j]
+            momentum_rate = inertia * data.a[j] + velocity.cross(inertia * velocity)
+            lifted = data.oMi[j].rotation @ (velocity.linear + np.cross(velocity.angular, inertia.lever))
+            powers += [inertia.mass * float(gravity @ lifted), -momentum_rate.dot(velocity)]
+        for load in loads:
+            if load.joint:
+                velocity = data.v[load.joint]
+                moved = data.oMi[load.joint].rotation @ (velocity.linear + np.cross(velocity.angular, load.point))
+                powers.append(float(load.force[i] @ moved))
+        balance[i], total[i] = np.sum(powers), np.sum(np.abs(powers))
+    return balance, total
+
+
+class _Anchors:
+    """Constraint models and datas of the loops. Built for each call, because they neither copy nor pickle."""
+
+    def __init__(self, model: pin.Model, loops: Sequence[LoopPin]) -> None:
+        self.model, self.data = model, model.createData()
+        self.models = [
+            pin.PointAnchorConstraintModel(model, k.joint1, pin.SE3(np.eye(3), k.point1), k.joint2, pin.SE3(np.eye(3), k.point2))
+            for k in loops
+        ]
+        self.datas = [m.createData() for m in self.models]
+
+    def rows(self, q: Array) -> tuple[Array, Array]:
+        """Gaps (3 nl,) and Jacobian (3 nl, nv) at a configuration (nq,), world axes."""
+        pin.computeJointJacobians(self.model, self.data, q)
+        gaps, columns = np.empty(3 * len(self.models)), np.empty((3 * len(self.models), self.model.nv))
+        for k, (m, d) in enumerate(zip(self.models, self.datas, strict=True)):
+            m.calc(self.model, self.data, d)
+            rotation = d.oMc1.rotation
+            gaps[3 * k : 3 * k + 3] = rotation @ d.constraint_position_error
+            columns[3 * k : 3 * k + 3] = rotation @ m.jacobian(self.model, self.data, d)
+        return gaps, columns
+
+    def drift(self, q: Array, v: Array) -> Array:
+        """Second derivative (3 nl,) of the gaps at joint rates (nv,) and no joint acceleration, world axes."""
+        pin.forwardKinematics(self.model, self.data, q, v, np.zeros(self.model.nv))
+        result = np.empty(3 * len(self.models))
+        for k, (m, d) in enumerate(zip(self.models, self.datas, strict=True)):
+            m.calc(self.model, self.data, d)
+            result[3 * k : 3 * k + 3] = d.oMc1.rotation @ d.constraint_acceleration_error
+        return result
+
+
+def _close_one(spatial: Spatial, anchors: _Anchors, angle: float, guess: Array) -> tuple[Array, Array, Array, float, int, float]:
+    x = guess.copy()
+    x[spatial.driver] = angle
+    worst, steps = np.inf, 0
+    while True:
+        q = configuration(spatial.model, x)
+        gaps, columns = anchors.rows(q)
+        before, worst = worst, float(np.linalg.norm(gaps.reshape(-1, 3), axis=1).max(initial=0.0))
+        stalled = worst > 0.5 * before and worst < 1e3 * spatial.tolerance
+        if not np.all(np.isfinite(columns)):
+            return x, np.full_like(x, np.nan), np.full_like(x, np.nan), np.inf, steps, 0.0
+        passive = _Passive(columns, spatial.driver)
+        if worst <= spatial.tolerance or stalled or steps == MOST_NEWTON_STEPS:
+            break
+        x += passive.rates(-gaps)
+        steps += 1
+    first = passive.rates(-columns[:, spatial.driver])
+    first[spatial.driver] = 1.0
+    second = passive.rates(-anchors.drift(q, first))
+    return x, first, second, worst, steps, passive.margin(spatial.reference)
+
+
+class _Passive:
+    """Singular value decomposition of the passive columns of a loop Jacobian, scaled to unit length."""
+
+    def __init__(self, columns: Array, driver: int) -> None:
+        self.rest = np.array([j for j in range(columns.shape[1]) if j != driver], dtype=int)
+        self.scaled, self.lengths = _unit_columns(columns[:, self.rest])
+        self.left, self.values, self.right = np.linalg.svd(self.scaled, full_matrices=True)
+        self.rank = int(np.count_nonzero(self.values > RANK * max(1.0, self.values.max(initial=0.0))))
+
+    def rates(self, target: Array) -> Array:
+        """Joint rates (nv,), the driver's zero, that move the loops by ``target`` (rows,) in the least-squares sense."""
+        r = self.rank
+        result = np.zeros(len(self.rest) + 1)
+        result[self.rest] = self.right[:r].T @ ((self.left[:, :r].T @ target) / self.values[:r]) / self.lengths
+        return result
+
+    def multipliers(self, effort: Array) -> tuple[Array, Array]:
+        """Least-norm loop forces (rows,) that balance the passive efforts (nv - 1,), and a basis (rows, k) of those that move nothing."""
+        r = self.rank
+        return self.left[:, :r] @ ((self.right[:r] @ (effort / self.lengths)) / self.values[:r]), self.left[:, r:]
+
+    def margin(self, reference: Array) -> float:
+        """`Closure.margins` of the whole linkage: sign against the drawn pose's column space."""
+        count = len(self.rest)
+        if count == 0:
+            return 1.0
+        if len(self.values) < count:
+            return 0.0
+        return float(np.sign(np.linalg.det(reference.T @ self.scaled)) * self.values[count - 1])
+
+
+def _solve_pins(spatial: Spatial, columns: Array, effort: Array, carried: Array, data: pin.Data, indeterminate: Array) -> Array:
+    """Loop pin forces (nl, 3) in world axes; components that redundancy leaves open are marked in ``indeterminate``."""
+    passive = _Passive(columns, spatial.driver)
+    pins, idle = passive.multipliers(effort[passive.rest])
+    if idle.shape[1]:
+        # joint force = carried - crossed pins: of all pins + idle y, the least sum of squares over joints and pins
+        share = np.concatenate([-np.kron(spatial.crossed, np.eye(3)), np.eye(len(pins))])
+        start = np.concatenate([carried.ravel(), np.zeros(len(pins))]) + share @ pins
+        pins = pins - idle @ np.linalg.lstsq(share @ idle, start, rcond=None)[0]
+        _mark(spatial, idle.reshape(-1, 3, idle.shape[1]), data, indeterminate)
+    return pins.reshape(-1, 3)
+
+
+def _mark(spatial: Spatial, idle: Array, data: pin.Data, indeterminate: Array) -> None:
+    """Mark force and moment components of joints and loops that idle loop forces (nl, 3, k) reach."""
+    count = len(spatial.crossed)
+    for k, loop in enumerate(spatial.loops):
+        indeterminate[count + k, :3] |= np.abs(idle[k]).max(axis=1) > RANK
+        point = data.oMi[loop.joint1].act(loop.point1)
+        for j in map(int, np.flatnonzero(spatial.crossed[:, k])):
+            arm = point - data.oMi[j + 1].translation
+            indeterminate[j, :3] |= np.abs(idle[k]).max(axis=1) > RANK
+            indeterminate[j, 3:] |= np.abs(np.cross(arm, idle[k], axisb=0, axisc=0)).max(axis=1) > RANK * spatial.size
+
+
+def _external(model: pin.Model, data: pin.Data, forces: Sequence[tuple[int, Array, Array]]) -> pin.StdVec_Force:
+    """World forces at points of joints' bodies as Pinocchio's external forces in joint frames, at the placements in ``data``."""
+    wrenches = [np.zeros(6) for _ in range(model.njoints)]
+    for joint, point, force in forces:
+        local = data.oMi[joint].rotation.T @ force
+        wrenches[joint] += np.concatenate([local, np.cross(point, local)])
+    return pin.StdVec_Force([pin.Force(w) for w in wrenches])
+
+
+def _unit_columns(columns: Array) -> tuple[Array, Array]:
+    lengths = np.linalg.norm(columns, axis=0)
+    lengths[lengths == 0.0] = 1.0
+    return columns / lengths, lengths
+
+
+def _extent(model: pin.Model, loops: Sequence[LoopPin]) -> tuple[float, float]:
+    """Largest extent of joints and loop points in the drawn pose, and their largest distance from the world origin [m]."""
+    data = model.createData()
+    pin.forwardKinematics(model, data, pin.neutral(model))
+    points = [data.oMi[j].translation.copy() for j in range(1, model.njoints)]
+    points += [data.oMi[k.joint1].act(k.point1) for k in loops] + [data.oMi[k.joint2].act(k.point2) for k in loops]
+    cloud = np.array(points)
+    size = float(np.linalg.norm(cloud.max(axis=0) - cloud.min(axis=0)))
+    return size or 1.0, float(np.linalg.norm(cloud, axis=1).max())
