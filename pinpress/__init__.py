@@ -11,12 +11,13 @@
 SI units and radians throughout. World z is up; a planar press stands in the x-z plane.
 """
 
+from typing import TYPE_CHECKING, Any
+
 from .errors import AssemblyError, PinpressError, SingularityError, UnknownNameError, UrdfError
 from .linkage import Linkage, load, presses
 from .loads import PointForce
 from .motion import RPM, Motion, cycle
 from .reactions import Reactions, inverse_dynamics
-from .recording import record
 
 __all__ = [
     "RPM",
@@ -35,3 +36,15 @@ __all__ = [
     "presses",
     "record",
 ]
+
+if TYPE_CHECKING:
+    from .recording import record
+
+
+def __getattr__(name: str) -> Any:
+    """`record` is imported when it is first used: who only computes should not wait for it."""
+    if name == "record":
+        from .recording import record
+
+        return record
+    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

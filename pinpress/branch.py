@@ -10,11 +10,9 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from .coordinates import Array
 from .errors import AssemblyError, SingularityError
-
-Array = NDArray[np.float64]
 
 COARSE_STEP = 2 * np.pi / 64  # longest step of the walk [rad]
 SUBDIVISION = 8  # nodes of the table per step of the walk
@@ -31,6 +29,7 @@ class Closure:
         first: (nv, n) d position / d crank angle.
         second: (nv, n) d2 position / d crank angle2.
         gap: (n,) largest distance between the two sides of a loop [m]; not finite where Newton's method failed.
+        q: (nq, n) the configurations in Pinocchio's order.
         iterations: Newton steps taken.
         margins: (blocks, n) distance of every block of loops from singularity: the smallest singular value of its Jacobian, columns scaled to
             unit length, with the sign of its determinant. Zero where two assemblies meet. None unless asked for.
@@ -40,6 +39,7 @@ class Closure:
     first: Array
     second: Array
     gap: Array
+    q: Array
     iterations: int
     margins: Array | None = None
 
@@ -102,25 +102,22 @@ def predict(branch: Branch, angle: Array) -> Array:
     Raises:
         SingularityError: the linkage locks before it reaches one of the angles.
     """
-    if branch.period is None:
-        _refuse_beyond_lock(branch, angle)
-        turns, local = None, angle
-    else:
+    turns, local = None, angle
+    if angle.min() < branch.angles[0] or angle.max() > branch.angles[-1]:
+        if branch.period is None:
+            raise _beyond_lock(branch, angle)
         turns = np.floor((angle - branch.angles[0]) / branch.period)
-        local = angle - turns * branch.period if turns.any() else angle
-        turns = turns if turns.any() else None
-    interval = branch.angles.searchsorted(local, side="right") - 1
-    np.minimum(np.maximum(interval, 0, out=interval), len(branch.coefficients) - 1, out=interval)
-    t = (local - branch.angles[interval])[:, None]
-    c = branch.coefficients[interval]
-    x = c[:, 5] * t
-    for k in (4, 3, 2, 1):
-        x += c[:, k]
-        x *= t
-    x += c[:, 0]
+        local = angle - turns * branch.period
+    interval = branch.angles[1:-1].searchsorted(local, side="right")
+    powers = np.empty((6, len(angle)))
+    powers[0] = 1.0
+    np.subtract(local, branch.angles.take(interval), out=powers[1])
+    for k in range(2, 6):
+        np.multiply(powers[k - 1], powers[1], out=powers[k])
+    x = np.einsum("nkj,kn->jn", branch.coefficients.take(interval, axis=0), powers)
     if turns is not None:
-        x += turns[:, None] * branch.advance
-    return np.ascontiguousarray(x.T)
+        x += branch.advance[:, None] * turns
+    return np.asarray(x)
 
 
 @dataclass(frozen=True)
@@ -214,13 +211,12 @@ def _hermite(angles: Array, position: Array, first: Array, second: Array) -> tup
     )
 
 
-def _refuse_beyond_lock(branch: Branch, angle: Array) -> None:
+def _beyond_lock(branch: Branch, angle: Array) -> SingularityError:
     low, high = branch.angles[0], branch.angles[-1]
-    if angle.min() < low or angle.max() > high:
-        lock, margin = (high, branch.margins[1]) if angle.max() > high else (low, branch.margins[0])
-        raise SingularityError(
-            f"the linkage locks: from its drawn pose the driver turns only from {np.degrees(low):.6g} to {np.degrees(high):.6g} deg;"
-            " change the link lengths, or keep the motion inside",
-            float(lock),
-            margin,
-        )
+    lock, margin = (high, branch.margins[1]) if angle.max() > high else (low, branch.margins[0])
+    return SingularityError(
+        f"the linkage locks: from its drawn pose the driver turns only from {np.degrees(low):.6g} to {np.degrees(high):.6g} deg;"
+        " change the link lengths, or keep the motion inside",
+        float(lock),
+        margin,
+    )

@@ -5,16 +5,21 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 import pinocchio as pin
 
-from . import branch, plane, plane_dynamics, plane_kinematics, spatial, urdf
+from . import branch, plane, plane_dynamics, plane_kinematics, spatial
 from .branch import Branch, Closure
+from .coordinates import Array
 from .errors import AssemblyError, PinpressError, SingularityError, UnknownNameError, UrdfError, suggestion
-from .plane import Array, LoopPin, Plane
+from .plane import LoopPin, Plane
 from .plane_dynamics import Bodies
 from .spatial import Spatial
+
+if TYPE_CHECKING:
+    from . import urdf
 
 CLOSE_TO_DRAWN = 0.25  # how far closing the drawn pose may turn a joint [rad], or move it in lengths of the linkage
 ACCEPTED = 1e3  # times the tolerance of rounding: a loop whose gap is not below that is open
@@ -138,6 +143,8 @@ def load(
         AssemblyError: the loops do not close near the drawn pose.
         SingularityError: the driver does not determine the drawn pose.
     """
+    from . import urdf  # reading is all it is for, and it takes a while to import
+
     file = os.fspath(path)
     if not os.path.exists(file) and file in presses():
         path = _library() / f"{file}.urdf"
@@ -180,11 +187,11 @@ def _library() -> Path:
     return next(folder for folder in (here / "urdf", here.parent / "urdf") if folder.is_dir())
 
 
-def _line(description: urdf.Urdf, joint: str) -> int:
+def _line(description: "urdf.Urdf", joint: str) -> int:
     return next(j.line for j in description.joints if j.name == joint)
 
 
-def _driver(description: urdf.Urdf, driver: str | None) -> str:
+def _driver(description: "urdf.Urdf", driver: str | None) -> str:
     moving = [joint.name for joint in description.joints if joint.type != "fixed"]
     robot = f'<robot name="{description.name}">'
     if driver is not None:
@@ -220,7 +227,7 @@ def _gravity(gravity: Sequence[float]) -> Array:
     return vector
 
 
-def _loop_pin(model: pin.Model, loop: urdf.Loop) -> LoopPin:
+def _loop_pin(model: pin.Model, loop: "urdf.Loop") -> LoopPin:
     ends = []
     for end in (loop.link1, loop.link2):
         frame = model.frames[model.getFrameId(end.link, pin.BODY)]
@@ -228,7 +235,7 @@ def _loop_pin(model: pin.Model, loop: urdf.Loop) -> LoopPin:
     return LoopPin(loop.name, *ends)
 
 
-def _closed(description: urdf.Urdf, model: pin.Model, loops: tuple[LoopPin, ...], driver: int, planar: Plane | None) -> Array:
+def _closed(description: "urdf.Urdf", model: pin.Model, loops: tuple[LoopPin, ...], driver: int, planar: Plane | None) -> Array:
     """Joint coordinates (nv,) of the drawn pose, closed exactly."""
     drawn = np.zeros((model.nv, 1))
     start = spatial.build(model, loops, driver, drawn[:, 0])
@@ -263,7 +270,7 @@ def _closed(description: urdf.Urdf, model: pin.Model, loops: tuple[LoopPin, ...]
     return closed
 
 
-def _slide(description: urdf.Urdf, model: pin.Model, slide: str | None) -> str | None:
+def _slide(description: "urdf.Urdf", model: pin.Model, slide: str | None) -> str | None:
     guided = {j.child: j.name for j in description.joints if j.type == "prismatic" and model.parents[model.getJointId(j.name)] == 0}
     if slide is not None:
         joint = model.frames[model.getFrameId(slide, pin.BODY)].parentJoint if slide in description.links else 0

@@ -6,15 +6,14 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 import pinocchio as pin
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from .coordinates import Array
 from .errors import PinpressError, UnknownNameError
 
 if TYPE_CHECKING:
     from .linkage import Linkage
     from .motion import Motion
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

@@ -8,11 +8,10 @@ from numpy.typing import ArrayLike
 
 from . import tables
 from .branch import Closure, predict
+from .coordinates import Array
 from .errors import AssemblyError, PinpressError
 from .linkage import ACCEPTED, Linkage
-from .plane import Array
 from .plane_dynamics import PIECE
-from .spatial import configuration
 
 RPM = 2 * np.pi / 60
 """One revolution per minute [rad/s]."""
@@ -140,7 +139,7 @@ def cycle(
         crank_angle=_fixed(angles),
         crank_speed=_fixed(speeds),
         crank_acceleration=_fixed(accelerations),
-        q=_fixed(configuration(press.model, closure.position).T),
+        q=_fixed(closure.q.T),
         v=_fixed(v.T),
         a=_fixed(a.T),
         closure_error=_fixed(closure.gap),
@@ -155,11 +154,11 @@ def _turn(speed: ArrayLike, points: int, acceleration: ArrayLike, time: ArrayLik
         raise PinpressError("speed is an array, but a turn at constant speed takes one number: give angle too, for a servo motion")
     if rate == 0.0:
         raise PinpressError("speed is 0: a turn never ends; give a speed [rad/s], e.g. 70 * pinpress.RPM")
-    if time is not None or np.any(np.asarray(acceleration) != 0.0):
+    if time is not None or not (np.isscalar(acceleration) and acceleration == 0.0):
         raise PinpressError("time and acceleration belong to a servo motion: give angle too")
     if isinstance(points, bool) or not isinstance(points, int | np.integer) or points < 2:
         raise PinpressError(f"points is {points!r}: a turn takes a whole number of at least 2")
-    angles = np.sign(rate) * (2 * np.pi / points) * np.arange(points)
+    angles = np.arange(points) * (np.copysign(2 * np.pi, rate) / points)
     return angles, np.full(points, float(rate)), np.zeros(points), angles / rate
 
 
@@ -213,7 +212,7 @@ def _closed(press: Linkage, angles: Array, engine: str) -> Closure:
         part = angles[start : start + PIECE]
         pieces.append(_piece(press, part, predict(branch, part), engine))
     return Closure(
-        *(np.concatenate([getattr(piece, name) for piece in pieces], axis=-1) for name in ("position", "first", "second", "gap")),
+        *(np.concatenate([getattr(piece, name) for piece in pieces], axis=-1) for name in ("position", "first", "second", "gap", "q")),
         iterations=max(piece.iterations for piece in pieces),
     )
 

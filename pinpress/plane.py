@@ -20,7 +20,8 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from .coordinates import Array, Slot, slots
+
 ComplexArray = NDArray[np.complex128]
 
 PARALLEL = 1e-12  # joint axes further from the plane's normal than this [rad] make a linkage spatial
@@ -61,7 +62,7 @@ class Plane:
         driver: index of the driver joint.
         parents: index of every joint's parent joint, -1 for the frame.
         sense: (nv,) +1 or -1 where a revolute axis lies along or against the normal, 0 for a prismatic joint.
-        slots: per joint, its first place in Pinocchio's q and whether it is unbounded (cosine and sine there).
+        slots: of the joints in Pinocchio's q.
         revolute, prismatic: joint indices in the order of the basis.
         turn: (nr, nv) absolute angles of the rotors from joint angles. spin: (nv, nv) the same for every link, also where it only translates.
         frames: (nv, 3, 3) a vector in a joint's frame to its components along axes[0], axes[1], normal in the drawn pose.
@@ -81,7 +82,7 @@ class Plane:
     driver: int
     parents: tuple[int, ...]
     sense: Array
-    slots: tuple[tuple[int, bool], ...]
+    slots: tuple[Slot, ...]
     revolute: tuple[int, ...]
     prismatic: tuple[int, ...]
     turn: Array
@@ -149,7 +150,7 @@ def build(model: pin.Model, loops: Sequence[LoopPin], driver: int) -> Plane | No
         driver=driver,
         parents=parents,
         sense=sense,
-        slots=tuple((model.joints[j + 1].idx_q, model.joints[j + 1].nq == 2) for j in range(count)),
+        slots=slots(model),
         revolute=revolute,
         prismatic=prismatic,
         turn=np.array([[sense[k] * (k in _ancestry(parents, j)) for k in range(count)] for j in revolute]),

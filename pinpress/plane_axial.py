@@ -13,8 +13,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from .coordinates import Array
 from .loads import AppliedForce
-from .plane import Array, ComplexArray, Plane
+from .plane import ComplexArray, Plane
 from .wrenches import Wrenches
 
 ROUNDING = 1e-12

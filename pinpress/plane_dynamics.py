@@ -15,9 +15,10 @@ import pinocchio as pin
 from numpy.typing import NDArray
 
 from . import plane_axial
+from .coordinates import Array
 from .errors import AssemblyError
 from .loads import AppliedForce
-from .plane import Array, ComplexArray, LoopPin, Plane
+from .plane import ComplexArray, LoopPin, Plane
 from .plane_kinematics import basis_acceleration, basis_of_configuration, basis_velocity, block_matrix, dyad_columns
 from .wrenches import Wrenches
 
@@ -34,8 +35,9 @@ class Bodies:
         weight: (nv,) m g in the plane [N]; carried_weight: (nv,) of all bodies that hang on a joint; axial_weight: (nv,) along the normal.
         inertia: (nv, nv) d/dt of the angular momentum about every centre of mass from joint accelerations.
         products: (nv,) products of inertia with the normal, I_1n + i I_2n, in the drawn pose [kg m2].
+        uncrossed: (nv, nl) minus `Plane.crossed`, what the joints are relieved of by the loop forces.
         forces: (2 nv, nb) on the second derivative of the basis: m times acceleration of every body, then of all that hang on a joint.
-        arms: on the basis: centres of mass from their joints, `Plane.closure`, then arms of the pairs of ``inner``, directions of the
+        arms: on the basis: centres of mass from their joints, `Plane.closure` (its columns times i), then arms of the pairs of ``inner``, directions of the
             prismatic joints, arms of ``guided``, points of application of ``grounded``.
         inner: joints whose parent is not the frame, tips first.
         guided: (prismatic joint, loop) pairs: the loop's force turns the joint's link.
@@ -50,6 +52,7 @@ class Bodies:
     axial_weight: Array
     inertia: Array
     products: ComplexArray
+    uncrossed: ComplexArray
     forces: ComplexArray
     arms: ComplexArray
     inner: tuple[int, ...]
@@ -79,7 +82,8 @@ def build(plane: Plane, model: pin.Model, loops: Sequence[LoopPin]) -> Bodies:
     grounded += [(count + k, 1.0) for k, loop in enumerate(loops) if loop.joint2 == 0]
     arms = [
         *plane.centers,
-        *plane.closure,
+        *plane.closure[: len(loops)],
+        *(1j * plane.closure[len(loops) :]),
         *(plane.origins[j] - plane.origins[plane.parents[j]] for j in inner),
         *plane.directions,
         *(plane.loop_points[k] - plane.origins[j] for j, k in guided),
@@ -93,6 +97,7 @@ def build(plane: Plane, model: pin.Model, loops: Sequence[LoopPin]) -> Bodies:
         axial_weight=axial_weight,
         inertia=tensors[:, 2, 2][:, None] * plane.spin,
         products=products,
+        uncrossed=-plane.crossed.astype(complex),
         forces=np.concatenate([body_forces, plane.carried @ body_forces]),
         arms=np.array(arms),
         inner=inner,
@@ -176,12 +181,9 @@ def _piece(plane: Plane, bodies: Bodies, q: Array, v: Array, a: Array, loads: Se
     bearings = np.empty((count + loops, v.shape[1]), complex)
     pins = bearings[count:]
     _solve_pins(plane, closure, passive, pins)
-    np.matmul(plane.crossed.astype(complex), pins, out=bearings[:count])
-    np.subtract(carried, bearings[:count], out=bearings[:count])
-    about = np.zeros(bearings.shape)
-    about[plane.driver] = plane.sense[plane.driver] * passive[plane.driver]
-    for j in plane.prismatic:
-        about[j] = moment[j]
+    np.matmul(bodies.uncrossed, pins, out=bearings[:count])
+    bearings[:count] += carried
+    about = {plane.driver: plane.sense[plane.driver] * passive[plane.driver]} | {j: moment[j] for j in plane.prismatic}
     for j, k in bodies.guided:
         about[j] -= plane.crossed[j, k] * (arms[row].conj() * pins[k]).imag
         row += 1
@@ -189,16 +191,24 @@ def _piece(plane: Plane, bodies: Bodies, q: Array, v: Array, a: Array, loads: Se
     shaking, tilting = np.zeros(v.shape[1], complex), np.zeros(v.shape[1])
     for index, sign in bodies.grounded:
         shaking += sign * bearings[index]
-        tilting += sign * ((arms[row].conj() * bearings[index]).imag + about[index])
+        tilting += sign * (arms[row].conj() * bearings[index]).imag
+        if index in about:
+            tilting += sign * about[index]
         row += 1
     result = Wrenches(
         torque=passive[plane.driver].copy(),
         force=in_space(plane, bearings),
-        moment=about[:, :, None] * plane.normal,
-        shaking_force=in_space(plane, shaking) + bodies.frame_weight,
-        shaking_moment=tilting[:, None] * plane.normal + bodies.frame_moment,
+        moment=np.zeros((*bearings.shape, 3)),
+        shaking_force=in_space(plane, shaking),
+        shaking_moment=np.zeros((v.shape[1], 3)),
         indeterminate=bodies.indeterminate,
     )
+    for index, values in about.items():
+        _along_normal(plane, values, result.moment[index])
+    _along_normal(plane, tilting, result.shaking_moment)
+    if bodies.frame_weight.any():
+        result.shaking_force[:] += bodies.frame_weight
+        result.shaking_moment[:] += bodies.frame_moment
     for load in loads:
         if load.joint == 0:
             result.shaking_force[:] += load.force
@@ -221,21 +231,23 @@ def _solve_pins(plane: Plane, closure: ComplexArray, passive: Array, pins: Compl
     """Loop pin forces (nl, n), so that no passive joint transmits a generalised force; ``passive`` is left with the driver's torque.
 
     A column c of the loop Jacobian and the force p of the pin do Re(conj(c) p) of work per unit rate of the joint. For a dyad with columns
-    a, b: Re(conj(a) p) = s, Re(conj(b) p) = t has the solution p = i (t a - s b) / Im(conj(a) b).
+    a, b: Re(conj(a) p) = s, Re(conj(b) p) = t has the solution p = i (t a - s b) / Im(conj(a) b). ``closure`` has the columns times i: that
+    spares a factor here, and Re(conj(c) p) is -Im(conj(i c) p).
     """
     for block in reversed(plane.blocks):
         if len(block.loops) == 1:
             a, b = dyad_columns(block, closure)
             s, t = passive[block.joints[0]], passive[block.joints[1]]
-            pins[block.loops[0]] = (t * a - s * b) * (1j / (a.conj() * b).imag)
+            scale = 1.0 / (a.conj() * b).imag
+            pins[block.loops[0]] = a * (t * scale) - b * (s * scale)
         else:
-            matrix = block_matrix(block, closure).transpose(0, 2, 1)
+            matrix = block_matrix(block, -1j * closure).transpose(0, 2, 1)
             parts = np.linalg.solve(matrix, passive[list(block.joints)].T[:, :, None])[:, :, 0]
             pins[list(block.loops)] = parts[:, 0::2].T + 1j * parts[:, 1::2].T
         for loop, columns in zip(block.loops, block.columns, strict=True):
             for joint, row in columns:
                 if joint not in block.joints:
-                    passive[joint] -= (closure[row].conj() * pins[loop]).real
+                    passive[joint] += (closure[row].conj() * pins[loop]).imag
 
 
 def _refuse_open_loops(plane: Plane, q: Array, gaps: ComplexArray) -> None:
@@ -253,6 +265,17 @@ def flat(plane: Plane, vectors: Array) -> ComplexArray:
 
 
 def in_space(plane: Plane, vectors: ComplexArray) -> Array:
-    """Complex vectors (...) as world vectors (..., 3) in the plane."""
-    parts = np.ascontiguousarray(vectors).view(np.float64).reshape(-1, 2)
-    return (parts @ plane.axes).reshape(*vectors.shape, 3)
+    """Complex vectors (...) as world vectors (..., 3) in the plane. Most presses stand in a coordinate plane: zero components cost nothing."""
+    world = np.zeros((*vectors.shape, 3))
+    for i, (first, second) in enumerate(plane.axes.T):
+        if first:
+            np.multiply(vectors.real, first, out=world[..., i])
+        if second:
+            world[..., i] += second * vectors.imag
+    return world
+
+
+def _along_normal(plane: Plane, values: Array, out: Array) -> None:
+    """Fill ``out`` (n, 3), zero so far, with vectors of lengths (n,) along the normal."""
+    for i in np.flatnonzero(plane.normal):
+        np.multiply(values, plane.normal[i], out=out[:, i])

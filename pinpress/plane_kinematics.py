@@ -11,7 +11,8 @@ from typing import NamedTuple
 import numpy as np
 
 from .branch import Closure
-from .plane import Array, Block, ComplexArray, Plane
+from .coordinates import Array
+from .plane import Block, ComplexArray, Plane
 
 MOST_NEWTON_STEPS = 25
 
@@ -49,7 +50,7 @@ def close(plane: Plane, angle: Array, guess: Array, with_margins: bool = False) 
         _solve(plane, rows, factors, -(plane.closure[:count] @ curvature), second)
         gap = np.sqrt((gaps.real**2 + gaps.imag**2).max(axis=0, initial=0.0))
         margins = _margins(plane, rows) if with_margins else None
-    return Closure(x, first, second, gap, steps, margins)
+    return Closure(x, first, second, gap, _configuration(plane, at, x), steps, margins)
 
 
 def basis(plane: Plane, x: Array) -> ComplexArray:
@@ -85,6 +86,22 @@ def basis_of_configuration(plane: Plane, q: Array) -> ComplexArray:
         travel = q[plane.slots[joint][0]]
         at[row] = travel * at[rotor] if rotor else travel
     return at
+
+
+def _configuration(plane: Plane, at: ComplexArray, x: Array) -> Array:
+    """Pinocchio configurations (nq, n), cosines and sines of unbounded joints taken from the rotors."""
+    q = np.empty((sum(1 + slot.unbounded for slot in plane.slots), x.shape[1]))
+    for joint, (start, unbounded) in enumerate(plane.slots):
+        if unbounded:
+            base = plane.rotor(plane.parents[joint])
+            relative = at[plane.rotor(joint)]
+            if base:
+                relative = relative * at[base].conj()
+            q[start] = relative.real
+            np.multiply(relative.imag, plane.sense[joint], out=q[start + 1])
+        else:
+            q[start] = x[joint]
+    return q
 
 
 def basis_velocity(plane: Plane, at: ComplexArray, v: Array) -> ComplexArray:

@@ -16,11 +16,11 @@ from numpy.typing import NDArray
 
 from . import loads as loads_module
 from . import plane_dynamics, spatial, tables
+from .coordinates import Array
 from .errors import PinpressError, UnknownNameError
 from .linkage import Linkage
 from .loads import PointForce
 from .motion import Motion
-from .plane import Array
 
 T = TypeVar("T", bound=np.generic)
 

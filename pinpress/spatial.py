@@ -12,8 +12,9 @@ import numpy as np
 import pinocchio as pin
 
 from .branch import Closure
+from .coordinates import Array, Slot, configuration, slots
 from .loads import AppliedForce
-from .plane import Array, LoopPin
+from .plane import LoopPin
 from .wrenches import Wrenches
 
 RANK = 1e-9  # singular values below this share of the largest are zero, columns scaled to unit length
@@ -28,6 +29,7 @@ class Spatial:
         model: the Pinocchio model. loops: in declared order. driver: index of the driver joint in v.
         crossed: (nv, nl) +1 / -1 where loop l's point 2 / 1 hangs on joint j.
         size: length of the linkage [m]. tolerance: gap at which a loop is closed to rounding [m].
+        slots: of the joints in q.
         reference: (3 nl, nv - 1) orthonormal basis of the passive columns in the drawn pose, against which the sign of the branch is told.
     """
 
@@ -38,6 +40,7 @@ class Spatial:
     size: float
     tolerance: float
     reference: Array
+    slots: tuple[Slot, ...]
 
 
 def build(model: pin.Model, loops: Sequence[LoopPin], driver: int, drawn: Array) -> Spatial:
@@ -52,25 +55,12 @@ def build(model: pin.Model, loops: Sequence[LoopPin], driver: int, drawn: Array)
     _, columns = loop_rows(model, loops, drawn)
     passive = _unit_columns(np.delete(columns, driver, axis=1))[0]
     reference = np.linalg.svd(passive, full_matrices=False)[0][:, : passive.shape[1]]
-    return Spatial(model, tuple(loops), driver, crossed, size, 64 * np.finfo(float).eps * (size + reach), reference)
-
-
-def configuration(model: pin.Model, x: Array) -> Array:
-    """Pinocchio configurations (nq, ...) of joint coordinates (nv, ...): an unbounded joint's angle becomes its cosine and sine."""
-    q = np.empty((model.nq, *x.shape[1:]))
-    for j in range(model.nv):
-        joint = model.joints[j + 1]
-        if joint.nq == 2:
-            np.cos(x[j], out=q[joint.idx_q, ...])
-            np.sin(x[j], out=q[joint.idx_q + 1, ...])
-        else:
-            q[joint.idx_q] = x[j]
-    return q
+    return Spatial(model, tuple(loops), driver, crossed, size, 64 * np.finfo(float).eps * (size + reach), reference, slots(model))
 
 
 def loop_rows(model: pin.Model, loops: Sequence[LoopPin], x: Array) -> tuple[Array, Array]:
     """Loop gaps (3 nl,) and their Jacobian (3 nl, nv) at joint coordinates (nv,), world axes: point 2 minus point 1."""
-    return _Anchors(model, loops).rows(configuration(model, x))
+    return _Anchors(model, loops).rows(configuration(slots(model), x))
 
 
 def mobility(columns: Array) -> int:
@@ -86,7 +76,7 @@ def close(spatial: Spatial, angle: Array, guess: Array) -> Closure:
     results = [_close_one(spatial, anchors, float(angle[i]), guess[:, i]) for i in range(len(angle))]
     position, first, second = (np.array([r[k] for r in results]).T.reshape(guess.shape) for k in range(3))
     gap, steps, margin = (np.array([r[k] for r in results]) for k in (3, 4, 5))
-    return Closure(position, first, second, gap, int(steps.max(initial=0)), margin[None, :])
+    return Closure(position, first, second, gap, configuration(spatial.slots, position), int(steps.max(initial=0)), margin[None, :])
 
 
 def inverse_dynamics(spatial: Spatial, q: Array, v: Array, a: Array, loads: Sequence[AppliedForce]) -> Wrenches:
@@ -195,7 +185,7 @@ def _close_one(spatial: Spatial, anchors: _Anchors, angle: float, guess: Array) 
     x[spatial.driver] = angle
     worst, steps = np.inf, 0
     while True:
-        q = configuration(spatial.model, x)
+        q = configuration(spatial.slots, x)
         gaps, columns = anchors.rows(q)
         before, worst = worst, float(np.linalg.norm(gaps.reshape(-1, 3), axis=1).max(initial=0.0))
         stalled = worst > 0.5 * before and worst < 1e3 * spatial.tolerance

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
 
+from .coordinates import Array
 from .errors import PinpressError
-from .plane import Array
 
 if TYPE_CHECKING:
     import pandas

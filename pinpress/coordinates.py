@@ -1,0 +1,37 @@
+"""Joint coordinates against Pinocchio's configurations.
+
+A joint coordinate is one number a joint, in the order of v: an angle [rad], unwrapped, or a travel [m], zero in the drawn pose. Pinocchio's q has
+the same numbers, except for an unbounded (``continuous``) joint: its cosine and sine.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+import pinocchio as pin
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+
+class Slot(NamedTuple):
+    """Where a joint stands in q: its first place, and whether it is unbounded and takes two."""
+
+    start: int
+    unbounded: bool
+
+
+def slots(model: pin.Model) -> tuple[Slot, ...]:
+    """Slots of the moving joints, in the order of v."""
+    return tuple(Slot(joint.idx_q, joint.nq == 2) for joint in list(model.joints)[1:])
+
+
+def configuration(slots: tuple[Slot, ...], x: Array) -> Array:
+    """Configurations (nq, ...) of joint coordinates (nv, ...)."""
+    q = np.empty((sum(2 if slot.unbounded else 1 for slot in slots), *x.shape[1:]))
+    for (start, unbounded), coordinate in zip(slots, x, strict=True):
+        if unbounded:
+            np.cos(coordinate, out=q[start, ...])
+            np.sin(coordinate, out=q[start + 1, ...])
+        else:
+            q[start] = coordinate
+    return q
