@@ -45,12 +45,14 @@ class Block:
     Attributes:
         loops: indices of the loops.
         joints: indices (in v) of the joints this block determines.
-        columns: per loop, (joint, row of `Plane.closure`) of every column of its Jacobian, joints of earlier blocks and the driver included.
+        own: per loop, (joint, row of `Plane.closure`) of the columns of these joints in its Jacobian.
+        known: per loop, the same of the joints of earlier blocks.
     """
 
     loops: tuple[int, ...]
     joints: tuple[int, ...]
-    columns: tuple[tuple[tuple[int, int], ...], ...]
+    own: tuple[tuple[tuple[int, int], ...], ...]
+    known: tuple[tuple[tuple[int, int], ...], ...]
 
 
 @dataclass(frozen=True)
@@ -66,13 +68,14 @@ class Plane:
         revolute, prismatic: joint indices in the order of the basis.
         turn: (nr, nv) absolute angles of the rotors from joint angles. spin: (nv, nv) the same for every link, also where it only translates.
         frames: (nv, 3, 3) a vector in a joint's frame to its components along axes[0], axes[1], normal in the drawn pose.
+        bases: (nr,) basis row of the rotor to which each revolute joint's angle is added.
         guide_rotors: (np,) basis row of the rotor that carries each prismatic direction.
         origins, centers: (nv, nb) joint origins; centres of mass relative to their joint's origin.
         heights, center_heights: (nv,) the same along the normal, centres from the world origin [m].
         directions: (np, nb) prismatic directions.
         closure: (nl + columns, nb) loop gaps (point 2 minus point 1), then the columns of the loop Jacobian.
         loop_points: (nl, nb) point 1 of every loop. loop_heights: (nl,) along the normal [m].
-        blocks: the order in which loops are closed.
+        blocks: the order in which loops are closed. driven: per loop, row of the driver's column, None where the driver does not move it.
         carried: (nv, nv) 1 where the link of joint k hangs on joint j. crossed: (nv, nl) +1 / -1 where loop l's point 2 / 1 hangs on joint j.
         tolerance: gap at which a loop is closed to rounding [m].
     """
@@ -88,6 +91,7 @@ class Plane:
     turn: Array
     spin: Array
     frames: Array
+    bases: tuple[int, ...]
     guide_rotors: tuple[int, ...]
     origins: ComplexArray
     centers: ComplexArray
@@ -98,6 +102,7 @@ class Plane:
     loop_points: ComplexArray
     loop_heights: Array
     blocks: tuple[Block, ...]
+    driven: tuple[int | None, ...]
     carried: Array
     crossed: Array
     tolerance: float
@@ -156,6 +161,7 @@ def build(model: pin.Model, loops: Sequence[LoopPin], driver: int) -> Plane | No
         turn=np.array([[sense[k] * (k in _ancestry(parents, j)) for k in range(count)] for j in revolute]),
         spin=np.array([[sense[k] * (k in _ancestry(parents, j)) for k in range(count)] for j in range(count)]),
         frames=np.array([np.array([*axes, normal]) @ p.rotation for p in place]),
+        bases=(),
         guide_rotors=(),
         origins=np.zeros((count, width), complex),
         centers=np.zeros((count, width), complex),
@@ -166,6 +172,7 @@ def build(model: pin.Model, loops: Sequence[LoopPin], driver: int) -> Plane | No
         loop_points=np.zeros((len(loops), width), complex),
         loop_heights=np.zeros(len(loops)),
         blocks=(),
+        driven=(),
         carried=np.array([[float(j in _ancestry(parents, k)) for k in range(count)] for j in range(count)]),
         crossed=np.array(
             [
@@ -215,9 +222,11 @@ def _with_loops(plane: Plane, loops: Sequence[LoopPin], place: list[pin.SE3], po
         return None
     size = max((float(np.abs(g[: 1 + len(plane.revolute)]).sum()) for g in gaps), default=1.0)
     changes = {
+        "bases": tuple(plane.rotor(plane.parents[j]) for j in plane.revolute),
         "guide_rotors": tuple(plane.rotor(plane.parents[j]) for j in plane.prismatic),
         "closure": np.array(gaps + columns).reshape(-1, plane.origins.shape[1]),
         "blocks": blocks,
+        "driven": tuple(next((len(loops) + r for r, o in enumerate(owners) if o == (k, plane.driver)), None) for k in range(len(loops))),
         "tolerance": 16 * np.finfo(float).eps * size,
     }
     return Plane(**{**plane.__dict__, **changes})
@@ -238,7 +247,9 @@ def _blocks(owners: list[tuple[int, int]], loops: int, driver: int, joints: int)
         else:
             return None
         unknown = tuple(sorted(set().union(*(involved[k] for k in group)) - known))
-        blocks.append(Block(group, unknown, tuple(tuple((j, rows[k, j]) for j in sorted(involved[k])) for k in group)))
+        own = tuple(tuple((j, rows[k, j]) for j in unknown if j in involved[k]) for k in group)
+        before = tuple(tuple((j, rows[k, j]) for j in sorted(involved[k] & known - {driver})) for k in group)
+        blocks.append(Block(group, unknown, own, before))
         known |= set(unknown)
         open_loops = [k for k in open_loops if k not in group]
     return tuple(blocks) if len(known) == joints else None

@@ -244,10 +244,12 @@ def _solve_pins(plane: Plane, closure: ComplexArray, passive: Array, pins: Compl
             matrix = block_matrix(block, -1j * closure).transpose(0, 2, 1)
             parts = np.linalg.solve(matrix, passive[list(block.joints)].T[:, :, None])[:, :, 0]
             pins[list(block.loops)] = parts[:, 0::2].T + 1j * parts[:, 1::2].T
-        for loop, columns in zip(block.loops, block.columns, strict=True):
+        for loop, columns in zip(block.loops, block.known, strict=True):
             for joint, row in columns:
-                if joint not in block.joints:
-                    passive[joint] += (closure[row].conj() * pins[loop]).imag
+                passive[joint] += (closure[row].conj() * pins[loop]).imag
+            driven = plane.driven[loop]
+            if driven is not None:
+                passive[plane.driver] += (closure[driven].conj() * pins[loop]).imag
 
 
 def _refuse_open_loops(plane: Plane, q: Array, gaps: ComplexArray) -> None:

@@ -37,17 +37,17 @@ def close(plane: Plane, angle: Array, guess: Array, with_margins: bool = False) 
             if worst <= plane.tolerance or stalled or steps == MOST_NEWTON_STEPS or not np.isfinite(worst):
                 break
             step = np.zeros_like(x)
-            _solve(plane, rows, _factors(plane, rows), -gaps, step)
+            _solve(plane, rows, _factors(plane, rows), list(-gaps), step)
             x += step
             steps += 1
         factors = _factors(plane, rows)
         first = np.empty_like(x)
         first[plane.driver] = 1.0
-        _solve(plane, rows, factors, None, first)
+        _solve(plane, rows, factors, [None if row is None else -rows[row] for row in plane.driven], first)
         second = np.empty_like(x)
         second[plane.driver] = 0.0
         curvature = basis_acceleration(plane, at, first, None)
-        _solve(plane, rows, factors, -(plane.closure[:count] @ curvature), second)
+        _solve(plane, rows, factors, list(-(plane.closure[:count] @ curvature)), second)
         gap = np.sqrt((gaps.real**2 + gaps.imag**2).max(axis=0, initial=0.0))
         margins = _margins(plane, rows) if with_margins else None
     return Closure(x, first, second, gap, _configuration(plane, at, x), steps, margins)
@@ -71,15 +71,16 @@ def basis_of_configuration(plane: Plane, q: Array) -> ComplexArray:
     turning = len(plane.revolute)
     at = np.empty((1 + len(plane.parents), q.shape[1]), complex)
     at[0] = 1.0
-    for row, joint in enumerate(plane.revolute, 1):
-        slot, unbounded = plane.slots[joint]
+    for row, (joint, base) in enumerate(zip(plane.revolute, plane.bases, strict=True), 1):
+        start, unbounded = plane.slots[joint]
         relative = at[row]
         if unbounded:
-            relative.real, relative.imag = q[slot], plane.sense[joint] * q[slot + 1]
+            relative.real, relative.imag = q[start], q[start + 1]
         else:
-            np.cos(q[slot], out=relative.real)
-            np.multiply(np.sin(q[slot]), plane.sense[joint], out=relative.imag)
-        base = plane.rotor(plane.parents[joint])
+            np.cos(q[start], out=relative.real)
+            np.sin(q[start], out=relative.imag)
+        if plane.sense[joint] < 0:
+            np.conjugate(relative, out=relative)
         if base:
             relative *= at[base]
     for row, (joint, rotor) in enumerate(zip(plane.prismatic, plane.guide_rotors, strict=True), 1 + turning):
@@ -91,12 +92,12 @@ def basis_of_configuration(plane: Plane, q: Array) -> ComplexArray:
 def _configuration(plane: Plane, at: ComplexArray, x: Array) -> Array:
     """Pinocchio configurations (nq, n), cosines and sines of unbounded joints taken from the rotors."""
     q = np.empty((sum(1 + slot.unbounded for slot in plane.slots), x.shape[1]))
-    for joint, (start, unbounded) in enumerate(plane.slots):
+    for joint in plane.prismatic:
+        q[plane.slots[joint].start] = x[joint]
+    for row, (joint, base) in enumerate(zip(plane.revolute, plane.bases, strict=True), 1):
+        start, unbounded = plane.slots[joint]
         if unbounded:
-            base = plane.rotor(plane.parents[joint])
-            relative = at[plane.rotor(joint)]
-            if base:
-                relative = relative * at[base].conj()
+            relative = at[row] * at[base].conj() if base else at[row]
             q[start] = relative.real
             np.multiply(relative.imag, plane.sense[joint], out=q[start + 1])
         else:
@@ -122,9 +123,10 @@ def basis_acceleration(plane: Plane, at: ComplexArray, v: Array, a: Array | None
     result = np.empty_like(at)
     result[0] = 0.0
     spin = plane.turn @ v
-    factor = np.empty(spin.shape, complex)
-    np.multiply(spin, -spin, out=factor.real)
-    factor.imag = 0.0 if a is None else plane.turn @ a
+    factor: Array | ComplexArray = spin * -spin
+    if a is not None:
+        inward, factor = factor, np.empty(spin.shape, complex)
+        factor.real, factor.imag = inward, plane.turn @ a
     np.multiply(at[1 : 1 + turning], factor, out=result[1 : 1 + turning])
     for row, (joint, rotor) in enumerate(zip(plane.prismatic, plane.guide_rotors, strict=True), 1 + turning):
         along = 0.0 if a is None else a[joint]
@@ -144,19 +146,18 @@ class Dyad(NamedTuple):
 
 def dyad_columns(block: Block, rows: ComplexArray) -> tuple[ComplexArray, ComplexArray]:
     """The two columns (n,) of a 2x2 block's joints."""
-    row = dict(block.columns[0])
-    return rows[row[block.joints[0]]], rows[row[block.joints[1]]]
+    (_, a), (_, b) = block.own[0]
+    return rows[a], rows[b]
 
 
 def block_matrix(block: Block, rows: ComplexArray) -> Array:
     """Jacobian (n, 2k, 2k) of a block: real and imaginary part of every loop against the block's joints."""
     size = len(block.joints)
     matrix = np.zeros((rows.shape[1], size, size))
-    for k, columns in enumerate(block.columns):
+    for k, columns in enumerate(block.own):
         for joint, row in columns:
-            if joint in block.joints:
-                j = block.joints.index(joint)
-                matrix[:, 2 * k, j], matrix[:, 2 * k + 1, j] = rows[row].real, rows[row].imag
+            j = block.joints.index(joint)
+            matrix[:, 2 * k, j], matrix[:, 2 * k + 1, j] = rows[row].real, rows[row].imag
     return matrix
 
 
@@ -173,16 +174,15 @@ def _factors(plane: Plane, rows: ComplexArray) -> list[Dyad | Array]:
     return result
 
 
-def _solve(plane: Plane, rows: ComplexArray, factors: list[Dyad | Array], target: ComplexArray | None, x: Array) -> None:
-    """Fill the passive rows of joint rates x (nv, n), the driver's given, so that every loop moves by ``target`` (nl, n), None for 0."""
+def _solve(plane: Plane, rows: ComplexArray, factors: list[Dyad | Array], target: list[ComplexArray | None], x: Array) -> None:
+    """Fill the passive rows of joint rates x (nv, n), so that they move every loop by ``target``, (n,) each, None for 0."""
     for block, factor in zip(plane.blocks, factors, strict=True):
         sides = []
-        for loop, columns in zip(block.loops, block.columns, strict=True):
-            side = None if target is None else target[loop]
+        for loop, columns in zip(block.loops, block.known, strict=True):
+            side = target[loop]
             for joint, row in columns:
-                if joint not in block.joints:
-                    moved = rows[row] * x[joint]
-                    side = -moved if side is None else side - moved
+                moved = rows[row] * x[joint]
+                side = -moved if side is None else side - moved
             sides.append(np.zeros(rows.shape[1], complex) if side is None else side)
         if isinstance(factor, Dyad):
             x[block.joints[0]] = (factor.b * sides[0]).imag
