@@ -6,12 +6,12 @@ joint coordinates and their first two derivatives by the crank angle. It predict
 to have nothing, or one step, left to do.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
-from .coordinates import Array
+from .coordinates import Array, ComplexArray
 from .errors import AssemblyError, SingularityError
 
 COARSE_STEP = 2 * np.pi / 64  # longest step of the walk [rad]
@@ -28,20 +28,41 @@ class Closure:
         position: (nv, n) joint coordinates [rad or m].
         first: (nv, n) d position / d crank angle.
         second: (nv, n) d2 position / d crank angle2.
-        gap: (n,) largest distance between the two sides of a loop [m]; not finite where Newton's method failed.
+        gap: (n,) largest distance between the two sides of a loop [m]; not finite where Newton's method failed. widest: the largest.
         q: (nq, n) the configurations in Pinocchio's order.
         iterations: Newton steps taken.
         margins: (blocks, n) distance of every block of loops from singularity: the smallest singular value of its Jacobian, columns scaled to
             unit length, with the sign of its determinant. Zero where two assemblies meet. None unless asked for.
+        basis: of the planar engine, see `plane`; None from the other.
     """
 
     position: Array
     first: Array
     second: Array
     gap: Array
+    widest: float
     q: Array
     iterations: int
     margins: Array | None = None
+    basis: ComplexArray | None = None
+
+
+def joined(pieces: Sequence[Closure]) -> Closure:
+    """One closure from those of consecutive crank angles; margins are left out."""
+
+    def along(name: str) -> Array:
+        return np.concatenate([getattr(piece, name) for piece in pieces], axis=-1)
+
+    return Closure(
+        position=along("position"),
+        first=along("first"),
+        second=along("second"),
+        gap=along("gap"),
+        widest=max(piece.widest for piece in pieces),
+        q=along("q"),
+        iterations=max(piece.iterations for piece in pieces),
+        basis=None if pieces[0].basis is None else np.concatenate([p.basis for p in pieces if p.basis is not None], axis=1),
+    )
 
 
 Close = Callable[[Array, Array], Closure]

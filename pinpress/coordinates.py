@@ -11,6 +11,7 @@ import pinocchio as pin
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
+ComplexArray = NDArray[np.complex128]
 
 
 class Slot(NamedTuple):
@@ -35,3 +36,8 @@ def configuration(slots: tuple[Slot, ...], x: Array) -> Array:
         else:
             q[start] = coordinate
     return q
+
+
+def crank_angle(slot: Slot, q: Array) -> float:
+    """Angle of a joint [rad] in one configuration (nq,), of an unbounded one between -pi and pi."""
+    return float(np.arctan2(q[slot.start + 1], q[slot.start]) if slot.unbounded else q[slot.start])

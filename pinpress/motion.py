@@ -7,8 +7,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from . import tables
-from .branch import Closure, predict
-from .coordinates import Array
+from .branch import Closure, joined, predict
+from .coordinates import Array, ComplexArray
 from .errors import AssemblyError, PinpressError
 from .linkage import ACCEPTED, Linkage
 from .plane_dynamics import PIECE
@@ -45,6 +45,12 @@ class Motion:
     closure_error: Array
     _time: Array | None = field(repr=False)
     _slide: tuple[Array, Array, Array] | None = field(repr=False)
+    _basis: ComplexArray | None = field(repr=False)
+    _press: Linkage | None = field(repr=False)
+
+    def basis(self, press: Linkage) -> ComplexArray | None:
+        """The planar engine's basis of these states (see `plane`), where it closed them for this same linkage; else None."""
+        return self._basis if press is self._press else None
 
     @property
     def time(self) -> Array:
@@ -125,9 +131,11 @@ def cycle(
             raise PinpressError("points goes with one turn at constant speed: leave it out where angle is given")
         angles, speeds, accelerations, times = _servo(angle, speed, acceleration, time)
     closure = _closed(press, angles, engine)
-    v = closure.first * speeds
-    a = closure.first * accelerations
-    a += closure.second * (speeds * speeds)
+    if angle is None:  # numbers, not arrays: a third of the work
+        v, a = closure.first * speeds[0], closure.second * (speeds[0] * speeds[0])
+    else:
+        v, a = closure.first * speeds, closure.first * accelerations
+        a += closure.second * (speeds * speeds)
     slide = None
     if press.slide is not None:
         guide, offset = press.slide_guide
@@ -145,6 +153,8 @@ def cycle(
         closure_error=_fixed(closure.gap),
         _time=None if times is None else _fixed(times),
         _slide=slide,
+        _basis=closure.basis,
+        _press=press,
     )
 
 
@@ -207,25 +217,17 @@ def _closed(press: Linkage, angles: Array, engine: str) -> Closure:
     branch = press.branch
     if len(angles) <= PIECE:
         return _piece(press, angles, predict(branch, angles), engine)
-    pieces = []
-    for start in range(0, len(angles), PIECE):
-        part = angles[start : start + PIECE]
-        pieces.append(_piece(press, part, predict(branch, part), engine))
-    return Closure(
-        *(np.concatenate([getattr(piece, name) for piece in pieces], axis=-1) for name in ("position", "first", "second", "gap", "q")),
-        iterations=max(piece.iterations for piece in pieces),
-    )
+    parts = [angles[start : start + PIECE] for start in range(0, len(angles), PIECE)]
+    return joined([_piece(press, part, predict(branch, part), engine) for part in parts])
 
 
 def _piece(press: Linkage, angles: Array, guess: Array, engine: str) -> Closure:
     closure = press.close(angles, guess, engine)
     tolerance = ACCEPTED * (press.planar(engine) or press.spatial).tolerance
-    good = closure.gap <= tolerance
-    if closure.iterations:  # another assembly would be far from the prediction
-        good &= np.abs(closure.position - guess).max(axis=0) <= PREDICTED * (1 + press.spatial.size)
-    if not (good.all() and np.isfinite(closure.second).all()):
-        good &= np.isfinite(closure.second).all(axis=0)
-        worst = int(np.argmin(good))
+    near = PREDICTED * (1 + press.spatial.size)  # another assembly would be far from the prediction
+    moved = np.abs(closure.position - guess).max(axis=0) if closure.iterations else np.zeros(1)
+    if not (closure.widest <= tolerance and moved.max() <= near and np.isfinite(closure.second.sum())):
+        worst = int(np.argmin((closure.gap <= tolerance) & (moved <= near) & np.isfinite(closure.second).all(axis=0)))
         raise AssemblyError(
             f"the loops of {press.name} do not close on the drawn branch",
             float(angles[worst]),

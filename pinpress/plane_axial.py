@@ -93,7 +93,7 @@ def add(
     result.force[:] += axial[:, :, None] * plane.normal
     result.moment[:count] += _tilting(plane, tilt)
     heights, places = np.concatenate([plane.heights, plane.loop_heights]), np.concatenate([origins, points])
-    for index, sign in bodies.grounded:
+    for index, (sign,) in zip(bodies.grounded, bodies.grounded_signs, strict=True):
         result.shaking_force[:] += sign * axial[index][:, None] * plane.normal
         in_plane = carried[index] - plane.crossed[index] @ pins if index < count else pins[index - count]
         moment = 1j * heights[index] * in_plane - 1j * places[index] * axial[index]

@@ -15,7 +15,7 @@ import pinocchio as pin
 from numpy.typing import NDArray
 
 from . import plane_axial
-from .coordinates import Array
+from .coordinates import Array, crank_angle
 from .errors import AssemblyError
 from .loads import AppliedForce
 from .plane import ComplexArray, LoopPin, Plane
@@ -32,23 +32,22 @@ class Bodies:
     """Inertial constants of a planar linkage, and the rows that give forces and arms from the basis.
 
     Attributes:
-        weight: (nv,) m g in the plane [N]; carried_weight: (nv,) of all bodies that hang on a joint; axial_weight: (nv,) along the normal.
+        axial_weight: (nv,) m g along the normal [N].
         inertia: (nv, nv) d/dt of the angular momentum about every centre of mass from joint accelerations.
         products: (nv,) products of inertia with the normal, I_1n + i I_2n, in the drawn pose [kg m2].
         uncrossed: (nv, nl) minus `Plane.crossed`, what the joints are relieved of by the loop forces.
-        forces: (2 nv, nb) on the second derivative of the basis: m times acceleration of every body, then of all that hang on a joint.
+        forces: (2 nv, nb) on the second derivative of the basis: inertia force m a less weight of every body, then of all that hang on a
+            joint. The first column is the weight; the basis' own first row does not move, so 1 is put there.
         arms: on the basis: centres of mass from their joints, `Plane.closure` (its columns times i), then arms of the pairs of ``inner``, directions of the
             prismatic joints, arms of ``guided``, points of application of ``grounded``.
         inner: joints whose parent is not the frame, tips first.
         guided: (prismatic joint, loop) pairs: the loop's force turns the joint's link.
-        grounded: (bearing, sign) of the joints and loops that act on the frame.
+        grounded: bearings that act on the frame; grounded_signs: (k, 1) of their action on the foundation.
         frame_weight: (3,) of the frame itself [N]; frame_moment: (3,) its moment about the world origin [N m].
         indeterminate: (bearings, 6) `Wrenches.indeterminate`: along the normal round every loop.
         flat: everything moves and acts in the plane through the world origin.
     """
 
-    weight: ComplexArray
-    carried_weight: ComplexArray
     axial_weight: Array
     inertia: Array
     products: ComplexArray
@@ -57,7 +56,8 @@ class Bodies:
     arms: ComplexArray
     inner: tuple[int, ...]
     guided: tuple[tuple[int, int], ...]
-    grounded: tuple[tuple[int, float], ...]
+    grounded: list[int]
+    grounded_signs: Array
     frame_weight: Array
     frame_moment: Array
     indeterminate: NDArray[np.bool_]
@@ -75,6 +75,7 @@ def build(plane: Plane, model: pin.Model, loops: Sequence[LoopPin]) -> Bodies:
     products[np.abs(products) <= ROUNDING * np.abs(tensors).max(axis=(1, 2))] = 0.0
     axial_weight = mass * float(gravity @ plane.normal)
     body_forces = mass[:, None] * (plane.origins + plane.centers)
+    body_forces[:, 0] = -mass * complex(*(plane.axes @ gravity))
     inner = tuple(j for j in reversed(range(count)) if plane.parents[j] >= 0)
     guided = tuple((j, int(k)) for j in plane.prismatic for k in np.flatnonzero(plane.crossed[j]))
     grounded = [(j, -1.0) for j in range(count) if plane.parents[j] < 0]
@@ -92,8 +93,6 @@ def build(plane: Plane, model: pin.Model, loops: Sequence[LoopPin]) -> Bodies:
     frame_weight = model.inertias[0].mass * gravity
     offsets = np.concatenate([plane.heights, plane.center_heights, plane.loop_heights])
     return Bodies(
-        weight=mass * complex(*(plane.axes @ gravity)),
-        carried_weight=plane.carried @ mass * complex(*(plane.axes @ gravity)),
         axial_weight=axial_weight,
         inertia=tensors[:, 2, 2][:, None] * plane.spin,
         products=products,
@@ -102,7 +101,8 @@ def build(plane: Plane, model: pin.Model, loops: Sequence[LoopPin]) -> Bodies:
         arms=np.array(arms),
         inner=inner,
         guided=guided,
-        grounded=tuple(grounded),
+        grounded=[bearing for bearing, _ in grounded],
+        grounded_signs=np.array([[sign] for _, sign in grounded]),
         frame_weight=frame_weight,
         frame_moment=np.cross(model.inertias[0].lever, frame_weight),
         indeterminate=plane_axial.indeterminate(plane),
@@ -114,35 +114,48 @@ def build(plane: Plane, model: pin.Model, loops: Sequence[LoopPin]) -> Bodies:
     )
 
 
-def inverse_dynamics(plane: Plane, bodies: Bodies, q: Array, v: Array, a: Array, loads: Sequence[AppliedForce]) -> Wrenches:
+def inverse_dynamics(plane: Plane, bodies: Bodies, at: ComplexArray, v: Array, a: Array, loads: Sequence[AppliedForce]) -> Wrenches:
     """Driving torque and the wrench of every joint and loop.
 
     Args:
-        q: (nq, n) closed configurations in Pinocchio's order.
+        at: (nb, n) basis of the closed configurations.
         v, a: (nv, n) joint rates and accelerations.
         loads: forces on links.
-
-    Raises:
-        AssemblyError: the configurations do not close the loops of this linkage.
     """
     n = v.shape[1]
     if n <= PIECE:
-        return _piece(plane, bodies, q, v, a, loads)
+        return _piece(plane, bodies, at, v, a, loads)
     parts = [slice(start, start + PIECE) for start in range(0, n, PIECE)]
-    return Wrenches.joined([_piece(plane, bodies, q[:, s], v[:, s], a[:, s], [load.part(s) for load in loads]) for s in parts])
+    return Wrenches.joined([_piece(plane, bodies, at[:, s], v[:, s], a[:, s], [load.part(s) for load in loads]) for s in parts])
+
+
+def closed_basis(plane: Plane, q: Array) -> ComplexArray:
+    """The basis (nb, n) of configurations (nq, n) in Pinocchio's order.
+
+    Raises:
+        AssemblyError: they do not close the loops of this linkage.
+    """
+    at = basis_of_configuration(plane, q)
+    gaps = plane.closure[: len(plane.loop_points)] @ at
+    widest = np.abs(gaps).max(axis=0, initial=0.0)
+    if not widest.max() * 16 * np.finfo(float).eps <= LOOSEST * plane.tolerance:
+        worst = int(widest.argmax())
+        angle = crank_angle(plane.slots[plane.driver], q[:, worst])
+        raise AssemblyError("the motion leaves the loops of this linkage open: it is another one's", angle, float(widest[worst]), 0)
+    return at
 
 
 def power_balance(
-    plane: Plane, bodies: Bodies, q: Array, v: Array, a: Array, torque: Array, loads: Sequence[AppliedForce]
+    plane: Plane, bodies: Bodies, at: ComplexArray, v: Array, a: Array, torque: Array, loads: Sequence[AppliedForce]
 ) -> tuple[Array, Array]:
     """Power of drive and loads less the rate of kinetic and potential energy, and the sum of the absolute powers, both (n,) [W].
 
     The energy's rate is taken body by body from velocities and accelerations: it shares nothing with the recursion that gave the torque.
     """
-    at = basis_of_configuration(plane, q)
     first, second = basis_velocity(plane, at, v), basis_acceleration(plane, at, v, a)
     count = len(plane.parents)
-    resisting = bodies.forces[:count] @ second - bodies.weight[:, None]
+    second[0] = 1.0
+    resisting = bodies.forces[:count] @ second
     terms = [torque * v[plane.driver]]
     terms += list(-(((plane.origins + plane.centers) @ first).conj() * resisting).real - (bodies.inertia @ a) * (plane.spin @ v))
     for load in loads:
@@ -154,16 +167,14 @@ def power_balance(
     return powers.sum(axis=0), np.abs(powers).sum(axis=0)
 
 
-def _piece(plane: Plane, bodies: Bodies, q: Array, v: Array, a: Array, loads: Sequence[AppliedForce]) -> Wrenches:
+def _piece(plane: Plane, bodies: Bodies, at: ComplexArray, v: Array, a: Array, loads: Sequence[AppliedForce]) -> Wrenches:
     count, loops = len(plane.parents), len(plane.loop_points)
-    at = basis_of_configuration(plane, q)
-    forces = bodies.forces @ basis_acceleration(plane, at, v, a)
+    second = basis_acceleration(plane, at, v, a)
+    second[0] = 1.0
+    forces = bodies.forces @ second
     own, carried = forces[:count], forces[count:]
-    own -= bodies.weight[:, None]
-    carried -= bodies.carried_weight[:, None]
     arms = bodies.arms @ at
     closure, row = arms[count : count + len(plane.closure)], count + len(plane.closure)
-    _refuse_open_loops(plane, q, closure[:loops])
 
     moment = (arms[:count].conj() * own).imag
     moment += bodies.inertia @ a
@@ -173,30 +184,35 @@ def _piece(plane: Plane, bodies: Bodies, q: Array, v: Array, a: Array, loads: Se
     for j in bodies.inner:
         moment[plane.parents[j]] += moment[j] + (arms[row].conj() * carried[j]).imag
         row += 1
-    passive = plane.sense[:, None] * moment
+    about = {j: moment[j].copy() for j in plane.prismatic}
+    passive = moment  # from here on: generalised forces that the joints would have to transmit
     for j in plane.prismatic:
         passive[j] = (arms[row].conj() * carried[j]).real
         row += 1
+    for j in plane.revolute:
+        if plane.sense[j] < 0:
+            np.negative(passive[j], out=passive[j])
 
     bearings = np.empty((count + loops, v.shape[1]), complex)
     pins = bearings[count:]
     _solve_pins(plane, closure, passive, pins)
     np.matmul(bodies.uncrossed, pins, out=bearings[:count])
     bearings[:count] += carried
-    about = {plane.driver: plane.sense[plane.driver] * passive[plane.driver]} | {j: moment[j] for j in plane.prismatic}
+    about[plane.driver] = plane.sense[plane.driver] * passive[plane.driver]
     for j, k in bodies.guided:
         about[j] -= plane.crossed[j, k] * (arms[row].conj() * pins[k]).imag
         row += 1
 
-    shaking, tilting = np.zeros(v.shape[1], complex), np.zeros(v.shape[1])
-    for index, sign in bodies.grounded:
-        shaking += sign * bearings[index]
-        tilting += sign * (arms[row].conj() * bearings[index]).imag
-        if index in about:
-            tilting += sign * about[index]
-        row += 1
+    grounded = bearings[bodies.grounded]
+    grounded *= bodies.grounded_signs
+    shaking = grounded.sum(axis=0)
+    grounded *= arms[row:].conj()
+    tilting = grounded.imag.sum(axis=0)
+    for j, values in about.items():
+        if plane.parents[j] < 0:
+            tilting -= values
     result = Wrenches(
-        torque=passive[plane.driver].copy(),
+        torque=passive[plane.driver],
         force=in_space(plane, bearings),
         moment=np.zeros((*bearings.shape, 3)),
         shaking_force=in_space(plane, shaking),
@@ -250,15 +266,6 @@ def _solve_pins(plane: Plane, closure: ComplexArray, passive: Array, pins: Compl
             driven = plane.driven[loop]
             if driven is not None:
                 passive[plane.driver] += (closure[driven].conj() * pins[loop]).imag
-
-
-def _refuse_open_loops(plane: Plane, q: Array, gaps: ComplexArray) -> None:
-    widest = np.abs(gaps.view(np.float64)).max(initial=0.0)
-    if widest * 16 * np.finfo(float).eps > LOOSEST * plane.tolerance:
-        worst = int(np.abs(gaps).max(axis=0).argmax())
-        slot, unbounded = plane.slots[plane.driver]
-        angle = np.arctan2(q[slot + 1, worst], q[slot, worst]) if unbounded else q[slot, worst]
-        raise AssemblyError("the motion leaves the loops of this linkage open: it is another one's", float(angle), float(widest), 0)
 
 
 def flat(plane: Plane, vectors: Array) -> ComplexArray:

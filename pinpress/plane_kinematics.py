@@ -31,7 +31,8 @@ def close(plane: Plane, angle: Array, guess: Array, with_margins: bool = False) 
             at = basis(plane, x)
             rows = plane.closure @ at
             gaps = rows[:count]
-            before, worst = worst, float(np.abs(gaps.view(np.float64)).max(initial=0.0))
+            gap = np.sqrt((gaps.real**2 + gaps.imag**2).max(axis=0, initial=0.0))
+            before, worst = worst, float(gap.max())
             # Rounding can leave a gap slightly above the tolerance: stop where another step no longer halves it.
             stalled = worst > 0.5 * before and worst < 1e3 * plane.tolerance
             if worst <= plane.tolerance or stalled or steps == MOST_NEWTON_STEPS or not np.isfinite(worst):
@@ -48,9 +49,8 @@ def close(plane: Plane, angle: Array, guess: Array, with_margins: bool = False) 
         second[plane.driver] = 0.0
         curvature = basis_acceleration(plane, at, first, None)
         _solve(plane, rows, factors, list(-(plane.closure[:count] @ curvature)), second)
-        gap = np.sqrt((gaps.real**2 + gaps.imag**2).max(axis=0, initial=0.0))
         margins = _margins(plane, rows) if with_margins else None
-    return Closure(x, first, second, gap, _configuration(plane, at, x), steps, margins)
+    return Closure(x, first, second, gap, worst, _configuration(plane, at, x), steps, margins, at)
 
 
 def basis(plane: Plane, x: Array) -> ComplexArray:

@@ -16,11 +16,12 @@ from numpy.typing import NDArray
 
 from . import loads as loads_module
 from . import plane_dynamics, spatial, tables
-from .coordinates import Array
+from .coordinates import Array, ComplexArray
 from .errors import PinpressError, UnknownNameError
 from .linkage import Linkage
 from .loads import PointForce
 from .motion import Motion
+from .plane import Plane
 
 T = TypeVar("T", bound=np.generic)
 
@@ -75,12 +76,12 @@ class Reactions:
         Computed when it is first asked for, from the bodies' velocities and accelerations, independently of the torque's own recursion.
         """
         applied = loads_module.apply(self._loads, self._press, self.motion)
-        arguments = (self.motion.q.T, self.motion.v.T, self.motion.a.T, self.driving_torque, applied)
-        if self.engine == "plane":
-            assert self._press.plane is not None and self._press.bodies is not None
-            balance, total = plane_dynamics.power_balance(self._press.plane, self._press.bodies, *arguments)
+        press, motion, torque = self._press, self.motion, self.driving_torque
+        if self.engine == "plane" and press.plane is not None and press.bodies is not None:
+            at = _basis(press, press.plane, motion)
+            balance, total = plane_dynamics.power_balance(press.plane, press.bodies, at, motion.v.T, motion.a.T, torque, applied)
         else:
-            balance, total = spatial.power_balance(self._press.spatial, *arguments)
+            balance, total = spatial.power_balance(press.spatial, motion.q.T, motion.v.T, motion.a.T, torque, applied)
         largest = total.max()
         residual = balance / largest if largest > 0 else np.zeros_like(balance)  # at rest nothing flows
         residual.setflags(write=False)
@@ -126,11 +127,11 @@ def inverse_dynamics(press: Linkage, motion: Motion, loads: Sequence[PointForce]
         raise PinpressError(f"the motion is of {motion.linkage} with other joints than {press.name}: make it with cycle(press, ...)")
     plane = press.planar(engine)
     applied = loads_module.apply(loads, press, motion)
-    q, v, a = motion.q.T, motion.v.T, motion.a.T
     if plane is not None and press.bodies is not None:
-        wrenches = plane_dynamics.inverse_dynamics(plane, press.bodies, q, v, a, applied)
+        at = _basis(press, plane, motion)
+        wrenches = plane_dynamics.inverse_dynamics(plane, press.bodies, at, motion.v.T, motion.a.T, applied)
     else:
-        wrenches = spatial.inverse_dynamics(press.spatial, q, v, a, applied)
+        wrenches = spatial.inverse_dynamics(press.spatial, motion.q.T, motion.v.T, motion.a.T, applied)
     _refuse_not_finite(motion, wrenches.force, wrenches.moment)
     names = press.bearings
     for array in (wrenches.torque, wrenches.shaking_force, wrenches.shaking_moment):
@@ -147,6 +148,11 @@ def inverse_dynamics(press: Linkage, motion: Motion, loads: Sequence[PointForce]
         _press=press,
         _loads=tuple(loads),
     )
+
+
+def _basis(press: Linkage, plane: Plane, motion: Motion) -> ComplexArray:
+    at = motion.basis(press)
+    return plane_dynamics.closed_basis(plane, motion.q.T) if at is None else at
 
 
 def _refuse_not_finite(motion: Motion, *arrays: Array) -> None:

@@ -12,13 +12,15 @@ import numpy as np
 import pinocchio as pin
 
 from .branch import Closure
-from .coordinates import Array, Slot, configuration, slots
+from .coordinates import Array, Slot, configuration, crank_angle, slots
+from .errors import AssemblyError
 from .loads import AppliedForce
 from .plane import LoopPin
 from .wrenches import Wrenches
 
 RANK = 1e-9  # singular values below this share of the largest are zero, columns scaled to unit length
 MOST_NEWTON_STEPS = 25
+LOOSEST = 1e-6  # gap, in lengths of the linkage, beyond which a motion is another linkage's
 
 
 @dataclass(frozen=True)
@@ -76,7 +78,8 @@ def close(spatial: Spatial, angle: Array, guess: Array) -> Closure:
     results = [_close_one(spatial, anchors, float(angle[i]), guess[:, i]) for i in range(len(angle))]
     position, first, second = (np.array([r[k] for r in results]).T.reshape(guess.shape) for k in range(3))
     gap, steps, margin = (np.array([r[k] for r in results]) for k in (3, 4, 5))
-    return Closure(position, first, second, gap, configuration(spatial.slots, position), int(steps.max(initial=0)), margin[None, :])
+    q = configuration(spatial.slots, position)
+    return Closure(position, first, second, gap, float(gap.max()), q, int(steps.max(initial=0)), margin[None, :])
 
 
 def inverse_dynamics(spatial: Spatial, q: Array, v: Array, a: Array, loads: Sequence[AppliedForce]) -> Wrenches:
@@ -98,7 +101,11 @@ def inverse_dynamics(spatial: Spatial, q: Array, v: Array, a: Array, loads: Sequ
     frame_moment = np.cross(model.inertias[0].lever, frame_weight)
     for i in range(n):
         at = np.ascontiguousarray(q[:, i])
-        _, columns = anchors.rows(at)
+        gaps, columns = anchors.rows(at)
+        if not np.abs(gaps).max(initial=0.0) <= LOOSEST * spatial.size:
+            angle = crank_angle(spatial.slots[spatial.driver], at)
+            widest = float(np.linalg.norm(gaps.reshape(-1, 3), axis=1).max())
+            raise AssemblyError("the motion leaves the loops of this linkage open: it is another one's", angle, widest, 0)
         external = _external(model, data, [(load.joint, load.point, load.force[i]) for load in loads])
         effort = pin.rnea(model, data, at, v[:, i].copy(), a[:, i].copy(), external)
         carried = np.array([data.oMi[j + 1].rotation @ data.f[j + 1].linear for j in range(count)]).reshape(count, 3)
