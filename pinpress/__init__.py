@@ -13,6 +13,7 @@ SI units and radians throughout. World z is up; a planar press stands in the x-z
 
 from typing import TYPE_CHECKING, Any
 
+from .dead_centres import DeadCentres, dead_centres
 from .errors import AssemblyError, PinpressError, SingularityError, UnknownNameError, UrdfError
 from .linkage import Linkage, load, presses
 from .loads import PointForce
@@ -22,6 +23,7 @@ from .reactions import Reactions, inverse_dynamics
 __all__ = [
     "RPM",
     "AssemblyError",
+    "DeadCentres",
     "Linkage",
     "Motion",
     "PinpressError",
@@ -31,6 +33,7 @@ __all__ = [
     "UnknownNameError",
     "UrdfError",
     "cycle",
+    "dead_centres",
     "inverse_dynamics",
     "load",
     "presses",

@@ -28,11 +28,12 @@ class Closure:
         position: (nv, n) joint coordinates [rad or m].
         first: (nv, n) d position / d crank angle.
         second: (nv, n) d2 position / d crank angle2.
-        gap: (n,) largest distance between the two sides of a loop [m]; not finite where Newton's method failed. widest: the largest.
+        gap: (n,) largest distance between the two sides of a loop [m]; large or not finite where Newton's method failed.
+        widest: the largest gap [m].
         q: (nq, n) the configurations in Pinocchio's order.
         iterations: Newton steps taken.
-        margins: (blocks, n) distance of every block of loops from singularity: the smallest singular value of its Jacobian, columns scaled to
-            unit length, with the sign of its determinant. Zero where two assemblies meet. None unless asked for.
+        margins: (blocks, n) distance of every block of loops from singularity: the smallest singular value of its Jacobian, columns scaled
+            to unit length, with the sign of its determinant. Zero where two assemblies meet. None unless asked for.
         basis: of the planar engine, see `plane`; None from the other.
     """
 

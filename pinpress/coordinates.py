@@ -1,7 +1,7 @@
 """Joint coordinates against Pinocchio's configurations.
 
-A joint coordinate is one number a joint, in the order of v: an angle [rad], unwrapped, or a travel [m], zero in the drawn pose. Pinocchio's q has
-the same numbers, except for an unbounded (``continuous``) joint: its cosine and sine.
+A joint coordinate is one number a joint, in the order of v: an angle [rad], unwrapped, or a travel [m], zero in the drawn pose. Pinocchio's
+q has the same numbers, except for an unbounded (``continuous``) joint: its cosine and sine.
 """
 
 from typing import NamedTuple

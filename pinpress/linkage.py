@@ -263,7 +263,8 @@ def _closed(description: "urdf.Urdf", model: pin.Model, loops: tuple[LoopPin, ..
     if spatial.mobility(passive) != 0:
         values = np.linalg.svd(passive / np.linalg.norm(passive, axis=0), compute_uv=False)
         raise SingularityError(
-            f"{description.file}: joint {model.names[driver + 1]!r} does not determine the drawn pose; draw the linkage away from its dead point",
+            f"{description.file}: joint {model.names[driver + 1]!r} does not determine the drawn pose;"
+            " draw the linkage away from its dead point",
             0.0,
             float(values.min(initial=0.0)),
         )

@@ -45,12 +45,12 @@ class Motion:
     closure_error: Array
     _time: Array | None = field(repr=False)
     _slide: tuple[Array, Array, Array] | None = field(repr=False)
-    _basis: ComplexArray | None = field(repr=False)
-    _press: Linkage | None = field(repr=False)
+    # Not taken over by dataclasses.replace: a motion with another q must not keep the basis of this one.
+    _closed_as: tuple[Linkage, ComplexArray] | None = field(default=None, init=False, repr=False)
 
     def basis(self, press: Linkage) -> ComplexArray | None:
         """The planar engine's basis of these states (see `plane`), where it closed them for this same linkage; else None."""
-        return self._basis if press is self._press else None
+        return self._closed_as[1] if self._closed_as is not None and self._closed_as[0] is press else None
 
     @property
     def time(self) -> Array:
@@ -140,7 +140,7 @@ def cycle(
     if press.slide is not None:
         guide, offset = press.slide_guide
         slide = (_fixed(closure.position[guide] + offset), _fixed(v[guide]), _fixed(a[guide]))
-    return Motion(
+    motion = Motion(
         linkage=press.name,
         driver=press.driver,
         joints=press.joints,
@@ -153,9 +153,10 @@ def cycle(
         closure_error=_fixed(closure.gap),
         _time=None if times is None else _fixed(times),
         _slide=slide,
-        _basis=closure.basis,
-        _press=press,
     )
+    if closure.basis is not None:
+        object.__setattr__(motion, "_closed_as", (press, closure.basis))
+    return motion
 
 
 def _turn(speed: ArrayLike, points: int, acceleration: ArrayLike, time: ArrayLike | None) -> tuple[Array, Array, Array, Array | None]:

@@ -1,7 +1,7 @@
 """A planar linkage as constant matrices over rotors.
 
-In the plane a vector is a complex number and a rotation a multiplication by a rotor u = exp(i phi). Every point of a linkage is then a fixed
-linear combination of few functions of the configuration, its *basis* (nb, n):
+In the plane a vector is a complex number and a rotation a multiplication by a rotor u = exp(i phi). Every point of a linkage is then a
+fixed linear combination of few functions of the configuration, its *basis* (nb, n):
 
     row 0         1                       the frame
     revolute      u of the link it turns  absolute rotor, 1 in the drawn pose
@@ -66,7 +66,7 @@ class Plane:
         sense: (nv,) +1 or -1 where a revolute axis lies along or against the normal, 0 for a prismatic joint.
         slots: of the joints in Pinocchio's q.
         revolute, prismatic: joint indices in the order of the basis.
-        turn: (nr, nv) absolute angles of the rotors from joint angles. spin: (nv, nv) the same for every link, also where it only translates.
+        turn: (nr, nv) absolute angles of the rotors from joint angles. spin: (nv, nv) the same of every link, also where it only slides.
         frames: (nv, 3, 3) a vector in a joint's frame to its components along axes[0], axes[1], normal in the drawn pose.
         bases: (nr,) basis row of the rotor to which each revolute joint's angle is added.
         guide_rotors: (np,) basis row of the rotor that carries each prismatic direction.
@@ -76,7 +76,8 @@ class Plane:
         closure: (nl + columns, nb) loop gaps (point 2 minus point 1), then the columns of the loop Jacobian.
         loop_points: (nl, nb) point 1 of every loop. loop_heights: (nl,) along the normal [m].
         blocks: the order in which loops are closed. driven: per loop, row of the driver's column, None where the driver does not move it.
-        carried: (nv, nv) 1 where the link of joint k hangs on joint j. crossed: (nv, nl) +1 / -1 where loop l's point 2 / 1 hangs on joint j.
+        carried: (nv, nv) 1 where the link of joint k hangs on joint j.
+        crossed: (nv, nl) +1 / -1 where loop l's point 2 / 1 hangs on joint j.
         tolerance: gap at which a loop is closed to rounding [m].
     """
 
@@ -133,7 +134,7 @@ def build(model: pin.Model, loops: Sequence[LoopPin], driver: int) -> Plane | No
     directions = [place[j].rotation @ (subspace[j][3:] if turning[j] else subspace[j][:3]) for j in range(count)]
     if not any(turning):
         return None
-    normal, axes = _frame(directions[driver] if turning[driver] else directions[turning.index(True)])
+    normal, axes = _frame(directions[driver] if turning[driver] else directions[next(j for j in range(count) if turning[j])])
     sense = np.array([np.sign(d @ normal) if t else 0.0 for d, t in zip(directions, turning, strict=True)])
     for d, t in zip(directions, turning, strict=True):
         off = np.linalg.norm(np.cross(d, normal)) if t else abs(d @ normal)

@@ -1,8 +1,9 @@
 """Inverse dynamics of a planar linkage at all crank angles at once.
 
-Newton-Euler from the tips of the tree to the frame, the loops open; then, block by block against the order of closure, the two components of
-every loop pin's force from the joints that nothing drives; then every joint's force and moment. A lever arm r and a force f, both complex,
-make the moment Im(conj(r) f) about the normal. What acts out of the plane is computed in `plane_axial`, and only where there is something.
+Newton-Euler from the tips of the tree to the frame, the loops open; then, block by block against the order of closure, the two components
+of every loop pin's force from the joints that nothing drives; then every joint's force and moment. A lever arm r and a force f, both
+complex, make the moment Im(conj(r) f) about the normal. What acts out of the plane is computed in `plane_axial`, and only where there is
+something.
 
 Signs: forces and moments of a joint are the action of parent on child, of a loop the action of link1 on link2.
 """
@@ -38,8 +39,8 @@ class Bodies:
         uncrossed: (nv, nl) minus `Plane.crossed`, what the joints are relieved of by the loop forces.
         forces: (2 nv, nb) on the second derivative of the basis: inertia force m a less weight of every body, then of all that hang on a
             joint. The first column is the weight; the basis' own first row does not move, so 1 is put there.
-        arms: on the basis: centres of mass from their joints, `Plane.closure` (its columns times i), then arms of the pairs of ``inner``, directions of the
-            prismatic joints, arms of ``guided``, points of application of ``grounded``.
+        arms: on the basis: centres of mass from their joints; `Plane.closure`, its columns times i; ``inner`` joints from their parents;
+            directions of the prismatic joints; ``guided`` loops from the joint; points of application of ``grounded``.
         inner: joints whose parent is not the frame, tips first.
         guided: (prismatic joint, loop) pairs: the loop's force turns the joint's link.
         grounded: bearings that act on the frame; grounded_signs: (k, 1) of their action on the foundation.
@@ -274,7 +275,7 @@ def flat(plane: Plane, vectors: Array) -> ComplexArray:
 
 
 def in_space(plane: Plane, vectors: ComplexArray) -> Array:
-    """Complex vectors (...) as world vectors (..., 3) in the plane. Most presses stand in a coordinate plane: zero components cost nothing."""
+    """Complex vectors (...) as world vectors (..., 3). Most presses stand in a coordinate plane: zero components cost nothing."""
     world = np.zeros((*vectors.shape, 3))
     for i, (first, second) in enumerate(plane.axes.T):
         if first:

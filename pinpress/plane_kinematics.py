@@ -195,7 +195,7 @@ def _solve(plane: Plane, rows: ComplexArray, factors: list[Dyad | Array], target
 def _solve_dense(matrix: Array, right: Array) -> Array:
     """Solutions (n, m) of a stack of systems; NaN, not an exception, where one of them is singular."""
     try:
-        return np.linalg.solve(matrix, right[:, :, None])[:, :, 0]
+        return np.asarray(np.linalg.solve(matrix, right[:, :, None])[:, :, 0], dtype=np.float64)
     except np.linalg.LinAlgError:
         return np.full_like(right, np.nan)
 

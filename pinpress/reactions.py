@@ -1,8 +1,9 @@
 """Inverse dynamics: the driving torque and every bearing and guide force of a motion.
 
-Signs, in one place: forces and moments of a joint are the action of parent on child, of a loop the action of link1 on link2, in world axes,
-moments about the origin of the child's joint frame (a loop's pin transmits none). The driving torque is positive along the driver's axis and
-is part of the driver's bearing moment. Shaking force and moment are the action of the machine on its foundation, its weight included.
+Signs, in one place: forces and moments of a joint are the action of parent on child, of a loop the action of link1 on link2, in world
+axes, moments about the origin of the child's joint frame (a loop's pin transmits none). The driving torque is positive along the driver's
+axis and is part of the driver's bearing moment. Shaking force and moment are the action of the machine on its foundation, its weight
+included.
 """
 
 import os
@@ -36,7 +37,8 @@ class ByBearing(Mapping[str, NDArray[T]]):
     def __getitem__(self, name: str) -> NDArray[T]:
         if name not in self._names:
             raise UnknownNameError("bearing", name, self._names)
-        return self._values[self._names.index(name)]
+        values: NDArray[T] = self._values[self._names.index(name)]
+        return values
 
     def __iter__(self) -> Iterator[str]:
         return iter(self._names)

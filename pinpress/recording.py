@@ -81,8 +81,6 @@ class _Link:
 
 
 def _keys(motion: "Motion", has_slide: bool) -> _Keys:
-    if motion.time is None:
-        raise PinpressError("the motion has no time, so it cannot be played; pass time= to cycle, or a constant speed=")
     series = {"time": motion.time, "crank_angle": motion.crank_angle, "q": motion.q}
     if has_slide:
         series["slide_position"] = motion.slide_position

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 import pinocchio as pin
+from numpy.typing import NDArray
 
 from .branch import Closure
 from .coordinates import Array, Slot, configuration, crank_angle, slots
@@ -30,6 +31,7 @@ class Spatial:
     Attributes:
         model: the Pinocchio model. loops: in declared order. driver: index of the driver joint in v.
         crossed: (nv, nl) +1 / -1 where loop l's point 2 / 1 hangs on joint j.
+        share: (3 nv + 3 nl, 3 nl) what loop forces add to the forces of all joints and loops.
         size: length of the linkage [m]. tolerance: gap at which a loop is closed to rounding [m].
         slots: of the joints in q.
         reference: (3 nl, nv - 1) orthonormal basis of the passive columns in the drawn pose, against which the sign of the branch is told.
@@ -39,6 +41,7 @@ class Spatial:
     loops: tuple[LoopPin, ...]
     driver: int
     crossed: Array
+    share: Array
     size: float
     tolerance: float
     reference: Array
@@ -57,7 +60,17 @@ def build(model: pin.Model, loops: Sequence[LoopPin], driver: int, drawn: Array)
     _, columns = loop_rows(model, loops, drawn)
     passive = _unit_columns(np.delete(columns, driver, axis=1))[0]
     reference = np.linalg.svd(passive, full_matrices=False)[0][:, : passive.shape[1]]
-    return Spatial(model, tuple(loops), driver, crossed, size, 64 * np.finfo(float).eps * (size + reach), reference, slots(model))
+    return Spatial(
+        model=model,
+        loops=tuple(loops),
+        driver=driver,
+        crossed=crossed,
+        share=np.concatenate([-np.kron(crossed, np.eye(3)), np.eye(3 * len(loops))]),
+        size=size,
+        tolerance=64 * np.finfo(float).eps * (size + reach),
+        reference=reference,
+        slots=slots(model),
+    )
 
 
 def loop_rows(model: pin.Model, loops: Sequence[LoopPin], x: Array) -> tuple[Array, Array]:
@@ -240,29 +253,30 @@ class _Passive:
         return float(np.sign(np.linalg.det(reference.T @ self.scaled)) * self.values[count - 1])
 
 
-def _solve_pins(spatial: Spatial, columns: Array, effort: Array, carried: Array, data: pin.Data, indeterminate: Array) -> Array:
+def _solve_pins(spatial: Spatial, columns: Array, effort: Array, carried: Array, data: pin.Data, indeterminate: NDArray[np.bool_]) -> Array:
     """Loop pin forces (nl, 3) in world axes; components that redundancy leaves open are marked in ``indeterminate``."""
     passive = _Passive(columns, spatial.driver)
     pins, idle = passive.multipliers(effort[passive.rest])
     if idle.shape[1]:
-        # joint force = carried - crossed pins: of all pins + idle y, the least sum of squares over joints and pins
-        share = np.concatenate([-np.kron(spatial.crossed, np.eye(3)), np.eye(len(pins))])
-        start = np.concatenate([carried.ravel(), np.zeros(len(pins))]) + share @ pins
-        pins = pins - idle @ np.linalg.lstsq(share @ idle, start, rcond=None)[0]
-        _mark(spatial, idle.reshape(-1, 3, idle.shape[1]), data, indeterminate)
+        # forces of joints, then pins: (carried, 0) + share (pins + idle y); of all y, the one with the least sum of squares
+        response = spatial.share @ idle
+        start = spatial.share @ pins
+        start[: carried.size] += carried.ravel()
+        pins = pins - idle @ np.linalg.lstsq(response, start, rcond=None)[0]
+        _mark(spatial, idle, response, data, indeterminate)
     return pins.reshape(-1, 3)
 
 
-def _mark(spatial: Spatial, idle: Array, data: pin.Data, indeterminate: Array) -> None:
-    """Mark force and moment components of joints and loops that idle loop forces (nl, 3, k) reach."""
+def _mark(spatial: Spatial, idle: Array, response: Array, data: pin.Data, indeterminate: NDArray[np.bool_]) -> None:
+    """Mark force and moment components of joints and loops that idle loop forces (3 nl, k) reach; ``response``: forces they make."""
     count = len(spatial.crossed)
+    indeterminate[:, :3] |= (np.abs(response).max(axis=1) > RANK).reshape(-1, 3)
+    origins = [data.oMi[j + 1].translation for j in range(count)]
     for k, loop in enumerate(spatial.loops):
-        indeterminate[count + k, :3] |= np.abs(idle[k]).max(axis=1) > RANK
         point = data.oMi[loop.joint1].act(loop.point1)
         for j in map(int, np.flatnonzero(spatial.crossed[:, k])):
-            arm = point - data.oMi[j + 1].translation
-            indeterminate[j, :3] |= np.abs(idle[k]).max(axis=1) > RANK
-            indeterminate[j, 3:] |= np.abs(np.cross(arm, idle[k], axisb=0, axisc=0)).max(axis=1) > RANK * spatial.size
+            moments = pin.skew(point - origins[j]) @ idle[3 * k : 3 * k + 3]
+            indeterminate[j, 3:] |= np.abs(moments).max(axis=1) > RANK * spatial.size
 
 
 def _external(model: pin.Model, data: pin.Data, forces: Sequence[tuple[int, Array, Array]]) -> pin.StdVec_Force:
@@ -270,7 +284,8 @@ def _external(model: pin.Model, data: pin.Data, forces: Sequence[tuple[int, Arra
     wrenches = [np.zeros(6) for _ in range(model.njoints)]
     for joint, point, force in forces:
         local = data.oMi[joint].rotation.T @ force
-        wrenches[joint] += np.concatenate([local, np.cross(point, local)])
+        wrenches[joint][:3] += local
+        wrenches[joint][3:] += pin.skew(point) @ local
     return pin.StdVec_Force([pin.Force(w) for w in wrenches])
 
 

@@ -1,0 +1,63 @@
+"""Where the slide turns back."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from .branch import predict
+from .coordinates import Array
+from .errors import PinpressError
+from .linkage import Linkage
+
+SAMPLES = 720  # per turn; two dead centres closer than half a degree would be taken for none
+
+
+@dataclass(frozen=True)
+class DeadCentres:
+    """Outermost turning points of the slide along its guide's axis over one turn.
+
+    Attributes:
+        top_angle, bottom_angle: of the driver joint, 0 to 2 pi [rad]. top: the far end along the axis, upwards in an upright press.
+        top_position, bottom_position: of the slide [m].
+    """
+
+    top_angle: float
+    top_position: float
+    bottom_angle: float
+    bottom_position: float
+
+    @property
+    def stroke(self) -> float:
+        """Distance between the dead centres [m]."""
+        return self.top_position - self.bottom_position
+
+
+def dead_centres(press: Linkage) -> DeadCentres:
+    """Dead centres of a press whose crank turns fully, to rounding: zeros of the slide's speed, bisected.
+
+    Raises:
+        PinpressError: the linkage has no slide, or its slide never turns back.
+        SingularityError: the linkage locks within the turn.
+    """
+    guide, offset = press.slide_guide
+    turns = 2 * np.pi if press.branch.period is None else press.branch.period
+
+    def slide(angle: Array) -> tuple[Array, Array]:
+        closure = press.close(angle, predict(press.branch, angle))
+        return closure.position[guide] + offset, closure.first[guide]
+
+    samples = np.linspace(0.0, turns, round(SAMPLES * turns / (2 * np.pi)) + 1)
+    speeds = slide(samples)[1]
+    turning = np.flatnonzero(np.signbit(speeds[:-1]) != np.signbit(speeds[1:]))
+    if len(turning) < 2:
+        raise PinpressError(f"the slide of {press.name} does not turn back within a turn of the driver: it has no dead centres")
+    low, high = samples[turning], samples[turning + 1]
+    before = np.signbit(speeds[turning])
+    for _ in range(60):  # halves half a degree down to rounding
+        middle = 0.5 * (low + high)
+        same = np.signbit(slide(middle)[1]) == before
+        low, high = np.where(same, middle, low), np.where(same, high, middle)
+    angles = 0.5 * (low + high)
+    positions = slide(angles)[0]
+    top, bottom = int(positions.argmax()), int(positions.argmin())
+    return DeadCentres(float(angles[top]), float(positions[top]), float(angles[bottom]), float(positions[bottom]))
