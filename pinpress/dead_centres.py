@@ -46,7 +46,8 @@ def dead_centres(press: Linkage) -> DeadCentres:
         closure = press.close(angle, predict(press.branch, angle))
         return closure.position[guide] + offset, closure.first[guide]
 
-    samples = np.linspace(0.0, turns, round(SAMPLES * turns / (2 * np.pi)) + 1)
+    # A press is often drawn at a dead centre: a grid that starts off the drawn pose has no sample on it.
+    samples = np.linspace(0.0, turns, round(SAMPLES * turns / (2 * np.pi)) + 1) - 0.38 * np.pi / SAMPLES
     speeds = slide(samples)[1]
     turning = np.flatnonzero(np.signbit(speeds[:-1]) != np.signbit(speeds[1:]))
     if len(turning) < 2:
@@ -59,5 +60,6 @@ def dead_centres(press: Linkage) -> DeadCentres:
         low, high = np.where(same, middle, low), np.where(same, high, middle)
     angles = 0.5 * (low + high)
     positions = slide(angles)[0]
+    angles = np.where(np.abs(angles) < 1e-12, 0.0, angles % (2 * np.pi))  # not 360 degrees for one drawn there
     top, bottom = int(positions.argmax()), int(positions.argmin())
     return DeadCentres(float(angles[top]), float(positions[top]), float(angles[bottom]), float(positions[bottom]))

@@ -134,9 +134,10 @@ XACRO = '<robot name="press" xmlns:xacro="http://www.ros.org/wiki/xacro">'
         (edited(('<link name="rod">', '<link name="rod>')), None, 11, "not well-formed XML"),
         (VALID + "<robot/>", None, END + 1, "not well-formed XML"),
         ('<mujoco model="press"/>', "<mujoco>", 1, "root element is not <robot>"),
-        ('<!DOCTYPE robot [<!ENTITY m "20">]>' + VALID[22:], None, None, "document type declaration"),
+        ('<!DOCTYPE robot [<!ENTITY m "20">]>' + VALID[22:], None, 1, "document type declaration"),
         (edited(('<robot name="press">', XACRO + '<xacro:property name="r" value="1"/>')), '<xacro:property name="r">', 2, "is xacro"),
         (added("<?tool x?>"), None, END, "processing instruction"),
+        (VALID.replace("<robot", "<?xml-model href='urdf.rng'?><robot"), None, 2, "processing instruction"),
         (added("<xacro:x/>"), "<xacro:x>", END, "is xacro"),
     ],
 )
@@ -203,7 +204,7 @@ LINK, ROD_LINK, JOINT_O, JOINT_P, LOOP = 'link name="crank"', 'link name="rod"',
         (edited(('<link2 link="slide" rpy="0 0.5 0"/>', "")), '<loop_joint name="W">', LINE_W, "has no <link2>"),
         # attributes
         (edited((' link="frame"', "")), of("parent", JOINT_O), LINE_O, "has no link"),
-        (edited((' link="crank"', ' link=""')), of("child", JOINT_O), LINE_O, "has no link"),
+        (edited((' link="crank"', ' link=""')), of("child", JOINT_O), LINE_O, "link='': is empty"),
         (edited(('link1 link="rod"', "link1")), of("link1", LOOP), LINE_W, "has no link"),
         (edited((' xyz="0 -1 0"', "")), of("axis", JOINT_O), LINE_O, "has no xyz"),
         (edited((' value="20"', "")), of("mass", LINK), CRANK_MASS, "has no value"),
@@ -352,7 +353,6 @@ def test_axis_remedy_is_accepted(file):
     "text",
     [
         "\ufeff" + VALID,
-        VALID.replace("<robot", "<?xml-model href='urdf.rng'?><robot"),
         VALID.replace("\n", "\r\n"),
         edited(("<link ", "<!-- <link name='x' --><link ")),
         edited(('<robot name="press">', XACRO)),

@@ -1,0 +1,115 @@
+"""The command line, run as a user runs it."""
+
+import csv
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import pinpress as pp
+from pinpress.__main__ import main
+
+ROOT = Path(__file__).resolve().parent.parent
+
+
+def run(*arguments: object) -> subprocess.CompletedProcess[str]:
+    return subprocess.run([sys.executable, "-m", "pinpress", *map(str, arguments)], capture_output=True, text=True, cwd=ROOT, timeout=60)
+
+
+def test_analyse_prints_a_summary_and_writes_both_files(tmp_path: Path) -> None:
+    out = tmp_path / "made" / "out"
+    done = run("analyse", "urdf/zxn2_3000b.urdf", "--speed", 70, "--out", out)
+    assert (done.returncode, done.stderr) == (0, "")
+    for line in (
+        "  stroke                         301.261 mm",
+        "  top dead centre               -658.292 mm     at  155.497 deg, 0.370231 s",
+        "  bottom dead centre            -959.553 mm     at  334.525 deg, 0.796488 s",
+    ):
+        assert line in done.stdout
+    for word in ("Driving torque", "rms", "Shaking force", "largest loop gap", "largest power residual", "time taken", "slide_guide"):
+        assert word in done.stdout
+    with (out / "cycle.csv").open(encoding="utf-8", newline="") as file:
+        header, *rows = csv.reader(file)
+    assert header[:2] == ["time [s]", "crank_angle [rad]"]
+    assert len(rows) == 720
+    press = pp.load("zxn2_3000b")
+    motion = pp.cycle(press, speed=70 * pp.RPM, points=720)
+    result = pp.inverse_dynamics(press, motion)
+    table = np.array(rows, dtype=float)
+    for name, values in {
+        "slide_position [m]": motion.slide_position,
+        "driving_torque [N m]": result.driving_torque,
+        "force_slide_guide_x [N]": result.bearing_force["slide_guide"][:, 0],
+        "moment_A_y [N m]": result.bearing_moment["A"][:, 1],
+    }.items():
+        np.testing.assert_array_equal(table[:, header.index(name)], values)
+    page = (out / "recording.html").read_text(encoding="utf-8")
+    assert 500_000 < len(page) < 2_000_000
+    assert 'type="range"' in page
+
+
+def test_summary_peaks(capsys: pytest.CaptureFixture[str]) -> None:
+    """Peaks of the summary against the quantities themselves, in the words around them."""
+    assert main(["analyse", "crank_slide", "--speed", "60", "--points", "360", "--engine", "pinocchio"]) == 0
+    text = capsys.readouterr().out
+    press = pp.load("crank_slide")
+    result = pp.inverse_dynamics(press, pp.cycle(press, speed=60 * pp.RPM, points=360))
+    assert "engine 'pinocchio'" in text
+    assert f"{'  stroke':28}{200:12.3f} mm" in text
+    torque = result.driving_torque
+    assert f"{'  largest':28}{torque.max():12.6g} N m    at {int(torque.argmax()):8.3f} deg" in text
+    for name, force in result.bearing_force.items():
+        size = np.linalg.norm(force, axis=1)
+        row = next(line for line in text.splitlines() if line.startswith(f"  {name} "))
+        assert row.split()[1:3] == [f"{size.max():.0f}", f"{int(size.argmax()):.2f}"]
+
+
+def test_backwards_and_without_slide(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    assert main(["analyse", "zxn2_3000b", "--speed", "-70"]) == 0
+    assert "bottom dead centre            -959.553 mm     at  334.525 deg, 0.060655 s" in capsys.readouterr().out
+    assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize(
+    ("arguments", "says"),
+    [
+        (["missing.urdf", "--speed", "70"], "missing.urdf"),
+        (["zxn2", "--speed", "70"], "zxn2_3000b"),
+        (["zxn2_3000b", "--speed", "0"], "speed is 0"),
+        (["zxn2_3000b", "--speed", "nan"], "speed is not finite"),
+        (["zxn2_3000b", "--speed", "70", "--points", "1"], "points is 1"),
+        (["zxn2_3000b", "--speed", "70", "--driver", "Q"], "no moving joint 'Q'"),
+        (["zxn2_3000b", "--speed", "70", "--slide", "rod"], "'rod' is not guided"),
+        (["zxn2_3000b", "--speed", "70", "--out", "README.md"], "README.md"),
+    ],
+)
+def test_error_is_one_line_and_exit_code_2(arguments: list[str], says: str) -> None:
+    done = run("analyse", *arguments)
+    assert done.returncode == 2
+    assert says in done.stderr
+    assert done.stderr.startswith("pinpress: ")
+    assert done.stderr.count("\n") == 1
+
+
+@pytest.mark.parametrize("arguments", [[], ["analyse"], ["analyse", "zxn2_3000b", "--speed", "fast"], ["analyze", "zxn2_3000b"]])
+def test_usage_errors_exit_with_2(arguments: list[str]) -> None:
+    done = run(*arguments)
+    assert done.returncode == 2
+    assert "Traceback" not in done.stderr
+
+
+def test_help_names_units_and_presses() -> None:
+    done = run("analyse", "--help")
+    assert done.returncode == 0
+    for word in ("r/min", "zxn2_3000b", "cycle.csv", "recording.html", "--points", "world axes"):
+        assert word in done.stdout
+
+
+def test_installed_command() -> None:
+    """The script that pip puts on the path is the same command."""
+    command = Path(sys.executable).with_name("pinpress")
+    done = subprocess.run([command, "--help"], capture_output=True, text=True, timeout=60)
+    assert done.returncode == 0
+    assert "analyse" in done.stdout
