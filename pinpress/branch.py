@@ -17,6 +17,7 @@ from .errors import AssemblyError, SingularityError
 COARSE_STEP = 2 * np.pi / 64  # longest step of the walk [rad]
 SUBDIVISION = 8  # nodes of the table per step of the walk
 SMALLEST_STEP = 1e-10  # the walk ends where it would need a shorter one: the linkage locks there [rad]
+LARGEST_CORRECTION = 1e-3  # Newton's method may move a joint so far from its prediction [rad, or lengths of the linkage]
 MOST_TURNS = 8  # turns of the crank after which a linkage must have come back to its start
 
 
@@ -107,12 +108,12 @@ def walk(close: Close, drawn: Array, size: float, tolerance: float) -> Branch:
         if locked:
             downward = upward[:1]
             _advance(close, downward, -2 * np.pi * MOST_TURNS, size, tolerance)
-            return _table(close, downward[:0:-1] + upward, None, np.zeros_like(drawn))
+            return _table(close, downward[:0:-1] + upward, None, np.zeros_like(drawn), size, tolerance)
         gained = upward[-1].position - drawn
         whole_turns = 2 * np.pi * np.round(gained / (2 * np.pi))
         for advance in (np.zeros_like(drawn), whole_turns):  # a travel of 2 pi metres is not a turn, so zero is tried first
             if np.all(np.abs(gained - advance) <= 1e-9 * (1 + size)):
-                return _table(close, upward, 2 * np.pi * turn, advance)
+                return _table(close, upward, 2 * np.pi * turn, advance, size, tolerance)
     raise AssemblyError(
         f"the linkage is not back at its drawn pose after {MOST_TURNS} turns of the driver", upward[-1].angle, float(start.gap[0]), 0
     )
@@ -195,7 +196,7 @@ def _belongs(closure: Closure, guess: Array, last: _Node, h: float, weight: floa
     return bool(correction <= 0.1 * abs(h) * (1.0 + weight * np.abs(last.first).max()))
 
 
-def _table(close: Close, nodes: list[_Node], period: float | None, advance: Array) -> Branch:
+def _table(close: Close, nodes: list[_Node], period: float | None, advance: Array, size: float, tolerance: float) -> Branch:
     """Polynomials on a finer grid than the walk's, its nodes closed all at once from the walk's own polynomials."""
     coarse = _hermite(
         np.array([node.angle for node in nodes]),
@@ -206,7 +207,12 @@ def _table(close: Close, nodes: list[_Node], period: float | None, advance: Arra
     )
     margins = (float(np.abs(nodes[0].margins).min(initial=1.0)), float(np.abs(nodes[-1].margins).min(initial=1.0)))
     rough = Branch(coarse[0], coarse[1], None, advance, margins)
-    closure = close(angles, predict(rough, angles))
+    guess = predict(rough, angles)
+    closure = close(angles, guess)
+    moved = np.abs(closure.position - guess).max(axis=0)
+    if not (closure.widest <= tolerance and moved.max() <= LARGEST_CORRECTION * (1 + size)):
+        worst = int(np.argmax(np.where(np.isfinite(moved), moved, np.inf)))
+        raise AssemblyError("the drawn assembly cannot be followed", float(angles[worst]), float(closure.gap[worst]), closure.iterations)
     fine = _hermite(angles, closure.position.T, closure.first.T, closure.second.T)
     return Branch(fine[0], fine[1], period, advance, margins)
 

@@ -1,6 +1,5 @@
 """Every exception of the library. Each carries its data as attributes, so that a caller need not read the sentence."""
 
-import difflib
 from collections.abc import Iterable
 
 
@@ -71,6 +70,8 @@ class UnknownNameError(PinpressError, KeyError):
 
 def suggestion(name: str, known: Iterable[str]) -> str:
     """ ", did you mean 'x'?" where a known name is close to the one given, else an empty string."""
+    import difflib  # only on the way to an error
+
     close = difflib.get_close_matches(name, tuple(known), n=1)
     return f", did you mean {close[0]!r}?" if close else ""
 

@@ -26,7 +26,7 @@ ACCEPTED = 1e3  # times the tolerance of rounding: a loop whose gap is not below
 DETERMINED = 1e-9  # smallest singular value at which the driver still determines the drawn pose
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Linkage:
     """A closed linkage with one driver. Made by `load`; read-only, ``model`` too.
 
@@ -58,6 +58,9 @@ class Linkage:
     bodies: Bodies | None
     spatial: Spatial
 
+    def __repr__(self) -> str:
+        return f"<Linkage {self.name}: driver {self.driver}, slide {self.slide}, bearings {', '.join(self.bearings)}>"
+
     @property
     def bearings(self) -> tuple[str, ...]:
         """Names of all joints and loops that transmit forces: joints in Pinocchio's order, then loops."""
@@ -86,7 +89,8 @@ class Linkage:
         data = self.model.createData()
         pin.computeJointJacobians(self.model, data, pin.neutral(self.model))
         place = data.oMi[frame.parentJoint] * frame.placement
-        axis = pin.getJointJacobian(self.model, data, frame.parentJoint, pin.WORLD)[:3, frame.parentJoint - 1]
+        columns = pin.getJointJacobian(self.model, data, frame.parentJoint, pin.WORLD).reshape(6, self.model.nv)
+        axis = columns[:3, frame.parentJoint - 1]
         return frame.parentJoint - 1, float(axis @ place.translation)
 
     @cached_property

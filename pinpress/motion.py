@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from . import tables
-from .branch import Closure, joined, predict
+from .branch import LARGEST_CORRECTION, Closure, joined, predict
 from .coordinates import Array, ComplexArray
 from .errors import AssemblyError, PinpressError
 from .linkage import ACCEPTED, Linkage
@@ -16,10 +16,8 @@ from .plane_dynamics import PIECE
 RPM = 2 * np.pi / 60
 """One revolution per minute [rad/s]."""
 
-PREDICTED = 1e-3  # how far Newton's method may move a joint from the branch's prediction [rad, or lengths of the linkage]
 
-
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Motion:
     """States of a linkage, n of them, closed. All arrays are read-only.
 
@@ -43,10 +41,13 @@ class Motion:
     v: Array
     a: Array
     closure_error: Array
-    _time: Array | None = field(repr=False)
-    _slide: tuple[Array, Array, Array] | None = field(repr=False)
+    _time: Array | None
+    _slide: tuple[Array, Array, Array] | None
     # Not taken over by dataclasses.replace: a motion with another q must not keep the basis of this one.
-    _closed_as: tuple[Linkage, ComplexArray] | None = field(default=None, init=False, repr=False)
+    _closed_as: tuple[Linkage, ComplexArray] | None = field(default=None, init=False)
+
+    def __repr__(self) -> str:
+        return f"<Motion of {self.linkage}: {len(self.crank_angle)} states>"
 
     def basis(self, press: Linkage) -> ComplexArray | None:
         """The planar engine's basis of these states (see `plane`), where it closed them for this same linkage; else None."""
@@ -225,7 +226,7 @@ def _closed(press: Linkage, angles: Array, engine: str) -> Closure:
 def _piece(press: Linkage, angles: Array, guess: Array, engine: str) -> Closure:
     closure = press.close(angles, guess, engine)
     tolerance = ACCEPTED * (press.planar(engine) or press.spatial).tolerance
-    near = PREDICTED * (1 + press.spatial.size)  # another assembly would be far from the prediction
+    near = LARGEST_CORRECTION * (1 + press.spatial.size)  # another assembly would be far from the prediction
     moved = np.abs(closure.position - guess).max(axis=0) if closure.iterations else np.zeros(1)
     if not (closure.widest <= tolerance and moved.max() <= near and np.isfinite(closure.second.sum())):
         worst = int(np.argmin((closure.gap <= tolerance) & (moved <= near) & np.isfinite(closure.second).all(axis=0)))

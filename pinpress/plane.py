@@ -129,7 +129,7 @@ def build(model: pin.Model, loops: Sequence[LoopPin], driver: int) -> Plane | No
     pin.computeJointJacobians(model, data, pin.neutral(model))
     count = model.nv
     place = [data.oMi[j + 1] for j in range(count)]
-    subspace = [pin.getJointJacobian(model, data, j + 1, pin.LOCAL)[:, j] for j in range(count)]
+    subspace = [pin.getJointJacobian(model, data, j + 1, pin.LOCAL).reshape(6, count)[:, j] for j in range(count)]
     turning = [np.linalg.norm(s[3:]) > 0.5 for s in subspace]
     directions = [place[j].rotation @ (subspace[j][3:] if turning[j] else subspace[j][:3]) for j in range(count)]
     if not any(turning):

@@ -8,7 +8,7 @@ included.
 
 import os
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import cached_property
 from typing import TypeVar
 
@@ -47,7 +47,7 @@ class ByBearing(Mapping[str, NDArray[T]]):
         return len(self._names)
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Reactions:
     """Torque and forces over a motion of n states. All arrays are read-only; signs: see the module.
 
@@ -68,8 +68,11 @@ class Reactions:
     shaking_force: Array
     shaking_moment: Array
     indeterminate: ByBearing[np.bool_]
-    _press: Linkage = field(repr=False)
-    _loads: tuple[PointForce, ...] = field(repr=False)
+    _press: Linkage
+    _loads: tuple[PointForce, ...]
+
+    def __repr__(self) -> str:
+        return f"<Reactions of {self._press.name}: {len(self.driving_torque)} states, bearings {', '.join(self.bearing_force)}>"
 
     @cached_property
     def power_residual(self) -> Array:

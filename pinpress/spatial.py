@@ -187,7 +187,7 @@ class _Anchors:
             m.calc(self.model, self.data, d)
             rotation = d.oMc1.rotation
             gaps[3 * k : 3 * k + 3] = rotation @ d.constraint_position_error
-            columns[3 * k : 3 * k + 3] = rotation @ m.jacobian(self.model, self.data, d)
+            columns[3 * k : 3 * k + 3] = rotation @ m.jacobian(self.model, self.data, d).reshape(3, self.model.nv)
         return gaps, columns
 
     def drift(self, q: Array, v: Array) -> Array:

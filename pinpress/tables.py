@@ -1,6 +1,5 @@
 """Columns of numbers to files and frames that other programs read."""
 
-import csv
 import os
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, TypeAlias
@@ -22,6 +21,8 @@ def write_csv(path: str | os.PathLike[str], columns: Mapping[str, Array]) -> Non
     Raises:
         PinpressError: the file cannot be written.
     """
+    import csv
+
     try:
         with open(path, "w", newline="", encoding="utf-8") as file:
             writer = csv.writer(file, lineterminator="\n")
