@@ -15,7 +15,8 @@ from typing import TYPE_CHECKING, Any
 
 from .dead_centres import DeadCentres, dead_centres
 from .errors import AssemblyError, PinpressError, SingularityError, UnknownNameError, UrdfError
-from .linkage import Linkage, load, presses
+from .linkage import Linkage
+from .loading import load, presses
 from .loads import PointForce
 from .motion import RPM, Motion, cycle
 from .reactions import Reactions, inverse_dynamics

@@ -124,22 +124,14 @@ class Plane:
 
 
 def build(model: pin.Model, loops: Sequence[LoopPin], driver: int) -> Plane | None:
-    """Constants of a linkage, or None where it is not planar or its loops do not fall into square blocks (a redundant one does not)."""
-    data = model.createData()
-    pin.computeJointJacobians(model, data, pin.neutral(model))
-    count = model.nv
-    place = [data.oMi[j + 1] for j in range(count)]
-    subspace = [pin.getJointJacobian(model, data, j + 1, pin.LOCAL).reshape(6, count)[:, j] for j in range(count)]
-    turning = [np.linalg.norm(s[3:]) > 0.5 for s in subspace]
-    directions = [place[j].rotation @ (subspace[j][3:] if turning[j] else subspace[j][:3]) for j in range(count)]
-    if not any(turning):
+    """Constants of a linkage whose driver turns, or None where it is not planar or its loops do not fall into square blocks (a redundant
+    one does not)."""
+    if misalignment(model, driver) > PARALLEL:
         return None
-    normal, axes = _frame(directions[driver] if turning[driver] else directions[next(j for j in range(count) if turning[j])])
+    count = model.nv
+    place, directions, turning = _drawn_joints(model)
+    normal, axes = _frame(directions[driver])
     sense = np.array([np.sign(d @ normal) if t else 0.0 for d, t in zip(directions, turning, strict=True)])
-    for d, t in zip(directions, turning, strict=True):
-        off = np.linalg.norm(np.cross(d, normal)) if t else abs(d @ normal)
-        if off > PARALLEL:
-            return None
 
     def flat(vector: Array) -> complex:
         return complex(*(axes @ vector))
@@ -192,6 +184,26 @@ def build(model: pin.Model, loops: Sequence[LoopPin], driver: int) -> Plane | No
             skeleton.directions[k, skeleton.rotor(p)] = flat(directions[j])
         skeleton.centers[j, skeleton.rotor(j)] = flat(place[j].rotation @ bodies[j][1].lever)
     return _with_loops(skeleton, loops, place, position)
+
+
+def misalignment(model: pin.Model, driver: int) -> float:
+    """Largest angle [rad] by which a turning axis misses the direction of the driver's, or a sliding one the plane across it."""
+    _, directions, turning = _drawn_joints(model)
+    normal = directions[driver]
+    return max(
+        float(np.linalg.norm(np.cross(d, normal)) if turns else abs(d @ normal)) for d, turns in zip(directions, turning, strict=True)
+    )
+
+
+def _drawn_joints(model: pin.Model) -> tuple[list[pin.SE3], list[Array], list[bool]]:
+    """Placements of the joints in the drawn pose, their axes in the world, and whether they turn."""
+    data = model.createData()
+    pin.computeJointJacobians(model, data, pin.neutral(model))
+    count = model.nv
+    place = [data.oMi[j + 1].copy() for j in range(count)]
+    subspace = [pin.getJointJacobian(model, data, j + 1, pin.LOCAL).reshape(6, count)[:, j] for j in range(count)]
+    turning = [bool(np.linalg.norm(s[3:]) > 0.5) for s in subspace]
+    return place, [p.rotation @ (s[3:] if turns else s[:3]) for p, s, turns in zip(place, subspace, turning, strict=True)], turning
 
 
 def _with_loops(plane: Plane, loops: Sequence[LoopPin], place: list[pin.SE3], position: list[complex]) -> Plane | None:
