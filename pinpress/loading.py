@@ -3,19 +3,15 @@
 import os
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import numpy as np
 import pinocchio as pin
 
-from . import plane, plane_dynamics, plane_kinematics, spatial
+from . import plane, plane_dynamics, plane_kinematics, spatial, urdf
 from .coordinates import Array
 from .errors import AssemblyError, PinpressError, SingularityError, UnknownNameError, UrdfError, suggestion
 from .linkage import ACCEPTED, Linkage
 from .plane import LoopPin, Plane
-
-if TYPE_CHECKING:
-    from . import urdf
 
 CLOSE_TO_DRAWN = 0.25  # how far closing the drawn pose may turn a joint [rad], or move it in lengths of the linkage
 ROUNDED = 1e-2  # axes as near to parallel as this are meant to be parallel [rad]
@@ -46,8 +42,6 @@ def load(
         AssemblyError: the loops do not close near the drawn pose.
         SingularityError: the driver does not determine the drawn pose.
     """
-    from . import urdf  # reading is all it is for, and it takes a while to import
-
     file = os.fspath(path)
     if not os.path.exists(file) and file in presses():
         path = _library() / f"{file}.urdf"
@@ -55,7 +49,10 @@ def load(
         raise UrdfError(file, None, None, "no such file", f"name a URDF file or a shipped press ({', '.join(presses())})")
     description = urdf.read(path)
     driver = _driver(description, driver)
-    model = pin.buildModelFromXML(description.text.decode())
+    try:
+        model = pin.buildModelFromXML(description.text.decode())
+    except (ValueError, RuntimeError) as error:  # nothing is known that passes the checks and ends here
+        raise UrdfError(description.file, None, None, f"Pinocchio cannot read it: {error}", "simplify the file") from error
     model.gravity.linear = _gravity(gravity)
     loops = tuple(_loop_pin(model, loop) for loop in description.loops)
     joints = tuple(model.names[1:])
@@ -90,11 +87,11 @@ def _library() -> Path:
     return next(folder for folder in (here / "urdf", here.parent / "urdf") if folder.is_dir())
 
 
-def _line(description: "urdf.Urdf", joint: str) -> int:
+def _line(description: urdf.Urdf, joint: str) -> int:
     return next(j.line for j in description.joints if j.name == joint)
 
 
-def _driver(description: "urdf.Urdf", driver: str | None) -> str:
+def _driver(description: urdf.Urdf, driver: str | None) -> str:
     moving = [joint.name for joint in description.joints if joint.type != "fixed"]
     robot = f'<robot name="{description.name}">'
     if driver is not None:
@@ -130,7 +127,7 @@ def _gravity(gravity: Sequence[float]) -> Array:
     return vector
 
 
-def _loop_pin(model: pin.Model, loop: "urdf.Loop") -> LoopPin:
+def _loop_pin(model: pin.Model, loop: urdf.Loop) -> LoopPin:
     ends = []
     for end in (loop.link1, loop.link2):
         frame = model.frames[model.getFrameId(end.link, pin.BODY)]
@@ -138,7 +135,7 @@ def _loop_pin(model: pin.Model, loop: "urdf.Loop") -> LoopPin:
     return LoopPin(loop.name, *ends)
 
 
-def _closed(description: "urdf.Urdf", model: pin.Model, loops: tuple[LoopPin, ...], driver: int, planar: Plane | None) -> Array:
+def _closed(description: urdf.Urdf, model: pin.Model, loops: tuple[LoopPin, ...], driver: int, planar: Plane | None) -> Array:
     """Joint coordinates (nv,) of the drawn pose, closed exactly."""
     drawn = np.zeros((model.nv, 1))
     start = spatial.build(model, loops, driver, drawn[:, 0])
@@ -175,10 +172,11 @@ def _closed(description: "urdf.Urdf", model: pin.Model, loops: tuple[LoopPin, ..
             0.0,
             float(values.min(initial=0.0)),
         )
+    closed.setflags(write=False)
     return closed
 
 
-def _slide(description: "urdf.Urdf", model: pin.Model, slide: str | None) -> str | None:
+def _slide(description: urdf.Urdf, model: pin.Model, slide: str | None) -> str | None:
     guided = {j.child: j.name for j in description.joints if j.type == "prismatic" and model.parents[model.getJointId(j.name)] == 0}
     if slide is not None:
         joint = model.frames[model.getFrameId(slide, pin.BODY)].parentJoint if slide in description.links else 0

@@ -16,6 +16,8 @@ from .plane_dynamics import PIECE
 RPM = 2 * np.pi / 60
 """One revolution per minute [rad/s]."""
 
+MOST_POINTS = 10**8
+
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Motion:
@@ -132,11 +134,11 @@ def cycle(
             raise PinpressError("points goes with one turn at constant speed: leave it out where angle is given")
         angles, speeds, accelerations, times = _servo(angle, speed, acceleration, time)
     closure = _closed(press, angles, engine)
-    if angle is None:  # numbers, not arrays: a third of the work
-        v, a = closure.first * speeds[0], closure.second * (speeds[0] * speeds[0])
-    else:
-        v, a = closure.first * speeds, closure.first * accelerations
-        a += closure.second * (speeds * speeds)
+    with np.errstate(all="ignore"):  # what overflows is refused below
+        v, a = _rates(closure, speeds[0] if angle is None else speeds, None if angle is None else accelerations)
+        finite = np.isfinite(v.sum()) and np.isfinite(a.sum())
+    if not finite:
+        raise PinpressError(f"the motion of {press.name} is too fast for floating point: lower speed and acceleration")
     slide = None
     if press.slide is not None:
         guide, offset = press.slide_guide
@@ -160,6 +162,14 @@ def cycle(
     return motion
 
 
+def _rates(closure: Closure, speed: Array | np.float64, acceleration: Array | None) -> tuple[Array, Array]:
+    """Joint rates and accelerations (nv, n) from those of the driver, (n,) or one number; acceleration None for none."""
+    a = closure.second * (speed * speed)
+    if acceleration is not None:
+        a += closure.first * acceleration
+    return closure.first * speed, a
+
+
 def _turn(speed: ArrayLike, points: int, acceleration: ArrayLike, time: ArrayLike | None) -> tuple[Array, Array, Array, Array | None]:
     rate = _numbers("speed", speed)
     if rate.ndim:
@@ -168,10 +178,14 @@ def _turn(speed: ArrayLike, points: int, acceleration: ArrayLike, time: ArrayLik
         raise PinpressError("speed is 0: a turn never ends; give a speed [rad/s], e.g. 70 * pinpress.RPM")
     if time is not None or not (np.isscalar(acceleration) and acceleration == 0.0):
         raise PinpressError("time and acceleration belong to a servo motion: give angle too")
-    if isinstance(points, bool) or not isinstance(points, int | np.integer) or points < 2:
-        raise PinpressError(f"points is {points!r}: a turn takes a whole number of at least 2")
+    if isinstance(points, bool) or not isinstance(points, int | np.integer) or not 2 <= points <= MOST_POINTS:
+        raise PinpressError(f"points is {points!r}: a turn takes a whole number from 2 to {MOST_POINTS}")
     angles = np.arange(points) * (np.copysign(2 * np.pi, rate) / points)
-    return angles, np.full(points, float(rate)), np.zeros(points), angles / rate
+    with np.errstate(over="ignore"):
+        times = angles / rate
+    if not np.isfinite(times).all():
+        raise PinpressError(f"speed is {float(rate)!r}: a turn takes longer than a floating-point number can say")
+    return angles, np.full(points, float(rate)), np.zeros(points), times
 
 
 def _servo(angle: ArrayLike, speed: ArrayLike, acceleration: ArrayLike, time: ArrayLike | None) -> tuple[Array, Array, Array, Array | None]:

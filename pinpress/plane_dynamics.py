@@ -124,10 +124,12 @@ def inverse_dynamics(plane: Plane, bodies: Bodies, at: ComplexArray, v: Array, a
         loads: forces on links.
     """
     n = v.shape[1]
-    if n <= PIECE:
-        return _piece(plane, bodies, at, v, a, loads)
-    parts = [slice(start, start + PIECE) for start in range(0, n, PIECE)]
-    return Wrenches.joined([_piece(plane, bodies, at[:, s], v[:, s], a[:, s], [load.part(s) for load in loads]) for s in parts])
+    result = Wrenches.zeros(len(plane.parents) + len(plane.loop_points), n)
+    result.indeterminate[:] = bodies.indeterminate
+    for start in range(0, n, PIECE):
+        s = slice(start, start + PIECE)
+        _piece(plane, bodies, at[:, s], v[:, s], a[:, s], [load.part(s) for load in loads], result.part(s))
+    return result
 
 
 def closed_basis(plane: Plane, q: Array) -> ComplexArray:
@@ -168,7 +170,7 @@ def power_balance(
     return powers.sum(axis=0), np.abs(powers).sum(axis=0)
 
 
-def _piece(plane: Plane, bodies: Bodies, at: ComplexArray, v: Array, a: Array, loads: Sequence[AppliedForce]) -> Wrenches:
+def _piece(plane: Plane, bodies: Bodies, at: ComplexArray, v: Array, a: Array, loads: Sequence[AppliedForce], result: Wrenches) -> None:
     count, loops = len(plane.parents), len(plane.loop_points)
     second = basis_acceleration(plane, at, v, a)
     second[0] = 1.0
@@ -212,14 +214,9 @@ def _piece(plane: Plane, bodies: Bodies, at: ComplexArray, v: Array, a: Array, l
     for j, values in about.items():
         if plane.parents[j] < 0:
             tilting -= values
-    result = Wrenches(
-        torque=passive[plane.driver],
-        force=in_space(plane, bearings),
-        moment=np.zeros((*bearings.shape, 3)),
-        shaking_force=in_space(plane, shaking),
-        shaking_moment=np.zeros((v.shape[1], 3)),
-        indeterminate=bodies.indeterminate,
-    )
+    result.torque[:] = passive[plane.driver]
+    _in_space(plane, bearings, result.force)
+    _in_space(plane, shaking, result.shaking_force)
     for index, values in about.items():
         _along_normal(plane, values, result.moment[index])
     _along_normal(plane, tilting, result.shaking_moment)
@@ -232,7 +229,6 @@ def _piece(plane: Plane, bodies: Bodies, at: ComplexArray, v: Array, a: Array, l
             result.shaking_moment[:] += np.cross(load.point, load.force)
     if not (bodies.flat and all(plane_axial.is_flat(plane, load) for load in loads)):
         plane_axial.add(plane, bodies, at, v, a, own, carried, arms[:count], pins, loads, result)
-    return result
 
 
 def _take_load(plane: Plane, at: ComplexArray, carried: ComplexArray, moment: Array, load: AppliedForce) -> None:
@@ -274,15 +270,13 @@ def flat(plane: Plane, vectors: Array) -> ComplexArray:
     return np.asarray(vectors @ plane.axes[0] + 1j * (vectors @ plane.axes[1]))
 
 
-def in_space(plane: Plane, vectors: ComplexArray) -> Array:
-    """Complex vectors (...) as world vectors (..., 3). Most presses stand in a coordinate plane: zero components cost nothing."""
-    world = np.zeros((*vectors.shape, 3))
+def _in_space(plane: Plane, vectors: ComplexArray, out: Array) -> None:
+    """Fill ``out`` (..., 3), zero so far, with complex vectors (...). Most presses stand in a coordinate plane: zeros cost nothing."""
     for i, (first, second) in enumerate(plane.axes.T):
         if first:
-            np.multiply(vectors.real, first, out=world[..., i])
+            np.multiply(vectors.real, first, out=out[..., i])
         if second:
-            world[..., i] += second * vectors.imag
-    return world
+            out[..., i] += second * vectors.imag
 
 
 def _along_normal(plane: Plane, values: Array, out: Array) -> None:

@@ -23,6 +23,7 @@ from .linkage import Linkage
 from .loads import PointForce
 from .motion import Motion
 from .plane import Plane
+from .wrenches import Wrenches
 
 T = TypeVar("T", bound=np.generic)
 
@@ -80,17 +81,22 @@ class Reactions:
 
         Computed when it is first asked for, from the bodies' velocities and accelerations, independently of the torque's own recursion.
         """
-        applied = loads_module.apply(self._loads, self._press, self.motion)
-        press, motion, torque = self._press, self.motion, self.driving_torque
-        if self.engine == "plane" and press.plane is not None and press.bodies is not None:
-            at = _basis(press, press.plane, motion)
-            balance, total = plane_dynamics.power_balance(press.plane, press.bodies, at, motion.v.T, motion.a.T, torque, applied)
-        else:
-            balance, total = spatial.power_balance(press.spatial, motion.q.T, motion.v.T, motion.a.T, torque, applied)
+        with np.errstate(all="ignore"):  # what overflows is refused below
+            balance, total = self._power_balance()
         largest = total.max()
+        if not np.isfinite(largest):
+            raise PinpressError(f"the powers of {self._press.name} are too large for floating point: lower speed or loads")
         residual = balance / largest if largest > 0 else np.zeros_like(balance)  # at rest nothing flows
         residual.setflags(write=False)
         return np.asarray(residual)
+
+    def _power_balance(self) -> tuple[Array, Array]:
+        press, motion, torque = self._press, self.motion, self.driving_torque
+        applied = loads_module.apply(self._loads, press, motion)
+        if self.engine == "plane" and press.plane is not None and press.bodies is not None:
+            at = _basis(press, press.plane, motion)
+            return plane_dynamics.power_balance(press.plane, press.bodies, at, motion.v.T, motion.a.T, torque, applied)
+        return spatial.power_balance(press.spatial, motion.q.T, motion.v.T, motion.a.T, torque, applied)
 
     def columns(self) -> dict[str, Array]:
         """The motion's columns, then torque, shaking force and moment and all bearings', under their names with units."""
@@ -131,13 +137,17 @@ def inverse_dynamics(press: Linkage, motion: Motion, loads: Sequence[PointForce]
     if motion.joints != press.joints or motion.driver != press.driver:
         raise PinpressError(f"the motion is of {motion.linkage} with other joints than {press.name}: make it with cycle(press, ...)")
     plane = press.planar(engine)
+    if isinstance(loads, PointForce):
+        raise PinpressError("loads is one PointForce: give a list, loads=[...]")
+    loads = tuple(loads)
     applied = loads_module.apply(loads, press, motion)
-    if plane is not None and press.bodies is not None:
-        at = _basis(press, plane, motion)
-        wrenches = plane_dynamics.inverse_dynamics(plane, press.bodies, at, motion.v.T, motion.a.T, applied)
-    else:
-        wrenches = spatial.inverse_dynamics(press.spatial, motion.q.T, motion.v.T, motion.a.T, applied)
-    _refuse_not_finite(motion, wrenches.force, wrenches.moment)
+    with np.errstate(all="ignore"):  # what overflows is refused below
+        if plane is not None and press.bodies is not None:
+            at = _basis(press, plane, motion)
+            wrenches = plane_dynamics.inverse_dynamics(plane, press.bodies, at, motion.v.T, motion.a.T, applied)
+        else:
+            wrenches = spatial.inverse_dynamics(press.spatial, motion.q.T, motion.v.T, motion.a.T, applied)
+        _refuse_not_finite(motion, wrenches)
     names = press.bearings
     for array in (wrenches.torque, wrenches.shaking_force, wrenches.shaking_moment):
         array.setflags(write=False)
@@ -151,7 +161,7 @@ def inverse_dynamics(press: Linkage, motion: Motion, loads: Sequence[PointForce]
         shaking_moment=wrenches.shaking_moment,
         indeterminate=ByBearing(names, wrenches.indeterminate),
         _press=press,
-        _loads=tuple(loads),
+        _loads=loads,
     )
 
 
@@ -160,12 +170,20 @@ def _basis(press: Linkage, plane: Plane, motion: Motion) -> ComplexArray:
     return plane_dynamics.closed_basis(plane, motion.q.T) if at is None else at
 
 
-def _refuse_not_finite(motion: Motion, *arrays: Array) -> None:
-    for array in arrays:
-        # a sum is not finite where a term is not, and costs a pass less than looking at each
+def _refuse_not_finite(motion: Motion, wrenches: Wrenches) -> None:
+    """Raise where anything is not finite. A sum is not where a term is not, and costs a pass less than looking at each."""
+    arrays = {
+        "driving torque": wrenches.torque,
+        "bearing force": wrenches.force,
+        "bearing moment": wrenches.moment,
+        "shaking force": wrenches.shaking_force,
+        "shaking moment": wrenches.shaking_moment,
+    }
+    for name, array in arrays.items():
         if not np.isfinite(array.sum()):
-            at = int(np.argmin(np.isfinite(array).all(axis=(0, 2))))
+            states = np.moveaxis(array, -2, 0) if array.ndim > 1 else array
+            at = int(np.argmin(np.isfinite(states.reshape(len(states), -1)).all(axis=1)))
             raise PinpressError(
-                f"a bearing force of {motion.linkage} is not finite at crank angle {np.degrees(motion.crank_angle[at]):.6g} deg:"
+                f"the {name} of {motion.linkage} is not finite at crank angle {np.degrees(motion.crank_angle[at]):.6g} deg:"
                 " the motion or a load is too large for floating point"
             )

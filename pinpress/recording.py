@@ -21,8 +21,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import numpy.typing as npt
 import pinocchio as pin
-from lxml import etree
 
+from . import urdf
 from .errors import PinpressError
 
 if TYPE_CHECKING:
@@ -111,12 +111,13 @@ def _closing_time(time: Array, crank: Array) -> float | None:
 
 
 def _links(press: "Linkage") -> list[_Link]:
-    robot = etree.fromstring(press.text, etree.XMLParser(resolve_entities=False))
-    for link in robot.iter("link"):  # checked here: Pinocchio would drop a capsule and the link's other visuals in silence
-        for shape in link.iterfind("visual/geometry/*"):
-            if shape.tag not in PRIMITIVES and isinstance(shape.tag, str):
-                raise PinpressError(f"link {link.get('name')!r}: a recording cannot draw <{shape.tag}>; use <box>, <cylinder> and <sphere>")
-    model, text = press.model, etree.tostring(robot, encoding="unicode")
+    model, text = press.model, press.text.decode("utf-8-sig")
+    for element in urdf.tree(press.file, text.encode()).all("link"):
+        shapes = [shape for visual in element.all("visual") for geometry in visual.all("geometry") for shape in geometry.children]
+        for shape in shapes:  # checked here: Pinocchio would drop a capsule and the link's other visuals in silence
+            if shape.tag not in PRIMITIVES:
+                name = element.get("name")
+                raise PinpressError(f"link {name!r}: a recording cannot draw <{shape.tag}>; use <box>, <cylinder> and <sphere>")
     drawn: dict[int, _Link] = {}
     for visual in pin.buildGeomFromUrdfString(model, text, pin.GeometryType.VISUAL).geometryObjects:
         frame = model.frames[visual.parentFrame]

@@ -99,14 +99,7 @@ def inverse_dynamics(spatial: Spatial, q: Array, v: Array, a: Array, loads: Sequ
     """Driving torque and the wrench of every joint and loop; arguments as `plane_dynamics.inverse_dynamics`."""
     model, count, bearings = spatial.model, spatial.model.nv, spatial.model.nv + len(spatial.loops)
     n = v.shape[1]
-    result = Wrenches(
-        torque=np.empty(n),
-        force=np.empty((bearings, n, 3)),
-        moment=np.zeros((bearings, n, 3)),
-        shaking_force=np.empty((n, 3)),
-        shaking_moment=np.empty((n, 3)),
-        indeterminate=np.zeros((bearings, 6), dtype=bool),
-    )
+    result = Wrenches.zeros(bearings, n)
     anchors = _Anchors(model, spatial.loops)
     data = anchors.data
     roots = [j for j in range(1, model.njoints) if model.parents[j] == 0]

@@ -1,5 +1,6 @@
 """Columns of numbers to files and frames that other programs read."""
 
+import itertools
 import os
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, TypeAlias
@@ -28,23 +29,29 @@ def write_csv(path: str | os.PathLike[str], columns: Mapping[str, Array]) -> Non
             writer = csv.writer(file, lineterminator="\n")
             writer.writerow(columns)
             writer.writerows(np.column_stack(list(columns.values())).tolist())
-    except OSError as error:
-        raise PinpressError(f"cannot write {os.fspath(path)}: {error.strerror}; choose another place") from None
+    except (OSError, ValueError) as error:
+        raise _unwritable(path, error) from None
 
 
 def write_mat(path: str | os.PathLike[str], columns: Mapping[str, Array]) -> None:
-    """Write a MATLAB file; units are dropped and names made MATLAB's ("force_A_x [N]" becomes force_A_x).
+    """Write a MATLAB file; units are dropped and names made MATLAB's: "force_A_x [N]" becomes force_A_x. Where two become the
+    same, the later one gets a number: "force_A-1_x" and "force_A 1_x" become force_A_1_x and force_A_1_x_2.
 
     Raises:
         PinpressError: the file cannot be written.
     """
     from scipy.io import savemat  # its import takes longer than all else here
 
-    names = {name: "".join(c if c.isascii() and c.isalnum() else "_" for c in name.split(" [")[0]) for name in columns}
+    taken: dict[str, Array] = {}
+    for name, values in columns.items():
+        plain = "".join(c if c.isascii() and c.isalnum() else "_" for c in name.rsplit(" [", 1)[0])
+        number = next(k for k in itertools.count(1) if (plain if k == 1 else f"{plain}_{k}") not in taken)
+        taken[plain if number == 1 else f"{plain}_{number}"] = values
     try:
-        savemat(path, {names[name]: values for name, values in columns.items()}, appendmat=False, long_field_names=True, oned_as="column")
-    except OSError as error:
-        raise PinpressError(f"cannot write {os.fspath(path)}: {error.strerror}; choose another place") from None
+        with open(path, "wb") as file:
+            savemat(file, taken, long_field_names=True, oned_as="column")
+    except (OSError, ValueError) as error:
+        raise _unwritable(path, error) from None
 
 
 def frame(columns: Mapping[str, Array]) -> "DataFrame":
@@ -58,3 +65,8 @@ def frame(columns: Mapping[str, Array]) -> "DataFrame":
     except ImportError:
         raise PinpressError("pandas is not installed: pip install 'pinpress[tables]'") from None
     return pandas.DataFrame(dict(columns))
+
+
+def _unwritable(path: str | os.PathLike[str], error: Exception) -> PinpressError:
+    reason = getattr(error, "strerror", None) or str(error)  # no strerror: a null character in the path
+    return PinpressError(f"cannot write {os.fspath(path)}: {reason}; choose another place")

@@ -22,6 +22,7 @@ _TEXTS = ("link", "filename")  # attributes that hold no numbers; all others tha
 _COUNTS = {"xyz": 3, "rpy": 3, "size": 3, "scale": 3, "rgba": 4}
 # Pinocchio's parser takes neither "1_0" nor "nan" nor digits of other scripts, all of which Python's float() does.
 _NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?", re.ASCII)
+_DEEPEST = 200  # levels of elements; Pinocchio's parser stops at 500
 _START_TAG = re.compile(rb"<(?:[^\"'>]|\"[^\"]*\"|'[^']*')*>")
 _ATTRIBUTE = re.compile(r"([^\s=\"']+)\s*=\s*(?:\"([^\"]*)\"|'([^']*)')")
 
@@ -101,9 +102,9 @@ class Element:
         return () if name not in self.attributes or self.fault(name) else tuple(map(float, self.get(name).split()))
 
     def fault(self, name: str) -> str | None:
-        """Why an attribute does not hold its text or numbers, in the way that Pinocchio's parser reads them; None if it does."""
+        """Why an attribute does not hold its numbers, in the way that Pinocchio's parser reads them; None if it does."""
         if name in _TEXTS:
-            return None if self.get(name) else "is empty"
+            return None
         count = _COUNTS.get(name, 1)
         words = [word for word in self.get(name).split(" ") if word] if count > 1 else [self.get(name)]
         for word in words:
@@ -176,14 +177,14 @@ def _parse(path: str | os.PathLike[str]) -> tuple[str, bytes, Element]:
         raise UrdfError(file, None, line, f"is not UTF-8 text (byte {error.start})", "save it in the UTF-8 encoding") from error
     if not document.strip():
         raise UrdfError(file, None, None, "is empty", "write a <robot> element")
-    robot = _tree(file, document.encode())
+    robot = tree(file, document.encode())
     if robot.tag != "robot":
         raise UrdfError(file, str(robot), robot.line, "the root element is not <robot>", "give a URDF file")
     return file, text, robot
 
 
-def _tree(file: str, document: bytes) -> Element:
-    """The root element of an XML document."""
+def tree(file: str, document: bytes) -> Element:
+    """The root element of an XML document, UTF-8; raises UrdfError, with ``file`` in its message, where it is not well-formed."""
     # The encoding is given, because Pinocchio reads UTF-8 whatever the XML declaration says. Expat as it is here knows no namespaces, as
     # Pinocchio does not, and so takes <drake:...> without its xmlns:drake.
     parser = expat.ParserCreate("utf-8")
@@ -194,18 +195,19 @@ def _tree(file: str, document: bytes) -> Element:
         raise UrdfError(file, element, parser.CurrentLineNumber, problem, remedy)
 
     def start(tag: str, attributes: dict[str, str]) -> None:
-        element = Element(
-            tag, attributes | _broken(document, parser.CurrentByteIndex), parser.CurrentLineNumber, opened[-1] if opened else None
-        )
+        attributes |= _broken(document, parser.CurrentByteIndex)
+        element = Element(tag, attributes, parser.CurrentLineNumber, opened[-1] if opened else None)
         if tag.startswith("xacro:"):
             refuse("is xacro, not URDF", "expand the file first: xacro press.urdf.xacro > press.urdf", str(element))
+        if len(opened) > _DEEPEST:
+            refuse("is nested too deeply", "remove it", str(element))
         (opened[-1].children if opened else roots).append(element)
         opened.append(element)
 
     parser.StartElementHandler = start
     parser.EndElementHandler = lambda tag: opened.pop()
     parser.StartDoctypeDeclHandler = lambda *_: refuse(
-        "has a document type declaration", "remove <!DOCTYPE ...> and write its entities out"
+        "has a document type declaration", "write its entities out, and remove <!DOCTYPE ...>"
     )
     parser.ProcessingInstructionHandler = lambda name, _: refuse("has a processing instruction", f"remove <?{name} ...?>")
     try:

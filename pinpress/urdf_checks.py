@@ -125,13 +125,13 @@ def _attribute_problems(element: "Element") -> Iterator[Problem]:
             if name not in foreign and tag not in _OPEN_TO_ATTRIBUTES and ":" not in name and name != "xmlns":
                 yield element, f"unknown attribute {name!r}{suggestion(name, known)}", f"in <{tag}> write: {', '.join(known)}"
         elif fault := element.fault(name):
-            yield element, f"{name}={text!r}: {fault}", "write it out; of numbers, decimals after a point and spaces between them"
+            yield element, f"{name}={text!r}: {fault}", "write plain numbers, decimals after a point, spaces in between"
         elif name in ("size", "radius", "length") and min(element.numbers(name)) <= 0:
             yield element, f"{name}={text!r} is not positive", "write the size in metres"
         elif name == "rgba" and not all(0 <= part <= 1 for part in element.numbers(name)):
             yield element, f"rgba={text!r} is not from 0 to 1", 'write, for example, rgba="0.5 0.5 0.5 1"'
     for name, word in zip(known, words, strict=True):
-        if name == word and name not in element.attributes:
+        if name == word and not element.get(name):
             yield element, f"has no {name}", f'write <{tag} {name}="..."/>'
     if tag == "dynamics" and not {"damping", "friction"} & element.attributes.keys():
         yield element, "has neither damping nor friction", "write one of them, or remove <dynamics>"

@@ -1,6 +1,5 @@
 """What either engine returns: the driving torque and the force and moment in every joint and loop, as plain arrays."""
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -30,13 +29,24 @@ class Wrenches:
     indeterminate: NDArray[np.bool_]
 
     @staticmethod
-    def joined(pieces: Sequence["Wrenches"]) -> "Wrenches":
-        """One from consecutive pieces of a motion."""
+    def zeros(bearings: int, n: int) -> "Wrenches":
+        """To be filled in."""
         return Wrenches(
-            torque=np.concatenate([p.torque for p in pieces]),
-            force=np.concatenate([p.force for p in pieces], axis=1),
-            moment=np.concatenate([p.moment for p in pieces], axis=1),
-            shaking_force=np.concatenate([p.shaking_force for p in pieces]),
-            shaking_moment=np.concatenate([p.shaking_moment for p in pieces]),
-            indeterminate=np.any([p.indeterminate for p in pieces], axis=0),
+            torque=np.zeros(n),
+            force=np.zeros((bearings, n, 3)),
+            moment=np.zeros((bearings, n, 3)),
+            shaking_force=np.zeros((n, 3)),
+            shaking_moment=np.zeros((n, 3)),
+            indeterminate=np.zeros((bearings, 6), dtype=bool),
+        )
+
+    def part(self, points: slice) -> "Wrenches":
+        """Views of a part of the motion."""
+        return Wrenches(
+            self.torque[points],
+            self.force[:, points],
+            self.moment[:, points],
+            self.shaking_force[points],
+            self.shaking_moment[points],
+            self.indeterminate,
         )

@@ -139,6 +139,7 @@ XACRO = '<robot name="press" xmlns:xacro="http://www.ros.org/wiki/xacro">'
         (added("<?tool x?>"), None, END, "processing instruction"),
         (VALID.replace("<robot", "<?xml-model href='urdf.rng'?><robot"), None, 2, "processing instruction"),
         (added("<xacro:x/>"), "<xacro:x>", END, "is xacro"),
+        (added("<gazebo>" + "<a>" * 500 + "</a>" * 500 + "</gazebo>"), "<a> of <gazebo>", END, "is nested too deeply"),
     ],
 )
 def test_file_as_a_whole(file, text, element, line, problem):
@@ -204,7 +205,7 @@ LINK, ROD_LINK, JOINT_O, JOINT_P, LOOP = 'link name="crank"', 'link name="rod"',
         (edited(('<link2 link="slide" rpy="0 0.5 0"/>', "")), '<loop_joint name="W">', LINE_W, "has no <link2>"),
         # attributes
         (edited((' link="frame"', "")), of("parent", JOINT_O), LINE_O, "has no link"),
-        (edited((' link="crank"', ' link=""')), of("child", JOINT_O), LINE_O, "link='': is empty"),
+        (edited((' link="crank"', ' link=""')), of("child", JOINT_O), LINE_O, "has no link"),
         (edited(('link1 link="rod"', "link1")), of("link1", LOOP), LINE_W, "has no link"),
         (edited((' xyz="0 -1 0"', "")), of("axis", JOINT_O), LINE_O, "has no xyz"),
         (edited((' value="20"', "")), of("mass", LINK), CRANK_MASS, "has no value"),
