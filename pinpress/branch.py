@@ -8,6 +8,7 @@ to have nothing, or one step, left to do.
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -16,7 +17,9 @@ from .errors import AssemblyError, SingularityError
 
 COARSE_STEP = 2 * np.pi / 64  # longest step of the walk [rad]
 SUBDIVISION = 8  # nodes of the table per step of the walk
+FIRST_STEP = 1e-3  # of the walk, to learn how the margins change [rad]
 SMALLEST_STEP = 1e-10  # the walk ends where it would need a shorter one: the linkage locks there [rad]
+SMALLEST_MARGIN = 1e-6  # below it rounding of the loop equations decides where two assemblies meet: the walk ends there too
 LARGEST_CORRECTION = 1e-3  # Newton's method may move a joint so far from its prediction [rad, or lengths of the linkage]
 MOST_TURNS = 8  # turns of the crank after which a linkage must have come back to its start
 
@@ -34,7 +37,8 @@ class Closure:
         q: (nq, n) the configurations in Pinocchio's order.
         iterations: Newton steps taken.
         margins: (blocks, n) distance of every block of loops from singularity: the smallest singular value of its Jacobian, columns scaled
-            to unit length, with the sign of its determinant. Zero where two assemblies meet. None unless asked for.
+            to unit length, with the sign of its determinant (the Pinocchio engine has one block, and no sign). Zero where two assemblies
+            meet. None unless asked for.
         basis: of the planar engine, see `plane`; None from the other.
     """
 
@@ -79,14 +83,21 @@ class Branch:
         angles: (m + 1,) nodes over the crank angle, rising [rad].
         coefficients: (m, 6, nv) of the polynomials in (crank angle - node).
         advance: (nv,) what every joint gains over a period (whole turns; 0 for a joint that swings).
-        margins: smallest margin at the first and at the last node.
+        locks: crank angle [rad] and smallest margin where the linkage locks, downwards and upwards; None where it goes round.
     """
 
     angles: Array
     coefficients: Array
     period: float | None
     advance: Array
-    margins: tuple[float, float]
+    locks: "tuple[Lock, Lock] | None"
+
+
+class Lock(NamedTuple):
+    """Where a walk ended: the crank angle [rad] at which the linkage locks or two assemblies meet, and the margin left before it."""
+
+    angle: float
+    margin: float
 
 
 def walk(close: Close, drawn: Array, size: float, tolerance: float) -> Branch:
@@ -104,16 +115,17 @@ def walk(close: Close, drawn: Array, size: float, tolerance: float) -> Branch:
     start = close(np.zeros(1), drawn[:, None])
     upward = [_Node.of(0.0, start)]
     for turn in range(1, MOST_TURNS + 1):
-        locked = _advance(close, upward, 2 * np.pi * turn, size, tolerance)
-        if locked:
+        high = _advance(close, upward, 2 * np.pi * turn, size, tolerance)
+        if high is not None:
             downward = upward[:1]
-            _advance(close, downward, -2 * np.pi * MOST_TURNS, size, tolerance)
-            return _table(close, downward[:0:-1] + upward, None, np.zeros_like(drawn), size, tolerance)
+            low = _advance(close, downward, -2 * np.pi * MOST_TURNS, size, tolerance) or Lock(downward[-1].angle, 1.0)
+            angles, coefficients = _table(close, downward[:0:-1] + upward, size, tolerance)
+            return Branch(angles, coefficients, None, np.zeros_like(drawn), (low, high))
         gained = upward[-1].position - drawn
-        whole_turns = 2 * np.pi * np.round(gained / (2 * np.pi))
-        for advance in (np.zeros_like(drawn), whole_turns):  # a travel of 2 pi metres is not a turn, so zero is tried first
-            if np.all(np.abs(gained - advance) <= 1e-9 * (1 + size)):
-                return _table(close, upward, 2 * np.pi * turn, advance, size, tolerance)
+        advance = 2 * np.pi * np.round(gained / (2 * np.pi))
+        if np.all(np.abs(gained - advance) <= 1e-9 * (1 + size)):
+            angles, coefficients = _table(close, upward, size, tolerance)
+            return Branch(angles, coefficients, 2 * np.pi * turn, advance, None)
     raise AssemblyError(
         f"the linkage is not back at its drawn pose after {MOST_TURNS} turns of the driver", upward[-1].angle, float(start.gap[0]), 0
     )
@@ -157,13 +169,18 @@ class _Node:
         return _Node(angle, closure.position[:, 0], closure.first[:, 0], closure.second[:, 0], closure.margins[:, 0])
 
 
-def _advance(close: Close, nodes: list[_Node], target: float, size: float, tolerance: float) -> bool:
-    """Append nodes up to the crank angle ``target``; True where the linkage locks before it."""
+def _advance(close: Close, nodes: list[_Node], target: float, size: float, tolerance: float) -> Lock | None:
+    """Append nodes up to the crank angle ``target``; where the linkage locks before it, say where."""
     direction = 1.0 if target > nodes[-1].angle else -1.0
-    longest = step = COARSE_STEP
+    step = FIRST_STEP
     weight = 1.0 / (1.0 + size)
     while abs(target - nodes[-1].angle) > 0:
         last = nodes[-1]
+        ahead = _singularity_ahead(nodes[-2], last) if len(nodes) > 1 else np.inf
+        margin = float(np.abs(last.margins).min(initial=1.0))
+        if margin < SMALLEST_MARGIN:
+            return Lock(last.angle + direction * min(ahead, COARSE_STEP), margin)
+        step = min(step, 0.5 * ahead)
         remaining = abs(target - last.angle)
         # the last step of a turn is stretched or cut to end on it exactly
         angle = target if remaining <= 1.01 * step else last.angle + direction * step
@@ -172,12 +189,22 @@ def _advance(close: Close, nodes: list[_Node], target: float, size: float, toler
         closure = close(np.array([angle]), guess[:, None])
         if _belongs(closure, guess, last, h, weight, tolerance):
             nodes.append(_Node.of(angle, closure))
-            step = min(2 * step, longest)
+            step = min(2 * step, COARSE_STEP)
         else:
             step = min(step, abs(h)) / 2
             if step < SMALLEST_STEP:
-                return True
-    return False
+                return Lock(last.angle, margin)
+    return None
+
+
+def _singularity_ahead(before: _Node, last: _Node) -> float:
+    """Crank angle in which the first of the margins would reach zero, falling on as it has fallen [rad].
+
+    A change point that the linkage runs through smoothly shows in nothing but a margin that falls to zero and rises again.
+    """
+    margins, fallen = np.abs(last.margins), np.abs(before.margins) - np.abs(last.margins)
+    share = np.max(fallen / margins, initial=0.0)
+    return float(abs(last.angle - before.angle) / share) if share > 0 else np.inf
 
 
 def _belongs(closure: Closure, guess: Array, last: _Node, h: float, weight: float, tolerance: float) -> bool:
@@ -196,28 +223,22 @@ def _belongs(closure: Closure, guess: Array, last: _Node, h: float, weight: floa
     return bool(correction <= 0.1 * abs(h) * (1.0 + weight * np.abs(last.first).max()))
 
 
-def _table(close: Close, nodes: list[_Node], period: float | None, advance: Array, size: float, tolerance: float) -> Branch:
-    """Polynomials on a finer grid than the walk's, its nodes closed all at once from the walk's own polynomials."""
-    coarse = _hermite(
-        np.array([node.angle for node in nodes]),
-        *(np.array([getattr(node, name) for node in nodes]) for name in ("position", "first", "second")),
-    )
-    angles = np.concatenate(
-        [a + (b - a) * np.arange(SUBDIVISION) / SUBDIVISION for a, b in zip(coarse[0][:-1], coarse[0][1:], strict=True)] + [coarse[0][-1:]]
-    )
-    margins = (float(np.abs(nodes[0].margins).min(initial=1.0)), float(np.abs(nodes[-1].margins).min(initial=1.0)))
-    rough = Branch(coarse[0], coarse[1], None, advance, margins)
-    guess = predict(rough, angles)
+def _table(close: Close, nodes: list[_Node], size: float, tolerance: float) -> tuple[Array, Array]:
+    """Nodes and polynomials on a finer grid than the walk's, its nodes closed all at once from the walk's own polynomials."""
+    coarse = np.array([node.angle for node in nodes])
+    polynomials = _hermite(coarse, *(np.array([getattr(node, name) for node in nodes]) for name in ("position", "first", "second")))
+    shares = np.arange(SUBDIVISION) / SUBDIVISION
+    angles = np.append((coarse[:-1, None] + np.diff(coarse)[:, None] * shares).ravel(), coarse[-1])
+    guess = predict(Branch(coarse, polynomials, None, np.zeros(0), None), angles)
     closure = close(angles, guess)
     moved = np.abs(closure.position - guess).max(axis=0)
     if not (closure.widest <= tolerance and moved.max() <= LARGEST_CORRECTION * (1 + size)):
         worst = int(np.argmax(np.where(np.isfinite(moved), moved, np.inf)))
         raise AssemblyError("the drawn assembly cannot be followed", float(angles[worst]), float(closure.gap[worst]), closure.iterations)
-    fine = _hermite(angles, closure.position.T, closure.first.T, closure.second.T)
-    return Branch(fine[0], fine[1], period, advance, margins)
+    return angles, _hermite(angles, closure.position.T, closure.first.T, closure.second.T)
 
 
-def _hermite(angles: Array, position: Array, first: Array, second: Array) -> tuple[Array, Array]:
+def _hermite(angles: Array, position: Array, first: Array, second: Array) -> Array:
     """Coefficients (m, 6, nv) of the quintics with these values and derivatives (m + 1, nv) at both ends.
 
     Written out, because SciPy's BPoly would cost its import (longer than everything else a first cycle does).
@@ -226,7 +247,7 @@ def _hermite(angles: Array, position: Array, first: Array, second: Array) -> tup
     value = position[1:] - position[:-1] - h * (first[:-1] + 0.5 * h * second[:-1])
     slope = h * (first[1:] - first[:-1] - h * second[:-1])
     bend = 0.5 * h**2 * (second[1:] - second[:-1])
-    return angles, np.stack(
+    return np.stack(
         [
             position[:-1],
             first[:-1],
@@ -240,11 +261,11 @@ def _hermite(angles: Array, position: Array, first: Array, second: Array) -> tup
 
 
 def _beyond_lock(branch: Branch, angle: Array) -> SingularityError:
-    low, high = branch.angles[0], branch.angles[-1]
-    lock, margin = (high, branch.margins[1]) if angle.max() > high else (low, branch.margins[0])
+    assert branch.locks is not None
+    low, high = branch.locks
+    lock = high if angle.max() > branch.angles[-1] else low
     return SingularityError(
-        f"the linkage locks: from its drawn pose the driver turns only from {np.degrees(low):.6g} to {np.degrees(high):.6g} deg;"
-        " change the link lengths, or keep the motion inside",
-        float(lock),
-        margin,
+        f"the linkage locks: from its drawn pose the driver turns only from {np.degrees(low.angle):.6g} to"
+        f" {np.degrees(high.angle):.6g} deg; change the link lengths, or keep the motion inside",
+        *lock,
     )

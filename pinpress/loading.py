@@ -12,6 +12,7 @@ from .coordinates import Array
 from .errors import AssemblyError, PinpressError, SingularityError, UnknownNameError, UrdfError, suggestion
 from .linkage import ACCEPTED, Linkage
 from .plane import LoopPin, Plane
+from .spatial import Spatial
 
 CLOSE_TO_DRAWN = 0.25  # how far closing the drawn pose may turn a joint [rad], or move it in lengths of the linkage
 ROUNDED = 1e-2  # axes as near to parallel as this are meant to be parallel [rad]
@@ -61,8 +62,8 @@ def load(
         raise UrdfError(
             description.file, f'<joint name="{driver}">', _line(description, driver), "the driver does not turn", "drive a crank"
         )
-    planar = plane.build(model, loops, driver_index)
-    closed = _closed(description, model, loops, driver_index, planar)
+    planar, general = plane.build(model, loops, driver_index), spatial.build(model, loops, driver_index)
+    closed = _closed(description, planar, general)
     return Linkage(
         name=description.name,
         file=description.file,
@@ -77,7 +78,7 @@ def load(
         closed=closed,
         plane=planar,
         bodies=plane_dynamics.build(planar, model, loops) if planar else None,
-        spatial=spatial.build(model, loops, driver_index, closed),
+        spatial=general,
     )
 
 
@@ -135,14 +136,14 @@ def _loop_pin(model: pin.Model, loop: urdf.Loop) -> LoopPin:
     return LoopPin(loop.name, *ends)
 
 
-def _closed(description: urdf.Urdf, model: pin.Model, loops: tuple[LoopPin, ...], driver: int, planar: Plane | None) -> Array:
+def _closed(description: urdf.Urdf, planar: Plane | None, general: Spatial) -> Array:
     """Joint coordinates (nv,) of the drawn pose, closed exactly."""
+    model, loops, driver = general.model, general.loops, general.driver
     drawn = np.zeros((model.nv, 1))
-    start = spatial.build(model, loops, driver, drawn[:, 0])
-    closure = plane_kinematics.close(planar, np.zeros(1), drawn) if planar else spatial.close(start, np.zeros(1), drawn)
+    closure = plane_kinematics.close(planar, np.zeros(1), drawn) if planar else spatial.close(general, np.zeros(1), drawn)
     closed = closure.position[:, 0]
-    tolerance = ACCEPTED * (planar or start).tolerance
-    assembled = bool(closure.gap[0] <= tolerance) and np.abs(closed).max() <= CLOSE_TO_DRAWN * max(1.0, start.size)
+    tolerance = ACCEPTED * (planar or general).tolerance
+    assembled = bool(closure.gap[0] <= tolerance) and np.abs(closed).max() <= CLOSE_TO_DRAWN * max(1.0, general.size)
     gaps, columns = spatial.loop_rows(model, loops, closed if assembled else drawn[:, 0])
     free = spatial.mobility(columns)
     rounded = None

@@ -34,7 +34,6 @@ class Spatial:
         share: (3 nv + 3 nl, 3 nl) what loop forces add to the forces of all joints and loops.
         size: length of the linkage [m]. tolerance: gap at which a loop is closed to rounding [m].
         slots: of the joints in q.
-        reference: (3 nl, nv - 1) orthonormal basis of the passive columns in the drawn pose, against which the sign of the branch is told.
     """
 
     model: pin.Model
@@ -44,12 +43,11 @@ class Spatial:
     share: Array
     size: float
     tolerance: float
-    reference: Array
     slots: tuple[Slot, ...]
 
 
-def build(model: pin.Model, loops: Sequence[LoopPin], driver: int, drawn: Array) -> Spatial:
-    """Constants of a linkage whose closed pose at crank angle 0 is ``drawn`` (nv,)."""
+def build(model: pin.Model, loops: Sequence[LoopPin], driver: int) -> Spatial:
+    """Constants of a linkage."""
     size, reach = _extent(model, loops)
     crossed = np.zeros((model.nv, len(loops)))
     for k, loop in enumerate(loops):
@@ -57,9 +55,6 @@ def build(model: pin.Model, loops: Sequence[LoopPin], driver: int, drawn: Array)
             while joint > 0:
                 crossed[joint - 1, k] += sign
                 joint = model.parents[joint]
-    _, columns = loop_rows(model, loops, drawn)
-    passive = _unit_columns(np.delete(columns, driver, axis=1))[0]
-    reference = np.linalg.svd(passive, full_matrices=False)[0][:, : passive.shape[1]]
     return Spatial(
         model=model,
         loops=tuple(loops),
@@ -68,7 +63,6 @@ def build(model: pin.Model, loops: Sequence[LoopPin], driver: int, drawn: Array)
         share=np.concatenate([-np.kron(crossed, np.eye(3)), np.eye(3 * len(loops))]),
         size=size,
         tolerance=64 * np.finfo(float).eps * (size + reach),
-        reference=reference,
         slots=slots(model),
     )
 
@@ -212,7 +206,7 @@ def _close_one(spatial: Spatial, anchors: _Anchors, angle: float, guess: Array) 
     first = passive.rates(-columns[:, spatial.driver])
     first[spatial.driver] = 1.0
     second = passive.rates(-anchors.drift(q, first))
-    return x, first, second, worst, steps, passive.margin(spatial.reference)
+    return x, first, second, worst, steps, passive.margin()
 
 
 class _Passive:
@@ -236,14 +230,12 @@ class _Passive:
         r = self.rank
         return self.left[:, :r] @ ((self.right[:r] @ (effort / self.lengths)) / self.values[:r]), self.left[:, r:]
 
-    def margin(self, reference: Array) -> float:
-        """`Closure.margins` of the whole linkage: sign against the drawn pose's column space."""
+    def margin(self) -> float:
+        """`Closure.margins` of the whole linkage, without a sign: redundant rows have no determinant."""
         count = len(self.rest)
         if count == 0:
             return 1.0
-        if len(self.values) < count:
-            return 0.0
-        return float(np.sign(np.linalg.det(reference.T @ self.scaled)) * self.values[count - 1])
+        return float(self.values[count - 1]) if len(self.values) >= count else 0.0
 
 
 def _solve_pins(spatial: Spatial, columns: Array, effort: Array, carried: Array, data: pin.Data, indeterminate: NDArray[np.bool_]) -> Array:
@@ -264,12 +256,13 @@ def _mark(spatial: Spatial, idle: Array, response: Array, data: pin.Data, indete
     """Mark force and moment components of joints and loops that idle loop forces (3 nl, k) reach; ``response``: forces they make."""
     count = len(spatial.crossed)
     indeterminate[:, :3] |= (np.abs(response).max(axis=1) > RANK).reshape(-1, 3)
-    origins = [data.oMi[j + 1].translation for j in range(count)]
-    for k, loop in enumerate(spatial.loops):
-        point = data.oMi[loop.joint1].act(loop.point1)
-        for j in map(int, np.flatnonzero(spatial.crossed[:, k])):
-            moments = pin.skew(point - origins[j]) @ idle[3 * k : 3 * k + 3]
-            indeterminate[j, 3:] |= np.abs(moments).max(axis=1) > RANK * spatial.size
+    points = [data.oMi[loop.joint1].act(loop.point1) for loop in spatial.loops]
+    for j in range(count):
+        moments = np.zeros((3, idle.shape[1]))
+        for k in map(int, np.flatnonzero(spatial.crossed[j])):
+            arm = points[k] - data.oMi[j + 1].translation
+            moments += spatial.crossed[j, k] * (pin.skew(arm) @ idle[3 * k : 3 * k + 3])
+        indeterminate[j, 3:] |= np.abs(moments).max(axis=1) > RANK * spatial.size
 
 
 def _external(model: pin.Model, data: pin.Data, forces: Sequence[tuple[int, Array, Array]]) -> pin.StdVec_Force:

@@ -1,7 +1,8 @@
-"""Planar linkages written as URDF: drawn by hand joint by joint (`Drawing`), or at random (`linkages`), always exactly closed.
+"""Planar linkages written as URDF: drawn by hand joint by joint (`Drawing`), or at random (`linkages`), always exactly closed; and laws of
+mechanics to judge any linkage by (`momentum_balance`, `newton_euler`).
 
-A linkage is drawn in a plane: a point is a complex number, x + i y, with a height along the plane's normal. How the plane lies in the world,
-how every joint frame is turned and where a loop is cut are chosen apart from the drawing, because none of it may change the mechanics.
+A linkage is drawn in a plane: a point is a complex number, x + i y, with a height along the plane's normal. How the plane lies in the
+world, how every joint frame is turned and where a loop is cut are chosen apart from the drawing: none of it may change the mechanics.
 """
 
 from dataclasses import dataclass
@@ -92,8 +93,10 @@ def _text(numbers):
 
 
 def four_bar(ground, crank, coupler, rocker, angle, side=1, name="four_bar", bounded=True):
-    """Pins O and D on the frame, O at the world origin; crank O-B, coupler B-C, rocker D-C (loop pin C), drawn at a crank angle from the line
-    O-D, with C to the left (side 1) or right (-1) of the line B-D. Sections of line for bodies: 2 kg, centre of mass off the line."""
+    """Pins O and D on the frame, O at the world origin; crank O-B, coupler B-C, rocker D-C (loop pin C).
+
+    Drawn at a crank angle from the line O-D, with C to the left (side 1) or right (-1) of the line B-D. Every link has 2 kg.
+    """
     b, d = crank * np.exp(1j * angle), complex(ground)
     span = d - b
     along = (abs(span) ** 2 + coupler**2 - rocker**2) / (2 * abs(span))
@@ -145,7 +148,7 @@ def linkages(draw, most=4, **fixed):
     index = st.integers(0, 7)
     group = st.builds(Group, st.sampled_from(KINDS), st.integers(0, 2), st.tuples(index, index, index))
     groups = tuple(draw(st.lists(group, min_size=1, max_size=most)))
-    flags = {name: fixed.get(name, None) for name in ("tilted", "stacked", "solid", "extra")}
+    flags = {name: fixed.get(name) for name in ("tilted", "stacked", "solid", "extra")}
     flags = {name: draw(st.booleans()) if value is None else value for name, value in flags.items()}
     return Spec(groups=groups, seed=draw(st.integers(0, 2**32 - 1)), **flags)
 
@@ -225,7 +228,7 @@ class _Builder:
             sides = {"RRR": (b - a, 1j * (c - b)), "RRP": (b - a, along), "RPR": (c - a, along), "PRR": (c - b, along)}[group.kind]
             lengths = [abs(x) for x in {"RRR": (b - a, c - b), "RRP": (b - a,), "RPR": (c - a,), "PRR": (c - b,)}[group.kind]]
             sine = abs((np.conj(sides[0]) * sides[1]).real) / (abs(sides[0]) * abs(sides[1]))
-            if sine > CLEAR and 0.4 < min(lengths) and max(lengths) < 2.5:
+            if sine > CLEAR and min(lengths) > 0.4 and max(lengths) < 2.5:
                 break
         else:
             return False
@@ -255,7 +258,7 @@ class _Builder:
             # the plate is held unless its three bars' lines meet in a point
             lines = [[u.real, u.imag, (np.conj(h - middle) * u).imag] for u, h in zip(units, heads, strict=True)]
             sizes = [abs(bar) for bar in bars] + [abs(heads[i] - heads[i - 1]) for i in range(3)]
-            if abs(np.linalg.det(lines)) > CLEAR and 0.4 < min(sizes) and max(sizes) < 2.5:
+            if abs(np.linalg.det(lines)) > CLEAR and min(sizes) > 0.4 and max(sizes) < 2.5:
                 break
         else:
             return False
@@ -282,14 +285,16 @@ class _Builder:
         rng, spec, drawing = self.rng, self.spec, self.drawing
         if spec.extra:
             host = self.links[1 + int(rng.integers(len(self.links) - 1))]
-            drawing.weld("weld", host, "welded", self.scale * self.point(self.near[host]), self.scale * self.height(), rng.uniform(-3, 3, 3))
+            at = self.point(self.near[host])
+            drawing.weld("weld", host, "welded", self.scale * at, self.scale * self.height(), rng.uniform(-3, 3, 3))
             self.links.append("welded")
             self.near["welded"] = self.near[host]
         for link in self.links:
             if link == "frame" and not spec.extra:
                 continue
             mass = 10 ** rng.uniform(-0.5, 1.0)
-            spread = self.scale**2 * mass * 10 ** rng.uniform(-3, -0.5, 3)  # second moments of mass along principal axes: all tensors are valid
+            # second moments of mass along principal axes: any three make a valid tensor
+            spread = self.scale**2 * mass * 10 ** rng.uniform(-3, -0.5, 3)
             turned = _rotation(rng) if spec.solid else np.eye(3)
             tensor = turned @ np.diag(spread.sum() - spread) @ turned.T
             height = rng.uniform(-0.5, 0.5) if spec.solid else 0.0
@@ -299,3 +304,74 @@ class _Builder:
 def _rotation(rng):
     quaternion = rng.normal(size=4)
     return pin.Quaternion(quaternion / np.linalg.norm(quaternion)).toRotationMatrix()
+
+
+# ----------------------------------------------------------------------------------- laws of mechanics, written with Pinocchio's kinematics
+
+
+def momentum_balance(press, motion, loads):
+    """What must reach the foundation, (n, 3) force and (n, 3) moment about the world origin: weights and loads less the rate of momentum.
+
+    The rate is Pinocchio's own for the open tree, about the centre of mass.
+    """
+    model, data = press.model, press.model.createData()
+    gravity = model.gravity.linear
+    force, moment = np.empty((len(motion.q), 3)), np.empty((len(motion.q), 3))
+    for i, (q, v, a) in enumerate(zip(motion.q, motion.v, motion.a, strict=True)):
+        pin.forwardKinematics(model, data, q, v, a)
+        pin.computeCentroidalMomentumTimeVariation(model, data, q, v, a)
+        centre, mass = data.com[0], data.mass[0]
+        force[i] = mass * gravity - data.dhg.linear
+        moment[i] = np.cross(centre, force[i]) - data.dhg.angular
+        force[i] += model.inertias[0].mass * gravity
+        moment[i] += np.cross(model.inertias[0].lever, model.inertias[0].mass * gravity)
+        pin.updateFramePlacements(model, data)
+        for load in loads:
+            point = data.oMf[model.getFrameId(load.link, pin.BODY)].act(np.array(load.point))
+            acting = np.broadcast_to(load.force, (len(motion.q), 3))[i]
+            force[i] += acting
+            moment[i] += np.cross(point, acting)
+    return force, moment
+
+
+def newton_euler(press, motion, result, loads=()):
+    """What Newton's and Euler's equations of every body leave over, from bearing forces and moments as they are documented.
+
+    Returns:
+        forces (bodies, n, 3), moments about the joints' origins (bodies, n, 3), and (n, bearings) what passive joints transmit along the
+        motion they should leave free, with the driver's torque less its moment along its axis. All should be zero.
+    """
+    model, data = press.model, press.model.createData()
+    n, count = len(motion.q), model.nv
+    forces, moments, idle = np.zeros((count, n, 3)), np.zeros((count, n, 3)), np.zeros((n, count))
+    for i, (q, v, a) in enumerate(zip(motion.q, motion.v, motion.a, strict=True)):
+        pin.forwardKinematics(model, data, q, v, a)
+        pin.computeJointJacobians(model, data, q)
+        place = [data.oMi[j] for j in range(model.njoints)]
+
+        def act(joint, force, point, moment=0.0, i=i, place=place):
+            if joint:
+                forces[joint - 1, i] += force
+                moments[joint - 1, i] += moment + np.cross(point - place[joint].translation, force)
+
+        for j, name in enumerate(press.joints, 1):
+            inertia = model.inertias[j]
+            force, moment, origin = result.bearing_force[name][i], result.bearing_moment[name][i], place[j].translation
+            act(j, force, origin, moment)
+            act(model.parents[j], -force, origin, -moment)
+            act(j, inertia.mass * model.gravity.linear, place[j].act(inertia.lever))
+            rate = inertia * data.a[j] + data.v[j].cross(inertia * data.v[j])
+            act(j, -(place[j].rotation @ rate.linear), origin, -(place[j].rotation @ rate.angular))
+            free = pin.getJointJacobian(model, data, j, pin.LOCAL_WORLD_ALIGNED)[:, j - 1]
+            idle[i, j - 1] = free @ np.concatenate([force, moment]) - (result.driving_torque[i] if name == press.driver else 0.0)
+        for loop in press.loops:
+            force, point = result.bearing_force[loop.name][i], place[loop.joint1].act(loop.point1)
+            act(loop.joint2, force, point)
+            act(loop.joint1, -force, point)
+            assert not result.bearing_moment[loop.name].any()
+        pin.updateFramePlacements(model, data)
+        for load in loads:
+            frame = model.getFrameId(load.link, pin.BODY)
+            force = np.broadcast_to(load.force, (n, 3))[i]
+            act(model.frames[frame].parentJoint, force, data.oMf[frame].act(np.array(load.point)))
+    return forces, moments, idle

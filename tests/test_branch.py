@@ -1,0 +1,254 @@
+"""Every configuration belongs to the assembly that is drawn, however a motion is sampled, and where a linkage locks is said exactly."""
+
+import re
+
+import numpy as np
+import pinocchio as pin
+import pytest
+from random_linkages import four_bar
+
+import pinpress as pp
+from pinpress.branch import predict
+
+ENGINES = ("plane", "pinocchio")
+STROKE = (-0.9596, -0.6582)  # the ZXN2-3000(B)'s slide, rounded outwards (Kong 2025) [m]
+# Joint coordinates of its other assembly, against the drawn one: rod folded back on the rocker's arm, F on D, slide at z = 0.
+FOLDED = {"E": -0.75 * np.pi + np.pi + 2.4872085419244342, "slide_guide": 0.9579409746502484}
+
+
+@pytest.fixture(scope="module")
+def zxn2():
+    return pp.load("zxn2_3000b")
+
+
+def folded(press, angle):
+    """Joint coordinates (nv, n) of the false assembly at crank angles (n,)."""
+    x = predict(press.branch, angle)
+    for name, value in FOLDED.items():
+        x[press.joints.index(name)] = value
+    return x
+
+
+def gap(press, q):
+    """Largest distance (n,) between the sides of the loops, from Pinocchio's forward kinematics alone."""
+    data = press.model.createData()
+    gaps = []
+    for each in q:
+        pin.forwardKinematics(press.model, data, each)
+        sides = [(data.oMi[k.joint1].act(k.point1), data.oMi[k.joint2].act(k.point2)) for k in press.loops]
+        gaps.append(max(np.linalg.norm(one - other) for one, other in sides))
+    return np.array(gaps)
+
+
+@pytest.mark.parametrize("engine", ENGINES)
+def test_the_false_assembly_exists(zxn2, engine):
+    """What the tests below rule out can happen: Newton's method, started at the false assembly, finds it closed as well as the true one."""
+    angle = np.linspace(0.0, 6.0, 7)
+    closure = zxn2.close(angle, folded(zxn2, angle), engine)
+    slide = closure.position[zxn2.joints.index("slide_guide")] + zxn2.slide_guide[1]
+    assert np.abs(slide).max() < 1e-13
+    assert closure.gap.max() < 1e-14
+    assert gap(zxn2, closure.q.T).max() < 1e-14
+    assert np.isfinite(closure.first).all()
+
+
+@pytest.mark.parametrize("engine", ENGINES)
+@pytest.mark.parametrize("points", [8, 9, 37, 360, 100_000])
+@pytest.mark.parametrize("speed", [7.0, -7.0])
+def test_a_turn_stays_on_the_drawn_assembly(zxn2, points, speed, engine):
+    """Few points or many, either way round. (100 000 on the planar engine: the other would take a minute.)"""
+    if engine == "pinocchio" and points > 100:
+        pytest.skip("one configuration at a time")
+    motion = pp.cycle(zxn2, speed, points=points, engine=engine)
+    assert STROKE[0] < motion.slide_position.min()
+    assert motion.slide_position.max() < STROKE[1]
+    assert motion.closure_error.max() < 1e-14
+    some = slice(None, None, max(1, points // 50))
+    assert gap(zxn2, motion.q[some]).max() < 1e-14
+    assert np.ptp(motion.slide_position) > 0.25
+
+
+@pytest.mark.parametrize("engine", ENGINES)
+def test_servo_angles_from_anywhere(zxn2, engine):
+    """Random angles over thousands of turns, unsorted, each alone and all together: the same as within the first turn.
+
+    To the rounding of the angle: 1e4 rad has a spacing of 2e-12, and the slide moves by at most 0.2 m/rad.
+    """
+    angle = np.random.default_rng(3).uniform(-1e4, 1e4, 5000 if engine == "plane" else 60)
+    motion = pp.cycle(zxn2, angle=angle, speed=0.0, engine=engine)
+    assert STROKE[0] < motion.slide_position.min()
+    assert motion.slide_position.max() < STROKE[1]
+    first_turn = pp.cycle(zxn2, angle=np.mod(angle, 2 * np.pi), speed=0.0, engine=engine)
+    np.testing.assert_allclose(motion.slide_position, first_turn.slide_position, rtol=0, atol=2e-12)
+    for i in range(5):
+        alone = pp.cycle(zxn2, angle=angle[i : i + 1], speed=0.0, engine=engine)
+        np.testing.assert_allclose(alone.q[0], motion.q[i], rtol=0, atol=2e-12)
+
+
+def test_a_turn_of_the_zxn2(zxn2):
+    """Crank and coupler gain a turn against each other, rocker, rod and slide swing."""
+    branch = zxn2.branch
+    assert branch.period == 2 * np.pi
+    gained = dict(zip(zxn2.joints, branch.advance, strict=True))
+    assert gained == {"A": 2 * np.pi, "B": -2 * np.pi, "D": 0.0, "E": 0.0, "slide_guide": 0.0}
+    np.testing.assert_allclose(predict(branch, np.array([2 * np.pi]))[:, 0], zxn2.closed + branch.advance, atol=1e-12)
+    np.testing.assert_allclose(predict(branch, np.array([-6 * np.pi]))[:, 0], zxn2.closed - 3 * branch.advance, atol=1e-12)
+
+
+@pytest.mark.parametrize("press_name", ["zxn2_3000b", "crank_slide"])
+def test_tables_predict(press_name):
+    """At random angles the table is off by less than 1e-13 rad or m (2e-15 when this was written) from configurations that Newton's method
+    closes from guesses 1e-6 away: rounding. So closing takes at most one step, and none where the gap is
+    rounding already.
+    """
+    press = pp.load(press_name)
+    angle = np.random.default_rng(1).uniform(0, 2 * np.pi, 3000)
+    guess = predict(press.branch, angle)
+    closed = press.close(angle, guess + 1e-6)
+    assert closed.iterations > 0
+    assert np.abs(closed.position - guess).max() < 1e-13
+    predicted = press.close(angle, guess)
+    assert predicted.iterations <= 1
+    assert predicted.gap.max() < 1e-14
+
+
+# ---------------------------------------------------------------------------------------------------------------------------- locks
+
+
+def crank_slide(tmp_path, r, rod):
+    """The shipped crank-slide with other lengths."""
+    text = pp.load("crank_slide").text.decode()
+    for old, new, count in (
+        ('<origin xyz="0.100 0 0"/><axis', f'<origin xyz="{r!r} 0 0"/><axis', 1),
+        ('<origin xyz="0 0 -0.500"/><axis', f'<origin xyz="0 0 {-(r + rod)!r}"/><axis', 1),
+        ('<link1 link="rod" xyz="0.400 0 0"', f'<link1 link="rod" xyz="{rod!r} 0 0"', 1),
+    ):
+        assert text.count(old) == count
+        text = text.replace(old, new)
+    file = tmp_path / "crank_slide.urdf"
+    file.write_text(text, encoding="utf-8")
+    return pp.load(file)
+
+
+def four_bar_press(tmp_path, *args, **options):
+    file = tmp_path / "four_bar.urdf"
+    file.write_text(four_bar(*args, **options).urdf("O"), encoding="utf-8")
+    return pp.load(file)
+
+
+def locked(press, **motion):
+    with pytest.raises(pp.SingularityError) as caught:
+        pp.cycle(press, **motion)
+    assert 0.0 <= caught.value.smallest_singular_value < 1e-3
+    return caught.value.crank_angle
+
+
+def test_a_crank_longer_than_its_rod_locks(tmp_path):
+    """It turns as far as sin q = rod / r, to 1e-6 rad, both ways, and is right all the way there."""
+    r, rod = 0.5, 0.4
+    lock = np.arcsin(rod / r)
+    press = crank_slide(tmp_path, r, rod)
+    assert press.branch.period is None
+    assert locked(press, speed=1.0) == pytest.approx(lock, abs=1e-6)
+    assert locked(press, speed=-1.0) == pytest.approx(-lock, abs=1e-6)
+    assert locked(press, angle=[0.0, lock + 1e-5], speed=1.0) == pytest.approx(lock, abs=1e-6)
+    assert locked(press, angle=[0.0, -lock - 1e-5], speed=1.0) == pytest.approx(-lock, abs=1e-6)
+    with pytest.raises(pp.SingularityError, match=re.escape(f"{np.degrees(-lock):.4f}"[:8])):
+        pp.cycle(press, speed=1.0)
+    for direction in (1, -1):
+        angle = direction * np.linspace(-0.999 * lock, 0.999 * lock, 201)
+        motion = pp.cycle(press, angle=angle, speed=float(direction))
+        root = np.sqrt(rod**2 - (r * np.sin(angle)) ** 2)
+        np.testing.assert_allclose(motion.slide_position, -r * np.cos(angle) - root, rtol=1e-12)
+        slope = r * np.sin(angle) + r**2 * np.sin(angle) * np.cos(angle) / root
+        np.testing.assert_allclose(motion.slide_velocity, direction * slope, rtol=1e-10, atol=1e-12)
+    # close to the lock both engines still say the same
+    one, other = (pp.cycle(press, angle=[0.0, 0.9999 * lock], speed=1.0, engine=engine) for engine in ENGINES)
+    np.testing.assert_allclose(one.slide_velocity, other.slide_velocity, rtol=1e-9, atol=1e-12)
+
+
+def test_a_crank_as_long_as_its_rod_is_refused_where_two_assemblies_meet(tmp_path):
+    """At 90 degrees rod lies on crank and W on O: the slide could as well stand still from there on."""
+    press = crank_slide(tmp_path, 0.4, 0.4)
+    assert locked(press, speed=1.0) == pytest.approx(np.pi / 2, abs=1e-6)
+    assert locked(press, speed=-1.0) == pytest.approx(-np.pi / 2, abs=1e-6)
+    angle = np.linspace(-1.5, 1.5, 31)
+    np.testing.assert_allclose(pp.cycle(press, angle=angle, speed=1.0).slide_position, -0.8 * np.cos(angle), rtol=1e-12)
+
+
+@pytest.mark.parametrize("shorter", [1e-3, 1e-5, 1e-7])
+def test_a_crank_a_little_shorter_than_its_rod_goes_round(tmp_path, shorter):
+    """The slide turns sharply at 90 degrees, but turns: the closed form, to 1e-11 m, because l - r is a small difference."""
+    rod = 0.4
+    r = rod * (1 - shorter)
+    press = crank_slide(tmp_path, r, rod)
+    angle = np.linspace(0, 2 * np.pi, 2001)
+    motion = pp.cycle(press, angle=angle, speed=1.0)
+    assert np.abs(motion.slide_position + r * np.cos(angle) + np.sqrt(rod**2 - (r * np.sin(angle)) ** 2)).max() < 1e-11
+
+
+@pytest.mark.parametrize("longer", [1e-3, 1e-6])
+def test_a_crank_a_little_longer_than_its_rod_locks(tmp_path, longer):
+    """Just before 90 degrees, to 1e-6 rad."""
+    press = crank_slide(tmp_path, 0.4 * (1 + longer), 0.4)
+    assert locked(press, speed=1.0) == pytest.approx(np.arcsin(1 / (1 + longer)), abs=1e-6)
+
+
+@pytest.mark.parametrize("degrees", [20, 60, 90, 100, 135])
+def test_a_parallelogram_is_refused_at_its_change_points(tmp_path, degrees):
+    """Its links lie in a line at 0 and at 180 degrees from the frame's line, where it could go on as a crossed four-bar."""
+    press = four_bar_press(tmp_path, 1.0, 0.3, 1.0, 0.3, np.radians(degrees))
+    assert locked(press, speed=1.0) == pytest.approx(np.radians(180 - degrees), abs=1e-6)
+    assert locked(press, speed=-1.0) == pytest.approx(np.radians(-degrees), abs=1e-6)
+    angle = np.radians(np.linspace(1, 179, 45) - degrees)
+    motion = pp.cycle(press, angle=angle, speed=1.0)
+    np.testing.assert_allclose(motion.q[:, press.model.joints[press.joints.index("D") + 1].idx_q], angle, atol=1e-11)
+    np.testing.assert_allclose(motion.v[:, press.joints.index("B")], -1.0, rtol=1e-9)
+
+
+@pytest.mark.parametrize("side", [1, -1])
+def test_a_double_rocker_locks_both_ways(tmp_path, side):
+    """The driven rocker turns between the angles at which coupler and other rocker lie in a line, stretched and folded: law of cosines."""
+    ground, crank, coupler, rocker = 2.0, 1.6, 0.7, 1.8
+    low, high = (np.arccos((crank**2 + ground**2 - reach**2) / (2 * crank * ground)) for reach in (rocker - coupler, rocker + coupler))
+    drawn = np.radians(60)
+    press = four_bar_press(tmp_path, ground, crank, coupler, rocker, drawn, side)
+    assert low < drawn < high
+    assert locked(press, speed=1.0) == pytest.approx(high - drawn, abs=1e-6)
+    assert locked(press, speed=-1.0) == pytest.approx(low - drawn, abs=1e-6)
+    angle = np.linspace(low + 1e-3, high - 1e-3, 50) - drawn
+    motion = pp.cycle(press, angle=angle, speed=1.0)
+    assert gap(press, motion.q).max() < 1e-13
+    # the rocker stays on its side of the line from the crank pin to its own pivot
+    pin_b = crank * np.exp(1j * (angle + drawn))
+    start = np.angle(complex(_corner(press)) - ground)
+    pin_c = ground + rocker * np.exp(1j * (start + motion.q[:, press.model.joints[press.joints.index("D") + 1].idx_q]))
+    assert (side * (np.conj(ground - pin_b) * (pin_c - pin_b)).imag).min() > 0
+    np.testing.assert_allclose(np.abs(pin_c - pin_b), coupler, rtol=1e-12)
+
+
+def _corner(press):
+    """Pin C of the four-bar in the drawn pose, x + i z (its rocker's frame is at D and not turned)."""
+    (loop,) = press.loops
+    point = loop.point2 + press.model.jointPlacements[loop.joint2].translation
+    return complex(point[0], point[2])
+
+
+@pytest.mark.parametrize("bounded", [True, False])
+def test_a_drag_link_goes_round(tmp_path, bounded):
+    """Shortest link on the frame: crank and rocker both turn fully. Unwrapped over several turns, the rocker gains as many as the crank."""
+    press = four_bar_press(tmp_path, 0.5, 1.0, 1.1, 0.9, np.radians(70), bounded=bounded)
+    assert press.branch.period == pytest.approx(2 * np.pi)
+    gained = dict(zip(press.joints, press.branch.advance, strict=True))
+    assert gained == {"O": 2 * np.pi, "B": 0.0, "D": 2 * np.pi}
+    angle = np.linspace(-13, 21, 400)
+    motion = pp.cycle(press, angle=angle, speed=1.0)
+    assert gap(press, motion.q).max() < 1e-13
+    joint = press.joints.index("D")
+    assert motion.v[:, joint].min() > 0.0  # never turns back
+    if bounded:
+        rocker = motion.q[:, press.model.joints[joint + 1].idx_q]
+        turned = pp.cycle(press, angle=angle + 6 * np.pi, speed=1.0).q[:, press.model.joints[joint + 1].idx_q]
+        np.testing.assert_allclose(turned, rocker + 6 * np.pi, rtol=0, atol=1e-12)
+        assert np.diff(rocker).min() > 0.0
+        assert abs((rocker[-1] - rocker[0]) - 34) < 2 * np.pi
