@@ -24,6 +24,7 @@ from .coordinates import Array, Slot, slots
 
 ComplexArray = NDArray[np.complex128]
 
+EPSILON = float(np.finfo(float).eps)
 PARALLEL = 1e-12  # joint axes further from the plane's normal than this [rad] make a linkage spatial
 
 
@@ -78,7 +79,7 @@ class Plane:
         blocks: the order in which loops are closed. driven: per loop, row of the driver's column, None where the driver does not move it.
         carried: (nv, nv) 1 where the link of joint k hangs on joint j.
         crossed: (nv, nl) +1 / -1 where loop l's point 2 / 1 hangs on joint j.
-        tolerance: gap at which a loop is closed to rounding [m].
+        size: of the largest loop: sum of the lengths round it [m].
     """
 
     normal: Array
@@ -106,7 +107,12 @@ class Plane:
     driven: tuple[int | None, ...]
     carried: Array
     crossed: Array
-    tolerance: float
+    size: float
+
+    @property
+    def tolerance(self) -> float:
+        """Gap at which a loop is closed to rounding [m]."""
+        return 16 * EPSILON * self.size
 
     def rotor(self, joint: int) -> int:
         """Basis row of the rotor of a joint's link; 0 for the frame (joint -1) and for links that only translate."""
@@ -173,7 +179,7 @@ def build(model: pin.Model, loops: Sequence[LoopPin], driver: int) -> Plane | No
                 for j in range(count)
             ]
         ).reshape(count, len(loops)),
-        tolerance=0.0,
+        size=0.0,
     )
     for j in range(count):  # parents come before their children in Pinocchio
         p = parents[j]
@@ -240,7 +246,7 @@ def _with_loops(plane: Plane, loops: Sequence[LoopPin], place: list[pin.SE3], po
         "closure": np.array(gaps + columns).reshape(-1, plane.origins.shape[1]),
         "blocks": blocks,
         "driven": tuple(next((len(loops) + r for r, o in enumerate(owners) if o == (k, plane.driver)), None) for k in range(len(loops))),
-        "tolerance": 16 * np.finfo(float).eps * size,
+        "size": size,
     }
     return Plane(**{**plane.__dict__, **changes})
 

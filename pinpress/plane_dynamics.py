@@ -141,7 +141,7 @@ def closed_basis(plane: Plane, q: Array) -> ComplexArray:
     at = basis_of_configuration(plane, q)
     gaps = plane.closure[: len(plane.loop_points)] @ at
     widest = np.abs(gaps).max(axis=0, initial=0.0)
-    if not widest.max() * 16 * np.finfo(float).eps <= LOOSEST * plane.tolerance:
+    if not widest.max() <= LOOSEST * plane.size:
         worst = int(widest.argmax())
         angle = crank_angle(plane.slots[plane.driver], q[:, worst])
         raise AssemblyError("the motion leaves the loops of this linkage open: it is another one's", angle, float(widest[worst]), 0)
