@@ -25,6 +25,7 @@ from .coordinates import Array, Slot, slots
 ComplexArray = NDArray[np.complex128]
 
 EPSILON = float(np.finfo(float).eps)
+SERIAL = 65_536  # scalar multiplications up to which OpenBLAS makes a complex product in one thread
 PARALLEL = 1e-12  # joint axes further from the plane's normal than this [rad] make a linkage spatial
 
 
@@ -127,6 +128,20 @@ class Plane:
         row = self.origins[joint].copy() if joint >= 0 else np.zeros(self.closure.shape[1], complex)
         row[self.rotor(joint)] += position - origin
         return row
+
+
+def product(rows: ComplexArray, columns: ComplexArray) -> ComplexArray:
+    """``rows @ columns`` for few rows and many columns, in pieces so small that BLAS keeps to one thread.
+
+    Its threads are no gain here, and where the machine has other work to do they wait milliseconds for each other.
+    """
+    step = max(1, SERIAL // max(1, rows.size))
+    if columns.shape[1] <= step:
+        return rows @ columns
+    result = np.empty((len(rows), columns.shape[1]), complex)
+    for start in range(0, columns.shape[1], step):
+        np.matmul(rows, columns[:, start : start + step], out=result[:, start : start + step])
+    return result
 
 
 def build(model: pin.Model, loops: Sequence[LoopPin], driver: int) -> Plane | None:

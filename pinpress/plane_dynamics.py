@@ -19,7 +19,7 @@ from . import plane_axial
 from .coordinates import Array, crank_angle
 from .errors import AssemblyError
 from .loads import AppliedForce
-from .plane import ComplexArray, LoopPin, Plane
+from .plane import ComplexArray, LoopPin, Plane, product
 from .plane_kinematics import basis_acceleration, basis_of_configuration, basis_velocity, block_matrix, dyad_columns
 from .wrenches import Wrenches
 
@@ -174,9 +174,9 @@ def _piece(plane: Plane, bodies: Bodies, at: ComplexArray, v: Array, a: Array, l
     count, loops = len(plane.parents), len(plane.loop_points)
     second = basis_acceleration(plane, at, v, a)
     second[0] = 1.0
-    forces = bodies.forces @ second
+    forces = product(bodies.forces, second)
     own, carried = forces[:count], forces[count:]
-    arms = bodies.arms @ at
+    arms = product(bodies.arms, at)
     closure, row = arms[count : count + len(plane.closure)], count + len(plane.closure)
 
     moment = (arms[:count].conj() * own).imag
@@ -199,8 +199,7 @@ def _piece(plane: Plane, bodies: Bodies, at: ComplexArray, v: Array, a: Array, l
     bearings = np.empty((count + loops, v.shape[1]), complex)
     pins = bearings[count:]
     _solve_pins(plane, closure, passive, pins)
-    np.matmul(bodies.uncrossed, pins, out=bearings[:count])
-    bearings[:count] += carried
+    np.add(product(bodies.uncrossed, pins), carried, out=bearings[:count])
     about[plane.driver] = plane.sense[plane.driver] * passive[plane.driver]
     for j, k in bodies.guided:
         about[j] -= plane.crossed[j, k] * (arms[row].conj() * pins[k]).imag

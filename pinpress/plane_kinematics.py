@@ -12,9 +12,9 @@ import numpy as np
 
 from .branch import Closure
 from .coordinates import Array
-from .plane import Block, ComplexArray, Plane
+from .plane import Block, ComplexArray, Plane, product
 
-MOST_NEWTON_STEPS = 25
+MOST_NEWTON_STEPS = 12
 
 
 def close(plane: Plane, angle: Array, guess: Array, with_margins: bool = False) -> Closure:
@@ -29,7 +29,7 @@ def close(plane: Plane, angle: Array, guess: Array, with_margins: bool = False) 
     with np.errstate(all="ignore"):  # a failed closure shows in its gap
         while True:
             at = basis(plane, x)
-            rows = plane.closure @ at
+            rows = product(plane.closure, at)
             gaps = rows[:count]
             gap = np.sqrt((gaps.real**2 + gaps.imag**2).max(axis=0, initial=0.0))
             before, worst = worst, float(gap.max())
@@ -48,7 +48,7 @@ def close(plane: Plane, angle: Array, guess: Array, with_margins: bool = False) 
         second = np.empty_like(x)
         second[plane.driver] = 0.0
         curvature = basis_acceleration(plane, at, first, None)
-        _solve(plane, rows, factors, list(-(plane.closure[:count] @ curvature)), second)
+        _solve(plane, rows, factors, list(-product(plane.closure[:count], curvature)), second)
         margins = _margins(plane, rows) if with_margins else None
     return Closure(x, first, second, gap, worst, _configuration(plane, at, x), steps, margins, at)
 

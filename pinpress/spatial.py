@@ -20,7 +20,7 @@ from .plane import LoopPin
 from .wrenches import Wrenches
 
 RANK = 1e-9  # singular values below this share of the largest are zero, columns scaled to unit length
-MOST_NEWTON_STEPS = 25
+MOST_NEWTON_STEPS = 12
 LOOSEST = 1e-6  # gap, in lengths of the linkage, beyond which a motion is another linkage's
 
 
