@@ -1,5 +1,6 @@
 """The motion of a linkage: every configuration closed, with exact rates, from the motion of its driver."""
 
+import math
 import os
 from dataclasses import dataclass, field
 
@@ -127,6 +128,7 @@ def cycle(
         SingularityError: the linkage locks within the motion.
         AssemblyError: the loops do not close.
     """
+    press.planar(engine)  # refuses an engine that does not suit before anything is computed
     if angle is None:
         angles, speeds, accelerations, times = _turn(speed, 360 if points is None else points, acceleration, time)
     else:
@@ -171,21 +173,18 @@ def _rates(closure: Closure, speed: Array | np.float64, acceleration: Array | No
 
 
 def _turn(speed: ArrayLike, points: int, acceleration: ArrayLike, time: ArrayLike | None) -> tuple[Array, Array, Array, Array | None]:
-    rate = _numbers("speed", speed)
-    if rate.ndim:
+    given = _numbers("speed", speed)
+    if given.ndim:
         raise PinpressError("speed is an array, but a turn at constant speed takes one number: give angle too, for a servo motion")
-    if rate == 0.0:
-        raise PinpressError("speed is 0: a turn never ends; give a speed [rad/s], e.g. 70 * pinpress.RPM")
+    rate = float(given)
+    if not (rate and math.isfinite(2 * np.pi / rate)):
+        raise PinpressError(f"speed is {abs(rate):g}: a turn never ends; give a speed [rad/s], e.g. 70 * pinpress.RPM")
     if time is not None or not (np.isscalar(acceleration) and acceleration == 0.0):
         raise PinpressError("time and acceleration belong to a servo motion: give angle too")
     if isinstance(points, bool) or not isinstance(points, int | np.integer) or not 2 <= points <= MOST_POINTS:
         raise PinpressError(f"points is {points!r}: a turn takes a whole number from 2 to {MOST_POINTS}")
-    angles = np.arange(points) * (np.copysign(2 * np.pi, rate) / points)
-    with np.errstate(over="ignore"):
-        times = angles / rate
-    if not np.isfinite(times).all():
-        raise PinpressError(f"speed is {float(rate)!r}: a turn takes longer than a floating-point number can say")
-    return angles, np.full(points, float(rate)), np.zeros(points), times
+    angles: Array = np.arange(points, dtype=float) * (math.copysign(2 * np.pi, rate) / points)
+    return angles, np.full(points, rate), np.zeros(points), angles / rate
 
 
 def _servo(angle: ArrayLike, speed: ArrayLike, acceleration: ArrayLike, time: ArrayLike | None) -> tuple[Array, Array, Array, Array | None]:

@@ -44,7 +44,8 @@ class Bodies:
         inner: joints whose parent is not the frame, tips first.
         guided: (prismatic joint, loop) pairs: the loop's force turns the joint's link.
         grounded: bearings that act on the frame; grounded_signs: (k, 1) of their action on the foundation.
-        frame_weight: (3,) of the frame itself [N]; frame_moment: (3,) its moment about the world origin [N m].
+        frame_weight: (3,) of the frame itself [N]; frame_moment: (3,) its moment about the world origin [N m];
+            frame_weighs: whether there is any.
         indeterminate: (bearings, 6) `Wrenches.indeterminate`: along the normal round every loop.
         flat: everything moves and acts in the plane through the world origin.
     """
@@ -61,6 +62,7 @@ class Bodies:
     grounded_signs: Array
     frame_weight: Array
     frame_moment: Array
+    frame_weighs: bool
     indeterminate: NDArray[np.bool_]
     flat: bool
 
@@ -106,6 +108,7 @@ def build(plane: Plane, model: pin.Model, loops: Sequence[LoopPin]) -> Bodies:
         grounded_signs=np.array([[sign] for _, sign in grounded]),
         frame_weight=frame_weight,
         frame_moment=np.cross(model.inertias[0].lever, frame_weight),
+        frame_weighs=bool(frame_weight.any()),
         indeterminate=plane_axial.indeterminate(plane),
         flat=bool(
             np.all(np.abs(offsets) <= ROUNDING * np.abs(plane.origins).max(initial=0.0))
@@ -126,6 +129,9 @@ def inverse_dynamics(plane: Plane, bodies: Bodies, at: ComplexArray, v: Array, a
     n = v.shape[1]
     result = Wrenches.zeros(len(plane.parents) + len(plane.loop_points), n)
     result.indeterminate[:] = bodies.indeterminate
+    if n <= PIECE:
+        _piece(plane, bodies, at, v, a, loads, result)
+        return result
     for start in range(0, n, PIECE):
         s = slice(start, start + PIECE)
         _piece(plane, bodies, at[:, s], v[:, s], a[:, s], [load.part(s) for load in loads], result.part(s))
@@ -219,7 +225,7 @@ def _piece(plane: Plane, bodies: Bodies, at: ComplexArray, v: Array, a: Array, l
     for index, values in about.items():
         _along_normal(plane, values, result.moment[index])
     _along_normal(plane, tilting, result.shaking_moment)
-    if bodies.frame_weight.any():
+    if bodies.frame_weighs:
         result.shaking_force[:] += bodies.frame_weight
         result.shaking_moment[:] += bodies.frame_moment
     for load in loads:
@@ -280,5 +286,6 @@ def _in_space(plane: Plane, vectors: ComplexArray, out: Array) -> None:
 
 def _along_normal(plane: Plane, values: Array, out: Array) -> None:
     """Fill ``out`` (n, 3), zero so far, with vectors of lengths (n,) along the normal."""
-    for i in np.flatnonzero(plane.normal):
-        np.multiply(values, plane.normal[i], out=out[:, i])
+    for i, share in enumerate(plane.normal):
+        if share:
+            np.multiply(values, share, out=out[:, i])
