@@ -34,7 +34,6 @@ class Closure:
         second: (nv, n) d2 position / d crank angle2.
         gap: (n,) largest distance between the two sides of a loop [m]; large or not finite where Newton's method failed.
         widest: the largest gap [m].
-        q: (nq, n) the configurations in Pinocchio's order.
         iterations: Newton steps taken.
         margins: (blocks, n) distance of every block of loops from singularity: the smallest singular value of its Jacobian, columns scaled
             to unit length, with the sign of its determinant (the Pinocchio engine has one block, and no sign). Zero where two assemblies
@@ -47,7 +46,6 @@ class Closure:
     second: Array
     gap: Array
     widest: float
-    q: Array
     iterations: int
     margins: Array | None = None
     basis: ComplexArray | None = None
@@ -65,7 +63,6 @@ def joined(pieces: Sequence[Closure]) -> Closure:
         second=along("second"),
         gap=along("gap"),
         widest=max(piece.widest for piece in pieces),
-        q=along("q"),
         iterations=max(piece.iterations for piece in pieces),
         basis=None if pieces[0].basis is None else np.concatenate([p.basis for p in pieces if p.basis is not None], axis=1),
     )

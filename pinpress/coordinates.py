@@ -26,6 +26,14 @@ def slots(model: pin.Model) -> tuple[Slot, ...]:
     return tuple(Slot(joint.idx_q, joint.nq == 2) for joint in list(model.joints)[1:])
 
 
+def sliding(model: pin.Model) -> tuple[NDArray[np.float64] | None, ...]:
+    """Axes (3,) of the prismatic joints in their own frames, None for the turning ones, in the order of v."""
+    data = model.createData()
+    pin.computeJointJacobians(model, data, pin.neutral(model))
+    columns = (pin.getJointJacobian(model, data, j + 1, pin.LOCAL).reshape(6, model.nv)[:, j] for j in range(model.nv))
+    return tuple(column[:3].copy() if np.linalg.norm(column[3:]) < 0.5 else None for column in columns)
+
+
 def configuration(slots: tuple[Slot, ...], x: Array) -> Array:
     """Configurations (nq, ...) of joint coordinates (nv, ...)."""
     q = np.empty((sum(2 if slot.unbounded else 1 for slot in slots), *x.shape[1:]))

@@ -3,13 +3,14 @@
 import math
 import os
 from dataclasses import dataclass, field
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from . import tables
 from .branch import LARGEST_CORRECTION, Closure, joined, predict
-from .coordinates import Array, ComplexArray
+from .coordinates import Array, ComplexArray, Slot, configuration
 from .errors import AssemblyError, PinpressError
 from .linkage import ACCEPTED, Linkage
 from .plane_dynamics import PIECE
@@ -27,7 +28,8 @@ class Motion:
     Attributes:
         linkage: its name. driver: its driver joint. joints: names in the order of v.
         crank_angle, crank_speed, crank_acceleration: (n,) of the driver joint, the angle unwrapped [rad, rad/s, rad/s2].
-        q: (n, nq), v, a: (n, nv) in Pinocchio's order.
+        joint_position: (n, nv) joint coordinates, zero in the drawn pose, angles unwrapped [rad or m].
+        v, a: (n, nv) in Pinocchio's order [rad/s or m/s, rad/s2 or m/s2]. q: (n, nq) the configurations.
         closure_error: (n,) largest distance between the two sides of a loop [m].
         time: (n,) [s]. See `cycle` for states that are not in time.
         slide_position, slide_velocity, slide_acceleration: (n,) of the slide link's origin along its guide's axis in world coordinates,
@@ -40,13 +42,14 @@ class Motion:
     crank_angle: Array
     crank_speed: Array
     crank_acceleration: Array
-    q: Array
+    joint_position: Array
     v: Array
     a: Array
     closure_error: Array
     _time: Array | None
-    _slide: tuple[Array, Array, Array] | None
-    # Not taken over by dataclasses.replace: a motion with another q must not keep the basis of this one.
+    _slots: tuple[Slot, ...]
+    _guide: tuple[int, float] | None
+    # Not taken over by dataclasses.replace: a motion with other positions must not keep the basis of this one.
     _closed_as: tuple[Linkage, ComplexArray] | None = field(default=None, init=False)
 
     def __repr__(self) -> str:
@@ -62,17 +65,22 @@ class Motion:
             raise PinpressError("these states are no motion in time (angle and speed do not fit together): pass time= to cycle")
         return self._time
 
-    @property
+    @cached_property
+    def q(self) -> Array:
+        return _fixed(configuration(self._slots, self.joint_position.T).T)
+
+    @cached_property
     def slide_position(self) -> Array:
-        return self._along_guide(0)
+        guide, offset = self._slide()
+        return _fixed(self.joint_position[:, guide] + offset)
 
     @property
     def slide_velocity(self) -> Array:
-        return self._along_guide(1)
+        return self.v[:, self._slide()[0]]
 
     @property
     def slide_acceleration(self) -> Array:
-        return self._along_guide(2)
+        return self.a[:, self._slide()[0]]
 
     def columns(self) -> dict[str, Array]:
         """All quantities as (n,) columns under their names with units, as `to_csv` writes them."""
@@ -82,8 +90,12 @@ class Motion:
             "crank_speed [rad/s]": self.crank_speed,
             "crank_acceleration [rad/s2]": self.crank_acceleration,
         }
-        if self._slide is not None:
-            columns |= dict(zip(("slide_position [m]", "slide_velocity [m/s]", "slide_acceleration [m/s2]"), self._slide, strict=True))
+        if self._guide is not None:
+            columns |= {
+                "slide_position [m]": self.slide_position,
+                "slide_velocity [m/s]": self.slide_velocity,
+                "slide_acceleration [m/s2]": self.slide_acceleration,
+            }
         return columns | {"closure_error [m]": self.closure_error}
 
     def to_csv(self, path: str | os.PathLike[str]) -> None:
@@ -98,10 +110,10 @@ class Motion:
         """Write a MATLAB file with one vector a column (names without units) and the matrices q, v, a."""
         tables.write_mat(path, self.columns() | {"q": self.q, "v": self.v, "a": self.a})
 
-    def _along_guide(self, derivative: int) -> Array:
-        if self._slide is None:
+    def _slide(self) -> tuple[int, float]:
+        if self._guide is None:
             raise PinpressError(f"{self.linkage} has no slide: name a link that the frame guides, load(..., slide=...)")
-        return self._slide[derivative]
+        return self._guide
 
 
 def cycle(
@@ -141,10 +153,6 @@ def cycle(
         finite = np.isfinite(v.sum()) and np.isfinite(a.sum())
     if not finite:
         raise PinpressError(f"the motion of {press.name} is too fast for floating point: lower speed and acceleration")
-    slide = None
-    if press.slide is not None:
-        guide, offset = press.slide_guide
-        slide = (_fixed(closure.position[guide] + offset), _fixed(v[guide]), _fixed(a[guide]))
     motion = Motion(
         linkage=press.name,
         driver=press.driver,
@@ -152,12 +160,13 @@ def cycle(
         crank_angle=_fixed(angles),
         crank_speed=_fixed(speeds),
         crank_acceleration=_fixed(accelerations),
-        q=_fixed(closure.q.T),
+        joint_position=_fixed(closure.position.T),
         v=_fixed(v.T),
         a=_fixed(a.T),
         closure_error=_fixed(closure.gap),
         _time=None if times is None else _fixed(times),
-        _slide=slide,
+        _slots=press.spatial.slots,
+        _guide=None if press.slide is None else press.slide_guide,
     )
     if closure.basis is not None:
         object.__setattr__(motion, "_closed_as", (press, closure.basis))

@@ -20,7 +20,7 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
-from .coordinates import Array, Slot, slots
+from .coordinates import Array
 
 ComplexArray = NDArray[np.complex128]
 
@@ -66,7 +66,6 @@ class Plane:
         driver: index of the driver joint.
         parents: index of every joint's parent joint, -1 for the frame.
         sense: (nv,) +1 or -1 where a revolute axis lies along or against the normal, 0 for a prismatic joint.
-        slots: of the joints in Pinocchio's q.
         revolute, prismatic: joint indices in the order of the basis.
         turn: (nr, nv) absolute angles of the rotors from joint angles. spin: (nv, nv) the same of every link, also where it only slides.
         frames: (nv, 3, 3) a vector in a joint's frame to its components along axes[0], axes[1], normal in the drawn pose.
@@ -88,7 +87,6 @@ class Plane:
     driver: int
     parents: tuple[int, ...]
     sense: Array
-    slots: tuple[Slot, ...]
     revolute: tuple[int, ...]
     prismatic: tuple[int, ...]
     turn: Array
@@ -113,7 +111,7 @@ class Plane:
     @property
     def tolerance(self) -> float:
         """Gap at which a loop is closed to rounding [m]."""
-        return 16 * EPSILON * self.size
+        return 8 * EPSILON * self.size
 
     def rotor(self, joint: int) -> int:
         """Basis row of the rotor of a joint's link; 0 for the frame (joint -1) and for links that only translate."""
@@ -169,7 +167,6 @@ def build(model: pin.Model, loops: Sequence[LoopPin], driver: int) -> Plane | No
         driver=driver,
         parents=parents,
         sense=sense,
-        slots=slots(model),
         revolute=revolute,
         prismatic=prismatic,
         turn=np.array([[sense[k] * (k in _ancestry(parents, j)) for k in range(count)] for j in revolute]),

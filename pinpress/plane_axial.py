@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 
 
 def is_flat(plane: Plane, load: AppliedForce) -> bool:
-    """Whether a load stays in the plane through the world origin. (The frame's are added as they are, with all components.)"""
+    """Whether a load stays in the plane of the linkage, or acts on the frame, where it reaches no bearing."""
     if load.joint == 0:
         return True
     height = plane.heights[load.joint - 1] + (plane.frames[load.joint - 1] @ load.point)[2]
@@ -92,12 +92,6 @@ def add(
 
     result.force[:] += axial[:, :, None] * plane.normal
     result.moment[:count] += _tilting(plane, tilt)
-    heights, places = np.concatenate([plane.heights, plane.loop_heights]), np.concatenate([origins, points])
-    for index, (sign,) in zip(bodies.grounded, bodies.grounded_signs, strict=True):
-        result.shaking_force[:] += sign * axial[index][:, None] * plane.normal
-        in_plane = carried[index] - plane.crossed[index] @ pins if index < count else pins[index - count]
-        moment = 1j * heights[index] * in_plane - 1j * places[index] * axial[index]
-        result.shaking_moment[:] += sign * _tilting(plane, moment + (tilt[index] if index < count else 0.0))
 
 
 def _tilting(plane: Plane, moment: ComplexArray) -> Array:

@@ -16,11 +16,11 @@ import pinocchio as pin
 from numpy.typing import NDArray
 
 from . import plane_axial
-from .coordinates import Array, crank_angle
+from .coordinates import Array
 from .errors import AssemblyError
 from .loads import AppliedForce
 from .plane import ComplexArray, LoopPin, Plane, product
-from .plane_kinematics import basis_acceleration, basis_of_configuration, basis_velocity, block_matrix, dyad_columns
+from .plane_kinematics import basis, basis_acceleration, basis_velocity, block_matrix, dyad_columns
 from .wrenches import Wrenches
 
 PIECE = 2048  # crank angles worked through at a time: what is in flight stays in the cache
@@ -40,14 +40,11 @@ class Bodies:
         forces: (2 nv, nb) on the second derivative of the basis: inertia force m a less weight of every body, then of all that hang on a
             joint. The first column is the weight; the basis' own first row does not move, so 1 is put there.
         arms: on the basis: centres of mass from their joints; `Plane.closure`, its columns times i; ``inner`` joints from their parents;
-            directions of the prismatic joints; ``guided`` loops from the joint; points of application of ``grounded``.
+            directions of the prismatic joints; ``guided`` loops from the joint.
         inner: joints whose parent is not the frame, tips first.
         guided: (prismatic joint, loop) pairs: the loop's force turns the joint's link.
-        grounded: bearings that act on the frame; grounded_signs: (k, 1) of their action on the foundation.
-        frame_weight: (3,) of the frame itself [N]; frame_moment: (3,) its moment about the world origin [N m];
-            frame_weighs: whether there is any.
         indeterminate: (bearings, 6) `Wrenches.indeterminate`: along the normal round every loop.
-        flat: everything moves and acts in the plane through the world origin.
+        flat: everything moves and acts in one plane.
     """
 
     axial_weight: Array
@@ -58,11 +55,6 @@ class Bodies:
     arms: ComplexArray
     inner: tuple[int, ...]
     guided: tuple[tuple[int, int], ...]
-    grounded: list[int]
-    grounded_signs: Array
-    frame_weight: Array
-    frame_moment: Array
-    frame_weighs: bool
     indeterminate: NDArray[np.bool_]
     flat: bool
 
@@ -81,9 +73,6 @@ def build(plane: Plane, model: pin.Model, loops: Sequence[LoopPin]) -> Bodies:
     body_forces[:, 0] = -mass * complex(*(plane.axes @ gravity))
     inner = tuple(j for j in reversed(range(count)) if plane.parents[j] >= 0)
     guided = tuple((j, int(k)) for j in plane.prismatic for k in np.flatnonzero(plane.crossed[j]))
-    grounded = [(j, -1.0) for j in range(count) if plane.parents[j] < 0]
-    grounded += [(count + k, -1.0) for k, loop in enumerate(loops) if loop.joint1 == 0]
-    grounded += [(count + k, 1.0) for k, loop in enumerate(loops) if loop.joint2 == 0]
     arms = [
         *plane.centers,
         *plane.closure[: len(loops)],
@@ -91,10 +80,8 @@ def build(plane: Plane, model: pin.Model, loops: Sequence[LoopPin]) -> Bodies:
         *(plane.origins[j] - plane.origins[plane.parents[j]] for j in inner),
         *plane.directions,
         *(plane.loop_points[k] - plane.origins[j] for j, k in guided),
-        *(plane.origins[bearing] if bearing < count else plane.loop_points[bearing - count] for bearing, _ in grounded),
     ]
-    frame_weight = model.inertias[0].mass * gravity
-    offsets = np.concatenate([plane.heights, plane.center_heights, plane.loop_heights])
+    heights = np.concatenate([plane.heights, plane.center_heights, plane.loop_heights])
     return Bodies(
         axial_weight=axial_weight,
         inertia=tensors[:, 2, 2][:, None] * plane.spin,
@@ -104,14 +91,9 @@ def build(plane: Plane, model: pin.Model, loops: Sequence[LoopPin]) -> Bodies:
         arms=np.array(arms),
         inner=inner,
         guided=guided,
-        grounded=[bearing for bearing, _ in grounded],
-        grounded_signs=np.array([[sign] for _, sign in grounded]),
-        frame_weight=frame_weight,
-        frame_moment=np.cross(model.inertias[0].lever, frame_weight),
-        frame_weighs=bool(frame_weight.any()),
         indeterminate=plane_axial.indeterminate(plane),
         flat=bool(
-            np.all(np.abs(offsets) <= ROUNDING * np.abs(plane.origins).max(initial=0.0))
+            np.all(np.ptp(heights) <= ROUNDING * np.abs(plane.origins).max(initial=0.0))
             and not products.any()
             and np.all(np.abs(axial_weight) <= ROUNDING * mass * np.linalg.norm(gravity))
         ),
@@ -138,18 +120,17 @@ def inverse_dynamics(plane: Plane, bodies: Bodies, at: ComplexArray, v: Array, a
     return result
 
 
-def closed_basis(plane: Plane, q: Array) -> ComplexArray:
-    """The basis (nb, n) of configurations (nq, n) in Pinocchio's order.
+def closed_basis(plane: Plane, position: Array) -> ComplexArray:
+    """The basis (nb, n) of joint coordinates (nv, n).
 
     Raises:
         AssemblyError: they do not close the loops of this linkage.
     """
-    at = basis_of_configuration(plane, q)
-    gaps = plane.closure[: len(plane.loop_points)] @ at
-    widest = np.abs(gaps).max(axis=0, initial=0.0)
+    at = basis(plane, position)
+    widest = np.abs(product(plane.closure[: len(plane.loop_points)], at)).max(axis=0, initial=0.0)
     if not widest.max() <= LOOSEST * plane.size:
         worst = int(widest.argmax())
-        angle = crank_angle(plane.slots[plane.driver], q[:, worst])
+        angle = float(position[plane.driver, worst])
         raise AssemblyError("the motion leaves the loops of this linkage open: it is another one's", angle, float(widest[worst]), 0)
     return at
 
@@ -211,27 +192,10 @@ def _piece(plane: Plane, bodies: Bodies, at: ComplexArray, v: Array, a: Array, l
         about[j] -= plane.crossed[j, k] * (arms[row].conj() * pins[k]).imag
         row += 1
 
-    grounded = bearings[bodies.grounded]
-    grounded *= bodies.grounded_signs
-    shaking = grounded.sum(axis=0)
-    grounded *= arms[row:].conj()
-    tilting = grounded.imag.sum(axis=0)
-    for j, values in about.items():
-        if plane.parents[j] < 0:
-            tilting -= values
     result.torque[:] = passive[plane.driver]
     _in_space(plane, bearings, result.force)
-    _in_space(plane, shaking, result.shaking_force)
     for index, values in about.items():
         _along_normal(plane, values, result.moment[index])
-    _along_normal(plane, tilting, result.shaking_moment)
-    if bodies.frame_weighs:
-        result.shaking_force[:] += bodies.frame_weight
-        result.shaking_moment[:] += bodies.frame_moment
-    for load in loads:
-        if load.joint == 0:
-            result.shaking_force[:] += load.force
-            result.shaking_moment[:] += np.cross(load.point, load.force)
     if not (bodies.flat and all(plane_axial.is_flat(plane, load) for load in loads)):
         plane_axial.add(plane, bodies, at, v, a, own, carried, arms[:count], pins, loads, result)
 

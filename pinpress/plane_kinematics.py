@@ -50,7 +50,7 @@ def close(plane: Plane, angle: Array, guess: Array, with_margins: bool = False) 
         curvature = basis_acceleration(plane, at, first, None)
         _solve(plane, rows, factors, list(-product(plane.closure[:count], curvature)), second)
         margins = _margins(plane, rows) if with_margins else None
-    return Closure(x, first, second, gap, worst, _configuration(plane, at, x), steps, margins, at)
+    return Closure(x, first, second, gap, worst, steps, margins, at)
 
 
 def basis(plane: Plane, x: Array) -> ComplexArray:
@@ -64,45 +64,6 @@ def basis(plane: Plane, x: Array) -> ComplexArray:
     for row, (joint, rotor) in enumerate(zip(plane.prismatic, plane.guide_rotors, strict=True), 1 + turning):
         at[row] = x[joint] * at[rotor] if rotor else x[joint]
     return at
-
-
-def basis_of_configuration(plane: Plane, q: Array) -> ComplexArray:
-    """The basis (nb, n) of Pinocchio configurations (nq, n), in which an unbounded joint stands as cosine and sine."""
-    turning = len(plane.revolute)
-    at = np.empty((1 + len(plane.parents), q.shape[1]), complex)
-    at[0] = 1.0
-    for row, (joint, base) in enumerate(zip(plane.revolute, plane.bases, strict=True), 1):
-        start, unbounded = plane.slots[joint]
-        relative = at[row]
-        if unbounded:
-            relative.real, relative.imag = q[start], q[start + 1]
-        else:
-            np.cos(q[start], out=relative.real)
-            np.sin(q[start], out=relative.imag)
-        if plane.sense[joint] < 0:
-            np.conjugate(relative, out=relative)
-        if base:
-            relative *= at[base]
-    for row, (joint, rotor) in enumerate(zip(plane.prismatic, plane.guide_rotors, strict=True), 1 + turning):
-        travel = q[plane.slots[joint][0]]
-        at[row] = travel * at[rotor] if rotor else travel
-    return at
-
-
-def _configuration(plane: Plane, at: ComplexArray, x: Array) -> Array:
-    """Pinocchio configurations (nq, n), cosines and sines of unbounded joints taken from the rotors."""
-    q = np.empty((sum(1 + slot.unbounded for slot in plane.slots), x.shape[1]))
-    for joint in plane.prismatic:
-        q[plane.slots[joint].start] = x[joint]
-    for row, (joint, base) in enumerate(zip(plane.revolute, plane.bases, strict=True), 1):
-        start, unbounded = plane.slots[joint]
-        if unbounded:
-            relative = at[row] * at[base].conj() if base else at[row]
-            q[start] = relative.real
-            np.multiply(relative.imag, plane.sense[joint], out=q[start + 1])
-        else:
-            q[start] = x[joint]
-    return q
 
 
 def basis_velocity(plane: Plane, at: ComplexArray, v: Array) -> ComplexArray:

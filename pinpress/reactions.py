@@ -24,6 +24,7 @@ from .linkage import Linkage
 from .loads import PointForce
 from .motion import Motion
 from .plane import Plane
+from .shaking import shaking
 from .wrenches import Wrenches
 
 T = TypeVar("T", bound=np.generic)
@@ -67,9 +68,8 @@ class Reactions:
     driving_torque: Array
     bearing_force: ByBearing[np.float64]
     bearing_moment: ByBearing[np.float64]
-    shaking_force: Array
-    shaking_moment: Array
     indeterminate: ByBearing[np.bool_]
+    _wrenches: Wrenches
     _press: Linkage
     _loads: tuple[PointForce, ...]
 
@@ -90,6 +90,25 @@ class Reactions:
         residual = balance / largest if largest > 0 else np.zeros_like(balance)  # at rest nothing flows
         residual.setflags(write=False)
         return np.asarray(residual)
+
+    @property
+    def shaking_force(self) -> Array:
+        return self._shaking[0]
+
+    @property
+    def shaking_moment(self) -> Array:
+        return self._shaking[1]
+
+    @cached_property
+    def _shaking(self) -> tuple[Array, Array]:
+        applied = loads_module.apply(self._loads, self._press, self.motion)
+        with np.errstate(all="ignore"):  # what overflows is refused below
+            force, moment = shaking(self._press, self.motion, self._wrenches.force, self._wrenches.moment, applied)
+            if not math.isfinite(force.sum() + moment.sum()):
+                raise PinpressError(f"the shaking moment of {self._press.name} is not finite: a load is too large for floating point")
+        for array in (force, moment):
+            array.setflags(write=False)
+        return force, moment
 
     def _power_balance(self) -> tuple[Array, Array]:
         press, motion, torque = self._press, self.motion, self.driving_torque
@@ -150,17 +169,15 @@ def inverse_dynamics(press: Linkage, motion: Motion, loads: Sequence[PointForce]
             wrenches = spatial.inverse_dynamics(press.spatial, motion.q.T, motion.v.T, motion.a.T, applied)
         _refuse_not_finite(motion, wrenches)
     names = press.bearings
-    for array in (wrenches.torque, wrenches.shaking_force, wrenches.shaking_moment):
-        array.setflags(write=False)
+    wrenches.torque.setflags(write=False)
     return Reactions(
         motion=motion,
         engine="pinocchio" if plane is None else "plane",
         driving_torque=wrenches.torque,
         bearing_force=ByBearing(names, wrenches.force),
         bearing_moment=ByBearing(names, wrenches.moment),
-        shaking_force=wrenches.shaking_force,
-        shaking_moment=wrenches.shaking_moment,
         indeterminate=ByBearing(names, wrenches.indeterminate),
+        _wrenches=wrenches,
         _press=press,
         _loads=loads,
     )
@@ -168,20 +185,17 @@ def inverse_dynamics(press: Linkage, motion: Motion, loads: Sequence[PointForce]
 
 def _basis(press: Linkage, plane: Plane, motion: Motion) -> ComplexArray:
     at = motion.basis(press)
-    return plane_dynamics.closed_basis(plane, motion.q.T) if at is None else at
+    return plane_dynamics.closed_basis(plane, motion.joint_position.T) if at is None else at
 
 
 def _refuse_not_finite(motion: Motion, wrenches: Wrenches) -> None:
     """Raise where anything is not finite. A sum is not where a term is not, and costs a pass less than looking at each."""
-    # the torque is among the moments, the shaking force is the joints' and loads that the shaking moment has too
-    if math.isfinite(wrenches.force.sum() + wrenches.moment.sum() + wrenches.shaking_moment.sum()):
+    if math.isfinite(wrenches.force.sum() + wrenches.moment.sum()):  # the torque is among the moments
         return
     arrays = {
         "driving torque": wrenches.torque,
         "bearing force": wrenches.force,
         "bearing moment": wrenches.moment,
-        "shaking force": wrenches.shaking_force,
-        "shaking moment": wrenches.shaking_moment,
     }
     for name, array in arrays.items():
         if not np.isfinite(array).all():

@@ -13,7 +13,7 @@ import pinocchio as pin
 from numpy.typing import NDArray
 
 from .branch import Closure
-from .coordinates import Array, Slot, configuration, crank_angle, slots
+from .coordinates import Array, Slot, configuration, crank_angle, sliding, slots
 from .errors import AssemblyError
 from .loads import AppliedForce
 from .plane import LoopPin
@@ -33,7 +33,7 @@ class Spatial:
         crossed: (nv, nl) +1 / -1 where loop l's point 2 / 1 hangs on joint j.
         share: (3 nv + 3 nl, 3 nl) what loop forces add to the forces of all joints and loops.
         size: length of the linkage [m]. tolerance: gap at which a loop is closed to rounding [m].
-        slots: of the joints in q.
+        slots: of the joints in q. sliding: axes of the prismatic joints in their own frames, (3,), None for the turning ones.
     """
 
     model: pin.Model
@@ -44,6 +44,7 @@ class Spatial:
     size: float
     tolerance: float
     slots: tuple[Slot, ...]
+    sliding: tuple[Array | None, ...]
 
 
 def build(model: pin.Model, loops: Sequence[LoopPin], driver: int) -> Spatial:
@@ -62,8 +63,9 @@ def build(model: pin.Model, loops: Sequence[LoopPin], driver: int) -> Spatial:
         crossed=crossed,
         share=np.concatenate([-np.kron(crossed, np.eye(3)), np.eye(3 * len(loops))]),
         size=size,
-        tolerance=64 * np.finfo(float).eps * (size + reach),
+        tolerance=8 * np.finfo(float).eps * (size + reach),
         slots=slots(model),
+        sliding=sliding(model),
     )
 
 
@@ -85,8 +87,7 @@ def close(spatial: Spatial, angle: Array, guess: Array) -> Closure:
     results = [_close_one(spatial, anchors, float(angle[i]), guess[:, i]) for i in range(len(angle))]
     position, first, second = (np.array([r[k] for r in results]).T.reshape(guess.shape) for k in range(3))
     gap, steps, margin = (np.array([r[k] for r in results]) for k in (3, 4, 5))
-    q = configuration(spatial.slots, position)
-    return Closure(position, first, second, gap, float(gap.max()), q, int(steps.max(initial=0)), margin[None, :])
+    return Closure(position, first, second, gap, float(gap.max()), int(steps.max(initial=0)), margin[None, :])
 
 
 def inverse_dynamics(spatial: Spatial, q: Array, v: Array, a: Array, loads: Sequence[AppliedForce]) -> Wrenches:
@@ -96,9 +97,6 @@ def inverse_dynamics(spatial: Spatial, q: Array, v: Array, a: Array, loads: Sequ
     result = Wrenches.zeros(bearings, n)
     anchors = _Anchors(model, spatial.loops)
     data = anchors.data
-    roots = [j for j in range(1, model.njoints) if model.parents[j] == 0]
-    frame_weight = model.inertias[0].mass * model.gravity.linear
-    frame_moment = np.cross(model.inertias[0].lever, frame_weight)
     for i in range(n):
         at = np.ascontiguousarray(q[:, i])
         gaps, columns = anchors.rows(at)
@@ -120,16 +118,6 @@ def inverse_dynamics(spatial: Spatial, q: Array, v: Array, a: Array, loads: Sequ
             wrench = data.f[j + 1]
             result.force[j, i] = data.oMi[j + 1].rotation @ wrench.linear
             result.moment[j, i] = data.oMi[j + 1].rotation @ wrench.angular
-        shaking, tilting = frame_weight.copy(), frame_moment.copy()
-        for j in roots:
-            wrench = data.oMi[j].act(data.f[j])
-            shaking -= wrench.linear
-            tilting -= wrench.angular
-        for joint, point, force in forces:  # what acts on the frame goes through it to the foundation
-            if joint == 0:
-                shaking += force
-                tilting += np.cross(point, force)
-        result.shaking_force[i], result.shaking_moment[i] = shaking, tilting
     return result
 
 

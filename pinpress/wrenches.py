@@ -16,16 +16,12 @@ class Wrenches:
         torque: (n,) on the driver joint, positive along its axis [N m].
         force: (bearings, n, 3) [N].
         moment: (bearings, n, 3) about the origin of the child's joint frame [N m]; the driver's includes the driving torque.
-        shaking_force: (n, 3) of the machine on its foundation [N].
-        shaking_moment: (n, 3) about the world origin [N m].
         indeterminate: (bearings, 6) bool: force x, y, z and moment x, y, z that rigid mechanics leaves open.
     """
 
     torque: Array
     force: Array
     moment: Array
-    shaking_force: Array
-    shaking_moment: Array
     indeterminate: NDArray[np.bool_]
 
     @staticmethod
@@ -35,18 +31,9 @@ class Wrenches:
             torque=np.zeros(n),
             force=np.zeros((bearings, n, 3)),
             moment=np.zeros((bearings, n, 3)),
-            shaking_force=np.zeros((n, 3)),
-            shaking_moment=np.zeros((n, 3)),
             indeterminate=np.zeros((bearings, 6), dtype=bool),
         )
 
     def part(self, points: slice) -> "Wrenches":
         """Views of a part of the motion."""
-        return Wrenches(
-            self.torque[points],
-            self.force[:, points],
-            self.moment[:, points],
-            self.shaking_force[points],
-            self.shaking_moment[points],
-            self.indeterminate,
-        )
+        return Wrenches(self.torque[points], self.force[:, points], self.moment[:, points], self.indeterminate)

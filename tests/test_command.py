@@ -55,7 +55,7 @@ def test_summary_peaks(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["analyse", "crank_slide", "--speed", "60", "--points", "360", "--engine", "pinocchio"]) == 0
     text = capsys.readouterr().out
     press = pp.load("crank_slide")
-    result = pp.inverse_dynamics(press, pp.cycle(press, speed=60 * pp.RPM, points=360))
+    result = pp.inverse_dynamics(press, pp.cycle(press, speed=60 * pp.RPM, points=360, engine="pinocchio"), engine="pinocchio")
     assert "engine 'pinocchio'" in text
     assert f"{'  stroke':28}{200:12.3f} mm" in text
     torque = result.driving_torque
