@@ -24,7 +24,7 @@ LARGEST_CORRECTION = 1e-3  # Newton's method may move a joint so far from its pr
 MOST_TURNS = 8  # turns of the crank after which a linkage must have come back to its start
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False, repr=False)
 class Closure:
     """Closed configurations and their first-order and second-order influence coefficients.
 
@@ -72,7 +72,7 @@ Close = Callable[[Array, Array], Closure]
 """(crank angles (n,), guesses (nv, n)) -> Closure with its margins. Never raises; the caller judges gap and margins."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False, repr=False)
 class Branch:
     """The table. ``period`` is the crank angle after which the linkage is back at its start [rad], None where it locks before.
 
@@ -152,7 +152,7 @@ def predict(branch: Branch, angle: Array) -> Array:
     return np.asarray(x)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False, repr=False)
 class _Node:
     angle: float
     position: Array

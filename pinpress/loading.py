@@ -3,16 +3,20 @@
 import os
 from collections.abc import Sequence
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 import pinocchio as pin
 
-from . import plane, plane_dynamics, plane_kinematics, spatial, urdf
+from . import plane, plane_dynamics, plane_kinematics, spatial
 from .coordinates import Array
 from .errors import AssemblyError, PinpressError, SingularityError, UnknownNameError, UrdfError, suggestion
 from .linkage import ACCEPTED, Linkage
 from .plane import LoopPin, Plane
 from .spatial import Spatial
+
+if TYPE_CHECKING:
+    from . import urdf
 
 CLOSE_TO_DRAWN = 0.25  # how far closing the drawn pose may turn a joint [rad], or move it in lengths of the linkage
 ROUNDED = 1e-2  # axes as near to parallel as this are meant to be parallel [rad]
@@ -43,6 +47,8 @@ def load(
         AssemblyError: the loops do not close near the drawn pose.
         SingularityError: the driver does not determine the drawn pose.
     """
+    from . import urdf  # only reading needs it, and it is a tenth of the package's import
+
     file = os.fspath(path)
     if not os.path.exists(file) and file in presses():
         path = _library() / f"{file}.urdf"
@@ -88,11 +94,11 @@ def _library() -> Path:
     return next(folder for folder in (here / "urdf", here.parent / "urdf") if folder.is_dir())
 
 
-def _line(description: urdf.Urdf, joint: str) -> int:
+def _line(description: "urdf.Urdf", joint: str) -> int:
     return next(j.line for j in description.joints if j.name == joint)
 
 
-def _driver(description: urdf.Urdf, driver: str | None) -> str:
+def _driver(description: "urdf.Urdf", driver: str | None) -> str:
     moving = [joint.name for joint in description.joints if joint.type != "fixed"]
     robot = f'<robot name="{description.name}">'
     if driver is not None:
@@ -128,7 +134,7 @@ def _gravity(gravity: Sequence[float]) -> Array:
     return vector
 
 
-def _loop_pin(model: pin.Model, loop: urdf.Loop) -> LoopPin:
+def _loop_pin(model: pin.Model, loop: "urdf.Loop") -> LoopPin:
     ends = []
     for end in (loop.link1, loop.link2):
         frame = model.frames[model.getFrameId(end.link, pin.BODY)]
@@ -136,7 +142,7 @@ def _loop_pin(model: pin.Model, loop: urdf.Loop) -> LoopPin:
     return LoopPin(loop.name, *ends)
 
 
-def _closed(description: urdf.Urdf, planar: Plane | None, general: Spatial) -> Array:
+def _closed(description: "urdf.Urdf", planar: Plane | None, general: Spatial) -> Array:
     """Joint coordinates (nv,) of the drawn pose, closed exactly."""
     model, loops, driver = general.model, general.loops, general.driver
     drawn = np.zeros((model.nv, 1))
@@ -177,7 +183,7 @@ def _closed(description: urdf.Urdf, planar: Plane | None, general: Spatial) -> A
     return closed
 
 
-def _slide(description: urdf.Urdf, model: pin.Model, slide: str | None) -> str | None:
+def _slide(description: "urdf.Urdf", model: pin.Model, slide: str | None) -> str | None:
     guided = {j.child: j.name for j in description.joints if j.type == "prismatic" and model.parents[model.getJointId(j.name)] == 0}
     if slide is not None:
         joint = model.frames[model.getFrameId(slide, pin.BODY)].parentJoint if slide in description.links else 0

@@ -29,7 +29,7 @@ SERIAL = 65_536  # scalar multiplications up to which OpenBLAS makes a complex p
 PARALLEL = 1e-12  # joint axes further from the plane's normal than this [rad] make a linkage spatial
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False, repr=False)
 class LoopPin:
     """A pin at which a loop was cut. Point k is fixed to the body of Pinocchio joint k (0: the frame), in that joint's frame [m]."""
 
@@ -40,7 +40,7 @@ class LoopPin:
     point2: Array
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False, repr=False)
 class Block:
     """Loops that close together, and the joints that close them: as many joints as loop equations.
 
@@ -57,7 +57,7 @@ class Block:
     known: tuple[tuple[tuple[int, int], ...], ...]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False, repr=False)
 class Plane:
     """Constants of a planar linkage; joints are counted as in v, loops as declared. See the module for ``basis``.
 

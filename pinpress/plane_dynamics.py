@@ -28,7 +28,7 @@ ROUNDING = 1e-13  # relative size below which an offset from the plane is roundi
 LOOSEST = 1e-6  # gap, in lengths of the linkage, beyond which a motion is another linkage's
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False, repr=False)
 class Bodies:
     """Inertial constants of a planar linkage, and the rows that give forces and arms from the basis.
 

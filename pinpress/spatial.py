@@ -24,7 +24,7 @@ MOST_NEWTON_STEPS = 12
 LOOSEST = 1e-6  # gap, in lengths of the linkage, beyond which a motion is another linkage's
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False, repr=False)
 class Spatial:
     """Constants of a linkage for this engine.
 

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from .coordinates import Array
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False, repr=False)
 class Wrenches:
     """Joints in Pinocchio's order, then loops as declared; all in world axes, parent on child (link1 on link2), at the joint.
 
