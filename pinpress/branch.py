@@ -244,17 +244,15 @@ def _hermite(angles: Array, position: Array, first: Array, second: Array) -> Arr
     value = position[1:] - position[:-1] - h * (first[:-1] + 0.5 * h * second[:-1])
     slope = h * (first[1:] - first[:-1] - h * second[:-1])
     bend = 0.5 * h**2 * (second[1:] - second[:-1])
-    return np.stack(
-        [
-            position[:-1],
-            first[:-1],
-            0.5 * second[:-1],
-            (10 * value - 4 * slope + bend) / h**3,
-            (-15 * value + 7 * slope - 2 * bend) / h**4,
-            (6 * value - 3 * slope + bend) / h**5,
-        ],
-        axis=1,
-    )
+    powers = [
+        position[:-1],
+        first[:-1],
+        0.5 * second[:-1],
+        (10 * value - 4 * slope + bend) / h**3,
+        (-15 * value + 7 * slope - 2 * bend) / h**4,
+        (6 * value - 3 * slope + bend) / h**5,
+    ]
+    return np.ascontiguousarray(np.stack(powers, axis=1))  # so that a prediction copies a few rows and not the table
 
 
 def _beyond_lock(branch: Branch, angle: Array) -> SingularityError:

@@ -150,7 +150,7 @@ def cycle(
     closure = _closed(press, angles, engine)
     with np.errstate(all="ignore"):  # what overflows is refused below
         v, a = _rates(closure, speeds[0] if angle is None else speeds, None if angle is None else accelerations)
-        finite = np.isfinite(v.sum()) and np.isfinite(a.sum())
+        finite = math.isfinite(a.sum())  # the accelerations have the squares of the speeds in them
     if not finite:
         raise PinpressError(f"the motion of {press.name} is too fast for floating point: lower speed and acceleration")
     motion = Motion(
@@ -227,13 +227,12 @@ def _numbers(name: str, values: ArrayLike) -> Array:
         numbers = np.array(values, dtype=float)
     except (TypeError, ValueError):
         raise PinpressError(f"{name} is not a number or an array of numbers") from None
-    if not np.isfinite(numbers).all():
-        raise PinpressError(f"{name} is not finite{_where(np.isfinite(numbers))}")
+    if numbers.ndim == 0:
+        if not math.isfinite(numbers):
+            raise PinpressError(f"{name} is not finite")
+    elif not np.isfinite(numbers).all():
+        raise PinpressError(f"{name} is not finite at point {int(np.argmin(np.isfinite(numbers).ravel()))}")
     return numbers
-
-
-def _where(good: np.ndarray) -> str:
-    return "" if good.ndim == 0 else f" at point {int(np.argmin(good.ravel()))}"
 
 
 def _closed(press: Linkage, angles: Array, engine: str) -> Closure:
@@ -249,9 +248,11 @@ def _piece(press: Linkage, angles: Array, guess: Array, engine: str) -> Closure:
     closure = press.close(angles, guess, engine)
     tolerance = ACCEPTED * (press.planar(engine) or press.spatial).tolerance
     near = LARGEST_CORRECTION * (1 + press.spatial.size)  # another assembly would be far from the prediction
-    moved = np.abs(closure.position - guess).max(axis=0) if closure.iterations else np.zeros(1)
-    if not (closure.widest <= tolerance and moved.max() <= near and np.isfinite(closure.second.sum())):
-        worst = int(np.argmin((closure.gap <= tolerance) & (moved <= near) & np.isfinite(closure.second).all(axis=0)))
+    if closure.widest <= tolerance and closure.iterations == 0:
+        return closure
+    moved = np.abs(closure.position - guess).max(axis=0)
+    if not (closure.widest <= tolerance and moved.max() <= near):
+        worst = int(np.argmin((closure.gap <= tolerance) & (moved <= near)))
         raise AssemblyError(
             f"the loops of {press.name} do not close on the drawn branch",
             float(angles[worst]),
