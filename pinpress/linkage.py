@@ -56,10 +56,10 @@ class Linkage:
         """Names of all joints and loops that transmit forces: joints in Pinocchio's order, then loops."""
         return self.joints + tuple(loop.name for loop in self.loops)
 
-    @property
+    @cached_property
     def mobility(self) -> int:
-        """Degrees of freedom of the closed linkage. `load` accepts only linkages with as many as there are drivers."""
-        return 1
+        """Degrees of freedom of the closed linkage: joints less the rank of the loop Jacobian. One, or `load` had refused it."""
+        return spatial.mobility(spatial.loop_rows(self.model, self.loops, self.closed)[1])
 
     @property
     def driver_index(self) -> int:
