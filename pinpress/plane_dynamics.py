@@ -244,8 +244,10 @@ def _in_space(plane: Plane, vectors: ComplexArray, out: Array) -> None:
     for i, (first, second) in enumerate(plane.axes.T):
         if first:
             np.multiply(vectors.real, first, out=out[..., i])
-        if second:
+        if second and first:
             out[..., i] += second * vectors.imag
+        elif second:
+            np.multiply(vectors.imag, second, out=out[..., i])
 
 
 def _along_normal(plane: Plane, values: Array, out: Array) -> None:
