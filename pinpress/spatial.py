@@ -97,6 +97,7 @@ def inverse_dynamics(spatial: Spatial, q: Array, v: Array, a: Array, loads: Sequ
     result = Wrenches.zeros(bearings, n)
     anchors = _Anchors(model, spatial.loops)
     data = anchors.data
+    placements, wrenches = data.oMi, data.f  # live: fetching them again costs more than the algorithm that fills them
     for i in range(n):
         at = np.ascontiguousarray(q[:, i])
         gaps, columns = anchors.rows(at)
@@ -104,20 +105,21 @@ def inverse_dynamics(spatial: Spatial, q: Array, v: Array, a: Array, loads: Sequ
             angle = crank_angle(spatial.slots[spatial.driver], at)
             widest = float(np.linalg.norm(gaps.reshape(-1, 3), axis=1).max())
             raise AssemblyError("the motion leaves the loops of this linkage open: it is another one's", angle, widest, 0)
-        external = _external(model, data, [(load.joint, load.point, load.force[i]) for load in loads])
-        effort = pin.rnea(model, data, at, v[:, i].copy(), a[:, i].copy(), external)
-        carried = np.array([data.oMi[j + 1].rotation @ data.f[j + 1].linear for j in range(count)]).reshape(count, 3)
-        pins = _solve_pins(spatial, columns, effort, carried, data, result.indeterminate)
+        rotations = [placement.rotation for placement in placements]
+        rates, accelerations = v[:, i].copy(), a[:, i].copy()
+        applied = [(load.joint, load.point, load.force[i]) for load in loads]
+        effort = pin.rnea(model, data, at, rates, accelerations, _external(rotations, applied))
+        carried = np.concatenate([rotations[j + 1] @ wrenches[j + 1].linear for j in range(count)])
+        pins = _solve_pins(spatial, columns, effort, carried, placements, result.indeterminate)
         result.torque[i] = effort[spatial.driver] - columns[:, spatial.driver] @ pins.ravel()
         forces = [(loop.joint2, loop.point2, pins[k]) for k, loop in enumerate(spatial.loops)]
         forces += [(loop.joint1, loop.point1, -pins[k]) for k, loop in enumerate(spatial.loops)]
-        forces += [(load.joint, load.point, load.force[i]) for load in loads]
-        pin.rnea(model, data, at, v[:, i].copy(), a[:, i].copy(), _external(model, data, forces))
+        pin.rnea(model, data, at, rates, accelerations, _external(rotations, forces + applied))
         result.force[count:, i] = pins
         for j in range(count):
-            wrench = data.f[j + 1]
-            result.force[j, i] = data.oMi[j + 1].rotation @ wrench.linear
-            result.moment[j, i] = data.oMi[j + 1].rotation @ wrench.angular
+            wrench = wrenches[j + 1]
+            result.force[j, i] = rotations[j + 1] @ wrench.linear
+            result.moment[j, i] = rotations[j + 1] @ wrench.angular
     return result
 
 
@@ -226,7 +228,9 @@ class _Passive:
         return float(self.values[count - 1]) if len(self.values) >= count else 0.0
 
 
-def _solve_pins(spatial: Spatial, columns: Array, effort: Array, carried: Array, data: pin.Data, indeterminate: NDArray[np.bool_]) -> Array:
+def _solve_pins(
+    spatial: Spatial, columns: Array, effort: Array, carried: Array, placements: Sequence[pin.SE3], indeterminate: NDArray[np.bool_]
+) -> Array:
     """Loop pin forces (nl, 3) in world axes; components that redundancy leaves open are marked in ``indeterminate``."""
     passive = _Passive(columns, spatial.driver)
     pins, idle = passive.multipliers(effort[passive.rest])
@@ -234,30 +238,30 @@ def _solve_pins(spatial: Spatial, columns: Array, effort: Array, carried: Array,
         # forces of joints, then pins: (carried, 0) + share (pins + idle y); of all y, the one with the least sum of squares
         response = spatial.share @ idle
         start = spatial.share @ pins
-        start[: carried.size] += carried.ravel()
-        pins = pins - idle @ np.linalg.lstsq(response, start, rcond=None)[0]
-        _mark(spatial, idle, response, data, indeterminate)
+        start[: carried.size] += carried
+        # the normal equations serve: the pins' own forces are among the squares, so their matrix is the unit matrix or more
+        pins = pins - idle @ np.linalg.solve(response.T @ response, response.T @ start)
+        _mark(spatial, idle, response, placements, indeterminate)
     return pins.reshape(-1, 3)
 
 
-def _mark(spatial: Spatial, idle: Array, response: Array, data: pin.Data, indeterminate: NDArray[np.bool_]) -> None:
+def _mark(spatial: Spatial, idle: Array, response: Array, placements: Sequence[pin.SE3], indeterminate: NDArray[np.bool_]) -> None:
     """Mark force and moment components of joints and loops that idle loop forces (3 nl, k) reach; ``response``: forces they make."""
-    count = len(spatial.crossed)
     indeterminate[:, :3] |= (np.abs(response).max(axis=1) > RANK).reshape(-1, 3)
-    points = [data.oMi[loop.joint1].act(loop.point1) for loop in spatial.loops]
-    for j in range(count):
+    points = [placements[loop.joint1].act(loop.point1) for loop in spatial.loops]
+    for j, crossed in enumerate(spatial.crossed):
         moments = np.zeros((3, idle.shape[1]))
-        for k in map(int, np.flatnonzero(spatial.crossed[j])):
-            arm = points[k] - data.oMi[j + 1].translation
-            moments += spatial.crossed[j, k] * (pin.skew(arm) @ idle[3 * k : 3 * k + 3])
+        for k in map(int, np.flatnonzero(crossed)):
+            arm = points[k] - placements[j + 1].translation
+            moments += crossed[k] * (pin.skew(arm) @ idle[3 * k : 3 * k + 3])
         indeterminate[j, 3:] |= np.abs(moments).max(axis=1) > RANK * spatial.size
 
 
-def _external(model: pin.Model, data: pin.Data, forces: Sequence[tuple[int, Array, Array]]) -> pin.StdVec_Force:
-    """World forces at points of joints' bodies as Pinocchio's external forces in joint frames, at the placements in ``data``."""
-    wrenches = [np.zeros(6) for _ in range(model.njoints)]
+def _external(rotations: list[Array], forces: Sequence[tuple[int, Array, Array]]) -> pin.StdVec_Force:
+    """World forces at points of joints' bodies as Pinocchio's external forces in joint frames, which are so rotated."""
+    wrenches = [np.zeros(6) for _ in rotations]
     for joint, point, force in forces:
-        local = data.oMi[joint].rotation.T @ force
+        local = rotations[joint].T @ force
         wrenches[joint][:3] += local
         wrenches[joint][3:] += pin.skew(point) @ local
     return pin.StdVec_Force([pin.Force(w) for w in wrenches])
