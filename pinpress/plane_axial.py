@@ -33,7 +33,7 @@ def is_flat(plane: Plane, load: AppliedForce) -> bool:
 
 
 def indeterminate(plane: Plane) -> NDArray[np.bool_]:
-    """Components (bearings, 6) that depend on how the loops share forces along the normal; see `Wrenches.indeterminate`."""
+    """Components (bearings, 6) that depend on how the loops share forces along the normal; see `Reactions.indeterminate`."""
     along, across = np.abs(plane.normal) > ROUNDING, 1.0 - np.abs(plane.normal) > ROUNDING
     arms = [
         any(np.abs(plane.loop_points[k] - plane.origins[j]).any() for k in np.flatnonzero(crossed))

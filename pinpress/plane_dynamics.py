@@ -43,7 +43,7 @@ class Bodies:
             directions of the prismatic joints; ``guided`` loops from the joint.
         inner: joints whose parent is not the frame, tips first.
         guided: (prismatic joint, loop) pairs: the loop's force turns the joint's link.
-        indeterminate: (bearings, 6) `Wrenches.indeterminate`: along the normal round every loop.
+        indeterminate: (bearings, 6) `Reactions.indeterminate`: along the normal round every loop.
         flat: everything moves and acts in one plane.
     """
 
@@ -110,7 +110,6 @@ def inverse_dynamics(plane: Plane, bodies: Bodies, at: ComplexArray, v: Array, a
     """
     n = v.shape[1]
     result = Wrenches.zeros(len(plane.parents) + len(plane.loop_points), n)
-    result.indeterminate[:] = bodies.indeterminate
     if n <= PIECE:
         _piece(plane, bodies, at, v, a, loads, result)
         return result

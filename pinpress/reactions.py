@@ -68,7 +68,6 @@ class Reactions:
     driving_torque: Array
     bearing_force: ByBearing[np.float64]
     bearing_moment: ByBearing[np.float64]
-    indeterminate: ByBearing[np.bool_]
     _wrenches: Wrenches
     _press: Linkage
     _loads: tuple[PointForce, ...]
@@ -90,6 +89,12 @@ class Reactions:
         residual = balance / largest if largest > 0 else np.zeros_like(balance)  # at rest nothing flows
         residual.setflags(write=False)
         return np.asarray(residual)
+
+    @cached_property
+    def indeterminate(self) -> ByBearing[np.bool_]:
+        if self.engine == "plane" and self._press.bodies is not None:
+            return ByBearing(self._press.bearings, self._press.bodies.indeterminate)
+        return ByBearing(self._press.bearings, spatial.indeterminate(self._press.spatial, self.motion.q.T))
 
     @property
     def shaking_force(self) -> Array:
@@ -176,7 +181,6 @@ def inverse_dynamics(press: Linkage, motion: Motion, loads: Sequence[PointForce]
         driving_torque=wrenches.torque,
         bearing_force=ByBearing(names, wrenches.force),
         bearing_moment=ByBearing(names, wrenches.moment),
-        indeterminate=ByBearing(names, wrenches.indeterminate),
         _wrenches=wrenches,
         _press=press,
         _loads=loads,

@@ -110,7 +110,7 @@ def inverse_dynamics(spatial: Spatial, q: Array, v: Array, a: Array, loads: Sequ
         applied = [(load.joint, load.point, load.force[i]) for load in loads]
         effort = pin.rnea(model, data, at, rates, accelerations, _external(rotations, applied))
         carried = np.concatenate([rotations[j + 1] @ wrenches[j + 1].linear for j in range(count)])
-        pins = _solve_pins(spatial, columns, effort, carried, placements, result.indeterminate)
+        pins = _solve_pins(spatial, columns, effort, carried)
         result.torque[i] = effort[spatial.driver] - columns[:, spatial.driver] @ pins.ravel()
         forces = [(loop.joint2, loop.point2, pins[k]) for k, loop in enumerate(spatial.loops)]
         forces += [(loop.joint1, loop.point1, -pins[k]) for k, loop in enumerate(spatial.loops)]
@@ -121,6 +121,28 @@ def inverse_dynamics(spatial: Spatial, q: Array, v: Array, a: Array, loads: Sequ
             result.force[j, i] = rotations[j + 1] @ wrench.linear
             result.moment[j, i] = rotations[j + 1] @ wrench.angular
     return result
+
+
+def indeterminate(spatial: Spatial, q: Array) -> NDArray[np.bool_]:
+    """Components (bearings, 6) that loop forces which move nothing reach in any configuration (nq, n); see `Reactions.indeterminate`."""
+    count = len(spatial.crossed)
+    marks = np.zeros((count + len(spatial.loops), 6), dtype=bool)
+    anchors = _Anchors(spatial.model, spatial.loops)
+    placements = anchors.data.oMi
+    for at in np.ascontiguousarray(q.T):
+        _, columns = anchors.rows(at)
+        idle = _Passive(columns, spatial.driver).idle
+        if not idle.shape[1]:
+            continue
+        marks[:, :3] |= (np.abs(spatial.share @ idle).max(axis=1) > RANK).reshape(-1, 3)
+        points = [placements[loop.joint1].act(loop.point1) for loop in spatial.loops]
+        for j, crossed in enumerate(spatial.crossed):
+            moments = np.zeros((3, idle.shape[1]))
+            for k in map(int, np.flatnonzero(crossed)):
+                arm = points[k] - placements[j + 1].translation
+                moments += crossed[k] * (pin.skew(arm) @ idle[3 * k : 3 * k + 3])
+            marks[j, 3:] |= np.abs(moments).max(axis=1) > RANK * spatial.size
+    return marks
 
 
 def power_balance(spatial: Spatial, q: Array, v: Array, a: Array, torque: Array, loads: Sequence[AppliedForce]) -> tuple[Array, Array]:
@@ -215,10 +237,15 @@ class _Passive:
         result[self.rest] = self.right[:r].T @ ((self.left[:, :r].T @ target) / self.values[:r]) / self.lengths
         return result
 
-    def multipliers(self, effort: Array) -> tuple[Array, Array]:
-        """Least-norm loop forces (rows,) that balance the passive efforts (nv - 1,), and a basis (rows, k) of those that move nothing."""
+    def multipliers(self, effort: Array) -> Array:
+        """Least-norm loop forces (rows,) that balance the passive efforts (nv - 1,)."""
         r = self.rank
-        return self.left[:, :r] @ ((self.right[:r] @ (effort / self.lengths)) / self.values[:r]), self.left[:, r:]
+        return np.asarray(self.left[:, :r] @ ((self.right[:r] @ (effort / self.lengths)) / self.values[:r]))
+
+    @property
+    def idle(self) -> Array:
+        """Basis (rows, k) of the loop forces that move nothing."""
+        return np.asarray(self.left[:, self.rank :])
 
     def margin(self) -> float:
         """`Closure.margins` of the whole linkage, without a sign: redundant rows have no determinant."""
@@ -228,12 +255,10 @@ class _Passive:
         return float(self.values[count - 1]) if len(self.values) >= count else 0.0
 
 
-def _solve_pins(
-    spatial: Spatial, columns: Array, effort: Array, carried: Array, placements: Sequence[pin.SE3], indeterminate: NDArray[np.bool_]
-) -> Array:
-    """Loop pin forces (nl, 3) in world axes; components that redundancy leaves open are marked in ``indeterminate``."""
+def _solve_pins(spatial: Spatial, columns: Array, effort: Array, carried: Array) -> Array:
+    """Loop pin forces (nl, 3) in world axes, so that no passive joint transmits a generalised force."""
     passive = _Passive(columns, spatial.driver)
-    pins, idle = passive.multipliers(effort[passive.rest])
+    pins, idle = passive.multipliers(effort[passive.rest]), passive.idle
     if idle.shape[1]:
         # forces of joints, then pins: (carried, 0) + share (pins + idle y); of all y, the one with the least sum of squares
         response = spatial.share @ idle
@@ -241,20 +266,7 @@ def _solve_pins(
         start[: carried.size] += carried
         # the normal equations serve: the pins' own forces are among the squares, so their matrix is the unit matrix or more
         pins = pins - idle @ np.linalg.solve(response.T @ response, response.T @ start)
-        _mark(spatial, idle, response, placements, indeterminate)
     return pins.reshape(-1, 3)
-
-
-def _mark(spatial: Spatial, idle: Array, response: Array, placements: Sequence[pin.SE3], indeterminate: NDArray[np.bool_]) -> None:
-    """Mark force and moment components of joints and loops that idle loop forces (3 nl, k) reach; ``response``: forces they make."""
-    indeterminate[:, :3] |= (np.abs(response).max(axis=1) > RANK).reshape(-1, 3)
-    points = [placements[loop.joint1].act(loop.point1) for loop in spatial.loops]
-    for j, crossed in enumerate(spatial.crossed):
-        moments = np.zeros((3, idle.shape[1]))
-        for k in map(int, np.flatnonzero(crossed)):
-            arm = points[k] - placements[j + 1].translation
-            moments += crossed[k] * (pin.skew(arm) @ idle[3 * k : 3 * k + 3])
-        indeterminate[j, 3:] |= np.abs(moments).max(axis=1) > RANK * spatial.size
 
 
 def _external(rotations: list[Array], forces: Sequence[tuple[int, Array, Array]]) -> pin.StdVec_Force:

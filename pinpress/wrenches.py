@@ -3,7 +3,6 @@
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from .coordinates import Array
 
@@ -16,13 +15,11 @@ class Wrenches:
         torque: (n,) on the driver joint, positive along its axis [N m].
         force: (bearings, n, 3) [N].
         moment: (bearings, n, 3) about the origin of the child's joint frame [N m]; the driver's includes the driving torque.
-        indeterminate: (bearings, 6) bool: force x, y, z and moment x, y, z that rigid mechanics leaves open.
     """
 
     torque: Array
     force: Array
     moment: Array
-    indeterminate: NDArray[np.bool_]
 
     @staticmethod
     def zeros(bearings: int, n: int) -> "Wrenches":
@@ -31,9 +28,8 @@ class Wrenches:
             torque=np.zeros(n),
             force=np.zeros((bearings, n, 3)),
             moment=np.zeros((bearings, n, 3)),
-            indeterminate=np.zeros((bearings, 6), dtype=bool),
         )
 
     def part(self, points: slice) -> "Wrenches":
         """Views of a part of the motion."""
-        return Wrenches(self.torque[points], self.force[:, points], self.moment[:, points], self.indeterminate)
+        return Wrenches(self.torque[points], self.force[:, points], self.moment[:, points])
