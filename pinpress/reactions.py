@@ -21,7 +21,7 @@ from . import plane_dynamics, spatial, tables
 from .coordinates import Array, ComplexArray
 from .errors import PinpressError, UnknownNameError
 from .linkage import Linkage
-from .loads import PointForce
+from .loads import AppliedForce, PointForce
 from .motion import Motion
 from .plane import Plane
 from .shaking import shaking
@@ -70,7 +70,7 @@ class Reactions:
     bearing_moment: ByBearing[np.float64]
     _wrenches: Wrenches
     _press: Linkage
-    _loads: tuple[PointForce, ...]
+    _applied: list[AppliedForce]
 
     def __repr__(self) -> str:
         return f"<Reactions of {self._press.name}: {len(self.driving_torque)} states, bearings {', '.join(self.bearing_force)}>"
@@ -106,9 +106,8 @@ class Reactions:
 
     @cached_property
     def _shaking(self) -> tuple[Array, Array]:
-        applied = loads_module.apply(self._loads, self._press, self.motion)
         with np.errstate(all="ignore"):  # what overflows is refused below
-            force, moment = shaking(self._press, self.motion, self._wrenches.force, self._wrenches.moment, applied)
+            force, moment = shaking(self._press, self.motion, self._wrenches.force, self._wrenches.moment, self._applied)
             if not math.isfinite(force.sum() + moment.sum()):
                 raise PinpressError(f"the shaking moment of {self._press.name} is not finite: a load is too large for floating point")
         for array in (force, moment):
@@ -117,11 +116,10 @@ class Reactions:
 
     def _power_balance(self) -> tuple[Array, Array]:
         press, motion, torque = self._press, self.motion, self.driving_torque
-        applied = loads_module.apply(self._loads, press, motion)
         if self.engine == "plane" and press.plane is not None and press.bodies is not None:
             at = _basis(press, press.plane, motion)
-            return plane_dynamics.power_balance(press.plane, press.bodies, at, motion.v.T, motion.a.T, torque, applied)
-        return spatial.power_balance(press.spatial, motion.q.T, motion.v.T, motion.a.T, torque, applied)
+            return plane_dynamics.power_balance(press.plane, press.bodies, at, motion.v.T, motion.a.T, torque, self._applied)
+        return spatial.power_balance(press.spatial, motion.q.T, motion.v.T, motion.a.T, torque, self._applied)
 
     def columns(self) -> dict[str, Array]:
         """The motion's columns, then torque, shaking force and moment and all bearings', under their names with units."""
@@ -164,7 +162,6 @@ def inverse_dynamics(press: Linkage, motion: Motion, loads: Sequence[PointForce]
     plane = press.planar(engine)
     if isinstance(loads, PointForce):
         raise PinpressError("loads is one PointForce: give a list, loads=[...]")
-    loads = tuple(loads)
     applied = loads_module.apply(loads, press, motion)
     with np.errstate(all="ignore"):  # what overflows is refused below
         if plane is not None and press.bodies is not None:
@@ -183,7 +180,7 @@ def inverse_dynamics(press: Linkage, motion: Motion, loads: Sequence[PointForce]
         bearing_moment=ByBearing(names, wrenches.moment),
         _wrenches=wrenches,
         _press=press,
-        _loads=loads,
+        _applied=applied,
     )
 
 
