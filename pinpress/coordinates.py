@@ -26,12 +26,20 @@ def slots(model: pin.Model) -> tuple[Slot, ...]:
     return tuple(Slot(joint.idx_q, joint.nq == 2) for joint in list(model.joints)[1:])
 
 
-def sliding(model: pin.Model) -> tuple[NDArray[np.float64] | None, ...]:
-    """Axes (3,) of the prismatic joints in their own frames, None for the turning ones, in the order of v."""
+class Axis(NamedTuple):
+    """Axis (3,) of a joint in its own frame, and whether the joint turns about it or slides along it."""
+
+    direction: Array
+    turns: bool
+
+
+def axes(model: pin.Model) -> tuple[Axis, ...]:
+    """Axes of the moving joints, in the order of v."""
     data = model.createData()
     pin.computeJointJacobians(model, data, pin.neutral(model))
+    # reshaped, because a Jacobian of one column comes as a vector
     columns = (pin.getJointJacobian(model, data, j + 1, pin.LOCAL).reshape(6, model.nv)[:, j] for j in range(model.nv))
-    return tuple(column[:3].copy() if np.linalg.norm(column[3:]) < 0.5 else None for column in columns)
+    return tuple(Axis(c[3:].copy(), True) if np.linalg.norm(c[3:]) > 0.5 else Axis(c[:3].copy(), False) for c in columns)
 
 
 def configuration(slots: tuple[Slot, ...], x: Array) -> Array:

@@ -61,11 +61,6 @@ class Linkage:
         """Degrees of freedom of the closed linkage: joints less the rank of the loop Jacobian. One, or `load` had refused it."""
         return spatial.mobility(spatial.loop_rows(self.model, self.loops, self.closed)[1])
 
-    @property
-    def driver_index(self) -> int:
-        """Place of the driver in v."""
-        return self.joints.index(self.driver)
-
     @cached_property
     def slide_guide(self) -> tuple[int, float]:
         """Place of the slide's guide in v, and the slide's position along the guide in the drawn pose [m].
@@ -76,12 +71,10 @@ class Linkage:
         if self.slide is None:
             raise PinpressError(f"{self.name} has no slide: name a link that the frame guides, load(..., slide=...)")
         frame = self.model.frames[self.model.getFrameId(self.slide, pin.BODY)]
-        data = self.model.createData()
-        pin.computeJointJacobians(self.model, data, pin.neutral(self.model))
-        place = data.oMi[frame.parentJoint] * frame.placement
-        columns = pin.getJointJacobian(self.model, data, frame.parentJoint, pin.WORLD).reshape(6, self.model.nv)
-        axis = columns[:3, frame.parentJoint - 1]
-        return frame.parentJoint - 1, float(axis @ place.translation)
+        guide = frame.parentJoint - 1
+        place = self.model.jointPlacements[frame.parentJoint]  # in the world, as the frame carries the guide
+        axis = place.rotation @ self.spatial.axes[guide].direction
+        return guide, float(axis @ place.act(frame.placement.translation))
 
     @cached_property
     def branch(self) -> Branch:

@@ -172,12 +172,11 @@ def _closed(description: "urdf.Urdf", planar: Plane | None, general: Spatial) ->
         )
     passive = np.delete(columns, driver, axis=1)
     if spatial.mobility(passive) != 0:
-        values = np.linalg.svd(passive / np.linalg.norm(passive, axis=0), compute_uv=False)
         raise SingularityError(
             f"{description.file}: joint {model.names[driver + 1]!r} does not determine the drawn pose;"
             " draw the linkage away from its dead point",
             0.0,
-            float(values.min(initial=0.0)),
+            float(spatial.singular_values(passive).min()),
         )
     closed.setflags(write=False)
     return closed

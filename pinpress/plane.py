@@ -18,11 +18,9 @@ from itertools import combinations
 
 import numpy as np
 import pinocchio as pin
-from numpy.typing import NDArray
 
-from .coordinates import Array
-
-ComplexArray = NDArray[np.complex128]
+from .coordinates import Array, ComplexArray
+from .coordinates import axes as joint_axes
 
 EPSILON = float(np.finfo(float).eps)
 SERIAL = 65_536  # scalar multiplications up to which OpenBLAS makes a complex product in one thread
@@ -69,7 +67,6 @@ class Plane:
         revolute, prismatic: joint indices in the order of the basis.
         turn: (nr, nv) absolute angles of the rotors from joint angles. spin: (nv, nv) the same of every link, also where it only slides.
         frames: (nv, 3, 3) a vector in a joint's frame to its components along axes[0], axes[1], normal in the drawn pose.
-        bases: (nr,) basis row of the rotor to which each revolute joint's angle is added.
         guide_rotors: (np,) basis row of the rotor that carries each prismatic direction.
         origins, centers: (nv, nb) joint origins; centres of mass relative to their joint's origin.
         heights, center_heights: (nv,) the same along the normal, centres from the world origin [m].
@@ -92,7 +89,6 @@ class Plane:
     turn: Array
     spin: Array
     frames: Array
-    bases: tuple[int, ...]
     guide_rotors: tuple[int, ...]
     origins: ComplexArray
     centers: ComplexArray
@@ -142,6 +138,11 @@ def product(rows: ComplexArray, columns: ComplexArray) -> ComplexArray:
     return result
 
 
+def flat(plane: Plane, vectors: Array) -> ComplexArray:
+    """World vectors (..., 3) as complex numbers, what is along the normal left out."""
+    return np.asarray(vectors @ plane.axes[0] + 1j * (vectors @ plane.axes[1]))
+
+
 def build(model: pin.Model, loops: Sequence[LoopPin], driver: int) -> Plane | None:
     """Constants of a linkage whose driver turns, or None where it is not planar or its loops do not fall into square blocks (a redundant
     one does not)."""
@@ -152,14 +153,14 @@ def build(model: pin.Model, loops: Sequence[LoopPin], driver: int) -> Plane | No
     normal, axes = _frame(directions[driver])
     sense = np.array([np.sign(d @ normal) if t else 0.0 for d, t in zip(directions, turning, strict=True)])
 
-    def flat(vector: Array) -> complex:
+    def in_plane(vector: Array) -> complex:
         return complex(*(axes @ vector))
 
     parents = tuple(int(model.parents[j + 1]) - 1 for j in range(count))
     revolute = tuple(j for j in range(count) if turning[j])
     prismatic = tuple(j for j in range(count) if not turning[j])
     width = 1 + count
-    position = [flat(p.translation) for p in place]
+    position = [in_plane(p.translation) for p in place]
     bodies = [(place[j], model.inertias[j + 1]) for j in range(count)]
     skeleton = Plane(
         normal=normal,
@@ -172,7 +173,6 @@ def build(model: pin.Model, loops: Sequence[LoopPin], driver: int) -> Plane | No
         turn=np.array([[sense[k] * (k in _ancestry(parents, j)) for k in range(count)] for j in revolute]),
         spin=np.array([[sense[k] * (k in _ancestry(parents, j)) for k in range(count)] for j in range(count)]),
         frames=np.array([np.array([*axes, normal]) @ p.rotation for p in place]),
-        bases=(),
         guide_rotors=(),
         origins=np.zeros((count, width), complex),
         centers=np.zeros((count, width), complex),
@@ -198,9 +198,9 @@ def build(model: pin.Model, loops: Sequence[LoopPin], driver: int) -> Plane | No
         skeleton.origins[j] = skeleton.point(p, position[j], position[p] if p >= 0 else 0.0)
         if j in prismatic:
             k = prismatic.index(j)
-            skeleton.origins[j, 1 + len(revolute) + k] = flat(directions[j])
-            skeleton.directions[k, skeleton.rotor(p)] = flat(directions[j])
-        skeleton.centers[j, skeleton.rotor(j)] = flat(place[j].rotation @ bodies[j][1].lever)
+            skeleton.origins[j, 1 + len(revolute) + k] = in_plane(directions[j])
+            skeleton.directions[k, skeleton.rotor(p)] = in_plane(directions[j])
+        skeleton.centers[j, skeleton.rotor(j)] = in_plane(place[j].rotation @ bodies[j][1].lever)
     return _with_loops(skeleton, loops, place, position)
 
 
@@ -216,12 +216,10 @@ def misalignment(model: pin.Model, driver: int) -> float:
 def _drawn_joints(model: pin.Model) -> tuple[list[pin.SE3], list[Array], list[bool]]:
     """Placements of the joints in the drawn pose, their axes in the world, and whether they turn."""
     data = model.createData()
-    pin.computeJointJacobians(model, data, pin.neutral(model))
-    count = model.nv
-    place = [data.oMi[j + 1].copy() for j in range(count)]
-    subspace = [pin.getJointJacobian(model, data, j + 1, pin.LOCAL).reshape(6, count)[:, j] for j in range(count)]
-    turning = [bool(np.linalg.norm(s[3:]) > 0.5) for s in subspace]
-    return place, [p.rotation @ (s[3:] if turns else s[:3]) for p, s, turns in zip(place, subspace, turning, strict=True)], turning
+    pin.forwardKinematics(model, data, pin.neutral(model))
+    place = [data.oMi[j + 1].copy() for j in range(model.nv)]
+    found = joint_axes(model)
+    return place, [p.rotation @ axis.direction for p, axis in zip(place, found, strict=True)], [axis.turns for axis in found]
 
 
 def _with_loops(plane: Plane, loops: Sequence[LoopPin], place: list[pin.SE3], position: list[complex]) -> Plane | None:
@@ -253,7 +251,6 @@ def _with_loops(plane: Plane, loops: Sequence[LoopPin], place: list[pin.SE3], po
         return None
     size = max((float(np.abs(g[: 1 + len(plane.revolute)]).sum()) for g in gaps), default=1.0)
     changes = {
-        "bases": tuple(plane.rotor(plane.parents[j]) for j in plane.revolute),
         "guide_rotors": tuple(plane.rotor(plane.parents[j]) for j in plane.prismatic),
         "closure": np.array(gaps + columns).reshape(-1, plane.origins.shape[1]),
         "blocks": blocks,

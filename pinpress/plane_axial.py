@@ -13,22 +13,22 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from .coordinates import Array
+from .coordinates import Array, ComplexArray
 from .loads import AppliedForce
-from .plane import ComplexArray, Plane
+from .plane import Plane, flat
 from .wrenches import Wrenches
-
-ROUNDING = 1e-12
 
 if TYPE_CHECKING:
     from .plane_dynamics import Bodies
+
+ROUNDING = 1e-12  # a component of the normal below it is none
 
 
 def is_flat(plane: Plane, load: AppliedForce) -> bool:
     """Whether a load stays in the plane of the linkage, or acts on the frame, where it reaches no bearing."""
     if load.joint == 0:
         return True
-    height = plane.heights[load.joint - 1] + (plane.frames[load.joint - 1] @ load.point)[2]
+    height = (plane.frames[load.joint - 1] @ load.point)[2]  # over the plane of its link
     return bool(height == 0.0 and not np.any(load.force @ plane.normal))
 
 
@@ -74,8 +74,7 @@ def add(
             x, y, height = plane.frames[joint] @ load.point
             across = load.force @ plane.normal
             axial[joint] -= across
-            force = load.force @ plane.axes[0] + 1j * (load.force @ plane.axes[1])
-            tilt[joint] -= 1j * height * force - 1j * complex(x, y) * rotors[joint] * across
+            tilt[joint] -= 1j * height * flat(plane, load.force) - 1j * complex(x, y) * rotors[joint] * across
     axial = plane.carried @ axial
     origins = plane.origins @ at
     for j in reversed(range(count)):

@@ -16,10 +16,10 @@ import pinocchio as pin
 from numpy.typing import NDArray
 
 from . import plane_axial
-from .coordinates import Array
+from .coordinates import Array, ComplexArray
 from .errors import AssemblyError
 from .loads import AppliedForce
-from .plane import ComplexArray, LoopPin, Plane, product
+from .plane import LoopPin, Plane, flat, product
 from .plane_kinematics import basis, basis_acceleration, basis_velocity, block_matrix, dyad_columns
 from .wrenches import Wrenches
 
@@ -231,11 +231,6 @@ def _solve_pins(plane: Plane, closure: ComplexArray, passive: Array, pins: Compl
             driven = plane.driven[loop]
             if driven is not None:
                 passive[plane.driver] += (closure[driven].conj() * pins[loop]).imag
-
-
-def flat(plane: Plane, vectors: Array) -> ComplexArray:
-    """World vectors (..., 3) as complex numbers, what is along the normal left out."""
-    return np.asarray(vectors @ plane.axes[0] + 1j * (vectors @ plane.axes[1]))
 
 
 def _in_space(plane: Plane, vectors: ComplexArray, out: Array) -> None:

@@ -11,8 +11,8 @@ from typing import NamedTuple
 import numpy as np
 
 from .branch import Closure
-from .coordinates import Array
-from .plane import Block, ComplexArray, Plane, product
+from .coordinates import Array, ComplexArray
+from .plane import Block, Plane, product
 
 MOST_NEWTON_STEPS = 12
 

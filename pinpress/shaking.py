@@ -28,8 +28,9 @@ def shaking(press: Linkage, motion: Motion, force: Array, moment: Array, loads: 
         if model.parents[j + 1] == 0:
             place = model.jointPlacements[j + 1]
             point = place.translation
-            if press.spatial.sliding[j] is not None:
-                point = point + motion.joint_position[:, j, None] * (place.rotation @ press.spatial.sliding[j])
+            axis = press.spatial.axes[j]
+            if not axis.turns:
+                point = point + motion.joint_position[:, j, None] * (place.rotation @ axis.direction)
             put(-force[j], -moment[j], point)
     for k, loop in enumerate(press.loops, count):
         if loop.joint1 == 0:

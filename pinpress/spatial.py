@@ -13,7 +13,7 @@ import pinocchio as pin
 from numpy.typing import NDArray
 
 from .branch import Closure
-from .coordinates import Array, Slot, configuration, crank_angle, sliding, slots
+from .coordinates import Array, Axis, Slot, axes, configuration, crank_angle, slots
 from .errors import AssemblyError
 from .loads import AppliedForce
 from .plane import LoopPin
@@ -33,7 +33,7 @@ class Spatial:
         crossed: (nv, nl) +1 / -1 where loop l's point 2 / 1 hangs on joint j.
         share: (3 nv + 3 nl, 3 nl) what loop forces add to the forces of all joints and loops.
         size: length of the linkage [m]. tolerance: gap at which a loop is closed to rounding [m].
-        slots: of the joints in q. sliding: axes of the prismatic joints in their own frames, (3,), None for the turning ones.
+        slots, axes: of the joints.
     """
 
     model: pin.Model
@@ -44,7 +44,7 @@ class Spatial:
     size: float
     tolerance: float
     slots: tuple[Slot, ...]
-    sliding: tuple[Array | None, ...]
+    axes: tuple[Axis, ...]
 
 
 def build(model: pin.Model, loops: Sequence[LoopPin], driver: int) -> Spatial:
@@ -65,7 +65,7 @@ def build(model: pin.Model, loops: Sequence[LoopPin], driver: int) -> Spatial:
         size=size,
         tolerance=8 * np.finfo(float).eps * (size + reach),
         slots=slots(model),
-        sliding=sliding(model),
+        axes=axes(model),
     )
 
 
@@ -76,9 +76,13 @@ def loop_rows(model: pin.Model, loops: Sequence[LoopPin], x: Array) -> tuple[Arr
 
 def mobility(columns: Array) -> int:
     """Degrees of freedom left by a loop Jacobian (rows, nv): nv less its rank."""
-    scaled, _ = _unit_columns(columns)
-    values = np.linalg.svd(scaled, compute_uv=False)
+    values = singular_values(columns)
     return int(columns.shape[1] - np.count_nonzero(values > RANK * max(1.0, values.max(initial=0.0))))
+
+
+def singular_values(columns: Array) -> Array:
+    """Of a loop Jacobian (rows, columns), largest first, its columns scaled to unit length."""
+    return np.asarray(np.linalg.svd(_unit_columns(columns)[0], compute_uv=False))
 
 
 def close(spatial: Spatial, angle: Array, guess: Array) -> Closure:

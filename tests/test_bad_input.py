@@ -669,3 +669,20 @@ def test_path_that_no_file_can_have(motion, write):
 def test_load_that_is_not_in_a_list(press, motion):
     with pytest.raises(pp.PinpressError):
         pp.inverse_dynamics(press, motion, loads=pp.PointForce("slide", (0.0, 0.0, 1.0)))
+
+
+def test_driver_locked_beside_a_link_that_hangs_free(tmp_path):
+    """One degree of freedom, but not the driver's: the crank is pinned to the frame at its tip, the pendulum no loop reaches moves."""
+    inertial = '<inertial><mass value="1"/><inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial>'
+    file = tmp_path / "locked.urdf"
+    file.write_text(
+        f'<robot name="locked"><link name="frame"/><link name="crank">{inertial}</link><link name="pendulum">{inertial}</link>'
+        '<joint name="A" type="continuous"><parent link="frame"/><child link="crank"/><axis xyz="0 -1 0"/></joint>'
+        '<joint name="P" type="continuous"><parent link="frame"/><child link="pendulum"/><axis xyz="0 -1 0"/></joint>'
+        '<loop_joint name="C" type="spherical"><link1 link="frame" xyz="1 0 0"/><link2 link="crank" xyz="1 0 0"/></loop_joint>'
+        '<transmission name="drive"><joint name="A"/></transmission></robot>',
+        encoding="utf-8",
+    )
+    with pytest.raises(pp.SingularityError, match="joint 'A' does not determine the drawn pose") as caught:
+        pp.load(file)
+    assert caught.value.smallest_singular_value == 0.0
