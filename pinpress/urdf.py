@@ -18,7 +18,7 @@ from .urdf_checks import LOOP_TYPES
 
 __all__ = ["LOOP_TYPES", "Element", "Joint", "Loop", "LoopEnd", "Urdf", "problems", "read"]
 
-_TEXTS = ("link", "filename")  # attributes that hold no numbers; all others that are asked for hold one, but
+_TEXTS = ("link", "joint", "filename")  # attributes that hold no numbers; all others that are asked for hold one, but
 _COUNTS = {"xyz": 3, "rpy": 3, "size": 3, "scale": 3, "rgba": 4}
 # Pinocchio's parser takes neither "1_0" nor "nan" nor digits of other scripts, all of which Python's float() does.
 _NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?", re.ASCII)
@@ -38,12 +38,23 @@ class LoopEnd:
 
 @dataclass(frozen=True)
 class Loop:
-    """A ``<loop_joint>``: the bearing that closes a loop of the linkage."""
+    """A ``<loop_joint>``: the bearing that closes a loop of the linkage. ``axis`` of a revolute one: in the frames of both ends."""
 
     name: str
     type: str
     link1: LoopEnd
     link2: LoopEnd
+    axis: tuple[float, float, float]
+    line: int
+
+
+@dataclass(frozen=True)
+class Mimic:
+    """A ``<mimic>``: the joint's coordinate is ``multiplier`` times that of the joint named ``leader``, plus ``offset`` [rad or m]."""
+
+    leader: str
+    multiplier: float
+    offset: float
     line: int
 
 
@@ -55,6 +66,7 @@ class Joint:
     type: str
     parent: str
     child: str
+    mimic: Mimic | None
     line: int
 
 
@@ -127,14 +139,8 @@ def read(path: str | os.PathLike[str]) -> Urdf:
     for problem in _problems(file, robot):
         raise problem
     links = tuple(link.get("name") for link in robot.all("link"))
-    joints = tuple(
-        Joint(joint.get("name"), joint.get("type"), joint.all("parent")[0].get("link"), joint.all("child")[0].get("link"), joint.line)
-        for joint in robot.all("joint")
-    )
-    loops = tuple(
-        Loop(loop.get("name"), loop.get("type"), _loop_end(loop.all("link1")[0]), _loop_end(loop.all("link2")[0]), loop.line)
-        for loop in robot.all("loop_joint")
-    )
+    joints = tuple(_joint(joint) for joint in robot.all("joint"))
+    loops = tuple(_loop(loop) for loop in robot.all("loop_joint"))
     children = {joint.child for joint in joints}
     root = next(link for link in links if link not in children)
     drivers = [joint.get("name") for transmission in robot.all("transmission") for joint in transmission.all("joint")]
@@ -154,6 +160,22 @@ def problems(path: str | os.PathLike[str]) -> Iterator[UrdfError]:
 def _problems(file: str, robot: Element) -> Iterator[UrdfError]:
     for element, problem, remedy in urdf_checks.problems(robot):
         yield UrdfError(file, str(element), element.line, problem, remedy)
+
+
+def _joint(joint: Element) -> Joint:
+    parent, child = joint.all("parent")[0].get("link"), joint.all("child")[0].get("link")
+    mimic = next((_mimic(element) for element in joint.all("mimic")), None)
+    return Joint(joint.get("name"), joint.get("type"), parent, child, mimic, joint.line)
+
+
+def _mimic(mimic: Element) -> Mimic:
+    (multiplier,), (offset,) = mimic.numbers("multiplier") or (1.0,), mimic.numbers("offset") or (0.0,)
+    return Mimic(mimic.get("joint"), multiplier, offset, mimic.line)
+
+
+def _loop(loop: Element) -> Loop:
+    x, y, z = next((axis.numbers("xyz") for axis in loop.all("axis")), (1.0, 0.0, 0.0))  # the default of URDF's <axis>
+    return Loop(loop.get("name"), loop.get("type"), _loop_end(loop.all("link1")[0]), _loop_end(loop.all("link2")[0]), (x, y, z), loop.line)
 
 
 def _loop_end(end: Element) -> LoopEnd:

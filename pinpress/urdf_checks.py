@@ -15,8 +15,7 @@ from .errors import suggestion
 if TYPE_CHECKING:
     from .urdf import Element
 
-LOOP_TYPES = ("spherical",)
-_UNSUPPORTED_LOOP_TYPES = dict.fromkeys(("revolute", "fixed"), "write one of: " + ", ".join(LOOP_TYPES))
+LOOP_TYPES = ("spherical", "revolute", "fixed")
 _JOINT_TYPES = ("revolute", "continuous", "prismatic", "fixed")
 _UNSUPPORTED_JOINT_TYPES = {
     "planar": "write two prismatic joints and a revolute one, with links between them",
@@ -34,7 +33,7 @@ _CHILDREN = {
     "geometry": "box? cylinder? sphere? mesh?",
     "material": "color? texture?",
     "joint": "origin? parent child axis? limit? dynamics? calibration? safety_controller? mimic?",
-    "loop_joint": "link1 link2",
+    "loop_joint": "link1 link2 axis?",
 }
 # The same of attributes.
 _ATTRIBUTES = {
@@ -47,6 +46,7 @@ _ATTRIBUTES = {
     "mass": "value",
     "inertia": "ixx ixy ixz iyy iyz izz",
     "limit": "lower? upper? effort velocity",
+    "mimic": "joint multiplier? offset?",
     "dynamics": "damping? friction?",
     "calibration": "rising? falling? reference_position?",
     "safety_controller": "k_velocity k_position? soft_lower_limit? soft_upper_limit?",
@@ -85,8 +85,13 @@ def problems(robot: "Element") -> Iterator[Problem]:
     yield from _tree_problems(robot)
     yield from _inertia_problems(robot)
     for loop in robot.all("loop_joint"):
-        yield from _type_problems(loop, "loop", LOOP_TYPES, _UNSUPPORTED_LOOP_TYPES)
+        yield from _type_problems(loop, "loop", LOOP_TYPES, {})
         yield from _end_problems(loop, "link1", "link2", _names(robot, "link"))
+        if loop.get("type") == "revolute":
+            yield from _axis_problems(loop)
+        elif loop.all("axis"):
+            yield loop.all("axis")[0], f"a {loop.get('type')} loop has no axis", 'remove <axis>, or write type="revolute"'
+    yield from _mimic_problems(robot)
     yield from _transmission_problems(robot)
 
 
@@ -166,8 +171,6 @@ def _type_problems(element: "Element", word: str, types: Sequence[str], unsuppor
 
 
 def _joint_problems(joint: "Element") -> Iterator[Problem]:
-    for mimic in joint.all("mimic"):
-        yield mimic, "gear pairs are not supported yet", "remove <mimic>, or close the motion with <loop_joint>"
     kind, limits = joint.get("type"), joint.all("limit")
     if kind in ("revolute", "prismatic") and not limits:
         remedy = 'write <limit lower="..." upper="..." effort="..." velocity="..."/>'
@@ -179,7 +182,12 @@ def _joint_problems(joint: "Element") -> Iterator[Problem]:
         lower, upper = limit.numbers("lower") or (0.0,), limit.numbers("upper") or (0.0,)
         if kind in ("revolute", "prismatic") and lower > upper:
             yield limit, f"lower ({lower[0]!r}) is above upper ({upper[0]!r})", "exchange them (either is 0 where it is missing)"
-    for element in joint.all("axis") if kind != "fixed" else ():
+    if kind != "fixed":
+        yield from _axis_problems(joint)
+
+
+def _axis_problems(joint: "Element") -> Iterator[Problem]:
+    for element in joint.all("axis"):
         axis = element.numbers("xyz")
         length = math.hypot(*axis)
         if axis and length == 0:
@@ -260,6 +268,23 @@ def _tensor_problem(inertia: "Element") -> str | None:
     if principal[2] > principal[0] + principal[1] + tolerance:
         return f"the largest principal moment of inertia exceeds the sum of the other two ({shown})"
     return None
+
+
+def _mimic_problems(robot: "Element") -> Iterator[Problem]:
+    types = {joint.get("name"): joint.get("type") for joint in robot.all("joint")}
+    for joint in robot.all("joint"):
+        for mimic in joint.all("mimic"):
+            leader = mimic.get("joint")
+            if joint.get("type") == "fixed":
+                yield mimic, "the joint is fixed and cannot follow another", "remove <mimic>, or let the joint move"
+            if leader and leader not in types:
+                yield mimic, f"no joint {leader!r}{suggestion(leader, types)}", "name a <joint> of this file"
+            elif leader and leader == joint.get("name"):
+                yield mimic, "the joint mimics itself", "name the joint that it is geared to"
+            elif leader and types[leader] == "fixed":
+                yield mimic, f"joint {leader!r} is fixed: nothing to follow", "name a joint that moves"
+            if mimic.numbers("multiplier") == (0.0,):
+                yield mimic, "multiplier is 0, which locks the joint", 'write the ratio of the gear pair, or type="fixed"'
 
 
 def _transmission_problems(robot: "Element") -> Iterator[Problem]:
