@@ -15,9 +15,10 @@ from typing import TYPE_CHECKING, Any
 
 from .dead_centres import DeadCentres, dead_centres
 from .errors import AssemblyError, PinpressError, SingularityError, UnknownNameError, UrdfError
+from .friction import Friction
 from .linkage import Linkage
 from .loading import load, presses
-from .loads import PointForce
+from .loads import PointForce, SpringDamper
 from .motion import RPM, Motion, cycle
 from .reactions import Reactions, inverse_dynamics
 
@@ -25,12 +26,14 @@ __all__ = [
     "RPM",
     "AssemblyError",
     "DeadCentres",
+    "Friction",
     "Linkage",
     "Motion",
     "PinpressError",
     "PointForce",
     "Reactions",
     "SingularityError",
+    "SpringDamper",
     "UnknownNameError",
     "UrdfError",
     "cycle",

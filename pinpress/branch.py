@@ -21,7 +21,7 @@ FIRST_STEP = 1e-3  # of the walk, to learn how the margins change [rad]
 SMALLEST_STEP = 1e-10  # the walk ends where it would need a shorter one: the linkage locks there [rad]
 SMALLEST_MARGIN = 1e-6  # below it rounding of the loop equations decides where two assemblies meet: the walk ends there too
 LARGEST_CORRECTION = 1e-3  # Newton's method may move a joint so far from its prediction [rad, or lengths of the linkage]
-MOST_TURNS = 8  # turns of the crank after which a linkage must have come back to its start
+MOST_TURNS = 64  # turns of the crank after which a linkage must have come back to its start
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -126,6 +126,14 @@ def walk(close: Close, drawn: Array, size: float, tolerance: float) -> Branch:
     raise AssemblyError(
         f"the linkage is not back at its drawn pose after {MOST_TURNS} turns of the driver", upward[-1].angle, float(start.gap[0]), 0
     )
+
+
+def between(close: Close, start: Array, distance: float, size: float, tolerance: float) -> "Closure | Lock":
+    """The closed configuration a ``distance`` [rad] along a path, followed from the closed one ``start`` (nv,) at its beginning; or where
+    the linkage locks on the way. ``close`` takes distances along the path for crank angles."""
+    nodes = [_Node.of(0.0, close(np.zeros(1), start[:, None]))]
+    locked = _advance(close, nodes, distance, size, tolerance)
+    return locked if locked is not None else close(np.array([distance]), nodes[-1].position[:, None])
 
 
 def predict(branch: Branch, angle: Array) -> Array:

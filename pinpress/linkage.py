@@ -1,16 +1,19 @@
-"""A press linkage: the URDF's tree as a Pinocchio model, its loops, its driver and its slide."""
+"""A press linkage: the URDF's tree as a Pinocchio model, its loops, its drivers and its slide."""
 
 from dataclasses import dataclass
 from functools import cached_property
 
+import numpy as np
 import pinocchio as pin
 
-from . import branch, plane_kinematics, spatial
+from . import branch, plane, plane_dynamics, plane_kinematics, spatial, spatial_equations
 from .branch import Branch, Closure
 from .coordinates import Array
 from .errors import PinpressError
-from .plane import LoopPin, Plane
+from .loops import Coupling, LoopJoint
+from .plane import Plane
 from .plane_dynamics import Bodies
+from .sharing import RANK
 from .spatial import Spatial
 
 ACCEPTED = 1e3  # times the tolerance of rounding: a loop whose gap is not below that is open
@@ -18,19 +21,18 @@ ACCEPTED = 1e3  # times the tolerance of rounding: a loop whose gap is not below
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Linkage:
-    """A closed linkage with one driver. Made by `load`; read-only, ``model`` too.
+    """A closed linkage and its drivers. Made by `load`; read-only, ``model`` too.
 
-    World axes: z up; a planar press stands in the x-z plane. Angles are zero in the drawn pose. SI units.
+    World axes: z up; a planar press stands in the x-z plane. Angles are zero in the drawn pose. SI units. A changed linkage is made by
+    ``dataclasses.replace(press, model=...)`` with a changed copy of the model: everything else here is derived.
 
     Attributes:
         name: the URDF's robot name. file: where it was read. text: the URDF itself.
         model: Pinocchio's model of the tree, loops cut, gravity set.
         links: names of all links, in document order. root: the frame's.
-        joints: names of the moving joints in Pinocchio's order (that of v). loops: the pins at which loops were cut.
-        driver: name of the driver joint. slide: name of the slide link, None where the linkage has none.
-        closed: (nv,) joint coordinates of the drawn pose, closed exactly, driver at zero [rad or m].
-        plane, bodies: constants of the planar engine, None where the linkage is not planar (or its loops are redundant).
-        spatial: constants of the Pinocchio engine.
+        loops: the bearings at which loops were cut. couplings: gear pairs and the like.
+        drivers: names of the driver joints, as many as degrees of freedom.
+        slide: name of the slide link, None where the linkage has none.
     """
 
     name: str
@@ -39,27 +41,78 @@ class Linkage:
     model: pin.Model
     links: tuple[str, ...]
     root: str
-    joints: tuple[str, ...]
-    loops: tuple[LoopPin, ...]
-    driver: str
+    loops: tuple[LoopJoint, ...]
+    couplings: tuple[Coupling, ...]
+    drivers: tuple[str, ...]
     slide: str | None
-    closed: Array
-    plane: Plane | None
-    bodies: Bodies | None
-    spatial: Spatial
 
     def __repr__(self) -> str:
-        return f"<Linkage {self.name}: driver {self.driver}, slide {self.slide}, bearings {', '.join(self.bearings)}>"
+        return f"<Linkage {self.name}: driver {', '.join(self.drivers)}, slide {self.slide}, bearings {', '.join(self.bearings)}>"
 
     @property
+    def driver(self) -> str:
+        """Name of the driver joint; of the first where there are several."""
+        return self.drivers[0]
+
+    @cached_property
+    def joints(self) -> tuple[str, ...]:
+        """Names of the moving joints in Pinocchio's order, that of v."""
+        return tuple(self.model.names)[1:]
+
+    @cached_property
     def bearings(self) -> tuple[str, ...]:
         """Names of all joints and loops that transmit forces: joints in Pinocchio's order, then loops."""
         return self.joints + tuple(loop.name for loop in self.loops)
 
     @cached_property
     def mobility(self) -> int:
-        """Degrees of freedom of the closed linkage: joints less the rank of the loop Jacobian. One, or `load` had refused it."""
-        return spatial.mobility(spatial.loop_rows(self.model, self.loops, self.closed)[1])
+        """Degrees of freedom of the closed linkage: joints less the rank of the equations. One a driver, or `load` had refused."""
+        return int(self.model.nv) - self.rank
+
+    @cached_property
+    def rank(self) -> int:
+        """Rank of the equations of loops and couplings in the closed drawn pose."""
+        return spatial.rank(self.equations(self.closed).columns)
+
+    @cached_property
+    def spatial(self) -> Spatial:
+        """Constants of the Pinocchio engine."""
+        return spatial.build(self.model, self.loops, self.couplings, tuple(self.joints.index(driver) for driver in self.drivers))
+
+    @cached_property
+    def plane(self) -> Plane | None:
+        """Constants of the planar engine, None where the linkage is not planar, or needs more than its blocks of equations."""
+        return self._plane_and_drawn[0]
+
+    @cached_property
+    def bodies(self) -> Bodies | None:
+        """Inertial constants of the planar engine."""
+        return None if self.plane is None else plane_dynamics.build(self.plane, self.model)
+
+    @cached_property
+    def drawn(self) -> Closure:
+        """The drawn pose, its drivers at zero, closed as far as Newton's method came: `load` judges it."""
+        closure = self._plane_and_drawn[1]
+        closure.position.setflags(write=False)
+        return closure
+
+    @property
+    def closed(self) -> Array:
+        """(nv,) joint coordinates of the drawn pose, closed exactly, drivers at zero [rad or m]."""
+        return self.drawn.position[:, 0]
+
+    @cached_property
+    def _plane_and_drawn(self) -> tuple[Plane | None, Closure]:
+        start, general = np.zeros((self.model.nv, 1)), self.spatial
+        if len(self.drivers) == 1:
+            planar = plane.build(self.model, self.loops, self.couplings, general.drivers[0])
+            if planar is not None:
+                closure = plane_kinematics.close(planar, np.zeros(1), start, with_margins=True)
+                # Equations that depend on each other across the blocks need the other engine.
+                if closure.margins is not None and np.abs(closure.margins).min(initial=1.0) > RANK:
+                    return planar, closure
+        along = [1.0] + [0.0] * (len(self.drivers) - 1)
+        return None, spatial.close(general, np.zeros((len(self.drivers), 1)), along, start)
 
     @cached_property
     def slide_guide(self) -> tuple[int, float]:
@@ -82,15 +135,22 @@ class Linkage:
 
         Raises:
             AssemblyError: the linkage does not come back to its drawn pose.
+            PinpressError: it has several drivers.
         """
+        if len(self.drivers) > 1:
+            raise PinpressError(f"{self.name} has {len(self.drivers)} drivers: give angle, speed and acceleration of all, (n, drivers)")
         tolerance = ACCEPTED * (self.plane or self.spatial).tolerance
         return branch.walk(lambda angle, guess: self.close(angle, guess, with_margins=True), self.closed, self.spatial.size, tolerance)
+
+    def equations(self, x: Array) -> spatial_equations.Rows:
+        """The equations of loops and couplings at joint coordinates (nv,)."""
+        return self.spatial.equations().at(x)
 
     def close(self, angle: Array, guess: Array, engine: str = "auto", with_margins: bool = False) -> Closure:
         """Close the loops at crank angles (n,) from guesses (nv, n); the caller judges the result. ``engine`` as in `cycle`."""
         if plane := self.planar(engine):
             return plane_kinematics.close(plane, angle, guess, with_margins)
-        return spatial.close(self.spatial, angle, guess)
+        return spatial.close(self.spatial, angle[None], [1.0], guess)
 
     def planar(self, engine: str) -> Plane | None:
         """The constants of the planar engine where ``engine`` ("auto", "plane" or "pinocchio") means it, else None.
@@ -101,5 +161,5 @@ class Linkage:
         if engine not in ("auto", "plane", "pinocchio"):
             raise PinpressError(f"unknown engine {engine!r}: write 'auto', 'plane' or 'pinocchio'")
         if engine == "plane" and self.plane is None:
-            raise PinpressError(f"{self.name} is not a planar linkage with independent loops: use engine='pinocchio' (or 'auto')")
+            raise PinpressError(f"{self.name} is not a planar linkage with one driver: use engine='pinocchio' (or 'auto')")
         return None if engine == "pinocchio" else self.plane

@@ -8,12 +8,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 import pinocchio as pin
 
-from . import plane, plane_dynamics, plane_kinematics, spatial
+from . import plane, spatial
 from .coordinates import Array
 from .errors import AssemblyError, PinpressError, SingularityError, UnknownNameError, UrdfError, suggestion
 from .linkage import ACCEPTED, Linkage
-from .plane import LoopPin, Plane
-from .spatial import Spatial
+from .loops import Coupling, LoopJoint
 
 if TYPE_CHECKING:
     from . import urdf
@@ -29,7 +28,7 @@ def presses() -> tuple[str, ...]:
 
 def load(
     path: str | os.PathLike[str],
-    driver: str | None = None,
+    driver: str | Sequence[str] | None = None,
     slide: str | None = None,
     gravity: Sequence[float] = (0.0, 0.0, -9.81),
 ) -> Linkage:
@@ -37,7 +36,8 @@ def load(
 
     Args:
         path: of the URDF file, or the name of a shipped press (`presses`).
-        driver: name of the driven joint; default: the one in the file's ``<transmission>``.
+        driver: name of the driven joint, or names of as many as the linkage has degrees of freedom; default: those in the file's
+            ``<transmission>`` elements.
         slide: name of the slide link, which a prismatic joint guides on the frame; default: the link "slide", or the child of the joint
             "slide_guide", or the only link so guided.
         gravity: in world axes [m/s2].
@@ -54,22 +54,25 @@ def load(
         path = _library() / f"{file}.urdf"
     elif not os.path.exists(file) and not file.endswith((".urdf", ".xml")):
         raise UrdfError(file, None, None, "no such file", f"name a URDF file or a shipped press ({', '.join(presses())})")
-    description = urdf.read(path)
-    driver = _driver(description, driver)
+    press = assembled(urdf.read(path), driver, slide, gravity)
+    check_drawn_pose(press)
+    return press
+
+
+def assembled(description: "urdf.Urdf", driver: str | Sequence[str] | None, slide: str | None, gravity: Sequence[float]) -> Linkage:
+    """The linkage of a URDF without problems, not yet closed; arguments and errors as of `load`."""
+    drivers = _drivers(description, driver)
     try:
         model = pin.buildModelFromXML(description.text.decode())
     except (ValueError, RuntimeError) as error:  # nothing is known that passes the checks and ends here
         raise UrdfError(description.file, None, None, f"Pinocchio cannot read it: {error}", "simplify the file") from error
     model.gravity.linear = _gravity(gravity)
-    loops = tuple(_loop_pin(model, loop) for loop in description.loops)
-    joints = tuple(model.names[1:])
-    driver_index = joints.index(driver)
-    if not model.joints[driver_index + 1].shortname().startswith("JointModelR"):
-        raise UrdfError(
-            description.file, f'<joint name="{driver}">', _line(description, driver), "the driver does not turn", "drive a crank"
-        )
-    planar, general = plane.build(model, loops, driver_index), spatial.build(model, loops, driver_index)
-    closed = _closed(description, planar, general)
+    places = {name: place for place, name in enumerate(tuple(model.names)[1:])}
+    for name in drivers:
+        if not model.joints[places[name] + 1].shortname().startswith("JointModelR"):
+            raise UrdfError(
+                description.file, f'<joint name="{name}">', _line(description, name), "the driver does not turn", "drive a crank"
+            )
     return Linkage(
         name=description.name,
         file=description.file,
@@ -77,14 +80,14 @@ def load(
         model=model,
         links=description.links,
         root=description.root,
-        joints=joints,
-        loops=loops,
-        driver=driver,
+        loops=tuple(_loop_joint(model, loop) for loop in description.loops),
+        couplings=tuple(
+            Coupling(j.name, places[j.name], places[j.mimic.leader], j.mimic.multiplier, j.mimic.offset, j.mimic.line)
+            for j in description.joints
+            if j.mimic
+        ),
+        drivers=drivers,
         slide=_slide(description, model, slide),
-        closed=closed,
-        plane=planar,
-        bodies=plane_dynamics.build(planar, model, loops) if planar else None,
-        spatial=general,
     )
 
 
@@ -98,30 +101,23 @@ def _line(description: "urdf.Urdf", joint: str) -> int:
     return next(j.line for j in description.joints if j.name == joint)
 
 
-def _driver(description: "urdf.Urdf", driver: str | None) -> str:
+def _drivers(description: "urdf.Urdf", driver: str | Sequence[str] | None) -> tuple[str, ...]:
     moving = [joint.name for joint in description.joints if joint.type != "fixed"]
-    robot = f'<robot name="{description.name}">'
-    if driver is not None:
-        if driver not in moving:
-            raise UnknownNameError("moving joint", driver, moving)
-        return driver
-    if not description.drivers:
+    given = description.drivers if driver is None else (driver,) if isinstance(driver, str) else tuple(driver)
+    for name in given:
+        if name not in moving:
+            raise UnknownNameError("moving joint", name, moving)
+    if len(set(given)) < len(given):
+        raise PinpressError(f"driver names a joint twice: {', '.join(given)}")
+    if not given:
         raise UrdfError(
             description.file,
-            robot,
+            f'<robot name="{description.name}">',
             None,
             "no driver",
             'add <transmission name="drive"><joint name="..."/></transmission>, or load(..., driver=...)',
         )
-    if len(description.drivers) > 1:
-        raise UrdfError(
-            description.file,
-            robot,
-            None,
-            f"{len(description.drivers)} drivers ({', '.join(description.drivers)})",
-            "drive one joint: load(..., driver=...)",
-        )
-    return description.drivers[0]
+    return given
 
 
 def _gravity(gravity: Sequence[float]) -> Array:
@@ -134,52 +130,55 @@ def _gravity(gravity: Sequence[float]) -> Array:
     return vector
 
 
-def _loop_pin(model: pin.Model, loop: "urdf.Loop") -> LoopPin:
-    ends = []
+def _loop_joint(model: pin.Model, loop: "urdf.Loop") -> LoopJoint:
+    ends: list[tuple[int, Array, Array]] = []
+    turned = pin.Quaternion.FromTwoVectors(np.array([1.0, 0.0, 0.0]), np.array(loop.axis)).matrix()  # the first axis to the loop's
     for end in (loop.link1, loop.link2):
         frame = model.frames[model.getFrameId(end.link, pin.BODY)]
-        ends += [int(frame.parentJoint), frame.placement.act(np.array(end.xyz))]
-    return LoopPin(loop.name, *ends)
+        place = frame.placement * pin.SE3(pin.rpy.rpyToMatrix(np.array(end.rpy)), np.array(end.xyz))
+        ends.append((int(frame.parentJoint), place.translation, place.rotation @ turned))
+    return LoopJoint(loop.name, loop.type, *ends[0], *ends[1], loop.line)
 
 
-def _closed(description: "urdf.Urdf", planar: Plane | None, general: Spatial) -> Array:
-    """Joint coordinates (nv,) of the drawn pose, closed exactly."""
-    model, loops, driver = general.model, general.loops, general.driver
-    drawn = np.zeros((model.nv, 1))
-    closure = plane_kinematics.close(planar, np.zeros(1), drawn) if planar else spatial.close(general, np.zeros(1), drawn)
-    closed = closure.position[:, 0]
-    tolerance = ACCEPTED * (planar or general).tolerance
+def check_drawn_pose(press: Linkage) -> None:
+    """Raise where a linkage does not close near its drawn pose, or its drivers do not determine it; errors as of `load`."""
+    general, closure, closed = press.spatial, press.drawn, press.closed
+    tolerance = ACCEPTED * (press.plane or general).tolerance
     assembled = bool(closure.gap[0] <= tolerance) and np.abs(closed).max() <= CLOSE_TO_DRAWN * max(1.0, general.size)
-    gaps, columns = spatial.loop_rows(model, loops, closed if assembled else drawn[:, 0])
-    free = spatial.mobility(columns)
+    rows = press.equations(closed if assembled else np.zeros_like(closed))
+    free = general.model.nv - spatial.rank(rows.columns)
     rounded = None
-    if plane.PARALLEL < (off := plane.misalignment(model, driver)) < ROUNDED:
+    if plane.PARALLEL < (off := plane.misalignment(press.model, general.drivers[0])) < ROUNDED:
         rounded = f"axes are up to {off:.2g} rad from parallel: write angles in full, 1.5707963267948966 for a quarter turn"
-    robot = f'<robot name="{description.name}">'
-    if free != 1:
-        stuck = rounded or "a loop or a fixed joint too many: nothing can move"
-        remedy = stuck if free < 1 else "a <loop_joint> is missing, or a link hangs free"
-        raise UrdfError(description.file, robot, None, f"mobility is {free}, but one joint drives", remedy)
+    if free != len(press.drivers):
+        drive = "one joint drives" if len(press.drivers) == 1 else f"{len(press.drivers)} joints drive"
+        stuck = rounded or "a loop, a gear pair or a fixed joint too many: nothing can move"
+        loose = "a <loop_joint> is missing, a link hangs free, or a driver is missing"
+        many = "drive fewer joints" if free > 0 else stuck
+        remedy = loose if free > len(press.drivers) else many
+        raise UrdfError(press.file, f'<robot name="{press.name}">', None, f"mobility is {free}, but {drive}", remedy)
     if not assembled:
-        distance = np.linalg.norm(gaps.reshape(-1, 3), axis=1)
-        worst = int(distance.argmax())
+        worst = general.equations().worst(rows.gaps)
+        held: LoopJoint | Coupling = [*press.loops, *press.couplings][worst]
+        kind = "loop" if isinstance(held, LoopJoint) else "gear pair of joint"
         remedy = rounded or "draw it closed, or change the link lengths"
+        if press.plane.redundant if press.plane else spatial.rank(rows.columns) < len(rows.gaps):
+            remedy += "; loops hold each other here, so that lengths and angles must fit to all digits"
         raise AssemblyError(
-            f"{description.file}:{description.loops[worst].line}: loop {loops[worst].name!r} does not close near the drawn pose; {remedy}",
+            f"{press.file}:{held.line}: {kind} {held.name!r} does not close near the drawn pose; {remedy}",
             0.0,
-            float(distance[worst]),
+            general.equations().widest(rows.gaps),
             closure.iterations,
         )
-    passive = np.delete(columns, driver, axis=1)
-    if spatial.mobility(passive) != 0:
+    passive = np.delete(rows.columns, general.drivers, axis=1)
+    if spatial.rank(passive) < passive.shape[1]:
+        values = spatial.singular_values(passive)
+        names = ", ".join(repr(name) for name in press.drivers)
         raise SingularityError(
-            f"{description.file}: joint {model.names[driver + 1]!r} does not determine the drawn pose;"
-            " draw the linkage away from its dead point",
+            f"{press.file}: joint {names} does not determine the drawn pose; draw the linkage away from its dead point",
             0.0,
-            float(spatial.singular_values(passive).min()),
+            float(values.min()) if len(values) == passive.shape[1] else 0.0,
         )
-    closed.setflags(write=False)
-    return closed
 
 
 def _slide(description: "urdf.Urdf", model: pin.Model, slide: str | None) -> str | None:

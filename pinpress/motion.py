@@ -8,10 +8,10 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike
 
-from . import tables
-from .branch import LARGEST_CORRECTION, Closure, joined, predict
+from . import spatial, tables
+from .branch import LARGEST_CORRECTION, Closure, Lock, between, joined, predict
 from .coordinates import Array, ComplexArray, Slot, configuration
-from .errors import AssemblyError, PinpressError
+from .errors import AssemblyError, PinpressError, SingularityError
 from .linkage import ACCEPTED, Linkage
 from .plane_dynamics import PIECE
 
@@ -26,8 +26,9 @@ class Motion:
     """States of a linkage, n of them, closed. All arrays are read-only.
 
     Attributes:
-        linkage: its name. driver: its driver joint. joints: names in the order of v.
-        crank_angle, crank_speed, crank_acceleration: (n,) of the driver joint, the angle unwrapped [rad, rad/s, rad/s2].
+        linkage: its name. drivers: its driver joints. joints: names in the order of v.
+        crank_angle, crank_speed, crank_acceleration: (n,) of the driver joint, the angle unwrapped [rad, rad/s, rad/s2]; (n, drivers)
+            where there are several.
         joint_position: (n, nv) joint coordinates, zero in the drawn pose, angles unwrapped [rad or m].
         v, a: (n, nv) in Pinocchio's order [rad/s or m/s, rad/s2 or m/s2]. q: (n, nq) the configurations.
         closure_error: (n,) largest distance between the two sides of a loop [m].
@@ -37,7 +38,7 @@ class Motion:
     """
 
     linkage: str
-    driver: str
+    drivers: tuple[str, ...]
     joints: tuple[str, ...]
     crank_angle: Array
     crank_speed: Array
@@ -85,11 +86,12 @@ class Motion:
     def columns(self) -> dict[str, Array]:
         """All quantities as (n,) columns under their names with units, as `to_csv` writes them."""
         columns = {} if self._time is None else {"time [s]": self._time}
-        columns |= {
-            "crank_angle [rad]": self.crank_angle,
-            "crank_speed [rad/s]": self.crank_speed,
-            "crank_acceleration [rad/s2]": self.crank_acceleration,
-        }
+        for name, unit, values in (
+            ("crank_angle", "rad", self.crank_angle),
+            ("crank_speed", "rad/s", self.crank_speed),
+            ("crank_acceleration", "rad/s2", self.crank_acceleration),
+        ):
+            columns |= tables.by_driver(name, unit, values, self.drivers)
         if self._guide is not None:
             columns |= {
                 "slide_position [m]": self.slide_position,
@@ -130,7 +132,9 @@ def cycle(
     Args:
         speed: of the driver joint [rad/s]. One number, with ``points`` (default 360): one turn from crank angle 0 in equal steps, the end
             left out, backwards where it is negative. With ``angle``: (n,) or one number.
-        angle, acceleration: (n,) of the driver joint, any angles in any order [rad, rad/s2]; ``acceleration`` may be one number.
+        angle, acceleration: (n,) of the driver joint, any angles in any order [rad, rad/s2]; ``acceleration`` may be one number. A linkage
+            with several drivers takes (n, drivers) of all three, in the order of `Linkage.drivers`; there the assembly is followed from
+            the drawn pose to the first state and from state to state, on straight lines between the drivers' positions.
         time: (n,) of a servo motion, rising [s]. By default it is found from angle and speed by the trapezoidal rule; states in which
             these do not fit together have no time, and `Motion.time` says so.
         engine: "plane" (all crank angles at once), "pinocchio" (any linkage), or "auto": the plane where the linkage is planar.
@@ -142,20 +146,25 @@ def cycle(
     """
     press.planar(engine)  # refuses an engine that does not suit before anything is computed
     if angle is None:
+        _ = press.branch  # a turn is one of a single driver
         angles, speeds, accelerations, times = _turn(speed, 360 if points is None else points, acceleration, time)
     else:
         if points is not None:
             raise PinpressError("points goes with one turn at constant speed: leave it out where angle is given")
-        angles, speeds, accelerations, times = _servo(angle, speed, acceleration, time)
-    closure = _closed(press, angles, engine)
+        angles, speeds, accelerations, times = _servo(angle, speed, acceleration, time, len(press.drivers))
+    several = len(press.drivers) > 1
+    closure = followed(press, angles) if several else _closed(press, angles, engine)
     with np.errstate(all="ignore"):  # what overflows is refused below
-        v, a = _rates(closure, speeds[0] if angle is None else speeds, None if angle is None else accelerations)
+        if several:
+            v, a = spatial.rates(press.spatial, closure.position, speeds.T, accelerations.T)
+        else:
+            v, a = _rates(closure, speeds[0] if angle is None else speeds, None if angle is None else accelerations)
         finite = math.isfinite(a.sum())  # the accelerations have the squares of the speeds in them
     if not finite:
         raise PinpressError(f"the motion of {press.name} is too fast for floating point: lower speed and acceleration")
     motion = Motion(
         linkage=press.name,
-        driver=press.driver,
+        drivers=press.drivers,
         joints=press.joints,
         crank_angle=_fixed(angles),
         crank_speed=_fixed(speeds),
@@ -196,18 +205,23 @@ def _turn(speed: ArrayLike, points: int, acceleration: ArrayLike, time: ArrayLik
     return angles, np.full(points, rate), np.zeros(points), angles / rate
 
 
-def _servo(angle: ArrayLike, speed: ArrayLike, acceleration: ArrayLike, time: ArrayLike | None) -> tuple[Array, Array, Array, Array | None]:
+def _servo(
+    angle: ArrayLike, speed: ArrayLike, acceleration: ArrayLike, time: ArrayLike | None, drivers: int
+) -> tuple[Array, Array, Array, Array | None]:
     given = {"angle": angle, "speed": speed, "acceleration": acceleration} | ({} if time is None else {"time": time})
     arrays = {name: _numbers(name, values) for name, values in given.items()}
     angles = arrays["angle"]
-    if angles.ndim != 1 or len(angles) == 0:
+    if drivers == 1 and (angles.ndim != 1 or len(angles) == 0):
         raise PinpressError(f"angle has shape {angles.shape}: give (n,) crank angles [rad]")
+    if drivers > 1 and (angles.ndim != 2 or len(angles) == 0 or angles.shape[1] != drivers):
+        raise PinpressError(f"angle has shape {angles.shape}: give (n, {drivers}), the angles of all drivers [rad]")
     for name, values in arrays.items():
-        if values.shape != angles.shape and not (values.ndim == 0 and name in ("speed", "acceleration")):
+        shape = angles.shape[:1] if name == "time" else angles.shape
+        if values.shape != shape and not (values.ndim == 0 and name in ("speed", "acceleration")):
             raise PinpressError(f"{name} has shape {values.shape}, but angle has {angles.shape}")
     speeds, accelerations = (np.broadcast_to(arrays[name], angles.shape).copy() for name in ("speed", "acceleration"))
     if "time" not in arrays:
-        return angles, speeds, accelerations, _times(angles, speeds)
+        return angles, speeds, accelerations, _times(angles if drivers == 1 else angles[:, 0], speeds if drivers == 1 else speeds[:, 0])
     if np.any(np.diff(arrays["time"]) <= 0):
         raise PinpressError("time does not rise throughout")
     return angles, speeds, accelerations, arrays["time"]
@@ -242,6 +256,33 @@ def _closed(press: Linkage, angles: Array, engine: str) -> Closure:
         return _piece(press, angles, predict(branch, angles), engine)
     parts = [angles[start : start + PIECE] for start in range(0, len(angles), PIECE)]
     return joined([_piece(press, part, predict(branch, part), engine) for part in parts])
+
+
+def followed(press: Linkage, angles: Array) -> Closure:
+    """Closed configurations of a linkage with several drivers at positions (n, drivers), each followed from the one before.
+
+    Raises:
+        SingularityError: the linkage locks on the way.
+    """
+    tolerance = ACCEPTED * press.spatial.tolerance
+    position, before, closures = press.closed, np.zeros(len(press.drivers)), []
+    for after in angles:
+        distance = float(np.linalg.norm(after - before))
+        along = (after - before) / distance if distance else np.zeros_like(after)
+
+        def close(at: Array, guess: Array, before: Array = before, along: Array = along) -> Closure:
+            return spatial.close(press.spatial, before[:, None] + np.multiply.outer(along, at), list(along), guess)
+
+        end = between(close, position, distance, press.spatial.size, tolerance)
+        if isinstance(end, Lock):
+            raise SingularityError(
+                f"{press.name} locks between driver positions {np.degrees(before).round(3)} and {np.degrees(after).round(3)} deg",
+                float((before + end.angle * along)[0]),
+                end.margin,
+            )
+        closures.append(end)
+        position, before = end.position[:, 0], after
+    return joined(closures)
 
 
 def _piece(press: Linkage, angles: Array, guess: Array, engine: str) -> Closure:

@@ -18,9 +18,11 @@ from itertools import combinations
 
 import numpy as np
 import pinocchio as pin
+from numpy.typing import NDArray
 
 from .coordinates import Array, ComplexArray
 from .coordinates import axes as joint_axes
+from .loops import Coupling, LoopJoint
 
 EPSILON = float(np.finfo(float).eps)
 SERIAL = 65_536  # scalar multiplications up to which OpenBLAS makes a complex product in one thread
@@ -28,31 +30,32 @@ PARALLEL = 1e-12  # joint axes further from the plane's normal than this [rad] m
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class LoopPin:
-    """A pin at which a loop was cut. Point k is fixed to the body of Pinocchio joint k (0: the frame), in that joint's frame [m]."""
-
-    name: str
-    joint1: int
-    point1: Array
-    joint2: int
-    point2: Array
-
-
-@dataclass(frozen=True, eq=False, repr=False)
 class Block:
-    """Loops that close together, and the joints that close them: as many joints as loop equations.
+    """Equations that are solved together, and the joints that they determine: two equations a loop, one a coupling.
 
     Attributes:
-        loops: indices of the loops.
-        joints: indices (in v) of the joints this block determines.
+        loops, couplings: indices.
+        joints: indices (in v) of the joints this block determines; where there are fewer than equations, these are redundant.
         own: per loop, (joint, row of `Plane.closure`) of the columns of these joints in its Jacobian.
         known: per loop, the same of the joints of earlier blocks.
     """
 
     loops: tuple[int, ...]
+    couplings: tuple[int, ...]
     joints: tuple[int, ...]
     own: tuple[tuple[tuple[int, int], ...], ...]
     known: tuple[tuple[tuple[int, int], ...], ...]
+
+    @property
+    def redundant(self) -> int:
+        """How many of its equations say nothing new."""
+        return 2 * len(self.loops) + len(self.couplings) - len(self.joints)
+
+    @property
+    def kind(self) -> str:
+        """What has a closed solution: "dyad" (two joints close a loop), "lever" (one joint does), "gear" (a coupling); else "dense"."""
+        shape = len(self.loops), len(self.couplings), len(self.joints)
+        return {(1, 0, 2): "dyad", (1, 0, 1): "lever", (0, 1, 1): "gear"}.get(shape, "dense")
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -73,7 +76,10 @@ class Plane:
         directions: (np, nb) prismatic directions.
         closure: (nl + columns, nb) loop gaps (point 2 minus point 1), then the columns of the loop Jacobian.
         loop_points: (nl, nb) point 1 of every loop. loop_heights: (nl,) along the normal [m].
-        blocks: the order in which loops are closed. driven: per loop, row of the driver's column, None where the driver does not move it.
+        holding: (nl,) whether the loop's bearing holds its links upright: a revolute one does.
+        coupled: (nc, nv) coefficients of the coupling equations, turning ones in lengths of the linkage. offsets: (nc,) right-hand sides.
+        followers: (nc,) joints whose coordinate the couplings give.
+        blocks: the order in which equations are solved. driven: per loop, row of the driver's column, None where it does not move the loop.
         carried: (nv, nv) 1 where the link of joint k hangs on joint j.
         crossed: (nv, nl) +1 / -1 where loop l's point 2 / 1 hangs on joint j.
         size: of the largest loop: sum of the lengths round it [m].
@@ -98,6 +104,10 @@ class Plane:
     closure: ComplexArray
     loop_points: ComplexArray
     loop_heights: Array
+    holding: NDArray[np.bool_]
+    coupled: Array
+    offsets: Array
+    followers: tuple[int, ...]
     blocks: tuple[Block, ...]
     driven: tuple[int | None, ...]
     carried: Array
@@ -108,6 +118,11 @@ class Plane:
     def tolerance(self) -> float:
         """Gap at which a loop is closed to rounding [m]."""
         return 8 * EPSILON * self.size
+
+    @property
+    def redundant(self) -> bool:
+        """Whether some of the equations in the plane say nothing new."""
+        return any(block.redundant for block in self.blocks)
 
     def rotor(self, joint: int) -> int:
         """Basis row of the rotor of a joint's link; 0 for the frame (joint -1) and for links that only translate."""
@@ -143,9 +158,14 @@ def flat(plane: Plane, vectors: Array) -> ComplexArray:
     return np.asarray(vectors @ plane.axes[0] + 1j * (vectors @ plane.axes[1]))
 
 
-def build(model: pin.Model, loops: Sequence[LoopPin], driver: int) -> Plane | None:
-    """Constants of a linkage whose driver turns, or None where it is not planar or its loops do not fall into square blocks (a redundant
-    one does not)."""
+def in_space(plane: Plane, vectors: ComplexArray) -> Array:
+    """Complex numbers (...) as world vectors (..., 3)."""
+    return np.asarray(np.multiply.outer(vectors.real, plane.axes[0]) + np.multiply.outer(vectors.imag, plane.axes[1]))
+
+
+def build(model: pin.Model, loops: Sequence[LoopJoint], couplings: Sequence[Coupling], driver: int) -> Plane | None:
+    """Constants of a linkage whose driver turns, or None where it is not planar or its equations do not fall into blocks with as many
+    unknown joints, or fewer."""
     if misalignment(model, driver) > PARALLEL:
         return None
     count = model.nv
@@ -182,6 +202,10 @@ def build(model: pin.Model, loops: Sequence[LoopPin], driver: int) -> Plane | No
         closure=np.zeros((0, width), complex),
         loop_points=np.zeros((len(loops), width), complex),
         loop_heights=np.zeros(len(loops)),
+        holding=np.array([loop.held > 0 for loop in loops], dtype=bool),
+        coupled=np.zeros((len(couplings), count)),
+        offsets=np.zeros(len(couplings)),
+        followers=tuple(coupling.follower for coupling in couplings),
         blocks=(),
         driven=(),
         carried=np.array([[float(j in _ancestry(parents, k)) for k in range(count)] for j in range(count)]),
@@ -201,7 +225,7 @@ def build(model: pin.Model, loops: Sequence[LoopPin], driver: int) -> Plane | No
             skeleton.origins[j, 1 + len(revolute) + k] = in_plane(directions[j])
             skeleton.directions[k, skeleton.rotor(p)] = in_plane(directions[j])
         skeleton.centers[j, skeleton.rotor(j)] = in_plane(place[j].rotation @ bodies[j][1].lever)
-    return _with_loops(skeleton, loops, place, position)
+    return _with_loops(skeleton, loops, couplings, place, position)
 
 
 def misalignment(model: pin.Model, driver: int) -> float:
@@ -222,8 +246,10 @@ def _drawn_joints(model: pin.Model) -> tuple[list[pin.SE3], list[Array], list[bo
     return place, [p.rotation @ axis.direction for p, axis in zip(place, found, strict=True)], [axis.turns for axis in found]
 
 
-def _with_loops(plane: Plane, loops: Sequence[LoopPin], place: list[pin.SE3], position: list[complex]) -> Plane | None:
-    """The plane with its loop equations, None where the loops leave the plane or do not fall into square blocks."""
+def _with_loops(
+    plane: Plane, loops: Sequence[LoopJoint], couplings: Sequence[Coupling], place: list[pin.SE3], position: list[complex]
+) -> Plane | None:
+    """The plane with its equations, None where the loops leave the plane or the equations do not fall into blocks."""
 
     def end(joint: int, point: Array) -> tuple[ComplexArray, float]:
         world = place[joint - 1].act(point) if joint else point
@@ -231,6 +257,16 @@ def _with_loops(plane: Plane, loops: Sequence[LoopPin], place: list[pin.SE3], po
         return row, float(world @ plane.normal)
 
     gaps, columns, owners = [], [], []
+
+    def lies_across(loop: LoopJoint) -> bool:
+        ends = ((loop.joint1, loop.rotation1[:, 0]), (loop.joint2, loop.rotation2[:, 0]))
+        return all(
+            float(np.linalg.norm(np.cross(place[joint - 1].rotation @ axis if joint else axis, plane.normal))) <= PARALLEL
+            for joint, axis in ends
+        )
+
+    if not all(loop.type == "spherical" or (loop.type == "revolute" and lies_across(loop)) for loop in loops):
+        return None
     for k, loop in enumerate(loops):
         (first, height1), (second, height2) = end(loop.joint1, loop.point1), end(loop.joint2, loop.point2)
         plane.loop_points[k], plane.loop_heights[k] = first, height1
@@ -246,10 +282,14 @@ def _with_loops(plane: Plane, loops: Sequence[LoopPin], place: list[pin.SE3], po
                 row += plane.crossed[joint, k] * plane.directions[plane.prismatic.index(joint)]
             columns.append(row)
             owners.append((k, int(joint)))
-    blocks = _blocks(owners, len(loops), plane.driver, len(plane.parents))
+    blocks = _blocks(owners, len(loops), couplings, plane.driver, len(plane.parents))
     if blocks is None:
         return None
     size = max((float(np.abs(g[: 1 + len(plane.revolute)]).sum()) for g in gaps), default=1.0)
+    for k, coupling in enumerate(couplings):
+        unit = size if coupling.follower in plane.revolute else 1.0
+        plane.coupled[k, [coupling.follower, coupling.leader]] = unit, -unit * coupling.multiplier
+        plane.offsets[k] = unit * coupling.offset
     changes = {
         "guide_rotors": tuple(plane.rotor(plane.parents[j]) for j in plane.prismatic),
         "closure": np.array(gaps + columns).reshape(-1, plane.origins.shape[1]),
@@ -260,26 +300,36 @@ def _with_loops(plane: Plane, loops: Sequence[LoopPin], place: list[pin.SE3], po
     return Plane(**{**plane.__dict__, **changes})
 
 
-def _blocks(owners: list[tuple[int, int]], loops: int, driver: int, joints: int) -> tuple[Block, ...] | None:
-    """The smallest blocks in an order in which each needs only the ones before it; None where there is no such order."""
+def _blocks(owners: list[tuple[int, int]], loops: int, couplings: Sequence[Coupling], driver: int, joints: int) -> tuple[Block, ...] | None:
+    """The smallest blocks in an order in which each needs only the ones before it; None where there is no such order.
+
+    Of blocks equally small, one without redundant equations comes first.
+    """
     involved: list[set[int]] = [{j for k, j in owners if k == loop} for loop in range(loops)]
+    involved += [{coupling.follower, coupling.leader} for coupling in couplings]
     rows = {owner: loops + row for row, owner in enumerate(owners)}
-    known, open_loops, blocks = {driver}, list(range(loops)), []
-    while open_loops:
-        for size in range(1, len(open_loops) + 1):
-            group = next(
-                (g for g in combinations(open_loops, size) if len(set().union(*(involved[k] for k in g)) - known) == 2 * size), None
-            )
-            if group is not None:
+    known, remaining, blocks = {driver}, list(range(len(involved))), []
+    while remaining:
+        found: tuple[int, ...] | None = None
+        fewest = 0
+        for size in range(1, len(remaining) + 1):
+            for group in combinations(remaining, size):
+                spare = sum(2 if k < loops else 1 for k in group) - len(set().union(*(involved[k] for k in group)) - known)
+                if spare >= 0 and (found is None or spare < fewest):
+                    found, fewest = group, spare
+            if found is not None:
                 break
-        else:
+        if found is None:
             return None
-        unknown = tuple(sorted(set().union(*(involved[k] for k in group)) - known))
-        own = tuple(tuple((j, rows[k, j]) for j in unknown if j in involved[k]) for k in group)
-        before = tuple(tuple((j, rows[k, j]) for j in sorted(involved[k] & known - {driver})) for k in group)
-        blocks.append(Block(group, unknown, own, before))
+        members = tuple(k for k in found if k < loops)
+        unknown = tuple(sorted(set().union(*(involved[k] for k in found)) - known))
+        own = tuple(tuple((j, rows[k, j]) for j in unknown if j in involved[k]) for k in members)
+        before = tuple(tuple((j, rows[k, j]) for j in sorted(involved[k] & known - {driver})) for k in members)
+        blocks.append(Block(members, tuple(k - loops for k in found if k >= loops), unknown, own, before))
+        if blocks[-1].redundant and not members:
+            return None  # a ring of gear pairs: its idle torques reach no bearing, by which they could be shared
         known |= set(unknown)
-        open_loops = [k for k in open_loops if k not in group]
+        remaining = [k for k in remaining if k not in found]
     return tuple(blocks) if len(known) == joints else None
 
 

@@ -1,27 +1,27 @@
 """What a planar linkage carries out of its plane: forces along the normal, and moments that tilt the links.
 
 They come from links in parallel planes, products of inertia, gravity or loads across the plane. How the loops share a force along the
-normal is not decided by rigid mechanics (a pin's third row is redundant there): the share with the least sum of squared bearing forces is
-given, and `Reactions.indeterminate` names it.
+normal, or where several bearings of a link hold it upright its tilting moment, is not decided by rigid mechanics: it is shared as `sharing`
+says, and `Reactions.indeterminate` names it.
 
 With the axes of `Plane`, normal x f is i f and r x normal is -i r for complex f and r.
 """
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeVar
 
 import numpy as np
-from numpy.typing import NDArray
 
 from .coordinates import Array, ComplexArray
 from .loads import AppliedForce
-from .plane import Plane, flat
+from .plane import Plane, flat, in_space
+from .sharing import least
 from .wrenches import Wrenches
+
+Values = TypeVar("Values", Array, ComplexArray)
 
 if TYPE_CHECKING:
     from .plane_dynamics import Bodies
-
-ROUNDING = 1e-12  # a component of the normal below it is none
 
 
 def is_flat(plane: Plane, load: AppliedForce) -> bool:
@@ -32,15 +32,14 @@ def is_flat(plane: Plane, load: AppliedForce) -> bool:
     return bool(height == 0.0 and not np.any(load.force @ plane.normal))
 
 
-def indeterminate(plane: Plane) -> NDArray[np.bool_]:
-    """Components (bearings, 6) that depend on how the loops share forces along the normal; see `Reactions.indeterminate`."""
-    along, across = np.abs(plane.normal) > ROUNDING, 1.0 - np.abs(plane.normal) > ROUNDING
-    arms = [
-        any(np.abs(plane.loop_points[k] - plane.origins[j]).any() for k in np.flatnonzero(crossed))
-        for j, crossed in enumerate(plane.crossed)
-    ]
-    joints = [np.concatenate([along & bool(crossed.any()), across & arm]) for crossed, arm in zip(plane.crossed, arms, strict=True)]
-    return np.array(joints + [np.concatenate([along, np.zeros(3, bool)])] * len(plane.loop_points))
+def forces(plane: Plane, bodies: "Bodies", loads: Sequence[AppliedForce], compliance: Array | None, n: int) -> Array:
+    """Forces (bearings, n) of all bearings along the normal."""
+    axial = np.zeros((len(plane.parents), n)) - bodies.axial_weight[:, None]
+    for load in loads:
+        if load.joint:
+            axial[load.joint - 1] -= load.force @ plane.normal
+    axial = plane.carried @ axial
+    return _with_loops(plane, axial, range(len(plane.loop_points)), compliance)
 
 
 def add(
@@ -54,44 +53,53 @@ def add(
     centers: ComplexArray,
     pins: ComplexArray,
     loads: Sequence[AppliedForce],
+    axial: Array,
     result: Wrenches,
 ) -> None:
     """Add the axial forces and tilting moments to a result that has the plane's.
 
     Args:
         at: basis; v, a: joint rates and accelerations; own: inertia force less weight of every body; carried: of all that hang on a joint,
-            loads taken off; centers: arms of the centres of mass from their joints; pins: loop forces.
+            loads taken off; centers: arms of the centres of mass from their joints; pins: loop forces; axial: what `forces` returned.
     """
     count = len(plane.parents)
-    axial = np.zeros((count, v.shape[1])) - bodies.axial_weight[:, None]
     spin, acceleration = plane.spin @ v, plane.spin @ a
     rotors = at[[plane.rotor(j) for j in range(count)]]
+    weight = -bodies.axial_weight[:, None]
     tilt = (acceleration + 1j * spin**2) * bodies.products[:, None] * rotors
-    tilt += 1j * (plane.center_heights - plane.heights)[:, None] * own - 1j * centers * axial
+    tilt += 1j * (plane.center_heights - plane.heights)[:, None] * own - 1j * centers * weight
     for load in loads:
         if load.joint:
             joint = load.joint - 1
             x, y, height = plane.frames[joint] @ load.point
-            across = load.force @ plane.normal
-            axial[joint] -= across
-            tilt[joint] -= 1j * height * flat(plane, load.force) - 1j * complex(x, y) * rotors[joint] * across
-    axial = plane.carried @ axial
+            tilt[joint] -= 1j * height * flat(plane, load.force) - 1j * complex(x, y) * rotors[joint] * (load.force @ plane.normal)
+    hanging = axial[:count] + plane.crossed @ axial[count:]
     origins = plane.origins @ at
     for j in reversed(range(count)):
         p = plane.parents[j]
         if p >= 0:
-            tilt[p] += tilt[j] + 1j * (plane.heights[j] - plane.heights[p]) * carried[j] - 1j * (origins[j] - origins[p]) * axial[j]
-    shared = np.linalg.solve(np.eye(len(pins)) + plane.crossed.T @ plane.crossed, plane.crossed.T @ axial)
+            tilt[p] += tilt[j] + 1j * (plane.heights[j] - plane.heights[p]) * carried[j] - 1j * (origins[j] - origins[p]) * hanging[j]
     points = plane.loop_points @ at
     for j in range(count):
         for k in np.flatnonzero(plane.crossed[j]):
             arm = points[k] - origins[j]
-            tilt[j] -= plane.crossed[j, k] * (1j * (plane.loop_heights[k] - plane.heights[j]) * pins[k] - 1j * arm * shared[k])
-    axial = np.concatenate([axial - plane.crossed @ shared, shared])
+            tilt[j] -= plane.crossed[j, k] * (1j * (plane.loop_heights[k] - plane.heights[j]) * pins[k] - 1j * arm * axial[count + k])
+    tilting = _with_loops(plane, tilt, [int(k) for k in np.flatnonzero(plane.holding)], None)
 
     result.force[:] += axial[:, :, None] * plane.normal
-    result.moment[:count] += _tilting(plane, tilt)
+    result.moment[:] += in_space(plane, tilting)
 
 
-def _tilting(plane: Plane, moment: ComplexArray) -> Array:
-    return np.asarray(moment.real[..., None] * plane.axes[0] + moment.imag[..., None] * plane.axes[1])
+def _with_loops(plane: Plane, joints: Values, sharing: Sequence[int], compliance: Array | None) -> Values:
+    """Forces, or moments, of all bearings from those (nv, n) of the joints with all loops open, some of which share in them."""
+    count, loops = len(joints), len(plane.loop_points)
+    response = np.concatenate([-plane.crossed[:, sharing], np.eye(loops)[:, sharing]])
+    start: Values = np.concatenate([joints, np.zeros((loops, joints.shape[1]))])
+    if not len(sharing):
+        return start
+    every = np.eye(count + loops)  # the shares of a unit of each, as they do not depend on the configuration
+    levels = [(response, every)]
+    if compliance is not None:
+        levels.insert(0, (np.sqrt(compliance)[:, None] * response, np.sqrt(compliance) * every))
+    shared: Values = start + response @ (least(levels).T @ start)
+    return shared

@@ -1,26 +1,26 @@
 """Inverse dynamics of a planar linkage at all crank angles at once.
 
-Newton-Euler from the tips of the tree to the frame, the loops open; then, block by block against the order of closure, the two components
-of every loop pin's force from the joints that nothing drives; then every joint's force and moment. A lever arm r and a force f, both
-complex, make the moment Im(conj(r) f) about the normal. What acts out of the plane is computed in `plane_axial`, and only where there is
-something.
+Newton-Euler from the tips of the tree to the frame, the loops open; then the forces of loops and gear pairs (`plane_statics`); then every
+joint's force and moment. A lever arm r and a force f, both complex, make the moment Im(conj(r) f) about the normal. What acts out of the
+plane is computed in `plane_axial`, and only where there is something.
 
 Signs: forces and moments of a joint are the action of parent on child, of a loop the action of link1 on link2.
 """
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 import pinocchio as pin
-from numpy.typing import NDArray
 
-from . import plane_axial
+from . import plane_axial, plane_statics
 from .coordinates import Array, ComplexArray
 from .errors import AssemblyError
+from .friction import FrictionLaw, at_rest
 from .loads import AppliedForce
-from .plane import LoopPin, Plane, flat, product
-from .plane_kinematics import basis, basis_acceleration, basis_velocity, block_matrix, dyad_columns
+from .plane import Plane, flat, product
+from .plane_kinematics import basis, basis_acceleration, basis_velocity
 from .wrenches import Wrenches
 
 PIECE = 2048  # crank angles worked through at a time: what is in flight stays in the cache
@@ -43,7 +43,7 @@ class Bodies:
             directions of the prismatic joints; ``guided`` loops from the joint.
         inner: joints whose parent is not the frame, tips first.
         guided: (prismatic joint, loop) pairs: the loop's force turns the joint's link.
-        indeterminate: (bearings, 6) `Reactions.indeterminate`: along the normal round every loop.
+        geared: joints that turn and are coupled.
         flat: everything moves and acts in one plane.
     """
 
@@ -55,13 +55,13 @@ class Bodies:
     arms: ComplexArray
     inner: tuple[int, ...]
     guided: tuple[tuple[int, int], ...]
-    indeterminate: NDArray[np.bool_]
+    geared: tuple[int, ...]
     flat: bool
 
 
-def build(plane: Plane, model: pin.Model, loops: Sequence[LoopPin]) -> Bodies:
+def build(plane: Plane, model: pin.Model) -> Bodies:
     """Inertial constants of a linkage, read once from the Pinocchio model."""
-    count = model.nv
+    count, loops = model.nv, len(plane.loop_points)
     inertias = [model.inertias[j + 1] for j in range(count)]
     gravity = model.gravity.linear
     mass = np.array([y.mass for y in inertias])
@@ -75,8 +75,8 @@ def build(plane: Plane, model: pin.Model, loops: Sequence[LoopPin]) -> Bodies:
     guided = tuple((j, int(k)) for j in plane.prismatic for k in np.flatnonzero(plane.crossed[j]))
     arms = [
         *plane.centers,
-        *plane.closure[: len(loops)],
-        *(1j * plane.closure[len(loops) :]),
+        *plane.closure[:loops],
+        *(1j * plane.closure[loops:]),
         *(plane.origins[j] - plane.origins[plane.parents[j]] for j in inner),
         *plane.directions,
         *(plane.loop_points[k] - plane.origins[j] for j, k in guided),
@@ -91,7 +91,7 @@ def build(plane: Plane, model: pin.Model, loops: Sequence[LoopPin]) -> Bodies:
         arms=np.array(arms),
         inner=inner,
         guided=guided,
-        indeterminate=plane_axial.indeterminate(plane),
+        geared=tuple(int(j) for j in np.flatnonzero(plane.coupled.any(axis=0)) if j in plane.revolute),
         flat=bool(
             np.all(np.ptp(heights) <= ROUNDING * np.abs(plane.origins).max(initial=0.0))
             and not products.any()
@@ -100,23 +100,43 @@ def build(plane: Plane, model: pin.Model, loops: Sequence[LoopPin]) -> Bodies:
     )
 
 
-def inverse_dynamics(plane: Plane, bodies: Bodies, at: ComplexArray, v: Array, a: Array, loads: Sequence[AppliedForce]) -> Wrenches:
+def inverse_dynamics(
+    plane: Plane,
+    bodies: Bodies,
+    at: ComplexArray,
+    v: Array,
+    a: Array,
+    loads: Sequence[AppliedForce],
+    angle: Array,
+    law: FrictionLaw | None = None,
+    compliance: Array | None = None,
+) -> Wrenches:
     """Driving torque and the wrench of every joint and loop.
 
     Args:
         at: (nb, n) basis of the closed configurations.
         v, a: (nv, n) joint rates and accelerations.
         loads: forces on links.
+        angle: (n,) crank angles.
+        law: friction of the bearings. compliance: (bearings,) of the bearings [m/N].
     """
     n = v.shape[1]
-    result = Wrenches.zeros(len(plane.parents) + len(plane.loop_points), n)
-    if n <= PIECE:
-        _piece(plane, bodies, at, v, a, loads, result)
-        return result
+    result = Wrenches.zeros(1, len(plane.offsets), len(plane.parents) + len(plane.loop_points), n)
+    speeds = None if law is None else at_rest(np.concatenate([v, (plane.crossed.T * plane.sense) @ v]))
     for start in range(0, n, PIECE):
-        s = slice(start, start + PIECE)
-        _piece(plane, bodies, at[:, s], v[:, s], a[:, s], [load.part(s) for load in loads], result.part(s))
+        s = slice(None) if n <= PIECE else slice(start, start + PIECE)
+        rubbing = None if law is None or speeds is None else Rubbing(law, speeds[:, s], angle[s])
+        part = [load.part(s) for load in loads]
+        _piece(plane, bodies, at[:, s], v[:, s], a[:, s], part, rubbing, compliance, result.part(s))
     return result
+
+
+class Rubbing(NamedTuple):
+    """Friction of a piece: the law, the speeds (bearings, n) and the crank angles (n,)."""
+
+    law: FrictionLaw
+    speeds: Array
+    angle: Array
 
 
 def closed_basis(plane: Plane, position: Array) -> ComplexArray:
@@ -134,10 +154,8 @@ def closed_basis(plane: Plane, position: Array) -> ComplexArray:
     return at
 
 
-def power_balance(
-    plane: Plane, bodies: Bodies, at: ComplexArray, v: Array, a: Array, torque: Array, loads: Sequence[AppliedForce]
-) -> tuple[Array, Array]:
-    """Power of drive and loads less the rate of kinetic and potential energy, and the sum of the absolute powers, both (n,) [W].
+def power_balance(plane: Plane, bodies: Bodies, at: ComplexArray, v: Array, a: Array, loads: Sequence[AppliedForce]) -> tuple[Array, Array]:
+    """Power of the loads less the rate of kinetic and potential energy, and the sum of the absolute powers, both (n,) [W].
 
     The energy's rate is taken body by body from velocities and accelerations: it shares nothing with the recursion that gave the torque.
     """
@@ -145,8 +163,7 @@ def power_balance(
     count = len(plane.parents)
     second[0] = 1.0
     resisting = bodies.forces[:count] @ second
-    terms = [torque * v[plane.driver]]
-    terms += list(-(((plane.origins + plane.centers) @ first).conj() * resisting).real - (bodies.inertia @ a) * (plane.spin @ v))
+    terms = list(-(((plane.origins + plane.centers) @ first).conj() * resisting).real - (bodies.inertia @ a) * (plane.spin @ v))
     for load in loads:
         if load.joint:
             row = plane.origins[load.joint - 1].copy()
@@ -156,7 +173,17 @@ def power_balance(
     return powers.sum(axis=0), np.abs(powers).sum(axis=0)
 
 
-def _piece(plane: Plane, bodies: Bodies, at: ComplexArray, v: Array, a: Array, loads: Sequence[AppliedForce], result: Wrenches) -> None:
+def _piece(
+    plane: Plane,
+    bodies: Bodies,
+    at: ComplexArray,
+    v: Array,
+    a: Array,
+    loads: Sequence[AppliedForce],
+    rubbing: Rubbing | None,
+    compliance: Array | None,
+    result: Wrenches,
+) -> None:
     count, loops = len(plane.parents), len(plane.loop_points)
     second = basis_acceleration(plane, at, v, a)
     second[0] = 1.0
@@ -183,20 +210,39 @@ def _piece(plane: Plane, bodies: Bodies, at: ComplexArray, v: Array, a: Array, l
             np.negative(passive[j], out=passive[j])
 
     bearings = np.empty((count + loops, v.shape[1]), complex)
-    pins = bearings[count:]
-    _solve_pins(plane, closure, passive, pins)
-    np.add(product(bodies.uncrossed, pins), carried, out=bearings[:count])
+    pins, gears = bearings[count:], result.coupling
+    statics = plane_statics.build(plane, closure, carried, bodies.uncrossed, at, compliance)
+    across = None
+    if not (bodies.flat and all(plane_axial.is_flat(plane, load) for load in loads)):
+        across = plane_axial.forces(plane, bodies, loads, compliance, v.shape[1])
+    efforts = None
+    if rubbing is not None:
+        efforts = _friction(plane, statics, rubbing, passive, at, across)
+        passive -= _resisted(plane, efforts)
+    plane_statics.balance(statics, passive, gears, bearings)
     about[plane.driver] = plane.sense[plane.driver] * passive[plane.driver]
+    result.torque[0] = passive[plane.driver]
+    for j in bodies.geared:
+        torque = plane.sense[j] * (plane.coupled[:, j] @ gears)
+        about[j] = about[j] + torque if j in about else torque
     for j, k in bodies.guided:
         about[j] -= plane.crossed[j, k] * (arms[row].conj() * pins[k]).imag
         row += 1
+    if efforts is not None and rubbing is not None:
+        result.friction[:] = -efforts * rubbing.speeds
+        for k in range(loops):
+            about[count + k] = efforts[count + k]
+        for j in range(count):
+            resisting = plane.sense[j] * efforts[j] if plane.sense[j] else -plane.crossed[j] @ efforts[count:]
+            about[j] = about[j] + resisting if j in about else resisting
 
-    result.torque[:] = passive[plane.driver]
+    if len(gears):
+        gears *= plane.coupled[range(len(gears)), plane.followers][:, None]
     _in_space(plane, bearings, result.force)
     for index, values in about.items():
         _along_normal(plane, values, result.moment[index])
-    if not (bodies.flat and all(plane_axial.is_flat(plane, load) for load in loads)):
-        plane_axial.add(plane, bodies, at, v, a, own, carried, arms[:count], pins, loads, result)
+    if across is not None:
+        plane_axial.add(plane, bodies, at, v, a, own, carried, arms[:count], pins, loads, across, result)
 
 
 def _take_load(plane: Plane, at: ComplexArray, carried: ComplexArray, moment: Array, load: AppliedForce) -> None:
@@ -208,29 +254,30 @@ def _take_load(plane: Plane, at: ComplexArray, carried: ComplexArray, moment: Ar
     carried[plane.carried[:, joint] > 0] -= force
 
 
-def _solve_pins(plane: Plane, closure: ComplexArray, passive: Array, pins: ComplexArray) -> None:
-    """Loop pin forces (nl, n), so that no passive joint transmits a generalised force; ``passive`` is left with the driver's torque.
+def _friction(
+    plane: Plane, statics: plane_statics.Statics, rubbing: Rubbing, passive: Array, at: ComplexArray, across: Array | None
+) -> Array:
+    """Efforts (bearings, n) of friction: of joints along their axes, of loops about the normal."""
+    count = len(plane.parents)
+    bearings = np.empty((count + len(plane.loop_points), passive.shape[1]), complex)
+    gears = np.zeros((len(plane.offsets), passive.shape[1]))
 
-    A column c of the loop Jacobian and the force p of the pin do Re(conj(c) p) of work per unit rate of the joint. For a dyad with columns
-    a, b: Re(conj(a) p) = s, Re(conj(b) p) = t has the solution p = i (t a - s b) / Im(conj(a) b). ``closure`` has the columns times i: that
-    spares a factor here, and Re(conj(c) p) is -Im(conj(i c) p).
-    """
-    for block in reversed(plane.blocks):
-        if len(block.loops) == 1:
-            a, b = dyad_columns(block, closure)
-            s, t = passive[block.joints[0]], passive[block.joints[1]]
-            scale = 1.0 / (a.conj() * b).imag
-            pins[block.loops[0]] = a * (t * scale) - b * (s * scale)
-        else:
-            matrix = block_matrix(block, -1j * closure).transpose(0, 2, 1)
-            parts = np.linalg.solve(matrix, passive[list(block.joints)].T[:, :, None])[:, :, 0]
-            pins[list(block.loops)] = parts[:, 0::2].T + 1j * parts[:, 1::2].T
-        for loop, columns in zip(block.loops, block.known, strict=True):
-            for joint, row in columns:
-                passive[joint] += (closure[row].conj() * pins[loop]).imag
-            driven = plane.driven[loop]
-            if driven is not None:
-                passive[plane.driver] += (closure[driven].conj() * pins[loop]).imag
+    def radial(efforts: Array) -> Array:
+        plane_statics.balance(statics, passive - _resisted(plane, efforts), gears, bearings)
+        sizes = np.abs(bearings)
+        for joint, row in zip(plane.prismatic, plane.directions, strict=True):
+            sizes[joint] = np.abs(((row @ at).conj() * bearings[joint]).imag)
+            if across is not None:
+                sizes[joint] = np.hypot(sizes[joint], across[joint])
+        return sizes
+
+    return rubbing.law.efforts(rubbing.speeds, radial, rubbing.angle)
+
+
+def _resisted(plane: Plane, efforts: Array) -> Array:
+    """What friction (bearings, n) takes over of the efforts (nv, n) of the joints."""
+    count = len(plane.parents)
+    return np.asarray(efforts[:count] + (plane.sense[:, None] * plane.crossed) @ efforts[count:])
 
 
 def _in_space(plane: Plane, vectors: ComplexArray, out: Array) -> None:

@@ -4,8 +4,12 @@ A loop's gap and the columns of its Jacobian are rows of one matrix product with
 which they depend on each other; a dyad's 2x2 system a x + b y = c, complex a, b, c and real x, y, has the closed solution
 
     x = -Im(conj(b) c) / D,   y = Im(conj(a) c) / D,   D = Im(conj(a) b)
+
+Where there are more equations than joints (a second rod to the same slide) their least-squares solution is the solution: the equations that
+say nothing new agree with the others, or the gap shows that they do not.
 """
 
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -15,6 +19,7 @@ from .coordinates import Array, ComplexArray
 from .plane import Block, Plane, product
 
 MOST_NEWTON_STEPS = 12
+NO_SLIPS = np.empty((0, 1))
 
 
 def close(plane: Plane, angle: Array, guess: Array, with_margins: bool = False) -> Closure:
@@ -32,23 +37,28 @@ def close(plane: Plane, angle: Array, guess: Array, with_margins: bool = False) 
             rows = product(plane.closure, at)
             gaps = rows[:count]
             gap = np.sqrt((gaps.real**2 + gaps.imag**2).max(axis=0, initial=0.0))
+            slips = plane.coupled @ x - plane.offsets[:, None] if len(plane.offsets) else NO_SLIPS
+            if len(slips):
+                gap = np.maximum(gap, np.abs(slips).max(axis=0))
             before, worst = worst, float(gap.max())
             # Rounding can leave a gap slightly above the tolerance: stop where another step no longer halves it.
             stalled = worst > 0.5 * before and worst < 1e3 * plane.tolerance
             if worst <= plane.tolerance or stalled or steps == MOST_NEWTON_STEPS or not np.isfinite(worst):
                 break
             step = np.zeros_like(x)
-            _solve(plane, rows, _factors(plane, rows), list(-gaps), step)
+            _solve(plane, rows, _factors(plane, rows), [*-gaps, *-slips], step)
             x += step
             steps += 1
         factors = _factors(plane, rows)
         first = np.empty_like(x)
         first[plane.driver] = 1.0
-        _solve(plane, rows, factors, [None if row is None else -rows[row] for row in plane.driven], first)
+        driven = [None if row is None else -rows[row] for row in plane.driven]
+        driven += [np.full(len(angle), -by) for by in plane.coupled[:, plane.driver]]
+        _solve(plane, rows, factors, driven, first)
         second = np.empty_like(x)
         second[plane.driver] = 0.0
         curvature = basis_acceleration(plane, at, first, None)
-        _solve(plane, rows, factors, list(-product(plane.closure[:count], curvature)), second)
+        _solve(plane, rows, factors, [*-product(plane.closure[:count], curvature), *[None] * len(slips)], second)
         margins = _margins(plane, rows) if with_margins else None
     return Closure(x, first, second, gap, worst, steps, margins, at)
 
@@ -111,32 +121,48 @@ def dyad_columns(block: Block, rows: ComplexArray) -> tuple[ComplexArray, Comple
     return rows[a], rows[b]
 
 
-def block_matrix(block: Block, rows: ComplexArray) -> Array:
-    """Jacobian (n, 2k, 2k) of a block: real and imaginary part of every loop against the block's joints."""
-    size = len(block.joints)
-    matrix = np.zeros((rows.shape[1], size, size))
+def block_matrix(plane: Plane, block: Block, rows: ComplexArray) -> Array:
+    """Jacobian (n, equations, joints) of a block: real and imaginary part of every loop, then the couplings."""
+    loops = 2 * len(block.loops)
+    matrix = np.zeros((rows.shape[1], loops + len(block.couplings), len(block.joints)))
     for k, columns in enumerate(block.own):
         for joint, row in columns:
             j = block.joints.index(joint)
             matrix[:, 2 * k, j], matrix[:, 2 * k + 1, j] = rows[row].real, rows[row].imag
+    matrix[:, loops:] = plane.coupled[np.ix_(block.couplings, block.joints)]
     return matrix
 
 
-def _factors(plane: Plane, rows: ComplexArray) -> list[Dyad | Array]:
-    result: list[Dyad | Array] = []
+Factor = Dyad | Array | ComplexArray
+
+
+def _factors(plane: Plane, rows: ComplexArray) -> list[Factor]:
+    """Per block: a dyad's; conj(a) / |a|^2 of a lever; a coupling's coefficient; the matrix of a dense block."""
+    result: list[Factor] = []
     for block in plane.blocks:
-        if len(block.loops) == 1:
+        if block.kind == "dyad":
             a, b = dyad_columns(block, rows)
             a = a.conj()
             scale = 1.0 / (a * b).imag
             result.append(Dyad(a * scale, b.conj() * -scale))
+        elif block.kind == "lever":
+            a = rows[block.own[0][0][1]]
+            result.append(a.conj() / (a.real**2 + a.imag**2))
+        elif block.kind == "gear":
+            result.append(plane.coupled[block.couplings[0], block.joints[0]])
         else:
-            result.append(block_matrix(block, rows))
+            result.append(block_matrix(plane, block, rows))
     return result
 
 
-def _solve(plane: Plane, rows: ComplexArray, factors: list[Dyad | Array], target: list[ComplexArray | None], x: Array) -> None:
-    """Fill the passive rows of joint rates x (nv, n), so that they move every loop by ``target``, (n,) each, None for 0."""
+def _solve(
+    plane: Plane,
+    rows: ComplexArray,
+    factors: list[Factor],
+    target: Sequence[ComplexArray | Array | None],
+    x: Array,
+) -> None:
+    """Fill the passive rows of joint rates x (nv, n), so that they move every loop, then coupling, by ``target``, (n,) each, None for 0."""
     for block, factor in zip(plane.blocks, factors, strict=True):
         sides = []
         for loop, columns in zip(block.loops, block.known, strict=True):
@@ -145,29 +171,54 @@ def _solve(plane: Plane, rows: ComplexArray, factors: list[Dyad | Array], target
                 moved = rows[row] * x[joint]
                 side = -moved if side is None else side - moved
             sides.append(np.zeros(rows.shape[1], complex) if side is None else side)
-        if isinstance(factor, Dyad):
+        if block.kind == "dyad":
+            assert isinstance(factor, Dyad)
             x[block.joints[0]] = (factor.b * sides[0]).imag
             x[block.joints[1]] = (factor.a * sides[0]).imag
+        elif block.kind == "lever":
+            x[block.joints[0]] = (factor * sides[0]).real
         else:
-            right = np.stack([part for side in sides for part in (side.real, side.imag)], axis=1)
-            x[list(block.joints)] = _solve_dense(factor, right).T
+            parts = [part for side in sides for part in (side.real, side.imag)]
+            parts += [_slip(plane, block, k, target[len(plane.loop_points) + k], x) for k in block.couplings]
+            if block.kind == "gear":
+                x[block.joints[0]] = parts[0] / factor
+            elif block.joints:
+                assert isinstance(factor, np.ndarray)
+                x[list(block.joints)] = _solve_dense(factor, np.stack(parts, axis=1)).T
+
+
+def _slip(plane: Plane, block: Block, coupling: int, target: Array | None, x: Array) -> Array:
+    """What the joints of a block have to move a coupling by (n,), once the joints known before and the driver have done their part."""
+    side = np.zeros(x.shape[1]) if target is None else target
+    for joint in np.flatnonzero(plane.coupled[coupling]):
+        if joint not in block.joints and joint != plane.driver:
+            side = side - plane.coupled[coupling, joint] * x[joint]
+    return side
 
 
 def _solve_dense(matrix: Array, right: Array) -> Array:
-    """Solutions (n, m) of a stack of systems; NaN, not an exception, where one of them is singular."""
+    """Solutions (n, m) of a stack of systems, by least squares where there are more equations; NaN where one of them is singular."""
     try:
+        if matrix.shape[1] > matrix.shape[2]:
+            across, matrix = np.linalg.qr(matrix)
+            right = (across.transpose(0, 2, 1) @ right[:, :, None])[:, :, 0]
         return np.asarray(np.linalg.solve(matrix, right[:, :, None])[:, :, 0], dtype=np.float64)
     except np.linalg.LinAlgError:
-        return np.full_like(right, np.nan)
+        return np.full((len(matrix), matrix.shape[2]), np.nan)
 
 
 def _margins(plane: Plane, rows: ComplexArray) -> Array:
-    """`Closure.margins` of every block."""
+    """`Closure.margins` of every block; one with redundant equations has no determinant and so no sign."""
     margins = []
     for block in plane.blocks:
-        matrix = block_matrix(block, rows)
+        matrix = block_matrix(plane, block, rows)
         if not np.all(np.isfinite(matrix)):
             return np.full((len(plane.blocks), rows.shape[1]), np.nan)
-        matrix = matrix / np.linalg.norm(matrix, axis=1, keepdims=True)
-        margins.append(np.sign(np.linalg.det(matrix)) * np.linalg.svd(matrix, compute_uv=False)[:, -1])
+        if not block.joints:
+            margins.append(np.ones(rows.shape[1]))
+            continue
+        lengths = np.linalg.norm(matrix, axis=1, keepdims=True)
+        matrix = matrix / np.where(lengths == 0.0, 1.0, lengths)
+        sign = np.ones(rows.shape[1]) if block.redundant else np.sign(np.linalg.det(matrix))
+        margins.append(sign * np.linalg.svd(matrix, compute_uv=False)[:, -1])
     return np.array(margins).reshape(-1, rows.shape[1])

@@ -34,9 +34,9 @@ def shaking(press: Linkage, motion: Motion, force: Array, moment: Array, loads: 
             put(-force[j], -moment[j], point)
     for k, loop in enumerate(press.loops, count):
         if loop.joint1 == 0:
-            put(-force[k], 0.0, loop.point1)
+            put(-force[k], -moment[k], loop.point1)
         if loop.joint2 == 0:
-            put(force[k], 0.0, loop.point2)
+            put(force[k], moment[k], loop.point2)
     for load in loads:
         if load.joint == 0:
             put(load.force, 0.0, load.point)

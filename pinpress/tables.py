@@ -2,7 +2,7 @@
 
 import itertools
 import os
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
@@ -14,6 +14,13 @@ if TYPE_CHECKING:
     import pandas
 
     DataFrame: TypeAlias = pandas.DataFrame
+
+
+def by_driver(name: str, unit: str, values: Array, drivers: Sequence[str]) -> dict[str, Array]:
+    """A column (n,) under its name; of several drivers (n, drivers), one each."""
+    if values.ndim == 1:
+        return {f"{name} [{unit}]": values}
+    return {f"{name}_{driver} [{unit}]": values[:, i] for i, driver in enumerate(drivers)}
 
 
 def write_csv(path: str | os.PathLike[str], columns: Mapping[str, Array]) -> None:

@@ -1,4 +1,4 @@
-"""What either engine returns: the driving torque and the force and moment in every joint and loop, as plain arrays."""
+"""What either engine returns: efforts of drives, gear pairs and friction, and the force and moment in every joint and loop, as arrays."""
 
 from dataclasses import dataclass
 
@@ -12,24 +12,33 @@ class Wrenches:
     """Joints in Pinocchio's order, then loops as declared; all in world axes, parent on child (link1 on link2), at the joint.
 
     Attributes:
-        torque: (n,) on the driver joint, positive along its axis [N m].
+        torque: (drivers, n) on the driver joints, positive along their axes [N m].
+        coupling: (couplings, n) torque on the follower of each, positive along its axis [N m, or N where it slides].
+        friction: (bearings, n) power lost in each [W].
         force: (bearings, n, 3) [N].
-        moment: (bearings, n, 3) about the origin of the child's joint frame [N m]; the driver's includes the driving torque.
+        moment: (bearings, n, 3) about the origin of the child's joint frame [N m], of a loop about its point; along the axis in which a
+            joint is free it is the effort of drive, gear pairs and friction.
     """
 
     torque: Array
+    coupling: Array
+    friction: Array
     force: Array
     moment: Array
 
     @staticmethod
-    def zeros(bearings: int, n: int) -> "Wrenches":
+    def zeros(drivers: int, couplings: int, bearings: int, n: int) -> "Wrenches":
         """To be filled in."""
         return Wrenches(
-            torque=np.zeros(n),
+            torque=np.zeros((drivers, n)),
+            coupling=np.zeros((couplings, n)),
+            friction=np.zeros((bearings, n)),
             force=np.zeros((bearings, n, 3)),
             moment=np.zeros((bearings, n, 3)),
         )
 
     def part(self, points: slice) -> "Wrenches":
         """Views of a part of the motion."""
-        return Wrenches(self.torque[points], self.force[:, points], self.moment[:, points])
+        return Wrenches(
+            self.torque[:, points], self.coupling[:, points], self.friction[:, points], self.force[:, points], self.moment[:, points]
+        )

@@ -1,0 +1,49 @@
+"""What holds the tree of a linkage together: the bearings at which its loops were cut, and the gear pairs between its joints."""
+
+from dataclasses import dataclass
+
+from .coordinates import Array
+
+_HELD = {"spherical": 0, "revolute": 2, "fixed": 3}
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class LoopJoint:
+    """A bearing at which a loop was cut. End k is fixed to the body of Pinocchio joint k (0: the frame), in that joint's frame.
+
+    Attributes:
+        type: "spherical", "revolute" (turns about the first axis of its ends) or "fixed".
+        point1, point2: (3,) where the ends are [m].
+        rotation1, rotation2: (3, 3) axes of the ends, as columns.
+        line: of its element in the URDF.
+    """
+
+    name: str
+    type: str
+    joint1: int
+    point1: Array
+    rotation1: Array
+    joint2: int
+    point2: Array
+    rotation2: Array
+    line: int
+
+    @property
+    def held(self) -> int:
+        """How many of its rotations the bearing holds: the last ones, about the axes of end 1."""
+        return _HELD[self.type]
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Coupling:
+    """A gear pair or the like: coordinate of ``follower`` = ``multiplier`` x that of ``leader`` + ``offset``, indices in v [rad or m].
+
+    ``name`` is the follower's, ``line`` that of its ``<mimic>``.
+    """
+
+    name: str
+    follower: int
+    leader: int
+    multiplier: float
+    offset: float
+    line: int

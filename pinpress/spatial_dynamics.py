@@ -1,0 +1,232 @@
+"""Inverse dynamics of any linkage, one configuration at a time, by Pinocchio's recursive Newton-Euler algorithm.
+
+The open tree's efforts and wrenches first; then the multipliers of the equations that leave the passive joints to their friction; what is
+open among them is shared as `sharing` says; then the tree once more, under the wrenches of the loops.
+
+Signs: forces and moments of a joint are the action of parent on child, of a loop the action of link1 on link2.
+"""
+
+from collections.abc import Iterator, Sequence
+
+import numpy as np
+import pinocchio as pin
+from numpy.typing import NDArray
+
+from .coordinates import Array, configuration
+from .errors import AssemblyError
+from .friction import FrictionLaw, at_rest
+from .loads import AppliedForce
+from .sharing import RANK, least
+from .spatial import Passive, Spatial
+from .spatial_equations import Equations, Rows
+from .wrenches import Wrenches
+
+Wrench = tuple[int, Array, Array, Array]
+"""Joint, point in its frame [m], force and couple in world axes [N, N m]."""
+
+LOOSEST = 1e-6  # gap, in lengths of the linkage, beyond which a motion is another linkage's
+
+
+def inverse_dynamics(
+    spatial: Spatial,
+    position: Array,
+    v: Array,
+    a: Array,
+    loads: Sequence[AppliedForce],
+    law: FrictionLaw | None = None,
+    compliance: Array | None = None,
+) -> Wrenches:
+    """Driving torque and the wrench of every joint and loop; arguments as `plane_dynamics.inverse_dynamics`."""
+    n, count = v.shape[1], spatial.model.nv
+    result = Wrenches.zeros(len(spatial.drivers), len(spatial.couplings), count + len(spatial.loops), n)
+    equations = spatial.equations()
+    spins = None if law is None else at_rest(_loop_spins(spatial, equations, position, v))
+    speeds = None if law is None else at_rest(v)
+    for i in range(n):
+        x = position[:, i]
+        applied = [(load.joint, load.point, load.force[i], np.zeros(3)) for load in loads]
+        state = _State(spatial, equations, x, v[:, i].copy(), a[:, i].copy(), applied)
+        efforts, couples = np.zeros(count), np.zeros((len(spatial.loops), 3))
+        if law is None or spins is None or speeds is None:
+            multipliers = state.multipliers(efforts, couples, compliance)
+        else:
+            multipliers, efforts, couples, lost = state.with_friction(law, speeds[:, i], spins[:, i], compliance)
+            result.friction[:, i] = lost
+        state.fill(result, i, multipliers, efforts, couples)
+    return result
+
+
+def indeterminate(spatial: Spatial, position: Array) -> NDArray[np.bool_]:
+    """Components (bearings, 6) that idle forces reach in any of the positions (nv, n); see `Reactions.indeterminate`."""
+    equations = spatial.equations()
+    marks = np.zeros((spatial.model.nv + len(spatial.loops), 6), dtype=bool)
+    for x in position.T:
+        rows = equations.at(x)
+        idle = Passive(rows.columns, spatial).idle
+        if idle.shape[1]:
+            forces, moments, _ = _parts(spatial, rows, idle)
+            moments = _moments(spatial, equations.data.oMi, forces, moments)
+            marks[:, :3] |= (np.abs(spatial.share @ idle[: 3 * len(spatial.loops)]).max(axis=1) > RANK).reshape(-1, 3)
+            marks[:, 3:] |= (np.abs(moments).max(axis=1) > RANK * spatial.size).reshape(-1, 3)
+    return marks
+
+
+def power_balance(spatial: Spatial, position: Array, v: Array, a: Array, loads: Sequence[AppliedForce]) -> tuple[Array, Array]:
+    """Power of the loads less the rate of kinetic and potential energy, and the sum of the absolute powers, both (n,) [W].
+
+    Body by body from Pinocchio's forward kinematics.
+    """
+    model, data = spatial.model, spatial.model.createData()
+    gravity, q = model.gravity.linear, configuration(spatial.slots, position)
+    balance, total = np.empty(v.shape[1]), np.empty(v.shape[1])
+    for i in range(v.shape[1]):
+        pin.forwardKinematics(model, data, np.ascontiguousarray(q[:, i]), v[:, i].copy(), a[:, i].copy())
+        powers = []
+        for j in range(1, model.njoints):
+            inertia, velocity = model.inertias[j], data.v[j]
+            momentum_rate = inertia * data.a[j] + velocity.cross(inertia * velocity)
+            lifted = data.oMi[j].rotation @ (velocity.linear + np.cross(velocity.angular, inertia.lever))
+            powers += [inertia.mass * float(gravity @ lifted), -momentum_rate.dot(velocity)]
+        for load in loads:
+            if load.joint:
+                velocity = data.v[load.joint]
+                moved = data.oMi[load.joint].rotation @ (velocity.linear + np.cross(velocity.angular, load.point))
+                powers.append(float(load.force[i] @ moved))
+        balance[i], total[i] = np.sum(powers), np.sum(np.abs(powers))
+    return balance, total
+
+
+class _State:
+    """One configuration under its loads: the open tree's efforts, and what the equations answer to them."""
+
+    def __init__(self, spatial: Spatial, equations: Equations, x: Array, v: Array, a: Array, applied: list[Wrench]) -> None:
+        self.spatial, self.equations, self.applied = spatial, equations, applied
+        self.x, self.v, self.a = x, v, a
+        self.rows = equations.at(x)
+        if not equations.widest(self.rows.gaps) <= LOOSEST * spatial.size:
+            angle, gap = float(x[spatial.drivers[0]]), equations.widest(self.rows.gaps)
+            raise AssemblyError("the motion leaves the loops of this linkage open: it is another one's", angle, gap, 0)
+        self.passive = Passive(self.rows.columns, spatial)
+        data = equations.data
+        self.placements, self.wrenches = data.oMi, data.f  # live: fetching them again costs more than the algorithm that fills them
+        self.rotations = [placement.rotation for placement in self.placements]
+        self.effort = pin.rnea(spatial.model, data, self.rows.q, v, a, self._external(applied)).copy()
+
+    def multipliers(self, efforts: Array, couples: Array, compliance: Array | None) -> Array:
+        """Multipliers (rows,) of the equations under friction efforts (nv,) of the joints and couples (nl, 3) of the loops."""
+        found, idle = self.passive.multipliers(self._needed(efforts, couples)), self.passive.idle
+        return found + idle @ least(self._objectives(found, idle, couples, compliance)) if idle.shape[1] else found
+
+    def with_friction(self, law: FrictionLaw, speeds: Array, spins: Array, compliance: Array | None) -> tuple[Array, Array, Array, Array]:
+        """Multipliers (rows,), friction efforts (nv,) of the joints and couples (nl, 3) of the loops, and the power lost (bearings,)."""
+        count, sizes = len(speeds), np.linalg.norm(spins, axis=1)
+        axes = [self.rotations[j + 1] @ axis.direction for j, axis in enumerate(self.spatial.axes)]
+        directions = np.concatenate([np.array(axes), spins / np.where(sizes == 0, 1.0, sizes)[:, None]])
+        along = np.concatenate([speeds, sizes])
+
+        def multipliers(efforts: Array) -> Array:
+            return self.multipliers(efforts[:count], efforts[count:, None] * directions[count:], compliance)
+
+        def radial(efforts: Array) -> Array:
+            forces = self.spatial.share @ multipliers(efforts[:, 0])[: 3 * len(self.spatial.loops)]
+            forces[: 3 * count] += self._carried()
+            return np.asarray(np.linalg.norm(np.cross(forces.reshape(-1, 3), directions), axis=1)[:, None])
+
+        efforts = law.efforts(along[:, None], radial, self.x[self.spatial.drivers[0]][None])[:, 0]
+        return multipliers(efforts), efforts[:count], efforts[count:, None] * directions[count:], -efforts * along
+
+    def fill(self, result: Wrenches, i: int, multipliers: Array, efforts: Array, couples: Array) -> None:
+        """Put this configuration into the result, as its state i."""
+        spatial, count = self.spatial, len(self.effort)
+        forces, moments, torques = _parts(spatial, self.rows, multipliers)
+        moments = moments + couples
+        driving = self._needed(efforts, couples) - self.rows.columns.T @ multipliers
+        result.torque[:, i] = driving[list(spatial.drivers)]
+        result.coupling[:, i] = torques
+        result.force[count:, i], result.moment[count:, i] = forces, moments
+        on2 = [(loop.joint2, loop.point2, forces[k], moments[k]) for k, loop in enumerate(spatial.loops)]
+        on1 = [(loop.joint1, loop.point1, -forces[k], -moments[k]) for k, loop in enumerate(spatial.loops)]
+        pin.rnea(spatial.model, self.equations.data, self.rows.q, self.v, self.a, self._external(on2 + on1 + self.applied))
+        for j in range(count):
+            wrench = self.wrenches[j + 1]
+            result.force[j, i] = self.rotations[j + 1] @ wrench.linear
+            result.moment[j, i] = self.rotations[j + 1] @ wrench.angular
+
+    def _needed(self, efforts: Array, couples: Array) -> Array:
+        """Efforts (nv,) that equations and drives have to bring about."""
+        needed = self.effort - efforts
+        for k in np.flatnonzero(couples.any(axis=1)):
+            needed = needed - (self.equations.data.J[3:] * self.spatial.crossed[:, k]).T @ couples[k]
+        return needed
+
+    def _carried(self) -> Array:
+        """Forces (3 nv,) of the joints of the open tree."""
+        return np.concatenate([np.asarray(self.rotations[j + 1] @ self.wrenches[j + 1].linear) for j in range(len(self.effort))])
+
+    def _objectives(self, found: Array, idle: Array, couples: Array, compliance: Array | None) -> Iterator[tuple[Array, Array]]:
+        """What `sharing` makes least, (m, k) and (m,) each; the next is only worked out where the ones before leave something open."""
+        spatial, count, k = self.spatial, 3 * len(self.spatial.loops), idle.shape[1]
+        forces = spatial.share @ np.concatenate([idle[:count], found[:count, None]], axis=1)
+        forces[: 3 * len(self.effort), k] += self._carried()
+        self._across(forces, turning=False)
+        if compliance is not None:
+            weighted = np.repeat(np.sqrt(compliance), 3)[:, None] * forces
+            yield weighted[:, :k], weighted[:, k]
+        yield forces[:, :k], forces[:, k]
+        loop_forces, loop_moments, _ = _parts(spatial, self.rows, np.concatenate([idle, found[:, None]], axis=1))
+        loop_moments[:, :, k] += couples
+        moments = _moments(spatial, self.placements, loop_forces, loop_moments)
+        for j in range(len(self.effort)):
+            moments[3 * j : 3 * j + 3, k] += self.rotations[j + 1] @ self.wrenches[j + 1].angular
+        self._across(moments, turning=True)
+        yield moments[:, :k], moments[:, k]
+
+    def _across(self, vectors: Array, turning: bool) -> None:
+        """Take off vectors (3 bearings, ...) what is along the axis of the joints that turn, or that slide."""
+        for j, axis in enumerate(self.spatial.axes):
+            if axis.turns == turning:
+                direction, own = self.rotations[j + 1] @ axis.direction, vectors[3 * j : 3 * j + 3]
+                own -= np.outer(direction, direction @ own)
+
+    def _external(self, wrenches: Sequence[Wrench]) -> pin.StdVec_Force:
+        """Wrenches on joints' bodies as Pinocchio's external forces in joint frames."""
+        totals = [np.zeros(6) for _ in self.rotations]
+        for joint, point, force, couple in wrenches:
+            local = self.rotations[joint].T @ force
+            totals[joint][:3] += local
+            totals[joint][3:] += pin.skew(point) @ local + self.rotations[joint].T @ couple
+        return pin.StdVec_Force([pin.Force(w) for w in totals])
+
+
+def _parts(spatial: Spatial, rows: Rows, multipliers: Array) -> tuple[Array, Array, Array]:
+    """Forces and moments (nl, 3) of the loops and torques (nc,) of the couplings; of multipliers (rows, k) all with k behind."""
+    loops, behind = len(spatial.loops), multipliers.shape[1:]
+    forces, moments = multipliers[: 3 * loops].reshape(loops, 3, *behind), np.zeros((loops, 3, *behind))
+    row = 3 * loops
+    for k, loop in enumerate(spatial.loops):
+        if loop.held:
+            moments[k] = spatial.size * rows.held[k] @ multipliers[row : row + loop.held]
+            row += loop.held
+    units = np.array([spatial.size if spatial.axes[c.follower].turns else 1.0 for c in spatial.couplings])
+    return forces, moments, units.reshape(-1, *[1] * len(behind)) * multipliers[row:]
+
+
+def _moments(spatial: Spatial, placements: pin.StdVec_SE3, forces: Array, moments: Array) -> Array:
+    """What forces and moments (nl, 3, k) of the loops add to the moments (3 bearings, k) of all bearings."""
+    count, k = spatial.model.nv, forces.shape[2]
+    joints = np.zeros((count, 3, k))
+    for loop, crossed, force, moment in zip(spatial.loops, spatial.crossed.T, forces, moments, strict=True):
+        point = placements[loop.joint1].act(loop.point1)
+        for j in map(int, np.flatnonzero(crossed)):
+            joints[j] -= crossed[j] * (moment + pin.skew(point - placements[j + 1].translation) @ force)
+    return np.concatenate([joints, moments]).reshape(-1, k)
+
+
+def _loop_spins(spatial: Spatial, equations: Equations, position: Array, v: Array) -> Array:
+    """Angular velocities (nl, n, 3) of body 2 against body 1 of the loops, world axes."""
+    result = np.zeros((len(spatial.loops), v.shape[1], 3))
+    q = configuration(spatial.slots, position)
+    for i in range(v.shape[1]):
+        turning = pin.computeJointJacobians(spatial.model, equations.data, np.ascontiguousarray(q[:, i]))[3:]
+        result[:, i] = (turning @ (spatial.crossed * v[:, i, None])).T
+    return result
