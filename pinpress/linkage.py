@@ -104,13 +104,15 @@ class Linkage:
     @cached_property
     def _plane_and_drawn(self) -> tuple[Plane | None, Closure]:
         start, general = np.zeros((self.model.nv, 1)), self.spatial
-        if len(self.drivers) == 1:
-            planar = plane.build(self.model, self.loops, self.couplings, general.drivers[0])
-            if planar is not None:
-                closure = plane_kinematics.close(planar, np.zeros(1), start, with_margins=True)
-                # Equations that depend on each other across the blocks need the other engine.
-                if closure.margins is not None and np.abs(closure.margins).min(initial=1.0) > RANK:
-                    return planar, closure
+        for one_block in (False, True) if len(self.drivers) == 1 else ():
+            planar = plane.build(self.model, self.loops, self.couplings, general.drivers[0], one_block)
+            if planar is None:
+                break
+            closure = plane_kinematics.close(planar, np.zeros(1), start, with_margins=True)
+            # Of a redundant linkage one block may lock where the others hold it: a parallelogram with a third crank at its change point.
+            fit = one_block or not planar.redundant or _turns(planar, closure, general.size)
+            if fit and closure.margins is not None and np.abs(closure.margins).min(initial=1.0) > RANK:
+                return planar, closure
         along = [1.0] + [0.0] * (len(self.drivers) - 1)
         return None, spatial.close(general, np.zeros((len(self.drivers), 1)), along, start)
 
@@ -139,8 +141,10 @@ class Linkage:
         """
         if len(self.drivers) > 1:
             raise PinpressError(f"{self.name} has {len(self.drivers)} drivers: give angle, speed and acceleration of all, (n, drivers)")
-        tolerance = ACCEPTED * (self.plane or self.spatial).tolerance
-        return branch.walk(lambda angle, guess: self.close(angle, guess, with_margins=True), self.closed, self.spatial.size, tolerance)
+        if self.plane is not None:
+            return _walk(self.plane, self.closed, self.spatial.size)
+        tolerance = ACCEPTED * self.spatial.tolerance
+        return branch.walk(lambda angle, guess: self.close(angle, guess), self.closed, self.spatial.size, tolerance)
 
     def equations(self, x: Array) -> spatial_equations.Rows:
         """The equations of loops and couplings at joint coordinates (nv,)."""
@@ -163,3 +167,15 @@ class Linkage:
         if engine == "plane" and self.plane is None:
             raise PinpressError(f"{self.name} is not a planar linkage with one driver: use engine='pinocchio' (or 'auto')")
         return None if engine == "pinocchio" else self.plane
+
+
+def _walk(plane: Plane, closed: Array, size: float) -> Branch:
+    return branch.walk(lambda angle, guess: plane_kinematics.close(plane, angle, guess, True), closed, size, ACCEPTED * plane.tolerance)
+
+
+def _turns(plane: Plane, drawn: Closure, size: float) -> bool:
+    """Whether the driver turns fully with the equations in the blocks of this plane."""
+    try:
+        return _walk(plane, drawn.position[:, 0], size).period is not None
+    except PinpressError:
+        return False

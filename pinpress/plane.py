@@ -163,9 +163,11 @@ def in_space(plane: Plane, vectors: ComplexArray) -> Array:
     return np.asarray(np.multiply.outer(vectors.real, plane.axes[0]) + np.multiply.outer(vectors.imag, plane.axes[1]))
 
 
-def build(model: pin.Model, loops: Sequence[LoopJoint], couplings: Sequence[Coupling], driver: int) -> Plane | None:
+def build(
+    model: pin.Model, loops: Sequence[LoopJoint], couplings: Sequence[Coupling], driver: int, one_block: bool = False
+) -> Plane | None:
     """Constants of a linkage whose driver turns, or None where it is not planar or its equations do not fall into blocks with as many
-    unknown joints, or fewer."""
+    unknown joints, or fewer. ``one_block``: solve all equations together."""
     if misalignment(model, driver) > PARALLEL:
         return None
     count = model.nv
@@ -225,7 +227,7 @@ def build(model: pin.Model, loops: Sequence[LoopJoint], couplings: Sequence[Coup
             skeleton.origins[j, 1 + len(revolute) + k] = in_plane(directions[j])
             skeleton.directions[k, skeleton.rotor(p)] = in_plane(directions[j])
         skeleton.centers[j, skeleton.rotor(j)] = in_plane(place[j].rotation @ bodies[j][1].lever)
-    return _with_loops(skeleton, loops, couplings, place, position)
+    return _with_loops(skeleton, loops, couplings, place, position, one_block)
 
 
 def misalignment(model: pin.Model, driver: int) -> float:
@@ -247,7 +249,12 @@ def _drawn_joints(model: pin.Model) -> tuple[list[pin.SE3], list[Array], list[bo
 
 
 def _with_loops(
-    plane: Plane, loops: Sequence[LoopJoint], couplings: Sequence[Coupling], place: list[pin.SE3], position: list[complex]
+    plane: Plane,
+    loops: Sequence[LoopJoint],
+    couplings: Sequence[Coupling],
+    place: list[pin.SE3],
+    position: list[complex],
+    one_block: bool,
 ) -> Plane | None:
     """The plane with its equations, None where the loops leave the plane or the equations do not fall into blocks."""
 
@@ -282,7 +289,7 @@ def _with_loops(
                 row += plane.crossed[joint, k] * plane.directions[plane.prismatic.index(joint)]
             columns.append(row)
             owners.append((k, int(joint)))
-    blocks = _blocks(owners, len(loops), couplings, plane.driver, len(plane.parents))
+    blocks = _blocks(owners, len(loops), couplings, plane.driver, len(plane.parents), one_block)
     if blocks is None:
         return None
     size = max((float(np.abs(g[: 1 + len(plane.revolute)]).sum()) for g in gaps), default=1.0)
@@ -300,7 +307,9 @@ def _with_loops(
     return Plane(**{**plane.__dict__, **changes})
 
 
-def _blocks(owners: list[tuple[int, int]], loops: int, couplings: Sequence[Coupling], driver: int, joints: int) -> tuple[Block, ...] | None:
+def _blocks(
+    owners: list[tuple[int, int]], loops: int, couplings: Sequence[Coupling], driver: int, joints: int, one_block: bool
+) -> tuple[Block, ...] | None:
     """The smallest blocks in an order in which each needs only the ones before it; None where there is no such order.
 
     Of blocks equally small, one without redundant equations comes first.
@@ -308,11 +317,12 @@ def _blocks(owners: list[tuple[int, int]], loops: int, couplings: Sequence[Coupl
     involved: list[set[int]] = [{j for k, j in owners if k == loop} for loop in range(loops)]
     involved += [{coupling.follower, coupling.leader} for coupling in couplings]
     rows = {owner: loops + row for row, owner in enumerate(owners)}
-    known, remaining, blocks = {driver}, list(range(len(involved))), []
+    # couplings first, so that it is not them that are found to be redundant
+    known, remaining, blocks = {driver}, [*range(loops, len(involved)), *range(loops)], []
     while remaining:
         found: tuple[int, ...] | None = None
         fewest = 0
-        for size in range(1, len(remaining) + 1):
+        for size in range(len(remaining) if one_block else 1, len(remaining) + 1):
             for group in combinations(remaining, size):
                 spare = sum(2 if k < loops else 1 for k in group) - len(set().union(*(involved[k] for k in group)) - known)
                 if spare >= 0 and (found is None or spare < fewest):

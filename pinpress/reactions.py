@@ -128,14 +128,14 @@ class Reactions:
         return force, moment
 
     def _power_balance(self) -> tuple[Array, Array]:
-        press, motion, wrenches = self._press, self.motion, self._wrenches
+        press, motion = self._press, self.motion
         if self.engine == "plane" and press.plane is not None and press.bodies is not None:
             at = _basis(press, press.plane, motion)
             balance, total = plane_dynamics.power_balance(press.plane, press.bodies, at, motion.v.T, motion.a.T, self._applied)
         else:
             balance, total = spatial_dynamics.power_balance(press.spatial, motion.joint_position.T, motion.v.T, motion.a.T, self._applied)
-        driving = wrenches.torque * motion.v.T[list(press.spatial.drivers)]
-        lost = wrenches.friction.sum(axis=0)
+        torque = self.driving_torque.reshape(len(motion.crank_angle), -1).T
+        driving, lost = torque * motion.v.T[list(press.spatial.drivers)], self._wrenches.friction.sum(axis=0)
         return balance + driving.sum(axis=0) - lost, total + np.abs(driving).sum(axis=0) + lost
 
     def columns(self) -> dict[str, Array]:

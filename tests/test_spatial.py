@@ -232,31 +232,36 @@ def three_cranks(offset=0.0):
     return drawing
 
 
+ENGINES = ["plane", "pinocchio"]
+
+
+@pytest.mark.parametrize("engine", ENGINES)
 @pytest.mark.parametrize("turn", [False, True])
-def test_a_redundant_linkage_moves(write, turn):
-    """It has no place in the planar engine, closes all the way round, and its coupler only translates (1e-12)."""
+def test_a_redundant_linkage_moves(write, turn, engine):
+    """It closes all the way round, and its coupler only translates (1e-12)."""
     press = write(three_cranks().urdf("O"))
-    assert press.plane is None
+    assert press.plane.redundant
     assert press.mobility == 1
-    motion = pp.cycle(press, 5.0, points=24) if turn else pp.cycle(press, 5.0, angle=np.linspace(-1.0, 1.5, 9))
+    assert press.rank == 3
+    some = {"points": 24} if turn else {"angle": np.linspace(-1.0, 1.5, 9)}
+    motion = pp.cycle(press, 5.0, engine=engine, **some)
     assert motion.closure_error.max() < 1e-12
     expected = {"O": 5.0, "B": -5.0, "D": 5.0, "G": 5.0}
     for name, rate in expected.items():
         np.testing.assert_allclose(motion.v[:, press.joints.index(name)], rate, rtol=1e-12)
     assert np.abs(motion.a).max() < 1e-10
-    with pytest.raises(pp.PinpressError, match="independent loops"):
-        pp.cycle(press, 5.0, angle=[0.0], engine="plane")
 
 
+@pytest.mark.parametrize("engine", ENGINES)
 @pytest.mark.parametrize("offset", [0.0, 0.2])
-def test_a_redundant_linkage_in_closed_form(write, offset):
+def test_a_redundant_linkage_in_closed_form(write, offset, engine):
     """Torque = I alpha + g sum(m r cos), as all parts turn alike or move like the crank pin; every body in balance; 1e-12 of the peak."""
     press = write(three_cranks(offset).urdf("O"))
     angle = np.linspace(-1, 1.5, 19)
     acceleration = 20 * np.cos(angle)
     motion = pp.cycle(press, angle=angle, speed=np.linspace(-6, 6, 19), acceleration=acceleration)
-    result = pp.inverse_dynamics(press, motion)
-    assert result.engine == "pinocchio"
+    result = pp.inverse_dynamics(press, motion, engine=engine)
+    assert result.engine == engine
     turned = np.exp(1j * (0.5 + angle))
     inertia = sum(m * (abs(r) ** 2 + 0.01) for m, r in ((4, 0.12), (3, 0.15), (2, 0.18))) + 9 * 0.3**2
     lever = 4 * 0.12 + 3 * 0.15 + 2 * 0.18 * np.exp(0.3j) + 9 * 0.3
@@ -278,7 +283,8 @@ def test_a_redundant_linkage_in_closed_form(write, offset):
     assert np.abs(result.power_residual).max() <= 1e-10
 
 
-def test_redundant_forces_are_the_smallest(write):
+@pytest.mark.parametrize("engine", ENGINES)
+def test_redundant_forces_are_the_smallest(write, engine):
     """Open forces are those of the least sum of squares: no push and pull that leaves every body in balance makes it smaller.
 
     Such a push acts along the cranks, at both pins of each, and on the coupler the three are in balance. It must be square to the forces
@@ -286,7 +292,7 @@ def test_redundant_forces_are_the_smallest(write):
     """
     press = write(three_cranks().urdf("O"))
     motion = pp.cycle(press, angle=np.linspace(-1.0, 1.5, 9), speed=4.0)
-    result = pp.inverse_dynamics(press, motion)
+    result = pp.inverse_dynamics(press, motion, engine=engine)
     along = np.exp(1j * (0.5 + motion.crank_angle))
     # axial forces x of second and y of third crank on the coupler, and any force of the driven one that balances sum and moment about B:
     # (PIVOTS[1] - PIVOTS[0]) x along * x + (PIVOTS[2] - PIVOTS[0]) x along * y = 0, the driven crank takes -(x + y) along itself
