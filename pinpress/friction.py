@@ -88,6 +88,8 @@ def law(friction: Mapping[str, Friction], press: "Linkage") -> FrictionLaw | Non
     """
     if not isinstance(friction, Mapping):
         raise PinpressError("friction is no mapping: give {name of a bearing: Friction(...)}")
+    if not friction:
+        return None
     turns = [axis.turns for axis in press.spatial.axes] + [True] * len(press.loops)
     arm, viscous = np.zeros(len(press.bearings)), np.zeros(len(press.bearings))
     for name, given in friction.items():

@@ -14,6 +14,7 @@ basis' derivatives: one matrix product for all links and all crank angles. The r
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from itertools import combinations
 
 import numpy as np
@@ -46,12 +47,12 @@ class Block:
     own: tuple[tuple[tuple[int, int], ...], ...]
     known: tuple[tuple[tuple[int, int], ...], ...]
 
-    @property
+    @cached_property
     def redundant(self) -> int:
         """How many of its equations say nothing new."""
         return 2 * len(self.loops) + len(self.couplings) - len(self.joints)
 
-    @property
+    @cached_property
     def kind(self) -> str:
         """What has a closed solution: "dyad" (two joints close a loop), "lever" (one joint does), "gear" (a coupling); else "dense"."""
         shape = len(self.loops), len(self.couplings), len(self.joints)
@@ -114,12 +115,12 @@ class Plane:
     crossed: Array
     size: float
 
-    @property
+    @cached_property
     def tolerance(self) -> float:
         """Gap at which a loop is closed to rounding [m]."""
         return 8 * EPSILON * self.size
 
-    @property
+    @cached_property
     def redundant(self) -> bool:
         """Whether some of the equations in the plane say nothing new."""
         return any(block.redundant for block in self.blocks)

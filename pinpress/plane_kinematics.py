@@ -10,7 +10,7 @@ say nothing new agree with the others, or the gap shows that they do not.
 """
 
 from collections.abc import Sequence
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -133,7 +133,7 @@ def block_matrix(plane: Plane, block: Block, rows: ComplexArray) -> Array:
     return matrix
 
 
-Factor = Dyad | Array | ComplexArray
+Factor = Any  # see `_factors`
 
 
 def _factors(plane: Plane, rows: ComplexArray) -> list[Factor]:
@@ -172,7 +172,6 @@ def _solve(
                 side = -moved if side is None else side - moved
             sides.append(np.zeros(rows.shape[1], complex) if side is None else side)
         if block.kind == "dyad":
-            assert isinstance(factor, Dyad)
             x[block.joints[0]] = (factor.b * sides[0]).imag
             x[block.joints[1]] = (factor.a * sides[0]).imag
         elif block.kind == "lever":
@@ -183,13 +182,12 @@ def _solve(
             if block.kind == "gear":
                 x[block.joints[0]] = parts[0] / factor
             elif block.joints:
-                assert isinstance(factor, np.ndarray)
                 x[list(block.joints)] = _solve_dense(factor, np.stack(parts, axis=1)).T
 
 
-def _slip(plane: Plane, block: Block, coupling: int, target: Array | None, x: Array) -> Array:
+def _slip(plane: Plane, block: Block, coupling: int, target: Array | ComplexArray | None, x: Array) -> Array:
     """What the joints of a block have to move a coupling by (n,), once the joints known before and the driver have done their part."""
-    side = np.zeros(x.shape[1]) if target is None else target
+    side = np.zeros(x.shape[1]) if target is None else target.real
     for joint in np.flatnonzero(plane.coupled[coupling]):
         if joint not in block.joints and joint != plane.driver:
             side = side - plane.coupled[coupling, joint] * x[joint]

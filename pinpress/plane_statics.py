@@ -27,33 +27,32 @@ class Statics:
     Attributes:
         closure: rows of `Plane.closure`, its columns times i: that spares a factor, and Re(conj(c) p) is -Im(conj(i c) p).
         carried: (nv, n) forces of the joints of the open tree. uncrossed: (nv, nl) what pin forces relieve them of.
-        slides: directions (n,) of the coupled prismatic joints.
-        compliance: (bearings,) or None, see `sharing.compliances`.
         idle: forces that move nothing: of pins (nl, n), multipliers of couplings (nc, n) each.
         responses: the forces (bearings, n) that these add to all bearings.
+        compliance: (bearings,) or None, see `sharing.compliances`. slides: directions (n,) of the coupled prismatic joints. Both only where
+            there are idle forces to be shared.
     """
 
     plane: Plane
     closure: ComplexArray
     carried: ComplexArray
     uncrossed: ComplexArray
-    slides: dict[int, ComplexArray]
-    compliance: Array | None
     idle: list[tuple[ComplexArray, Array]]
     responses: list[ComplexArray]
+    compliance: Array | None
+    slides: dict[int, ComplexArray]
 
 
 def build(
     plane: Plane, closure: ComplexArray, carried: ComplexArray, uncrossed: ComplexArray, at: ComplexArray, compliance: Array | None
 ) -> Statics:
     """The equations at configurations with basis ``at``."""
-    slides = {}
-    for joint in map(int, np.flatnonzero(plane.coupled.any(axis=0))):
-        if joint in plane.prismatic:
-            slides[joint] = plane.directions[plane.prismatic.index(joint)] @ at
-    idle = list(_idle(plane, closure)) if plane.redundant else []
+    if not plane.redundant:
+        return Statics(plane, closure, carried, uncrossed, [], [], None, {})
+    idle = list(_idle(plane, closure))
     responses = [np.concatenate([product(uncrossed, pins), pins]) for pins, _ in idle]
-    return Statics(plane, closure, carried, uncrossed, slides, compliance, idle, responses)
+    coupled = [(joint, row) for joint, row in zip(plane.prismatic, plane.directions, strict=True) if plane.coupled[:, joint].any()]
+    return Statics(plane, closure, carried, uncrossed, idle, responses, compliance, {joint: row @ at for joint, row in coupled})
 
 
 def balance(statics: Statics, passive: Array, gears: Array, bearings: ComplexArray) -> None:

@@ -24,12 +24,18 @@ if TYPE_CHECKING:
 
 RANK = 1e-9  # singular values below this share of the largest are zero, columns scaled to unit length
 
+WELL = 1e-3  # the same of squared ones, from which on normal equations lose no digits to speak of
+
 
 def least(levels: Iterable[tuple[Array, Array]]) -> Array:
     """y (..., k) that makes |A y + b| least, level by level of pairs A (..., m, k), b (..., m); the shortest of those left open."""
     share, free = None, None
     for matrix, start in levels:
         if share is None or free is None:
+            squares = matrix.swapaxes(-1, -2) @ matrix
+            values = np.linalg.eigvalsh(squares)
+            if np.all(values[..., 0] > WELL * values[..., -1]):  # nothing is left open: the normal equations serve, and cost a third
+                return np.asarray(-np.linalg.solve(squares, matrix.swapaxes(-1, -2) @ start[..., None])[..., 0])
             share = np.zeros((*start.shape[:-1], matrix.shape[-1], 1))
             free = np.broadcast_to(np.eye(matrix.shape[-1]), (*start.shape[:-1], matrix.shape[-1], matrix.shape[-1]))
         left, values, right = np.linalg.svd(matrix @ free, full_matrices=False)
@@ -53,6 +59,8 @@ def compliances(stiffness: Mapping[str, float], press: "Linkage") -> Array | Non
     """
     if not isinstance(stiffness, Mapping):
         raise PinpressError("stiffness is no mapping: give {name of a bearing: stiffness [N/m]}")
+    if not stiffness:
+        return None
     result = np.zeros(len(press.bearings))
     for name, value in stiffness.items():
         if name not in press.bearings:
@@ -60,4 +68,4 @@ def compliances(stiffness: Mapping[str, float], press: "Linkage") -> Array | Non
         if isinstance(value, bool) or not isinstance(value, int | float | np.number) or not 0 < value < np.inf:
             raise PinpressError(f"stiffness of {name!r} is {value!r}: give a positive number [N/m]")
         result[press.bearings.index(name)] = 1 / value
-    return result if stiffness else None
+    return result

@@ -154,14 +154,15 @@ class _State:
 
     def _needed(self, efforts: Array, couples: Array) -> Array:
         """Efforts (nv,) that equations and drives have to bring about."""
-        needed = self.effort - efforts
+        needed: Array = self.effort - efforts
         for k in np.flatnonzero(couples.any(axis=1)):
             needed = needed - (self.equations.data.J[3:] * self.spatial.crossed[:, k]).T @ couples[k]
         return needed
 
     def _carried(self) -> Array:
         """Forces (3 nv,) of the joints of the open tree."""
-        return np.concatenate([np.asarray(self.rotations[j + 1] @ self.wrenches[j + 1].linear) for j in range(len(self.effort))])
+        forces: list[Array] = [self.rotations[j + 1] @ self.wrenches[j + 1].linear for j in range(len(self.effort))]
+        return np.concatenate(forces)
 
     def _objectives(self, found: Array, idle: Array, couples: Array, compliance: Array | None) -> Iterator[tuple[Array, Array]]:
         """What `sharing` makes least, (m, k) and (m,) each; the next is only worked out where the ones before leave something open."""

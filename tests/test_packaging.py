@@ -12,7 +12,16 @@ import pinocchio
 import pytest
 
 ROOT = Path(__file__).parent.parent
-PRESSES = ("crank_slide", "zxn2_3000b", "zxn2_3000b_balanced")
+PRESSES = (
+    "crank_slide",
+    "jf75g_125",
+    "jf75g_125_plain",
+    "jf75g_125_symmetric",
+    "jf75g_125_two_point",
+    "thin_wall",
+    "zxn2_3000b",
+    "zxn2_3000b_balanced",
+)
 MODULES = {f"pinpress/{path.name}" for path in (ROOT / "pinpress").glob("*.py")}
 
 
@@ -94,7 +103,7 @@ def test_presses_load_by_name(request, tmp_path, installed):
         folder = Path(next(folder.glob("*.pth")).read_text(encoding="utf-8").strip())
         assert folder.resolve() != ROOT.resolve()
     assert Path(imported).resolve() == (folder / "pinpress" / "__init__.py").resolve()
-    assert [Path(file).parents[2 if installed == "wheel" else 1].resolve() for (file,) in files] == [folder.resolve()] * 3
+    assert [Path(file).parents[2 if installed == "wheel" else 1].resolve() for (file,) in files] == [folder.resolve()] * len(PRESSES)
 
 
 @pytest.mark.parametrize(
@@ -122,6 +131,7 @@ def test_other_programs_open_the_shipped_files(name, capfd):
     shapes = pinocchio.buildGeomFromUrdf(model, file, pinocchio.GeometryType.VISUAL)
     assert capfd.readouterr().err == ""  # where it drops something, Pinocchio only prints
     drawn = URDF.load(file)
-    assert set(drawn.actuated_joint_names) == set(model.names) - {"universe"}
+    mimicking = {joint.name for joint in drawn.robot.joints if joint.mimic}
+    assert set(drawn.actuated_joint_names) | mimicking == set(model.names) - {"universe"}
     assert {link.name for link in drawn.robot.links} == {frame.name for frame in model.frames if frame.type == pinocchio.FrameType.BODY}
     assert shapes.ngeoms == len(drawn.scene.geometry) == sum(len(link.visuals) for link in drawn.robot.links) > 0
