@@ -1,4 +1,4 @@
-"""Record every shipped press into viz/out/, and take the README's picture of the ZXN2-3000(B) through Chromium.
+"""Record every shipped press into viz/out/, each at its nominal speed, and take the README's pictures through Chromium.
 
 python viz/record_presses.py
 """
@@ -10,6 +10,8 @@ from pathlib import Path
 import pinpress as pp
 
 HERE = Path(__file__).parent
+STROKES_A_MINUTE = {"jf75g": 300, "thin_wall": 72, "zxn2": 70, "crank_slide": 70}  # by the first letters of a press's name
+PICTURES = {"zxn2_3000b": 0.2, "jf75g_125_symmetric": 0.06, "thin_wall": 0.3}  # when [s]
 FLAGS = ["--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--disable-dev-shm-usage", "--hide-scrollbars"]
 
 
@@ -18,8 +20,10 @@ def main() -> None:
     out.mkdir(exist_ok=True)
     for name in pp.presses():
         press = pp.load(name)
-        print(pp.record(press, pp.cycle(press, speed=70 * pp.RPM), out / f"{name}.html"))
-    picture(out / "zxn2_3000b.html", 0.2, HERE / "zxn2_3000b.png")
+        speed = next(rate for start, rate in STROKES_A_MINUTE.items() if name.startswith(start)) * pp.RPM
+        print(pp.record(press, pp.cycle(press, speed=speed), out / f"{name}.html"))
+    for name, time in PICTURES.items():
+        picture(out / f"{name}.html", time, HERE / f"{name}.png")
 
 
 def picture(page: Path, time: float, target: Path) -> None:
