@@ -1,4 +1,5 @@
-"""Inverse dynamics of the ZXN2-3000(B) press at 70 r/min: pinpress beside a hand-written script and a plain Pinocchio loop.
+"""Inverse dynamics of the ZXN2-3000(B) press at 70 r/min: pinpress beside a hand-written script and a plain Pinocchio loop; then of every
+shipped press, and of scenes with springs and friction.
 
 Run `python tests/benchmark_inverse_dynamics.py`; `--quick` for a fifth of the repeats. pytest does not collect this file.
 Every contestant starts from crank angles and the loaded press and ends with the driving torque and the force of every pin and
@@ -143,6 +144,44 @@ def print_speed(n: int, repeats: int) -> None:
         print(f"* timed and checked on {SUBSET} consecutive angles at the same spacing, and scaled to {n} points")
 
 
+def print_presses(n: int, repeats: int) -> None:
+    """Time every shipped press at n crank angles, each beside the six-bar, and what springs, friction and stiffnesses add."""
+    import pinpress as pp
+
+    def scene(press: pp.Linkage, engine: str = "auto", **more: Any) -> pp.Reactions:
+        return pp.inverse_dynamics(press, pp.cycle(press, speed=70 * pp.RPM, points=n, engine=engine), engine=engine, **more)
+
+    presses = {name: pp.load(name) for name in pp.presses()}
+    entries: list[Contestant] = [(name, n, lambda press=press: scene(press), lambda r: r) for name, press in presses.items()]
+    six, pair = presses["zxn2_3000b"], presses["jf75g_125_symmetric"]
+    spring = [pp.SpringDamper("frame", "slide", stiffness=1e5, damping=1e3, free_length=0.2, point1=(0.0, 0.0, 1.0))]
+    rubbing = {name: pp.Friction(0.06, None if "guide" in name else 0.06) for name in six.bearings}
+    shares = dict.fromkeys(pair.bearings, 1e9)
+    entries += [
+        ("zxn2_3000b, a spring to the slide", n, lambda: scene(six, loads=spring), lambda r: r),
+        ("zxn2_3000b, friction everywhere", n, lambda: scene(six, friction=rubbing), lambda r: r),
+        ("jf75g_125_symmetric, stiffnesses", n, lambda: scene(pair, stiffness=shares), lambda r: r),
+    ]
+    best = {name: min(row) / n * 1e6 for (name, _, _, _), row in zip(entries, timed(entries, repeats), strict=True)}
+    base = best["zxn2_3000b"] / len(six.bearings)
+    print(
+        f"\nEvery shipped press, {n} crank angles, {repeats} repeats, best times; errors against engine 'pinocchio', relative to the peak"
+    )
+    print(f"{'':36}{'bearings':>10}{'us/point':>10}{'us/point':>12}{'ratio to':>12}{'torque':>10}{'force':>10}")
+    print(f"{'':36}{'':>10}{'':>10}{'and bearing':>12}{'zxn2_3000b':>12}{'error':>10}{'error':>10}")
+    for name, took in best.items():
+        press = presses[name.split(",")[0]]
+        each = took / len(press.bearings)
+        line = f"{name:36}{len(press.bearings):10}{took:10.3f}{each:12.3f}{each / base:12.2f}"
+        if name in presses:
+            plane, judge = scene(press), scene(press, "pinocchio")
+            torque = np.abs(plane.driving_torque - judge.driving_torque).max() / np.abs(judge.driving_torque).max()
+            peak = max(np.abs(force).max() for force in judge.bearing_force.values())
+            force = max(np.abs(plane.bearing_force[b] - judge.bearing_force[b]).max() for b in press.bearings) / peak
+            line += f"{torque:10.1e}{force:10.1e}"
+        print(line)
+
+
 def print_cold_start(repeats: int) -> None:
     """Wall time of fresh interpreters, taking turns."""
     statements = [
@@ -192,13 +231,14 @@ def blas_threads() -> str:
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(description="Inverse dynamics of the ZXN2-3000(B) press: pinpress and its peers")
+    parser = argparse.ArgumentParser(description="Inverse dynamics of the ZXN2-3000(B) press, pinpress and its peers, and of every press")
     parser.add_argument("--quick", action="store_true", help="a fifth of the repeats")
     quick = parser.parse_args().quick
     print(f"Python {platform.python_version()}, NumPy {np.__version__}, Pinocchio {pin.__version__}, {os.cpu_count()} cores")
     print(f"OPENBLAS_NUM_THREADS={os.environ.get('OPENBLAS_NUM_THREADS', '(not set)')}; BLAS threads in use: {blas_threads()}")
     for n, repeats in REPEATS.items():
         print_speed(n, max(3, repeats // 5) if quick else repeats)
+    print_presses(360, 5 if quick else 30)
     print_cold_start(3 if quick else 7)
 
 
