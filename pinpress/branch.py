@@ -128,12 +128,12 @@ def walk(close: Close, drawn: Array, size: float, tolerance: float) -> Branch:
     )
 
 
-def between(close: Close, start: Array, distance: float, size: float, tolerance: float) -> "Closure | Lock":
-    """The closed configuration a ``distance`` [rad] along a path, followed from the closed one ``start`` (nv,) at its beginning; or where
-    the linkage locks on the way. ``close`` takes distances along the path for crank angles."""
+def follow(close: Close, start: Array, distance: float, size: float, tolerance: float) -> "Array | Lock":
+    """The closed configuration (nv,) a ``distance`` [rad] along a path, followed from the closed one ``start`` (nv,) at its beginning; or
+    where the linkage locks on the way. ``close`` takes distances along the path for crank angles."""
     nodes = [_Node.of(0.0, close(np.zeros(1), start[:, None]))]
     locked = _advance(close, nodes, distance, size, tolerance)
-    return locked if locked is not None else close(np.array([distance]), nodes[-1].position[:, None])
+    return nodes[-1].position if locked is None else locked
 
 
 def predict(branch: Branch, angle: Array) -> Array:

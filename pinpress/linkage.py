@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass
 from functools import cached_property
+from typing import NamedTuple
 
 import numpy as np
 import pinocchio as pin
@@ -82,7 +83,7 @@ class Linkage:
     @cached_property
     def plane(self) -> Plane | None:
         """Constants of the planar engine, None where the linkage is not planar, or needs more than its blocks of equations."""
-        return self._plane_and_drawn[0]
+        return self._assembly.plane
 
     @cached_property
     def bodies(self) -> Bodies | None:
@@ -92,17 +93,18 @@ class Linkage:
     @cached_property
     def drawn(self) -> Closure:
         """The drawn pose, its drivers at zero, closed as far as Newton's method came: `load` judges it."""
-        closure = self._plane_and_drawn[1]
-        closure.position.setflags(write=False)
-        return closure
-
-    @property
-    def closed(self) -> Array:
-        """(nv,) joint coordinates of the drawn pose, closed exactly, drivers at zero [rad or m]."""
-        return self.drawn.position[:, 0]
+        return self._assembly.drawn
 
     @cached_property
-    def _plane_and_drawn(self) -> tuple[Plane | None, Closure]:
+    def closed(self) -> Array:
+        """(nv,) joint coordinates of the drawn pose, closed exactly, drivers at zero [rad or m]."""
+        closed = self.drawn.position[:, 0]
+        closed.setflags(write=False)
+        return closed
+
+    @cached_property
+    def _assembly(self) -> "_Assembly":
+        """The drawn pose closed by the engine that suits."""
         start, general = np.zeros((self.model.nv, 1)), self.spatial
         for one_block in (False, True) if len(self.drivers) == 1 else ():
             planar = plane.build(self.model, self.loops, self.couplings, general.drivers[0], one_block)
@@ -110,11 +112,12 @@ class Linkage:
                 break
             closure = plane_kinematics.close(planar, np.zeros(1), start, with_margins=True)
             # Of a redundant linkage one block may lock where the others hold it: a parallelogram with a third crank at its change point.
-            fit = one_block or not planar.redundant or _turns(planar, closure, general.size)
+            walked = _full_turn(planar, closure, general.size) if planar.redundant and not one_block else None
+            fit = one_block or walked is not None or not planar.redundant
             if fit and closure.margins is not None and np.abs(closure.margins).min(initial=1.0) > RANK:
-                return planar, closure
+                return _Assembly(planar, closure, walked)
         along = [1.0] + [0.0] * (len(self.drivers) - 1)
-        return None, spatial.close(general, np.zeros((len(self.drivers), 1)), along, start)
+        return _Assembly(None, spatial.close(general, general.equations(), np.zeros((len(self.drivers), 1)), along, start), None)
 
     @cached_property
     def slide_guide(self) -> tuple[int, float]:
@@ -141,6 +144,8 @@ class Linkage:
         """
         if len(self.drivers) > 1:
             raise PinpressError(f"{self.name} has {len(self.drivers)} drivers: give angle, speed and acceleration of all, (n, drivers)")
+        if self._assembly.branch is not None:
+            return self._assembly.branch
         if self.plane is not None:
             return _walk(self.plane, self.closed, self.spatial.size)
         tolerance = ACCEPTED * self.spatial.tolerance
@@ -154,7 +159,7 @@ class Linkage:
         """Close the loops at crank angles (n,) from guesses (nv, n); the caller judges the result. ``engine`` as in `cycle`."""
         if plane := self.planar(engine):
             return plane_kinematics.close(plane, angle, guess, with_margins)
-        return spatial.close(self.spatial, angle[None], [1.0], guess)
+        return spatial.close(self.spatial, self.spatial.equations(), angle[None], [1.0], guess)
 
     def planar(self, engine: str) -> Plane | None:
         """The constants of the planar engine where ``engine`` ("auto", "plane" or "pinocchio") means it, else None.
@@ -165,17 +170,28 @@ class Linkage:
         if engine not in ("auto", "plane", "pinocchio"):
             raise PinpressError(f"unknown engine {engine!r}: write 'auto', 'plane' or 'pinocchio'")
         if engine == "plane" and self.plane is None:
-            raise PinpressError(f"{self.name} is not a planar linkage with one driver: use engine='pinocchio' (or 'auto')")
+            raise PinpressError(
+                f"{self.name} is not a planar linkage with one driver and pins for loops: use engine='pinocchio' (or 'auto')"
+            )
         return None if engine == "pinocchio" else self.plane
+
+
+class _Assembly(NamedTuple):
+    """The planar engine's constants, None where the other engine suits; the closed drawn pose; its branch where it was walked to see."""
+
+    plane: Plane | None
+    drawn: Closure
+    branch: Branch | None
 
 
 def _walk(plane: Plane, closed: Array, size: float) -> Branch:
     return branch.walk(lambda angle, guess: plane_kinematics.close(plane, angle, guess, True), closed, size, ACCEPTED * plane.tolerance)
 
 
-def _turns(plane: Plane, drawn: Closure, size: float) -> bool:
-    """Whether the driver turns fully with the equations in the blocks of this plane."""
+def _full_turn(plane: Plane, drawn: Closure, size: float) -> Branch | None:
+    """The branch where the driver turns fully with the equations in the blocks of this plane, else None."""
     try:
-        return _walk(plane, drawn.position[:, 0], size).period is not None
+        walked = _walk(plane, drawn.position[:, 0], size)
     except PinpressError:
-        return False
+        return None
+    return walked if walked.period is not None else None

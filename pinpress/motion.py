@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from . import spatial, tables
-from .branch import LARGEST_CORRECTION, Closure, Lock, between, joined, predict
+from .branch import LARGEST_CORRECTION, Closure, Lock, follow, joined, predict
 from .coordinates import Array, ComplexArray, Slot, configuration
 from .errors import AssemblyError, PinpressError, SingularityError
 from .linkage import ACCEPTED, Linkage
@@ -153,11 +153,13 @@ def cycle(
             raise PinpressError("points goes with one turn at constant speed: leave it out where angle is given")
         angles, speeds, accelerations, times = _servo(angle, speed, acceleration, time, len(press.drivers))
     several = len(press.drivers) > 1
-    closure = followed(press, angles) if several else _closed(press, angles, engine)
+    closure = None if several else _closed(press, angles, engine)
     with np.errstate(all="ignore"):  # what overflows is refused below
-        if several:
-            v, a = spatial.rates(press.spatial, closure.position, speeds.T, accelerations.T)
+        if closure is None:
+            position = _followed(press, angles)
+            v, a, gap = spatial.rates(press.spatial, position, speeds.T, accelerations.T)
         else:
+            position, gap = closure.position, closure.gap
             v, a = _rates(closure, speeds[0] if angle is None else speeds, None if angle is None else accelerations)
         finite = math.isfinite(a.sum())  # the accelerations have the squares of the speeds in them
     if not finite:
@@ -169,15 +171,15 @@ def cycle(
         crank_angle=_fixed(angles),
         crank_speed=_fixed(speeds),
         crank_acceleration=_fixed(accelerations),
-        joint_position=_fixed(closure.position.T),
+        joint_position=_fixed(position.T),
         v=_fixed(v.T),
         a=_fixed(a.T),
-        closure_error=_fixed(closure.gap),
+        closure_error=_fixed(gap),
         _time=None if times is None else _fixed(times),
         _slots=press.spatial.slots,
         _guide=None if press.slide is None else press.slide_guide,
     )
-    if closure.basis is not None:
+    if closure is not None and closure.basis is not None:
         object.__setattr__(motion, "_closed_as", (press, closure.basis))
     return motion
 
@@ -258,31 +260,32 @@ def _closed(press: Linkage, angles: Array, engine: str) -> Closure:
     return joined([_piece(press, part, predict(branch, part), engine) for part in parts])
 
 
-def followed(press: Linkage, angles: Array) -> Closure:
-    """Closed configurations of a linkage with several drivers at positions (n, drivers), each followed from the one before.
+def _followed(press: Linkage, angles: Array) -> Array:
+    """Closed positions (nv, n) of a linkage with several drivers at positions (n, drivers), each followed from the one before.
 
     Raises:
         SingularityError: the linkage locks on the way.
     """
-    tolerance = ACCEPTED * press.spatial.tolerance
-    position, before, closures = press.closed, np.zeros(len(press.drivers)), []
+    equations, tolerance = press.spatial.equations(), ACCEPTED * press.spatial.tolerance
+    position, before, positions = press.closed, np.zeros(len(press.drivers)), []
     for after in angles:
         distance = float(np.linalg.norm(after - before))
         along = (after - before) / distance if distance else np.zeros_like(after)
 
         def close(at: Array, guess: Array, before: Array = before, along: Array = along) -> Closure:
-            return spatial.close(press.spatial, before[:, None] + np.multiply.outer(along, at), list(along), guess)
+            drivers = before[:, None] + np.multiply.outer(along, at)
+            return spatial.close(press.spatial, equations, drivers, list(along), guess)
 
-        end = between(close, position, distance, press.spatial.size, tolerance)
+        end = follow(close, position, distance, press.spatial.size, tolerance)
         if isinstance(end, Lock):
             raise SingularityError(
                 f"{press.name} locks between driver positions {np.degrees(before).round(3)} and {np.degrees(after).round(3)} deg",
                 float((before + end.angle * along)[0]),
                 end.margin,
             )
-        closures.append(end)
-        position, before = end.position[:, 0], after
-    return joined(closures)
+        positions.append(end)
+        position, before = end, after
+    return np.array(positions).T
 
 
 def _piece(press: Linkage, angles: Array, guess: Array, engine: str) -> Closure:

@@ -71,7 +71,7 @@ class Reactions:
         shaking_force: (n, 3) [N]; shaking_moment: (n, 3) about the world origin [N m].
         indeterminate: name -> (6,) bool: components of force (x, y, z) and moment (x, y, z) that rigid mechanics leaves open because a loop
             closes more than it must; shared as `sharing` says, by default with the least sum of squared bearing forces. In a planar press
-            with a simple tree of dyads they are those along the normal.
+            whose equations in the plane are all needed they are those along the normal.
     """
 
     motion: Motion

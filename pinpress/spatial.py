@@ -79,13 +79,14 @@ def singular_values(columns: Array) -> Array:
     return np.asarray(np.linalg.svd(_unit_columns(columns)[0], compute_uv=False))
 
 
-def close(spatial: Spatial, drivers: Array, along: Sequence[float], guess: Array) -> Closure:
+def close(spatial: Spatial, equations: Equations, drivers: Array, along: Sequence[float], guess: Array) -> Closure:
     """Close all loops at driver positions (drivers, n) by Newton's method from guesses (nv, n), with margins; see `plane_kinematics.close`.
 
     Args:
+        equations: of this linkage.
         along: (drivers,) the rates of the drivers to which the influence coefficients belong; 1 where there is one driver.
     """
-    equations, results = spatial.equations(), []
+    results = []
     for i in range(guess.shape[1]):
         start = guess[:, i].copy()
         start[list(spatial.drivers)] = drivers[:, i]
@@ -102,10 +103,10 @@ def close(spatial: Spatial, drivers: Array, along: Sequence[float], guess: Array
     return Closure(position, first, second, gaps, float(gaps.max()), int(counts.max(initial=0)), margins[None, :])
 
 
-def rates(spatial: Spatial, position: Array, speed: Array, acceleration: Array) -> tuple[Array, Array]:
-    """Joint rates and accelerations (nv, n) at closed positions (nv, n) from those (drivers, n) of the drivers."""
+def rates(spatial: Spatial, position: Array, speed: Array, acceleration: Array) -> tuple[Array, Array, Array]:
+    """Joint rates and accelerations (nv, n) at closed positions (nv, n) from those (drivers, n) of the drivers, and the gaps (n,)."""
     equations, drivers = spatial.equations(), list(spatial.drivers)
-    v, a = np.empty_like(position), np.empty_like(position)
+    v, a, gaps = np.empty_like(position), np.empty_like(position), np.empty(position.shape[1])
     for i, x in enumerate(position.T):
         rows = equations.at(x)
         passive, columns = Passive(rows.columns, spatial), rows.columns[:, drivers]
@@ -113,7 +114,8 @@ def rates(spatial: Spatial, position: Array, speed: Array, acceleration: Array) 
         v[drivers, i] = speed[:, i]
         a[:, i] = passive.rates(-columns @ acceleration[:, i] - equations.drift(rows, v[:, i].copy()))
         a[drivers, i] = acceleration[:, i]
-    return v, a
+        gaps[i] = equations.widest(rows.gaps)
+    return v, a, gaps
 
 
 def _closed(spatial: Spatial, equations: Equations, start: Array) -> tuple[Array, Rows, float, int]:
@@ -168,5 +170,6 @@ class Passive:
 
 def _unit_columns(columns: Array) -> tuple[Array, Array]:
     lengths = np.linalg.norm(columns, axis=0)
-    lengths[lengths == 0.0] = 1.0
-    return columns / lengths, lengths
+    still = lengths <= RANK * lengths.max(initial=0.0)  # rounding: these joints move nothing here
+    lengths[still] = 1.0
+    return np.where(still, 0.0, columns / lengths), lengths

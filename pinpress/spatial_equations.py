@@ -41,6 +41,9 @@ class Equations:
         ]
         self.datas = [anchor.createData() for anchor in self.anchors]
         self.crossed = crossed(model, loops)
+        self.moving = [
+            column != 0 for column in self.crossed.T
+        ]  # a joint that carries both ends moves them by rounding, and by an open gap
         self.coupled, self.offsets = _coupled(model, couplings, size)
         self.rows = 3 * len(loops) + sum(loop.held for loop in loops) + len(couplings)
         self.holding = any(loop.held for loop in loops)
@@ -54,7 +57,7 @@ class Equations:
             anchor.calc(self.model, self.data, d)
             rotation = d.oMc1.rotation
             gaps[3 * k : 3 * k + 3] = rotation @ d.constraint_position_error
-            columns[3 * k : 3 * k + 3] = rotation @ anchor.jacobian(self.model, self.data, d).reshape(3, self.model.nv)
+            columns[3 * k : 3 * k + 3] = rotation @ anchor.jacobian(self.model, self.data, d).reshape(3, self.model.nv) * self.moving[k]
         held = self._hold(gaps, columns) if self.holding else [np.empty((3, 0))] * len(self.loops)
         if len(self.offsets):
             columns[-len(self.offsets) :] = self.coupled

@@ -23,6 +23,7 @@ def summary(press: Linkage, motion: Motion, result: Reactions) -> str:
         f" engine {result.engine!r}",
         *(_slide(press, motion) if press.slide else []),
         *_torque(motion, result),
+        *_gear_pairs(motion, result),
         *_bearings(motion, result),
         *_shaking(result),
         "",
@@ -72,6 +73,14 @@ def _torque(motion: Motion, result: Reactions) -> list[str]:
     ]
 
 
+def _gear_pairs(motion: Motion, result: Reactions) -> list[str]:
+    lines = ["", "Gear pairs (torque on the joint that mimics, along its axis)"] if result.coupling_torque else []
+    for name, torque in result.coupling_torque.items():
+        lines += [_extreme(f"{name}, largest", torque[:, 0], motion, "N m", np.argmax)]
+        lines += [_extreme(f"{name}, smallest", torque[:, 0], motion, "N m", np.argmin)]
+    return lines
+
+
 def _bearings(motion: Motion, result: Reactions) -> list[str]:
     axes = [i for i in range(3) if any(force[:, i].any() for force in result.bearing_force.values())]
     width = max(14, *(len(name) for name in result.bearing_force))
@@ -91,7 +100,8 @@ def _shaking(result: Reactions) -> list[str]:
     for i, axis in enumerate(AXES):
         force = result.shaking_force[:, i]
         if force.any():
-            lines.append(f"  {axis:26}{force.min():12.0f} N   to {force.max():12.0f} N,  range {np.ptp(force):10.0f} N")
+            low, high = force.min().round() + 0.0, force.max().round() + 0.0  # not "-0"
+            lines.append(f"  {axis:26}{low:12.0f} N   to {high:12.0f} N,  range {np.ptp(force):10.0f} N")
     return lines
 
 
