@@ -53,7 +53,8 @@ def record(press: "Linkage", motion: "Motion", path: str | os.PathLike[str]) -> 
             installed, or a path that cannot be written.
     """
     target = Path(path)
-    keys = _keys(motion, press.slide is not None)
+    turns_back = len(press.drivers) == 1 and press.branch.period is not None and press.branch.period < 2.1 * np.pi
+    keys = _keys(motion, press.slide is not None, turns_back)
     links = _links(press)
     poses = {link.frame: _poses(press.model, keys.q, link.frame) for link in links}
     scene = _pack(_commands(links, poses, keys.time))
@@ -63,7 +64,7 @@ def record(press: "Linkage", motion: "Motion", path: str | os.PathLike[str]) -> 
 
 @dataclass(frozen=True)
 class _Keys:
-    """Key frames: time from the first one [s], crank angle [rad], slide position [m] or None, configurations (k, nq)."""
+    """Key frames: time from the first one [s], angle of the (first) driver [rad], slide position [m] or None, configurations (k, nq)."""
 
     time: Array
     crank: Array
@@ -80,7 +81,8 @@ class _Link:
     visuals: list[tuple[Any, Any]]  # geometry object, its placement in the link frame
 
 
-def _keys(motion: "Motion", has_slide: bool) -> _Keys:
+def _keys(motion: "Motion", has_slide: bool, turns_back: bool) -> _Keys:
+    """``turns_back``: after a turn of the driver the linkage is where it was; with a gear ratio it need not be."""
     series = {"time": motion.time, "crank_angle": motion.crank_angle, "q": motion.q}
     if has_slide:
         series["slide_position"] = motion.slide_position
@@ -91,8 +93,9 @@ def _keys(motion: "Motion", has_slide: bool) -> _Keys:
             raise PinpressError(f"motion.{name} {where}; record a motion that cycle or simulate returned")
     if np.any(np.diff(motion.time) <= 0):
         raise PinpressError("motion.time does not increase from point to point; order the points of the motion by time")
-    time, crank, q = motion.time - motion.time[0], np.asarray(motion.crank_angle), np.asarray(motion.q)
-    last = _closing_time(time, crank)
+    time, q = motion.time - motion.time[0], np.asarray(motion.q)
+    crank = np.asarray(motion.crank_angle).reshape(len(time), -1)[:, 0]  # of several drivers, the first
+    last = _closing_time(time, crank) if turns_back else None
     order = np.arange(len(time))
     if last is not None:  # the first configuration once more, so that the loop has no jump
         order, time = np.append(order, 0), np.append(time, last)

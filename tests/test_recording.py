@@ -324,3 +324,41 @@ def test_without_meshcat(press: Any, motion: Any, tmp_path: Path, monkeypatch: p
 def test_import_leaves_meshcat_alone() -> None:
     code = "import sys, pinpress.recording; sys.exit('meshcat' in sys.modules or 'umsgpack' in sys.modules)"
     assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
+
+
+GEARED = """<robot name="geared">
+  <link name="frame"><visual><geometry><box size="0.5 0.02 0.2"/></geometry></visual></link>
+  {links}
+  <joint name="fast" type="continuous"><parent link="frame"/><child link="pinion"/><origin xyz="-0.1 0 0"/><axis xyz="0 -1 0"/></joint>
+  <joint name="slow" type="continuous"><parent link="frame"/><child link="wheel"/><origin xyz="0.1 0 0"/><axis xyz="0 -1 0"/>{mimic}</joint>
+  {drives}
+</robot>
+"""
+LINK = """<link name="{0}"><inertial><mass value="2"/><inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="1"/></inertial>
+    <visual><origin xyz="0.04 -0.03 0"/><geometry><box size="0.1 0.02 0.02"/></geometry></visual></link>"""
+
+
+def geared(folder: Path, mimic: str, *drivers: str) -> Any:
+    file = folder / "geared.urdf"
+    drives = "".join(f'<transmission name="drive_{name}"><joint name="{name}"/></transmission>' for name in drivers)
+    file.write_text(GEARED.format(links=LINK.format("pinion") + LINK.format("wheel"), mimic=mimic, drives=drives), encoding="utf-8")
+    return pp.load(file)
+
+
+def test_a_turn_after_which_the_linkage_is_elsewhere_is_not_closed(tmp_path: Path) -> None:
+    """With a gear ratio of 1:2 the wheel has turned half; with 2:1 it is back."""
+    for multiplier, keys in (("-0.5", 8), ("-2", 9)):
+        press = geared(tmp_path, f'<mimic joint="fast" multiplier="{multiplier}"/>', "fast")
+        data = data_in(pp.record(press, pp.cycle(press, speed=SPEED, points=8), tmp_path / "out.html"))
+        assert len(data["time"]) == keys
+
+
+def test_several_drivers(tmp_path: Path, view: Callable[..., Any]) -> None:
+    """A linkage with two drivers is recorded too; the angle of the first one is shown."""
+    press = geared(tmp_path, "", "fast", "slow")
+    time = np.linspace(0, 1, 9)
+    motion = pp.cycle(press, angle=np.stack([time, -3 * time], axis=1), speed=[[1.0, -3.0]] * 9, time=time)
+    recording = pp.record(press, motion, tmp_path / "two.html")
+    assert_allclose(data_in(recording)["crank"], np.degrees(time), atol=1e-4)
+    page = view(recording)
+    assert not np.array_equal(seek(page, 0.1), seek(page, 0.9))
