@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
 from .coordinates import Array
 from .errors import PinpressError, UnknownNameError
@@ -17,7 +18,7 @@ from .errors import PinpressError, UnknownNameError
 if TYPE_CHECKING:
     from .linkage import Linkage
 
-REST = 1e-12  # share of its largest speed below which a bearing rests: in a dead centre the speed is rounding
+REST = 1e-12  # share of the motion's largest speed below which a bearing rests: in a dead centre the speed is rounding
 MOST_ITERATIONS = 200
 
 
@@ -38,15 +39,23 @@ class Friction:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class FrictionLaw:
-    """The friction of all bearings, joints in Pinocchio's order, then loops: (bearings,) ``arm`` mu r [m] or mu [-], and ``viscous``."""
+    """The friction of all bearings, joints in Pinocchio's order, then loops.
+
+    Attributes:
+        arm: (bearings,) mu r [m], of guides mu [-]. viscous: (bearings,). turns: (bearings,) true but for guides.
+        size: length of the linkage [m].
+    """
 
     arm: Array
     viscous: Array
+    turns: NDArray[np.bool_]
+    size: float
 
-    @property
-    def bearings(self) -> tuple[int, ...]:
-        """Those with friction."""
-        return tuple(int(b) for b in np.flatnonzero((self.arm != 0) | (self.viscous != 0)))
+    def moving(self, speeds: Array) -> Array:
+        """Speeds (bearings, n), zero where they are rounding, beside the fastest of the motion."""
+        turning = np.abs(speeds[self.turns]).max(initial=0.0)
+        sliding = max(self.size * turning, np.abs(speeds[~self.turns]).max(initial=0.0))
+        return np.where(np.abs(speeds) <= REST * np.where(self.turns, turning, sliding)[:, None], 0.0, speeds)
 
     def efforts(self, speeds: Array, forces: Callable[[Array], Array], angle: Array) -> Array:
         """Efforts (bearings, n) of friction, along the speeds, against them.
@@ -110,10 +119,4 @@ def law(friction: Mapping[str, Friction], press: "Linkage") -> FrictionLaw | Non
                 raise PinpressError(f"friction of {name!r}: {quantity} is {value!r}; give a finite number that is not negative")
         arm[index] = given.coefficient * (1.0 if given.radius is None else given.radius)
         viscous[index] = given.viscous
-    return FrictionLaw(arm, viscous) if arm.any() or viscous.any() else None
-
-
-def at_rest(speeds: Array) -> Array:
-    """Speeds (bearings, n, ...) with those that are rounding, beside the largest of their bearing, set to zero."""
-    largest = np.abs(speeds).reshape(len(speeds), -1).max(axis=1, initial=0.0).reshape(-1, *[1] * (speeds.ndim - 1))
-    return np.where(np.abs(speeds) <= REST * largest, 0.0, speeds)
+    return FrictionLaw(arm, viscous, np.array(turns), press.spatial.size) if arm.any() or viscous.any() else None

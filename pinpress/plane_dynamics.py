@@ -17,7 +17,7 @@ import pinocchio as pin
 from . import plane_axial, plane_statics
 from .coordinates import Array, ComplexArray
 from .errors import AssemblyError
-from .friction import FrictionLaw, at_rest
+from .friction import FrictionLaw
 from .loads import AppliedForce
 from .plane import Plane, flat, product
 from .plane_kinematics import basis, basis_acceleration, basis_velocity
@@ -122,7 +122,7 @@ def inverse_dynamics(
     """
     n = v.shape[1]
     result = Wrenches.zeros(1, len(plane.offsets), len(plane.parents) + len(plane.loop_points), n)
-    speeds = None if law is None else at_rest(np.concatenate([v, (plane.crossed.T * plane.sense) @ v]))
+    speeds = None if law is None else law.moving(np.concatenate([v, (plane.crossed.T * plane.sense) @ v]))
     for start in range(0, n, PIECE):
         s = slice(None) if n <= PIECE else slice(start, start + PIECE)
         rubbing = None if law is None or speeds is None else Rubbing(law, speeds[:, s], angle[s])

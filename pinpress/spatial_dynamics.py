@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from .coordinates import Array, configuration
 from .errors import AssemblyError
-from .friction import FrictionLaw, at_rest
+from .friction import FrictionLaw
 from .loads import AppliedForce
 from .sharing import RANK, least
 from .spatial import Passive, Spatial
@@ -40,8 +40,8 @@ def inverse_dynamics(
     n, count = v.shape[1], spatial.model.nv
     result = Wrenches.zeros(len(spatial.drivers), len(spatial.couplings), count + len(spatial.loops), n)
     equations = spatial.equations()
-    spins = None if law is None else at_rest(_loop_spins(spatial, equations, position, v))
-    speeds = None if law is None else at_rest(v)
+    spins = None if law is None else _loop_spins(spatial, equations, position, v)
+    speeds = None if law is None or spins is None else law.moving(np.concatenate([v, np.linalg.norm(spins, axis=2)]))
     for i in range(n):
         x = position[:, i]
         applied = [(load.joint, load.point, load.force[i], np.zeros(3)) for load in loads]
@@ -118,11 +118,14 @@ class _State:
         return found + idle @ least(self._objectives(found, idle, couples, compliance)) if idle.shape[1] else found
 
     def with_friction(self, law: FrictionLaw, speeds: Array, spins: Array, compliance: Array | None) -> tuple[Array, Array, Array, Array]:
-        """Multipliers (rows,), friction efforts (nv,) of the joints and couples (nl, 3) of the loops, and the power lost (bearings,)."""
-        count, sizes = len(speeds), np.linalg.norm(spins, axis=1)
+        """Multipliers (rows,), friction efforts (nv,) of the joints and couples (nl, 3) of the loops, and the power lost (bearings,).
+
+        ``speeds`` (bearings,), those of loops are the lengths of their ``spins`` (nl, 3).
+        """
+        count = len(self.effort)
+        sizes = speeds[count:]
         axes = [self.rotations[j + 1] @ axis.direction for j, axis in enumerate(self.spatial.axes)]
         directions = np.concatenate([np.array(axes), spins / np.where(sizes == 0, 1.0, sizes)[:, None]])
-        along = np.concatenate([speeds, sizes])
 
         def multipliers(efforts: Array) -> Array:
             return self.multipliers(efforts[:count], efforts[count:, None] * directions[count:], compliance)
@@ -132,8 +135,8 @@ class _State:
             forces[: 3 * count] += self._carried()
             return np.asarray(np.linalg.norm(np.cross(forces.reshape(-1, 3), directions), axis=1)[:, None])
 
-        efforts = law.efforts(along[:, None], radial, self.x[self.spatial.drivers[0]][None])[:, 0]
-        return multipliers(efforts), efforts[:count], efforts[count:, None] * directions[count:], -efforts * along
+        efforts = law.efforts(speeds[:, None], radial, self.x[self.spatial.drivers[0]][None])[:, 0]
+        return multipliers(efforts), efforts[:count], efforts[count:, None] * directions[count:], -efforts * speeds
 
     def fill(self, result: Wrenches, i: int, multipliers: Array, efforts: Array, couples: Array) -> None:
         """Put this configuration into the result, as its state i."""
