@@ -21,7 +21,7 @@ from .wrenches import Wrenches
 Values = TypeVar("Values", Array, ComplexArray)
 
 if TYPE_CHECKING:
-    from .plane_dynamics import Bodies
+    from .plane_dynamics import Bodies, OpenTree
 
 
 def is_flat(plane: Plane, load: AppliedForce) -> bool:
@@ -48,9 +48,7 @@ def add(
     at: ComplexArray,
     v: Array,
     a: Array,
-    own: ComplexArray,
-    carried: ComplexArray,
-    centers: ComplexArray,
+    tree: "OpenTree",
     pins: ComplexArray,
     loads: Sequence[AppliedForce],
     axial: Array,
@@ -59,15 +57,14 @@ def add(
     """Add the axial forces and tilting moments to a result that has the plane's.
 
     Args:
-        at: basis; v, a: joint rates and accelerations; own: inertia force less weight of every body; carried: of all that hang on a joint,
-            loads taken off; centers: arms of the centres of mass from their joints; pins: loop forces; axial: what `forces` returned.
+        at: basis; v, a: joint rates and accelerations; tree: with its loops open; pins: loop forces; axial: what `forces` returned.
     """
     count = len(plane.parents)
     spin, acceleration = plane.spin @ v, plane.spin @ a
     rotors = at[[plane.rotor(j) for j in range(count)]]
     weight = -bodies.axial_weight[:, None]
     tilt = (acceleration + 1j * spin**2) * bodies.products[:, None] * rotors
-    tilt += 1j * (plane.center_heights - plane.heights)[:, None] * own - 1j * centers * weight
+    tilt += 1j * (plane.center_heights - plane.heights)[:, None] * tree.own - 1j * tree.centers * weight
     for load in loads:
         if load.joint:
             joint = load.joint - 1
@@ -78,7 +75,7 @@ def add(
     for j in reversed(range(count)):
         p = plane.parents[j]
         if p >= 0:
-            tilt[p] += tilt[j] + 1j * (plane.heights[j] - plane.heights[p]) * carried[j] - 1j * (origins[j] - origins[p]) * hanging[j]
+            tilt[p] += tilt[j] + 1j * (plane.heights[j] - plane.heights[p]) * tree.carried[j] - 1j * (origins[j] - origins[p]) * hanging[j]
     points = plane.loop_points @ at
     for j in range(count):
         for k in np.flatnonzero(plane.crossed[j]):

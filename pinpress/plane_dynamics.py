@@ -147,6 +147,7 @@ def closed_basis(plane: Plane, position: Array) -> ComplexArray:
     """
     at = basis(plane, position)
     widest = np.abs(product(plane.closure[: len(plane.loop_points)], at)).max(axis=0, initial=0.0)
+    widest = np.maximum(widest, np.abs(plane.coupled @ position - plane.offsets[:, None]).max(axis=0, initial=0.0))
     if not widest.max() <= LOOSEST * plane.size:
         worst = int(widest.argmax())
         angle = float(position[plane.driver, worst])
@@ -173,6 +174,26 @@ def power_balance(plane: Plane, bodies: Bodies, at: ComplexArray, v: Array, a: A
     return powers.sum(axis=0), np.abs(powers).sum(axis=0)
 
 
+class OpenTree(NamedTuple):
+    """The tree with all loops open, at n configurations.
+
+    Attributes:
+        own: (nv, n) inertia force less weight of every body. carried: of all that hang on a joint, loads taken off.
+        centers: (nv, n) arms of the centres of mass from their joints. closure: `plane_statics.Statics.closure`.
+        passive: (nv, n) efforts that the joints would have to transmit.
+        turning: for every prismatic joint the moment (n,) that it would have to transmit about the normal.
+        guided: arms (n,) of the ``guided`` loops of `Bodies`.
+    """
+
+    own: ComplexArray
+    carried: ComplexArray
+    centers: ComplexArray
+    closure: ComplexArray
+    passive: Array
+    turning: dict[int, Array]
+    guided: ComplexArray
+
+
 def _piece(
     plane: Plane,
     bodies: Bodies,
@@ -184,7 +205,33 @@ def _piece(
     compliance: Array | None,
     result: Wrenches,
 ) -> None:
-    count, loops = len(plane.parents), len(plane.loop_points)
+    """Fill in the result of a piece of the motion."""
+    tree = _open_tree(plane, bodies, at, v, a, loads)
+    across = None
+    if not (bodies.flat and all(plane_axial.is_flat(plane, load) for load in loads)):
+        across = plane_axial.forces(plane, bodies, loads, compliance, v.shape[1])
+    statics = plane_statics.build(plane, tree.closure, tree.carried, bodies.uncrossed, at, compliance)
+    efforts, passive = None, tree.passive
+    if rubbing is not None:
+        efforts = _friction(plane, statics, rubbing, passive, at, across)
+        result.friction[:] = -efforts * rubbing.speeds
+        passive -= _resisted(plane, efforts)
+    count, gears = len(plane.parents), result.coupling
+    bearings = np.empty((count + len(plane.loop_points), v.shape[1]), complex)
+    plane_statics.balance(statics, passive, gears, bearings)
+    result.torque[0] = passive[plane.driver]
+    _in_space(plane, bearings, result.force)
+    for bearing, moment in _about_normal(plane, bodies, tree, bearings[count:], passive[plane.driver], gears, efforts).items():
+        _along_normal(plane, moment, result.moment[bearing])
+    if across is not None:
+        plane_axial.add(plane, bodies, at, v, a, tree, bearings[count:], loads, across, result)
+    if len(gears):  # multipliers so far
+        gears *= plane.coupled[range(len(gears)), plane.followers][:, None]
+
+
+def _open_tree(plane: Plane, bodies: Bodies, at: ComplexArray, v: Array, a: Array, loads: Sequence[AppliedForce]) -> OpenTree:
+    """Newton's and Euler's equations from the tips to the frame."""
+    count = len(plane.parents)
     second = basis_acceleration(plane, at, v, a)
     second[0] = 1.0
     forces = product(bodies.forces, second)
@@ -200,49 +247,37 @@ def _piece(
     for j in bodies.inner:
         moment[plane.parents[j]] += moment[j] + (arms[row].conj() * carried[j]).imag
         row += 1
-    about = {j: moment[j].copy() for j in plane.prismatic}
-    passive = moment  # from here on: generalised forces that the joints would have to transmit
+    turning = {j: moment[j].copy() for j in plane.prismatic}
+    passive = moment  # from here on: efforts
     for j in plane.prismatic:
         passive[j] = (arms[row].conj() * carried[j]).real
         row += 1
     for j in plane.revolute:
         if plane.sense[j] < 0:
             np.negative(passive[j], out=passive[j])
+    return OpenTree(own, carried, arms[:count], closure, passive, turning, arms[row:])
 
-    bearings = np.empty((count + loops, v.shape[1]), complex)
-    pins, gears = bearings[count:], result.coupling
-    statics = plane_statics.build(plane, closure, carried, bodies.uncrossed, at, compliance)
-    across = None
-    if not (bodies.flat and all(plane_axial.is_flat(plane, load) for load in loads)):
-        across = plane_axial.forces(plane, bodies, loads, compliance, v.shape[1])
-    efforts = None
-    if rubbing is not None:
-        efforts = _friction(plane, statics, rubbing, passive, at, across)
-        passive -= _resisted(plane, efforts)
-    plane_statics.balance(statics, passive, gears, bearings)
-    about[plane.driver] = plane.sense[plane.driver] * passive[plane.driver]
-    result.torque[0] = passive[plane.driver]
+
+def _about_normal(
+    plane: Plane, bodies: Bodies, tree: OpenTree, pins: ComplexArray, torque: Array, gears: Array, efforts: Array | None
+) -> dict[int, Array]:
+    """Moments (n,) about the normal of the bearings that transmit one: guides, the driver, geared joints, all that have friction.
+
+    ``torque`` (n,) of the driver; ``gears`` (nc, n) multipliers of the couplings; ``efforts`` (bearings, n) of friction.
+    """
+    moments = tree.turning
+    for (j, k), arm in zip(bodies.guided, tree.guided, strict=True):
+        moments[j] -= plane.crossed[j, k] * (arm.conj() * pins[k]).imag
+    moments[plane.driver] = plane.sense[plane.driver] * torque
     for j in bodies.geared:
-        torque = plane.sense[j] * (plane.coupled[:, j] @ gears)
-        about[j] = about[j] + torque if j in about else torque
-    for j, k in bodies.guided:
-        about[j] -= plane.crossed[j, k] * (arms[row].conj() * pins[k]).imag
-        row += 1
-    if efforts is not None and rubbing is not None:
-        result.friction[:] = -efforts * rubbing.speeds
-        for k in range(loops):
-            about[count + k] = efforts[count + k]
+        moments[j] = moments.get(j, 0.0) + plane.sense[j] * (plane.coupled[:, j] @ gears)
+    if efforts is not None:
+        count = len(plane.parents)
         for j in range(count):
-            resisting = plane.sense[j] * efforts[j] if plane.sense[j] else -plane.crossed[j] @ efforts[count:]
-            about[j] = about[j] + resisting if j in about else resisting
-
-    if len(gears):
-        gears *= plane.coupled[range(len(gears)), plane.followers][:, None]
-    _in_space(plane, bearings, result.force)
-    for index, values in about.items():
-        _along_normal(plane, values, result.moment[index])
-    if across is not None:
-        plane_axial.add(plane, bodies, at, v, a, own, carried, arms[:count], pins, loads, across, result)
+            rubbing = plane.sense[j] * efforts[j] if plane.sense[j] else -plane.crossed[j] @ efforts[count:]
+            moments[j] = moments.get(j, 0.0) + rubbing
+        moments |= dict(enumerate(efforts[count:], count))
+    return moments
 
 
 def _take_load(plane: Plane, at: ComplexArray, carried: ComplexArray, moment: Array, load: AppliedForce) -> None:
