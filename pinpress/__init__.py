@@ -13,8 +13,10 @@ SI units and radians throughout. World z is up; a planar press stands in the x-z
 
 from typing import TYPE_CHECKING, Any
 
+from .checking import Report, check
 from .dead_centres import DeadCentres, dead_centres
 from .errors import AssemblyError, PinpressError, SingularityError, UnknownNameError, UrdfError
+from .findings import Finding
 from .friction import Friction
 from .linkage import Linkage
 from .loading import load, presses
@@ -26,32 +28,41 @@ __all__ = [
     "RPM",
     "AssemblyError",
     "DeadCentres",
+    "Finding",
     "Friction",
     "Linkage",
     "Motion",
     "PinpressError",
     "PointForce",
     "Reactions",
+    "Report",
     "SingularityError",
     "SpringDamper",
     "UnknownNameError",
     "UrdfError",
+    "check",
     "cycle",
     "dead_centres",
     "inverse_dynamics",
     "load",
     "presses",
     "record",
+    "write_urdf",
 ]
 
 if TYPE_CHECKING:
     from .recording import record
+    from .writing import write_urdf
 
 
 def __getattr__(name: str) -> Any:
-    """`record` is imported when it is first used: who only computes should not wait for it."""
+    """`record` and `write_urdf` are imported when first used: who only computes should not wait for them."""
     if name == "record":
         from .recording import record
 
         return record
+    if name == "write_urdf":
+        from .writing import write_urdf
+
+        return write_urdf
     raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

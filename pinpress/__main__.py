@@ -1,11 +1,12 @@
 """The command line: `pinpress`, or `python -m pinpress`."""
 
 import argparse
+import io
 import sys
 import time
 from pathlib import Path
 
-from . import RPM, Linkage, Motion, PinpressError, Reactions, cycle, inverse_dynamics, load, presses
+from . import RPM, Linkage, Motion, PinpressError, Reactions, check, cycle, inverse_dynamics, load, presses
 from .summary import summary
 
 EPILOG = """\
@@ -15,10 +16,12 @@ in world axes, z up; the shaking force is the action of the machine on its found
 
 
 def main(arguments: list[str] | None = None) -> int:
-    """Run the command; exit code 2 with one line on stderr where the input is at fault."""
+    """Run the command; exit code 2 with one line on stderr where the input is at fault, 1 where `check` finds errors."""
     options = _parser().parse_args(arguments)
+    if isinstance(sys.stdout, io.TextIOWrapper):
+        sys.stdout.reconfigure(errors="backslashreplace")  # names may have characters that the terminal's encoding lacks
     try:
-        options.run(options)
+        return int(options.run(options))
     except PinpressError as error:
         print(f"pinpress: {' '.join(str(error).split())}", file=sys.stderr)
         return 2
@@ -27,7 +30,6 @@ def main(arguments: list[str] | None = None) -> int:
         return 0
     except KeyboardInterrupt:
         return 130
-    return 0
 
 
 def _parser() -> argparse.ArgumentParser:
@@ -49,10 +51,28 @@ def _parser() -> argparse.ArgumentParser:
     analyse.add_argument("--driver", metavar="JOINT", help="driven joint, where the URDF has no <transmission> or another is meant")
     analyse.add_argument("--slide", metavar="LINK", help="slide, where it is not the link called slide")
     analyse.set_defaults(run=_analyse)
+    checked = commands.add_parser(
+        "check",
+        help="everything that is wrong with a URDF, odd in it, or worth knowing",
+        description="List what is wrong with a URDF, with line and remedy: names, numbers, inertias, how links are connected, whether\n"
+        "the loops close as drawn and the driver determines them; then what is odd in it, and what is worth knowing.",
+        epilog="exit code: 0 without errors (there may be warnings), 1 with errors, 2 for wrong usage",
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    checked.add_argument("file", metavar="FILE", help="URDF file, or the name of a shipped press")
+    checked.add_argument("--driver", metavar="JOINT", action="append", help="driven joint; may be given several times")
+    checked.add_argument("--slide", metavar="LINK", help="slide, where it is not the link called slide")
+    checked.set_defaults(run=_check)
     return parser
 
 
-def _analyse(options: argparse.Namespace) -> None:
+def _check(options: argparse.Namespace) -> int:
+    report = check(options.file, driver=options.driver, slide=options.slide)
+    print(report)
+    return 1 if report.errors else 0
+
+
+def _analyse(options: argparse.Namespace) -> int:
     press = load(options.file, driver=options.driver, slide=options.slide)
     walk = time.perf_counter()
     _ = press.branch  # followed here, so that the times below are those of any further motion
@@ -66,6 +86,7 @@ def _analyse(options: argparse.Namespace) -> None:
     print(f"  {'time taken':26}{took[0]:12.1f} ms following the assembly once, {took[1]:.1f} ms motion, {took[2]:.1f} ms torque and forces")
     if options.out is not None:
         _write(options.out, press, motion, result)
+    return 0
 
 
 def _write(folder: Path, press: Linkage, motion: Motion, result: Reactions) -> None:

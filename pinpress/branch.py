@@ -15,7 +15,7 @@ import numpy as np
 from .coordinates import Array, ComplexArray
 from .errors import AssemblyError, SingularityError
 
-COARSE_STEP = 2 * np.pi / 64  # longest step of the walk [rad]
+COARSE_STEP = 2 * np.pi / 64  # longest step of the walk, unless the linkage moves too fast for it [rad]
 SUBDIVISION = 8  # nodes of the table per step of the walk
 FIRST_STEP = 1e-3  # of the walk, to learn how the margins change [rad]
 SMALLEST_STEP = 1e-10  # the walk ends where it would need a shorter one: the linkage locks there [rad]
@@ -109,20 +109,34 @@ def walk(close: Close, drawn: Array, size: float, tolerance: float) -> Branch:
     Raises:
         AssemblyError: the linkage is not back at its start after `MOST_TURNS` turns.
     """
+    longest = COARSE_STEP
+    while True:
+        nodes, locks, advance = _around(close, drawn, size, tolerance, longest)
+        found = _table(close, nodes, size, tolerance)
+        if found is not None:
+            period = None if locks else nodes[-1].angle - nodes[0].angle
+            return Branch(*found, period, advance, locks)
+        longest /= 2
+        if longest < FIRST_STEP:
+            raise AssemblyError("the drawn assembly cannot be followed", 0.0, 0.0, 0)
+
+
+def _around(
+    close: Close, drawn: Array, size: float, tolerance: float, longest: float
+) -> "tuple[list[_Node], tuple[Lock, Lock] | None, Array]":
+    """Nodes of a full period, or from lock to lock, the locks, and `Branch.advance`."""
     start = close(np.zeros(1), drawn[:, None])
     upward = [_Node.of(0.0, start)]
     for turn in range(1, MOST_TURNS + 1):
-        high = _advance(close, upward, 2 * np.pi * turn, size, tolerance)
+        high = _advance(close, upward, 2 * np.pi * turn, size, tolerance, longest)
         if high is not None:
             downward = upward[:1]
-            low = _advance(close, downward, -2 * np.pi * MOST_TURNS, size, tolerance) or Lock(downward[-1].angle, 1.0)
-            angles, coefficients = _table(close, downward[:0:-1] + upward, size, tolerance)
-            return Branch(angles, coefficients, None, np.zeros_like(drawn), (low, high))
+            low = _advance(close, downward, -2 * np.pi * MOST_TURNS, size, tolerance, longest) or Lock(downward[-1].angle, 1.0)
+            return downward[:0:-1] + upward, (low, high), np.zeros_like(drawn)
         gained = upward[-1].position - drawn
         advance = 2 * np.pi * np.round(gained / (2 * np.pi))
         if np.all(np.abs(gained - advance) <= 1e-9 * (1 + size)):
-            angles, coefficients = _table(close, upward, size, tolerance)
-            return Branch(angles, coefficients, 2 * np.pi * turn, advance, None)
+            return upward, None, advance
     raise AssemblyError(
         f"the linkage is not back at its drawn pose after {MOST_TURNS} turns of the driver", upward[-1].angle, float(start.gap[0]), 0
     )
@@ -174,8 +188,8 @@ class _Node:
         return _Node(angle, closure.position[:, 0], closure.first[:, 0], closure.second[:, 0], closure.margins[:, 0])
 
 
-def _advance(close: Close, nodes: list[_Node], target: float, size: float, tolerance: float) -> Lock | None:
-    """Append nodes up to the crank angle ``target``; where the linkage locks before it, say where."""
+def _advance(close: Close, nodes: list[_Node], target: float, size: float, tolerance: float, longest: float = COARSE_STEP) -> Lock | None:
+    """Append nodes up to the crank angle ``target`` in steps up to the ``longest``; where the linkage locks before it, say where."""
     direction = 1.0 if target > nodes[-1].angle else -1.0
     step = FIRST_STEP
     weight = 1.0 / (1.0 + size)
@@ -184,7 +198,7 @@ def _advance(close: Close, nodes: list[_Node], target: float, size: float, toler
         ahead = _singularity_ahead(nodes[-2], last) if len(nodes) > 1 else np.inf
         margin = float(np.abs(last.margins).min(initial=1.0))
         if margin < SMALLEST_MARGIN:
-            return Lock(last.angle + direction * min(ahead, COARSE_STEP), margin)
+            return Lock(last.angle + direction * min(ahead, longest), margin)
         step = min(step, 0.5 * ahead)
         remaining = abs(target - last.angle)
         # the last step of a turn is stretched or cut to end on it exactly
@@ -194,7 +208,7 @@ def _advance(close: Close, nodes: list[_Node], target: float, size: float, toler
         closure = close(np.array([angle]), guess[:, None])
         if _belongs(closure, guess, last, h, weight, tolerance):
             nodes.append(_Node.of(angle, closure))
-            step = min(2 * step, COARSE_STEP)
+            step = min(2 * step, longest)
         else:
             step = min(step, abs(h)) / 2
             if step < SMALLEST_STEP:
@@ -228,8 +242,11 @@ def _belongs(closure: Closure, guess: Array, last: _Node, h: float, weight: floa
     return bool(correction <= 0.1 * abs(h) * (1.0 + weight * np.abs(last.first).max()))
 
 
-def _table(close: Close, nodes: list[_Node], size: float, tolerance: float) -> tuple[Array, Array]:
-    """Nodes and polynomials on a finer grid than the walk's, its nodes closed all at once from the walk's own polynomials."""
+def _table(close: Close, nodes: list[_Node], size: float, tolerance: float) -> tuple[Array, Array] | None:
+    """Nodes and polynomials on a finer grid than the walk's, its nodes closed all at once from the walk's own polynomials.
+
+    None where the walk was too coarse for these: its steps are to be shorter.
+    """
     coarse = np.array([node.angle for node in nodes])
     polynomials = _hermite(coarse, *(np.array([getattr(node, name) for node in nodes]) for name in ("position", "first", "second")))
     shares = np.arange(SUBDIVISION) / SUBDIVISION
@@ -238,8 +255,7 @@ def _table(close: Close, nodes: list[_Node], size: float, tolerance: float) -> t
     closure = close(angles, guess)
     moved = np.abs(closure.position - guess).max(axis=0)
     if not (closure.widest <= tolerance and moved.max() <= LARGEST_CORRECTION * (1 + size)):
-        worst = int(np.argmax(np.where(np.isfinite(moved), moved, np.inf)))
-        raise AssemblyError("the drawn assembly cannot be followed", float(angles[worst]), float(closure.gap[worst]), closure.iterations)
+        return None
     return angles, _hermite(angles, closure.position.T, closure.first.T, closure.second.T)
 
 

@@ -1,24 +1,21 @@
 """From a URDF file to a `Linkage`: read, closed in its drawn pose, and found to be moved by its driver alone."""
 
 import os
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
 import pinocchio as pin
 
-from . import plane, spatial
+from . import findings
 from .coordinates import Array
-from .errors import AssemblyError, PinpressError, SingularityError, UnknownNameError, UrdfError, suggestion
-from .linkage import ACCEPTED, Linkage
+from .errors import PinpressError, UnknownNameError, UrdfError, suggestion
+from .linkage import Linkage
 from .loops import Coupling, LoopJoint
 
 if TYPE_CHECKING:
     from . import urdf
-
-CLOSE_TO_DRAWN = 0.25  # how far closing the drawn pose may turn a joint [rad], or move it in lengths of the linkage
-ROUNDED = 1e-2  # axes as near to parallel as this are meant to be parallel [rad]
 
 
 def presses() -> tuple[str, ...]:
@@ -49,17 +46,36 @@ def load(
     """
     from . import urdf  # only reading needs it, and it is a tenth of the package's import
 
-    file = os.fspath(path)
-    if not os.path.exists(file) and file in presses():
-        path = _library() / f"{file}.urdf"
-    elif not os.path.exists(file) and not file.endswith((".urdf", ".xml")):
-        raise UrdfError(file, None, None, "no such file", f"name a URDF file or a shipped press ({', '.join(presses())})")
-    press = assembled(urdf.read(path), driver, slide, gravity)
-    check_drawn_pose(press)
+    press = assembled(urdf.read(located(path)), driver, slide, gravity)
+    check_drawn_pose(press, findings.command(press.file, () if driver is None else press.drivers, slide))
     return press
 
 
-def assembled(description: "urdf.Urdf", driver: str | Sequence[str] | None, slide: str | None, gravity: Sequence[float]) -> Linkage:
+def check_drawn_pose(press: Linkage, command: str | None = None) -> None:
+    """Raise the first of the errors that `pose_checks` finds in a linkage; ``command`` lists all of them."""
+    from . import pose_checks
+
+    findings.refuse(pose_checks.errors(press), command or findings.command(press.file))
+
+
+def located(path: str | os.PathLike[str]) -> str | os.PathLike[str]:
+    """The path of a URDF file, given itself or the name of a shipped press; raises UrdfError where there is neither."""
+    file = os.fspath(path)
+    if os.path.exists(file):
+        return path
+    if file in presses():
+        return _library() / f"{file}.urdf"
+    if file.endswith((".urdf", ".xml")) or "\0" in file:
+        return path  # reading it says what is wrong with it
+    raise UrdfError(file, None, None, "no such file", f"name a URDF file or a shipped press ({', '.join(presses())})")
+
+
+def assembled(
+    description: "urdf.Urdf",
+    driver: str | Sequence[str] | None,
+    slide: str | None,
+    gravity: Sequence[float] = (0.0, 0.0, -9.81),
+) -> Linkage:
     """The linkage of a URDF without problems, not yet closed; arguments and errors as of `load`."""
     drivers = _drivers(description, driver)
     try:
@@ -103,7 +119,9 @@ def _line(description: "urdf.Urdf", joint: str) -> int:
 
 def _drivers(description: "urdf.Urdf", driver: str | Sequence[str] | None) -> tuple[str, ...]:
     moving = [joint.name for joint in description.joints if joint.type != "fixed"]
-    given = description.drivers if driver is None else (driver,) if isinstance(driver, str) else tuple(driver)
+    given: tuple[str, ...] = description.drivers
+    if driver is not None:
+        given = (driver,) if isinstance(driver, str) or not isinstance(driver, Iterable) else tuple(driver)
     for name in given:
         if name not in moving:
             raise UnknownNameError("moving joint", name, moving)
@@ -138,47 +156,6 @@ def _loop_joint(model: pin.Model, loop: "urdf.Loop") -> LoopJoint:
         place = frame.placement * pin.SE3(pin.rpy.rpyToMatrix(np.array(end.rpy)), np.array(end.xyz))
         ends.append((int(frame.parentJoint), place.translation, place.rotation @ turned))
     return LoopJoint(loop.name, loop.type, *ends[0], *ends[1], loop.line)
-
-
-def check_drawn_pose(press: Linkage) -> None:
-    """Raise where a linkage does not close near its drawn pose, or its drivers do not determine it; errors as of `load`."""
-    general, closure, closed = press.spatial, press.drawn, press.closed
-    tolerance = ACCEPTED * (press.plane or general).tolerance
-    assembled = bool(closure.gap[0] <= tolerance) and np.abs(closed).max() <= CLOSE_TO_DRAWN * max(1.0, general.size)
-    rows = press.equations(closed if assembled else np.zeros_like(closed))
-    free = general.model.nv - spatial.rank(rows.columns)
-    rounded = None
-    if plane.PARALLEL < (off := plane.misalignment(press.model, general.drivers[0])) < ROUNDED:
-        rounded = f"axes are up to {off:.2g} rad from parallel: write angles in full, 1.5707963267948966 for a quarter turn"
-    if free != len(press.drivers):
-        drive = "one joint drives" if len(press.drivers) == 1 else f"{len(press.drivers)} joints drive"
-        stuck = rounded or "a loop, a gear pair or a fixed joint too many: nothing can move"
-        loose = "a <loop_joint> is missing, a link hangs free, or a driver is missing"
-        many = "drive fewer joints" if free > 0 else stuck
-        remedy = loose if free > len(press.drivers) else many
-        raise UrdfError(press.file, f'<robot name="{press.name}">', None, f"mobility is {free}, but {drive}", remedy)
-    if not assembled:
-        worst = general.equations().worst(rows.gaps)
-        held: LoopJoint | Coupling = [*press.loops, *press.couplings][worst]
-        kind = "loop" if isinstance(held, LoopJoint) else "gear pair of joint"
-        remedy = rounded or "draw it closed, or change the link lengths"
-        if press.plane.redundant if press.plane else spatial.rank(rows.columns) < len(rows.gaps):
-            remedy += "; loops hold each other here, so that lengths and angles must fit to all digits"
-        raise AssemblyError(
-            f"{press.file}:{held.line}: {kind} {held.name!r} does not close near the drawn pose; {remedy}",
-            0.0,
-            general.equations().widest(rows.gaps),
-            closure.iterations,
-        )
-    passive = np.delete(rows.columns, general.drivers, axis=1)
-    if spatial.rank(passive) < passive.shape[1]:
-        values = spatial.singular_values(passive)
-        names = ", ".join(repr(name) for name in press.drivers)
-        raise SingularityError(
-            f"{press.file}: joint {names} does not determine the drawn pose; draw the linkage away from its dead point",
-            0.0,
-            float(values.min()) if len(values) == passive.shape[1] else 0.0,
-        )
 
 
 def _slide(description: "urdf.Urdf", model: pin.Model, slide: str | None) -> str | None:

@@ -13,7 +13,6 @@ import os
 import re
 from collections import Counter
 from collections.abc import Iterable, Iterator
-from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -22,7 +21,7 @@ import numpy as np
 import numpy.typing as npt
 import pinocchio as pin
 
-from . import urdf
+from . import files, urdf
 from .errors import PinpressError
 
 if TYPE_CHECKING:
@@ -52,14 +51,12 @@ def record(press: "Linkage", motion: "Motion", path: str | os.PathLike[str]) -> 
         PinpressError: no time in the motion, a value that is not finite, a shape that cannot be drawn, Meshcat not
             installed, or a path that cannot be written.
     """
-    target = Path(path)
     turns_back = len(press.drivers) == 1 and press.branch.period is not None and press.branch.period < 2.1 * np.pi
     keys = _keys(motion, press.slide is not None, turns_back)
     links = _links(press)
     poses = {link.frame: _poses(press.model, keys.q, link.frame) for link in links}
     scene = _pack(_commands(links, poses, keys.time))
-    _write(target, _page(press.name, keys, _legend(links, poses), scene))
-    return target
+    return files.write(path, _page(press.name, keys, _legend(links, poses), scene).encode())
 
 
 @dataclass(frozen=True)
@@ -236,15 +233,3 @@ def _page(name: str, keys: _Keys, legend: list[dict[str, str]], scene: list[str]
     fields = _viewer() | {"title": html.escape(name), "data": json.dumps(data, separators=(",", ":")).replace("<", "\\u003c")}
     template = importlib.resources.files(__package__).joinpath("recording_page.html").read_text("utf-8")
     return re.sub(r"\{\{(\w+)\}\}", lambda match: fields[match[1]], template)  # one pass: what is filled in is not searched again
-
-
-def _write(target: Path, page: str) -> None:
-    part = target.parent / f".{target.name}.{os.getpid()}.part"  # in the same directory, so that the last step is atomic
-    try:
-        part.write_text(page, encoding="utf-8", newline="\n")
-        os.replace(part, target)
-    except OSError as error:
-        raise PinpressError(f"cannot write {target}: {error.strerror}; give a file in a directory you can write to") from error
-    finally:
-        with suppress(OSError):  # gone already, unless something failed
-            part.unlink()

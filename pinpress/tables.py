@@ -1,5 +1,6 @@
 """Columns of numbers to files and frames that other programs read."""
 
+import io
 import itertools
 import os
 from collections.abc import Mapping, Sequence
@@ -7,6 +8,7 @@ from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
 
+from . import files
 from .coordinates import Array
 from .errors import PinpressError
 
@@ -31,13 +33,11 @@ def write_csv(path: str | os.PathLike[str], columns: Mapping[str, Array]) -> Non
     """
     import csv
 
-    try:
-        with open(path, "w", newline="", encoding="utf-8") as file:
-            writer = csv.writer(file, lineterminator="\n")
-            writer.writerow(columns)
-            writer.writerows(np.column_stack(list(columns.values())).tolist())
-    except (OSError, ValueError) as error:
-        raise _unwritable(path, error) from None
+    text = io.StringIO(newline="")
+    writer = csv.writer(text, lineterminator="\n")
+    writer.writerow(columns)
+    writer.writerows(np.column_stack(list(columns.values())).tolist())
+    files.write(path, text.getvalue().encode())
 
 
 def write_mat(path: str | os.PathLike[str], columns: Mapping[str, Array]) -> None:
@@ -54,11 +54,9 @@ def write_mat(path: str | os.PathLike[str], columns: Mapping[str, Array]) -> Non
         plain = "".join(c if c.isascii() and c.isalnum() else "_" for c in name.rsplit(" [", 1)[0])
         number = next(k for k in itertools.count(1) if (plain if k == 1 else f"{plain}_{k}") not in taken)
         taken[plain if number == 1 else f"{plain}_{number}"] = values
-    try:
-        with open(path, "wb") as file:
-            savemat(file, taken, long_field_names=True, oned_as="column")
-    except (OSError, ValueError) as error:
-        raise _unwritable(path, error) from None
+    content = io.BytesIO()
+    savemat(content, taken, long_field_names=True, oned_as="column")
+    files.write(path, content.getvalue())
 
 
 def frame(columns: Mapping[str, Array]) -> "DataFrame":
@@ -72,8 +70,3 @@ def frame(columns: Mapping[str, Array]) -> "DataFrame":
     except ImportError:
         raise PinpressError("pandas is not installed: pip install 'pinpress[tables]'") from None
     return pandas.DataFrame(dict(columns))
-
-
-def _unwritable(path: str | os.PathLike[str], error: Exception) -> PinpressError:
-    reason = getattr(error, "strerror", None) or str(error)  # no strerror: a null character in the path
-    return PinpressError(f"cannot write {os.fspath(path)}: {reason}; choose another place")

@@ -8,15 +8,12 @@ import html
 import math
 import os
 import re
-from collections.abc import Iterator
 from dataclasses import dataclass, field
 from xml.parsers import expat
 
-from . import urdf_checks
+from . import body_checks, urdf_checks
 from .errors import UrdfError
-from .urdf_checks import LOOP_TYPES
-
-__all__ = ["LOOP_TYPES", "Element", "Joint", "Loop", "LoopEnd", "Urdf", "problems", "read"]
+from .findings import Finding, command, refuse
 
 _TEXTS = ("link", "joint", "filename")  # attributes that hold no numbers; all others that are asked for hold one, but
 _COUNTS = {"xyz": 3, "rpy": 3, "size": 3, "scale": 3, "rgba": 4}
@@ -133,33 +130,38 @@ class Element:
         return shown if above is None or above.parent is None else f"{shown} of {above}"
 
 
+@dataclass(frozen=True, eq=False)
+class Document:
+    """A file that is XML, and whose root is <robot>: its path, its content and its root element."""
+
+    file: str
+    text: bytes
+    robot: Element
+
+
 def read(path: str | os.PathLike[str]) -> Urdf:
     """Reads a URDF; raises UrdfError on its first problem."""
-    file, text, robot = _parse(path)
-    for problem in _problems(file, robot):
-        raise problem
+    document = parse(path)
+    refuse(errors(document), command(document.file))
+    return describe(document)
+
+
+def errors(document: Document) -> list[Finding]:
+    """All that is wrong with a URDF before its links are put together."""
+    problems = [*urdf_checks.problems(document.robot), *body_checks.problems(document.robot)]
+    return [Finding.of(UrdfError(document.file, str(element), element.line, *said)) for element, *said in problems]
+
+
+def describe(document: Document) -> Urdf:
+    """What a URDF without errors says."""
+    robot = document.robot
     links = tuple(link.get("name") for link in robot.all("link"))
     joints = tuple(_joint(joint) for joint in robot.all("joint"))
     loops = tuple(_loop(loop) for loop in robot.all("loop_joint"))
     children = {joint.child for joint in joints}
     root = next(link for link in links if link not in children)
     drivers = [joint.get("name") for transmission in robot.all("transmission") for joint in transmission.all("joint")]
-    return Urdf(file, text, robot.get("name"), root, links, joints, loops, tuple(dict.fromkeys(drivers)))
-
-
-def problems(path: str | os.PathLike[str]) -> Iterator[UrdfError]:
-    """Every problem of a URDF, the one that ``read`` raises first; a file that is no XML has just that one."""
-    try:
-        file, _, robot = _parse(path)
-    except UrdfError as error:
-        yield error
-    else:
-        yield from _problems(file, robot)
-
-
-def _problems(file: str, robot: Element) -> Iterator[UrdfError]:
-    for element, problem, remedy in urdf_checks.problems(robot):
-        yield UrdfError(file, str(element), element.line, problem, remedy)
+    return Urdf(document.file, document.text, robot.get("name"), root, links, joints, loops, tuple(dict.fromkeys(drivers)))
 
 
 def _joint(joint: Element) -> Joint:
@@ -183,8 +185,8 @@ def _loop_end(end: Element) -> LoopEnd:
     return LoopEnd(end.get("link"), (x, y, z), (roll, pitch, yaw))
 
 
-def _parse(path: str | os.PathLike[str]) -> tuple[str, bytes, Element]:
-    """The file's path, its content and its root element; raises UrdfError where it is no URDF at all."""
+def parse(path: str | os.PathLike[str]) -> Document:
+    """The elements of a URDF; raises UrdfError where it is no URDF at all."""
     file = os.fspath(path)
     try:
         with open(path, "rb") as stream:
@@ -194,15 +196,18 @@ def _parse(path: str | os.PathLike[str]) -> tuple[str, bytes, Element]:
         raise UrdfError(file, None, None, f"cannot be read: {reason}", "give the path of a URDF file") from error
     try:
         document = text.decode("utf-8-sig")
+        odd = text.find(0)  # a null character, as in UTF-16, which Expat would read
     except UnicodeDecodeError as error:
-        line = text.count(b"\n", 0, error.start) + 1
-        raise UrdfError(file, None, line, f"is not UTF-8 text (byte {error.start})", "save it in the UTF-8 encoding") from error
+        odd = error.start
+    if odd >= 0:
+        line = text.count(b"\n", 0, odd) + 1
+        raise UrdfError(file, None, line, f"is not UTF-8 text (byte {odd})", "save it in the UTF-8 encoding")
     if not document.strip():
         raise UrdfError(file, None, None, "is empty", "write a <robot> element")
     robot = tree(file, document.encode())
     if robot.tag != "robot":
         raise UrdfError(file, str(robot), robot.line, "the root element is not <robot>", "give a URDF file")
-    return file, text, robot
+    return Document(file, text, robot)
 
 
 def tree(file: str, document: bytes) -> Element:
@@ -213,25 +218,27 @@ def tree(file: str, document: bytes) -> Element:
     opened: list[Element] = []
     roots: list[Element] = []
 
-    def refuse(problem: str, remedy: str, element: str | None = None) -> None:
+    def forbid(problem: str, remedy: str, element: str | None = None) -> None:
         raise UrdfError(file, element, parser.CurrentLineNumber, problem, remedy)
 
     def start(tag: str, attributes: dict[str, str]) -> None:
         attributes |= _broken(document, parser.CurrentByteIndex)
         element = Element(tag, attributes, parser.CurrentLineNumber, opened[-1] if opened else None)
         if tag.startswith("xacro:"):
-            refuse("is xacro, not URDF", "expand the file first: xacro press.urdf.xacro > press.urdf", str(element))
+            forbid("is xacro, not URDF", "expand the file first: xacro press.urdf.xacro > press.urdf", str(element))
+        if tag.endswith(":include"):
+            forbid("is XInclude, which Pinocchio does not read", "write what it includes in its place", str(element))
         if len(opened) > _DEEPEST:
-            refuse("is nested too deeply", "remove it", str(element))
+            forbid("is nested too deeply", "remove it", str(element))
         (opened[-1].children if opened else roots).append(element)
         opened.append(element)
 
     parser.StartElementHandler = start
     parser.EndElementHandler = lambda tag: opened.pop()
-    parser.StartDoctypeDeclHandler = lambda *_: refuse(
+    parser.StartDoctypeDeclHandler = lambda *_: forbid(
         "has a document type declaration", "write its entities out, and remove <!DOCTYPE ...>"
     )
-    parser.ProcessingInstructionHandler = lambda name, _: refuse("has a processing instruction", f"remove <?{name} ...?>")
+    parser.ProcessingInstructionHandler = lambda name, _: forbid("has a processing instruction", f"remove <?{name} ...?>")
     try:
         parser.Parse(document, True)
     except expat.ExpatError as error:

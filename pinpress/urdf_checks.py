@@ -1,4 +1,4 @@
-"""What can be wrong with the elements of a URDF: the checks of `urdf.read`, from the single number to the tree as a whole.
+"""What can be wrong with the elements of a URDF, from the single number to the gear pairs; `body_checks` has what they make together.
 
 Every check yields the elements at fault and goes on, so that a file's problems can be listed together; none may therefore rely on another
 having passed.
@@ -7,8 +7,6 @@ having passed.
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING
-
-import numpy as np
 
 from .errors import suggestion
 
@@ -82,11 +80,8 @@ def problems(robot: "Element") -> Iterator[Problem]:
     for joint in robot.all("joint"):
         yield from _type_problems(joint, "joint", _JOINT_TYPES, _UNSUPPORTED_JOINT_TYPES)
         yield from _joint_problems(joint)
-    yield from _tree_problems(robot)
-    yield from _inertia_problems(robot)
     for loop in robot.all("loop_joint"):
         yield from _type_problems(loop, "loop", LOOP_TYPES, {})
-        yield from _end_problems(loop, "link1", "link2", _names(robot, "link"))
         if loop.get("type") == "revolute":
             yield from _axis_problems(loop)
         elif loop.all("axis"):
@@ -151,7 +146,7 @@ def _name_problems(robot: "Element") -> Iterator[Problem]:
                 yield element, "has no name", f'write <{tag} name="...">'
             elif name in first:
                 yield element, f"the name is already that of the <{tag}> on line {first[name].line}", f"give each <{tag}> its own name"
-            elif tag == "loop_joint" and name in _names(robot, "joint"):
+            elif tag == "loop_joint" and name in names(robot, "joint"):
                 yield element, "the name is already that of a <joint>", "give each bearing, joint or loop, its own name"
             elif tag == "joint" and name == "universe":
                 yield element, "the name 'universe' is Pinocchio's own, for the world", "give the joint another name"
@@ -197,79 +192,6 @@ def _axis_problems(joint: "Element") -> Iterator[Problem]:
             yield element, f"the axis has length {length:.9g}, not 1", f'write xyz="{unit}"'
 
 
-def _tree_problems(robot: "Element") -> Iterator[Problem]:
-    links = _names(robot, "link")
-    if not links:
-        yield robot, "has no <link>", "write the links and joints of the linkage"
-        return
-    carriers: dict[str, str] = {}
-    unsound = False
-    for joint in robot.all("joint"):
-        ends = list(_end_problems(joint, "parent", "child", links))
-        yield from ends
-        _, child = _ends(joint)
-        unsound = unsound or bool(ends) or not all(_ends(joint))
-        if not ends and child in carriers:
-            remedy = "a link has one parent; write the second joint as a <loop_joint>"
-            yield joint, f"its child {child!r} is already the child of joint {carriers[child]!r}", remedy
-        carriers.setdefault(child, joint.get("name"))
-    if unsound:
-        return  # what the joints connect is not known
-
-    elements = {link.get("name"): link for link in robot.all("link")}
-    roots, bodies = [link for link in links if link not in carriers], _bodies(robot)
-    lost = [link for link in links if link not in bodies]
-    if not roots:
-        yield robot, "has no root link: every link is some joint's child", "let one link, the frame, be no joint's child"
-    elif len(roots) > 1:
-        yield elements[roots[1]], f"there are {len(roots)} root links: {', '.join(roots)}", "connect all but one with a <joint>"
-    elif lost:
-        remedy = "write one joint of the cycle as a <loop_joint>"
-        yield elements[lost[0]], f"a cycle of joints, not connected to the root: {', '.join(lost)}", remedy
-
-
-def _inertia_problems(robot: "Element") -> Iterator[Problem]:
-    bodies = _bodies(robot)
-    frame = next(iter(bodies), None)
-    heavy = {bodies.get(link.get("name")) for link in robot.all("link") if link.all("inertial")}
-    for link in robot.all("link"):
-        name = link.get("name")
-        moving = bodies.get(name, frame) != frame
-        if moving and bodies[name] == name and name not in heavy:
-            yield link, "it moves, but has no <inertial>, nor has any link welded to it", "write <inertial> with <mass> and <inertia>"
-        for inertial in link.all("inertial"):
-            for element in inertial.all("mass"):
-                for mass in element.numbers("value"):
-                    if moving and mass <= 0:
-                        yield element, f"the mass {mass!r} of a moving link is not positive", "write it in kg, or remove <inertial>"
-                    elif mass < 0:
-                        yield element, f"the mass {mass!r} is negative", "write it in kg"
-            for element in inertial.all("inertia"):
-                if problem := _tensor_problem(element):
-                    yield element, problem, "write the moments about the centre of mass [kg m2], products with the sign of -integral xy dm"
-
-
-def _tensor_problem(inertia: "Element") -> str | None:
-    """Why no distribution of mass has this inertia tensor; None if one has.
-
-    Principal moments obey I1 + I2 >= I3 >= 0. The tolerance, 1e-6 of the largest, lets the rounded figures of a CAD printout pass.
-    All zeros, a point mass, pass too.
-    """
-    moments = [value for name in ("ixx", "ixy", "ixz", "iyy", "iyz", "izz") for value in inertia.numbers(name)]
-    if len(moments) != 6:
-        return None  # said elsewhere
-    xx, xy, xz, yy, yz, zz = moments
-    scale = max(map(abs, moments)) or 1.0  # so that nothing overflows
-    principal = np.linalg.eigvalsh(np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]) / scale)
-    tolerance = 1e-6 * abs(principal).max()
-    shown = ", ".join(f"{float(moment) * scale:.6g}" for moment in principal)
-    if principal[0] < -tolerance:
-        return f"a principal moment of inertia is negative ({shown})"
-    if principal[2] > principal[0] + principal[1] + tolerance:
-        return f"the largest principal moment of inertia exceeds the sum of the other two ({shown})"
-    return None
-
-
 def _mimic_problems(robot: "Element") -> Iterator[Problem]:
     types = {joint.get("name"): joint.get("type") for joint in robot.all("joint")}
     for joint in robot.all("joint"):
@@ -285,6 +207,29 @@ def _mimic_problems(robot: "Element") -> Iterator[Problem]:
                 yield mimic, f"joint {leader!r} is fixed: nothing to follow", "name a joint that moves"
             if mimic.numbers("multiplier") == (0.0,):
                 yield mimic, "multiplier is 0, which locks the joint", 'write the ratio of the gear pair, or type="fixed"'
+    yield from _gear_ring_problems(robot)
+
+
+def _gear_ring_problems(robot: "Element") -> Iterator[Problem]:
+    """Of joints that mimic each other in a ring: what one turns by must come back to it unchanged."""
+    leaders = {joint.get("name"): (mimic.get("joint"), mimic) for joint in robot.all("joint") for mimic in joint.all("mimic")[:1]}
+    seen: set[str] = set()
+    for name in leaders:
+        path: list[str] = []
+        while name in leaders and name not in seen and name not in path:
+            path.append(name)
+            name = leaders[name][0]
+        seen.update(path)
+        ring = path[path.index(name) :] if name in path else []
+        if len(ring) < 2:
+            continue  # one that mimics itself has been said to
+        multiplier, offset = 1.0, 0.0
+        for follower in reversed(ring):  # in the end, the first one = multiplier x itself + offset
+            (ratio,), (shift,) = (leaders[follower][1].numbers(word) or (start,) for word, start in (("multiplier", 1.0), ("offset", 0.0)))
+            multiplier, offset = ratio * multiplier, ratio * offset + shift
+        if abs(multiplier - 1) > 1e-9 or abs(offset) > 1e-9:
+            problem = f"a ring of gear pairs that locks: {' mimics '.join([*ring, ring[0]])}; one turn comes back as {multiplier:.9g}"
+            yield leaders[ring[0]][1], f"{problem} turns, {offset:.9g} further", "remove one <mimic> of the ring"
 
 
 def _transmission_problems(robot: "Element") -> Iterator[Problem]:
@@ -302,39 +247,5 @@ def _transmission_problems(robot: "Element") -> Iterator[Problem]:
                 yield joint, f"joint {name!r} is fixed and cannot drive", "name a revolute, continuous or prismatic joint"
 
 
-def _end_problems(element: "Element", tag1: str, tag2: str, links: Sequence[str]) -> Iterator[Problem]:
-    """Of the two links that a joint or loop connects."""
-    for end in element.all(tag1, tag2):
-        name = end.get("link")
-        if name and name not in links:
-            yield end, f"no link {name!r}{suggestion(name, links)}", "name a <link> of this file"
-    name1, name2 = _ends(element, tag1, tag2)
-    if name1 and name1 == name2:
-        yield element, f"{tag1} and {tag2} are the same link {name1!r}", "write the two links that it connects"
-
-
-def _bodies(robot: "Element") -> dict[str, str]:
-    """For each link that joints connect to the root, root first, the first link of its body: of those welded together by fixed joints."""
-    joints: dict[str, list[tuple[str, bool]]] = {}
-    for joint in robot.all("joint"):
-        parent, child = _ends(joint)
-        joints.setdefault(parent, []).append((child, joint.get("type") == "fixed"))
-    children = {child for carried in joints.values() for child, _ in carried}
-    reached = [link for link in _names(robot, "link") if link not in children][:1]
-    bodies = {root: root for root in reached}
-    for parent in reached:  # grows as it goes
-        for child, fixed in joints.get(parent, ()):
-            if child not in bodies:
-                bodies[child] = bodies[parent] if fixed else child
-                reached.append(child)
-    return bodies
-
-
-def _names(robot: "Element", tag: str) -> list[str]:
+def names(robot: "Element", tag: str) -> list[str]:
     return [name for element in robot.all(tag) if (name := element.get("name"))]
-
-
-def _ends(element: "Element", tag1: str = "parent", tag2: str = "child") -> tuple[str, str]:
-    """Names of the links that a joint or loop connects, empty where missing."""
-    end1, end2 = element.all(tag1), element.all(tag2)
-    return end1[0].get("link") if end1 else "", end2[0].get("link") if end2 else ""

@@ -5,7 +5,7 @@ import re
 import numpy as np
 import pinocchio as pin
 import pytest
-from random_linkages import four_bar
+from random_linkages import Group, Spec, drawn, four_bar
 
 import pinpress as pp
 from pinpress.branch import predict
@@ -252,3 +252,17 @@ def test_a_drag_link_goes_round(tmp_path, bounded):
         np.testing.assert_allclose(turned, rocker + 6 * np.pi, rtol=0, atol=1e-12)
         assert np.diff(rocker).min() > 0.0
         assert abs((rocker[-1] - rocker[0]) - 34) < 2 * np.pi
+
+
+@pytest.mark.parametrize("engine", ["plane", "pinocchio"])
+def test_links_that_turn_fast_are_followed_in_shorter_steps(tmp_path, engine):
+    """Far from any singularity, but the coupler turns so fast that the walk's ordinary steps predict it badly."""
+    spec = Spec(groups=(Group("RRR", 0, (1, 0, 0)),), seed=4, tilted=True, stacked=False, solid=False, extra=False)
+    path = tmp_path / "fast.urdf"
+    path.write_text(drawn(spec).urdf("crank"), encoding="utf-8")
+    press = pp.load(path)
+    assert len(press.branch.angles) > 2 * len(pp.load("zxn2_3000b").branch.angles) - 64
+    motion = pp.cycle(press, 5.0, points=720, engine=engine)
+    assert motion.closure_error.max() < 1e-13
+    turned = np.abs(np.diff(motion.joint_position, axis=0)).max()  # half a degree of the crank
+    assert turned < 0.15

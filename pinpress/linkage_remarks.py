@@ -1,0 +1,125 @@
+"""What is odd or worth knowing about a linkage that can be loaded: warnings and notes."""
+
+from collections.abc import Iterator
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from . import freedom, urdf_remarks
+from .branch import Branch, predict
+from .coordinates import Array
+from .errors import PinpressError
+from .findings import Finding
+from .linkage import Linkage
+from .plane import PARALLEL
+from .pose_checks import apart, rounded
+
+if TYPE_CHECKING:
+    from .urdf import Element
+
+OPEN = 1e-6  # a loop drawn further open than this is said to be [lengths of the linkage, rad]
+OUTSIDE = 1e-9  # a joint further beyond its limit than this has left it [rad or m]
+HARDLY = 1.0  # a driver that turns by less hardly moves the linkage [deg]
+SAMPLES = 720  # per turn
+POSES = 6  # looked at for redundancy: one may be a dead centre, where idle forces pass some loops by
+
+
+def remarks(press: Linkage, robot: "Element") -> Iterator[Finding]:
+    """All of them; ``robot``: root element of the linkage's URDF."""
+    yield from _drawn_open(press)
+    yield from urdf_remarks.gyration(robot, press.spatial.size)
+    poses = press.closed[:, None]
+    if len(press.drivers) == 1:
+        line = next(joint.line for joint in robot.all("joint") if joint.get("name") == press.driver)
+        where = f'<joint name="{press.driver}">', line
+        try:
+            branch = press.branch
+        except PinpressError as error:
+            yield Finding("warning", *where, f"the drawn assembly cannot be followed through a turn: {error}", "change the link lengths")
+        else:
+            poses = np.hstack([poses, predict(branch, np.linspace(branch.angles[0], branch.angles[-1], POSES))])
+            if branch.period is None:
+                low, high = np.degrees([branch.angles[0], branch.angles[-1]])
+                severity = "note" if high - low > HARDLY else "warning"
+                remedy = "keep motions inside, or correct the lengths"
+                yield Finding(severity, *where, f"it turns only from {low:.6g} to {high:.6g} deg, where the linkage locks", remedy)
+            yield from _limits(press, branch, robot)
+    yield from _redundant(press, poses)
+    yield from _engine(press)
+
+
+def _drawn_open(press: Linkage) -> Iterator[Finding]:
+    gaps = press.equations(np.zeros_like(press.closed)).gaps
+    most = int(np.argmax(np.abs(press.closed)))
+    moved = f"joint {press.joints[most]!r} by {_value(press, most, press.closed[most])}"
+    for each in freedom.held(press):
+        if each.gap(gaps) > OPEN * press.spatial.size:
+            remedy = f"draw it closed; to close it, load has moved {moved}"
+            yield Finding("warning", each.element, each.by.line, f"it is {apart(press, each, gaps)} apart as drawn", remedy)
+
+
+def _limits(press: Linkage, branch: Branch, robot: "Element") -> Iterator[Finding]:
+    """Of joints that leave their limits in a turn of the driver, or as far as it goes."""
+    low, high = branch.angles[0], branch.angles[-1]
+    angles = np.linspace(low, high, 1 + max(1, round(SAMPLES * (high - low) / (2 * np.pi))))
+    positions = predict(branch, angles)
+    for name, (lower, upper, element) in urdf_remarks.limits(robot).items():
+        joint = press.joints.index(name)
+        if not lower <= 0.0 <= upper:
+            continue  # said of the drawn pose
+        for beyond, side, limit in ((lower - positions[joint], "lower", lower), (positions[joint] - upper, "upper", upper)):
+            at = int(np.argmax(beyond))
+            if beyond[at] > OUTSIDE:
+                reached = f"it reaches {_value(press, joint, positions[joint, at])} at crank angle {np.degrees(angles[at]):.6g} deg"
+                remedy = "widen the limit, or correct the lengths (limits do not enter any computation)"
+                yield Finding("warning", str(element), element.line, f"{reached}, beyond its {side} limit {limit:g}", remedy)
+
+
+def _value(press: Linkage, joint: int, value: float) -> str:
+    """A joint coordinate in words."""
+    return f"{value:.6g} rad ({np.degrees(value):.4g} deg)" if press.spatial.axes[joint].turns else f"{value:.6g} m"
+
+
+def _redundant(press: Linkage, poses: Array) -> Iterator[Finding]:
+    across, further, among = freedom.redundancy(press, press.equations(press.closed))
+    robot, shared = f'<robot name="{press.name}">', "is shared by least squares, result.indeterminate marks it"
+    if across:
+        problem = f"{_equations(across)} redundant across the plane of the linkage, as in any with parallel pins"
+        yield Finding("note", robot, None, problem, f"what bearings carry across it {shared}")
+    if further:
+        found = [*among, *(each for x in poses.T for each in freedom.redundancy(press, press.equations(x)).among)]
+        titles = ", ".join(each.title for each in freedom.held(press) if each in found)
+        problem = (
+            f"{_equations(further)} redundant {'in the plane' if freedom.lies_in_plane(press) else 'in space'}: {titles} hold each other"
+        )
+        remedy = f"their load {shared}; or give inverse_dynamics a stiffness=; lengths and angles have to fit to all digits"
+        yield Finding("note", robot, None, problem, remedy)
+
+
+def _equations(count: int) -> str:
+    return "1 equation is" if count == 1 else f"{count} equations are"
+
+
+def _engine(press: Linkage) -> Iterator[Finding]:
+    if press.plane is None:
+        problem = f"engine 'pinocchio' computes it, one configuration at a time: {_not_planar(press)}"
+        remedy, slower = rounded(press), "results are as exact, and take some hundred times longer"
+        yield Finding("warning" if remedy else "note", f'<robot name="{press.name}">', None, problem, remedy or slower)
+
+
+def _not_planar(press: Linkage) -> str:
+    """Why the planar engine does not take it."""
+    if len(press.drivers) > 1:
+        return f"there are {len(press.drivers)} drivers"
+    joints, loops = freedom.joints_off_plane(press), freedom.loops_off_plane(press)
+    plane = f"the plane in which joint {press.driver!r} turns"
+    if (off := max(joints)) > PARALLEL:
+        joint = joints.index(off)
+        if press.spatial.axes[joint].turns:
+            return f"the axis of joint {press.joints[joint]!r} is {np.degrees(off):.3g} deg off the normal of {plane}"
+        return f"joint {press.joints[joint]!r} slides {np.degrees(off):.3g} deg out of {plane}"
+    if (off := max(loops, default=0.0)) > PARALLEL:
+        return f"the axis of loop {press.loops[loops.index(off)].name!r} is {np.degrees(off):.3g} deg off the normal of {plane}"
+    if welds := [loop.name for loop in press.loops if loop.type == "fixed"]:
+        return f"loop {welds[0]!r} is a weld"
+    return "its equations do not fall into groups with as many unknown joints, or are singular in these"

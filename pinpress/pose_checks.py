@@ -1,0 +1,110 @@
+"""What keeps a linkage from being loaded once its links are put together: its drawn pose does not close, or its drivers do not suit it."""
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from . import freedom, plane, spatial
+from .coordinates import Array
+from .errors import AssemblyError, SingularityError, UrdfError
+from .findings import Finding
+from .linkage import ACCEPTED, Linkage
+from .spatial_equations import Rows
+
+CLOSE_TO_DRAWN = 0.25  # how far closing the drawn pose may turn a joint [rad], or move it in lengths of the linkage
+SEEN = 1e-9  # gaps below are rounding [lengths of the linkage, rad]
+ROUNDED = 1e-2  # axes as near to parallel as this are meant to be parallel [rad]
+
+
+def errors(press: Linkage) -> Iterator[Finding]:
+    """All that is wrong; each carries a UrdfError, AssemblyError or SingularityError."""
+    assembled = closes(press)
+    rows = press.equations(press.closed if assembled else np.zeros_like(press.closed))
+    free = press.model.nv - spatial.rank(rows.columns)
+    if free != len(press.drivers):
+        yield _mobility(press, rows, free)
+    if not assembled:
+        yield from _open(press, rows)
+    elif free == len(press.drivers):
+        yield from _dead_point(press, rows)
+
+
+def closes(press: Linkage) -> bool:
+    """Whether the linkage closes near its drawn pose."""
+    tolerance = ACCEPTED * (press.plane or press.spatial).tolerance
+    near = CLOSE_TO_DRAWN * max(1.0, press.spatial.size)
+    return bool(press.drawn.gap[0] <= tolerance) and bool(np.abs(press.closed).max() <= near)
+
+
+def apart(press: Linkage, each: freedom.Held, gaps: Array) -> str:
+    """How far a loop or gear pair is open, in words."""
+    distance, angle = freedom.opening(press, each, gaps)
+    shown = [f"{short(1e3 * distance)} mm"] if distance > SEEN * press.spatial.size or angle <= SEEN else []
+    return " and ".join(shown + [f"{short(np.degrees(angle))} deg"] * (angle > SEEN))
+
+
+def short(number: float) -> str:
+    """Three digits, or all before the point; one of what is rounding."""
+    return f"{number:.0f}" if 100 <= number < 1e9 else f"{number:.3g}" if number > SEEN else f"{number:.0e}"
+
+
+def rounded(press: Linkage) -> str | None:
+    """The remedy for axes that are nearly, but not, parallel; None where they are, or far from it."""
+    off = plane.misalignment(press.model, press.spatial.drivers[0])
+    if not plane.PARALLEL < off < ROUNDED:
+        return None
+    return f"axes are up to {off:.2g} rad from parallel: write angles in full, 1.5707963267948966 for a quarter turn"
+
+
+def _mobility(press: Linkage, rows: Rows, free: int) -> Finding:
+    drive = "one joint drives" if len(press.drivers) == 1 else f"{len(press.drivers)} joints drive"
+    problem = f"mobility is {free}, but {drive}"
+    if free > len(press.drivers):
+        problem += f": with {_driver(press)} held still, {_joints(freedom.undetermined(press, rows))} can move"
+        remedy = "a <loop_joint> is missing, a link hangs free, or a driver is missing"
+    else:
+        if alone := freedom.too_many(press, rows):
+            problem += f": {' or '.join(each.title for each in alone)} contradicts the others"
+        elif holding := freedom.holding(press, rows):
+            problem += f": held by {', '.join(each.title for each in holding)}"
+        stuck = rounded(press) or "a loop, a gear pair or a fixed joint too many: nothing can move"
+        remedy = "drive fewer joints" if free > 0 else stuck
+    return Finding.of(UrdfError(press.file, f'<robot name="{press.name}">', None, problem, remedy))
+
+
+def _open(press: Linkage, rows: Rows) -> Iterator[Finding]:
+    """The loops and gear pairs that Newton's method left open, widest as drawn first."""
+    owners = freedom.held(press)
+    closest = press.equations(press.closed).gaps if np.isfinite(press.drawn.gap[0]) else rows.gaps
+    gaps, left = ([each.gap(of) for each in owners] for of in (rows.gaps, closest))
+    # Where loops hold each other, all of them may be left open; those that are drawn closed are not to blame.
+    still_open = [k for k in range(len(owners)) if min(gaps[k], left[k]) > ACCEPTED * press.spatial.tolerance]
+    still_open = still_open or [int(np.argmax(gaps))]
+    remedy = rounded(press) or "draw it closed, or change the link lengths"
+    if press.plane.redundant if press.plane else spatial.rank(rows.columns) < len(rows.gaps):
+        remedy += "; loops hold each other here, so that lengths and angles must fit to all digits"
+    for k in sorted(still_open, key=lambda k: -gaps[k]):
+        each, iterations = owners[k], press.drawn.iterations
+        problem = "does not close near the drawn pose"
+        error = AssemblyError(f"{press.file}:{each.by.line}: {each.title} {problem}; {remedy}", 0.0, gaps[k], iterations)
+        yield Finding("error", each.element, each.by.line, f"{problem}: {apart(press, each, rows.gaps)} apart as drawn", remedy, error)
+
+
+def _dead_point(press: Linkage, rows: Rows) -> Iterator[Finding]:
+    columns = rows.columns[:, press.spatial.passive]
+    values = spatial.singular_values(columns)
+    if spatial.rank(columns) == columns.shape[1]:
+        return
+    problem = f"{_driver(press)} does not determine the drawn pose"
+    remedy = f"draw the linkage away from its dead point ({_joints(freedom.undetermined(press, rows))} can move with the driver held still)"
+    smallest = float(values.min()) if len(values) == columns.shape[1] else 0.0
+    error = SingularityError(f"{press.file}: {problem}; {remedy}", 0.0, smallest)
+    yield Finding("error", f'<robot name="{press.name}">', None, problem, remedy, error)
+
+
+def _driver(press: Linkage) -> str:
+    return f"joint {', '.join(map(repr, press.drivers))}"
+
+
+def _joints(names: list[str]) -> str:
+    return f"joint {names[0]!r}" if len(names) == 1 else f"joints {', '.join(map(repr, names))}"
