@@ -11,9 +11,10 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from .coordinates import Array, ComplexArray
-from .errors import AssemblyError, SingularityError
+from .errors import AssemblyError, PinpressError, SingularityError
 
 COARSE_STEP = 2 * np.pi / 64  # longest step of the walk, unless the linkage moves too fast for it [rad]
 SUBDIVISION = 8  # nodes of the table per step of the walk
@@ -21,7 +22,7 @@ FIRST_STEP = 1e-3  # of the walk, to learn how the margins change [rad]
 SMALLEST_STEP = 1e-10  # the walk ends where it would need a shorter one: the linkage locks there [rad]
 SMALLEST_MARGIN = 1e-6  # below it rounding of the loop equations decides where two assemblies meet: the walk ends there too
 LARGEST_CORRECTION = 1e-3  # Newton's method may move a joint so far from its prediction [rad, or lengths of the linkage]
-MOST_TURNS = 64  # turns of the crank after which a linkage must have come back to its start
+MOST_TURNS = 16  # turns of the crank in which a linkage is looked for back at its start; it is followed no further
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -74,20 +75,21 @@ Close = Callable[[Array, Array], Closure]
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Branch:
-    """The table. ``period`` is the crank angle after which the linkage is back at its start [rad], None where it locks before.
+    """The table. ``period`` is the crank angle after which the linkage is back at its start [rad], None where it locks before, or is not
+    back after `MOST_TURNS` turns.
 
     Attributes:
         angles: (m + 1,) nodes over the crank angle, rising [rad].
         coefficients: (m, 6, nv) of the polynomials in (crank angle - node).
         advance: (nv,) what every joint gains over a period (whole turns; 0 for a joint that swings).
-        locks: crank angle [rad] and smallest margin where the linkage locks, downwards and upwards; None where it goes round.
+        locks: crank angle [rad] and smallest margin where the linkage locks, downwards and upwards; None where it does not.
     """
 
     angles: Array
     coefficients: Array
     period: float | None
     advance: Array
-    locks: "tuple[Lock, Lock] | None"
+    locks: "tuple[Lock | None, Lock | None]"
 
 
 class Lock(NamedTuple):
@@ -97,56 +99,81 @@ class Lock(NamedTuple):
     margin: float
 
 
-def walk(close: Close, drawn: Array, size: float, tolerance: float) -> Branch:
+class Returning(NamedTuple):
+    """What has to come back, for a linkage to be back at its start: (nv,) whether a joint is on a loop, and whether it turns."""
+
+    on_loop: NDArray[np.bool_]
+    turns: NDArray[np.bool_]
+
+    def advance(self, gained: Array, tolerance: float) -> Array | None:
+        """What every joint gains over a period, if what it has gained is that; else None. A geared shaft on no loop may gain anything."""
+        whole = np.where(self.turns, 2 * np.pi * np.round(gained / (2 * np.pi)), 0.0)
+        back = np.abs(gained - whole) <= tolerance
+        return np.where(self.on_loop, whole, gained) if np.all(back | ~self.on_loop) else None
+
+
+def walk(
+    close: Close, drawn: Array, returning: Returning, size: float, tolerance: float, smallest_margin: float = SMALLEST_MARGIN
+) -> Branch:
     """Walk the branch of the closed configuration ``drawn`` (nv,) at crank angle 0, up to a full period or to where it locks both ways.
 
     Args:
         close: the engine's closure.
         drawn: (nv,) joint coordinates.
+        returning: the joints that have to come back.
         size: length of the linkage [m], to weigh travels against angles.
         tolerance: gap at which a loop counts as closed [m].
+        smallest_margin: at which it locks.
 
     Raises:
-        AssemblyError: the linkage is not back at its start after `MOST_TURNS` turns.
+        SingularityError: it locks at its drawn pose.
+        AssemblyError: it moves too fast to be followed.
     """
     longest = COARSE_STEP
-    while True:
-        nodes, locks, advance = _around(close, drawn, size, tolerance, longest)
-        found = _table(close, nodes, size, tolerance)
+    while longest > FIRST_STEP:
+        follower = _Follower(close, size, tolerance, longest, smallest_margin)
+        nodes, locks, advance = _around(follower, drawn, returning)
+        if len(nodes) == 1:
+            raise SingularityError("the linkage locks at its drawn pose; draw it elsewhere", 0.0, float(np.abs(nodes[0].margins).min()))
+        found = _table(follower, nodes)
         if found is not None:
-            period = None if locks else nodes[-1].angle - nodes[0].angle
-            return Branch(*found, period, advance, locks)
+            period = None if advance is None else nodes[-1].angle - nodes[0].angle
+            return Branch(*found, period, np.zeros_like(drawn) if advance is None else advance, locks)
         longest /= 2
-        if longest < FIRST_STEP:
-            raise AssemblyError("the drawn assembly cannot be followed", 0.0, 0.0, 0)
+    raise AssemblyError("the drawn assembly moves too fast to be followed", 0.0, 0.0, 0)
 
 
-def _around(
-    close: Close, drawn: Array, size: float, tolerance: float, longest: float
-) -> "tuple[list[_Node], tuple[Lock, Lock] | None, Array]":
-    """Nodes of a full period, or from lock to lock, the locks, and `Branch.advance`."""
-    start = close(np.zeros(1), drawn[:, None])
-    upward = [_Node.of(0.0, start)]
+class _Follower(NamedTuple):
+    """How a branch is followed: see `walk`; in steps up to the ``longest``."""
+
+    close: Close
+    size: float
+    tolerance: float
+    longest: float = COARSE_STEP
+    smallest_margin: float = SMALLEST_MARGIN
+
+
+def _around(follower: _Follower, drawn: Array, returning: Returning) -> "tuple[list[_Node], tuple[Lock | None, Lock | None], Array | None]":
+    """Nodes of a full period, or from lock to lock, or of as many turns as are followed; the locks; `Branch.advance`."""
+    upward = [_Node.of(0.0, follower.close(np.zeros(1), drawn[:, None]))]
+    high = None
     for turn in range(1, MOST_TURNS + 1):
-        high = _advance(close, upward, 2 * np.pi * turn, size, tolerance, longest)
+        high = _advance(follower, upward, 2 * np.pi * turn)
         if high is not None:
-            downward = upward[:1]
-            low = _advance(close, downward, -2 * np.pi * MOST_TURNS, size, tolerance, longest) or Lock(downward[-1].angle, 1.0)
-            return downward[:0:-1] + upward, (low, high), np.zeros_like(drawn)
-        gained = upward[-1].position - drawn
-        advance = 2 * np.pi * np.round(gained / (2 * np.pi))
-        if np.all(np.abs(gained - advance) <= 1e-9 * (1 + size)):
-            return upward, None, advance
-    raise AssemblyError(
-        f"the linkage is not back at its drawn pose after {MOST_TURNS} turns of the driver", upward[-1].angle, float(start.gap[0]), 0
-    )
+            break
+        advance = returning.advance(upward[-1].position - drawn, 1e-9 * (1 + follower.size))
+        if advance is not None:
+            return upward, (None, None), advance
+    downward = upward[:1]
+    low = _advance(follower, downward, -2 * np.pi * MOST_TURNS)
+    return downward[:0:-1] + upward, (low, high), None
 
 
 def follow(close: Close, start: Array, distance: float, size: float, tolerance: float) -> "Array | Lock":
     """The closed configuration (nv,) a ``distance`` [rad] along a path, followed from the closed one ``start`` (nv,) at its beginning; or
     where the linkage locks on the way. ``close`` takes distances along the path for crank angles."""
     nodes = [_Node.of(0.0, close(np.zeros(1), start[:, None]))]
-    locked = _advance(close, nodes, distance, size, tolerance)
+    locked = _advance(_Follower(close, size, tolerance), nodes, distance)
     return nodes[-1].position if locked is None else locked
 
 
@@ -155,11 +182,12 @@ def predict(branch: Branch, angle: Array) -> Array:
 
     Raises:
         SingularityError: the linkage locks before it reaches one of the angles.
+        PinpressError: it is not followed as far.
     """
     turns, local = None, angle
     if angle.min() < branch.angles[0] or angle.max() > branch.angles[-1]:
         if branch.period is None:
-            raise _beyond_lock(branch, angle)
+            raise _beyond(branch, angle)
         turns = np.floor((angle - branch.angles[0]) / branch.period)
         local = angle - turns * branch.period
     interval = branch.angles[1:-1].searchsorted(local, side="right")
@@ -188,27 +216,27 @@ class _Node:
         return _Node(angle, closure.position[:, 0], closure.first[:, 0], closure.second[:, 0], closure.margins[:, 0])
 
 
-def _advance(close: Close, nodes: list[_Node], target: float, size: float, tolerance: float, longest: float = COARSE_STEP) -> Lock | None:
-    """Append nodes up to the crank angle ``target`` in steps up to the ``longest``; where the linkage locks before it, say where."""
+def _advance(follower: _Follower, nodes: list[_Node], target: float) -> Lock | None:
+    """Append nodes up to the crank angle ``target``; where the linkage locks before it, say where."""
     direction = 1.0 if target > nodes[-1].angle else -1.0
     step = FIRST_STEP
-    weight = 1.0 / (1.0 + size)
+    weight = 1.0 / (1.0 + follower.size)
     while abs(target - nodes[-1].angle) > 0:
         last = nodes[-1]
         ahead = _singularity_ahead(nodes[-2], last) if len(nodes) > 1 else np.inf
         margin = float(np.abs(last.margins).min(initial=1.0))
-        if margin < SMALLEST_MARGIN:
-            return Lock(last.angle + direction * min(ahead, longest), margin)
+        if margin < follower.smallest_margin:
+            return Lock(last.angle + direction * min(ahead, follower.longest), margin)
         step = min(step, 0.5 * ahead)
         remaining = abs(target - last.angle)
         # the last step of a turn is stretched or cut to end on it exactly
         angle = target if remaining <= 1.01 * step else last.angle + direction * step
         h = angle - last.angle
         guess = last.position + h * (last.first + 0.5 * h * last.second)
-        closure = close(np.array([angle]), guess[:, None])
-        if _belongs(closure, guess, last, h, weight, tolerance):
+        closure = follower.close(np.array([angle]), guess[:, None])
+        if _belongs(closure, guess, last, h, weight, follower.tolerance):
             nodes.append(_Node.of(angle, closure))
-            step = min(2 * step, longest)
+            step = min(2 * step, follower.longest)
         else:
             step = min(step, abs(h)) / 2
             if step < SMALLEST_STEP:
@@ -242,7 +270,7 @@ def _belongs(closure: Closure, guess: Array, last: _Node, h: float, weight: floa
     return bool(correction <= 0.1 * abs(h) * (1.0 + weight * np.abs(last.first).max()))
 
 
-def _table(close: Close, nodes: list[_Node], size: float, tolerance: float) -> tuple[Array, Array] | None:
+def _table(follower: _Follower, nodes: list[_Node]) -> tuple[Array, Array] | None:
     """Nodes and polynomials on a finer grid than the walk's, its nodes closed all at once from the walk's own polynomials.
 
     None where the walk was too coarse for these: its steps are to be shorter.
@@ -251,10 +279,10 @@ def _table(close: Close, nodes: list[_Node], size: float, tolerance: float) -> t
     polynomials = _hermite(coarse, *(np.array([getattr(node, name) for node in nodes]) for name in ("position", "first", "second")))
     shares = np.arange(SUBDIVISION) / SUBDIVISION
     angles = np.append((coarse[:-1, None] + np.diff(coarse)[:, None] * shares).ravel(), coarse[-1])
-    guess = predict(Branch(coarse, polynomials, None, np.zeros(0), None), angles)
-    closure = close(angles, guess)
+    guess = predict(Branch(coarse, polynomials, None, np.zeros(0), (None, None)), angles)
+    closure = follower.close(angles, guess)
     moved = np.abs(closure.position - guess).max(axis=0)
-    if not (closure.widest <= tolerance and moved.max() <= LARGEST_CORRECTION * (1 + size)):
+    if not (closure.widest <= follower.tolerance and moved.max() <= LARGEST_CORRECTION * (1 + follower.size)):
         return None
     return angles, _hermite(angles, closure.position.T, closure.first.T, closure.second.T)
 
@@ -279,12 +307,18 @@ def _hermite(angles: Array, position: Array, first: Array, second: Array) -> Arr
     return np.ascontiguousarray(np.stack(powers, axis=1))  # so that a prediction copies a few rows and not the table
 
 
-def _beyond_lock(branch: Branch, angle: Array) -> SingularityError:
-    assert branch.locks is not None
-    low, high = branch.locks
-    lock = high if angle.max() > branch.angles[-1] else low
+def _beyond(branch: Branch, angle: Array) -> PinpressError:
+    """Why a motion leaves a branch without a period."""
+    low, high = np.degrees([branch.angles[0], branch.angles[-1]])
+    lock = branch.locks[1] if angle.max() > branch.angles[-1] else branch.locks[0]
+    if lock is None:
+        return PinpressError(
+            f"the linkage is not back at its drawn pose after {MOST_TURNS} turns of the driver, and is followed no further:"
+            f" keep the motion between {low:.6g} and {high:.6g} deg"
+        )
+    low, high = (at if of is None else np.degrees(of.angle) for at, of in zip((low, high), branch.locks, strict=True))
     return SingularityError(
-        f"the linkage locks: from its drawn pose the driver turns only from {np.degrees(low.angle):.6g} to"
-        f" {np.degrees(high.angle):.6g} deg; change the link lengths, or keep the motion inside",
+        f"the linkage locks: from its drawn pose the driver turns only from {low:.6g} to {high:.6g} deg;"
+        " change the link lengths, or keep the motion inside",
         *lock,
     )

@@ -72,9 +72,11 @@ class FrictionLaw:
         against = -self.arm[:, None] * np.sign(speeds)
         found, change = steady, np.full(speeds.shape[1], np.inf)
         for _ in range(MOST_ITERATIONS):
-            following = steady + against * forces(found)
+            pressing = forces(found)
+            following = steady + against * pressing
             before, change = change, np.abs(following - found).max(axis=0)
-            size = np.abs(following).max(axis=0)
+            # also beside what the largest force could do: a guide's own may be nothing but rounding
+            size = np.maximum(np.abs(following).max(axis=0), self.arm.max() * pressing.max(axis=0))
             found = following
             # rounding can keep the last digits moving: stop where the change no longer shrinks
             if np.all((change <= 1e-15 * size) | ((change <= 1e-12 * size) & (change >= before))):
@@ -109,14 +111,16 @@ def law(friction: Mapping[str, Friction], press: "Linkage") -> FrictionLaw | Non
         index = press.bearings.index(name)
         if any(loop.name == name and loop.type == "fixed" for loop in press.loops):
             raise PinpressError(f"friction of {name!r}: a fixed loop does not turn; leave it out")
+        for quantity in ("coefficient", "radius", "viscous"):
+            value = getattr(given, quantity)
+            if value is None and quantity == "radius":
+                continue
+            if isinstance(value, bool) or not isinstance(value, int | float | np.number) or not 0 <= value < np.inf:
+                raise PinpressError(f"friction of {name!r}: {quantity} is {value!r}; give a finite number that is not negative")
         if turns[index] and given.coefficient and given.radius is None:
             raise PinpressError(f"friction of {name!r}: its radius is missing; give that of the bearing [m]")
         if not turns[index] and given.radius is not None:
             raise PinpressError(f"friction of {name!r}: a guide has no radius; leave it out")
-        for quantity in ("coefficient", "radius", "viscous"):
-            value = getattr(given, quantity)
-            if value is not None and not (isinstance(value, int | float | np.number) and np.isfinite(value) and value >= 0):
-                raise PinpressError(f"friction of {name!r}: {quantity} is {value!r}; give a finite number that is not negative")
         arm[index] = given.coefficient * (1.0 if given.radius is None else given.radius)
         viscous[index] = given.viscous
     return FrictionLaw(arm, viscous, np.array(turns), press.spatial.size) if arm.any() or viscous.any() else None

@@ -1,14 +1,14 @@
 """A press linkage: the URDF's tree as a Pinocchio model, its loops, its drivers and its slide."""
 
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, partial
 from typing import NamedTuple
 
 import numpy as np
 import pinocchio as pin
 
 from . import branch, plane, plane_dynamics, plane_kinematics, spatial, spatial_equations
-from .branch import Branch, Closure
+from .branch import Branch, Close, Closure, Returning
 from .coordinates import Array
 from .errors import PinpressError
 from .loops import Coupling, LoopJoint
@@ -17,6 +17,7 @@ from .plane_dynamics import Bodies
 from .sharing import RANK
 from .spatial import Spatial
 
+CLEAR = 1e-2  # margin of a block of redundant equations below which all are solved together
 ACCEPTED = 1e3  # times the tolerance of rounding: a loop whose gap is not below that is open
 
 
@@ -112,12 +113,30 @@ class Linkage:
                 break
             closure = plane_kinematics.close(planar, np.zeros(1), start, with_margins=True)
             # Of a redundant linkage one block may lock where the others hold it: a parallelogram with a third crank at its change point.
-            walked = _full_turn(planar, closure, general.size) if planar.redundant and not one_block else None
+            walked = self._full_turn(planar, closure) if planar.redundant and not one_block else None
             fit = one_block or walked is not None or not planar.redundant
             if fit and closure.margins is not None and np.abs(closure.margins).min(initial=1.0) > RANK:
                 return _Assembly(planar, closure, walked)
         along = [1.0] + [0.0] * (len(self.drivers) - 1)
         return _Assembly(None, spatial.close(general, general.equations(), np.zeros((len(self.drivers), 1)), along, start), None)
+
+    def _walk(self, planar: Plane | None, closed: Array, **more: float) -> Branch:
+        general = self.spatial
+        returning = Returning((general.crossed != 0).any(axis=1), np.array([axis.turns for axis in general.axes]))
+        if planar is not None:
+            close: Close = partial(plane_kinematics.close, planar, with_margins=True)
+        else:
+            close = self._close_spatial
+        tolerance = (planar or general).tolerance
+        return branch.walk(close, closed, returning, general.size, ACCEPTED * tolerance, **more)
+
+    def _full_turn(self, planar: Plane, drawn: Closure) -> Branch | None:
+        """The branch where the driver turns fully with the equations in the blocks of this plane, well away from locks; else None."""
+        try:
+            walked = self._walk(planar, drawn.position[:, 0], smallest_margin=CLEAR)
+        except PinpressError:
+            return None
+        return walked if walked.period is not None else None
 
     @cached_property
     def slide_guide(self) -> tuple[int, float]:
@@ -139,17 +158,15 @@ class Linkage:
         """The drawn assembly over the crank angle, walked once.
 
         Raises:
-            AssemblyError: the linkage does not come back to its drawn pose.
+            SingularityError: the linkage locks at its drawn pose.
+            AssemblyError: it moves too fast to be followed.
             PinpressError: it has several drivers.
         """
         if len(self.drivers) > 1:
             raise PinpressError(f"{self.name} has {len(self.drivers)} drivers: give angle, speed and acceleration of all, (n, drivers)")
         if self._assembly.branch is not None:
             return self._assembly.branch
-        if self.plane is not None:
-            return _walk(self.plane, self.closed, self.spatial.size)
-        tolerance = ACCEPTED * self.spatial.tolerance
-        return branch.walk(lambda angle, guess: self.close(angle, guess), self.closed, self.spatial.size, tolerance)
+        return self._walk(self.plane, self.closed)
 
     def equations(self, x: Array) -> spatial_equations.Rows:
         """The equations of loops and couplings at joint coordinates (nv,)."""
@@ -159,6 +176,9 @@ class Linkage:
         """Close the loops at crank angles (n,) from guesses (nv, n); the caller judges the result. ``engine`` as in `cycle`."""
         if plane := self.planar(engine):
             return plane_kinematics.close(plane, angle, guess, with_margins)
+        return self._close_spatial(angle, guess)
+
+    def _close_spatial(self, angle: Array, guess: Array) -> Closure:
         return spatial.close(self.spatial, self.spatial.equations(), angle[None], [1.0], guess)
 
     def planar(self, engine: str) -> Plane | None:
@@ -182,16 +202,3 @@ class _Assembly(NamedTuple):
     plane: Plane | None
     drawn: Closure
     branch: Branch | None
-
-
-def _walk(plane: Plane, closed: Array, size: float) -> Branch:
-    return branch.walk(lambda angle, guess: plane_kinematics.close(plane, angle, guess, True), closed, size, ACCEPTED * plane.tolerance)
-
-
-def _full_turn(plane: Plane, drawn: Closure, size: float) -> Branch | None:
-    """The branch where the driver turns fully with the equations in the blocks of this plane, else None."""
-    try:
-        walked = _walk(plane, drawn.position[:, 0], size)
-    except PinpressError:
-        return None
-    return walked if walked.period is not None else None

@@ -15,7 +15,7 @@ import numpy as np
 from .coordinates import Array, ComplexArray
 from .loads import AppliedForce
 from .plane import Plane, flat, in_space
-from .sharing import least
+from .sharing import Objective, least
 from .wrenches import Wrenches
 
 Values = TypeVar("Values", Array, ComplexArray)
@@ -95,8 +95,9 @@ def _with_loops(plane: Plane, joints: Values, sharing: Sequence[int], compliance
     if not len(sharing):
         return start
     every = np.eye(count + loops)  # the shares of a unit of each, as they do not depend on the configuration
-    levels = [(response, every)]
+    objectives = [Objective(response, every, 1.0)]
     if compliance is not None:
-        levels.insert(0, (np.sqrt(compliance)[:, None] * response, np.sqrt(compliance) * every))
-    shared: Values = start + response @ (least(levels).T @ start)
+        weights = np.sqrt(compliance)
+        objectives.insert(0, Objective(weights[:, None] * response, weights * every, float(weights.max())))
+    shared: Values = start + response @ (least(objectives).T @ start)
     return shared

@@ -17,7 +17,7 @@ import numpy as np
 from .coordinates import Array, ComplexArray
 from .plane import Block, Plane, product
 from .plane_kinematics import block_matrix, dyad_columns
-from .sharing import least
+from .sharing import Objective, least
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -145,8 +145,9 @@ def _shares(statics: Statics, bearings: ComplexArray) -> Array:
         parts[:, joint] = 1j * direction * (direction.conj() * parts[:, joint]).imag
     if statics.compliance is not None:
         forces = np.concatenate([parts.real, parts.imag], axis=1).transpose(2, 1, 0)  # (n, 2 bearings, k + 1)
-        weighted = np.tile(np.sqrt(statics.compliance), 2)[:, None] * forces
-        return np.asarray(least((level[:, :, :-1], level[:, :, -1]) for level in (weighted, forces)).T)
+        weights = np.tile(np.sqrt(statics.compliance), 2)[:, None]
+        objectives = ((weights * forces, float(weights.max())), (forces, 1.0))
+        return np.asarray(least(Objective(parts[:, :, :-1], parts[:, :, -1], scale) for parts, scale in objectives).T)
     # The normal equations serve: among the squares are those of the idle forces' own pins, so their matrix is far from singular.
     count = len(statics.idle)
     products = np.array([[(a.conj() * b).real.sum(axis=0) for b in parts] for a in parts[:count]])

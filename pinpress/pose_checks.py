@@ -4,15 +4,17 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from . import freedom, plane, spatial
+from . import freedom, spatial
 from .coordinates import Array
 from .errors import AssemblyError, SingularityError, UrdfError
 from .findings import Finding
 from .linkage import ACCEPTED, Linkage
+from .plane import PARALLEL
 from .spatial_equations import Rows
 
 CLOSE_TO_DRAWN = 0.25  # how far closing the drawn pose may turn a joint [rad], or move it in lengths of the linkage
 SEEN = 1e-9  # gaps below are rounding [lengths of the linkage, rad]
+UNSEEN = 1e-8  # axes that miss each other by less change the rank of no equations [rad]
 ROUNDED = 1e-2  # axes as near to parallel as this are meant to be parallel [rad]
 
 
@@ -21,6 +23,7 @@ def errors(press: Linkage) -> Iterator[Finding]:
     assembled = closes(press)
     rows = press.equations(press.closed if assembled else np.zeros_like(press.closed))
     free = press.model.nv - spatial.rank(rows.columns)
+    yield from _unseen(press)
     if free != len(press.drivers):
         yield _mobility(press, rows, free)
     if not assembled:
@@ -50,10 +53,25 @@ def short(number: float) -> str:
 
 def rounded(press: Linkage) -> str | None:
     """The remedy for axes that are nearly, but not, parallel; None where they are, or far from it."""
-    off = plane.misalignment(press.model, press.spatial.drivers[0])
-    if not plane.PARALLEL < off < ROUNDED:
+    off = _off(press)[0]
+    if not PARALLEL < off < ROUNDED:
         return None
     return f"axes are up to {off:.2g} rad from parallel: write angles in full, 1.5707963267948966 for a quarter turn"
+
+
+def _off(press: Linkage) -> tuple[float, str]:
+    """By how much the joint or loop misses the plane that does so most, and which it is."""
+    joints = zip(freedom.joints_off_plane(press), (f'<joint name="{name}">' for name in press.joints), strict=True)
+    loops = zip(freedom.loops_off_plane(press), (f'<loop_joint name="{loop.name}">' for loop in press.loops), strict=True)
+    return max([*joints, *loops])
+
+
+def _unseen(press: Linkage) -> Iterator[Finding]:
+    """Of axes so nearly parallel that the rank of the equations does not show it, but their gaps do, beyond rounding."""
+    off, element = _off(press)
+    if PARALLEL < off < UNSEEN and (remedy := rounded(press)):
+        problem = f"its axis is {off:.2g} rad from parallel to that of joint {press.driver!r}, or out of the plane across it"
+        yield Finding.of(UrdfError(press.file, element, None, problem, remedy))
 
 
 def _mobility(press: Linkage, rows: Rows, free: int) -> Finding:
@@ -65,7 +83,7 @@ def _mobility(press: Linkage, rows: Rows, free: int) -> Finding:
     else:
         if alone := freedom.too_many(press, rows):
             problem += f": {' or '.join(each.title for each in alone)} contradicts the others"
-        elif holding := freedom.holding(press, rows):
+        elif free == 0 and (holding := freedom.holding(press, rows)):
             problem += f": held by {', '.join(each.title for each in holding)}"
         stuck = rounded(press) or "a loop, a gear pair or a fixed joint too many: nothing can move"
         remedy = "drive fewer joints" if free > 0 else stuck

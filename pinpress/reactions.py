@@ -196,9 +196,9 @@ def inverse_dynamics(
     plane = press.planar(engine)
     if isinstance(loads, Load):
         raise PinpressError(f"loads is one {type(loads).__name__}: give a list, loads=[...]")
-    applied = loads_module.apply(loads, press, motion)
     law, compliance = friction_law(friction, press), compliances(stiffness, press)
     with np.errstate(all="ignore"):  # what overflows is refused below
+        applied = loads_module.apply(loads, press, motion)
         if plane is not None and press.bodies is not None:
             at = _basis(press, plane, motion)
             wrenches = plane_dynamics.inverse_dynamics(

@@ -22,6 +22,8 @@ import numpy.typing as npt
 import pinocchio as pin
 
 from . import files, urdf
+from .branch import predict
+from .coordinates import configuration
 from .errors import PinpressError
 
 if TYPE_CHECKING:
@@ -51,8 +53,7 @@ def record(press: "Linkage", motion: "Motion", path: str | os.PathLike[str]) -> 
         PinpressError: no time in the motion, a value that is not finite, a shape that cannot be drawn, Meshcat not
             installed, or a path that cannot be written.
     """
-    turns_back = len(press.drivers) == 1 and press.branch.period is not None and press.branch.period < 2.1 * np.pi
-    keys = _keys(motion, press.slide is not None, turns_back)
+    keys = _keys(motion, press.slide is not None, _turns_back(press))
     links = _links(press)
     poses = {link.frame: _poses(press.model, keys.q, link.frame) for link in links}
     scene = _pack(_commands(links, poses, keys.time))
@@ -78,8 +79,15 @@ class _Link:
     visuals: list[tuple[Any, Any]]  # geometry object, its placement in the link frame
 
 
+def _turns_back(press: "Linkage") -> bool:
+    """Whether the linkage is where it was after a turn of its driver; with a gear ratio it need not be."""
+    if len(press.drivers) > 1 or press.branch.period is None:
+        return False
+    before, after = configuration(press.spatial.slots, predict(press.branch, np.array([0.0, 2 * np.pi]))).T
+    return bool(np.allclose(before, after, rtol=0.0, atol=1e-9 * (1 + press.spatial.size)))
+
+
 def _keys(motion: "Motion", has_slide: bool, turns_back: bool) -> _Keys:
-    """``turns_back``: after a turn of the driver the linkage is where it was; with a gear ratio it need not be."""
     series = {"time": motion.time, "crank_angle": motion.crank_angle, "q": motion.q}
     if has_slide:
         series["slide_position"] = motion.slide_position
@@ -133,8 +141,8 @@ def _poses(model: pin.Model, q: Array, frame: int) -> Array:
     data = model.createData()
     joint, placement = model.frames[frame].parentJoint, model.frames[frame].placement
     poses = np.empty((len(q), 7))
-    for pose, configuration in zip(poses, q, strict=True):
-        pin.forwardKinematics(model, data, configuration)
+    for pose, at in zip(poses, q, strict=True):
+        pin.forwardKinematics(model, data, at)
         pose[:] = pin.SE3ToXYZQUAT(data.oMi[joint] * placement)
     # q and -q are one rotation, but interpolating between them would turn the link the long way round
     flips = np.where(np.sum(poses[1:, 3:] * poses[:-1, 3:], axis=1) < 0, -1.0, 1.0)

@@ -12,7 +12,7 @@ Efforts about or along the axis in which a joint is free, those of drives, gear 
 """
 
 from collections.abc import Iterable, Mapping
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -27,20 +27,30 @@ RANK = 1e-9  # singular values below this share of the largest are zero, columns
 WELL = 1e-3  # the same of squared ones, from which on normal equations lose no digits to speak of
 
 
-def least(levels: Iterable[tuple[Array, Array]]) -> Array:
-    """y (..., k) that makes |A y + b| least, level by level of pairs A (..., m, k), b (..., m); the shortest of those left open."""
+class Objective(NamedTuple):
+    """|A y + b| is to be least: A (..., m, k), b (..., m). What is small beside ``scale``, a unit of A, is rounding."""
+
+    matrix: Array
+    start: Array
+    scale: float
+
+
+def least(objectives: Iterable[Objective]) -> Array:
+    """y (..., k) that makes the first objective least, of those that do so the one that makes the second least, and so on; the shortest of
+    those left open."""
     share, free = None, None
-    for matrix, start in levels:
+    for matrix, start, scale in objectives:
         if share is None or free is None:
             squares = matrix.swapaxes(-1, -2) @ matrix
             values = np.linalg.eigvalsh(squares)
-            if np.all(values[..., 0] > WELL * values[..., -1]):  # nothing is left open: the normal equations serve, and cost a third
+            if np.all(values[..., 0] > WELL * np.maximum(values[..., -1], scale**2)):
+                # nothing is left open: the normal equations serve, and cost a third
                 return np.asarray(-np.linalg.solve(squares, matrix.swapaxes(-1, -2) @ start[..., None])[..., 0])
             share = np.zeros((*start.shape[:-1], matrix.shape[-1], 1))
             free = np.broadcast_to(np.eye(matrix.shape[-1]), (*start.shape[:-1], matrix.shape[-1], matrix.shape[-1]))
         left, values, right = np.linalg.svd(matrix @ free, full_matrices=False)
-        # Measured by the whole matrix: where an earlier level left nothing free, all values are rounding.
-        kept = values > RANK * np.linalg.norm(matrix, axis=(-2, -1))[..., None]
+        # measured by the whole matrix: where an earlier objective left nothing free, all values are rounding
+        kept = values > RANK * np.maximum(np.linalg.norm(matrix, axis=(-2, -1)), scale)[..., None]
         inverse = right.swapaxes(-1, -2) * np.where(kept, 1.0 / np.where(kept, values, 1.0), 0.0)[..., None, :] @ left.swapaxes(-1, -2)
         share = share - inverse @ (matrix @ share + start[..., None])
         free = free - inverse @ (matrix @ free)

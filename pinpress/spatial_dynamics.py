@@ -16,7 +16,7 @@ from .coordinates import Array, configuration
 from .errors import AssemblyError
 from .friction import FrictionLaw
 from .loads import AppliedForce
-from .sharing import RANK, least
+from .sharing import RANK, Objective, least
 from .spatial import Passive, Spatial
 from .spatial_equations import Equations, Rows
 from .wrenches import Wrenches
@@ -167,23 +167,23 @@ class _State:
         forces: list[Array] = [self.rotations[j + 1] @ self.wrenches[j + 1].linear for j in range(len(self.effort))]
         return np.concatenate(forces)
 
-    def _objectives(self, found: Array, idle: Array, couples: Array, compliance: Array | None) -> Iterator[tuple[Array, Array]]:
-        """What `sharing` makes least, (m, k) and (m,) each; the next is only worked out where the ones before leave something open."""
+    def _objectives(self, found: Array, idle: Array, couples: Array, compliance: Array | None) -> Iterator[Objective]:
+        """What `sharing` makes least; the next is only worked out where the ones before leave something open."""
         spatial, count, k = self.spatial, 3 * len(self.spatial.loops), idle.shape[1]
         forces = spatial.share @ np.concatenate([idle[:count], found[:count, None]], axis=1)
         forces[: 3 * len(self.effort), k] += self._carried()
         self._across(forces, turning=False)
         if compliance is not None:
-            weighted = np.repeat(np.sqrt(compliance), 3)[:, None] * forces
-            yield weighted[:, :k], weighted[:, k]
-        yield forces[:, :k], forces[:, k]
+            weights = np.repeat(np.sqrt(compliance), 3)[:, None]
+            yield Objective(weights * forces[:, :k], weights[:, 0] * forces[:, k], float(weights.max()))
+        yield Objective(forces[:, :k], forces[:, k], 1.0)
         loop_forces, loop_moments, _ = _parts(spatial, self.rows, np.concatenate([idle, found[:, None]], axis=1))
         loop_moments[:, :, k] += couples
         moments = _moments(spatial, self.placements, loop_forces, loop_moments)
         for j in range(len(self.effort)):
             moments[3 * j : 3 * j + 3, k] += self.rotations[j + 1] @ self.wrenches[j + 1].angular
         self._across(moments, turning=True)
-        yield moments[:, :k], moments[:, k]
+        yield Objective(moments[:, :k], moments[:, k], spatial.size)
 
     def _across(self, vectors: Array, turning: bool) -> None:
         """Take off vectors (3 bearings, ...) what is along the axis of the joints that turn, or that slide."""

@@ -63,6 +63,8 @@ _FOREIGN = {
     "joint": "joint_properties sensor",
     "limit": "acceleration deceleration jerk",
 }
+_QUANTITIES = ("xyz", "rpy", "value", "ixx", "ixy", "ixz", "iyy", "iyz", "izz", "multiplier", "offset")  # what is computed with, and
+_LARGEST = 1e12  # may have powers and products in floating point
 _OPEN_TO_ATTRIBUTES = ("dynamics", "calibration", "safety_controller", "mesh", "color", "texture")  # nothing here enters the mechanics
 
 Problem = tuple["Element", str, str]
@@ -126,6 +128,8 @@ def _attribute_problems(element: "Element") -> Iterator[Problem]:
                 yield element, f"unknown attribute {name!r}{suggestion(name, known)}", f"in <{tag}> write: {', '.join(known)}"
         elif fault := element.fault(name):
             yield element, f"{name}={text!r}: {fault}", "write plain numbers, decimals after a point, spaces in between"
+        elif name in _QUANTITIES and tag != "axis" and max(map(abs, element.numbers(name))) > _LARGEST:
+            yield element, f"{name}={text!r} is out of range", f"write SI units; {_LARGEST:g} is the largest number"
         elif name in ("size", "radius", "length") and min(element.numbers(name)) <= 0:
             yield element, f"{name}={text!r} is not positive", "write the size in metres"
         elif name == "rgba" and not all(0 <= part <= 1 for part in element.numbers(name)):

@@ -278,7 +278,11 @@ ELEMENTS = [
     (edited(('iyy="2"', 'iyy="2.00001"')), of("inertia", LINK), CRANK_MASS, "exceeds the sum of the other two"),
     (edited(('iyy="2"', 'iyy="-2"')), of("inertia", LINK), CRANK_MASS, "a principal moment of inertia is negative (-2, 1, 1)"),
     (edited(('ixy="0"', 'ixy="5"')), of("inertia", LINK), CRANK_MASS, "a principal moment of inertia is negative"),
-    (edited(('ixx="1"', 'ixx="1e308"')), of("inertia", LINK), CRANK_MASS, "exceeds the sum of the other two"),
+    (edited(('ixx="1"', 'ixx="1e11"')), of("inertia", LINK), CRANK_MASS, "exceeds the sum of the other two"),
+    (edited(('ixx="1"', 'ixx="1e308"')), of("inertia", LINK), CRANK_MASS, "ixx='1e308' is out of range"),
+    (edited(('value="20"', 'value="1e13"')), of("mass", LINK), CRANK_MASS, "value='1e13' is out of range"),
+    (edited(('xyz="0.4 0 0"', 'xyz="0.4 -1e300 0"')), of("link1", LOOP), LINE_W, "xyz='0.4 -1e300 0' is out of range"),
+    (in_joint("P", '<mimic joint="O" multiplier="1e99"/>'), of("mimic", JOINT_P), 20, "multiplier='1e99' is out of range"),
     # loops
     (edited((' type="spherical"', "")), '<loop_joint name="W">', LINE_W, "has no type"),
     (loop_axis("revolute", "0 0 0"), of("axis", LOOP), LINE_W, "the axis is zero"),

@@ -14,7 +14,7 @@ import pinocchio as pin
 import pytest
 from hypothesis import HealthCheck, assume, given, settings
 from hypothesis import strategies as st
-from random_linkages import Drawing, drawn, linkages, momentum_balance
+from random_linkages import Drawing, Group, Spec, drawn, linkages, momentum_balance
 from spatial_linkages import Loops, null_space
 from test_spatial import three_cranks
 
@@ -227,10 +227,11 @@ def folder(tmp_path_factory):
     return tmp_path_factory.mktemp("sharing")
 
 
-def load(text, folder, **options):
+@cache
+def load(text, folder, gravity=(0.0, 0.0, -9.81)):
     file = folder / "linkage.urdf"
     file.write_text(text, encoding="utf-8")
-    return pp.load(file, **options)
+    return pp.load(file, gravity=gravity)
 
 
 @cache
@@ -348,7 +349,7 @@ def test_a_five_bar_stays_closed(folder, engine):
 
 
 @pytest.mark.parametrize("engine", ENGINES)
-@pytest.mark.parametrize("ratio", [17 / 86, -86 / 17, 37 / 65, np.sqrt(2)])
+@pytest.mark.parametrize("ratio", [17 / 86, -86 / 17, float(np.sqrt(2))])
 def test_any_gear_ratio_can_be_driven(folder, ratio, engine):
     """A shaft that no loop holds need not come back to its start: with such teeth it never does, or after many turns."""
     press = load(wheels(("s1", "crank", ratio)), folder)
@@ -359,7 +360,7 @@ def test_any_gear_ratio_can_be_driven(folder, ratio, engine):
 
 
 @pytest.mark.parametrize("engine", ENGINES)
-@pytest.mark.parametrize("ratio", [0.05, 0.0511])
+@pytest.mark.parametrize("ratio", [0.1, 0.0511])
 def test_a_rack_need_not_come_back(folder, ratio, engine):
     """It travels on, turn by turn, whatever the pinion's radius."""
     press = load(wheels(("rack", "crank", ratio)), folder)
@@ -378,6 +379,40 @@ def test_only_ratios_of_stiffnesses_count(folder, name, engine):
     peak = max(np.abs(force).max() for force in one.bearing_force.values())
     for bearing in press.bearings:
         assert np.abs(one.bearing_force[bearing] - two.bearing_force[bearing]).max() <= 1e-12 * peak
+
+
+@pytest.mark.parametrize("name", ["two_point", "symmetric", "three_held_rods", "geared_cranks", "chain"])
+def test_a_stiffness_of_any_one_bearing(folder, name):
+    """Its force is the least that idle forces can make it, then the rest; 1e-10 of the peaks, as zero is found by taking off large ones."""
+    press, motion, loads = case(name, folder)
+    for bearing in press.bearings:
+        state = cut_free(press, motion, 1, loads, {bearing: 1e9})
+        for engine in ENGINES:
+            moved = pp.cycle(press, **{key: values[1:2] for key, values in SERVO.items()}, engine=engine)
+            result = pp.inverse_dynamics(press, moved, loads, stiffness={bearing: 1e9}, engine=engine)
+            assert max(errors(press, result, [state])) <= 1e-10, (bearing, engine)
+
+
+@pytest.mark.parametrize("engine", ENGINES)
+@pytest.mark.parametrize(
+    ("name", "bearing"),
+    [
+        ("two_point", "O"),
+        ("two_point", "slide_guide"),
+        ("two_point", "P5"),
+        ("symmetric", "slide_guide"),
+        ("symmetric", "counterweight_guide"),
+    ],
+)
+def test_a_stiffness_that_idle_forces_do_not_reach(folder, name, bearing, engine):
+    """Changes nothing: its energy is rounding, and nothing may be shared by that. The symmetric press
+    does not press on its guides anyway. 1e-9 of the peak: near dead centres, zero is ill determined."""
+    press = case(name, folder).press
+    motion = pp.cycle(press, speed=30.0, points=36, engine=engine)
+    bare, result = (pp.inverse_dynamics(press, motion, stiffness=each, engine=engine) for each in ({}, {bearing: 1e9}))
+    peak = max(np.abs(force).max() for force in bare.bearing_force.values())
+    for other in press.bearings:
+        assert np.abs(result.bearing_force[other] - bare.bearing_force[other]).max() <= 1e-9 * peak, other
 
 
 @pytest.mark.parametrize("engine", ENGINES)
@@ -461,7 +496,7 @@ def double(drawing, rng, count):
         drawing.body(name, rng.uniform(1, 5), (first + second) / 2 + 0.1j, heights[2])
 
 
-@settings(FIXED, max_examples=12)
+@settings(FIXED, max_examples=8)
 @given(spec=linkages(most=2, extra=False, tilted=False), count=st.integers(1, 2), soft=st.booleans())
 def test_links_side_by_side(tmp_path, spec, count, soft):
     """Random linkages in which some links stand there twice: both engines against the bodies cut free, 1e-10 of the peaks."""
@@ -469,7 +504,7 @@ def test_links_side_by_side(tmp_path, spec, count, soft):
     assume(drawing is not None)
     rng = np.random.default_rng(spec.seed + 2)
     double(drawing, rng, count)
-    press = load(drawing.urdf("crank"), tmp_path, gravity=rng.normal(size=3) * 10)
+    press = load(drawing.urdf("crank"), tmp_path, gravity=tuple(rng.normal(size=3) * 10))
     low, high = (-np.inf, np.inf) if press.branch.period else press.branch.angles[[0, -1]]
     angle = rng.uniform(max(-0.05, 0.5 * low), min(0.05, 0.5 * high), 2)
     motion = pp.cycle(press, angle=angle, speed=rng.uniform(-10, 10, 2), acceleration=rng.uniform(-50, 50, 2))
@@ -482,3 +517,13 @@ def test_links_side_by_side(tmp_path, spec, count, soft):
         result = pp.inverse_dynamics(press, motion, loads, stiffness=stiffness, engine=engine)
         assert max(errors(press, result, states)) <= 1e-10
         assert [result.indeterminate[name].tolist() for name in press.bearings] == reached.tolist()
+
+
+def test_a_second_rod_nearly_in_line_with_another(tmp_path):
+    """Block by block, such a pair would lock a hair's breadth from the drawn pose; all equations together do not."""
+    drawing = drawn(Spec((Group("triad", 0, (0, 0, 0)),), seed=1186975, stacked=True))
+    double(drawing, np.random.default_rng(1186977), 1)
+    press = load(drawing.urdf("crank"), tmp_path)
+    motion = pp.cycle(press, angle=[-0.02, 0.02], speed=3.0)
+    result = pp.inverse_dynamics(press, motion)
+    assert max(errors(press, result, [cut_free(press, motion, i) for i in range(2)])) <= 1e-10
