@@ -103,7 +103,7 @@ class _State:
         self.spatial, self.equations, self.applied = spatial, equations, applied
         self.x, self.v, self.a = x, v, a
         self.rows = equations.at(x)
-        if not equations.widest(self.rows.gaps) <= LOOSEST * spatial.size:
+        if not np.abs(self.rows.gaps).max(initial=0.0) <= LOOSEST * spatial.size:
             angle, gap = float(x[spatial.drivers[0]]), equations.widest(self.rows.gaps)
             raise AssemblyError("the motion leaves the loops of this linkage open: it is another one's", angle, gap, 0)
         self.passive = Passive(self.rows.columns, spatial)
@@ -158,8 +158,10 @@ class _State:
     def _needed(self, efforts: Array, couples: Array) -> Array:
         """Efforts (nv,) that equations and drives have to bring about."""
         needed: Array = self.effort - efforts
-        for k in np.flatnonzero(couples.any(axis=1)):
-            needed = needed - (self.equations.data.J[3:] * self.spatial.crossed[:, k]).T @ couples[k]
+        if couples.any():
+            turning = self.equations.data.J[3:]
+            for couple, crossed in zip(couples, self.spatial.crossed.T, strict=True):
+                needed -= (turning * crossed).T @ couple
         return needed
 
     def _carried(self) -> Array:
