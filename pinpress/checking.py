@@ -140,20 +140,18 @@ def _put_together(document: "urdf.Document", driver: str | Sequence[str] | None,
     rows = drawn if errors else press.equations(press.closed)
     between = [(loop.link1.link, loop.link2.link) for loop in description.loops]
     between += [(press.joints[pair.follower], press.joints[pair.leader]) for pair in press.couplings]
-    closings = [
+    closings = tuple(
         Closing(
-            name=each.by.name,
-            type=each.by.type if isinstance(each.by, LoopJoint) else "gear pair",
-            between=between[k],
-            gap=gap,
-            misalignment=angle,
-            joints=joints,
+            each.by.name,
+            each.by.type if isinstance(each.by, LoopJoint) else "gear pair",
+            between[k],
+            *freedom.opening(press, each, drawn.gaps),
+            joints,
         )
         for k, each, joints in _in_order(press, freedom.held(press))
-        for gap, angle in [freedom.opening(press, each, drawn.gaps)]
-    ]
+    )
     engine = None if errors else "pinocchio" if press.plane is None else "plane"
-    return findings, Facts(press.drivers, press.slide, press.joints, len(rows.gaps), spatial.rank(rows.columns), engine, tuple(closings))
+    return findings, Facts(press.drivers, press.slide, press.joints, len(rows.gaps), spatial.rank(rows.columns), engine, closings)
 
 
 def _in_order(press: "Linkage", owners: "list[freedom.Held]") -> "Iterator[tuple[int, freedom.Held, tuple[str, ...]]]":
@@ -202,9 +200,7 @@ def _described(facts: Facts) -> list[str]:
 def _said(file: str, finding: Finding) -> list[str]:
     place = "" if finding.line is None else f"{file}:{finding.line}: "
     element = "" if finding.element is None or finding.element.startswith("<robot") else f"{finding.element}: "
-    lines = [(f"{place}{finding.severity}: {element}{finding.problem}", ""), (finding.remedy, "    ")]
-    return [
-        line
-        for text, indent in lines
-        for line in textwrap.wrap(text, WIDTH, initial_indent=indent, subsequent_indent="    ", break_long_words=False)
-    ]
+    wrapper = textwrap.TextWrapper(WIDTH, subsequent_indent="    ", break_long_words=False, break_on_hyphens=False)
+    lines = wrapper.wrap(f"{place}{finding.severity}: {element}{finding.problem}")
+    wrapper.initial_indent = "    "
+    return lines + wrapper.wrap(finding.remedy)

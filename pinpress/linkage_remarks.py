@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from . import freedom, urdf_remarks
-from .branch import Branch, predict
+from .branch import MOST_TURNS, Branch, predict
 from .coordinates import Array
 from .errors import PinpressError
 from .findings import Finding
@@ -38,7 +38,10 @@ def remarks(press: Linkage, robot: "Element") -> Iterator[Finding]:
             yield Finding("warning", *where, f"the drawn assembly cannot be followed through a turn: {error}", "change the link lengths")
         else:
             poses = np.hstack([poses, predict(branch, np.linspace(branch.angles[0], branch.angles[-1], POSES))])
-            if branch.period is None:
+            if branch.period is None and not any(branch.locks):
+                problem = f"the linkage is not back at its drawn pose after {MOST_TURNS} turns of it"
+                yield Finding("note", *where, problem, "it is followed through as many turns either way: keep motions inside")
+            elif branch.period is None:
                 low, high = np.degrees([branch.angles[0], branch.angles[-1]])
                 severity = "note" if high - low > HARDLY else "warning"
                 remedy = "keep motions inside, or correct the lengths"
@@ -88,10 +91,8 @@ def _redundant(press: Linkage, poses: Array) -> Iterator[Finding]:
         yield Finding("note", robot, None, problem, f"what bearings carry across it {shared}")
     if further:
         found = [*among, *(each for x in poses.T for each in freedom.redundancy(press, press.equations(x)).among)]
-        titles = ", ".join(each.title for each in freedom.held(press) if each in found)
-        problem = (
-            f"{_equations(further)} redundant {'in the plane' if freedom.lies_in_plane(press) else 'in space'}: {titles} hold each other"
-        )
+        where = "in the plane" if freedom.lies_in_plane(press) else "in space"
+        problem = f"{_equations(further)} redundant {where}, of {', '.join(each.title for each in freedom.held(press) if each in found)}"
         remedy = f"their load {shared}; or give inverse_dynamics a stiffness=; lengths and angles have to fit to all digits"
         yield Finding("note", robot, None, problem, remedy)
 

@@ -59,19 +59,22 @@ def rounded(press: Linkage) -> str | None:
     return f"axes are up to {off:.2g} rad from parallel: write angles in full, 1.5707963267948966 for a quarter turn"
 
 
-def _off(press: Linkage) -> tuple[float, str]:
-    """By how much the joint or loop misses the plane that does so most, and which it is."""
-    joints = zip(freedom.joints_off_plane(press), (f'<joint name="{name}">' for name in press.joints), strict=True)
-    loops = zip(freedom.loops_off_plane(press), (f'<loop_joint name="{loop.name}">' for loop in press.loops), strict=True)
-    return max([*joints, *loops])
+def _off(press: Linkage) -> tuple[float, str, int | None]:
+    """By how much the joint or loop that does so most misses the plane, its element and line."""
+    joints: list[tuple[float, str, int | None]]
+    joints = [(off, f'<joint name="{name}">', None) for off, name in zip(freedom.joints_off_plane(press), press.joints, strict=True)]
+    loops = [
+        (off, f'<loop_joint name="{loop.name}">', loop.line) for off, loop in zip(freedom.loops_off_plane(press), press.loops, strict=True)
+    ]
+    return max([*joints, *loops], key=lambda each: each[0])
 
 
 def _unseen(press: Linkage) -> Iterator[Finding]:
     """Of axes so nearly parallel that the rank of the equations does not show it, but their gaps do, beyond rounding."""
-    off, element = _off(press)
-    if PARALLEL < off < UNSEEN and (remedy := rounded(press)):
+    off, element, line = _off(press)
+    if PARALLEL < off < UNSEEN and press.loops and (remedy := rounded(press)):
         problem = f"its axis is {off:.2g} rad from parallel to that of joint {press.driver!r}, or out of the plane across it"
-        yield Finding.of(UrdfError(press.file, element, None, problem, remedy))
+        yield Finding.of(UrdfError(press.file, element, line, problem, remedy))
 
 
 def _mobility(press: Linkage, rows: Rows, free: int) -> Finding:

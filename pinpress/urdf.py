@@ -4,7 +4,6 @@ Pinocchio drops much of what it cannot read and carries on: a misspelt ``<axis>`
 everything that enters the mechanics is checked first, by `urdf_checks`, and what passes is a file that Pinocchio reads in full.
 """
 
-import html
 import math
 import os
 import re
@@ -21,6 +20,8 @@ _COUNTS = {"xyz": 3, "rpy": 3, "size": 3, "scale": 3, "rgba": 4}
 _NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?", re.ASCII)
 _DEEPEST = 200  # levels of elements; Pinocchio's parser stops at 500
 _START_TAG = re.compile(rb"<(?:[^\"'>]|\"[^\"]*\"|'[^']*')*>")
+_REFERENCE = re.compile(r"&(?:#x([0-9a-fA-F]+)|#([0-9]+)|(\w+));")
+_ENTITIES = {"lt": "<", "gt": ">", "amp": "&", "quot": '"', "apos": "'"}
 _ATTRIBUTE = re.compile(r"([^\s=\"']+)\s*=\s*(?:\"([^\"]*)\"|'([^']*)')")
 
 
@@ -255,4 +256,12 @@ def _broken(document: bytes, start: int) -> dict[str, str]:
     tag = _START_TAG.match(document, start)
     found = _ATTRIBUTE.findall(tag[0].decode()) if tag and re.search(rb"[\t\r\n]", tag[0]) else ()
     values = {name: double or single for name, double, single in found}
-    return {name: html.unescape(value) for name, value in values.items() if re.search(r"[\t\r\n]", value)}
+    return {
+        name: _REFERENCE.sub(_meant, re.sub(r"\r\n?|\n\r", "\n", value)) for name, value in values.items() if re.search(r"[\t\r\n]", value)
+    }
+
+
+def _meant(reference: re.Match[str]) -> str:
+    """The character that a reference such as ``&#10;`` or ``&lt;`` means."""
+    hexadecimal, decimal, name = reference.groups()
+    return _ENTITIES[name] if name else chr(int(hexadecimal, 16) if hexadecimal else int(decimal))

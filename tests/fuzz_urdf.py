@@ -6,6 +6,7 @@
 A case is given by seed and number. Cases run in a process of their own, which is started again where one crashes or hangs.
 """
 
+# ruff: noqa: T201
 import argparse
 import math
 import multiprocessing
@@ -14,7 +15,9 @@ import sys
 import tempfile
 import warnings
 from collections import Counter
-from functools import cache
+from collections.abc import Callable
+from functools import cache, partial
+from multiprocessing.connection import Connection
 from pathlib import Path
 from xml.etree import ElementTree
 
@@ -300,40 +303,36 @@ def gap_of(press: pp.Linkage, loop: ElementTree.Element, q: np.ndarray) -> float
 # ------------------------------------------------------------------------------------------------------------------------------- running
 
 
-def outcome(seed: int, number: int, folder: Path) -> tuple[bool, str]:
+def outcome(seed: int, number: int) -> tuple[bool, str]:
     """Whether a case is as it should be, and what came of it."""
-    try:
-        return True, judge(case(seed, number)[2], folder)
-    except Exception as error:  # whatever it is, it is to be reported
-        return False, f"{type(error).__name__}: {error}"
-
-
-def _work(connection, seed: int) -> None:
     with tempfile.TemporaryDirectory() as folder:
-        while True:
-            connection.send(outcome(seed, connection.recv(), Path(folder)))
+        try:
+            return True, judge(case(seed, number)[2], Path(folder))
+        except Exception as error:  # whatever it is, it is to be reported
+            return False, f"{type(error).__name__}: {error}"
 
 
 class Worker:
-    """A process that judges cases; `judge` reports a crash or a case that hangs, and starts another process."""
+    """A process that runs a task, number by number. Where it crashes or hangs, that is said, and another process goes on."""
 
-    def __init__(self, seed: int) -> None:
-        self.seed = seed
+    def __init__(self, task: Callable[[int], tuple[bool, str]], seconds: float = SECONDS) -> None:
+        self.task, self.seconds = task, seconds
         self._start()
 
     def _start(self) -> None:
         context = multiprocessing.get_context("spawn")
         self.connection, other = context.Pipe()
-        self.process = context.Process(target=_work, args=(other, self.seed), daemon=True)
+        self.process = context.Process(target=_work, args=(other, self.task), daemon=True)
         self.process.start()
         other.close()
+        self.connection.recv()  # it is there: what it takes to start is not counted
 
-    def judge(self, number: int) -> tuple[bool, str]:
+    def __call__(self, number: int) -> tuple[bool, str]:
         self.connection.send(number)
         try:
-            if self.connection.poll(SECONDS):
+            if self.connection.poll(self.seconds):
                 return self.connection.recv()
-            said = f"hangs: no end after {SECONDS:g} s"
+            said = f"hangs: no end after {self.seconds:g} s"
         except EOFError:
             self.process.join()
             said = f"crashes: exit code {self.process.exitcode}"
@@ -346,17 +345,23 @@ class Worker:
         self.process.join()
 
 
-def run(cases: range, seed: int) -> tuple[Counter[str], list[tuple[int, str]]]:
-    """How many cases came to what, and the numbers of those that went wrong, with what was said."""
-    worker, counted, wrong = Worker(seed), Counter(), []
+def _work(connection: Connection, task: Callable[[int], tuple[bool, str]]) -> None:
+    connection.send(None)
+    while True:
+        connection.send(task(connection.recv()))
+
+
+def run(cases: range, seed: int) -> tuple[Counter[str], dict[int, str]]:
+    """How many cases came to what; the numbers of those that went wrong, and what was said of them."""
+    worker, counted, wrong = Worker(partial(outcome, seed)), Counter(), {}
     try:
         for number in cases:
-            good, said = worker.judge(number)
+            good, said = worker(number)
             if good:
                 counted[said] += 1
             else:
-                wrong.append((number, said))
-                print(f"seed {seed} case {number} ({' '.join(case(seed, number)[:2])}): {said}", flush=True)
+                wrong[number] = f"{said} ({': '.join(case(seed, number)[:2])})"
+                print(f"seed {seed}, case {number}: {wrong[number]}", flush=True)
     finally:
         worker.stop()
     return counted, wrong

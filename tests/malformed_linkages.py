@@ -131,17 +131,19 @@ DRIVERS = [
     (changed((TRANSMISSION, TRANSMISSION.replace('"O"', '"guide"'))), '<joint name="guide">', LINE_GUIDE, "the driver does not turn"),
 ]
 
-# Text, then the element and problem of the first error, a UrdfError: axes that miss each other by less than the equations' rank shows.
+# Text, then element, line and problem of the first error, a UrdfError: axes that miss each other by less than the equations' rank shows.
 NEARLY_PARALLEL = [
-    (changed((ORIGIN_P, ORIGIN_P.replace('rpy="0 ', 'rpy="5e-12 '))), '<joint name="P">', "its axis is 5e-12 rad from parallel to"),
+    (changed((ORIGIN_P, ORIGIN_P.replace('rpy="0 ', 'rpy="5e-12 '))), '<joint name="P">', None, "its axis is 5e-12 rad from parallel to"),
     (
         changed((ORIGIN_GUIDE, ORIGIN_GUIDE.replace("/>", ' rpy="3e-10 0 0"/>'))),
         '<joint name="guide">',
-        "its axis is 3e-10 rad from parallel",
+        None,
+        "its axis is 3e-10 rad from parallel to",
     ),
     (
         changed(('"spherical"', '"revolute"'), ("</loop_joint>", '<axis xyz="0 -1 2e-11"/></loop_joint>')),
         LOOP_W,
+        LINE_W,
         "its axis is 2e-11 rad from parallel to",
     ),
 ]

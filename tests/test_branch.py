@@ -266,3 +266,51 @@ def test_links_that_turn_fast_are_followed_in_shorter_steps(tmp_path, engine):
     assert motion.closure_error.max() < 1e-13
     turned = np.abs(np.diff(motion.joint_position, axis=0)).max()  # half a degree of the crank
     assert turned < 0.15
+
+
+FIVE_BAR = """<robot name="five_bar">
+  <link name="frame"/>
+  {links}
+  <joint name="A" type="continuous"><parent link="frame"/><child link="first"/><origin xyz="-0.3 0 0"/><axis xyz="0 -1 0"/></joint>
+  <joint name="E" type="continuous">
+    <parent link="frame"/><child link="second"/><origin xyz="0.3 0 0"/><axis xyz="0 -1 0"/>
+    <mimic joint="A" multiplier="{ratio}"/>
+  </joint>
+  <joint name="B" type="continuous"><parent link="first"/><child link="left"/><origin xyz="0.1 0 0"/><axis xyz="0 -1 0"/></joint>
+  <joint name="D" type="continuous"><parent link="second"/><child link="right"/><origin xyz="0.1 0 0"/><axis xyz="0 -1 0"/></joint>
+  <loop_joint name="C" type="spherical"><link1 link="left" xyz="0.3 0 0.4"/><link2 link="right" xyz="-0.3 0 0.4"/></loop_joint>
+  <transmission name="drive"><joint name="A"/></transmission>
+</robot>
+"""
+
+
+def five_bar(folder, ratio):
+    inertial = '<inertial><origin xyz="0.05 0 0.1"/><mass value="3"/><inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="1"/></inertial>'
+    links = "".join(f'<link name="{name}">{inertial}</link>' for name in ("first", "second", "left", "right"))
+    file = folder / "five_bar.urdf"
+    file.write_text(FIVE_BAR.format(links=links, ratio=ratio), encoding="utf-8")
+    return pp.load(file)
+
+
+@pytest.mark.parametrize(("ratio", "turns"), [("-1", 1), ("-0.5", 2), ("0.6", 5)])
+def test_period_of_a_geared_linkage(tmp_path, ratio, turns):
+    """Both cranks are back only after as many turns as their ratio says."""
+    press = five_bar(tmp_path, ratio)
+    assert press.branch.period == pytest.approx(2 * np.pi * turns, rel=1e-12)
+    angles = np.linspace(0.0, 2 * np.pi * turns, 50)
+    here, later = (predict(press.branch, angles + shift) for shift in (0.0, press.branch.period))
+    whole = (later - here) / (2 * np.pi)
+    assert np.abs(whole - np.round(whole)).max() < 1e-9
+
+
+@pytest.mark.parametrize("engine", ENGINES)
+def test_a_geared_linkage_that_is_never_back(tmp_path, engine):
+    """With an irrational ratio it is followed through 16 turns either way; further on it says so, and `check` has said so."""
+    press = five_bar(tmp_path, "1.4142135623730951")
+    motion = pp.cycle(press, angle=np.linspace(-99.0, 99.0, 40), speed=3.0, engine=engine)
+    assert motion.closure_error.max() < 1e-14
+    result = pp.inverse_dynamics(press, motion, engine=engine)
+    assert np.abs(result.power_residual).max() < 1e-12
+    with pytest.raises(pp.PinpressError, match="not back at its drawn pose after 16 turns .* between -5760 and 5760 deg"):
+        pp.cycle(press, angle=[101.0], speed=3.0, engine=engine)
+    assert any("not back at its drawn pose after 16 turns" in note.problem for note in pp.check(press.file).notes)

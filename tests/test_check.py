@@ -34,6 +34,7 @@ from spatial_linkages import bennett, four_bar
 import pinpress as pp
 
 ZXN2 = pp.load("zxn2_3000b").text.decode()
+TWICE = with_element(f'<loop_joint name="V" type="spherical">{ROD_END}{SLIDE_END}</loop_joint>')
 SYMMETRIC = pp.load("jf75g_125_symmetric").text.decode()
 
 
@@ -138,13 +139,21 @@ def test_redundancy_in_the_plane_names_what_takes_part(check):
     """Also those whose idle force is zero in the drawn pose, a dead centre: the gear pair."""
     _, further = redundancies(check(SYMMETRIC))
     assert further == (
-        "2 equations are redundant in the plane: loop 'P4_left', loop 'P4_right', loop 'P5_left', loop 'P5_right',"
-        " gear pair of joint 'O_right' hold each other"
+        "2 equations are redundant in the plane, of loop 'P4_left', loop 'P4_right', loop 'P5_left', loop 'P5_right',"
+        " gear pair of joint 'O_right'"
     )
-    twin = f'<loop_joint name="V" type="spherical">{ROD_END}{SLIDE_END}</loop_joint>'
-    across, further = redundancies(check(with_element(twin)))
+    across, further = redundancies(check(TWICE))
     assert across.startswith("2 equations are redundant across the plane")
-    assert further == "2 equations are redundant in the plane: loop 'W', loop 'V' hold each other"
+    assert further == "2 equations are redundant in the plane, of loop 'W', loop 'V'"
+
+
+@pytest.mark.parametrize("text", [SYMMETRIC, TWICE], ids=["symmetric", "twice"])
+def test_loops_that_share_are_those_with_indeterminate_forces(check, tmp_path, text):
+    """By the rank of the equations in the engine, over a turn: forces in the plane."""
+    press = pp.load(check(text).file)
+    result = pp.inverse_dynamics(press, pp.cycle(press, 3.0, points=12))
+    open_in_plane = {loop.name for loop in press.loops if result.indeterminate[loop.name][[0, 2]].any()}
+    assert set(re.findall(r"loop '(\w+)'", redundancies(check(text))[1])) == open_in_plane
 
 
 def test_a_weld_is_held_in_the_plane_too(check):
@@ -159,7 +168,7 @@ def test_a_weld_is_held_in_the_plane_too(check):
 
 def test_redundancy_in_space(check):
     report = check(bennett())
-    assert redundancies(report) == ["3 equations are redundant in space: loop 'J3' hold each other"]
+    assert redundancies(report) == ["3 equations are redundant in space, of loop 'J3'"]
     assert report.facts.closings[0].joints == ("J1", "J2", "J4")
 
 
@@ -335,6 +344,26 @@ def test_driver_and_slide_are_given(check, tmp_path):
     assert (error.problem, error.element) == ("no driver", '<robot name="goes">')
     report = check(text, driver="O", slide="ram")
     assert (report.errors, report.facts.drivers, report.facts.slide) == ((), ("O",), "ram")
+
+
+def test_load_names_the_command_that_lists_the_others(tmp_path):
+    file = tmp_path / "two errors.urdf"
+    text = pinned("spherical", 'link="wheel" xyz="0 0 0.1"', 'link="frame" xyz="0.5 0 0.13"')
+    file.write_text(text.replace('"slide"', '"ram"'), encoding="utf-8")
+    for options, written in (({}, ""), ({"driver": "O", "slide": "ram"}, " --driver O --slide ram")):
+        with pytest.raises(pp.UrdfError, match="mobility is 0") as caught:
+            pp.load(file, **options)
+        assert str(caught.value).endswith(f"(1 more: pinpress check '{file}'{written} lists them)")
+        assert len(pp.check(file, **options).errors) == 2
+
+
+def test_linkage_without_loops(check):
+    crank = '<robot name="crank"><link name="frame"/><link name="crank">' + INERTIAL + "</link>"
+    joint = f'<joint name="O" type="continuous"><parent link="frame"/><child link="crank"/>{AXIS}</joint>'
+    report = check(f"{crank}{joint}{TRANSMISSION}</robot>")
+    assert report.findings == ()
+    assert (report.facts.mobility, report.facts.closings) == (1, ())
+    assert "no errors, no warnings, no notes" in str(report)
 
 
 @pytest.mark.parametrize(

@@ -113,3 +113,4 @@ def test_installed_command() -> None:
     done = subprocess.run([command, "--help"], capture_output=True, text=True, timeout=60)
     assert done.returncode == 0
     assert "analyse" in done.stdout
+    assert "check" in done.stdout

@@ -10,9 +10,11 @@ import pinpress as pp
 from pinpress.__main__ import main
 
 CORPUS = [
-    *(pytest.param(text, pp.UrdfError, *expected, id=f"{expected[-1]}") for text, *expected in [*FILES, *ELEMENTS, *DRIVERS]),
+    *(
+        pytest.param(text, pp.UrdfError, *expected, id=f"{expected[-1]}")
+        for text, *expected in [*FILES, *ELEMENTS, *DRIVERS, *NEARLY_PARALLEL]
+    ),
     *(pytest.param(text, pp.UrdfError, ROBOT, None, problem, id=problem) for text, problem in MOBILITIES),
-    *(pytest.param(text, pp.UrdfError, element, None, problem, id=problem) for text, element, problem in NEARLY_PARALLEL),
     *(pytest.param(text, pp.AssemblyError, *expected, id=f"{expected[-1]}") for text, *expected in OPEN),
     *(pytest.param(text, pp.SingularityError, ROBOT, None, problem, id=problem) for text, problem in DEAD),
 ]

@@ -182,6 +182,28 @@ def test_escaped_names_are_text(file):
     assert urdf.read(file).links[1] == "<script>"
 
 
+@pytest.mark.parametrize(
+    "name",
+    [
+        "ro\rd",
+        "ro\r\nd",
+        "ro\n\rd",
+        "ro\n\r\nd",
+        "ro\td",
+        "ro\n&#13;d",
+        "ro&#10;d",
+        " ro  d ",
+        "\n&amp;&lt;&gt;&quot;&apos;",
+        "\n&#x80;&#66;",
+        "\u2028",
+    ],
+)
+def test_names_are_those_that_pinocchio_reads(file, name):
+    file.write_bytes(VALID.replace('"rod"', f'"{name}"').encode())
+    press = urdf.read(file)
+    assert pinocchio.buildModelFromXML(press.text.decode()).existFrame(press.links[2], pinocchio.FrameType.BODY)
+
+
 def test_line_is_where_the_tag_starts(file):
     file.write_text(edited(('<link name="rod">', '<link\n  name="rod"\n>'), (' type="spherical"', ' type="spherical"\n\n ')))
     assert urdf.read(file).loops[0].line == LINE_W + 2

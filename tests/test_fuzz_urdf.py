@@ -1,0 +1,69 @@
+"""Mutated URDF files, a few of those that `python tests/fuzz_urdf.py` makes by the thousand; and that it would notice a fault."""
+
+import os
+import time
+
+import fuzz_urdf
+import pytest
+from malformed_linkages import GOES
+
+import pinpress as pp
+
+
+def test_mutated_files_are_refused_or_sound():
+    counted, wrong = fuzz_urdf.run(range(250), seed=20)
+    assert wrong == {}
+    assert counted["refused"] > 100
+    assert counted["plane"] > 20
+    assert counted["pinocchio"] > 2
+
+
+def test_every_base_is_sound(tmp_path):
+    for name, text in fuzz_urdf.bases().items():
+        assert fuzz_urdf.judge(text.encode(), tmp_path) in ("plane", "pinocchio"), name
+
+
+def test_cases_are_the_same_again():
+    assert fuzz_urdf.case(3, 7) == fuzz_urdf.case(3, 7)
+    assert len({fuzz_urdf.case(3, number) for number in range(50)}) > 45
+
+
+def sleep(number):
+    time.sleep(60)
+
+
+def die(number):
+    os._exit(139)
+
+
+def answer(number):
+    return number > 1, str(number)
+
+
+@pytest.mark.parametrize(
+    ("task", "said"), [(sleep, (False, "hangs: no end after 0.2 s")), (die, (False, "crashes: exit code 139")), (answer, (True, "2"))]
+)
+def test_worker_goes_on(task, said):
+    worker = fuzz_urdf.Worker(task, seconds=0.2)
+    try:
+        assert [worker(2), worker(2)] == [said] * 2
+    finally:
+        worker.stop()
+
+
+@pytest.mark.parametrize(
+    ("name", "value", "said"), [("model_mass", 3.0, "mass 3.0 kg, not 4.0"), ("gap_of", 1e-6, "a loop is 1e-06 m open")]
+)
+def test_a_fault_is_noticed(tmp_path, monkeypatch, name, value, said):
+    monkeypatch.setattr(fuzz_urdf, name, lambda *_: value)
+    with pytest.raises(AssertionError, match=said):
+        fuzz_urdf.judge(GOES.encode(), tmp_path)
+
+
+def test_other_errors_are_noticed(tmp_path, monkeypatch):
+    def fails(*_):
+        raise ValueError("no PinpressError")
+
+    monkeypatch.setattr(pp, "load", fails)
+    with pytest.raises(ValueError, match="no PinpressError"):
+        fuzz_urdf.judge(GOES.encode(), tmp_path)
