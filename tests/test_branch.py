@@ -62,7 +62,7 @@ def test_a_turn_stays_on_the_drawn_assembly(zxn2, points, speed, engine):
     motion = pp.cycle(zxn2, speed, points=points, engine=engine)
     assert STROKE[0] < motion.slide_position.min()
     assert motion.slide_position.max() < STROKE[1]
-    assert motion.closure_error.max() < 1e-14
+    assert motion.closure_error.max() < 5e-14  # the last bit of the angle of the second crank, 140 rad
     some = slice(None, None, max(1, points // 50))
     assert gap(zxn2, motion.q[some]).max() < 1e-14
     assert np.ptp(motion.slide_position) > 0.25
@@ -308,9 +308,9 @@ def test_a_geared_linkage_that_is_never_back(tmp_path, engine):
     """With an irrational ratio it is followed through 16 turns either way; further on it says so, and `check` has said so."""
     press = five_bar(tmp_path, "1.4142135623730951")
     motion = pp.cycle(press, angle=np.linspace(-99.0, 99.0, 40), speed=3.0, engine=engine)
-    assert motion.closure_error.max() < 1e-14
+    assert motion.closure_error.max() < 5e-14  # the last bit of the angle of the second crank, 140 rad
     result = pp.inverse_dynamics(press, motion, engine=engine)
     assert np.abs(result.power_residual).max() < 1e-12
-    with pytest.raises(pp.PinpressError, match="not back at its drawn pose after 16 turns .* between -5760 and 5760 deg"):
+    with pytest.raises(pp.PinpressError, match=r"not back at its drawn pose after 16 turns .* between -5760 and 5760 deg"):
         pp.cycle(press, angle=[101.0], speed=3.0, engine=engine)
     assert any("not back at its drawn pose after 16 turns" in note.problem for note in pp.check(press.file).notes)
