@@ -1,5 +1,5 @@
 """Linkages that close through space or more than they must, written as URDF (`bennett`, `bricard`, `four_bar`), and mechanics to judge them
-by, which is written with Pinocchio's kinematics of the open tree alone (`Loops`, `free_bodies`).
+by, which is written with Pinocchio's kinematics of the open tree alone (`Loops`).
 
 All numbers are drawn at random but for the lengths: the place in the world, the frame of every link, the masses. A linkage is drawn in a
 generic pose and exactly closed.
@@ -278,68 +278,6 @@ class Loops:
         """The forces (3,) of the loops among multipliers (rows,)."""
         starts = np.cumsum([0] + [3 + len(loop.held) for loop in self.loops])
         return [multipliers[start : start + 3] for start in starts[:-1]]
-
-
-def free_bodies(text, press, motion, i, loads=()):
-    """Newton's and Euler's equations of all bodies at state i, cut free, with a force and a moment of every bearing as unknowns.
-
-    Further equations say that passive pins transmit no moment along their axes, and spherical loops none at all.
-
-    Returns:
-        (bearings, 6) forces and moments with the least sum of squared forces, and then of squared moments; (k, bearings, 6) a basis of
-        those that balance without any motion or load.
-    """
-    model, loops = press.model, Loops(text, press.model)
-    data, bearings = loops.data, len(press.bearings)
-    q, v, a = motion.q[i], motion.v[i], motion.a[i]
-    pin.forwardKinematics(model, data, q, v, a)
-    pin.computeJointJacobians(model, data, q)
-    pin.updateFramePlacements(model, data)
-    balance, known = np.zeros((6 * model.nv, 6 * bearings)), np.zeros(6 * model.nv)
-
-    def act(body, bearing, point, sign):
-        if body:
-            rows, columns = 6 * (body - 1), 6 * bearing
-            balance[rows : rows + 6, columns : columns + 6] += sign * np.eye(6)
-            balance[rows + 3 : rows + 6, columns : columns + 3] += sign * pin.skew(point - data.oMi[body].translation)
-
-    def add(body, force, moment, point):
-        if body:
-            known[6 * body - 6 : 6 * body - 3] += force
-            known[6 * body - 3 : 6 * body] += moment + np.cross(point - data.oMi[body].translation, force)
-
-    free = []
-    for j in range(1, model.njoints):
-        place, inertia = data.oMi[j], model.inertias[j]
-        act(j, j - 1, place.translation, 1.0)
-        act(model.parents[j], j - 1, place.translation, -1.0)
-        rate = inertia * data.a[j] + data.v[j].cross(inertia * data.v[j])
-        add(j, place.rotation @ rate.linear, place.rotation @ rate.angular, place.translation)
-        add(j, -inertia.mass * model.gravity.linear, np.zeros(3), place.act(inertia.lever))
-        if model.names[j] not in press.drivers:
-            free.append((j - 1, pin.getJointJacobian(model, data, j, pin.LOCAL_WORLD_ALIGNED)[3:, j - 1]))
-    for k, loop in enumerate(loops.loops, model.nv):
-        point = loops.places(loop)[0].translation
-        act(loop.joints[1], k, point, 1.0)
-        act(loop.joints[0], k, point, -1.0)
-        held = loops.directions(loop)
-        free += [(k, direction) for direction in (np.linalg.svd(held)[2][len(held) :] if len(held) else np.eye(3))]
-    for load in loads:
-        frame = model.getFrameId(load.link, pin.BODY)
-        add(model.frames[frame].parentJoint, -np.asarray(load.force), np.zeros(3), data.oMf[frame].act(np.array(load.point)))
-    passive = np.zeros((len(free), 6 * bearings))
-    for row, (bearing, direction) in zip(passive, free, strict=True):
-        row[6 * bearing + 3 : 6 * bearing + 6] = direction
-    equations = np.vstack([balance, passive])
-    some = np.linalg.lstsq(equations, np.append(known, np.zeros(len(free))), rcond=ZERO)[0]
-    idle = null_space(equations)
-    # of all x = some + idle y: forces first, then, among those with the same forces, moments
-    forces, moments = (part.reshape(3 * bearings, -1) for part in np.split(idle.reshape(bearings, 2, 3, -1), 2, axis=1))
-    state = some.reshape(bearings, 2, 3)
-    y = -np.linalg.lstsq(forces, state[:, 0].ravel(), rcond=ZERO)[0]
-    without_force = null_space(forces)
-    y -= without_force @ np.linalg.lstsq(moments @ without_force, state[:, 1].ravel() + moments @ y, rcond=ZERO)[0]
-    return (some + idle @ y).reshape(bearings, 6), idle.T.reshape(-1, bearings, 6)
 
 
 def null_space(matrix):

@@ -14,6 +14,7 @@ from random_linkages import Drawing, drawn, linkages, momentum_balance
 from spatial_linkages import Loops, bennett, four_bar
 from test_sharing import double, rods, wheels
 from test_spatial import SPATIAL, three_cranks
+from texts import load, shipped
 
 import pinpress as pp
 
@@ -33,18 +34,6 @@ def folder(tmp_path_factory):
 @pytest.fixture(params=ENGINES)
 def engine(request):
     return request.param
-
-
-@cache
-def load(text, folder, gravity=(0.0, 0.0, -9.81)):
-    file = folder / "linkage.urdf"
-    file.write_text(text, encoding="utf-8")
-    return pp.load(file, gravity=gravity)
-
-
-@cache
-def shipped(name):
-    return pp.load(name)
 
 
 def slides(press):
@@ -111,14 +100,14 @@ def left_over(press, result, loads=()):
                 left[:, body - 1, :3] += sign * force
                 left[:, body - 1, 3:] += sign * (moment + np.cross(turning.place[k] - origins[body - 1], force))
     data = press.model.createData()
-    for load in loads:
-        frame = press.model.getFrameId(load.link, pin.BODY)
+    for each in loads:
+        frame = press.model.getFrameId(each.link, pin.BODY)
         body = press.model.frames[frame].parentJoint
         for i, q in enumerate(result.motion.q if body else ()):
             pin.framesForwardKinematics(press.model, data, q)
-            force = np.broadcast_to(load.force, (len(result.motion.q), 3))[i]
+            force = np.broadcast_to(each.force, (len(result.motion.q), 3))[i]
             left[i, body - 1, :3] += force
-            left[i, body - 1, 3:] += np.cross(data.oMf[frame].act(np.array(load.point)) - origins[body - 1, i], force)
+            left[i, body - 1, 3:] += np.cross(data.oMf[frame].act(np.array(each.point)) - origins[body - 1, i], force)
     return left
 
 

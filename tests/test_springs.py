@@ -8,6 +8,7 @@ import pytest
 from random_linkages import four_bar, momentum_balance
 from spatial_linkages import four_bar as spatial_four_bar
 from test_spatial import SPATIAL, three_cranks
+from texts import load, shipped
 
 import pinpress as pp
 
@@ -24,18 +25,6 @@ def engine(request):
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory):
     return tmp_path_factory.mktemp("springs")
-
-
-@cache
-def load(text, folder, gravity=(0.0, 0.0, -9.81)):
-    file = folder / "linkage.urdf"
-    file.write_text(text, encoding="utf-8")
-    return pp.load(file, gravity=gravity)
-
-
-@cache
-def shipped(name):
-    return pp.load(name)
 
 
 def welded():
