@@ -13,10 +13,8 @@ SI units and radians throughout. World z is up; a planar press stands in the x-z
 
 from typing import TYPE_CHECKING, Any
 
-from .checking import Report, check
 from .dead_centres import DeadCentres, dead_centres
 from .errors import AssemblyError, PinpressError, SingularityError, UnknownNameError, UrdfError
-from .findings import Finding
 from .friction import Friction
 from .linkage import Linkage
 from .loading import load, presses
@@ -51,18 +49,18 @@ __all__ = [
 ]
 
 if TYPE_CHECKING:
+    from .checking import Report, check
+    from .findings import Finding
     from .recording import record
     from .writing import write_urdf
 
+_LATER = {"Report": "checking", "check": "checking", "Finding": "findings", "record": "recording", "write_urdf": "writing"}
+
 
 def __getattr__(name: str) -> Any:
-    """`record` and `write_urdf` are imported when first used: who only computes should not wait for them."""
-    if name == "record":
-        from .recording import record
+    """What is imported when it is first used: who only computes should not wait for it."""
+    if name in _LATER:
+        from importlib import import_module
 
-        return record
-    if name == "write_urdf":
-        from .writing import write_urdf
-
-        return write_urdf
+        return getattr(import_module(f".{_LATER[name]}", __name__), name)
     raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
