@@ -72,6 +72,7 @@ class Reactions:
         indeterminate: name -> (6,) bool: components of force (x, y, z) and moment (x, y, z) that rigid mechanics leaves open because a loop
             closes more than it must; shared as `sharing` says, by default with the least sum of squared bearing forces. In a planar press
             whose equations in the plane are all needed they are those along the normal.
+        indeterminate_coupling: name of a joint with a ``<mimic>`` -> bool: the same of the gear pair's torque.
     """
 
     motion: Motion
@@ -103,11 +104,19 @@ class Reactions:
         residual.setflags(write=False)
         return np.asarray(residual)
 
-    @cached_property
+    @property
     def indeterminate(self) -> ByBearing[np.bool_]:
+        return ByBearing(self._press.bearings, self._indeterminate[0])
+
+    @property
+    def indeterminate_coupling(self) -> ByBearing[np.bool_]:
+        return ByBearing(tuple(self.coupling_torque), self._indeterminate[1])
+
+    @cached_property
+    def _indeterminate(self) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
         positions = self.motion.joint_position.T
         some = positions[:, :: max(1, positions.shape[1] // STATES_LOOKED_AT)]
-        return ByBearing(self._press.bearings, spatial_dynamics.indeterminate(self._press.spatial, some))
+        return spatial_dynamics.indeterminate(self._press.spatial, some)
 
     @property
     def shaking_force(self) -> Array:

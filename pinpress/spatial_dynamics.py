@@ -56,10 +56,11 @@ def inverse_dynamics(
     return result
 
 
-def indeterminate(spatial: Spatial, position: Array) -> NDArray[np.bool_]:
-    """Components (bearings, 6) that idle forces reach in any of the positions (nv, n); see `Reactions.indeterminate`."""
+def indeterminate(spatial: Spatial, position: Array) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
+    """Components of bearings (bearings, 6), and torques of couplings (nc,), that idle forces reach in any of the positions (nv, n); see
+    `Reactions.indeterminate`."""
     equations = spatial.equations()
-    marks = np.zeros((spatial.model.nv + len(spatial.loops), 6), dtype=bool)
+    marks, gears = np.zeros((spatial.model.nv + len(spatial.loops), 6), dtype=bool), np.zeros(len(spatial.couplings), dtype=bool)
     for x in position.T:
         rows = equations.at(x)
         idle = Passive(rows.columns, spatial).idle
@@ -68,7 +69,8 @@ def indeterminate(spatial: Spatial, position: Array) -> NDArray[np.bool_]:
             moments = _moments(spatial, equations.data.oMi, forces, moments)
             marks[:, :3] |= (np.abs(spatial.share @ idle[: 3 * len(spatial.loops)]).max(axis=1) > RANK).reshape(-1, 3)
             marks[:, 3:] |= (np.abs(moments).max(axis=1) > RANK * spatial.size).reshape(-1, 3)
-    return marks
+            gears |= np.abs(idle[len(idle) - len(gears) :]).max(axis=1) > RANK
+    return marks, gears
 
 
 def power_balance(spatial: Spatial, position: Array, v: Array, a: Array, loads: Sequence[AppliedForce]) -> tuple[Array, Array]:

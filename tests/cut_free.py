@@ -14,13 +14,14 @@ ZERO = 1e-9  # share of the largest below which a singular value, or a component
 
 
 class CutFree(NamedTuple):
-    """Forces and moments (bearings, 6), torques of couplings (nc,) and drives (nd,); components (bearings, 6) that idle forces reach, and
-    (k, bearings, 6) a basis of these."""
+    """Forces and moments (bearings, 6), torques of couplings (nc,) and drives (nd,); components (bearings, 6) and couplings (nc,)
+    that idle forces reach, and (k, bearings, 6) a basis of these."""
 
     wrenches: np.ndarray
     couplings: np.ndarray
     drives: np.ndarray
     open: np.ndarray
+    open_couplings: np.ndarray
     idle: np.ndarray
 
 
@@ -99,8 +100,9 @@ def cut_free(press, motion, i, loads=(), stiffness=None):
         ways = ways @ right[rank:].T
     wrenches, efforts = found[: 6 * bearings].reshape(bearings, 6), found[6 * bearings :]
     reached = (np.abs(idle[: 6 * bearings]).max(axis=1, initial=0.0) > ZERO).reshape(bearings, 6)
+    geared = np.abs(idle[6 * bearings : 6 * bearings + couplings]).max(axis=1, initial=0.0) > ZERO
     basis = idle[: 6 * bearings].T.reshape(-1, bearings, 6)
-    return CutFree(wrenches, efforts[:couplings], efforts[couplings:], reached, basis)
+    return CutFree(wrenches, efforts[:couplings], efforts[couplings:], reached, geared, basis)
 
 
 def gears(press):

@@ -182,10 +182,20 @@ def test_bodies_cut_free(folder, name, engine, stiff):
 def test_open_components_are_those_that_idle_forces_reach(folder, name, engine):
     """By the singular values of the bodies cut free, in any of the states."""
     press, motion, loads = case(name, folder)
-    flags = pp.inverse_dynamics(press, motion, loads, engine=engine).indeterminate
-    reached = np.any([state.open for state in expected(name, folder, ())], axis=0)
+    result, states = pp.inverse_dynamics(press, motion, loads, engine=engine), expected(name, folder, ())
     for k, bearing in enumerate(press.bearings):
-        assert flags[bearing].tolist() == reached[k].tolist(), bearing
+        assert result.indeterminate[bearing].tolist() == np.any([state.open[k] for state in states], axis=0).tolist(), bearing
+    for k, (follower, *_) in enumerate(gears(press)):
+        assert result.indeterminate_coupling[follower] == any(state.open_couplings[k] for state in states), follower
+    assert result.indeterminate_coupling.keys() == result.coupling_torque.keys()
+
+
+def test_the_torque_of_a_gear_pair_is_open_where_rods_could_carry_it(folder):
+    """In the symmetric press and in a ring of gears; in a gear train each is certain."""
+    for name, opened in (("symmetric", True), ("ring", True), ("chain", False), ("five_bar", False)):
+        press, motion, loads = case(name, folder)
+        flags = pp.inverse_dynamics(press, motion, loads).indeterminate_coupling
+        assert set(flags.values()) == {opened}, name
 
 
 @pytest.mark.parametrize(("name", "engine"), BOTH)
