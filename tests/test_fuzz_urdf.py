@@ -41,10 +41,11 @@ def answer(number):
 
 
 @pytest.mark.parametrize(
-    ("task", "said"), [(sleep, (False, "hangs: no end after 0.2 s")), (die, (False, "crashes: exit code 139")), (answer, (True, "2"))]
+    ("task", "seconds", "said"),
+    [(sleep, 0.2, (False, "hangs: no end after 0.2 s")), (die, 30, (False, "crashes: exit code 139")), (answer, 30, (True, "2"))],
 )
-def test_worker_goes_on(task, said):
-    worker = fuzz_urdf.Worker(task, seconds=0.2)
+def test_worker_goes_on(task, seconds, said):
+    worker = fuzz_urdf.Worker(task, seconds)
     try:
         assert [worker(2), worker(2)] == [said] * 2
     finally:
