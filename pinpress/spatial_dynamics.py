@@ -66,7 +66,7 @@ def indeterminate(spatial: Spatial, position: Array) -> tuple[NDArray[np.bool_],
         idle = Passive(rows.columns, spatial).idle
         if idle.shape[1]:
             forces, moments, _ = _parts(spatial, rows, idle)
-            moments = _moments(spatial, equations.data.oMi, forces, moments)
+            moments = _moments(spatial, equations.placements, forces, moments)
             marks[:, :3] |= (np.abs(spatial.share @ idle[: 3 * len(spatial.loops)]).max(axis=1) > RANK).reshape(-1, 3)
             marks[:, 3:] |= (np.abs(moments).max(axis=1) > RANK * spatial.size).reshape(-1, 3)
             gears |= np.abs(idle[len(idle) - len(gears) :]).max(axis=1) > RANK
@@ -109,10 +109,9 @@ class _State:
             angle, gap = float(x[spatial.drivers[0]]), equations.widest(self.rows.gaps)
             raise AssemblyError("the motion leaves the loops of this linkage open: it is another one's", angle, gap, 0)
         self.passive = Passive(self.rows.columns, spatial)
-        data = equations.data
-        self.placements, self.wrenches = data.oMi, data.f  # live: fetching them again costs more than the algorithm that fills them
+        self.placements, self.wrenches = equations.placements, equations.wrenches
         self.rotations = [placement.rotation for placement in self.placements]
-        self.effort = pin.rnea(spatial.model, data, self.rows.q, v, a, self._external(applied)).copy()
+        self.effort = pin.rnea(spatial.model, equations.data, self.rows.q, v, a, self._external(applied)).copy()
 
     def multipliers(self, efforts: Array, couples: Array, compliance: Array | None) -> Array:
         """Multipliers (rows,) of the equations under friction efforts (nv,) of the joints and couples (nl, 3) of the loops."""

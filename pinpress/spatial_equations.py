@@ -34,6 +34,7 @@ class Equations:
 
     def __init__(self, model: pin.Model, loops: tuple[LoopJoint, ...], couplings: tuple[Coupling, ...], size: float) -> None:
         self.model, self.data = model, model.createData()
+        self.placements, self.wrenches = self.data.oMi, self.data.f  # live: fetching them costs more than the algorithm that fills them
         self.loops, self.size, self.slots = loops, size, slots(model)
         self.anchors = [
             pin.PointAnchorConstraintModel(model, k.joint1, pin.SE3(np.eye(3), k.point1), k.joint2, pin.SE3(np.eye(3), k.point2))
@@ -99,7 +100,7 @@ class Equations:
         turning, row, directions = self.data.J[3:], 3 * len(self.loops), []
         for k, loop in enumerate(self.loops):
             first, second = (
-                self.data.oMi[joint].rotation @ rotation
+                self.placements[joint].rotation @ rotation
                 for joint, rotation in ((loop.joint1, loop.rotation1), (loop.joint2, loop.rotation2))
             )
             if loop.type == "revolute":
@@ -118,7 +119,7 @@ class Equations:
 
     def _spin(self, joint: int) -> tuple[Array, Array]:
         """Angular velocity and acceleration of a joint's body, world axes."""
-        rotation = self.data.oMi[joint].rotation
+        rotation = self.placements[joint].rotation
         return rotation @ self.data.v[joint].angular, rotation @ self.data.a[joint].angular
 
 
