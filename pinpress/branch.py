@@ -22,6 +22,7 @@ FIRST_STEP = 1e-3  # of the walk, to learn how the margins change [rad]
 SMALLEST_STEP = 1e-10  # the walk ends where it would need a shorter one: the linkage locks there [rad]
 SMALLEST_MARGIN = 1e-6  # below it rounding of the loop equations decides where two assemblies meet: the walk ends there too
 LARGEST_CORRECTION = 1e-3  # Newton's method may move a joint so far from its prediction [rad, or lengths of the linkage]
+NEARLY_CLOSED = 1e-6  # gap that Newton's method leaves only where redundant equations contradict each other [lengths of the linkage]
 MOST_TURNS = 16  # turns of the crank in which a linkage is looked for back at its start; it is followed no further
 
 
@@ -127,7 +128,7 @@ def walk(
 
     Raises:
         SingularityError: it locks at its drawn pose.
-        AssemblyError: it moves too fast to be followed.
+        AssemblyError: its loops do not stay closed, or it moves too fast to be followed.
     """
     longest = COARSE_STEP
     while longest > FIRST_STEP:
@@ -282,6 +283,14 @@ def _table(follower: _Follower, nodes: list[_Node]) -> tuple[Array, Array] | Non
     guess = predict(Branch(coarse, polynomials, None, np.zeros(0), (None, None)), angles)
     closure = follower.close(angles, guess)
     moved = np.abs(closure.position - guess).max(axis=0)
+    if follower.tolerance < closure.widest < NEARLY_CLOSED * follower.size:
+        worst = int(np.argmax(closure.gap))
+        raise AssemblyError(
+            "the loops do not stay closed: they hold each other, so that lengths and angles must fit to all digits",
+            float(angles[worst]),
+            closure.widest,
+            closure.iterations,
+        )
     if not (closure.widest <= follower.tolerance and moved.max() <= LARGEST_CORRECTION * (1 + follower.size)):
         return None
     return angles, _hermite(angles, closure.position.T, closure.first.T, closure.second.T)

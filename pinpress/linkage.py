@@ -159,7 +159,7 @@ class Linkage:
 
         Raises:
             SingularityError: the linkage locks at its drawn pose.
-            AssemblyError: it moves too fast to be followed.
+            AssemblyError: its loops do not stay closed, or it moves too fast to be followed.
             PinpressError: it has several drivers.
         """
         if len(self.drivers) > 1:

@@ -65,6 +65,7 @@ _FOREIGN = {
 }
 _QUANTITIES = ("xyz", "rpy", "value", "ixx", "ixy", "ixz", "iyy", "iyz", "izz", "multiplier", "offset")  # what is computed with, and
 _LARGEST = 1e12  # may have powers and products in floating point
+_LEAST_RATIO = 1e-7  # of a gear pair, or of a rack [m/rad]
 _OPEN_TO_ATTRIBUTES = ("dynamics", "calibration", "safety_controller", "mesh", "color", "texture")  # nothing here enters the mechanics
 
 Problem = tuple["Element", str, str]
@@ -209,8 +210,12 @@ def _mimic_problems(robot: "Element") -> Iterator[Problem]:
                 yield mimic, "the joint mimics itself", "name the joint that it is geared to"
             elif leader and types[leader] == "fixed":
                 yield mimic, f"joint {leader!r} is fixed: nothing to follow", "name a joint that moves"
-            if mimic.numbers("multiplier") == (0.0,):
-                yield mimic, "multiplier is 0, which locks the joint", 'write the ratio of the gear pair, or type="fixed"'
+            for ratio in map(abs, mimic.numbers("multiplier")):
+                if ratio < _LEAST_RATIO:  # one this small would count as rounding, in the rank of the equations
+                    size = "0" if ratio == 0 else f"{ratio:g}, as good as 0"
+                    yield mimic, f"multiplier is {size}, which locks the joint", 'write the ratio of the gear pair, or type="fixed"'
+                elif 1 / _LEAST_RATIO < ratio <= _LARGEST:
+                    yield mimic, f"multiplier is {ratio:g}, which locks joint {leader!r}", "write the ratio of the gear pair"
     yield from _gear_ring_problems(robot)
 
 

@@ -222,6 +222,8 @@ ELEMENTS = [
     (in_joint("P", '<mimic joint="P"/>'), of("mimic", JOINT_P), 20, "the joint mimics itself"),
     (in_joint("P", '<mimic joint="O" multiplier="0"/>'), of("mimic", JOINT_P), 20, "multiplier is 0, which locks the joint"),
     (in_joint("P", '<mimic joint="O" multiplier="-0.0"/>'), of("mimic", JOINT_P), 20, "multiplier is 0"),
+    (in_joint("P", '<mimic joint="O" multiplier="-1e-9"/>'), of("mimic", JOINT_P), 20, "multiplier is 1e-09, as good as 0, which locks"),
+    (in_joint("P", '<mimic joint="O" multiplier="1e9"/>'), of("mimic", JOINT_P), 20, "multiplier is 1e+09, which locks joint 'O'"),
     (in_joint("P", '<mimic joint="O" ratio="2"/>'), of("mimic", JOINT_P), 20, "unknown attribute 'ratio'"),
     (in_joint("P", '<mimic joint="O" multiplier="1:2"/>'), of("mimic", JOINT_P), 20, "'1:2' is not a finite number"),
     (in_joint("P", '<mimic joint="O"/><mimic joint="guide"/>'), of("mimic", JOINT_P), 20, "a second <mimic>"),

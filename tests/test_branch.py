@@ -6,6 +6,7 @@ import numpy as np
 import pinocchio as pin
 import pytest
 from random_linkages import Group, Spec, drawn, four_bar
+from spatial_linkages import bennett
 
 import pinpress as pp
 from pinpress.branch import predict
@@ -314,3 +315,15 @@ def test_a_geared_linkage_that_is_never_back(tmp_path, engine):
     with pytest.raises(pp.PinpressError, match=r"not back at its drawn pose after 16 turns .* between -5760 and 5760 deg"):
         pp.cycle(press, angle=[101.0], speed=3.0, engine=engine)
     assert any("not back at its drawn pose after 16 turns" in note.problem for note in pp.check(press.file).notes)
+
+
+def test_redundant_loops_that_contradict_each_other_by_little(tmp_path):
+    """A Bennett linkage turns only because its lengths fit; with one of them wrong in the twelfth digit it is closed as drawn, not round."""
+    text = bennett()
+    height = re.search(r'<joint name="J4".*?<origin xyz="\S+ \S+ (\S+)"', text)[1]
+    path = tmp_path / "bennett.urdf"
+    path.write_text(text.replace(f' {height}"', f' {float(height) + 2.5e-12!r}"'), encoding="utf-8")
+    press = pp.load(path)
+    with pytest.raises(pp.AssemblyError, match=r"the loops do not stay closed: .* must fit to all digits") as caught:
+        pp.cycle(press, 5.0)
+    assert 1e-13 < caught.value.gap < 1e-10
