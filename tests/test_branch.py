@@ -318,7 +318,7 @@ def test_a_geared_linkage_that_is_never_back(tmp_path, engine):
 
 
 def test_redundant_loops_that_contradict_each_other_by_little(tmp_path):
-    """A Bennett linkage turns only because its lengths fit; with one of them wrong in the twelfth digit it is closed as drawn, not round."""
+    """A Bennett linkage turns only because its lengths fit: wrong in the twelfth digit, it closes as drawn, but not all round."""
     text = bennett()
     height = re.search(r'<joint name="J4".*?<origin xyz="\S+ \S+ (\S+)"', text)[1]
     path = tmp_path / "bennett.urdf"
