@@ -16,7 +16,8 @@ import numpy as np
 
 from .branch import Closure
 from .coordinates import Array, ComplexArray
-from .plane import Block, Plane, product
+from .plane import Plane, product
+from .plane_blocks import Block
 
 MOST_NEWTON_STEPS = 12
 NO_SLIPS = np.empty((0, 1))

@@ -15,7 +15,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from .coordinates import Array, ComplexArray
-from .plane import Block, Plane, product
+from .plane import Plane, product
+from .plane_blocks import Block
 from .plane_kinematics import block_matrix, dyad_columns
 from .sharing import Objective, least
 
