@@ -13,20 +13,29 @@ SI units and radians throughout. World z is up; a planar press stands in the x-z
 
 from typing import TYPE_CHECKING, Any
 
+from . import drives, loads
 from .dead_centres import DeadCentres, dead_centres
-from .errors import AssemblyError, PinpressError, SingularityError, UnknownNameError, UrdfError
+from .driveline import At, Brake, Clutch
+from .drives import ConstantTorque, Flywheel
+from .errors import AssemblyError, PinpressError, SimulationError, SingularityError, UnknownNameError, UrdfError
+from .forces import PointForce, SpringDamper
 from .friction import Friction
 from .linkage import Linkage
 from .loading import load, presses
-from .loads import PointForce, SpringDamper
 from .motion import RPM, Motion, cycle
 from .reactions import Reactions, inverse_dynamics
+from .simulation import Run, Stats, simulate
 
 __all__ = [
     "RPM",
     "AssemblyError",
+    "At",
+    "Brake",
+    "Clutch",
+    "ConstantTorque",
     "DeadCentres",
     "Finding",
+    "Flywheel",
     "Friction",
     "Linkage",
     "Motion",
@@ -34,17 +43,23 @@ __all__ = [
     "PointForce",
     "Reactions",
     "Report",
+    "Run",
+    "SimulationError",
     "SingularityError",
     "SpringDamper",
+    "Stats",
     "UnknownNameError",
     "UrdfError",
     "check",
     "cycle",
     "dead_centres",
+    "drives",
     "inverse_dynamics",
     "load",
+    "loads",
     "presses",
     "record",
+    "simulate",
     "write_urdf",
 ]
 

@@ -52,6 +52,20 @@ class SingularityError(PinpressError):
         super().__init__(f"{problem} (crank angle {_degrees(crank_angle)}, smallest singular value {smallest_singular_value:.3g})")
 
 
+class SimulationError(PinpressError):
+    """A simulation cannot go on, or has no answer.
+
+    Attributes:
+        time: [s], None where it is of no instant. crank_angle: [rad], None where it is of none.
+    """
+
+    def __init__(self, problem: str, time: float | None = None, crank_angle: float | None = None) -> None:
+        self.time, self.crank_angle = time, crank_angle
+        at = [] if time is None else [f"time {time:.6g} s"]
+        at += [] if crank_angle is None else [f"crank angle {_degrees(crank_angle)}"]
+        super().__init__(problem + (f" ({', '.join(at)})" if at else ""))
+
+
 class UnknownNameError(PinpressError, KeyError):
     """A bearing, link or joint that the linkage does not have.
 

@@ -1,144 +1,381 @@
-"""Forces that act on the links from outside, and springs and dampers between them."""
+"""Process loads: forces between slide and bolster, as functions of the slide's height and direction of travel.
 
+They act along the slide's guide axis; on the slide positive along the axis, on the frame the opposite. The slide works against the axis,
+downwards in an upright press, so a positive force resists the working stroke. Heights [m] are slide positions above a datum: the load's
+``datum`` (a slide position [m]), by default that of bottom dead centre. Magnitudes may be arrays (S,), one value a scenario.
+
+The load cases are those of Zhang 2007 (JF75G-125), 5.7, as functions of height instead of time: a press slows down under its load,
+and windows in time then miss the stroke that they were made for.
+"""
+
+import itertools
+import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from functools import partial
+from typing import TYPE_CHECKING, Any, Protocol, runtime_checkable
 
 import numpy as np
-import pinocchio as pin
 from numpy.typing import ArrayLike
 
 from .coordinates import Array
-from .errors import PinpressError, UnknownNameError
-from .points import point_motion
+from .errors import PinpressError
 
 if TYPE_CHECKING:
     from .linkage import Linkage
-    from .motion import Motion
+
+__all__ = [
+    "Blanking",
+    "DeepDrawing",
+    "ElasticDie",
+    "ForceStroke",
+    "Idle",
+    "Piling",
+    "ProcessLoad",
+    "Stretch",
+    "TimeForce",
+    "datum",
+    "step",
+]
+
+
+Law = Callable[[Any, Any], Any]  # of numbers a number, of arrays an array
 
 
 @dataclass(frozen=True)
-class PointForce:
-    """A force at a point of a link.
-
-    A force between the slide and the bolster, such as a forming load, does not reach the foundation: give its reaction as a second
-    PointForce on the frame.
+class Stretch:
+    """One smooth stretch of a process force, in one direction of travel.
 
     Attributes:
-        link: name of the link; the frame (root link) may be named too.
-        force: in world axes [N]: (3,) constant, (n, 3) over the motion, or a function of the motion that returns one of these.
-        point: of application, in the link's own frame [m].
+        upper, lower: heights between which it acts, lower < height <= upper [m]; may be infinite.
+        force: height [m] and velocity along the axis [m/s] -> force on the slide along the axis [N]. Of numbers a number, or (S,) where
+            the load has scenarios; of arrays (..., S) the same shape. Smooth, a little beyond the stretch too.
+        one_sided: a contact: where the law gives less than zero the contact is lost, and the force is zero.
     """
 
-    link: str
-    force: "ArrayLike | Callable[[Motion], ArrayLike]"
-    point: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    upper: float
+    lower: float
+    force: Law
+    one_sided: bool = False
 
 
-@dataclass(frozen=True)
-class SpringDamper:
-    """A spring and a damper side by side between a point of one link and one of another, which may be the frame.
+@runtime_checkable
+class ProcessLoad(Protocol):
+    """A force between slide and bolster. Any class with these two members is one."""
 
-    Its force along the line between the points is stiffness x (length - free_length) + damping x (rate of length), drawing them together
-    where positive.
+    @property
+    def datum(self) -> float | None:
+        """Slide position from which heights are measured [m]; None for that of bottom dead centre."""
 
-    Attributes:
-        link1, link2: names of the links. point1, point2: in the links' own frames [m].
-        stiffness: [N/m]. damping: [N s/m]. free_length: length at which the spring is slack [m].
-    """
-
-    link1: str
-    link2: str
-    stiffness: float = 0.0
-    damping: float = 0.0
-    free_length: float = 0.0
-    point1: tuple[float, float, float] = (0.0, 0.0, 0.0)
-    point2: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    def stretches(self, downwards: bool) -> tuple[Stretch, ...]:
+        """The stretches on the way down (against the guide's axis) or up; disjoint, no force outside them."""
 
 
-Load = PointForce | SpringDamper
-
-
-@dataclass(frozen=True)
-class AppliedForce:
-    """A load worked out for one motion: on the body of Pinocchio joint ``joint`` (0: the frame), ``point`` (3,) in that joint's
-    frame [m], ``force`` (n, 3) in world axes [N]."""
-
-    joint: int
-    point: Array
-    force: Array
-
-    def part(self, points: slice) -> "AppliedForce":
-        """The same over a part of the motion."""
-        return AppliedForce(self.joint, self.point, self.force[points])
-
-
-def apply(loads: Sequence[Load], press: "Linkage", motion: "Motion") -> list[AppliedForce]:
-    """Loads as arrays over the motion.
+def datum(load: ProcessLoad, press: "Linkage") -> float:
+    """Slide position from which the heights of a load are measured [m].
 
     Raises:
-        UnknownNameError: a load on a link that the linkage does not have.
-        PinpressError: a force of the wrong shape, a value that is not finite, a spring whose ends meet.
+        PinpressError: the linkage has no slide, or neither it has a bottom dead centre nor the load a datum.
     """
-    applied: list[AppliedForce] = []
-    for load in loads:
-        if isinstance(load, SpringDamper):
-            applied += _stretched(load, press, motion)
-        elif isinstance(load, PointForce):
-            applied.append(_applied(load, press, motion))
-        else:
-            raise PinpressError(f"load {load!r} is none: give a PointForce or a SpringDamper")
-    return applied
+    from .dead_centres import dead_centres  # imports the linkage, whose dynamics imports the loads
 
-
-def _applied(load: PointForce, press: "Linkage", motion: "Motion") -> AppliedForce:
-    points, what = len(motion.crank_angle), f"load on {load.link!r}"
-    joint, point = _place(press, load.link, load.point, what, "point")
-    force = _numbers(load.force(motion) if callable(load.force) else load.force, what, "force")
-    if force.shape not in ((3,), (points, 3)):
-        raise PinpressError(f"{what}: force has shape {force.shape}; give (3,) or ({points}, 3), in world axes [N]")
-    return AppliedForce(joint, point, np.broadcast_to(force, (points, 3)))
-
-
-def _stretched(load: SpringDamper, press: "Linkage", motion: "Motion") -> list[AppliedForce]:
-    """The forces of a spring and damper on its two links."""
-    what = f"spring between {load.link1!r} and {load.link2!r}"
-    for quantity in ("stiffness", "damping", "free_length"):
-        value = _numbers(getattr(load, quantity), what, quantity)
-        if value.ndim or value < 0:
-            raise PinpressError(f"{what}: {quantity} is {getattr(load, quantity)!r}; give one number that is not negative")
-    ends = [
-        _place(press, load.link1, load.point1, what, "point1"),
-        _place(press, load.link2, load.point2, what, "point2"),
-    ]
-    (position1, velocity1), (position2, velocity2) = (point_motion(press, motion, *end) for end in ends)
-    between, rate = position2 - position1, velocity2 - velocity1
-    length = np.linalg.norm(between, axis=1)
-    if (load.free_length or load.damping) and not length.min() > 1e-12 * press.spatial.size:
-        angle = np.degrees(np.ravel(motion.crank_angle[int(length.argmin())])[0])
-        raise PinpressError(f"{what}: its ends meet at crank angle {angle:.6g} deg, where it has no direction; move a point")
-    direction = between / np.where(length == 0.0, 1.0, length)[:, None]
-    tension = load.stiffness * (length - load.free_length) + load.damping * np.einsum("nk,nk->n", rate, direction)
-    force = tension[:, None] * direction
-    return [AppliedForce(*ends[0], force), AppliedForce(*ends[1], -force)]
-
-
-def _place(press: "Linkage", link: str, point: ArrayLike, what: str, name: str) -> tuple[int, Array]:
-    """The joint whose body a link belongs to, and a point of the link in that joint's frame."""
-    if link not in press.links:
-        raise UnknownNameError("link", link, press.links)
-    numbers = _numbers(point, what, name)
-    if numbers.shape != (3,):
-        raise PinpressError(f"{what}: {name} has shape {numbers.shape}; give x, y, z in the link's frame [m]")
-    frame = press.model.frames[press.model.getFrameId(link, pin.BODY)]
-    return frame.parentJoint, frame.placement.act(numbers)
-
-
-def _numbers(values: ArrayLike, what: str, name: str) -> Array:
+    _ = press.slide_guide
+    if load.datum is not None:
+        return load.datum
     try:
-        numbers = np.asarray(values, dtype=float)
+        return dead_centres(press).bottom_position
+    except PinpressError as error:
+        raise PinpressError(
+            f"{type(load).__name__}: {press.name} has no bottom dead centre to measure heights from ({error});"
+            " give datum=, a slide position [m]"
+        ) from error
+
+
+@dataclass(frozen=True)
+class Idle:
+    """The press runs empty: no force. Zhang 2007, 5.7.1 (1)."""
+
+    datum: float | None = None
+
+    def __post_init__(self) -> None:
+        _datum(self)
+
+    def stretches(self, downwards: bool) -> tuple[Stretch, ...]:
+        return ()
+
+
+@dataclass(frozen=True, eq=False)
+class Piling:
+    """Pulse about bottom dead centre: constant force wherever the slide is lower than a height, both ways. Zhang 2007, 5.7.1 (2).
+
+    The window in time of 5.7.3, t = 2.5 ms before and after bottom dead centre, is for a crank r and a rod l at crank speed w, nearly,
+    the height r (1 + r/l) (w t)^2 / 2: for r = 15 mm, l = 300 mm and 300 strokes/min 0.0486 mm.
+
+    Attributes:
+        force: [N], one number or (S,), not negative. height: [m], not negative; with 0 it acts nowhere. datum: see the module.
+    """
+
+    force: float | Array
+    height: float
+    datum: float | None = None
+
+    def __post_init__(self) -> None:
+        _magnitude(self, "force")
+        _height(self, "height")
+        _datum(self)
+        if self.height < 0:
+            raise PinpressError(f"Piling: height is {self.height:g}; give the height above bottom dead centre [m], not negative")
+
+    def stretches(self, downwards: bool) -> tuple[Stretch, ...]:
+        return (Stretch(self.height, -math.inf, partial(_constant, self.force)),) if self.height else ()
+
+
+@dataclass(frozen=True, eq=False)
+class Blanking:
+    """Quarter sine on the way down: F sin(pi/2 (start - h)/(start - end)) until the blank breaks through. Zhang 2007, 5.7.1 (3).
+
+    Attributes:
+        force: the largest, F, at the height end [N]. stripping: constant force that holds the slide back over the same heights on the way
+            up, as the punch leaves the strip [N]. One number or (S,), not negative.
+        start, end: heights at which the punch meets the blank and breaks through [m]; start above end. datum: see the module.
+    """
+
+    force: float | Array
+    start: float
+    end: float
+    stripping: float | Array = 0.0
+    datum: float | None = None
+
+    def __post_init__(self) -> None:
+        _magnitude(self, "force")
+        _magnitude(self, "stripping")
+        _same_scenarios(self, "force", "stripping")
+        _span(self)
+        _datum(self)
+
+    def stretches(self, downwards: bool) -> tuple[Stretch, ...]:
+        if downwards:
+            return (Stretch(self.start, self.end, partial(_sine, self.force, self.start, 0.5 * math.pi / (self.start - self.end))),)
+        return (Stretch(self.start, self.end, partial(_constant, -self.stripping)),) if np.any(self.stripping) else ()
+
+
+@dataclass(frozen=True, eq=False)
+class DeepDrawing:
+    """Half sine on the way down: F sin(pi (start - h)/(start - end)). Zhang 2007, 5.7.1 (4).
+
+    Attributes:
+        force: the largest, F, midway [N], one number or (S,), not negative.
+        start, end: heights at which the punch meets the blank and the cup is drawn [m]; start above end. datum: see the module.
+    """
+
+    force: float | Array
+    start: float
+    end: float = 0.0
+    datum: float | None = None
+
+    def __post_init__(self) -> None:
+        _magnitude(self, "force")
+        _span(self)
+        _datum(self)
+
+    def stretches(self, downwards: bool) -> tuple[Stretch, ...]:
+        if not downwards:
+            return ()
+        return (Stretch(self.start, self.end, partial(_sine, self.force, self.start, math.pi / (self.start - self.end))),)
+
+
+@dataclass(frozen=True, eq=False)
+class ForceStroke:
+    """Table of force over height, on the way down: linear between its points, no force beyond them.
+
+    Attributes:
+        heights: (n,) [m], at least two, strictly rising or falling; kept rising.
+        forces: (n,) or (n, S) at the heights [N]; negative where the slide is drawn down. datum: see the module.
+    """
+
+    heights: ArrayLike
+    forces: ArrayLike
+    datum: float | None = None
+
+    def __post_init__(self) -> None:
+        heights, forces = _numbers(self, "heights"), _numbers(self, "forces")
+        if heights.ndim != 1 or len(heights) < 2:
+            raise PinpressError(f"ForceStroke: heights has shape {heights.shape}; give (n,) of at least two [m]")
+        if forces.ndim not in (1, 2) or len(forces) != len(heights) or not forces.size:
+            raise PinpressError(f"ForceStroke: forces has shape {forces.shape}; give one force for each of the {len(heights)} heights [N]")
+        if heights[0] > heights[-1]:
+            heights, forces = heights[::-1], forces[::-1]
+        if not np.all(np.diff(heights) > 0):
+            raise PinpressError("ForceStroke: heights neither rises nor falls throughout; sort its points, each height once")
+        with np.errstate(all="ignore"):
+            slopes = np.diff(forces, axis=0).T / np.diff(heights)
+        if not np.isfinite(slopes).all():
+            raise PinpressError("ForceStroke: heights are too close together for the change of forces between them; move them apart")
+        _set(self, "heights", _fixed(heights))
+        _set(self, "forces", _fixed(forces))
+        _datum(self)
+
+    def stretches(self, downwards: bool) -> tuple[Stretch, ...]:
+        if not downwards:
+            return ()
+        heights = np.asarray(self.heights).tolist()
+        forces: list[Any] = list(np.asarray(self.forces)) if np.ndim(self.forces) == 2 else np.asarray(self.forces).tolist()
+        points = list(zip(heights, forces, strict=True))
+        return tuple(
+            Stretch(upper, lower, partial(_line, force, (above - force) / (upper - lower), lower))
+            for (lower, force), (upper, above) in itertools.pairwise(points)
+        )
+
+
+@dataclass(frozen=True, eq=False)
+class ElasticDie:
+    """A die, stop or cushion met at a height: spring and damper side by side below it, both ways, that push but never pull.
+
+    Its force is k (height - h) - c v, zero where that is negative. Where the slide meets it with a damper, the force begins with a jump.
+
+    Attributes:
+        height: at which the slide touches the unloaded die [m].
+        stiffness: k, positive [N/m]. damping: c, not negative [N s/m]. One number or (S,). datum: see the module.
+    """
+
+    height: float
+    stiffness: float | Array
+    damping: float | Array = 0.0
+    datum: float | None = None
+
+    def __post_init__(self) -> None:
+        _height(self, "height")
+        _magnitude(self, "stiffness")
+        _magnitude(self, "damping")
+        _same_scenarios(self, "stiffness", "damping")
+        _datum(self)
+        if not np.all(np.asarray(self.stiffness) > 0):
+            raise PinpressError(f"ElasticDie: stiffness is {self.stiffness!r}; give a positive one [N/m]")
+
+    def stretches(self, downwards: bool) -> tuple[Stretch, ...]:
+        return (Stretch(self.height, -math.inf, partial(_contact, self.height, self.stiffness, self.damping), one_sided=True),)
+
+
+@dataclass(frozen=True, eq=False)
+class TimeForce:
+    """Force between slide and bolster as a function of time, for comparison with models that prescribe it so.
+
+    It stays where it is in time when the press slows down under its load: prefer a process load.
+
+    Attributes:
+        force: time [s] (n,) -> force on the slide along its guide's axis [N] (n,), or one number.
+        edges: instants at which it is not smooth [s]; kept sorted.
+    """
+
+    force: Callable[[Array], ArrayLike]
+    edges: Sequence[float] = ()
+
+    def __post_init__(self) -> None:
+        if not callable(self.force):
+            raise PinpressError(f"TimeForce: force is {self.force!r}; give a function of time [s]")
+        edges = _numbers(self, "edges")
+        if edges.ndim != 1:
+            raise PinpressError(f"TimeForce: edges has shape {edges.shape}; give a sequence of instants [s]")
+        _set(self, "edges", tuple(np.unique(edges).tolist()))
+
+
+def step(x: ArrayLike, x0: float, h0: float, x1: float, h1: float) -> Array:
+    """ADAMS' function STEP: h0 up to x0, h1 from x1, between them h0 + (h1 - h0) d^2 (3 - 2 d) with d = (x - x0)/(x1 - x0).
+
+    As in the load functions of Zhang 2007, 5.7.3 to 5.7.5. x: any shape, that of what is returned.
+
+    Raises:
+        PinpressError: x1 not above x0, or a value that is not a number.
+    """
+    try:
+        at, (begin, before, end, after) = np.asarray(x, dtype=float), map(float, (x0, h0, x1, h1))
     except (TypeError, ValueError):
-        raise PinpressError(f"{what}: {name} is not an array of numbers") from None
-    if not np.all(np.isfinite(numbers)):
-        raise PinpressError(f"{what}: {name} is not finite")
+        raise PinpressError(f"step: x, x0, h0, x1, h1 must be numbers, not {(x, x0, h0, x1, h1)!r}") from None
+    if np.isnan(at).any() or not all(map(math.isfinite, (begin, before, end, after, 1 / (end - begin) if end > begin else 0.0))):
+        raise PinpressError("step: x, x0, h0, x1 or h1 is not finite")
+    if not end > begin:
+        raise PinpressError(f"step: x1 is {end:g}, not above x0, {begin:g}; write step(x, x0, h0, x1, h1) with x0 < x1")
+    share = np.clip((at - begin) / (end - begin), 0.0, 1.0)
+    share = share * share * (3.0 - 2.0 * share)
+    return np.asarray(before * (1.0 - share) + after * share)
+
+
+# The laws are module functions that `partial` binds, not closures: loads can then be sent to other processes.
+
+
+def _constant(force: Any, height: Any, velocity: Any) -> Any:
+    return force + 0.0 * height  # of the height's shape
+
+
+def _sine(force: Any, start: float, rate: float, height: Any, velocity: Any) -> Any:
+    angle = rate * (start - height)
+    return force * (math.sin(angle) if isinstance(angle, float) else np.sin(angle))  # for one number NumPy takes ten times as long
+
+
+def _line(force: Any, slope: Any, lower: float, height: Any, velocity: Any) -> Any:
+    return force + slope * (height - lower)
+
+
+def _contact(touching: float, stiffness: Any, damping: Any, height: Any, velocity: Any) -> Any:
+    return stiffness * (touching - height) - damping * velocity
+
+
+def _set(load: object, name: str, value: object) -> None:
+    object.__setattr__(load, name, value)  # only while a frozen load is made
+
+
+def _numbers(load: object, name: str) -> Array:
+    value = getattr(load, name)
+    try:
+        numbers = np.array(value, dtype=float)
+    except (TypeError, ValueError):
+        raise PinpressError(f"{type(load).__name__}: {name} is {value!r}; give numbers") from None
+    if isinstance(value, bool) or not np.isfinite(numbers).all():
+        raise PinpressError(f"{type(load).__name__}: {name} is {value!r}; give finite numbers")
     return numbers
+
+
+def _height(load: object, name: str) -> None:
+    numbers = _numbers(load, name)
+    if numbers.ndim:
+        raise PinpressError(f"{type(load).__name__}: {name} has shape {numbers.shape}; give one number [m], the same for all scenarios")
+    _set(load, name, float(numbers))
+
+
+def _datum(load: ProcessLoad) -> None:
+    if load.datum is not None:
+        _height(load, "datum")
+
+
+def _span(load: "Blanking | DeepDrawing") -> None:
+    """Heights start and end, start above end and not so near that the rate of the force overflows."""
+    _height(load, "start")
+    _height(load, "end")
+    extent = load.start - load.end
+    if not (extent > 0 and math.isfinite(extent) and math.isfinite(math.pi / extent)):
+        raise PinpressError(
+            f"{type(load).__name__}: start is {load.start:g}, not above end, {load.end:g}; give heights [m] with start above end"
+        )
+
+
+def _magnitude(load: object, name: str) -> None:
+    """One number that is not negative, or (S,) of them."""
+    numbers = _numbers(load, name)
+    if numbers.ndim > 1 or not numbers.size:
+        raise PinpressError(f"{type(load).__name__}: {name} has shape {numbers.shape}; give one number, or (S,) for S scenarios")
+    if np.any(numbers < 0):
+        raise PinpressError(
+            f"{type(load).__name__}: {name} is {getattr(load, name)!r}; give it not negative (positive resists the slide's work)"
+        )
+    _set(load, name, _fixed(numbers) if numbers.ndim else float(numbers))
+
+
+def _same_scenarios(load: object, *names: str) -> None:
+    shapes = {np.shape(getattr(load, name)) for name in names} - {()}
+    if len(shapes) > 1:
+        raise PinpressError(f"{type(load).__name__}: {' and '.join(names)} are for different numbers of scenarios, {sorted(shapes)}")
+
+
+def _fixed(array: Array) -> Array:
+    array.setflags(write=False)
+    return array

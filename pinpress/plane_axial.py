@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, TypeVar
 import numpy as np
 
 from .coordinates import Array, ComplexArray
-from .loads import AppliedForce
+from .forces import AppliedForce
 from .plane import Plane, flat, in_space
 from .sharing import Objective, least
 from .wrenches import Wrenches

@@ -17,8 +17,8 @@ import pinocchio as pin
 from . import plane_axial, plane_statics
 from .coordinates import Array, ComplexArray
 from .errors import AssemblyError
+from .forces import AppliedForce
 from .friction import FrictionLaw
-from .loads import AppliedForce
 from .plane import Plane, flat, product
 from .plane_kinematics import basis, basis_acceleration, basis_velocity
 from .wrenches import Wrenches

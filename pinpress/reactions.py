@@ -18,14 +18,13 @@ from typing import Any, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from . import loads as loads_module
-from . import plane_dynamics, spatial_dynamics, tables
+from . import forces, plane_dynamics, spatial_dynamics, tables
 from .coordinates import Array, ComplexArray
 from .errors import PinpressError, UnknownNameError
+from .forces import AppliedForce, Load
 from .friction import Friction
 from .friction import law as friction_law
 from .linkage import Linkage
-from .loads import AppliedForce, Load
 from .motion import Motion
 from .plane import Plane
 from .shaking import shaking
@@ -207,7 +206,7 @@ def inverse_dynamics(
         raise PinpressError(f"loads is one {type(loads).__name__}: give a list, loads=[...]")
     law, compliance = friction_law(friction, press), compliances(stiffness, press)
     with np.errstate(all="ignore"):  # what overflows is refused below
-        applied = loads_module.apply(loads, press, motion)
+        applied = forces.apply(loads, press, motion)
         if plane is not None and press.bodies is not None:
             at = _basis(press, plane, motion)
             wrenches = plane_dynamics.inverse_dynamics(

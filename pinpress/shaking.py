@@ -3,8 +3,8 @@
 import numpy as np
 
 from .coordinates import Array
+from .forces import AppliedForce
 from .linkage import Linkage
-from .loads import AppliedForce
 from .motion import Motion
 
 

@@ -14,8 +14,8 @@ from numpy.typing import NDArray
 
 from .coordinates import Array, configuration
 from .errors import AssemblyError
+from .forces import AppliedForce
 from .friction import FrictionLaw
-from .loads import AppliedForce
 from .sharing import RANK, Objective, least
 from .spatial import Passive, Spatial
 from .spatial_equations import Equations, Rows

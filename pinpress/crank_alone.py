@@ -1,0 +1,78 @@
+"""The linkage reduced to its crank, one state at a time: what `reduced` tabulates, for integration over time."""
+
+import math
+from bisect import bisect_right
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from .coordinates import Array
+from .reduced import COORDINATES, INERTIA, POTENTIAL, Table
+from .scene import not_positive
+
+
+NOWHERE: tuple[float, float, float, list[float]] = (math.nan, math.nan, math.nan, [])
+
+
+class Instant(NamedTuple):
+    """A state of the crank: angle, speed; coordinates with their rates; inertia I, I', V'; derivatives c' of the coordinates."""
+
+    angle: float
+    speed: float
+    coordinates: list[tuple[float, float]]
+    inertia: float
+    inertia_slope: float
+    weight: float
+    levers: list[float]
+
+
+class CrankAlone:
+    """`machine.Dynamics` of one position, the crank angle. Plain numbers: for one state NumPy takes longer."""
+
+    size = 1
+
+    def __init__(self, table: Table) -> None:
+        self.table = table
+        self.borders = table.borders.tolist()
+        self.rows = [[row[::-1] for row in panel] for panel in table.coefficients.tolist()]  # falling powers
+
+    def at(self, position: Array, speed: Array) -> Instant:
+        angle, rate = float(position[0]), float(speed[0])
+        borders, period = self.borders, self.table.period
+        local = angle
+        if period is not None:
+            local -= (angle - borders[0]) // period * period
+        elif not borders[0] <= angle <= borders[-1]:  # an integrator looks ahead: it shall try a shorter step
+            return Instant(angle, rate, [(math.nan, math.nan)] * (self.table.coefficients.shape[1] - COORDINATES), *NOWHERE)
+        panel = min(max(bisect_right(borders, local) - 1, 0), len(borders) - 2)
+        half = 0.5 * (borders[panel + 1] - borders[panel])
+        x = (local - borders[panel]) / half - 1.0
+        values, slopes = [], []
+        for row in self.rows[panel]:
+            value = slope = 0.0
+            for coefficient in row:
+                slope = slope * x + value
+                value = value * x + coefficient
+            values.append(value)
+            slopes.append(slope / half)
+        levers = slopes[COORDINATES:]
+        coordinates = [(value, lever * rate) for value, lever in zip(values[COORDINATES:], levers, strict=True)]
+        return Instant(angle, rate, coordinates, values[INERTIA], slopes[INERTIA], slopes[POTENTIAL], levers)
+
+    def accelerations(self, instant: Instant, torque: float, forces: Sequence[float], inertia: float) -> float:
+        total = instant.inertia + inertia
+        if total <= 0:
+            raise not_positive(total, None, instant.angle)
+        for force, lever in zip(forces, instant.levers, strict=bool(instant.levers)):
+            torque += force * lever
+        return (torque - instant.weight - 0.5 * instant.inertia_slope * instant.speed**2) / total
+
+    def of_crank(self, accelerations: float) -> float:
+        return float(np.ravel(accelerations)[0])
+
+    def moved(self, position: Array, angle: float) -> tuple[Array, Array]:
+        return position + angle, np.array([1.0 if angle > 0 else -1.0])
+
+    def project(self, position: Array, speed: Array) -> None:
+        return None

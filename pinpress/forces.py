@@ -1,0 +1,207 @@
+"""Forces that act on the links from outside, and springs, dampers and process loads between them."""
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+import pinocchio as pin
+from numpy.typing import ArrayLike
+
+from .coordinates import Array
+from .errors import PinpressError, UnknownNameError
+from .friction import REST
+from .loads import ProcessLoad, Stretch, TimeForce, datum
+from .points import point_motion
+
+if TYPE_CHECKING:
+    from .linkage import Linkage
+    from .motion import Motion
+
+
+@dataclass(frozen=True)
+class PointForce:
+    """A force at a point of a link.
+
+    A force between the slide and the bolster, such as a forming load, does not reach the foundation: a process load (`loads`) has its
+    reaction on the frame with it; here give it as a second PointForce.
+
+    Attributes:
+        link: name of the link; the frame (root link) may be named too.
+        force: in world axes [N]: (3,) constant, (n, 3) over the motion, or a function of the motion that returns one of these.
+        point: of application, in the link's own frame [m].
+    """
+
+    link: str
+    force: "ArrayLike | Callable[[Motion], ArrayLike]"
+    point: tuple[float, float, float] = (0.0, 0.0, 0.0)
+
+
+@dataclass(frozen=True)
+class SpringDamper:
+    """A spring and a damper side by side between a point of one link and one of another, which may be the frame.
+
+    Its force along the line between the points is stiffness x (length - free_length) + damping x (rate of length), drawing them together
+    where positive.
+
+    Attributes:
+        link1, link2: names of the links. point1, point2: in the links' own frames [m].
+        stiffness: [N/m]. damping: [N s/m]. free_length: length at which the spring is slack [m].
+    """
+
+    link1: str
+    link2: str
+    stiffness: float = 0.0
+    damping: float = 0.0
+    free_length: float = 0.0
+    point1: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    point2: tuple[float, float, float] = (0.0, 0.0, 0.0)
+
+
+Load = PointForce | SpringDamper | ProcessLoad | TimeForce
+
+
+@dataclass(frozen=True)
+class AppliedForce:
+    """A load worked out for one motion: on the body of Pinocchio joint ``joint`` (0: the frame), ``point`` (3,) in that joint's
+    frame [m], ``force`` (n, 3) in world axes [N]."""
+
+    joint: int
+    point: Array
+    force: Array
+
+    def part(self, points: slice) -> "AppliedForce":
+        """The same over a part of the motion."""
+        return AppliedForce(self.joint, self.point, self.force[points])
+
+
+def apply(loads: Sequence[Load], press: "Linkage", motion: "Motion") -> list[AppliedForce]:
+    """Loads as arrays over the motion.
+
+    A process load acts with its stretches downwards where the slide moves against its guide's axis, else with those upwards. Where the
+    slide rests its direction of travel is undecided; there it is upwards, so that a load of the working stroke has ended at bottom dead
+    centre.
+
+    Raises:
+        UnknownNameError: a load on a link that the linkage does not have.
+        PinpressError: a force of the wrong shape, a value that is not finite, a spring whose ends meet, a process load on a linkage without
+            a slide or with no datum, or for several scenarios, a force in time with states that are not in time.
+    """
+    applied: list[AppliedForce] = []
+    for load in loads:
+        if isinstance(load, SpringDamper):
+            applied += _stretched(load, press, motion)
+        elif isinstance(load, PointForce):
+            applied.append(_applied(load, press, motion))
+        elif isinstance(load, TimeForce):
+            applied += _on_slide(load, press, _in_time(load, motion))
+        elif isinstance(load, ProcessLoad) and not isinstance(load, type):
+            applied += _on_slide(load, press, _in_height(load, press, motion))
+        else:
+            raise PinpressError(f"load {load!r} is none: give a PointForce, a SpringDamper, a process load (pinpress.loads) or a TimeForce")
+    return applied
+
+
+def _on_slide(load: "ProcessLoad | TimeForce", press: "Linkage", along: Array) -> list[AppliedForce]:
+    """A force (n,) along the guide's axis at the slide's origin, and the opposite one on the frame in the same line."""
+    guide, _ = press.slide_guide
+    place = press.model.jointPlacements[guide + 1]  # in the world, as the frame carries the guide
+    origin = press.model.frames[press.model.getFrameId(press.slide, pin.BODY)].placement.translation
+    force = along[:, None] * (place.rotation @ press.spatial.axes[guide].direction)
+    # The slide's origin moves along the axis: where it was drawn is a point of the frame in its line of action.
+    return [AppliedForce(guide + 1, origin, force), AppliedForce(0, place.act(origin), -force)]
+
+
+def _in_height(load: ProcessLoad, press: "Linkage", motion: "Motion") -> Array:
+    """A process load over a motion, (n,) on the slide along the axis [N]."""
+    name, (guide, offset), force = type(load).__name__, press.slide_guide, np.zeros(len(motion.crank_angle))
+    stretches = [(downwards, stretch) for downwards in (True, False) for stretch in load.stretches(downwards)]
+    if not stretches:  # an idle press needs no datum
+        return force
+    height, velocity = motion.joint_position[:, guide] + (offset - datum(load, press)), motion.v[:, guide]
+    # In a dead centre the speed is rounding, which must not decide.
+    down = velocity < -REST * press.spatial.size * np.abs(motion.crank_speed).max()
+    for downwards, stretch in stretches:
+        _refuse_scenarios(name, stretch)
+        inside = np.flatnonzero((down == downwards) & (stretch.lower < height) & (height <= stretch.upper))
+        law = numbers(stretch.force(height[inside], velocity[inside]), name, "force")
+        if law.shape not in ((), inside.shape):
+            raise PinpressError(f"{name}: force of {inside.shape} heights has shape {law.shape}; give the same")
+        force[inside] = np.maximum(law, 0.0) if stretch.one_sided else law
+    return force
+
+
+def _refuse_scenarios(name: str, stretch: Stretch) -> None:
+    """Raise where a load's magnitude is an array: over as many states it would pass for one number a state."""
+    somewhere = next((height for height in (stretch.upper, stretch.lower) if math.isfinite(height)), 0.0)
+    shape = np.shape(stretch.force(somewhere, 0.0))
+    if shape:
+        raise PinpressError(f"{name}: its force has shape {shape}, for scenarios; give one number, as a motion is one scenario")
+
+
+def _in_time(load: TimeForce, motion: "Motion") -> Array:
+    force = numbers(load.force(motion.time), "TimeForce", "force")
+    if force.shape not in ((), motion.time.shape):
+        raise PinpressError(f"TimeForce: force has shape {force.shape}; give {motion.time.shape}, as the time has")
+    return np.broadcast_to(force, motion.time.shape)
+
+
+def _applied(load: PointForce, press: "Linkage", motion: "Motion") -> AppliedForce:
+    points, what = len(motion.crank_angle), f"load on {load.link!r}"
+    joint, point = place(press, load.link, load.point, what, "point")
+    force = numbers(load.force(motion) if callable(load.force) else load.force, what, "force")
+    if force.shape not in ((3,), (points, 3)):
+        raise PinpressError(f"{what}: force has shape {force.shape}; give (3,) or ({points}, 3), in world axes [N]")
+    return AppliedForce(joint, point, np.broadcast_to(force, (points, 3)))
+
+
+def _stretched(load: SpringDamper, press: "Linkage", motion: "Motion") -> list[AppliedForce]:
+    """The forces of a spring and damper on its two links."""
+    ends, what = spring_ends(load, press), _of_spring(load)
+    (position1, velocity1), (position2, velocity2) = (point_motion(press, motion, *end) for end in ends)
+    between, rate = position2 - position1, velocity2 - velocity1
+    length = np.linalg.norm(between, axis=1)
+    if (load.free_length or load.damping) and not length.min() > 1e-12 * press.spatial.size:
+        angle = np.degrees(np.ravel(motion.crank_angle[int(length.argmin())])[0])
+        raise PinpressError(f"{what}: its ends meet at crank angle {angle:.6g} deg, where it has no direction; move a point")
+    direction = between / np.where(length == 0.0, 1.0, length)[:, None]
+    tension = load.stiffness * (length - load.free_length) + load.damping * np.einsum("nk,nk->n", rate, direction)
+    force = tension[:, None] * direction
+    return [AppliedForce(*ends[0], force), AppliedForce(*ends[1], -force)]
+
+
+def spring_ends(load: SpringDamper, press: "Linkage") -> tuple[tuple[int, Array], tuple[int, Array]]:
+    """The ends of a spring: each the joint whose body it is on, and the point in that joint's frame [m]."""
+    what = _of_spring(load)
+    for quantity in ("stiffness", "damping", "free_length"):
+        value = numbers(getattr(load, quantity), what, quantity)
+        if value.ndim or value < 0:
+            raise PinpressError(f"{what}: {quantity} is {getattr(load, quantity)!r}; give one number that is not negative")
+    return place(press, load.link1, load.point1, what, "point1"), place(press, load.link2, load.point2, what, "point2")
+
+
+def _of_spring(load: SpringDamper) -> str:
+    return f"spring between {load.link1!r} and {load.link2!r}"
+
+
+def place(press: "Linkage", link: str, point: ArrayLike, what: str, name: str) -> tuple[int, Array]:
+    """The joint whose body a link belongs to, and a point of the link in that joint's frame."""
+    if link not in press.links:
+        raise UnknownNameError("link", link, press.links)
+    position = numbers(point, what, name)
+    if position.shape != (3,):
+        raise PinpressError(f"{what}: {name} has shape {position.shape}; give x, y, z in the link's frame [m]")
+    frame = press.model.frames[press.model.getFrameId(link, pin.BODY)]
+    return frame.parentJoint, frame.placement.act(position)
+
+
+def numbers(values: ArrayLike, what: str, name: str) -> Array:
+    """Values as an array of finite numbers."""
+    try:
+        array = np.asarray(values, dtype=float)
+    except (TypeError, ValueError):
+        raise PinpressError(f"{what}: {name} is not an array of numbers") from None
+    if not np.all(np.isfinite(array)):
+        raise PinpressError(f"{what}: {name} is not finite")
+    return array

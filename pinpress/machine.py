@@ -1,0 +1,305 @@
+"""A press with its driveline and forces as equations over time: right-hand sides, and the functions whose zeros switch them.
+
+Between switchings everything is smooth: each force keeps to its stretch, clutch and brake to their mode, also where an integrator looks
+beyond.
+"""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any, NamedTuple, Protocol
+
+import numpy as np
+
+from .coordinates import Array
+from .driveline import HOLDING, OPEN, SLIPPING, Brake, Clutch, Driveline, Grip, Mode
+from .errors import SimulationError
+from .loads import Stretch
+from .path import LEDGERS
+from .scene import Acting
+
+LITTLE = 1e-7  # of a turn of the crank, looked ahead to see into which stretch a force goes [rad]
+AT_REST = 1e-9  # crank speed, beside the run's largest, at which a stop is one
+STALLED = "the press stalls: it comes to rest, and the load holds it there against the drive"
+
+
+class Dynamics(Protocol):
+    """The linkage as it is integrated: its crank alone, or all its joints. ``size``: of position and speed."""
+
+    size: int
+
+    def at(self, position: Array, speed: Array) -> Any:
+        """What forces need of a state: an object with the crank's ``angle`` and ``speed`` and the ``coordinates``, (value, rate) each."""
+
+    def accelerations(self, instant: Any, torque: float, forces: Sequence[float], inertia: float) -> Any:
+        """Accelerations (size,) at an instant under a torque on the crank and forces along the coordinates, with inertia added to the
+        crank."""
+
+    def of_crank(self, accelerations: Any) -> float:
+        """The crank's acceleration among these."""
+
+    def moved(self, position: Array, angle: float) -> tuple[Array, Array]:
+        """Positions a small angle of the crank away, and speeds that lead there."""
+
+    def project(self, position: Array, speed: Array) -> tuple[Array, Array] | None:
+        """The nearest state with closed loops; None where this one's are."""
+
+
+class Place(NamedTuple):
+    """Where a force is: between two values of its coordinate, which rises or falls; the stretch that acts there; whether that pushes."""
+
+    low: float
+    high: float
+    rising: bool
+    stretch: Stretch | None
+    pushing: bool = True
+
+
+class Modes(NamedTuple):
+    """All that is switched: the driveline's mode, and the place of every force (None of one in time)."""
+
+    line: Mode
+    places: tuple[Place | None, ...]
+
+
+class Switch(NamedTuple):
+    """What a switching function is of: a force ("low", "high", "turn", "contact"), or a clutch or brake ("grips", "slips", "closes",
+    "opens")."""
+
+    what: str
+    of: int | str
+
+
+@dataclass(frozen=True, eq=False)
+class Machine:
+    """The integrated vector holds positions (size,), speeds (size,), the drive's states, the speed of a clutch's driving side where there
+    is a clutch, and the ledgers (4,)."""
+
+    dynamics: Dynamics
+    line: Driveline
+    forces: tuple[Acting, ...]
+
+    def begin(self, position: Array, speed: Array, states: tuple[float, ...], ledgers: Array) -> Array:
+        """The vector at the start."""
+        return np.concatenate([position, speed, states, ledgers])
+
+    def split(self, y: Array) -> tuple[Any, float, tuple[float, ...]]:
+        """The instant, speed of the drive's shaft, the drive's states."""
+        n = self.dynamics.size
+        instant = self.dynamics.at(y[:n], y[n : 2 * n])
+        states = tuple(y[2 * n : -len(LEDGERS)].tolist())
+        return (instant, instant.speed, states) if self.line.clutch is None else (instant, states[-1], states[:-1])
+
+    def driving(self, time: float, y: Array) -> tuple[float, float]:
+        """Torque of the drive [N m], and the speed of its side of the clutch [rad/s]."""
+        instant, own, states = self.split(y)
+        return float(self.line.drive_torque(own, instant.angle, time, states)), float(own)
+
+    def rates(self, modes: Modes, time: float, y: Array) -> Array:
+        """dy/dt (len(y),)."""
+        n, line = self.dynamics.size, self.line
+        instant, own, states = self.split(y)
+        torque = line.drive_torque(own, instant.angle, time, states)
+        forces, taken = self._forces(modes, time, instant)
+        through, braking = self._transmitted(modes.line, time, instant.speed, own)
+        result, accelerated = np.zeros(len(y)), 0.0
+        if modes.line.brake.state != HOLDING:
+            rigid = modes.line.clutch.state == HOLDING
+            on_crank, inertia = (torque, line.inertia) if rigid else (through, 0.0)
+            result[:n] = y[n : 2 * n]
+            result[n : 2 * n] = accelerations = self.dynamics.accelerations(instant, on_crank - braking, forces, inertia)
+            accelerated = self.dynamics.of_crank(accelerations)
+        if line.drive is not None and states:
+            result[2 * n : 2 * n + len(states)] = line.drive.rates(own, instant.angle, time, states)
+        if line.clutch is not None:
+            result[2 * n + len(states)] = accelerated if modes.line.clutch.state == HOLDING else (torque - through) / line.inertia
+        motor = 0.0 if line.drive is None else line.drive.motor_torque(own, instant.angle, time, states)
+        result[-len(LEDGERS) :] = (torque * own, taken, motor * motor, through * (own - instant.speed) + braking * instant.speed)
+        return result
+
+    def _forces(self, modes: Modes, time: float, instant: Any) -> tuple[list[float], float]:
+        """The forces along every coordinate, and the power that they take."""
+        forces, taken = [0.0] * len(instant.coordinates), 0.0
+        for force, place in zip(self.forces, modes.places, strict=True):
+            value, rate = instant.coordinates[force.row]
+            if force.time is not None:
+                size = float(force.time(time))
+            elif place is None or place.stretch is None or not place.pushing:
+                size = 0.0
+            else:
+                size = float(place.stretch.force(value - force.datum, rate))
+            forces[force.row] += size
+            taken -= size * rate
+        return forces, taken
+
+    def _transmitted(self, mode: Mode, time: float, speed: float, own: float) -> tuple[float, float]:
+        """Friction torques on the crank of a slipping clutch, along, and of a slipping brake, against the positive direction."""
+        through = braking = 0.0
+        if self.line.clutch is not None and mode.clutch.state == SLIPPING:
+            through = mode.clutch.sign * mode.clutch.capacity(self.line.clutch, time)
+        if self.line.brake is not None and mode.brake.state == SLIPPING:
+            braking = mode.brake.sign * mode.brake.capacity(self.line.brake, time)
+        return through, braking
+
+    # Switching
+
+    def switches(self, modes: Modes, time: float, y: Array) -> dict[Switch, float]:
+        """Switching functions: positive in these modes; where one falls below zero the modes change."""
+        instant, own, _ = self.split(y)
+        found: dict[Switch, float] = {}
+        for k, (force, place) in enumerate(zip(self.forces, modes.places, strict=True)):
+            if place is None:
+                continue
+            value, rate = instant.coordinates[force.row]
+            if math.isfinite(place.low):
+                found[Switch("low", k)] = value - place.low
+            if math.isfinite(place.high):
+                found[Switch("high", k)] = place.high - value
+            if math.isfinite(place.low) or math.isfinite(place.high):
+                found[Switch("turn", k)] = rate if place.rising else -rate
+            if place.stretch is not None and place.stretch.one_sided:
+                law = float(place.stretch.force(value - force.datum, rate))
+                found[Switch("contact", k)] = law if place.pushing else -law
+        for which, friction, grip, relative in (
+            ("clutch", self.line.clutch, modes.line.clutch, own - instant.speed),
+            ("brake", self.line.brake, modes.line.brake, instant.speed),
+        ):
+            if friction is None:
+                continue
+            at = friction.closes if grip.state == OPEN and not grip.spent else friction.opens if grip.state != OPEN else None
+            if at is not None:
+                along = time - at.time if at.time is not None else (instant.angle - (at.angle or 0.0)) * grip.way
+                found[Switch("closes" if grip.state == OPEN else "opens", which)] = -along
+            if grip.state == SLIPPING:
+                found[Switch("grips", which)] = grip.sign * relative
+            elif grip.state == HOLDING:
+                found[Switch("slips", which)] = grip.capacity(friction, time) - abs(self._held(modes, time, y, which))
+        return found
+
+    def _held(self, modes: Modes, time: float, y: Array, which: str) -> float:
+        """Torque that a holding clutch or brake transmits: the clutch to the crank along, the brake against the positive direction."""
+        instant, own, states = self.split(y)
+        torque = self.line.drive_torque(own, instant.angle, time, states)
+        forces, _ = self._forces(modes, time, instant)
+        through, braking = self._transmitted(modes.line, time, instant.speed, own)
+        rigid = modes.line.clutch.state == HOLDING
+        on_crank, inertia = (torque, self.line.inertia) if rigid else (through, 0.0)
+        free = self.dynamics.of_crank(self.dynamics.accelerations(instant, on_crank - braking, forces, inertia))
+        if which == "clutch":
+            return torque if modes.line.brake.state == HOLDING else torque - self.line.inertia * free
+        pushed = self.dynamics.of_crank(self.dynamics.accelerations(instant, on_crank - braking + 1.0, forces, inertia))
+        return free / (pushed - free)  # the torque that leaves the crank at rest
+
+    def initial(self, time: float, y: Array, line: Mode) -> Modes:
+        """Modes of a state, at the start of a run or after a standstill."""
+        modes = Modes(line, tuple(None if force.time is not None else Place(-math.inf, math.inf, True, None) for force in self.forces))
+        return self.placed(modes, time, y)
+
+    def placed(self, modes: Modes, time: float, y: Array) -> Modes:
+        """The modes with every force put where it is; at rest the way is that in which the crank starts.
+
+        Raises:
+            SimulationError: the loads hold the press from both sides.
+        """
+        n = self.dynamics.size
+        speed = y[n : 2 * n]
+        instant = self.dynamics.at(y[:n], speed)
+        if not self.forces or all(place is None for place in modes.places):
+            return modes
+        if instant.speed:
+            return self._looking(modes, y[:n] + LITTLE / abs(instant.speed) * speed, speed)
+        still: Modes | None = None
+        for way in (1.0, -1.0):
+            ahead = self.dynamics.moved(y[:n], way * LITTLE)
+            tried = self._looking(modes, *ahead)
+            rest = y.copy()
+            result = self.rates(tried, time, rest)
+            acceleration = self.dynamics.of_crank(result[n : 2 * n])
+            if acceleration * way > 0 or modes.line.brake.state == HOLDING:
+                return tried
+            still = tried if acceleration == 0.0 else still
+        if still is not None:
+            return still
+        raise SimulationError(STALLED, time, instant.angle)
+
+    def _looking(self, modes: Modes, position: Array, speed: Array) -> Modes:
+        instant = self.dynamics.at(position, speed)
+        places = []
+        for force, place in zip(self.forces, modes.places, strict=True):
+            value, rate = instant.coordinates[force.row]
+            places.append(None if place is None else _place(force, value, rate > 0, value, rate))
+        return modes._replace(places=tuple(places))
+
+    def after(self, switch: Switch, modes: Modes, time: float, y: Array, fastest: float) -> tuple[Modes, Array]:
+        """Modes and vector after a switching.
+
+        Raises:
+            SimulationError: the press stalls.
+        """
+        if isinstance(switch.of, int):
+            return self._force_switched(switch, switch.of, modes, time, y, fastest), y
+        return self._line_switched(switch, str(switch.of), modes, time, y)
+
+    def _force_switched(self, switch: Switch, k: int, modes: Modes, time: float, y: Array, fastest: float) -> Modes:
+        place, force = modes.places[k], self.forces[k]
+        assert place is not None
+        instant, _, _ = self.split(y)
+        value, rate = instant.coordinates[force.row]
+        if switch.what == "contact":
+            place = place._replace(pushing=not place.pushing)
+        elif switch.what == "turn":
+            if abs(instant.speed) <= AT_REST * fastest:  # not a dead centre: the crank itself stops
+                n = self.dynamics.size
+                rest = y.copy()
+                rest[n : 2 * n] = 0.0
+                return self.placed(modes, time, rest)
+            inside = 0.5 * (max(place.low, value - 1.0) + min(place.high, value + 1.0))
+            place = _place(force, inside, not place.rising, value, rate)
+        else:
+            border = place.low if switch.what == "low" else place.high
+            beyond = [b for b in force.borders() if (b < border if switch.what == "low" else b > border)]
+            following = (max(beyond) if switch.what == "low" else min(beyond)) if beyond else border + (-1.0 if switch.what == "low" else 1.0)
+            place = _place(force, 0.5 * (border + following), place.rising, border, rate)
+        return modes._replace(places=(*modes.places[:k], place, *modes.places[k + 1 :]))
+
+    def _line_switched(self, switch: Switch, which: str, modes: Modes, time: float, y: Array) -> tuple[Modes, Array]:
+        n = self.dynamics.size
+        instant, own, _ = self.split(y)
+        relative = own - instant.speed if which == "clutch" else instant.speed
+        friction: Clutch | Brake | None = self.line.clutch if which == "clutch" else self.line.brake
+        assert friction is not None
+        grip: Grip = getattr(modes.line, which)
+        if switch.what == "opens":
+            grip = Grip(OPEN, spent=True)
+        elif switch.what == "closes":
+            way = 1 if friction.opens is None or friction.opens.angle is None or friction.opens.angle > instant.angle else -1
+            grip = Grip(SLIPPING, 1 if relative > 0 else -1, time, way=way) if relative else Grip(HOLDING, 0, time, way=way)
+        elif switch.what == "grips":
+            y = y.copy()
+            if which == "clutch":
+                y[2 * n + len(y[2 * n : -len(LEDGERS)]) - 1] = instant.speed
+            else:
+                y[n : 2 * n] = 0.0
+            grip = grip._replace(state=HOLDING)
+        else:
+            held = self._held(modes, time, y, which)
+            grip = grip._replace(state=SLIPPING, sign=1 if held > 0 else -1)
+        modes = modes._replace(line=modes.line._replace(**{which: grip}))
+        if switch.what == "grips":
+            held = self._held(modes, time, y, which)
+            if abs(held) > grip.capacity(friction, time):  # it cannot hold: it slips on, the other way
+                grip = grip._replace(state=SLIPPING, sign=1 if held > 0 else -1)
+                modes = modes._replace(line=modes.line._replace(**{which: grip}))
+        if which == "brake" and switch.what in ("opens", "slips") and not instant.speed:
+            modes = self.placed(modes, time, y)
+        return modes, y
+
+
+def _place(force: Acting, inside: float, rising: bool, value: float, rate: float) -> Place:
+    """Place of a force at a value of its coordinate; ``inside`` is a value near it that is on no border."""
+    borders = force.borders()
+    low = max((b for b in borders if b < inside), default=-math.inf)
+    high = min((b for b in borders if b >= inside), default=math.inf)
+    stretch = next((s for s in force.stretches(rising) if s.lower < inside - force.datum <= s.upper), None)
+    pushing = stretch is None or not stretch.one_sided or float(stretch.force(value - force.datum, rate)) >= 0
+    return Place(low, high, rising, stretch, pushing)

@@ -1,0 +1,294 @@
+"""The reduced equation over the crank angle: for a crank that turns, under forces that know time only through its speed.
+
+With the kinetic energy W = (I + J) w^2 / 2 the equation reads dW/du = G(u, w) and dt/du = 1 / |w|, u the angle travelled. A period is solved
+at once, for all scenarios: W is the integral of G over panels of Gauss nodes (collocation), G depends on W through the speed, and Newton's
+method needs three or four rounds, each an integral with an integrating factor. Where no force depends on the speed one round is exact, and
+the crank may stop and swing back: towards a stop the panel runs over the square root of the angle left, in which time is smooth.
+
+Panels end where a force is not smooth: at the heights where a load begins and ends, at dead centres, and, found as one goes, where the drive's
+torque has a corner. A panel that does not resolve energy or time is halved.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+
+from .coordinates import Array
+from .errors import SimulationError
+from .loads import Stretch
+from .reduced import COORDINATES, INERTIA, POTENTIAL, Table, horner, root, rule
+from .scene import Scene, not_positive
+
+ROUNDS = 40
+SETTLED = 1e-13  # change of the kinetic energy in a round, beside the energy
+SAME = 1e-8  # borders closer than this are one [rad]
+NARROWEST = 1e-9  # panel [rad]
+FLOOR = 1e-6  # kinetic energy, beside the period's largest, below which no speed is taken from it
+STEADY, FROM_REST, TO_REST = 0, 1, -1  # how a panel runs
+LARGEST_EXPONENT = 50.0
+
+
+class Push(NamedTuple):
+    """A stretch of a force, on some of the panels."""
+
+    row: int
+    datum: float
+    stretch: Stretch
+    panels: Array
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Grid:
+    """Panels over the angle travelled from a start, with what does not depend on speed at their nodes (q, p).
+
+    Attributes:
+        start: crank angle [rad]. direction: +1 or -1.
+        borders: (p + 1,) angle travelled [rad]. kinds: (p,) `STEADY`, or `FROM_REST` or `TO_REST`: over the square root of the angle.
+        measure: (q, p) derivative of the angle travelled by the panel's own x, from -1 to 1.
+        angle: (q, p) crank angles. inertia: I [kg m2]. weight: -V' along the travel [N m].
+        position, lever: (coordinates, q, p) coordinates c [m] and c' [m].
+        pushes: the forces that act.
+    """
+
+    start: float
+    direction: int
+    borders: Array
+    kinds: Array
+    measure: Array
+    angle: Array
+    inertia: Array
+    weight: Array
+    position: Array
+    lever: Array
+    pushes: tuple[Push, ...]
+
+
+def on_the_way(table: Table, edges: Sequence[Array], start: float, direction: int) -> Array:
+    """Angle to be travelled from crank angle ``start`` to each of the ``edges``, crank angles in the table's range."""
+    travelled = (np.concatenate([np.zeros(0), *edges]) - start) * direction
+    return travelled if table.period is None else travelled - np.floor(travelled / table.period) * table.period
+
+
+def borders(table: Table, edges: Sequence[Array], start: float, direction: int, extent: float) -> Array:
+    """Borders of panels, angle travelled from crank angle ``start`` over ``extent`` [rad].
+
+    Args:
+        edges: crank angles in the table's range at which something is not smooth.
+    """
+    turns = np.arange(2 * np.pi, extent, 2 * np.pi)
+    ends = np.sort(np.concatenate([turns, on_the_way(table, (table.borders, *edges), start, direction)]))
+    ends = ends[(ends > SAME) & (ends < extent - SAME)]
+    return np.concatenate([[0.0], ends[np.diff(ends, prepend=0.0) > SAME], [extent]])
+
+
+def grid(scene: Scene, table: Table, start: float, direction: int, ends: Array, rests: tuple[bool, bool] = (False, False)) -> Grid:
+    """The grid with these borders; ``rests``: whether the crank starts from rest in the first panel, and comes to rest in the last."""
+    r = rule()
+    kinds = np.zeros(len(ends) - 1, dtype=int)
+    kinds[0] = FROM_REST if rests[0] else STEADY
+    kinds[-1] = TO_REST if rests[1] else kinds[-1]
+    half = 0.5 * np.diff(ends)
+    along, measure = _run(ends, kinds, np.arange(len(kinds)), r.nodes[:, None])
+    angle = start + direction * along
+    values, slopes = table.at(angle)
+    pushes = []
+    if scene.forces:
+        at, by = table.at(start + direction * (ends[:-1] + half))
+        for force in scene.forces:
+            height, rising = at[COORDINATES + force.row] - force.datum, by[COORDINATES + force.row] * direction > 0
+            for up in (True, False):
+                for stretch in force.stretches(up):
+                    panels = np.flatnonzero((rising == up) & (height > stretch.lower) & (height <= stretch.upper))
+                    if len(panels):
+                        pushes.append(Push(force.row, force.datum, stretch, panels))
+    return Grid(
+        start=start,
+        direction=direction,
+        borders=ends,
+        kinds=kinds,
+        measure=measure,
+        angle=angle,
+        inertia=values[INERTIA],
+        weight=-direction * slopes[POTENTIAL],
+        position=values[COORDINATES:],
+        lever=slopes[COORDINATES:],
+        pushes=tuple(pushes),
+    )
+
+
+def travelled(grid: Grid, panel: Array, x: Array) -> tuple[Array, Array]:
+    """Angle travelled at places x (n,), from -1 to 1, of panels (n,), and its derivative by x."""
+    return _run(grid.borders, grid.kinds, panel, x)
+
+
+def _run(ends: Array, kinds: Array, panel: Array, x: Array) -> tuple[Array, Array]:
+    low, high = ends[panel], ends[panel + 1]
+    half, share, kind = 0.5 * (high - low), 0.5 * (1 + x), kinds[panel]
+    along, measure = low + 2 * half * share, half + 0.0 * x
+    if kind.any():
+        along = np.where(kind == FROM_REST, low + 2 * half * share**2, np.where(kind == TO_REST, high - 2 * half * (1 - share) ** 2, along))
+        measure = np.where(kind == FROM_REST, 2 * half * share, np.where(kind == TO_REST, 2 * half * (1 - share), measure))
+    return along, measure
+
+
+def _pushed(grid: Grid, push: Push, speed: Array) -> Array:
+    """Force of a push along the travel (q, its panels, S) [N m], at the crank's speeds (q, p, S)."""
+    position = grid.position[push.row][:, push.panels, None] - push.datum
+    lever = grid.lever[push.row][:, push.panels, None]
+    force = push.stretch.force(position, lever * speed[:, push.panels])
+    if push.stretch.one_sided:
+        force = np.maximum(force, 0.0)
+    return np.asarray(grid.direction * lever * force)
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Flow:
+    """A period, or a part of it, solved for S scenarios.
+
+    Attributes:
+        grid: its panels.
+        energy: (q, p, S) kinetic energy W at the nodes, ends: (p + 1, S) at the borders [J].
+        speed: (q, p, S) size of the crank's speed [rad/s], of no meaning where W is below the floor.
+        force: (q, p, S) dW/du; driving, resisting: parts of it, of the drive and of the loads [N m].
+        held: whether no force depends on the speed, so that W is right beyond a stop too.
+        evaluations: of the forces, nodes counted.
+    """
+
+    grid: Grid
+    energy: Array
+    ends: Array
+    speed: Array
+    force: Array
+    driving: Array
+    resisting: Array
+    held: bool
+    evaluations: int
+
+
+def flow(scene: Scene, grid: Grid, energy: Array, guess: Array | None = None) -> Flow:
+    """Kinetic energy over a grid, from ``energy`` (S,) at its start.
+
+    Raises:
+        SimulationError: the inertia is not positive somewhere; the rounds do not settle.
+    """
+    q, p = grid.angle.shape
+    shape = (q, p, len(energy))
+    inertia = grid.inertia[:, :, None] + scene.inertia
+    if not inertia.min() > 0:
+        worst = np.unravel_index(int(inertia.min(axis=2).argmin()), (q, p))
+        raise not_positive(float(inertia.min()), None, float(grid.angle[worst]))
+    weight, drive = grid.weight[:, :, None], scene.drive
+
+    def forces(speed: Array) -> tuple[Array, Array]:
+        driving, resisting = np.zeros(shape), np.zeros(shape)
+        if drive is not None:
+            driving += grid.direction * drive.torque(grid.direction * speed)
+        for push in grid.pushes:
+            resisting[:, push.panels] += _pushed(grid, push, grid.direction * speed)
+        return driving, resisting
+
+    def result(work: Array, driving: Array, resisting: Array, held: bool, rounds: int) -> Flow:
+        force = driving + resisting + weight
+        work, ends = _integral(grid, force, energy)
+        floor = np.finfo(float).tiny if held else FLOOR * ends.max(axis=0)  # before a stop W is small, and right
+        speed = np.sqrt(2 * np.maximum(work, floor) / inertia)
+        return Flow(grid, work, ends, speed, force, driving, resisting, held, rounds * work.size)
+
+    work = np.broadcast_to(energy, shape) if guess is None else guess
+    for rounds in range(1, ROUNDS + 1):
+        floor = FLOOR * work.max(axis=(0, 1)) + np.finfo(float).tiny
+        above = np.maximum(work, floor)
+        speed = np.sqrt(2 * above / inertia)
+        driving, resisting = forces(speed)
+        if drive is None and not grid.pushes:
+            return result(work, driving, resisting, True, rounds)
+        # Newton: dW/du = G + K (W_new - W); K by a difference, as it only has to lead there
+        faster = forces(speed * (1 + 1e-7))
+        change = faster[0] - driving + (faster[1] - resisting)
+        if not change.any():
+            return result(work, driving, resisting, True, 2 * rounds)
+        rate = change / (2e-7 * above)
+        before = work
+        work = _factored(grid, driving + resisting + weight - rate * before, rate, energy)
+        if np.all(np.abs(work - before).max(axis=(0, 1)) <= SETTLED * np.abs(work).max(axis=(0, 1))):
+            driving, resisting = forces(np.sqrt(2 * np.maximum(work, floor) / inertia))
+            return result(work, driving, resisting, False, 2 * rounds + 1)
+    raise SimulationError(
+        f"the kinetic energy does not settle in {ROUNDS} rounds over a period of the crank: the drive's torque changes too fast with speed",
+        None,
+        grid.start,
+    )
+
+
+def _integral(grid: Grid, force: Array, energy: Array) -> tuple[Array, Array]:
+    """W at the nodes (q, p, S) and borders (p + 1, S) from its derivative by the angle travelled."""
+    r = rule()
+    q, p, count = force.shape
+    inner = force * grid.measure[:, :, None]
+    flat = inner.reshape(q, p * count)
+    totals = (r.weights @ flat).reshape(p, count)
+    ends = np.concatenate([energy[None], totals]).cumsum(axis=0)
+    work = ends[:-1] + (r.cumulative @ flat).reshape(q, p, count)
+    if grid.kinds[-1] == TO_REST:  # from the stop backwards, where W is small but must be exact
+        work[:, -1] -= ends[-1]
+        ends[-1] = 0.0
+    return work, ends
+
+
+def _factored(grid: Grid, constant: Array, rate: Array, energy: Array) -> Array:
+    """W (q, p, S) from dW/du = constant + rate W."""
+    r = rule()
+    q, p, count = constant.shape
+    exponents = (rate * grid.measure[:, :, None]).reshape(q, p * count)
+    growth = np.exp(np.clip(r.cumulative @ exponents, -LARGEST_EXPONENT, LARGEST_EXPONENT)).reshape(q, p, count)
+    final = np.exp(np.clip(r.weights @ exponents, -LARGEST_EXPONENT, LARGEST_EXPONENT)).reshape(p, count)
+    scaled = (constant / growth * grid.measure[:, :, None]).reshape(q, p * count)
+    gained = final * (r.weights @ scaled).reshape(p, count)
+    starts = np.empty((p, count))
+    start = energy
+    for k in range(p):
+        starts[k] = start
+        start = final[k] * start + gained[k]
+    return np.asarray(growth * (starts + (r.cumulative @ scaled).reshape(q, p, count)))
+
+
+def unresolved(flow: Flow, upto: int, tolerance: float, corners: Sequence[float] = ()) -> Array:
+    """Where to cut those of the panels before ``upto`` that do not resolve energy or time, as angles travelled.
+
+    A polynomial's last terms tell what it misses; Gauss's rule makes far smaller errors than that. A panel on which the crank passes one of
+    the ``corners``, speeds at which a drive's torque is not smooth, is cut there; any other in its middle.
+    """
+    r, g = rule(), flow.grid
+    q, _, count = flow.force.shape
+    last, measure = r.legendre[-2:], g.measure[:, :upto, None]
+
+    def coarse(integrand: Array, whole: Array) -> Array:
+        tail = np.abs(last @ (integrand * measure).reshape(q, -1)).max(axis=0).reshape(upto, count)
+        return np.asarray((tail > tolerance * whole).any(axis=1))
+
+    slowness = 1 / flow.speed[:, :upto]
+    taken = (r.weights @ (slowness * measure).reshape(q, -1)).reshape(upto, count).sum(axis=0)
+    bad = coarse(flow.force[:, :upto], flow.ends[: upto + 1].max(axis=0)) | coarse(slowness, taken)
+    bad &= np.diff(g.borders[: upto + 1]) > NARROWEST
+    return np.array([_cut(flow, panel, corners) for panel in np.flatnonzero(bad).tolist()])
+
+
+def _cut(flow: Flow, panel: int, corners: Sequence[float]) -> float:
+    """Where the crank's speed passes a corner, else the middle of a panel, as it runs."""
+    grid = flow.grid
+    low, high = grid.borders[panel : panel + 2]
+    if corners:
+        speed = (rule().monomials @ (grid.direction * flow.speed[:, panel, 0])).tolist()
+        samples = np.linspace(-1.0, 1.0, 2 * len(speed)).tolist()
+        values = [horner(speed[::-1], x) for x in samples]
+        for corner in corners:
+            for k in range(len(samples) - 1):
+                if (values[k] > corner) != (values[k + 1] > corner):
+                    x = root([speed[0] - corner, *speed[1:]], samples[k], samples[k + 1])
+                    at = float(travelled(grid, np.array([panel]), np.array([x]))[0][0])
+                    if low + SAME < at < high - SAME:
+                        return at
+    share = {STEADY: 0.5, FROM_REST: 0.25, TO_REST: 0.75}[int(grid.kinds[panel])]
+    return float(low + share * (high - low))

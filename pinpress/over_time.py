@@ -1,0 +1,233 @@
+"""Integration over time, whatever happens: stops, contacts, clutches, drives with states of their own, forces in time.
+
+An event is the zero of a switching function of the `Machine`. It is located on the integrator's own interpolation, the modes are set anew,
+and the integration goes on from there. SciPy integrates, by its DOP853 with steps by error; or the classical Runge-Kutta method with a fixed
+step does, as Zhang 2007, 4.3, used it (its update of positions corrected: h^2/6, not h/6).
+"""
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from scipy.integrate import DOP853, DenseOutput, OdeSolver
+from scipy.optimize import brentq
+
+from .coordinates import Array
+from .errors import SimulationError
+from .machine import Machine, Modes, Switch
+from .path import LEDGERS, Reading
+
+LOOKED_AT = (0.25, 0.5, 0.75, 1.0)  # of a step: where switching functions are looked at
+MOST_AT_ONCE = 100  # events without time going on
+SHORTEST = 1e-15  # step, beside the duration
+
+
+class RungeKutta4(OdeSolver):  # type: ignore[misc]
+    """The classical Runge-Kutta method of order 4 with a fixed step, interpolated by cubics."""
+
+    def __init__(self, fun: Callable[[float, Array], Array], t0: float, y0: Array, t_bound: float, step: float) -> None:
+        super().__init__(fun, t0, y0, t_bound, vectorized=False)
+        self.fixed, self.f, self.before = step, self.fun(t0, self.y), (self.y, None)
+
+    def _step_impl(self) -> tuple[bool, str | None]:
+        t, y, f = self.t, self.y, self.f
+        h = self.fixed if self.t_bound - t > self.fixed * (1 + 1e-9) else self.t_bound - t
+        second = self.fun(t + 0.5 * h, y + 0.5 * h * f)
+        third = self.fun(t + 0.5 * h, y + 0.5 * h * second)
+        fourth = self.fun(t + h, y + h * third)
+        self.before = (y, f)
+        self.t = self.t_bound if t + h > self.t_bound - 1e-9 * h else t + h
+        self.y = y + h / 6 * (f + 2 * (second + third) + fourth)
+        self.f = self.fun(self.t, self.y)
+        return True, None
+
+    def _dense_output_impl(self) -> DenseOutput:
+        return Cubic(self.t_old, self.t, *self.before, self.y, self.f)
+
+
+class Cubic(DenseOutput):  # type: ignore[misc]
+    """The cubic with given values and derivatives at both ends."""
+
+    def __init__(self, t_old: float, t: float, y0: Array, f0: Array, y1: Array, f1: Array) -> None:
+        super().__init__(t_old, t)
+        self.ends = (y0, f0, y1, f1)
+
+    def _call_impl(self, t: Any) -> Array:
+        h = self.t - self.t_old
+        s = (np.asarray(t) - self.t_old) / h
+        weights = ((1 + 2 * s) * (1 - s) ** 2, h * s * (1 - s) ** 2, s**2 * (3 - 2 * s), h * s**2 * (s - 1))
+        parts = [np.multiply.outer(end, weight) for end, weight in zip(self.ends, weights, strict=True)]
+        return np.asarray(sum(parts))
+
+
+@dataclass(eq=False, repr=False)
+class Stepped:
+    """A run over time, step by step: filled by `run`, read afterwards."""
+
+    machine: Machine
+    start: float
+    times: list[float] = field(default_factory=list)
+    pieces: list[Callable[[Any], Array]] = field(default_factory=list)
+    modes: list[Modes] = field(default_factory=list)
+    steps: int = 0
+    evaluations: int = 0
+    travelled: float = 0.0
+
+    @property
+    def end(self) -> float:
+        return self.times[-1] if self.times else self.start
+
+    def read(self, times: Array) -> Reading:
+        size, ledgers = self.machine.dynamics.size, len(LEDGERS)
+        owner = np.clip(np.array(self.times).searchsorted(times, side="left"), 0, len(self.times) - 1)
+        columns = np.empty((len(self.pieces[0](self.start)), len(times)))
+        rates, torque, own = np.empty_like(columns), np.empty(len(times)), np.empty(len(times))
+        for k in np.unique(owner).tolist():
+            mine = np.flatnonzero(owner == k)
+            columns[:, mine] = self.pieces[k](times[mine])
+            for i in mine.tolist():
+                y = _project(self.machine, columns[:, i].copy())
+                columns[:, i], rates[:, i] = y, self.machine.rates(self.modes[k], float(times[i]), y)
+                torque[i], own[i] = self.machine.driving(float(times[i]), y)
+        return Reading(columns[:size], columns[size : 2 * size], rates[size : 2 * size], torque, own, columns[-ledgers:])
+
+
+def run(
+    machine: Machine,
+    modes: Modes,
+    start: float,
+    y: Array,
+    until: float,
+    tolerance: float,
+    scale: Array,
+    step: float | None,
+    breaks: Sequence[float],
+    finished: Callable[[Array], bool] | None = None,
+    progress: Callable[[float], None] | None = None,
+) -> tuple[Stepped, Modes, Array]:
+    """Integrate from a state and its modes to a time; the steps, and where it has come to.
+
+    Args:
+        y: vector of the `Machine` at the start. scale: (len(y),) sizes of its entries, that the ``tolerance`` is a share of.
+        step: of the classical Runge-Kutta method [s]; None: DOP853.
+        breaks: instants at which something is not smooth.
+        finished: whether a vector, at the end of a step, is far enough.
+
+    Raises:
+        SimulationError: the press stalls, or runs against a lock; steps become too short.
+    """
+    result = Stepped(machine, start)
+    time, first, stuck = start, None, 0
+    angle, fastest = machine.split(y)[0].angle, abs(machine.split(y)[0].speed)
+    ends = sorted({b for b in breaks if start < b < until} | {until})
+    while time < until:
+        target = next(b for b in ends if b > time)
+
+        def rates(t: float, y: Array, modes: Modes = modes) -> Array:
+            return machine.rates(modes, t, y)
+
+        if step is not None:
+            solver: OdeSolver = RungeKutta4(rates, time, y, target, step)
+        else:
+            more = {} if first is None else {"first_step": min(first, target - time)}
+            solver = DOP853(rates, time, y, target, rtol=tolerance, atol=tolerance * scale, **more)
+        event = None
+        values = machine.switches(modes, time, y)
+        while solver.status == "running" and event is None:
+            message = solver.step()
+            if solver.status == "failed" or not np.isfinite(solver.y).all():
+                raise _lost(machine, time, y, message)
+            piece = solver.dense_output()
+            if values:
+                event, values = _first_event(machine, modes, piece, solver, values)
+            at = solver.t if event is None else event[1]
+            result.steps += 1
+            result.pieces.append(piece)
+            result.times.append(at)
+            result.modes.append(modes)
+            first = getattr(solver, "h_abs", None)
+            if event is None:
+                time, y = solver.t, _closed(machine, solver)
+            else:
+                stuck = stuck + 1 if at <= time + SHORTEST * (until - start) else 0
+                time, y = at, _project(machine, piece(at))
+            instant = machine.split(y)[0]
+            result.travelled += abs(instant.angle - angle)
+            angle, fastest = instant.angle, max(fastest, abs(instant.speed))
+            if progress is not None:
+                progress(time)
+            if finished is not None and event is None and finished(y):
+                result.evaluations += solver.nfev
+                return result, modes, y
+        result.evaluations += solver.nfev
+        if event is not None:
+            if stuck > MOST_AT_ONCE:
+                angle = float(machine.split(y)[0].angle)
+                raise SimulationError("forces switch back and forth without end: it comes to rest where they hold it", time, angle)
+            modes, y = machine.after(event[0], modes, time, y, fastest)
+    return result, modes, y
+
+
+def _first_event(
+    machine: Machine, modes: Modes, piece: DenseOutput, solver: OdeSolver, before: dict[Switch, float]
+) -> tuple[tuple[Switch, float] | None, dict[Switch, float]]:
+    """The first event of a step, and the switching functions at its end."""
+    since, low = solver.t_old, before
+    for share in LOOKED_AT:
+        at = solver.t if share == 1.0 else solver.t_old + share * (solver.t - solver.t_old)
+        values = machine.switches(modes, at, piece(at))
+        fallen = [switch for switch, value in values.items() if value < 0]
+        if fallen:
+            return _located(machine, modes, piece, since, low, at, fallen), values
+        since, low = at, values
+    return None, low
+
+
+def _located(
+    machine: Machine, modes: Modes, piece: DenseOutput, since: float, low: dict[Switch, float], until: float, fallen: list[Switch]
+) -> tuple[Switch, float]:
+    """The first of the switching functions that have fallen below zero between two times, and when."""
+    first = fallen[0], until
+    while fallen:
+        found = []
+        for switch in fallen:
+            if low[switch] <= 0:  # at the border from the start: it goes the wrong way at once
+                found.append((since, switch))
+                continue
+            at = brentq(lambda t, s=switch: machine.switches(modes, t, piece(t))[s], since, until, xtol=4e-16 * abs(until), rtol=1e-15)
+            found.append((float(at), switch))
+        when, which = min(found, key=lambda f: f[0])
+        first, until = (which, when), when
+        if when <= since:
+            break
+        # one that fell and rose again before the end of the step shows only at the others' events
+        values = machine.switches(modes, when, piece(when))
+        fallen = [switch for switch, value in values.items() if value < 0 and switch != which and low[switch] > 0]
+        fallen = [switch for switch in fallen if -values[switch] > 1e-13 * abs(low[switch])]
+    return first
+
+
+def _closed(machine: Machine, solver: OdeSolver) -> Array:
+    """The integrator's vector with closed loops; the integrator goes on from there."""
+    y = _project(machine, solver.y)
+    if y is not solver.y:
+        solver.y = y
+        solver.f = solver.fun(solver.t, y)
+    return y
+
+
+def _project(machine: Machine, y: Array) -> Array:
+    size = machine.dynamics.size
+    projected = machine.dynamics.project(y[:size], y[size : 2 * size])
+    return y if projected is None else np.concatenate([*projected, y[2 * size :]])
+
+
+def _lost(machine: Machine, time: float, y: Array, message: str | None) -> SimulationError:
+    angle = float(machine.split(y)[0].angle)
+    return SimulationError(
+        f"the integration cannot go on ({message or 'values are not finite'}): the linkage locks ahead, or a force is too stiff",
+        time,
+        angle if math.isfinite(angle) else None,
+    )

@@ -1,0 +1,78 @@
+"""What a simulation went through, readable at any time: segments solved over the crank angle, and segments integrated over time."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import NamedTuple, Protocol
+
+import numpy as np
+
+from .coordinates import Array
+
+LEDGERS = ("drive_work", "load_work", "motor_squared", "lost")
+"""What is summed up: work of the drive on the crank [J], work against the loads [J], motor torque squared over time [N2 m2 s], energy lost in
+clutch and brake [J]."""
+DRIVE_WORK, LOAD_WORK, MOTOR_SQUARED, LOST = range(len(LEDGERS))
+
+
+class Reading(NamedTuple):
+    """States at n times.
+
+    Attributes:
+        position, speed, acceleration: (size, n) of the crank alone, or of all joints.
+        torque: (n,) of the drive. own: (n,) speed of its side of the clutch [rad/s].
+        ledgers: (4, n).
+    """
+
+    position: Array
+    speed: Array
+    acceleration: Array
+    torque: Array
+    own: Array
+    ledgers: Array
+
+
+class Segment(Protocol):
+    """A part of a run, from one time to another."""
+
+    @property
+    def start(self) -> float: ...
+    @property
+    def end(self) -> float: ...
+    @property
+    def steps(self) -> int: ...
+    @property
+    def evaluations(self) -> int: ...
+    @property
+    def travelled(self) -> float:
+        """Angle that the crank has turned, either way [rad]."""
+        ...
+
+    def read(self, times: Array) -> Reading: ...
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Path:
+    """The segments of a run, one after the other."""
+
+    segments: Sequence[Segment]
+
+    @property
+    def steps(self) -> int:
+        return sum(segment.steps for segment in self.segments)
+
+    @property
+    def evaluations(self) -> int:
+        return sum(segment.evaluations for segment in self.segments)
+
+    @property
+    def turns(self) -> float:
+        """Turns of the crank, those back counted too."""
+        return sum(segment.travelled for segment in self.segments) / (2 * np.pi)
+
+    def read(self, times: Array) -> Reading:
+        """States at rising times (n,)."""
+        starts = np.array([segment.start for segment in self.segments])
+        owner = np.clip(starts.searchsorted(times, side="right") - 1, 0, len(starts) - 1)
+        cuts = np.flatnonzero(np.diff(owner)) + 1
+        parts = [self.segments[int(owner[part[0]])].read(times[part]) for part in np.split(np.arange(len(times)), cuts)]
+        return Reading(*(np.concatenate(rows, axis=-1) for rows in zip(*parts, strict=True)))

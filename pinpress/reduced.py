@@ -1,0 +1,244 @@
+"""The one-degree-of-freedom reduction: what a linkage with one driver is to its crank, over the crank angle.
+
+    (I + J) w' + I' w^2 / 2 + V' = torque + sum F c'
+
+with the reduced inertia I(angle), the potential energy V(angle) of the weights, the inertia J of flywheel and drive on the crank, and forces F along
+coordinates c(angle): the slide's position, the length of a spring. All are smooth functions of the crank angle. They are sampled where
+Gauss's quadrature wants them and kept as polynomials, panel by panel; a panel on which a polynomial does not resolve them to rounding is
+halved. Source: Zhang 2007, 4.2 (for any linkage, and without its linearisations); Kong 2025 for the six-bar press.
+"""
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import cache
+from typing import NamedTuple
+
+import numpy as np
+import pinocchio as pin
+
+from .coordinates import Array, configuration
+from .errors import SimulationError
+from .linkage import Linkage
+from .motion import Motion, cycle
+from .plane_kinematics import basis, basis_velocity
+
+NODES = 12  # a panel; degree of its polynomials is one less
+PANELS = 32  # a turn to begin with
+RESOLVED = 1e-12  # size of a polynomial's last terms beside the function
+NARROWEST = 1e-7  # panel [rad]: what it does not resolve lies at a lock
+INERTIA, POTENTIAL, COORDINATES = 0, 1, 2  # rows of a table
+
+Coordinate = Callable[[Motion], Array]
+"""A length (n,) or displacement [m] of the states of a motion."""
+
+
+class Rule(NamedTuple):
+    """Gauss-Legendre quadrature on -1..1 and the polynomial through its nodes.
+
+    Attributes:
+        nodes, weights: (q,). cumulative: (q, q) integrals from -1 to the nodes, of values at them.
+        legendre: (q, q) coefficients in Legendre polynomials from values. monomials: (q, q) coefficients in powers from values.
+        integral: (q + 1, q) coefficients in powers, of the integral from -1.
+    """
+
+    nodes: Array
+    weights: Array
+    cumulative: Array
+    legendre: Array
+    monomials: Array
+    integral: Array
+
+
+@cache
+def rule() -> Rule:
+    """The rule of `NODES` nodes."""
+    legendre = np.polynomial.legendre
+    nodes, weights = legendre.leggauss(NODES)
+    degrees = np.arange(NODES)
+    to_legendre = (degrees[:, None] + 0.5) * legendre.legvander(nodes, NODES - 1).T * weights
+    powers = np.zeros((NODES, NODES))
+    for k in degrees:
+        column = legendre.leg2poly(np.eye(NODES)[k])
+        powers[: len(column), k] = column
+    integral = np.zeros((NODES + 1, NODES + 1))
+    for k in degrees:
+        column = legendre.leg2poly(legendre.legint(np.eye(NODES)[k], lbnd=-1))
+        integral[: len(column), k] = column
+    integral = integral[:, :NODES] @ to_legendre
+    return Rule(nodes, weights, np.vander(nodes, NODES + 1, increasing=True) @ integral, to_legendre, powers @ to_legendre, integral)
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Table:
+    """Reduced inertia, potential energy and coordinates over the crank angle.
+
+    Attributes:
+        borders: (p + 1,) of the panels, rising [rad].
+        coefficients: (p, rows, q) of powers of x, from -1 to 1 over a panel: inertia [kg m2], potential energy [J], coordinates [m].
+        period: crank angle after which all comes again [rad]; None where the crank cannot turn so far.
+        evaluations: states of the linkage that were worked out.
+    """
+
+    borders: Array
+    coefficients: Array
+    period: float | None
+    evaluations: int
+
+    def local(self, angle: Array) -> Array:
+        """Crank angles brought into the table's range.
+
+        Raises:
+            SimulationError: the crank cannot turn as far.
+        """
+        first = self.borders[0]
+        if self.period is not None:
+            return np.asarray(angle - np.floor((angle - first) / self.period) * self.period)
+        outside = (angle < first) | (angle > self.borders[-1])
+        if outside.any():
+            raise beyond(self, float(np.ravel(angle)[int(np.argmax(outside))]))
+        return angle
+
+    def at(self, angle: Array, derivative: bool = True) -> tuple[Array, Array]:
+        """Rows (rows, ...) at crank angles (...) and their derivatives by the crank angle."""
+        local = self.local(angle)
+        panel = np.clip(self.borders.searchsorted(local, side="right") - 1, 0, len(self.borders) - 2)
+        half = 0.5 * (self.borders[panel + 1] - self.borders[panel])
+        x = (local - self.borders[panel]) / half - 1.0
+        picked = np.moveaxis(self.coefficients[panel], (-2, -1), (0, 1))  # (rows, q, ...)
+        value = picked[:, -1].copy()
+        slope = np.zeros_like(value)
+        for k in range(picked.shape[1] - 2, -1, -1):
+            if derivative:
+                slope *= x
+                slope += value
+            value *= x
+            value += picked[:, k]
+        return value, slope / half
+
+
+def beyond(table: Table, angle: float, time: float | None = None) -> SimulationError:
+    """Why a motion leaves a table without a period."""
+    low, high = np.degrees([table.borders[0], table.borders[-1]])
+    return SimulationError(f"the linkage locks: its crank turns only from {low:.6g} to {high:.6g} deg, and runs against that", time, angle)
+
+
+def build(press: Linkage, coordinates: Sequence[Coordinate]) -> Table:
+    """The table of a linkage with one driver.
+
+    Raises:
+        SingularityError, AssemblyError: see `Linkage.branch`.
+    """
+    branch = press.branch
+    low, high = (0.0, branch.period) if branch.period is not None else (float(branch.angles[0]), float(branch.angles[-1]))
+    count = max(2, math.ceil(PANELS * (high - low) / (2 * np.pi) - 1e-9))
+    borders, points = np.linspace(low, high, count + 1), 0
+    starts, ends = borders[:-1], borders[1:]
+    done: list[tuple[Array, Array, Array]] = []
+    scale = np.zeros(COORDINATES + len(coordinates))
+    to_legendre = rule().legendre
+    while len(starts):
+        half = 0.5 * (ends - starts)
+        angles = (starts + half)[:, None] + half[:, None] * rule().nodes
+        values = _sample(press, angles.ravel(), coordinates).reshape(-1, *angles.shape)
+        points += angles.size
+        scale = np.maximum(scale, np.abs(values).max(axis=(1, 2)))
+        tail = np.abs(values @ to_legendre[-2:].T).max(axis=2)
+        local = np.abs(values[INERTIA]).max(axis=1)  # near a lock the inertia has no bounds
+        unresolved = (tail > RESOLVED * scale[:, None]).any(axis=0) | (tail[INERTIA] > RESOLVED * local)
+        settled = ~unresolved | (half < NARROWEST)
+        done.append((starts[settled], ends[settled], np.moveaxis(values[:, settled], 0, 1) @ rule().monomials.T))
+        left, right = starts[~settled], ends[~settled]
+        middle = 0.5 * (left + right)
+        starts, ends = np.concatenate([left, middle]), np.concatenate([middle, right])
+    order = np.argsort(np.concatenate([d[0] for d in done]))
+    all_borders = np.append(np.concatenate([d[0] for d in done])[order], high)
+    return Table(all_borders, np.concatenate([d[2] for d in done])[order], branch.period, points)
+
+
+def _sample(press: Linkage, angles: Array, coordinates: Sequence[Coordinate]) -> Array:
+    """Rows (rows, n) at crank angles (n,)."""
+    motion = cycle(press, angle=angles, speed=1.0)  # at unit speed rates are derivatives by the crank angle
+    kinetic, potential = energies(press, motion)
+    return np.array([2 * kinetic, potential, *(coordinate(motion) for coordinate in coordinates)])
+
+
+def energies(press: Linkage, motion: Motion) -> tuple[Array, Array]:
+    """Kinetic energy and potential energy of the weights (n,) of the states of a motion, without flywheel and drive [J]."""
+    plane, bodies = press.plane, press.bodies
+    if plane is None or bodies is None:
+        return _spatial_energies(press, motion)
+    at = motion.basis(press)
+    if at is None:
+        at = basis(plane, motion.joint_position.T)
+    v = motion.v.T
+    rows = plane.origins + plane.centers
+    mass = np.array([y.mass for y in press.model.inertias[1:]])
+    velocity = rows @ basis_velocity(plane, at, v)
+    kinetic = 0.5 * (mass @ (velocity.real**2 + velocity.imag**2) + ((bodies.inertia @ v) * (plane.spin @ v)).sum(axis=0))
+    weight = complex(*(plane.axes @ press.model.gravity.linear))
+    return kinetic, -((mass @ rows) @ at * weight.conjugate()).real
+
+
+def _spatial_energies(press: Linkage, motion: Motion) -> tuple[Array, Array]:
+    model, data = press.model, press.model.createData()
+    q = configuration(press.spatial.slots, motion.joint_position.T)
+    pairs = [
+        (
+            pin.computeKineticEnergy(model, data, np.ascontiguousarray(q[:, i]), motion.v[i].copy()),
+            pin.computePotentialEnergy(model, data, np.ascontiguousarray(q[:, i])),
+        )
+        for i in range(len(motion.v))
+    ]
+    kinetic, potential = np.array(pairs).T
+    return kinetic, potential
+
+
+def roots(table: Table, row: int, level: float, slope: bool = False) -> Array:
+    """Crank angles in the table's range at which a row, or its ``slope``, passes through a level."""
+    coefficients = table.coefficients[:, row]
+    if slope:
+        coefficients = coefficients[:, 1:] * np.arange(1, coefficients.shape[1])
+    samples = np.linspace(-1.0, 1.0, 2 * NODES)
+    above = coefficients @ np.vander(samples, coefficients.shape[1], increasing=True).T >= level
+    panels, places = np.nonzero(above[:, 1:] != above[:, :-1])
+    found = []
+    for panel, place in zip(panels.tolist(), places.tolist(), strict=True):
+        polynomial = coefficients[panel].tolist()
+        polynomial[0] -= level
+        x = root(polynomial, float(samples[place]), float(samples[place + 1]))
+        found.append(table.borders[panel] + 0.5 * (1 + x) * (table.borders[panel + 1] - table.borders[panel]))
+    # one that lies on a border between panels may show in neither
+    ends = above[:-1, -1] != above[1:, 0]
+    return np.concatenate([np.array(found), table.borders[1:-1][ends]])
+
+
+def root(polynomial: list[float], low: float, high: float) -> float:
+    """The root of a polynomial, coefficients of rising powers, between two points where its signs differ: Newton's method, fenced in."""
+    rising = polynomial[::-1]
+    falling = horner(rising, low) > 0
+    x = 0.5 * (low + high)
+    for _ in range(100):
+        value = slope = 0.0
+        for coefficient in rising:
+            slope = slope * x + value
+            value = value * x + coefficient
+        if (value > 0) == falling:
+            low = x
+        else:
+            high = x
+        step = value / slope if slope else math.inf
+        before, x = x, x - step
+        if not low < x < high:
+            x = 0.5 * (low + high)
+        if abs(x - before) <= 1e-16 or x in (low, high):
+            break
+    return x
+
+
+def horner(falling: Sequence[float], x: float) -> float:
+    """Value of a polynomial, coefficients of falling powers."""
+    value = 0.0
+    for coefficient in falling:
+        value = value * x + coefficient
+    return value

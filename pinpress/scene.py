@@ -1,0 +1,245 @@
+"""A press, what drives it and what it works against, as both methods of simulation see it.
+
+Every force from outside acts along a coordinate of the linkage: a process load along the slide's position, a spring along its length, a
+constant force along the path of its point. The reduced method has coordinates as functions of the crank angle, the other one works them out
+state by state.
+"""
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, Protocol
+
+import numpy as np
+
+from . import forces
+from .coordinates import Array
+from .drives import Drive, Flywheel
+from .errors import PinpressError, SimulationError
+from .forces import Load, PointForce, SpringDamper
+from .linkage import Linkage
+from .loads import ProcessLoad, Stretch, TimeForce
+from .motion import Motion
+from .points import point_motion
+
+if TYPE_CHECKING:
+    from .forward_dynamics import ForwardDynamics
+
+End = tuple[int, Array]
+"""Pinocchio joint (0: the frame) and a point in its frame [m]."""
+
+
+class Coordinate(Protocol):
+    """A length of the linkage along which a force acts."""
+
+    def over(self, press: Linkage, motion: Motion) -> Array:
+        """Its values (n,) over a motion [m]."""
+
+    def at(self, dynamics: "ForwardDynamics", x: Array, v: Array) -> tuple[float, float]:
+        """Its value and rate in one state [m, m/s]."""
+
+    def efforts(self, dynamics: "ForwardDynamics", x: Array, force: float) -> Array:
+        """Joint efforts (nv,) of a force along it."""
+
+
+@dataclass(frozen=True)
+class SlidePosition:
+    """Position of the slide along its guide's axis; ``guide`` its place in v, ``offset`` its position in the drawn pose."""
+
+    guide: int
+    offset: float
+
+    def over(self, press: Linkage, motion: Motion) -> Array:
+        return motion.joint_position[:, self.guide] + self.offset
+
+    def at(self, dynamics: "ForwardDynamics", x: Array, v: Array) -> tuple[float, float]:
+        return float(x[self.guide]) + self.offset, float(v[self.guide])
+
+    def efforts(self, dynamics: "ForwardDynamics", x: Array, force: float) -> Array:
+        result = np.zeros(len(x))
+        result[self.guide] = force
+        return result
+
+
+@dataclass(frozen=True, eq=False)
+class Length:
+    """Distance between two points of links."""
+
+    first: End
+    second: End
+
+    def over(self, press: Linkage, motion: Motion) -> Array:
+        ends = [point_motion(press, motion, *end)[0] for end in (self.first, self.second)]
+        return np.asarray(np.linalg.norm(ends[1] - ends[0], axis=1))
+
+    def at(self, dynamics: "ForwardDynamics", x: Array, v: Array) -> tuple[float, float]:
+        between, rate, length = self._between(dynamics, x, v)
+        return length, float(between @ rate) / length
+
+    def efforts(self, dynamics: "ForwardDynamics", x: Array, force: float) -> Array:
+        between, _, length = self._between(dynamics, x, np.zeros(len(x)))
+        along = force / length * between
+        return dynamics.point_efforts(x, *self.second, along) - dynamics.point_efforts(x, *self.first, along)
+
+    def _between(self, dynamics: "ForwardDynamics", x: Array, v: Array) -> tuple[Array, Array, float]:
+        (first, speed1), (second, speed2) = (dynamics.point(x, v, *end) for end in (self.first, self.second))
+        length = float(np.linalg.norm(second - first))
+        return second - first, speed2 - speed1, length
+
+
+@dataclass(frozen=True, eq=False)
+class Path:
+    """Work of a constant force (3,) at a point, in world axes [J]; a force of one along it is that force."""
+
+    end: End
+    force: Array
+
+    def over(self, press: Linkage, motion: Motion) -> Array:
+        return np.asarray(point_motion(press, motion, *self.end)[0] @ self.force)
+
+    def at(self, dynamics: "ForwardDynamics", x: Array, v: Array) -> tuple[float, float]:
+        position, velocity = dynamics.point(x, v, *self.end)
+        return float(position @ self.force), float(velocity @ self.force)
+
+    def efforts(self, dynamics: "ForwardDynamics", x: Array, force: float) -> Array:
+        return dynamics.point_efforts(x, *self.end, force * self.force)
+
+
+@dataclass(frozen=True, eq=False)
+class Acting:
+    """A force along a coordinate of the scene.
+
+    Attributes:
+        row: of the coordinate. datum: its value from which the stretches count [m].
+        rising, falling: what acts while the coordinate rises, and falls.
+        time: the force as a function of time in place of these; edges: instants at which that is not smooth.
+    """
+
+    row: int
+    datum: float
+    rising: tuple[Stretch, ...] = ()
+    falling: tuple[Stretch, ...] = ()
+    time: Callable[[Any], Any] | None = None
+    edges: tuple[float, ...] = ()
+
+    def stretches(self, rising: bool) -> tuple[Stretch, ...]:
+        return self.rising if rising else self.falling
+
+    def borders(self) -> tuple[float, ...]:
+        """Values of the coordinate at which the force is not smooth."""
+        ends = {end for stretch in self.rising + self.falling for end in (stretch.lower, stretch.upper)}
+        return tuple(sorted(self.datum + end for end in ends if math.isfinite(end)))
+
+
+@dataclass(frozen=True, eq=False)
+class Scene:
+    """What is simulated.
+
+    Attributes:
+        press: the linkage. drive: what turns its driver joint, None for nothing.
+        inertia: of flywheel and drive at the driver joint, a number or (S,) [kg m2].
+        coordinates: along which forces act. forces: the forces.
+        scenarios: S, None where there is one.
+    """
+
+    press: Linkage
+    drive: Drive | None
+    inertia: Any
+    coordinates: tuple[Coordinate, ...]
+    forces: tuple[Acting, ...]
+    scenarios: int | None
+
+
+def build(
+    press: Linkage,
+    drive: Drive | None,
+    flywheel: Flywheel | None,
+    loads: Sequence[Load],
+    bottom: Callable[[SlidePosition], float],
+    scenarios: int | None,
+) -> Scene:
+    """The scene of a simulation.
+
+    Args:
+        bottom: gives the slide position of bottom dead centre, where a load needs it.
+
+    Raises:
+        PinpressError: a load that is none, or cannot be simulated.
+        UnknownNameError: a load on a link that the linkage does not have.
+    """
+    if isinstance(loads, Load):
+        raise PinpressError(f"loads is one {type(loads).__name__}: give a list, loads=[...]")
+    coordinates: list[Coordinate] = []
+    acting: list[Acting] = []
+    for load in loads:
+        coordinate, act = _acting(press, load, len(coordinates), bottom)
+        if act is None:
+            continue
+        if isinstance(coordinate, SlidePosition) and coordinate in coordinates:
+            act = _moved(act, coordinates.index(coordinate))
+        else:
+            coordinates.append(coordinate)
+        acting.append(act)
+    inertia = 0.0 if flywheel is None else flywheel.inertia
+    if drive is not None:
+        inertia = inertia + drive.inertia
+    return Scene(press, drive, inertia, tuple(coordinates), tuple(acting), scenarios)
+
+
+def _acting(press: Linkage, load: Load, row: int, bottom: Callable[[SlidePosition], float]) -> tuple[Coordinate, Acting | None]:
+    if isinstance(load, PointForce):
+        return _point(press, load, row)
+    if isinstance(load, SpringDamper):
+        ends, stretch = _spring(press, load)
+        return Length(*ends), Acting(row, 0.0, (stretch,), (stretch,))
+    slide = SlidePosition(*press.slide_guide)
+    if isinstance(load, TimeForce):
+        return slide, Acting(row, 0.0, time=load.force, edges=tuple(load.edges))
+    if isinstance(load, ProcessLoad):
+        rising, falling = load.stretches(downwards=False), load.stretches(downwards=True)
+        if not rising and not falling:
+            return slide, None
+        return slide, Acting(row, bottom(slide) if load.datum is None else load.datum, rising, falling)
+    raise PinpressError(f"load {load!r} is none: give a PointForce, a SpringDamper or one of pinpress.loads")
+
+
+def _point(press: Linkage, load: PointForce, row: int) -> tuple[Coordinate, Acting | None]:
+    what = f"load on {load.link!r}"
+    joint, point = forces.place(press, load.link, load.point, what, "point")
+    if callable(load.force) or np.ndim(load.force) != 1:
+        raise PinpressError(
+            f"{what}: a simulation takes a constant force, (3,) in world axes [N]; for one that changes write one of pinpress.loads,"
+            " or a class with their members `datum` and `stretches`"
+        )
+    force = forces.numbers(load.force, what, "force")
+    if force.shape != (3,):
+        raise PinpressError(f"{what}: force has shape {force.shape}; give (3,), in world axes [N]")
+    constant = Stretch(math.inf, -math.inf, _one)
+    return Path((joint, point), force), Acting(row, 0.0, (constant,), (constant,)) if joint else None
+
+
+def _one(position: Any, velocity: Any) -> Any:
+    return position * 0.0 + 1.0
+
+
+def _spring(press: Linkage, load: SpringDamper) -> tuple[tuple[End, End], Stretch]:
+    ends = forces.spring_ends(load, press)
+
+    def pull(length: Any, rate: Any) -> Any:
+        return load.stiffness * (load.free_length - length) - load.damping * rate
+
+    return ends, Stretch(math.inf, -math.inf, pull)
+
+
+def _moved(act: Acting, row: int) -> Acting:
+    return Acting(row, act.datum, act.rising, act.falling, act.time, act.edges)
+
+
+def not_positive(inertia: float, time: float | None, angle: float) -> SimulationError:
+    """The inertia at the crank is zero or less."""
+    return SimulationError(
+        f"the inertia of linkage, flywheel and drive at the crank is {inertia:.6g} kg m2, so no torque determines the motion;"
+        " give masses or a flywheel",
+        time,
+        angle,
+    )

@@ -1,0 +1,294 @@
+"""One press over the crank angle: period after period, and where it stops and no force depends on its speed, back again."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+
+from . import over_angle
+from .coordinates import Array
+from .errors import SimulationError
+from .over_angle import TO_REST, Flow, Grid
+from .path import LEDGERS, Reading
+from .reduced import COORDINATES, INERTIA, POTENTIAL, Table, beyond, root, rule
+from .scene import Scene, not_positive
+
+LEAST = 1e-3  # kinetic energy, beside the period's largest, below which a drive that depends on speed may be about to stop the crank
+REST = 0.2  # angle before a stop that is run through over its square root [rad]
+MOST_CUTS = 40  # rounds of cutting panels
+
+
+class State(NamedTuple):
+    """Where a run has come to: time [s], crank angle [rad], crank speed [rad/s], the ledgers (4,)."""
+
+    time: float
+    angle: float
+    speed: float
+    ledgers: Array
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Turned:
+    """Panels of a `Flow` in time, of one scenario.
+
+    Attributes:
+        grid: of the flow. count: panels that are right.
+        begin: the state at its start. times: (count + 1,) at the borders [s].
+        elapsed: (q + 1, count) coefficients of the time since a panel's start. summed: (3, q + 1, count) of the ledgers.
+        ledgers: (3, count + 1) at the borders.
+    """
+
+    scene: Scene
+    table: Table
+    grid: Grid
+    count: int
+    begin: State
+    times: Array
+    elapsed: Array
+    summed: Array
+    ledgers: Array
+    evaluations: int
+
+    @property
+    def start(self) -> float:
+        return self.begin.time
+
+    @property
+    def end(self) -> float:
+        return float(self.times[-1])
+
+    @property
+    def steps(self) -> int:
+        return self.count
+
+    @property
+    def travelled(self) -> float:
+        return float(self.grid.borders[self.count])
+
+    def read(self, times: Array) -> Reading:
+        g = self.grid
+        panel = np.clip(self.times.searchsorted(times, side="right") - 1, 0, self.count - 1)
+        since = times - self.times[panel]
+        took = self.times[panel + 1] - self.times[panel]
+        elapsed = self.elapsed[:, panel]
+        x = 2 * np.clip(since / took, 0.0, 1.0) - 1
+        for _ in range(8):
+            value, slope = _with_slope(elapsed, x)
+            step = (value - since) / slope
+            x = np.clip(x - step, -1.0, 1.0)
+            if np.abs(step).max(initial=0.0) < 1e-13:
+                break
+        _, slope = _with_slope(elapsed, x)
+        travelled, measure = over_angle.travelled(g, panel, x)
+        ledgers = np.zeros((len(LEDGERS), len(times)))
+        ledgers[:3] = self.ledgers[:, panel] + _values(self.summed[:, :, panel], x)
+        ledgers += self.begin.ledgers[:, None]
+        angle, speed = g.start + g.direction * travelled, g.direction * measure / slope
+        torque, acceleration = self._dynamics(panel, angle, speed)
+        return Reading(angle[None], speed[None], acceleration[None], torque, speed, ledgers)
+
+    def _dynamics(self, panel: Array, angle: Array, speed: Array) -> tuple[Array, Array]:
+        """Torque of the drive and acceleration of the crank (n,) at states on panels (n,)."""
+        values, slopes = self.table.at(angle)
+        scene = self.scene
+        torque = np.zeros_like(speed) if scene.drive is None else np.zeros_like(speed) + scene.drive.torque(speed)
+        force = torque - slopes[POTENTIAL] - 0.5 * slopes[INERTIA] * speed**2
+        for push in self.grid.pushes:
+            mine = np.flatnonzero(np.isin(panel, push.panels))
+            if len(mine):
+                lever = slopes[COORDINATES + push.row, mine]
+                size = push.stretch.force(values[COORDINATES + push.row, mine] - push.datum, lever * speed[mine])
+                force[mine] += lever * (np.maximum(size, 0.0) if push.stretch.one_sided else size)
+        return torque, force / (values[INERTIA] + scene.inertia)
+
+    def last(self) -> State:
+        """The state at the end."""
+        reading = self.read(self.times[-1:])
+        return State(self.end, float(reading.position[0, 0]), float(reading.speed[0, 0]), reading.ledgers[:, 0])
+
+
+def turned(scene: Scene, table: Table, flow: Flow, count: int, begin: State) -> Turned:
+    """The first ``count`` panels of a flow of one scenario in time."""
+    r, g = rule(), flow.grid
+    measure, speed = g.measure[:, :count], flow.speed[:, :count, 0]
+    elapsed = r.integral @ (measure / speed)
+    motor = np.zeros_like(speed) if scene.drive is None else scene.drive.motor_torque(g.direction * speed)
+    rates = [flow.driving[:, :count, 0], -flow.resisting[:, :count, 0], motor * motor / speed]
+    summed = np.array([r.integral @ (rate * measure) for rate in rates])
+    return Turned(
+        scene=scene,
+        table=table,
+        grid=g,
+        count=count,
+        begin=begin,
+        times=np.concatenate([[begin.time], begin.time + elapsed.sum(axis=0).cumsum()]),  # x = 1: the sum of the coefficients
+        elapsed=elapsed,
+        summed=summed,
+        ledgers=np.concatenate([np.zeros((3, 1)), summed.sum(axis=1).cumsum(axis=1)], axis=1),
+        evaluations=flow.evaluations,
+    )
+
+
+class Stop(NamedTuple):
+    """Why a run over the angle ended: ``at`` the state reached; ``held``: it is at rest there, and no force depends on speed."""
+
+    at: State
+    held: bool
+
+
+def run(
+    scene: Scene, table: Table, edges: Sequence[Array], begin: State, until: float, tolerance: float
+) -> "tuple[list[Turned], Stop | None]":
+    """Follow a press that turns, from a state on, up to a time or to where it may stop.
+
+    Raises:
+        SimulationError: it runs against a lock, or comes to rest where forces hold it from both sides.
+    """
+    segments: list[Turned] = []
+    state, guess = begin, None
+    while state.time < until:
+        direction = _direction(scene, table, state)
+        if direction == 0:
+            return segments, Stop(state, held=True)
+        found = _period(scene, table, edges, state, direction, until, tolerance, guess)
+        if found is None:
+            return segments, Stop(state, held=False)
+        flow, count = found
+        solved = turned(scene, table, flow, count, state)
+        segments.append(solved)
+        state = solved.last()
+        if flow.grid.kinds[count - 1] == TO_REST:
+            state, guess = state._replace(speed=0.0), None
+        elif count < len(flow.grid.kinds) and state.time < until:
+            return segments, Stop(state, held=False)
+        elif table.period is None and state.time < until:
+            raise beyond(table, state.angle, state.time)
+        else:
+            guess = flow.energy
+    return segments, None
+
+
+def _direction(scene: Scene, table: Table, state: State) -> int:
+    """Way in which the crank turns, or starts from rest; 0 where it stays."""
+    if state.speed:
+        return 1 if state.speed > 0 else -1
+    for direction in (1, -1):
+        ends = np.array([0.0, 1e-6])
+        if table.period is None and not table.borders[0] <= state.angle + direction * 1e-6 <= table.borders[-1]:
+            continue
+        beside = over_angle.grid(scene, table, state.angle, direction, ends, (True, False))
+        force = over_angle.flow(scene, beside, np.zeros(1), _any_energy(scene, beside)).force
+        scale = np.abs(beside.weight).max() + 1e-12
+        if force[0, 0, 0] > 1e-12 * scale:
+            return direction
+    return 0
+
+
+def _any_energy(scene: Scene, grid: Grid) -> Array:
+    """Kinetic energy at 1 rad/s (q, p, 1): where to start from, when there is none yet."""
+    return 0.5 * (grid.inertia[:, :, None] + scene.inertia)
+
+
+def _period(
+    scene: Scene,
+    table: Table,
+    edges: Sequence[Array],
+    state: State,
+    direction: int,
+    until: float,
+    tolerance: float,
+    guess: Array | None,
+) -> tuple[Flow, int] | None:
+    """A period of the table, or less up to a stop or the time ``until``, and how many of its panels are right.
+
+    None where the crank would stop, or has to start, under a force that depends on its speed.
+    """
+    if table.period is not None:
+        extent = table.period
+    else:
+        extent = float(table.borders[-1] - state.angle if direction > 0 else state.angle - table.borders[0])
+        if extent <= 2 * over_angle.SAME:
+            raise beyond(table, state.angle, state.time)
+    ends = over_angle.borders(table, edges, state.angle, direction, extent)
+    from_rest, to_rest = state.speed == 0, False
+    inertia = float(table.at(np.array([state.angle]))[0][INERTIA, 0]) + scene.inertia
+    if not inertia > 0:
+        raise not_positive(inertia, state.time, state.angle)
+    energy = np.array([0.5 * inertia * state.speed**2])
+    corners = () if scene.drive is None else tuple(float(np.ravel(corner)[0]) for corner in scene.drive.corners)
+    for _ in range(MOST_CUTS):
+        grid = over_angle.grid(scene, table, state.angle, direction, ends, (from_rest, to_rest))
+        if guess is None or guess.shape[1] != len(grid.kinds):
+            guess = _any_energy(scene, grid) if from_rest else None
+        flow = over_angle.flow(scene, grid, energy, guess)
+        guess = flow.energy
+        if from_rest and not flow.held:
+            return None
+        count, stopping = _before_stop(flow, state.time, until)
+        if stopping and flow.held and not to_rest:
+            ends = _with_rest(flow, count, ends, over_angle.on_the_way(table, edges, state.angle, direction), from_rest)
+            to_rest, guess = True, None
+            continue
+        if count == 0:
+            return None
+        cuts = over_angle.unresolved(flow, count, tolerance, corners)
+        if not len(cuts):
+            return flow, count
+        ends = np.sort(np.concatenate([ends, cuts]))
+    raise SimulationError(
+        "speed or torque change too sharply to be resolved over the crank angle: the crank all but stops there, or the drive switches",
+        state.time,
+        float(state.angle + direction * cuts.min()),
+    )
+
+
+def _before_stop(flow: Flow, time: float, until: float) -> tuple[int, bool]:
+    """Panels up to a stop, or to the one in which the time ``until`` is reached; whether it was a stop that ended them."""
+    lowest = np.minimum(flow.energy[:, :, 0].min(axis=0), flow.ends[1:, 0])
+    least = 0.0 if flow.held else LEAST * flow.ends[:, 0].max()
+    stopping = lowest <= least
+    if flow.grid.kinds[-1] == TO_REST:
+        stopping[-1] = False
+    right = int(np.argmax(stopping)) if stopping.any() else len(stopping)
+    if right:
+        times = time + (rule().weights @ (flow.grid.measure[:, :right] / flow.speed[:, :right, 0])).cumsum()
+        reached = times >= until
+        if reached.any():
+            return int(np.argmax(reached)) + 1, False
+    return right, right < len(stopping)
+
+
+def _with_rest(flow: Flow, panel: int, ends: Array, hard: Array, from_rest: bool) -> Array:
+    """Borders up to the stop in a ``panel``, the last of them over the square root of the angle; it starts at ``hard`` borders at the
+    latest."""
+    grid, r = flow.grid, rule()
+    polynomial = (r.integral @ (flow.force[:, panel, 0] * grid.measure[:, panel])).tolist()
+    polynomial[0] += float(flow.ends[panel, 0])
+    samples = np.append(r.nodes, 1.0)
+    first = int(np.argmax(np.append(flow.energy[:, panel, 0], flow.ends[panel + 1, 0]) <= 0))
+    x = root(polynomial, -1.0 if first == 0 else float(samples[first - 1]), float(samples[first]))
+    stop = float(over_angle.travelled(grid, np.array([panel]), np.array([x]))[0][0])
+    hard = hard[hard < stop - over_angle.SAME]
+    begin = max(stop - REST, float(hard.max(initial=0.0)))
+    if from_rest:
+        begin = max(begin, min(float(ends[1]), 0.5 * stop))
+    return np.concatenate([ends[ends < begin - over_angle.SAME], [begin, stop]]) if begin > 0 else np.array([0.0, stop])
+
+
+def _values(coefficients: Array, x: Array) -> Array:
+    """Values (..., n) of polynomials, coefficients (..., k, n) of rising powers."""
+    value = coefficients[..., -1, :].copy()
+    for k in range(coefficients.shape[-2] - 2, -1, -1):
+        value *= x
+        value += coefficients[..., k, :]
+    return value
+
+
+def _with_slope(coefficients: Array, x: Array) -> tuple[Array, Array]:
+    """Values (n,) and derivatives of polynomials, coefficients (k, n) of rising powers."""
+    value, slope = coefficients[-1].copy(), np.zeros_like(x)
+    for k in range(len(coefficients) - 2, -1, -1):
+        slope = slope * x + value
+        value = value * x + coefficients[k]
+    return value, slope
