@@ -6,6 +6,7 @@ from typing import NamedTuple
 import numpy as np
 
 from .coordinates import Array
+from .errors import PinpressError
 from .forward_dynamics import ForwardDynamics
 from .linkage import Linkage
 from .scene import Coordinate
@@ -32,7 +33,7 @@ class AllJoints:
         self.inertia = inertia
         self.dynamics: dict[float, ForwardDynamics] = {}
         self.loops = self._with(float(inertia[0]))
-        self.gap = 0.0
+        self.trouble: PinpressError | None = None
 
     def _with(self, inertia: float) -> ForwardDynamics:
         if inertia not in self.dynamics:
@@ -52,7 +53,11 @@ class AllJoints:
         for coordinate, force in zip(self.coordinates, forces, strict=True):
             if force:
                 efforts += coordinate.efforts(self.loops, instant.x, force)
-        return self._with(inertia).acceleration(instant.x, instant.v, efforts)
+        try:
+            return self._with(inertia).acceleration(instant.x, instant.v, efforts)
+        except PinpressError as error:  # an integrator looks ahead: it shall try a shorter step
+            self.trouble = error
+            return np.full(self.size, np.nan)
 
     def of_crank(self, accelerations: Array) -> float:
         return float(accelerations[self.driver])
@@ -62,6 +67,4 @@ class AllJoints:
         return closure.position[:, 0], closure.first[:, 0] * np.sign(angle)
 
     def project(self, position: Array, speed: Array) -> tuple[Array, Array] | None:
-        x, v, gap = self.loops.project(position, speed)
-        self.gap = max(self.gap, gap)
-        return x, v
+        return self.loops.project(position, speed)[:2]

@@ -43,7 +43,7 @@ class CrankAlone:
         local = angle
         if period is not None:
             local -= (angle - borders[0]) // period * period
-        elif not borders[0] <= angle <= borders[-1]:  # an integrator looks ahead: it shall try a shorter step
+        if not math.isfinite(local) or (period is None and not borders[0] <= local <= borders[-1]):  # an integrator looks ahead: it shall try a shorter step
             return Instant(angle, rate, [(math.nan, math.nan)] * (self.table.coefficients.shape[1] - COORDINATES), *NOWHERE)
         panel = min(max(bisect_right(borders, local) - 1, 0), len(borders) - 2)
         half = 0.5 * (borders[panel + 1] - borders[panel])
@@ -66,7 +66,7 @@ class CrankAlone:
             raise not_positive(total, None, instant.angle)
         for force, lever in zip(forces, instant.levers, strict=bool(instant.levers)):
             torque += force * lever
-        return (torque - instant.weight - 0.5 * instant.inertia_slope * instant.speed**2) / total
+        return (torque - instant.weight - 0.5 * instant.inertia_slope * instant.speed * instant.speed) / total
 
     def of_crank(self, accelerations: float) -> float:
         return float(np.ravel(accelerations)[0])

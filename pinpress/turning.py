@@ -247,7 +247,7 @@ def _before_stop(flow: Flow, time: float, until: float) -> tuple[int, bool]:
     """Panels up to a stop, or to the one in which the time ``until`` is reached; whether it was a stop that ended them."""
     lowest = np.minimum(flow.energy[:, :, 0].min(axis=0), flow.ends[1:, 0])
     least = 0.0 if flow.held else LEAST * flow.ends[:, 0].max()
-    stopping = lowest <= least
+    stopping = (lowest <= least) | (np.arange(len(lowest)) >= flow.settled)
     if flow.grid.kinds[-1] == TO_REST:
         stopping[-1] = False
     right = int(np.argmax(stopping)) if stopping.any() else len(stopping)
