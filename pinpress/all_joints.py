@@ -9,6 +9,7 @@ from .coordinates import Array
 from .errors import PinpressError
 from .forward_dynamics import ForwardDynamics
 from .linkage import Linkage
+from .motion import cycle
 from .scene import Coordinate
 
 
@@ -28,31 +29,33 @@ class AllJoints:
     def __init__(self, press: Linkage, coordinates: Sequence[Coordinate], inertia: Array) -> None:
         """``inertia`` (drivers,) of flywheels and drives at the drivers [kg m2]."""
         self.press, self.size = press, len(press.joints)
-        self.drivers, self.driver = list(press.spatial.drivers), press.spatial.drivers[0]
-        self.coordinates = tuple(coordinates)
-        self.inertia = inertia
+        self.drivers, self.crank = list(press.spatial.drivers), press.spatial.drivers[0]
+        self.coordinates, self.inertia = tuple(coordinates), inertia
         self.dynamics: dict[float, ForwardDynamics] = {}
         self.loops = self._with(float(inertia[0]))
+        # where the crank turns on the drawn assembly, all states at once are closed from its angles
+        self.turns = len(self.drivers) == 1 and press.branch.period is not None
         self.trouble: PinpressError | None = None
 
     def _with(self, inertia: float) -> ForwardDynamics:
+        """The dynamics with this inertia on the crank: with the flywheel, or with an open clutch without it."""
         if inertia not in self.dynamics:
             armature = np.zeros(self.size)
             armature[self.drivers] = self.inertia
-            armature[self.driver] = inertia
+            armature[self.crank] = inertia
             self.dynamics[inertia] = ForwardDynamics(self.press, armature)
         return self.dynamics[inertia]
 
     def at(self, position: Array, speed: Array) -> Instant:
         coordinates = [coordinate.at(self.loops, position, speed) for coordinate in self.coordinates]
-        return Instant(float(position[self.driver]), float(speed[self.driver]), coordinates, position, speed)
+        return Instant(float(position[self.crank]), float(speed[self.crank]), coordinates, position, speed)
 
     def accelerations(self, instant: Instant, torque: float, forces: Sequence[float], inertia: float) -> Array:
         efforts = np.zeros(self.size)
-        efforts[self.driver] = torque
-        for coordinate, force in zip(self.coordinates, forces, strict=True):
+        efforts[self.crank] = torque
+        for row, force in enumerate(forces):
             if force:
-                efforts += coordinate.efforts(self.loops, instant.x, force)
+                efforts += self.coordinates[row].efforts(self.loops, instant.x, force)
         try:
             return self._with(inertia).acceleration(instant.x, instant.v, efforts)
         except PinpressError as error:  # an integrator looks ahead: it shall try a shorter step
@@ -60,11 +63,23 @@ class AllJoints:
             return np.full(self.size, np.nan)
 
     def of_crank(self, accelerations: Array) -> float:
-        return float(accelerations[self.driver])
+        return float(accelerations[self.crank])
 
     def moved(self, position: Array, angle: float) -> tuple[Array, Array]:
-        closure = self.press.close(np.array([position[self.driver] + angle]), position[:, None], "pinocchio")
+        closure = self.press.close(np.array([position[self.crank] + angle]), position[:, None], "pinocchio")
         return closure.position[:, 0], closure.first[:, 0] * np.sign(angle)
 
     def project(self, position: Array, speed: Array) -> tuple[Array, Array] | None:
         return self.loops.project(position, speed)[:2]
+
+    def closed(self, position: Array, speed: Array) -> tuple[Array, Array]:
+        if self.turns:
+            motion = cycle(self.press, angle=position[self.crank], speed=speed[self.crank])
+            return motion.joint_position.T, motion.v.T
+        pairs = [self.loops.project(x, v)[:2] for x, v in zip(position.T.copy(), speed.T.copy(), strict=True)]
+        states = np.array(pairs).transpose(1, 2, 0)
+        return states[0], states[1]
+
+    def energy(self, y: Array) -> float:
+        """Kinetic energy of positions and speeds, one after the other [J]."""
+        return self.loops.energy(y[: self.size], y[self.size :])[0]

@@ -12,9 +12,6 @@ from .reduced import COORDINATES, INERTIA, POTENTIAL, Table
 from .scene import not_positive
 
 
-NOWHERE: tuple[float, float, float, list[float]] = (math.nan, math.nan, math.nan, [])
-
-
 class Instant(NamedTuple):
     """A state of the crank: angle, speed; coordinates with their rates; inertia I, I', V'; derivatives c' of the coordinates."""
 
@@ -30,7 +27,7 @@ class Instant(NamedTuple):
 class CrankAlone:
     """`machine.Dynamics` of one position, the crank angle. Plain numbers: for one state NumPy takes longer."""
 
-    size = 1
+    size, crank = 1, 0
 
     def __init__(self, table: Table) -> None:
         self.table = table
@@ -43,8 +40,9 @@ class CrankAlone:
         local = angle
         if period is not None:
             local -= (angle - borders[0]) // period * period
-        if not math.isfinite(local) or (period is None and not borders[0] <= local <= borders[-1]):  # an integrator looks ahead: it shall try a shorter step
-            return Instant(angle, rate, [(math.nan, math.nan)] * (self.table.coefficients.shape[1] - COORDINATES), *NOWHERE)
+        if not math.isfinite(local) or (period is None and not borders[0] <= local <= borders[-1]):
+            count = self.table.coefficients.shape[1] - COORDINATES  # an integrator looks ahead: it shall try a shorter step
+            return Instant(angle, rate, [(math.nan, math.nan)] * count, math.nan, math.nan, math.nan, [math.nan] * count)
         panel = min(max(bisect_right(borders, local) - 1, 0), len(borders) - 2)
         half = 0.5 * (borders[panel + 1] - borders[panel])
         x = (local - borders[panel]) / half - 1.0
@@ -64,8 +62,8 @@ class CrankAlone:
         total = instant.inertia + inertia
         if total <= 0:
             raise not_positive(total, None, instant.angle)
-        for force, lever in zip(forces, instant.levers, strict=bool(instant.levers)):
-            torque += force * lever
+        for row, force in enumerate(forces):
+            torque += force * instant.levers[row]
         return (torque - instant.weight - 0.5 * instant.inertia_slope * instant.speed * instant.speed) / total
 
     def of_crank(self, accelerations: float) -> float:
@@ -76,3 +74,6 @@ class CrankAlone:
 
     def project(self, position: Array, speed: Array) -> None:
         return None
+
+    def closed(self, position: Array, speed: Array) -> tuple[Array, Array]:
+        return position, speed

@@ -1,8 +1,8 @@
 """What stands between drive and crank: the flywheel, a clutch and a brake, and in which mode these are.
 
-Flywheel and drive stand before the clutch, the brake behind it, on the crank; all is reduced to the driver joint. While it slips, a clutch or
-brake transmits its friction torque, rising over its time of engagement; once its sides turn alike it holds, as long as it does not have to
-hold more than that.
+Flywheel and drive stand before the clutch, the brake behind it, on the crank; all is reduced to the driver joint. While it slips, a clutch
+or brake transmits its friction torque, rising over its time of engagement; once its sides turn alike it holds, as long as it does not have
+to hold more than that.
 """
 
 import math

@@ -45,6 +45,7 @@ class ForwardDynamics:
 
     States are joint coordinates x (nv,) (see `coordinates`: angles unwrapped [rad], travels [m]) and rates v (nv,) [rad/s, m/s], efforts
     (nv,) act along the joints, positive as v [N m, N]. Arrays are float64 of that shape; this is not checked. Results are fresh arrays.
+    NumPy may warn of what is not finite before it is refused: call under ``np.errstate``.
     """
 
     def __init__(self, press: Linkage, armature: Array) -> None:
@@ -137,10 +138,7 @@ class ForwardDynamics:
                 break
             if steps == MOST_NEWTON_STEPS:
                 raise AssemblyError(f"the loops of {self.name} do not close near this state", float(x[self.driver]), gap, steps)
-            gaps = np.concatenate((self.none, *self.gaps, self.coupled.dot(at) - self.offsets)).take(pivots[:rank])
-            step = orthogonal[:, :rank].dot(self.trtrs(factor[:rank, :rank], gaps, trans=1)[0])
-            step *= self.per_unit
-            at = at - step
+            at = at + self._needed(factor, pivots, orthogonal, np.concatenate((self.none, *self.gaps, self.coupled.dot(at) - self.offsets)))
             steps += 1
         free = orthogonal[:, rank:]
         rates = free.dot(free.T.dot(v * self.units))
@@ -191,9 +189,7 @@ class ForwardDynamics:
         pin.forwardKinematics(model, data, x, v, self.still)
         mass = pin.crba(model, data, x, pin.Convention.WORLD)  # fills the Jacobian too
         factor, pivots, orthogonal = self._factorised(x)
-        drift = np.concatenate((self.none, *self.drifts, self.uncoupled)).take(pivots[:rank])
-        result: Array = orthogonal[:, :rank].dot(self.trtrs(factor[:rank, :rank], drift, trans=1)[0])
-        result *= self.back_per_unit
+        result = self._needed(factor, pivots, orthogonal, np.concatenate((self.none, *self.drifts, self.uncoupled)))
         free = orthogonal[:, rank:] * self.column
         left = free.T.dot(efforts - pin.rnea(model, data, x, v, result))
         root, rates, failed = self.posv(free.T.dot(mass.dot(free)), left)
@@ -227,6 +223,15 @@ class ForwardDynamics:
             raise self._trouble(x, self.still, self.still, locked)
         return factor, pivots, self.orgqr(factor[:, : len(x)], scales)[0]
 
+    def _needed(self, factor: Array, pivots: NDArray[np.int32], orthogonal: Array, rows: Array) -> Array:
+        """The shortest joint step (nv,) that takes off the rows (1 + rows,) what they have."""
+        rank = self.rank
+        if not rank:
+            return np.zeros(len(orthogonal))
+        result: Array = orthogonal[:, :rank].dot(self.trtrs(factor[:rank, :rank], rows.take(pivots[:rank]), trans=1)[0])
+        result *= self.back_per_unit
+        return result
+
     def _widest(self, x: Array) -> float:
         """`gap` where the points are worked out."""
         sizes = [math.sqrt(gap.dot(gap)) for gap in self.gaps]
@@ -254,7 +259,7 @@ class ForwardDynamics:
 
     def _quick(self, closed: Array, ends: "list[_End]", mass: Array) -> "_Quick | None":
         """What the quick way needs, None where it does not suit."""
-        if not ends:
+        if not ends or not ((mass.diagonal() * self.per_unit**2).min() > self.least**2):
             return None
         data, (points, data_of_points) = self.model.createData(), _contacts(self.model, ends)
         opened = closed + OPENED * self.size * self.per_unit * np.random.default_rng(0).uniform(-1, 1, len(closed))

@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 from functools import cached_property, partial
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 import pinocchio as pin
@@ -16,6 +16,9 @@ from .plane import Plane
 from .plane_dynamics import Bodies
 from .sharing import RANK
 from .spatial import Spatial
+
+if TYPE_CHECKING:
+    from .reduced import Table
 
 CLEAR = 1e-2  # margin of a block of redundant equations below which all are solved together
 ACCEPTED = 1e3  # times the tolerance of rounding: a loop whose gap is not below that is open
@@ -167,6 +170,14 @@ class Linkage:
         if self._assembly.branch is not None:
             return self._assembly.branch
         return self._walk(self.plane, self.closed)
+
+    @cached_property
+    def table(self) -> "Table":
+        """Reduced inertia, potential energy and, if there is one, slide position over the crank angle; see `reduced`. Raises as
+        `branch`."""
+        from .reduced import build  # it makes motions of this linkage
+
+        return build(self, [lambda motion: motion.slide_position] if self.slide is not None else [])
 
     def equations(self, x: Array) -> spatial_equations.Rows:
         """The equations of loops and couplings at joint coordinates (nv,)."""

@@ -7,6 +7,7 @@ beyond.
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any, NamedTuple, Protocol
 
 import numpy as np
@@ -24,12 +25,13 @@ STALLED = "the press stalls: it comes to rest, and the load holds it there again
 
 
 class Dynamics(Protocol):
-    """The linkage as it is integrated: its crank alone, or all its joints. ``size``: of position and speed."""
+    """The linkage as it is integrated: its crank alone, or all its joints. ``size``: of position and speed; ``crank``: its place there."""
 
     size: int
+    crank: int
 
     def at(self, position: Array, speed: Array) -> Any:
-        """What forces need of a state: an object with the crank's ``angle`` and ``speed`` and the ``coordinates``, (value, rate) each."""
+        """What forces need of a state: an object with the crank's ``angle`` and ``speed``, and the ``coordinates``, (value, rate) each."""
 
     def accelerations(self, instant: Any, torque: float, forces: Sequence[float], inertia: float) -> Any:
         """Accelerations (size,) at an instant under a torque on the crank and forces along the coordinates, with inertia added to the
@@ -42,7 +44,10 @@ class Dynamics(Protocol):
         """Positions a small angle of the crank away, and speeds that lead there."""
 
     def project(self, position: Array, speed: Array) -> tuple[Array, Array] | None:
-        """The nearest state with closed loops; None where this one's are."""
+        """The nearest state with closed loops; None where none can be open."""
+
+    def closed(self, position: Array, speed: Array) -> tuple[Array, Array]:
+        """States (size, n) with their loops closed."""
 
 
 class Place(NamedTuple):
@@ -92,15 +97,19 @@ class Machine:
 
     def driving(self, time: float, y: Array) -> tuple[float, float]:
         """Torque of the drive [N m], and the speed of its side of the clutch [rad/s]."""
+        if self.free:
+            return 0.0, float(y[self.dynamics.size + self.dynamics.crank])
         instant, own, states = self.split(y)
         return float(self.line.drive_torque(own, instant.angle, time, states)), float(own)
 
     def rates(self, modes: Modes, time: float, y: Array) -> Array:
         """dy/dt (len(y),)."""
         n, line = self.dynamics.size, self.line
+        if self.free:
+            return self._coasting(y)
         instant, own, states = self.split(y)
         torque = line.drive_torque(own, instant.angle, time, states)
-        forces, taken = self._forces(modes, time, instant)
+        forces, taken, driven, squared = self._forces(modes, time, instant)
         through, braking = self._transmitted(modes.line, time, instant.speed, own)
         result, accelerated = np.zeros(len(y)), 0.0
         if modes.line.brake.state != HOLDING:
@@ -114,12 +123,27 @@ class Machine:
         if line.clutch is not None:
             result[2 * n + len(states)] = accelerated if modes.line.clutch.state == HOLDING else (torque - through) / line.inertia
         motor = 0.0 if line.drive is None else line.drive.motor_torque(own, instant.angle, time, states)
-        result[-len(LEDGERS) :] = (torque * own, taken, motor * motor, through * (own - instant.speed) + braking * instant.speed)
+        lost = through * (own - instant.speed) + braking * instant.speed
+        result[-len(LEDGERS) :] = (torque * own + driven, taken, motor * motor + squared, lost)
         return result
 
-    def _forces(self, modes: Modes, time: float, instant: Any) -> tuple[list[float], float]:
-        """The forces along every coordinate, and the power that they take."""
-        forces, taken = [0.0] * len(instant.coordinates), 0.0
+    @cached_property
+    def free(self) -> bool:
+        """Whether there are no forces but inertia and weight."""
+        line = self.line
+        return line.drive is None and line.clutch is None and line.brake is None and not self.forces
+
+    def _coasting(self, y: Array) -> Array:
+        n = self.dynamics.size
+        result = np.zeros(len(y))
+        result[:n] = speed = y[n : 2 * n]
+        instant = self.dynamics.at(y[:n], speed)
+        result[n : 2 * n] = self.dynamics.accelerations(instant, 0.0, (), self.line.inertia)
+        return result
+
+    def _forces(self, modes: Modes, time: float, instant: Any) -> tuple[list[float], float, float, float]:
+        """The forces along every coordinate, the power that they take, that of further drives, and the square of these motors' torque."""
+        forces, taken, driven, squared = [0.0] * len(instant.coordinates), 0.0, 0.0, 0.0
         for force, place in zip(self.forces, modes.places, strict=True):
             value, rate = instant.coordinates[force.row]
             if force.time is not None:
@@ -129,8 +153,12 @@ class Machine:
             else:
                 size = float(place.stretch.force(value - force.datum, rate))
             forces[force.row] += size
-            taken -= size * rate
-        return forces, taken
+            if force.drive is None:
+                taken -= size * rate
+            else:
+                driven += size * rate
+                squared += float(force.drive.motor_torque(rate)) ** 2
+        return forces, taken, driven, squared
 
     def _transmitted(self, mode: Mode, time: float, speed: float, own: float) -> tuple[float, float]:
         """Friction torques on the crank of a slipping clutch, along, and of a slipping brake, against the positive direction."""
@@ -180,7 +208,7 @@ class Machine:
         """Torque that a holding clutch or brake transmits: the clutch to the crank along, the brake against the positive direction."""
         instant, own, states = self.split(y)
         torque = self.line.drive_torque(own, instant.angle, time, states)
-        forces, _ = self._forces(modes, time, instant)
+        forces = self._forces(modes, time, instant)[0]
         through, braking = self._transmitted(modes.line, time, instant.speed, own)
         rigid = modes.line.clutch.state == HOLDING
         on_crank, inertia = (torque, self.line.inertia) if rigid else (through, 0.0)
@@ -188,7 +216,7 @@ class Machine:
         if which == "clutch":
             return torque if modes.line.brake.state == HOLDING else torque - self.line.inertia * free
         pushed = self.dynamics.of_crank(self.dynamics.accelerations(instant, on_crank - braking + 1.0, forces, inertia))
-        return free / (pushed - free)  # the torque that leaves the crank at rest
+        return float(free / (pushed - free))  # the torque that leaves the crank at rest
 
     def initial(self, time: float, y: Array, line: Mode) -> Modes:
         """Modes of a state, at the start of a run or after a standstill."""
@@ -257,8 +285,10 @@ class Machine:
             place = _place(force, inside, not place.rising, value, rate)
         else:
             border = place.low if switch.what == "low" else place.high
-            beyond = [b for b in force.borders() if (b < border if switch.what == "low" else b > border)]
-            following = (max(beyond) if switch.what == "low" else min(beyond)) if beyond else border + (-1.0 if switch.what == "low" else 1.0)
+            if switch.what == "low":
+                following = max((b for b in force.borders() if b < border), default=border - 1.0)
+            else:
+                following = min((b for b in force.borders() if b > border), default=border + 1.0)
             place = _place(force, 0.5 * (border + following), place.rising, border, rate)
         return modes._replace(places=(*modes.places[:k], place, *modes.places[k + 1 :]))
 

@@ -164,13 +164,22 @@ def cycle(
         finite = math.isfinite(a.sum())  # the accelerations have the squares of the speeds in them
     if not finite:
         raise PinpressError(f"the motion of {press.name} is too fast for floating point: lower speed and acceleration")
-    motion = Motion(
+    motion = of_states(press, position, v, a, gap, times)
+    if closure is not None and closure.basis is not None:
+        object.__setattr__(motion, "_closed_as", (press, closure.basis))
+    return motion
+
+
+def of_states(press: Linkage, position: Array, v: Array, a: Array, gap: Array, times: Array | None) -> Motion:
+    """The motion with these closed states: joint coordinates, rates and accelerations (nv, n), gaps (n,) and times (n,)."""
+    drivers = press.spatial.drivers[0] if len(press.drivers) == 1 else list(press.spatial.drivers)
+    return Motion(
         linkage=press.name,
         drivers=press.drivers,
         joints=press.joints,
-        crank_angle=_fixed(angles),
-        crank_speed=_fixed(speeds),
-        crank_acceleration=_fixed(accelerations),
+        crank_angle=_fixed(position.T[:, drivers].copy()),
+        crank_speed=_fixed(v.T[:, drivers].copy()),
+        crank_acceleration=_fixed(a.T[:, drivers].copy()),
         joint_position=_fixed(position.T),
         v=_fixed(v.T),
         a=_fixed(a.T),
@@ -179,9 +188,6 @@ def cycle(
         _slots=press.spatial.slots,
         _guide=None if press.slide is None else press.slide_guide,
     )
-    if closure is not None and closure.basis is not None:
-        object.__setattr__(motion, "_closed_as", (press, closure.basis))
-    return motion
 
 
 def _rates(closure: Closure, speed: Array | np.float64, acceleration: Array | None) -> tuple[Array, Array]:

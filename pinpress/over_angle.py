@@ -1,12 +1,13 @@
 """The reduced equation over the crank angle: for a crank that turns, under forces that know time only through its speed.
 
-With the kinetic energy W = (I + J) w^2 / 2 the equation reads dW/du = G(u, w) and dt/du = 1 / |w|, u the angle travelled. A period is solved
+With the kinetic energy W = (I + J) w^2 / 2 the equation reads dW/du = G(u, w) and dt/du = 1 / |w|, u the angle travelled. A period is
+solved
 at once, for all scenarios: W is the integral of G over panels of Gauss nodes (collocation), G depends on W through the speed, and Newton's
 method needs three or four rounds, each an integral with an integrating factor. Where no force depends on the speed one round is exact, and
 the crank may stop and swing back: towards a stop the panel runs over the square root of the angle left, in which time is smooth.
 
-Panels end where a force is not smooth: at the heights where a load begins and ends, at dead centres, and, found as one goes, where the drive's
-torque has a corner. A panel that does not resolve energy or time is halved.
+Panels end where a force is not smooth: at the heights where a load begins and ends, at dead centres, and, found as one goes, where the
+drive's torque has a corner. A panel that does not resolve energy or time is halved.
 """
 
 from collections.abc import Sequence
@@ -14,11 +15,15 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from .coordinates import Array
+from .drives import PrescribedSpeed
 from .loads import Stretch
 from .reduced import COORDINATES, INERTIA, POTENTIAL, Table, horner, root, rule
 from .scene import Scene, not_positive
+
+Indices = NDArray[np.intp]
 
 ROUNDS = 30
 SETTLED = 1e-13  # change of the kinetic energy in a round, beside the energy
@@ -36,7 +41,7 @@ class Push(NamedTuple):
     row: int
     datum: float
     stretch: Stretch
-    panels: Array
+    panels: Indices
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -47,7 +52,7 @@ class Grid:
         start: crank angle [rad]. direction: +1 or -1.
         borders: (p + 1,) angle travelled [rad]. kinds: (p,) `STEADY`, or `FROM_REST` or `TO_REST`: over the square root of the angle.
         measure: (q, p) derivative of the angle travelled by the panel's own x, from -1 to 1.
-        angle: (q, p) crank angles. inertia: I [kg m2]. weight: -V' along the travel [N m].
+        angle: (q, p) crank angles. inertia, slope: I and I' [kg m2]. weight: -V' along the travel [N m].
         position, lever: (coordinates, q, p) coordinates c [m] and c' [m].
         pushes: the forces that act.
     """
@@ -55,10 +60,11 @@ class Grid:
     start: float
     direction: int
     borders: Array
-    kinds: Array
+    kinds: Indices
     measure: Array
     angle: Array
     inertia: Array
+    slope: Array
     weight: Array
     position: Array
     lever: Array
@@ -111,6 +117,7 @@ def grid(scene: Scene, table: Table, start: float, direction: int, ends: Array, 
         measure=measure,
         angle=angle,
         inertia=values[INERTIA],
+        slope=slopes[INERTIA],
         weight=-direction * slopes[POTENTIAL],
         position=values[COORDINATES:],
         lever=slopes[COORDINATES:],
@@ -118,12 +125,12 @@ def grid(scene: Scene, table: Table, start: float, direction: int, ends: Array, 
     )
 
 
-def travelled(grid: Grid, panel: Array, x: Array) -> tuple[Array, Array]:
+def travelled(grid: Grid, panel: Indices, x: Array) -> tuple[Array, Array]:
     """Angle travelled at places x (n,), from -1 to 1, of panels (n,), and its derivative by x."""
     return _run(grid.borders, grid.kinds, panel, x)
 
 
-def _run(ends: Array, kinds: Array, panel: Array, x: Array) -> tuple[Array, Array]:
+def _run(ends: Array, kinds: Indices, panel: Indices, x: Array) -> tuple[Array, Array]:
     low, high = ends[panel], ends[panel + 1]
     half, share, kind = 0.5 * (high - low), 0.5 * (1 + x), kinds[panel]
     along, measure = low + 2 * half * share, half + 0.0 * x
@@ -182,6 +189,8 @@ def flow(scene: Scene, grid: Grid, energy: Array, guess: Array | None = None) ->
         worst = np.unravel_index(int(inertia.min(axis=2).argmin()), (q, p))
         raise not_positive(float(inertia.min()), None, float(grid.angle[worst]))
     weight, drive = grid.weight[:, :, None], scene.drive
+    if isinstance(drive, PrescribedSpeed):
+        return _prescribed(grid, inertia, drive)
 
     def forces(speed: Array) -> tuple[Array, Array]:
         driving, resisting = np.zeros(shape), np.zeros(shape)
@@ -223,6 +232,19 @@ def flow(scene: Scene, grid: Grid, energy: Array, guess: Array | None = None) ->
     settled = int(np.argmax(unsettled)) if unsettled.any() else p
     driving, resisting = forces(np.sqrt(2 * np.maximum(work, floor) / inertia))
     return result(work, driving, resisting, False, settled, 2 * rounds + 1)
+
+
+def _prescribed(grid: Grid, inertia: Array, drive: PrescribedSpeed) -> Flow:
+    """The flow at a constant speed, with the torque that this takes."""
+    speed = np.full(inertia.shape, abs(drive.speed))
+    work = 0.5 * inertia * speed**2
+    resisting = np.zeros(inertia.shape)
+    for push in grid.pushes:
+        resisting[:, push.panels] += _pushed(grid, push, grid.direction * speed)
+    force = 0.5 * grid.direction * grid.slope[:, :, None] * speed**2
+    driving = force - resisting - grid.weight[:, :, None]
+    ends = np.full((len(grid.borders), 1), work.max())
+    return Flow(grid, work, ends, speed, force, driving, resisting, False, len(grid.kinds), work.size)
 
 
 def _integral(grid: Grid, force: Array, energy: Array) -> tuple[Array, Array]:
@@ -267,9 +289,9 @@ def unresolved(flow: Flow, upto: int, tolerance: float, corners: Sequence[float]
     q, _, count = flow.force.shape
     last, measure = r.legendre[-2:], g.measure[:, :upto, None]
 
-    def coarse(integrand: Array, whole: Array) -> Array:
+    def coarse(integrand: Array, whole: Array) -> NDArray[np.bool_]:
         tail = np.abs(last @ (integrand * measure).reshape(q, -1)).max(axis=0).reshape(upto, count)
-        return np.asarray((tail > tolerance * whole).any(axis=1))
+        return np.asarray((tail > tolerance * whole).any(axis=1), dtype=np.bool_)
 
     slowness = 1 / flow.speed[:, :upto]
     taken = (r.weights @ (slowness * measure).reshape(q, -1)).reshape(upto, count).sum(axis=0)

@@ -1,8 +1,8 @@
 """Integration over time, whatever happens: stops, contacts, clutches, drives with states of their own, forces in time.
 
 An event is the zero of a switching function of the `Machine`. It is located on the integrator's own interpolation, the modes are set anew,
-and the integration goes on from there. SciPy integrates, by its DOP853 with steps by error; or the classical Runge-Kutta method with a fixed
-step does, as Zhang 2007, 4.3, used it (its update of positions corrected: h^2/6, not h/6).
+and the integration goes on from there. SciPy integrates, by its DOP853 with steps by error; or the classical Runge-Kutta method with a
+fixed step does, as Zhang 2007, 4.3, used it (its update of positions corrected: h^2/6, not h/6).
 """
 
 import math
@@ -27,9 +27,13 @@ SHORTEST = 1e-15  # step, beside the duration
 class RungeKutta4(OdeSolver):  # type: ignore[misc]
     """The classical Runge-Kutta method of order 4 with a fixed step, interpolated by cubics."""
 
+    t: float
+    y: Array
+
     def __init__(self, fun: Callable[[float, Array], Array], t0: float, y0: Array, t_bound: float, step: float) -> None:
         super().__init__(fun, t0, y0, t_bound, vectorized=False)
-        self.fixed, self.f, self.before = step, self.fun(t0, self.y), (self.y, None)
+        self.fixed, self.f = step, self.fun(t0, self.y)
+        self.before = (self.y, self.f)
 
     def _step_impl(self) -> tuple[bool, str | None]:
         t, y, f = self.t, self.y, self.f
@@ -87,10 +91,11 @@ class Stepped:
         for k in np.unique(owner).tolist():
             mine = np.flatnonzero(owner == k)
             columns[:, mine] = self.pieces[k](times[mine])
-            for i in mine.tolist():
-                y = _project(self.machine, columns[:, i].copy())
-                columns[:, i], rates[:, i] = y, self.machine.rates(self.modes[k], float(times[i]), y)
-                torque[i], own[i] = self.machine.driving(float(times[i]), y)
+        columns[:size], columns[size : 2 * size] = self.machine.dynamics.closed(columns[:size], columns[size : 2 * size])
+        for i, k in enumerate(owner.tolist()):
+            y, time = columns[:, i].copy(), float(times[i])
+            rates[:, i] = self.machine.rates(self.modes[k], time, y)
+            torque[i], own[i] = self.machine.driving(time, y)
         return Reading(columns[:size], columns[size : 2 * size], rates[size : 2 * size], torque, own, columns[-ledgers:])
 
 
@@ -106,7 +111,7 @@ def run(
     breaks: Sequence[float],
     finished: Callable[[Array], bool] | None = None,
     progress: Callable[[float], None] | None = None,
-) -> tuple[Stepped, Modes, Array]:
+) -> tuple[Stepped, Array]:
     """Integrate from a state and its modes to a time; the steps, and where it has come to.
 
     Args:
@@ -131,7 +136,7 @@ def run(
         if step is not None:
             solver: OdeSolver = RungeKutta4(rates, time, y, target, step)
         else:
-            more = {} if first is None else {"first_step": min(first, target - time)}
+            more: dict[str, float] = {} if first is None else {"first_step": min(first, target - time)}
             solver = DOP853(rates, time, y, target, rtol=tolerance, atol=tolerance * scale, **more)
         event = None
         values = machine.switches(modes, time, y)
@@ -160,14 +165,14 @@ def run(
                 progress(time)
             if finished is not None and event is None and finished(y):
                 result.evaluations += solver.nfev
-                return result, modes, y
+                return result, y
         result.evaluations += solver.nfev
         if event is not None:
             if stuck > MOST_AT_ONCE:
                 angle = float(machine.split(y)[0].angle)
                 raise SimulationError("forces switch back and forth without end: it comes to rest where they hold it", time, angle)
             modes, y = machine.after(event[0], modes, time, y, fastest)
-    return result, modes, y
+    return result, y
 
 
 def _first_event(

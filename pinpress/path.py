@@ -9,8 +9,8 @@ import numpy as np
 from .coordinates import Array
 
 LEDGERS = ("drive_work", "load_work", "motor_squared", "lost")
-"""What is summed up: work of the drive on the crank [J], work against the loads [J], motor torque squared over time [N2 m2 s], energy lost in
-clutch and brake [J]."""
+"""What is summed up: work of the drive on the crank [J], work against the loads [J], motor torque squared over time [N2 m2 s], energy lost
+in clutch and brake [J]."""
 DRIVE_WORK, LOAD_WORK, MOTOR_SQUARED, LOST = range(len(LEDGERS))
 
 

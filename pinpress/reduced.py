@@ -2,10 +2,10 @@
 
     (I + J) w' + I' w^2 / 2 + V' = torque + sum F c'
 
-with the reduced inertia I(angle), the potential energy V(angle) of the weights, the inertia J of flywheel and drive on the crank, and forces F along
-coordinates c(angle): the slide's position, the length of a spring. All are smooth functions of the crank angle. They are sampled where
-Gauss's quadrature wants them and kept as polynomials, panel by panel; a panel on which a polynomial does not resolve them to rounding is
-halved. Source: Zhang 2007, 4.2 (for any linkage, and without its linearisations); Kong 2025 for the six-bar press.
+with the reduced inertia I(angle), the potential energy V(angle) of the weights, the inertia J of flywheel and drive on the crank, and
+forces F along coordinates c(angle): the slide's position, the length of a spring. All are smooth functions of the crank angle. They are
+sampled where Gauss's quadrature wants them and kept as polynomials, panel by panel; a panel on which a polynomial does not resolve them to
+rounding is halved. Source: Zhang 2007, 4.2 (for any linkage, and without its linearisations); Kong 2025 for the six-bar press.
 """
 
 import math

@@ -14,13 +14,14 @@ import numpy as np
 
 from . import forces
 from .coordinates import Array
-from .drives import Drive, Flywheel
+from .drives import Drive, Flywheel, PrescribedSpeed
 from .errors import PinpressError, SimulationError
 from .forces import Load, PointForce, SpringDamper
 from .linkage import Linkage
 from .loads import ProcessLoad, Stretch, TimeForce
 from .motion import Motion
 from .points import point_motion
+from .reduced import COORDINATES, roots
 
 if TYPE_CHECKING:
     from .forward_dynamics import ForwardDynamics
@@ -58,6 +59,24 @@ class SlidePosition:
     def efforts(self, dynamics: "ForwardDynamics", x: Array, force: float) -> Array:
         result = np.zeros(len(x))
         result[self.guide] = force
+        return result
+
+
+@dataclass(frozen=True)
+class JointAngle:
+    """Angle of a joint, by its place in v; a force along it is a torque."""
+
+    joint: int
+
+    def over(self, press: Linkage, motion: Motion) -> Array:
+        return motion.joint_position[:, self.joint]
+
+    def at(self, dynamics: "ForwardDynamics", x: Array, v: Array) -> tuple[float, float]:
+        return float(x[self.joint]), float(v[self.joint])
+
+    def efforts(self, dynamics: "ForwardDynamics", x: Array, force: float) -> Array:
+        result = np.zeros(len(x))
+        result[self.joint] = force
         return result
 
 
@@ -113,6 +132,7 @@ class Acting:
         row: of the coordinate. datum: its value from which the stretches count [m].
         rising, falling: what acts while the coordinate rises, and falls.
         time: the force as a function of time in place of these; edges: instants at which that is not smooth.
+        drive: of which it is the torque, None where it is a load.
     """
 
     row: int
@@ -121,6 +141,7 @@ class Acting:
     falling: tuple[Stretch, ...] = ()
     time: Callable[[Any], Any] | None = None
     edges: tuple[float, ...] = ()
+    drive: Drive | None = None
 
     def stretches(self, rising: bool) -> tuple[Stretch, ...]:
         return self.rising if rising else self.falling
@@ -137,73 +158,93 @@ class Scene:
 
     Attributes:
         press: the linkage. drive: what turns its driver joint, None for nothing.
-        inertia: of flywheel and drive at the driver joint, a number or (S,) [kg m2].
-        coordinates: along which forces act. forces: the forces.
-        scenarios: S, None where there is one.
+        inertia: of flywheel and drive at the driver joint, a number or (S,) for S scenarios [kg m2].
+        coordinates: along which forces act; that of the slide, if there is one, comes first. forces: the forces.
     """
 
     press: Linkage
-    drive: Drive | None
+    drive: Drive | PrescribedSpeed | None
     inertia: Any
     coordinates: tuple[Coordinate, ...]
     forces: tuple[Acting, ...]
-    scenarios: int | None
 
 
-def build(
-    press: Linkage,
-    drive: Drive | None,
-    flywheel: Flywheel | None,
-    loads: Sequence[Load],
-    bottom: Callable[[SlidePosition], float],
-    scenarios: int | None,
-) -> Scene:
+def build(press: Linkage, drive: Drive | PrescribedSpeed | None, flywheel: Flywheel | None, loads: Sequence[Load]) -> Scene:
     """The scene of a simulation.
 
-    Args:
-        bottom: gives the slide position of bottom dead centre, where a load needs it.
-
     Raises:
-        PinpressError: a load that is none, or cannot be simulated.
+        PinpressError: a load that is none, or cannot be simulated; heights to be measured from a bottom dead centre that is not there.
         UnknownNameError: a load on a link that the linkage does not have.
     """
     if isinstance(loads, Load):
         raise PinpressError(f"loads is one {type(loads).__name__}: give a list, loads=[...]")
-    coordinates: list[Coordinate] = []
+    coordinates: list[Coordinate] = [] if press.slide is None else [SlidePosition(*press.slide_guide)]
     acting: list[Acting] = []
     for load in loads:
-        coordinate, act = _acting(press, load, len(coordinates), bottom)
-        if act is None:
-            continue
-        if isinstance(coordinate, SlidePosition) and coordinate in coordinates:
-            act = _moved(act, coordinates.index(coordinate))
+        if isinstance(load, PointForce):
+            coordinate, act = _point(press, load, len(coordinates))
+        elif isinstance(load, SpringDamper):
+            coordinate, act = _spring(press, load, len(coordinates))
+        elif isinstance(load, TimeForce):
+            coordinate, act = None, Acting(_slide(press), 0.0, time=load.force, edges=tuple(load.edges))
+        elif isinstance(load, ProcessLoad) and not isinstance(load, type):
+            coordinate, act = None, _process(press, load)
         else:
+            raise PinpressError(f"load {load!r} is none: give a PointForce, a SpringDamper or one of pinpress.loads")
+        if coordinate is not None:
             coordinates.append(coordinate)
-        acting.append(act)
+        if act is not None:
+            acting.append(act)
     inertia = 0.0 if flywheel is None else flywheel.inertia
-    if drive is not None:
+    if drive is not None and not isinstance(drive, PrescribedSpeed):
         inertia = inertia + drive.inertia
-    return Scene(press, drive, inertia, tuple(coordinates), tuple(acting), scenarios)
+    return Scene(press, drive, inertia, tuple(coordinates), tuple(acting))
 
 
-def _acting(press: Linkage, load: Load, row: int, bottom: Callable[[SlidePosition], float]) -> tuple[Coordinate, Acting | None]:
-    if isinstance(load, PointForce):
-        return _point(press, load, row)
-    if isinstance(load, SpringDamper):
-        ends, stretch = _spring(press, load)
-        return Length(*ends), Acting(row, 0.0, (stretch,), (stretch,))
-    slide = SlidePosition(*press.slide_guide)
-    if isinstance(load, TimeForce):
-        return slide, Acting(row, 0.0, time=load.force, edges=tuple(load.edges))
-    if isinstance(load, ProcessLoad):
-        rising, falling = load.stretches(downwards=False), load.stretches(downwards=True)
-        if not rising and not falling:
-            return slide, None
-        return slide, Acting(row, bottom(slide) if load.datum is None else load.datum, rising, falling)
-    raise PinpressError(f"load {load!r} is none: give a PointForce, a SpringDamper or one of pinpress.loads")
+def driving(row: int, drive: Drive) -> Acting:
+    """The torque of a drive along the angle of its joint, coordinate ``row``."""
+
+    def torque(angle: Any, speed: Any) -> Any:
+        return drive.torque(speed)
+
+    always = (Stretch(math.inf, -math.inf, torque),)
+    return Acting(row, 0.0, always, always, drive=drive)
 
 
-def _point(press: Linkage, load: PointForce, row: int) -> tuple[Coordinate, Acting | None]:
+def _slide(press: Linkage) -> int:
+    """Row of the slide's position.
+
+    Raises:
+        PinpressError: the linkage has no slide.
+    """
+    _ = press.slide_guide
+    return 0
+
+
+def _process(press: Linkage, load: ProcessLoad) -> Acting | None:
+    rising, falling = load.stretches(downwards=False), load.stretches(downwards=True)
+    row = _slide(press)
+    if not rising and not falling:
+        return None
+    return Acting(row, _bottom(press, load) if load.datum is None else load.datum, tuple(rising), tuple(falling))
+
+
+def _bottom(press: Linkage, load: ProcessLoad) -> float:
+    """Slide position of bottom dead centre."""
+    name = type(load).__name__
+    if len(press.drivers) > 1 or press.branch.period is None:
+        raise PinpressError(
+            f"{name}: {press.name} does not turn fully with one driver, so that there is no bottom dead centre to measure heights from;"
+            " give datum=, a slide position [m]"
+        )
+    table, row = press.table, COORDINATES + _slide(press)
+    ends = table.at(roots(table, row, 0.0, slope=True))[0][row]
+    if not len(ends):
+        raise PinpressError(f"{name}: the slide of {press.name} does not turn back; give datum=, a slide position [m]")
+    return float(ends.min())
+
+
+def _point(press: Linkage, load: PointForce, row: int) -> tuple[Coordinate | None, Acting | None]:
     what = f"load on {load.link!r}"
     joint, point = forces.place(press, load.link, load.point, what, "point")
     if callable(load.force) or np.ndim(load.force) != 1:
@@ -214,25 +255,22 @@ def _point(press: Linkage, load: PointForce, row: int) -> tuple[Coordinate, Acti
     force = forces.numbers(load.force, what, "force")
     if force.shape != (3,):
         raise PinpressError(f"{what}: force has shape {force.shape}; give (3,), in world axes [N]")
-    constant = Stretch(math.inf, -math.inf, _one)
-    return Path((joint, point), force), Acting(row, 0.0, (constant,), (constant,)) if joint else None
+    if not joint:  # on the frame, which does not move
+        return None, None
+    constant = (Stretch(math.inf, -math.inf, _one),)
+    return Path((joint, point), force), Acting(row, 0.0, constant, constant)
 
 
 def _one(position: Any, velocity: Any) -> Any:
     return position * 0.0 + 1.0
 
 
-def _spring(press: Linkage, load: SpringDamper) -> tuple[tuple[End, End], Stretch]:
-    ends = forces.spring_ends(load, press)
-
-    def pull(length: Any, rate: Any) -> Any:
+def _spring(press: Linkage, load: SpringDamper, row: int) -> tuple[Coordinate, Acting]:
+    def push(length: Any, rate: Any) -> Any:
         return load.stiffness * (load.free_length - length) - load.damping * rate
 
-    return ends, Stretch(math.inf, -math.inf, pull)
-
-
-def _moved(act: Acting, row: int) -> Acting:
-    return Acting(row, act.datum, act.rising, act.falling, act.time, act.edges)
+    always = (Stretch(math.inf, -math.inf, push),)
+    return Length(*forces.spring_ends(load, press)), Acting(row, 0.0, always, always)
 
 
 def not_positive(inertia: float, time: float | None, angle: float) -> SimulationError:

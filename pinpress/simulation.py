@@ -9,28 +9,27 @@ period at once, while the crank turns, and over time where it may stop, or where
 
 import math
 import time as clock
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
-from typing import Any
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, fields
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from . import reduced, scene, turning
+from . import methods, reduced
 from .coordinates import Array
-from .driveline import Brake, Clutch, Driveline
+from .driveline import Brake, Clutch
 from .drives import Drive, Flywheel, PrescribedSpeed
-from .errors import PinpressError, SimulationError
+from .errors import PinpressError, UnknownNameError
 from .forces import Load
 from .linkage import Linkage
-from .motion import Motion, cycle
-from .path import DRIVE_WORK, LEDGERS, LOAD_WORK, LOST, Path, Reading, Segment
-from .reduced import COORDINATES, POTENTIAL, Table
-from .scene import Scene, SlidePosition
+from .methods import Plan
+from .motion import Motion, cycle, of_states
+from .path import DRIVE_WORK, LEDGERS, LOAD_WORK, LOST, Path, Reading
+from .scene import JointAngle
+from .turning import State
 
-POINTS = 180  # states returned per turn of the crank, and at least
-MOST_POINTS = 100_000  # by default
-AGAIN = 4.0  # times the kinetic energy at which the crank stopped turning for sure, from which it is followed over its angle again
+POINTS = 120  # states returned per turn of the crank, and at least
+MOST_POINTS = 1_000_000  # by default
 
 
 @dataclass(frozen=True)
@@ -41,8 +40,8 @@ class Stats:
         method: "reduced" or "constraint". steps: of integration: panels over the crank angle, steps over time.
         evaluations: of the equation of motion. wall_time: of the whole call [s].
         closure_error: largest gap of a loop in the states returned [m].
-        energy_error: largest difference of kinetic and potential energy, worked out body by body from the states returned, and what drive and
-            loads have put in, beside the largest kinetic energy.
+        energy_error: largest difference of kinetic and potential energy, worked out body by body from the states returned, and what drive
+            and loads have put in, beside the largest kinetic energy.
     """
 
     method: str
@@ -59,8 +58,8 @@ class Run(Motion):
 
     Attributes:
         stats: see `Stats`.
-        drive_torque: (n,) of the drive, at the driver joint [N m]; positive along its axis. drive_speed: (n,) of the shaft it acts on, before
-            the clutch if there is one, at the driver joint [rad/s].
+        drive_torque: (n,) of the drive, at the driver joint [N m]; positive along its axis. drive_speed: (n,) of the shaft it acts on,
+            before the clutch if there is one, at the driver joint [rad/s].
         drive_work: (n,) work of the drive since the start [J]. load_work: (n,) work against the loads. lost: (n,) energy lost in clutch and
             brake.
         motor_squared: (n,) motor torque squared, summed up over time [N2 m2 s].
@@ -90,15 +89,15 @@ def simulate(
     duration: float,
     speed: ArrayLike = 0.0,
     angle: ArrayLike = 0.0,
-    drive: Drive | PrescribedSpeed | None = None,
-    flywheel: Flywheel | None = None,
+    drive: "Drive | PrescribedSpeed | Mapping[str, Drive] | None" = None,
+    flywheel: "Flywheel | Mapping[str, Flywheel] | None" = None,
     loads: Sequence[Load] = (),
     method: str = "reduced",
     clutch: Clutch | None = None,
     brake: Brake | None = None,
     points: int | None = None,
     step: float | None = None,
-    tolerance: float = 1e-10,
+    tolerance: float = 1e-11,
     progress: Callable[[float], None] | None = None,
 ) -> Run:
     """Let a press run.
@@ -109,10 +108,13 @@ def simulate(
         loads: process loads of `pinpress.loads`, constant forces on links, springs and dampers.
         method: "reduced" or "constraint", see the module.
         clutch: between flywheel and crank; brake: on the crank.
-        points: number of states returned; by default 180 a turn.
+        points: number of states returned; by default 120 a turn, and at least 120.
         step: fixed step of the classical Runge-Kutta method over time [s]; None: steps by error.
-        tolerance: of the error of a step, beside 1 rad, and the crank's speed.
+        tolerance: of the error of a step, beside 1 rad and the speeds of the crank.
         progress: called with the time reached [s], now and then.
+
+    A linkage with several drivers takes method="constraint", (drivers,) of ``speed`` and ``angle``, and drives (of torque by speed alone)
+    and flywheels by the names of the drivers' joints.
 
     Raises:
         PinpressError: an argument that makes no sense.
@@ -121,175 +123,93 @@ def simulate(
     began = clock.perf_counter()
     if method not in ("reduced", "constraint"):
         raise PinpressError(f"unknown method {method!r}: write 'reduced' or 'constraint'")
-    until = _number("duration", duration, positive=True)
-    start = turning.State(0.0, _number("angle", angle), _number("speed", speed), np.zeros(len(LEDGERS)))
-    tolerance = _number("tolerance", tolerance, positive=True)
+    until, tolerance = _number("duration", duration, positive=True), _number("tolerance", tolerance, positive=True)
     fixed = None if step is None else _number("step", step, positive=True)
-    plan = _plan(press, drive, flywheel, loads, clutch, brake)
-    if method == "reduced":
-        path = _reduced(plan, start, until, tolerance, fixed, progress)
-    else:
-        path = _constraint(plan, start, until, tolerance, fixed, progress)
-    return _run(plan, path, method, until, points, began)
+    _count(points, 0.0)
+    angles, speeds = _start(press, "angle", angle), _start(press, "speed", speed)
+    with np.errstate(all="ignore"):  # what is not finite is refused where it arises
+        if len(press.drivers) > 1:
+            if method == "reduced":
+                raise PinpressError(f"{press.name} has {len(press.drivers)} drivers: method='constraint' simulates it")
+            plan = _of_several(press, drive, flywheel, loads, clutch, brake)
+        else:
+            plan = _of_one(press, drive, flywheel, loads, clutch, brake)
+        if isinstance(plan.scene.drive, PrescribedSpeed):
+            if speeds[0] not in (0.0, plan.scene.drive.speed):
+                raise PinpressError(f"speed is {speeds[0]:g}, but the drive prescribes {plan.scene.drive.speed:g} rad/s: leave speed out")
+            speeds = np.array([plan.scene.drive.speed])
+        if method == "reduced" or isinstance(plan.scene.drive, PrescribedSpeed):
+            state = State(0.0, float(angles[0]), float(speeds[0]), np.zeros(len(LEDGERS)))
+            path = methods.by_crank(plan, state, until, tolerance, fixed, progress)
+        else:
+            path = methods.by_joints(plan, angles, speeds, until, tolerance, fixed, progress)
+        return _run(plan, path, method, until, points, began)
 
 
-@dataclass(frozen=True, eq=False)
-class Plan:
-    """A scene with its driveline, and its table over the crank angle with the angles at which a force is not smooth."""
+def _of_one(press: Linkage, drive: object, flywheel: object, loads: Sequence[Load], clutch: object, brake: object) -> Plan:
+    """The plan of a press with one driver.
 
-    scene: Scene
-    line: Driveline
-    table: Table
-    edges: tuple[Array, ...]
-
-    @property
-    def timed(self) -> bool:
-        """Whether anything depends on more than crank angle and speed."""
-        line = self.line
-        switched = line.clutch is not None or line.brake is not None
-        return switched or (line.drive is not None and line.drive.timed) or any(force.time is not None for force in self.scene.forces)
-
-
-def _plan(
-    press: Linkage,
-    drive: Drive | None,
-    flywheel: Flywheel | None,
-    loads: Sequence[Load],
-    clutch: Clutch | None,
-    brake: Brake | None,
-) -> Plan:
-    tables: list[tuple[Any, Table]] = []
-
-    def bottom(slide: SlidePosition) -> float:
-        tables.append(((slide,), _table(press, (slide,))))
-        table = tables[0][1]
-        turning_points = table.at(reduced.roots(table, COORDINATES, 0.0, slope=True))[0][COORDINATES]
-        if table.period is None or not len(turning_points):
-            raise PinpressError(f"{press.name} has no bottom dead centre to measure heights from: give datum=, a slide position [m]")
-        return float(turning_points.min())
-
-    found = scene.build(press, drive, flywheel, loads, bottom, None)
-    table = next((table for of, table in tables if of == found.coordinates), None) or _table(press, found.coordinates)
-    edges = []
-    for force in found.forces:
-        borders = force.borders()
-        edges += [reduced.roots(table, COORDINATES + force.row, border) for border in borders]
-        if borders:
-            edges.append(reduced.roots(table, COORDINATES + force.row, 0.0, slope=True))
-    return Plan(found, Driveline(drive, flywheel, clutch, brake, float(found.inertia)), table, tuple(edges))
+    Raises:
+        PinpressError: an argument of the wrong kind, or one that does not go with another.
+    """
+    if drive is not None and not (isinstance(drive, Drive | PrescribedSpeed) and not isinstance(drive, type)):
+        raise PinpressError(f"drive is {drive!r}: give one of pinpress.drives, e.g. ConstantTorque(567.0) [N m]")
+    for name, value, kind in (("flywheel", flywheel, Flywheel), ("clutch", clutch, Clutch), ("brake", brake, Brake)):
+        if value is not None and not isinstance(value, kind):
+            raise PinpressError(f"{name} is {value!r}: give a {kind.__name__}(...)")
+    if isinstance(drive, PrescribedSpeed) and (clutch is not None or brake is not None):
+        raise PinpressError("a drive that prescribes the crank's speed leaves nothing to clutch and brake: leave them out")
+    assert isinstance(flywheel, Flywheel | None)
+    assert isinstance(clutch, Clutch | None)
+    assert isinstance(brake, Brake | None)
+    plan = methods.plan(press, drive, flywheel, loads, clutch, brake)
+    if clutch is not None and not float(plan.line.inertia) > 0:
+        raise PinpressError("a clutch needs an inertia on its driving side: give a flywheel, or a drive with inertia")
+    return plan
 
 
-def _table(press: Linkage, coordinates: Sequence[scene.Coordinate]) -> Table:
-    return reduced.build(press, [lambda motion, c=c: c.over(press, motion) for c in coordinates])  # type: ignore[misc]
-
-
-def _reduced(
-    plan: Plan, state: turning.State, until: float, tolerance: float, step: float | None, progress: Callable[[float], None] | None
-) -> Path:
-    from .crank_alone import CrankAlone  # these two only where the crank does not simply turn: SciPy's integrators take long to import
-
-    segments: list[Segment] = []
-    if not plan.timed and step is None:
-        found, stop = turning.run(plan.scene, plan.table, plan.edges, state, until, 0.1 * tolerance)
-        segments += found
-        if stop is None:
-            return Path(segments)
-        state = stop.at
-    from . import over_time
-    from .machine import Machine
-
-    machine = Machine(CrankAlone(plan.table), plan.line, plan.scene.forces)
-    mode, states = plan.line.begin(state.angle, state.speed)
-    y = machine.begin(np.array([state.angle]), np.array([state.speed]), states, state.ledgers)
-    modes = machine.initial(state.time, y, mode)
-    breaks = _breaks(plan)
-    threshold = AGAIN * turning.LEAST * max(_kinetic(plan, s) for s in (state, *(s.last() for s in segments)))
-    while True:
-        goes_on = None if plan.timed or step is not None else lambda y: _energy(plan, y) > threshold
-        stepped, modes, y = over_time.run(machine, modes, state.time, y, until, tolerance, _scale(plan, y), step, breaks, goes_on, progress)
-        segments.append(stepped)
-        if stepped.end >= until:
-            return Path(segments)
-        state = turning.State(stepped.end, float(y[0]), float(y[1]), y[-len(LEDGERS) :])
-        found, stop = turning.run(plan.scene, plan.table, plan.edges, state, until, 0.1 * tolerance)
-        segments += found
-        if stop is None:
-            return Path(segments)
-        if not found:
-            threshold *= AGAIN
-        state = stop.at
-        y = machine.begin(np.array([state.angle]), np.array([state.speed]), (), state.ledgers)
-        modes = machine.initial(state.time, y, mode)
-
-
-def _breaks(plan: Plan) -> list[float]:
-    """Instants at which something is not smooth."""
-    breaks = [edge for force in plan.scene.forces for edge in force.edges]
-    for friction in (plan.line.clutch, plan.line.brake):
-        if friction is not None:
-            for at in (friction.closes, friction.opens):
-                if at is not None and at.time is not None:
-                    breaks += [at.time, at.time + friction.rise]
-    return breaks
-
-
-def _kinetic(plan: Plan, state: turning.State) -> float:
-    return _energy(plan, np.array([state.angle, state.speed]))
-
-
-def _energy(plan: Plan, y: Array) -> float:
-    inertia = float(plan.table.at(y[:1])[0][0, 0]) + plan.line.inertia
-    return 0.5 * inertia * float(y[1]) ** 2
-
-
-def _scale(plan: Plan, y: Array) -> Array:
-    """Sizes of the entries of the crank's vector."""
-    inertia, potential = plan.table.coefficients[:, 0, 0] + plan.line.inertia, plan.table.coefficients[:, POTENTIAL, 0]
-    least = max(float(inertia.min()), 1e-300)
-    speed = max(abs(float(y[1])), math.sqrt(2 * float(np.ptp(potential)) / least)) or 1.0
-    energy = 0.5 * float(inertia.max()) * speed**2
-    states = len(y) - 2 - len(LEDGERS)
-    return np.array([1.0, speed, *([speed if plan.line.clutch is not None else 1.0] * states), energy, energy, np.inf, energy])
-
-
-def _constraint(
-    plan: Plan, state: turning.State, until: float, tolerance: float, step: float | None, progress: Callable[[float], None] | None
-) -> Path:
-    from . import over_time
-    from .all_joints import AllJoints
-    from .machine import Machine
-
-    press = plan.scene.press
-    joints = AllJoints(press, plan.scene.coordinates, np.array([plan.line.inertia]))
-    machine = Machine(joints, plan.line, plan.scene.forces)
-    first = cycle(press, angle=[state.angle], speed=[state.speed])
-    mode, states = plan.line.begin(state.angle, state.speed)
-    y = machine.begin(first.joint_position[0], first.v[0], states, state.ledgers)
-    crank = _scale(plan, np.array([state.angle, state.speed, *states, *state.ledgers]))
-    lengths = np.array([1.0 if axis.turns else press.spatial.size for axis in press.spatial.axes])
-    scale = np.concatenate([lengths, lengths * crank[1], crank[2:]])
-    stepped, _, _ = over_time.run(
-        machine, machine.initial(0.0, y, mode), 0.0, y, until, tolerance, scale, step, _breaks(plan), None, progress
-    )
-    return Path([stepped])
+def _of_several(press: Linkage, drive: object, flywheel: object, loads: Sequence[Load], clutch: object, brake: object) -> Plan:
+    """The plan of a linkage with several drivers. Raises as `_of_one`."""
+    if clutch is not None or brake is not None:
+        raise PinpressError(f"{press.name} has {len(press.drivers)} drivers: clutch and brake are for one")
+    given = {"drive": {} if drive is None else drive, "flywheel": {} if flywheel is None else flywheel}
+    for name, by_joint, kind in (("drive", given["drive"], Drive), ("flywheel", given["flywheel"], Flywheel)):
+        if not isinstance(by_joint, Mapping):
+            raise PinpressError(f"{press.name} has {len(press.drivers)} drivers: give {name} as {{joint: {kind.__name__}}}")
+        for joint, value in by_joint.items():
+            if joint not in press.drivers:
+                raise UnknownNameError("driver", joint, press.drivers)
+            if not isinstance(value, kind) or isinstance(value, type):
+                raise PinpressError(f"{name} of {joint!r} is {value!r}: give a {kind.__name__}")
+            if isinstance(value, Drive) and value.timed:
+                raise PinpressError(f"drive of {joint!r}: with several drivers only drives whose torque depends on speed alone")
+    return methods.plan_of_several(press, given["drive"], given["flywheel"], loads)  # type: ignore[arg-type]
 
 
 def _run(plan: Plan, path: Path, method: str, until: float, points: int | None, began: float) -> Run:
-    press = plan.scene.press
-    count = _count(points, path, until)
-    times = np.linspace(0.0, until, count)
+    """The states of a path, closed and checked."""
+    press, several = plan.scene.press, len(plan.inertia) > 1
+    times = np.linspace(0.0, until, _count(points, path.turns))
     reading = path.read(times)
-    crank = press.spatial.drivers[0] if len(reading.position) > 1 else 0
-    motion = cycle(press, angle=reading.position[crank], speed=reading.speed[crank], acceleration=reading.acceleration[crank], time=times)
+    position, speed, acceleration = reading.position, reading.speed, reading.acceleration
+    if len(position) == 1:
+        motion = cycle(press, angle=position[0], speed=speed[0], acceleration=acceleration[0], time=times)
+    else:
+        motion = of_states(press, position, speed, acceleration, _gaps(press, position), times)
     kinetic, potential = reduced.energies(press, motion)
-    kinetic = kinetic + 0.5 * plan.line.inertia * reading.own**2
-    ledgers = reading.ledgers
-    gained = ledgers[DRIVE_WORK] - ledgers[LOAD_WORK] - ledgers[LOST]
+    turning = speed[list(press.spatial.drivers)] if several else reading.own[None]
+    kinetic = kinetic + 0.5 * plan.inertia @ turning**2
+    gained = reading.ledgers[DRIVE_WORK] - reading.ledgers[LOAD_WORK] - reading.ledgers[LOST]
     residual = np.abs(kinetic + potential - (kinetic[0] + potential[0]) - gained).max()
+    if not math.isfinite(float(residual) + float(acceleration.sum())):
+        raise PinpressError(f"the motion of {press.name} is too fast for floating point: lower speeds and forces")
+    if several:
+        torque = _torques(plan, turning)
+        reading = reading._replace(torque=torque.T.copy(), own=turning.T.copy())
     stats = Stats(
         method=method,
         steps=path.steps,
-        evaluations=path.evaluations + plan.table.evaluations,
+        evaluations=path.evaluations,
         wall_time=clock.perf_counter() - began,
         closure_error=float(motion.closure_error.max()),
         energy_error=float(residual / (kinetic.max() or 1.0)),
@@ -297,35 +217,61 @@ def _run(plan: Plan, path: Path, method: str, until: float, points: int | None, 
     return _as_run(motion, stats, reading)
 
 
-def _count(points: int | None, path: Path, until: float) -> int:
+def _gaps(press: Linkage, position: Array) -> Array:
+    """Largest gaps (n,) of the loops at joint coordinates (nv, n) [m]."""
+    equations = press.spatial.equations()
+    return np.array([equations.widest(equations.at(x).gaps) for x in position.T])
+
+
+def _torques(plan: Plan, speed: Array) -> Array:
+    """Torques (drivers, n) of several drives at the drivers' speeds (drivers, n)."""
+    press, torque = plan.scene.press, np.zeros_like(speed)
+    rows = {joint: k for k, joint in enumerate(press.spatial.drivers)}
+    for force in plan.scene.forces:
+        coordinate = plan.scene.coordinates[force.row]
+        if force.drive is not None and isinstance(coordinate, JointAngle):
+            k = rows[coordinate.joint]
+            torque[k] = force.drive.torque(speed[k])
+    return torque
+
+
+def _count(points: int | None, turns: float) -> int:
     if points is None:
-        return int(min(MOST_POINTS, max(POINTS, math.ceil(POINTS * path.turns))))
-    if isinstance(points, bool) or not isinstance(points, int | np.integer) or not 2 <= points <= MOST_POINTS * 1000:
-        raise PinpressError(f"points is {points!r}: give a whole number of states, at least 2")
+        return int(min(MOST_POINTS, max(POINTS, math.ceil(POINTS * turns)))) + 1
+    if isinstance(points, bool) or not isinstance(points, int | np.integer) or not 2 <= points <= 10**8:
+        raise PinpressError(f"points is {points!r}: give a whole number of states from 2 to {10**8}")
     return int(points)
 
 
 def _as_run(motion: Motion, stats: Stats, reading: Reading) -> Run:
-    from dataclasses import fields
-
     kept = {field.name: getattr(motion, field.name) for field in fields(Motion) if field.init}
-    arrays = {
-        "drive_torque": reading.torque,
-        "drive_speed": reading.own,
-        **{name: reading.ledgers[k] for k, name in enumerate(LEDGERS)},
-    }
-    for array in arrays.values():
+    ledgers = dict(zip(LEDGERS, reading.ledgers, strict=True))
+    for array in (reading.torque, reading.own, *ledgers.values()):
         array.setflags(write=False)
-    run = Run(**kept, stats=stats, **arrays)
+    run = Run(**kept, stats=stats, drive_torque=reading.torque, drive_speed=reading.own, **ledgers)
     object.__setattr__(run, "_closed_as", motion._closed_as)
     return run
 
 
+def _start(press: Linkage, name: str, value: ArrayLike) -> Array:
+    """(drivers,) numbers."""
+    if len(press.drivers) == 1:
+        return np.array([_number(name, value)])
+    try:
+        numbers = np.array(value, dtype=float)
+    except (TypeError, ValueError):
+        raise PinpressError(f"{name} is {value!r}: give numbers, one of each driver") from None
+    if numbers.shape not in ((), (len(press.drivers),)) or not np.isfinite(numbers).all():
+        raise PinpressError(f"{name} is {value!r}: give finite numbers, one of each of the {len(press.drivers)} drivers")
+    return np.broadcast_to(numbers, (len(press.drivers),)).copy()
+
+
 def _number(name: str, value: ArrayLike, positive: bool = False) -> float:
     try:
-        number = float(np.asarray(value, dtype=float))
+        array = np.asarray(value, dtype=float)
+        number = float(array) if array.ndim == 0 and not isinstance(value, bool | str) else math.nan
     except (TypeError, ValueError):
-        raise PinpressError(f"{name} is {value!r}: give one number") from None
+        number = math.nan
     if not math.isfinite(number) or (positive and number <= 0):
-        raise PinpressError(f"{name} is {value!r}: give a finite number{', positive' if positive else ''}")
+        raise PinpressError(f"{name} is {value!r}: give one finite number{', positive' if positive else ''}")
     return number

@@ -1,6 +1,6 @@
 """One press over the crank angle: period after period, and where it stops and no force depends on its speed, back again."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -8,8 +8,9 @@ import numpy as np
 
 from . import over_angle
 from .coordinates import Array
+from .drives import PrescribedSpeed
 from .errors import SimulationError
-from .over_angle import TO_REST, Flow, Grid
+from .over_angle import TO_REST, Flow, Grid, Indices
 from .path import LEDGERS, Reading
 from .reduced import COORDINATES, INERTIA, POTENTIAL, Table, beyond, root, rule
 from .scene import Scene, not_positive
@@ -88,11 +89,13 @@ class Turned:
         torque, acceleration = self._dynamics(panel, angle, speed)
         return Reading(angle[None], speed[None], acceleration[None], torque, speed, ledgers)
 
-    def _dynamics(self, panel: Array, angle: Array, speed: Array) -> tuple[Array, Array]:
+    def _dynamics(self, panel: Indices, angle: Array, speed: Array) -> tuple[Array, Array]:
         """Torque of the drive and acceleration of the crank (n,) at states on panels (n,)."""
         values, slopes = self.table.at(angle)
         scene = self.scene
-        torque = np.zeros_like(speed) if scene.drive is None else np.zeros_like(speed) + scene.drive.torque(speed)
+        torque = np.zeros_like(speed)
+        if scene.drive is not None and not isinstance(scene.drive, PrescribedSpeed):
+            torque = torque + scene.drive.torque(speed)
         force = torque - slopes[POTENTIAL] - 0.5 * slopes[INERTIA] * speed**2
         for push in self.grid.pushes:
             mine = np.flatnonzero(np.isin(panel, push.panels))
@@ -100,6 +103,8 @@ class Turned:
                 lever = slopes[COORDINATES + push.row, mine]
                 size = push.stretch.force(values[COORDINATES + push.row, mine] - push.datum, lever * speed[mine])
                 force[mine] += lever * (np.maximum(size, 0.0) if push.stretch.one_sided else size)
+        if isinstance(scene.drive, PrescribedSpeed):
+            return -force, np.zeros_like(force)
         return torque, force / (values[INERTIA] + scene.inertia)
 
     def last(self) -> State:
@@ -113,7 +118,12 @@ def turned(scene: Scene, table: Table, flow: Flow, count: int, begin: State) -> 
     r, g = rule(), flow.grid
     measure, speed = g.measure[:, :count], flow.speed[:, :count, 0]
     elapsed = r.integral @ (measure / speed)
-    motor = np.zeros_like(speed) if scene.drive is None else scene.drive.motor_torque(g.direction * speed)
+    if scene.drive is None:
+        motor = np.zeros_like(speed)
+    elif isinstance(scene.drive, PrescribedSpeed):
+        motor = flow.driving[:, :count, 0]
+    else:
+        motor = np.asarray(scene.drive.motor_torque(g.direction * speed))
     rates = [flow.driving[:, :count, 0], -flow.resisting[:, :count, 0], motor * motor / speed]
     summed = np.array([r.integral @ (rate * measure) for rate in rates])
     return Turned(
@@ -138,7 +148,13 @@ class Stop(NamedTuple):
 
 
 def run(
-    scene: Scene, table: Table, edges: Sequence[Array], begin: State, until: float, tolerance: float
+    scene: Scene,
+    table: Table,
+    edges: Sequence[Array],
+    begin: State,
+    until: float,
+    tolerance: float,
+    progress: Callable[[float], None] | None = None,
 ) -> "tuple[list[Turned], Stop | None]":
     """Follow a press that turns, from a state on, up to a time or to where it may stop.
 
@@ -158,6 +174,8 @@ def run(
         solved = turned(scene, table, flow, count, state)
         segments.append(solved)
         state = solved.last()
+        if progress is not None:
+            progress(min(state.time, until))
         if flow.grid.kinds[count - 1] == TO_REST:
             state, guess = state._replace(speed=0.0), None
         elif count < len(flow.grid.kinds) and state.time < until:
@@ -187,7 +205,7 @@ def _direction(scene: Scene, table: Table, state: State) -> int:
 
 def _any_energy(scene: Scene, grid: Grid) -> Array:
     """Kinetic energy at 1 rad/s (q, p, 1): where to start from, when there is none yet."""
-    return 0.5 * (grid.inertia[:, :, None] + scene.inertia)
+    return np.asarray(0.5 * (grid.inertia[:, :, None] + scene.inertia))
 
 
 def _period(
@@ -216,7 +234,9 @@ def _period(
     if not inertia > 0:
         raise not_positive(inertia, state.time, state.angle)
     energy = np.array([0.5 * inertia * state.speed**2])
-    corners = () if scene.drive is None else tuple(float(np.ravel(corner)[0]) for corner in scene.drive.corners)
+    corners: tuple[float, ...] = ()
+    if scene.drive is not None and not isinstance(scene.drive, PrescribedSpeed):
+        corners = tuple(float(np.ravel(corner)[0]) for corner in scene.drive.corners)
     for _ in range(MOST_CUTS):
         grid = over_angle.grid(scene, table, state.angle, direction, ends, (from_rest, to_rest))
         if guess is None or guess.shape[1] != len(grid.kinds):

@@ -196,6 +196,30 @@ def test_redundant_cranks_in_closed_form(load):
     assert not np.any(press.model.armature)
 
 
+def test_a_pendulum(load):
+    """No loops at all: alpha = (torque - m g r cos) / inertia about the pivot."""
+    drawing = random_linkages.Drawing("pendulum")
+    drawing.joint("O", "frame", "bob", 0j)
+    drawing.body("bob", 2.0, 0.5)
+    dynamics = ForwardDynamics(load(drawing.urdf("O")), np.array([0.1]))
+    x, v = np.array([0.7]), np.array([3.0])
+    expected = (6.0 - 2 * 9.81 * 0.5 * math.cos(0.7)) / (2 * 0.5**2 + 2 * 0.01 + 0.1)
+    assert abs(dynamics.acceleration(x, v, np.array([6.0]))[0] - expected) <= 1e-14 * 20
+    assert dynamics.project(x, v) == (x, v, 0.0)
+    assert dynamics.gap(x) == 0.0
+
+
+def test_axes_the_other_way_round(load):
+    """A revolute loop's axes may be drawn against each other: its two points are the same."""
+    press = load(four_bar("revolute"))
+    (loop,) = press.loops
+    other = dataclasses.replace(press, loops=(dataclasses.replace(loop, rotation2=loop.rotation2 @ np.diag([-1.0, -1.0, 1.0])),))
+    x, v = press.closed, pp.cycle(press, angle=[0.0], speed=2.0).v[0]
+    first, second = (ForwardDynamics(p, np.zeros(3)) for p in (press, other))
+    assert second.gap(x) <= 1e-14
+    np.testing.assert_allclose(second.acceleration(x, v, np.ones(3)), first.acceleration(x, v, np.ones(3)), rtol=1e-12)
+
+
 def test_the_driver_at_a_dead_point(load):
     """Driven by its rocker, which stands still where crank and coupler are in line: `cycle` locks there, mechanics does not."""
     drawing = random_linkages.four_bar(1.0, 0.3, 0.9, 0.7, 0.5)

@@ -1,0 +1,181 @@
+"""The two methods of simulation, from a state to a time."""
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property, partial
+from typing import Any
+
+import numpy as np
+
+from . import reduced, scene, turning
+from .coordinates import Array
+from .driveline import Brake, Clutch, Driveline
+from .drives import Drive, Flywheel, PrescribedSpeed
+from .forces import Load
+from .linkage import Linkage
+from .motion import cycle
+from .path import LEDGERS, Path, Segment
+from .reduced import COORDINATES, INERTIA, POTENTIAL, Table
+from .scene import JointAngle, Scene
+from .turning import State
+
+AGAIN = 4.0  # times the kinetic energy at which the crank stopped turning for sure, from which it is followed over its angle again
+
+Progress = Callable[[float], None]
+
+
+@dataclass(frozen=True, eq=False)
+class Plan:
+    """A scene with its driveline; where there are several drivers, what flywheels and drives add to the inertia of each (drivers,)."""
+
+    scene: Scene
+    line: Driveline
+    inertia: Array
+
+    @property
+    def timed(self) -> bool:
+        """Whether anything depends on more than crank angle and speed."""
+        line = self.line
+        switched = line.clutch is not None or line.brake is not None
+        return switched or (line.drive is not None and line.drive.timed) or any(force.time is not None for force in self.scene.forces)
+
+    @cached_property
+    def table(self) -> Table:
+        """The press over its crank angle, with the scene's coordinates."""
+        press, coordinates = self.scene.press, self.scene.coordinates
+        if len(coordinates) == (press.slide is not None):
+            return press.table
+        return reduced.build(press, [partial(coordinate.over, press) for coordinate in coordinates])
+
+    @cached_property
+    def edges(self) -> tuple[Array, ...]:
+        """Crank angles in the table's range at which a force is not smooth: borders of its stretches, turns of its coordinate."""
+        found = []
+        for force in self.scene.forces:
+            row, borders = COORDINATES + force.row, force.borders()
+            found += [reduced.roots(self.table, row, border) for border in borders]
+            if borders:
+                found.append(reduced.roots(self.table, row, 0.0, slope=True))
+        return tuple(found)
+
+    @cached_property
+    def breaks(self) -> tuple[float, ...]:
+        """Instants at which something is not smooth."""
+        breaks = [edge for force in self.scene.forces for edge in force.edges]
+        for friction in (self.line.clutch, self.line.brake):
+            for at in () if friction is None else (friction.closes, friction.opens):
+                if friction is not None and at is not None and at.time is not None:
+                    breaks += [at.time, at.time + friction.rise]
+        return tuple(breaks)
+
+
+def plan(
+    press: Linkage,
+    drive: Drive | PrescribedSpeed | None,
+    flywheel: Flywheel | None,
+    loads: Sequence[Load],
+    clutch: Clutch | None = None,
+    brake: Brake | None = None,
+) -> Plan:
+    """What is to be simulated, of a press with one driver. Raises as `scene.build`."""
+    found = scene.build(press, drive, flywheel, loads)
+    turning_drive = None if isinstance(drive, PrescribedSpeed) else drive
+    return Plan(found, Driveline(turning_drive, flywheel, clutch, brake, found.inertia), np.array([found.inertia]))
+
+
+def plan_of_several(press: Linkage, drives: Mapping[str, Drive], flywheels: Mapping[str, Flywheel], loads: Sequence[Load]) -> Plan:
+    """What is to be simulated, of a linkage with several drivers; drives and flywheels by their names."""
+    found = scene.build(press, None, None, loads)
+    inertia = np.zeros(len(press.drivers))
+    coordinates, acting = list(found.coordinates), list(found.forces)
+    for k, (name, joint) in enumerate(zip(press.drivers, press.spatial.drivers, strict=True)):
+        if name in flywheels:
+            inertia[k] += flywheels[name].inertia
+        if name in drives:
+            inertia[k] += drives[name].inertia
+            acting.append(scene.driving(len(coordinates), drives[name]))
+            coordinates.append(JointAngle(joint))
+    found = Scene(press, None, 0.0, tuple(coordinates), tuple(acting))
+    return Plan(found, Driveline(None, None, None, None, float(inertia[0])), inertia)
+
+
+def by_crank(plan: Plan, state: State, until: float, tolerance: float, step: float | None, progress: Progress | None) -> Path:
+    """The reduced equation from a state to a time: over the crank angle where that serves, else over time."""
+    segments: list[Segment] = []
+    if not plan.timed and step is None:
+        found, stop = turning.run(plan.scene, plan.table, plan.edges, state, until, 0.1 * tolerance, progress)
+        segments += found
+        if stop is None:
+            return Path(segments)
+        state = stop.at
+    # Only where the crank does not simply turn: SciPy's integrators take long to import.
+    from . import over_time
+    from .crank_alone import CrankAlone
+    from .machine import Machine
+
+    machine = Machine(CrankAlone(plan.table), plan.line, plan.scene.forces)
+    mode, states = plan.line.begin(state.angle, state.speed)
+    before: Sequence[Any] = (state, *(segment.last() for segment in segments if isinstance(segment, turning.Turned)))
+    threshold = AGAIN * turning.LEAST * max(_energy(plan, s.angle, s.speed) for s in before)
+    while True:
+        y = machine.begin(np.array([state.angle]), np.array([state.speed]), states, state.ledgers)
+        goes_on = None if plan.timed or step is not None else lambda y, least=threshold: _energy(plan, y[0], y[1]) > least
+        modes = machine.initial(state.time, y, mode)
+        stepped, y = over_time.run(machine, modes, state.time, y, until, tolerance, _scale(plan, y), step, plan.breaks, goes_on, progress)
+        segments.append(stepped)
+        if stepped.end >= until:
+            return Path(segments)
+        state = State(stepped.end, float(y[0]), float(y[1]), y[-len(LEDGERS) :])
+        found, stop = turning.run(plan.scene, plan.table, plan.edges, state, until, 0.1 * tolerance, progress)
+        segments += found
+        if stop is None:
+            return Path(segments)
+        if not found:  # too early
+            threshold *= AGAIN
+        state = stop.at
+
+
+def by_joints(
+    plan: Plan, angle: Array, speed: Array, until: float, tolerance: float, step: float | None, progress: Progress | None
+) -> Path:
+    """All joints by constraint dynamics, from angles and speeds (drivers,) at time 0 to a time."""
+    from . import over_time
+    from .all_joints import AllJoints
+    from .machine import Machine
+
+    press = plan.scene.press
+    joints = AllJoints(press, plan.scene.coordinates, plan.inertia)
+    machine = Machine(joints, plan.line, plan.scene.forces)
+    several = len(press.drivers) > 1
+    first = cycle(press, angle=angle[None] if several else angle, speed=speed[None] if several else speed)
+    mode, states = plan.line.begin(float(angle[0]), float(speed[0]))
+    y = machine.begin(first.joint_position[0], first.v[0], states, np.zeros(len(LEDGERS)))
+    # sizes: of angles 1, of the speed that gravity gives them; travels count in lengths of the linkage
+    rate = max(float(np.abs(speed).max()), math.sqrt(float(np.linalg.norm(press.model.gravity.linear)) / press.spatial.size)) or 1.0
+    lengths = np.array([1.0 if axis.turns else press.spatial.size for axis in press.spatial.axes])
+    energy = joints.energy(np.concatenate([first.joint_position[0], rate * np.ones(joints.size)]))
+    scale = np.concatenate([lengths, lengths * rate, _of_states(plan, len(states), rate), [energy, energy, np.inf, energy]])
+    stepped, _ = over_time.run(machine, machine.initial(0.0, y, mode), 0.0, y, until, tolerance, scale, step, plan.breaks, None, progress)
+    return Path([stepped])
+
+
+def _energy(plan: Plan, angle: float, speed: float) -> float:
+    """Kinetic energy of a crank angle and speed [J]."""
+    inertia = float(plan.table.at(np.array([angle]))[0][INERTIA, 0]) + plan.line.inertia
+    return 0.5 * inertia * speed**2
+
+
+def _scale(plan: Plan, y: Array) -> Array:
+    """Sizes of the entries of the crank's vector."""
+    inertia, potential = plan.table.coefficients[:, INERTIA, 0] + plan.line.inertia, plan.table.coefficients[:, POTENTIAL, 0]
+    least = max(float(inertia.min()), float(np.finfo(float).tiny))
+    speed = max(abs(float(y[1])), math.sqrt(2 * float(np.ptp(potential)) / least)) or 1.0
+    energy = 0.5 * float(np.abs(inertia).max()) * speed**2
+    return np.array([1.0, speed, *_of_states(plan, len(y) - 2 - len(LEDGERS), speed), energy, energy, np.inf, energy])
+
+
+def _of_states(plan: Plan, count: int, speed: float) -> list[float]:
+    """Sizes of a drive's states, and behind them of the speed of a clutch's driving side."""
+    own = [] if plan.line.clutch is None else [speed]
+    return [1.0] * (count - len(own)) + own
