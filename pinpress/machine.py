@@ -214,7 +214,7 @@ class Machine:
         on_crank, inertia = (torque, self.line.inertia) if rigid else (through, 0.0)
         free = self.dynamics.of_crank(self.dynamics.accelerations(instant, on_crank - braking, forces, inertia))
         if which == "clutch":
-            return torque if modes.line.brake.state == HOLDING else torque - self.line.inertia * free
+            return float(torque if modes.line.brake.state == HOLDING else torque - self.line.inertia * free)
         pushed = self.dynamics.of_crank(self.dynamics.accelerations(instant, on_crank - braking + 1.0, forces, inertia))
         return float(free / (pushed - free))  # the torque that leaves the crank at rest
 

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from . import reduced, scene, turning
+from . import over_angle, reduced, scene, turning
 from .coordinates import Array
 from .driveline import Brake, Clutch, Driveline
 from .drives import Drive, Flywheel, PrescribedSpeed
@@ -117,7 +117,7 @@ def by_crank(plan: Plan, state: State, until: float, tolerance: float, step: flo
     machine = Machine(CrankAlone(plan.table), plan.line, plan.scene.forces)
     mode, states = plan.line.begin(state.angle, state.speed)
     before: Sequence[Any] = (state, *(segment.last() for segment in segments if isinstance(segment, turning.Turned)))
-    threshold = AGAIN * turning.LEAST * max(_energy(plan, s.angle, s.speed) for s in before)
+    threshold = AGAIN * over_angle.LEAST * max(_energy(plan, s.angle, s.speed) for s in before)
     while True:
         y = machine.begin(np.array([state.angle]), np.array([state.speed]), states, state.ledgers)
         goes_on = None if plan.timed or step is not None else lambda y, least=threshold: _energy(plan, y[0], y[1]) > least

@@ -26,9 +26,10 @@ from .scene import Scene, not_positive
 Indices = NDArray[np.intp]
 
 ROUNDS = 30
-SETTLED = 1e-13  # change of the kinetic energy in a round, beside the energy
+SETTLED = 1e-10  # change of the kinetic energy in a round, beside the energy; Newton's method squares it, and its error is 1e-17
 SAME = 1e-8  # borders closer than this are one [rad]
 NARROWEST = 1e-9  # panel [rad]
+LEAST = 1e-3  # kinetic energy, beside the period's largest, below which a drive that depends on speed may be about to stop the crank
 FLOOR = 1e-6  # kinetic energy, beside the period's largest, below which no speed is taken from it
 STEADY, FROM_REST, TO_REST = 0, 1, -1  # how a panel runs
 LARGEST_EXPONENT = 50.0
@@ -75,6 +76,13 @@ def on_the_way(table: Table, edges: Sequence[Array], start: float, direction: in
     """Angle to be travelled from crank angle ``start`` to each of the ``edges``, crank angles in the table's range."""
     travelled = (np.concatenate([np.zeros(0), *edges]) - start) * direction
     return travelled if table.period is None else travelled - np.floor(travelled / table.period) * table.period
+
+
+def extent(table: Table, start: float, direction: int) -> float:
+    """Angle over which a table goes on from a crank angle: a period, or what is left to its end [rad]."""
+    if table.period is not None:
+        return table.period
+    return float(table.borders[-1] - start if direction > 0 else start - table.borders[0])
 
 
 def borders(table: Table, edges: Sequence[Array], start: float, direction: int, extent: float) -> Array:
@@ -160,7 +168,7 @@ class Flow:
         speed: (q, p, S) size of the crank's speed [rad/s], of no meaning where W is below the floor.
         force: (q, p, S) dW/du; driving, resisting: parts of it, of the drive and of the loads [N m].
         held: whether no force depends on the speed, so that W is right beyond a stop too.
-        settled: panels on which Newton's method has found W: all, or those before the crank all but stops.
+        settled: (S,) panels on which Newton's method has found W: all, or those before the crank all but stops.
         evaluations: of the forces, nodes counted.
     """
 
@@ -172,7 +180,7 @@ class Flow:
     driving: Array
     resisting: Array
     held: bool
-    settled: int
+    settled: Indices
     evaluations: int
 
 
@@ -200,13 +208,14 @@ def flow(scene: Scene, grid: Grid, energy: Array, guess: Array | None = None) ->
             resisting[:, push.panels] += _pushed(grid, push, grid.direction * speed)
         return driving, resisting
 
-    def result(work: Array, driving: Array, resisting: Array, held: bool, settled: int, rounds: int) -> Flow:
+    def result(work: Array, driving: Array, resisting: Array, held: bool, settled: Indices, rounds: int) -> Flow:
         force = driving + resisting + weight
         work, ends = _integral(grid, force, energy)
         floor = np.finfo(float).tiny if held else FLOOR * ends.max(axis=0)  # before a stop W is small, and right
         speed = np.sqrt(2 * np.maximum(work, floor) / inertia)
         return Flow(grid, work, ends, speed, force, driving, resisting, held, settled, rounds * work.size)
 
+    every = np.full(len(energy), p)
     work = np.broadcast_to(energy, shape) if guess is None else guess
     for rounds in range(1, ROUNDS + 1):
         floor = FLOOR * work.max(axis=(0, 1)) + np.finfo(float).tiny
@@ -214,22 +223,27 @@ def flow(scene: Scene, grid: Grid, energy: Array, guess: Array | None = None) ->
         speed = np.sqrt(2 * above / inertia)
         driving, resisting = forces(speed)
         if drive is None and not grid.pushes:
-            return result(work, driving, resisting, True, p, rounds)
+            return result(work, driving, resisting, True, every, rounds)
         # Newton: dW/du = G + K (W_new - W); K by a difference, as it only has to lead there
         faster = forces(speed * (1 + 1e-7))
         change = faster[0] - driving + (faster[1] - resisting)
-        if not change.any():
-            return result(work, driving, resisting, True, p, 2 * rounds)
+        if not change.any():  # here; but also at the speeds that come of these forces?
+            found = result(work, driving, resisting, True, every, 3 * rounds)
+            after = forces(found.speed)
+            if np.array_equal(after[0], driving) and np.array_equal(after[1], resisting):
+                return found
+            work = np.maximum(found.energy, above / FURTHEST)
+            continue
         rate = change / (2e-7 * above)
         before = work
         with np.errstate(all="ignore"):  # far from the solution it may overshoot without bounds
             work = _factored(grid, driving + resisting + weight - rate * before, rate, energy)
         work = np.clip(np.where(np.isfinite(work), work, above), above / FURTHEST, above * FURTHEST)
-        unsettled = (np.abs(work - before).max(axis=0) > SETTLED * np.abs(work).max(axis=(0, 1))).any(axis=1)
+        unsettled = np.abs(work - before).max(axis=0) > SETTLED * np.abs(work).max(axis=(0, 1))
         if rounds == ROUNDS or not unsettled.any():
             break
     # what comes later does not matter to what comes before: the first panels may be right where the last ones are not
-    settled = int(np.argmax(unsettled)) if unsettled.any() else p
+    settled = np.where(unsettled.any(axis=0), unsettled.argmax(axis=0), p)
     driving, resisting = forces(np.sqrt(2 * np.maximum(work, floor) / inertia))
     return result(work, driving, resisting, False, settled, 2 * rounds + 1)
 
@@ -244,7 +258,7 @@ def _prescribed(grid: Grid, inertia: Array, drive: PrescribedSpeed) -> Flow:
     force = 0.5 * grid.direction * grid.slope[:, :, None] * speed**2
     driving = force - resisting - grid.weight[:, :, None]
     ends = np.full((len(grid.borders), 1), work.max())
-    return Flow(grid, work, ends, speed, force, driving, resisting, False, len(grid.kinds), work.size)
+    return Flow(grid, work, ends, speed, force, driving, resisting, False, np.full(1, len(grid.kinds)), work.size)
 
 
 def _integral(grid: Grid, force: Array, energy: Array) -> tuple[Array, Array]:
@@ -279,23 +293,35 @@ def _factored(grid: Grid, constant: Array, rate: Array, energy: Array) -> Array:
     return np.asarray(growth * (starts + (r.cumulative @ scaled).reshape(q, p, count)))
 
 
-def unresolved(flow: Flow, upto: int, tolerance: float, corners: Sequence[float] = ()) -> Array:
+def stopping(flow: Flow) -> NDArray[np.bool_]:
+    """Panels (p, S) on which the crank stops, or comes so near to it that time may not be resolved; what follows them is of no meaning."""
+    lowest = np.minimum(flow.energy.min(axis=0), flow.ends[1:])
+    least = 0.0 if flow.held else LEAST * flow.ends.max(axis=0)
+    found = (lowest <= least) | (np.arange(len(lowest))[:, None] >= flow.settled)
+    if flow.grid.kinds[-1] == TO_REST:
+        found[-1] = False
+    return np.asarray(found)
+
+
+def unresolved(flow: Flow, upto: int, tolerance: float, corners: Sequence[float] = (), which: Indices | slice = slice(None)) -> Array:
     """Where to cut those of the panels before ``upto`` that do not resolve energy or time, as angles travelled.
 
     A polynomial's last terms tell what it misses; Gauss's rule makes far smaller errors than that. A panel on which the crank passes one of
-    the ``corners``, speeds at which a drive's torque is not smooth, is cut there; any other in its middle.
+    the ``corners``, speeds at which a drive's torque is not smooth, is cut there (of one scenario); any other in its middle. ``which`` of
+    the scenarios count.
     """
     r, g = rule(), flow.grid
-    q, _, count = flow.force.shape
+    force, speed, ends = flow.force[:, :upto, which], flow.speed[:, :upto, which], flow.ends[: upto + 1, which]
+    q, _, count = force.shape
     last, measure = r.legendre[-2:], g.measure[:, :upto, None]
 
     def coarse(integrand: Array, whole: Array) -> NDArray[np.bool_]:
         tail = np.abs(last @ (integrand * measure).reshape(q, -1)).max(axis=0).reshape(upto, count)
         return np.asarray((tail > tolerance * whole).any(axis=1), dtype=np.bool_)
 
-    slowness = 1 / flow.speed[:, :upto]
+    slowness = 1 / speed
     taken = (r.weights @ (slowness * measure).reshape(q, -1)).reshape(upto, count).sum(axis=0)
-    bad = coarse(flow.force[:, :upto], flow.ends[: upto + 1].max(axis=0)) | coarse(slowness, taken)
+    bad = coarse(force, ends.max(axis=0)) | coarse(slowness, taken)
     bad &= np.diff(g.borders[: upto + 1]) > NARROWEST
     return np.array([_cut(flow, panel, corners) for panel in np.flatnonzero(bad).tolist()])
 

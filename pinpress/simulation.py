@@ -11,11 +11,12 @@ import math
 import time as clock
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, fields
+from typing import Any, overload
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from . import methods, reduced
+from . import methods, reduced, scenarios
 from .coordinates import Array
 from .driveline import Brake, Clutch
 from .drives import Drive, Flywheel, PrescribedSpeed
@@ -24,7 +25,9 @@ from .forces import Load
 from .linkage import Linkage
 from .methods import Plan
 from .motion import Motion, cycle, of_states
+from .over_angle import Indices
 from .path import DRIVE_WORK, LEDGERS, LOAD_WORK, LOST, Path, Reading
+from .scenarios import Runs
 from .scene import JointAngle
 from .turning import State
 
@@ -84,6 +87,40 @@ class Run(Motion):
         return columns | ({"lost [J]": self.lost} if self.lost.any() else {})
 
 
+@overload
+def simulate(
+    press: Linkage,
+    duration: float,
+    speed: float = ...,
+    angle: ArrayLike = ...,
+    drive: "Drive | PrescribedSpeed | Mapping[str, Drive] | None" = ...,
+    flywheel: "Flywheel | Mapping[str, Flywheel] | None" = ...,
+    loads: Sequence[Load] = ...,
+    method: str = ...,
+    clutch: Clutch | None = ...,
+    brake: Brake | None = ...,
+    points: int | None = ...,
+    step: float | None = ...,
+    tolerance: float = ...,
+    progress: Callable[[float], None] | None = ...,
+) -> "Run": ...
+@overload
+def simulate(
+    press: Linkage,
+    duration: float,
+    speed: ArrayLike = ...,
+    angle: ArrayLike = ...,
+    drive: "Drive | PrescribedSpeed | Mapping[str, Drive] | None" = ...,
+    flywheel: "Flywheel | Mapping[str, Flywheel] | None" = ...,
+    loads: Sequence[Load] = ...,
+    method: str = ...,
+    clutch: Clutch | None = ...,
+    brake: Brake | None = ...,
+    points: int | None = ...,
+    step: float | None = ...,
+    tolerance: float = ...,
+    progress: Callable[[float], None] | None = ...,
+) -> "Run | Runs": ...
 def simulate(
     press: Linkage,
     duration: float,
@@ -99,7 +136,7 @@ def simulate(
     step: float | None = None,
     tolerance: float = 1e-11,
     progress: Callable[[float], None] | None = None,
-) -> Run:
+) -> "Run | Runs":
     """Let a press run.
 
     Args:
@@ -112,6 +149,8 @@ def simulate(
         step: fixed step of the classical Runge-Kutta method over time [s]; None: steps by error.
         tolerance: of the error of a step, beside 1 rad and the speeds of the crank.
         progress: called with the time reached [s], now and then.
+
+    Scenarios at once: ``speed`` and the parameters of drive, flywheel and loads that allow it may be arrays (S,); `Runs` come back.
 
     A linkage with several drivers takes method="constraint", (drivers,) of ``speed`` and ``angle``, and drives (of torque by speed alone)
     and flywheels by the names of the drivers' joints.
@@ -126,6 +165,10 @@ def simulate(
     until, tolerance = _number("duration", duration, positive=True), _number("tolerance", tolerance, positive=True)
     fixed = None if step is None else _number("step", step, positive=True)
     _count(points, 0.0)
+    if len(press.drivers) == 1 and (count := scenarios.count(speed, angle, drive, flywheel, loads)) is not None:
+        if method != "reduced" or clutch is not None or brake is not None:
+            raise PinpressError("arrays of scenarios are for method='reduced' without clutch and brake: simulate these one by one")
+        return _scenarios(press, count, until, speed, angle, drive, flywheel, loads, points, fixed, tolerance)
     angles, speeds = _start(press, "angle", angle), _start(press, "speed", speed)
     with np.errstate(all="ignore"):  # what is not finite is refused where it arises
         if len(press.drivers) > 1:
@@ -144,6 +187,48 @@ def simulate(
         else:
             path = methods.by_joints(plan, angles, speeds, until, tolerance, fixed, progress)
         return _run(plan, path, method, until, points, began)
+
+
+def _scenarios(
+    press: Linkage,
+    count: int,
+    until: float,
+    speed: ArrayLike,
+    angle: ArrayLike,
+    drive: Any,
+    flywheel: Any,
+    loads: Sequence[Load],
+    points: int | None,
+    step: float | None,
+    tolerance: float,
+) -> Runs:
+    """Many scenarios; arguments as of `simulate`."""
+    try:
+        speeds = np.broadcast_to(np.asarray(speed, dtype=float), (count,)).copy()
+    except (TypeError, ValueError):
+        speeds = np.full(count, np.nan)
+    if not np.isfinite(speeds).all():
+        raise PinpressError(f"speed is {speed!r}: give one finite number, or (S,) of them [rad/s]")
+    start = _number("angle", angle)
+    times = np.linspace(0.0, until, _count(points, 0.0))
+    times.setflags(write=False)
+
+    def alone(k: int) -> Run:
+        parts = [scenarios.pick(item, k) for item in (drive, flywheel, *loads)]
+        run = simulate(
+            press, until, float(speeds[k]), start, parts[0], parts[1], parts[2:], points=len(times), step=step, tolerance=tolerance
+        )
+        assert isinstance(run, Run)
+        return run
+
+    def plan(some: Indices) -> Plan:
+        parts = [scenarios.pick(item, some) for item in (drive, flywheel, *loads)]
+        return _of_one(press, parts[0], parts[1], parts[2:], None, None)
+
+    if step is not None:
+        raise PinpressError("step is for one scenario: arrays are solved over the crank angle")
+    with np.errstate(all="ignore"):
+        return scenarios.simulate(speeds, start, times, 0.1 * tolerance, plan, alone)
 
 
 def _of_one(press: Linkage, drive: object, flywheel: object, loads: Sequence[Load], clutch: object, brake: object) -> Plan:

@@ -1,7 +1,7 @@
 """One press over the crank angle: period after period, and where it stops and no force depends on its speed, back again."""
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
@@ -10,14 +10,14 @@ from . import over_angle
 from .coordinates import Array
 from .drives import PrescribedSpeed
 from .errors import SimulationError
-from .over_angle import TO_REST, Flow, Grid, Indices
+from .over_angle import STEADY, TO_REST, Flow, Grid, Indices
 from .path import LEDGERS, Reading
 from .reduced import COORDINATES, INERTIA, POTENTIAL, Table, beyond, root, rule
 from .scene import Scene, not_positive
 
-LEAST = 1e-3  # kinetic energy, beside the period's largest, below which a drive that depends on speed may be about to stop the crank
 REST = 0.2  # angle before a stop that is run through over its square root [rad]
 MOST_CUTS = 40  # rounds of cutting panels
+MOST_KEPT = 24  # panels more than the table's, that are taken over into the next period
 
 
 class State(NamedTuple):
@@ -70,20 +70,12 @@ class Turned:
     def read(self, times: Array) -> Reading:
         g = self.grid
         panel = np.clip(self.times.searchsorted(times, side="right") - 1, 0, self.count - 1)
-        since = times - self.times[panel]
-        took = self.times[panel + 1] - self.times[panel]
         elapsed = self.elapsed[:, panel]
-        x = 2 * np.clip(since / took, 0.0, 1.0) - 1
-        for _ in range(8):
-            value, slope = _with_slope(elapsed, x)
-            step = (value - since) / slope
-            x = np.clip(x - step, -1.0, 1.0)
-            if np.abs(step).max(initial=0.0) < 1e-13:
-                break
+        x = place_at(elapsed, times - self.times[panel], self.times[panel + 1] - self.times[panel])
         _, slope = _with_slope(elapsed, x)
         travelled, measure = over_angle.travelled(g, panel, x)
         ledgers = np.zeros((len(LEDGERS), len(times)))
-        ledgers[:3] = self.ledgers[:, panel] + _values(self.summed[:, :, panel], x)
+        ledgers[:3] = self.ledgers[:, panel] + values(self.summed[:, :, panel], x)
         ledgers += self.begin.ledgers[:, None]
         angle, speed = g.start + g.direction * travelled, g.direction * measure / slope
         torque, acceleration = self._dynamics(panel, angle, speed)
@@ -162,12 +154,12 @@ def run(
         SimulationError: it runs against a lock, or comes to rest where forces hold it from both sides.
     """
     segments: list[Turned] = []
-    state, guess = begin, None
+    state, before = begin, None
     while state.time < until:
         direction = _direction(scene, table, state)
         if direction == 0:
             return segments, Stop(state, held=True)
-        found = _period(scene, table, edges, state, direction, until, tolerance, guess)
+        found = _period(scene, table, edges, state, direction, until, tolerance, before)
         if found is None:
             return segments, Stop(state, held=False)
         flow, count = found
@@ -176,14 +168,15 @@ def run(
         state = solved.last()
         if progress is not None:
             progress(min(state.time, until))
+        before = None
         if flow.grid.kinds[count - 1] == TO_REST:
-            state, guess = state._replace(speed=0.0), None
+            state = state._replace(speed=0.0)
         elif count < len(flow.grid.kinds) and state.time < until:
             return segments, Stop(state, held=False)
         elif table.period is None and state.time < until:
             raise beyond(table, state.angle, state.time)
-        else:
-            guess = flow.energy
+        elif flow.grid.kinds[0] == STEADY and len(flow.grid.kinds) < len(table.borders) + MOST_KEPT:
+            before = flow
     return segments, None
 
 
@@ -216,19 +209,16 @@ def _period(
     direction: int,
     until: float,
     tolerance: float,
-    guess: Array | None,
+    before: Flow | None,
 ) -> tuple[Flow, int] | None:
     """A period of the table, or less up to a stop or the time ``until``, and how many of its panels are right.
 
-    None where the crank would stop, or has to start, under a force that depends on its speed.
+    ``before`` is the period before: its panels and its speeds are a good start. None where the crank would stop, or has to start, under a
+    force that depends on its speed.
     """
-    if table.period is not None:
-        extent = table.period
-    else:
-        extent = float(table.borders[-1] - state.angle if direction > 0 else state.angle - table.borders[0])
-        if extent <= 2 * over_angle.SAME:
-            raise beyond(table, state.angle, state.time)
-    ends = over_angle.borders(table, edges, state.angle, direction, extent)
+    extent = over_angle.extent(table, state.angle, direction)
+    if extent <= 2 * over_angle.SAME:
+        raise beyond(table, state.angle, state.time)
     from_rest, to_rest = state.speed == 0, False
     inertia = float(table.at(np.array([state.angle]))[0][INERTIA, 0]) + scene.inertia
     if not inertia > 0:
@@ -237,25 +227,30 @@ def _period(
     corners: tuple[float, ...] = ()
     if scene.drive is not None and not isinstance(scene.drive, PrescribedSpeed):
         corners = tuple(float(np.ravel(corner)[0]) for corner in scene.drive.corners)
+    if before is not None:
+        grid, guess = replace(before.grid, start=state.angle), before.energy
+    else:
+        ends = over_angle.borders(table, edges, state.angle, direction, extent)
+        grid, guess = over_angle.grid(scene, table, state.angle, direction, ends, (from_rest, to_rest)), None
     for _ in range(MOST_CUTS):
-        grid = over_angle.grid(scene, table, state.angle, direction, ends, (from_rest, to_rest))
-        if guess is None or guess.shape[1] != len(grid.kinds):
-            guess = _any_energy(scene, grid) if from_rest else None
+        if guess is None and from_rest:
+            guess = _any_energy(scene, grid)
         flow = over_angle.flow(scene, grid, energy, guess)
-        guess = flow.energy
         if from_rest and not flow.held:
             return None
         count, stopping = _before_stop(flow, state.time, until)
+        ends = grid.borders
         if stopping and flow.held and not to_rest:
             ends = _with_rest(flow, count, ends, over_angle.on_the_way(table, edges, state.angle, direction), from_rest)
-            to_rest, guess = True, None
-            continue
-        if count == 0:
+            to_rest = True
+        elif count == 0:
             return None
-        cuts = over_angle.unresolved(flow, count, tolerance, corners)
-        if not len(cuts):
-            return flow, count
-        ends = np.sort(np.concatenate([ends, cuts]))
+        else:
+            cuts = over_angle.unresolved(flow, count, tolerance, corners)
+            if not len(cuts):
+                return flow, count
+            ends = np.sort(np.concatenate([ends, cuts]))
+        grid, guess = over_angle.grid(scene, table, state.angle, direction, ends, (from_rest, to_rest)), None
     raise SimulationError(
         "speed or torque change too sharply to be resolved over the crank angle: the crank all but stops there, or the drive switches",
         state.time,
@@ -265,11 +260,7 @@ def _period(
 
 def _before_stop(flow: Flow, time: float, until: float) -> tuple[int, bool]:
     """Panels up to a stop, or to the one in which the time ``until`` is reached; whether it was a stop that ended them."""
-    lowest = np.minimum(flow.energy[:, :, 0].min(axis=0), flow.ends[1:, 0])
-    least = 0.0 if flow.held else LEAST * flow.ends[:, 0].max()
-    stopping = (lowest <= least) | (np.arange(len(lowest)) >= flow.settled)
-    if flow.grid.kinds[-1] == TO_REST:
-        stopping[-1] = False
+    stopping = over_angle.stopping(flow)[:, 0]
     right = int(np.argmax(stopping)) if stopping.any() else len(stopping)
     if right:
         times = time + (rule().weights @ (flow.grid.measure[:, :right] / flow.speed[:, :right, 0])).cumsum()
@@ -296,7 +287,19 @@ def _with_rest(flow: Flow, panel: int, ends: Array, hard: Array, from_rest: bool
     return np.concatenate([ends[ends < begin - over_angle.SAME], [begin, stop]]) if begin > 0 else np.array([0.0, stop])
 
 
-def _values(coefficients: Array, x: Array) -> Array:
+def place_at(elapsed: Array, since: Array, took: Array) -> Array:
+    """Places x (n,), from -1 to 1, at times ``since`` (n,) the starts of panels that took so long; ``elapsed`` (k, n) their polynomials."""
+    x = 2 * np.clip(since / took, 0.0, 1.0) - 1
+    for _ in range(8):
+        value, slope = _with_slope(elapsed, x)
+        step = (value - since) / slope
+        x = np.clip(x - step, -1.0, 1.0)
+        if np.abs(step).max(initial=0.0) < 1e-13:
+            break
+    return x
+
+
+def values(coefficients: Array, x: Array) -> Array:
     """Values (..., n) of polynomials, coefficients (..., k, n) of rising powers."""
     value = coefficients[..., -1, :].copy()
     for k in range(coefficients.shape[-2] - 2, -1, -1):

@@ -1,0 +1,251 @@
+"""Many scenarios at once: speeds, motor sizes, flywheels and loads as arrays, one value a scenario.
+
+All scenarios of a press run over the same crank angles, so that one period of all of them is solved as one array (see `over_angle`). A
+scenario that stops, or that depends on more than angle and speed, is simulated on its own.
+"""
+
+import time as clock
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, fields, is_dataclass, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from . import over_angle, turning
+from .coordinates import Array
+from .errors import PinpressError, SimulationError
+from .methods import Plan
+from .over_angle import Flow, Indices
+from .reduced import COORDINATES, INERTIA, rule
+
+Mask = NDArray[np.bool_]
+
+AT_ONCE = 64  # scenarios in one array: what is in flight stays in the cache
+MOST_CUTS = 12  # rounds of cutting panels; scenarios that need more are run alone
+SHARED = ("heights", "times", "angles", "curve")  # fields of drives and loads that hold arrays, but not one value a scenario
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Runs:
+    """S simulated scenarios of a press, n states each at the same times. Arrays are read-only; ``runs[k]`` is scenario k as a `Run`.
+
+    Attributes:
+        time: (n,) [s].
+        crank_angle, crank_speed: (n, S) [rad, rad/s]. Of one that stalls: at rest where it did.
+        slide_position: (n, S) [m]; None where there is no slide.
+        drive_work, load_work: (S,) over the whole run [J].
+        errors: (S,) why a scenario stalled or could not go on, None of all others.
+        wall_time: of the whole call [s].
+    """
+
+    time: Array
+    crank_angle: Array
+    crank_speed: Array
+    slide_position: Array | None
+    drive_work: Array
+    load_work: Array
+    errors: tuple[SimulationError | None, ...]
+    wall_time: float
+    _alone: Callable[[int], Any]
+
+    def __len__(self) -> int:
+        return len(self.errors)
+
+    def __getitem__(self, k: int) -> Any:
+        """Scenario k, simulated once more with all that a `Run` has. Raises what stopped it."""
+        if isinstance(k, bool) or not isinstance(k, int | np.integer) or not -len(self) <= k < len(self):
+            raise PinpressError(f"there are {len(self)} scenarios, 0 to {len(self) - 1}, not {k!r}")
+        return self._alone(int(k) % len(self))
+
+    def __repr__(self) -> str:
+        stalled = sum(error is not None for error in self.errors)
+        return f"<Runs: {len(self)} scenarios, {len(self.time)} states each{f', {stalled} stalled' if stalled else ''}>"
+
+
+def count(speed: Any, angle: Any, drive: Any, flywheel: Any, loads: Any) -> int | None:
+    """Number of scenarios, None where nothing is an array.
+
+    Raises:
+        PinpressError: arrays of different lengths; several crank angles to start from.
+    """
+    if np.ndim(angle):
+        raise PinpressError("angle is an array: scenarios start from the same crank angle; give one number [rad]")
+    found = {"speed": np.shape(speed)[-1]} if np.ndim(speed) else {}
+    for item in (drive, flywheel, *(loads if isinstance(loads, Sequence) else ())):
+        found |= _lengths(item)
+    if len(set(found.values())) > 1:
+        raise PinpressError(f"arrays for different numbers of scenarios: {', '.join(f'{name} {size}' for name, size in found.items())}")
+    return next(iter(found.values()), None)
+
+
+def _lengths(item: Any) -> dict[str, int]:
+    """Lengths of the arrays of scenarios in a drive, flywheel or load, and in what it is made of."""
+    if not is_dataclass(item) or isinstance(item, type):
+        return {}
+    found = {}
+    for field in fields(item):
+        value = getattr(item, field.name)
+        if _per_scenario(item, field.name, value):
+            found[f"{type(item).__name__}.{field.name}"] = value.shape[-1]
+        found |= _lengths(value)
+    return found
+
+
+def _per_scenario(item: Any, name: str, value: Any) -> bool:
+    """Whether a field holds one value a scenario; a table of forces over heights has scenarios on its second axis."""
+    return isinstance(value, np.ndarray) and name not in SHARED and value.ndim == (2 if hasattr(item, "heights") else 1)
+
+
+def pick(item: Any, which: "int | Indices") -> Any:
+    """A drive, flywheel or load with the values of one scenario, or of some."""
+    if not is_dataclass(item) or isinstance(item, type):
+        return item
+    changes: dict[str, Any] = {}
+    for field in fields(item):
+        value = getattr(item, field.name)
+        if _per_scenario(item, field.name, value):
+            part = value[..., which]
+            changes[field.name] = float(part) if part.ndim == 0 else part
+        elif is_dataclass(value) and (picked := pick(value, which)) is not value:
+            changes[field.name] = picked
+    return replace(item, **changes) if changes else item
+
+
+class Together:
+    """Scenarios of one direction of travel, that are solved as one array; filled period by period."""
+
+    def __init__(self, plan: Plan, angle: float, speed: Array, times: Array) -> None:
+        """``speed`` (S,) at the start, none of them zero; ``times`` (n,) of the states to be returned."""
+        self.plan, self.times = plan, times
+        self.direction = 1 if speed[0] > 0 else -1
+        self.angle, self.speed = np.empty((len(times), len(speed))), np.empty((len(times), len(speed)))
+        self.works = np.zeros((2, len(speed)))
+        self.alone = np.zeros(len(speed), dtype=bool)
+        self.before: Flow | None = None
+        self.at = angle
+        self.clock = np.zeros(len(speed))
+        self.energy = 0.5 * (plan.table.at(np.array([angle]))[0][INERTIA, 0] + plan.line.inertia) * speed**2
+
+    def run(self, tolerance: float) -> None:
+        """Run all to the last of the times, or mark them as ``alone``."""
+        until = float(self.times[-1])
+        if self.plan.timed or not np.all(self.energy > 0):
+            self.alone[:] = True
+            return
+        while (going := ~self.alone & (self.clock < until)).any():
+            extent = self.plan.table.period
+            if extent is None:
+                self.alone |= going
+                return
+            flow, passed = self._period(extent, going, until, tolerance)
+            going &= ~self.alone
+            self._read(flow, passed, going, until)
+            through = going & (passed[-1] < until)
+            for k, part in self._parts(flow):
+                self.works[k] += np.where(through, _sums(flow, part).sum(axis=0), 0.0)
+            self.before = flow if len(flow.grid.kinds) < len(self.plan.table.borders) + turning.MOST_KEPT else None
+            self.clock = np.where(going, passed[-1], self.clock)
+            self.energy = np.where(going, flow.ends[-1], self.energy)
+            self.at += self.direction * extent
+
+    def _period(self, extent: float, going: Mask, until: float, tolerance: float) -> tuple[Flow, Array]:
+        """The period solved well enough for all that are ``going``, and the times (p + 1, S) at its borders."""
+        plan, guess = self.plan, None
+        if self.before is not None:
+            grid, guess = replace(self.before.grid, start=self.at), self.before.energy
+        else:
+            ends = over_angle.borders(plan.table, plan.edges, self.at, self.direction, extent)
+            grid = over_angle.grid(plan.scene, plan.table, self.at, self.direction, ends)
+        for _ in range(MOST_CUTS):
+            flow = over_angle.flow(plan.scene, grid, self.energy, guess)
+            passed = np.concatenate([self.clock[None], _sums(flow, 1 / flow.speed)]).cumsum(axis=0)
+            stopping = over_angle.stopping(flow)
+            # what comes after the end of the run does not matter
+            self.alone |= going & (stopping & (passed[:-1] < until)).any(axis=0)
+            which = np.flatnonzero(going & ~self.alone)
+            if not len(which):
+                return flow, passed
+            upto = int((passed[:-1, which] < until).any(axis=1).sum())
+            cuts = over_angle.unresolved(flow, upto, tolerance, which=which)
+            if not len(cuts):
+                return flow, passed
+            ends = np.sort(np.concatenate([grid.borders, cuts]))
+            grid, guess = over_angle.grid(plan.scene, plan.table, self.at, self.direction, ends), None
+        self.alone |= going
+        return flow, passed
+
+    def _read(self, flow: Flow, passed: Array, going: Mask, until: float) -> None:
+        """Fill in the states within a period."""
+        r, grid = rule(), flow.grid
+        first = self.times.searchsorted(passed[0])
+        last = np.where(passed[-1] >= until, len(self.times), self.times.searchsorted(passed[-1]))
+        counts = np.where(going, last - first, 0)
+        scenario = np.repeat(np.arange(len(counts)), counts)
+        place = np.arange(len(scenario)) - np.repeat(counts.cumsum() - counts, counts) + first[scenario]
+        time = self.times[place]
+        panel = np.clip((passed[:, scenario] <= time).sum(axis=0) - 1, 0, len(grid.kinds) - 1)
+        slowness = (grid.measure[:, :, None] / flow.speed)[:, panel, scenario]
+        since = time - passed[panel, scenario]
+        x = turning.place_at(r.integral @ slowness, since, passed[panel + 1, scenario] - passed[panel, scenario])
+        along, measure = over_angle.travelled(grid, panel, x)
+        self.angle[place, scenario] = self.at + self.direction * along
+        self.speed[place, scenario] = self.direction * measure / turning.values(r.monomials @ slowness, x)
+        # of those that end here, the work up to the end
+        ending = np.flatnonzero(place == len(self.times) - 1)
+        of, at = scenario[ending], panel[ending]
+        for k, part in self._parts(flow):
+            before = np.concatenate([np.zeros((1, len(going))), _sums(flow, part).cumsum(axis=0)])[at, of]
+            within = turning.values(r.integral @ (part * grid.measure[:, :, None])[:, at, of], x[ending])
+            self.works[k, of] += before + within
+
+    def _parts(self, flow: Flow) -> "list[tuple[int, Array]]":
+        """Forces of the drive along the travel, and of the loads against it, where there are any; each with its row in ``works``."""
+        scene = self.plan.scene
+        return ([(0, flow.driving)] if scene.drive is not None else []) + ([(1, -flow.resisting)] if scene.forces else [])
+
+
+def _sums(flow: Flow, rate: Array) -> Array:
+    """Integrals (p, S) over the panels of a rate (q, p, S) by the angle travelled."""
+    q, p, count = rate.shape
+    return np.asarray((rule().weights @ (rate * flow.grid.measure[:, :, None]).reshape(q, -1)).reshape(p, count))
+
+
+def simulate(
+    speed: Array,
+    angle: float,
+    times: Array,
+    tolerance: float,
+    plan: Callable[[Indices], Plan],
+    alone: Callable[[int], Any],
+) -> Runs:
+    """Run S scenarios.
+
+    Args:
+        speed: (S,) at the start [rad/s]. times: (n,) of the states [s].
+        plan: of the scenarios with these indices, as one array. alone: the `Run` of one scenario, with these n states.
+    """
+    began, count = clock.perf_counter(), len(speed)
+    angles, speeds, works = np.empty((len(times), count)), np.empty((len(times), count)), np.zeros((2, count))
+    errors: list[SimulationError | None] = [None] * count
+    left = list(np.flatnonzero(speed == 0))
+    for direction in (1, -1):
+        ones = np.flatnonzero(np.sign(speed) == direction)
+        for start in range(0, len(ones), AT_ONCE):
+            some = ones[start : start + AT_ONCE]
+            together = Together(plan(some), angle, speed[some], times)
+            together.run(tolerance)
+            angles[:, some], speeds[:, some], works[:, some] = together.angle, together.speed, together.works
+            left += list(some[together.alone])
+    for k in map(int, left):
+        try:
+            run = alone(k)
+        except SimulationError as error:
+            errors[k] = error
+            continue
+        angles[:, k], speeds[:, k], works[:, k] = run.crank_angle, run.crank_speed, (run.drive_work[-1], run.load_work[-1])
+    whole = plan(np.arange(1))
+    slide = None if whole.scene.press.slide is None else whole.table.at(angles)[0][COORDINATES]
+    for array in (angles, speeds, works):
+        array.setflags(write=False)
+    return Runs(times, angles, speeds, slide, works[0], works[1], tuple(errors), clock.perf_counter() - began, alone)
