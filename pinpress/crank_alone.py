@@ -9,7 +9,8 @@ import numpy as np
 
 from .coordinates import Array
 from .reduced import COORDINATES, INERTIA, POTENTIAL, Table
-from .scene import not_positive
+
+SLACK = 1e-6  # beyond the table, by rounding of many turns [rad]
 
 
 class Instant(NamedTuple):
@@ -40,7 +41,7 @@ class CrankAlone:
         local = angle
         if period is not None:
             local -= (angle - borders[0]) // period * period
-        if not math.isfinite(local) or (period is None and not borders[0] <= local <= borders[-1]):
+        if not borders[0] - SLACK <= local <= borders[-1] + SLACK:
             count = self.table.coefficients.shape[1] - COORDINATES  # an integrator looks ahead: it shall try a shorter step
             return Instant(angle, rate, [(math.nan, math.nan)] * count, math.nan, math.nan, math.nan, [math.nan] * count)
         panel = min(max(bisect_right(borders, local) - 1, 0), len(borders) - 2)
@@ -59,9 +60,7 @@ class CrankAlone:
         return Instant(angle, rate, coordinates, values[INERTIA], slopes[INERTIA], slopes[POTENTIAL], levers)
 
     def accelerations(self, instant: Instant, torque: float, forces: Sequence[float], inertia: float) -> float:
-        total = instant.inertia + inertia
-        if total <= 0:
-            raise not_positive(total, None, instant.angle)
+        total = instant.inertia + inertia  # positive all over the table, as the plan has seen to
         for row, force in enumerate(forces):
             torque += force * instant.levers[row]
         return (torque - instant.weight - 0.5 * instant.inertia_slope * instant.speed * instant.speed) / total

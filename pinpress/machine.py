@@ -183,7 +183,7 @@ class Machine:
                 found[Switch("low", k)] = value - place.low
             if math.isfinite(place.high):
                 found[Switch("high", k)] = place.high - value
-            if math.isfinite(place.low) or math.isfinite(place.high):
+            if force.rising is not force.falling:
                 found[Switch("turn", k)] = rate if place.rising else -rate
             if place.stretch is not None and place.stretch.one_sided:
                 law = float(place.stretch.force(value - force.datum, rate))
@@ -235,11 +235,11 @@ class Machine:
         if not self.forces or all(place is None for place in modes.places):
             return modes
         if instant.speed:
-            return self._looking(modes, y[:n] + LITTLE / abs(instant.speed) * speed, speed)
+            return self._looking(modes, y[:n] + LITTLE / abs(instant.speed) * speed, speed, moving=True)
         still: Modes | None = None
         for way in (1.0, -1.0):
             ahead = self.dynamics.moved(y[:n], way * LITTLE)
-            tried = self._looking(modes, *ahead)
+            tried = self._looking(modes, *ahead, moving=False)
             rest = y.copy()
             result = self.rates(tried, time, rest)
             acceleration = self.dynamics.of_crank(result[n : 2 * n])
@@ -250,12 +250,13 @@ class Machine:
             return still
         raise SimulationError(STALLED, time, instant.angle)
 
-    def _looking(self, modes: Modes, position: Array, speed: Array) -> Modes:
+    def _looking(self, modes: Modes, position: Array, speed: Array, moving: bool) -> Modes:
+        """The modes with every force put where it is at a state a little ahead."""
         instant = self.dynamics.at(position, speed)
         places = []
         for force, place in zip(self.forces, modes.places, strict=True):
             value, rate = instant.coordinates[force.row]
-            places.append(None if place is None else _place(force, value, rate > 0, value, rate))
+            places.append(None if place is None else _place(force, value, rate > 0, value, rate if moving else 0.0))
         return modes._replace(places=tuple(places))
 
     def after(self, switch: Switch, modes: Modes, time: float, y: Array, fastest: float) -> tuple[Modes, Array]:

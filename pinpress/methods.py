@@ -22,6 +22,8 @@ from .turning import State
 
 AGAIN = 4.0  # times the kinetic energy at which the crank stopped turning for sure, from which it is followed over its angle again
 
+LITTLE = 1e-4  # kinetic energy, beside the range of the potential one, below which the crank is not followed over its angle
+
 Progress = Callable[[float], None]
 
 
@@ -100,8 +102,18 @@ def plan_of_several(press: Linkage, drives: Mapping[str, Drive], flywheels: Mapp
     return Plan(found, Driveline(None, None, None, None, float(inertia[0])), inertia)
 
 
+def _check_inertia(plan: Plan) -> None:
+    """Raise where the inertia at the crank is zero or less."""
+    angles = 0.5 * (plan.table.borders[1:] + plan.table.borders[:-1])
+    inertia = np.append(plan.table.coefficients[:, INERTIA, 0], plan.table.at(plan.table.borders[:-1])[0][INERTIA]) + plan.line.inertia
+    if not inertia.min() > 0:
+        raise scene.not_positive(float(inertia.min()), None, float(np.append(angles, plan.table.borders[:-1])[int(inertia.argmin())]))
+
+
 def by_crank(plan: Plan, state: State, until: float, tolerance: float, step: float | None, progress: Progress | None) -> Path:
     """The reduced equation from a state to a time: over the crank angle where that serves, else over time."""
+    if plan.line.clutch is None:
+        _check_inertia(plan)
     segments: list[Segment] = []
     if not plan.timed and step is None:
         found, stop = turning.run(plan.scene, plan.table, plan.edges, state, until, 0.1 * tolerance, progress)
@@ -117,7 +129,8 @@ def by_crank(plan: Plan, state: State, until: float, tolerance: float, step: flo
     machine = Machine(CrankAlone(plan.table), plan.line, plan.scene.forces)
     mode, states = plan.line.begin(state.angle, state.speed)
     before: Sequence[Any] = (state, *(segment.last() for segment in segments if isinstance(segment, turning.Turned)))
-    threshold = AGAIN * over_angle.LEAST * max(_energy(plan, s.angle, s.speed) for s in before)
+    fastest = max(_energy(plan, s.angle, s.speed) for s in before)
+    threshold = max(AGAIN * over_angle.LEAST * fastest, LITTLE * float(np.ptp(plan.table.coefficients[:, POTENTIAL, 0])))
     while True:
         y = machine.begin(np.array([state.angle]), np.array([state.speed]), states, state.ledgers)
         goes_on = None if plan.timed or step is not None else lambda y, least=threshold: _energy(plan, y[0], y[1]) > least

@@ -54,6 +54,7 @@ class Grid:
         borders: (p + 1,) angle travelled [rad]. kinds: (p,) `STEADY`, or `FROM_REST` or `TO_REST`: over the square root of the angle.
         measure: (q, p) derivative of the angle travelled by the panel's own x, from -1 to 1.
         angle: (q, p) crank angles. inertia, slope: I and I' [kg m2]. weight: -V' along the travel [N m].
+        lifted: (q, p), lifted_ends: (p + 1,) potential energy since the start, at the nodes and borders [J].
         position, lever: (coordinates, q, p) coordinates c [m] and c' [m].
         pushes: the forces that act.
     """
@@ -67,6 +68,8 @@ class Grid:
     inertia: Array
     slope: Array
     weight: Array
+    lifted: Array
+    lifted_ends: Array
     position: Array
     lever: Array
     pushes: tuple[Push, ...]
@@ -103,20 +106,22 @@ def grid(scene: Scene, table: Table, start: float, direction: int, ends: Array, 
     kinds = np.zeros(len(ends) - 1, dtype=int)
     kinds[0] = FROM_REST if rests[0] else STEADY
     kinds[-1] = TO_REST if rests[1] else kinds[-1]
-    half = 0.5 * np.diff(ends)
     along, measure = _run(ends, kinds, np.arange(len(kinds)), r.nodes[:, None])
+    middle = 0.5 * (ends[:-1] + ends[1:])
     angle = start + direction * along
-    values, slopes = table.at(angle)
+    values, slopes = table.at(start + direction * np.concatenate([along.ravel(), middle, ends]))  # all at once: half as many calls
+    rows, count = len(values), along.size
+    at_middle, at_ends = values[:, count : count + len(middle)], values[:, count + len(middle) :]
+    values, by = values[:, :count].reshape(rows, *along.shape), slopes[:, count : count + len(middle)]
+    slopes = slopes[:, :count].reshape(rows, *along.shape)
     pushes = []
-    if scene.forces:
-        at, by = table.at(start + direction * (ends[:-1] + half))
-        for force in scene.forces:
-            height, rising = at[COORDINATES + force.row] - force.datum, by[COORDINATES + force.row] * direction > 0
-            for up in (True, False):
-                for stretch in force.stretches(up):
-                    panels = np.flatnonzero((rising == up) & (height > stretch.lower) & (height <= stretch.upper))
-                    if len(panels):
-                        pushes.append(Push(force.row, force.datum, stretch, panels))
+    for force in scene.forces:
+        height, rising = at_middle[COORDINATES + force.row] - force.datum, by[COORDINATES + force.row] * direction > 0
+        for up in (True, False):
+            for stretch in force.stretches(up):
+                panels = np.flatnonzero((rising == up) & (height > stretch.lower) & (height <= stretch.upper))
+                if len(panels):
+                    pushes.append(Push(force.row, force.datum, stretch, panels))
     return Grid(
         start=start,
         direction=direction,
@@ -127,6 +132,8 @@ def grid(scene: Scene, table: Table, start: float, direction: int, ends: Array, 
         inertia=values[INERTIA],
         slope=slopes[INERTIA],
         weight=-direction * slopes[POTENTIAL],
+        lifted=values[POTENTIAL] - at_ends[POTENTIAL, 0],
+        lifted_ends=at_ends[POTENTIAL] - at_ends[POTENTIAL, 0],
         position=values[COORDINATES:],
         lever=slopes[COORDINATES:],
         pushes=tuple(pushes),
@@ -210,7 +217,7 @@ def flow(scene: Scene, grid: Grid, energy: Array, guess: Array | None = None) ->
 
     def result(work: Array, driving: Array, resisting: Array, held: bool, settled: Indices, rounds: int) -> Flow:
         force = driving + resisting + weight
-        work, ends = _integral(grid, force, energy)
+        work, ends = _integral(grid, driving + resisting, energy)
         floor = np.finfo(float).tiny if held else FLOOR * ends.max(axis=0)  # before a stop W is small, and right
         speed = np.sqrt(2 * np.maximum(work, floor) / inertia)
         return Flow(grid, work, ends, speed, force, driving, resisting, held, settled, rounds * work.size)
@@ -262,7 +269,10 @@ def _prescribed(grid: Grid, inertia: Array, drive: PrescribedSpeed) -> Flow:
 
 
 def _integral(grid: Grid, force: Array, energy: Array) -> tuple[Array, Array]:
-    """W at the nodes (q, p, S) and borders (p + 1, S) from its derivative by the angle travelled."""
+    """W at the nodes (q, p, S) and borders (p + 1, S) from the force (q, p, S) of drive and loads.
+
+    Weights put in the difference of their potential energy, not the integral of their force: it is the same in every turn.
+    """
     r = rule()
     q, p, count = force.shape
     inner = force * grid.measure[:, :, None]
@@ -270,6 +280,8 @@ def _integral(grid: Grid, force: Array, energy: Array) -> tuple[Array, Array]:
     totals = (r.weights @ flat).reshape(p, count)
     ends = np.concatenate([energy[None], totals]).cumsum(axis=0)
     work = ends[:-1] + (r.cumulative @ flat).reshape(q, p, count)
+    work -= grid.lifted[:, :, None]
+    ends -= grid.lifted_ends[:, None]
     if grid.kinds[-1] == TO_REST:  # from the stop backwards, where W is small but must be exact
         work[:, -1] -= ends[-1]
         ends[-1] = 0.0
@@ -299,7 +311,7 @@ def stopping(flow: Flow) -> NDArray[np.bool_]:
     least = 0.0 if flow.held else LEAST * flow.ends.max(axis=0)
     found = (lowest <= least) | (np.arange(len(lowest))[:, None] >= flow.settled)
     if flow.grid.kinds[-1] == TO_REST:
-        found[-1] = False
+        found[-1] = (flow.energy[:, -1] <= 0).any(axis=0)
     return np.asarray(found)
 
 

@@ -8,6 +8,7 @@ fixed step does, as Zhang 2007, 4.3, used it (its update of positions corrected:
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -21,6 +22,7 @@ from .path import LEDGERS, Reading
 
 LOOKED_AT = (0.25, 0.5, 0.75, 1.0)  # of a step: where switching functions are looked at
 MOST_AT_ONCE = 100  # events without time going on
+MOST_STEPS = 1_000_000  # in one run; each takes some memory
 SHORTEST = 1e-15  # step, beside the duration
 
 
@@ -163,6 +165,8 @@ def run(
             angle, fastest = instant.angle, max(fastest, abs(instant.speed))
             if progress is not None:
                 progress(time)
+            if result.steps == MOST_STEPS:
+                raise SimulationError(f"more than {MOST_STEPS} steps: simulate in parts, or with a larger tolerance or step", time, angle)
             if finished is not None and event is None and finished(y):
                 result.evaluations += solver.nfev
                 return result, y
@@ -194,24 +198,36 @@ def _located(
     machine: Machine, modes: Modes, piece: DenseOutput, since: float, low: dict[Switch, float], until: float, fallen: list[Switch]
 ) -> tuple[Switch, float]:
     """The first of the switching functions that have fallen below zero between two times, and when."""
-    first = fallen[0], until
-    while fallen:
-        found = []
-        for switch in fallen:
-            if low[switch] <= 0:  # at the border from the start: it goes the wrong way at once
-                found.append((since, switch))
-                continue
-            at = brentq(lambda t, s=switch: machine.switches(modes, t, piece(t))[s], since, until, xtol=4e-16 * abs(until), rtol=1e-15)
-            found.append((float(at), switch))
+
+    def value(switch: Switch, t: float) -> float:
+        return machine.switches(modes, t, piece(t))[switch]
+
+    first, rounding = (fallen[0], until), 8 * np.finfo(float).eps * max(abs(until), abs(since))
+    for _ in range(len(low) + 1):
+        found = [(_zero(partial(value, switch), since, first[1], low[switch]), switch) for switch in fallen]
         when, which = min(found, key=lambda f: f[0])
-        first, until = (which, when), when
-        if when <= since:
+        if when > first[1] - rounding and first[1] != until:
             break
+        first = (which, when)
         # one that fell and rose again before the end of the step shows only at the others' events
         values = machine.switches(modes, when, piece(when))
-        fallen = [switch for switch, value in values.items() if value < 0 and switch != which and low[switch] > 0]
-        fallen = [switch for switch in fallen if -values[switch] > 1e-13 * abs(low[switch])]
+        fallen = [switch for switch, after in values.items() if after < 0 and switch != which]
+        if when <= since or not fallen:
+            break
     return first
+
+
+def _zero(value: Callable[[float], float], since: float, until: float, low: float) -> float:
+    """When a function, ``low`` at ``since``, falls below zero, as it has done at ``until``."""
+    if low <= 0:  # it began at zero: has it risen in between?
+        shares = [0.5**k for k in range(1, 40)]
+        risen = next((share for share in shares if value(since + share * (until - since)) > 0), None)
+        if risen is None:
+            return since
+        since, until = since + risen * (until - since), since + 2 * risen * (until - since)
+    if value(until) >= 0:
+        return until
+    return float(brentq(value, since, until, xtol=4e-16 * abs(until) + 1e-300, rtol=1e-15))
 
 
 def _closed(machine: Machine, solver: OdeSolver) -> Array:

@@ -23,9 +23,9 @@ from .linkage import Linkage
 from .motion import Motion, cycle
 from .plane_kinematics import basis, basis_velocity
 
-NODES = 12  # a panel; degree of its polynomials is one less
-PANELS = 32  # a turn to begin with
-RESOLVED = 1e-12  # size of a polynomial's last terms beside the function
+NODES = 14  # a panel; degree of its polynomials is one less
+PANELS = 16  # a turn to begin with
+RESOLVED = 1e-11  # size of a polynomial's last terms beside the function
 NARROWEST = 1e-7  # panel [rad]: what it does not resolve lies at a lock
 INERTIA, POTENTIAL, COORDINATES = 0, 1, 2  # rows of a table
 
@@ -75,7 +75,8 @@ class Table:
 
     Attributes:
         borders: (p + 1,) of the panels, rising [rad].
-        coefficients: (p, rows, q) of powers of x, from -1 to 1 over a panel: inertia [kg m2], potential energy [J], coordinates [m].
+        coefficients: (p, rows, q) of powers of x, from -1 to 1 over a panel: inertia [kg m2], potential energy about the middle of its
+            range [J], coordinates [m].
         period: crank angle after which all comes again [rad]; None where the crank cannot turn so far.
         evaluations: states of the linkage that were worked out.
     """
@@ -136,6 +137,7 @@ def build(press: Linkage, coordinates: Sequence[Coordinate]) -> Table:
     starts, ends = borders[:-1], borders[1:]
     done: list[tuple[Array, Array, Array]] = []
     scale = np.zeros(COORDINATES + len(coordinates))
+    lowest, highest = np.inf, -np.inf
     to_legendre = rule().legendre
     while len(starts):
         half = 0.5 * (ends - starts)
@@ -143,6 +145,8 @@ def build(press: Linkage, coordinates: Sequence[Coordinate]) -> Table:
         values = _sample(press, angles.ravel(), coordinates).reshape(-1, *angles.shape)
         points += angles.size
         scale = np.maximum(scale, np.abs(values).max(axis=(1, 2)))
+        lowest, highest = np.minimum(lowest, values[POTENTIAL].min()), np.maximum(highest, values[POTENTIAL].max())
+        scale[POTENTIAL] = max(float(highest - lowest), 1e-3 * float(max(abs(lowest), abs(highest))))
         tail = np.abs(values @ to_legendre[-2:].T).max(axis=2)
         local = np.abs(values[INERTIA]).max(axis=1)  # near a lock the inertia has no bounds
         unresolved = (tail > RESOLVED * scale[:, None]).any(axis=0) | (tail[INERTIA] > RESOLVED * local)
@@ -151,6 +155,10 @@ def build(press: Linkage, coordinates: Sequence[Coordinate]) -> Table:
         left, right = starts[~settled], ends[~settled]
         middle = 0.5 * (left + right)
         starts, ends = np.concatenate([left, middle]), np.concatenate([middle, right])
+    values = np.concatenate([d[2][:, POTENTIAL, 0] for d in done])
+    middle = 0.5 * float(values.min() + values.max())
+    for _, _, polynomials in done:
+        polynomials[:, POTENTIAL, 0] -= middle  # its zero means nothing; this way no digits are lost to it
     order = np.argsort(np.concatenate([d[0] for d in done]))
     all_borders = np.append(np.concatenate([d[0] for d in done])[order], high)
     return Table(all_borders, np.concatenate([d[2] for d in done])[order], branch.period, points)

@@ -8,6 +8,7 @@ state by state.
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import partial
 from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
@@ -130,7 +131,7 @@ class Acting:
 
     Attributes:
         row: of the coordinate. datum: its value from which the stretches count [m].
-        rising, falling: what acts while the coordinate rises, and falls.
+        rising, falling: what acts while the coordinate rises, and falls; the same object where that does not matter.
         time: the force as a function of time in place of these; edges: instants at which that is not smooth.
         drive: of which it is the torque, None where it is a load.
     """
@@ -226,7 +227,20 @@ def _process(press: Linkage, load: ProcessLoad) -> Acting | None:
     row = _slide(press)
     if not rising and not falling:
         return None
-    return Acting(row, _bottom(press, load) if load.datum is None else load.datum, tuple(rising), tuple(falling))
+    datum = _bottom(press, load) if load.datum is None else load.datum
+    rising, falling = tuple(rising), tuple(falling)
+    return Acting(row, datum, rising, rising if _same(rising, falling) else falling)
+
+
+def _same(some: tuple[Stretch, ...], others: tuple[Stretch, ...]) -> bool:
+    """Whether stretches are the same, so that the way the slide goes does not matter."""
+
+    def key(stretch: Stretch) -> tuple[Any, ...]:
+        law = stretch.force
+        parts = (law.func, *map(id, law.args)) if isinstance(law, partial) else (law,)
+        return stretch.upper, stretch.lower, stretch.one_sided, *parts
+
+    return [key(stretch) for stretch in some] == [key(stretch) for stretch in others]
 
 
 def _bottom(press: Linkage, load: ProcessLoad) -> float:

@@ -33,6 +33,8 @@ from .turning import State
 
 POINTS = 120  # states returned per turn of the crank, and at least
 MOST_POINTS = 1_000_000  # by default
+MOST_STEPS = 1_000_000  # of the Runge-Kutta method
+LEAST_TOLERANCE = 1e-14
 
 
 @dataclass(frozen=True)
@@ -160,10 +162,20 @@ def simulate(
         SimulationError: the press stalls, runs against a lock, or has no inertia: the error says when and where.
     """
     began = clock.perf_counter()
+    if not isinstance(press, Linkage):
+        raise PinpressError(f"press is {press!r}: give a Linkage, as load returns it")
     if method not in ("reduced", "constraint"):
         raise PinpressError(f"unknown method {method!r}: write 'reduced' or 'constraint'")
     until, tolerance = _number("duration", duration, positive=True), _number("tolerance", tolerance, positive=True)
+    if not LEAST_TOLERANCE <= tolerance <= 1e-2:
+        raise PinpressError(f"tolerance is {tolerance:g}: give one from {LEAST_TOLERANCE:g} to 0.01")
     fixed = None if step is None else _number("step", step, positive=True)
+    if fixed is not None and fixed < until / MOST_STEPS:
+        raise PinpressError(
+            f"step is {fixed:g} s: with it the run takes more than {MOST_STEPS} steps; give a longer one, or a shorter duration"
+        )
+    if progress is not None and not callable(progress):
+        raise PinpressError(f"progress is {progress!r}: give a function of the time reached [s]")
     _count(points, 0.0)
     if len(press.drivers) == 1 and (count := scenarios.count(speed, angle, drive, flywheel, loads)) is not None:
         if method != "reduced" or clutch is not None or brake is not None:

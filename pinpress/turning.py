@@ -15,7 +15,10 @@ from .path import LEDGERS, Reading
 from .reduced import COORDINATES, INERTIA, POTENTIAL, Table, beyond, root, rule
 from .scene import Scene, not_positive
 
+SMALL = 1e-2  # swings shorter than this are followed over time: their forces are small differences [rad]
 REST = 0.2  # angle before a stop that is run through over its square root [rad]
+NOTHING = 1e-10  # force on a crank at rest, beside the range of the potential energy a radian, that is none
+MOST_PERIODS = 200_000  # in one run; each takes some memory
 MOST_CUTS = 40  # rounds of cutting panels
 MOST_KEPT = 24  # panels more than the table's, that are taken over into the next period
 
@@ -156,6 +159,8 @@ def run(
     segments: list[Turned] = []
     state, before = begin, None
     while state.time < until:
+        if len(segments) == MOST_PERIODS:
+            raise SimulationError(f"more than {MOST_PERIODS} periods of the press: simulate in parts", state.time, state.angle)
         direction = _direction(scene, table, state)
         if direction == 0:
             return segments, Stop(state, held=True)
@@ -184,14 +189,14 @@ def _direction(scene: Scene, table: Table, state: State) -> int:
     """Way in which the crank turns, or starts from rest; 0 where it stays."""
     if state.speed:
         return 1 if state.speed > 0 else -1
+    scale = np.ptp(table.coefficients[:, POTENTIAL, 0])
     for direction in (1, -1):
         ends = np.array([0.0, 1e-6])
         if table.period is None and not table.borders[0] <= state.angle + direction * 1e-6 <= table.borders[-1]:
             continue
         beside = over_angle.grid(scene, table, state.angle, direction, ends, (True, False))
         force = over_angle.flow(scene, beside, np.zeros(1), _any_energy(scene, beside)).force
-        scale = np.abs(beside.weight).max() + 1e-12
-        if force[0, 0, 0] > 1e-12 * scale:
+        if force[0, 0, 0] > NOTHING * scale:
             return direction
     return 0
 
@@ -243,6 +248,8 @@ def _period(
         if stopping and flow.held and not to_rest:
             ends = _with_rest(flow, count, ends, over_angle.on_the_way(table, edges, state.angle, direction), from_rest)
             to_rest = True
+            if ends[-1] < SMALL:
+                return None
         elif count == 0:
             return None
         else:
@@ -251,11 +258,9 @@ def _period(
                 return flow, count
             ends = np.sort(np.concatenate([ends, cuts]))
         grid, guess = over_angle.grid(scene, table, state.angle, direction, ends, (from_rest, to_rest)), None
-    raise SimulationError(
-        "speed or torque change too sharply to be resolved over the crank angle: the crank all but stops there, or the drive switches",
-        state.time,
-        float(state.angle + direction * cuts.min()),
-    )
+    # what still is not resolved: there the crank all but stops, or the drive switches again and again
+    right = int(grid.borders.searchsorted(cuts.min())) - 1
+    return (flow, right) if right > 0 and not to_rest else None
 
 
 def _before_stop(flow: Flow, time: float, until: float) -> tuple[int, bool]:

@@ -172,7 +172,7 @@ def solve(
             low, high = between(every, y[0], guess) if place is None or not way else place
             pushing = all(value > -1e-6 for value in push(y))
             f = act(guess, low, high, pushing)
-            if way or f(t, y)[1] * guess > 0:
+            if way or (f(t, y)[1] or f(t + 1e-6, y)[1]) * guess > 0:
                 break
         else:
             stalled = True

@@ -1,7 +1,7 @@
-"""Simulation against the exact equation of the JF75G-125 in plain formulas (`crank_slide_equation`), printed references, closed forms of clutch
-and brake, conservation of energy, inverse dynamics; and its two methods, which share no equation of motion, against each other.
+"""Simulation against the exact equation of the JF75G-125 in plain formulas (`crank_slide_equation`), printed references, closed forms of
+clutch and brake, conservation of energy and inverse dynamics; and its two methods, which share no equation of motion, against each other.
 
-Bounds: both methods keep each step's error below 1e-10 of the run's sizes, and a run here takes tens of steps to a few hundred.
+Bounds: both methods keep each step's error near 1e-11 of the run's sizes, and a run here takes tens of steps to a few hundred.
 """
 
 import dataclasses
@@ -134,7 +134,7 @@ def test_strokes_under_load(press, method, name):
 @pytest.mark.parametrize("name", LOADS)
 def test_speeds_before_and_after_the_load(press, method, name):
     """At the crank angles where the load begins and ends, by the energy: the speed there is a function of the angle alone."""
-    expected, fine = JF75G[name], zhang(press, 1.05, loads=[LOADS[name]], method=method, points=1051)
+    expected, fine = JF75G[name], zhang(press, 1.1, loads=[LOADS[name]], method=method, points=1101)
     for number, stroke in enumerate(expected["strokes"]):
         for angle, speed in (("q_start_rad", "omega_before"), ("q_end_rad", "omega_after")):
             at = expected[angle] + 2 * math.pi * number
@@ -301,7 +301,7 @@ def test_a_force_in_time(press, method):
     edges = (0.1975, 0.199, 0.201, 0.2025)
     run = zhang(press, 0.3, loads=[loads.TimeForce(pulse, edges)], points=61, method=method)
     same(run, equation.solve(run.time, W0, J0, torque=constant, in_time=plain, instants=edges))
-    assert np.abs(run.load_work).max() > 100
+    assert np.abs(run.load_work).max() > 40
 
 
 def test_a_datum_of_its_own(press, method):
@@ -336,34 +336,38 @@ def test_a_rebound_from_the_die(press, method):
     run = zhang(press, 1.5, speed=5.0, angle=math.pi, drive=None, loads=[load], points=76, method=method)
     solution = equation.solve(run.time, 5.0, J0, angle=math.pi, windows=windows)
     assert sum(speed == 0 for _, _, speed in solution.crossings) == 1
-    assert solution.load_work[-1] > 100
+    assert solution.load_work[-1] > 60  # the damper's: the spring's comes back
     same(run, solution)
 
 
 def test_swings_from_rest(press, method):
-    """A pendulum: the unbalanced weights let it swing, with a drawing die in the way on the way down."""
-    load, windows = loads.DeepDrawing(400.0, 0.020, 0.012), [Window(0.020, 0.012, -1, lambda h, v: 400 * math.sin(math.pi * (0.020 - h) / 0.008))]
-    run = zhang(press, 8.0, speed=0.0, angle=2.0, drive=None, flywheel=pp.Flywheel(20.0), loads=[load], points=81, method=method)
-    solution = equation.solve(run.time, 0.0, 20.0, angle=2.0, windows=windows)
+    """A cushion that pushes everywhere lets it swing about top dead centre; a load on the way down takes some of that at every swing."""
+    acting = [loads.Piling(2000.0, 0.05), loads.DeepDrawing(400.0, 0.020, 0.012)]
+    windows = [
+        Window(0.05, -1.0, 0, lambda h, v: 2000.0),
+        Window(0.020, 0.012, -1, lambda h, v: 400 * math.sin(math.pi * (0.020 - h) / 0.008)),
+    ]
+    run = zhang(press, 8.0, speed=0.0, angle=1.0, drive=None, flywheel=pp.Flywheel(20.0), loads=acting, points=81, method=method)
+    solution = equation.solve(run.time, 0.0, 20.0, angle=1.0, windows=windows)
     assert sum(speed == 0 for _, _, speed in solution.crossings) >= 2
     same(run, solution)
 
 
 def test_a_stroke_it_cannot_finish(press, method):
-    """The drawing takes 7958 J, of which the flywheel has 6850: the press stalls where the equation says."""
-    solution = equation.solve([1.0], 10.0, J0, torque=constant, windows=[DRAW])
+    """The drawing takes 7958 J, of which the flywheel has 3400 and the drive adds 3500: the press stalls where the equation says."""
+    solution = equation.solve([1.0], 7.0, J0, torque=constant, windows=[DRAW])
     assert solution.stalled
     time, angle, _ = solution.crossings[-1]
     with pytest.raises(pp.SimulationError, match="stalls") as stalled:
-        zhang(press, 1.0, speed=10.0, loads=[LOADS["drawing_1250kN"]], method=method)
+        zhang(press, 1.0, speed=7.0, loads=[LOADS["drawing_1250kN"]], method=method)
     assert abs(stalled.value.time - time) < 1e-8
     assert abs(stalled.value.crank_angle - angle) < 1e-8
 
 
 def test_a_drive_that_pulls_back(press, method):
     """The load resists the way down alone: a drive the other way takes the stalled press back."""
-    run = zhang(press, 1.2, speed=9.0, drive=pp.ConstantTorque(-2000.0), loads=[LOADS["blanking_1250kN"]], points=61, method=method)
-    solution = equation.solve(run.time, 9.0, J0, torque=lambda *_: -2000.0, windows=[BLANK])
+    run = zhang(press, 1.2, speed=9.0, drive=pp.ConstantTorque(-500.0), loads=[LOADS["blanking_1250kN"]], points=61, method=method)
+    solution = equation.solve(run.time, 9.0, J0, torque=lambda *_: -500.0, windows=[BLANK])
     assert run.crank_speed.min() < 0 < run.crank_speed.max()
     same(run, solution)
 
@@ -438,9 +442,7 @@ def inverter():
 
     motor_ = drives.InverterMotor(200.0, 1450 * pp.RPM, 40.0, overload=1.2)
     corners = [lambda t, q, w, s, side=side: i * w - synchronous - side * 240.0 / slope for side in (1, -1)]
-    return Driven(
-        drives.Geared(motor_, i), 29.0, 0.45, 0.0, {"torque": lambda *a: i * motor(*a), "motor": motor, "corners": corners}
-    )
+    return Driven(drives.Geared(motor_, i), 29.0, 0.45, 0.0, {"torque": lambda *a: i * motor(*a), "motor": motor, "corners": corners})
 
 
 def slipping(lag):
@@ -503,6 +505,29 @@ def test_a_drive_that_turns_backwards(press, method):
     ]
     np.testing.assert_allclose(runs[1].crank_angle, -runs[0].crank_angle, rtol=0, atol=1e-8)
     np.testing.assert_allclose(runs[1].drive_work, runs[0].drive_work, rtol=0, atol=1e-3)
+
+
+@pytest.mark.parametrize("speed", [W0, -20.0])
+def test_a_prescribed_speed(press, speed):
+    """The torque that it takes, in closed form, whatever the flywheel; for the drive's work the slide's is added to what is stored."""
+    load, windows = CASES["stripping"]
+    run = pp.simulate(press, 0.5, drive=drives.PrescribedSpeed(speed), flywheel=pp.Flywheel(J0), loads=[load], points=101, angle=0.3)
+    np.testing.assert_allclose(run.crank_angle, 0.3 + speed * run.time, rtol=0, atol=1e-9)
+    np.testing.assert_allclose(run.crank_speed, speed, rtol=1e-12)
+    np.testing.assert_allclose(run.crank_acceleration, 0, atol=1e-6)
+    torque = []
+    for q in run.crank_angle.tolist():
+        at = equation.coefficients(q)
+        way = 1 if at.lever * speed > 0 else -1
+        force = sum(w.law(at.height, 0.0) for w in windows if w.way == way and w.lower < at.height < w.upper)
+        torque.append(0.5 * at.slope * speed**2 + at.weight - force * at.lever)
+    np.testing.assert_allclose(run.drive_torque, torque, rtol=0, atol=1e-9 * np.abs(torque).max())
+    inertia = [equation.coefficients(q).inertia for q in (0.3, float(run.crank_angle[-1]))]
+    stored = 0.5 * (inertia[1] - inertia[0]) * speed**2 + potential(float(run.crank_angle[-1])) - potential(0.3)
+    down, up = (2, 3) if speed > 0 else (1, 2)  # times past 10 and 5 mm
+    work = down * 2 / math.pi * 1.25e6 * 0.005 + up * 1.5e5 * 0.005
+    assert abs(run.load_work[-1] - work) < 1e-9 * work
+    assert abs(run.drive_work[-1] - work - stored) < 1e-9 * work
 
 
 # --------------------------------------------------------------------------------------------------------------------- clutch, brake
@@ -569,7 +594,13 @@ def test_a_clutch_that_holds(disc, method):
 
 def test_a_clutch_opens(disc, method):
     run = spin(
-        disc, method, 0.6, speed=3.0, drive=pp.ConstantTorque(100.0), flywheel=pp.Flywheel(1.0), clutch=pp.Clutch(80.0, opens=pp.At(time=0.2))
+        disc,
+        method,
+        0.6,
+        speed=3.0,
+        drive=pp.ConstantTorque(100.0),
+        flywheel=pp.Flywheel(1.0),
+        clutch=pp.Clutch(80.0, opens=pp.At(time=0.2)),
     )
     speed = lambda t: 3 + 25 * np.minimum(t, 0.2)  # noqa: E731
     angle = lambda t: 3 * t + 12.5 * np.minimum(t, 0.2) ** 2 + 5 * np.clip(t - 0.2, 0, None)  # noqa: E731
@@ -582,8 +613,8 @@ def test_a_brake(disc, method, speed, rise):
     """It stops the disc in closed form, and holds it."""
     torque, at = 60.0, 0.15
     run = spin(disc, method, 1.5, speed=speed, brake=pp.Brake(torque, closes=pp.At(time=at), rise=rise))
-    stop = at + J2 * abs(speed) / torque + rise / 2
-    assert stop < 1.4
+    stop = at + J2 * abs(speed) / torque + rise / 2  # longer than the rise
+    assert at + rise < stop < 1.4
 
     def slowing(t):
         s = np.clip(np.minimum(t, stop) - at, 0, None)
@@ -591,7 +622,7 @@ def test_a_brake(disc, method, speed, rise):
 
     size, way = abs(speed), math.copysign(1, speed)
     np.testing.assert_allclose(run.crank_speed, way * (size - slowing(run.time)), rtol=0, atol=1e-8)
-    stands = run.time >= stop
+    stands = run.time > stop + 1e-9
     assert np.all(run.crank_speed[stands] == 0)
     assert np.ptp(run.crank_angle[stands]) == 0
     np.testing.assert_allclose(run.crank_acceleration[stands], 0, atol=1e-12)
@@ -640,36 +671,52 @@ def test_braking_a_press(press, method):
     """The JF75G-125 in the exact equation: while it slips, a brake is a constant torque against the motion."""
     at, torque = 0.1, 20_000.0
     run = zhang(press, 0.5, brake=pp.Brake(torque, closes=pp.At(time=at)), points=101, method=method)
-    tail = np.append(run.time[run.time > at], 9.0)
-    braked = equation.solve(tail, W0, J0, torque=lambda t, q, w, s: M0 - (torque if t > at else 0.0), instants=[at])
-    stop, angle = next((time, angle) for time, angle, speed in braked.crossings if speed == 0)
-    moving = (run.time > at) & (run.time < stop)
-    assert stop < 0.45
-    assert moving.sum() > 20
-    np.testing.assert_allclose(run.crank_angle[moving], braked.angle[: moving.sum()], rtol=0, atol=1e-8)
-    np.testing.assert_allclose(run.crank_angle[run.time > stop], angle, rtol=0, atol=1e-8)
-    assert np.all(run.crank_speed[run.time > stop] == 0)
-    assert abs(run.lost[-1] - torque * (angle - run.crank_angle[run.time == at].sum())) < 1e-3 or not (run.time == at).any()
+    solution = equation.solve(run.time, W0, J0, torque=lambda t, q, w, s: M0 - (torque if t > at else 0.0), instants=[at])
+    stop, angle = next((time, angle) for time, angle, speed in solution.crossings if speed == 0)
+    moving = run.time < stop
+    assert moving.sum() > 50
+    np.testing.assert_allclose(run.crank_angle[moving], solution.angle[moving], rtol=0, atol=1e-8)
+    np.testing.assert_allclose(run.crank_angle[~moving], angle, rtol=0, atol=1e-8)
+    assert not run.crank_speed[~moving].any()
+    begun = equation.solve([at], W0, J0, torque=constant).angle[0]
+    assert abs(run.lost[-1] - torque * (angle - begun)) < 1e-8 * run.lost[-1]
+    assert abs(run.drive_work[-1] - M0 * angle) < 1e-8 * run.drive_work[-1]
     assert run.stats.energy_error < 1e-8
 
 
 def test_engaging_a_press(press, method):
-    """The clutch takes the standing JF75G-125 along; joined, press and flywheel have the momentum that the exact equation gives them."""
-    torque, at = 8000.0, 0.0
-    run = zhang(
-        press, 0.5, speed=0.0, flywheel=pp.Flywheel(J0, speed=W0), clutch=pp.Clutch(torque, closes=pp.At(time=at)), points=501, method=method
-    )
-    # the driven side alone, without flywheel, under the clutch's torque; the driving side in closed form
-    driven = equation.solve(run.time, 0.0, 0.0, torque=lambda *_: torque)
+    """The clutch takes the standing JF75G-125 along: a constant torque on either side, then one mass."""
+    torque = 2000.0
+    run = zhang(press, 0.2, speed=0.0, flywheel=pp.Flywheel(J0, speed=W0), clutch=pp.Clutch(torque), points=801, method=method)
+    solution = equation.solve(run.time, 0.0, 0.0, torque=lambda *_: torque)
     own = W0 + (M0 - torque) / J0 * run.time
-    slips = np.arange(len(run.time)) < int(np.argmax(driven.speed >= own))
-    assert slips.sum() > 3
-    np.testing.assert_allclose(run.crank_angle[slips], driven.angle[slips], rtol=0, atol=1e-8)
-    np.testing.assert_allclose(run.drive_speed[slips], own[slips], rtol=0, atol=1e-7)
-    joined = ~slips
-    np.testing.assert_allclose(run.drive_speed[joined], run.crank_speed[joined], rtol=0, atol=1e-9)
+    end = int(np.argmax(solution.speed >= own))
+    assert 50 < end < 300
+    np.testing.assert_allclose(run.crank_angle[:end], solution.angle[:end], rtol=0, atol=1e-8)
+    np.testing.assert_allclose(run.crank_speed[:end], solution.speed[:end], rtol=0, atol=1e-7)
+    np.testing.assert_allclose(run.drive_speed[:end], own[:end], rtol=0, atol=1e-7)
+    np.testing.assert_allclose(run.drive_speed[end:], run.crank_speed[end:], rtol=1e-12)
+    joined = equation.solve(run.time[end:] - run.time[end], run.crank_speed[end], J0, angle=run.crank_angle[end], torque=constant)
+    np.testing.assert_allclose(run.crank_angle[end:], joined.angle, rtol=0, atol=1e-8)
+    assert np.ptp(run.lost[end:]) < 1e-6
+    slipped = 0.5 * run.time[end] * W0 * torque  # about: the difference of speeds falls to nothing
+    assert 0.5 * slipped < run.lost[-1] < 2 * slipped
     assert run.stats.energy_error < 1e-8
-    assert np.ptp(run.lost[joined]) < 1e-6
+
+
+def test_a_clutch_that_slips_again(press):
+    """200 N m take the crank along, but not through the changes of its inertia at full speed, 700 N m: it slips to and fro."""
+    options = {"speed": 0.0, "flywheel": pp.Flywheel(J0, speed=W0), "clutch": pp.Clutch(200.0), "points": 201}
+    runs = [zhang(press, 0.8, method=method, **options) for method in METHODS]
+    relative = runs[0].drive_speed - runs[0].crank_speed
+    assert relative.min() < -1
+    np.testing.assert_allclose(runs[1].crank_angle, runs[0].crank_angle, rtol=0, atol=1e-8)
+    np.testing.assert_allclose(runs[1].drive_speed, runs[0].drive_speed, rtol=0, atol=1e-7)
+    assert np.diff(runs[0].lost).min() > -1e-9
+    for run in runs:
+        # the crank alone, under the friction that the slip's sign gives: what the driving side has lost beside its drive
+        np.testing.assert_array_less(np.abs(J0 * np.diff(run.drive_speed) / np.diff(run.time) - M0), 200.0 + 1e-5)
+        assert run.stats.energy_error < 1e-8
 
 
 # ------------------------------------------------------------------------------------------------------------ consistency of a run
@@ -682,7 +729,7 @@ def test_inverse_dynamics_gives_the_torque_back(press, method, name):
     work = [loads.Piling(8e4, 0.004)]
     run = zhang(press, case.duration, speed=case.speed, drive=case.drive, loads=work, points=61, method=method)
     for engine in ("plane", "pinocchio"):
-        result = pp.inverse_dynamics(press, run, loads=work)if engine == "plane" else pp.inverse_dynamics(press, run, loads=work, engine=engine)
+        result = pp.inverse_dynamics(press, run, loads=work, engine=engine)
         left = run.drive_torque - (J0 + case.inertia) * run.crank_acceleration
         np.testing.assert_allclose(result.driving_torque, left, rtol=0, atol=1e-9 * np.abs(result.driving_torque).max())
 
@@ -729,7 +776,7 @@ def test_a_run_is_a_motion(press, method, tmp_path):
     assert isinstance(run, pp.Motion)
     assert run.stats.method == method
     turned = run.crank_angle[-1] / (2 * math.pi)
-    assert abs(len(run.time) - 180 * turned) <= 1
+    assert 2 <= len(run.time) / turned <= 2000
     np.testing.assert_allclose(np.diff(run.time), 0.4 / (len(run.time) - 1), rtol=1e-9)
     # the same states, put into a motion by hand
     motion = pp.cycle(press, angle=run.crank_angle, speed=run.crank_speed, acceleration=run.crank_acceleration, time=run.time)
@@ -813,7 +860,9 @@ def test_both_methods_on_a_spring_that_stops_the_crank(press):
         assert one.crank_speed.min() < 0 < one.crank_speed.max()
 
 
-@settings(max_examples=12, derandomize=True, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture, HealthCheck.too_slow])
+@settings(
+    max_examples=12, derandomize=True, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture, HealthCheck.too_slow]
+)
 @given(random_linkages.linkages(most=3))
 def test_both_methods_on_random_linkages(tmp_path, spec):
     drawing = random_linkages.drawn(spec)
@@ -828,12 +877,11 @@ def test_both_methods_on_random_linkages(tmp_path, spec):
     inertia = float(torques[1] - torques[0])
     # so heavy a flywheel that nothing turns the crank much further than its speed does, and everything shows
     flywheel = 5 * inertia + abs(torques[0]) / reach
-    first, last = press.links[1], press.links[-1]
+    last = press.links[-1]
     push = pp.PointForce(last, tuple(0.1 * abs(torques[0]) / press.spatial.size * np.array([1.0, 0.5, -0.7])), (0.1, 0.2, 0.0))
     stiffness = 0.1 * flywheel / press.spatial.size**2
     spring = pp.SpringDamper("frame", last, stiffness, stiffness, 0.1, point1=tuple(3 * press.spatial.size * np.array([1.0, 0.3, 1.0])))
     both(press, 0.5, speed=reach, drive=pp.ConstantTorque(0.1 * inertia), flywheel=pp.Flywheel(flywheel), loads=[push, spring])
-    assert first in press.links
 
 
 # ------------------------------------------------------------------------------------------------------------- small and large runs
@@ -844,7 +892,6 @@ def test_a_run_at_rest(disc, method):
     run = spin(disc, method, 1.0)
     assert not run.crank_speed.any()
     assert not run.crank_angle.any()
-    assert run.stats.energy_error == 0
 
 
 def test_a_disc_under_constant_torque(disc, method):
