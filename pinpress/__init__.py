@@ -24,7 +24,10 @@ from .linkage import Linkage
 from .loading import load, presses
 from .motion import RPM, Motion, cycle
 from .reactions import Reactions, inverse_dynamics
+from .run_duty import Duty, duty, strokes
+from .scenarios import Runs
 from .simulation import Run, Stats, simulate
+from .steady import steady_state
 
 __all__ = [
     "RPM",
@@ -34,6 +37,7 @@ __all__ = [
     "Clutch",
     "ConstantTorque",
     "DeadCentres",
+    "Duty",
     "Finding",
     "Flywheel",
     "Friction",
@@ -44,6 +48,7 @@ __all__ = [
     "Reactions",
     "Report",
     "Run",
+    "Runs",
     "SimulationError",
     "SingularityError",
     "SpringDamper",
@@ -54,12 +59,15 @@ __all__ = [
     "cycle",
     "dead_centres",
     "drives",
+    "duty",
     "inverse_dynamics",
     "load",
     "loads",
     "presses",
     "record",
     "simulate",
+    "steady_state",
+    "strokes",
     "write_urdf",
 ]
 

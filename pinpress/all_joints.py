@@ -6,11 +6,14 @@ from typing import NamedTuple
 import numpy as np
 
 from .coordinates import Array
-from .errors import PinpressError
+from .errors import PinpressError, SimulationError
 from .forward_dynamics import ForwardDynamics
 from .linkage import Linkage
 from .motion import cycle
 from .scene import Coordinate
+
+STANDING = 1e-6  # speed of a joint that stands [m/s]
+MOVING = 1e3  # times the crank's speed, beyond which a joint moves though the crank stands
 
 
 class Instant(NamedTuple):
@@ -35,6 +38,8 @@ class AllJoints:
         self.loops = self._with(float(inertia[0]))
         # where the crank turns on the drawn assembly, all states at once are closed from its angles
         self.turns = len(self.drivers) == 1 and press.branch.period is not None
+        # speeds of joints as those of points [m/s]
+        self.units = np.array([press.spatial.size if axis.turns else 1.0 for axis in press.spatial.axes])
         self.trouble: PinpressError | None = None
 
     def _with(self, inertia: float) -> ForwardDynamics:
@@ -64,6 +69,13 @@ class AllJoints:
 
     def of_crank(self, accelerations: Array) -> float:
         return float(accelerations[self.crank])
+
+    def stands(self, instant: Instant, time: float) -> None:
+        crank = self.units[self.crank] * abs(instant.speed)
+        if float(np.abs(self.units * instant.v).max()) > max(MOVING * crank, STANDING):
+            raise SimulationError(
+                "the crank stops where the linkage locks, and the links go on: a brake cannot hold it", time, instant.angle
+            )
 
     def moved(self, position: Array, angle: float) -> tuple[Array, Array]:
         closure = self.press.close(np.array([position[self.crank] + angle]), position[:, None], "pinocchio")

@@ -68,6 +68,9 @@ class CrankAlone:
     def of_crank(self, accelerations: float) -> float:
         return float(np.ravel(accelerations)[0])
 
+    def stands(self, instant: Instant, time: float) -> None:
+        return None
+
     def moved(self, position: Array, angle: float) -> tuple[Array, Array]:
         return position + angle, np.array([1.0 if angle > 0 else -1.0])
 

@@ -114,7 +114,7 @@ class Flywheel:
     """A flywheel on the driver joint's shaft, or with whatever else turns with it, reduced to that shaft. No drive by itself.
 
     Attributes:
-        inertia: [kg m2], or (S,); not negative.
+        inertia: [kg m2], or (S,). A negative one takes away what the URDF has too much; the sum must stay positive.
         speed: of the flywheel at the start, where an open clutch lets it differ from the crank's [rad/s]; None: that of the crank.
     """
 
@@ -122,7 +122,7 @@ class Flywheel:
     speed: float | None = None
 
     def __post_init__(self) -> None:
-        _check(self, "inertia", "not negative", "kg m2", scenarios=True)
+        _check(self, "inertia", "finite", "kg m2", scenarios=True)
         if self.speed is not None:
             _check(self, "speed", "finite", "rad/s")
 

@@ -53,7 +53,7 @@ class ForwardDynamics:
         the model has; the model itself is left alone.
 
         Raises:
-            PinpressError: an armature of another shape, negative, or not finite.
+            PinpressError: an armature of another shape, or not finite.
         """
         # its import takes long; NumPy's own QR has no pivoting, and an overhead of 10 us
         from scipy.linalg import lapack
@@ -63,8 +63,8 @@ class ForwardDynamics:
         general, self.name, self.joints = press.spatial, press.name, press.joints
         count = int(press.model.nv)
         armature = np.asarray(armature, dtype=float)
-        if armature.shape != (count,) or not (np.isfinite(armature).all() and (armature >= 0).all()):
-            raise PinpressError(f"armature is {armature}: give {count} inertias [kg m2] that are finite and not negative")
+        if armature.shape != (count,) or not np.isfinite(armature).all():
+            raise PinpressError(f"armature is {armature}: give {count} finite inertias [kg m2]")
         self.driver, self.rank = general.drivers[0], press.rank
         self.size, self.tolerance = general.size, general.tolerance
         self.model = _bounded(press.model, general.axes)

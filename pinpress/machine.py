@@ -40,6 +40,9 @@ class Dynamics(Protocol):
     def of_crank(self, accelerations: Any) -> float:
         """The crank's acceleration among these."""
 
+    def stands(self, instant: Any, time: float) -> None:
+        """Raise where the crank rests and the links do not."""
+
     def moved(self, position: Array, angle: float) -> tuple[Array, Array]:
         """Positions a small angle of the crank away, and speeds that lead there."""
 
@@ -61,15 +64,17 @@ class Place(NamedTuple):
 
 
 class Modes(NamedTuple):
-    """All that is switched: the driveline's mode, and the place of every force (None of one in time)."""
+    """All that is switched: the driveline's mode, the place of every force (None of one in time), and on which side of the corners of its
+    torque the drive runs."""
 
     line: Mode
     places: tuple[Place | None, ...]
+    sides: tuple[int, ...] = ()
 
 
 class Switch(NamedTuple):
-    """What a switching function is of: a force ("low", "high", "turn", "contact"), or a clutch or brake ("grips", "slips", "closes",
-    "opens")."""
+    """What a switching function is of: a force ("low", "high", "turn", "contact"), the drive ("corner"), or a clutch or brake ("grips",
+    "slips", "closes", "opens")."""
 
     what: str
     of: int | str
@@ -95,12 +100,13 @@ class Machine:
         states = tuple(y[2 * n : -len(LEDGERS)].tolist())
         return (instant, instant.speed, states) if self.line.clutch is None else (instant, states[-1], states[:-1])
 
-    def driving(self, time: float, y: Array) -> tuple[float, float]:
-        """Torque of the drive [N m], and the speed of its side of the clutch [rad/s]."""
-        if self.free:
-            return 0.0, float(y[self.dynamics.size + self.dynamics.crank])
+    def driving(self, time: float, y: Array) -> tuple[float, float, float]:
+        """Torque of the drive, and of its motor at its own shaft [N m], and the speed of the drive's side of the clutch [rad/s]."""
+        if self.line.drive is None:
+            return 0.0, 0.0, float(self.split(y)[1] if self.line.clutch else y[self.dynamics.size + self.dynamics.crank])
         instant, own, states = self.split(y)
-        return float(self.line.drive_torque(own, instant.angle, time, states)), float(own)
+        motor = self.line.drive.motor_torque(own, instant.angle, time, states)
+        return float(self.line.drive_torque(own, instant.angle, time, states)), float(np.ravel(motor)[0]), float(own)
 
     def rates(self, modes: Modes, time: float, y: Array) -> Array:
         """dy/dt (len(y),)."""
@@ -188,6 +194,8 @@ class Machine:
             if place.stretch is not None and place.stretch.one_sided:
                 law = float(place.stretch.force(value - force.datum, rate))
                 found[Switch("contact", k)] = law if place.pushing else -law
+        for k, (corner, side) in enumerate(zip(self.corners, modes.sides, strict=True)):
+            found[Switch("corner", k)] = side * (own - corner)
         for which, friction, grip, relative in (
             ("clutch", self.line.clutch, modes.line.clutch, own - instant.speed),
             ("brake", self.line.brake, modes.line.brake, instant.speed),
@@ -220,8 +228,28 @@ class Machine:
 
     def initial(self, time: float, y: Array, line: Mode) -> Modes:
         """Modes of a state, at the start of a run or after a standstill."""
-        modes = Modes(line, tuple(None if force.time is not None else Place(-math.inf, math.inf, True, None) for force in self.forces))
-        return self.placed(modes, time, y)
+        places = tuple(None if force.time is not None else Place(-math.inf, math.inf, True, None) for force in self.forces)
+        return self.placed(self.past_corner(Modes(line, places), y), time, y)
+
+    @cached_property
+    def corners(self) -> tuple[float, ...]:
+        """Speeds at which the drive's torque is not smooth."""
+        drive = self.line.drive
+        return () if drive is None or drive.timed else tuple(float(np.ravel(corner)[0]) for corner in drive.corners)
+
+    def past_corner(self, modes: Modes, y: Array) -> Modes:
+        """The modes with the drive on the side of every corner to which its speed tends."""
+        if not self.corners:
+            return modes
+        own = self.split(y)[1]
+        sides = modes.sides or (0,) * len(self.corners)
+        near = min(range(len(self.corners)), key=lambda k: abs(own - self.corners[k]))
+        return modes._replace(
+            sides=tuple(
+                -side if side and k == near else side or (1 if own >= corner else -1)
+                for k, (corner, side) in enumerate(zip(self.corners, sides, strict=True))
+            )
+        )
 
     def placed(self, modes: Modes, time: float, y: Array) -> Modes:
         """The modes with every force put where it is; at rest the way is that in which the crank starts.
@@ -265,6 +293,9 @@ class Machine:
         Raises:
             SimulationError: the press stalls.
         """
+        if switch.what == "corner":
+            sides = tuple(-side if k == switch.of else side for k, side in enumerate(modes.sides))
+            return modes._replace(sides=sides), y
         if isinstance(switch.of, int):
             return self._force_switched(switch, switch.of, modes, time, y, fastest), y
         return self._line_switched(switch, str(switch.of), modes, time, y)
@@ -310,6 +341,7 @@ class Machine:
             if which == "clutch":
                 y[2 * n + len(y[2 * n : -len(LEDGERS)]) - 1] = instant.speed
             else:
+                self.dynamics.stands(instant, time)
                 y[n : 2 * n] = 0.0
             grip = grip._replace(state=HOLDING)
         else:

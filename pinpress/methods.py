@@ -22,6 +22,7 @@ from .turning import State
 
 AGAIN = 4.0  # times the kinetic energy at which the crank stopped turning for sure, from which it is followed over its angle again
 
+PATIENCE = 20.0  # times as long as a period should take, that it may
 LITTLE = 1e-4  # kinetic energy, beside the range of the potential one, below which the crank is not followed over its angle
 
 Progress = Callable[[float], None]
@@ -158,6 +159,8 @@ def by_joints(
     from .machine import Machine
 
     press = plan.scene.press
+    if plan.line.inertia < 0:
+        _check_inertia(plan)
     joints = AllJoints(press, plan.scene.coordinates, plan.inertia)
     machine = Machine(joints, plan.line, plan.scene.forces)
     several = len(press.drivers) > 1
@@ -192,3 +195,32 @@ def _of_states(plan: Plan, count: int, speed: float) -> list[float]:
     """Sizes of a drive's states, and behind them of the speed of a clutch's driving side."""
     own = [] if plan.line.clutch is None else [speed]
     return [1.0] * (count - len(own)) + own
+
+
+def one_period(plan: Plan, angle: float, start: Array, tolerance: float) -> tuple[Path, Array]:
+    """A period of the table over time, from a crank angle with speed and states of the drive (k,): its path, and these at its end.
+
+    Raises:
+        SimulationError: the crank does not get that far.
+    """
+    from . import over_time
+    from .crank_alone import CrankAlone
+    from .machine import Machine
+
+    assert plan.table.period is not None
+    machine = Machine(CrankAlone(plan.table), plan.line, plan.scene.forces)
+    direction = 1.0 if start[0] > 0 else -1.0
+    target, patience = angle + direction * plan.table.period, PATIENCE * plan.table.period / abs(float(start[0]))
+    y = machine.begin(np.array([angle]), start[:1], tuple(start[1:].tolist()), np.zeros(len(LEDGERS)))
+    mode, _ = plan.line.begin(angle, float(start[0]))
+
+    def beyond(y: Array) -> bool:
+        return bool((y[0] - target) * direction >= 0)
+
+    stepped, y = over_time.run(
+        machine, machine.initial(0.0, y, mode), 0.0, y, patience, tolerance, _scale(plan, y), None, plan.breaks, beyond
+    )
+    if not beyond(y):
+        raise scene.too_slow(float(patience), float(y[0]))
+    end = stepped.cut(lambda y: float((y[0] - target) * direction))
+    return Path([stepped]), end[1 : -len(LEDGERS)]

@@ -55,6 +55,7 @@ class Grid:
         measure: (q, p) derivative of the angle travelled by the panel's own x, from -1 to 1.
         angle: (q, p) crank angles. inertia, slope: I and I' [kg m2]. weight: -V' along the travel [N m].
         lifted: (q, p), lifted_ends: (p + 1,) potential energy since the start, at the nodes and borders [J].
+        inertia_ends: (p + 1,) I at the borders. position_ends, lever_ends: (coordinates, p + 1) there.
         position, lever: (coordinates, q, p) coordinates c [m] and c' [m].
         pushes: the forces that act.
     """
@@ -70,8 +71,11 @@ class Grid:
     weight: Array
     lifted: Array
     lifted_ends: Array
+    inertia_ends: Array
     position: Array
     lever: Array
+    position_ends: Array
+    lever_ends: Array
     pushes: tuple[Push, ...]
 
 
@@ -113,6 +117,7 @@ def grid(scene: Scene, table: Table, start: float, direction: int, ends: Array, 
     rows, count = len(values), along.size
     at_middle, at_ends = values[:, count : count + len(middle)], values[:, count + len(middle) :]
     values, by = values[:, :count].reshape(rows, *along.shape), slopes[:, count : count + len(middle)]
+    slopes_ends = slopes[:, count + len(middle) :]
     slopes = slopes[:, :count].reshape(rows, *along.shape)
     pushes = []
     for force in scene.forces:
@@ -133,9 +138,12 @@ def grid(scene: Scene, table: Table, start: float, direction: int, ends: Array, 
         slope=slopes[INERTIA],
         weight=-direction * slopes[POTENTIAL],
         lifted=values[POTENTIAL] - at_ends[POTENTIAL, 0],
+        inertia_ends=at_ends[INERTIA],
         lifted_ends=at_ends[POTENTIAL] - at_ends[POTENTIAL, 0],
         position=values[COORDINATES:],
         lever=slopes[COORDINATES:],
+        position_ends=at_ends[COORDINATES:],
+        lever_ends=slopes_ends[COORDINATES:],
         pushes=tuple(pushes),
     )
 
@@ -191,10 +199,12 @@ class Flow:
     evaluations: int
 
 
-def flow(scene: Scene, grid: Grid, energy: Array, guess: Array | None = None) -> Flow:
-    """Kinetic energy over a grid, from ``energy`` (S,) at its start.
+def flow(scene: Scene, grid: Grid, energy: Array, guess: Array | None = None, periodic: bool = False) -> Flow:
+    """Kinetic energy over a grid, from ``energy`` (S,) at its start; or that of a ``periodic`` motion, near this energy, which ends with
+    the energy with which it began.
 
     Raises:
+        SimulationError: no such motion is found.
         SimulationError: the inertia is not positive somewhere.
     """
     q, p = grid.angle.shape
@@ -222,7 +232,7 @@ def flow(scene: Scene, grid: Grid, energy: Array, guess: Array | None = None) ->
         speed = np.sqrt(2 * np.maximum(work, floor) / inertia)
         return Flow(grid, work, ends, speed, force, driving, resisting, held, settled, rounds * work.size)
 
-    every = np.full(len(energy), p)
+    every, unsettled = np.full(len(energy), p), np.ones((p, len(energy)), dtype=bool)
     work = np.broadcast_to(energy, shape) if guess is None else guess
     for rounds in range(1, ROUNDS + 1):
         floor = FLOOR * work.max(axis=(0, 1)) + np.finfo(float).tiny
@@ -238,13 +248,13 @@ def flow(scene: Scene, grid: Grid, energy: Array, guess: Array | None = None) ->
             found = result(work, driving, resisting, True, every, 3 * rounds)
             after = forces(found.speed)
             if np.array_equal(after[0], driving) and np.array_equal(after[1], resisting):
-                return found
+                return found  # of a periodic motion too: it does not come back, whatever its speed
             work = np.maximum(found.energy, above / FURTHEST)
             continue
         rate = change / (2e-7 * above)
         before = work
         with np.errstate(all="ignore"):  # far from the solution it may overshoot without bounds
-            work = _factored(grid, driving + resisting + weight - rate * before, rate, energy)
+            work, energy = _factored(grid, driving + resisting + weight - rate * before, rate, energy, periodic)
         work = np.clip(np.where(np.isfinite(work), work, above), above / FURTHEST, above * FURTHEST)
         unsettled = np.abs(work - before).max(axis=0) > SETTLED * np.abs(work).max(axis=(0, 1))
         if rounds == ROUNDS or not unsettled.any():
@@ -288,8 +298,9 @@ def _integral(grid: Grid, force: Array, energy: Array) -> tuple[Array, Array]:
     return work, ends
 
 
-def _factored(grid: Grid, constant: Array, rate: Array, energy: Array) -> Array:
-    """W (q, p, S) from dW/du = constant + rate W."""
+def _factored(grid: Grid, constant: Array, rate: Array, energy: Array, periodic: bool) -> tuple[Array, Array]:
+    """W (q, p, S) from dW/du = constant + rate W, and its value (S,) at the start: ``energy``, or where it is ``periodic`` that at the
+    end."""
     r = rule()
     q, p, count = constant.shape
     exponents = (rate * grid.measure[:, :, None]).reshape(q, p * count)
@@ -298,11 +309,16 @@ def _factored(grid: Grid, constant: Array, rate: Array, energy: Array) -> Array:
     scaled = (constant / growth * grid.measure[:, :, None]).reshape(q, p * count)
     gained = final * (r.weights @ scaled).reshape(p, count)
     starts = np.empty((p, count))
+    if periodic:
+        energy = np.zeros(count)
+        for k in range(p):
+            energy = final[k] * energy + gained[k]
+        energy = energy / (1 - final.prod(axis=0))
     start = energy
     for k in range(p):
         starts[k] = start
         start = final[k] * start + gained[k]
-    return np.asarray(growth * (starts + (r.cumulative @ scaled).reshape(q, p, count)))
+    return np.asarray(growth * (starts + (r.cumulative @ scaled).reshape(q, p, count))), energy
 
 
 def stopping(flow: Flow) -> NDArray[np.bool_]:
@@ -335,7 +351,35 @@ def unresolved(flow: Flow, upto: int, tolerance: float, corners: Sequence[float]
     taken = (r.weights @ (slowness * measure).reshape(q, -1)).reshape(upto, count).sum(axis=0)
     bad = coarse(force, ends.max(axis=0)) | coarse(slowness, taken)
     bad &= np.diff(g.borders[: upto + 1]) > NARROWEST
-    return np.array([_cut(flow, panel, corners) for panel in np.flatnonzero(bad).tolist()])
+    lost = {
+        panel: at for push in g.pushes if push.stretch.one_sided and count == 1 for panel, at in _contact_lost(flow, push) if panel < upto
+    }
+    return np.array([*lost.values(), *(_cut(flow, panel, corners) for panel in np.flatnonzero(bad).tolist() if panel not in lost)])
+
+
+def _contact_lost(flow: Flow, push: Push) -> list[tuple[int, float]]:
+    """Panels on which a contact's law changes its sign, and where, as angles travelled; of one scenario."""
+    g, found = flow.grid, []
+    turned = np.sqrt(2 * np.maximum(flow.ends[:, 0], 0.0) / np.maximum(g.inertia_ends, np.finfo(float).tiny))
+    for panel in push.panels.tolist():
+        ends = slice(panel, panel + 2)
+        rate = g.direction * np.concatenate(
+            [g.lever[push.row][:, panel] * flow.speed[:, panel, 0], g.lever_ends[push.row, ends] * turned[ends]]
+        )
+        position = np.concatenate([g.position[push.row][:, panel], g.position_ends[push.row, ends]])
+        law = np.asarray(push.stretch.force(position - push.datum, rate))
+        if law.min() < 0 < law.max():
+            polynomial = (rule().monomials @ law[:-2]).tolist()
+            samples = np.linspace(-1.0, 1.0, 2 * len(polynomial)).tolist()
+            values = [horner(polynomial[::-1], x) for x in samples]
+            for k in range(len(samples) - 1):
+                if (values[k] > 0) != (values[k + 1] > 0):
+                    x = root(polynomial, samples[k], samples[k + 1])
+                    at = float(travelled(g, np.array([panel]), np.array([x]))[0][0])
+                    if g.borders[panel] + SAME < at < g.borders[panel + 1] - SAME:
+                        found.append((panel, at))
+                        break
+    return found
 
 
 def _cut(flow: Flow, panel: int, corners: Sequence[float]) -> float:

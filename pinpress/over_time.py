@@ -16,12 +16,15 @@ from scipy.integrate import DOP853, DenseOutput, OdeSolver
 from scipy.optimize import brentq
 
 from .coordinates import Array
-from .errors import SimulationError
+from .errors import PinpressError, SimulationError
 from .machine import Machine, Modes, Switch
 from .path import LEDGERS, Reading
 
+LEAST_RELATIVE = 3e-14  # tolerance beside the value itself, the least that SciPy takes: angles grow, their errors must not
 LOOKED_AT = (0.25, 0.5, 0.75, 1.0)  # of a step: where switching functions are looked at
+MOST_TRIES = 4  # to end a step at a corner
 MOST_AT_ONCE = 100  # events without time going on
+SOME_STEPS = 5000  # after which the pace is looked at
 MOST_STEPS = 1_000_000  # in one run; each takes some memory
 SHORTEST = 1e-15  # step, beside the duration
 
@@ -85,11 +88,19 @@ class Stepped:
     def end(self) -> float:
         return self.times[-1] if self.times else self.start
 
+    def cut(self, late: Callable[[Array], float]) -> Array:
+        """End the run where a function of the vector, positive at the end of the last step, is zero; the vector there."""
+        begin = self.times[-2] if len(self.times) > 1 else self.start
+        piece = self.pieces[-1]
+        if late(piece(begin)) < 0:
+            self.times[-1] = float(brentq(lambda t: late(piece(t)), begin, self.times[-1], xtol=4e-16 * self.times[-1], rtol=1e-15))
+        return np.asarray(piece(self.times[-1]))
+
     def read(self, times: Array) -> Reading:
         size, ledgers = self.machine.dynamics.size, len(LEDGERS)
         owner = np.clip(np.array(self.times).searchsorted(times, side="left"), 0, len(self.times) - 1)
         columns = np.empty((len(self.pieces[0](self.start)), len(times)))
-        rates, torque, own = np.empty_like(columns), np.empty(len(times)), np.empty(len(times))
+        rates, drive = np.empty_like(columns), np.empty((3, len(times)))
         for k in np.unique(owner).tolist():
             mine = np.flatnonzero(owner == k)
             columns[:, mine] = self.pieces[k](times[mine])
@@ -97,8 +108,8 @@ class Stepped:
         for i, k in enumerate(owner.tolist()):
             y, time = columns[:, i].copy(), float(times[i])
             rates[:, i] = self.machine.rates(self.modes[k], time, y)
-            torque[i], own[i] = self.machine.driving(time, y)
-        return Reading(columns[:size], columns[size : 2 * size], rates[size : 2 * size], torque, own, columns[-ledgers:])
+            drive[:, i] = self.machine.driving(time, y)
+        return Reading(columns[:size], columns[size : 2 * size], rates[size : 2 * size], drive[0], drive[1], drive[2], columns[-ledgers:])
 
 
 def run(
@@ -129,8 +140,10 @@ def run(
     time, first, stuck = start, None, 0
     angle, fastest = machine.split(y)[0].angle, abs(machine.split(y)[0].speed)
     ends = sorted({b for b in breaks if start < b < until} | {until})
+    shortest = SHORTEST * (until - start)
+    corner, tried = math.inf, 0  # time at which a drive's torque has a corner: a step must end there, not run over it
     while time < until:
-        target = next(b for b in ends if b > time)
+        target = min(next(b for b in ends if b > time), corner)
 
         def rates(t: float, y: Array, modes: Modes = modes) -> Array:
             return machine.rates(modes, t, y)
@@ -139,8 +152,10 @@ def run(
             solver: OdeSolver = RungeKutta4(rates, time, y, target, step)
         else:
             more: dict[str, float] = {} if first is None else {"first_step": min(first, target - time)}
-            solver = DOP853(rates, time, y, target, rtol=tolerance, atol=tolerance * scale, **more)
-        event = None
+            solver = DOP853(rates, time, y, target, rtol=LEAST_RELATIVE, atol=tolerance * scale, **more)
+        if not np.isfinite(solver.f).all():
+            raise SimulationError("a torque or force is not finite here, or the linkage locks: look at drive and loads", time, angle)
+        event, again = None, False
         values = machine.switches(modes, time, y)
         while solver.status == "running" and event is None:
             message = solver.step()
@@ -149,6 +164,9 @@ def run(
             piece = solver.dense_output()
             if values:
                 event, values = _first_event(machine, modes, piece, solver, values)
+            if event is not None and event[0].what == "corner" and tried < MOST_TRIES and event[1] > time + shortest:
+                corner, tried, again = event[1], tried + 1, True
+                break
             at = solver.t if event is None else event[1]
             result.steps += 1
             result.pieces.append(piece)
@@ -158,24 +176,36 @@ def run(
             if event is None:
                 time, y = solver.t, _closed(machine, solver)
             else:
-                stuck = stuck + 1 if at <= time + SHORTEST * (until - start) else 0
-                time, y = at, _project(machine, piece(at))
+                stuck = stuck + 1 if at <= time + shortest else 0
+                time, y = at, _project(machine, piece(at), at)
             instant = machine.split(y)[0]
             result.travelled += abs(instant.angle - angle)
             angle, fastest = instant.angle, max(fastest, abs(instant.speed))
             if progress is not None:
                 progress(time)
+            share = (time - start) / (until - start)
+            if result.steps % SOME_STEPS == 0 and result.steps > MOST_STEPS * share:
+                raise SimulationError(
+                    f"at this pace the run takes more than {MOST_STEPS} steps: a torque or force is too stiff, or jumps to and fro;"
+                    " give it a slope, or simulate in parts",
+                    time,
+                    angle,
+                )
             if result.steps == MOST_STEPS:
                 raise SimulationError(f"more than {MOST_STEPS} steps: simulate in parts, or with a larger tolerance or step", time, angle)
             if finished is not None and event is None and finished(y):
                 result.evaluations += solver.nfev
                 return result, y
         result.evaluations += solver.nfev
-        if event is not None:
+        if again:
+            continue
+        if event is None and time >= corner:
+            modes = machine.past_corner(modes, y)
+        elif event is not None:
             if stuck > MOST_AT_ONCE:
-                angle = float(machine.split(y)[0].angle)
                 raise SimulationError("forces switch back and forth without end: it comes to rest where they hold it", time, angle)
             modes, y = machine.after(event[0], modes, time, y, fastest)
+        corner, tried = math.inf, 0
     return result, y
 
 
@@ -232,16 +262,19 @@ def _zero(value: Callable[[float], float], since: float, until: float, low: floa
 
 def _closed(machine: Machine, solver: OdeSolver) -> Array:
     """The integrator's vector with closed loops; the integrator goes on from there."""
-    y = _project(machine, solver.y)
+    y = _project(machine, solver.y, solver.t)
     if y is not solver.y:
         solver.y = y
         solver.f = solver.fun(solver.t, y)
     return y
 
 
-def _project(machine: Machine, y: Array) -> Array:
+def _project(machine: Machine, y: Array, time: float) -> Array:
     size = machine.dynamics.size
-    projected = machine.dynamics.project(y[:size], y[size : 2 * size])
+    try:
+        projected = machine.dynamics.project(y[:size], y[size : 2 * size])
+    except PinpressError as error:
+        raise SimulationError(f"the loops do not close any more ({error}): the linkage locks, or the step is too long", time) from error
     return y if projected is None else np.concatenate([*projected, y[2 * size :]])
 
 

@@ -19,7 +19,7 @@ class Reading(NamedTuple):
 
     Attributes:
         position, speed, acceleration: (size, n) of the crank alone, or of all joints.
-        torque: (n,) of the drive. own: (n,) speed of its side of the clutch [rad/s].
+        torque: (n,) of the drive; motor: of its motor, at the motor's own shaft. own: (n,) speed of its side of the clutch [rad/s].
         ledgers: (4, n).
     """
 
@@ -27,6 +27,7 @@ class Reading(NamedTuple):
     speed: Array
     acceleration: Array
     torque: Array
+    motor: Array
     own: Array
     ledgers: Array
 

@@ -26,6 +26,7 @@ from .plane_kinematics import basis, basis_velocity
 NODES = 14  # a panel; degree of its polynomials is one less
 PANELS = 16  # a turn to begin with
 RESOLVED = 1e-11  # size of a polynomial's last terms beside the function
+FLAT = 1e-13  # range of the potential energy, beside its size, that is rounding
 NARROWEST = 1e-7  # panel [rad]: what it does not resolve lies at a lock
 INERTIA, POTENTIAL, COORDINATES = 0, 1, 2  # rows of a table
 
@@ -156,9 +157,11 @@ def build(press: Linkage, coordinates: Sequence[Coordinate]) -> Table:
         middle = 0.5 * (left + right)
         starts, ends = np.concatenate([left, middle]), np.concatenate([middle, right])
     values = np.concatenate([d[2][:, POTENTIAL, 0] for d in done])
-    middle = 0.5 * float(values.min() + values.max())
+    middle, flat = 0.5 * float(values.min() + values.max()), bool(np.ptp(values) <= FLAT * np.abs(values).max())
     for _, _, polynomials in done:
         polynomials[:, POTENTIAL, 0] -= middle  # its zero means nothing; this way no digits are lost to it
+        if flat:
+            polynomials[:, POTENTIAL] = 0.0
     order = np.argsort(np.concatenate([d[0] for d in done]))
     all_borders = np.append(np.concatenate([d[0] for d in done])[order], high)
     return Table(all_borders, np.concatenate([d[2] for d in done])[order], branch.period, points)

@@ -18,6 +18,7 @@ from .errors import PinpressError, SimulationError
 from .methods import Plan
 from .over_angle import Flow, Indices
 from .reduced import COORDINATES, INERTIA, rule
+from .scene import Acting
 
 Mask = NDArray[np.bool_]
 
@@ -130,7 +131,7 @@ class Together:
     def run(self, tolerance: float) -> None:
         """Run all to the last of the times, or mark them as ``alone``."""
         until = float(self.times[-1])
-        if self.plan.timed or not np.all(self.energy > 0):
+        if self.plan.timed or not np.all(self.energy > 0) or any(_sticks(force) for force in self.plan.scene.forces):
             self.alone[:] = True
             return
         while (going := ~self.alone & (self.clock < until)).any():
@@ -203,6 +204,16 @@ class Together:
         """Forces of the drive along the travel, and of the loads against it, where there are any; each with its row in ``works``."""
         scene = self.plan.scene
         return ([(0, flow.driving)] if scene.drive is not None else []) + ([(1, -flow.resisting)] if scene.forces else [])
+
+
+def _sticks(force: Acting) -> bool:
+    """Whether a force is a contact with a damper: where it is lost differs between scenarios."""
+    for stretch in force.rising + force.falling:
+        if stretch.one_sided:
+            height = stretch.upper if np.isfinite(stretch.upper) else 0.0
+            if np.any(stretch.force(height, 1.0) != stretch.force(height, 2.0)):
+                return True
+    return False
 
 
 def _sums(flow: Flow, rate: Array) -> Array:

@@ -23,6 +23,7 @@ from .loads import ProcessLoad, Stretch, TimeForce
 from .motion import Motion
 from .points import point_motion
 from .reduced import COORDINATES, roots
+from .scene_checks import check_drive, check_load
 
 if TYPE_CHECKING:
     from .forward_dynamics import ForwardDynamics
@@ -181,12 +182,15 @@ def build(press: Linkage, drive: Drive | PrescribedSpeed | None, flywheel: Flywh
         raise PinpressError(f"loads is one {type(loads).__name__}: give a list, loads=[...]")
     coordinates: list[Coordinate] = [] if press.slide is None else [SlidePosition(*press.slide_guide)]
     acting: list[Acting] = []
+    if drive is not None and not isinstance(drive, PrescribedSpeed):
+        check_drive(drive)
     for load in loads:
         if isinstance(load, PointForce):
             coordinate, act = _point(press, load, len(coordinates))
         elif isinstance(load, SpringDamper):
             coordinate, act = _spring(press, load, len(coordinates))
         elif isinstance(load, TimeForce):
+            check_load(load)
             coordinate, act = None, Acting(_slide(press), 0.0, time=load.force, edges=tuple(load.edges))
         elif isinstance(load, ProcessLoad) and not isinstance(load, type):
             coordinate, act = None, _process(press, load)
@@ -223,6 +227,7 @@ def _slide(press: Linkage) -> int:
 
 
 def _process(press: Linkage, load: ProcessLoad) -> Acting | None:
+    check_load(load)
     rising, falling = load.stretches(downwards=False), load.stretches(downwards=True)
     row = _slide(press)
     if not rising and not falling:
@@ -295,3 +300,8 @@ def not_positive(inertia: float, time: float | None, angle: float) -> Simulation
         time,
         angle,
     )
+
+
+def too_slow(time: float, angle: float) -> SimulationError:
+    """A period has not come to its end."""
+    return SimulationError("the press does not get through a stroke: the drive is too weak for the load", time, angle)

@@ -16,11 +16,11 @@ from typing import Any, overload
 import numpy as np
 from numpy.typing import ArrayLike
 
-from . import methods, reduced, scenarios
+from . import methods, reduced, scenarios, turning
 from .coordinates import Array
 from .driveline import Brake, Clutch
 from .drives import Drive, Flywheel, PrescribedSpeed
-from .errors import PinpressError, UnknownNameError
+from .errors import PinpressError, SimulationError, UnknownNameError
 from .forces import Load
 from .linkage import Linkage
 from .methods import Plan
@@ -34,7 +34,9 @@ from .turning import State
 POINTS = 120  # states returned per turn of the crank, and at least
 MOST_POINTS = 1_000_000  # by default
 MOST_STEPS = 1_000_000  # of the Runge-Kutta method
-LEAST_TOLERANCE = 1e-14
+LEAST_TOLERANCE = 1e-13
+UNBALANCED = 1e-3  # energy error of a run, steps by error, that is none
+ROUNDED = 1e-6  # of the potential energy
 
 
 @dataclass(frozen=True)
@@ -68,6 +70,7 @@ class Run(Motion):
         drive_work: (n,) work of the drive since the start [J]. load_work: (n,) work against the loads. lost: (n,) energy lost in clutch and
             brake.
         motor_squared: (n,) motor torque squared, summed up over time [N2 m2 s].
+        plan, path: what was simulated, and the whole of its solution, which can be read at any time.
     """
 
     stats: Stats
@@ -77,6 +80,8 @@ class Run(Motion):
     load_work: Array
     lost: Array
     motor_squared: Array
+    plan: Plan
+    path: Path
 
     def __repr__(self) -> str:
         return f"<Run of {self.linkage}: {len(self.crank_angle)} states, {self.time[-1]:.6g} s, {self.stats.method}>"
@@ -166,10 +171,10 @@ def simulate(
         raise PinpressError(f"press is {press!r}: give a Linkage, as load returns it")
     if method not in ("reduced", "constraint"):
         raise PinpressError(f"unknown method {method!r}: write 'reduced' or 'constraint'")
-    until, tolerance = _number("duration", duration, positive=True), _number("tolerance", tolerance, positive=True)
+    until, tolerance = number("duration", duration, positive=True), number("tolerance", tolerance, positive=True)
     if not LEAST_TOLERANCE <= tolerance <= 1e-2:
         raise PinpressError(f"tolerance is {tolerance:g}: give one from {LEAST_TOLERANCE:g} to 0.01")
-    fixed = None if step is None else _number("step", step, positive=True)
+    fixed = None if step is None else number("step", step, positive=True)
     if fixed is not None and fixed < until / MOST_STEPS:
         raise PinpressError(
             f"step is {fixed:g} s: with it the run takes more than {MOST_STEPS} steps; give a longer one, or a shorter duration"
@@ -182,13 +187,17 @@ def simulate(
             raise PinpressError("arrays of scenarios are for method='reduced' without clutch and brake: simulate these one by one")
         return _scenarios(press, count, until, speed, angle, drive, flywheel, loads, points, fixed, tolerance)
     angles, speeds = _start(press, "angle", angle), _start(press, "speed", speed)
+    if float(np.abs(speeds).max()) * until > 2 * np.pi * turning.MOST_PERIODS:
+        raise SimulationError(
+            f"at this speed the crank makes more than {turning.MOST_PERIODS} turns: simulate in parts", 0.0, float(angles[0])
+        )
     with np.errstate(all="ignore"):  # what is not finite is refused where it arises
         if len(press.drivers) > 1:
             if method == "reduced":
                 raise PinpressError(f"{press.name} has {len(press.drivers)} drivers: method='constraint' simulates it")
             plan = _of_several(press, drive, flywheel, loads, clutch, brake)
         else:
-            plan = _of_one(press, drive, flywheel, loads, clutch, brake)
+            plan = of_one(press, drive, flywheel, loads, clutch, brake)
         if isinstance(plan.scene.drive, PrescribedSpeed):
             if speeds[0] not in (0.0, plan.scene.drive.speed):
                 raise PinpressError(f"speed is {speeds[0]:g}, but the drive prescribes {plan.scene.drive.speed:g} rad/s: leave speed out")
@@ -198,7 +207,7 @@ def simulate(
             path = methods.by_crank(plan, state, until, tolerance, fixed, progress)
         else:
             path = methods.by_joints(plan, angles, speeds, until, tolerance, fixed, progress)
-        return _run(plan, path, method, until, points, began)
+        return as_run(plan, path, method, until, points, began, fixed is not None)
 
 
 def _scenarios(
@@ -221,7 +230,7 @@ def _scenarios(
         speeds = np.full(count, np.nan)
     if not np.isfinite(speeds).all():
         raise PinpressError(f"speed is {speed!r}: give one finite number, or (S,) of them [rad/s]")
-    start = _number("angle", angle)
+    start = number("angle", angle)
     times = np.linspace(0.0, until, _count(points, 0.0))
     times.setflags(write=False)
 
@@ -235,7 +244,7 @@ def _scenarios(
 
     def plan(some: Indices) -> Plan:
         parts = [scenarios.pick(item, some) for item in (drive, flywheel, *loads)]
-        return _of_one(press, parts[0], parts[1], parts[2:], None, None)
+        return of_one(press, parts[0], parts[1], parts[2:], None, None)
 
     if step is not None:
         raise PinpressError("step is for one scenario: arrays are solved over the crank angle")
@@ -243,7 +252,7 @@ def _scenarios(
         return scenarios.simulate(speeds, start, times, 0.1 * tolerance, plan, alone)
 
 
-def _of_one(press: Linkage, drive: object, flywheel: object, loads: Sequence[Load], clutch: object, brake: object) -> Plan:
+def of_one(press: Linkage, drive: object, flywheel: object, loads: Sequence[Load], clutch: object, brake: object) -> Plan:
     """The plan of a press with one driver.
 
     Raises:
@@ -283,7 +292,7 @@ def _of_several(press: Linkage, drive: object, flywheel: object, loads: Sequence
     return methods.plan_of_several(press, given["drive"], given["flywheel"], loads)  # type: ignore[arg-type]
 
 
-def _run(plan: Plan, path: Path, method: str, until: float, points: int | None, began: float) -> Run:
+def as_run(plan: Plan, path: Path, method: str, until: float, points: int | None, began: float, fixed: bool = False) -> Run:
     """The states of a path, closed and checked."""
     press, several = plan.scene.press, len(plan.inertia) > 1
     times = np.linspace(0.0, until, _count(points, path.turns))
@@ -300,6 +309,16 @@ def _run(plan: Plan, path: Path, method: str, until: float, points: int | None, 
     residual = np.abs(kinetic + potential - (kinetic[0] + potential[0]) - gained).max()
     if not math.isfinite(float(residual) + float(acceleration.sum())):
         raise PinpressError(f"the motion of {press.name} is too fast for floating point: lower speeds and forces")
+    # at rest all of it is the rounding of the potential energy
+    works = reading.ledgers[[DRIVE_WORK, LOAD_WORK, LOST]]
+    size = max(float(kinetic.max()), float(np.abs(works).max()), ROUNDED * float(np.abs(potential).max())) or 1.0
+    if not fixed and residual > UNBALANCED * size:
+        worst = int(np.abs(kinetic + potential - (kinetic[0] + potential[0]) - gained).argmax())
+        raise SimulationError(
+            "the energy does not balance: forces change too sharply for this tolerance; give a smaller one",
+            float(times[worst]),
+            float(np.ravel(motion.crank_angle[worst])[0]),
+        )
     if several:
         torque = _torques(plan, turning)
         reading = reading._replace(torque=torque.T.copy(), own=turning.T.copy())
@@ -309,9 +328,9 @@ def _run(plan: Plan, path: Path, method: str, until: float, points: int | None, 
         evaluations=path.evaluations,
         wall_time=clock.perf_counter() - began,
         closure_error=float(motion.closure_error.max()),
-        energy_error=float(residual / (kinetic.max() or 1.0)),
+        energy_error=float(residual / size),
     )
-    return _as_run(motion, stats, reading)
+    return _with(plan, path, motion, stats, reading)
 
 
 def _gaps(press: Linkage, position: Array) -> Array:
@@ -340,12 +359,12 @@ def _count(points: int | None, turns: float) -> int:
     return int(points)
 
 
-def _as_run(motion: Motion, stats: Stats, reading: Reading) -> Run:
+def _with(plan: Plan, path: Path, motion: Motion, stats: Stats, reading: Reading) -> Run:
     kept = {field.name: getattr(motion, field.name) for field in fields(Motion) if field.init}
     ledgers = dict(zip(LEDGERS, reading.ledgers, strict=True))
     for array in (reading.torque, reading.own, *ledgers.values()):
         array.setflags(write=False)
-    run = Run(**kept, stats=stats, drive_torque=reading.torque, drive_speed=reading.own, **ledgers)
+    run = Run(**kept, stats=stats, drive_torque=reading.torque, drive_speed=reading.own, **ledgers, plan=plan, path=path)
     object.__setattr__(run, "_closed_as", motion._closed_as)
     return run
 
@@ -353,7 +372,7 @@ def _as_run(motion: Motion, stats: Stats, reading: Reading) -> Run:
 def _start(press: Linkage, name: str, value: ArrayLike) -> Array:
     """(drivers,) numbers."""
     if len(press.drivers) == 1:
-        return np.array([_number(name, value)])
+        return np.array([number(name, value)])
     try:
         numbers = np.array(value, dtype=float)
     except (TypeError, ValueError):
@@ -363,7 +382,7 @@ def _start(press: Linkage, name: str, value: ArrayLike) -> Array:
     return np.broadcast_to(numbers, (len(press.drivers),)).copy()
 
 
-def _number(name: str, value: ArrayLike, positive: bool = False) -> float:
+def number(name: str, value: ArrayLike, positive: bool = False) -> float:
     try:
         array = np.asarray(value, dtype=float)
         number = float(array) if array.ndim == 0 and not isinstance(value, bool | str) else math.nan

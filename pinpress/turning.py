@@ -1,5 +1,6 @@
 """One press over the crank angle: period after period, and where it stops and no force depends on its speed, back again."""
 
+import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from typing import NamedTuple
@@ -40,7 +41,7 @@ class Turned:
         grid: of the flow. count: panels that are right.
         begin: the state at its start. times: (count + 1,) at the borders [s].
         elapsed: (q + 1, count) coefficients of the time since a panel's start. summed: (3, q + 1, count) of the ledgers.
-        ledgers: (3, count + 1) at the borders.
+        ledgers: (3, count + 1) at the borders. final_speed: of the crank, from its kinetic energy: the time's polynomial is less exact.
     """
 
     scene: Scene
@@ -52,6 +53,7 @@ class Turned:
     elapsed: Array
     summed: Array
     ledgers: Array
+    final_speed: float
     evaluations: int
 
     @property
@@ -82,7 +84,10 @@ class Turned:
         ledgers += self.begin.ledgers[:, None]
         angle, speed = g.start + g.direction * travelled, g.direction * measure / slope
         torque, acceleration = self._dynamics(panel, angle, speed)
-        return Reading(angle[None], speed[None], acceleration[None], torque, speed, ledgers)
+        drive = self.scene.drive
+        geared = drive is not None and not isinstance(drive, PrescribedSpeed)
+        motor = drive.motor_torque(speed) + np.zeros_like(speed) if geared else torque  # type: ignore[union-attr]
+        return Reading(angle[None], speed[None], acceleration[None], torque, motor, speed, ledgers)
 
     def _dynamics(self, panel: Indices, angle: Array, speed: Array) -> tuple[Array, Array]:
         """Torque of the drive and acceleration of the crank (n,) at states on panels (n,)."""
@@ -104,8 +109,10 @@ class Turned:
 
     def last(self) -> State:
         """The state at the end."""
-        reading = self.read(self.times[-1:])
-        return State(self.end, float(reading.position[0, 0]), float(reading.speed[0, 0]), reading.ledgers[:, 0])
+        angle = self.grid.start + self.grid.direction * float(self.grid.borders[self.count])
+        ledgers = self.begin.ledgers.copy()
+        ledgers[:3] += self.ledgers[:, -1]
+        return State(self.end, angle, self.final_speed, ledgers)
 
 
 def turned(scene: Scene, table: Table, flow: Flow, count: int, begin: State) -> Turned:
@@ -119,7 +126,11 @@ def turned(scene: Scene, table: Table, flow: Flow, count: int, begin: State) -> 
         motor = flow.driving[:, :count, 0]
     else:
         motor = np.asarray(scene.drive.motor_torque(g.direction * speed))
-    rates = [flow.driving[:, :count, 0], -flow.resisting[:, :count, 0], motor * motor / speed]
+    # once more at the speeds that came out of it: so the energy balance tells whether these are right
+    driving = flow.driving[:, :count, 0]
+    if scene.drive is not None and not isinstance(scene.drive, PrescribedSpeed):
+        driving = g.direction * scene.drive.torque(g.direction * speed) + np.zeros_like(speed)
+    rates = [driving, -flow.resisting[:, :count, 0], motor * motor / speed]
     summed = np.array([r.integral @ (rate * measure) for rate in rates])
     return Turned(
         scene=scene,
@@ -131,6 +142,7 @@ def turned(scene: Scene, table: Table, flow: Flow, count: int, begin: State) -> 
         elapsed=elapsed,
         summed=summed,
         ledgers=np.concatenate([np.zeros((3, 1)), summed.sum(axis=1).cumsum(axis=1)], axis=1),
+        final_speed=g.direction * math.sqrt(2 * max(0.0, float(flow.ends[count, 0])) / (float(g.inertia_ends[count]) + scene.inertia)),
         evaluations=flow.evaluations,
     )
 

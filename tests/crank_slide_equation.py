@@ -143,7 +143,7 @@ def solve(
         middle = coefficients(0.5 * (low + high))
         rising = middle.lever * way > 0
         acting = [w for w in windows if w.lower < middle.height < w.upper and w.way in (0, 1 if rising else -1)]
-        acting = [w for w in acting if not w.contact or pushing]
+        acting = [w for w in acting if not w.contact or w in pushing]
 
         def full(t, y):
             q, w, own = y[0], y[1], y[5:]
@@ -156,10 +156,12 @@ def solve(
 
         return full
 
-    def push(y):
-        """Contacts' law: the force were they closed."""
+    contacts = [w for w in windows if w.contact]
+
+    def push(window, y):
+        """A contact's law: its force were it closed."""
         at = coefficients(y[0])
-        return [w.law(at.height, at.lever * y[1]) for w in windows if w.contact]
+        return window.law(at.height, at.lever * y[1])
 
     y, t = np.array([angle, speed, 0.0, 0.0, 0.0, *states]), 0.0
     ends = sorted({*(i for i in instants if 0 < i < times[-1]), times[-1]})
@@ -170,7 +172,7 @@ def solve(
         way = int(np.sign(y[1]))
         for guess in (way,) if way else (1, -1):
             low, high = between(every, y[0], guess) if place is None or not way else place
-            pushing = all(value > -1e-6 for value in push(y))
+            pushing = [w for w in contacts if push(w, y) > -1e-6]
             f = act(guess, low, high, pushing)
             if way or (f(t, y)[1] or f(t + 1e-6, y)[1]) * guess > 0:
                 break
@@ -179,7 +181,7 @@ def solve(
             break
         way = guess
         ahead = y + 1e-9 * np.array(f(t, y))
-        pushing = all(value > 0 for value in push(ahead))
+        pushing = [w for w in contacts if push(w, ahead) > 0]
         f = act(way, low, high, pushing)
         events = [
             event(lambda t, y, high=high: y[0] - high, 1),
@@ -187,7 +189,7 @@ def solve(
             event(lambda t, y: y[1], -way),
         ]
         others = [lambda t, y, corner=corner: corner(t, y[0], y[1], y[5:]) for corner in corners]
-        others += [lambda t, y, i=i: push(y)[i] for i in range(len(push(y)))]
+        others += [lambda t, y, w=w: push(w, y) for w in contacts]
         events += [event(g, -int(np.sign(g(t + 1e-9, ahead)))) for g in others]
         piece = solve_ivp(f, (t, until), y, events=events, dense_output=True, **TIGHT)
         assert piece.success, piece.message

@@ -286,6 +286,12 @@ def test_several_loads_at_once(press, method):
     same(run, equation.solve(run.time, W0, J0, torque=constant, windows=windows))
 
 
+def test_two_dies_that_part_at_different_times(press, method):
+    acting, windows = [loads.ElasticDie(0.006, 1e8, 1e5), loads.ElasticDie(0.006, 5e7, 5e5)], [die(0.006, 1e8, 1e5), die(0.006, 5e7, 5e5)]
+    run = zhang(press, 0.45, loads=acting, points=61, method=method)
+    same(run, equation.solve(run.time, W0, J0, torque=constant, windows=windows))
+
+
 def test_a_force_in_time(press, method):
     """Zhang's pulse about 0.2 s, made of ADAMS' STEP: the press comes by with its slide elsewhere."""
 
@@ -496,6 +502,19 @@ def test_a_drive(press, method, name, load):
     np.testing.assert_allclose(run.motor_squared, solution.motor_squared, rtol=0, atol=1e-7 * solution.motor_squared[-1])
 
 
+@pytest.mark.parametrize("name", ["geared", "lossy_induction", "slip_clutch", "inverter"])
+def test_a_drive_through_standstill(press, method, name):
+    """Braked and turned round by its drive, or brought forward; with losses in the gears its torque jumps there."""
+    geared = Driven(drives.Geared(pp.ConstantTorque(-400.0), 1.0, 0.0, 0.9), 3.0, 1.5, 0.0, {})
+    geared.options["torque"] = lambda t, q, w, s: -400.0 * (0.9 if w <= 0 else 1 / 0.9)
+    case = geared if name == "geared" else DRIVES[name]()
+    speed = 3.0 if name == "geared" else -4.0
+    options = case.options | {"corners": [*case.options.get("corners", ()), lambda t, q, w, s: w]}
+    run = zhang(press, 1.0, speed=speed, drive=case.drive, points=41, method=method)
+    assert run.crank_speed.min() < 0 < run.crank_speed.max()
+    same(run, equation.solve(run.time, speed, J0 + case.inertia, **options))
+
+
 def test_a_drive_that_turns_backwards(press, method):
     """Through gears of negative ratio a motor turns the crank the other way: a mirrored run, as the JF75G-125 is its own mirror image."""
     motor = drives.InductionMotor(3e4, 1465 * pp.RPM)
@@ -691,7 +710,7 @@ def test_engaging_a_press(press, method):
     solution = equation.solve(run.time, 0.0, 0.0, torque=lambda *_: torque)
     own = W0 + (M0 - torque) / J0 * run.time
     end = int(np.argmax(solution.speed >= own))
-    assert 50 < end < 300
+    assert 25 < end < 300
     np.testing.assert_allclose(run.crank_angle[:end], solution.angle[:end], rtol=0, atol=1e-8)
     np.testing.assert_allclose(run.crank_speed[:end], solution.speed[:end], rtol=0, atol=1e-7)
     np.testing.assert_allclose(run.drive_speed[:end], own[:end], rtol=0, atol=1e-7)

@@ -1,0 +1,141 @@
+"""The steady state of a loaded press: the periodic motion, found directly.
+
+Where all depends on crank angle and speed, the kinetic energy over a period is solved for with the condition that it ends as it began (see
+`over_angle.flow`). A drive with states of its own is followed over periods, and Newton's method finds the speed and states that come back.
+"""
+
+import time as clock
+from collections.abc import Sequence
+
+import numpy as np
+
+from . import over_angle, reduced, turning
+from .coordinates import Array
+from .drives import Drive, Flywheel
+from .errors import PinpressError, SimulationError
+from .forces import Load
+from .linkage import Linkage
+from .methods import Plan
+from .path import LEDGERS, Path
+from .simulation import Run, as_run, number, of_one
+from .turning import State
+
+MOST_CUTS = 30
+MOST_RESTARTS = 12
+SHARES = np.geomspace(0.25, 4.0, 33)  # of the speed given, that are tried first
+CLOSER = 3  # times that the range of speeds is narrowed, 32 times each
+COMES_BACK = 1e-10  # difference of the crank's speed, beside itself, after a period of a steady state
+
+
+def steady_state(
+    press: Linkage,
+    speed: float,
+    drive: Drive,
+    flywheel: Flywheel | None = None,
+    loads: Sequence[Load] = (),
+    angle: float = 0.0,
+    points: int | None = None,
+    tolerance: float = 1e-11,
+) -> Run:
+    """One period of the steady state of a press: from crank angle ``angle`` on, until angle and speed are the same again.
+
+    Args:
+        speed: about which the steady state is looked for [rad/s]; its sign is the direction.
+        drive, flywheel, loads, points, tolerance: as of `simulate`; nothing may depend on time.
+
+    Raises:
+        PinpressError: an argument that makes no sense.
+        SimulationError: there is no steady state near this speed: the drive is too weak for the load, or gives more than it takes at any
+            speed, as a constant torque does.
+    """
+    began = clock.perf_counter()
+    start, guess, tolerance = number("angle", angle), number("speed", speed), number("tolerance", tolerance, positive=True)
+    if not isinstance(press, Linkage) or len(press.drivers) > 1:
+        raise PinpressError("a steady state is that of a press with one driver: give the Linkage that load returns")
+    if guess == 0.0:
+        raise PinpressError("speed is 0: give the speed about which the press runs [rad/s]")
+    plan = of_one(press, drive, flywheel, loads, None, None)
+    if drive is None or not isinstance(drive, Drive):
+        raise PinpressError(f"drive is {drive!r}: a steady state needs a motor, see pinpress.drives")
+    if any(force.time is not None for force in plan.scene.forces):
+        raise PinpressError("a force in time has no steady state: give process loads, which go with the slide's height")
+    if plan.table.period is None:
+        raise PinpressError(f"the crank of {press.name} does not turn fully: it has no steady state")
+    with np.errstate(all="ignore"):
+        path = _with_states(plan, start, guess, tolerance) if drive.timed else _over_angle(plan, start, guess, tolerance)
+        return as_run(plan, path, "reduced", path.segments[-1].end, points, began)
+
+
+def _over_angle(plan: Plan, angle: float, speed: float, tolerance: float) -> Path:
+    """The periodic solution over the crank angle."""
+    table, scene = plan.table, plan.scene
+    assert table.period is not None
+    direction = 1 if speed > 0 else -1
+    inertia = float(table.at(np.array([angle]))[0][reduced.INERTIA, 0]) + plan.line.inertia
+    ends = over_angle.borders(table, plan.edges, angle, direction, table.period)
+    energy = np.array([0.5 * inertia * _near(plan, ends, angle, speed) ** 2])
+    corners = () if scene.drive is None else tuple(float(np.ravel(corner)[0]) for corner in scene.drive.corners)  # type: ignore[union-attr]
+    for _ in range(MOST_CUTS):
+        grid = over_angle.grid(scene, table, angle, direction, ends)
+        guess = over_angle.flow(scene, grid, energy).energy  # the course of the speed matters: a drive may have no slope at the mean
+        flow = over_angle.flow(scene, grid, energy, guess, periodic=True)
+        change = abs(float(flow.ends[-1, 0] - flow.ends[0, 0])) / float(flow.ends.max())
+        if over_angle.stopping(flow).any() or not change < COMES_BACK:
+            raise _none(speed)
+        energy = flow.ends[0]
+        cuts = over_angle.unresolved(flow, len(grid.kinds), 0.1 * tolerance, corners)
+        if not len(cuts):
+            state = State(0.0, angle, float(direction * np.sqrt(2 * energy[0] / inertia)), np.zeros(len(LEDGERS)))
+            return Path([turning.turned(scene, table, flow, len(grid.kinds), state)])
+        ends = np.sort(np.concatenate([ends, cuts]))
+    raise _none(speed)
+
+
+def _near(plan: Plan, ends: Array, angle: float, speed: float) -> float:
+    """A speed close to the steady state's next to the one given: between one from which a period speeds the press up, and a higher one from
+    which it slows down."""
+    speeds = speed * SHARES
+    for _ in range(CLOSER):
+        grid = over_angle.grid(plan.scene, plan.table, angle, 1 if speed > 0 else -1, ends)
+        energies = 0.5 * (grid.inertia_ends[0] + plan.line.inertia) * speeds**2
+        flow = over_angle.flow(plan.scene, grid, energies)
+        gained = np.where(over_angle.stopping(flow).any(axis=0), -np.inf, flow.ends[-1] - energies)
+        found = np.flatnonzero((gained[:-1] > 0) & (gained[1:] <= 0))
+        if not len(found):
+            raise _none(speed)
+        low = int(found[np.abs(np.log(speeds[found] / speed)).argmin()])
+        speeds = np.linspace(speeds[low], speeds[low + 1], len(SHARES))
+    return float(speeds[len(speeds) // 2])
+
+
+def _with_states(plan: Plan, angle: float, speed: float, tolerance: float) -> Path:
+    """The periodic solution of speed and the drive's states, by Newton's method on what a period makes of them."""
+    from .methods import one_period  # imports SciPy's integrators
+
+    _, states = plan.line.begin(angle, speed)
+    sizes = np.array([abs(speed), *[1.0] * len(states)])
+    at = np.array([speed, *states])
+    # a few periods first, to come near
+    for _ in range(MOST_RESTARTS):
+        path, after = one_period(plan, angle, at, tolerance)
+        if np.abs((after - at) / sizes).max() < COMES_BACK:
+            return path
+        columns = []
+        for k, size in enumerate(sizes):
+            beside = at.copy()
+            beside[k] += 1e-6 * size
+            columns.append((one_period(plan, angle, beside, tolerance)[1] - after) / (1e-6 * size))
+        jacobian = np.array(columns).T - np.eye(len(at))
+        step = np.linalg.solve(jacobian, at - after) if abs(np.linalg.det(jacobian)) > 1e-12 else after - at
+        share = min(1.0, 0.3 / max(float(np.abs(step / sizes).max()), 1e-300))
+        at = at + share * step
+        if at[0] * speed <= 0:
+            raise _none(speed)
+    raise _none(speed)
+
+
+def _none(speed: float) -> SimulationError:
+    return SimulationError(
+        f"no steady state is found near {speed:g} rad/s: the drive is too weak for what the loads take, or gives as much or more at every"
+        " speed there (a constant torque has none); try another speed, or let the press run with simulate"
+    )
