@@ -79,12 +79,14 @@ def _over_angle(plan: Plan, angle: float, speed: float, tolerance: float) -> Pat
         grid = over_angle.grid(scene, table, angle, direction, ends)
         guess = over_angle.flow(scene, grid, energy).energy  # the course of the speed matters: a drive may have no slope at the mean
         flow = over_angle.flow(scene, grid, energy, guess, periodic=True)
-        change = abs(float(flow.ends[-1, 0] - flow.ends[0, 0])) / float(flow.ends.max())
-        if over_angle.stopping(flow).any() or not change < COMES_BACK:
+        if over_angle.stopping(flow).any():
             raise _none(speed)
         energy = flow.ends[0]
         cuts = over_angle.unresolved(flow, len(grid.kinds), 0.1 * tolerance, corners)
         if not len(cuts):
+            change = abs(float(flow.ends[-1, 0] - flow.ends[0, 0])) / float(flow.ends.max())
+            if not change < COMES_BACK:
+                raise _none(speed)
             state = State(0.0, angle, float(direction * np.sqrt(2 * energy[0] / inertia)), np.zeros(len(LEDGERS)))
             return Path([turning.turned(scene, table, flow, len(grid.kinds), state)])
         ends = np.sort(np.concatenate([ends, cuts]))

@@ -194,15 +194,15 @@ def test_the_fixed_step_of_the_constraint_method(press):
 
 @pytest.mark.parametrize("name", [*LOADS, "die"])
 def test_the_fixed_step_with_loads(press, method, name):
-    """Edges are located: order 4 all the same. Between them the steps fall as they may, so that the slope is that of a scatter. The die's
-    force begins with a jump."""
+    """Edges are located, where forces jump too: order 4 all the same. How the steps fall between them is by chance, and with it the size of
+    the errors: they are held below a line of slope 4. An edge that was stepped over would leave 1e-6 or more."""
     load = {**LOADS, "die": loads.ElasticDie(0.004, 1.5e8, 4e5)}[name]
     windows = {"blanking_1250kN": [BLANK], "drawing_1250kN": [DRAW], "die": [die(0.004, 1.5e8, 4e5)]}[name]
     exact = equation.solve([0.45], W0, J0, torque=constant, windows=windows)
     steps = np.array([8e-4, 4e-4, 2e-4, 1e-4])
     runs = [zhang(press, 0.45, step=step, points=2, loads=[load], method=method) for step in steps]
     errors = np.array([run.crank_angle[-1] - exact.angle[-1] for run in runs])
-    bound = {"blanking_1250kN": 1e-6, "drawing_1250kN": 1e-6, "die": 1e-5}[name]
+    bound = 6e-9 if name == "die" else 6e-8
     assert np.all(np.abs(errors) < bound * (steps / steps[0]) ** 4 + 3e-11)
 
 
