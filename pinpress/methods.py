@@ -18,7 +18,7 @@ from .motion import cycle
 from .path import LEDGERS, Path, Segment
 from .reduced import COORDINATES, INERTIA, POTENTIAL, Table
 from .scene import JointAngle, Scene
-from .turning import State
+from .turning import Resting, State
 
 AGAIN = 4.0  # times the kinetic energy at which the crank stopped turning for sure, from which it is followed over its angle again
 
@@ -122,6 +122,8 @@ def by_crank(plan: Plan, state: State, until: float, tolerance: float, step: flo
         if stop is None:
             return Path(segments)
         state = stop.at
+        if stop.held and not plan.scene.forces:  # in equilibrium, if an unstable one
+            return Path([*segments, Resting(state, until)])
     # Only where the crank does not simply turn: SciPy's integrators take long to import.
     from . import over_time
     from .crank_alone import CrankAlone

@@ -229,8 +229,8 @@ def _located(
 ) -> tuple[Switch, float]:
     """The first of the switching functions that have fallen below zero between two times, and when."""
 
-    def value(switch: Switch, t: float) -> float:
-        return machine.switches(modes, t, piece(t))[switch]
+    def value(switch: Switch, t: float) -> float:  # with the loops closed, as the run goes on from there: a stiff edge wants all digits
+        return machine.switches(modes, t, _project(machine, piece(t), t))[switch]
 
     first, rounding = (fallen[0], until), 8 * np.finfo(float).eps * max(abs(until), abs(since))
     for _ in range(len(low) + 1):
@@ -240,7 +240,7 @@ def _located(
             break
         first = (which, when)
         # one that fell and rose again before the end of the step shows only at the others' events
-        values = machine.switches(modes, when, piece(when))
+        values = machine.switches(modes, when, _project(machine, piece(when), when))
         fallen = [switch for switch, after in values.items() if after < 0 and switch != which]
         if when <= since or not fallen:
             break

@@ -18,7 +18,7 @@ from .scene import Scene, not_positive
 
 SMALL = 1e-2  # swings shorter than this are followed over time: their forces are small differences [rad]
 REST = 0.2  # angle before a stop that is run through over its square root [rad]
-NOTHING = 1e-10  # force on a crank at rest, beside the range of the potential energy a radian, that is none
+NOTHING = 1e-8  # force on a crank at rest, beside the range of the potential energy a radian, that is none
 MOST_PERIODS = 200_000  # in one run; each takes some memory
 MOST_CUTS = 40  # rounds of cutting panels
 MOST_KEPT = 24  # panels more than the table's, that are taken over into the next period
@@ -145,6 +145,34 @@ def turned(scene: Scene, table: Table, flow: Flow, count: int, begin: State) -> 
         final_speed=g.direction * math.sqrt(2 * max(0.0, float(flow.ends[count, 0])) / (float(g.inertia_ends[count]) + scene.inertia)),
         evaluations=flow.evaluations,
     )
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Resting:
+    """A press that stands, from a state on until a time."""
+
+    at: State
+    end: float
+
+    @property
+    def start(self) -> float:
+        return self.at.time
+
+    @property
+    def steps(self) -> int:
+        return 0
+
+    @property
+    def evaluations(self) -> int:
+        return 0
+
+    @property
+    def travelled(self) -> float:
+        return 0.0
+
+    def read(self, times: Array) -> Reading:
+        none = np.zeros((1, len(times)))
+        return Reading(none + self.at.angle, none, none, none[0], none[0], none[0], self.at.ledgers[:, None] + none)
 
 
 class Stop(NamedTuple):
