@@ -243,7 +243,7 @@ def _progress(duration: float) -> Iterator[Callable[[float], None] | None]:
     from tqdm import tqdm
 
     shape = "{percentage:3.0f} % |{bar}| {n:.3f} of {total:.3f} s, {remaining} to go"
-    with tqdm(total=duration, file=sys.stderr, delay=1.0, leave=False, bar_format=shape) as bar:
+    with tqdm(total=duration, file=sys.stderr, delay=1.0, miniters=0, leave=False, bar_format=shape) as bar:
         yield lambda reached: bar.update(reached - bar.n)
 
 

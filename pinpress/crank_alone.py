@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from .coordinates import Array
-from .reduced import COORDINATES, INERTIA, POTENTIAL, Table
+from .reduced import COORDINATES, INERTIA, WEIGHT, Table
 
 SLACK = 1e-6  # beyond the table, by rounding of many turns [rad]
 
@@ -57,7 +57,7 @@ class CrankAlone:
             slopes.append(slope / half)
         levers = slopes[COORDINATES:]
         coordinates = [(value, lever * rate) for value, lever in zip(values[COORDINATES:], levers, strict=True)]
-        return Instant(angle, rate, coordinates, values[INERTIA], slopes[INERTIA], slopes[POTENTIAL], levers)
+        return Instant(angle, rate, coordinates, values[INERTIA], slopes[INERTIA], values[WEIGHT], levers)
 
     def accelerations(self, instant: Instant, torque: float, forces: Sequence[float], inertia: float) -> float:
         total = instant.inertia + inertia  # positive all over the table, as the plan has seen to

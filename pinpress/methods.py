@@ -22,6 +22,7 @@ from .turning import Resting, State
 
 AGAIN = 4.0  # times the kinetic energy at which the crank stopped turning for sure, from which it is followed over its angle again
 
+BESIDE = 1e-7  # share of a speed to both sides of it
 PATIENCE = 20.0  # times as long as a period should take, that it may
 LITTLE = 1e-4  # kinetic energy, beside the range of the potential one, below which the crank is not followed over its angle
 
@@ -40,8 +41,9 @@ class Plan:
     def timed(self) -> bool:
         """Whether anything depends on more than crank angle and speed."""
         line = self.line
-        switched = line.clutch is not None or line.brake is not None
-        return switched or (line.drive is not None and line.drive.timed) or any(force.time is not None for force in self.scene.forces)
+        switched = line.clutch is not None or line.brake is not None or any(force.time is not None for force in self.scene.forces)
+        drive = self.scene.drive
+        return switched or (drive is not None and not isinstance(drive, PrescribedSpeed) and (drive.timed or _jumps(drive)))
 
     @cached_property
     def table(self) -> Table:
@@ -71,6 +73,16 @@ class Plan:
                 if friction is not None and at is not None and at.time is not None:
                     breaks += [at.time, at.time + friction.rise]
         return tuple(breaks)
+
+
+def _jumps(drive: Drive) -> bool:
+    """Whether the torque jumps at a corner, other than at rest: that is not for a solution of a whole period at once."""
+    for corner in drive.corners:
+        at = np.asarray(corner, dtype=float)
+        below, above = (np.asarray(drive.torque(at - sign * BESIDE * np.abs(at))) for sign in (1.0, -1.0))
+        if np.any((at != 0) & (np.abs(above - below) > 1e3 * BESIDE * (np.abs(above) + np.abs(below)))):
+            return True
+    return False
 
 
 def plan(

@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 from .coordinates import Array
 from .drives import PrescribedSpeed
 from .loads import Stretch
-from .reduced import COORDINATES, INERTIA, POTENTIAL, Table, horner, root, rule
+from .reduced import COORDINATES, INERTIA, POTENTIAL, WEIGHT, Table, horner, root, rule
 from .scene import Scene, not_positive
 
 Indices = NDArray[np.intp]
@@ -136,7 +136,7 @@ def grid(scene: Scene, table: Table, start: float, direction: int, ends: Array, 
         angle=angle,
         inertia=values[INERTIA],
         slope=slopes[INERTIA],
-        weight=-direction * slopes[POTENTIAL],
+        weight=-direction * values[WEIGHT],
         lifted=values[POTENTIAL] - at_ends[POTENTIAL, 0],
         inertia_ends=at_ends[INERTIA],
         lifted_ends=at_ends[POTENTIAL] - at_ends[POTENTIAL, 0],
@@ -227,7 +227,7 @@ def flow(scene: Scene, grid: Grid, energy: Array, guess: Array | None = None, pe
 
     def result(work: Array, driving: Array, resisting: Array, held: bool, settled: Indices, rounds: int) -> Flow:
         force = driving + resisting + weight
-        work, ends = _integral(grid, driving + resisting, energy)
+        work, ends = _integral(grid, driving + resisting, weight, energy)
         floor = np.finfo(float).tiny if held else FLOOR * ends.max(axis=0)  # before a stop W is small, and right
         speed = np.sqrt(2 * np.maximum(work, floor) / inertia)
         return Flow(grid, work, ends, speed, force, driving, resisting, held, settled, rounds * work.size)
@@ -278,23 +278,29 @@ def _prescribed(grid: Grid, inertia: Array, drive: PrescribedSpeed) -> Flow:
     return Flow(grid, work, ends, speed, force, driving, resisting, False, np.full(1, len(grid.kinds)), work.size)
 
 
-def _integral(grid: Grid, force: Array, energy: Array) -> tuple[Array, Array]:
-    """W at the nodes (q, p, S) and borders (p + 1, S) from the force (q, p, S) of drive and loads.
+def _integral(grid: Grid, force: Array, weight: Array, energy: Array) -> tuple[Array, Array]:
+    """W at the nodes (q, p, S) and borders (p + 1, S) from the force (q, p, S) of drive and loads and that of weights (q, p, 1).
 
-    Weights put in the difference of their potential energy, not the integral of their force: it is the same in every turn.
+    Of a crank that turns, weights put in the difference of their potential energy, not the integral of their force: it is the same in every
+    turn. From rest and to rest W must be right beside itself where it is small: there all is integrated, away from the rest.
     """
     r = rule()
     q, p, count = force.shape
-    inner = force * grid.measure[:, :, None]
+    rests = bool(grid.kinds.any())
+    inner = (force + weight if rests else force) * grid.measure[:, :, None]
     flat = inner.reshape(q, p * count)
     totals = (r.weights @ flat).reshape(p, count)
     ends = np.concatenate([energy[None], totals]).cumsum(axis=0)
-    work = ends[:-1] + (r.cumulative @ flat).reshape(q, p, count)
-    work -= grid.lifted[:, :, None]
-    ends -= grid.lifted_ends[:, None]
-    if grid.kinds[-1] == TO_REST:  # from the stop backwards, where W is small but must be exact
-        work[:, -1] -= ends[-1]
-        ends[-1] = 0.0
+    within = (r.cumulative @ flat).reshape(q, p, count)
+    work = ends[:-1] + within
+    if not rests:
+        work -= grid.lifted[:, :, None]
+        ends -= grid.lifted_ends[:, None]
+    elif grid.kinds[-1] == TO_REST:
+        back = np.concatenate([-totals[::-1].cumsum(axis=0)[::-1], np.zeros((1, count))])
+        half = int(ends[:, 0].argmax())
+        left = ((r.weights - r.cumulative) @ flat).reshape(q, p, count)
+        work[:, half:], ends[half + 1 :] = (back[1:] - left)[:, half:], back[half + 1 :]
     return work, ends
 
 

@@ -236,6 +236,8 @@ def _located(
     for _ in range(len(low) + 1):
         found = [(_zero(partial(value, switch), since, first[1], low[switch]), switch) for switch in fallen]
         when, which = min(found, key=lambda f: f[0])
+        # at one and the same instant a brake that grips comes first: what else happens at rest is for it to decide
+        which = next((switch for at, switch in found if switch.what == "grips" and at <= when + rounding), which)
         if when > first[1] - rounding and first[1] != until:
             break
         first = (which, when)

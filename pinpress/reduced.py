@@ -28,7 +28,7 @@ PANELS = 16  # a turn to begin with
 RESOLVED = 1e-11  # size of a polynomial's last terms beside the function
 FLAT = 1e-13  # range of the potential energy, beside its size, that is rounding
 NARROWEST = 1e-7  # panel [rad]: what it does not resolve lies at a lock
-INERTIA, POTENTIAL, COORDINATES = 0, 1, 2  # rows of a table
+INERTIA, POTENTIAL, WEIGHT, COORDINATES = 0, 1, 2, 3  # rows of a table
 
 Coordinate = Callable[[Motion], Array]
 """A length (n,) or displacement [m] of the states of a motion."""
@@ -147,6 +147,7 @@ def build(press: Linkage, coordinates: Sequence[Coordinate]) -> Table:
         points += angles.size
         scale = np.maximum(scale, np.abs(values).max(axis=(1, 2)))
         lowest, highest = np.minimum(lowest, values[POTENTIAL].min()), np.maximum(highest, values[POTENTIAL].max())
+        scale[WEIGHT] = max(float(scale[WEIGHT]), FLAT * float(scale[POTENTIAL]))
         scale[POTENTIAL] = max(float(highest - lowest), 1e-3 * float(max(abs(lowest), abs(highest))))
         tail = np.abs(values @ to_legendre[-2:].T).max(axis=2)
         local = np.abs(values[INERTIA]).max(axis=1)  # near a lock the inertia has no bounds
@@ -161,7 +162,7 @@ def build(press: Linkage, coordinates: Sequence[Coordinate]) -> Table:
     for _, _, polynomials in done:
         polynomials[:, POTENTIAL, 0] -= middle  # its zero means nothing; this way no digits are lost to it
         if flat:
-            polynomials[:, POTENTIAL] = 0.0
+            polynomials[:, [POTENTIAL, WEIGHT]] = 0.0
     order = np.argsort(np.concatenate([d[0] for d in done]))
     all_borders = np.append(np.concatenate([d[0] for d in done])[order], high)
     return Table(all_borders, np.concatenate([d[2] for d in done])[order], branch.period, points)
@@ -170,12 +171,17 @@ def build(press: Linkage, coordinates: Sequence[Coordinate]) -> Table:
 def _sample(press: Linkage, angles: Array, coordinates: Sequence[Coordinate]) -> Array:
     """Rows (rows, n) at crank angles (n,)."""
     motion = cycle(press, angle=angles, speed=1.0)  # at unit speed rates are derivatives by the crank angle
-    kinetic, potential = energies(press, motion)
-    return np.array([2 * kinetic, potential, *(coordinate(motion) for coordinate in coordinates)])
+    kinetic, potential, weight = _energies(press, motion)
+    return np.array([2 * kinetic, potential, weight, *(coordinate(motion) for coordinate in coordinates)])
 
 
 def energies(press: Linkage, motion: Motion) -> tuple[Array, Array]:
     """Kinetic energy and potential energy of the weights (n,) of the states of a motion, without flywheel and drive [J]."""
+    return _energies(press, motion)[:2]
+
+
+def _energies(press: Linkage, motion: Motion) -> tuple[Array, Array, Array]:
+    """The same, and the rate of the potential energy [W]."""
     plane, bodies = press.plane, press.bodies
     if plane is None or bodies is None:
         return _spatial_energies(press, motion)
@@ -185,24 +191,22 @@ def energies(press: Linkage, motion: Motion) -> tuple[Array, Array]:
     v = motion.v.T
     rows = plane.origins + plane.centers
     mass = np.array([y.mass for y in press.model.inertias[1:]])
-    velocity = rows @ basis_velocity(plane, at, v)
+    rate = basis_velocity(plane, at, v)
+    velocity = rows @ rate
     kinetic = 0.5 * (mass @ (velocity.real**2 + velocity.imag**2) + ((bodies.inertia @ v) * (plane.spin @ v)).sum(axis=0))
-    weight = complex(*(plane.axes @ press.model.gravity.linear))
-    return kinetic, -((mass @ rows) @ at * weight.conjugate()).real
+    lifted = -(mass @ rows) * complex(*(plane.axes @ press.model.gravity.linear)).conjugate()
+    return kinetic, (lifted @ at).real, (lifted @ rate).real
 
 
-def _spatial_energies(press: Linkage, motion: Motion) -> tuple[Array, Array]:
+def _spatial_energies(press: Linkage, motion: Motion) -> tuple[Array, Array, Array]:
     model, data = press.model, press.model.createData()
     q = configuration(press.spatial.slots, motion.joint_position.T)
-    pairs = [
-        (
-            pin.computeKineticEnergy(model, data, np.ascontiguousarray(q[:, i]), motion.v[i].copy()),
-            pin.computePotentialEnergy(model, data, np.ascontiguousarray(q[:, i])),
-        )
-        for i in range(len(motion.v))
-    ]
-    kinetic, potential = np.array(pairs).T
-    return kinetic, potential
+    found = np.empty((3, len(motion.v)))
+    for i in range(len(motion.v)):
+        at, v = np.ascontiguousarray(q[:, i]), motion.v[i].copy()
+        found[0, i], found[1, i] = pin.computeKineticEnergy(model, data, at, v), pin.computePotentialEnergy(model, data, at)
+        found[2, i] = float(pin.computeGeneralizedGravity(model, data, at) @ v)
+    return found[0], found[1], found[2]
 
 
 def roots(table: Table, row: int, level: float, slope: bool = False) -> Array:

@@ -13,12 +13,12 @@ from .drives import PrescribedSpeed
 from .errors import SimulationError
 from .over_angle import STEADY, TO_REST, Flow, Grid, Indices
 from .path import LEDGERS, Reading
-from .reduced import COORDINATES, INERTIA, POTENTIAL, Table, beyond, root, rule
+from .reduced import COORDINATES, INERTIA, POTENTIAL, WEIGHT, Table, beyond, root, rule
 from .scene import Scene, not_positive
 
 SMALL = 1e-2  # swings shorter than this are followed over time: their forces are small differences [rad]
 REST = 0.2  # angle before a stop that is run through over its square root [rad]
-NOTHING = 1e-8  # force on a crank at rest, beside the range of the potential energy a radian, that is none
+NOTHING = 1e-12  # force on a crank at rest, beside the range of the potential energy a radian, that is none
 MOST_PERIODS = 200_000  # in one run; each takes some memory
 MOST_CUTS = 40  # rounds of cutting panels
 MOST_KEPT = 24  # panels more than the table's, that are taken over into the next period
@@ -96,7 +96,7 @@ class Turned:
         torque = np.zeros_like(speed)
         if scene.drive is not None and not isinstance(scene.drive, PrescribedSpeed):
             torque = torque + scene.drive.torque(speed)
-        force = torque - slopes[POTENTIAL] - 0.5 * slopes[INERTIA] * speed**2
+        force = torque - values[WEIGHT] - 0.5 * slopes[INERTIA] * speed**2
         for push in self.grid.pushes:
             mine = np.flatnonzero(np.isin(panel, push.panels))
             if len(mine):
@@ -229,7 +229,7 @@ def _direction(scene: Scene, table: Table, state: State) -> int:
     """Way in which the crank turns, or starts from rest; 0 where it stays."""
     if state.speed:
         return 1 if state.speed > 0 else -1
-    scale = np.ptp(table.coefficients[:, POTENTIAL, 0])
+    scale = np.abs(table.coefficients[:, WEIGHT, 0]).max() + np.ptp(table.coefficients[:, POTENTIAL, 0])
     for direction in (1, -1):
         ends = np.array([0.0, 1e-6])
         if table.period is None and not table.borders[0] <= state.angle + direction * 1e-6 <= table.borders[-1]:
