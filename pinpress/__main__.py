@@ -179,6 +179,8 @@ def _simulate(options: argparse.Namespace) -> int:
     press = load(options.file, driver=options.driver, slide=options.slide, gravity=(0.0, 0.0, -options.gravity))
     if len(press.drivers) > 1:
         raise PinpressError(f"{press.name} has {len(press.drivers)} drivers: the command takes one; simulate it in Python")
+    if options.out is not None:
+        _make(options.out)  # before a run that may be long
     speed, angle, shared = options.speed * RPM, math.radians(options.angle), {"points": options.points, "tolerance": options.tolerance}
     run: Run
     if options.steady:
@@ -207,7 +209,6 @@ def _simulate(options: argparse.Namespace) -> int:
     print(simulation_summary(press, run, result, _scene(options, run), options.steady))
     print(f"  {'time taken':26}{1e3 * run.stats.wall_time:12.1f} ms simulation, {1e3 * took:.1f} ms torque and forces")
     if options.out is not None:
-        _make(options.out)
         result.to_csv(options.out / "simulation.csv")
         write_csv(options.out / "strokes.csv", stroke_columns(run))
         _record(press, result, options.out, ["simulation.csv", "strokes.csv"])

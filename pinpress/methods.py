@@ -23,6 +23,7 @@ from .turning import Resting, State
 AGAIN = 4.0  # times the kinetic energy at which the crank stopped turning for sure, from which it is followed over its angle again
 
 BESIDE = 1e-7  # share of a speed to both sides of it
+JUMP = 1e-3  # change of the torque within that, beside its size nearby, that is one
 PATIENCE = 20.0  # times as long as a period should take, that it may
 LITTLE = 1e-4  # kinetic energy, beside the range of the potential one, below which the crank is not followed over its angle
 
@@ -79,8 +80,9 @@ def _jumps(drive: Drive) -> bool:
     """Whether the torque jumps at a corner, other than at rest: that is not for a solution of a whole period at once."""
     for corner in drive.corners:
         at = np.asarray(corner, dtype=float)
-        below, above = (np.asarray(drive.torque(at - sign * BESIDE * np.abs(at))) for sign in (1.0, -1.0))
-        if np.any((at != 0) & (np.abs(above - below) > 1e3 * BESIDE * (np.abs(above) + np.abs(below)))):
+        far, below, above, beyond = (np.asarray(drive.torque(at + by * np.abs(at))) for by in (-0.01, -BESIDE, BESIDE, 0.01))
+        size = np.maximum(np.maximum(np.abs(far), np.abs(beyond)), np.maximum(np.abs(below), np.abs(above)))
+        if np.any((at != 0) & (np.abs(above - below) > JUMP * size)):
             return True
     return False
 

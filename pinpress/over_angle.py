@@ -30,7 +30,7 @@ SETTLED = 1e-10  # change of the kinetic energy in a round, beside the energy; N
 SAME = 1e-8  # borders closer than this are one [rad]
 NARROWEST = 1e-9  # panel [rad]
 LEAST = 1e-3  # kinetic energy, beside the period's largest, below which a drive that depends on speed may be about to stop the crank
-FLOOR = 1e-6  # kinetic energy, beside the period's largest, below which no speed is taken from it
+FLOOR = 1e-6  # kinetic energy, beside the first, below which no speed is taken from it
 STEADY, FROM_REST, TO_REST = 0, 1, -1  # how a panel runs
 LARGEST_EXPONENT = 50.0
 FURTHEST = 100.0  # times the kinetic energy before, that a round may go
@@ -228,14 +228,15 @@ def flow(scene: Scene, grid: Grid, energy: Array, guess: Array | None = None, pe
     def result(work: Array, driving: Array, resisting: Array, held: bool, settled: Indices, rounds: int) -> Flow:
         force = driving + resisting + weight
         work, ends = _integral(grid, driving + resisting, weight, energy)
-        floor = np.finfo(float).tiny if held else FLOOR * ends.max(axis=0)  # before a stop W is small, and right
-        speed = np.sqrt(2 * np.maximum(work, floor) / inertia)
+        least = np.finfo(float).tiny if held else floor  # before a stop W is small, and right
+        speed = np.sqrt(2 * np.maximum(work, least) / inertia)
         return Flow(grid, work, ends, speed, force, driving, resisting, held, settled, rounds * work.size)
 
     every, unsettled = np.full(len(energy), p), np.ones((p, len(energy)), dtype=bool)
     work = np.broadcast_to(energy, shape) if guess is None else guess
+    # fixed, as far from the solution W may rise without bounds
+    floor = FLOOR * work.max(axis=(0, 1)) + np.finfo(float).tiny
     for rounds in range(1, ROUNDS + 1):
-        floor = FLOOR * work.max(axis=(0, 1)) + np.finfo(float).tiny
         above = np.maximum(work, floor)
         speed = np.sqrt(2 * above / inertia)
         driving, resisting = forces(speed)
@@ -256,7 +257,7 @@ def flow(scene: Scene, grid: Grid, energy: Array, guess: Array | None = None, pe
         with np.errstate(all="ignore"):  # far from the solution it may overshoot without bounds
             work, energy = _factored(grid, driving + resisting + weight - rate * before, rate, energy, periodic)
         work = np.clip(np.where(np.isfinite(work), work, above), above / FURTHEST, above * FURTHEST)
-        unsettled = np.abs(work - before).max(axis=0) > SETTLED * np.abs(work).max(axis=(0, 1))
+        unsettled = np.abs(work - before).max(axis=0) > SETTLED * np.maximum(np.abs(work).max(axis=0), energy)
         if rounds == ROUNDS or not unsettled.any():
             break
     # what comes later does not matter to what comes before: the first panels may be right where the last ones are not
@@ -330,7 +331,8 @@ def _factored(grid: Grid, constant: Array, rate: Array, energy: Array, periodic:
 def stopping(flow: Flow) -> NDArray[np.bool_]:
     """Panels (p, S) on which the crank stops, or comes so near to it that time may not be resolved; what follows them is of no meaning."""
     lowest = np.minimum(flow.energy.min(axis=0), flow.ends[1:])
-    least = 0.0 if flow.held else LEAST * flow.ends.max(axis=0)
+    known = np.arange(len(flow.ends))[:, None] <= flow.settled
+    least = 0.0 if flow.held else LEAST * np.where(known, flow.ends, 0.0).max(axis=0)
     found = (lowest <= least) | (np.arange(len(lowest))[:, None] >= flow.settled)
     if flow.grid.kinds[-1] == TO_REST:
         found[-1] = (flow.energy[:, -1] <= 0).any(axis=0)

@@ -20,7 +20,7 @@ from .errors import PinpressError, SimulationError
 from .forces import Load, PointForce, SpringDamper
 from .linkage import Linkage
 from .loads import ProcessLoad, Stretch, TimeForce
-from .motion import Motion
+from .motion import Motion, cycle
 from .points import point_motion
 from .reduced import COORDINATES, roots
 from .scene_checks import check_drive, check_load
@@ -257,10 +257,10 @@ def _bottom(press: Linkage, load: ProcessLoad) -> float:
             " give datum=, a slide position [m]"
         )
     table, row = press.table, COORDINATES + _slide(press)
-    ends = table.at(roots(table, row, 0.0, slope=True))[0][row]
-    if not len(ends):
+    turns = roots(table, row, 0.0, slope=True)
+    if not len(turns):
         raise PinpressError(f"{name}: the slide of {press.name} does not turn back; give datum=, a slide position [m]")
-    return float(ends.min())
+    return float(cycle(press, angle=turns, speed=1.0).slide_position.min())  # exact, for stiff dies
 
 
 def _point(press: Linkage, load: PointForce, row: int) -> tuple[Coordinate | None, Acting | None]:

@@ -79,7 +79,7 @@ def agree(text: str, press: pp.Linkage, run: pp.Run, loads: list[Any]) -> None:
     if whole.utilisation is not None:
         expected[("Motor", "utilisation")] = 100 * whole.utilisation
     for (section, name), number in expected.items():
-        assert value(text, section, name) == pytest.approx(number, rel=DIGITS, abs=1e-6), (section, name)
+        assert value(text, section, name) == pytest.approx(number, rel=DIGITS, abs=6e-4), (section, name)  # or three decimals
     for name, force in result.bearing_force.items():
         assert value(text, "Bearings", name) == pytest.approx(np.linalg.norm(force, axis=1).max(), rel=DIGITS, abs=0.5)
     strokes = pp.strokes(run)
@@ -384,12 +384,7 @@ def test_errors_list_what_there_is(
     capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, arguments: list[str], says: list[str]
 ) -> None:
     monkeypatch.chdir(ROOT)
-    if "--out" in arguments:  # found once the run is printed
-        assert command.main(["simulate", *DURATION, *arguments]) == 2
-        error = capsys.readouterr().err
-        assert error.count("\n") == 1
-    else:
-        error = refused(capsys, *DURATION, *arguments)
+    error = refused(capsys, *DURATION, *arguments)
     for words in says:
         assert words in error
 
