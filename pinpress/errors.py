@@ -82,6 +82,18 @@ class UnknownNameError(PinpressError, KeyError):
         return str(self.args[0])
 
 
+class UnknownScenarioError(PinpressError, IndexError):
+    """A scenario that there is not.
+
+    Attributes:
+        number: asked for. count: of scenarios.
+    """
+
+    def __init__(self, number: object, count: int) -> None:
+        self.number, self.count = number, count
+        super().__init__(f"there are {count} scenarios, 0 to {count - 1}, not {number!r}")
+
+
 def suggestion(name: str, known: Iterable[str]) -> str:
     """ ", did you mean 'x'?" where a known name is close to the one given, else an empty string."""
     import difflib  # only on the way to an error

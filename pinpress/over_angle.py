@@ -32,7 +32,7 @@ NARROWEST = 1e-9  # panel [rad]
 LEAST = 1e-3  # kinetic energy, beside the period's largest, below which a drive that depends on speed may be about to stop the crank
 FLOOR = 1e-6  # kinetic energy, beside the first, below which no speed is taken from it
 STEADY, FROM_REST, TO_REST = 0, 1, -1  # how a panel runs
-LARGEST_EXPONENT = 50.0
+STIFF = 2.0  # change of the force by the kinetic energy over half a panel, above which the panel's equations are solved as they are
 FURTHEST = 100.0  # times the kinetic energy before, that a round may go
 
 
@@ -276,7 +276,7 @@ def _prescribed(grid: Grid, inertia: Array, drive: PrescribedSpeed) -> Flow:
     force = 0.5 * grid.direction * grid.slope[:, :, None] * speed**2
     driving = force - resisting - grid.weight[:, :, None]
     ends = np.full((len(grid.borders), 1), work.max())
-    return Flow(grid, work, ends, speed, force, driving, resisting, False, np.full(1, len(grid.kinds)), work.size)
+    return Flow(grid, work, ends, speed, force, driving, resisting, True, np.full(1, len(grid.kinds)), work.size)
 
 
 def _integral(grid: Grid, force: Array, weight: Array, energy: Array) -> tuple[Array, Array]:
@@ -306,15 +306,15 @@ def _integral(grid: Grid, force: Array, weight: Array, energy: Array) -> tuple[A
 
 
 def _factored(grid: Grid, constant: Array, rate: Array, energy: Array, periodic: bool) -> tuple[Array, Array]:
-    """W (q, p, S) from dW/du = constant + rate W, and its value (S,) at the start: ``energy``, or where it is ``periodic`` that at the
-    end."""
-    r = rule()
-    q, p, count = constant.shape
-    exponents = (rate * grid.measure[:, :, None]).reshape(q, p * count)
-    growth = np.exp(np.clip(r.cumulative @ exponents, -LARGEST_EXPONENT, LARGEST_EXPONENT)).reshape(q, p, count)
-    final = np.exp(np.clip(r.weights @ exponents, -LARGEST_EXPONENT, LARGEST_EXPONENT)).reshape(p, count)
-    scaled = (constant / growth * grid.measure[:, :, None]).reshape(q, p * count)
-    gained = final * (r.weights @ scaled).reshape(p, count)
+    """W (q, p, S) from dW/du = constant + rate W, and its value (S,) at the start: ``energy``, or where it is ``periodic`` that at the end.
+
+    On every panel W is a part of its own, plus a growth times its value at the start.
+    """
+    _, p, count = constant.shape
+    exponents = rate * grid.measure[:, :, None]
+    own, growth, gained, final = (_by_solving if np.abs(exponents).max() > STIFF else _by_factor)(
+        constant * grid.measure[:, :, None], exponents
+    )
     starts = np.empty((p, count))
     if periodic:
         energy = np.zeros(count)
@@ -325,7 +325,49 @@ def _factored(grid: Grid, constant: Array, rate: Array, energy: Array, periodic:
     for k in range(p):
         starts[k] = start
         start = final[k] * start + gained[k]
-    return np.asarray(growth * (starts + (r.cumulative @ scaled).reshape(q, p, count))), energy
+    return np.asarray(growth * starts + own), energy
+
+
+def _by_factor(constant: Array, exponents: Array) -> tuple[Array, Array, Array, Array]:
+    """Own part and growth (q, p, S), the same at the panels' ends (p, S), by an integrating factor: for all scenarios in few operations."""
+    r = rule()
+    q, p, count = constant.shape
+    flat = exponents.reshape(q, p * count)
+    growth, final = np.exp(r.cumulative @ flat).reshape(q, p, count), np.exp(r.weights @ flat).reshape(p, count)
+    scaled = (constant / growth).reshape(q, p * count)
+    return growth * (r.cumulative @ scaled).reshape(q, p, count), growth, final * (r.weights @ scaled).reshape(p, count), final
+
+
+def _by_solving(constant: Array, exponents: Array) -> tuple[Array, Array, Array, Array]:
+    """The same by solving the collocation equations of every panel: for drives so stiff that an integrating factor is no polynomial."""
+    r = rule()
+    rates, constants = np.moveaxis(exponents, 0, -1), np.moveaxis(constant, 0, -1)  # (p, S, q)
+    matrix = np.eye(len(r.nodes)) - r.cumulative * rates[:, :, None, :]
+    right = np.stack([constants @ r.cumulative.T, np.ones_like(constants)], axis=-1)
+    try:
+        parts = np.asarray(np.linalg.solve(matrix, right), dtype=np.float64)
+    except np.linalg.LinAlgError:
+        parts = np.full(right.shape, np.nan)
+    own, growth = parts[..., 0], parts[..., 1]
+    gained, final = (constants + rates * own) @ r.weights, 1 + (rates * growth) @ r.weights
+    return np.moveaxis(own, -1, 0), np.moveaxis(growth, -1, 0), np.asarray(gained), np.asarray(final)
+
+
+def carried(flow: Flow, grid: Grid) -> Array | None:
+    """The kinetic energy (q, p, S) of a flow at the nodes of another grid over the same angles; None where one of them starts from rest."""
+    old = flow.grid
+    if old.kinds.any() or grid.kinds.any():
+        return None
+    along = (grid.angle - grid.start) * grid.direction
+    panel = np.clip(old.borders.searchsorted(along, side="right") - 1, 0, len(old.kinds) - 1)
+    low, high = old.borders[panel], old.borders[panel + 1]
+    x = (2 * (along - low) / (high - low) - 1)[:, :, None]
+    q, p, count = flow.energy.shape
+    coefficients = (rule().monomials @ flow.energy.reshape(q, -1)).reshape(q, p, count)
+    value = coefficients[-1][panel]
+    for k in range(q - 2, -1, -1):
+        value = value * x + coefficients[k][panel]
+    return np.asarray(np.maximum(value, FLOOR * flow.ends[0]))
 
 
 def stopping(flow: Flow) -> NDArray[np.bool_]:

@@ -12,6 +12,7 @@ from .errors import PinpressError
 from .path import DRIVE_WORK, LOAD_WORK, LOST, MOTOR_SQUARED, Reading
 from .simulation import Run
 
+ROUND = 1 + 1e-12  # rounding of times and turns
 STATES = 720  # looked at in a stroke, for extremes
 
 
@@ -21,7 +22,8 @@ class Duty:
 
     Attributes:
         start, duration: [s].
-        mean_speed, highest_speed, lowest_speed: of the crank, sizes [rad/s]. speed_drop: highest less lowest, beside the mean.
+        mean_speed: angle between start and end by the duration; highest_speed, lowest_speed: of the crank, sizes [rad/s].
+        speed_drop: highest less lowest, beside the mean.
         drive_work: of the drive on the crank's shaft; load_work: against the loads; lost: in clutch and brake [J].
         flywheel_work: that flywheel and drive give off from the highest to the lowest speed, J (w1^2 - w2^2) / 2 [J].
         recovery_time: from the lowest speed to the highest, the part taken for periodic [s].
@@ -53,11 +55,11 @@ def duty(run: Run, start: float = 0.0, end: float | None = None) -> Duty:
     Raises:
         PinpressError: times that are not in the run, a linkage with several drivers.
     """
-    if len(run.drivers) > 1:
-        raise PinpressError("duty is of a press with one driver")
+    _check(run)
     last = float(run.time[-1])
     until = last if end is None else end
-    if not 0.0 <= start < until <= last * (1 + 1e-12):
+    numbers = all(isinstance(value, int | float) and not isinstance(value, bool) for value in (start, until))
+    if not numbers or not 0.0 <= start < until <= last * ROUND:
         raise PinpressError(f"start is {start!r} and end {end!r}: give times within the run, 0 to {last:g} s")
     return _duties(run, np.array([start, min(until, last)]))[0]
 
@@ -68,22 +70,35 @@ def strokes(run: Run) -> tuple[Duty, ...]:
     Raises:
         PinpressError: a linkage with several drivers.
     """
-    if len(run.drivers) > 1:
-        raise PinpressError("strokes are those of a press with one driver")
-    angle = run.crank_angle
-    turned = np.maximum.accumulate(np.abs(angle - angle[0])) / (2 * np.pi)
-    count = math.floor(float(turned[-1]) * (1 + 1e-12) + 1e-9)
+    _check(run)
+    travelled = run.crank_angle - run.crank_angle[0]
+    first = np.flatnonzero(travelled)
+    if not len(first):
+        return ()
+    direction = float(np.sign(travelled[first[0]]))
+    travelled = direction * travelled
+    back = np.flatnonzero(np.diff(travelled) < 0)  # strokes end where the crank turns back
+    upto = int(back[0]) + 1 if len(back) else len(travelled)
+    turned = travelled[:upto] / (2 * np.pi)
+    count = math.floor(float(turned[-1]) * ROUND + 1e-9)
     if count == 0:
         return ()
     marks = np.arange(count + 1)
-    times = np.interp(marks, turned, run.time)
-    direction = 1.0 if angle[-1] > angle[0] else -1.0
+    times = np.interp(marks, turned, run.time[:upto])
     for _ in range(6):  # Newton's method on the path itself
         position, speed = _crank(run, run.path.read(times))
-        late = position - (angle[0] + direction * 2 * np.pi * marks)
+        late = position - (run.crank_angle[0] + direction * 2 * np.pi * marks)
         step = np.where((marks > 0) & (speed != 0), late / np.where(speed == 0, 1.0, speed), 0.0)
         times = np.clip(times - step, 0.0, run.time[-1])
     return tuple(_duties(run, times))
+
+
+def _check(run: Run) -> None:
+    """Raise PinpressError where it is no run of one driver."""
+    if not isinstance(run, Run):
+        raise PinpressError(f"run is {run!r}: give a Run, as simulate and steady_state return it (of scenarios one, runs[k])")
+    if len(run.drivers) > 1:
+        raise PinpressError("duty and strokes are those of a press with one driver")
 
 
 def _duties(run: Run, times: Array) -> list[Duty]:
@@ -94,8 +109,8 @@ def _duties(run: Run, times: Array) -> list[Duty]:
     rated = None if drive is None or isinstance(drive, PrescribedSpeed) else drive.rated_torque
     result = []
     for k, (start, end) in enumerate(itertools.pairwise(times)):
-        turned = abs(float(angles[k + 1] - angles[k]))
-        count = STATES * max(1, math.ceil(turned / (2 * np.pi) - 1e-9)) + 1
+        net = abs(float(angles[k + 1] - angles[k]))
+        count = STATES * max(1, math.ceil(net / (2 * np.pi) - 1e-9)) + 1
         inner = np.linspace(start, end, count)
         reading = path.read(inner)
         speed = np.abs(_crank(run, reading)[1])
@@ -104,7 +119,7 @@ def _duties(run: Run, times: Array) -> list[Duty]:
         duration = float(end - start)
         own = np.abs(reading.own)
         rms = math.sqrt(max(0.0, float(gained[MOTOR_SQUARED])) / duration)
-        mean = turned / duration
+        mean = net / duration
         result.append(
             Duty(
                 start=float(start),

@@ -5,8 +5,9 @@ scenario that stops, or that depends on more than angle and speed, is simulated 
 """
 
 import time as clock
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, fields, is_dataclass, replace
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -14,7 +15,8 @@ from numpy.typing import NDArray
 
 from . import over_angle, turning
 from .coordinates import Array
-from .errors import PinpressError, SimulationError
+from .errors import PinpressError, SimulationError, UnknownScenarioError
+from .forces import PointForce, SpringDamper
 from .methods import Plan
 from .over_angle import Flow, Indices
 from .reduced import COORDINATES, INERTIA, rule
@@ -23,6 +25,7 @@ from .scene import Acting
 Mask = NDArray[np.bool_]
 
 AT_ONCE = 64  # scenarios in one array: what is in flight stays in the cache
+MOST_KEPT = 24  # panels more than the table's, that are taken over into the next period
 MOST_CUTS = 12  # rounds of cutting panels; scenarios that need more are run alone
 SHARED = ("heights", "times", "angles", "curve")  # fields of drives and loads that hold arrays, but not one value a scenario
 
@@ -56,8 +59,12 @@ class Runs:
     def __getitem__(self, k: int) -> Any:
         """Scenario k, simulated once more with all that a `Run` has. Raises what stopped it."""
         if isinstance(k, bool) or not isinstance(k, int | np.integer) or not -len(self) <= k < len(self):
-            raise PinpressError(f"there are {len(self)} scenarios, 0 to {len(self) - 1}, not {k!r}")
+            raise UnknownScenarioError(k, len(self))
         return self._alone(int(k) % len(self))
+
+    def __iter__(self) -> Iterator[Any]:
+        """The runs one after the other. Raises what stopped one."""
+        return (self[k] for k in range(len(self)))
 
     def __repr__(self) -> str:
         stalled = sum(error is not None for error in self.errors)
@@ -70,14 +77,29 @@ def count(speed: Any, angle: Any, drive: Any, flywheel: Any, loads: Any) -> int 
     Raises:
         PinpressError: arrays of different lengths; several crank angles to start from.
     """
-    if np.ndim(angle):
+    if not _is_number(angle):
         raise PinpressError("angle is an array: scenarios start from the same crank angle; give one number [rad]")
-    found = {"speed": np.shape(speed)[-1]} if np.ndim(speed) else {}
+    found = {} if _is_number(speed) else {"speed": _of_speed(speed)}
     for item in (drive, flywheel, *(loads if isinstance(loads, Sequence) else ())):
         found |= _lengths(item)
     if len(set(found.values())) > 1:
         raise PinpressError(f"arrays for different numbers of scenarios: {', '.join(f'{name} {size}' for name, size in found.items())}")
     return next(iter(found.values()), None)
+
+
+def _is_number(value: Any) -> bool:
+    """Whether a value is not an array, whatever else it may be."""
+    return isinstance(value, str) or not hasattr(value, "__len__") or (isinstance(value, np.ndarray) and value.ndim == 0)
+
+
+def _of_speed(speed: Any) -> int:
+    try:
+        array = np.array(speed)
+    except ValueError:
+        array = np.array("x")
+    if array.ndim != 1 or not array.size or array.dtype.kind not in "iuf":
+        raise PinpressError(f"speed is {speed!r}: give one number, or (S,) of them [rad/s]")
+    return len(array)
 
 
 def _lengths(item: Any) -> dict[str, int]:
@@ -95,6 +117,8 @@ def _lengths(item: Any) -> dict[str, int]:
 
 def _per_scenario(item: Any, name: str, value: Any) -> bool:
     """Whether a field holds one value a scenario; a table of forces over heights has scenarios on its second axis."""
+    if isinstance(item, PointForce | SpringDamper):
+        return False
     return isinstance(value, np.ndarray) and name not in SHARED and value.ndim == (2 if hasattr(item, "heights") else 1)
 
 
@@ -134,7 +158,11 @@ class Together:
         if self.plan.timed or not np.all(self.energy > 0) or any(_sticks(force) for force in self.plan.scene.forces):
             self.alone[:] = True
             return
+        periods = 0
         while (going := ~self.alone & (self.clock < until)).any():
+            periods += 1
+            if periods > turning.MOST_PERIODS:
+                raise turning.too_long(float(self.clock.max()), self.at)
             extent = self.plan.table.period
             if extent is None:
                 self.alone |= going
@@ -145,7 +173,7 @@ class Together:
             through = going & (passed[-1] < until)
             for k, part in self._parts(flow):
                 self.works[k] += np.where(through, _sums(flow, part).sum(axis=0), 0.0)
-            self.before = flow if len(flow.grid.kinds) < len(self.plan.table.borders) + turning.MOST_KEPT else None
+            self.before = flow if len(flow.grid.kinds) < len(self.plan.table.borders) + MOST_KEPT else None
             self.clock = np.where(going, passed[-1], self.clock)
             self.energy = np.where(going, flow.ends[-1], self.energy)
             self.at += self.direction * extent
@@ -172,7 +200,8 @@ class Together:
             if not len(cuts):
                 return flow, passed
             ends = np.sort(np.concatenate([grid.borders, cuts]))
-            grid, guess = over_angle.grid(plan.scene, plan.table, self.at, self.direction, ends), None
+            grid = over_angle.grid(plan.scene, plan.table, self.at, self.direction, ends)
+            guess = over_angle.carried(flow, grid)
         self.alone |= going
         return flow, passed
 
@@ -228,13 +257,13 @@ def simulate(
     times: Array,
     tolerance: float,
     plan: Callable[[Indices], Plan],
-    alone: Callable[[int], Any],
+    alone: Callable[[int, float | None], Any],
 ) -> Runs:
     """Run S scenarios.
 
     Args:
         speed: (S,) at the start [rad/s]. times: (n,) of the states [s].
-        plan: of the scenarios with these indices, as one array. alone: the `Run` of one scenario, with these n states.
+        plan: of the scenarios with these indices, as one array. alone: the `Run` of one scenario, with these n states; or up to a time.
     """
     began, count = clock.perf_counter(), len(speed)
     angles, speeds, works = np.empty((len(times), count)), np.empty((len(times), count)), np.zeros((2, count))
@@ -250,13 +279,33 @@ def simulate(
             left += list(some[together.alone])
     for k in map(int, left):
         try:
-            run = alone(k)
+            run = alone(k, None)
         except SimulationError as error:
             errors[k] = error
+            angles[:, k], speeds[:, k], works[:, k] = _up_to(error, angle, speed[k], times, partial(alone, k))
             continue
         angles[:, k], speeds[:, k], works[:, k] = run.crank_angle, run.crank_speed, (run.drive_work[-1], run.load_work[-1])
     whole = plan(np.arange(1))
     slide = None if whole.scene.press.slide is None else whole.table.at(angles)[0][COORDINATES]
     for array in (angles, speeds, works):
         array.setflags(write=False)
-    return Runs(times, angles, speeds, slide, works[0], works[1], tuple(errors), clock.perf_counter() - began, alone)
+    return Runs(times, angles, speeds, slide, works[0], works[1], tuple(errors), clock.perf_counter() - began, lambda k: alone(k, None))
+
+
+def _up_to(
+    error: SimulationError, angle: float, speed: float, times: Array, alone: Callable[[float], Any]
+) -> tuple[Array, Array, tuple[float, float]]:
+    """Angles and speeds (n,) of a scenario that stalls, at rest from there on, and the works of its drive and loads up to there."""
+    end = 0.0 if error.time is None else error.time * (1 - 1e-9)
+    stopped = angle if error.crank_angle is None else error.crank_angle
+    angles, speeds, works = np.full(len(times), stopped), np.zeros(len(times)), (0.0, 0.0)
+    before = times < end
+    if before.any():
+        try:
+            run = alone(end)
+        except SimulationError:  # it does not even get there: at rest from the start
+            return np.full(len(times), angle), speeds, works
+        reading = run.path.read(times[before])
+        angles[before], speeds[before] = reading.position[0], reading.speed[0]
+        works = (float(run.drive_work[-1]), float(run.load_work[-1]))
+    return angles, speeds, works

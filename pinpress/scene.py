@@ -180,6 +180,8 @@ def build(press: Linkage, drive: Drive | PrescribedSpeed | None, flywheel: Flywh
     """
     if isinstance(loads, Load):
         raise PinpressError(f"loads is one {type(loads).__name__}: give a list, loads=[...]")
+    if not isinstance(loads, list | tuple):
+        raise PinpressError(f"loads is {loads!r}: give a list, loads=[...]")
     coordinates: list[Coordinate] = [] if press.slide is None else [SlidePosition(*press.slide_guide)]
     acting: list[Acting] = []
     if drive is not None and not isinstance(drive, PrescribedSpeed):

@@ -155,7 +155,7 @@ def simulate(
         points: number of states returned; by default 120 a turn, and at least 120.
         step: fixed step of the classical Runge-Kutta method over time [s]; None: steps by error.
         tolerance: of the error of a step, beside 1 rad and the speeds of the crank.
-        progress: called with the time reached [s], now and then.
+        progress: called with the time reached [s], now and then; not for arrays of scenarios.
 
     Scenarios at once: ``speed`` and the parameters of drive, flywheel and loads that allow it may be arrays (S,); `Runs` come back.
 
@@ -171,9 +171,7 @@ def simulate(
         raise PinpressError(f"press is {press!r}: give a Linkage, as load returns it")
     if method not in ("reduced", "constraint"):
         raise PinpressError(f"unknown method {method!r}: write 'reduced' or 'constraint'")
-    until, tolerance = number("duration", duration, positive=True), number("tolerance", tolerance, positive=True)
-    if not LEAST_TOLERANCE <= tolerance <= 1e-2:
-        raise PinpressError(f"tolerance is {tolerance:g}: give one from {LEAST_TOLERANCE:g} to 0.01")
+    until, tolerance = number("duration", duration, positive=True), tolerated(tolerance)
     fixed = None if step is None else number("step", step, positive=True)
     if fixed is not None and fixed < until / MOST_STEPS:
         raise PinpressError(
@@ -187,10 +185,7 @@ def simulate(
             raise PinpressError("arrays of scenarios are for method='reduced' without clutch and brake: simulate these one by one")
         return _scenarios(press, count, until, speed, angle, drive, flywheel, loads, points, fixed, tolerance)
     angles, speeds = _start(press, "angle", angle), _start(press, "speed", speed)
-    if float(np.abs(speeds).max()) * until > 2 * np.pi * turning.MOST_PERIODS:
-        raise SimulationError(
-            f"at this speed the crank makes more than {turning.MOST_PERIODS} turns: simulate in parts", 0.0, float(angles[0])
-        )
+    _refuse_long(speeds, until, float(angles[0]))
     with np.errstate(all="ignore"):  # what is not finite is refused where it arises
         if len(press.drivers) > 1:
             if method == "reduced":
@@ -231,25 +226,34 @@ def _scenarios(
     if not np.isfinite(speeds).all():
         raise PinpressError(f"speed is {speed!r}: give one finite number, or (S,) of them [rad/s]")
     start = number("angle", angle)
+    given = loads if isinstance(loads, Sequence) and not isinstance(loads, Load) else [loads]  # `scene.build` refuses it by name
     times = np.linspace(0.0, until, _count(points, 0.0))
     times.setflags(write=False)
 
-    def alone(k: int) -> Run:
-        parts = [scenarios.pick(item, k) for item in (drive, flywheel, *loads)]
-        run = simulate(
-            press, until, float(speeds[k]), start, parts[0], parts[1], parts[2:], points=len(times), step=step, tolerance=tolerance
-        )
+    def alone(k: int, end: float | None) -> Run:
+        parts = [scenarios.pick(item, k) for item in (drive, flywheel, *given)]
+        lasting, states = (until, len(times)) if end is None else (end, 2)
+        run = simulate(press, lasting, float(speeds[k]), start, parts[0], parts[1], parts[2:], points=states, tolerance=tolerance)
         assert isinstance(run, Run)
         return run
 
     def plan(some: Indices) -> Plan:
-        parts = [scenarios.pick(item, some) for item in (drive, flywheel, *loads)]
+        parts = [scenarios.pick(item, some) for item in (drive, flywheel, *given)]
         return of_one(press, parts[0], parts[1], parts[2:], None, None)
 
     if step is not None:
         raise PinpressError("step is for one scenario: arrays are solved over the crank angle")
+    if isinstance(drive, PrescribedSpeed):
+        raise PinpressError("a drive that prescribes the speed has one scenario: leave the arrays out")
+    _refuse_long(speeds, until, start)
     with np.errstate(all="ignore"):
         return scenarios.simulate(speeds, start, times, 0.1 * tolerance, plan, alone)
+
+
+def _refuse_long(speeds: Array, until: float, angle: float) -> None:
+    """Raise SimulationError where the run would be too long to be kept."""
+    if not float(np.abs(speeds).max()) * until <= 2 * np.pi * turning.MOST_PERIODS:
+        raise SimulationError(f"at this speed the crank makes more than {turning.MOST_PERIODS} turns: simulate in parts", 0.0, angle)
 
 
 def of_one(press: Linkage, drive: object, flywheel: object, loads: Sequence[Load], clutch: object, brake: object) -> Plan:
@@ -380,6 +384,14 @@ def _start(press: Linkage, name: str, value: ArrayLike) -> Array:
     if numbers.shape not in ((), (len(press.drivers),)) or not np.isfinite(numbers).all():
         raise PinpressError(f"{name} is {value!r}: give finite numbers, one of each of the {len(press.drivers)} drivers")
     return np.broadcast_to(numbers, (len(press.drivers),)).copy()
+
+
+def tolerated(tolerance: float) -> float:
+    """A tolerance, if it is one that can be kept."""
+    value = number("tolerance", tolerance, positive=True)
+    if not LEAST_TOLERANCE <= value <= 1e-2:
+        raise PinpressError(f"tolerance is {value:g}: give one from {LEAST_TOLERANCE:g} to 0.01")
+    return value
 
 
 def number(name: str, value: ArrayLike, positive: bool = False) -> float:

@@ -9,7 +9,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from . import over_angle, reduced, turning
+from . import over_angle, reduced, scenarios, turning
 from .coordinates import Array
 from .drives import Drive, Flywheel
 from .errors import PinpressError, SimulationError
@@ -17,11 +17,13 @@ from .forces import Load
 from .linkage import Linkage
 from .methods import Plan
 from .path import LEDGERS, Path
-from .simulation import Run, as_run, number, of_one
+from .simulation import Run, as_run, number, of_one, tolerated
 from .turning import State
 
 MOST_CUTS = 30
-MOST_RESTARTS = 12
+PERIODS = 12  # that a drive with states of its own is given to come near
+MOST_STEPS = 12  # of Newton's method
+BESIDE = 1e-6  # share of speed and states by which they are changed, to see what a period makes of it
 SHARES = np.geomspace(0.25, 4.0, 33)  # of the speed given, that are tried first
 CLOSER = 3  # times that the range of speeds is narrowed, 32 times each
 COMES_BACK = 1e-10  # difference of the crank's speed, beside itself, after a period of a steady state
@@ -49,53 +51,63 @@ def steady_state(
             speed, as a constant torque does.
     """
     began = clock.perf_counter()
-    start, guess, tolerance = number("angle", angle), number("speed", speed), number("tolerance", tolerance, positive=True)
     if not isinstance(press, Linkage) or len(press.drivers) > 1:
         raise PinpressError("a steady state is that of a press with one driver: give the Linkage that load returns")
+    start, guess, tolerance = number("angle", angle), number("speed", speed), tolerated(tolerance)
     if guess == 0.0:
         raise PinpressError("speed is 0: give the speed about which the press runs [rad/s]")
+    if scenarios.count(speed, angle, drive, flywheel, loads) is not None:
+        raise PinpressError("a steady state is found for one scenario at a time: give numbers, not arrays")
     plan = of_one(press, drive, flywheel, loads, None, None)
     if drive is None or not isinstance(drive, Drive):
         raise PinpressError(f"drive is {drive!r}: a steady state needs a motor, see pinpress.drives")
-    if any(force.time is not None for force in plan.scene.forces):
-        raise PinpressError("a force in time has no steady state: give process loads, which go with the slide's height")
+    if (drive.timed and not drive.state) or any(force.time is not None for force in plan.scene.forces):
+        raise PinpressError("a drive or force that goes with time has no steady state: give motors and process loads that do not")
     if plan.table.period is None:
         raise PinpressError(f"the crank of {press.name} does not turn fully: it has no steady state")
     with np.errstate(all="ignore"):
-        path = _with_states(plan, start, guess, tolerance) if drive.timed else _over_angle(plan, start, guess, tolerance)
+        path = None if plan.timed else _over_angle(plan, start, guess, tolerance)
+        if path is None:
+            path = _over_time(plan, start, guess, tolerance)
         return as_run(plan, path, "reduced", path.segments[-1].end, points, began)
 
 
-def _over_angle(plan: Plan, angle: float, speed: float, tolerance: float) -> Path:
-    """The periodic solution over the crank angle."""
+def _over_angle(plan: Plan, angle: float, speed: float, tolerance: float) -> Path | None:
+    """The periodic solution over the crank angle, None where it is not found so: the drive may be too stiff, or there may be none."""
     table, scene = plan.table, plan.scene
     assert table.period is not None
     direction = 1 if speed > 0 else -1
     inertia = float(table.at(np.array([angle]))[0][reduced.INERTIA, 0]) + plan.line.inertia
     ends = over_angle.borders(table, plan.edges, angle, direction, table.period)
-    energy = np.array([0.5 * inertia * _near(plan, ends, angle, speed) ** 2])
+    near = _near(plan, ends, angle, speed)
+    if near is None:
+        return None
+    energy = np.array([0.5 * inertia * near**2])
     corners = () if scene.drive is None else tuple(float(np.ravel(corner)[0]) for corner in scene.drive.corners)  # type: ignore[union-attr]
+    flow, guess = None, None
     for _ in range(MOST_CUTS):
         grid = over_angle.grid(scene, table, angle, direction, ends)
-        guess = over_angle.flow(scene, grid, energy).energy  # the course of the speed matters: a drive may have no slope at the mean
+        guess = None if flow is None else over_angle.carried(flow, grid)
+        if guess is None:  # the course of the speed matters: a drive may have no slope at the mean
+            guess = over_angle.flow(scene, grid, energy).energy
         flow = over_angle.flow(scene, grid, energy, guess, periodic=True)
-        if over_angle.stopping(flow).any():
-            raise _none(speed)
+        if over_angle.stopping(flow).any() or not flow.ends[0, 0] > 0:
+            return None
         energy = flow.ends[0]
         cuts = over_angle.unresolved(flow, len(grid.kinds), 0.1 * tolerance, corners)
         if not len(cuts):
             change = abs(float(flow.ends[-1, 0] - flow.ends[0, 0])) / float(flow.ends.max())
             if not change < COMES_BACK:
-                raise _none(speed)
+                return None
             state = State(0.0, angle, float(direction * np.sqrt(2 * energy[0] / inertia)), np.zeros(len(LEDGERS)))
             return Path([turning.turned(scene, table, flow, len(grid.kinds), state)])
         ends = np.sort(np.concatenate([ends, cuts]))
-    raise _none(speed)
+    return None
 
 
-def _near(plan: Plan, ends: Array, angle: float, speed: float) -> float:
+def _near(plan: Plan, ends: Array, angle: float, speed: float) -> float | None:
     """A speed close to the steady state's next to the one given: between one from which a period speeds the press up, and a higher one from
-    which it slows down."""
+    which it slows down; None where there is none."""
     speeds = speed * SHARES
     for _ in range(CLOSER):
         grid = over_angle.grid(plan.scene, plan.table, angle, 1 if speed > 0 else -1, ends)
@@ -104,36 +116,42 @@ def _near(plan: Plan, ends: Array, angle: float, speed: float) -> float:
         gained = np.where(over_angle.stopping(flow).any(axis=0), -np.inf, flow.ends[-1] - energies)
         found = np.flatnonzero((gained[:-1] > 0) & (gained[1:] <= 0))
         if not len(found):
-            raise _none(speed)
+            return None
         low = int(found[np.abs(np.log(speeds[found] / speed)).argmin()])
         speeds = np.linspace(speeds[low], speeds[low + 1], len(SHARES))
     return float(speeds[len(speeds) // 2])
 
 
-def _with_states(plan: Plan, angle: float, speed: float, tolerance: float) -> Path:
-    """The periodic solution of speed and the drive's states, by Newton's method on what a period makes of them."""
+def _over_time(plan: Plan, angle: float, speed: float, tolerance: float) -> Path:
+    """The periodic solution of speed and the drive's states over time: a few periods to come near, then Newton's method on what a period
+    makes of them."""
     from .methods import one_period  # imports SciPy's integrators
 
     _, states = plan.line.begin(angle, speed)
-    sizes = np.array([abs(speed), *[1.0] * len(states)])
     at = np.array([speed, *states])
-    # a few periods first, to come near
-    for _ in range(MOST_RESTARTS):
-        path, after = one_period(plan, angle, at, tolerance)
-        if np.abs((after - at) / sizes).max() < COMES_BACK:
-            return path
-        columns = []
-        for k, size in enumerate(sizes):
-            beside = at.copy()
-            beside[k] += 1e-6 * size
-            columns.append((one_period(plan, angle, beside, tolerance)[1] - after) / (1e-6 * size))
-        jacobian = np.array(columns).T - np.eye(len(at))
-        step = np.linalg.solve(jacobian, at - after) if abs(np.linalg.det(jacobian)) > 1e-12 else after - at
-        share = min(1.0, 0.3 / max(float(np.abs(step / sizes).max()), 1e-300))
-        at = at + share * step
-        if at[0] * speed <= 0:
-            raise _none(speed)
+    try:
+        for _ in range(PERIODS):
+            path, after = one_period(plan, angle, at, tolerance)
+            if _same(at, after):
+                return path
+            at = after
+        for _ in range(MOST_STEPS):
+            path, after = one_period(plan, angle, at, tolerance)
+            if _same(at, after):
+                return path
+            steps = BESIDE * np.maximum(np.abs(at), BESIDE)
+            columns = [(one_period(plan, angle, at + step, tolerance)[1] - after) / step[k] for k, step in enumerate(np.diag(steps))]
+            at = at + np.linalg.solve(np.eye(len(at)) - np.array(columns).T, after - at)
+            if not (np.isfinite(at).all() and at[0] * speed > 0):
+                break
+    except (SimulationError, np.linalg.LinAlgError) as error:
+        raise _none(speed) from error
     raise _none(speed)
+
+
+def _same(before: Array, after: Array) -> bool:
+    """Whether speed and states have come back."""
+    return bool(np.all(np.abs(after - before) <= COMES_BACK * np.maximum(np.abs(before), COMES_BACK)))
 
 
 def _none(speed: float) -> SimulationError:

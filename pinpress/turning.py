@@ -21,7 +21,12 @@ REST = 0.2  # angle before a stop that is run through over its square root [rad]
 NOTHING = 1e-12  # force on a crank at rest, beside the range of the potential energy a radian, that is none
 MOST_PERIODS = 200_000  # in one run; each takes some memory
 MOST_CUTS = 40  # rounds of cutting panels
-MOST_KEPT = 24  # panels more than the table's, that are taken over into the next period
+MOST_KEPT = 150  # panels more than the table's, that are taken over into the next period
+
+
+def too_long(time: float, angle: float) -> SimulationError:
+    """A run has more periods than are kept."""
+    return SimulationError(f"more than {MOST_PERIODS} periods of the press: simulate in parts", time, angle)
 
 
 class State(NamedTuple):
@@ -200,7 +205,7 @@ def run(
     state, before = begin, None
     while state.time < until:
         if len(segments) == MOST_PERIODS:
-            raise SimulationError(f"more than {MOST_PERIODS} periods of the press: simulate in parts", state.time, state.angle)
+            raise too_long(state.time, state.angle)
         direction = _direction(scene, table, state)
         if direction == 0:
             return segments, Stop(state, held=True)
@@ -297,7 +302,8 @@ def _period(
             if not len(cuts):
                 return flow, count
             ends = np.sort(np.concatenate([ends, cuts]))
-        grid, guess = over_angle.grid(scene, table, state.angle, direction, ends, (from_rest, to_rest)), None
+        grid = over_angle.grid(scene, table, state.angle, direction, ends, (from_rest, to_rest))
+        guess = over_angle.carried(flow, grid)
     # what still is not resolved: there the crank all but stops, or the drive switches again and again
     right = int(grid.borders.searchsorted(cuts.min())) - 1
     return (flow, right) if right > 0 and not to_rest else None
