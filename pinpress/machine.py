@@ -100,13 +100,17 @@ class Machine:
         states = tuple(y[2 * n : -len(LEDGERS)].tolist())
         return (instant, instant.speed, states) if self.line.clutch is None else (instant, states[-1], states[:-1])
 
-    def driving(self, time: float, y: Array) -> tuple[float, float, float]:
-        """Torque of the drive, and of its motor at its own shaft [N m], and the speed of the drive's side of the clutch [rad/s]."""
-        if self.line.drive is None:
-            return 0.0, 0.0, float(self.split(y)[1] if self.line.clutch else y[self.dynamics.size + self.dynamics.crank])
-        instant, own, states = self.split(y)
-        motor = self.line.drive.motor_torque(own, instant.angle, time, states)
-        return float(self.line.drive_torque(own, instant.angle, time, states)), float(np.ravel(motor)[0]), float(own)
+    def driving(self, times: Array, columns: Array) -> tuple[Array, Array, Array]:
+        """Torque of the drive, and of its motor at its own shaft [N m], and the speed of the drive's side of the clutch [rad/s], (n,) each,
+        of vectors (len(y), n) at times (n,)."""
+        n, drive, crank = self.dynamics.size, self.line.drive, self.dynamics.crank
+        own = columns[n + crank] if self.line.clutch is None else columns[-len(LEDGERS) - 1]
+        if drive is None:
+            return np.zeros(len(times)), np.zeros(len(times)), own
+        states = columns[2 * n : -len(LEDGERS) - (self.line.clutch is not None)].T.tolist()
+        at = list(zip(own.tolist(), columns[crank].tolist(), times.tolist(), map(tuple, states), strict=True))
+        torque, motor = (np.array([float(np.ravel(law(*one))[0]) for one in at]) for law in (drive.torque, drive.motor_torque))
+        return torque, motor, own
 
     def rates(self, modes: Modes, time: float, y: Array) -> Array:
         """dy/dt (len(y),)."""

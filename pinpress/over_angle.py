@@ -184,7 +184,7 @@ class Flow:
         force: (q, p, S) dW/du; driving, resisting: parts of it, of the drive and of the loads [N m].
         held: whether no force depends on the speed, so that W is right beyond a stop too.
         settled: (S,) panels on which Newton's method has found W: all, or those before the crank all but stops.
-        evaluations: of the forces, nodes counted.
+        added: inertia of flywheel and drive, of the first scenario [kg m2]. evaluations: of the forces, nodes counted.
     """
 
     grid: Grid
@@ -196,6 +196,7 @@ class Flow:
     resisting: Array
     held: bool
     settled: Indices
+    added: float
     evaluations: int
 
 
@@ -213,9 +214,9 @@ def flow(scene: Scene, grid: Grid, energy: Array, guess: Array | None = None, pe
     if not inertia.min() > 0:
         worst = np.unravel_index(int(inertia.min(axis=2).argmin()), (q, p))
         raise not_positive(float(inertia.min()), None, float(grid.angle[worst]))
-    weight, drive = grid.weight[:, :, None], scene.drive
+    weight, drive, added = grid.weight[:, :, None], scene.drive, float(np.ravel(scene.inertia)[0])
     if isinstance(drive, PrescribedSpeed):
-        return _prescribed(grid, inertia, drive)
+        return _prescribed(scene, grid, inertia, drive)
 
     def forces(speed: Array) -> tuple[Array, Array]:
         driving, resisting = np.zeros(shape), np.zeros(shape)
@@ -230,7 +231,7 @@ def flow(scene: Scene, grid: Grid, energy: Array, guess: Array | None = None, pe
         work, ends = _integral(grid, driving + resisting, weight, energy)
         least = np.finfo(float).tiny if held else floor  # before a stop W is small, and right
         speed = np.sqrt(2 * np.maximum(work, least) / inertia)
-        return Flow(grid, work, ends, speed, force, driving, resisting, held, settled, rounds * work.size)
+        return Flow(grid, work, ends, speed, force, driving, resisting, held, settled, added, rounds * work.size)
 
     every, unsettled = np.full(len(energy), p), np.ones((p, len(energy)), dtype=bool)
     work = np.broadcast_to(energy, shape) if guess is None else guess
@@ -266,7 +267,7 @@ def flow(scene: Scene, grid: Grid, energy: Array, guess: Array | None = None, pe
     return result(work, driving, resisting, False, settled, 2 * rounds + 1)
 
 
-def _prescribed(grid: Grid, inertia: Array, drive: PrescribedSpeed) -> Flow:
+def _prescribed(scene: Scene, grid: Grid, inertia: Array, drive: PrescribedSpeed) -> Flow:
     """The flow at a constant speed, with the torque that this takes."""
     speed = np.full(inertia.shape, abs(drive.speed))
     work = 0.5 * inertia * speed**2
@@ -276,7 +277,7 @@ def _prescribed(grid: Grid, inertia: Array, drive: PrescribedSpeed) -> Flow:
     force = 0.5 * grid.direction * grid.slope[:, :, None] * speed**2
     driving = force - resisting - grid.weight[:, :, None]
     ends = np.full((len(grid.borders), 1), work.max())
-    return Flow(grid, work, ends, speed, force, driving, resisting, True, np.full(1, len(grid.kinds)), work.size)
+    return Flow(grid, work, ends, speed, force, driving, resisting, True, np.full(1, len(grid.kinds)), float(scene.inertia), work.size)
 
 
 def _integral(grid: Grid, force: Array, weight: Array, energy: Array) -> tuple[Array, Array]:
@@ -401,51 +402,67 @@ def unresolved(flow: Flow, upto: int, tolerance: float, corners: Sequence[float]
     taken = (r.weights @ (slowness * measure).reshape(q, -1)).reshape(upto, count).sum(axis=0)
     bad = coarse(force, ends.max(axis=0)) | coarse(slowness, taken)
     bad &= np.diff(g.borders[: upto + 1]) > NARROWEST
-    lost = {
-        panel: at for push in g.pushes if push.stretch.one_sided and count == 1 for panel, at in _contact_lost(flow, push) if panel < upto
-    }
-    return np.array([*lost.values(), *(_cut(flow, panel, corners) for panel in np.flatnonzero(bad).tolist() if panel not in lost)])
+    cuts = {panel: _middle(g, panel) for panel in np.flatnonzero(bad).tolist()}
+    if count == 1:
+        cuts |= _corners_passed(flow, upto, corners)
+        for push in g.pushes:
+            cuts |= {panel: at for panel, at in _contact_lost(flow, push) if panel < upto}
+    return np.array(list(cuts.values()))
+
+
+def _middle(grid: Grid, panel: int) -> float:
+    """The middle of a panel, as it runs."""
+    low, high = grid.borders[panel : panel + 2]
+    share = {STEADY: 0.5, FROM_REST: 0.25, TO_REST: 0.75}[int(grid.kinds[panel])]
+    return float(low + share * (high - low))
+
+
+def _turning(flow: Flow) -> Array:
+    """Speed of the crank (p + 1,) at the borders, of one scenario."""
+    g = flow.grid
+    inertia = np.maximum(g.inertia_ends + flow.added, np.finfo(float).tiny)
+    return np.asarray(g.direction * np.sqrt(2 * np.maximum(flow.ends[:, 0], 0.0) / inertia))
+
+
+def _corners_passed(flow: Flow, upto: int, corners: Sequence[float]) -> dict[int, float]:
+    """Panels on which the crank passes one of these speeds, and where: also where no node sees it."""
+    g, found = flow.grid, {}
+    if corners:
+        ends = _turning(flow)
+        speeds = np.concatenate([ends[None, :-1], g.direction * flow.speed[:, :, 0], ends[None, 1:]])[:, :upto]
+        for corner in corners:
+            for panel in np.flatnonzero((speeds.min(axis=0) < corner) & (speeds.max(axis=0) > corner)).tolist():
+                at = _place_of(flow, panel, (rule().monomials @ speeds[1:-1, panel]).tolist(), corner)
+                if at is not None:
+                    found[panel] = at
+    return found
+
+
+def _place_of(flow: Flow, panel: int, polynomial: list[float], level: float) -> float | None:
+    """Where on a panel a polynomial in its x passes a level, as angle travelled; None where that is no place away from its borders."""
+    g = flow.grid
+    polynomial = [polynomial[0] - level, *polynomial[1:]]
+    samples = np.linspace(-1.0, 1.0, 2 * len(polynomial)).tolist()
+    values = [horner(polynomial[::-1], x) for x in samples]
+    for k in range(len(samples) - 1):
+        if (values[k] > 0) != (values[k + 1] > 0):
+            x = root(polynomial, samples[k], samples[k + 1])
+            at = float(travelled(g, np.array([panel]), np.array([x]))[0][0])
+            if g.borders[panel] + SAME < at < g.borders[panel + 1] - SAME:
+                return at
+    return None
 
 
 def _contact_lost(flow: Flow, push: Push) -> list[tuple[int, float]]:
     """Panels on which a contact's law changes its sign, and where, as angles travelled; of one scenario."""
-    g, found = flow.grid, []
-    turned = np.sqrt(2 * np.maximum(flow.ends[:, 0], 0.0) / np.maximum(g.inertia_ends, np.finfo(float).tiny))
-    for panel in push.panels.tolist():
+    g, found, turned = flow.grid, [], _turning(flow)
+    for panel in push.panels.tolist() if push.stretch.one_sided else []:
         ends = slice(panel, panel + 2)
-        rate = g.direction * np.concatenate(
-            [g.lever[push.row][:, panel] * flow.speed[:, panel, 0], g.lever_ends[push.row, ends] * turned[ends]]
-        )
+        rates = [g.lever[push.row][:, panel] * g.direction * flow.speed[:, panel, 0], g.lever_ends[push.row, ends] * turned[ends]]
         position = np.concatenate([g.position[push.row][:, panel], g.position_ends[push.row, ends]])
-        law = np.asarray(push.stretch.force(position - push.datum, rate))
+        law = np.asarray(push.stretch.force(position - push.datum, np.concatenate(rates)))
         if law.min() < 0 < law.max():
-            polynomial = (rule().monomials @ law[:-2]).tolist()
-            samples = np.linspace(-1.0, 1.0, 2 * len(polynomial)).tolist()
-            values = [horner(polynomial[::-1], x) for x in samples]
-            for k in range(len(samples) - 1):
-                if (values[k] > 0) != (values[k + 1] > 0):
-                    x = root(polynomial, samples[k], samples[k + 1])
-                    at = float(travelled(g, np.array([panel]), np.array([x]))[0][0])
-                    if g.borders[panel] + SAME < at < g.borders[panel + 1] - SAME:
-                        found.append((panel, at))
-                        break
+            at = _place_of(flow, panel, (rule().monomials @ law[:-2]).tolist(), 0.0)
+            if at is not None:
+                found.append((panel, at))
     return found
-
-
-def _cut(flow: Flow, panel: int, corners: Sequence[float]) -> float:
-    """Where the crank's speed passes a corner, else the middle of a panel, as it runs."""
-    grid = flow.grid
-    low, high = grid.borders[panel : panel + 2]
-    if corners:
-        speed = (rule().monomials @ (grid.direction * flow.speed[:, panel, 0])).tolist()
-        samples = np.linspace(-1.0, 1.0, 2 * len(speed)).tolist()
-        values = [horner(speed[::-1], x) for x in samples]
-        for corner in corners:
-            for k in range(len(samples) - 1):
-                if (values[k] > corner) != (values[k + 1] > corner):
-                    x = root([speed[0] - corner, *speed[1:]], samples[k], samples[k + 1])
-                    at = float(travelled(grid, np.array([panel]), np.array([x]))[0][0])
-                    if low + SAME < at < high - SAME:
-                        return at
-    share = {STEADY: 0.5, FROM_REST: 0.25, TO_REST: 0.75}[int(grid.kinds[panel])]
-    return float(low + share * (high - low))

@@ -96,20 +96,20 @@ class Stepped:
             self.times[-1] = float(brentq(lambda t: late(piece(t)), begin, self.times[-1], xtol=4e-16 * self.times[-1], rtol=1e-15))
         return np.asarray(piece(self.times[-1]))
 
-    def read(self, times: Array) -> Reading:
-        size, ledgers = self.machine.dynamics.size, len(LEDGERS)
+    def read(self, times: Array, whole: bool = True) -> Reading:
+        machine, size, ledgers = self.machine, self.machine.dynamics.size, len(LEDGERS)
         owner = np.clip(np.array(self.times).searchsorted(times, side="left"), 0, len(self.times) - 1)
         columns = np.empty((len(self.pieces[0](self.start)), len(times)))
-        rates, drive = np.empty_like(columns), np.empty((3, len(times)))
         for k in np.unique(owner).tolist():
             mine = np.flatnonzero(owner == k)
             columns[:, mine] = self.pieces[k](times[mine])
-        columns[:size], columns[size : 2 * size] = self.machine.dynamics.closed(columns[:size], columns[size : 2 * size])
-        for i, k in enumerate(owner.tolist()):
-            y, time = columns[:, i].copy(), float(times[i])
-            rates[:, i] = self.machine.rates(self.modes[k], time, y)
-            drive[:, i] = self.machine.driving(time, y)
-        return Reading(columns[:size], columns[size : 2 * size], rates[size : 2 * size], drive[0], drive[1], drive[2], columns[-ledgers:])
+        accelerations = np.empty((0, len(times)))
+        if whole:
+            columns[: 2 * size] = np.concatenate(machine.dynamics.closed(columns[:size], columns[size : 2 * size]))
+            rates = [machine.rates(self.modes[k], float(times[i]), columns[:, i].copy()) for i, k in enumerate(owner.tolist())]
+            accelerations = np.array(rates).T[size : 2 * size]
+        driving = machine.driving(times, columns)
+        return Reading(columns[:size], columns[size : 2 * size], accelerations, *driving, columns[-ledgers:])
 
 
 def run(

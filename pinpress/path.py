@@ -48,7 +48,9 @@ class Segment(Protocol):
         """Angle that the crank has turned, either way [rad]."""
         ...
 
-    def read(self, times: Array) -> Reading: ...
+    def read(self, times: Array, whole: bool = True) -> Reading:
+        """States at times (n,) within the segment; where it is not needed ``whole``, without accelerations, and loops not closed anew."""
+        ...
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -70,10 +72,12 @@ class Path:
         """Turns of the crank, those back counted too."""
         return sum(segment.travelled for segment in self.segments) / (2 * np.pi)
 
-    def read(self, times: Array) -> Reading:
-        """States at rising times (n,)."""
+    def read(self, times: Array, whole: bool = True) -> Reading:
+        """States at rising times (n,); where it is not needed ``whole``, without accelerations, and loops not closed anew."""
         starts = np.array([segment.start for segment in self.segments])
         owner = np.clip(starts.searchsorted(times, side="right") - 1, 0, len(starts) - 1)
         cuts = np.flatnonzero(np.diff(owner)) + 1
-        parts = [self.segments[int(owner[part[0]])].read(times[part]) for part in np.split(np.arange(len(times)), cuts)]
+        parts = [self.segments[int(owner[part[0]])].read(times[part], whole) for part in np.split(np.arange(len(times)), cuts)]
+        if not whole:
+            parts = [part._replace(acceleration=np.zeros((0, part.position.shape[1]))) for part in parts]
         return Reading(*(np.concatenate(rows, axis=-1) for rows in zip(*parts, strict=True)))

@@ -86,7 +86,7 @@ def strokes(run: Run) -> tuple[Duty, ...]:
     marks = np.arange(count + 1)
     times = np.interp(marks, turned, run.time[:upto])
     for _ in range(6):  # Newton's method on the path itself
-        position, speed = _crank(run, run.path.read(times))
+        position, speed = _crank(run, run.path.read(times, whole=False))
         late = position - (run.crank_angle[0] + direction * 2 * np.pi * marks)
         step = np.where((marks > 0) & (speed != 0), late / np.where(speed == 0, 1.0, speed), 0.0)
         times = np.clip(times - step, 0.0, run.time[-1])
@@ -104,7 +104,7 @@ def _check(run: Run) -> None:
 def _duties(run: Run, times: Array) -> list[Duty]:
     """One for each interval between the times."""
     path, drive, inertia = run.path, run.plan.scene.drive, run.plan.line.inertia
-    ends = path.read(times)
+    ends = path.read(times, whole=False)
     angles = _crank(run, ends)[0]
     rated = None if drive is None or isinstance(drive, PrescribedSpeed) else drive.rated_torque
     result = []
@@ -112,7 +112,7 @@ def _duties(run: Run, times: Array) -> list[Duty]:
         net = abs(float(angles[k + 1] - angles[k]))
         count = STATES * max(1, math.ceil(net / (2 * np.pi) - 1e-9)) + 1
         inner = np.linspace(start, end, count)
-        reading = path.read(inner)
+        reading = path.read(inner, whole=False)
         speed = np.abs(_crank(run, reading)[1])
         highest, lowest = int(speed.argmax()), int(speed.argmin())
         gained = ends.ledgers[:, k + 1] - ends.ledgers[:, k]

@@ -21,8 +21,7 @@ from .simulation import Run, as_run, number, of_one, tolerated
 from .turning import State
 
 MOST_CUTS = 30
-PERIODS = 12  # that a drive with states of its own is given to come near
-MOST_STEPS = 12  # of Newton's method
+PERIODS, MOST_PERIODS = 3, 60  # that a drive with states of its own is given to come near, and in all
 BESIDE = 1e-6  # share of speed and states by which they are changed, to see what a period makes of it
 SHARES = np.geomspace(0.25, 4.0, 33)  # of the speed given, that are tried first
 CLOSER = 3  # times that the range of speeds is narrowed, 32 times each
@@ -130,32 +129,27 @@ def _over_time(plan: Plan, angle: float, speed: float, tolerance: float) -> Path
     _, states = plan.line.begin(angle, speed)
     at = np.array([speed, *states])
     try:
-        for _ in range(PERIODS):
+        before = np.inf
+        for period in range(MOST_PERIODS):
             path, after = one_period(plan, angle, at, tolerance)
-            if _same(at, after):
+            change = float(np.max(np.abs(after - at) / np.maximum(np.abs(at), COMES_BACK)))
+            if change <= COMES_BACK:
                 return path
-            at = after
-        for _ in range(MOST_STEPS):
-            path, after = one_period(plan, angle, at, tolerance)
-            if _same(at, after):
-                return path
-            steps = BESIDE * np.maximum(np.abs(at), BESIDE)
+            # a plain period wherever Newton's method has led away: corners of the drive are not for it
+            if period < PERIODS or change > 0.5 * before:
+                at, before = after, np.inf if period < PERIODS else 2.1 * change
+                continue
+            before, steps = change, BESIDE * np.maximum(np.abs(at), BESIDE)
             columns = [(one_period(plan, angle, at + step, tolerance)[1] - after) / step[k] for k, step in enumerate(np.diag(steps))]
-            at = at + np.linalg.solve(np.eye(len(at)) - np.array(columns).T, after - at)
-            if not (np.isfinite(at).all() and at[0] * speed > 0):
-                break
+            found = at + np.linalg.solve(np.eye(len(at)) - np.array(columns).T, after - at)
+            at = found if np.isfinite(found).all() and 0.8 < found[0] / at[0] < 1.25 else after
     except (SimulationError, np.linalg.LinAlgError) as error:
         raise _none(speed) from error
     raise _none(speed)
 
 
-def _same(before: Array, after: Array) -> bool:
-    """Whether speed and states have come back."""
-    return bool(np.all(np.abs(after - before) <= COMES_BACK * np.maximum(np.abs(before), COMES_BACK)))
-
-
 def _none(speed: float) -> SimulationError:
     return SimulationError(
-        f"no steady state is found near {speed:g} rad/s: the drive is too weak for what the loads take, or gives as much or more at every"
-        " speed there (a constant torque has none); try another speed, or let the press run with simulate"
+        f"no steady state is found near {speed:g} rad/s: the drive is too weak for the loads, or gives as much or more at every speed there"
+        " (a constant torque has none); try another speed, or let the press run with simulate"
     )

@@ -13,12 +13,12 @@ from .drives import PrescribedSpeed
 from .errors import SimulationError
 from .over_angle import STEADY, TO_REST, Flow, Grid, Indices
 from .path import LEDGERS, Reading
-from .reduced import COORDINATES, INERTIA, POTENTIAL, WEIGHT, Table, beyond, root, rule
+from .reduced import COORDINATES, INERTIA, POTENTIAL, WEIGHT, Table, beyond, horner, root, rule
 from .scene import Scene, not_positive
 
 SMALL = 1e-2  # swings shorter than this are followed over time: their forces are small differences [rad]
 REST = 0.2  # angle before a stop that is run through over its square root [rad]
-NOTHING = 1e-12  # force on a crank at rest, beside the range of the potential energy a radian, that is none
+NOTHING = 3e-11  # force on a crank at rest, beside the range of the potential energy a radian, that is none
 MOST_PERIODS = 200_000  # in one run; each takes some memory
 MOST_CUTS = 40  # rounds of cutting panels
 MOST_KEPT = 150  # panels more than the table's, that are taken over into the next period
@@ -77,7 +77,7 @@ class Turned:
     def travelled(self) -> float:
         return float(self.grid.borders[self.count])
 
-    def read(self, times: Array) -> Reading:
+    def read(self, times: Array, whole: bool = True) -> Reading:
         g = self.grid
         panel = np.clip(self.times.searchsorted(times, side="right") - 1, 0, self.count - 1)
         elapsed = self.elapsed[:, panel]
@@ -175,7 +175,7 @@ class Resting:
     def travelled(self) -> float:
         return 0.0
 
-    def read(self, times: Array) -> Reading:
+    def read(self, times: Array, whole: bool = True) -> Reading:
         none = np.zeros((1, len(times)))
         return Reading(none + self.at.angle, none, none, none[0], none[0], none[0], self.at.ledgers[:, None] + none)
 
@@ -329,7 +329,9 @@ def _with_rest(flow: Flow, panel: int, ends: Array, hard: Array, from_rest: bool
     polynomial[0] += float(flow.ends[panel, 0])
     samples = np.append(r.nodes, 1.0)
     first = int(np.argmax(np.append(flow.energy[:, panel, 0], flow.ends[panel + 1, 0]) <= 0))
-    x = root(polynomial, -1.0 if first == 0 else float(samples[first - 1]), float(samples[first]))
+    low = -1.0 if first == 0 else float(samples[first - 1])
+    # a stop on the border itself may show as none: W is rounding there
+    x = root(polynomial, low, float(samples[first])) if horner(polynomial[::-1], low) > 0 else low
     stop = float(over_angle.travelled(grid, np.array([panel]), np.array([x]))[0][0])
     hard = hard[hard < stop - over_angle.SAME]
     begin = max(stop - REST, float(hard.max(initial=0.0)))
