@@ -24,6 +24,7 @@ AGAIN = 4.0  # times the kinetic energy at which the crank stopped turning for s
 
 BESIDE = 1e-7  # share of a speed to both sides of it
 JUMP = 1e-3  # change of the torque within that, beside its size nearby, that is one
+CLOSER = 4  # steps of Newton's method to the end of a period
 PATIENCE = 20.0  # times as long as a period should take, that it may
 LITTLE = 1e-4  # kinetic energy, beside the range of the potential one, below which the crank is not followed over its angle
 
@@ -238,5 +239,13 @@ def one_period(plan: Plan, angle: float, start: Array, tolerance: float) -> tupl
     )
     if not beyond(y):
         raise scene.too_slow(float(patience), float(y[0]))
-    end = stepped.cut(lambda y: float((y[0] - target) * direction))
-    return Path([stepped]), end[1 : -len(LEDGERS)]
+    # the end by steps that meet it: the integrator's interpolation is less exact than its steps
+    begin, modes, at, end = stepped.before(lambda y: float((y[0] - target) * direction))
+    segments, y = [stepped], at
+    for _ in range(CLOSER):
+        if end <= begin:  # an event has ended the step before, just there
+            break
+        last, y = over_time.run(machine, modes, begin, at, end, tolerance, _scale(plan, at), None, plan.breaks)
+        segments = [stepped, last]
+        end += float((target - y[0]) / y[1])
+    return Path(segments), y[1 : -len(LEDGERS)]

@@ -88,13 +88,13 @@ class Stepped:
     def end(self) -> float:
         return self.times[-1] if self.times else self.start
 
-    def cut(self, late: Callable[[Array], float]) -> Array:
-        """End the run where a function of the vector, positive at the end of the last step, is zero; the vector there."""
+    def before(self, late: Callable[[Array], float]) -> tuple[float, Modes, Array, float]:
+        """Give up the last step, in which a function of the vector has become positive: when it began, its modes, the vector there,
+        and about when the function is zero."""
         begin = self.times[-2] if len(self.times) > 1 else self.start
-        piece = self.pieces[-1]
-        if late(piece(begin)) < 0:
-            self.times[-1] = float(brentq(lambda t: late(piece(t)), begin, self.times[-1], xtol=4e-16 * self.times[-1], rtol=1e-15))
-        return np.asarray(piece(self.times[-1]))
+        piece, end, modes = self.pieces.pop(), self.times.pop(), self.modes.pop()
+        zero = brentq(lambda t: late(piece(t)), begin, end, rtol=1e-15) if late(piece(begin)) < 0 else begin
+        return begin, modes, np.asarray(piece(begin)), float(zero)
 
     def read(self, times: Array, whole: bool = True) -> Reading:
         machine, size, ledgers = self.machine, self.machine.dynamics.size, len(LEDGERS)
