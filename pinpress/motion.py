@@ -2,14 +2,14 @@
 
 import math
 import os
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from . import spatial, tables
-from .branch import LARGEST_CORRECTION, Closure, Lock, follow, joined, predict
+from .branch import LARGEST_CORRECTION, Branch, Closure, Lock, follow, joined, predict
 from .coordinates import Array, ComplexArray, Slot, configuration
 from .errors import AssemblyError, PinpressError, SingularityError
 from .linkage import ACCEPTED, Linkage
@@ -19,6 +19,7 @@ RPM = 2 * np.pi / 60
 """One revolution per minute [rad/s]."""
 
 MOST_POINTS = 10**8
+MANY_PERIODS = 1000  # beyond which a crank angle's rounding is seen in the gaps of loops
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -260,10 +261,22 @@ def _numbers(name: str, values: ArrayLike) -> Array:
 def _closed(press: Linkage, angles: Array, engine: str) -> Closure:
     """Closed configurations on the drawn branch, in pieces that stay in the cache."""
     branch = press.branch
+    if branch.period is not None and np.abs(angles).max() > MANY_PERIODS * branch.period:
+        return _far(press, branch, angles, engine)
     if len(angles) <= PIECE:
         return _piece(press, angles, predict(branch, angles), engine)
     parts = [angles[start : start + PIECE] for start in range(0, len(angles), PIECE)]
     return joined([_piece(press, part, predict(branch, part), engine) for part in parts])
+
+
+def _far(press: Linkage, branch: Branch, angles: Array, engine: str) -> Closure:
+    """Closed configurations many periods away: closed within one period, as the rounding of large angles is a gap, and moved on."""
+    assert branch.period is not None
+    turns = np.floor(angles / branch.period)
+    closure = _closed(press, angles - turns * branch.period, engine)
+    position = closure.position + branch.advance[:, None] * turns
+    position[press.spatial.drivers[0]] = angles
+    return replace(closure, position=position)
 
 
 def _followed(press: Linkage, angles: Array) -> Array:

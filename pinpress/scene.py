@@ -178,10 +178,7 @@ def build(press: Linkage, drive: Drive | PrescribedSpeed | None, flywheel: Flywh
         PinpressError: a load that is none, or cannot be simulated; heights to be measured from a bottom dead centre that is not there.
         UnknownNameError: a load on a link that the linkage does not have.
     """
-    if isinstance(loads, Load):
-        raise PinpressError(f"loads is one {type(loads).__name__}: give a list, loads=[...]")
-    if not isinstance(loads, list | tuple):
-        raise PinpressError(f"loads is {loads!r}: give a list, loads=[...]")
+    listed(loads)
     coordinates: list[Coordinate] = [] if press.slide is None else [SlidePosition(*press.slide_guide)]
     acting: list[Acting] = []
     if drive is not None and not isinstance(drive, PrescribedSpeed):
@@ -206,6 +203,14 @@ def build(press: Linkage, drive: Drive | PrescribedSpeed | None, flywheel: Flywh
     if drive is not None and not isinstance(drive, PrescribedSpeed):
         inertia = inertia + drive.inertia
     return Scene(press, drive, inertia, tuple(coordinates), tuple(acting))
+
+
+def listed(loads: object) -> None:
+    """Raise PinpressError where loads are no list."""
+    if isinstance(loads, Load) and not isinstance(loads, type):
+        raise PinpressError(f"loads is one {type(loads).__name__}: give a list, loads=[...]")
+    if not isinstance(loads, list | tuple):
+        raise PinpressError(f"loads is {loads!r}: give a list, loads=[...]")
 
 
 def driving(row: int, drive: Drive) -> Acting:

@@ -16,7 +16,7 @@ from typing import Any, overload
 import numpy as np
 from numpy.typing import ArrayLike
 
-from . import methods, reduced, scenarios, turning
+from . import methods, reduced, scenarios, scene, turning
 from .coordinates import Array
 from .driveline import Brake, Clutch
 from .drives import Drive, Flywheel, PrescribedSpeed
@@ -180,6 +180,7 @@ def simulate(
     if progress is not None and not callable(progress):
         raise PinpressError(f"progress is {progress!r}: give a function of the time reached [s]")
     _count(points, 0.0)
+    scene.listed(loads)
     if len(press.drivers) == 1 and (count := scenarios.count(speed, angle, drive, flywheel, loads)) is not None:
         if method != "reduced" or clutch is not None or brake is not None:
             raise PinpressError("arrays of scenarios are for method='reduced' without clutch and brake: simulate these one by one")
@@ -226,19 +227,18 @@ def _scenarios(
     if not np.isfinite(speeds).all():
         raise PinpressError(f"speed is {speed!r}: give one finite number, or (S,) of them [rad/s]")
     start = number("angle", angle)
-    given = loads if isinstance(loads, Sequence) and not isinstance(loads, Load) else [loads]  # `scene.build` refuses it by name
     times = np.linspace(0.0, until, _count(points, 0.0))
     times.setflags(write=False)
 
     def alone(k: int, end: float | None) -> Run:
-        parts = [scenarios.pick(item, k) for item in (drive, flywheel, *given)]
+        parts = [scenarios.pick(item, k) for item in (drive, flywheel, *loads)]
         lasting, states = (until, len(times)) if end is None else (end, 2)
         run = simulate(press, lasting, float(speeds[k]), start, parts[0], parts[1], parts[2:], points=states, tolerance=tolerance)
         assert isinstance(run, Run)
         return run
 
     def plan(some: Indices) -> Plan:
-        parts = [scenarios.pick(item, some) for item in (drive, flywheel, *given)]
+        parts = [scenarios.pick(item, some) for item in (drive, flywheel, *loads)]
         return of_one(press, parts[0], parts[1], parts[2:], None, None)
 
     if step is not None:

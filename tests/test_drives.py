@@ -530,7 +530,7 @@ GOOD = {
 }
 SIGNS = {"finite": (), "other than zero": (0.0,), "positive": (0.0, -1.0), "not negative": (-1.0,)}
 FIELDS = [
-    (Flywheel, "inertia", "not negative"),
+    (Flywheel, "inertia", "finite"),
     (PrescribedSpeed, "speed", "other than zero"),
     (ConstantTorque, "value", "finite"),
     *((InductionMotor, f, "positive") for f in ("rated_power", "rated_speed", "frequency", "breakdown_ratio")),
