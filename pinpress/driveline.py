@@ -129,19 +129,20 @@ class Driveline:
             if self.flywheel is not None and self.flywheel.speed is not None:
                 own = self.flywheel.speed
             states = (*states, own)
-        return Mode(_grip(self.clutch, angle, own - speed, HOLDING), _grip(self.brake, angle, speed, OPEN)), states
+        clutch, brake = _grip(self.clutch, angle, speed, own - speed, HOLDING), _grip(self.brake, angle, speed, speed, OPEN)
+        return Mode(clutch, brake), states
 
     def drive_torque(self, speed: float, angle: float, time: float, states: tuple[float, ...]) -> Any:
         """Torque of the drive at the driver joint, at its own side's speed [N m]."""
         return 0.0 if self.drive is None else self.drive.torque(speed, angle, time, states)
 
 
-def _grip(friction: Clutch | Brake | None, angle: float, relative: float, missing: str) -> Grip:
+def _grip(friction: Clutch | Brake | None, angle: float, speed: float, relative: float, missing: str) -> Grip:
     """State at the start, at a relative speed of the two sides; one that is ``missing`` is as if it did that for good."""
     if friction is None:
         return Grip(missing)
     at = friction.closes or friction.opens
-    way = 1 if at is None or at.angle is None or at.angle >= angle else -1
+    way = 1 if at is None or at.angle is None or at.angle > angle or (at.angle == angle and speed >= 0) else -1
     if friction.closes is not None:
         return Grip(OPEN, way=way)
     return Grip(SLIPPING, 1 if relative > 0 else -1, way=way) if relative else Grip(HOLDING, way=way)

@@ -300,6 +300,10 @@ class Machine:
         if switch.what == "corner":
             sides = tuple(-side if k == switch.of else side for k, side in enumerate(modes.sides))
             return modes._replace(sides=sides), y
+        instant = self.split(y)[0]
+        stops = switch.what == "turn" and abs(instant.speed) <= AT_REST * fastest
+        if stops and modes.line.brake.state == SLIPPING:  # what happens at rest is for the brake to decide
+            return self._line_switched(Switch("grips", "brake"), "brake", modes, time, y)
         if isinstance(switch.of, int):
             return self._force_switched(switch, switch.of, modes, time, y, fastest), y
         return self._line_switched(switch, str(switch.of), modes, time, y)

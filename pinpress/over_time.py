@@ -251,7 +251,7 @@ def _located(
 
 def _zero(value: Callable[[float], float], since: float, until: float, low: float) -> float:
     """When a function, ``low`` at ``since``, falls below zero, as it has done at ``until``."""
-    if low <= 0:  # it began at zero: has it risen in between?
+    if low <= 0 or value(since) <= 0:  # it began at zero: has it risen in between?
         shares = [0.5**k for k in range(1, 40)]
         risen = next((share for share in shares if value(since + share * (until - since)) > 0), None)
         if risen is None:

@@ -224,8 +224,10 @@ def roots(table: Table, row: int, level: float, slope: bool = False) -> Array:
         x = root(polynomial, float(samples[place]), float(samples[place + 1]))
         found.append(table.borders[panel] + 0.5 * (1 + x) * (table.borders[panel + 1] - table.borders[panel]))
     # one that lies on a border between panels may show in neither
-    ends = above[:-1, -1] != above[1:, 0]
-    return np.concatenate([np.array(found), table.borders[1:-1][ends]])
+    ends = np.flatnonzero(above[:-1, -1] != above[1:, 0]) + 1
+    if table.period is not None and above[-1, -1] != above[0, 0]:
+        ends = np.append(ends, 0)
+    return np.concatenate([np.array(found), table.borders[ends]])
 
 
 def root(polynomial: list[float], low: float, high: float) -> float:

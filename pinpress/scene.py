@@ -28,6 +28,8 @@ from .scene_checks import check_drive, check_load
 if TYPE_CHECKING:
     from .forward_dynamics import ForwardDynamics
 
+THIN = 1e-8  # stretch of a load, in lengths of the linkage, that its crank angle still tells apart
+
 End = tuple[int, Array]
 """Pinocchio joint (0: the frame) and a point in its frame [m]."""
 
@@ -240,6 +242,13 @@ def _process(press: Linkage, load: ProcessLoad) -> Acting | None:
     if not rising and not falling:
         return None
     datum = _bottom(press, load) if load.datum is None else load.datum
+    least = THIN * press.spatial.size
+    for stretch in (*rising, *falling):
+        if stretch.upper - stretch.lower < least:
+            raise PinpressError(
+                f"{type(load).__name__}: a stretch of {stretch.upper - stretch.lower:g} m is thinner than a simulation resolves;"
+                f" give at least {least:.2g} m"
+            )
     rising, falling = tuple(rising), tuple(falling)
     return Acting(row, datum, rising, rising if _same(rising, falling) else falling)
 

@@ -19,6 +19,7 @@ from .scene import Scene, not_positive
 SMALL = 1e-2  # swings shorter than this are followed over time: their forces are small differences [rad]
 REST = 0.2  # angle before a stop that is run through over its square root [rad]
 NOTHING = 3e-11  # force on a crank at rest, beside the range of the potential energy a radian, that is none
+LITTLE = 1e-7  # kinetic energy, beside the range of the potential one, from which a start is followed over time
 MOST_PERIODS = 200_000  # in one run; each takes some memory
 MOST_CUTS = 40  # rounds of cutting panels
 MOST_KEPT = 150  # panels more than the table's, that are taken over into the next period
@@ -274,6 +275,8 @@ def _period(
     if not inertia > 0:
         raise not_positive(inertia, state.time, state.angle)
     energy = np.array([0.5 * inertia * state.speed**2])
+    if 0 < energy[0] < LITTLE * np.ptp(table.coefficients[:, POTENTIAL, 0]):
+        return None
     corners: tuple[float, ...] = ()
     if scene.drive is not None and not isinstance(scene.drive, PrescribedSpeed):
         corners = tuple(float(np.ravel(corner)[0]) for corner in scene.drive.corners)

@@ -324,9 +324,9 @@ def test_what_is_not_finite(name, wrong):
     np.testing.assert_array_equal(dynamics.acceleration(x, zero, zero), ForwardDynamics(press, zero).acceleration(x, zero, zero))
 
 
-@pytest.mark.parametrize("armature", [np.zeros(2), [0, -1, 0], [0, np.nan, 0], [np.inf, 0, 0], 1.0])
+@pytest.mark.parametrize("armature", [np.zeros(2), [0, np.nan, 0], [np.inf, 0, 0], 1.0])
 def test_a_bad_armature(armature):
-    with pytest.raises(pp.PinpressError, match="give 3 inertias"):
+    with pytest.raises(pp.PinpressError, match="give 3 finite inertias"):
         ForwardDynamics(pp.load("crank_slide"), armature)
 
 

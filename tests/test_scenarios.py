@@ -499,7 +499,6 @@ def test_bad_arguments(press, name):
         pp.simulate(**good | change)
 
 
-@pytest.mark.xfail(strict=True, reason="taken for a list of it, which a single run does not")
 def test_one_load_is_no_list(press):
     with pytest.raises(pp.PinpressError, match="give a list"):
         pp.simulate(press, 0.1, speed=[30.0, 31.0], flywheel=WHEEL, loads=BLANK)
