@@ -229,6 +229,15 @@ def test_an_inverter_at_its_limit(press, method):
     assert result.crank_speed.max() < 1.05 * 2 * math.pi * 25 / 20  # little beyond the synchronous speed
 
 
+def test_an_inverter_passed_through(press, request, method):
+    """The crank swings through its synchronous speed: from one limit to the other within 0.3 rad/s, back and forth."""
+    if method == "reduced":
+        request.applymarker(pytest.mark.xfail(strict=True, reason="two corners of the torque within a panel"))
+    motor = drives.Geared(drives.InverterMotor(0.0147, 1440 * pp.RPM, 50.0), 72.455)
+    result = run(press, 1.147, speed=-2.07, angle=7.3377, flywheel=pp.Flywheel(1.846), drive=motor, method=method)
+    same(result, reference(1.147, -2.07, 7.3377, 1.846, lambda speed: float(motor.torque(speed))), 1e-6)  # steps across corners
+
+
 # ------------------------------------------------------------------------------------------------------------------------- dead centres
 
 
