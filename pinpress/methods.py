@@ -126,12 +126,15 @@ def _check_inertia(plan: Plan) -> None:
         raise scene.not_positive(float(inertia.min()), None, float(np.append(angles, plan.table.borders[:-1])[int(inertia.argmin())]))
 
 
-def by_crank(plan: Plan, state: State, until: float, tolerance: float, step: float | None, progress: Progress | None) -> Path:
-    """The reduced equation from a state to a time: over the crank angle where that serves, else over time."""
+def by_crank(
+    plan: Plan, state: State, until: float, tolerance: float, step: float | None, progress: Progress | None, by_angle: bool = True
+) -> Path:
+    """The reduced equation from a state to a time: over the crank angle where that serves (and ``by_angle``), else over time."""
     if plan.line.clutch is None:
         _check_inertia(plan)
+    over_angle_too = by_angle and not plan.timed and step is None
     segments: list[Segment] = []
-    if not plan.timed and step is None:
+    if over_angle_too:
         found, stop = turning.run(plan.scene, plan.table, plan.edges, state, until, 0.1 * tolerance, progress)
         segments += found
         if stop is None:
@@ -151,7 +154,7 @@ def by_crank(plan: Plan, state: State, until: float, tolerance: float, step: flo
     threshold = max(AGAIN * over_angle.LEAST * fastest, LITTLE * float(np.ptp(plan.table.coefficients[:, POTENTIAL, 0])))
     while True:
         y = machine.begin(np.array([state.angle]), np.array([state.speed]), states, state.ledgers)
-        goes_on = None if plan.timed or step is not None else lambda y, least=threshold: _energy(plan, y[0], y[1]) > least
+        goes_on = None if not over_angle_too else lambda y, least=threshold: _energy(plan, y[0], y[1]) > least
         modes = machine.initial(state.time, y, mode)
         stepped, y = over_time.run(machine, modes, state.time, y, until, tolerance, _scale(plan, y), step, plan.breaks, goes_on, progress)
         segments.append(stepped)

@@ -24,7 +24,7 @@ LEAST_RELATIVE = 3e-14  # tolerance beside the value itself, the least that SciP
 LOOKED_AT = (0.25, 0.5, 0.75, 1.0)  # of a step: where switching functions are looked at
 MOST_TRIES = 4  # to end a step at a corner
 MOST_AT_ONCE = 100  # events without time going on
-SOME_STEPS = 5000  # after which the pace is looked at
+SOME_STEPS = 3000  # after which the pace is looked at
 MOST_STEPS = 1_000_000  # in one run; each takes some memory
 SHORTEST = 1e-15  # step, beside the duration
 
@@ -139,6 +139,7 @@ def run(
     result = Stepped(machine, start)
     time, first, stuck = start, None, 0
     angle, fastest = machine.split(y)[0].angle, abs(machine.split(y)[0].speed)
+    looked = start
     ends = sorted({b for b in breaks if start < b < until} | {until})
     shortest = SHORTEST * (until - start)
     corner, tried = math.inf, 0  # time at which a drive's torque has a corner: a step must end there, not run over it
@@ -183,14 +184,15 @@ def run(
             angle, fastest = instant.angle, max(fastest, abs(instant.speed))
             if progress is not None:
                 progress(time)
-            share = (time - start) / (until - start)
-            if result.steps % SOME_STEPS == 0 and result.steps > MOST_STEPS * share:
-                raise SimulationError(
-                    f"at this pace the run takes more than {MOST_STEPS} steps: a torque or force is too stiff, or jumps to and fro;"
-                    " give it a slope, or simulate in parts",
-                    time,
-                    angle,
-                )
+            if result.steps % SOME_STEPS == 0:
+                if SOME_STEPS * (until - time) > MOST_STEPS * (time - looked):
+                    raise SimulationError(
+                        f"at this pace the run takes more than {MOST_STEPS} steps: the linkage locks ahead, or a torque or force is too"
+                        " stiff, or jumps to and fro; give it a slope, or simulate in parts",
+                        time,
+                        angle,
+                    )
+                looked = time
             if result.steps == MOST_STEPS:
                 raise SimulationError(f"more than {MOST_STEPS} steps: simulate in parts, or with a larger tolerance or step", time, angle)
             if finished is not None and event is None and finished(y):

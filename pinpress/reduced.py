@@ -17,6 +17,7 @@ from typing import NamedTuple
 import numpy as np
 import pinocchio as pin
 
+from .branch import MOST_TURNS
 from .coordinates import Array, configuration
 from .errors import SimulationError
 from .linkage import Linkage
@@ -26,6 +27,7 @@ from .plane_kinematics import basis, basis_velocity
 NODES = 14  # a panel; degree of its polynomials is one less
 PANELS = 16  # a turn to begin with
 RESOLVED = 1e-11  # size of a polynomial's last terms beside the function
+SLACK = 1e-9  # beyond the range of a table, by rounding [rad]
 FLAT = 1e-13  # range of the potential energy, beside its size, that is rounding
 NARROWEST = 1e-7  # panel [rad]: what it does not resolve lies at a lock
 INERTIA, POTENTIAL, WEIGHT, COORDINATES = 0, 1, 2, 3  # rows of a table
@@ -96,10 +98,10 @@ class Table:
         first = self.borders[0]
         if self.period is not None:
             return np.asarray(angle - np.floor((angle - first) / self.period) * self.period)
-        outside = (angle < first) | (angle > self.borders[-1])
+        outside = (angle < first - SLACK) | (angle > self.borders[-1] + SLACK)
         if outside.any():
             raise beyond(self, float(np.ravel(angle)[int(np.argmax(outside))]))
-        return angle
+        return np.clip(angle, first, self.borders[-1])
 
     def at(self, angle: Array, derivative: bool = True) -> tuple[Array, Array]:
         """Rows (rows, ...) at crank angles (...) and their derivatives by the crank angle."""
@@ -132,7 +134,8 @@ def build(press: Linkage, coordinates: Sequence[Coordinate]) -> Table:
         SingularityError, AssemblyError: see `Linkage.branch`.
     """
     branch = press.branch
-    low, high = (0.0, branch.period) if branch.period is not None else (float(branch.angles[0]), float(branch.angles[-1]))
+    period = None if branch.period is None else branch.period * _periods(press, branch.advance)
+    low, high = (0.0, period) if period is not None else (float(branch.angles[0]), float(branch.angles[-1]))
     count = max(2, math.ceil(PANELS * (high - low) / (2 * np.pi) - 1e-9))
     borders, points = np.linspace(low, high, count + 1), 0
     starts, ends = borders[:-1], borders[1:]
@@ -165,7 +168,23 @@ def build(press: Linkage, coordinates: Sequence[Coordinate]) -> Table:
             polynomials[:, [POTENTIAL, WEIGHT]] = 0.0
     order = np.argsort(np.concatenate([d[0] for d in done]))
     all_borders = np.append(np.concatenate([d[0] for d in done])[order], high)
-    return Table(all_borders, np.concatenate([d[2] for d in done])[order], branch.period, points)
+    return Table(all_borders, np.concatenate([d[2] for d in done])[order], period, points)
+
+
+def _periods(press: Linkage, advance: Array) -> int:
+    """Periods of the loops after which all is as before: a geared shaft on no loop may come back later, and its weight with it.
+
+    Raises:
+        SimulationError: it does not within `MOST_TURNS`.
+    """
+    turns = np.array([gained / (2 * np.pi) for gained, axis in zip(advance, press.spatial.axes, strict=True) if axis.turns])
+    for count in range(1, MOST_TURNS + 1):
+        if np.all(np.abs(count * turns - np.round(count * turns)) < 1e-9):
+            return count
+    raise SimulationError(
+        f"a shaft of {press.name} comes back only after more than {MOST_TURNS} turns, so that there is no period to tabulate:"
+        " use method='constraint', or another gear ratio"
+    )
 
 
 def _sample(press: Linkage, angles: Array, coordinates: Sequence[Coordinate]) -> Array:

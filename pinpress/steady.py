@@ -17,7 +17,7 @@ from .forces import Load
 from .linkage import Linkage
 from .methods import Plan
 from .path import LEDGERS, Path
-from .simulation import Run, as_run, number, of_one, tolerated
+from .simulation import LOOSE, UNBALANCED, Run, as_run, number, of_one, tolerated
 from .turning import State
 
 MOST_CUTS = 30
@@ -68,7 +68,7 @@ def steady_state(
         path = None if plan.timed else _over_angle(plan, start, guess, tolerance)
         if path is None:
             path = _over_time(plan, start, guess, tolerance)
-        return as_run(plan, path, "reduced", path.segments[-1].end, points, began)
+        return as_run(plan, path, "reduced", path.segments[-1].end, points, began, max(UNBALANCED, LOOSE * tolerance))
 
 
 def _over_angle(plan: Plan, angle: float, speed: float, tolerance: float) -> Path | None:
