@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .coordinates import Array
-from .drives import PrescribedSpeed
+from .drives import Drive, PrescribedSpeed
 from .loads import Stretch
 from .reduced import COORDINATES, INERTIA, POTENTIAL, WEIGHT, Table, horner, root, rule
 from .scene import Scene, not_positive
@@ -33,6 +33,7 @@ LEAST = 1e-3  # kinetic energy, beside the period's largest, below which a drive
 FLOOR = 1e-6  # kinetic energy, beside the first, below which no speed is taken from it
 STEADY, FROM_REST, TO_REST = 0, 1, -1  # how a panel runs
 STIFF = 2.0  # change of the force by the kinetic energy over half a panel, above which the panel's equations are solved as they are
+CLOSE = 1e-3  # change of the kinetic energy in a round, beside the energy, from which the slopes of the forces are kept
 FURTHEST = 100.0  # times the kinetic energy before, that a round may go
 
 
@@ -205,7 +206,6 @@ def flow(scene: Scene, grid: Grid, energy: Array, guess: Array | None = None, pe
     the energy with which it began.
 
     Raises:
-        SimulationError: no such motion is found.
         SimulationError: the inertia is not positive somewhere.
     """
     q, p = grid.angle.shape
@@ -214,57 +214,101 @@ def flow(scene: Scene, grid: Grid, energy: Array, guess: Array | None = None, pe
     if not inertia.min() > 0:
         worst = np.unravel_index(int(inertia.min(axis=2).argmin()), (q, p))
         raise not_positive(float(inertia.min()), None, float(grid.angle[worst]))
-    weight, drive, added = grid.weight[:, :, None], scene.drive, float(np.ravel(scene.inertia)[0])
+    drive, added = scene.drive, float(np.ravel(scene.inertia)[0])
     if isinstance(drive, PrescribedSpeed):
         return _prescribed(scene, grid, inertia, drive)
+    forces = Forces(drive, grid, shape)
 
-    def forces(speed: Array) -> tuple[Array, Array]:
-        driving, resisting = np.zeros(shape), np.zeros(shape)
-        if drive is not None:
-            driving += grid.direction * drive.torque(grid.direction * speed)
-        for push in grid.pushes:
-            resisting[:, push.panels] += _pushed(grid, push, grid.direction * speed)
-        return driving, resisting
-
-    def result(work: Array, driving: Array, resisting: Array, held: bool, settled: Indices, rounds: int) -> Flow:
-        force = driving + resisting + weight
-        work, ends = _integral(grid, driving + resisting, weight, energy)
+    def result(work: Array, held: bool, settled: Indices) -> Flow:
+        force = forces.driving + forces.resisting + grid.weight[:, :, None]
+        work, ends = _integral(grid, forces.driving + forces.resisting, grid.weight[:, :, None], energy)
         least = np.finfo(float).tiny if held else floor  # before a stop W is small, and right
         speed = np.sqrt(2 * np.maximum(work, least) / inertia)
-        return Flow(grid, work, ends, speed, force, driving, resisting, held, settled, added, rounds * work.size)
+        count = forces.asked * work.size
+        return Flow(grid, work, ends, speed, force, forces.driving, forces.resisting, held, settled, added, count)
 
-    every, unsettled = np.full(len(energy), p), np.ones((p, len(energy)), dtype=bool)
+    every = np.full(len(energy), p)
     work = np.broadcast_to(energy, shape) if guess is None else guess
     # fixed, as far from the solution W may rise without bounds
     floor = FLOOR * work.max(axis=(0, 1)) + np.finfo(float).tiny
-    for rounds in range(1, ROUNDS + 1):
+    rate, moved = None, np.full((p, len(energy)), np.inf)
+    for _ in range(ROUNDS):
         above = np.maximum(work, floor)
         speed = np.sqrt(2 * above / inertia)
-        driving, resisting = forces(speed)
+        total = forces.at(speed)
         if drive is None and not grid.pushes:
-            return result(work, driving, resisting, True, every, rounds)
-        # Newton: dW/du = G + K (W_new - W); K by a difference, as it only has to lead there
-        faster = forces(speed * (1 + 1e-7))
-        change = faster[0] - driving + (faster[1] - resisting)
-        if not change.any():  # here; but also at the speeds that come of these forces?
-            found = result(work, driving, resisting, True, every, 3 * rounds)
-            after = forces(found.speed)
-            if np.array_equal(after[0], driving) and np.array_equal(after[1], resisting):
-                return found  # of a periodic motion too: it does not come back, whatever its speed
-            work = np.maximum(found.energy, above / FURTHEST)
-            continue
-        rate = change / (2e-7 * above)
+            return result(work, True, every)
+        # Newton: dW/du = G + K (W_new - W); K by a difference, as it only has to lead there, and not anew close to the end
+        if rate is None or moved.max() > CLOSE:
+            change = forces.faster(speed, 1e-7)
+            if not change.any():  # here; but also at the speeds that come of these forces?
+                found = result(work, True, every)
+                if np.array_equal(forces.at(found.speed), total):
+                    return found  # of a periodic motion too: it does not come back, whatever its speed
+                work, rate = np.maximum(found.energy, above / FURTHEST), None
+                continue
+            rate = change / (2e-7 * above)
         before = work
+        total += grid.weight[:, :, None]
+        total -= rate * before
         with np.errstate(all="ignore"):  # far from the solution it may overshoot without bounds
-            work, energy = _factored(grid, driving + resisting + weight - rate * before, rate, energy, periodic)
-        work = np.clip(np.where(np.isfinite(work), work, above), above / FURTHEST, above * FURTHEST)
-        unsettled = np.abs(work - before).max(axis=0) > SETTLED * np.maximum(np.abs(work).max(axis=0), energy)
-        if rounds == ROUNDS or not unsettled.any():
+            work, energy = _factored(grid, total, rate, energy, periodic)
+        if not np.isfinite(work.sum()):
+            work = np.where(np.isfinite(work), work, above)
+        work = np.minimum(np.maximum(work, above / FURTHEST), above * FURTHEST)
+        moved = np.abs(work - before).max(axis=0) / np.maximum(work.max(axis=0), energy)
+        if moved.max() <= SETTLED:
             break
     # what comes later does not matter to what comes before: the first panels may be right where the last ones are not
-    settled = np.where(unsettled.any(axis=0), unsettled.argmax(axis=0), p)
-    driving, resisting = forces(np.sqrt(2 * np.maximum(work, floor) / inertia))
-    return result(work, driving, resisting, False, settled, 2 * rounds + 1)
+    unsettled = moved > SETTLED
+    forces.at(np.sqrt(2 * np.maximum(work, floor) / inertia))
+    return result(work, False, np.where(unsettled.any(axis=0), unsettled.argmax(axis=0), p))
+
+
+class Forces:
+    """Forces of drive and loads on a grid, along the travel, at changing speeds. Those of loads that know no speed are worked out once.
+
+    Attributes:
+        driving, resisting: (q, p, S) as last worked out [N m]. asked: how often.
+    """
+
+    def __init__(self, drive: Drive | None, grid: Grid, shape: tuple[int, ...]) -> None:
+        self.drive, self.grid, self.asked = drive, grid, 0
+        self.driving, self.resisting = np.zeros(shape), np.zeros(shape)
+        self.steady = not grid.pushes
+
+    def at(self, speed: Array) -> Array:
+        """Sum of the forces at sizes of the crank's speed (q, p, S)."""
+        self.driving = self._driving(speed)
+        if not self.steady:
+            self.resisting = self._resisting(speed)
+        self.asked += 1
+        return np.asarray(self.driving + self.resisting)
+
+    def faster(self, speed: Array, share: float) -> Array:
+        """Change of the sum where the crank is faster by a share than when it was last worked out."""
+        higher = speed * (1 + share)
+        change = self._driving(higher) - self.driving
+        if not self.steady:
+            resisting = self._resisting(higher)
+            self.steady = bool(np.array_equal(resisting, self.resisting))
+            if not self.steady:
+                change += resisting - self.resisting
+        self.asked += 1
+        return np.asarray(change)
+
+    def _driving(self, speed: Array) -> Array:
+        if self.drive is None:
+            return np.zeros_like(self.driving)
+        torque = np.asarray(self.drive.torque(self.grid.direction * speed))
+        signed = torque if self.grid.direction > 0 else -torque
+        return signed if signed.shape == speed.shape else signed + np.zeros_like(self.driving)
+
+    def _resisting(self, speed: Array) -> Array:
+        result = np.zeros_like(self.driving)
+        for push in self.grid.pushes:
+            result[:, push.panels] += _pushed(self.grid, push, self.grid.direction * speed)
+        return result
 
 
 def _prescribed(scene: Scene, grid: Grid, inertia: Array, drive: PrescribedSpeed) -> Flow:

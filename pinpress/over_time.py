@@ -195,7 +195,7 @@ def run(
                 looked = time
             if result.steps == MOST_STEPS:
                 raise SimulationError(f"more than {MOST_STEPS} steps: simulate in parts, or with a larger tolerance or step", time, angle)
-            if finished is not None and event is None and finished(y):
+            if finished is not None and finished(y):
                 result.evaluations += solver.nfev
                 return result, y
         result.evaluations += solver.nfev

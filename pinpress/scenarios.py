@@ -7,7 +7,7 @@ scenario that stops, or that depends on more than angle and speed, is simulated 
 import time as clock
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, fields, is_dataclass, replace
-from functools import partial
+from functools import cached_property, partial
 from typing import Any
 
 import numpy as np
@@ -24,7 +24,7 @@ from .scene import Acting
 
 Mask = NDArray[np.bool_]
 
-AT_ONCE = 64  # scenarios in one array: what is in flight stays in the cache
+AT_ONCE = 256  # scenarios in one array: what is in flight stays in the cache
 MOST_KEPT = 24  # panels more than the table's, that are taken over into the next period
 MOST_CUTS = 12  # rounds of cutting panels; scenarios that need more are run alone
 SHARED = ("heights", "times", "angles", "curve")  # fields of drives and loads that hold arrays, but not one value a scenario
@@ -37,7 +37,6 @@ class Runs:
     Attributes:
         time: (n,) [s].
         crank_angle, crank_speed: (n, S) [rad, rad/s]. Of one that stalls: at rest where it did.
-        slide_position: (n, S) [m]; None where there is no slide.
         drive_work, load_work: (S,) over the whole run [J].
         errors: (S,) why a scenario stalled or could not go on, None of all others.
         wall_time: of the whole call [s].
@@ -46,12 +45,22 @@ class Runs:
     time: Array
     crank_angle: Array
     crank_speed: Array
-    slide_position: Array | None
     drive_work: Array
     load_work: Array
     errors: tuple[SimulationError | None, ...]
     wall_time: float
     _alone: Callable[[int], Any]
+    _plan: Plan
+
+    @cached_property
+    def slide_position(self) -> Array | None:
+        """(n, S) along the guide's axis [m]; None where there is no slide."""
+        press = self._plan.scene.press
+        if press.slide is None:
+            return None
+        position: Array = press.table.at(self.crank_angle)[0][COORDINATES].copy()
+        position.setflags(write=False)
+        return position
 
     def __len__(self) -> int:
         return len(self.errors)
@@ -285,11 +294,10 @@ def simulate(
             angles[:, k], speeds[:, k], works[:, k] = _up_to(error, angle, speed[k], times, partial(alone, k))
             continue
         angles[:, k], speeds[:, k], works[:, k] = run.crank_angle, run.crank_speed, (run.drive_work[-1], run.load_work[-1])
-    whole = plan(np.arange(1))
-    slide = None if whole.scene.press.slide is None else whole.table.at(angles)[0][COORDINATES]
     for array in (angles, speeds, works):
         array.setflags(write=False)
-    return Runs(times, angles, speeds, slide, works[0], works[1], tuple(errors), clock.perf_counter() - began, lambda k: alone(k, None))
+    took = clock.perf_counter() - began
+    return Runs(times, angles, speeds, works[0], works[1], tuple(errors), took, lambda k: alone(k, None), plan(np.arange(1)))
 
 
 def _up_to(

@@ -112,12 +112,13 @@ def _near(plan: Plan, ends: Array, angle: float, speed: float) -> float | None:
         grid = over_angle.grid(plan.scene, plan.table, angle, 1 if speed > 0 else -1, ends)
         energies = 0.5 * (grid.inertia_ends[0] + plan.line.inertia) * speeds**2
         flow = over_angle.flow(plan.scene, grid, energies)
-        gained = np.where(over_angle.stopping(flow).any(axis=0), -np.inf, flow.ends[-1] - energies)
+        good = np.flatnonzero(~over_angle.stopping(flow).any(axis=0))
+        gained = (flow.ends[-1] - energies)[good]
         found = np.flatnonzero((gained[:-1] > 0) & (gained[1:] <= 0))
         if not len(found):
             return None
-        low = int(found[np.abs(np.log(speeds[found] / speed)).argmin()])
-        speeds = np.linspace(speeds[low], speeds[low + 1], len(SHARES))
+        low = int(found[np.abs(np.log(speeds[good[found]] / speed)).argmin()])
+        speeds = np.linspace(speeds[good[low]], speeds[good[low + 1]], len(SHARES))
     return float(speeds[len(speeds) // 2])
 
 
