@@ -24,9 +24,10 @@ from .linkage import Linkage
 from .loading import load, presses
 from .motion import RPM, Motion, cycle
 from .reactions import Reactions, inverse_dynamics
+from .run import Run, Stats
 from .run_duty import Duty, duty, strokes
 from .scenarios import Runs
-from .simulation import Run, Stats, simulate
+from .simulation import simulate
 from .steady import steady_state
 
 __all__ = [

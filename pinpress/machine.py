@@ -5,79 +5,22 @@ beyond.
 """
 
 import math
-from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any, NamedTuple, Protocol
+from typing import Any
 
 import numpy as np
 
 from .coordinates import Array
 from .driveline import HOLDING, OPEN, SLIPPING, Brake, Clutch, Driveline, Grip, Mode
 from .errors import SimulationError
-from .loads import Stretch
+from .modes import Dynamics, Modes, Place, Switch, place_of
 from .path import LEDGERS
 from .scene import Acting
 
 LITTLE = 1e-7  # of a turn of the crank, looked ahead to see into which stretch a force goes [rad]
 AT_REST = 1e-9  # crank speed, beside the run's largest, at which a stop is one
 STALLED = "the press stalls: it comes to rest, and the load holds it there against the drive"
-
-
-class Dynamics(Protocol):
-    """The linkage as it is integrated: its crank alone, or all its joints. ``size``: of position and speed; ``crank``: its place there."""
-
-    size: int
-    crank: int
-
-    def at(self, position: Array, speed: Array) -> Any:
-        """What forces need of a state: an object with the crank's ``angle`` and ``speed``, and the ``coordinates``, (value, rate) each."""
-
-    def accelerations(self, instant: Any, torque: float, forces: Sequence[float], inertia: float) -> Any:
-        """Accelerations (size,) at an instant under a torque on the crank and forces along the coordinates, with inertia added to the
-        crank."""
-
-    def of_crank(self, accelerations: Any) -> float:
-        """The crank's acceleration among these."""
-
-    def stands(self, instant: Any, time: float) -> None:
-        """Raise where the crank rests and the links do not."""
-
-    def moved(self, position: Array, angle: float) -> tuple[Array, Array]:
-        """Positions a small angle of the crank away, and speeds that lead there."""
-
-    def project(self, position: Array, speed: Array) -> tuple[Array, Array] | None:
-        """The nearest state with closed loops; None where none can be open."""
-
-    def closed(self, position: Array, speed: Array) -> tuple[Array, Array]:
-        """States (size, n) with their loops closed."""
-
-
-class Place(NamedTuple):
-    """Where a force is: between two values of its coordinate, which rises or falls; the stretch that acts there; whether that pushes."""
-
-    low: float
-    high: float
-    rising: bool
-    stretch: Stretch | None
-    pushing: bool = True
-
-
-class Modes(NamedTuple):
-    """All that is switched: the driveline's mode, the place of every force (None of one in time), and on which side of the corners of its
-    torque the drive runs."""
-
-    line: Mode
-    places: tuple[Place | None, ...]
-    sides: tuple[int, ...] = ()
-
-
-class Switch(NamedTuple):
-    """What a switching function is of: a force ("low", "high", "turn", "contact"), the drive ("corner"), or a clutch or brake ("grips",
-    "slips", "closes", "opens")."""
-
-    what: str
-    of: int | str
 
 
 @dataclass(frozen=True, eq=False)
@@ -288,7 +231,7 @@ class Machine:
         places = []
         for force, place in zip(self.forces, modes.places, strict=True):
             value, rate = instant.coordinates[force.row]
-            places.append(None if place is None else _place(force, value, rate > 0, value, rate if moving else 0.0))
+            places.append(None if place is None else place_of(force, value, rate > 0, value, rate if moving else 0.0))
         return modes._replace(places=tuple(places))
 
     def after(self, switch: Switch, modes: Modes, time: float, y: Array, fastest: float) -> tuple[Modes, Array]:
@@ -322,14 +265,14 @@ class Machine:
                 rest[n : 2 * n] = 0.0
                 return self.placed(modes, time, rest)
             inside = 0.5 * (max(place.low, value - 1.0) + min(place.high, value + 1.0))
-            place = _place(force, inside, not place.rising, value, rate)
+            place = place_of(force, inside, not place.rising, value, rate)
         else:
             border = place.low if switch.what == "low" else place.high
             if switch.what == "low":
                 following = max((b for b in force.borders() if b < border), default=border - 1.0)
             else:
                 following = min((b for b in force.borders() if b > border), default=border + 1.0)
-            place = _place(force, 0.5 * (border + following), place.rising, border, rate)
+            place = place_of(force, 0.5 * (border + following), place.rising, border, rate)
         return modes._replace(places=(*modes.places[:k], place, *modes.places[k + 1 :]))
 
     def _line_switched(self, switch: Switch, which: str, modes: Modes, time: float, y: Array) -> tuple[Modes, Array]:
@@ -364,13 +307,3 @@ class Machine:
         if which == "brake" and switch.what in ("opens", "slips") and not instant.speed:
             modes = self.placed(modes, time, y)
         return modes, y
-
-
-def _place(force: Acting, inside: float, rising: bool, value: float, rate: float) -> Place:
-    """Place of a force at a value of its coordinate; ``inside`` is a value near it that is on no border."""
-    borders = force.borders()
-    low = max((b for b in borders if b < inside), default=-math.inf)
-    high = min((b for b in borders if b >= inside), default=math.inf)
-    stretch = next((s for s in force.stretches(rising) if s.lower < inside - force.datum <= s.upper), None)
-    pushing = stretch is None or not stretch.one_sided or float(stretch.force(value - force.datum, rate)) >= 0
-    return Place(low, high, rising, stretch, pushing)

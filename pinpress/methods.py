@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from . import over_angle, reduced, scene, turning
+from . import reduced, resolution, scene, turning
 from .coordinates import Array
 from .driveline import Brake, Clutch, Driveline
 from .drives import Drive, Flywheel, PrescribedSpeed
@@ -151,7 +151,7 @@ def by_crank(
     mode, states = plan.line.begin(state.angle, state.speed)
     before: Sequence[Any] = (state, *(segment.last() for segment in segments if isinstance(segment, turning.Turned)))
     fastest = max(_energy(plan, s.angle, s.speed) for s in before)
-    threshold = max(AGAIN * over_angle.LEAST * fastest, LITTLE * float(np.ptp(plan.table.coefficients[:, POTENTIAL, 0])))
+    threshold = max(AGAIN * resolution.LEAST * fastest, LITTLE * float(np.ptp(plan.table.coefficients[:, POTENTIAL, 0])))
     while True:
         y = machine.begin(np.array([state.angle]), np.array([state.speed]), states, state.ledgers)
         goes_on = None if not over_angle_too else lambda y, least=threshold: _energy(plan, y[0], y[1]) > least

@@ -17,7 +17,8 @@ from scipy.optimize import brentq
 
 from .coordinates import Array
 from .errors import PinpressError, SimulationError
-from .machine import Machine, Modes, Switch
+from .machine import Machine
+from .modes import Modes, Switch
 from .path import LEDGERS, Reading
 
 LEAST_RELATIVE = 3e-14  # tolerance beside the value itself, the least that SciPy takes: angles grow, their errors must not

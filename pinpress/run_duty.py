@@ -10,7 +10,7 @@ from .coordinates import Array
 from .drives import PrescribedSpeed
 from .errors import PinpressError
 from .path import DRIVE_WORK, LOAD_WORK, LOST, MOTOR_SQUARED, Reading
-from .simulation import Run
+from .run import Run
 
 ROUND = 1 + 1e-12  # rounding of times and turns
 STATES = 720  # looked at in a stroke, for extremes

@@ -13,12 +13,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from . import over_angle, turning
+from . import over_angle, panels, resolution, turning
 from .coordinates import Array
 from .errors import PinpressError, SimulationError, UnknownScenarioError
 from .forces import PointForce, SpringDamper
 from .methods import Plan
-from .over_angle import Flow, Indices
+from .over_angle import Flow
+from .panels import Indices
 from .reduced import COORDINATES, INERTIA, rule
 from .scene import Acting
 
@@ -193,24 +194,24 @@ class Together:
         if self.before is not None:
             grid, guess = replace(self.before.grid, start=self.at), self.before.energy
         else:
-            ends = over_angle.borders(plan.table, plan.edges, self.at, self.direction, extent)
-            grid = over_angle.grid(plan.scene, plan.table, self.at, self.direction, ends)
+            ends = panels.borders(plan.table, plan.edges, self.at, self.direction, extent)
+            grid = panels.grid(plan.scene, plan.table, self.at, self.direction, ends)
         for _ in range(MOST_CUTS):
             flow = over_angle.flow(plan.scene, grid, self.energy, guess)
             passed = np.concatenate([self.clock[None], _sums(flow, 1 / flow.speed)]).cumsum(axis=0)
-            stopping = over_angle.stopping(flow)
+            stopping = resolution.stopping(flow)
             # what comes after the end of the run does not matter
             self.alone |= going & (stopping & (passed[:-1] < until)).any(axis=0)
             which = np.flatnonzero(going & ~self.alone)
             if not len(which):
                 return flow, passed
             upto = int((passed[:-1, which] < until).any(axis=1).sum())
-            cuts = over_angle.unresolved(flow, upto, tolerance, which=which)
+            cuts = resolution.unresolved(flow, upto, tolerance, which=which)
             if not len(cuts):
                 return flow, passed
             ends = np.sort(np.concatenate([grid.borders, cuts]))
-            grid = over_angle.grid(plan.scene, plan.table, self.at, self.direction, ends)
-            guess = over_angle.carried(flow, grid)
+            grid = panels.grid(plan.scene, plan.table, self.at, self.direction, ends)
+            guess = resolution.carried(flow, grid)
         self.alone |= going
         return flow, passed
 
@@ -227,7 +228,7 @@ class Together:
         slowness = (grid.measure[:, :, None] / flow.speed)[:, panel, scenario]
         since = time - passed[panel, scenario]
         x = turning.place_at(r.integral @ slowness, since, passed[panel + 1, scenario] - passed[panel, scenario])
-        along, measure = over_angle.travelled(grid, panel, x)
+        along, measure = panels.travelled(grid, panel, x)
         self.angle[place, scenario] = self.at + self.direction * along
         self.speed[place, scenario] = self.direction * measure / turning.values(r.monomials @ slowness, x)
         # of those that end here, the work up to the end

@@ -9,8 +9,8 @@ from .coordinates import Array
 from .linkage import Linkage
 from .motion import RPM
 from .reactions import Reactions
+from .run import Run
 from .run_duty import Duty, duty, strokes
-from .simulation import Run
 from .summary import _bearings
 
 MOST_STROKES = 8  # listed in full

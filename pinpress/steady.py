@@ -9,7 +9,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from . import over_angle, reduced, scenarios, turning
+from . import over_angle, panels, reduced, resolution, scenarios, turning
 from .coordinates import Array
 from .drives import Drive, Flywheel
 from .errors import PinpressError, SimulationError
@@ -17,7 +17,8 @@ from .forces import Load
 from .linkage import Linkage
 from .methods import Plan
 from .path import LEDGERS, Path
-from .simulation import LOOSE, UNBALANCED, Run, as_run, number, of_one, tolerated
+from .run import LOOSE, UNBALANCED, Run, as_run
+from .simulation import number, of_one, tolerated
 from .turning import State
 
 MOST_CUTS = 30
@@ -77,7 +78,7 @@ def _over_angle(plan: Plan, angle: float, speed: float, tolerance: float) -> Pat
     assert table.period is not None
     direction = 1 if speed > 0 else -1
     inertia = float(table.at(np.array([angle]))[0][reduced.INERTIA, 0]) + plan.line.inertia
-    ends = over_angle.borders(table, plan.edges, angle, direction, table.period)
+    ends = panels.borders(table, plan.edges, angle, direction, table.period)
     near = _near(plan, ends, angle, speed)
     if near is None:
         return None
@@ -85,15 +86,15 @@ def _over_angle(plan: Plan, angle: float, speed: float, tolerance: float) -> Pat
     corners = () if scene.drive is None else tuple(float(np.ravel(corner)[0]) for corner in scene.drive.corners)  # type: ignore[union-attr]
     flow, guess = None, None
     for _ in range(MOST_CUTS):
-        grid = over_angle.grid(scene, table, angle, direction, ends)
-        guess = None if flow is None else over_angle.carried(flow, grid)
+        grid = panels.grid(scene, table, angle, direction, ends)
+        guess = None if flow is None else resolution.carried(flow, grid)
         if guess is None:  # the course of the speed matters: a drive may have no slope at the mean
             guess = over_angle.flow(scene, grid, energy).energy
         flow = over_angle.flow(scene, grid, energy, guess, periodic=True)
-        if over_angle.stopping(flow).any() or not flow.ends[0, 0] > 0:
+        if resolution.stopping(flow).any() or not flow.ends[0, 0] > 0:
             return None
         energy = flow.ends[0]
-        cuts = over_angle.unresolved(flow, len(grid.kinds), 0.1 * tolerance, corners)
+        cuts = resolution.unresolved(flow, len(grid.kinds), 0.1 * tolerance, corners)
         if not len(cuts):
             change = abs(float(flow.ends[-1, 0] - flow.ends[0, 0])) / float(flow.ends.max())
             if not change < COMES_BACK:
@@ -109,10 +110,10 @@ def _near(plan: Plan, ends: Array, angle: float, speed: float) -> float | None:
     which it slows down; None where there is none."""
     speeds = speed * SHARES
     for _ in range(CLOSER):
-        grid = over_angle.grid(plan.scene, plan.table, angle, 1 if speed > 0 else -1, ends)
+        grid = panels.grid(plan.scene, plan.table, angle, 1 if speed > 0 else -1, ends)
         energies = 0.5 * (grid.inertia_ends[0] + plan.line.inertia) * speeds**2
         flow = over_angle.flow(plan.scene, grid, energies)
-        good = np.flatnonzero(~over_angle.stopping(flow).any(axis=0))
+        good = np.flatnonzero(~resolution.stopping(flow).any(axis=0))
         gained = (flow.ends[-1] - energies)[good]
         found = np.flatnonzero((gained[:-1] > 0) & (gained[1:] <= 0))
         if not len(found):

@@ -7,11 +7,12 @@ from typing import NamedTuple
 
 import numpy as np
 
-from . import over_angle
+from . import over_angle, panels, resolution
 from .coordinates import Array
 from .drives import PrescribedSpeed
 from .errors import SimulationError
-from .over_angle import STEADY, TO_REST, Flow, Grid, Indices
+from .over_angle import Flow
+from .panels import STEADY, TO_REST, Grid, Indices
 from .path import LEDGERS, Reading
 from .reduced import COORDINATES, INERTIA, POTENTIAL, WEIGHT, Table, beyond, horner, root, rule
 from .scene import Scene, not_positive
@@ -84,7 +85,7 @@ class Turned:
         elapsed = self.elapsed[:, panel]
         x = place_at(elapsed, times - self.times[panel], self.times[panel + 1] - self.times[panel])
         _, slope = _with_slope(elapsed, x)
-        travelled, measure = over_angle.travelled(g, panel, x)
+        travelled, measure = panels.travelled(g, panel, x)
         ledgers = np.zeros((len(LEDGERS), len(times)))
         ledgers[:3] = self.ledgers[:, panel] + values(self.summed[:, :, panel], x)
         ledgers += self.begin.ledgers[:, None]
@@ -240,7 +241,7 @@ def _direction(scene: Scene, table: Table, state: State) -> int:
         ends = np.array([0.0, 1e-6])
         if table.period is None and not table.borders[0] <= state.angle + direction * 1e-6 <= table.borders[-1]:
             continue
-        beside = over_angle.grid(scene, table, state.angle, direction, ends, (True, False))
+        beside = panels.grid(scene, table, state.angle, direction, ends, (True, False))
         force = over_angle.flow(scene, beside, np.zeros(1), _any_energy(scene, beside)).force
         if force[0, 0, 0] > NOTHING * scale:
             return direction
@@ -267,8 +268,8 @@ def _period(
     ``before`` is the period before: its panels and its speeds are a good start. None where the crank would stop, or has to start, under a
     force that depends on its speed.
     """
-    extent = over_angle.extent(table, state.angle, direction)
-    if extent <= 2 * over_angle.SAME:
+    extent = panels.extent(table, state.angle, direction)
+    if extent <= 2 * panels.SAME:
         raise beyond(table, state.angle, state.time)
     from_rest, to_rest = state.speed == 0, False
     inertia = float(table.at(np.array([state.angle]))[0][INERTIA, 0]) + scene.inertia
@@ -283,8 +284,8 @@ def _period(
     if before is not None:
         grid, guess = replace(before.grid, start=state.angle), before.energy
     else:
-        ends = over_angle.borders(table, edges, state.angle, direction, extent)
-        grid, guess = over_angle.grid(scene, table, state.angle, direction, ends, (from_rest, to_rest)), None
+        ends = panels.borders(table, edges, state.angle, direction, extent)
+        grid, guess = panels.grid(scene, table, state.angle, direction, ends, (from_rest, to_rest)), None
     for _ in range(MOST_CUTS):
         if guess is None and from_rest:
             guess = _any_energy(scene, grid)
@@ -294,19 +295,19 @@ def _period(
         count, stopping = _before_stop(flow, state.time, until)
         ends = grid.borders
         if stopping and flow.held and not to_rest:
-            ends = _with_rest(flow, count, ends, over_angle.on_the_way(table, edges, state.angle, direction), from_rest)
+            ends = _with_rest(flow, count, ends, panels.on_the_way(table, edges, state.angle, direction), from_rest)
             to_rest = True
             if ends[-1] < SMALL:
                 return None
         elif count == 0:
             return None
         else:
-            cuts = over_angle.unresolved(flow, count, tolerance, corners)
+            cuts = resolution.unresolved(flow, count, tolerance, corners)
             if not len(cuts):
                 return flow, count
             ends = np.sort(np.concatenate([ends, cuts]))
-        grid = over_angle.grid(scene, table, state.angle, direction, ends, (from_rest, to_rest))
-        guess = over_angle.carried(flow, grid)
+        grid = panels.grid(scene, table, state.angle, direction, ends, (from_rest, to_rest))
+        guess = resolution.carried(flow, grid)
     # what still is not resolved: there the crank all but stops, or the drive switches again and again
     right = int(grid.borders.searchsorted(cuts.min())) - 1
     return (flow, right) if right > 0 and not to_rest else None
@@ -314,7 +315,7 @@ def _period(
 
 def _before_stop(flow: Flow, time: float, until: float) -> tuple[int, bool]:
     """Panels up to a stop, or to the one in which the time ``until`` is reached; whether it was a stop that ended them."""
-    stopping = over_angle.stopping(flow)[:, 0]
+    stopping = resolution.stopping(flow)[:, 0]
     right = int(np.argmax(stopping)) if stopping.any() else len(stopping)
     if right:
         times = time + (rule().weights @ (flow.grid.measure[:, :right] / flow.speed[:, :right, 0])).cumsum()
@@ -335,12 +336,12 @@ def _with_rest(flow: Flow, panel: int, ends: Array, hard: Array, from_rest: bool
     low = -1.0 if first == 0 else float(samples[first - 1])
     # a stop on the border itself may show as none: W is rounding there
     x = root(polynomial, low, float(samples[first])) if horner(polynomial[::-1], low) > 0 else low
-    stop = float(over_angle.travelled(grid, np.array([panel]), np.array([x]))[0][0])
-    hard = hard[hard < stop - over_angle.SAME]
+    stop = float(panels.travelled(grid, np.array([panel]), np.array([x]))[0][0])
+    hard = hard[hard < stop - panels.SAME]
     begin = max(stop - REST, float(hard.max(initial=0.0)))
     if from_rest:
         begin = max(begin, min(float(ends[1]), 0.5 * stop))
-    return np.concatenate([ends[ends < begin - over_angle.SAME], [begin, stop]]) if begin > 0 else np.array([0.0, stop])
+    return np.concatenate([ends[ends < begin - panels.SAME], [begin, stop]]) if begin > 0 else np.array([0.0, stop])
 
 
 def place_at(elapsed: Array, since: Array, took: Array) -> Array:

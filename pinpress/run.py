@@ -1,0 +1,158 @@
+"""A simulated motion: its states, and how good they are."""
+
+import math
+import time as clock
+from dataclasses import dataclass, fields
+
+import numpy as np
+
+from . import reduced
+from .coordinates import Array
+from .errors import PinpressError, SimulationError
+from .linkage import Linkage
+from .methods import Plan
+from .motion import Motion, cycle, of_states
+from .path import DRIVE_WORK, LEDGERS, LOAD_WORK, LOST, Path, Reading
+from .scene import JointAngle
+
+POINTS = 120  # states returned per turn of the crank, and at least
+MOST_POINTS = 1_000_000  # by default
+LOOSE = 1e3  # energy error, in tolerances, that is none
+UNBALANCED = 1e-6  # energy error of a run, steps by error, that is none; more where a large tolerance is asked for
+ROUNDED = 1e-6  # of the potential energy
+
+
+class UnbalancedError(SimulationError):
+    """A run whose energy does not balance."""
+
+
+@dataclass(frozen=True)
+class Stats:
+    """What a run took, and how good it is.
+
+    Attributes:
+        method: "reduced" or "constraint". steps: of integration: panels over the crank angle, steps over time.
+        evaluations: of the equation of motion. wall_time: of the whole call [s].
+        closure_error: largest gap of a loop in the states returned [m].
+        energy_error: largest difference of kinetic and potential energy, worked out body by body from the states returned, and what drive
+            and loads have put in, beside the largest kinetic energy.
+    """
+
+    method: str
+    steps: int
+    evaluations: int
+    wall_time: float
+    closure_error: float
+    energy_error: float
+
+
+@dataclass(frozen=True, eq=False, repr=False, kw_only=True)
+class Run(Motion):
+    """A simulated motion: a `Motion` of n states at equal intervals of time, both ends included, and what happened besides.
+
+    Attributes:
+        stats: see `Stats`.
+        drive_torque: (n,) of the drive, at the driver joint [N m]; positive along its axis. drive_speed: (n,) of the shaft it acts on,
+            before the clutch if there is one, at the driver joint [rad/s].
+        drive_work: (n,) work of the drive since the start [J]. load_work: (n,) work against the loads. lost: (n,) energy lost in clutch and
+            brake.
+        motor_squared: (n,) motor torque squared, summed up over time [N2 m2 s].
+        plan, path: what was simulated, and the whole of its solution, which can be read at any time.
+    """
+
+    stats: Stats
+    drive_torque: Array
+    drive_speed: Array
+    drive_work: Array
+    load_work: Array
+    lost: Array
+    motor_squared: Array
+    plan: Plan
+    path: Path
+
+    def __repr__(self) -> str:
+        return f"<Run of {self.linkage}: {len(self.crank_angle)} states, {self.time[-1]:.6g} s, {self.stats.method}>"
+
+    def columns(self) -> dict[str, Array]:
+        """The motion's columns, then torque and speed of the drive, its work, that of the loads, and what clutch and brake have lost."""
+        columns = super().columns()
+        columns |= {"drive_torque [N m]": self.drive_torque, "drive_speed [rad/s]": self.drive_speed}
+        columns |= {"drive_work [J]": self.drive_work, "load_work [J]": self.load_work}
+        return columns | ({"lost [J]": self.lost} if self.lost.any() else {})
+
+
+def as_run(plan: Plan, path: Path, method: str, until: float, points: int | None, began: float, allowed: float | None) -> Run:
+    """The states of a path, closed and checked; ``allowed``: energy error, None for any."""
+    press, several = plan.scene.press, len(plan.inertia) > 1
+    times = np.linspace(0.0, until, count_of(points, path.turns))
+    reading = path.read(times)
+    position, speed, acceleration = reading.position, reading.speed, reading.acceleration
+    if len(position) == 1:
+        motion = cycle(press, angle=position[0], speed=speed[0], acceleration=acceleration[0], time=times)
+    else:
+        motion = of_states(press, position, speed, acceleration, _gaps(press, position), times)
+    kinetic, potential = reduced.energies(press, motion)
+    turning = speed[list(press.spatial.drivers)] if several else reading.own[None]
+    kinetic = kinetic + 0.5 * plan.inertia @ turning**2
+    gained = reading.ledgers[DRIVE_WORK] - reading.ledgers[LOAD_WORK] - reading.ledgers[LOST]
+    residual = np.abs(kinetic + potential - (kinetic[0] + potential[0]) - gained).max()
+    if not math.isfinite(float(residual) + float(acceleration.sum())):
+        raise PinpressError(f"the motion of {press.name} is too fast for floating point: lower speeds and forces")
+    # at rest all of it is the rounding of the potential energy
+    works = reading.ledgers[[DRIVE_WORK, LOAD_WORK, LOST]]
+    size = max(float(kinetic.max()), float(np.abs(works).max()), ROUNDED * float(np.abs(potential).max())) or 1.0
+    if allowed is not None and residual > allowed * size:
+        worst = int(np.abs(kinetic + potential - (kinetic[0] + potential[0]) - gained).argmax())
+        raise UnbalancedError(
+            "the energy does not balance: forces change too sharply for this tolerance; give a smaller one",
+            float(times[worst]),
+            float(np.ravel(motion.crank_angle[worst])[0]),
+        )
+    if several:
+        torque = _torques(plan, turning)
+        reading = reading._replace(torque=torque.T.copy(), own=turning.T.copy())
+    stats = Stats(
+        method=method,
+        steps=path.steps,
+        evaluations=path.evaluations,
+        wall_time=clock.perf_counter() - began,
+        closure_error=float(motion.closure_error.max()),
+        energy_error=float(residual / size),
+    )
+    return _with(plan, path, motion, stats, reading)
+
+
+def _gaps(press: Linkage, position: Array) -> Array:
+    """Largest gaps (n,) of the loops at joint coordinates (nv, n) [m]."""
+    equations = press.spatial.equations()
+    return np.array([equations.widest(equations.at(x).gaps) for x in position.T])
+
+
+def _torques(plan: Plan, speed: Array) -> Array:
+    """Torques (drivers, n) of several drives at the drivers' speeds (drivers, n)."""
+    press, torque = plan.scene.press, np.zeros_like(speed)
+    rows = {joint: k for k, joint in enumerate(press.spatial.drivers)}
+    for force in plan.scene.forces:
+        coordinate = plan.scene.coordinates[force.row]
+        if force.drive is not None and isinstance(coordinate, JointAngle):
+            k = rows[coordinate.joint]
+            torque[k] = force.drive.torque(speed[k])
+    return torque
+
+
+def _with(plan: Plan, path: Path, motion: Motion, stats: Stats, reading: Reading) -> Run:
+    kept = {field.name: getattr(motion, field.name) for field in fields(Motion) if field.init}
+    ledgers = dict(zip(LEDGERS, reading.ledgers, strict=True))
+    for array in (reading.torque, reading.own, *ledgers.values()):
+        array.setflags(write=False)
+    run = Run(**kept, stats=stats, drive_torque=reading.torque, drive_speed=reading.own, **ledgers, plan=plan, path=path)
+    object.__setattr__(run, "_closed_as", motion._closed_as)
+    return run
+
+
+def count_of(points: int | None, turns: float) -> int:
+    if points is None:
+        return int(min(MOST_POINTS, max(POINTS, math.ceil(POINTS * turns)))) + 1
+    if isinstance(points, bool) or not isinstance(points, int | np.integer) or not 2 <= points <= 10**8:
+        raise PinpressError(f"points is {points!r}: give a whole number of states from 2 to {10**8}")
+    return int(points)
