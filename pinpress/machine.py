@@ -162,16 +162,29 @@ class Machine:
     def _held(self, modes: Modes, time: float, y: Array, which: str) -> float:
         """Torque that a holding clutch or brake transmits: the clutch to the crank along, the brake against the positive direction."""
         instant, own, states = self.split(y)
-        torque = self.line.drive_torque(own, instant.angle, time, states)
+        torque = float(self.line.drive_torque(own, instant.angle, time, states))
+        if which == "clutch":
+            free, _ = self._accelerated(modes, time, y)
+            return torque if modes.line.brake.state == HOLDING else torque - self.line.inertia * free
+        n, needed = self.dynamics.size, []
+        ways = (1.0, -1.0) if any(force.rising is not force.falling for force in self.forces) else (0.0,)
+        for way in ways:
+            tried = self._looking(modes, *self.dynamics.moved(y[:n], way * LITTLE), moving=False) if way else modes
+            free, pushed = self._accelerated(tried, time, y)
+            needed.append(free / (pushed - free))  # the torque that leaves the crank at rest
+        # at rest a load of one direction takes anything up to its force: it is the least that the brake has to hold
+        return 0.0 if min(needed) <= 0 <= max(needed) else min(needed, key=abs)
+
+    def _accelerated(self, modes: Modes, time: float, y: Array) -> tuple[float, float]:
+        """The crank's acceleration, and that under 1 N m more."""
+        instant, own, states = self.split(y)
         forces = self._forces(modes, time, instant)[0]
         through, braking = self._transmitted(modes.line, time, instant.speed, own)
         rigid = modes.line.clutch.state == HOLDING
+        torque = self.line.drive_torque(own, instant.angle, time, states)
         on_crank, inertia = (torque, self.line.inertia) if rigid else (through, 0.0)
-        free = self.dynamics.of_crank(self.dynamics.accelerations(instant, on_crank - braking, forces, inertia))
-        if which == "clutch":
-            return float(torque if modes.line.brake.state == HOLDING else torque - self.line.inertia * free)
-        pushed = self.dynamics.of_crank(self.dynamics.accelerations(instant, on_crank - braking + 1.0, forces, inertia))
-        return float(free / (pushed - free))  # the torque that leaves the crank at rest
+        both = [self.dynamics.accelerations(instant, on_crank - braking + more, forces, inertia) for more in (0.0, 1.0)]
+        return self.dynamics.of_crank(both[0]), self.dynamics.of_crank(both[1])
 
     def initial(self, time: float, y: Array, line: Mode) -> Modes:
         """Modes of a state, at the start of a run or after a standstill."""

@@ -15,6 +15,7 @@ import numpy as np
 
 from . import forces
 from .coordinates import Array
+from .dead_centres import dead_centres
 from .drives import Drive, Flywheel, PrescribedSpeed
 from .errors import PinpressError, SimulationError
 from .forces import Load, PointForce, SpringDamper
@@ -272,7 +273,10 @@ def _bottom(press: Linkage, load: ProcessLoad) -> float:
             f"{name}: {press.name} does not turn fully with one driver, so that there is no bottom dead centre to measure heights from;"
             " give datum=, a slide position [m]"
         )
-    table, row = press.table, COORDINATES + _slide(press)
+    try:
+        table, row = press.table, COORDINATES + _slide(press)
+    except SimulationError:  # its shafts do not come back together: no table, but dead centres all the same
+        return dead_centres(press).bottom_position
     turns = roots(table, row, 0.0, slope=True)
     if not len(turns):
         raise PinpressError(f"{name}: the slide of {press.name} does not turn back; give datum=, a slide position [m]")
