@@ -5,14 +5,13 @@ and its own run differ by rounding and that. 1e-9 rad is a hundred times as much
 """
 
 import math
-import signal
-from contextlib import contextmanager
 
 import crank_slide_equation as equation
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from time_limit import _limit, within  # noqa: F401 (a fixture)
 
 import pinpress as pp
 from pinpress import drives, loads
@@ -21,28 +20,6 @@ RPM = pp.RPM
 WHEEL = pp.Flywheel(136.0)  # Zhang 2007, 4.3
 BLANK = loads.Blanking(1.25e6, 0.010, 0.005)
 BOUND = 1e-9
-
-LIMIT = 30.0  # every call here takes seconds at most; one that never ends must not hold up the others
-
-
-@contextmanager
-def within(seconds):
-    def over(*_):
-        raise TimeoutError(f"not done in {seconds:g} s")
-
-    before = signal.signal(signal.SIGALRM, over)
-    signal.setitimer(signal.ITIMER_REAL, seconds)
-    try:
-        yield
-    finally:
-        signal.setitimer(signal.ITIMER_REAL, 0.0)
-        signal.signal(signal.SIGALRM, before)
-
-
-@pytest.fixture(autouse=True)
-def _limit():
-    with within(LIMIT):
-        yield
 
 
 @pytest.fixture(scope="module")

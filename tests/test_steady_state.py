@@ -7,8 +7,6 @@ Bounds: a steady state comes back to 1e-10 of its speed, and each step's error i
 import dataclasses
 import itertools
 import math
-import signal
-from contextlib import contextmanager
 
 import crank_slide_equation as equation
 import numpy as np
@@ -17,6 +15,7 @@ from crank_slide_equation import Window
 from random_linkages import four_bar
 from scipy.integrate import simpson, solve_ivp
 from scipy.optimize import brentq
+from time_limit import LIMIT, _limit, within  # noqa: F401 (a fixture)
 
 import pinpress as pp
 from pinpress import drives, loads
@@ -27,29 +26,6 @@ WHEEL = pp.Flywheel(J0)
 BLANK = loads.Blanking(1.25e6, 0.010, 0.005)
 WORK = 2 / math.pi * 1.25e6 * 0.005  # of a quarter sine
 ENERGY = 0.5 * J0 * SPEED**2
-
-# Every call here takes seconds at most. One that never ends must not hold up the others.
-LIMIT = 30.0
-
-
-@contextmanager
-def within(seconds):
-    def over(*_):
-        raise TimeoutError(f"not done in {seconds:g} s")
-
-    before = signal.signal(signal.SIGALRM, over)
-    signal.setitimer(signal.ITIMER_REAL, seconds)
-    try:
-        yield
-    finally:
-        signal.setitimer(signal.ITIMER_REAL, 0.0)
-        signal.signal(signal.SIGALRM, before)
-
-
-@pytest.fixture(autouse=True)
-def _limit():
-    with within(LIMIT):
-        yield
 
 
 @pytest.fixture(scope="module")

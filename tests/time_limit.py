@@ -1,0 +1,28 @@
+"""A limit of time for tests of what might never end: one that does not must not hold up the others."""
+
+import signal
+from contextlib import contextmanager
+
+import pytest
+
+LIMIT = 30.0  # [s]; every call takes seconds at most
+
+
+@contextmanager
+def within(seconds):
+    def over(*_):
+        raise TimeoutError(f"not done in {seconds:g} s")
+
+    before = signal.signal(signal.SIGALRM, over)
+    signal.setitimer(signal.ITIMER_REAL, seconds)
+    try:
+        yield
+    finally:
+        signal.setitimer(signal.ITIMER_REAL, 0.0)
+        signal.signal(signal.SIGALRM, before)
+
+
+@pytest.fixture(autouse=True)
+def _limit():
+    with within(LIMIT):
+        yield
