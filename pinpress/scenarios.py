@@ -25,7 +25,7 @@ from .scene import Acting
 
 Mask = NDArray[np.bool_]
 
-AT_ONCE = 256  # scenarios in one array: what is in flight stays in the cache
+AT_ONCE = 128  # scenarios in one array: what is in flight stays in the cache
 MOST_KEPT = 24  # panels more than the table's, that are taken over into the next period
 MOST_CUTS = 12  # rounds of cutting panels; scenarios that need more are run alone
 SHARED = ("heights", "times", "angles", "curve")  # fields of drives and loads that hold arrays, but not one value a scenario
