@@ -13,10 +13,7 @@ SI units and radians throughout. World z is up; a planar press stands in the x-z
 
 from typing import TYPE_CHECKING, Any
 
-from . import drives, loads
 from .dead_centres import DeadCentres, dead_centres
-from .driveline import At, Brake, Clutch
-from .drives import ConstantTorque, Flywheel
 from .errors import AssemblyError, PinpressError, SimulationError, SingularityError, UnknownNameError, UrdfError
 from .forces import PointForce, SpringDamper
 from .friction import Friction
@@ -24,11 +21,6 @@ from .linkage import Linkage
 from .loading import load, presses
 from .motion import RPM, Motion, cycle
 from .reactions import Reactions, inverse_dynamics
-from .run import Run, Stats
-from .run_duty import Duty, duty, strokes
-from .scenarios import Runs
-from .simulation import simulate
-from .steady import steady_state
 
 __all__ = [
     "RPM",
@@ -73,18 +65,41 @@ __all__ = [
 ]
 
 if TYPE_CHECKING:
+    from . import drives, loads
     from .checking import Report, check
+    from .driveline import At, Brake, Clutch
+    from .drives import ConstantTorque, Flywheel
     from .findings import Finding
     from .recording import record
+    from .run import Run, Stats
+    from .run_duty import Duty, duty, strokes
+    from .scenarios import Runs
+    from .simulation import simulate
+    from .steady import steady_state
     from .writing import write_urdf
 
-_LATER = {"Report": "checking", "check": "checking", "Finding": "findings", "record": "recording", "write_urdf": "writing"}
+_LATER = {
+    "checking": ("Report", "check"),
+    "driveline": ("At", "Brake", "Clutch"),
+    "drives": ("ConstantTorque", "Flywheel"),
+    "findings": ("Finding",),
+    "recording": ("record",),
+    "run": ("Run", "Stats"),
+    "run_duty": ("Duty", "duty", "strokes"),
+    "scenarios": ("Runs",),
+    "simulation": ("simulate",),
+    "steady": ("steady_state",),
+    "writing": ("write_urdf",),
+}
 
 
 def __getattr__(name: str) -> Any:
-    """What is imported when it is first used: who only computes should not wait for it."""
-    if name in _LATER:
-        from importlib import import_module
+    """What is imported when it is first used: who wants one turn should not wait for the rest."""
+    from importlib import import_module
 
-        return getattr(import_module(f".{_LATER[name]}", __name__), name)
+    if name in ("drives", "loads"):
+        return import_module(f".{name}", __name__)
+    for module, names in _LATER.items():
+        if name in names:
+            return getattr(import_module(f".{module}", __name__), name)
     raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
