@@ -36,8 +36,9 @@ class AllJoints:
         self.coordinates, self.inertia = tuple(coordinates), inertia
         self.dynamics: dict[float, ForwardDynamics] = {}
         self.loops = self._with(float(inertia[0]))
+        self.alone = len(self.drivers) == 1
         # where the crank turns on the drawn assembly, all states at once are closed from its angles
-        self.turns = len(self.drivers) == 1 and press.branch.period is not None
+        self.turns = self.alone and press.branch.period is not None
         # speeds of joints as those of points [m/s]
         self.units = np.array([press.spatial.size if axis.turns else 1.0 for axis in press.spatial.axes])
         self.trouble: PinpressError | None = None

@@ -28,7 +28,7 @@ class Instant(NamedTuple):
 class CrankAlone:
     """`machine.Dynamics` of one position, the crank angle. Plain numbers: for one state NumPy takes longer."""
 
-    size, crank = 1, 0
+    size, crank, alone = 1, 0, True
 
     def __init__(self, table: Table) -> None:
         self.table = table

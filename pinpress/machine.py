@@ -18,6 +18,7 @@ from .modes import Dynamics, Modes, Place, Switch, place_of
 from .path import LEDGERS
 from .scene import Acting
 
+AHEAD = 1e-9  # time looked ahead, where there are several drivers [s]
 LITTLE = 1e-7  # of a turn of the crank, looked ahead to see into which stretch a force goes [rad]
 AT_REST = 1e-9  # crank speed, beside the run's largest, at which a stop is one
 STALLED = "the press stalls: it comes to rest, and the load holds it there against the drive"
@@ -222,6 +223,10 @@ class Machine:
         instant = self.dynamics.at(y[:n], speed)
         if not self.forces or all(place is None for place in modes.places):
             return modes
+        if not self.dynamics.alone:  # the first crank's rest is not the linkage's
+            return self._looking(modes, y[:n] + AHEAD * speed, speed, moving=True)
+        if all(force.rising is force.falling for force in self.forces):
+            return self._looking(modes, y[:n], speed, moving=True)
         if instant.speed:
             return self._looking(modes, y[:n] + LITTLE / abs(instant.speed) * speed, speed, moving=True)
         still: Modes | None = None
@@ -257,7 +262,7 @@ class Machine:
             sides = tuple(-side if k == switch.of else side for k, side in enumerate(modes.sides))
             return modes._replace(sides=sides), y
         instant = self.split(y)[0]
-        stops = switch.what == "turn" and abs(instant.speed) <= AT_REST * fastest
+        stops = switch.what == "turn" and abs(instant.speed) <= AT_REST * fastest and self.dynamics.alone
         if stops and modes.line.brake.state == SLIPPING:  # what happens at rest is for the brake to decide
             return self._line_switched(Switch("grips", "brake"), "brake", modes, time, y)
         if isinstance(switch.of, int):
@@ -272,7 +277,7 @@ class Machine:
         if switch.what == "contact":
             place = place._replace(pushing=not place.pushing)
         elif switch.what == "turn":
-            if abs(instant.speed) <= AT_REST * fastest:  # not a dead centre: the crank itself stops
+            if abs(instant.speed) <= AT_REST * fastest and self.dynamics.alone:  # not a dead centre: the crank itself stops
                 n = self.dynamics.size
                 rest = y.copy()
                 rest[n : 2 * n] = 0.0

@@ -11,10 +11,12 @@ from .scene import Acting
 
 
 class Dynamics(Protocol):
-    """The linkage as it is integrated: its crank alone, or all its joints. ``size``: of position and speed; ``crank``: its place there."""
+    """The linkage as it is integrated: its crank alone, or all its joints. ``size``: of position and speed; ``crank``: its place there;
+    ``alone``: whether it is the only driver, so that the linkage rests where it does."""
 
     size: int
     crank: int
+    alone: bool
 
     def at(self, position: Array, speed: Array) -> Any:
         """What forces need of a state: an object with the crank's ``angle`` and ``speed``, and the ``coordinates``, (value, rate) each."""

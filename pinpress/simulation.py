@@ -134,6 +134,11 @@ def simulate(
         else:
             plan = of_one(press, drive, flywheel, loads, clutch, brake)
         if isinstance(plan.scene.drive, PrescribedSpeed):
+            if fixed is not None or any(force.time is not None for force in plan.scene.forces):
+                raise PinpressError(
+                    "a drive that prescribes the speed leaves nothing to integrate: leave step out; for forces in time use cycle and"
+                    " inverse_dynamics"
+                )
             if speeds[0] not in (0.0, plan.scene.drive.speed):
                 raise PinpressError(f"speed is {speeds[0]:g}, but the drive prescribes {plan.scene.drive.speed:g} rad/s: leave speed out")
             speeds = np.array([plan.scene.drive.speed])
