@@ -7,10 +7,10 @@ import numpy as np
 
 from .coordinates import Array
 from .errors import PinpressError, SimulationError
+from .force_coordinates import Coordinate
 from .forward_dynamics import ForwardDynamics
 from .linkage import Linkage
 from .motion import cycle
-from .scene import Coordinate
 
 STANDING = 1e-6  # speed of a joint that stands [m/s]
 MOVING = 1e3  # times the crank's speed, beyond which a joint moves though the crank stands

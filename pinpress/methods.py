@@ -8,17 +8,18 @@ from typing import Any
 
 import numpy as np
 
-from . import reduced, resolution, scene, turning
+from . import reduced, resolution, scene, turned, turning
 from .coordinates import Array
 from .driveline import Brake, Clutch, Driveline
 from .drives import Drive, Flywheel, PrescribedSpeed
+from .force_coordinates import JointAngle
 from .forces import Load
 from .linkage import Linkage
 from .motion import cycle
 from .path import LEDGERS, Path, Segment
 from .reduced import COORDINATES, INERTIA, POTENTIAL, Table
-from .scene import JointAngle, Scene
-from .turning import Resting, State
+from .scene import Scene
+from .turned import Resting, State
 
 AGAIN = 4.0  # times the kinetic energy at which the crank stopped turning for sure, from which it is followed over its angle again
 
@@ -149,7 +150,7 @@ def by_crank(
 
     machine = Machine(CrankAlone(plan.table), plan.line, plan.scene.forces)
     mode, states = plan.line.begin(state.angle, state.speed)
-    before: Sequence[Any] = (state, *(segment.last() for segment in segments if isinstance(segment, turning.Turned)))
+    before: Sequence[Any] = (state, *(segment.last() for segment in segments if isinstance(segment, turned.Turned)))
     fastest = max(_energy(plan, s.angle, s.speed) for s in before)
     threshold = max(AGAIN * resolution.LEAST * fastest, LITTLE * float(np.ptp(plan.table.coefficients[:, POTENTIAL, 0])))
     while True:

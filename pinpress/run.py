@@ -9,11 +9,11 @@ import numpy as np
 from . import reduced
 from .coordinates import Array
 from .errors import PinpressError, SimulationError
+from .force_coordinates import JointAngle
 from .linkage import Linkage
 from .methods import Plan
 from .motion import Motion, cycle, of_states
 from .path import DRIVE_WORK, LEDGERS, LOAD_WORK, LOST, Path, Reading
-from .scene import JointAngle
 
 POINTS = 120  # states returned per turn of the crank, and at least
 MOST_POINTS = 1_000_000  # by default

@@ -27,7 +27,7 @@ from .panels import Indices
 from .path import LEDGERS
 from .run import LOOSE, UNBALANCED, Run, UnbalancedError, as_run, count_of
 from .scenarios import Runs
-from .turning import State
+from .turned import State
 
 MOST_STEPS = 1_000_000  # of the Runge-Kutta method
 LEAST_TOLERANCE = 1e-13

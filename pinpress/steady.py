@@ -9,7 +9,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from . import over_angle, panels, reduced, resolution, scenarios, turning
+from . import over_angle, panels, reduced, resolution, scenarios, turned
 from .coordinates import Array
 from .drives import Drive, Flywheel
 from .errors import PinpressError, SimulationError
@@ -19,7 +19,7 @@ from .methods import Plan
 from .path import LEDGERS, Path
 from .run import LOOSE, UNBALANCED, Run, as_run
 from .simulation import number, of_one, tolerated
-from .turning import State
+from .turned import State
 
 MOST_CUTS = 30
 PERIODS, MOST_PERIODS = 3, 60  # that a drive with states of its own is given to come near, and in all
@@ -100,7 +100,7 @@ def _over_angle(plan: Plan, angle: float, speed: float, tolerance: float) -> Pat
             if not change < COMES_BACK:
                 return None
             state = State(0.0, angle, float(direction * np.sqrt(2 * energy[0] / inertia)), np.zeros(len(LEDGERS)))
-            return Path([turning.turned(scene, table, flow, len(grid.kinds), state)])
+            return Path([turned.turned(scene, table, flow, len(grid.kinds), state)])
         ends = np.sort(np.concatenate([ends, cuts]))
     return None
 

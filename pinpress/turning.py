@@ -1,8 +1,7 @@
 """One press over the crank angle: period after period, and where it stops and no force depends on its speed, back again."""
 
-import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
@@ -12,10 +11,10 @@ from .coordinates import Array
 from .drives import PrescribedSpeed
 from .errors import SimulationError
 from .over_angle import Flow
-from .panels import STEADY, TO_REST, Grid, Indices
-from .path import LEDGERS, Reading
-from .reduced import COORDINATES, INERTIA, POTENTIAL, WEIGHT, Table, beyond, horner, root, rule
+from .panels import STEADY, TO_REST, Grid
+from .reduced import INERTIA, POTENTIAL, WEIGHT, Table, beyond, horner, root, rule
 from .scene import Scene, not_positive
+from .turned import State, Turned, turned
 
 SMALL = 1e-2  # swings shorter than this are followed over time: their forces are small differences [rad]
 REST = 0.2  # angle before a stop that is run through over its square root [rad]
@@ -29,157 +28,6 @@ MOST_KEPT = 150  # panels more than the table's, that are taken over into the ne
 def too_long(time: float, angle: float) -> SimulationError:
     """A run has more periods than are kept."""
     return SimulationError(f"more than {MOST_PERIODS} periods of the press: simulate in parts", time, angle)
-
-
-class State(NamedTuple):
-    """Where a run has come to: time [s], crank angle [rad], crank speed [rad/s], the ledgers (4,)."""
-
-    time: float
-    angle: float
-    speed: float
-    ledgers: Array
-
-
-@dataclass(frozen=True, eq=False, repr=False)
-class Turned:
-    """Panels of a `Flow` in time, of one scenario.
-
-    Attributes:
-        grid: of the flow. count: panels that are right.
-        begin: the state at its start. times: (count + 1,) at the borders [s].
-        elapsed: (q + 1, count) coefficients of the time since a panel's start. summed: (3, q + 1, count) of the ledgers.
-        ledgers: (3, count + 1) at the borders. final_speed: of the crank, from its kinetic energy: the time's polynomial is less exact.
-    """
-
-    scene: Scene
-    table: Table
-    grid: Grid
-    count: int
-    begin: State
-    times: Array
-    elapsed: Array
-    summed: Array
-    ledgers: Array
-    final_speed: float
-    evaluations: int
-
-    @property
-    def start(self) -> float:
-        return self.begin.time
-
-    @property
-    def end(self) -> float:
-        return float(self.times[-1])
-
-    @property
-    def steps(self) -> int:
-        return self.count
-
-    @property
-    def travelled(self) -> float:
-        return float(self.grid.borders[self.count])
-
-    def read(self, times: Array, whole: bool = True) -> Reading:
-        g = self.grid
-        panel = np.clip(self.times.searchsorted(times, side="right") - 1, 0, self.count - 1)
-        elapsed = self.elapsed[:, panel]
-        x = place_at(elapsed, times - self.times[panel], self.times[panel + 1] - self.times[panel])
-        _, slope = _with_slope(elapsed, x)
-        travelled, measure = panels.travelled(g, panel, x)
-        ledgers = np.zeros((len(LEDGERS), len(times)))
-        ledgers[:3] = self.ledgers[:, panel] + values(self.summed[:, :, panel], x)
-        ledgers += self.begin.ledgers[:, None]
-        angle, speed = g.start + g.direction * travelled, g.direction * measure / slope
-        torque, acceleration = self._dynamics(panel, angle, speed)
-        drive = self.scene.drive
-        geared = drive is not None and not isinstance(drive, PrescribedSpeed)
-        motor = drive.motor_torque(speed) + np.zeros_like(speed) if geared else torque  # type: ignore[union-attr]
-        return Reading(angle[None], speed[None], acceleration[None], torque, motor, speed, ledgers)
-
-    def _dynamics(self, panel: Indices, angle: Array, speed: Array) -> tuple[Array, Array]:
-        """Torque of the drive and acceleration of the crank (n,) at states on panels (n,)."""
-        values, slopes = self.table.at(angle)
-        scene = self.scene
-        torque = np.zeros_like(speed)
-        if scene.drive is not None and not isinstance(scene.drive, PrescribedSpeed):
-            torque = torque + scene.drive.torque(speed)
-        force = torque - values[WEIGHT] - 0.5 * slopes[INERTIA] * speed**2
-        for push in self.grid.pushes:
-            mine = np.flatnonzero(np.isin(panel, push.panels))
-            if len(mine):
-                lever = slopes[COORDINATES + push.row, mine]
-                size = push.stretch.force(values[COORDINATES + push.row, mine] - push.datum, lever * speed[mine])
-                force[mine] += lever * (np.maximum(size, 0.0) if push.stretch.one_sided else size)
-        if isinstance(scene.drive, PrescribedSpeed):
-            return -force, np.zeros_like(force)
-        return torque, force / (values[INERTIA] + scene.inertia)
-
-    def last(self) -> State:
-        """The state at the end."""
-        angle = self.grid.start + self.grid.direction * float(self.grid.borders[self.count])
-        ledgers = self.begin.ledgers.copy()
-        ledgers[:3] += self.ledgers[:, -1]
-        return State(self.end, angle, self.final_speed, ledgers)
-
-
-def turned(scene: Scene, table: Table, flow: Flow, count: int, begin: State) -> Turned:
-    """The first ``count`` panels of a flow of one scenario in time."""
-    r, g = rule(), flow.grid
-    measure, speed = g.measure[:, :count], flow.speed[:, :count, 0]
-    elapsed = r.integral @ (measure / speed)
-    if scene.drive is None:
-        motor = np.zeros_like(speed)
-    elif isinstance(scene.drive, PrescribedSpeed):
-        motor = flow.driving[:, :count, 0]
-    else:
-        motor = np.asarray(scene.drive.motor_torque(g.direction * speed))
-    # once more at the speeds that came out of it: so the energy balance tells whether these are right
-    driving = flow.driving[:, :count, 0]
-    if scene.drive is not None and not isinstance(scene.drive, PrescribedSpeed):
-        driving = g.direction * scene.drive.torque(g.direction * speed) + np.zeros_like(speed)
-    rates = [driving, -flow.resisting[:, :count, 0], motor * motor / speed]
-    summed = np.array([r.integral @ (rate * measure) for rate in rates])
-    return Turned(
-        scene=scene,
-        table=table,
-        grid=g,
-        count=count,
-        begin=begin,
-        times=np.concatenate([[begin.time], begin.time + elapsed.sum(axis=0).cumsum()]),  # x = 1: the sum of the coefficients
-        elapsed=elapsed,
-        summed=summed,
-        ledgers=np.concatenate([np.zeros((3, 1)), summed.sum(axis=1).cumsum(axis=1)], axis=1),
-        final_speed=g.direction * math.sqrt(2 * max(0.0, float(flow.ends[count, 0])) / (float(g.inertia_ends[count]) + scene.inertia)),
-        evaluations=flow.evaluations,
-    )
-
-
-@dataclass(frozen=True, eq=False, repr=False)
-class Resting:
-    """A press that stands, from a state on until a time."""
-
-    at: State
-    end: float
-
-    @property
-    def start(self) -> float:
-        return self.at.time
-
-    @property
-    def steps(self) -> int:
-        return 0
-
-    @property
-    def evaluations(self) -> int:
-        return 0
-
-    @property
-    def travelled(self) -> float:
-        return 0.0
-
-    def read(self, times: Array, whole: bool = True) -> Reading:
-        none = np.zeros((1, len(times)))
-        return Reading(none + self.at.angle, none, none, none[0], none[0], none[0], self.at.ledgers[:, None] + none)
 
 
 class Stop(NamedTuple):
@@ -342,33 +190,3 @@ def _with_rest(flow: Flow, panel: int, ends: Array, hard: Array, from_rest: bool
     if from_rest:
         begin = max(begin, min(float(ends[1]), 0.5 * stop))
     return np.concatenate([ends[ends < begin - panels.SAME], [begin, stop]]) if begin > 0 else np.array([0.0, stop])
-
-
-def place_at(elapsed: Array, since: Array, took: Array) -> Array:
-    """Places x (n,), from -1 to 1, at times ``since`` (n,) the starts of panels that took so long; ``elapsed`` (k, n) their polynomials."""
-    x = 2 * np.clip(since / took, 0.0, 1.0) - 1
-    for _ in range(8):
-        value, slope = _with_slope(elapsed, x)
-        step = (value - since) / slope
-        x = np.clip(x - step, -1.0, 1.0)
-        if np.abs(step).max(initial=0.0) < 1e-13:
-            break
-    return x
-
-
-def values(coefficients: Array, x: Array) -> Array:
-    """Values (..., n) of polynomials, coefficients (..., k, n) of rising powers."""
-    value = coefficients[..., -1, :].copy()
-    for k in range(coefficients.shape[-2] - 2, -1, -1):
-        value *= x
-        value += coefficients[..., k, :]
-    return value
-
-
-def _with_slope(coefficients: Array, x: Array) -> tuple[Array, Array]:
-    """Values (n,) and derivatives of polynomials, coefficients (k, n) of rising powers."""
-    value, slope = coefficients[-1].copy(), np.zeros_like(x)
-    for k in range(len(coefficients) - 2, -1, -1):
-        slope = slope * x + value
-        value = value * x + coefficients[k]
-    return value, slope
