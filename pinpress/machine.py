@@ -225,8 +225,6 @@ class Machine:
             return modes
         if not self.dynamics.alone:  # the first crank's rest is not the linkage's
             return self._looking(modes, y[:n] + AHEAD * speed, speed, moving=True)
-        if all(force.rising is force.falling for force in self.forces):
-            return self._looking(modes, y[:n], speed, moving=True)
         if instant.speed:
             return self._looking(modes, y[:n] + LITTLE / abs(instant.speed) * speed, speed, moving=True)
         still: Modes | None = None

@@ -144,7 +144,8 @@ def run(
     ends = sorted({b for b in breaks if start < b < until} | {until})
     shortest = SHORTEST * (until - start)
     corner, tried = math.inf, 0  # time at which a drive's torque has a corner: a step must end there, not run over it
-    while time < until:
+    close = 8 * float(np.finfo(float).eps) * abs(until)
+    while time < until - close:
         target = min(next(b for b in ends if b > time), corner)
 
         def rates(t: float, y: Array, modes: Modes = modes) -> Array:
@@ -209,6 +210,8 @@ def run(
                 raise SimulationError("forces switch back and forth without end: it comes to rest where they hold it", time, angle)
             modes, y = machine.after(event[0], modes, time, y, fastest)
         corner, tried = math.inf, 0
+    if result.times:
+        result.times[-1] = until  # an event there may have ended it a rounding before
     return result, y
 
 

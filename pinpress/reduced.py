@@ -25,7 +25,7 @@ from .motion import Motion, cycle
 from .plane_kinematics import basis, basis_velocity
 
 NODES = 14  # a panel; degree of its polynomials is one less
-PANELS = 12  # a turn to begin with
+PANELS = 16  # a turn to begin with
 RESOLVED = 1e-11  # size of a polynomial's last terms beside the function
 SLACK = 1e-9  # beyond the range of a table, by rounding [rad]
 FLAT = 1e-13  # range of the potential energy, beside its size, that is rounding
