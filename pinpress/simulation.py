@@ -89,7 +89,7 @@ def simulate(
         duration: [s]. speed, angle: of the crank at the start [rad/s, rad].
         drive: what turns the crank, see `pinpress.drives`; None: nothing. flywheel: its inertia at the driver joint.
         loads: process loads of `pinpress.loads`, constant forces on links, springs and dampers.
-        method: "reduced" or "constraint", see the module.
+        method: "reduced" or "constraint", see the module. Where a linkage locks the first ends, the second runs on through the lock.
         clutch: between flywheel and crank; brake: on the crank.
         points: number of states returned; by default 120 a turn, and at least 120.
         step: fixed step of the classical Runge-Kutta method over time [s]; None: steps by error.

@@ -49,7 +49,7 @@ def run(
     """Follow a press that turns, from a state on, up to a time or to where it may stop.
 
     Raises:
-        SimulationError: it runs against a lock, or comes to rest where forces hold it from both sides.
+        SimulationError: it runs against a lock.
     """
     segments: list[Turned] = []
     state, before = begin, None
