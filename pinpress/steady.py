@@ -107,12 +107,18 @@ def _over_angle(plan: Plan, angle: float, speed: float, tolerance: float) -> Pat
 
 def _near(plan: Plan, ends: Array, angle: float, speed: float) -> float | None:
     """A speed close to the steady state's next to the one given: between one from which a period speeds the press up, and a higher one from
-    which it slows down; None where there is none."""
+    which it slows down; None where there is none.
+
+    Raises:
+        SimulationError: nothing depends on the speed.
+    """
     speeds = speed * SHARES
     for _ in range(CLOSER):
         grid = panels.grid(plan.scene, plan.table, angle, 1 if speed > 0 else -1, ends)
         energies = 0.5 * (grid.inertia_ends[0] + plan.line.inertia) * speeds**2
         flow = over_angle.flow(plan.scene, grid, energies)
+        if flow.held:  # nothing depends on the speed: no speed is better than another
+            raise _none(speed)
         good = np.flatnonzero(~resolution.stopping(flow).any(axis=0))
         gained = (flow.ends[-1] - energies)[good]
         found = np.flatnonzero((gained[:-1] > 0) & (gained[1:] <= 0))
