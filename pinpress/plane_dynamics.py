@@ -20,7 +20,7 @@ from .errors import AssemblyError
 from .forces import AppliedForce
 from .friction import FrictionLaw
 from .plane import Plane, flat, product
-from .plane_kinematics import basis, basis_acceleration, basis_velocity
+from .plane_kinematics import basis, basis_acceleration, basis_velocity, gaps
 from .wrenches import Wrenches
 
 PIECE = 2048  # crank angles worked through at a time: what is in flight stays in the cache
@@ -146,8 +146,7 @@ def closed_basis(plane: Plane, position: Array) -> ComplexArray:
         AssemblyError: they do not close the loops of this linkage.
     """
     at = basis(plane, position)
-    widest = np.abs(product(plane.closure[: len(plane.loop_points)], at)).max(axis=0, initial=0.0)
-    widest = np.maximum(widest, np.abs(plane.coupled @ position - plane.offsets[:, None]).max(axis=0, initial=0.0))
+    widest = gaps(plane, position, at)
     if not widest.max() <= LOOSEST * plane.size:
         worst = int(widest.argmax())
         angle = float(position[plane.driver, worst])

@@ -77,6 +77,12 @@ def basis(plane: Plane, x: Array) -> ComplexArray:
     return at
 
 
+def gaps(plane: Plane, x: Array, at: ComplexArray) -> Array:
+    """Largest distance (n,) between the two sides of a loop at joint coordinates (nv, n) with their basis [m], slips of couplings too."""
+    widest: Array = np.abs(product(plane.closure[: len(plane.loop_points)], at)).max(axis=0, initial=0.0)
+    return np.asarray(np.maximum(widest, np.abs(plane.coupled @ x - plane.offsets[:, None]).max(axis=0, initial=0.0)))
+
+
 def basis_velocity(plane: Plane, at: ComplexArray, v: Array) -> ComplexArray:
     """First time derivative of the basis at joint rates (nv, n)."""
     turning = len(plane.revolute)

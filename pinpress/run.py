@@ -14,6 +14,7 @@ from .linkage import Linkage
 from .methods import Plan
 from .motion import Motion, cycle, of_states
 from .path import DRIVE_WORK, LEDGERS, LOAD_WORK, LOST, Path, Reading
+from .plane_kinematics import basis, gaps
 
 POINTS = 120  # states returned per turn of the crank, and at least
 MOST_POINTS = 1_000_000  # by default
@@ -124,6 +125,8 @@ def as_run(plan: Plan, path: Path, method: str, until: float, points: int | None
 
 def _gaps(press: Linkage, position: Array) -> Array:
     """Largest gaps (n,) of the loops at joint coordinates (nv, n) [m]."""
+    if press.plane is not None:
+        return gaps(press.plane, position, basis(press.plane, position))
     equations = press.spatial.equations()
     return np.array([equations.widest(equations.at(x).gaps) for x in position.T])
 
