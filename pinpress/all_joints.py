@@ -41,7 +41,6 @@ class AllJoints:
         self.turns = self.alone and press.branch.period is not None
         # speeds of joints as those of points [m/s]
         self.units = np.array([press.spatial.size if axis.turns else 1.0 for axis in press.spatial.axes])
-        self.trouble: PinpressError | None = None
 
     def _with(self, inertia: float) -> ForwardDynamics:
         """The dynamics with this inertia on the crank: with the flywheel, or with an open clutch without it."""
@@ -64,8 +63,7 @@ class AllJoints:
                 efforts += self.coordinates[row].efforts(self.loops, instant.x, force)
         try:
             return self._with(inertia).acceleration(instant.x, instant.v, efforts)
-        except PinpressError as error:  # an integrator looks ahead: it shall try a shorter step
-            self.trouble = error
+        except PinpressError:  # an integrator looks ahead: it shall try a shorter step
             return np.full(self.size, np.nan)
 
     def of_crank(self, accelerations: Array) -> float:

@@ -101,11 +101,6 @@ class Mode(NamedTuple):
     clutch: Grip
     brake: Grip
 
-    @property
-    def stands(self) -> bool:
-        """Whether the brake holds the crank."""
-        return self.brake.state == HOLDING
-
 
 @dataclass(frozen=True, eq=False)
 class Driveline:

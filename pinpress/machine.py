@@ -231,8 +231,7 @@ class Machine:
         for way in (1.0, -1.0):
             ahead = self.dynamics.moved(y[:n], way * LITTLE)
             tried = self._looking(modes, *ahead, moving=False)
-            rest = y.copy()
-            result = self.rates(tried, time, rest)
+            result = self.rates(tried, time, y)
             acceleration = self.dynamics.of_crank(result[n : 2 * n])
             if acceleration * way > 0 or modes.line.brake.state == HOLDING:
                 return tried

@@ -270,6 +270,7 @@ def tolerated(tolerance: float) -> float:
 
 
 def number(name: str, value: ArrayLike, positive: bool = False) -> float:
+    """The value as a finite number, named in the `PinpressError` where it is none."""
     try:
         array = np.asarray(value, dtype=float)
         number = float(array) if array.ndim == 0 and not isinstance(value, bool | str) else math.nan
