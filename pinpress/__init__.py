@@ -31,9 +31,11 @@ __all__ = [
     "ConstantTorque",
     "DeadCentres",
     "Duty",
+    "Extreme",
     "Finding",
     "Flywheel",
     "Friction",
+    "Harmonics",
     "Linkage",
     "Motion",
     "PinpressError",
@@ -53,11 +55,21 @@ __all__ = [
     "dead_centres",
     "drives",
     "duty",
+    "extremes",
+    "harmonics",
     "inverse_dynamics",
     "load",
     "loads",
+    "plot_bearings",
+    "plot_comparison",
+    "plot_polar",
+    "plot_shaking",
+    "plot_slide",
+    "plot_torque",
     "presses",
     "record",
+    "report",
+    "save_plot",
     "simulate",
     "steady_state",
     "strokes",
@@ -69,8 +81,13 @@ if TYPE_CHECKING:
     from .checking import Report, check
     from .driveline import At, Brake, Clutch
     from .drives import ConstantTorque, Flywheel
+    from .extreme_values import Extreme, extremes
+    from .figures import save_plot
     from .findings import Finding
+    from .harmonic_analysis import Harmonics, harmonics
+    from .plots import plot_bearings, plot_comparison, plot_polar, plot_shaking, plot_slide, plot_torque
     from .recording import record
+    from .reporting import report
     from .run import Run, Stats
     from .run_duty import Duty, duty, strokes
     from .scenarios import Runs
@@ -82,8 +99,13 @@ _LATER = {
     "checking": ("Report", "check"),
     "driveline": ("At", "Brake", "Clutch"),
     "drives": ("ConstantTorque", "Flywheel"),
+    "extreme_values": ("Extreme", "extremes"),
+    "figures": ("save_plot",),
     "findings": ("Finding",),
+    "harmonic_analysis": ("Harmonics", "harmonics"),
+    "plots": ("plot_bearings", "plot_comparison", "plot_polar", "plot_shaking", "plot_slide", "plot_torque"),
     "recording": ("record",),
+    "reporting": ("report",),
     "run": ("Run", "Stats"),
     "run_duty": ("Duty", "duty", "strokes"),
     "scenarios": ("Runs",),

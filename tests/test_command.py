@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from in_browser import data_in
 
 import pinpress as pp
 from pinpress.__main__ import main
@@ -50,6 +51,18 @@ def test_analyse_prints_a_summary_and_writes_both_files(tmp_path: Path) -> None:
     assert 'type="range"' in page
 
 
+def test_report_in_place_of_the_recording(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    out = tmp_path / "out"
+    words = ["analyse", "zxn2_3000b_balanced", "--speed", "70", "--points", "90", "--out", str(out), "--report", "--before", "zxn2_3000b"]
+    assert main([*words, "--trace", "coupler:0.6,0,0.1"]) == 0
+    assert {path.name for path in out.iterdir()} == {"cycle.csv", "report.html"}
+    assert f"wrote {out / 'cycle.csv'} and {out / 'report.html'}" in capsys.readouterr().out
+    data = data_in(out / "report.html")
+    assert [trace["name"] for trace in data["traces"]] == ["slide", "coupler (0.6, 0, 0.1)"]
+    assert "dashed: zxn2_3000b" in data["report"]["subtitle"]
+    assert data["peak"] == pytest.approx(209375, rel=1e-3)  # N, in D
+
+
 def test_summary_peaks(capsys: pytest.CaptureFixture[str]) -> None:
     """Peaks of the summary against the quantities themselves, in the words around them."""
     assert main(["analyse", "crank_slide", "--speed", "60", "--points", "360", "--engine", "pinocchio"]) == 0
@@ -83,6 +96,9 @@ def test_backwards_and_without_slide(capsys: pytest.CaptureFixture[str], tmp_pat
         (["zxn2_3000b", "--speed", "70", "--driver", "Q"], "no moving joint 'Q'"),
         (["zxn2_3000b", "--speed", "70", "--slide", "rod"], "'rod' is not guided"),
         (["zxn2_3000b", "--speed", "70", "--out", "README.md"], "README.md"),
+        (["zxn2_3000b", "--speed", "70", "--report"], "--report needs a folder to write into: give --out DIR too"),
+        (["zxn2_3000b", "--speed", "70", "--trace", "rod:0,0,0"], "--trace needs a folder to write into"),
+        (["zxn2_3000b", "--speed", "70", "--before", "zxn2_3000b_balanced"], "give --report too"),
     ],
 )
 def test_error_is_one_line_and_exit_code_2(arguments: list[str], says: str) -> None:
@@ -103,7 +119,7 @@ def test_usage_errors_exit_with_2(arguments: list[str]) -> None:
 def test_help_names_units_and_presses() -> None:
     done = run("analyse", "--help")
     assert done.returncode == 0
-    for word in ("r/min", "zxn2_3000b", "cycle.csv", "recording.html", "--points", "world axes"):
+    for word in ("r/min", "zxn2_3000b", "cycle.csv", "recording.html", "report.html", "--points", "world axes"):
         assert word in done.stdout
 
 

@@ -23,6 +23,7 @@ PRESSES = (
     "zxn2_3000b_balanced",
 )
 MODULES = {f"pinpress/{path.name}" for path in (ROOT / "pinpress").glob("*.py")}
+PAGES = {f"pinpress/pages/{path.name}" for path in (ROOT / "pinpress" / "pages").iterdir()}
 
 
 def run(*command: object, **options) -> str:
@@ -78,7 +79,7 @@ def test_wheel_contents(built):
         names = {name for name in archive.namelist() if not name.split("/")[0].endswith(".dist-info")}
         info = [name.split("/", 1)[1] for name in archive.namelist() if name.split("/")[0].endswith(".dist-info")]
         shipped = {name: archive.read(f"pinpress/urdf/{name}.urdf") for name in PRESSES}
-    data = {"pinpress/recording_page.html", "pinpress/py.typed"} | {f"pinpress/urdf/{name}.urdf" for name in PRESSES}
+    data = {"pinpress/py.typed"} | PAGES | {f"pinpress/urdf/{name}.urdf" for name in PRESSES}
     assert names == MODULES | data
     assert "licenses/LICENSE" in info
     assert shipped == {name: (ROOT / "urdf" / f"{name}.urdf").read_bytes() for name in PRESSES}
@@ -90,7 +91,7 @@ def test_sdist_contents(built):
     assert names > MODULES
     assert {f"urdf/{name}.urdf" for name in PRESSES} < names
     assert {f"tests/{path.name}" for path in (ROOT / "tests").glob("*.py")} < names
-    assert {"pyproject.toml", "README.md", "LICENSE", "pinpress/py.typed", "pinpress/recording_page.html"} < names
+    assert {"pyproject.toml", "README.md", "LICENSE", "pinpress/py.typed"} | PAGES < names
 
 
 @pytest.mark.parametrize("installed", ["checkout", "editable", "wheel"])
@@ -109,10 +110,10 @@ def test_presses_load_by_name(request, tmp_path, installed):
 @pytest.mark.parametrize(
     ("code", "unwanted"),
     [
-        ("import pinpress", "scipy yourdfpy meshcat matplotlib pandas lxml trimesh"),
+        ("import pinpress", "scipy yourdfpy meshcat matplotlib pandas lxml trimesh plotly playwright imageio_ffmpeg PIL"),
         (
             "import pinpress as pp; press = pp.load('crank_slide'); motion = pp.cycle(press, 7.0); pp.inverse_dynamics(press, motion)",
-            "scipy yourdfpy meshcat matplotlib pandas trimesh",
+            "scipy yourdfpy meshcat matplotlib pandas trimesh plotly playwright imageio_ffmpeg PIL",
         ),
     ],
 )
@@ -120,6 +121,18 @@ def test_import_discipline(checkout, tmp_path, code, unwanted):
     roots = python(checkout, code + "\nimport sys; print(*{name.split('.')[0] for name in sys.modules})", tmp_path).split()
     assert {"pinpress", "numpy", "pinocchio"} <= set(roots)
     assert set(unwanted.split()) & set(roots) == set()
+
+
+def test_public_names_are_not_hidden_by_modules(checkout, tmp_path):
+    """A module of a public function's name would take the function's place once it is imported."""
+    code = """
+import importlib, pkgutil, types, pinpress
+for module in pkgutil.iter_modules(pinpress.__path__):
+    if module.name != "__main__":
+        importlib.import_module("pinpress." + module.name)
+print(*[name for name in pinpress.__all__ if isinstance(getattr(pinpress, name), types.ModuleType)])
+"""
+    assert python(checkout, code, tmp_path).split() == ["drives", "loads"]
 
 
 @pytest.mark.parametrize("name", PRESSES)

@@ -2,76 +2,25 @@
 
 import dataclasses
 import importlib.util
-import io
 import itertools
-import json
-import os
 import re
-import shutil
 import subprocess
 import sys
-import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pinocchio as pin
 import pytest
+from hostile import load_hostile
+from in_browser import data_in, pixels, seek, visible, wait
 from numpy.testing import assert_allclose
+from spatial_linkages import bennett
 
 import pinpress as pp
 
 SPEED = 70 * pp.RPM
-FLAGS = ["--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--disable-dev-shm-usage", "--hide-scrollbars"]
-
-
-def unavailable(reason: str) -> None:
-    """A missing browser skips these tests on a developer's machine and fails them in CI."""
-    (pytest.fail if os.environ.get("CI") else pytest.skip)(reason)
-
-
-@pytest.fixture(scope="module")
-def browser() -> Iterator[Any]:
-    executable = os.environ.get("CHROMIUM") or shutil.which("chromium") or shutil.which("chromium-browser")
-    if executable is None or importlib.util.find_spec("playwright") is None:
-        unavailable("needs Chromium and playwright")
-    from playwright.sync_api import sync_playwright
-
-    with sync_playwright() as playwright:
-        chromium = playwright.chromium.launch(executable_path=executable, args=FLAGS)
-        yield chromium
-        chromium.close()
-
-
-@pytest.fixture
-def view(browser: Any) -> Iterator[Callable[..., Any]]:
-    """Opens a recording; at the end of the test nothing may have gone wrong in the page or asked for the network."""
-    context = browser.new_context(viewport={"width": 800, "height": 600})
-    context.set_offline(True)
-    problems: list[str] = []
-
-    def only_files(route: Any) -> None:
-        if route.request.url.startswith("file:"):
-            route.continue_()
-        else:
-            problems.append(f"request: {route.request.url}")
-            route.abort()
-
-    context.route("**/*", only_files)
-    page = context.new_page()
-    page.on("console", lambda message: problems.append(message.text) if message.type in ("error", "warning") else None)
-    page.on("pageerror", lambda error: problems.append(str(error)))
-    page.on("dialog", lambda dialog: (problems.append(f"dialog: {dialog.message}"), dialog.dismiss()))
-
-    def open_page(path: Path, fragment: str = "") -> Any:
-        page.goto(path.as_uri() + fragment)
-        wait(page, "viewer.needs_render === false")
-        return page
-
-    yield open_page
-    context.close()
-    assert problems == []
 
 
 @pytest.fixture(scope="module")
@@ -89,56 +38,14 @@ def recording(press: Any, motion: Any, tmp_path_factory: pytest.TempPathFactory)
     return pp.record(press, motion, tmp_path_factory.mktemp("recording") / "out.html")
 
 
-def data_in(path: Path) -> dict[str, Any]:
-    match = re.search(r'<script type="application/json" id="data">(.*?)</script>', path.read_text("utf-8"), re.DOTALL)
-    assert match is not None
-    return dict(json.loads(match[1]))
-
-
-def wait(page: Any, condition: str) -> None:
-    """Playwright's wait_for_function would need eval, which the page's security policy refuses."""
-    end = time.monotonic() + 10
-    while not page.evaluate(condition):
-        assert time.monotonic() < end, f"not within 10 s: {condition}"
-        page.wait_for_timeout(20)
-
-
-def seek(page: Any, moment: float) -> Any:
-    """Screen picture (height, width, 3) at a time [s]."""
-    from PIL import Image
-
-    page.evaluate("t => { setPlaying(false); seek(t); viewer.render(); }", moment)
-    return np.asarray(Image.open(io.BytesIO(page.screenshot())).convert("RGB")).astype(float)
-
-
-def pixels(page: Any, points: Any) -> Any:
-    """Where world points (n, 3) lie on the screen, (n, 2), by the viewer's camera."""
-    view, projection = (
-        np.array(m).reshape(4, 4).T
-        for m in page.evaluate("[viewer.camera.matrixWorldInverse.elements, viewer.camera.projectionMatrix.elements]")
-    )
-    x, y, z = np.asarray(points).T
-    clip = projection @ view @ np.array([x, z, -y, np.ones_like(x)])  # three.js has y up
-    width, height = page.evaluate("[viewer.renderer.domElement.clientWidth, viewer.renderer.domElement.clientHeight]")
-    return np.column_stack([(clip[0] / clip[3] + 1) / 2 * width, (1 - clip[1] / clip[3]) / 2 * height])
-
-
-def visible(picture: Any, pixel: Any, colour: str) -> bool:
-    """Whether a colour, lit or in shade, is within 3 pixels of a place."""
-    column, row = np.rint(pixel).astype(int)
-    patch = picture[max(row - 3, 0) : row + 4, max(column - 3, 0) : column + 4].reshape(-1, 3)
-    wanted = np.array([int(colour[i : i + 2], 16) for i in (1, 3, 5)], dtype=float)
-    likeness = patch @ wanted / (np.linalg.norm(patch, axis=1) * np.linalg.norm(wanted) + 1e-9)
-    return bool(np.any(likeness > 0.98))
-
-
 def half_size(shape: Any) -> Any:
     """Half the extent of a primitive along its axes [m]."""
     return shape.halfSide if hasattr(shape, "halfSide") else (shape.radius, shape.radius, getattr(shape, "halfLength", shape.radius))
 
 
-def hexadecimal(colour: Any) -> str:
-    return "#" + "".join(f"{round(255 * c):02x}" for c in colour[:3])
+def same(rgba: Any, colour: str | None) -> bool:
+    """Whether a colour is that of six hexadecimal digits, but for rounding."""
+    return colour is not None and bool(np.all(np.abs(255 * rgba[:3] - [int(colour[i : i + 2], 16) for i in (1, 3, 5)]) <= 0.51))
 
 
 @pytest.mark.parametrize("name", pp.presses())
@@ -148,6 +55,7 @@ def test_links_are_seen_where_the_mechanics_puts_them(name: str, view: Callable[
     path = pp.record(press, motion, tmp_path / "out.html")
     assert path.stat().st_size < 2e6
     page = view(path, "#t=0")
+    page.click("#show-names")  # they would lie on the links
     legend = {row["name"]: row["colour"] for row in data_in(path)["legend"]}
     assert set(legend) == set(press.links) - {press.model.frames[1].name}
     visuals = pin.buildGeomFromUrdfString(press.model, press.text.decode(), pin.GeometryType.VISUAL)
@@ -162,7 +70,7 @@ def test_links_are_seen_where_the_mechanics_puts_them(name: str, view: Callable[
             places = pixels(page, grid * half_size(visual.geometry) @ placement.rotation.T + placement.translation)
             assert np.all((places > 0) & (places < (800, 600)))  # the camera holds the whole press
             link = press.model.frames[visual.parentFrame].name
-            if hexadecimal(visual.meshColor) == legend.get(link) and any(visible(pictures[-1], place, legend[link]) for place in places):
+            if same(visual.meshColor, legend.get(link)) and any(visible(pictures[-1], place, legend[link]) for place in places):
                 seen.add(link)
         assert seen == set(legend), f"at point {i}"
     for before, after in itertools.pairwise(pictures):
@@ -224,13 +132,200 @@ def test_plays_in_real_time(recording: Path, view: Callable[..., Any]) -> None:
     assert not page.evaluate("playing")
 
 
-def test_hostile_names_are_text(press: Any, motion: Any, tmp_path: Path, view: Callable[..., Any]) -> None:
-    text = press.text.replace(b'"rod"', b'"r/od &lt;/script&gt;&lt;script&gt;alert(2)&lt;/script&gt;"')
-    hostile = dataclasses.replace(press, name="<script>alert(1)</script>{{viewer}}", text=text, model=pin.buildModelFromXML(text.decode()))
-    page = view(pp.record(hostile, motion, tmp_path / "out.html"), "#t=0.1")
+def test_hostile_names_are_text(tmp_path: Path, view: Callable[..., Any]) -> None:
+    hostile = load_hostile(tmp_path)
+    motion = pp.cycle(hostile, speed=SPEED, points=36)
+    page = view(pp.record(hostile, motion, tmp_path / "out.html", pp.inverse_dynamics(hostile, motion)), "#t=0.1")
     assert page.inner_text("h1") == page.title() == "<script>alert(1)</script>{{viewer}}"
     assert "r/od </script><script>alert(2)</script>" in page.inner_text("#legend")
+    assert "<img src=x onerror=alert(3)>" in page.inner_text("#labels")
     assert page.evaluate("viewer.scene_tree.find(['press']).object.children.length") == 4
+
+
+LONGEST = 0.2  # arrow of the largest force, in diagonals of the press's box
+
+
+def arrow(page: Any, number: int) -> dict[str, Any]:
+    """An arrow of the page as it is drawn: foot and tip in the press's axes, colour."""
+    return dict(
+        page.evaluate(
+            """i => {
+                const { group, parts: [,, shaft, head] } = arrows[i], along = new THREE.Vector3(0, 1, 0).applyQuaternion(group.quaternion);
+                const { r, g, b } = shaft.material.color, length = shaft.scale.y + head.scale.y;
+                const tip = group.position.clone().addScaledVector(along, length);
+                return { shown: group.visible, foot: group.position.toArray(), tip: tip.toArray(), colour: [r, g, b].map(c => 255 * c) };
+            }""",
+            number,
+        )
+    )
+
+
+@pytest.mark.parametrize("name", pp.presses())
+def test_arrows_are_as_long_as_the_loads(name: str, view: Callable[..., Any], tmp_path: Path) -> None:
+    press = pp.load(name)
+    motion = pp.cycle(press, speed=SPEED, points=120)
+    result = pp.inverse_dynamics(press, motion)
+    page = view(pp.record(press, motion, tmp_path / "out.html", result), "#t=0")
+    forces = [*result.bearing_force.values(), result.shaking_force]
+    peak = max(np.linalg.norm(force, axis=1).max() for force in forces)
+    longest, data = LONGEST * page.evaluate("size"), press.model.createData()
+    assert page.evaluate("arrows.length") == len(forces)
+    seen = set()
+    for i in (0, 31, 62, 93):
+        picture = seek(page, motion.time[i])
+        pin.framesForwardKinematics(press.model, data, motion.q[i])
+        feet = [data.oMi[j + 1].translation for j in range(press.model.njoints - 1)]
+        feet += [data.oMi[loop.joint1].act(loop.point1) for loop in press.loops]
+        for k, force in enumerate(forces):
+            drawn, length = arrow(page, k), longest * np.linalg.norm(force[i]) / peak
+            if not drawn["shown"]:
+                assert length < 1e-3 * longest
+                continue
+            foot, tip = np.array(drawn["foot"]), np.array(drawn["tip"])
+            assert_allclose(tip - foot, longest * force[i] / peak, atol=1e-5 * longest)
+            if k < len(feet):
+                assert_allclose(foot, feet[k], atol=1e-5 * longest)
+            ends = pixels(page, [foot, tip])
+            assert np.all((ends > 0) & (ends < (800, 600)))  # the camera holds the arrows too
+            middle = np.rint(ends[0] + 0.6 * (ends[1] - ends[0])).astype(int)
+            patch = picture[middle[1] - 2 : middle[1] + 3, middle[0] - 2 : middle[0] + 3].reshape(-1, 3)
+            if np.linalg.norm(ends[1] - ends[0]) > 40 and np.abs(patch - drawn["colour"]).max(axis=1).min() < 12:
+                seen.add(k)
+    # names and other arrows may lie on some of them, the largest is seen at one of these times at least
+    assert len(seen) >= min(3, len(forces) - 1), seen
+
+
+def test_arrows_take_colour_with_load(press: Any, motion: Any, tmp_path: Path, view: Callable[..., Any]) -> None:
+    result = pp.inverse_dynamics(press, motion)
+    page = view(pp.record(press, motion, tmp_path / "out.html", result), "#t=0")
+    force = np.linalg.norm(result.bearing_force["O"], axis=1)
+    order = np.argsort(force)
+    blue, green, red = [], [], []
+    for i in order[[5, 40, 80, -1]]:
+        seek(page, motion.time[i])
+        colour = arrow(page, press.bearings.index("O"))["colour"]
+        for channel, value in zip((red, green, blue), colour, strict=True):
+            channel.append(value)
+    assert np.all(np.diff(red) > 0)
+    assert np.all(np.diff(green) < 0)
+    peak = max(np.linalg.norm(f, axis=1).max() for f in (*result.bearing_force.values(), result.shaking_force))
+    assert page.inner_text("#peak") == f"{peak / 1e3:.2f} kN"
+
+
+def test_names_and_loads_stand_at_the_bearings(tmp_path: Path, view: Callable[..., Any]) -> None:
+    press = pp.load("zxn2_3000b")
+    motion = pp.cycle(press, speed=SPEED, points=120)
+    result = pp.inverse_dynamics(press, motion)
+    page = view(pp.record(press, motion, tmp_path / "out.html", result), "#t=0")
+    page.evaluate("t => { seek(t); viewer.render(); }", motion.time[40])
+    labels = page.evaluate(
+        """[...document.querySelectorAll('#labels div')].map(
+            chip => [...chip.querySelectorAll('p')].map(row => [...row.children].map(cell => cell.textContent)))"""
+    )
+    shown = {name: value for rows in labels for name, value in rows}
+    assert set(shown) == {*press.bearings, "shaking force"}
+    for name, force in result.bearing_force.items():
+        assert shown[name] == f"{np.linalg.norm(force[40]) / 1e3:.0f} kN"
+    together = [[name for name, _ in rows] for rows in labels if len(rows) > 1]
+    assert together == [["slide_guide", "F"]]
+    data = press.model.createData()
+    pin.framesForwardKinematics(press.model, data, motion.q[40])
+    expected = pixels(page, [data.oMi[j].translation for j in range(1, 5)])
+    dots = page.evaluate(
+        """[...document.querySelectorAll('#labels i')].slice(0, 4).map(dot => dot.getBoundingClientRect()).map(
+            box => [box.x + box.width / 2, box.y + box.height / 2])"""
+    )
+    assert_allclose(dots, expected, atol=1.0)
+    boxes = page.evaluate(
+        """[...document.querySelectorAll('#labels div')].map(chip => chip.getBoundingClientRect()).map(
+            box => [box.left, box.top, box.right, box.bottom])"""
+    )
+    for (l1, t1, r1, b1), (l2, t2, r2, b2) in itertools.combinations(boxes, 2):
+        assert r1 <= l2 or r2 <= l1 or b1 <= t2 or b2 <= t1  # none lies on another
+
+
+def test_paths_of_slide_and_coupler_point(tmp_path: Path, view: Callable[..., Any]) -> None:
+    press = pp.load("zxn2_3000b")
+    motion = pp.cycle(press, speed=SPEED, points=120)
+    point = (0.6, 0.0, 0.1)
+    page = view(pp.record(press, motion, tmp_path / "out.html", traces=[("coupler", point)]), "#t=0")
+    page.click("#show-names")
+    data, frame = press.model.createData(), press.model.getFrameId("coupler", pin.BODY)
+    path = []
+    for q in motion.q:
+        pin.framesForwardKinematics(press.model, data, q)
+        path.append(data.oMf[frame].act(np.array(point)))
+    seek(page, motion.time[20])
+    dots = page.evaluate("dots.map(({ dot }) => dot.position.toArray())")
+    assert_allclose(dots, [[0, 0, motion.slide_position[20]], path[20]], atol=1e-6)
+    picture, blue = seek(page, motion.time[80]), np.array([0x29, 0x70, 0xBF]) * 0.7  # of the coupler, darker
+    for place in pixels(page, np.array(path)[::6]):
+        column, row = np.rint(place).astype(int)
+        patch = picture[row - 3 : row + 4, column - 3 : column + 4].reshape(-1, 3)
+        assert np.abs(patch - blue).max(axis=1).min() < 45
+    ends = page.evaluate(
+        """paths.children.map(mesh => mesh.geometry.parameters.path).filter(path => path?.isLineCurve3).map(
+            path => [path.v1.toArray(), path.v2.toArray()])[0]"""
+    )
+    assert_allclose(sorted(end[2] for end in ends), [motion.slide_position.min(), motion.slide_position.max()], atol=1e-6)
+
+
+def test_toolbar_shows_and_hides(press: Any, motion: Any, tmp_path: Path, view: Callable[..., Any]) -> None:
+    page = view(pp.record(press, motion, tmp_path / "out.html", pp.inverse_dynamics(press, motion)), "#t=0.1")
+    picture = seek(page, 0.1)
+    for button in ("#show-forces", "#show-names", "#show-paths", "#front-view"):
+        page.click(button)
+        other = seek(page, 0.1)
+        assert np.count_nonzero(np.abs(other - picture).max(axis=2)[60:500] > 30) > 50, button
+        page.click(button)
+        assert np.count_nonzero(np.abs(seek(page, 0.1) - picture).max(axis=2)[60:500] > 30) < 50, button
+    page.click("#front-view")
+    (left, _), (right, below) = pixels(page, [(0.0, 0.1, 0.3), (0.0, -0.1, 0.3)]), pixels(page, [(0.0, 0.0, 0.3), (0.0, 0.0, 0.0)])
+    assert abs(right[0] - below[0]) < 0.5
+    assert right[1] < below[1]
+    assert abs(left[0] - right[0]) < 0.5
+
+
+def test_without_forces(recording: Path, view: Callable[..., Any]) -> None:
+    page = view(recording, "#t=0.1")
+    assert page.evaluate("[arrows.length, element('show-forces').offsetParent, element('scale').offsetParent]") == [0, None, None]
+    assert page.evaluate("[...document.querySelectorAll('#labels span')].every(value => value.textContent === '')")
+
+
+def test_a_page_of_360_frames_with_arrows_is_small(tmp_path: Path) -> None:
+    press = pp.load("zxn2_3000b")
+    motion = pp.cycle(press, speed=SPEED, points=360)
+    page = pp.record(press, motion, tmp_path / "out.html", pp.inverse_dynamics(press, motion))
+    assert len(data_in(page)["time"]) == 361
+    assert page.stat().st_size < 2e6
+
+
+def test_run_that_swings_back_and_stops(tmp_path: Path, view: Callable[..., Any]) -> None:
+    """A free linkage swings; each crank angle comes several times."""
+    press = pp.load("crank_slide")
+    run = pp.simulate(press, duration=2.0, speed=0.0, angle=1.0)
+    assert np.any(np.diff(run.crank_angle) > 0)
+    assert np.any(np.diff(run.crank_angle) < 0)
+    page = view(pp.record(press, run, tmp_path / "out.html", pp.inverse_dynamics(press, run)), "#t=0")
+    for i in (0, len(run.time) // 3, len(run.time) - 1):
+        page.evaluate("t => seek(t)", run.time[i])
+        shown = float(page.inner_text("#slide")[5:-3].replace("\u2212", "-"))
+        assert shown == pytest.approx(1e3 * run.slide_position[i], abs=0.1)
+
+
+def test_linkage_in_space(tmp_path: Path, view: Callable[..., Any]) -> None:
+    """Bennett's linkage, which has no plane, no slide and no visuals."""
+    file = tmp_path / "bennett.urdf"
+    file.write_text(bennett(), encoding="utf-8")
+    press = pp.load(file)
+    motion = pp.cycle(press, speed=SPEED, points=90)
+    page = view(pp.record(press, motion, tmp_path / "out.html", pp.inverse_dynamics(press, motion)), "#t=0")
+    assert page.evaluate("[data.front.length, data.slide]") == [0, None]
+    page.click("#show-names")
+    page.click("#show-forces")
+    pictures = [seek(page, motion.time[i])[:520] for i in (0, 20, 45)]
+    for before, after in itertools.pairwise(pictures):
+        assert np.count_nonzero(np.abs(after - before).max(axis=2) > 30) > 500
 
 
 def test_same_input_same_bytes(press: Any, motion: Any, recording: Path, tmp_path: Path) -> None:
@@ -240,7 +335,7 @@ def test_same_input_same_bytes(press: Any, motion: Any, recording: Path, tmp_pat
     assert [p.name for p in tmp_path.iterdir()] == ["again.html"]
 
 
-@pytest.mark.parametrize(("points", "count"), [(2, 2), (36, 37), (120, 121), (1000, 121)])
+@pytest.mark.parametrize(("points", "count"), [(2, 2), (36, 37), (360, 361), (1000, 361)])
 def test_number_of_keys(points: int, count: int, press: Any, tmp_path: Path) -> None:
     motion = pp.cycle(press, speed=SPEED, points=points)
     data = data_in(pp.record(press, motion, tmp_path / "out.html"))
@@ -280,7 +375,7 @@ def broken(motion: Any, field: str, value: float) -> Any:
     ("change", "says"),
     [
         (lambda m: dataclasses.replace(m, _time=None), "pass time= to cycle"),
-        (lambda m: broken(m, "joint_position", np.nan), "motion.q is not finite at index 17"),
+        (lambda m: broken(m, "joint_position", np.nan), "motion.joint_position is not finite at index 17"),
         (lambda m: broken(m, "_time", 0.0), "motion.time does not increase"),
     ],
 )
@@ -290,19 +385,47 @@ def test_motion_that_cannot_be_played(change: Callable[[Any], Any], says: str, p
     assert list(tmp_path.iterdir()) == []
 
 
-@pytest.mark.parametrize("shape", [b'<mesh filename="rod.stl"/>', b'<capsule radius="0.1" length="1"/>'])
-def test_shape_that_cannot_be_drawn(shape: bytes, press: Any, motion: Any, tmp_path: Path) -> None:
-    text = press.text.replace(b'<box size="0.400 0.024 0.036"/>', shape)
-    assert text != press.text
-    with pytest.raises(pp.PinpressError, match=r"link 'rod': .*<box>, <cylinder> and <sphere>"):
-        pp.record(dataclasses.replace(press, text=text), motion, tmp_path / "out.html")
+def test_reactions_of_another_motion(press: Any, motion: Any, tmp_path: Path) -> None:
+    other = pp.load("zxn2_3000b")
+    for result in (
+        pp.inverse_dynamics(press, pp.cycle(press, speed=SPEED, points=60)),
+        pp.inverse_dynamics(other, pp.cycle(other, speed=SPEED, points=120)),
+    ):
+        with pytest.raises(pp.PinpressError, match="the reactions are of another motion"):
+            pp.record(press, motion, tmp_path / "out.html", result)
     assert list(tmp_path.iterdir()) == []
 
 
-def test_nothing_to_draw(press: Any, motion: Any, tmp_path: Path) -> None:
-    text = re.sub(rb"<visual.*?</visual>", b"", press.text, flags=re.DOTALL)
-    with pytest.raises(pp.PinpressError, match="give its links <visual> elements"):
-        pp.record(dataclasses.replace(press, text=text), motion, tmp_path / "out.html")
+def test_forces_that_cannot_be_drawn(press: Any, motion: Any, tmp_path: Path) -> None:
+    result = pp.inverse_dynamics(press, motion)
+    result._shaking[0].setflags(write=True)
+    result._shaking[0][5, 2] = np.nan
+    with pytest.raises(pp.PinpressError, match="shaking_force is not finite"):
+        pp.record(press, motion, tmp_path / "out.html", result)
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize(
+    ("traces", "says"),
+    [
+        ([("connecting_rod", (0, 0, 0))], "no link 'connecting_rod'"),
+        ([("rod", (0, 0))], "trace of 'rod': point has shape (2,)"),
+        ([("rod", (0, 0, np.inf))], "trace of 'rod': point is not finite"),
+        (("rod", (0, 0, 0)), "give a list of a link and a point"),
+        ("rod", "give a list of a link and a point"),
+    ],
+)
+def test_traces_that_are_none(traces: Any, says: str, press: Any, motion: Any, tmp_path: Path) -> None:
+    with pytest.raises(pp.PinpressError, match=re.escape(says)):
+        pp.record(press, motion, tmp_path / "out.html", traces=traces)
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_more_turns_than_a_page_holds(press: Any, tmp_path: Path) -> None:
+    angle = np.arange(0, 2 * np.pi * 600, 0.5)
+    motion = pp.cycle(press, angle=angle, speed=1.0)
+    with pytest.raises(pp.PinpressError, match=r"600 turns are more than a recording holds \(555\)"):
+        pp.record(press, motion, tmp_path / "out.html")
 
 
 @pytest.mark.parametrize("name", ["missing/out.html", "directory", "file/out.html"])

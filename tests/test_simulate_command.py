@@ -15,8 +15,7 @@ import numpy as np
 import pytest
 
 import pinpress as pp
-from pinpress import __main__ as command
-from pinpress import scene_words
+from pinpress import __main__, command_output, command_simulate, scene_words
 from pinpress.drives import Geared, InductionMotor, InverterMotor, PrescribedSpeed, ServoMotor, SlipClutchMotor
 from pinpress.loads import Blanking, DeepDrawing, ElasticDie, ForceStroke, Idle, Piling
 from pinpress.simulation_summary import FIRST_STROKES, MOST_STROKES
@@ -33,7 +32,7 @@ def motor() -> Geared:
 
 
 def printed(capsys: pytest.CaptureFixture[str], *arguments: object) -> str:
-    assert command.main(["simulate", *map(str, arguments)]) == 0
+    assert __main__.main(["simulate", *map(str, arguments)]) == 0
     out, err = capsys.readouterr()
     assert err == ""
     return out
@@ -41,7 +40,7 @@ def printed(capsys: pytest.CaptureFixture[str], *arguments: object) -> str:
 
 def refused(capsys: pytest.CaptureFixture[str], *arguments: object) -> str:
     """The one line on stderr of a command that is refused."""
-    assert command.main(["simulate", *map(str, arguments)]) == 2
+    assert __main__.main(["simulate", *map(str, arguments)]) == 2
     out, err = capsys.readouterr()
     assert out == ""
     assert err.startswith("pinpress: ")
@@ -217,7 +216,7 @@ def test_every_option_reaches_the_simulation(capsys: pytest.CaptureFixture[str],
         calls.append(inspect.signature(pp.simulate).bind(*args, **kwargs).arguments)
         return pp.simulate(*args, **kwargs)
 
-    monkeypatch.setattr(command, "simulate", spy)
+    monkeypatch.setattr(command_simulate, "simulate", spy)
     printed(
         capsys,
         *("crank_slide", "--duration", 0.2, "--speed", 120, "--angle", 90, "--flywheel", 10, "--load", "idle"),
@@ -411,7 +410,7 @@ def test_errors_of_the_steady_state(capsys: pytest.CaptureFixture[str], argument
 )
 def test_usage_errors_exit_with_2(capsys: pytest.CaptureFixture[str], arguments: list[str]) -> None:
     with pytest.raises(SystemExit) as stop:
-        command.main(["simulate", "zxn2_3000b", *arguments])
+        __main__.main(["simulate", "zxn2_3000b", *arguments])
     assert stop.value.code == 2
     assert "usage: pinpress simulate" in capsys.readouterr().err
 
@@ -435,7 +434,7 @@ def test_progress_bar_on_a_terminal_after_a_second(monkeypatch: pytest.MonkeyPat
     terminal = Terminal()
     monkeypatch.setattr(sys, "stderr", terminal)
     monkeypatch.setenv("COLUMNS", "80")
-    with command._progress(10.0) as progress:
+    with command_output.progress(10.0, command_simulate.BAR) as progress:
         assert progress is not None
         progress(2.5)
         assert terminal.getvalue() == ""
@@ -448,14 +447,14 @@ def test_progress_bar_on_a_terminal_after_a_second(monkeypatch: pytest.MonkeyPat
 
 def test_no_progress_bar_elsewhere(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(sys, "stderr", io.StringIO())
-    with command._progress(10.0) as progress:
+    with command_output.progress(10.0, command_simulate.BAR) as progress:
         assert progress is None
 
 
 def test_progress_is_what_the_simulation_reports(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
     """A short run on a terminal reports, but shows nothing: neither bar nor remains of one."""
     reached: list[float] = []
-    simulate = command.simulate
+    simulate = command_simulate.simulate
 
     def spy(*args: Any, progress: Any, **kwargs: Any) -> Any:
         def both(time: float) -> None:
@@ -466,8 +465,8 @@ def test_progress_is_what_the_simulation_reports(capsys: pytest.CaptureFixture[s
 
     terminal = Terminal()
     monkeypatch.setattr(sys, "stderr", terminal)
-    monkeypatch.setattr(command, "simulate", spy)
-    assert command.main(["simulate", "crank_slide", "--speed", "60", "--duration", "3", "--flywheel", "50"]) == 0
+    monkeypatch.setattr(command_simulate, "simulate", spy)
+    assert __main__.main(["simulate", "crank_slide", "--speed", "60", "--duration", "3", "--flywheel", "50"]) == 0
     assert reached[-1] == pytest.approx(3.0)
     assert terminal.getvalue() == ""
 

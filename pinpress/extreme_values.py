@@ -1,0 +1,90 @@
+"""The smallest and largest values of all that is charted, where they are, and how large it is on average."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from . import charts
+from .coordinates import Array
+from .errors import PinpressError
+from .linkage import Linkage
+from .motion import RPM
+from .reactions import Reactions
+from .run import Run
+from .tables import by_driver
+
+
+@dataclass(frozen=True)
+class Extreme:
+    """Extremes of one quantity over a motion's states, in its unit.
+
+    Attributes:
+        smallest_at, largest_at: crank angle [deg], 0 to 360; of several drivers that of the first.
+        range: largest less smallest.
+        rms: root of the mean square over the states, which is that over time where these are equally spaced in it, as in a `cycle` or run.
+    """
+
+    quantity: str
+    unit: str
+    smallest: float
+    smallest_at: float
+    largest: float
+    largest_at: float
+    range: float
+    rms: float
+
+
+def extremes(press: Linkage, reactions: Reactions) -> tuple[Extreme, ...]:
+    """Extremes of slide, crank speed where it is not constant, torques, bearing forces, the moments that bearings hold
+    (`charts.held_moments`), shaking force and shaking moment: components along the world's axes and magnitudes.
+
+    Slide position in mm, crank speed in r/min, all else in SI units. Components that are zero throughout, but for rounding, are left out.
+
+    Raises:
+        PinpressError: reactions of a linkage with other joints, a value that is not finite.
+    """
+    motion = reactions.motion
+    if motion.joints != press.joints or motion.drivers != press.drivers:
+        raise PinpressError(f"the reactions are of {motion.linkage} with other joints than {press.name}: give those of the same linkage")
+    angle = np.degrees(charts.finite("crank angle", motion.crank_angle).reshape(len(motion.crank_angle), -1)[:, 0]) % 360.0
+    return tuple(_extreme(quantity, unit, charts.finite(quantity, values), angle) for quantity, unit, values in _series(press, reactions))
+
+
+def _series(press: Linkage, reactions: Reactions) -> Iterator[tuple[str, str, Array]]:
+    motion, drivers = reactions.motion, reactions.motion.drivers
+    least = charts.rounding(reactions)
+    if press.slide is not None:
+        yield "slide position", "mm", 1e3 * motion.slide_position
+        yield "slide velocity", "m/s", motion.slide_velocity
+        yield "slide acceleration", "m/s²", motion.slide_acceleration
+    columns = by_driver("crank speed", "r/min", motion.crank_speed / RPM, drivers) if charts.crank_speed(motion) else {}
+    columns |= by_driver("driving torque", "N m", reactions.driving_torque, drivers)
+    if isinstance(motion, Run):
+        columns |= by_driver("drive torque", "N m", motion.drive_torque, drivers)
+    for name, values in columns.items():
+        quantity, unit = name.removesuffix("]").rsplit(" [", 1)
+        yield quantity, unit, values
+    for name, force in reactions.bearing_force.items():
+        yield from _vector(f"force in {name}", "N", force, least.force)
+    for name, moment in charts.held_moments(reactions).items():
+        if np.abs(moment).max() > least.moment:
+            yield from _vector(f"moment in {name}", "N m", moment, least.moment)
+    yield from _vector("shaking force", "N", reactions.shaking_force, least.force)
+    yield from _vector("shaking moment", "N m", reactions.shaking_moment, least.moment)
+
+
+def _vector(name: str, unit: str, vector: Array, least: float) -> Iterator[tuple[str, str, Array]]:
+    charts.finite(name, vector)
+    shown = [i for i in range(3) if np.abs(vector[:, i]).max() > least]
+    yield f"{name}, magnitude", unit, np.linalg.norm(vector[:, shown], axis=1)
+    for i in shown:
+        yield f"{name}, {charts.AXES[i]}", unit, vector[:, i]
+
+
+def _extreme(quantity: str, unit: str, values: Array, angle: Array) -> Extreme:
+    low, high = int(values.argmin()), int(values.argmax())
+    smallest, largest = float(values[low]), float(values[high])
+    size = float(np.abs(values).max()) or 1.0  # divided by before squaring: squares of large numbers overflow
+    rms = size * float(np.sqrt(np.mean((values / size) ** 2)))
+    return Extreme(quantity, unit, smallest, float(angle[low]), largest, float(angle[high]), largest - smallest, rms)

@@ -1,0 +1,90 @@
+"""Key frames: the states of a motion that a recording shows."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .branch import predict
+from .coordinates import Array, configuration
+from .errors import PinpressError
+from .linkage import Linkage
+from .motion import Motion
+
+PER_TURN = 360  # between keys 1 degree apart a crank pin leaves its circle by 0.004 % of the crank radius
+FEWEST_PER_TURN = 36  # 0.4 %
+MOST = 20_000  # keeps the page of a long run below 20 MB
+
+
+@dataclass(frozen=True, eq=False)
+class Keys:
+    """Key frames, k of them.
+
+    Attributes:
+        states: (k,) indices of states of the motion. time: (k,) from the first one [s]. crank: (k,) angle of the (first) driver [rad].
+        slide: (k,) slide position [m], None where there is no slide. turn: how many keys, from the first, one turn takes, after which the
+            linkage repeats its path; all of them where it does not.
+    """
+
+    states: NDArray[np.intp]
+    time: Array
+    crank: Array
+    slide: Array | None
+    turn: int
+
+
+def keys(press: Linkage, motion: Motion) -> Keys:
+    """Key frames of a motion; one of a turn is closed to a loop, a long one thinned to `PER_TURN` a turn of the crank.
+
+    Raises:
+        PinpressError: no time in the motion, a value that is not finite, more turns than a page holds.
+    """
+    _refuse_broken(motion, press.slide is not None)
+    time = motion.time - motion.time[0]
+    crank = np.asarray(motion.crank_angle).reshape(len(time), -1)[:, 0]  # of several drivers, the first
+    returns = _turns_back(press)
+    last = _closing_time(time, crank) if returns else None
+    order = np.arange(len(time))
+    if last is not None:  # the first state once more, so that the loop has no jump
+        order, time = np.append(order, 0), np.append(time, last)
+        crank = np.append(crank, crank[0] + np.sign(crank[-1] - crank[0]) * 2 * np.pi)
+    turns = float(np.abs(np.diff(crank)).sum() / (2 * np.pi))
+    if turns * FEWEST_PER_TURN > MOST:
+        raise PinpressError(
+            f"{turns:.0f} turns are more than a recording holds ({MOST // FEWEST_PER_TURN}): record a shorter part of the motion"
+        )
+    most = min(PER_TURN * max(1, np.ceil(turns - 1e-6)), MOST) + 1
+    kept = np.rint(np.linspace(0, len(order) - 1, int(min(len(order), most)))).astype(int)  # the first and the last among them
+    order, crank = order[kept], crank[kept]
+    slide = np.asarray(motion.slide_position)[order] if press.slide is not None else None
+    beyond = np.flatnonzero(np.abs(crank - crank[0]) >= 2 * np.pi * (1 - 1e-9))
+    turn = int(beyond[0]) + 1 if returns and len(beyond) else len(order)
+    return Keys(order, time[kept], crank, slide, turn)
+
+
+def _refuse_broken(motion: Motion, has_slide: bool) -> None:
+    series = {"time": motion.time, "crank_angle": motion.crank_angle, "joint_position": motion.joint_position}
+    if has_slide:
+        series["slide_position"] = motion.slide_position
+    for name, values in series.items():
+        bad = ~np.isfinite(values)
+        if np.size(values) == 0 or bad.any():
+            where = f"is not finite at index {int(np.argwhere(bad)[0][0])}" if bad.any() else "is empty"
+            raise PinpressError(f"motion.{name} {where}; record a motion that cycle or simulate returned")
+    if np.any(np.diff(motion.time) <= 0):
+        raise PinpressError("motion.time does not increase from point to point; order the points of the motion by time")
+
+
+def _turns_back(press: Linkage) -> bool:
+    """Whether the linkage is where it was after a turn of its driver; with a gear ratio it need not be."""
+    if len(press.drivers) > 1 or press.branch.period is None:
+        return False
+    before, after = configuration(press.spatial.slots, predict(press.branch, np.array([0.0, 2 * np.pi]))).T
+    return bool(np.allclose(before, after, rtol=0.0, atol=1e-9 * (1 + press.spatial.size)))
+
+
+def _closing_time(time: Array, crank: Array) -> float | None:
+    """When the first point comes round again [s], if the motion is one turn without its end point; else None."""
+    turned = abs(crank[-1] - crank[0])
+    gap, step = 2 * np.pi - turned, np.max(np.abs(np.diff(crank)), initial=0.0)
+    return float(time[-1] * (1 + gap / turned)) if len(time) > 2 and 1e-6 * step < gap <= 1.001 * step else None

@@ -1,0 +1,110 @@
+"""What a recording shows over the links: names of bearings, forces as arrows, and the paths of slide and chosen points."""
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+import pinocchio as pin
+from numpy.typing import ArrayLike
+
+from . import forces
+from .coordinates import Array
+from .errors import PinpressError
+from .keys import Keys
+from .linkage import Linkage
+from .motion import Motion
+from .pages import packed
+from .poses import Poses, bearing_points
+from .reactions import Reactions
+
+TOGETHER = 1e-6  # of the linkage's size: bearings that stay this close share a label
+
+
+def bearings(press: Linkage, at: Poses, keys: Keys, reactions: Reactions | None) -> dict[str, Any]:
+    """Places (k, 3) at which bearings are, each once, and the bearings' names with their places and forces (k, 3)."""
+    points = bearing_points(press, at)
+    where, places = _merged(points, TOGETHER * press.spatial.size)
+    return {
+        "places": [_packed_path(points[first], "the place of a bearing") for first in places],
+        "bearings": [
+            {
+                "name": name,
+                "place": place,
+                "force": None if reactions is None else packed(reactions.bearing_force[name][keys.states], f"bearing_force[{name!r}]"),
+            }
+            for name, place in zip(press.bearings, where, strict=True)
+        ],
+    }
+
+
+def shaking(reactions: Reactions | None, keys: Keys) -> dict[str, Any]:
+    """The shaking force (k, 3), None without reactions, and the largest force of all that are shown [N]."""
+    if reactions is None:
+        return {"shaking": None, "peak": 0.0}
+    force = reactions.shaking_force[keys.states]
+    all_forces = [force, *(values[keys.states] for values in reactions.bearing_force.values())]
+    peak = max(float(np.linalg.norm(values, axis=1).max()) for values in all_forces)
+    return {"shaking": packed(force, "shaking_force"), "peak": peak}
+
+
+def traces(press: Linkage, at: Poses, keys: Keys, chosen: Sequence[tuple[str, ArrayLike]]) -> dict[str, Any]:
+    """Paths (k, 3): of the slide's origin, if there is a slide, and of the chosen points, each a link and x, y, z in its frame [m].
+
+    Raises:
+        PinpressError: an unknown link, or a point that is none.
+    """
+    given: list[tuple[str, ArrayLike]] = [] if press.slide is None else [(press.slide, (0.0, 0.0, 0.0))]
+    paths = []
+    for number, trace in enumerate([*given, *_listed(chosen)]):
+        link, point = trace
+        joint, local = forces.place(press, link, point, f"trace of {link!r}", "point")
+        name = link if number < len(given) else f"{link} ({', '.join(f'{value:g}' for value in np.asarray(point, dtype=float))})"
+        paths.append({"name": name, "link": link, "path": packed(at.points(joint, local), f"the path of {name}"), "keys": keys.turn})
+    return {"traces": paths}
+
+
+def belonging(press: Linkage, motion: Motion, reactions: Reactions) -> None:
+    """Raise PinpressError where reactions are not those of the motion."""
+    other = reactions.motion
+    same = other is motion or (
+        other.joints == motion.joints
+        and other.joint_position.shape == motion.joint_position.shape
+        and np.array_equal(other.joint_position, motion.joint_position)
+    )
+    if not same or tuple(reactions.bearing_force) != press.bearings:
+        raise PinpressError(
+            f"the reactions are of another motion of {other.linkage}: give those that inverse_dynamics(press, motion) returns for this one"
+        )
+
+
+def front(press: Linkage) -> list[float]:
+    """Direction (3,) from which a press is looked at: the normal of its plane, on the side of -y where there is a choice; [] in space."""
+    model, data = press.model, press.model.createData()
+    pin.forwardKinematics(model, data, pin.neutral(model))
+    turning = [data.oMi[j + 1].rotation @ axis.direction for j, axis in enumerate(press.spatial.axes) if axis.turns]
+    if not turning or any(np.linalg.norm(np.cross(turning[0], axis)) > 1e-6 for axis in turning):
+        return []
+    towards = turning[0] @ (0.2, -1.0, 0.3)
+    return [float(value) for value in turning[0] * (1.0 if towards > 0 else -1.0)]
+
+
+def _merged(points: Array, near: float) -> tuple[list[int], list[int]]:
+    """For every bearing its place, and for every place its first bearing; points (bearings, k, 3)."""
+    where: list[int] = []
+    places: list[int] = []
+    for number, path in enumerate(points):
+        found = next((i for i, first in enumerate(places) if np.abs(points[first] - path).max() <= near), None)
+        if found is None:
+            places.append(number)
+        where.append(len(places) - 1 if found is None else found)
+    return where, places
+
+
+def _packed_path(path: Array, what: str) -> str:
+    return packed(path[:1] if np.ptp(path, axis=0).max() == 0.0 else path, what)  # one point where it rests
+
+
+def _listed(chosen: object) -> list[tuple[str, ArrayLike]]:
+    if not isinstance(chosen, list | tuple) or not all(isinstance(trace, list | tuple) and len(trace) == 2 for trace in chosen):
+        raise PinpressError(f"traces is {chosen!r}: give a list of a link and a point in its frame, e.g. [('coupler', (0.6, 0, 0))]")
+    return list(chosen)

@@ -1,0 +1,177 @@
+// ---- charts: Plotly draws the curves; cursor, legend with present values and table are the page's own ----
+const { report } = data;
+const COLOURS = ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#8c6d1f", "#56b4e9", "#6f4fb0", "#e69f00", "#7a2e2e", "#3d7a7a", "#b5179e", "#5a6b1f", "#1d2730"];
+const FONT = { family: getComputedStyle(document.body).fontFamily, size: 11.5, color: "#46535f" };
+const CONFIG = { responsive: true, displaylogo: false, modeBarButtonsToRemove: ["select2d", "lasso2d", "autoScale2d"] };
+const AXIS = { gridcolor: "#e9edf0", zerolinecolor: "#b9c3cc", linecolor: "#b9c3cc", ticks: "outside", ticklen: 4, tickcolor: "#b9c3cc", automargin: true };
+const over = report.over.unit === "deg" ? data.crank : data.time;
+const overBefore = report.before && floats(report.before);
+const asText = text => text.replaceAll("&", "&amp;").replaceAll("<", "&lt;").replaceAll(">", "&gt;");  // Plotly takes some tags
+const xAxis = () => ({ ...AXIS, title: { text: `${report.over.quantity} [${report.over.unit}]`, standoff: 6 }, range: [Math.min(over[0], over.at(-1)), Math.max(over[0], over.at(-1))], ...(report.over.unit === "deg" ? { dtick: 45 } : {}) });
+
+function make(tag, parent, properties = {}) {
+  const made = document.createElement(tag);
+  Object.assign(made, properties);
+  parent.append(made);
+  return made;
+}
+
+function card(parent, title, unit) {
+  const box = make("section", parent, { className: "chart" }), heading = make("h3", box, { textContent: title + " " });
+  if (unit) make("small", heading, { textContent: `[${unit}]` });
+  return box;
+}
+
+function rounded(value) {
+  const digits = Math.abs(value) >= 1000 ? 0 : Math.abs(value) >= 100 ? 1 : Math.abs(value) >= 1 ? 2 : 4;
+  return value.toFixed(digits).replace("-", "\u2212");
+}
+
+function legend(parent, plot, curves) {  // a button a curve, which hides it, with its present value
+  const list = make("ul", parent, { className: "legend" });
+  return curves.map(({ name, colour, traces }) => {
+    const button = make("button", make("li", list), { type: "button", title: name, ariaPressed: "true" });
+    make("i", button).style.background = colour;
+    make("b", button, { textContent: name });
+    button.addEventListener("click", () => {
+      button.ariaPressed = String(button.ariaPressed !== "true");
+      Plotly.restyle(plot, { visible: button.ariaPressed === "true" }, traces);
+    });
+    return make("output", button);
+  });
+}
+
+function lineChart(parent, chart) {
+  const box = card(parent, chart.title, chart.unit), series = chart.curves.map(curve => floats(curve.values)), traces = [];
+  const curves = chart.curves.map((curve, i) => {
+    const colour = COLOURS[i % COLOURS.length], mine = [traces.length], name = asText(curve.name);
+    const line = { mode: "lines", hovertemplate: `%{y:.5g} ${chart.unit}` };
+    traces.push({ ...line, x: over, y: series[i], name, line: { color: colour, width: 1.8, simplify: false } });
+    if (curve.before) {
+      mine.push(traces.length);
+      traces.push({ ...line, x: overBefore, y: floats(curve.before), name: name + ", before", opacity: 0.65, line: { color: colour, width: 1.4, dash: "dash", simplify: false } });
+    }
+    return { name: curve.name, colour, traces: mine };
+  });
+  const layout = { margin: { l: 58, r: 12, t: 8, b: 38 }, font: FONT, hovermode: "x unified", hoverlabel: { namelength: 40 }, showlegend: false, xaxis: xAxis(), yaxis: { ...AXIS }, paper_bgcolor: "#fff", plot_bgcolor: "#fff" };
+  const plot = document.createElement("div"), values = legend(box, plot, curves);
+  plot.className = "plot";
+  box.append(plot);
+  Plotly.newPlot(plot, traces, layout, CONFIG);
+  plot.on("plotly_click", ({ points }) => { setPlaying(false); seek(timeAt(points[0].x)); });
+  const cursor = make("div", plot, { className: "cursor" });
+  const follow = () => {
+    series.forEach((numbers, i) => { values[i].textContent = rounded(number(numbers)); });
+    const { xaxis, yaxis } = plot._fullLayout, x = xaxis.l2p(number(over));
+    cursor.hidden = x < 0 || x > xaxis._length;
+    Object.assign(cursor.style, { left: `${xaxis._offset + x}px`, top: `${yaxis._offset}px`, height: `${yaxis._length}px` });
+  };
+  plot.on("plotly_relayout", follow);
+  plot.on("plotly_afterplot", follow);
+  listeners.push(follow);
+  return { box, stop: () => { listeners.splice(listeners.indexOf(follow), 1); Plotly.purge(plot); box.remove(); } };
+}
+
+function timeAt(x) {
+  const k = over.reduce((best, value, i) => Math.abs(value - x) < Math.abs(over[best] - x) ? i : best, 0);
+  return data.time[k];
+}
+
+function polarChart(parent, title, axes, unit, path, before) {  // the tip of the force vector, circles of constant force
+  const box = card(parent, title, unit), plot = make("div", box, { className: "plot square" });
+  const points = floats(path), others = before ? floats(before) : new Float32Array();
+  const column = (values, i) => values.filter((_, k) => k % 2 === i);
+  let largest = 1e-12;
+  for (let k = 0; k < points.length; k += 2) largest = Math.max(largest, Math.hypot(points[k], points[k + 1]));
+  for (let k = 0; k < others.length; k += 2) largest = Math.max(largest, Math.hypot(others[k], others[k + 1]));
+  const decade = 10 ** Math.floor(Math.log10(largest / 3)), step = decade * [1, 2, 5, 10].find(s => s * decade >= largest / 4);
+  const circles = Array.from({ length: Math.ceil(largest / step) }, (_, i) => (i + 1) * step).map(r => ({ type: "circle", layer: "below", x0: -r, x1: r, y0: -r, y1: r, line: { color: "#dfe5ea", width: 1 } }));
+  const limit = 1.08 * Math.ceil(largest / step) * step, axis = { ...AXIS, showgrid: false, range: [-limit, limit], dtick: 2 * step, tickangle: 0, zeroline: true };
+  const hover = { mode: "lines", hovertemplate: `%{text}<br>${axes[0]} %{x:.4g}, ${axes[1]} %{y:.4g} ${unit}<extra></extra>` };
+  const texts = values => Array.from(values, value => `${report.over.quantity} ${value.toFixed(report.over.unit === "deg" ? 1 : 4)} ${report.over.unit}`);
+  const traces = [{ ...hover, x: column(points, 0), y: column(points, 1), text: texts(over), line: { color: COLOURS[0], width: 1.8, simplify: false } }];
+  if (before) traces.unshift({ ...hover, x: column(others, 0), y: column(others, 1), text: texts(overBefore), line: { color: "#8a949e", width: 1.4, dash: "dash", simplify: false } });
+  const layout = { margin: { l: 46, r: 10, t: 8, b: 40 }, font: FONT, hovermode: "closest", showlegend: false, shapes: circles, xaxis: { ...axis, title: { text: axes[0], standoff: 4 }, constrain: "domain" }, yaxis: { ...axis, title: { text: axes[1], standoff: 2 }, scaleanchor: "x", constrain: "domain" }, paper_bgcolor: "#fff", plot_bgcolor: "#fff" };
+  Plotly.newPlot(plot, traces, layout, CONFIG);
+  const ray = make("div", plot, { className: "ray" }), tip = make("div", plot, { className: "tip" });
+  const follow = () => {
+    const { xaxis, yaxis } = plot._fullLayout, at = i => points[2 * moment.before + i] + moment.part * (points[2 * moment.after + i] - points[2 * moment.before + i]);
+    const place = (x, y) => [xaxis._offset + xaxis.l2p(x), yaxis._offset + yaxis.l2p(y)], [x0, y0] = place(0, 0), [x, y] = place(at(0), at(1));
+    Object.assign(tip.style, { left: `${x}px`, top: `${y}px` });
+    Object.assign(ray.style, { left: `${x0}px`, top: `${y0}px`, width: `${Math.hypot(x - x0, y - y0)}px`, transform: `rotate(${Math.atan2(y - y0, x - x0)}rad)` });
+    const away = x < xaxis._offset || x > xaxis._offset + xaxis._length || y < yaxis._offset || y > yaxis._offset + yaxis._length;
+    ray.hidden = tip.hidden = away;
+  };
+  plot.on("plotly_relayout", follow);
+  plot.on("plotly_afterplot", follow);
+  listeners.push(follow);
+  return () => { listeners.splice(listeners.indexOf(follow), 1); Plotly.purge(plot); box.remove(); };
+}
+
+function bearingDetail(parent) {  // one at a time: a press has up to a dozen
+  const heading = make("h2", parent, { textContent: "Force in " }), choice = make("select", heading, { id: "bearing", ariaLabel: "Bearing or guide" });
+  report.bearings.forEach((bearing, i) => make("option", choice, { value: i, textContent: bearing.name }));
+  const place = make("div", parent);
+  let stop = [];
+  const draw = () => {
+    stop.forEach(end => end());
+    const { name, link, axes, unit, frame, own, before, components } = report.bearings[choice.value];
+    const chart = lineChart(place, components), pair = make("div", place, { className: "pair" });
+    const frames = polarChart(pair, "Polar diagram, world axes", axes, unit, frame, before?.frame);
+    const links = polarChart(pair, `Polar diagram, axes of ${link}`, axes, unit, own, before?.own);
+    stop = [chart.stop, frames, links, () => pair.remove()];
+    seek(now);
+  };
+  choice.addEventListener("change", draw);
+  draw();
+}
+
+function harmonicsChart(parent) {
+  const { unit, orders, amplitude, before } = report.harmonics, axes = Object.keys(amplitude);
+  const box = card(parent, "Harmonics of the shaking force", unit), traces = [];
+  const curves = axes.map((axis, i) => {
+    const bar = { type: "bar", x: orders, hovertemplate: `order %{x}: %{y:.4g} ${unit}` }, mine = [traces.length];
+    traces.push({ ...bar, y: amplitude[axis], name: axis, marker: { color: COLOURS[i] } });
+    if (before?.[axis]) {
+      mine.push(traces.length);
+      traces.push({ ...bar, y: before[axis], name: axis + ", before", marker: { color: COLOURS[i], opacity: 0.35 } });
+    }
+    return { name: axis, colour: COLOURS[i], traces: mine };
+  });
+  const layout = { margin: { l: 58, r: 12, t: 8, b: 38 }, font: FONT, showlegend: false, bargap: 0.25, xaxis: { ...AXIS, dtick: 1, title: { text: "order of the crank's speed", standoff: 6 } }, yaxis: { ...AXIS, rangemode: "tozero" }, paper_bgcolor: "#fff", plot_bgcolor: "#fff" };
+  const plot = document.createElement("div");
+  legend(box, plot, curves).forEach(value => value.remove());
+  plot.className = "plot";
+  box.append(plot);
+  Plotly.newPlot(plot, traces, layout, CONFIG);
+}
+
+function table(parent) {
+  make("h2", parent, { textContent: "Extremes" });
+  const box = make("section", parent, { className: "chart table" }), grid = make("table", box);
+  const head = make("tr", make("thead", grid)), body = make("tbody", grid);
+  for (const title of report.table.head) make("th", head, { textContent: title });
+  for (const cells of report.table.rows) {
+    const row = make("tr", body);
+    for (const cell of cells) make("td", row, { textContent: cell.replace(/^-/, "\u2212") });
+  }
+}
+
+function drawReport() {
+  const article = element("charts");
+  element("subtitle").textContent = report.subtitle;
+  for (const { name, value, at } of report.cards) {
+    const box = make("div", element("cards"));
+    make("small", box, { textContent: name });
+    make("strong", box, { textContent: value });
+    make("small", box, { textContent: at });
+  }
+  for (const { title, charts } of report.sections) {
+    make("h2", article, { textContent: title });
+    for (const chart of charts) lineChart(article, chart);
+    if (title === "Bearings and guides" && report.bearings.length) bearingDetail(article);
+    if (title === "Foundation" && report.harmonics) harmonicsChart(article);
+  }
+  table(article);
+  seek(now);
+}

@@ -1,0 +1,206 @@
+"""A report: one web page with the recording of a press, and charts of its motion, torque and forces that follow it."""
+
+import os
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from . import charts, files, pages
+from .charts import Chart
+from .errors import PinpressError
+from .extreme_values import Extreme, extremes
+from .harmonic_analysis import harmonics
+from .keys import Keys, keys
+from .linkage import Linkage
+from .motion import RPM, Motion
+from .pages import packed
+from .reactions import Reactions, inverse_dynamics
+from .recording import scene
+from .run import Run
+
+
+def report(
+    press: Linkage,
+    motion: Motion,
+    path: str | os.PathLike[str],
+    reactions: Reactions | None = None,
+    traces: Sequence[tuple[str, ArrayLike]] = (),
+    before: Reactions | None = None,
+) -> Path:
+    """Write a self-contained page with the recording (see `record`) and interactive charts whose cursor follows it; return its path.
+
+    Charts: slide position, velocity and acceleration; driving torque, crank speed where it is not constant; every bearing and guide force,
+    its magnitude, components, and polar diagrams in the world's axes and in those of the link on which it acts; moments in guides;
+    shaking force with its harmonics, shaking moment; and a table of extremes over all states. Curves have the recording's key
+    frames, at most 360 a turn.
+
+    Args:
+        press, motion, traces: as in `record`.
+        reactions: of this motion; by default those without loads and friction. Give those with them where there are any.
+        before: reactions of another press, or of this one at another operating point, drawn beside these as dashed curves, and whose
+            ranges stand beside these in the table.
+
+    Raises:
+        PinpressError: as `record`; Plotly not installed; ``before`` over time where the motion is over crank angles, or vice versa.
+    """
+    result = inverse_dynamics(press, motion) if reactions is None else reactions
+    shown = scene(press, motion, result, traces)
+    frames = keys(press, motion)
+    data = shown | {"report": _report(press, result, frames, before)}
+    content = pages.page("report.html", press.name, data, pages.meshcat() | pages.plotly())
+    return files.write(path, content)
+
+
+def _report(press: Linkage, result: Reactions, frames: Keys, before: Reactions | None) -> dict[str, Any]:
+    over = charts.abscissa(result.motion).quantity
+    other = None if before is None else _other(before, over)
+    values = extremes(press, result)
+    return {
+        "subtitle": _subtitle(result, other),
+        "cards": _cards(values),
+        "over": {"quantity": over, "unit": {"crank angle": "deg", "time": "s"}[over]},
+        "before": None if other is None else other["x"],
+        "sections": [
+            {"title": title, "charts": [_chart(chart, frames, matching) for chart, matching in _paired(all_charts, other, title)]}
+            for title, all_charts in _sections(result)
+        ],
+        "bearings": [_bearing(result, name, frames, before) for name in press.bearings],
+        "harmonics": _harmonics(result, before),
+        "table": _table(values, None if before is None else extremes(before._press, before)),
+    }
+
+
+def _sections(result: Reactions) -> list[tuple[str, list[Chart]]]:
+    speed, moments = charts.crank_speed(result.motion), charts.bearing_moment(result)
+    sections = [
+        ("Slide", list(charts.slide(result.motion))),
+        ("Drive", [charts.torque(result), *([] if speed is None else [speed])]),
+        ("Bearings and guides", [charts.bearing(result), *([] if moments is None else [moments])]),
+        ("Foundation", [charts.shaking(result), charts.shaking_moment(result)]),
+    ]
+    return [(title, some) for title, some in sections if some]
+
+
+def _other(before: Reactions, over: str) -> dict[str, Any]:
+    """What is drawn beside: its key frames, abscissas and charts."""
+    its = charts.abscissa(before.motion).quantity
+    if its != over:
+        raise PinpressError(f"before is over {its}, the motion over {over}: compare a turn with a turn, or a run with a run")
+    frames = keys(before._press, before.motion)
+    x = np.degrees(frames.crank) if over == "crank angle" else frames.time
+    return {"press": before._press.name, "frames": frames, "x": packed(x, "before"), "sections": dict(_sections(before))}
+
+
+def _paired(some: list[Chart], other: dict[str, Any] | None, title: str) -> list[tuple[Chart, tuple[Chart, Keys] | None]]:
+    """Charts with those of the same title that are drawn beside, if there are."""
+    beside = {} if other is None else {chart.title: (chart, other["frames"]) for chart in other["sections"].get(title, ())}
+    return [(chart, beside.get(chart.title)) for chart in some]
+
+
+def _chart(chart: Chart, frames: Keys, beside: tuple[Chart, Keys] | None = None) -> dict[str, Any]:
+    before: dict[str, str] = {}
+    if beside is not None:
+        other, its = beside
+        factor = charts.factor(chart.quantity, chart.unit) / charts.factor(other.quantity, other.unit)
+        before = {curve.name: packed(factor * curve.values[its.states], chart.title) for curve in other.curves}
+    curves = [
+        {"name": curve.name, "values": packed(curve.values[frames.states], chart.title), "before": before.get(curve.name)}
+        for curve in chart.curves
+    ]
+    return {"title": chart.title, "quantity": chart.quantity, "unit": chart.unit, "curves": curves}
+
+
+def _bearing(result: Reactions, name: str, frames: Keys, before: Reactions | None) -> dict[str, Any]:
+    locus, beside = charts.locus(result, name), None
+    bearing: dict[str, Any] = {"name": name, "link": locus.link, "axes": locus.axes, "unit": locus.unit, "before": None}
+    bearing |= {key: packed(getattr(locus, key)[frames.states], name) for key in ("frame", "own")}
+    if before is not None and name in before.bearing_force:
+        other, its = charts.locus(before, name), keys(before._press, before.motion)
+        beside = (charts.components(before, name), its)
+        if other.axes == locus.axes:
+            factor = charts.factor("force", locus.unit) / charts.factor("force", other.unit)
+            bearing["before"] = {key: packed(factor * getattr(other, key)[its.states], name) for key in ("frame", "own")}
+    return bearing | {"components": _chart(charts.components(result, name), frames, beside)}
+
+
+def _harmonics(result: Reactions, before: Reactions | None) -> dict[str, Any] | None:
+    """Amplitudes of the shaking force by axis, those that are not zero; None where the crank makes no full turn."""
+    found = harmonics(result.motion, result.shaking_force)
+    if found is None:
+        return None
+    shown = [curve.name for curve in charts.shaking(result).curves]
+    other = None if before is None else harmonics(before.motion, before.shaking_force)
+    unit = charts.shaking(result).unit
+    factor = charts.factor("force", unit)
+
+    def bars(amplitude: Any) -> dict[str, list[float]]:
+        return {axis: (factor * amplitude[1:, "xyz".index(axis)]).tolist() for axis in shown}
+
+    return {
+        "unit": unit,
+        "orders": found.orders[1:].astype(int).tolist(),
+        "amplitude": bars(found.amplitude),
+        "before": None if other is None else bars(other.amplitude),
+    }
+
+
+def _subtitle(result: Reactions, other: dict[str, Any] | None) -> str:
+    motion = result.motion
+    if isinstance(motion, Run):
+        words = f"simulated run of {motion.time[-1]:.6g} s"
+    elif motion.crank_speed.ndim == 1 and charts.crank_speed(motion) is None:
+        words = f"crank at {motion.crank_speed[0] / RPM:.6g} r/min"
+    else:
+        words = "prescribed motion"
+    beside = "" if other is None else f"; dashed: {other['press']}"
+    return f"{words}, {len(motion.crank_angle)} states{beside}"
+
+
+def _cards(values: Sequence[Extreme]) -> list[dict[str, str]]:
+    """What is looked for first."""
+    by_name = {value.quantity: value for value in values}
+    cards = []
+    if travel := by_name.get("slide position"):
+        cards.append({"name": "slide travel", "value": f"{travel.range:.4g} mm", "at": ""})
+    torques = [value for value in values if value.quantity.startswith("driving torque")]
+    forces = [value for value in values if value.quantity.startswith("force in ") and value.quantity.endswith(", magnitude")]
+    for name, some in (("largest driving torque", torques), ("largest bearing force", forces)):
+        if some:
+            most = max(some, key=lambda value: max(abs(value.smallest), abs(value.largest)))
+            size, at = max((abs(most.smallest), most.smallest_at), (abs(most.largest), most.largest_at))
+            where = most.quantity.removeprefix("force in ").removesuffix(", magnitude") + ", " if "bearing" in name else ""
+            cards.append({"name": name, "value": _with_prefix(size, most.unit), "at": f"{where}at {at:.1f}°"})
+    for axis in "xyz":
+        if value := by_name.get(f"shaking force, {axis}"):
+            cards.append({"name": f"shaking force {axis}, range", "value": _with_prefix(value.range, value.unit), "at": ""})
+    return cards
+
+
+def _with_prefix(value: float, unit: str) -> str:
+    factor, prefix = next((f, p) for f, p in ((1e6, "M"), (1e3, "k"), (0.0, "")) if abs(value) >= f)
+    return f"{value / (factor or 1.0):.4g} {prefix}{unit}"
+
+
+def _table(values: Sequence[Extreme], before: Sequence[Extreme] | None) -> dict[str, Any]:
+    head = ["", "unit", "smallest", "at [deg]", "largest", "at [deg]", "range", "rms"]
+    known = {value.quantity: value for value in before or ()}
+    rows = []
+    for value in values:
+        numbers = [value.smallest, value.smallest_at, value.largest, value.largest_at, value.range, value.rms]
+        row = [value.quantity, value.unit, *(f"{n:.1f}" if i in (1, 3) else _five(n) for i, n in enumerate(numbers))]
+        if before is not None:
+            other = known.get(value.quantity)
+            change = "" if other is None or other.range == 0.0 else f"{100 * (value.range / other.range - 1):+.2f} %"
+            row += ["" if other is None else _five(other.range), change]
+        rows.append(row)
+    return {"head": head + ([] if before is None else ["range before", "changes by"]), "rows": rows}
+
+
+def _five(value: float) -> str:
+    """Five significant digits, without an exponent where that is readable."""
+    if not 1e-4 <= abs(value) < 1e8:
+        return f"{value:.5g}"
+    return f"{value:.{max(0, 4 - int(np.floor(np.log10(abs(value)))))}f}"

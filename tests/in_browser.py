@@ -1,0 +1,56 @@
+"""What tests ask of a page that is open in a browser (see conftest)."""
+
+import io
+import json
+import re
+import time
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+FLAGS = ["--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--disable-dev-shm-usage", "--hide-scrollbars"]
+
+
+def data_in(path: Path) -> dict[str, Any]:
+    """What a page was given to show."""
+    match = re.search(r'<script type="application/json" id="data">(.*?)</script>', path.read_text("utf-8"), re.DOTALL)
+    assert match is not None
+    return dict(json.loads(match[1]))
+
+
+def wait(page: Any, condition: str) -> None:
+    """Playwright's wait_for_function would need eval, which the page's security policy refuses."""
+    end = time.monotonic() + 10
+    while not page.evaluate(condition):
+        assert time.monotonic() < end, f"not within 10 s: {condition}"
+        page.wait_for_timeout(20)
+
+
+def seek(page: Any, moment: float) -> Any:
+    """Screen picture (height, width, 3) at a time [s]."""
+    from PIL import Image
+
+    page.evaluate("t => { setPlaying(false); seek(t); viewer.render(); }", moment)
+    return np.asarray(Image.open(io.BytesIO(page.screenshot())).convert("RGB")).astype(float)
+
+
+def pixels(page: Any, points: Any) -> Any:
+    """Where world points (n, 3) lie on the screen, (n, 2), by the viewer's camera."""
+    view, projection = (
+        np.array(m).reshape(4, 4).T
+        for m in page.evaluate("[viewer.camera.matrixWorldInverse.elements, viewer.camera.projectionMatrix.elements]")
+    )
+    x, y, z = np.asarray(points).T
+    clip = projection @ view @ np.array([x, z, -y, np.ones_like(x)])  # three.js has y up
+    width, height = page.evaluate("[viewer.renderer.domElement.clientWidth, viewer.renderer.domElement.clientHeight]")
+    return np.column_stack([(clip[0] / clip[3] + 1) / 2 * width, (1 - clip[1] / clip[3]) / 2 * height])
+
+
+def visible(picture: Any, pixel: Any, colour: str) -> bool:
+    """Whether a colour, lit or in shade, is within 3 pixels of a place."""
+    column, row = np.rint(pixel).astype(int)
+    patch = picture[max(row - 3, 0) : row + 4, max(column - 3, 0) : column + 4].reshape(-1, 3)
+    wanted = np.array([int(colour[i : i + 2], 16) for i in (1, 3, 5)], dtype=float)
+    likeness = patch @ wanted / (np.linalg.norm(patch, axis=1) * np.linalg.norm(wanted) + 1e-9)
+    return bool(np.any(likeness > 0.98))

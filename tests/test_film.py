@@ -1,0 +1,480 @@
+"""Pictures and films of recordings, and `pinpress record`: with a real Chromium and a real ffmpeg, against screenshots taken apart."""
+
+import argparse
+import asyncio
+import contextlib
+import importlib.util
+import io
+import os
+import re
+import shutil
+import signal
+import subprocess
+import sys
+import time
+import uuid
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import pinpress as pp
+from pinpress import browser, command_record
+from pinpress.film import film, slow_enough, still
+
+SPEED = 70 * pp.RPM
+DURATION = 2 * np.pi / SPEED
+FLAGS = ["--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--disable-dev-shm-usage", "--hide-scrollbars"]
+CHROMIUM = os.environ.get("CHROMIUM") or shutil.which("chromium") or shutil.which("chromium-browser")
+MISSING = CHROMIUM is None or not all(map(importlib.util.find_spec, ("playwright", "imageio_ffmpeg", "PIL")))
+SIZE = (480, 360)
+SAME = 2.5  # mean difference of two pictures' values, of 255, up to which they differ by compression and rounding of colours alone (1.6)
+
+
+@pytest.fixture(autouse=True)
+def _needs_a_browser() -> None:
+    """What is missing skips these tests on a developer's machine and fails them in CI."""
+    if MISSING:
+        (pytest.fail if os.environ.get("CI") else pytest.skip)("needs Chromium, playwright, imageio-ffmpeg and pillow")
+
+
+@pytest.fixture(scope="module")
+def press() -> Any:
+    return pp.load("crank_slide")
+
+
+@pytest.fixture(scope="module")
+def page(press: Any, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    motion = pp.cycle(press, speed=SPEED, points=120)
+    return pp.record(press, motion, tmp_path_factory.mktemp("page") / "press.html", reactions=pp.inverse_dynamics(press, motion))
+
+
+def stub(folder: Path, duration: float) -> Path:
+    """A page that passes for a recording and is opened fast: nothing is drawn."""
+    html = folder / "stub.html"
+    script = f"const duration = {duration}, viewer = {{render() {{}}}}; function seek() {{}} function setPlaying() {{}}"
+    html.write_text(f"<script>{script}</script>", encoding="utf-8")
+    return html
+
+
+def values(png: bytes) -> Any:
+    from PIL import Image
+
+    return np.asarray(Image.open(io.BytesIO(png)).convert("RGB")).astype(float)
+
+
+def difference(one: Any, other: Any) -> float:
+    assert one.shape == other.shape
+    return float(np.abs(one - other).mean())
+
+
+def screenshots(page: Path, size: tuple[int, int], times: Any, width: int = 960) -> list[Any]:
+    """What a page opened from its file shows at times [s], its controls hidden by hand, in a window `width` CSS pixels wide."""
+    from playwright.sync_api import sync_playwright
+
+    scale = size[0] / width
+    with sync_playwright() as playwright:
+        chromium = playwright.chromium.launch(executable_path=CHROMIUM, args=FLAGS)
+        window = {"width": width, "height": round(size[1] / scale)}
+        tab = chromium.new_page(viewport=window, device_scale_factor=scale, offline=True)
+        tab.goto(page.as_uri() + "#t=0")
+        tab.evaluate("for (const e of document.querySelectorAll('footer, #toolbar')) e.style.display = 'none'")
+        shots = []
+        for at in times:
+            tab.evaluate("t => { seek(t); }", at)
+            while tab.evaluate("viewer.needs_render"):
+                tab.wait_for_timeout(10)
+            shots.append(values(tab.screenshot()))
+        chromium.close()
+    return shots
+
+
+@pytest.fixture(scope="module")
+def turn(page: Path) -> list[Any]:
+    """The recording every 0.1 s, and how it goes on when it begins again, by screenshots."""
+    if MISSING:
+        return []
+    return screenshots(page, SIZE, np.arange(17) / 10 % DURATION)
+
+
+def test_picture_is_what_the_page_shows(page: Path, turn: list[Any], tmp_path: Path) -> None:
+    out = tmp_path / "out.png"
+    assert still(page, str(out), 0.3, SIZE) == out
+    distances = [difference(values(out.read_bytes()), shot) for shot in turn]
+    assert distances[3] < 0.05
+    assert min(distances[:3] + distances[4:]) > 1
+    assert list(tmp_path.iterdir()) == [out]
+
+
+def test_larger_pictures_show_the_same_more_sharply(page: Path, tmp_path: Path) -> None:
+    from PIL import Image
+
+    small, large = (still(page, tmp_path / f"{scale}.png", 0.3, (480 * scale, 360 * scale)) for scale in (1, 2))
+    (shot,) = screenshots(page, (960, 720), [0.3])
+    assert difference(values(large.read_bytes()), shot) < 0.05
+    shrunk = np.asarray(Image.open(large).convert("RGB").resize((480, 360), Image.Resampling.BOX)).astype(float)
+    assert difference(values(small.read_bytes()), shrunk) < 3
+
+
+@pytest.mark.parametrize("size", [(1001, 751), (333, 777), (64, 64)])
+def test_size_is_exact(size: tuple[int, int], page: Path, tmp_path: Path) -> None:
+    picture = values(still(page, tmp_path / "out.png", size=size).read_bytes())
+    assert picture.shape == (size[1], size[0], 3)
+    assert picture[-1].std(axis=0).max() < 60  # no bar of the browser's or the page's along the edges
+    assert picture[:, -1].min() > 100
+
+
+def test_same_page_same_bytes(page: Path, tmp_path: Path) -> None:
+    pictures = [still(page, tmp_path / f"{i}.png", 0.3, SIZE).read_bytes() for i in range(2)]
+    assert pictures[0] == pictures[1]
+    films = [film(page, tmp_path / f"{i}.mp4", SIZE, 5, slowdown=1).read_bytes() for i in range(2)]
+    assert films[0] == films[1]
+
+
+def frames(path: Path) -> tuple[dict[str, Any], list[Any]]:
+    """What ffmpeg says of a film, and its frames."""
+    import imageio_ffmpeg
+
+    reader = imageio_ffmpeg.read_frames(str(path))
+    about = next(reader)
+    width, height = about["size"]
+    return about, [np.frombuffer(frame, np.uint8).reshape(height, width, 3).astype(float) for frame in reader]
+
+
+def test_film_shows_the_recording_at_the_times_of_its_frames(page: Path, turn: list[Any], tmp_path: Path) -> None:
+    done: list[float] = []
+    out = film(page, tmp_path / "out.mp4", SIZE, 10, slowdown=1, repeats=2, progress=done.append)
+    about, shown = frames(out)
+    assert about["size"] == SIZE
+    assert about["fps"] == 10
+    assert about["codec"] == "h264"
+    assert about["pix_fmt"].startswith("yuv420p(tv, bt709")
+    assert len(shown) == round(2 * DURATION * 10) == 17  # the eighteenth would be the first again
+    for k, frame in enumerate(shown):
+        distances = [difference(frame, shot) for shot in turn]
+        assert distances[k] < SAME
+        assert np.argmin(distances) == k
+    assert done == [(k + 1) / 17 for k in range(17)]
+    assert list(tmp_path.iterdir()) == [out]
+
+
+def test_one_turn_is_slowed_down_for_the_eye(page: Path, tmp_path: Path) -> None:
+    _, shown = frames(film(page, tmp_path / "out.mp4", SIZE, 2))
+    assert len(shown) == round(5 * DURATION * 2) == 9
+    for frame, shot in zip(shown, screenshots(page, SIZE, np.arange(9) / 10), strict=True):
+        assert difference(frame, shot) < SAME
+
+
+@pytest.mark.parametrize(("duration", "slowdown"), [(10, 1), (4, 1), (3.9, 2), (60 / 70, 5), (0.2, 20), (0.08, 50), (0.03, 200), (0, 1)])
+def test_slow_enough(duration: float, slowdown: float) -> None:
+    assert slow_enough(duration) == slowdown
+
+
+def test_gif(page: Path, turn: list[Any], tmp_path: Path) -> None:
+    from PIL import Image
+
+    with Image.open(film(page, tmp_path / "out.GIF", SIZE, 10, slowdown=1)) as gif:
+        assert gif.format == "GIF"
+        assert gif.n_frames == 9  # type: ignore[attr-defined]
+        assert gif.info["loop"] == 0  # for ever
+        for k in range(9):
+            gif.seek(k)
+            assert gif.info["duration"] == 100  # ms
+            frame = np.asarray(gif.convert("RGB")).astype(float)
+            assert np.argmin([difference(frame, shot) for shot in turn]) == k
+
+
+def test_link_stays_a_link(tmp_path: Path) -> None:
+    page = stub(tmp_path, 1)
+    (tmp_path / "link.png").symlink_to(tmp_path / "real.png")
+    still(page, tmp_path / "link.png", size=(64, 64))
+    assert (tmp_path / "link.png").is_symlink()
+    assert (tmp_path / "real.png").read_bytes().startswith(b"\x89PNG")
+
+
+def test_where_an_event_loop_runs(tmp_path: Path) -> None:
+    """As in a notebook."""
+    page = stub(tmp_path, 1)
+
+    async def cell() -> Path:
+        return still(page, tmp_path / "out.png", size=(64, 64))
+
+    assert asyncio.run(cell()).exists()
+
+
+def bad_picture(page: Path, folder: Path, **arguments: Any) -> None:
+    still(**{"page": page, "path": folder / "out.png", "size": (64, 64), **arguments})
+
+
+def bad_film(page: Path, folder: Path, **arguments: Any) -> None:
+    film(**{"page": page, "path": folder / "out.mp4", "size": (64, 64), **arguments})
+
+
+@pytest.mark.parametrize(
+    ("make", "arguments", "says"),
+    [
+        (bad_picture, {"time": -0.1}, "time is -0.1 s, but the recording lasts from 0 to 0.857142"),
+        (bad_picture, {"time": 0.86}, "give one within it"),
+        (bad_picture, {"time": float("nan")}, "time is nan: give a finite number"),
+        (bad_picture, {"time": "0"}, "time is '0': give a finite number"),
+        (bad_picture, {"size": (0, 100)}, "two whole numbers from 64 to 4096"),
+        (bad_picture, {"size": (640.0, 480.0)}, "size is (640.0, 480.0)"),
+        (bad_picture, {"size": 640}, "size is 640: give width and height"),
+        (bad_picture, {"size": (640, 480, 3)}, "give width and height"),
+        (bad_picture, {"size": (5000, 100)}, "from 64 to 4096"),
+        (bad_film, {"size": (641, 480)}, "two even numbers"),
+        (bad_film, {"frames_per_second": 0}, "frames_per_second is 0: give a whole number from 1 to 120"),
+        (bad_film, {"frames_per_second": 29.97}, "frames_per_second is 29.97"),
+        (bad_film, {"frames_per_second": True}, "frames_per_second is True"),
+        (bad_film, {"repeats": 0}, "repeats is 0"),
+        (bad_film, {"slowdown": 0.0}, "slowdown is 0; give a positive number"),
+        (bad_film, {"slowdown": float("inf")}, "slowdown is inf: give a finite number"),
+        (bad_film, {"slowdown": 1e9}, "the film would have 2.57e+10 frames; choose"),
+        (bad_film, {"slowdown": 1e-9}, "frames; choose"),
+    ],
+)
+def test_numbers_that_make_no_sense(make: Callable[..., None], arguments: dict[str, Any], says: str, tmp_path: Path) -> None:
+    page = stub(tmp_path, DURATION)
+    with pytest.raises(pp.PinpressError, match=re.escape(says)):
+        make(page, tmp_path, **arguments)
+    assert list(tmp_path.iterdir()) == [page]
+
+
+@pytest.mark.parametrize("make", [bad_picture, bad_film])
+@pytest.mark.parametrize("name", ["missing/out", "directory", "file/out", "nu\0ll", "read-only/out"])
+def test_path_that_cannot_be_written_is_found_first(make: Any, name: str, page: Path, tmp_path: Path, monkeypatch: Any) -> None:
+    suffix = ".png" if make is bad_picture else ".mp4"
+    (tmp_path / f"directory{suffix}").mkdir()
+    (tmp_path / "file").touch()
+    if name.startswith("read-only"):
+        if not Path("/proc/self").is_dir():
+            pytest.skip("no folder in which not even root can write")
+        name = "/proc/self/out"
+    monkeypatch.setattr("pinpress.film.opened", lambda *_: pytest.fail("a browser was opened"))
+    with pytest.raises(pp.PinpressError, match=r"(?s)cannot write .*; give a file in a directory you can write to"):
+        make(page, tmp_path, path=f"{tmp_path / name}{suffix}")
+    assert {p.name for p in tmp_path.rglob("*")} == {f"directory{suffix}", "file"}
+
+
+@pytest.mark.parametrize(
+    ("make", "name", "endings"), [(still, "out.jpg", ".png"), (film, "out.avi", ".mp4 or .gif"), (film, "mp4", ".mp4")]
+)
+def test_unknown_suffix(make: Any, name: str, endings: str, page: Path, tmp_path: Path) -> None:
+    with pytest.raises(pp.PinpressError, match=re.escape(f"cannot write {tmp_path / name}: the name of the file must end in {endings}")):
+        make(page, tmp_path / name)
+
+
+@pytest.mark.parametrize(
+    ("content", "says"),
+    [
+        (None, "out.html: No such file or directory; give a page that pinpress.record or report wrote"),
+        (b"\xff\xfe\x00", "out.html: 'utf-8' codec can't decode"),
+        (b"<p>hello", "out.html is no recording; give a page that pinpress.record or report wrote"),
+        (b"<script>const duration = 1, seek = null;</script>", "out.html is no recording"),
+    ],
+)
+def test_no_recording(content: bytes | None, says: str, tmp_path: Path) -> None:
+    html = tmp_path / "out.html"
+    if content is not None:
+        html.write_bytes(content)
+    for make, name in ((still, "out.png"), (film, "out.mp4")):
+        with pytest.raises(pp.PinpressError, match=re.escape(says)):
+            make(html, tmp_path / name)
+    assert {p.name for p in tmp_path.iterdir()} <= {"out.html"}
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "says"),
+    [
+        ("</body>", "<script>throw new Error('worn out')</script></body>", "fails in Chromium: worn out; record it again"),
+        ("</body>", "<script>console.error('no oil')</script></body>", "fails in Chromium: no oil"),
+        ("</body>", "<img src='https://example.org/x.png'></body>", "fails in Chromium: .*"),
+        ("function seek(time) {", "function seek(time) { if (time > 0.5) throw new Error('stuck');", "fails in Chromium: .*stuck"),
+        ("<body>", "<body><script>HTMLCanvasElement.prototype.getContext = () => null</script>", "fails in Chromium: .*WebGL"),
+    ],
+)
+def test_what_goes_wrong_in_the_page_is_said(old: str, new: str, says: str, page: Path, tmp_path: Path) -> None:
+    html, out = tmp_path / "out.html", tmp_path / "out.png"
+    text = page.read_text("utf-8")
+    assert old in text
+    html.write_text(text.replace(old, new), encoding="utf-8")
+    with pytest.raises(pp.PinpressError, match=says):
+        still(html, out, 0.6, (64, 64))
+    assert not out.exists()
+
+
+def test_lost_graphics_are_no_blank_picture(page: Path, tmp_path: Path) -> None:
+    html, out = tmp_path / "out.html", tmp_path / "out.png"
+    lose = "viewer.renderer.getContext().getExtension('WEBGL_lose_context').loseContext();"
+    html.write_text(
+        page.read_text("utf-8").replace("function seek(time) {", f"function seek(time) {{ if (time > 0.5) {lose}"), encoding="utf-8"
+    )
+    still(html, out, 0.4, (64, 64))
+    with pytest.raises(pp.PinpressError, match="lost its WebGL context"):
+        still(html, out, 0.6, (64, 64))
+
+
+def test_a_recording_of_one_instant(tmp_path: Path) -> None:
+    html = stub(tmp_path, 0)
+    assert still(html, tmp_path / "out.png", size=(64, 64)).exists()
+    with pytest.raises(pp.PinpressError, match="nothing to film"):
+        film(html, tmp_path / "out.mp4")
+
+
+def test_without_chromium(page: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("CHROMIUM", str(tmp_path / "chrome"))
+    with pytest.raises(pp.PinpressError, match=r"CHROMIUM is .*chrome, which is no program"):
+        still(page, tmp_path / "out.png")
+    monkeypatch.setenv("CHROMIUM", shutil.which("false") or "false")
+    with pytest.raises(pp.PinpressError, match=r"false does not start: .*; set CHROMIUM to"):
+        still(page, tmp_path / "out.png")
+    monkeypatch.delenv("CHROMIUM")
+    monkeypatch.setenv("PATH", str(tmp_path))
+    with pytest.raises(pp.PinpressError, match=r"none is on the PATH; .*apt-get install chromium"):
+        still(page, tmp_path / "out.png")
+    program = tmp_path / "google-chrome"
+    program.symlink_to(shutil.which(CHROMIUM or "", path=os.defpath) or CHROMIUM or "")
+    assert browser._program() == str(program)
+
+
+@pytest.mark.parametrize("package", ["playwright", "imageio_ffmpeg"])
+def test_without_packages(package: str, page: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    found = importlib.util.find_spec
+    monkeypatch.setattr(importlib.util, "find_spec", lambda name: None if name == package else found(name))
+    monkeypatch.setitem(sys.modules, package, None)
+    with pytest.raises(pp.PinpressError, match=re.escape("pip install 'pinpress[video]'")):
+        film(page, tmp_path / "out.mp4")
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_import_is_light() -> None:
+    code = "import sys, pinpress.film; sys.exit(any(name in sys.modules for name in ('playwright', 'imageio_ffmpeg', 'asyncio', 'PIL')))"
+    assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
+
+
+def test_film_that_ffmpeg_gives_up(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    page = stub(tmp_path, 1)
+    monkeypatch.setitem(importlib.import_module("pinpress.film").ENCODING, ".mp4", ("-c:v", "no_such_codec"))
+    with pytest.raises(pp.PinpressError, match=r"ffmpeg cannot make the film: .*no_such_codec"):
+        film(page, tmp_path / "out.mp4", SIZE)
+    assert list(tmp_path.iterdir()) == [page]
+
+
+@pytest.mark.skipif(not Path("/proc/self/environ").exists(), reason="needs /proc, to find what is left")
+@pytest.mark.parametrize("when", ["opening", "filming"])
+def test_interrupted(when: str, page: Path, tmp_path: Path) -> None:
+    """Ctrl-C, which a terminal sends to all processes at once."""
+    code = f"""if True:
+        import sys, pinpress.film, pinpress.browser
+        if {when!r} == 'opening':
+            load = pinpress.browser._Tab.load
+            pinpress.browser._Tab.load = lambda *given: (print('now', flush=True), load(*given))
+        pinpress.film.film(sys.argv[1], 'out.mp4', progress=lambda done: print('now', flush=True))"""
+    mark = uuid.uuid4().hex
+    folder = tmp_path / "folder"
+    folder.mkdir()
+    process = subprocess.Popen(
+        [sys.executable, "-c", code, str(page)],
+        cwd=folder,
+        env=os.environ | {"PINPRESS_TEST": mark, "TMPDIR": str(tmp_path), "PYTHONPATH": str(Path(pp.__file__).parent.parent)},
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        start_new_session=True,
+    )
+    assert process.stdout is not None
+    assert process.stdout.readline() == "now\n"
+    assert len(list(marked(mark))) > 2  # Python, Playwright's driver, Chromium
+    os.killpg(process.pid, signal.SIGINT)
+    _, said = process.communicate(timeout=60)
+    assert process.returncode == -signal.SIGINT
+    assert said.rstrip().endswith("KeyboardInterrupt")
+    assert list(folder.iterdir()) == []
+    for _ in range(200):
+        if not (left := list(marked(mark))):
+            break
+        time.sleep(0.1)
+    assert left == []
+    assert [p.name for p in tmp_path.iterdir()] == ["folder"]
+
+
+def marked(mark: str) -> Iterator[str]:
+    """The living processes that have inherited a mark."""
+    for folder in Path("/proc").glob("[0-9]*"):
+        try:
+            if mark.encode() in (folder / "environ").read_bytes():
+                yield (folder / "cmdline").read_text().replace("\0", " ")[:200]
+        except OSError:
+            continue
+
+
+# ---- the command ----
+
+
+def command(*words: object) -> int:
+    parser = argparse.ArgumentParser()
+    command_record.add(parser.add_subparsers())
+    options = parser.parse_args(["record", *map(str, words)])
+    return int(options.run(options))
+
+
+def test_command(page: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    press = pp.load("crank_slide")
+    names = html, png, mp4 = [tmp_path / name for name in ("out.html", "out.png", "out.mp4")]
+    asked = ["--out", html, "--png", png, "--video", mp4, "--at", 90, "--size", "320x240", "--fps", 4, "--trace", "rod:0,0,-0.1"]
+    assert command("crank_slide", "--speed", -70, "--slowdown", 2, "--repeats", 2, *asked) == 0
+    assert capsys.readouterr() == (f"wrote {html}, {png}, {mp4}\n", "")
+    motion = pp.cycle(press, -SPEED, 360)
+    same = pp.record(press, motion, tmp_path / "same.html", reactions=pp.inverse_dynamics(press, motion), traces=[("rod", (0, 0, -0.1))])
+    assert html.read_bytes() == same.read_bytes()
+    assert png.read_bytes() == still(same, tmp_path / "same.png", 0.75 * DURATION, (320, 240)).read_bytes()  # backwards, 90 deg comes late
+    about, shown = frames(mp4)
+    assert (about["size"], about["fps"], len(shown)) == ((320, 240), 4, round(4 * DURATION * 4))
+    assert {p.name for p in tmp_path.iterdir()} == {"same.html", "same.png", *(p.name for p in names)}
+
+
+def test_command_without_forces_and_with_a_picture_alone(tmp_path: Path, press: Any, capsys: pytest.CaptureFixture[str]) -> None:
+    out = tmp_path / "out.png"
+    assert command("crank_slide", "--speed", 70, "--png", out, "--no-forces", "--at", -270, "--points", 90, "--size", "64x64") == 0
+    page = pp.record(press, pp.cycle(press, SPEED, 90), tmp_path / "same.html")
+    assert out.read_bytes() == still(page, tmp_path / "same.png", DURATION / 4, (64, 64)).read_bytes()
+    assert capsys.readouterr().err == ""
+
+
+@pytest.mark.parametrize(
+    ("words", "says"),
+    [
+        ([], "nothing to write: give --out page.html, --video film.mp4 or --png picture.png"),
+        (["--out", "out.html", "--trace", "rodd:0,0,0"], "did you mean 'rod'?"),
+        (["--video", "out.avi"], "must end in .mp4 or .gif"),
+    ],
+)
+def test_command_refuses(words: list[str], says: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    with pytest.raises(pp.PinpressError, match=re.escape(says)):
+        command("crank_slide", "--speed", 70, *words)
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize(
+    ("words", "says"),
+    [
+        (["--size", "640"], "'640' is no size"),
+        (["--size", "axb"], "no size"),
+        (["--trace", "rod"], "is no point"),
+        (["--trace", "rod:1,2"], "no point"),
+    ],
+)
+def test_command_refuses_words(words: list[str], says: str, capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(SystemExit, match="2"):
+        command("crank_slide", "--speed", 70, "--out", "out.html", *words)
+    assert says in capsys.readouterr().err
+
+
+def test_command_shows_progress(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    told: list[float] = []
+    monkeypatch.setattr(command_record, "progress", lambda total, shape: contextlib.nullcontext(told.append))
+    assert command("crank_slide", "--speed", 70, "--video", tmp_path / "out.mp4", "--size", "64x64", "--fps", 1) == 0
+    assert told == [0.25, 0.5, 0.75, 1.0]

@@ -1,0 +1,246 @@
+"""Reports, opened in a real browser with the network off: charts that show what was computed and follow the recording."""
+
+import importlib.util
+import re
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from hostile import NAMES, load_hostile
+from in_browser import data_in, seek
+from numpy.testing import assert_allclose
+
+import pinpress as pp
+
+SPEED = 70 * pp.RPM
+WIDE = (1300, 800)
+CURVES = """() => Object.fromEntries([...document.querySelectorAll('.chart')].filter(box => box.querySelector('.plot')).map(box => [
+    box.querySelector('h3').textContent,
+    box.querySelector('.plot').data.map(({ name, x, y }) => ({ name, x: [...x], y: [...y] })),
+]))"""
+CURSOR = """title => {
+    const box = [...document.querySelectorAll('.chart')].find(box => box.querySelector('h3')?.textContent.startsWith(title));
+    const { xaxis } = box.querySelector('.plot')._fullLayout, left = parseFloat(box.querySelector('.cursor').style.left);
+    return { x: xaxis.p2l(left - xaxis._offset), values: [...box.querySelectorAll('.legend output')].map(value => value.textContent) };
+}"""
+
+
+def shown(text: str) -> float:
+    return float(text.replace("\u2212", "-"))
+
+
+@pytest.fixture(scope="module")
+def press() -> Any:
+    return pp.load("zxn2_3000b")
+
+
+@pytest.fixture(scope="module")
+def result(press: Any) -> Any:
+    return pp.inverse_dynamics(press, pp.cycle(press, speed=SPEED, points=180))
+
+
+@pytest.fixture(scope="module")
+def written(press: Any, result: Any, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return pp.report(press, result.motion, tmp_path_factory.mktemp("report") / "out.html", result)
+
+
+@pytest.mark.parametrize("name", pp.presses())
+def test_every_press_has_its_charts(name: str, view: Callable[..., Any], tmp_path: Path) -> None:
+    """Curves of the page against the arrays; the view's fixture sees to it that nothing went wrong in the page."""
+    press = pp.load(name)
+    result = pp.inverse_dynamics(press, pp.cycle(press, speed=SPEED, points=60))
+    motion = result.motion
+    page = view(pp.report(press, motion, tmp_path / "out.html"), "#t=0", WIDE)
+    curves = page.evaluate(CURVES)
+    bearings = {
+        curve["name"]: np.array(curve["y"]) for title, some in curves.items() if title.startswith("Bearing forces") for curve in some
+    }
+    unit = {"N": 1.0, "kN": 1e3, "MN": 1e6}[
+        next(re.search(r"\[(.*)\]", title)[1] for title in curves if title.startswith("Bearing forces"))
+    ]  # type: ignore[index]
+    assert set(bearings) == set(press.bearings)
+    for bearing, force in result.bearing_force.items():
+        size = np.linalg.norm(force, axis=1)
+        assert_allclose(unit * bearings[bearing], [*size, size[0]], atol=1e-6 * max(map(np.max, bearings.values())) * unit)
+    (velocity,) = next(some for title, some in curves.items() if title.startswith("Slide velocity"))
+    assert_allclose(velocity["x"], np.linspace(0, 360, 61), atol=1e-3)
+    assert_allclose(velocity["y"][:-1], motion.slide_velocity, atol=1e-6)
+    titles = " ".join(curves)
+    for word in ("Slide position", "Slide acceleration", "Driving torque", "Polar diagram, world axes", "Shaking force", "Harmonics"):
+        assert word in titles
+    assert page.locator("tbody tr").count() > 10
+
+
+def test_charts_follow_the_recording(written: Path, result: Any, view: Callable[..., Any]) -> None:
+    page, motion = view(written, "#t=0", WIDE), result.motion
+    for i in (0, 33, 120, 179):
+        page.evaluate("t => seek(t)", motion.time[i])
+        for title, values in (
+            ("Slide velocity", [motion.slide_velocity]),
+            ("Driving torque", [result.driving_torque / 1e3]),
+            ("Force in A", [result.bearing_force["A"][:, 0] / 1e3, result.bearing_force["A"][:, 2] / 1e3]),
+            ("Shaking force", [result.shaking_force[:, 0] / 1e3, result.shaking_force[:, 2] / 1e3]),
+        ):
+            cursor = page.evaluate(CURSOR, title)
+            assert cursor["x"] == pytest.approx(2 * i, abs=0.05)
+            assert_allclose([shown(text) for text in cursor["values"]], [value[i] for value in values], rtol=5e-3, atol=6e-4)
+    before = seek(page, motion.time[20])[:, 640:]
+    assert np.count_nonzero(np.abs(seek(page, motion.time[60])[:, 640:] - before).max(axis=2) > 60) > 200  # cursors have moved
+
+
+def test_a_click_on_a_chart_seeks(written: Path, view: Callable[..., Any]) -> None:
+    page = view(written, "#t=0", WIDE)
+    box = page.locator(".chart .plot .nsewdrag").first.bounding_box()
+    place = (box["x"] + box["width"] / 4, box["y"] + box["height"] / 2)
+    page.mouse.move(*place)
+    page.wait_for_timeout(150)
+    assert page.locator(".hoverlayer text").count() > 0
+    page.mouse.click(*place)
+    page.wait_for_timeout(150)
+    assert page.evaluate("now / duration") == pytest.approx(0.25, abs=0.01)
+    assert not page.evaluate("playing")
+
+
+def test_zoom_takes_the_cursor_along(written: Path, view: Callable[..., Any]) -> None:
+    page = view(written, "#t=0", WIDE)
+    page.evaluate("t => seek(t)", 0.3 * 60 / 70)
+    page.evaluate("Plotly.relayout(document.querySelector('.plot'), { 'xaxis.range': [90, 180] })")
+    assert page.evaluate(CURSOR, "Slide position")["x"] == pytest.approx(108, abs=0.1)
+    page.evaluate("seek(0)")
+    assert page.evaluate("document.querySelector('.plot .cursor').offsetParent") is None  # it is outside what is shown
+
+
+def test_polar_diagrams_of_the_chosen_bearing(written: Path, press: Any, result: Any, view: Callable[..., Any]) -> None:
+    page = view(written, "#t=0", WIDE)
+    page.select_option("#bearing", label="B")
+    curves = page.evaluate(CURVES)
+    assert "Force in B [kN]" in curves
+    assert "Force in A [kN]" not in curves
+    force = result.bearing_force["B"][:, [0, 2]] / 1e3
+    (world,) = curves["Polar diagram, world axes [kN]"]
+    assert_allclose(np.column_stack([world["x"], world["y"]])[:-1], force, atol=1e-4)
+    (own,) = curves["Polar diagram, axes of coupler [kN]"]
+    turn = result.motion.joint_position[:, [press.joints.index("A"), press.joints.index("B")]].sum(axis=1)  # of the coupler, x towards z
+    expected = (force[:, 0] + 1j * force[:, 1]) * np.exp(-1j * turn)
+    assert_allclose(np.array(own["x"])[:-1] + 1j * np.array(own["y"])[:-1], expected, atol=1e-4)
+    for i in (10, 100):
+        page.evaluate("t => seek(t)", result.motion.time[i])
+        tip = page.evaluate(
+            """() => {
+                const plot = document.querySelector('.plot.square'), { xaxis, yaxis } = plot._fullLayout;
+                const { left, top } = plot.querySelector('.tip').style;
+                return [xaxis.p2l(parseFloat(left) - xaxis._offset), yaxis.p2l(parseFloat(top) - yaxis._offset)];
+            }"""
+        )
+        assert_allclose(tip, force[i], atol=1e-2 * np.abs(force).max())
+    scale = page.evaluate("(({ xaxis, yaxis }) => [xaxis._m, -yaxis._m])(document.querySelector('.plot.square')._fullLayout)")
+    assert scale[0] == pytest.approx(scale[1], rel=1e-6)  # circles are round
+
+
+def test_legend_hides_a_curve(written: Path, view: Callable[..., Any]) -> None:
+    page = view(written, "#t=0", WIDE)
+    page.evaluate("document.querySelector('.legend button').click()")
+    assert page.evaluate("document.querySelector('.plot').data[0].visible") is False
+
+
+def test_table_of_extremes(written: Path, result: Any, view: Callable[..., Any]) -> None:
+    page = view(written, "#t=0", WIDE)
+    rows = page.evaluate("[...document.querySelectorAll('tbody tr')].map(row => [...row.children].map(cell => cell.textContent))")
+    table = {row[0]: row[1:] for row in rows}
+    unit, smallest, _, largest, at, width, rms = table["driving torque"]
+    torque = result.driving_torque
+    assert unit == "N m"
+    assert_allclose([shown(t) for t in (smallest, largest, width)], [torque.min(), torque.max(), np.ptp(torque)], rtol=1e-4)
+    assert shown(at) == pytest.approx(2 * torque.argmax(), abs=0.06)
+    assert shown(rms) == pytest.approx(np.sqrt(np.mean(torque**2)), rel=1e-4)
+    cards = page.inner_text("#cards")
+    assert "301.2 mm" in cards
+    assert f"{np.abs(torque).max() / 1e3:.4g} kN m" in cards
+
+
+def test_before_and_after(result: Any, view: Callable[..., Any], tmp_path: Path) -> None:
+    """The plain press beside the balanced one, at another number of states."""
+    balanced = pp.load("zxn2_3000b_balanced")
+    after = pp.inverse_dynamics(balanced, pp.cycle(balanced, speed=SPEED, points=90))
+    page = view(pp.report(balanced, after.motion, tmp_path / "out.html", after, before=result), "#t=0", WIDE)
+    curves = page.evaluate(CURVES)
+    names = [curve["name"] for curve in curves["Shaking force [kN]"]]
+    assert names == ["x", "x, before", "z", "z, before"]
+    assert_allclose(curves["Shaking force [kN]"][1]["y"][:-1], result.shaking_force[:, 0] / 1e3, atol=1e-4)
+    assert_allclose(curves["Shaking force [kN]"][0]["y"][:-1], after.shaking_force[:, 0] / 1e3, atol=1e-4)
+    assert len(curves["Polar diagram, world axes [kN]"]) == 2
+    assert "dashed: zxn2_3000b" in page.inner_text("#subtitle")
+    rows = page.evaluate("[...document.querySelectorAll('tbody tr')].map(row => [...row.children].map(cell => cell.textContent))")
+    row = next(row for row in rows if row[0] == "shaking force, x")
+    change = 100 * (np.ptp(after.shaking_force[:, 0]) / np.ptp(result.shaking_force[:, 0]) - 1)
+    assert shown(row[-1].removesuffix(" %")) == pytest.approx(change, abs=0.006)
+
+
+def test_run_is_over_time(view: Callable[..., Any], tmp_path: Path) -> None:
+    press = pp.load("jf75g_125")
+    load = pp.loads.Blanking(1e6, 0.006, 0.002)
+    run = pp.simulate(press, 1.0, 300 * pp.RPM, flywheel=pp.Flywheel(30.0), drive=pp.ConstantTorque(900.0), loads=[load])
+    result = pp.inverse_dynamics(press, run, loads=[load])
+    page = view(pp.report(press, run, tmp_path / "out.html", result), "#t=0.5", WIDE)
+    curves = page.evaluate(CURVES)
+    assert "Crank speed [r/min]" in curves
+    torque = curves["Driving torque [kN m]"]
+    assert [curve["name"] for curve in torque] == ["driving torque", "drive"]
+    assert_allclose(torque[0]["x"], run.time, atol=1e-6)
+    assert_allclose(torque[0]["y"], result.driving_torque / 1e3, atol=1e-5 * np.abs(result.driving_torque).max() / 1e3)
+    assert page.evaluate(CURSOR, "Driving torque")["x"] == pytest.approx(0.5, abs=1e-3)
+    assert "simulated run of 1 s" in page.inner_text("#subtitle")
+
+
+def test_hostile_names_are_text(tmp_path: Path, view: Callable[..., Any]) -> None:
+    press = load_hostile(tmp_path)
+    page = view(pp.report(press, pp.cycle(press, speed=SPEED, points=36), tmp_path / "out.html"), "#t=0.1", WIDE)
+    texts = page.inner_text("body")
+    for name in NAMES.values():
+        assert name in texts or name in page.title()
+    assert page.locator("article script, article img, article b b").count() == 0
+    page.select_option("#bearing", label=NAMES["P"])
+    page.mouse.move(1000, 400)
+    page.wait_for_timeout(100)
+    assert f"Force in {NAMES['P']}" in page.inner_text("#charts")
+
+
+def test_same_input_same_bytes(written: Path, press: Any, result: Any, tmp_path: Path) -> None:
+    assert pp.report(press, result.motion, tmp_path / "again.html", result).read_bytes() == written.read_bytes()
+
+
+def test_what_cannot_be_compared(press: Any, result: Any, tmp_path: Path) -> None:
+    run = pp.simulate(press, 1.0, SPEED, flywheel=pp.Flywheel(2000.0))
+    with pytest.raises(pp.PinpressError, match="before is over time, the motion over crank angle"):
+        pp.report(press, result.motion, tmp_path / "out.html", result, before=pp.inverse_dynamics(press, run))
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_states_that_are_not_in_time(press: Any, tmp_path: Path) -> None:
+    motion = pp.cycle(press, angle=[0.0, 1.0, 0.5], speed=1.0)
+    with pytest.raises(pp.PinpressError, match="no motion in time"):
+        pp.report(press, motion, tmp_path / "out.html")
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize(("missing", "extra"), [("plotly", "report"), ("meshcat", "recording")])
+def test_without_an_extra(missing: str, extra: str, press: Any, result: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    find = importlib.util.find_spec
+    monkeypatch.setattr(importlib.util, "find_spec", lambda name: None if name == missing else find(name))
+    with pytest.raises(pp.PinpressError, match=re.escape(f"pip install 'pinpress[{extra}]'")):
+        pp.report(press, result.motion, tmp_path / "out.html", result)
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_path_that_cannot_be_written(press: Any, result: Any, tmp_path: Path) -> None:
+    with pytest.raises(pp.PinpressError, match="cannot write"):
+        pp.report(press, result.motion, tmp_path / "missing" / "out.html", result)
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_recording_is_in_the_report(written: Path, press: Any, result: Any, tmp_path: Path) -> None:
+    recording = data_in(pp.record(press, result.motion, tmp_path / "recording.html", result))
+    report = data_in(written)
+    assert {name: report[name] for name in recording} == recording
