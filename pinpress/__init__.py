@@ -56,6 +56,7 @@ __all__ = [
     "drives",
     "duty",
     "extremes",
+    "film",
     "harmonics",
     "inverse_dynamics",
     "load",
@@ -72,6 +73,7 @@ __all__ = [
     "save_plot",
     "simulate",
     "steady_state",
+    "still",
     "strokes",
     "write_urdf",
 ]
@@ -83,6 +85,7 @@ if TYPE_CHECKING:
     from .drives import ConstantTorque, Flywheel
     from .extreme_values import Extreme, extremes
     from .figures import save_plot
+    from .filming import film, still
     from .findings import Finding
     from .harmonic_analysis import Harmonics, harmonics
     from .plots import plot_bearings, plot_comparison, plot_polar, plot_shaking, plot_slide, plot_torque
@@ -101,6 +104,7 @@ _LATER = {
     "drives": ("ConstantTorque", "Flywheel"),
     "extreme_values": ("Extreme", "extremes"),
     "figures": ("save_plot",),
+    "filming": ("film", "still"),
     "findings": ("Finding",),
     "harmonic_analysis": ("Harmonics", "harmonics"),
     "plots": ("plot_bearings", "plot_comparison", "plot_polar", "plot_shaking", "plot_slide", "plot_torque"),

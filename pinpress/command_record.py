@@ -58,7 +58,7 @@ def run(options: argparse.Namespace) -> int:
     """
     if options.out is options.video is options.png is None:
         raise PinpressError("nothing to write: give --out page.html, --video film.mp4 or --png picture.png")
-    from .film import film, still
+    from .filming import film, still
     from .recording import record
 
     press = load(options.file, driver=options.driver, slide=options.slide)

@@ -14,12 +14,9 @@ SPEED = 70 * pp.RPM
 def main() -> None:
     out = HERE / "out"
     out.mkdir(exist_ok=True)
-    before, after = (
-        pp.inverse_dynamics(press, pp.cycle(press, speed=SPEED, points=720))
-        for press in map(pp.load, ("zxn2_3000b", "zxn2_3000b_balanced"))
-    )
-    press = pp.load("zxn2_3000b_balanced")
-    page = pp.report(press, after.motion, out / "before_and_after.html", after, before=before)
+    plain, balanced = pp.load("zxn2_3000b"), pp.load("zxn2_3000b_balanced")
+    before, after = (pp.inverse_dynamics(press, pp.cycle(press, speed=SPEED, points=720)) for press in (plain, balanced))
+    page = pp.report(balanced, after.motion, out / "before_and_after.html", after, before=before)
     print(page, pp.still(page, HERE / "report.png", 0.2, (1600, 1000)))
     for name, figure in (
         ("comparison", pp.plot_comparison(before, after)),

@@ -9,7 +9,7 @@ import pinpress as pp
 
 HERE = Path(__file__).parent
 STROKES_A_MINUTE = {"jf75g": 300, "thin_wall": 72, "zxn2": 70, "crank_slide": 70}  # by the first letters of a press's name
-TRACES = {"zxn2_3000b": [("coupler", (0.6, 0.0, 0.1))], "thin_wall": [("bar", (0.0, 0.0, 0.45))]}
+TRACES = {"zxn2_3000b": [("coupler", (0.6, 0.0, 0.1))], "thin_wall": [("bar", (0.648, 0.0, 0.0))]}
 PICTURES = {"zxn2_3000b": 0.2, "jf75g_125_symmetric": 0.06, "thin_wall": 0.3}  # when [s]
 SIZE = (1200, 960)  # pixels
 

@@ -22,7 +22,7 @@ import pytest
 
 import pinpress as pp
 from pinpress import browser, command_record
-from pinpress.film import film, slow_enough, still
+from pinpress.filming import film, slow_enough, still
 
 SPEED = 70 * pp.RPM
 DURATION = 2 * np.pi / SPEED
@@ -252,7 +252,7 @@ def test_path_that_cannot_be_written_is_found_first(make: Any, name: str, page: 
         if not Path("/proc/self").is_dir():
             pytest.skip("no folder in which not even root can write")
         name = "/proc/self/out"
-    monkeypatch.setattr("pinpress.film.opened", lambda *_: pytest.fail("a browser was opened"))
+    monkeypatch.setattr("pinpress.filming.opened", lambda *_: pytest.fail("a browser was opened"))
     with pytest.raises(pp.PinpressError, match=r"(?s)cannot write .*; give a file in a directory you can write to"):
         make(page, tmp_path, path=f"{tmp_path / name}{suffix}")
     assert {p.name for p in tmp_path.rglob("*")} == {f"directory{suffix}", "file"}
@@ -350,13 +350,13 @@ def test_without_packages(package: str, page: Path, tmp_path: Path, monkeypatch:
 
 
 def test_import_is_light() -> None:
-    code = "import sys, pinpress.film; sys.exit(any(name in sys.modules for name in ('playwright', 'imageio_ffmpeg', 'asyncio', 'PIL')))"
+    code = "import sys, pinpress.filming; sys.exit(any(name in sys.modules for name in ('playwright', 'imageio_ffmpeg', 'asyncio', 'PIL')))"
     assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
 
 
 def test_film_that_ffmpeg_gives_up(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     page = stub(tmp_path, 1)
-    monkeypatch.setitem(importlib.import_module("pinpress.film").ENCODING, ".mp4", ("-c:v", "no_such_codec"))
+    monkeypatch.setitem(importlib.import_module("pinpress.filming").ENCODING, ".mp4", ("-c:v", "no_such_codec"))
     with pytest.raises(pp.PinpressError, match=r"ffmpeg cannot make the film: .*no_such_codec"):
         film(page, tmp_path / "out.mp4", SIZE)
     assert list(tmp_path.iterdir()) == [page]
@@ -367,11 +367,11 @@ def test_film_that_ffmpeg_gives_up(tmp_path: Path, monkeypatch: pytest.MonkeyPat
 def test_interrupted(when: str, page: Path, tmp_path: Path) -> None:
     """Ctrl-C, which a terminal sends to all processes at once."""
     code = f"""if True:
-        import sys, pinpress.film, pinpress.browser
+        import sys, pinpress.filming, pinpress.browser
         if {when!r} == 'opening':
             load = pinpress.browser._Tab.load
             pinpress.browser._Tab.load = lambda *given: (print('now', flush=True), load(*given))
-        pinpress.film.film(sys.argv[1], 'out.mp4', progress=lambda done: print('now', flush=True))"""
+        pinpress.filming.film(sys.argv[1], 'out.mp4', progress=lambda done: print('now', flush=True))"""
     mark = uuid.uuid4().hex
     folder = tmp_path / "folder"
     folder.mkdir()
