@@ -16,7 +16,7 @@ def unavailable(reason: str) -> None:
     (pytest.fail if os.environ.get("CI") else pytest.skip)(reason)
 
 
-@pytest.fixture(scope="module")
+@pytest.fixture(scope="session")
 def browser() -> Iterator[Any]:
     executable = os.environ.get("CHROMIUM") or shutil.which("chromium") or shutil.which("chromium-browser")
     if executable is None or importlib.util.find_spec("playwright") is None:
@@ -29,32 +29,45 @@ def browser() -> Iterator[Any]:
         chromium.close()
 
 
-@pytest.fixture
-def view(browser: Any) -> Iterator[Callable[..., Any]]:
-    """Opens a page of ours; at the end of the test nothing may have gone wrong in it or asked for the network."""
-    context = browser.new_context(viewport={"width": 800, "height": 600})
-    context.set_offline(True)
-    problems: list[str] = []
+class Tab:
+    """A tab without a network, and what went wrong in it or asked for the network."""
 
-    def only_files(route: Any) -> None:
+    def __init__(self, browser: Any) -> None:
+        self.problems: list[str] = []
+        self.context = browser.new_context(viewport={"width": 800, "height": 600})
+        self.context.set_offline(True)
+        self.context.route("**/*", self._only_files)
+        self.page = self.context.new_page()
+        self.page.on("console", lambda message: self.problems.append(message.text) if message.type in ("error", "warning") else None)
+        self.page.on("pageerror", lambda error: self.problems.append(str(error)))
+        self.page.on("dialog", lambda dialog: (self.problems.append(f"dialog: {dialog.message}"), dialog.dismiss()))
+
+    def _only_files(self, route: Any) -> None:
         if route.request.url.startswith("file:"):
             route.continue_()
         else:
-            problems.append(f"request: {route.request.url}")
+            self.problems.append(f"request: {route.request.url}")
             route.abort()
 
-    context.route("**/*", only_files)
-    page = context.new_page()
-    page.on("console", lambda message: problems.append(message.text) if message.type in ("error", "warning") else None)
-    page.on("pageerror", lambda error: problems.append(str(error)))
-    page.on("dialog", lambda dialog: (problems.append(f"dialog: {dialog.message}"), dialog.dismiss()))
+    def open(self, path: Path, fragment: str = "", size: tuple[int, int] = (800, 600)) -> Any:
+        self.page.set_viewport_size({"width": size[0], "height": size[1]})
+        self.page.goto(path.as_uri() + fragment)
+        wait(self.page, "viewer.needs_render === false || playing")
+        return self.page
 
-    def open_page(path: Path, fragment: str = "", size: tuple[int, int] = (800, 600)) -> Any:
-        page.set_viewport_size({"width": size[0], "height": size[1]})
-        page.goto(path.as_uri() + fragment)
-        wait(page, "viewer.needs_render === false || playing")
-        return page
 
-    yield open_page
-    context.close()
-    assert problems == []
+@pytest.fixture
+def view(browser: Any) -> Iterator[Callable[..., Any]]:
+    """Opens a page of ours; at the end of the test nothing may have gone wrong in it or asked for the network."""
+    tab = Tab(browser)
+    yield tab.open
+    tab.context.close()
+    assert tab.problems == []
+
+
+@pytest.fixture(scope="module")
+def shared_tab(browser: Any) -> Iterator[Tab]:
+    """A tab for tests that leave what they find: opening a page takes longer than most of them."""
+    tab = Tab(browser)
+    yield tab
+    tab.context.close()

@@ -71,7 +71,7 @@ def difference(one: Any, other: Any) -> float:
 
 
 def screenshots(page: Path, size: tuple[int, int], times: Any, width: int = 960) -> list[Any]:
-    """What a page opened from its file shows at times [s], its controls hidden by hand, in a window `width` CSS pixels wide."""
+    """What a page opened from its file shows at times [s], without its controls, in a window `width` CSS pixels wide."""
     from playwright.sync_api import sync_playwright
 
     scale = size[0] / width
@@ -80,7 +80,8 @@ def screenshots(page: Path, size: tuple[int, int], times: Any, width: int = 960)
         window = {"width": width, "height": round(size[1] / scale)}
         tab = chromium.new_page(viewport=window, device_scale_factor=scale, offline=True)
         tab.goto(page.as_uri() + "#t=0")
-        tab.evaluate("for (const e of document.querySelectorAll('footer, #toolbar')) e.style.display = 'none'")
+        tab.evaluate("document.body.classList.add('still')")
+        assert not any(tab.locator(control).is_visible() for control in ("#play", "#slider", "#rate", "#toolbar"))
         shots = []
         for at in times:
             tab.evaluate("t => { seek(t); }", at)
@@ -127,9 +128,7 @@ def test_size_is_exact(size: tuple[int, int], page: Path, tmp_path: Path) -> Non
 
 
 def test_same_page_same_bytes(page: Path, tmp_path: Path) -> None:
-    pictures = [still(page, tmp_path / f"{i}.png", 0.3, SIZE).read_bytes() for i in range(2)]
-    assert pictures[0] == pictures[1]
-    films = [film(page, tmp_path / f"{i}.mp4", SIZE, 5, slowdown=1).read_bytes() for i in range(2)]
+    films = [film(page, tmp_path / f"{i}.mp4", (320, 240), 3, slowdown=1).read_bytes() for i in range(2)]
     assert films[0] == films[1]
 
 
@@ -160,10 +159,10 @@ def test_film_shows_the_recording_at_the_times_of_its_frames(page: Path, turn: l
     assert list(tmp_path.iterdir()) == [out]
 
 
-def test_one_turn_is_slowed_down_for_the_eye(page: Path, tmp_path: Path) -> None:
+def test_one_turn_is_slowed_down_for_the_eye(page: Path, turn: list[Any], tmp_path: Path) -> None:
     _, shown = frames(film(page, tmp_path / "out.mp4", SIZE, 2))
     assert len(shown) == round(5 * DURATION * 2) == 9
-    for frame, shot in zip(shown, screenshots(page, SIZE, np.arange(9) / 10), strict=True):
+    for frame, shot in zip(shown, turn[:9], strict=True):  # at 0.5 s the film is at 0.1 s of the press
         assert difference(frame, shot) < SAME
 
 

@@ -280,6 +280,7 @@ def test_toolbar_shows_and_hides(press: Any, motion: Any, tmp_path: Path, view: 
         page.click(button)
         assert np.count_nonzero(np.abs(seek(page, 0.1) - picture).max(axis=2)[60:500] > 30) < 50, button
     page.click("#front-view")
+    seek(page, 0.1)
     (left, _), (right, below) = pixels(page, [(0.0, 0.1, 0.3), (0.0, -0.1, 0.3)]), pixels(page, [(0.0, 0.0, 0.3), (0.0, 0.0, 0.0)])
     assert abs(right[0] - below[0]) < 0.5
     assert right[1] < below[1]

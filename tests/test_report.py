@@ -2,7 +2,7 @@
 
 import importlib.util
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
@@ -46,6 +46,16 @@ def written(press: Any, result: Any, tmp_path_factory: pytest.TempPathFactory) -
     return pp.report(press, result.motion, tmp_path_factory.mktemp("report") / "out.html", result)
 
 
+@pytest.fixture
+def page(written: Path, shared_tab: Any) -> Iterator[Any]:
+    """The report, open at its beginning."""
+    if shared_tab.page.url.partition("#")[0] != written.as_uri():
+        shared_tab.open(written, "#t=0", WIDE)
+    shared_tab.page.evaluate("seek(0); window.scrollTo(0, 0)")
+    yield shared_tab.page
+    assert shared_tab.problems == []
+
+
 @pytest.mark.parametrize("name", pp.presses())
 def test_every_press_has_its_charts(name: str, view: Callable[..., Any], tmp_path: Path) -> None:
     """Curves of the page against the arrays; the view's fixture sees to it that nothing went wrong in the page."""
@@ -73,8 +83,8 @@ def test_every_press_has_its_charts(name: str, view: Callable[..., Any], tmp_pat
     assert page.locator("tbody tr").count() > 10
 
 
-def test_charts_follow_the_recording(written: Path, result: Any, view: Callable[..., Any]) -> None:
-    page, motion = view(written, "#t=0", WIDE), result.motion
+def test_charts_follow_the_recording(page: Any, result: Any) -> None:
+    motion = result.motion
     for i in (0, 33, 120, 179):
         page.evaluate("t => seek(t)", motion.time[i])
         for title, values in (
@@ -90,8 +100,7 @@ def test_charts_follow_the_recording(written: Path, result: Any, view: Callable[
     assert np.count_nonzero(np.abs(seek(page, motion.time[60])[:, 640:] - before).max(axis=2) > 60) > 200  # cursors have moved
 
 
-def test_a_click_on_a_chart_seeks(written: Path, view: Callable[..., Any]) -> None:
-    page = view(written, "#t=0", WIDE)
+def test_a_click_on_a_chart_seeks(page: Any) -> None:
     box = page.locator(".chart .plot .nsewdrag").first.bounding_box()
     place = (box["x"] + box["width"] / 4, box["y"] + box["height"] / 2)
     page.mouse.move(*place)
@@ -103,17 +112,16 @@ def test_a_click_on_a_chart_seeks(written: Path, view: Callable[..., Any]) -> No
     assert not page.evaluate("playing")
 
 
-def test_zoom_takes_the_cursor_along(written: Path, view: Callable[..., Any]) -> None:
-    page = view(written, "#t=0", WIDE)
+def test_zoom_takes_the_cursor_along(page: Any) -> None:
     page.evaluate("t => seek(t)", 0.3 * 60 / 70)
     page.evaluate("Plotly.relayout(document.querySelector('.plot'), { 'xaxis.range': [90, 180] })")
     assert page.evaluate(CURSOR, "Slide position")["x"] == pytest.approx(108, abs=0.1)
     page.evaluate("seek(0)")
     assert page.evaluate("document.querySelector('.plot .cursor').offsetParent") is None  # it is outside what is shown
+    page.evaluate("Plotly.relayout(document.querySelector('.plot'), { 'xaxis.range': [0, 360] })")
 
 
-def test_polar_diagrams_of_the_chosen_bearing(written: Path, press: Any, result: Any, view: Callable[..., Any]) -> None:
-    page = view(written, "#t=0", WIDE)
+def test_polar_diagrams_of_the_chosen_bearing(page: Any, press: Any, result: Any) -> None:
     page.select_option("#bearing", label="B")
     curves = page.evaluate(CURVES)
     assert "Force in B [kN]" in curves
@@ -137,16 +145,16 @@ def test_polar_diagrams_of_the_chosen_bearing(written: Path, press: Any, result:
         assert_allclose(tip, force[i], atol=1e-2 * np.abs(force).max())
     scale = page.evaluate("(({ xaxis, yaxis }) => [xaxis._m, -yaxis._m])(document.querySelector('.plot.square')._fullLayout)")
     assert scale[0] == pytest.approx(scale[1], rel=1e-6)  # circles are round
+    page.select_option("#bearing", label="A")
 
 
-def test_legend_hides_a_curve(written: Path, view: Callable[..., Any]) -> None:
-    page = view(written, "#t=0", WIDE)
-    page.evaluate("document.querySelector('.legend button').click()")
-    assert page.evaluate("document.querySelector('.plot').data[0].visible") is False
+def test_legend_hides_a_curve(page: Any) -> None:
+    for visible in (False, True):
+        page.evaluate("document.querySelector('.legend button').click()")
+        assert page.evaluate("document.querySelector('.plot').data[0].visible") is visible
 
 
-def test_table_of_extremes(written: Path, result: Any, view: Callable[..., Any]) -> None:
-    page = view(written, "#t=0", WIDE)
+def test_table_of_extremes(page: Any, result: Any) -> None:
     rows = page.evaluate("[...document.querySelectorAll('tbody tr')].map(row => [...row.children].map(cell => cell.textContent))")
     table = {row[0]: row[1:] for row in rows}
     unit, smallest, _, largest, at, width, rms = table["driving torque"]

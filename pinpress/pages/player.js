@@ -50,10 +50,10 @@ function addLights() {
 function ground() {  // what the shadow falls on, and a grid of 1, 2 or 5 times a power of ten metres that fades away from the press
   const width = 4 * size, raw = size / 8, decade = 10 ** Math.floor(Math.log10(raw));
   const spacing = decade * [1, 2, 5, 10].find(step => step * decade >= raw);
-  const canvas = document.createElement("canvas"), pen = canvas.getContext("2d"), pixels = 2048;
+  const canvas = document.createElement("canvas"), pen = canvas.getContext("2d"), pixels = 1024;
   canvas.width = canvas.height = pixels;
   pen.strokeStyle = "#5b6873";
-  pen.lineWidth = 2.5;
+  pen.lineWidth = 1.4;
   for (let i = -Math.ceil(width / 2 / spacing); i * spacing <= width / 2; i++) {
     const at = (0.5 + i * spacing / width) * pixels;
     pen.moveTo(at, 0); pen.lineTo(at, pixels);
