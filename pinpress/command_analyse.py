@@ -19,7 +19,7 @@ def add(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None
         help="one turn at constant speed: motion, driving torque, every bearing force",
         description="Turn a press once at constant speed. Prints a summary; with --out also writes cycle.csv (every quantity at every\n"
         "crank angle, units in the header) and recording.html (the press turning with its forces, a page to open by double click); with\n"
-        "--report report.html in its place, which has the curves that matter beside the press.",
+        "--report also report.html, which has the curves that matter beside the press.",
         epilog=SIGNS,
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
@@ -27,7 +27,7 @@ def add(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None
     option("file", metavar="FILE", help=FILE)
     option("--speed", type=float, required=True, metavar="RPM", help="of the crank, in r/min; negative turns it backwards")
     option("--out", type=Path, metavar="DIR", help="folder for the files; made if it is not there")
-    option("--report", action="store_true", help="write report.html: the recording and charts that follow it")
+    option("--report", action="store_true", help="also write report.html: the recording and charts that follow it")
     option("--before", metavar="FILE", help="another press, drawn beside this one in the report at the same speed")
     option("--trace", type=trace, action="append", default=[], metavar="LINK:X,Y,Z", help=TRACE)
     option("--points", type=int, default=720, metavar="N", help="crank angles in the turn (default: %(default)s)")

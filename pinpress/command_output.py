@@ -48,16 +48,15 @@ def write_pages(
     traces: list[tuple[str, tuple[float, float, float]]],
     before: Reactions | None = None,
 ) -> None:
-    """Write recording.html, or report.html, which has the recording in it, and say what has been written."""
+    """Write recording.html, and report.html where it is wanted, and say what has been written."""
+    from .recording import record
+
+    record(press, result.motion, folder / "recording.html", result, traces)
     if with_report:
         from .reporting import report
 
         report(press, result.motion, folder / "report.html", result, traces, before)
-    else:
-        from .recording import record
-
-        record(press, result.motion, folder / "recording.html", result, traces)
-    *first, last = (str(folder / name) for name in (*written, "report.html" if with_report else "recording.html"))
+    *first, last = (str(folder / name) for name in (*written, "recording.html", *(["report.html"] if with_report else [])))
     print(f"\nwrote {', '.join(first)} and {last}")
 
 

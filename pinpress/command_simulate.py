@@ -57,7 +57,7 @@ def add(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None
     add("--driver", metavar="JOINT", help=DRIVER)
     add("--slide", metavar="LINK", help=SLIDE)
     add("--out", type=Path, metavar="DIR", help="folder for the three files; made if it is not there")
-    add("--report", action="store_true", help="write report.html in place of recording.html: the recording and charts that follow it")
+    add("--report", action="store_true", help="also write report.html: the recording and charts that follow it")
     add("--trace", type=trace, action="append", default=[], metavar="LINK:X,Y,Z", help=TRACE)
     simulated.set_defaults(run=run)
 

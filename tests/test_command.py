@@ -51,12 +51,12 @@ def test_analyse_prints_a_summary_and_writes_both_files(tmp_path: Path) -> None:
     assert 'type="range"' in page
 
 
-def test_report_in_place_of_the_recording(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_report_of_two_presses(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     out = tmp_path / "out"
     words = ["analyse", "zxn2_3000b_balanced", "--speed", "70", "--points", "90", "--out", str(out), "--report", "--before", "zxn2_3000b"]
     assert main([*words, "--trace", "coupler:0.6,0,0.1"]) == 0
-    assert {path.name for path in out.iterdir()} == {"cycle.csv", "report.html"}
-    assert f"wrote {out / 'cycle.csv'} and {out / 'report.html'}" in capsys.readouterr().out
+    assert {path.name for path in out.iterdir()} == {"cycle.csv", "recording.html", "report.html"}
+    assert f"wrote {out / 'cycle.csv'}, {out / 'recording.html'} and {out / 'report.html'}" in capsys.readouterr().out
     data = data_in(out / "report.html")
     assert [trace["name"] for trace in data["traces"]] == ["slide", "coupler (0.6, 0, 0.1)"]
     assert "dashed: zxn2_3000b" in data["report"]["subtitle"]

@@ -11,6 +11,7 @@ import shutil
 import signal
 import subprocess
 import sys
+import tempfile
 import time
 import uuid
 from collections.abc import Callable, Iterator
@@ -285,21 +286,29 @@ def test_no_recording(content: bytes | None, says: str, tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("old", "new", "says"),
+    ("wrong", "says"),
     [
-        ("</body>", "<script>throw new Error('worn out')</script></body>", "fails in Chromium: worn out; record it again"),
-        ("</body>", "<script>console.error('no oil')</script></body>", "fails in Chromium: no oil"),
-        ("</body>", "<img src='https://example.org/x.png'></body>", "fails in Chromium: .*"),
-        ("function seek(time) {", "function seek(time) { if (time > 0.5) throw new Error('stuck');", "fails in Chromium: .*stuck"),
-        ("<body>", "<body><script>HTMLCanvasElement.prototype.getContext = () => null</script>", "fails in Chromium: .*WebGL"),
+        ("<script>throw new Error('worn out')</script>", "fails in Chromium: worn out; record it again"),
+        ("<script>console.error('no oil')</script>", "fails in Chromium: no oil"),
+        ("<img src='https://example.org/x.png'>", "fails in Chromium: .*"),
+        ("<script>seek = () => { throw new Error('stuck') }</script>", "fails in Chromium: .*stuck"),
     ],
 )
-def test_what_goes_wrong_in_the_page_is_said(old: str, new: str, says: str, page: Path, tmp_path: Path) -> None:
-    html, out = tmp_path / "out.html", tmp_path / "out.png"
-    text = page.read_text("utf-8")
-    assert old in text
-    html.write_text(text.replace(old, new), encoding="utf-8")
+def test_what_goes_wrong_in_the_page_is_said(wrong: str, says: str, tmp_path: Path) -> None:
+    html, out = stub(tmp_path, 1), tmp_path / "out.png"
+    still(html, out, 0.6, (64, 64))
+    out.unlink()
+    html.write_text(html.read_text("utf-8") + wrong, encoding="utf-8")
     with pytest.raises(pp.PinpressError, match=says):
+        still(html, out, 0.6, (64, 64))
+    assert not out.exists()
+
+
+def test_without_webgl(page: Path, tmp_path: Path) -> None:
+    html, out = tmp_path / "out.html", tmp_path / "out.png"
+    none = "<body><script>HTMLCanvasElement.prototype.getContext = () => null</script>"
+    html.write_text(page.read_text("utf-8").replace("<body>", none), encoding="utf-8")
+    with pytest.raises(pp.PinpressError, match=r"fails in Chromium: .*WebGL"):
         still(html, out, 0.6, (64, 64))
     assert not out.exists()
 
@@ -357,13 +366,20 @@ def test_film_that_ffmpeg_gives_up(tmp_path: Path, monkeypatch: pytest.MonkeyPat
     page = stub(tmp_path, 1)
     monkeypatch.setitem(importlib.import_module("pinpress.filming").ENCODING, ".mp4", ("-c:v", "no_such_codec"))
     with pytest.raises(pp.PinpressError, match=r"ffmpeg cannot make the film: .*no_such_codec"):
-        film(page, tmp_path / "out.mp4", SIZE)
+        film(page, tmp_path / "out.mp4", (64, 64), 1)
     assert list(tmp_path.iterdir()) == [page]
+
+
+@pytest.fixture
+def short_path() -> Iterator[Path]:
+    """A folder whose name leaves room for those of Chromium's sockets, 108 characters at the most."""
+    with tempfile.TemporaryDirectory(prefix="p") as folder:
+        yield Path(folder)
 
 
 @pytest.mark.skipif(not Path("/proc/self/environ").exists(), reason="needs /proc, to find what is left")
 @pytest.mark.parametrize("when", ["opening", "filming"])
-def test_interrupted(when: str, page: Path, tmp_path: Path) -> None:
+def test_interrupted(when: str, page: Path, tmp_path: Path, short_path: Path) -> None:
     """Ctrl-C, which a terminal sends to all processes at once."""
     code = f"""if True:
         import sys, pinpress.filming, pinpress.browser
@@ -377,7 +393,7 @@ def test_interrupted(when: str, page: Path, tmp_path: Path) -> None:
     process = subprocess.Popen(
         [sys.executable, "-c", code, str(page)],
         cwd=folder,
-        env=os.environ | {"PINPRESS_TEST": mark, "TMPDIR": str(tmp_path), "PYTHONPATH": str(Path(pp.__file__).parent.parent)},
+        env=os.environ | {"PINPRESS_TEST": mark, "TMPDIR": str(short_path), "PYTHONPATH": str(Path(pp.__file__).parent.parent)},
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
         text=True,
@@ -396,7 +412,7 @@ def test_interrupted(when: str, page: Path, tmp_path: Path) -> None:
             break
         time.sleep(0.1)
     assert left == []
-    assert [p.name for p in tmp_path.iterdir()] == ["folder"]
+    assert list(short_path.iterdir()) == []
 
 
 def marked(mark: str) -> Iterator[str]:
@@ -430,7 +446,7 @@ def test_command(page: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str])
     assert html.read_bytes() == same.read_bytes()
     assert png.read_bytes() == still(same, tmp_path / "same.png", 0.75 * DURATION, (320, 240)).read_bytes()  # backwards, 90 deg comes late
     about, shown = frames(mp4)
-    assert (about["size"], about["fps"], len(shown)) == ((320, 240), 4, round(4 * DURATION * 4))
+    assert (about["size"], about["fps"], len(shown)) == ((320, 240), 2, round(4 * DURATION * 2))
     assert {p.name for p in tmp_path.iterdir()} == {"same.html", "same.png", *(p.name for p in names)}
 
 

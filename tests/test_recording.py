@@ -48,15 +48,40 @@ def same(rgba: Any, colour: str | None) -> bool:
     return colour is not None and bool(np.all(np.abs(255 * rgba[:3] - [int(colour[i : i + 2], 16) for i in (1, 3, 5)]) <= 0.51))
 
 
+LONGEST = 0.2  # arrow of the largest force, in diagonals of the press's box
+
+
+def arrow(page: Any, number: int) -> dict[str, Any]:
+    """An arrow of the page as it is drawn: foot and tip in the press's axes, colour."""
+    return dict(
+        page.evaluate(
+            """i => {
+                const { group, parts: [,, shaft, head] } = arrows[i], along = new THREE.Vector3(0, 1, 0).applyQuaternion(group.quaternion);
+                const { r, g, b } = shaft.material.color, length = shaft.scale.y + head.scale.y;
+                const tip = group.position.clone().addScaledVector(along, length);
+                return { shown: group.visible, foot: group.position.toArray(), tip: tip.toArray(), colour: [r, g, b].map(c => 255 * c) };
+            }""",
+            number,
+        )
+    )
+
+
 @pytest.mark.parametrize("name", pp.presses())
-def test_links_are_seen_where_the_mechanics_puts_them(name: str, view: Callable[..., Any], tmp_path: Path) -> None:
+def test_links_and_loads_are_seen_where_the_mechanics_puts_them(name: str, view: Callable[..., Any], tmp_path: Path) -> None:
     press = pp.load(name)
     motion = pp.cycle(press, speed=SPEED, points=120)
-    path = pp.record(press, motion, tmp_path / "out.html")
+    result = pp.inverse_dynamics(press, motion)
+    path = pp.record(press, motion, tmp_path / "out.html", result)
     assert path.stat().st_size < 2e6
     page = view(path, "#t=0")
-    page.click("#show-names")  # they would lie on the links
-    legend = {row["name"]: row["colour"] for row in data_in(path)["legend"]}
+    see_arrows(page, press, motion, [*result.bearing_force.values(), result.shaking_force])
+    for over in ("forces", "names", "paths"):  # they would lie on the links
+        page.click(f"#show-{over}")
+    see_links(page, press, motion, {row["name"]: row["colour"] for row in data_in(path)["legend"]})
+
+
+def see_links(page: Any, press: Any, motion: Any, legend: dict[str, str]) -> None:
+    """Pixels of every link's colour where one of its shapes is, at several times, and pictures that differ."""
     assert set(legend) == set(press.links) - {press.model.frames[1].name}
     visuals = pin.buildGeomFromUrdfString(press.model, press.text.decode(), pin.GeometryType.VISUAL)
     data, placements = press.model.createData(), pin.GeometryData(visuals)
@@ -75,6 +100,36 @@ def test_links_are_seen_where_the_mechanics_puts_them(name: str, view: Callable[
         assert seen == set(legend), f"at point {i}"
     for before, after in itertools.pairwise(pictures):
         assert np.count_nonzero(np.abs(after - before).max(axis=2)[:520] > 30) > 500  # above the control bar
+
+
+def see_arrows(page: Any, press: Any, motion: Any, forces: list[Any]) -> None:
+    """Arrows at the bearings and as long as the loads, at several times, and pixels of their colours along them."""
+    peak = max(np.linalg.norm(force, axis=1).max() for force in forces)
+    longest, data = LONGEST * page.evaluate("size"), press.model.createData()
+    assert page.evaluate("arrows.length") == len(forces)
+    seen = set()
+    for i in (0, 31, 62, 93):
+        picture = seek(page, motion.time[i])
+        pin.framesForwardKinematics(press.model, data, motion.q[i])
+        feet = [data.oMi[j + 1].translation for j in range(press.model.njoints - 1)]
+        feet += [data.oMi[loop.joint1].act(loop.point1) for loop in press.loops]
+        for k, force in enumerate(forces):
+            drawn, length = arrow(page, k), longest * np.linalg.norm(force[i]) / peak
+            if not drawn["shown"]:
+                assert length < 1e-3 * longest
+                continue
+            foot, tip = np.array(drawn["foot"]), np.array(drawn["tip"])
+            assert_allclose(tip - foot, longest * force[i] / peak, atol=1e-5 * longest)
+            if k < len(feet):
+                assert_allclose(foot, feet[k], atol=1e-5 * longest)
+            ends = pixels(page, [foot, tip])
+            assert np.all((ends > 0) & (ends < (800, 600)))  # the camera holds the arrows too
+            middle = np.rint(ends[0] + 0.6 * (ends[1] - ends[0])).astype(int)
+            patch = picture[middle[1] - 2 : middle[1] + 3, middle[0] - 2 : middle[0] + 3].reshape(-1, 3)
+            if np.linalg.norm(ends[1] - ends[0]) > 40 and np.abs(patch - drawn["colour"]).max(axis=1).min() < 12:
+                seen.add(k)
+    # names and other arrows may lie on some of them, the largest is seen at one of these times at least
+    assert len(seen) >= min(3, len(forces) - 1), seen
 
 
 def test_poses_between_keys_and_over_the_seam(press: Any, motion: Any, recording: Path, view: Callable[..., Any]) -> None:
@@ -140,59 +195,6 @@ def test_hostile_names_are_text(tmp_path: Path, view: Callable[..., Any]) -> Non
     assert "r/od </script><script>alert(2)</script>" in page.inner_text("#legend")
     assert "<img src=x onerror=alert(3)>" in page.inner_text("#labels")
     assert page.evaluate("viewer.scene_tree.find(['press']).object.children.length") == 4
-
-
-LONGEST = 0.2  # arrow of the largest force, in diagonals of the press's box
-
-
-def arrow(page: Any, number: int) -> dict[str, Any]:
-    """An arrow of the page as it is drawn: foot and tip in the press's axes, colour."""
-    return dict(
-        page.evaluate(
-            """i => {
-                const { group, parts: [,, shaft, head] } = arrows[i], along = new THREE.Vector3(0, 1, 0).applyQuaternion(group.quaternion);
-                const { r, g, b } = shaft.material.color, length = shaft.scale.y + head.scale.y;
-                const tip = group.position.clone().addScaledVector(along, length);
-                return { shown: group.visible, foot: group.position.toArray(), tip: tip.toArray(), colour: [r, g, b].map(c => 255 * c) };
-            }""",
-            number,
-        )
-    )
-
-
-@pytest.mark.parametrize("name", pp.presses())
-def test_arrows_are_as_long_as_the_loads(name: str, view: Callable[..., Any], tmp_path: Path) -> None:
-    press = pp.load(name)
-    motion = pp.cycle(press, speed=SPEED, points=120)
-    result = pp.inverse_dynamics(press, motion)
-    page = view(pp.record(press, motion, tmp_path / "out.html", result), "#t=0")
-    forces = [*result.bearing_force.values(), result.shaking_force]
-    peak = max(np.linalg.norm(force, axis=1).max() for force in forces)
-    longest, data = LONGEST * page.evaluate("size"), press.model.createData()
-    assert page.evaluate("arrows.length") == len(forces)
-    seen = set()
-    for i in (0, 31, 62, 93):
-        picture = seek(page, motion.time[i])
-        pin.framesForwardKinematics(press.model, data, motion.q[i])
-        feet = [data.oMi[j + 1].translation for j in range(press.model.njoints - 1)]
-        feet += [data.oMi[loop.joint1].act(loop.point1) for loop in press.loops]
-        for k, force in enumerate(forces):
-            drawn, length = arrow(page, k), longest * np.linalg.norm(force[i]) / peak
-            if not drawn["shown"]:
-                assert length < 1e-3 * longest
-                continue
-            foot, tip = np.array(drawn["foot"]), np.array(drawn["tip"])
-            assert_allclose(tip - foot, longest * force[i] / peak, atol=1e-5 * longest)
-            if k < len(feet):
-                assert_allclose(foot, feet[k], atol=1e-5 * longest)
-            ends = pixels(page, [foot, tip])
-            assert np.all((ends > 0) & (ends < (800, 600)))  # the camera holds the arrows too
-            middle = np.rint(ends[0] + 0.6 * (ends[1] - ends[0])).astype(int)
-            patch = picture[middle[1] - 2 : middle[1] + 3, middle[0] - 2 : middle[0] + 3].reshape(-1, 3)
-            if np.linalg.norm(ends[1] - ends[0]) > 40 and np.abs(patch - drawn["colour"]).max(axis=1).min() < 12:
-                seen.add(k)
-    # names and other arrows may lie on some of them, the largest is seen at one of these times at least
-    assert len(seen) >= min(3, len(forces) - 1), seen
 
 
 def test_arrows_take_colour_with_load(press: Any, motion: Any, tmp_path: Path, view: Callable[..., Any]) -> None:

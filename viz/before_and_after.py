@@ -3,12 +3,15 @@
 python viz/before_and_after.py
 """
 
+import os
+import shutil
 from pathlib import Path
 
 import pinpress as pp
 
 HERE = Path(__file__).parent
 SPEED = 70 * pp.RPM
+FLAGS = ["--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--disable-dev-shm-usage", "--hide-scrollbars"]
 
 
 def main() -> None:
@@ -17,7 +20,7 @@ def main() -> None:
     plain, balanced = pp.load("zxn2_3000b"), pp.load("zxn2_3000b_balanced")
     before, after = (pp.inverse_dynamics(press, pp.cycle(press, speed=SPEED, points=720)) for press in (plain, balanced))
     page = pp.report(balanced, after.motion, out / "before_and_after.html", after, before=before)
-    print(page, pp.still(page, HERE / "report.png", 0.2, (1600, 1000)))
+    print(page, picture(page, HERE / "report.png"))
     for name, figure in (
         ("comparison", pp.plot_comparison(before, after)),
         ("polar", pp.plot_polar(before)),
@@ -28,6 +31,23 @@ def main() -> None:
     ):
         print(*(pp.save_plot(figure, out / f"zxn2_3000b_{name}.{suffix}") for suffix in ("svg", "png")))
     print(pp.save_plot(pp.plot_comparison(before, after), HERE / "comparison.png"))
+
+
+def picture(page: Path, target: Path) -> Path:
+    """A report in a window as wide as a desk's screen, scrolled to the bearings. (`pp.still` pictures the press.)"""
+    from playwright.sync_api import sync_playwright
+
+    executable = os.environ.get("CHROMIUM") or shutil.which("chromium")
+    with sync_playwright() as playwright:
+        browser = playwright.chromium.launch(executable_path=executable, args=FLAGS)
+        tab = browser.new_page(viewport={"width": 1500, "height": 940})
+        tab.goto(f"{page.resolve().as_uri()}#t=0.2")
+        tab.select_option("#bearing", label="D")
+        tab.evaluate("document.querySelectorAll('h2')[1].scrollIntoView(); viewer.render()")
+        tab.wait_for_timeout(300)
+        tab.screenshot(path=target)
+        browser.close()
+    return target
 
 
 if __name__ == "__main__":
