@@ -100,6 +100,22 @@ def test_charts_follow_the_recording(page: Any, result: Any) -> None:
     assert np.count_nonzero(np.abs(seek(page, motion.time[60])[:, 640:] - before).max(axis=2) > 60) > 200  # cursors have moved
 
 
+def test_the_press_stays_in_sight(page: Any) -> None:
+    """However far the charts are scrolled, in a wide window and in a narrow one."""
+    for width in (WIDE[0], 600):
+        page.set_viewport_size({"width": width, "height": WIDE[1]})
+        for share in (0.5, 1.0):
+            page.evaluate("share => window.scrollTo(0, share * document.body.scrollHeight)", share)
+            page.wait_for_timeout(50)
+            box = page.evaluate("(({ left, top, right, bottom }) => [left, top, right, bottom])(element('view').getBoundingClientRect())")
+            assert page.evaluate("window.scrollY") > 500
+            assert box[0] >= 0
+            assert box[1] == pytest.approx(0, abs=1)
+            assert box[2] <= width
+            assert box[3] > 300
+    page.set_viewport_size({"width": WIDE[0], "height": WIDE[1]})
+
+
 def test_a_click_on_a_chart_seeks(page: Any) -> None:
     box = page.locator(".chart .plot .nsewdrag").first.bounding_box()
     place = (box["x"] + box["width"] / 4, box["y"] + box["height"] / 2)
