@@ -77,10 +77,15 @@ def scene(
 
 def _series(frames: Keys) -> dict[str, Any]:
     return {
-        "time": frames.time.round(7).tolist(),  # s
-        "crank": np.degrees(frames.crank).round(4).tolist(),  # deg
-        "slide": None if frames.slide is None else (1e3 * frames.slide).round(4).tolist(),  # mm
+        "time": _short(frames.time),  # s
+        "crank": _short(np.degrees(frames.crank)),  # deg
+        "slide": None if frames.slide is None else _short(frames.slide),  # m
     }
+
+
+def _short(values: Array) -> list[float]:
+    """Numbers to nine digits: what a page needs, in half the characters."""
+    return [float(f"{value:.9g}") for value in values.tolist()]
 
 
 def _legend(drawn: Sequence[Body], of_body: dict[str, Array]) -> list[dict[str, str]]:

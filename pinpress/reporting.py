@@ -39,13 +39,16 @@ def report(
 
     Args:
         press, motion, traces: as in `record`.
-        reactions: of this motion; by default those without loads and friction. Give those with them where there are any.
+        reactions: of this motion; by default those without loads and friction, for a motion without.
         before: reactions of another press, or of this one at another operating point, drawn beside these as dashed curves, and whose
             ranges stand beside these in the table.
 
     Raises:
-        PinpressError: as `record`; Plotly not installed; ``before`` over time where the motion is over crank angles, or vice versa.
+        PinpressError: as `record`; a run under loads without its reactions; Plotly not installed; ``before`` over time where the motion is
+            over crank angles, or vice versa.
     """
+    if reactions is None and isinstance(motion, Run) and any(force.drive is None for force in motion.plan.scene.forces):
+        raise PinpressError("the run has loads: give its reactions with them, inverse_dynamics(press, run, loads=[...])")
     result = inverse_dynamics(press, motion) if reactions is None else reactions
     shown = scene(press, motion, result, traces)
     frames = keys(press, motion)

@@ -51,6 +51,7 @@ class Tab:
 
     def open(self, path: Path, fragment: str = "", size: tuple[int, int] = (800, 600)) -> Any:
         self.page.set_viewport_size({"width": size[0], "height": size[1]})
+        self.page.goto("about:blank")  # else a page of the same address would stay as it is
         self.page.goto(path.as_uri() + fragment)
         wait(self.page, "viewer.needs_render === false || playing")
         return self.page

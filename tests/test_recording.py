@@ -16,6 +16,7 @@ import pytest
 from hostile import load_hostile
 from in_browser import data_in, pixels, seek, visible, wait
 from numpy.testing import assert_allclose
+from small_linkages import geared, two_cranks
 from spatial_linkages import bennett
 
 import pinpress as pp
@@ -316,6 +317,45 @@ def test_run_that_swings_back_and_stops(tmp_path: Path, view: Callable[..., Any]
         assert shown == pytest.approx(1e3 * run.slide_position[i], abs=0.1)
 
 
+def test_fast_and_small_press(tmp_path: Path, view: Callable[..., Any]) -> None:
+    """A millimetre high, 20 000 strokes a minute: times and positions are shown as finely as they differ, the picture is the same."""
+    large, file = pp.load("crank_slide"), tmp_path / "small.urdf"
+
+    def scaled(match: re.Match[str]) -> str:
+        return f'{match[1]}="{" ".join(repr(float(word) / 1000) for word in match[2].split())}"'
+
+    text = re.sub(r'(?<!axis )\b(xyz|size|radius|length)="([^"]*)"', scaled, large.text.decode())
+    file.write_text(text, encoding="utf-8")
+    press = pp.load(file)
+    pages = []
+    for machine, rate in ((large, 70), (press, 20_000)):
+        motion = pp.cycle(machine, speed=rate * pp.RPM, points=120)
+        page = view(pp.record(machine, motion, tmp_path / f"{rate}.html"), "#t=0")
+        page.click("#show-names")
+        pages.append(seek(page, motion.time[40]))
+    assert page.inner_text("#time") == "0.00100 s"
+    assert page.inner_text("#slide") == f"slide{1e6 * motion.slide_position[40]:.1f} µm".replace("-", "\u2212")
+    view_of_both = [picture[60:540, 200:] for picture in pages]
+    assert np.count_nonzero(np.abs(view_of_both[0] - view_of_both[1]).max(axis=2) > 40) < 2000
+
+
+def test_meshes_are_seen(tmp_path: Path, view: Callable[..., Any]) -> None:
+    """The rod's shank as an STL file, in millimetres, beside the URDF."""
+    import trimesh
+
+    press = pp.load("crank_slide")
+    trimesh.creation.box(extents=(400.0, 24.0, 36.0)).export(tmp_path / "shank.stl")
+    text = press.text.replace(b'<box size="0.400 0.024 0.036"/>', b'<mesh filename="shank.stl" scale="0.001 0.001 0.001"/>')
+    assert text != press.text
+    (tmp_path / "meshed.urdf").write_bytes(text)
+    motion = pp.cycle(press, speed=SPEED, points=60)
+    pictures = []
+    for file in (press.file, tmp_path / "meshed.urdf"):
+        page = view(pp.record(pp.load(file), motion, tmp_path / f"{len(pictures)}.html"), "#t=0")
+        pictures.append(seek(page, motion.time[20])[60:520])
+    assert np.count_nonzero(np.abs(pictures[0] - pictures[1]).max(axis=2) > 30) < 300
+
+
 def test_linkage_in_space(tmp_path: Path, view: Callable[..., Any]) -> None:
     """Bennett's linkage, which has no plane, no slide and no visuals."""
     file = tmp_path / "bennett.urdf"
@@ -452,25 +492,6 @@ def test_import_leaves_meshcat_alone() -> None:
     assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
 
 
-GEARED = """<robot name="geared">
-  <link name="frame"><visual><geometry><box size="0.5 0.02 0.2"/></geometry></visual></link>
-  {links}
-  <joint name="fast" type="continuous"><parent link="frame"/><child link="pinion"/><origin xyz="-0.1 0 0"/><axis xyz="0 -1 0"/></joint>
-  <joint name="slow" type="continuous"><parent link="frame"/><child link="wheel"/><origin xyz="0.1 0 0"/><axis xyz="0 -1 0"/>{mimic}</joint>
-  {drives}
-</robot>
-"""
-LINK = """<link name="{0}"><inertial><mass value="2"/><inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="1"/></inertial>
-    <visual><origin xyz="0.04 -0.03 0"/><geometry><box size="0.1 0.02 0.02"/></geometry></visual></link>"""
-
-
-def geared(folder: Path, mimic: str, *drivers: str) -> Any:
-    file = folder / "geared.urdf"
-    drives = "".join(f'<transmission name="drive_{name}"><joint name="{name}"/></transmission>' for name in drivers)
-    file.write_text(GEARED.format(links=LINK.format("pinion") + LINK.format("wheel"), mimic=mimic, drives=drives), encoding="utf-8")
-    return pp.load(file)
-
-
 def test_a_turn_after_which_the_linkage_is_elsewhere_is_not_closed(tmp_path: Path) -> None:
     """With a gear ratio of 1:2 the wheel has turned half; with 2:1 it is back."""
     for multiplier, keys in (("-0.5", 8), ("-2", 9)):
@@ -481,7 +502,7 @@ def test_a_turn_after_which_the_linkage_is_elsewhere_is_not_closed(tmp_path: Pat
 
 def test_several_drivers(tmp_path: Path, view: Callable[..., Any]) -> None:
     """A linkage with two drivers is recorded too; the angle of the first one is shown."""
-    press = geared(tmp_path, "", "fast", "slow")
+    press = two_cranks(tmp_path)
     time = np.linspace(0, 1, 9)
     motion = pp.cycle(press, angle=np.stack([time, -3 * time], axis=1), speed=[[1.0, -3.0]] * 9, time=time)
     recording = pp.record(press, motion, tmp_path / "two.html")

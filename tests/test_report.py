@@ -11,6 +11,8 @@ import pytest
 from hostile import NAMES, load_hostile
 from in_browser import data_in, seek
 from numpy.testing import assert_allclose
+from small_linkages import two_cranks
+from spatial_linkages import bennett
 
 import pinpress as pp
 
@@ -240,6 +242,43 @@ def test_what_cannot_be_compared(press: Any, result: Any, tmp_path: Path) -> Non
     with pytest.raises(pp.PinpressError, match="before is over time, the motion over crank angle"):
         pp.report(press, result.motion, tmp_path / "out.html", result, before=pp.inverse_dynamics(press, run))
     assert list(tmp_path.iterdir()) == []
+
+
+def test_run_under_loads_needs_its_reactions(tmp_path: Path) -> None:
+    press = pp.load("crank_slide")
+    run = pp.simulate(press, 0.5, SPEED, flywheel=pp.Flywheel(50.0), loads=[pp.loads.Blanking(1e3, 0.02, 0.01)])
+    with pytest.raises(pp.PinpressError, match=r"the run has loads: give its reactions with them, inverse_dynamics\(press, run, loads="):
+        pp.report(press, run, tmp_path / "out.html")
+    idle = pp.simulate(press, 0.5, SPEED, flywheel=pp.Flywheel(50.0), drive=pp.ConstantTorque(5.0))
+    assert pp.report(press, idle, tmp_path / "out.html").exists()
+
+
+def test_linkage_in_space_without_slide(tmp_path: Path, view: Callable[..., Any]) -> None:
+    (tmp_path / "bennett.urdf").write_text(bennett(), encoding="utf-8")
+    press = pp.load(tmp_path / "bennett.urdf")
+    result = pp.inverse_dynamics(press, pp.cycle(press, speed=SPEED, points=60))
+    page = view(pp.report(press, result.motion, tmp_path / "out.html"), "#t=0.1", WIDE)
+    curves = page.evaluate(CURVES)
+    assert not any(title.startswith("Slide") for title in curves)
+    (unit,) = (title.split("[")[1][:-1] for title in curves if title.startswith("Shaking force"))
+    scale = {"N": 1.0, "kN": 1e3}[unit]
+    for curve, force in zip(curves[f"Shaking force [{unit}]"], result.shaking_force.T, strict=True):
+        assert_allclose(scale * np.array(curve["y"])[:-1], force, atol=1e-5 * np.abs(result.shaking_force).max())
+
+
+def test_several_drivers(tmp_path: Path, view: Callable[..., Any]) -> None:
+    """Two cranks on one frame: a curve of torque for each, over time."""
+    press = two_cranks(tmp_path)
+    time = np.linspace(0, 1, 30)
+    motion = pp.cycle(press, angle=np.stack([time, -3 * time], axis=1), speed=[[1.0, -3.0]] * 30, time=time)
+    result = pp.inverse_dynamics(press, motion)
+    page = view(pp.report(press, motion, tmp_path / "out.html"), "#t=0.5", WIDE)
+    curves = page.evaluate(CURVES)
+    (torque,) = (some for title, some in curves.items() if title.startswith("Driving torque"))
+    assert [curve["name"] for curve in torque] == ["fast", "slow"]
+    for curve, values in zip(torque, result.driving_torque.T, strict=True):
+        assert_allclose(curve["x"], time, atol=1e-8)
+        assert_allclose(curve["y"], values, atol=1e-6 * np.abs(result.driving_torque).max())
 
 
 def test_states_that_are_not_in_time(press: Any, tmp_path: Path) -> None:

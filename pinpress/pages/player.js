@@ -86,7 +86,8 @@ function addEdges() {  // thin outlines make overlapping parts of one colour rea
     mesh.material.polygonOffset = true;
     mesh.material.polygonOffsetFactor = mesh.material.polygonOffsetUnits = 1;
     const line = new THREE.LineBasicMaterial({ color: 0x14191e, transparent: true, opacity: 0.45 * mesh.material.opacity });
-    mesh.add(new THREE.LineSegments(new THREE.EdgesGeometry(mesh.geometry, 30), line));
+    const large = mesh.geometry.clone().scale(1 / size, 1 / size, 1 / size);  // three.js tells corners apart by four decimals
+    mesh.add(new THREE.LineSegments(new THREE.EdgesGeometry(large, 30).scale(size, size, size), line));
   }
 }
 
@@ -313,6 +314,8 @@ function fit(camera) {
 
 // ---- playback ----
 let now = 0, playing = false, before = null;
+const DIGITS = Math.max(3, 2 - Math.floor(Math.log10(duration || 1)));  // of times, so that those of a fast press differ
+const [LENGTH, PER_METRE] = data.size > 50 ? ["m", 1] : data.size > 0.02 ? ["mm", 1e3] : ["µm", 1e6];
 const listeners = [];  // what else follows the time: functions of the time [s]
 
 function seek(time) {
@@ -322,9 +325,9 @@ function seek(time) {
   arrows.forEach(drawArrow);
   for (const { dot, series } of dots) dot.position.copy(vector(series));
   const angle = number(data.crank);
-  show("time", "", now.toFixed(3) + " s");
+  show("time", "", now.toFixed(DIGITS) + " s");
   show("crank", "crank", (Math.abs(angle) <= 360 ? angle : (angle % 360 + 360) % 360).toFixed(1) + "°");
-  if (data.slide) show("slide", "slide", number(data.slide).toFixed(1).replace("-", "\u2212") + " mm");
+  if (data.slide) show("slide", "slide", `${(number(data.slide) * PER_METRE).toFixed(1).replace("-", "\u2212")} ${LENGTH}`);
   element("slider").value = now;
   fillLabels();
   for (const tell of listeners) tell(now);
@@ -371,7 +374,7 @@ function toggle(id, apply) {
 function start() {
   element("slider").max = duration;
   element("slider").addEventListener("input", event => { setPlaying(false); seek(Number(event.target.value)); });
-  element("slider").addEventListener("change", () => history.replaceState(null, "", "#t=" + now.toFixed(3)));
+  element("slider").addEventListener("change", () => history.replaceState(null, "", "#t=" + now.toFixed(DIGITS)));
   element("play").addEventListener("click", () => setPlaying(!playing));
   element("toolbar").addEventListener("pointerdown", event => event.stopPropagation());  // the camera's controls would take it
   toggle("show-forces", on => { overlay.visible = on; });

@@ -1,0 +1,29 @@
+"""Two shafts on one frame, geared or each with a drive of its own, with visuals."""
+
+from pathlib import Path
+from typing import Any
+
+import pinpress as pp
+
+GEARED = """<robot name="geared">
+  <link name="frame"><visual><geometry><box size="0.5 0.02 0.2"/></geometry></visual></link>
+  {links}
+  <joint name="fast" type="continuous"><parent link="frame"/><child link="pinion"/><origin xyz="-0.1 0 0"/><axis xyz="0 -1 0"/></joint>
+  <joint name="slow" type="continuous"><parent link="frame"/><child link="wheel"/><origin xyz="0.1 0 0"/><axis xyz="0 -1 0"/>{mimic}</joint>
+  {drives}
+</robot>
+"""
+LINK = """<link name="{0}"><inertial><mass value="2"/><inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="1"/></inertial>
+    <visual><origin xyz="0.04 -0.03 0"/><geometry><box size="0.1 0.02 0.02"/></geometry></visual></link>"""
+
+
+def geared(folder: Path, mimic: str, *drivers: str) -> Any:
+    file = folder / "geared.urdf"
+    drives = "".join(f'<transmission name="drive_{name}"><joint name="{name}"/></transmission>' for name in drivers)
+    file.write_text(GEARED.format(links=LINK.format("pinion") + LINK.format("wheel"), mimic=mimic, drives=drives), encoding="utf-8")
+    return pp.load(file)
+
+
+def two_cranks(folder: Path) -> Any:
+    """Both driven."""
+    return geared(folder, "", "fast", "slow")
