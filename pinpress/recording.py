@@ -56,7 +56,7 @@ def record(
 def scene(
     press: Linkage, motion: Motion, reactions: Reactions | None = None, traces: Sequence[tuple[str, ArrayLike]] = ()
 ) -> dict[str, Any]:
-    """What the page's player (`pages/player.js`) shows, as JSON. Raises as `record`, but writes nothing."""
+    """What the page's player (`pages/playback.js`) shows, as JSON. Raises as `record`, but writes nothing."""
     frames = keys(press, motion)
     if reactions is not None:
         overlays.belonging(press, motion, reactions)

@@ -27,7 +27,6 @@ from pinpress.filming import film, slow_enough, still
 
 SPEED = 70 * pp.RPM
 DURATION = 2 * np.pi / SPEED
-FLAGS = ["--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--disable-dev-shm-usage", "--hide-scrollbars"]
 CHROMIUM = os.environ.get("CHROMIUM") or shutil.which("chromium") or shutil.which("chromium-browser")
 MISSING = CHROMIUM is None or not all(map(importlib.util.find_spec, ("playwright", "imageio_ffmpeg", "PIL")))
 SIZE = (480, 360)
@@ -73,34 +72,29 @@ def difference(one: Any, other: Any) -> float:
     return float(np.abs(one - other).mean())
 
 
-def screenshots(page: Path, size: tuple[int, int], times: Any, width: int = 960) -> list[Any]:
+def screenshots(chromium: Any, page: Path, size: tuple[int, int], times: Any, width: int = 960) -> list[Any]:
     """What a page opened from its file shows at times [s], without its controls, in a window `width` CSS pixels wide."""
-    from playwright.sync_api import sync_playwright
-
     scale = size[0] / width
-    with sync_playwright() as playwright:
-        chromium = playwright.chromium.launch(executable_path=CHROMIUM, args=FLAGS)
-        window = {"width": width, "height": round(size[1] / scale)}
-        tab = chromium.new_page(viewport=window, device_scale_factor=scale, offline=True)
-        tab.goto(page.as_uri() + "#t=0")
-        tab.evaluate("document.body.classList.add('still')")
-        assert not any(tab.locator(control).is_visible() for control in ("#play", "#slider", "#rate", "#toolbar"))
-        shots = []
-        for at in times:
-            tab.evaluate("t => { seek(t); }", at)
-            while tab.evaluate("viewer.needs_render"):
-                tab.wait_for_timeout(10)
-            shots.append(values(tab.screenshot()))
-        chromium.close()
+    window = {"width": width, "height": round(size[1] / scale)}
+    context = chromium.new_context(viewport=window, device_scale_factor=scale, offline=True)
+    tab = context.new_page()
+    tab.goto(page.as_uri() + "#t=0")
+    tab.evaluate("document.body.classList.add('still')")
+    assert not any(tab.locator(control).is_visible() for control in ("#play", "#slider", "#rate", "#toolbar"))
+    shots = []
+    for at in times:
+        tab.evaluate("t => { seek(t); }", at)
+        while tab.evaluate("viewer.needs_render"):
+            tab.wait_for_timeout(10)
+        shots.append(values(tab.screenshot()))
+    context.close()
     return shots
 
 
 @pytest.fixture(scope="module")
-def turn(page: Path) -> list[Any]:
+def turn(browser: Any, page: Path) -> list[Any]:
     """The recording every 0.1 s, and how it goes on when it begins again, by screenshots."""
-    if MISSING:
-        return []
-    return screenshots(page, SIZE, np.arange(17) / 10 % DURATION)
+    return screenshots(browser, page, SIZE, np.arange(17) / 10 % DURATION)
 
 
 def test_picture_is_what_the_page_shows(page: Path, turn: list[Any], tmp_path: Path) -> None:
@@ -112,11 +106,11 @@ def test_picture_is_what_the_page_shows(page: Path, turn: list[Any], tmp_path: P
     assert list(tmp_path.iterdir()) == [out]
 
 
-def test_larger_pictures_show_the_same_more_sharply(page: Path, tmp_path: Path) -> None:
+def test_larger_pictures_show_the_same_more_sharply(browser: Any, page: Path, tmp_path: Path) -> None:
     from PIL import Image
 
     small, large = (still(page, tmp_path / f"{scale}.png", 0.3, (320 * scale, 240 * scale)) for scale in (1, 2))
-    (shot,) = screenshots(page, (640, 480), [0.3])
+    (shot,) = screenshots(browser, page, (640, 480), [0.3])
     assert difference(values(large.read_bytes()), shot) < 0.05
     shrunk = np.asarray(Image.open(large).convert("RGB").resize((320, 240), Image.Resampling.BOX)).astype(float)
     assert difference(values(small.read_bytes()), shrunk) < 3

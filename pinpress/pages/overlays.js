@@ -1,0 +1,171 @@
+// What is drawn over the links: forces, paths, names. Positions in the press's own axes [m], forces in N.
+// ---- series over the keys ----
+let moment = { before: 0, after: 0, part: 0 };  // the keys around the present time, and how far it is from one to the other
+
+function momentAt(time) {
+  let before = 0, after = data.time.length - 1;
+  while (after - before > 1) {
+    const middle = (before + after) >> 1;
+    if (data.time[middle] <= time) before = middle; else after = middle;
+  }
+  return { before, after, part: after > before ? (time - data.time[before]) / (data.time[after] - data.time[before]) : 0 };
+}
+
+const number = series => series[moment.before] + moment.part * (series[moment.after] - series[moment.before]);
+
+function vector(series) {  // (k, 3), or (1, 3) where it does not change
+  if (series.length === 3) return new THREE.Vector3(...series);
+  const at = i => new THREE.Vector3().fromArray(series, 3 * i);
+  return at(moment.before).lerp(at(moment.after), moment.part);
+}
+
+// ---- forces: arrows whose length and colour grow with the load, drawn over everything, outlined in white ----
+const overlay = new THREE.Group(), arrows = [], LONGEST = 0.2 * size;
+const MAP = [[0x00, 0x9f, 0xc7], [0x6f, 0x5b, 0xd6], [0xe6, 0x00, 0x7e]];  // no load, half and the largest: colours that no link has
+const places = data.places.map(floats);
+
+function mapped(share) {
+  const i = Math.min(Math.floor(2 * share), 1), part = 2 * share - i;
+  return MAP[i].map((low, c) => Math.round(low + part * (MAP[i + 1][c] - low)));
+}
+
+function layer(geometry, colour, side, order) {
+  const material = new THREE.MeshBasicMaterial({ color: colour, side, depthTest: false, depthWrite: false, transparent: true });
+  const mesh = new THREE.Mesh(geometry, material);
+  mesh.renderOrder = order;
+  mesh.frustumCulled = false;
+  return mesh;
+}
+
+function addArrow(place, force, towards) {
+  const group = new THREE.Group(), shaft = new THREE.CylinderGeometry(1, 1, 1, 20), head = new THREE.ConeGeometry(1, 1, 28);
+  shaft.translate(0, 0.5, 0);
+  head.translate(0, 0.5, 0);
+  const parts = [layer(shaft, 0xffffff, THREE.BackSide, 20), layer(head, 0xffffff, THREE.BackSide, 20), layer(shaft, 0, THREE.FrontSide, 21), layer(head, 0, THREE.FrontSide, 21)];
+  group.add(...parts);
+  overlay.add(group);
+  arrows.push({ place, force, towards, group, parts, newtons: 0 });
+}
+
+function drawArrow(arrow) {
+  const force = vector(arrow.force);
+  arrow.newtons = force.length();
+  const length = LONGEST * arrow.newtons / data.peak, { group, parts: [shaftRim, headRim, shaft, head] } = arrow;
+  group.visible = length > 1e-4 * size;
+  if (!group.visible) return;
+  const width = Math.min(1, 0.3 + length / (0.1 * size)) * 0.0045 * size, tip = Math.min(7 * width, 0.5 * length), rim = 0.0014 * size;
+  const direction = force.divideScalar(arrow.newtons);
+  group.quaternion.setFromUnitVectors(new THREE.Vector3(0, 1, 0), direction);
+  group.position.copy(vector(arrow.place));
+  if (arrow.towards) group.position.addScaledVector(direction, -length);
+  shaft.scale.set(width, length - tip, width);
+  shaftRim.scale.set(width + rim, length - tip + rim, width + rim);
+  shaftRim.position.y = -rim;
+  head.scale.set(2.4 * width, tip, 2.4 * width);
+  headRim.scale.set(2.4 * width + 2 * rim, tip + 4 * rim, 2.4 * width + 2 * rim);
+  head.position.y = length - tip;
+  headRim.position.y = length - tip - rim;
+  const [r, g, b] = mapped(arrow.newtons / data.peak);
+  for (const part of [shaft, head]) part.material.color.setRGB(r / 255, g / 255, b / 255);
+}
+
+function addForces() {
+  if (!(data.peak > 0)) { element("show-forces").hidden = element("scale").hidden = true; return; }
+  for (const { place, force } of data.bearings) addArrow(places[place], floats(force), false);
+  addArrow(foot(), floats(data.shaking), true);
+  const colours = [0, 0.25, 0.5, 0.75, 1].map(share => `rgb(${mapped(share)})`);
+  element("scale").querySelector("i").style.background = `linear-gradient(90deg, ${colours})`;
+  element("peak").textContent = newtons(data.peak);
+}
+
+const foot = () => [centre.x, -centre.z, low.y];  // of the press, in its own axes
+
+function newtons(force) {
+  const [unit, per] = data.peak >= 1e6 ? ["MN", 1e6] : data.peak >= 1e3 ? ["kN", 1e3] : ["N", 1];
+  const largest = data.peak / per;
+  if (largest < 0.1) return `${force.toPrecision(3)} N`;
+  return `${(force / per).toFixed(largest >= 100 ? 0 : largest >= 10 ? 1 : 2)} ${unit}`;
+}
+
+// ---- paths ----
+const paths = new THREE.Group(), dots = [];
+
+function addPaths() {
+  for (const { link, path, keys } of data.traces) {
+    const colour = new THREE.Color((data.legend.find(row => row.name === link) || { colour: "#1d2730" }).colour).multiplyScalar(0.7);
+    const series = floats(path), points = [];
+    for (let k = 0; k < keys; k++) points.push(new THREE.Vector3().fromArray(series, 3 * k));
+    const along = curve(points);
+    if (along) paths.add(tube(along, 0.0045 * size, 0xffffff, 10), tube(along, 0.003 * size, colour, 11));
+    if (along && along.isLineCurve3) paths.add(...ends(along, colour));
+    const dot = layer(new THREE.SphereGeometry(0.006 * size, 20, 14), colour, THREE.FrontSide, 12);
+    paths.add(dot);
+    dots.push({ dot, series });
+  }
+  element("show-paths").hidden = !data.traces.length;
+}
+
+function curve(points) {  // through the points; null where they rest
+  const box = new THREE.Box3().setFromPoints(points), far = box.min.distanceTo(box.max);
+  if (far < 1e-6 * size) return null;
+  const from = farthest(points, points[0]), to = farthest(points, from), along = to.clone().sub(from).normalize();
+  if (points.every(p => p.clone().sub(from).cross(along).length() < 1e-4 * far)) return new THREE.LineCurve3(from, to);
+  return new THREE.CatmullRomCurve3(points.filter((p, i) => !i || p.distanceTo(points[i - 1]) > 1e-9 * size));
+}
+
+const tube = (along, radius, colour, order) =>
+  layer(new THREE.TubeGeometry(along, along.isLineCurve3 ? 1 : along.points.length, radius, 8), colour, THREE.FrontSide, order);
+
+function ends(line, colour) {  // bars across both ends of a straight path
+  const along = line.v2.clone().sub(line.v1), across = new THREE.Vector3(...data.front.length ? data.front : [0, -1, 0]).cross(along).setLength(0.012 * size);
+  return [line.v1, line.v2].map(at => tube(new THREE.LineCurve3(at.clone().sub(across), at.clone().add(across)), 0.003 * size, colour, 11));
+}
+
+const farthest = (points, from) => points.reduce((best, p) => p.distanceTo(from) > best.distanceTo(from) ? p : best);
+
+// ---- names: one label a place, beside a dot on it ----
+const labels = [];
+
+function addLabels() {
+  const named = data.bearings.map(({ name, place }, i) => ({ name, place, arrow: arrows[i] }));
+  places.forEach((series, place) => addLabel(series, named.filter(bearing => bearing.place === place)));
+  if (arrows.length) addLabel(foot(), [{ name: "shaking force", arrow: arrows[named.length] }]);
+}
+
+function addLabel(series, named) {
+  const dot = document.createElement("i"), chip = document.createElement("div");
+  const rows = named.map(({ name, arrow }) => {
+    const row = document.createElement("p"), bold = document.createElement("b"), value = document.createElement("span");
+    bold.textContent = bold.title = name;
+    row.append(bold, value);
+    chip.append(row);
+    return { value, arrow };
+  });
+  element("labels").append(dot, chip);
+  labels.push({ series, dot, chip, rows, width: 0, height: 0 });
+}
+
+function fillLabels() {
+  const shown = element("show-forces").ariaPressed === "true";
+  for (const label of labels)
+    for (const { value, arrow } of label.rows) value.textContent = arrow && shown ? newtons(arrow.newtons) : "";
+  for (const label of labels) [label.width, label.height] = [label.chip.offsetWidth, label.chip.offsetHeight];
+}
+
+function placeLabels() {  // where their places are on the screen; a label that would lie on another one moves below it
+  const width = element("view").clientWidth, height = element("view").clientHeight, taken = [];
+  for (const label of labels) {
+    const at = upright(...vector(label.series).toArray()).project(viewer.camera);
+    const x = (at.x + 1) / 2 * width, y = (1 - at.y) / 2 * height;
+    label.dot.style.transform = `translate(${x.toFixed(1)}px, ${y.toFixed(1)}px)`;
+    label.at = { left: Math.min(x + 8, width - label.width - 4), top: Math.max(y - label.height - 6, 4) };
+  }
+  for (const label of [...labels].sort((a, b) => a.at.top - b.at.top)) {
+    const { at } = label;
+    for (const other of taken)
+      if (at.left < other.right && at.left + label.width > other.left && at.top < other.bottom && at.top + label.height > other.top) at.top = other.bottom + 3;
+    taken.push({ left: at.left, right: at.left + label.width, top: at.top, bottom: at.top + label.height });
+    taken.sort((a, b) => a.top - b.top);
+    label.chip.style.transform = `translate(${at.left.toFixed(1)}px, ${at.top.toFixed(1)}px)`;
+  }
+}

@@ -1,0 +1,98 @@
+// ---- playback ----
+let now = 0, playing = false, before = null;
+const DIGITS = Math.max(3, 2 - Math.floor(Math.log10(duration || 1)));  // of times, so that those of a fast press differ
+const [LENGTH, PER_METRE] = data.size > 50 ? ["m", 1] : data.size > 0.02 ? ["mm", 1e3] : ["µm", 1e6];
+const listeners = [];  // what else follows the time: functions of the time [s]
+
+function seek(time) {
+  now = Math.min(Math.max(time, 0), duration);
+  moment = momentAt(now);
+  viewer.animator.seek(now);
+  arrows.forEach(drawArrow);
+  for (const { dot, series } of dots) dot.position.copy(vector(series));
+  const angle = number(data.crank);
+  show("time", "", now.toFixed(DIGITS) + " s");
+  show("crank", "crank", (Math.abs(angle) <= 360 ? angle : (angle % 360 + 360) % 360).toFixed(1) + "°");
+  if (data.slide) show("slide", "slide", `${(number(data.slide) * PER_METRE).toFixed(1).replace("-", "\u2212")} ${LENGTH}`);
+  element("slider").value = now;
+  fillLabels();
+  for (const tell of listeners) tell(now);
+  viewer.set_dirty();
+}
+
+function show(id, label, text) {
+  const small = document.createElement("small");
+  small.textContent = label;
+  element(id).replaceChildren(small, text);
+}
+
+function setPlaying(on) {
+  playing = on && duration > 0;
+  before = null;
+  element("play").querySelector("path").setAttribute("d", playing ? "M2 1h4v12H2zM8 1h4v12H8z" : "M2 0l11 7-11 7z");
+}
+
+function frame(stamp) {
+  requestAnimationFrame(frame);
+  if (playing) {
+    if (before !== null) seek((now + (stamp - before) / 1000 * element("rate").value) % duration);
+    before = stamp;
+  }
+  if (viewer.needs_render) viewer.render();
+}
+
+function seekFromAddress() {
+  const match = /^#t=([\d.]+)$/.exec(location.hash);
+  if (match) { setPlaying(false); seek(Number(match[1]) || 0); }
+  return match !== null;
+}
+
+// ---- controls ----
+function toggle(id, apply) {
+  element(id).addEventListener("click", () => {
+    const on = element(id).ariaPressed !== "true";
+    element(id).ariaPressed = String(on);
+    apply(on);
+    seek(now);
+  });
+}
+
+function start() {
+  element("slider").max = duration;
+  element("slider").addEventListener("input", event => { setPlaying(false); seek(Number(event.target.value)); });
+  element("slider").addEventListener("change", () => history.replaceState(null, "", "#t=" + now.toFixed(DIGITS)));
+  element("play").addEventListener("click", () => setPlaying(!playing));
+  element("toolbar").addEventListener("pointerdown", event => event.stopPropagation());  // the camera's controls would take it
+  toggle("show-forces", on => { overlay.visible = on; });
+  toggle("show-names", on => { element("labels").hidden = !on; });
+  toggle("show-paths", on => { paths.visible = on; });
+  toggle("front-view", on => { fromFront = on; fitted = true; resize(); });
+  addEventListener("hashchange", seekFromAddress);
+  addEventListener("keydown", event => {
+    if (event.key !== " " || ["BUTTON", "SELECT"].includes(event.target.tagName)) return;  // these two use the space bar themselves
+    event.preventDefault();
+    setPlaying(!playing);
+  });
+  element("slide").hidden = data.slide === null;
+  element("front-view").hidden = !data.front.length;
+  for (const { name, colour } of data.legend) {
+    const row = document.createElement("li"), swatch = document.createElement("i");
+    swatch.style.background = colour;
+    row.append(swatch, name);
+    element("legend").append(row);
+  }
+  addLights();
+  addEdges();
+  addForces();
+  addPaths();
+  addLabels();
+  viewer.scene.add(paths, overlay);
+  holdArrows();
+  const render = viewer.render.bind(viewer);
+  viewer.render = () => { render(); placeLabels(); };
+  resize();
+  viewer.controls.addEventListener("start", () => { fitted = false; });
+  new ResizeObserver(() => resize()).observe(element("view"));
+  if (!seekFromAddress()) { seek(0); setPlaying(!matchMedia("(prefers-reduced-motion: reduce)").matches); }
+  requestAnimationFrame(frame);
+}
