@@ -15,6 +15,7 @@ import tempfile
 import time
 import uuid
 from collections.abc import Callable, Iterator
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import Any
 
@@ -196,7 +197,8 @@ def test_where_an_event_loop_runs(tmp_path: Path) -> None:
     async def cell() -> Path:
         return still(page, tmp_path / "out.png", size=(64, 64))
 
-    assert asyncio.run(cell()).exists()
+    with ThreadPoolExecutor(1) as thread:  # as the browser of the tests has a loop in this one
+        assert thread.submit(asyncio.run, cell()).result().exists()
 
 
 def bad_picture(page: Path, folder: Path, **arguments: Any) -> None:
