@@ -6,7 +6,8 @@
     motion = pp.cycle(press, speed=70 * pp.RPM, points=360)
     result = pp.inverse_dynamics(press, motion)
     result.driving_torque, result.bearing_force["A"], result.shaking_force
-    pp.record(press, motion, "press.html")
+    pp.record(press, motion, "press.html", result)
+    pp.report(press, motion, "report.html", result)
 
 SI units and radians throughout. World z is up; a planar press stands in the x-z plane.
 """
