@@ -12,7 +12,8 @@ from typing import NamedTuple
 import numpy as np
 
 from .coordinates import Array
-from .errors import PinpressError, UnknownNameError
+from .errors import PinpressError, UnknownNameError, expect
+from .linkage import Linkage
 from .motion import RPM, Motion
 from .poses import link_of, loaded_bodies, poses
 from .reactions import Reactions
@@ -64,7 +65,7 @@ class Locus:
 
     Attributes:
         bearing: its name. link: the link on which the force acts, `Linkage.bearings`' child or link2.
-        axes: names of the two axes, e.g. ("x", "z").
+        axes: names of the two axes, e.g. ("x", "z"), see `locus`.
         frame: (n, 2) components in world axes. own: (n, 2) in axes fixed to the link that are the world's in the drawn pose.
     """
 
@@ -79,6 +80,7 @@ class Locus:
 def abscissa(motion: Motion) -> Abscissa:
     """Crank angle [deg], unwrapped, of at most one turn one way at constant speed; else time [s]. States that are not in time: crank angle
     where it only rises or only falls, else the number of the state, from 0."""
+    expect("motion", motion, Motion, "cycle or simulate")
     angle, speed = finite("crank angle", motion.crank_angle), finite("crank speed", motion.crank_speed)
     one_way = angle.ndim == 1 and _one_way(angle)
     if one_way and np.ptp(angle) <= 2 * np.pi * (1 + ROUNDING) and _constant(speed):
@@ -95,6 +97,7 @@ def abscissa(motion: Motion) -> Abscissa:
 
 def slide(motion: Motion) -> tuple[Chart, ...]:
     """Position, velocity and acceleration of the slide along its guide's axis; none of a linkage without a slide."""
+    expect("motion", motion, Motion, "cycle or simulate")
     if motion._guide is None:
         return ()
     series = (("position", motion.slide_position), ("velocity", motion.slide_velocity), ("acceleration", motion.slide_acceleration))
@@ -111,12 +114,24 @@ def crank_speed(motion: Motion) -> Chart | None:
 
 def torque(reactions: Reactions) -> Chart:
     """Driving torque, a curve a driver; of a `Run` also its drive's torque, which turns the flywheel too."""
-    motion = reactions.motion
-    curves = _by_driver("driving torque", motion, reactions.driving_torque)
+    motion = driven(reactions)
+    curves = _by_driver("driving torque", motion, clean_torque(reactions))
     if isinstance(motion, Run):
         drives = _by_driver("drive", motion, motion.drive_torque)
         curves |= {name if name == "drive" else f"drive of {name}": values for name, values in drives.items()}
     return _chart("Driving torque", "torque", curves)
+
+
+def driven(reactions: Reactions) -> Motion:
+    """The motion of reactions."""
+    expect("reactions", reactions, Reactions, "inverse_dynamics")
+    return reactions.motion
+
+
+def clean_torque(reactions: Reactions) -> Array:
+    """Driving torque (n,) or (n, drivers), zero where it is rounding throughout [N m]."""
+    torque = finite("driving torque", reactions.driving_torque)
+    return np.where(np.abs(torque).max(axis=0) > rounding(reactions).force * reactions._press.spatial.size, torque, 0.0)
 
 
 def bearing(reactions: Reactions) -> Chart:
@@ -153,27 +168,37 @@ def shaking_moment(reactions: Reactions) -> Chart:
 
 
 def locus(reactions: Reactions, name: str) -> Locus:
-    """Polar diagram of a bearing's force, in a planar press's plane where that is one of two world axes, else in the two axes in which the
-    force ranges most.
+    """Polar diagram of a bearing's force in a planar press's plane: in its two world axes, or where it is tilted, in its horizontal ("h")
+    and the direction up it ("u"). In space the projection on the two world axes in which the force ranges most.
 
     Raises:
         UnknownNameError: there is no such bearing.
     """
-    press = reactions._press
+    motion, press = driven(reactions), reactions._press
     if name not in press.bearings:
         raise UnknownNameError("bearing", name, press.bearings)
     force = _clean(finite(f"force in {name}", reactions.bearing_force[name]), rounding(reactions).force)
     body = loaded_bodies(press)[press.bearings.index(name)]
     drawn = poses(press, np.zeros((1, press.model.nv))).rotation[body, 0]
-    turned = poses(press, reactions.motion.joint_position).rotation[body] @ drawn.T
+    turned = poses(press, motion.joint_position).rotation[body] @ drawn.T
     own = np.einsum("nji,nj->ni", turned, force)
-    normal = None if press.plane is None else np.abs(press.plane.normal)
-    spread = -np.ptp(force, axis=0) if normal is None or normal.max() < 1 - ROUNDING else normal
-    first, second = sorted(np.argsort(spread, kind="stable")[:2].tolist())
+    axes, directions = _directions(press, force)
     unit, factor = _unit("force", float(np.abs(force).max(initial=0.0)))
-    pair = [first, second]
-    axes, frame, own = (AXES[first], AXES[second]), factor * force[:, pair], factor * own[:, pair]
+    frame, own = factor * force @ directions.T, factor * own @ directions.T
     return Locus(name, link_of(press, body), axes, unit, _fixed(frame), _fixed(own))
+
+
+def _directions(press: Linkage, force: Array) -> tuple[tuple[str, str], Array]:
+    """Names and world directions (2, 3) of a polar diagram's axes."""
+    normal = None if press.plane is None else press.plane.normal
+    if normal is not None and np.abs(normal).max() < 1 - ROUNDING:
+        along = np.cross((0.0, 0.0, 1.0), normal)
+        along *= (1.0 if along[np.argmax(np.abs(along))] > 0 else -1.0) / np.linalg.norm(along)
+        upwards = np.cross(normal, along)
+        return ("h", "u"), np.array([along, upwards * (1.0 if upwards[2] > 0 else -1.0)])
+    spread = -np.ptp(force, axis=0) if normal is None else np.abs(normal)
+    first, second = sorted(np.argsort(spread, kind="stable")[:2].tolist())
+    return (AXES[first], AXES[second]), np.eye(3)[[first, second]]
 
 
 def held_moments(reactions: Reactions) -> dict[str, Array]:
@@ -203,6 +228,8 @@ class Rounding(NamedTuple):
 
 
 def rounding(reactions: Reactions) -> Rounding:
+    """Of a motion's forces, and of its moments and torques."""
+    expect("reactions", reactions, Reactions, "inverse_dynamics")
     largest = max((float(np.abs(force).max(initial=0.0)) for force in _forces(reactions).values()), default=0.0)
     torque = float(np.abs(finite("driving torque", reactions.driving_torque)).max(initial=0.0))
     return Rounding(ROUNDING * largest, ROUNDING * max(torque, largest * reactions._press.spatial.size))

@@ -1,6 +1,7 @@
 """`pinpress record`: one turn of a press as a page, a film, a picture."""
 
 import argparse
+import math
 import tempfile
 from pathlib import Path
 
@@ -58,6 +59,11 @@ def run(options: argparse.Namespace) -> int:
     """
     if options.out is options.video is options.png is None:
         raise PinpressError("nothing to write: give --out page.html, --video film.mp4 or --png picture.png")
+    if not math.isfinite(options.at):
+        raise PinpressError(f"--at is {options.at}: give a crank angle in degrees")
+    paths = [path.absolute() for path in (options.out, options.video, options.png) if path is not None]
+    if len(set(paths)) < len(paths):
+        raise PinpressError("--out, --video and --png name one file: give each its own")
     from .filming import film, still
     from .recording import record
 

@@ -104,3 +104,9 @@ def suggestion(name: str, known: Iterable[str]) -> str:
 
 def _degrees(angle: float) -> str:
     return f"{angle * 57.29577951308232:.6g} deg"
+
+
+def expect(name: str, value: object, kind: type, maker: str) -> None:
+    """Raise PinpressError where an argument is of another kind than it must be; ``maker``: what makes one."""
+    if not isinstance(value, kind):
+        raise PinpressError(f"{name} is a {type(value).__name__}, no {kind.__name__}: give what {maker} returns")

@@ -7,12 +7,14 @@ import numpy as np
 
 from . import charts
 from .coordinates import Array
-from .errors import PinpressError
+from .errors import PinpressError, expect
 from .linkage import Linkage
 from .motion import RPM
 from .reactions import Reactions
 from .run import Run
 from .tables import by_driver
+
+NOTHING = 1e-12  # of the largest value: less is rounding
 
 
 @dataclass(frozen=True)
@@ -44,7 +46,8 @@ def extremes(press: Linkage, reactions: Reactions) -> tuple[Extreme, ...]:
     Raises:
         PinpressError: reactions of a linkage with other joints, a value that is not finite.
     """
-    motion = reactions.motion
+    expect("press", press, Linkage, "load")
+    motion = charts.driven(reactions)
     if motion.joints != press.joints or motion.drivers != press.drivers:
         raise PinpressError(f"the reactions are of {motion.linkage} with other joints than {press.name}: give those of the same linkage")
     angle = np.degrees(charts.finite("crank angle", motion.crank_angle).reshape(len(motion.crank_angle), -1)[:, 0]) % 360.0
@@ -59,7 +62,7 @@ def _series(press: Linkage, reactions: Reactions) -> Iterator[tuple[str, str, Ar
         yield "slide velocity", "m/s", motion.slide_velocity
         yield "slide acceleration", "m/s²", motion.slide_acceleration
     columns = by_driver("crank speed", "r/min", motion.crank_speed / RPM, drivers) if charts.crank_speed(motion) else {}
-    columns |= by_driver("driving torque", "N m", reactions.driving_torque, drivers)
+    columns |= by_driver("driving torque", "N m", charts.clean_torque(reactions), drivers)
     if isinstance(motion, Run):
         columns |= by_driver("drive torque", "N m", motion.drive_torque, drivers)
     for name, values in columns.items():
@@ -86,5 +89,7 @@ def _extreme(quantity: str, unit: str, values: Array, angle: Array) -> Extreme:
     low, high = int(values.argmin()), int(values.argmax())
     smallest, largest = float(values[low]), float(values[high])
     size = float(np.abs(values).max()) or 1.0  # divided by before squaring: squares of large numbers overflow
+    smallest, largest = (0.0 if abs(value) < NOTHING * size else value for value in (smallest, largest))
+    width = largest - smallest
     rms = size * float(np.sqrt(np.mean((values / size) ** 2)))
-    return Extreme(quantity, unit, smallest, float(angle[low]), largest, float(angle[high]), largest - smallest, rms)
+    return Extreme(quantity, unit, smallest, float(angle[low]), largest, float(angle[high]), width if width > NOTHING * size else 0.0, rms)

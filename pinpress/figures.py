@@ -70,9 +70,11 @@ def save_plot(figure: "Figure", path: str | os.PathLike[str]) -> Path:
     Raises:
         PinpressError: another suffix, or a path that cannot be written.
     """
-    suffix = Path(path).suffix.lower()
+    suffix = Path(path).suffix.lower() if isinstance(path, str | os.PathLike) else ""
     if suffix not in FORMATS:
-        raise PinpressError(f"a plot cannot be written as {os.fspath(path)}: end its name in {', '.join(FORMATS)}")
+        raise PinpressError(f"a plot cannot be written as {path}: end its name in {', '.join(FORMATS)}")
+    if not callable(getattr(figure, "savefig", None)):
+        raise PinpressError(f"{figure!r} is no figure: give what one of plot_slide, plot_torque, ... returns")
     from matplotlib import style
 
     content = io.BytesIO()

@@ -22,7 +22,7 @@ def write(path: str | os.PathLike[str], content: bytes) -> Path:
         finally:
             with suppress(OSError):  # gone already, unless something failed
                 part.unlink()
-    except (OSError, ValueError) as error:  # ValueError: a null character in the path
+    except (OSError, ValueError, TypeError) as error:  # ValueError: a null character in the path; TypeError: no path at all
         reason = getattr(error, "strerror", None) or str(error)
-        raise PinpressError(f"cannot write {os.fspath(path)}: {reason}; give a file in a directory you can write to") from error
+        raise PinpressError(f"cannot write {path}: {reason}; give a file in a directory you can write to") from error
     return Path(path)

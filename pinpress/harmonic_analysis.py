@@ -5,7 +5,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from .coordinates import Array
-from .errors import PinpressError
+from .errors import PinpressError, expect
+from .forces import numbers
 from .motion import Motion
 
 EQUAL = 1e-9  # difference of the steps of the crank angle [rad] that is none
@@ -40,11 +41,10 @@ def harmonics(motion: Motion, force: Array, orders: int = 12) -> Harmonics | Non
     """
     if isinstance(orders, bool) or not isinstance(orders, int | np.integer) or orders < 0:
         raise PinpressError(f"orders is {orders!r}: give a whole number from 0")
-    force = np.asarray(force, dtype=float)
+    expect("motion", motion, Motion, "cycle or simulate")
+    force = numbers(force, "harmonics", "force")
     if force.shape != (len(motion.crank_angle), 3):
         raise PinpressError(f"force has shape {force.shape}: give one of ({len(motion.crank_angle)}, 3), a state a row")
-    if not np.isfinite(force).all():
-        raise PinpressError(f"force is not finite at index {int(np.argwhere(~np.isfinite(force))[0][0])}")
     start = last_turn(motion)
     if start is None:
         return None

@@ -13,6 +13,7 @@ from .motion import Motion
 
 PER_TURN = 360  # between keys 1 degree apart a crank pin leaves its circle by 0.004 % of the crank radius
 FEWEST_PER_TURN = 36  # 0.4 %
+FARTHEST = np.pi / 2  # between states, which are joined by straight lines
 MOST = 20_000  # keeps the page of a long run below 20 MB
 
 
@@ -37,7 +38,7 @@ def keys(press: Linkage, motion: Motion) -> Keys:
     """Key frames of a motion; one of a turn is closed to a loop, a long one thinned to `PER_TURN` a turn of the crank.
 
     Raises:
-        PinpressError: no time in the motion, a value that is not finite, more turns than a page holds.
+        PinpressError: no time in the motion, a value that is not finite, states that are too far apart, more turns than a page holds.
     """
     _refuse_broken(motion, press.slide is not None)
     time = motion.time - motion.time[0]
@@ -52,6 +53,12 @@ def keys(press: Linkage, motion: Motion) -> Keys:
     if turns * FEWEST_PER_TURN > MOST:
         raise PinpressError(
             f"{turns:.0f} turns are more than a recording holds ({MOST // FEWEST_PER_TURN}): record a shorter part of the motion"
+        )
+    widest = float(np.abs(np.diff(crank)).max(initial=0.0))
+    if widest > FARTHEST:
+        raise PinpressError(
+            f"the crank turns {np.degrees(widest):.0f} deg from one state to the next, too far to show what is between:"
+            f" give a state every {np.degrees(FARTHEST):.0f} deg at least"
         )
     most = min(PER_TURN * max(1, np.ceil(turns - 1e-6)), MOST) + 1
     kept = np.rint(np.linspace(0, len(order) - 1, int(min(len(order), most)))).astype(int)  # the first and the last among them

@@ -4,12 +4,12 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
-import pinocchio as pin
 from numpy.typing import ArrayLike
 
 from . import forces
+from .appearance import Body
 from .coordinates import Array
-from .errors import PinpressError
+from .errors import PinpressError, expect
 from .keys import Keys
 from .linkage import Linkage
 from .motion import Motion
@@ -17,6 +17,7 @@ from .pages import packed
 from .poses import Poses, bearing_points
 from .reactions import Reactions
 
+BEHIND = 0.01  # of the linkage's size: by how much links are behind the frame to be looked at from there
 TOGETHER = 1e-6  # of the linkage's size: bearings that stay this close share a label
 
 
@@ -64,28 +65,35 @@ def traces(press: Linkage, at: Poses, keys: Keys, chosen: Sequence[tuple[str, Ar
 
 
 def belonging(press: Linkage, motion: Motion, reactions: Reactions) -> None:
-    """Raise PinpressError where reactions are not those of the motion."""
-    other = reactions.motion
+    """Raise PinpressError where reactions are not those of the motion of the press."""
+    expect("reactions", reactions, Reactions, "inverse_dynamics")
+    other, its = reactions.motion, reactions._press
     same = other is motion or (
-        other.joints == motion.joints
-        and other.joint_position.shape == motion.joint_position.shape
-        and np.array_equal(other.joint_position, motion.joint_position)
+        other.joints == motion.joints and np.array_equal(other.joint_position, motion.joint_position) and np.array_equal(other.v, motion.v)
     )
-    if not same or tuple(reactions.bearing_force) != press.bearings:
+    if not same:
         raise PinpressError(
             f"the reactions are of another motion of {other.linkage}: give those that inverse_dynamics(press, motion) returns for this one"
         )
+    if its is not press and not (its.name == press.name and its.bearings == press.bearings and its.model == press.model):
+        raise PinpressError(f"the reactions are of {its.name}, another press than {press.name}: give those of the same one")
 
 
-def front(press: Linkage) -> list[float]:
-    """Direction (3,) from which a press is looked at: the normal of its plane, on the side of -y where there is a choice; [] in space."""
-    model, data = press.model, press.model.createData()
-    pin.forwardKinematics(model, data, pin.neutral(model))
-    turning = [data.oMi[j + 1].rotation @ axis.direction for j, axis in enumerate(press.spatial.axes) if axis.turns]
+def front(press: Linkage, at: Poses, drawn: Sequence[Body]) -> list[float]:
+    """Direction (3,) from which a press is looked at: the normal of its plane, on the side on which its moving links stand before the
+    frame, or on that of -y, but not from below; [] in space."""
+    turning = [at.rotation[j, 0] @ axis.direction for j, axis in enumerate(press.spatial.axes, 1) if axis.turns]
     if not turning or any(np.linalg.norm(np.cross(turning[0], axis)) > 1e-6 for axis in turning):
         return []
-    towards = turning[0] @ (0.2, -1.0, 0.3)
-    return [float(value) for value in turning[0] * (1.0 if towards > 0 else -1.0)]
+    normal = turning[0] * (1.0 if turning[0] @ (0.2, -1.0, 0.3) > 0 else -1.0)
+    before: dict[bool, list[float]] = {True: [], False: []}  # how far parts are along the normal: of the frame, of moving links
+    for body in drawn:
+        frame = press.model.frames[body.frame]
+        places = [at.points(frame.parentJoint, frame.placement.act(part.placement[:3, 3]))[0] for part in body.parts]
+        before[frame.parentJoint == 0] += [float(place @ normal) for place in places]
+    if all(before.values()) and np.mean(before[True]) > np.mean(before[False]) + BEHIND * press.spatial.size and normal[2] < 0.5:
+        normal = -normal
+    return [float(value) for value in normal]
 
 
 def _merged(points: Array, near: float) -> tuple[list[int], list[int]]:

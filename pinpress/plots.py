@@ -28,6 +28,7 @@ if TYPE_CHECKING:
 __all__ = ["plot_bearings", "plot_comparison", "plot_polar", "plot_shaking", "plot_slide", "plot_torque", "save_plot"]
 
 SAME = 1e-6  # of the largest value: curves that differ by less are one
+INTERPOLATED = 1e-6  # of the largest value: a mean below it is the error of interpolation
 MOST_ABOVE = 4  # names of curves that go into one line above the axes
 BEFORE, PALE, AFTER = GREY, "#b0b0b0", COLOURS[0]
 
@@ -84,7 +85,7 @@ def plot_shaking(reactions: Reactions) -> "Figure":
             place = found.orders[1:] + (i - 0.5 * (len(chart.curves) - 1)) * width
             bars.append(bottom.bar(place, factor * found.amplitude[1:, axis], width, color=COLOURS[i]).patches[0])
             mean = factor * found.amplitude[0, axis]
-            negligible = abs(mean) < charts.ROUNDING * np.abs(curve.values).max()
+            negligible = abs(mean) < INTERPOLATED * np.abs(curve.values).max()
             names.append(f"{curve.name} (mean {_number(0.0 if negligible else mean)} {chart.unit})")
         grid(bottom, f"amplitude [{chart.unit}]")
         bottom.grid(False, axis="x")
@@ -101,13 +102,15 @@ def plot_comparison(before: Reactions, after: Reactions) -> "Figure":
     both have, and by how much each changes.
 
     Raises:
-        PinpressError: no bearing of one name in both, or two motions that are not drawn over the same quantity.
+        PinpressError: no bearing of one name in both, or two motions that are not drawn over the same quantity, one way.
     """
     peaks = _pairs(charts.bearing(before), charts.bearing(after))
     if not peaks:
         raise PinpressError(f"{before.motion.linkage} and {after.motion.linkage} have no bearing of one name: there is nothing to compare")
     overs = Over(before.motion), Over(after.motion)
     kinds = [over.abscissa.quantity for over in overs]
+    if _backwards(overs[0]) != _backwards(overs[1]):
+        raise PinpressError("one motion turns forwards, the other backwards: compare two that turn the same way")
     if kinds[0] != kinds[1]:
         raise PinpressError(f"one motion is drawn over {kinds[0]}, the other over {kinds[1]}: compare two cycles, or two runs")
     pairs = _torques(before, after) + _shaking(before, after)
@@ -125,6 +128,10 @@ def plot_comparison(before: Reactions, after: Reactions) -> "Figure":
         names = [f"before: {before.motion.linkage}", f"after: {after.motion.linkage}"]
         legend(figure, lines, names, loc="outside upper center", ncols=2)
     return figure
+
+
+def _backwards(over: Over) -> bool:
+    return bool(over.x[-1] < over.x[0])
 
 
 def _stacked(motion: Motion, shown: Sequence[Chart], height: float) -> "Figure":

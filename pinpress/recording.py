@@ -16,6 +16,7 @@ from numpy.typing import ArrayLike
 from . import files, meshcat_scene, overlays, pages
 from .appearance import Body, bodies
 from .coordinates import Array
+from .errors import PinpressError, expect
 from .keys import Keys, keys
 from .linkage import Linkage
 from .motion import Motion
@@ -57,6 +58,10 @@ def scene(
     press: Linkage, motion: Motion, reactions: Reactions | None = None, traces: Sequence[tuple[str, ArrayLike]] = ()
 ) -> dict[str, Any]:
     """What the page's player (`pages/playback.js`) shows, as JSON. Raises as `record`, but writes nothing."""
+    expect("press", press, Linkage, "load")
+    expect("motion", motion, Motion, "cycle or simulate")
+    if motion.joints != press.joints or motion.drivers != press.drivers:
+        raise PinpressError(f"the motion is of {motion.linkage} with other joints than {press.name}: make it with cycle(press, ...)")
     frames = keys(press, motion)
     if reactions is not None:
         overlays.belonging(press, motion, reactions)
@@ -66,7 +71,8 @@ def scene(
     return {
         **_series(frames),
         "legend": _legend(drawn, of_body),
-        "front": overlays.front(press),
+        "front": overlays.front(press, at, drawn),
+        "turn": frames.turn,
         "size": press.spatial.size,
         **overlays.bearings(press, at, frames, reactions),
         **overlays.shaking(reactions, frames),

@@ -1,5 +1,6 @@
 """A report: one web page with the recording of a press, and charts of its motion, torque and forces that follow it."""
 
+import itertools
 import os
 from collections.abc import Sequence
 from pathlib import Path
@@ -10,7 +11,7 @@ from numpy.typing import ArrayLike
 
 from . import charts, files, pages
 from .charts import Chart
-from .errors import PinpressError
+from .errors import PinpressError, expect
 from .extreme_values import Extreme, extremes
 from .harmonic_analysis import harmonics
 from .keys import Keys, keys
@@ -45,11 +46,15 @@ def report(
 
     Raises:
         PinpressError: as `record`; a run under loads without its reactions; Plotly not installed; ``before`` over time where the motion is
-            over crank angles, or vice versa.
+            over crank angles, or vice versa, or turning the other way.
     """
+    expect("press", press, Linkage, "load")
+    expect("motion", motion, Motion, "cycle or simulate")
     if reactions is None and isinstance(motion, Run) and any(force.drive is None for force in motion.plan.scene.forces):
         raise PinpressError("the run has loads: give its reactions with them, inverse_dynamics(press, run, loads=[...])")
     result = inverse_dynamics(press, motion) if reactions is None else reactions
+    if before is not None:
+        expect("before", before, Reactions, "inverse_dynamics")
     shown = scene(press, motion, result, traces)
     frames = keys(press, motion)
     data = shown | {"report": _report(press, result, frames, before)}
@@ -59,7 +64,7 @@ def report(
 
 def _report(press: Linkage, result: Reactions, frames: Keys, before: Reactions | None) -> dict[str, Any]:
     over = charts.abscissa(result.motion).quantity
-    other = None if before is None else _other(before, over)
+    other = None if before is None else _other(before, result.motion, over)
     values = extremes(press, result)
     return {
         "subtitle": _subtitle(result, other),
@@ -87,14 +92,17 @@ def _sections(result: Reactions) -> list[tuple[str, list[Chart]]]:
     return [(title, some) for title, some in sections if some]
 
 
-def _other(before: Reactions, over: str) -> dict[str, Any]:
+def _other(before: Reactions, motion: Motion, over: str) -> dict[str, Any]:
     """What is drawn beside: its key frames, abscissas and charts."""
     its = charts.abscissa(before.motion).quantity
     if its != over:
         raise PinpressError(f"before is over {its}, the motion over {over}: compare a turn with a turn, or a run with a run")
     frames = keys(before._press, before.motion)
+    if over == "crank angle" and (motion.crank_angle[-1] > motion.crank_angle[0]) != (frames.crank[-1] > frames.crank[0]):
+        raise PinpressError("before turns the other way than the motion: compare two that turn the same way")
     x = np.degrees(frames.crank) if over == "crank angle" else frames.time
-    return {"press": before._press.name, "frames": frames, "x": packed(x, "before"), "sections": dict(_sections(before))}
+    words = f"{before._press.name}, {_words(before.motion)}"
+    return {"words": words, "frames": frames, "x": packed(x, "before"), "sections": dict(_sections(before))}
 
 
 def _paired(some: list[Chart], other: dict[str, Any] | None, title: str) -> list[tuple[Chart, tuple[Chart, Keys] | None]]:
@@ -126,7 +134,16 @@ def _bearing(result: Reactions, name: str, frames: Keys, before: Reactions | Non
         if other.axes == locus.axes:
             factor = charts.factor("force", locus.unit) / charts.factor("force", other.unit)
             bearing["before"] = {key: packed(factor * getattr(other, key)[its.states], name) for key in ("frame", "own")}
-    return bearing | {"components": _chart(charts.components(result, name), frames, beside)}
+    return bearing | {"open": _left_open(result, name), "components": _chart(charts.components(result, name), frames, beside)}
+
+
+def _left_open(result: Reactions, name: str) -> str:
+    """What rigid mechanics does not decide of a bearing, and is not zero, in words; empty where there is nothing."""
+    least = charts.rounding(result)
+    sizes = [np.abs(vector).max(axis=0) for vector in (result.bearing_force[name], result.bearing_moment[name])]
+    shown = np.concatenate([sizes[0] > least.force, sizes[1] > least.moment]) & result.indeterminate[name]
+    components = [f"{kind} {axis}" for kind in ("force", "moment") for axis in charts.AXES]
+    return ", ".join(itertools.compress(components, shown))
 
 
 def _harmonics(result: Reactions, before: Reactions | None) -> dict[str, Any] | None:
@@ -151,15 +168,18 @@ def _harmonics(result: Reactions, before: Reactions | None) -> dict[str, Any] | 
 
 
 def _subtitle(result: Reactions, other: dict[str, Any] | None) -> str:
-    motion = result.motion
+    count = len(result.motion.crank_angle)
+    beside = "" if other is None else f"; dashed: {other['words']}"
+    return f"{_words(result.motion)}, {count} {'states' if count > 1 else 'state'}{beside}"
+
+
+def _words(motion: Motion) -> str:
+    """What the motion is."""
     if isinstance(motion, Run):
-        words = f"simulated run of {motion.time[-1]:.6g} s"
-    elif motion.crank_speed.ndim == 1 and charts.crank_speed(motion) is None:
-        words = f"crank at {motion.crank_speed[0] / RPM:.6g} r/min"
-    else:
-        words = "prescribed motion"
-    beside = "" if other is None else f"; dashed: {other['press']}"
-    return f"{words}, {len(motion.crank_angle)} states{beside}"
+        return f"simulated run of {motion.time[-1]:.6g} s"
+    if motion.crank_speed.ndim == 1 and charts.crank_speed(motion) is None:
+        return f"crank at {motion.crank_speed[0] / RPM:.6g} r/min".replace("-", "\u2212")
+    return "prescribed motion"
 
 
 def _cards(values: Sequence[Extreme]) -> list[dict[str, str]]:
@@ -167,7 +187,7 @@ def _cards(values: Sequence[Extreme]) -> list[dict[str, str]]:
     by_name = {value.quantity: value for value in values}
     cards = []
     if travel := by_name.get("slide position"):
-        cards.append({"name": "slide travel", "value": f"{travel.range:.4g} mm", "at": ""})
+        cards.append({"name": "slide travel", "value": _with_prefix(1e-3 * travel.range, "m"), "at": ""})
     torques = [value for value in values if value.quantity.startswith("driving torque")]
     forces = [value for value in values if value.quantity.startswith("force in ") and value.quantity.endswith(", magnitude")]
     for name, some in (("largest driving torque", torques), ("largest bearing force", forces)):
@@ -183,23 +203,31 @@ def _cards(values: Sequence[Extreme]) -> list[dict[str, str]]:
 
 
 def _with_prefix(value: float, unit: str) -> str:
-    factor, prefix = next((f, p) for f, p in ((1e6, "M"), (1e3, "k"), (0.0, "")) if abs(value) >= f)
-    return f"{value / (factor or 1.0):.4g} {prefix}{unit}"
+    if value == 0.0:
+        return f"0 {unit}"
+    power = min(max(3 * int(np.floor(np.log10(abs(value)) / 3)), -9), 9)
+    prefix = {-9: "n", -6: "µ", -3: "m", 0: "", 3: "k", 6: "M", 9: "G"}[power]
+    return f"{value / 10.0**power:.4g} {prefix}{unit}"
 
 
 def _table(values: Sequence[Extreme], before: Sequence[Extreme] | None) -> dict[str, Any]:
     head = ["", "unit", "smallest", "at [deg]", "largest", "at [deg]", "range", "rms"]
-    known = {value.quantity: value for value in before or ()}
-    rows = []
+    if before is None:
+        return {"head": head, "rows": [_row(value) for value in values]}
+    known, rows = {value.quantity: value for value in before}, []
     for value in values:
-        numbers = [value.smallest, value.smallest_at, value.largest, value.largest_at, value.range, value.rms]
-        row = [value.quantity, value.unit, *(f"{n:.1f}" if i in (1, 3) else _five(n) for i, n in enumerate(numbers))]
-        if before is not None:
-            other = known.get(value.quantity)
-            change = "" if other is None or other.range == 0.0 else f"{100 * (value.range / other.range - 1):+.2f} %"
-            row += ["" if other is None else _five(other.range), change]
-        rows.append(row)
-    return {"head": head + ([] if before is None else ["range before", "changes by"]), "rows": rows}
+        other, (*row, rms) = known.get(value.quantity), _row(value)
+        if other is None:
+            beside = ["", ""]
+        else:
+            beside = [_five(other.range), f"{100 * (value.range / other.range - 1):+.2f} %" if other.range else ""]
+        rows.append([*row, *beside, rms])
+    return {"head": [*head[:-1], "before", "changes by", "rms"], "rows": rows}
+
+
+def _row(value: Extreme) -> list[str]:
+    at = (f"{value.smallest_at:.1f}", f"{value.largest_at:.1f}")
+    return [value.quantity, value.unit, _five(value.smallest), at[0], _five(value.largest), at[1], _five(value.range), _five(value.rms)]
 
 
 def _five(value: float) -> str:

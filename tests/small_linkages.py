@@ -1,4 +1,4 @@
-"""Two shafts on one frame, geared or each with a drive of its own, with visuals."""
+"""Two shafts on one frame, geared or each with a drive of its own, with visuals; and presses bolted down askew."""
 
 from pathlib import Path
 from typing import Any
@@ -27,3 +27,12 @@ def geared(folder: Path, mimic: str, *drivers: str) -> Any:
 def two_cranks(folder: Path) -> Any:
     """Both driven."""
     return geared(folder, "", "fast", "slow")
+
+
+def bolted(press: Any, rpy: str, folder: Path, **more: Any) -> Any:
+    """A shipped press whose frame is fixed to a floor at these angles [rad]."""
+    bolts = f'<joint name="bolts" type="fixed"><parent link="floor"/><child link="frame"/><origin xyz="0 0 0" rpy="{rpy}"/></joint>'
+    text = press.text.decode().replace('<link name="frame">', '<link name="floor"/>' + bolts + '<link name="frame">')
+    file = folder / "bolted.urdf"
+    file.write_text(text, encoding="utf-8")
+    return pp.load(file, **more)

@@ -197,7 +197,7 @@ def test_every_press_comes_back(name, points):
     ("force", "orders", "message"),
     [
         (np.zeros((8, 2)), 3, r"force has shape \(8, 2\): give one of \(8, 3\)"),
-        (np.where(np.arange(24).reshape(8, 3) == 13, np.inf, 1.0), 3, "force is not finite at index 4"),
+        (np.where(np.arange(24).reshape(8, 3) == 13, np.inf, 1.0), 3, "harmonics: force is not finite"),
         (np.zeros((8, 3)), -1, "orders is -1"),
         (np.zeros((8, 3)), 2.5, "orders is 2.5"),
     ],
@@ -453,7 +453,7 @@ def test_not_finite():
         (lambda: charts.crank_speed(replace(motion, crank_speed=spoiled(motion.crank_speed, 2))), "crank speed is not finite at index 2"),
     ]
     bad = replace(result, driving_torque=spoiled(result.driving_torque, 4))
-    cases += [(lambda: charts.torque(bad), "Driving torque is not finite at index 4")]
+    cases += [(lambda: charts.torque(bad), "driving torque is not finite at index 4")]
     cases += [(lambda: extremes(texts.shipped("crank_slide"), bad), "driving torque is not finite at index 4")]
     force = {name: spoiled(values, 6) if name == "P" else values for name, values in result.bearing_force.items()}
     worse = replace(result, bearing_force=force)

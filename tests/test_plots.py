@@ -348,7 +348,7 @@ def test_a_failure_leaves_the_file_as_it_was(result, tmp_path, monkeypatch):
 def test_not_finite(result):
     torque = np.array(result.driving_torque)
     torque[7] = np.inf
-    with pytest.raises(pp.PinpressError, match="Driving torque is not finite at index 7"):
+    with pytest.raises(pp.PinpressError, match="driving torque is not finite at index 7"):
         plots.plot_torque(replace(result, driving_torque=torque))
 
 

@@ -16,7 +16,7 @@ import pytest
 from hostile import load_hostile
 from in_browser import data_in, pixels, seek, visible, wait
 from numpy.testing import assert_allclose
-from small_linkages import geared, two_cranks
+from small_linkages import bolted, geared, two_cranks
 from spatial_linkages import bennett
 
 import pinpress as pp
@@ -378,7 +378,7 @@ def test_same_input_same_bytes(press: Any, motion: Any, recording: Path, tmp_pat
     assert [p.name for p in tmp_path.iterdir()] == ["again.html"]
 
 
-@pytest.mark.parametrize(("points", "count"), [(2, 2), (36, 37), (360, 361), (1000, 361)])
+@pytest.mark.parametrize(("points", "count"), [(4, 5), (36, 37), (360, 361), (1000, 361)])
 def test_number_of_keys(points: int, count: int, press: Any, tmp_path: Path) -> None:
     motion = pp.cycle(press, speed=SPEED, points=points)
     data = data_in(pp.record(press, motion, tmp_path / "out.html"))
@@ -437,6 +437,43 @@ def test_reactions_of_another_motion(press: Any, motion: Any, tmp_path: Path) ->
         with pytest.raises(pp.PinpressError, match="the reactions are of another motion"):
             pp.record(press, motion, tmp_path / "out.html", result)
     assert list(tmp_path.iterdir()) == []
+
+
+def test_what_does_not_belong_together(tmp_path: Path) -> None:
+    press, balanced, other = pp.load("zxn2_3000b"), pp.load("zxn2_3000b_balanced"), pp.load("crank_slide")
+    motion = pp.cycle(press, speed=SPEED, points=36)
+    result = pp.inverse_dynamics(press, motion)
+    faster = pp.inverse_dynamics(press, pp.cycle(press, speed=3 * SPEED, points=36))
+    heavier = pp.inverse_dynamics(balanced, pp.cycle(balanced, speed=SPEED, points=36))
+    file = tmp_path / "out.html"
+    assert pp.record(pp.load("zxn2_3000b"), motion, file, result).exists()  # the same press, loaded again
+    for says, call in {
+        "the reactions are of another motion": lambda: pp.record(press, motion, file, faster),
+        "the reactions are of zxn2_3000b_balanced, another press than zxn2_3000b": lambda: pp.record(press, motion, file, heavier),
+        "the motion is of zxn2_3000b with other joints than crank_slide": lambda: pp.record(other, motion, file),
+        "reactions is a Motion, no Reactions: give what inverse_dynamics returns": lambda: pp.record(press, motion, file, motion),
+        "motion is a Reactions, no Motion: give what cycle or simulate returns": lambda: pp.record(press, result, file),
+        "press is a str, no Linkage: give what load returns": lambda: pp.report("zxn2_3000b", motion, file),
+        "before is a str, no Reactions": lambda: pp.report(press, motion, file, before="zxn2_3000b"),
+        "cannot write None": lambda: pp.record(press, motion, None),
+    }.items():
+        with pytest.raises(pp.PinpressError, match=re.escape(says)):
+            call()
+
+
+def test_states_that_are_too_far_apart(press: Any, tmp_path: Path) -> None:
+    with pytest.raises(pp.PinpressError, match="turns 120 deg from one state to the next, too far to show"):
+        pp.record(press, pp.cycle(press, speed=SPEED, points=3), tmp_path / "out.html")
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize("turned", ["0 0 3.141592653589793", "0 0 -1.5707963267948966", "0 0 1.5707963267948966"])
+def test_a_press_is_seen_from_its_front(turned: str, tmp_path: Path) -> None:
+    """The ZXN2's frame is a wall behind its links, which face -y as drawn."""
+    turned_press = bolted(pp.load("zxn2_3000b"), turned, tmp_path)
+    data = data_in(pp.record(turned_press, pp.cycle(turned_press, speed=SPEED, points=36), tmp_path / "out.html"))
+    yaw = float(turned.split()[2])
+    assert_allclose(data["front"], [np.sin(yaw), -np.cos(yaw), 0], atol=1e-9)
 
 
 def test_forces_that_cannot_be_drawn(press: Any, motion: Any, tmp_path: Path) -> None:

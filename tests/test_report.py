@@ -11,7 +11,7 @@ import pytest
 from hostile import NAMES, load_hostile
 from in_browser import data_in, seek
 from numpy.testing import assert_allclose
-from small_linkages import two_cranks
+from small_linkages import bolted, two_cranks
 from spatial_linkages import bennett
 
 import pinpress as pp
@@ -97,7 +97,7 @@ def test_charts_follow_the_recording(page: Any, result: Any) -> None:
         ):
             cursor = page.evaluate(CURSOR, title)
             assert cursor["x"] == pytest.approx(2 * i, abs=0.05)
-            assert_allclose([shown(text) for text in cursor["values"]], [value[i] for value in values], rtol=5e-3, atol=6e-4)
+            assert_allclose([shown(text) for text in cursor["values"]], [value[i] for value in values], atol=6e-4 * np.abs(values).max())
     before = seek(page, motion.time[20])[:, 640:]
     assert np.count_nonzero(np.abs(seek(page, motion.time[60])[:, 640:] - before).max(axis=2) > 60) > 200  # cursors have moved
 
@@ -124,10 +124,20 @@ def test_a_click_on_a_chart_seeks(page: Any) -> None:
     page.mouse.move(*place)
     page.wait_for_timeout(150)
     assert page.locator(".hoverlayer text").count() > 0
+    page.mouse.dblclick(*place)  # which takes a zoom back
+    page.wait_for_timeout(600)
+    assert page.evaluate("now") == 0
     page.mouse.click(*place)
-    page.wait_for_timeout(150)
+    page.wait_for_timeout(600)
     assert page.evaluate("now / duration") == pytest.approx(0.25, abs=0.01)
     assert not page.evaluate("playing")
+
+
+def test_nothing_is_sent_anywhere(page: Any) -> None:
+    """Plotly can upload charts; here its buttons save a picture and zoom."""
+    titles = page.evaluate("[...document.querySelectorAll('.modebar-btn')].map(button => button.dataset.title)")
+    assert set(titles) == {"Download plot as a PNG", "Zoom", "Pan", "Reset axes"}
+    assert page.locator("a[href]").count() == 0
 
 
 def test_zoom_takes_the_cursor_along(page: Any) -> None:
@@ -197,11 +207,12 @@ def test_before_and_after(result: Any, view: Callable[..., Any], tmp_path: Path)
     assert_allclose(curves["Shaking force [kN]"][1]["y"][:-1], result.shaking_force[:, 0] / 1e3, atol=1e-4)
     assert_allclose(curves["Shaking force [kN]"][0]["y"][:-1], after.shaking_force[:, 0] / 1e3, atol=1e-4)
     assert len(curves["Polar diagram, world axes [kN]"]) == 2
-    assert "dashed: zxn2_3000b" in page.inner_text("#subtitle")
+    assert "dashed: zxn2_3000b, crank at 70 r/min" in page.inner_text("#subtitle")
     rows = page.evaluate("[...document.querySelectorAll('tbody tr')].map(row => [...row.children].map(cell => cell.textContent))")
     row = next(row for row in rows if row[0] == "shaking force, x")
     change = 100 * (np.ptp(after.shaking_force[:, 0]) / np.ptp(result.shaking_force[:, 0]) - 1)
-    assert shown(row[-1].removesuffix(" %")) == pytest.approx(change, abs=0.006)
+    assert shown(row[-2].removesuffix(" %")) == pytest.approx(change, abs=0.006)
+    assert shown(row[-3]) == pytest.approx(np.ptp(result.shaking_force[:, 0]), rel=1e-4)
 
 
 def test_run_is_over_time(view: Callable[..., Any], tmp_path: Path) -> None:
@@ -242,6 +253,43 @@ def test_what_cannot_be_compared(press: Any, result: Any, tmp_path: Path) -> Non
     with pytest.raises(pp.PinpressError, match="before is over time, the motion over crank angle"):
         pp.report(press, result.motion, tmp_path / "out.html", result, before=pp.inverse_dynamics(press, run))
     assert list(tmp_path.iterdir()) == []
+
+
+def test_backwards(press: Any, result: Any, tmp_path: Path, view: Callable[..., Any]) -> None:
+    """Time runs to the right, and a motion the other way is not laid beside it."""
+    back = pp.inverse_dynamics(press, pp.cycle(press, speed=-SPEED, points=60))
+    with pytest.raises(pp.PinpressError, match="turns the other way"):
+        pp.report(press, back.motion, tmp_path / "out.html", back, before=result)
+    page = view(pp.report(press, back.motion, tmp_path / "out.html", back), "#t=0", WIDE)
+    page.evaluate("t => seek(t)", back.motion.time[15])
+    assert page.evaluate(CURSOR, "Slide position")["x"] == pytest.approx(-90, abs=0.1)
+    place = "parseFloat(document.querySelector('.cursor').style.left)"
+    left = page.evaluate(place)
+    page.evaluate("t => seek(t)", back.motion.time[30])
+    assert page.evaluate(place) > left
+    assert page.inner_text("#crank") == "crank−180.0°"
+
+
+def test_what_rigid_mechanics_leaves_open_is_said(tmp_path: Path) -> None:
+    two_rods, one_rod = pp.load("jf75g_125_two_point"), pp.load("jf75g_125")
+    for press, expected in ((two_rods, True), (one_rod, False)):
+        motion = pp.cycle(press, speed=SPEED, points=24)
+        bearings = data_in(pp.report(press, motion, tmp_path / "out.html"))["report"]["bearings"]
+        assert any("force" in bearing["open"] for bearing in bearings) is expected
+
+
+def test_tilted_press_has_whole_polar_diagrams(press: Any, result: Any, tmp_path: Path) -> None:
+    """A force in a tilted plane is as long in the polar diagram as it is."""
+    from pinpress.charts import locus
+
+    tilted = bolted(press, "0.4 0.3 0.7", tmp_path, gravity=(0, 0, 0))
+    its = pp.inverse_dynamics(tilted, pp.cycle(tilted, speed=SPEED, points=36))
+    for name, force in its.bearing_force.items():
+        found = locus(its, name)
+        assert found.axes == ("h", "u")
+        scale = {"N": 1.0, "kN": 1e3, "MN": 1e6}[found.unit]
+        for path in (found.frame, found.own):
+            assert_allclose(scale * np.linalg.norm(path, axis=1), np.linalg.norm(force, axis=1), rtol=1e-9, atol=1e-4)
 
 
 def test_run_under_loads_needs_its_reactions(tmp_path: Path) -> None:

@@ -2,6 +2,9 @@
 let now = 0, playing = false, before = null;
 const DIGITS = Math.max(3, 2 - Math.floor(Math.log10(duration || 1)));  // of times, so that those of a fast press differ
 const [LENGTH, PER_METRE] = data.size > 50 ? ["m", 1] : data.size > 0.02 ? ["mm", 1e3] : ["µm", 1e6];
+const travel = data.slide ? (Math.max(...data.slide) - Math.min(...data.slide)) * PER_METRE : 0;
+const PLACES = travel > 0 ? Math.min(9, Math.max(1, 2 - Math.floor(Math.log10(travel)))) : 1;
+const ONE_TURN = data.crank.every(angle => Math.abs(angle) <= 360.001);
 const listeners = [];  // what else follows the time: functions of the time [s]
 
 function seek(time) {
@@ -12,8 +15,8 @@ function seek(time) {
   for (const { dot, series } of dots) dot.position.copy(vector(series));
   const angle = number(data.crank);
   show("time", "", now.toFixed(DIGITS) + " s");
-  show("crank", "crank", (Math.abs(angle) <= 360 ? angle : (angle % 360 + 360) % 360).toFixed(1) + "°");
-  if (data.slide) show("slide", "slide", `${(number(data.slide) * PER_METRE).toFixed(1).replace("-", "\u2212")} ${LENGTH}`);
+  show("crank", "crank", ONE_TURN ? angle.toFixed(1) + "°" : ((angle % 360 + 360) % 360).toFixed(1) + "°");
+  if (data.slide) show("slide", "slide", `${(number(data.slide) * PER_METRE).toFixed(PLACES)} ${LENGTH}`);
   element("slider").value = now;
   fillLabels();
   for (const tell of listeners) tell(now);
@@ -23,7 +26,7 @@ function seek(time) {
 function show(id, label, text) {
   const small = document.createElement("small");
   small.textContent = label;
-  element(id).replaceChildren(small, text);
+  element(id).replaceChildren(small, text.replace("-", "\u2212"));
 }
 
 function setPlaying(on) {
@@ -42,9 +45,14 @@ function frame(stamp) {
 }
 
 function seekFromAddress() {
-  const match = /^#t=([\d.]+)$/.exec(location.hash);
+  const match = /^#t=(\d*\.?\d+)$/.exec(location.hash);
   if (match) { setPlaying(false); seek(Number(match[1]) || 0); }
   return match !== null;
+}
+
+function startingRate() {  // real time, or so slow that a turn takes half a second at least
+  const turn = data.time[data.turn - 1], rates = [...element("rate").options].map(option => Number(option.value));
+  return String(Math.max(rates[0], ...rates.filter(rate => rate <= 1 && turn / rate >= 0.5)));
 }
 
 // ---- controls ----
@@ -59,6 +67,7 @@ function toggle(id, apply) {
 
 function start() {
   element("slider").max = duration;
+  element("rate").value = startingRate();
   element("slider").addEventListener("input", event => { setPlaying(false); seek(Number(event.target.value)); });
   element("slider").addEventListener("change", () => history.replaceState(null, "", "#t=" + now.toFixed(DIGITS)));
   element("play").addEventListener("click", () => setPlaying(!playing));

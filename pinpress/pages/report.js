@@ -2,12 +2,23 @@
 const { report } = data;
 const COLOURS = ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#8c6d1f", "#56b4e9", "#6f4fb0", "#e69f00", "#7a2e2e", "#3d7a7a", "#b5179e", "#5a6b1f", "#1d2730"];
 const FONT = { family: getComputedStyle(document.body).fontFamily, size: 11.5, color: "#46535f" };
-const CONFIG = { responsive: true, displaylogo: false, modeBarButtonsToRemove: ["select2d", "lasso2d", "autoScale2d"] };
+const CONFIG = {  // nothing that would send a chart anywhere
+  responsive: true, displaylogo: false, showSendToCloud: false, showEditInChartStudio: false, plotlyServerURL: "",
+  modeBarButtons: [["toImage", "zoom2d", "pan2d", "resetScale2d"]],
+};
 const AXIS = { gridcolor: "#e9edf0", zerolinecolor: "#b9c3cc", linecolor: "#b9c3cc", ticks: "outside", ticklen: 4, tickcolor: "#b9c3cc", automargin: true };
 const over = report.over.unit === "deg" ? data.crank : data.time;
 const overBefore = report.before && floats(report.before);
 const asText = text => text.replaceAll("&", "&amp;").replaceAll("<", "&lt;").replaceAll(">", "&gt;");  // Plotly takes some tags
-const xAxis = () => ({ ...AXIS, title: { text: `${report.over.quantity} [${report.over.unit}]`, standoff: 6 }, range: [Math.min(over[0], over.at(-1)), Math.max(over[0], over.at(-1))], ...(report.over.unit === "deg" ? { dtick: 45 } : {}) });
+const MODE = over.length > 1 ? "lines" : "markers";
+const brief = (text, most = 40) => text.length > most ? text.slice(0, most - 1) + "…" : text;
+
+function xAxis() {  // backwards too time runs to the right
+  const axis = { ...AXIS, title: { text: `${report.over.quantity} [${report.over.unit}]`, standoff: 6 } };
+  if (over.length > 1) axis.range = [over[0], over.at(-1)];
+  if (report.over.unit === "deg" && Math.abs(over.at(-1) - over[0]) >= 180) axis.dtick = 45;
+  return axis;
+}
 
 function make(tag, parent, properties = {}) {
   const made = document.createElement(tag);
@@ -22,10 +33,12 @@ function card(parent, title, unit) {
   return box;
 }
 
-function rounded(value) {
-  const digits = Math.abs(value) >= 1000 ? 0 : Math.abs(value) >= 100 ? 1 : Math.abs(value) >= 1 ? 2 : 4;
-  return value.toFixed(digits).replace("-", "\u2212");
+function rounded(value, largest) {  // to four digits of the largest value
+  const digits = Math.max(0, 3 - Math.floor(Math.log10(largest || 1)));
+  return (digits > 9 ? value.toPrecision(4) : value.toFixed(digits)).replace("-", "\u2212");
 }
+
+const largestOf = values => values.reduce((largest, value) => Math.max(largest, Math.abs(value)), 0);
 
 function legend(parent, plot, curves) {  // a button a curve, which hides it, with its present value
   const list = make("ul", parent, { className: "legend" });
@@ -43,9 +56,10 @@ function legend(parent, plot, curves) {  // a button a curve, which hides it, wi
 
 function lineChart(parent, chart) {
   const box = card(parent, chart.title, chart.unit), series = chart.curves.map(curve => floats(curve.values)), traces = [];
+  const largest = Math.max(...series.map(largestOf));
   const curves = chart.curves.map((curve, i) => {
-    const colour = COLOURS[i % COLOURS.length], mine = [traces.length], name = asText(curve.name);
-    const line = { mode: "lines", hovertemplate: `%{y:.5g} ${chart.unit}` };
+    const colour = COLOURS[i % COLOURS.length], mine = [traces.length], name = asText(brief(curve.name));
+    const line = { mode: MODE, hovertemplate: `%{y:.5g} ${chart.unit}` };
     traces.push({ ...line, x: over, y: series[i], name, line: { color: colour, width: 1.8, simplify: false } });
     if (curve.before) {
       mine.push(traces.length);
@@ -58,10 +72,10 @@ function lineChart(parent, chart) {
   plot.className = "plot";
   box.append(plot);
   Plotly.newPlot(plot, traces, layout, CONFIG);
-  plot.on("plotly_click", ({ points }) => { setPlaying(false); seek(timeAt(points[0].x)); });
+  seekOnClick(plot, ({ x }) => timeAt(x));
   const cursor = make("div", plot, { className: "cursor" });
   const follow = () => {
-    series.forEach((numbers, i) => { values[i].textContent = rounded(number(numbers)); });
+    series.forEach((numbers, i) => { values[i].textContent = rounded(number(numbers), largest); });
     const { xaxis, yaxis } = plot._fullLayout, x = xaxis.l2p(number(over));
     cursor.hidden = x < 0 || x > xaxis._length;
     Object.assign(cursor.style, { left: `${xaxis._offset + x}px`, top: `${yaxis._offset}px`, height: `${yaxis._length}px` });
@@ -70,6 +84,15 @@ function lineChart(parent, chart) {
   plot.on("plotly_afterplot", follow);
   listeners.push(follow);
   return { box, stop: () => { listeners.splice(listeners.indexOf(follow), 1); Plotly.purge(plot); box.remove(); } };
+}
+
+function seekOnClick(plot, time) {  // but not on a double click, which takes the zoom back
+  let waiting = 0;
+  plot.on("plotly_click", ({ points, event }) => {
+    clearTimeout(waiting);
+    if (!(event.detail > 1)) waiting = setTimeout(() => { setPlaying(false); seek(time(points[0])); }, 300);
+  });
+  plot.on("plotly_doubleclick", () => clearTimeout(waiting));
 }
 
 function timeAt(x) {
@@ -87,20 +110,28 @@ function polarChart(parent, title, axes, unit, path, before) {  // the tip of th
   const decade = 10 ** Math.floor(Math.log10(largest / 3)), step = decade * [1, 2, 5, 10].find(s => s * decade >= largest / 4);
   const circles = Array.from({ length: Math.ceil(largest / step) }, (_, i) => (i + 1) * step).map(r => ({ type: "circle", layer: "below", x0: -r, x1: r, y0: -r, y1: r, line: { color: "#dfe5ea", width: 1 } }));
   const limit = 1.08 * Math.ceil(largest / step) * step, axis = { ...AXIS, showgrid: false, range: [-limit, limit], dtick: 2 * step, tickangle: 0, zeroline: true };
-  const hover = { mode: "lines", hovertemplate: `%{text}<br>${axes[0]} %{x:.4g}, ${axes[1]} %{y:.4g} ${unit}<extra></extra>` };
+  const hover = { mode: MODE, hovertemplate: `%{text}<br>${axes[0]} %{x:.4g}, ${axes[1]} %{y:.4g} ${unit}<extra></extra>` };
   const texts = values => Array.from(values, value => `${report.over.quantity} ${value.toFixed(report.over.unit === "deg" ? 1 : 4)} ${report.over.unit}`);
   const traces = [{ ...hover, x: column(points, 0), y: column(points, 1), text: texts(over), line: { color: COLOURS[0], width: 1.8, simplify: false } }];
   if (before) traces.unshift({ ...hover, x: column(others, 0), y: column(others, 1), text: texts(overBefore), line: { color: "#8a949e", width: 1.4, dash: "dash", simplify: false } });
   const layout = { margin: { l: 46, r: 10, t: 8, b: 40 }, font: FONT, hovermode: "closest", showlegend: false, shapes: circles, xaxis: { ...axis, title: { text: axes[0], standoff: 4 }, constrain: "domain" }, yaxis: { ...axis, title: { text: axes[1], standoff: 2 }, scaleanchor: "x", constrain: "domain" }, paper_bgcolor: "#fff", plot_bgcolor: "#fff" };
   Plotly.newPlot(plot, traces, layout, CONFIG);
+  seekOnClick(plot, ({ x, y }) => nearest(x, y));
+  const nearest = (x, y) => {
+    let best = 0;
+    for (let k = 0; k < over.length; k++)
+      if (Math.hypot(points[2 * k] - x, points[2 * k + 1] - y) < Math.hypot(points[2 * best] - x, points[2 * best + 1] - y)) best = k;
+    return data.time[best];
+  };
   const ray = make("div", plot, { className: "ray" }), tip = make("div", plot, { className: "tip" });
   const follow = () => {
     const { xaxis, yaxis } = plot._fullLayout, at = i => points[2 * moment.before + i] + moment.part * (points[2 * moment.after + i] - points[2 * moment.before + i]);
     const place = (x, y) => [xaxis._offset + xaxis.l2p(x), yaxis._offset + yaxis.l2p(y)], [x0, y0] = place(0, 0), [x, y] = place(at(0), at(1));
     Object.assign(tip.style, { left: `${x}px`, top: `${y}px` });
     Object.assign(ray.style, { left: `${x0}px`, top: `${y0}px`, width: `${Math.hypot(x - x0, y - y0)}px`, transform: `rotate(${Math.atan2(y - y0, x - x0)}rad)` });
-    const away = x < xaxis._offset || x > xaxis._offset + xaxis._length || y < yaxis._offset || y > yaxis._offset + yaxis._length;
-    ray.hidden = tip.hidden = away;
+    const away = (x, y) => x < xaxis._offset || x > xaxis._offset + xaxis._length || y < yaxis._offset || y > yaxis._offset + yaxis._length;
+    tip.hidden = away(x, y);
+    ray.hidden = away(x, y) || away(x0, y0);
   };
   plot.on("plotly_relayout", follow);
   plot.on("plotly_afterplot", follow);
@@ -115,11 +146,13 @@ function bearingDetail(parent) {  // one at a time: a press has up to a dozen
   let stop = [];
   const draw = () => {
     stop.forEach(end => end());
-    const { name, link, axes, unit, frame, own, before, components } = report.bearings[choice.value];
+    const { name, link, axes, unit, frame, own, before, components, open } = report.bearings[choice.value];
+    const note = make("p", place, { className: "note", hidden: !open });
+    note.textContent = `Rigid mechanics leaves open: ${open}. It is shared with the least sum of squared bearing forces, or as the stiffnesses say.`;
     const chart = lineChart(place, components), pair = make("div", place, { className: "pair" });
     const frames = polarChart(pair, "Polar diagram, world axes", axes, unit, frame, before?.frame);
-    const links = polarChart(pair, `Polar diagram, axes of ${link}`, axes, unit, own, before?.own);
-    stop = [chart.stop, frames, links, () => pair.remove()];
+    const links = polarChart(pair, `Polar diagram, axes of ${brief(link)}`, axes, unit, own, before?.own);
+    stop = [chart.stop, frames, links, () => pair.remove(), () => note.remove()];
     seek(now);
   };
   choice.addEventListener("change", draw);
@@ -153,7 +186,7 @@ function table(parent) {
   for (const title of report.table.head) make("th", head, { textContent: title });
   for (const cells of report.table.rows) {
     const row = make("tr", body);
-    for (const cell of cells) make("td", row, { textContent: cell.replace(/^-/, "\u2212") });
+    for (const cell of cells) make("td", row, { textContent: brief(cell.replace(/^-/, "\u2212"), 80), title: cell });
   }
 }
 
