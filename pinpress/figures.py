@@ -29,6 +29,7 @@ COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#0
 LINES = ("-", (0, (5, 1.5)), (0, (1.2, 1.2)), (0, (5, 1.5, 1.2, 1.5)))
 GREY, LIGHT = "#7a7a7a", "#dddddd"
 SMALL, NORMAL = 8.0, 9.0  # of letters [pt]
+LONGEST = 40  # letters of a name
 LINE, THIN = 1.3, 0.6  # widths [pt]
 STYLE = {
     "font.size": NORMAL,
@@ -135,13 +136,18 @@ def legend(owner: "Axes | Figure", handles: "Sequence[Artist]", names: Sequence[
     """A legend of any names: Matplotlib would leave out one that begins with "_", and typeset what is between two "$"."""
     texts = owner.legend(list(handles), ["-"] * len(names), frameon=False, handlelength=1.8, **where).get_texts()
     for text, name in zip(texts, names, strict=True):
-        plain(text).set_text(name)
+        plain(text).set_text("\n".join(brief(line) for line in name.split("\n")))
 
 
 def above(axes: "Axes", handles: "Sequence[Artist]", names: Sequence[str]) -> None:
     """A legend in one line above the axes, clear of the curves."""
     where = {"loc": "lower left", "bbox_to_anchor": (-0.01, 0.98), "borderaxespad": 0.2, "columnspacing": 1.4}
     legend(axes, handles, names, ncols=len(names), **where)
+
+
+def brief(name: str) -> str:
+    """A name that fits, however long it is."""
+    return name if len(name) <= LONGEST else name[: LONGEST - 1] + "…"
 
 
 def plain(text: "Text") -> "Text":

@@ -29,6 +29,7 @@ __all__ = ["plot_bearings", "plot_comparison", "plot_polar", "plot_shaking", "pl
 
 SAME = 1e-6  # of the largest value: curves that differ by less are one
 INTERPOLATED = 1e-6  # of the largest value: a mean below it is the error of interpolation
+ROW = 0.45  # of a legend [cm]
 MOST_ABOVE = 4  # names of curves that go into one line above the axes
 BEFORE, PALE, AFTER = GREY, "#b0b0b0", COLOURS[0]
 
@@ -43,19 +44,19 @@ def plot_slide(motion: Motion) -> "Figure":
     if not shown:
         raise PinpressError(f"{motion.linkage} has no slide: name a link that the frame guides, load(..., slide=...)")
     speed = charts.crank_speed(motion)
-    return _stacked(motion, shown if speed is None else [*shown, speed], 1.0 + 4.2 * (3 if speed is None else 4))
+    return _stacked(motion, shown if speed is None else [*shown, speed], 4.2)
 
 
 def plot_torque(reactions: Reactions) -> "Figure":
     """Driving torque of every driver; of a run beside the torque of its drive."""
-    return _stacked(reactions.motion, [charts.torque(reactions)], 7.0)
+    return _stacked(reactions.motion, [charts.torque(reactions)], 6.0)
 
 
 def plot_bearings(reactions: Reactions) -> "Figure":
     """Magnitudes of all bearing and guide forces, and of the moments they hold, where one does. Curves that coincide are drawn once."""
     moments = charts.bearing_moment(reactions)
     shown = [_merged(chart) for chart in (charts.bearing(reactions), moments) if chart is not None]
-    return _stacked(reactions.motion, shown, 1.0 + max(7.5, 0.45 * len(shown[0].curves)) + (4.5 if moments else 0.0))
+    return _stacked(reactions.motion, shown, 7.5, 4.5)
 
 
 def plot_polar(reactions: Reactions, *bearings: str) -> "Figure":
@@ -74,7 +75,7 @@ def plot_shaking(reactions: Reactions) -> "Figure":
     motion, chart = reactions.motion, charts.shaking(reactions)
     found = harmonics(motion, reactions.shaking_force)
     if found is None or len(found.orders) < 2:
-        return _stacked(motion, [chart], 7.0)
+        return _stacked(motion, [chart], 6.0)
     with drawing(12.0) as figure:
         top, bottom = figure.subplots(2, 1, height_ratios=(1.2, 1.0))
         _panel(top, Over(motion), chart)
@@ -134,11 +135,13 @@ def _backwards(over: Over) -> bool:
     return bool(over.x[-1] < over.x[0])
 
 
-def _stacked(motion: Motion, shown: Sequence[Chart], height: float) -> "Figure":
-    """Charts one below the other over one abscissa."""
-    with drawing(height) as figure:
+def _stacked(motion: Motion, shown: Sequence[Chart], *least: float) -> "Figure":
+    """Charts one below the other over one abscissa, as high as their names need, at least ``least``, the last for all others [cm]."""
+    lines = [sum(1 + curve.name.count("\n") for curve in chart.curves) for chart in shown]
+    heights = [max(least[min(i, len(least) - 1)], 0.5 + ROW * count) for i, count in enumerate(lines)]
+    with drawing(1.0 + sum(heights)) as figure:
         over = Over(motion)
-        column = figure.subplots(len(shown), 1, sharex=True, squeeze=False)[:, 0]
+        column = figure.subplots(len(shown), 1, sharex=True, squeeze=False, height_ratios=heights)[:, 0]
         for axes, chart in zip(column, shown, strict=True):
             _panel(axes, over, chart)
         for axes in column[:-1]:

@@ -8,7 +8,7 @@ import numpy as np
 
 from .charts import Locus
 from .coordinates import Array
-from .figures import COLOURS, GREY, LIGHT, LINE, SMALL, THIN, WIDTH, Over, drawing, legend, plain
+from .figures import COLOURS, GREY, LIGHT, LINE, SMALL, THIN, WIDTH, Over, brief, drawing, legend, plain
 from .harmonic_analysis import last_turn
 from .motion import Motion
 
@@ -60,6 +60,8 @@ def _draw(axes: "Axes", locus: Locus, over: Over, first: int, marked: Sequence[t
     if turns:
         axes.plot(*over.along(locus.own)[first:].T, color=OWN, linestyle=DASHED, linewidth=0.8 * LINE)
     axes.plot(*over.along(locus.frame)[first:].T, color=FRAME, linewidth=0.8 * LINE)
+    if len(locus.frame) == 1:
+        axes.plot(*locus.frame[0], "o", color=FRAME, markersize=4.0)
     for _, state in marked:
         if turns:
             axes.plot(*locus.own[state], "o", color="white", markersize=3.0, markeredgecolor=OWN, markeredgewidth=0.8)
@@ -118,10 +120,9 @@ def _paper(axes: "Axes", locus: Locus, largest: float) -> Array:
     look: dict[str, Any] = {"color": GREY, "fontsize": SMALL, "style": "italic", "va": "center"}
     plain(axes.text(1.17 * end, 0.0, locus.axes[0], ha="left", **look))
     plain(axes.text(0.0, 1.25 * end, locus.axes[1], ha="center", **look))
-    plain(axes.set_title(f"{locus.bearing}\n", pad=4.0, fontweight="bold"))
-    plain(
-        axes.annotate(f"on {locus.link}", (0.5, 1.0), (0, 6.0), "axes fraction", "offset points", ha="center", fontsize=SMALL, color=GREY)
-    )
+    plain(axes.set_title(f"{brief(locus.bearing)}\n", pad=4.0, fontweight="bold"))
+    look = {"ha": "center", "fontsize": SMALL, "color": GREY}
+    plain(axes.annotate(f"on {brief(locus.link)}", (0.5, 1.0), (0, 6.0), "axes fraction", "offset points", **look))
     return places
 
 
