@@ -27,7 +27,8 @@ NO_CHROMIUM = (
     " https://www.chromium.org/getting-involved/download-chromium), or set the environment variable CHROMIUM to its program"
 )
 PROGRAMS = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable")
-FLAGS = ("--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--disable-dev-shm-usage", "--hide-scrollbars")  # drawn by the processor
+DRAWN = ("--use-gl=angle", "--use-angle=swiftshader-webgl", "--enable-unsafe-swiftshader")  # by the processor: the same everywhere
+FLAGS = (*DRAWN, "--disable-dev-shm-usage", "--hide-scrollbars")
 LONGER_SIDE = 960.0
 PATIENCE = 120_000  # ms
 PLAYER = "[typeof duration, typeof seek, typeof setPlaying, typeof viewer].join() === 'number,function,function,object'"

@@ -31,10 +31,11 @@ def record(
     reactions: Reactions | None = None,
     traces: Sequence[tuple[str, ArrayLike]] = (),
 ) -> Path:
-    """Write a self-contained page that shows the press moving, in real time, and return its path.
+    """Write a self-contained page that shows the press moving, and return its path.
 
-    A motion over one turn is closed to a loop. Long motions are thinned to 360 key frames per turn of the crank. The same input gives the
-    same bytes. ``#t=0.25`` at the end of the page's address stops it at 0.25 s.
+    It plays in real time; where a turn takes less than half a second it begins slowed down. A motion over one turn is closed to a loop.
+    Long motions are thinned to 360 key frames per turn of the crank. The same input gives the same bytes. ``#t=0.25`` at the end of the
+    page's address stops it at 0.25 s.
 
     Args:
         press: the linkage. Its URDF's ``<visual>`` boxes, cylinders, spheres and meshes are drawn; links without get shapes from their
@@ -46,8 +47,8 @@ def record(
         traces: points whose paths are drawn, each the name of a link and x, y, z in its frame [m]; the slide's path always is.
 
     Raises:
-        PinpressError: no time in the motion, a value that is not finite, reactions of another motion, a shape that cannot be drawn, Meshcat
-            not installed, or a path that cannot be written.
+        PinpressError: no time in the motion, states more than 90 deg of the crank apart, more than 555 turns, a value that is not finite,
+            reactions of another motion or press, a shape that cannot be drawn, Meshcat not installed, or a path that cannot be written.
         UnknownNameError: a trace on a link that the linkage does not have.
     """
     content = pages.page("recording.html", press.name, scene(press, motion, reactions, traces), pages.meshcat())

@@ -38,9 +38,14 @@ class Tab:
         self.context.set_offline(True)
         self.context.route("**/*", self._only_files)
         self.page = self.context.new_page()
-        self.page.on("console", lambda message: self.problems.append(message.text) if message.type in ("error", "warning") else None)
+        self.page.on("console", self._said)
         self.page.on("pageerror", lambda error: self.problems.append(str(error)))
         self.page.on("dialog", lambda dialog: (self.problems.append(f"dialog: {dialog.message}"), dialog.dismiss()))
+
+    def _said(self, message: Any) -> None:
+        drawing = "GL Driver Message (OpenGL, Performance" in message.text  # a screenshot makes the software renderer wait, it says
+        if message.type in ("error", "warning") and not drawing:
+            self.problems.append(message.text)
 
     def _only_files(self, route: Any) -> None:
         if route.request.url.startswith("file:"):

@@ -9,7 +9,8 @@ from typing import Any
 
 import numpy as np
 
-FLAGS = ["--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--disable-dev-shm-usage", "--hide-scrollbars"]
+DRAWN = ["--use-gl=angle", "--use-angle=swiftshader-webgl", "--enable-unsafe-swiftshader"]  # by the processor
+FLAGS = [*DRAWN, "--no-sandbox", "--disable-dev-shm-usage", "--hide-scrollbars"]
 
 
 def data_in(path: Path) -> dict[str, Any]:

@@ -116,6 +116,7 @@ def test_the_press_stays_in_sight(page: Any) -> None:
             assert box[2] <= width
             assert box[3] > 300
     page.set_viewport_size({"width": WIDE[0], "height": WIDE[1]})
+    page.wait_for_timeout(500)  # until the charts have their width again
 
 
 def test_a_click_on_a_chart_seeks(page: Any) -> None:

@@ -11,7 +11,8 @@ import pinpress as pp
 
 HERE = Path(__file__).parent
 SPEED = 70 * pp.RPM
-FLAGS = ["--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--disable-dev-shm-usage", "--hide-scrollbars"]
+DRAWN = ["--use-gl=angle", "--use-angle=swiftshader-webgl", "--enable-unsafe-swiftshader"]  # by the processor
+FLAGS = [*DRAWN, "--no-sandbox", "--disable-dev-shm-usage", "--hide-scrollbars"]
 
 
 def main() -> None:
