@@ -8,6 +8,7 @@ from .command_output import DRIVER, FILE, SIGNS, SLIDE, TRACE, make, trace, writ
 from .errors import PinpressError
 from .loading import load
 from .motion import RPM, cycle
+from .overlays import traced
 from .reactions import Reactions, inverse_dynamics
 from .summary import summary
 
@@ -48,6 +49,7 @@ def run(options: argparse.Namespace) -> int:
     if options.before is not None and not options.report:
         raise PinpressError("--before is for the report: give --report too")
     press = load(options.file, driver=options.driver, slide=options.slide)
+    _ = traced(press, options.trace)  # a wrong one is found before the work
     walk = time.perf_counter()
     _ = press.branch  # followed here, so that the times below are those of any further motion
     start = time.perf_counter()

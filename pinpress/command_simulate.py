@@ -10,6 +10,7 @@ from .command_output import DRIVER, FILE, SIGNS, SLIDE, TRACE, make, progress, t
 from .errors import PinpressError
 from .loading import load
 from .motion import RPM
+from .overlays import traced
 from .reactions import inverse_dynamics
 from .run import Run
 from .scene_words import DRIVES, LOADS, keys
@@ -97,6 +98,7 @@ def run(options: argparse.Namespace) -> int:
     clutch = None if options.clutch is None else scene_words.clutch(options.clutch)
     brake = None if options.brake is None else scene_words.brake(options.brake)
     press = load(options.file, driver=options.driver, slide=options.slide, gravity=(0.0, 0.0, -options.gravity))
+    _ = traced(press, options.trace)  # a wrong one is found before the work
     if len(press.drivers) > 1:
         raise PinpressError(f"{press.name} has {len(press.drivers)} drivers: the command takes one; simulate it in Python")
     if options.out is not None:

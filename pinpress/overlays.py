@@ -1,7 +1,7 @@
 """What a recording shows over the links: names of bearings, forces as arrows, and the paths of slide and chosen points."""
 
 from collections.abc import Sequence
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -54,14 +54,32 @@ def traces(press: Linkage, at: Poses, keys: Keys, chosen: Sequence[tuple[str, Ar
     Raises:
         PinpressError: an unknown link, or a point that is none.
     """
-    given: list[tuple[str, ArrayLike]] = [] if press.slide is None else [(press.slide, (0.0, 0.0, 0.0))]
     paths = []
-    for number, trace in enumerate([*given, *_listed(chosen)]):
-        link, point = trace
-        joint, local = forces.place(press, link, point, f"trace of {link!r}", "point")
-        name = link if number < len(given) else f"{link} ({', '.join(f'{value:g}' for value in np.asarray(point, dtype=float))})"
-        paths.append({"name": name, "link": link, "path": packed(at.points(joint, local), f"the path of {name}"), "keys": keys.turn})
+    for trace in traced(press, chosen):
+        path = packed(at.points(trace.joint, trace.point), f"the path of {trace.name}")
+        paths.append({"name": trace.name, "link": trace.link, "path": path, "keys": keys.turn})
     return {"traces": paths}
+
+
+class Trace(NamedTuple):
+    """A point whose path is drawn: its name and link, and the joint in whose frame it is fixed, with its place there (3,) [m]."""
+
+    name: str
+    link: str
+    joint: int
+    point: Array
+
+
+def traced(press: Linkage, chosen: Sequence[tuple[str, ArrayLike]]) -> list[Trace]:
+    """The points whose paths are drawn. Raises as `traces`."""
+    found = (
+        [] if press.slide is None else [Trace(press.slide, press.slide, *forces.place(press, press.slide, (0, 0, 0), "slide", "origin"))]
+    )
+    for link, point in _listed(chosen):
+        joint, local = forces.place(press, link, point, f"trace of {link!r}", "point")
+        words = ", ".join(f"{value:g}" for value in np.asarray(point, dtype=float))
+        found.append(Trace(f"{link} ({words})", link, joint, local))
+    return found
 
 
 def belonging(press: Linkage, motion: Motion, reactions: Reactions) -> None:

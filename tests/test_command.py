@@ -98,6 +98,7 @@ def test_backwards_and_without_slide(capsys: pytest.CaptureFixture[str], tmp_pat
         (["zxn2_3000b", "--speed", "70", "--out", "README.md"], "README.md"),
         (["zxn2_3000b", "--speed", "70", "--report"], "--report needs a folder to write into: give --out DIR too"),
         (["zxn2_3000b", "--speed", "70", "--trace", "rod:0,0,0"], "--trace needs a folder to write into"),
+        (["zxn2_3000b", "--speed", "70", "--out", "nowhere", "--trace", "rodd:0,0,0"], "no link 'rodd', did you mean 'rod'?"),
         (["zxn2_3000b", "--speed", "70", "--before", "zxn2_3000b_balanced"], "give --report too"),
     ],
 )
@@ -107,6 +108,7 @@ def test_error_is_one_line_and_exit_code_2(arguments: list[str], says: str) -> N
     assert says in done.stderr
     assert done.stderr.startswith("pinpress: ")
     assert done.stderr.count("\n") == 1
+    assert not (ROOT / "nowhere").exists()
 
 
 @pytest.mark.parametrize("arguments", [[], ["analyse"], ["analyse", "zxn2_3000b", "--speed", "fast"], ["analyze", "zxn2_3000b"]])
