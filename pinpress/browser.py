@@ -89,8 +89,7 @@ class _Tab:
 
     def picture(self, time: float) -> bytes:
         self._do(self._page.evaluate, SHOW, time)
-        # 1280 x 720 takes 0.2 s on two cores, nearly all of it drawing: JPEG is not faster, and reading the canvas alone, without the
-        # labels over it, is slower.
+        # Nearly all of the time is drawing: JPEG is not faster, and reading the canvas alone, without the labels over it, is slower.
         shot = self._do(self._devtools.send, "Page.captureScreenshot", {"format": "png", "optimizeForSpeed": True, "clip": self._clip})
         if self._do(self._page.evaluate, LOST):  # of which the page says nothing
             raise PinpressError(f"{self._name} was not drawn: Chromium has lost its WebGL context; try again, or a smaller size")

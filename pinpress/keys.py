@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from .branch import predict
 from .coordinates import Array, configuration
-from .errors import PinpressError
+from .errors import PinpressError, expect
 from .linkage import Linkage
 from .motion import Motion
 
@@ -38,8 +38,13 @@ def keys(press: Linkage, motion: Motion) -> Keys:
     """Key frames of a motion; one of a turn is closed to a loop, a long one thinned to `PER_TURN` a turn of the crank.
 
     Raises:
-        PinpressError: no time in the motion, a value that is not finite, states that are too far apart, more turns than a page holds.
+        PinpressError: a motion of a linkage with other joints, no time in it, a value that is not finite, states that are too far apart,
+            more turns than a page holds.
     """
+    expect("press", press, Linkage, "load")
+    expect("motion", motion, Motion, "cycle or simulate")
+    if motion.joints != press.joints or motion.drivers != press.drivers:
+        raise PinpressError(f"the motion is of {motion.linkage} with other joints than {press.name}: make it with cycle(press, ...)")
     _refuse_broken(motion, press.slide is not None)
     time = motion.time - motion.time[0]
     crank = np.asarray(motion.crank_angle).reshape(len(time), -1)[:, 0]  # of several drivers, the first

@@ -16,6 +16,7 @@ from .motion import Motion
 from .pages import packed
 from .poses import Poses, bearing_points
 from .reactions import Reactions
+from .skeleton import TOWARDS
 
 BEHIND = 0.01  # of the linkage's size: by how much links are behind the frame to be looked at from there
 TOGETHER = 1e-6  # of the linkage's size: bearings that stay this close share a label
@@ -72,9 +73,10 @@ class Trace(NamedTuple):
 
 def traced(press: Linkage, chosen: Sequence[tuple[str, ArrayLike]]) -> list[Trace]:
     """The points whose paths are drawn. Raises as `traces`."""
-    found = (
-        [] if press.slide is None else [Trace(press.slide, press.slide, *forces.place(press, press.slide, (0, 0, 0), "slide", "origin"))]
-    )
+    found = []
+    if press.slide is not None:
+        joint, origin = forces.place(press, press.slide, (0, 0, 0), "slide", "origin")
+        found.append(Trace(press.slide, press.slide, joint, origin))
     for link, point in _listed(chosen):
         joint, local = forces.place(press, link, point, f"trace of {link!r}", "point")
         words = ", ".join(f"{value:g}" for value in np.asarray(point, dtype=float))
@@ -103,13 +105,13 @@ def front(press: Linkage, at: Poses, drawn: Sequence[Body]) -> list[float]:
     turning = [at.rotation[j, 0] @ axis.direction for j, axis in enumerate(press.spatial.axes, 1) if axis.turns]
     if not turning or any(np.linalg.norm(np.cross(turning[0], axis)) > 1e-6 for axis in turning):
         return []
-    normal = turning[0] * (1.0 if turning[0] @ (0.2, -1.0, 0.3) > 0 else -1.0)
-    before: dict[bool, list[float]] = {True: [], False: []}  # how far parts are along the normal: of the frame, of moving links
+    normal = turning[0] * (1.0 if turning[0] @ TOWARDS > 0 else -1.0)
+    heights: dict[bool, list[float]] = {True: [], False: []}  # of parts along the normal: of the frame's, of the moving links'
     for body in drawn:
         frame = press.model.frames[body.frame]
         places = [at.points(frame.parentJoint, frame.placement.act(part.placement[:3, 3]))[0] for part in body.parts]
-        before[frame.parentJoint == 0] += [float(place @ normal) for place in places]
-    if all(before.values()) and np.mean(before[True]) > np.mean(before[False]) + BEHIND * press.spatial.size and normal[2] < 0.5:
+        heights[frame.parentJoint == 0] += [float(place @ normal) for place in places]
+    if all(heights.values()) and np.mean(heights[True]) > np.mean(heights[False]) + BEHIND * press.spatial.size and normal[2] < 0.5:
         normal = -normal
     return [float(value) for value in normal]
 

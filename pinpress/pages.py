@@ -20,6 +20,7 @@ from .coordinates import Array
 from .errors import PinpressError
 
 NO_MESHCAT = "recordings need Meshcat, which is not installed; pip install 'pinpress[recording]'"
+NO_PLOTLY = "reports need Plotly, which is not installed; pip install 'pinpress[report]'"
 
 
 def page(template: str, title: str, data: Mapping[str, Any], scripts: dict[str, str]) -> bytes:
@@ -34,35 +35,37 @@ def page(template: str, title: str, data: Mapping[str, Any], scripts: dict[str, 
     fields = {"title": html.escape(title), "data": json.dumps(data, separators=(",", ":"), allow_nan=False).replace("<", "\\u003c")}
 
     whole = re.sub(r"\{\{(\w+\.\w+)\}\}", lambda match: (folder / match[1]).read_text("utf-8"), (folder / template).read_text("utf-8"))
-    return re.sub(
-        r"\{\{(\w+)\}\}", lambda match: (scripts | fields)[match[1]], whole
-    ).encode()  # one pass: what is filled in is not searched
+    # in one pass, as what is filled in must not be searched
+    return re.sub(r"\{\{(\w+)\}\}", lambda match: (scripts | fields)[match[1]], whole).encode()
 
 
 def meshcat() -> dict[str, str]:
-    """Meshcat's viewer and its licences. The package is found but not imported, as it would bring a web server with it.
+    """Meshcat's viewer and its licences.
 
     Raises:
         PinpressError: it is not installed.
     """
-    spec = importlib.util.find_spec("meshcat")
-    if spec is None or not spec.submodule_search_locations:
-        raise PinpressError(NO_MESHCAT)
-    root = Path(spec.submodule_search_locations[0]) / "viewer"
+    root = _package("meshcat", NO_MESHCAT) / "viewer"
     licences = "\n".join((root / name).read_text("utf-8") for name in ("LICENSE", "dist/main.min.js.LICENSE.txt"))
     return {"viewer": as_script((root / "dist/main.min.js").read_text("utf-8")), "licences": as_text(licences)}
 
 
 def plotly() -> dict[str, str]:
-    """Plotly's charts, found but not imported either; its licence stands at the head of the script.
+    """Plotly's charts; the licence stands at the head of the script.
 
     Raises:
         PinpressError: it is not installed.
     """
-    spec = importlib.util.find_spec("plotly")
+    root = _package("plotly", NO_PLOTLY)
+    return {"plotly": as_script((root / "package_data/plotly.min.js").read_text("utf-8"))}
+
+
+def _package(name: str, missing: str) -> Path:
+    """The folder of a package, which is found but not imported: Meshcat would bring a web server with it, Plotly much else."""
+    spec = importlib.util.find_spec(name)
     if spec is None or not spec.submodule_search_locations:
-        raise PinpressError("reports need Plotly, which is not installed; pip install 'pinpress[report]'")
-    return {"plotly": as_script((Path(spec.submodule_search_locations[0]) / "package_data/plotly.min.js").read_text("utf-8"))}
+        raise PinpressError(missing)
+    return Path(spec.submodule_search_locations[0])
 
 
 def as_script(script: str) -> str:

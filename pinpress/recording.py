@@ -16,7 +16,6 @@ from numpy.typing import ArrayLike
 from . import files, meshcat_scene, overlays, pages
 from .appearance import Body, bodies
 from .coordinates import Array
-from .errors import PinpressError, expect
 from .keys import Keys, keys
 from .linkage import Linkage
 from .motion import Motion
@@ -51,19 +50,14 @@ def record(
             reactions of another motion or press, a shape that cannot be drawn, Meshcat not installed, or a path that cannot be written.
         UnknownNameError: a trace on a link that the linkage does not have.
     """
-    content = pages.page("recording.html", press.name, scene(press, motion, reactions, traces), pages.meshcat())
-    return files.write(path, content)
+    shown = scene(press, motion, keys(press, motion), reactions, traces)
+    return files.write(path, pages.page("recording.html", press.name, shown, pages.meshcat()))
 
 
 def scene(
-    press: Linkage, motion: Motion, reactions: Reactions | None = None, traces: Sequence[tuple[str, ArrayLike]] = ()
+    press: Linkage, motion: Motion, frames: Keys, reactions: Reactions | None, traces: Sequence[tuple[str, ArrayLike]]
 ) -> dict[str, Any]:
-    """What the page's player (`pages/playback.js`) shows, as JSON. Raises as `record`, but writes nothing."""
-    expect("press", press, Linkage, "load")
-    expect("motion", motion, Motion, "cycle or simulate")
-    if motion.joints != press.joints or motion.drivers != press.drivers:
-        raise PinpressError(f"the motion is of {motion.linkage} with other joints than {press.name}: make it with cycle(press, ...)")
-    frames = keys(press, motion)
+    """What the page's player (`pages/playback.js`) shows, as JSON; ``frames``: the key frames of the motion. Raises as `record`."""
     if reactions is not None:
         overlays.belonging(press, motion, reactions)
     position = motion.joint_position[frames.states]

@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike
 
 from . import charts, files, pages
 from .charts import Chart
+from .coordinates import Array
 from .errors import PinpressError, expect
 from .extreme_values import Extreme, extremes
 from .harmonic_analysis import harmonics
@@ -48,16 +49,13 @@ def report(
         PinpressError: as `record`; a run under loads without its reactions; Plotly not installed; ``before`` over time where the motion is
             over crank angles, or vice versa, or turning the other way.
     """
-    expect("press", press, Linkage, "load")
-    expect("motion", motion, Motion, "cycle or simulate")
+    frames = keys(press, motion)
     if reactions is None and isinstance(motion, Run) and any(force.drive is None for force in motion.plan.scene.forces):
         raise PinpressError("the run has loads: give its reactions with them, inverse_dynamics(press, run, loads=[...])")
     result = inverse_dynamics(press, motion) if reactions is None else reactions
     if before is not None:
         expect("before", before, Reactions, "inverse_dynamics")
-    shown = scene(press, motion, result, traces)
-    frames = keys(press, motion)
-    data = shown | {"report": _report(press, result, frames, before)}
+    data = scene(press, motion, frames, result, traces) | {"report": _report(press, result, frames, before)}
     content = pages.page("report.html", press.name, data, pages.meshcat() | pages.plotly())
     return files.write(path, content)
 
@@ -75,7 +73,7 @@ def _report(press: Linkage, result: Reactions, frames: Keys, before: Reactions |
             {"title": title, "charts": [_chart(chart, frames, matching) for chart, matching in _paired(all_charts, other, title)]}
             for title, all_charts in _sections(result)
         ],
-        "bearings": [_bearing(result, name, frames, before) for name in press.bearings],
+        "bearings": [_bearing(result, name, frames, before, other) for name in press.bearings],
         "harmonics": _harmonics(result, before),
         "table": _table(values, None if before is None else extremes(before._press, before)),
     }
@@ -121,19 +119,19 @@ def _chart(chart: Chart, frames: Keys, beside: tuple[Chart, Keys] | None = None)
         {"name": curve.name, "values": packed(curve.values[frames.states], chart.title), "before": before.get(curve.name)}
         for curve in chart.curves
     ]
-    return {"title": chart.title, "quantity": chart.quantity, "unit": chart.unit, "curves": curves}
+    return {"title": chart.title, "unit": chart.unit, "curves": curves}
 
 
-def _bearing(result: Reactions, name: str, frames: Keys, before: Reactions | None) -> dict[str, Any]:
+def _bearing(result: Reactions, name: str, frames: Keys, before: Reactions | None, other: dict[str, Any] | None) -> dict[str, Any]:
     locus, beside = charts.locus(result, name), None
     bearing: dict[str, Any] = {"name": name, "link": locus.link, "axes": locus.axes, "unit": locus.unit, "before": None}
     bearing |= {key: packed(getattr(locus, key)[frames.states], name) for key in ("frame", "own")}
-    if before is not None and name in before.bearing_force:
-        other, its = charts.locus(before, name), keys(before._press, before.motion)
+    if before is not None and other is not None and name in before.bearing_force:
+        its, old = other["frames"], charts.locus(before, name)
         beside = (charts.components(before, name), its)
-        if other.axes == locus.axes:
-            factor = charts.factor("force", locus.unit) / charts.factor("force", other.unit)
-            bearing["before"] = {key: packed(factor * getattr(other, key)[its.states], name) for key in ("frame", "own")}
+        if old.axes == locus.axes:
+            factor = charts.factor("force", locus.unit) / charts.factor("force", old.unit)
+            bearing["before"] = {key: packed(factor * getattr(old, key)[its.states], name) for key in ("frame", "own")}
     return bearing | {"open": _left_open(result, name), "components": _chart(charts.components(result, name), frames, beside)}
 
 
@@ -151,16 +149,15 @@ def _harmonics(result: Reactions, before: Reactions | None) -> dict[str, Any] | 
     found = harmonics(result.motion, result.shaking_force)
     if found is None:
         return None
-    shown = [curve.name for curve in charts.shaking(result).curves]
     other = None if before is None else harmonics(before.motion, before.shaking_force)
-    unit = charts.shaking(result).unit
-    factor = charts.factor("force", unit)
+    chart = charts.shaking(result)
+    factor = charts.factor(chart.quantity, chart.unit)
 
-    def bars(amplitude: Any) -> dict[str, list[float]]:
-        return {axis: (factor * amplitude[1:, "xyz".index(axis)]).tolist() for axis in shown}
+    def bars(amplitude: Array) -> dict[str, list[float]]:
+        return {curve.name: (factor * amplitude[1:, charts.AXES.index(curve.name)]).tolist() for curve in chart.curves}
 
     return {
-        "unit": unit,
+        "unit": chart.unit,
         "orders": found.orders[1:].astype(int).tolist(),
         "amplitude": bars(found.amplitude),
         "before": None if other is None else bars(other.amplitude),

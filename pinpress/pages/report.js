@@ -3,8 +3,7 @@ const { report } = data;
 const COLOURS = ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#8c6d1f", "#56b4e9", "#6f4fb0", "#e69f00", "#7a2e2e", "#3d7a7a", "#b5179e", "#5a6b1f", "#1d2730"];
 const FONT = { family: getComputedStyle(document.body).fontFamily, size: 11.5, color: "#46535f" };
 const CONFIG = {  // nothing that would send a chart anywhere
-  responsive: true, displaylogo: false, showSendToCloud: false, showEditInChartStudio: false, plotlyServerURL: "",
-  modeBarButtons: [["toImage", "zoom2d", "pan2d", "resetScale2d"]],
+  responsive: true, displaylogo: false, modeBarButtons: [["toImage", "zoom2d", "pan2d", "resetScale2d"]],
 };
 const AXIS = { gridcolor: "#e9edf0", zerolinecolor: "#b9c3cc", linecolor: "#b9c3cc", ticks: "outside", ticklen: 4, tickcolor: "#b9c3cc", automargin: true };
 const over = report.over.unit === "deg" ? data.crank : data.time;
@@ -67,7 +66,7 @@ function lineChart(parent, chart) {
     }
     return { name: curve.name, colour, traces: mine };
   });
-  const layout = { margin: { l: 58, r: 12, t: 8, b: 38 }, font: FONT, hovermode: "x unified", hoverlabel: { namelength: 40 }, showlegend: false, xaxis: xAxis(), yaxis: { ...AXIS }, paper_bgcolor: "#fff", plot_bgcolor: "#fff" };
+  const layout = { margin: { l: 58, r: 12, t: 8, b: 38 }, font: FONT, hovermode: "x unified", showlegend: false, xaxis: xAxis(), yaxis: { ...AXIS }, paper_bgcolor: "#fff", plot_bgcolor: "#fff" };
   const plot = document.createElement("div"), values = legend(box, plot, curves);
   plot.className = "plot";
   box.append(plot);
@@ -83,7 +82,7 @@ function lineChart(parent, chart) {
   plot.on("plotly_relayout", follow);
   plot.on("plotly_afterplot", follow);
   listeners.push(follow);
-  return { box, stop: () => { listeners.splice(listeners.indexOf(follow), 1); Plotly.purge(plot); box.remove(); } };
+  return () => { listeners.splice(listeners.indexOf(follow), 1); Plotly.purge(plot); box.remove(); };
 }
 
 function seekOnClick(plot, time) {  // but not on a double click, which takes the zoom back
@@ -152,7 +151,7 @@ function bearingDetail(parent) {  // one at a time: a press has up to a dozen
     const chart = lineChart(place, components), pair = make("div", place, { className: "pair" });
     const frames = polarChart(pair, "Polar diagram, world axes", axes, unit, frame, before?.frame);
     const links = polarChart(pair, `Polar diagram, axes of ${brief(link)}`, axes, unit, own, before?.own);
-    stop = [chart.stop, frames, links, () => pair.remove(), () => note.remove()];
+    stop = [chart, frames, links, () => pair.remove(), () => note.remove()];
     seek(now);
   };
   choice.addEventListener("change", draw);
