@@ -7,12 +7,9 @@ import numpy as np
 
 from . import charts
 from .coordinates import Array
-from .errors import PinpressError, expect
-from .linkage import Linkage
-from .motion import RPM
+from .motion import RPM, Motion
 from .reactions import Reactions
 from .run import Run
-from .tables import by_driver
 
 NOTHING = 1e-12  # of the largest value: less is rounding
 
@@ -37,37 +34,32 @@ class Extreme:
     rms: float
 
 
-def extremes(press: Linkage, reactions: Reactions) -> tuple[Extreme, ...]:
+def extremes(reactions: Reactions) -> tuple[Extreme, ...]:
     """Extremes of slide, crank speed where it is not constant, torques, bearing forces, the moments that bearings hold
     (`charts.held_moments`), shaking force and shaking moment: components along the world's axes and magnitudes.
 
     Slide position in mm, crank speed in r/min, all else in SI units. Components that are zero throughout, but for rounding, are left out.
 
     Raises:
-        PinpressError: reactions of a linkage with other joints, a value that is not finite.
+        PinpressError: a value that is not finite.
     """
-    expect("press", press, Linkage, "load")
     motion = charts.driven(reactions)
-    if motion.joints != press.joints or motion.drivers != press.drivers:
-        raise PinpressError(f"the reactions are of {motion.linkage} with other joints than {press.name}: give those of the same linkage")
     angle = np.degrees(charts.finite("crank angle", motion.crank_angle).reshape(len(motion.crank_angle), -1)[:, 0]) % 360.0
-    return tuple(_extreme(quantity, unit, charts.finite(quantity, values), angle) for quantity, unit, values in _series(press, reactions))
+    return tuple(_extreme(quantity, unit, charts.finite(quantity, values), angle) for quantity, unit, values in _series(reactions))
 
 
-def _series(press: Linkage, reactions: Reactions) -> Iterator[tuple[str, str, Array]]:
-    motion, drivers = reactions.motion, reactions.motion.drivers
+def _series(reactions: Reactions) -> Iterator[tuple[str, str, Array]]:
+    motion = reactions.motion
     least = charts.rounding(reactions)
-    if press.slide is not None:
+    if motion._guide is not None:
         yield "slide position", "mm", 1e3 * motion.slide_position
         yield "slide velocity", "m/s", motion.slide_velocity
         yield "slide acceleration", "m/s²", motion.slide_acceleration
-    columns = by_driver("crank speed", "r/min", motion.crank_speed / RPM, drivers) if charts.crank_speed(motion) else {}
-    columns |= by_driver("driving torque", "N m", charts.clean_torque(reactions), drivers)
+    if charts.crank_speed(motion):
+        yield from _by_driver("crank speed", "r/min", motion.crank_speed / RPM, motion)
+    yield from _by_driver("driving torque", "N m", charts.clean_torque(reactions), motion)
     if isinstance(motion, Run):
-        columns |= by_driver("drive torque", "N m", motion.drive_torque, drivers)
-    for name, values in columns.items():
-        quantity, unit = name.removesuffix("]").rsplit(" [", 1)
-        yield quantity, unit, values
+        yield from _by_driver("drive torque", "N m", motion.drive_torque, motion)
     for name, force in reactions.bearing_force.items():
         yield from _vector(f"force in {name}", "N", force, least.force)
     for name, moment in charts.held_moments(reactions).items():
@@ -75,6 +67,14 @@ def _series(press: Linkage, reactions: Reactions) -> Iterator[tuple[str, str, Ar
             yield from _vector(f"moment in {name}", "N m", moment, least.moment)
     yield from _vector("shaking force", "N", reactions.shaking_force, least.force)
     yield from _vector("shaking moment", "N m", reactions.shaking_moment, least.moment)
+
+
+def _by_driver(quantity: str, unit: str, values: Array, motion: Motion) -> Iterator[tuple[str, str, Array]]:
+    """A quantity (n,); of several drivers (n, drivers), one each."""
+    if values.ndim == 1:
+        yield quantity, unit, values
+    else:
+        yield from ((f"{quantity} of {driver}", unit, values[:, i]) for i, driver in enumerate(motion.drivers))
 
 
 def _vector(name: str, unit: str, vector: Array, least: float) -> Iterator[tuple[str, str, Array]]:

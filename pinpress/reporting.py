@@ -63,7 +63,7 @@ def report(
 def _report(press: Linkage, result: Reactions, frames: Keys, before: Reactions | None) -> dict[str, Any]:
     over = charts.abscissa(result.motion).quantity
     other = None if before is None else _other(before, result.motion, over)
-    values = extremes(press, result)
+    values = extremes(result)
     return {
         "subtitle": _subtitle(result, other),
         "cards": _cards(values),
@@ -75,7 +75,7 @@ def _report(press: Linkage, result: Reactions, frames: Keys, before: Reactions |
         ],
         "bearings": [_bearing(result, name, frames, before, other) for name in press.bearings],
         "harmonics": _harmonics(result, before),
-        "table": _table(values, None if before is None else extremes(before._press, before)),
+        "table": _table(values, None if before is None else extremes(before)),
     }
 
 
