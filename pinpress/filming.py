@@ -1,19 +1,19 @@
 """Pictures and films of a recording, for reports and slides."""
 
-import errno
 import itertools
 import math
 import os
 import subprocess
 import tempfile
-from collections.abc import Callable, Iterator
-from contextlib import ExitStack, contextmanager, suppress
+from collections.abc import Callable, Collection, Iterator
+from contextlib import contextmanager, suppress
 from importlib import import_module
 from pathlib import Path
 from typing import TypeGuard
 
 import numpy as np
 
+from . import files
 from .browser import opened
 from .errors import PinpressError
 
@@ -44,11 +44,11 @@ def still(page: str | os.PathLike[str], path: str | os.PathLike[str], time: floa
             be written, Playwright or Chromium missing.
     """
     size, time = _size(size), _number("time", time)
-    with _written(path, (PNG,)) as part, opened(page, size) as screen:
+    with files.written(path, _suffix(path, (PNG,))) as part, opened(page, size) as screen:
         if not 0 <= time <= screen.duration:
             raise PinpressError(f"time is {time:g} s, but the recording lasts from 0 to {screen.duration:.7g} s; give one within it")
         picture = screen.picture(time)
-        with _refused(path):
+        with files.refused(path):
             part.write_bytes(picture)
     return Path(path)
 
@@ -85,7 +85,7 @@ def film(
     if slowdown is not None and _number("slowdown", slowdown) <= 0:
         raise PinpressError(f"slowdown is {slowdown:g}; give a positive number, e.g. 10 for a film ten times slower than the press")
     program = _ffmpeg()
-    with _written(path, tuple(ENCODING)) as part, opened(page, size) as screen:
+    with files.written(path, _suffix(path, ENCODING)) as part, opened(page, size) as screen:
         slower = slow_enough(screen.duration) if slowdown is None else float(slowdown)
         count = _frames(screen.duration * times, slower, rate)
         with _encoder(program, part, rate) as encode:
@@ -158,31 +158,11 @@ def _ffmpeg() -> str:
         raise PinpressError(f"imageio-ffmpeg has no ffmpeg: {error}; pip install --force-reinstall imageio-ffmpeg") from error
 
 
-@contextmanager
-def _written(path: str | os.PathLike[str], suffixes: tuple[str, ...]) -> Iterator[Path]:
-    """A file to write that becomes ``path`` at the end of the block, if nothing failed. A path that cannot be written is found at once."""
+def _suffix(path: str | os.PathLike[str], possible: Collection[str]) -> str:
     suffix = Path(path).suffix.lower()
-    if suffix not in suffixes:
-        raise PinpressError(f"cannot write {os.fspath(path)}: the name of the file must end in {' or '.join(suffixes)}")
-    with ExitStack() as tidying:
-        with _refused(path):
-            target = Path(os.path.realpath(path))  # a link to a file stays one
-            if target.is_dir():
-                raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR))
-            folder = tidying.enter_context(tempfile.TemporaryDirectory(dir=target.parent, prefix=".pinpress-"))
-        part = Path(folder, "part" + suffix)
-        yield part
-        with _refused(path):
-            os.replace(part, target)  # in one step, as it is in the same directory
-
-
-@contextmanager
-def _refused(path: str | os.PathLike[str]) -> Iterator[None]:
-    try:
-        yield
-    except (OSError, ValueError) as error:  # ValueError: a null character in the path
-        reason = getattr(error, "strerror", None) or str(error)
-        raise PinpressError(f"cannot write {os.fspath(path)}: {reason}; give a file in a directory you can write to") from error
+    if suffix not in possible:
+        raise PinpressError(f"cannot write {os.fspath(path)}: the name of the file must end in {' or '.join(possible)}")
+    return suffix
 
 
 def _size(size: object, step: int = 1) -> tuple[int, int]:
