@@ -10,7 +10,7 @@ from .errors import PinpressError, SimulationError
 from .force_coordinates import Coordinate
 from .forward_dynamics import ForwardDynamics
 from .linkage import Linkage
-from .motion import cycle
+from .motion import carried
 
 STANDING = 1e-6  # speed of a joint that stands [m/s]
 MOVING = 1e3  # times the crank's speed, beyond which a joint moves though the crank stands
@@ -38,7 +38,8 @@ class AllJoints:
         self.loops = self._with(float(inertia[0]))
         self.alone = len(self.drivers) == 1
         # where the crank turns on the drawn assembly, all states at once are closed from its angles
-        self.turns = self.alone and press.branch.period is not None
+        self.turns = self.alone and press.passage.period is not None
+        self.change_points = press.passage.change_points if self.alone else ()
         # speeds of joints as those of points [m/s]
         self.units = np.array([press.spatial.size if axis.turns else 1.0 for axis in press.spatial.axes])
 
@@ -62,6 +63,8 @@ class AllJoints:
             if force:
                 efforts += self.coordinates[row].efforts(self.loops, instant.x, force)
         try:
+            if (along := self._beside(instant.x)) is not None:
+                return self._with(inertia).acceleration_along(*along, instant.speed, efforts)
             return self._with(inertia).acceleration(instant.x, instant.v, efforts)
         except PinpressError:  # an integrator looks ahead: it shall try a shorter step
             return np.full(self.size, np.nan)
@@ -81,11 +84,27 @@ class AllJoints:
         return closure.position[:, 0], closure.first[:, 0] * np.sign(angle)
 
     def project(self, position: Array, speed: Array) -> tuple[Array, Array] | None:
+        if (along := self._beside(position)) is not None:
+            return along[0], along[1] * speed[self.crank]
         return self.loops.project(position, speed)[:2]
+
+    def _beside(self, position: Array) -> tuple[Array, Array, Array] | None:
+        """Joint coordinates and their first two derivatives by the crank angle (nv,) beside a change point, where the equations of the
+        loops say too little; None elsewhere."""
+        for point in self.change_points:
+            period = self.press.passage.period
+            turns = 0.0 if period is None else round((position[self.crank] - point.angle) / period)
+            angle = position[self.crank] - turns * (period or 0.0)
+            if abs(angle - point.angle) < point.half:
+                at, first, second = (values[:, 0] for values in point.at(np.array([angle])))
+                at = at + turns * self.press.passage.advance
+                at[self.crank] = position[self.crank]
+                return at, first, second
+        return None
 
     def closed(self, position: Array, speed: Array) -> tuple[Array, Array]:
         if self.turns:
-            motion = cycle(self.press, angle=position[self.crank], speed=speed[self.crank])
+            motion = carried(self.press, position[self.crank], speed[self.crank])
             return motion.joint_position.T, motion.v.T
         pairs = [self.loops.project(x, v)[:2] for x, v in zip(position.T.copy(), speed.T.copy(), strict=True)]
         states = np.array(pairs).transpose(1, 2, 0)

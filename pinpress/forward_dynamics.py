@@ -25,9 +25,9 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
-from .branch import SMALLEST_MARGIN
 from .coordinates import Array, Axis
 from .errors import AssemblyError, PinpressError, SingularityError
+from .following import SMALLEST_MARGIN
 from .linkage import ACCEPTED, Linkage
 from .loops import LoopJoint
 from .spatial import MOST_NEWTON_STEPS
@@ -116,6 +116,17 @@ class ForwardDynamics:
             if np.count_nonzero(np.abs(pivots) > bounds) == self.quick.clear and math.isfinite(result.dot(result)):
                 return result
         return self._acceleration(x, v, efforts)
+
+    def acceleration_along(self, x: Array, first: Array, second: Array, speed: float, efforts: Array) -> Array:
+        """Joint accelerations (nv,) where all joints are known to move with the driver, by its speed [rad/s] and influence coefficients,
+        see `Closure`: at a change point they say what the equations of the loops do not. Raises as `acceleration`."""
+        v, drift = first * speed, second * speed**2
+        mass = pin.crba(self.model, self.data, x, pin.Convention.WORLD)
+        left = first.dot(efforts - pin.rnea(self.model, self.data, x, v, drift))
+        result = drift + first * (left / first.dot(mass.dot(first)))
+        if not math.isfinite(result.dot(result)):
+            raise self._trouble(x, v, efforts, self._overflow(x))
+        return np.asarray(result)
 
     def project(self, x: Array, v: Array) -> tuple[Array, Array, float]:
         """The closed state near a state that is nearly closed: positions and rates (nv,), and the gap left [m].

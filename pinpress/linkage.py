@@ -8,9 +8,12 @@ import numpy as np
 import pinocchio as pin
 
 from . import branch, plane, plane_dynamics, plane_kinematics, spatial, spatial_equations
-from .branch import Branch, Close, Closure, Returning
+from .branch import Branch, Returning
+from .change_points import Gap
+from .closure import Close, Closure
 from .coordinates import Array
 from .errors import PinpressError
+from .following import SMALLEST_MARGIN
 from .loops import Coupling, LoopJoint
 from .plane import Plane
 from .plane_dynamics import Bodies
@@ -123,7 +126,14 @@ class Linkage:
         along = [1.0] + [0.0] * (len(self.drivers) - 1)
         return _Assembly(None, spatial.close(general, general.equations(), np.zeros((len(self.drivers), 1)), along, start), None)
 
-    def _walk(self, planar: Plane | None, closed: Array, **more: float) -> Branch:
+    def _walk(
+        self,
+        planar: Plane | None,
+        closed: Array,
+        smallest_margin: float = SMALLEST_MARGIN,
+        gap: Gap | None = None,
+        begin: float = 0.0,
+    ) -> Branch:
         general = self.spatial
         returning = Returning((general.crossed != 0).any(axis=1), np.array([axis.turns for axis in general.axes]))
         if planar is not None:
@@ -131,7 +141,7 @@ class Linkage:
         else:
             close = self._close_spatial
         tolerance = (planar or general).tolerance
-        return branch.walk(close, closed, returning, general.size, ACCEPTED * tolerance, **more)
+        return branch.walk(close, closed, returning, general.size, ACCEPTED * tolerance, smallest_margin, gap, begin)
 
     def _full_turn(self, planar: Plane, drawn: Closure) -> Branch | None:
         """The branch where the driver turns fully with the equations in the blocks of this plane, well away from locks; else None."""
@@ -172,12 +182,32 @@ class Linkage:
         return self._walk(self.plane, self.closed)
 
     @cached_property
+    def passage(self) -> Branch:
+        """The same, carried on through change points: where two assemblies meet, a linkage in motion goes on in its own.
+
+        Raises as `branch`.
+        """
+        found = self.branch
+        if found.period is not None or not any(found.locks):
+            return found
+        middle = 0.5 * float(found.angles[0] + found.angles[-1])  # the drawn pose may be beside a change point
+        carried = self._walk(self.plane, branch.predict(found, np.array([middle]))[:, 0], gap=self.gaps, begin=middle)
+        return carried if carried.change_points else found
+
+    @cached_property
     def table(self) -> "Table":
         """Reduced inertia, potential energy and, if there is one, slide position over the crank angle; see `reduced`. Raises as
         `branch`."""
         from .reduced import build  # it makes motions of this linkage
 
         return build(self, [lambda motion: motion.slide_position] if self.slide is not None else [])
+
+    def gaps(self, position: Array) -> Array:
+        """Largest gaps (n,) of the loops at joint coordinates (nv, n) [m]."""
+        if self.plane is not None:
+            return plane_kinematics.gaps(self.plane, position, plane_kinematics.basis(self.plane, position))
+        equations = self.spatial.equations()
+        return np.array([equations.widest(equations.at(x).gaps) for x in position.T])
 
     def equations(self, x: Array) -> spatial_equations.Rows:
         """The equations of loops and couplings at joint coordinates (nv,)."""

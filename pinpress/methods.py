@@ -15,7 +15,7 @@ from .drives import Drive, Flywheel, PrescribedSpeed
 from .force_coordinates import JointAngle
 from .forces import Load
 from .linkage import Linkage
-from .motion import cycle
+from .motion import carried, cycle
 from .path import LEDGERS, Path, Segment
 from .reduced import COORDINATES, INERTIA, POTENTIAL, Table
 from .scene import Scene
@@ -185,7 +185,7 @@ def by_joints(
     joints = AllJoints(press, plan.scene.coordinates, plan.inertia)
     machine = Machine(joints, plan.line, plan.scene.forces)
     several = len(press.drivers) > 1
-    first = cycle(press, angle=angle[None] if several else angle, speed=speed[None] if several else speed)
+    first = cycle(press, angle=angle[None], speed=speed[None]) if several else carried(press, angle, speed)
     mode, states = plan.line.begin(float(angle[0]), float(speed[0]))
     y = machine.begin(first.joint_position[0], first.v[0], states, np.zeros(len(LEDGERS)))
     # sizes: of angles 1, of the speed that gravity gives them; travels count in lengths of the linkage

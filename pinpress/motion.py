@@ -9,9 +9,11 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from . import spatial, tables
-from .branch import LARGEST_CORRECTION, Branch, Closure, Lock, follow, joined, predict
+from .branch import LARGEST_CORRECTION, Branch, predict
+from .closure import Closure, joined
 from .coordinates import Array, ComplexArray, Slot, configuration
 from .errors import AssemblyError, PinpressError, SingularityError
+from .following import Lock, follow
 from .linkage import ACCEPTED, Linkage
 from .plane_dynamics import PIECE
 
@@ -153,15 +155,29 @@ def cycle(
         if points is not None:
             raise PinpressError("points goes with one turn at constant speed: leave it out where angle is given")
         angles, speeds, accelerations, times = _servo(angle, speed, acceleration, time, len(press.drivers))
-    several = len(press.drivers) > 1
-    closure = None if several else _closed(press, angles, engine)
+    branch = None if len(press.drivers) > 1 else press.branch
+    return _states(press, branch, angles, speeds, accelerations, times, engine)
+
+
+def carried(press: Linkage, angle: Array, speed: Array | float, acceleration: Array | float = 0.0, time: Array | None = None) -> Motion:
+    """As `cycle` of a linkage with one driver and states (n,), but through change points (`Linkage.passage`), where momentum decides."""
+    angles, speeds, accelerations, times = _servo(angle, speed, acceleration, time, 1)
+    return _states(press, press.passage, angles, speeds, accelerations, times, "auto")
+
+
+def _states(
+    press: Linkage, branch: Branch | None, angles: Array, speeds: Array, accelerations: Array, times: Array | None, engine: str
+) -> Motion:
+    """The motion with these driver angles, speeds and accelerations (n,), (n, drivers) where there is no one branch."""
+    closure = None if branch is None else _closed(press, branch, angles, engine)
     with np.errstate(all="ignore"):  # what overflows is refused below
         if closure is None:
             position = _followed(press, angles)
             v, a, gap = spatial.rates(press.spatial, position, speeds.T, accelerations.T)
         else:
             position, gap = closure.position, closure.gap
-            v, a = _rates(closure, speeds[0] if angle is None else speeds, None if angle is None else accelerations)
+            even = not accelerations.any() and np.all(speeds == speeds[0])
+            v, a = _rates(closure, speeds[0] if even else speeds, None if even else accelerations)
         finite = math.isfinite(a.sum())  # the accelerations have the squares of the speeds in them
     if not finite:
         raise PinpressError(f"the motion of {press.name} is too fast for floating point: lower speed and acceleration")
@@ -258,9 +274,10 @@ def _numbers(name: str, values: ArrayLike) -> Array:
     return numbers
 
 
-def _closed(press: Linkage, angles: Array, engine: str) -> Closure:
+def _closed(press: Linkage, branch: Branch, angles: Array, engine: str) -> Closure:
     """Closed configurations on the drawn branch, in pieces that stay in the cache."""
-    branch = press.branch
+    if branch.change_points:
+        return _through(press, branch, angles, engine)
     if branch.period is not None and np.abs(angles).max() > MANY_PERIODS * branch.period:
         return _far(press, branch, angles, engine)
     if len(angles) <= PIECE:
@@ -273,10 +290,31 @@ def _far(press: Linkage, branch: Branch, angles: Array, engine: str) -> Closure:
     """Closed configurations many periods away: closed within one period, as the rounding of large angles is a gap, and moved on."""
     assert branch.period is not None
     turns = np.floor(angles / branch.period)
-    closure = _closed(press, angles - turns * branch.period, engine)
+    closure = _closed(press, branch, angles - turns * branch.period, engine)
     position = closure.position + branch.advance[:, None] * turns
     position[press.spatial.drivers[0]] = angles
     return replace(closure, position=position)
+
+
+def _through(press: Linkage, branch: Branch, angles: Array, engine: str) -> Closure:
+    """Closed configurations of a branch with change points, beside which its polynomials stand for the equations."""
+    turns = np.zeros(len(angles)) if branch.period is None else np.floor((angles - branch.angles[0]) / branch.period)
+    local = angles - turns * (branch.period or 0.0)
+    position, first, second = (np.empty((press.model.nv, len(angles))) for _ in range(3))
+    regular = np.ones(len(angles), dtype=bool)
+    for point in branch.change_points:
+        beside = np.abs(local - point.angle) < point.inner
+        position[:, beside], first[:, beside], second[:, beside] = point.at(local[beside])
+        regular &= ~beside
+    if regular.any():
+        closure = _closed(press, replace(branch, change_points=()), local[regular], engine)
+        position[:, regular], first[:, regular], second[:, regular] = closure.position, closure.first, closure.second
+    gap = press.gaps(position)
+    if not gap.max() <= ACCEPTED * press.spatial.tolerance:
+        raise AssemblyError("the loops do not close", float(angles[int(gap.argmax())]), float(gap.max()), 0)
+    position += branch.advance[:, None] * turns
+    position[press.spatial.drivers[0]] = angles
+    return Closure(position, first, second, gap, float(gap.max()), 0)
 
 
 def _followed(press: Linkage, angles: Array) -> Array:

@@ -14,7 +14,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from .branch import Closure
+from .closure import Closure
 from .coordinates import Array, ComplexArray
 from .plane import Plane, product
 from .plane_blocks import Block

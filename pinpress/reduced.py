@@ -21,7 +21,7 @@ from .branch import MOST_TURNS
 from .coordinates import Array, configuration
 from .errors import SimulationError
 from .linkage import Linkage
-from .motion import Motion, cycle
+from .motion import Motion, carried
 from .plane_kinematics import basis, basis_velocity
 
 NODES = 14  # a panel; degree of its polynomials is one less
@@ -133,7 +133,7 @@ def build(press: Linkage, coordinates: Sequence[Coordinate]) -> Table:
     Raises:
         SingularityError, AssemblyError: see `Linkage.branch`.
     """
-    branch = press.branch
+    branch = press.passage
     period = None if branch.period is None else branch.period * _periods(press, branch.advance)
     low, high = (0.0, period) if period is not None else (float(branch.angles[0]), float(branch.angles[-1]))
     count = max(2, math.ceil(PANELS * (high - low) / (2 * np.pi) - 1e-9))
@@ -189,7 +189,7 @@ def _periods(press: Linkage, advance: Array) -> int:
 
 def _sample(press: Linkage, angles: Array, coordinates: Sequence[Coordinate]) -> Array:
     """Rows (rows, n) at crank angles (n,)."""
-    motion = cycle(press, angle=angles, speed=1.0)  # at unit speed rates are derivatives by the crank angle
+    motion = carried(press, angles, 1.0)  # at unit speed rates are derivatives by the crank angle
     kinetic, potential, weight = _energies(press, motion)
     return np.array([2 * kinetic, potential, weight, *(coordinate(motion) for coordinate in coordinates)])
 

@@ -10,11 +10,9 @@ from . import reduced
 from .coordinates import Array
 from .errors import PinpressError, SimulationError
 from .force_coordinates import JointAngle
-from .linkage import Linkage
 from .methods import Plan
-from .motion import Motion, cycle, of_states
+from .motion import Motion, carried, of_states
 from .path import DRIVE_WORK, LEDGERS, LOAD_WORK, LOST, Path, Reading
-from .plane_kinematics import basis, gaps
 
 POINTS = 120  # states returned per turn of the crank, and at least
 MOST_POINTS = 1_000_000  # by default
@@ -89,9 +87,9 @@ def as_run(plan: Plan, path: Path, method: str, until: float, points: int | None
     reading = path.read(times)
     position, speed, acceleration = reading.position, reading.speed, reading.acceleration
     if len(position) == 1:
-        motion = cycle(press, angle=position[0], speed=speed[0], acceleration=acceleration[0], time=times)
+        motion = carried(press, position[0], speed[0], acceleration[0], times)
     else:
-        motion = of_states(press, position, speed, acceleration, _gaps(press, position), times)
+        motion = of_states(press, position, speed, acceleration, press.gaps(position), times)
     kinetic, potential = reduced.energies(press, motion)
     turning = speed[list(press.spatial.drivers)] if several else reading.own[None]
     kinetic = kinetic + 0.5 * plan.inertia @ turning**2
@@ -121,14 +119,6 @@ def as_run(plan: Plan, path: Path, method: str, until: float, points: int | None
         energy_error=float(residual / size),
     )
     return _with(plan, path, motion, stats, reading)
-
-
-def _gaps(press: Linkage, position: Array) -> Array:
-    """Largest gaps (n,) of the loops at joint coordinates (nv, n) [m]."""
-    if press.plane is not None:
-        return gaps(press.plane, position, basis(press.plane, position))
-    equations = press.spatial.equations()
-    return np.array([equations.widest(equations.at(x).gaps) for x in position.T])
 
 
 def _torques(plan: Plan, speed: Array) -> Array:

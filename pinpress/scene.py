@@ -20,7 +20,7 @@ from .force_coordinates import Coordinate, Length, Path, SlidePosition
 from .forces import Load, PointForce, SpringDamper
 from .linkage import Linkage
 from .loads import ProcessLoad, Stretch, TimeForce
-from .motion import cycle
+from .motion import carried
 from .reduced import COORDINATES, roots
 from .scene_checks import check_drive, check_load
 
@@ -169,7 +169,7 @@ def _same(some: tuple[Stretch, ...], others: tuple[Stretch, ...]) -> bool:
 def _bottom(press: Linkage, load: ProcessLoad) -> float:
     """Slide position of bottom dead centre."""
     name = type(load).__name__
-    if len(press.drivers) > 1 or press.branch.period is None:
+    if len(press.drivers) > 1 or press.passage.period is None:
         raise PinpressError(
             f"{name}: {press.name} does not turn fully with one driver, so that there is no bottom dead centre to measure heights from;"
             " give datum=, a slide position [m]"
@@ -181,7 +181,7 @@ def _bottom(press: Linkage, load: ProcessLoad) -> float:
     turns = roots(table, row, 0.0, slope=True)
     if not len(turns):
         raise PinpressError(f"{name}: the slide of {press.name} does not turn back; give datum=, a slide position [m]")
-    return float(cycle(press, angle=turns, speed=1.0).slide_position.min())  # exact, for stiff dies
+    return float(carried(press, turns, 1.0).slide_position.min())  # exact, for stiff dies
 
 
 def _point(press: Linkage, load: PointForce, row: int) -> tuple[Coordinate | None, Acting | None]:

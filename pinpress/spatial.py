@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 import pinocchio as pin
 
-from .branch import Closure
+from .closure import Closure
 from .coordinates import Array, Axis, Slot, axes, slots
 from .loops import Coupling, LoopJoint
 from .sharing import RANK

@@ -565,20 +565,9 @@ def test_within_the_locks(loaded, method):
     assert np.abs(first.crank_angle).max() < 0.3 + 1e-9
 
 
-def test_rod_as_long_as_the_crank(loaded, method):
-    """At 90 degrees the slide may stay at the crankshaft or go on: the table ends there; over time its speed decides."""
-    press = loaded(rod_of(0.1))
-    if method == "constraint":
-        run(press, 0.3, 1e-6, speed=8.0, flywheel=pp.Flywheel(50.0), method=method)  # loops close badly there
-    else:
-        error = refused("lock", press, 0.3, speed=8.0, flywheel=pp.Flywheel(50.0), method=method)
-        assert abs(error.crank_angle - math.pi / 2) < 1e-2
-
-
-@pytest.mark.parametrize("bars", [(1.0, 0.3, 1.0, 0.3, 1.0), (1.0, 0.8, 0.3, 0.7, 0.9)], ids=["parallelogram", "rocker"])
 @pytest.mark.parametrize("speed", [3.0, -3.0])
-def test_four_bars_that_do_not_turn(loaded, bars, speed):
-    press = loaded(random_linkages.four_bar(*bars).urdf("O"))
+def test_a_four_bar_that_does_not_turn(loaded, speed):
+    press = loaded(random_linkages.four_bar(1.0, 0.8, 0.3, 0.7, 0.9).urdf("O"))
     refused("lock", press, 2.0, speed=speed, flywheel=pp.Flywheel(10.0))
 
 

@@ -1,0 +1,166 @@
+"""Change points: where two assemblies meet, a linkage in motion goes on in its own; a turn that is only prescribed is refused there.
+
+What is expected is known in closed form: a slide on a crank as long as its rod is at -2 r cos(angle); the coupler of a parallelogram does
+not turn; of a kite (crank as long as the ground, rocker as the coupler) the rocker's angle follows from the triangle.
+"""
+
+import math
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+import random_linkages
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+import pinpress as pp
+
+METHODS = ("reduced", "constraint")
+TEXT = (Path(__file__).parents[1] / "urdf" / "crank_slide.urdf").read_text(encoding="utf-8")
+R = 0.1
+
+
+@pytest.fixture(scope="module")
+def loaded(tmp_path_factory):
+    def load(text):
+        file = tmp_path_factory.mktemp("change_points") / "linkage.urdf"
+        file.write_text(text, encoding="utf-8")
+        return pp.load(file)
+
+    return load
+
+
+@pytest.fixture(scope="module")
+def equal(loaded):
+    """The textbook press with its rod as long as its crank."""
+    text = TEXT.replace("0.400 0 0", f"{R} 0 0").replace("0 0 -0.500", f"0 0 {-2 * R}").replace("0.200 0 0", f"{R / 2} 0 0")
+    return loaded(re.sub(r"<limit[^/]*/>", '<limit lower="-1" upper="1" effort="1e6" velocity="20"/>', text))
+
+
+def energy(angle, speed, flywheel):
+    """Kinetic and potential energy of that press: crank 20 kg at 0.03 m and 0.1 kg m2; rod 15 kg midway and 0.2 kg m2; slide 100 kg."""
+    sine, cosine = np.sin(angle), np.cos(angle)
+    slide, rod = 2 * R * sine, np.hypot(0.5 * R * cosine, 1.5 * R * sine)
+    inertia = flywheel + 0.1 + 20 * 0.03**2 + 15 * rod**2 + 0.2 + 100 * slide**2
+    return 0.5 * inertia * speed**2 + 9.81 * (-20 * 0.03 * cosine - 15 * 1.5 * R * cosine - 100 * 2 * R * cosine)
+
+
+@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("speed", [8.0, -30.0])
+def test_rod_as_long_as_the_crank(equal, method, speed):
+    """At 90 degrees the slide might stay on the crankshaft: in motion it goes on. Closed form of position and energy."""
+    run = pp.simulate(equal, 4.0, speed=speed, flywheel=pp.Flywheel(50.0), method=method, points=2001)
+    assert abs(run.crank_angle[-1]) > 8 * math.pi
+    np.testing.assert_allclose(run.slide_position, -2 * R * np.cos(run.crank_angle), atol=1e-14)
+    np.testing.assert_allclose(run.slide_velocity, 2 * R * np.sin(run.crank_angle) * run.crank_speed, atol=1e-12 * abs(speed))
+    total = energy(run.crank_angle, run.crank_speed, 50.0)
+    np.testing.assert_allclose(total, total[0], rtol=1e-10)  # some hundred steps of 1e-11 each, at the most
+    assert run.stats.energy_error < 1e-10
+
+
+def test_both_methods_under_drive_and_load(equal):
+    options = {"speed": 8.0, "flywheel": pp.Flywheel(50.0), "drive": pp.ConstantTorque(100.0), "points": 201}
+    first, second = (pp.simulate(equal, 3.0, method=m, loads=[pp.loads.Blanking(5e3, 0.03, 0.01)], **options) for m in METHODS)
+    np.testing.assert_allclose(first.crank_angle, second.crank_angle, atol=1e-8)
+    assert first.load_work[-1] > 0
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_a_swing_that_turns_back_at_the_change_point(equal, method):
+    """Released at rest 1e-4 rad and 0.3 rad beyond the change point: it falls through it. Closed form of the energy."""
+    for start in (math.pi / 2 + 1e-4, math.pi / 2 + 0.3):
+        run = pp.simulate(equal, 1.0, angle=start, flywheel=pp.Flywheel(5.0), method=method)
+        assert run.crank_angle.min() < -math.pi / 2
+        total = energy(run.crank_angle, run.crank_speed, 5.0)
+        np.testing.assert_allclose(total, total[0], atol=1e-8 * np.ptp(energy(run.crank_angle, 0.0, 0.0)))
+
+
+def test_a_prescribed_turn_is_refused_there(equal):
+    """Without momentum mechanics does not say which way: the error has the crank angle; a turn up to it is fine."""
+    for angle in (math.pi / 2 + 1e-3, math.pi, -math.pi / 2 - 1e-3):
+        with pytest.raises(pp.SingularityError, match="locks") as caught:
+            pp.cycle(equal, angle=[0.0, angle], speed=1.0)
+        assert abs(abs(caught.value.crank_angle) - math.pi / 2) < 1e-6
+    near = pp.cycle(equal, angle=[math.pi / 2 - 1e-3], speed=1.0)
+    assert abs(near.slide_position[0] + 2 * R * math.sin(1e-3)) < 1e-14
+
+
+def test_forces_at_the_change_point(equal):
+    """Beside it they balance; at the point itself they have no value, and the error says at which crank angle."""
+    run = pp.simulate(equal, 0.5, speed=8.0, flywheel=pp.Flywheel(50.0), points=501)
+    result = pp.inverse_dynamics(equal, run)
+    assert np.abs(result.power_residual).max() < 1e-12
+    start = math.pi / 2 - 1e-9
+    still = pp.simulate(equal, 1e-12, angle=start, speed=8.0, flywheel=pp.Flywheel(50.0), points=2)
+    for engine in ("plane", "pinocchio"):
+        with pytest.raises(pp.SingularityError, match="no value") as caught:
+            pp.inverse_dynamics(equal, still, engine=engine)
+        assert abs(caught.value.crank_angle - math.pi / 2) < 1e-8
+
+
+@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("drawn", [0.9, 2.0, 0.05, -0.02, 3.1])
+def test_parallelograms(loaded, method, drawn):
+    """Drawn anywhere, 0.02 rad beside a change point too."""
+    press = loaded(random_linkages.four_bar(1.0, 0.3, 1.0, 0.3, drawn, 1 if drawn > 0 else -1, bounded=False).urdf("O"))
+    run = pp.simulate(press, 1.5, speed=9.0, flywheel=pp.Flywheel(20.0), method=method)
+    assert run.crank_angle[-1] > 4 * math.pi
+    columns = {name: run.joint_position[:, run.joints.index(name)] for name in ("O", "B", "D")}
+    np.testing.assert_allclose(columns["D"], columns["O"], atol=1e-12)
+    np.testing.assert_allclose(columns["B"], -columns["O"], atol=1e-12)
+    assert run.stats.energy_error < 1e-9
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_a_kite(loaded, method):
+    """Ground and crank alike, coupler and rocker alike: where the crank lies on the ground line, pins meet and the rocker may stand still
+    or go on; it goes on, and is back after two turns of the crank."""
+    press = loaded(random_linkages.four_bar(0.3, 0.3, 0.8, 0.8, 1.2, bounded=False).urdf("O"))
+    run = pp.simulate(press, 3.0, speed=9.0, flywheel=pp.Flywheel(20.0), method=method, points=1001)
+    assert run.crank_angle[-1] > 8 * math.pi
+    assert run.stats.energy_error < 1e-9
+    # the triangle O B D is isosceles, so D-B stands at (pi + crank) / 2 to the ground; C is off its middle by a right angle
+    crank = 1.2 + run.crank_angle
+    half = 0.3 * np.sin(crank / 2)
+    towards = np.exp(0.5j * (np.pi + crank))  # from D to B, while the crank is below a turn; smooth beyond
+    pin = 0.3 + towards * (half - 1j * np.sqrt(0.8**2 - half**2))
+    rocker = np.unwrap(np.angle((pin - 0.3) / (pin[0] - 0.3)))
+    np.testing.assert_allclose(run.joint_position[:, run.joints.index("D")], rocker, atol=1e-10)
+
+
+def test_a_lock_is_none(loaded):
+    """At a lock there is no other side: `passage` is the branch itself."""
+    press = loaded(random_linkages.four_bar(1.0, 0.8, 0.3, 0.7, 0.9).urdf("O"))
+    assert press.passage is press.branch
+    whole = pp.load("zxn2_3000b")
+    assert whole.passage is whole.branch
+    assert not whole.passage.change_points
+
+
+@settings(max_examples=25, deadline=None, derandomize=True)
+@given(
+    st.floats(0.3, 3.0),
+    st.floats(0.1, 0.9),
+    st.floats(0.1, 3.0),
+    st.sampled_from([1.0, -1.0]),
+)
+def test_all_parallelograms(ground, share, drawn, way):
+    """Of any lengths, drawn anywhere but at a change point, either way round: carried through both, the rocker turns as the crank."""
+    press = _loaded_once(random_linkages.four_bar(ground, share * ground, ground, share * ground, drawn, bounded=False).urdf("O"))
+    if min(drawn, math.pi - drawn) < 0.02:
+        return
+    run = pp.simulate(press, 1.0, speed=7.0 * way, flywheel=pp.Flywheel(100.0 * ground**2), points=61)
+    rocker = run.joint_position[:, run.joints.index("D")]
+    np.testing.assert_allclose(rocker, run.crank_angle, atol=1e-11)
+    assert len(press.passage.change_points) == 2
+
+
+def _loaded_once(text, _folder=[]):  # noqa: B006  one folder for all examples
+    import tempfile
+
+    if not _folder:
+        _folder.append(tempfile.TemporaryDirectory())
+    file = Path(_folder[0].name) / "linkage.urdf"
+    file.write_text(text, encoding="utf-8")
+    return pp.load(file)
