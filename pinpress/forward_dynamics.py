@@ -115,7 +115,14 @@ class ForwardDynamics:
             result: Array = pin.constraintDynamics(self.model, data, x, v, efforts, points, data_of_points, settings)
             if np.count_nonzero(np.abs(pivots) > bounds) == self.quick.clear and math.isfinite(result.dot(result)):
                 return result
-        return self._acceleration(x, v, efforts)
+        return self.acceleration_in_null_space(x, v, efforts)
+
+    def acceleration_by(self, settings: pin.ProximalSettings, x: Array, v: Array, efforts: Array) -> Array:
+        """What `constraintDynamics` answers (nv,) with proximal settings of one's own, where it has the quick way; unchecked."""
+        assert self.quick is not None
+        return np.array(
+            pin.constraintDynamics(self.model, self.quick.data, x, v, efforts, self.quick.points, self.quick.data_of_points, settings)
+        )
 
     def acceleration_along(self, x: Array, first: Array, second: Array, speed: float, efforts: Array) -> Array:
         """Joint accelerations (nv,) where all joints are known to move with the driver, by its speed [rad/s] and influence coefficients,
@@ -194,8 +201,8 @@ class ForwardDynamics:
         local = self.placements[joint].rotation.T.dot(force)
         return np.asarray(local.dot(columns[:3]) + pin.skew(point).dot(local).dot(columns[3:]))
 
-    def _acceleration(self, x: Array, v: Array, efforts: Array) -> Array:
-        """The general way."""
+    def acceleration_in_null_space(self, x: Array, v: Array, efforts: Array) -> Array:
+        """As `acceleration`, the general way."""
         model, data, rank = self.model, self.data, self.rank
         pin.forwardKinematics(model, data, x, v, self.still)
         mass = pin.crba(model, data, x, pin.Convention.WORLD)  # fills the Jacobian too

@@ -39,18 +39,29 @@ Coordinate = Callable[[Motion], Array]
 class Rule(NamedTuple):
     """Gauss-Legendre quadrature on -1..1 and the polynomial through its nodes.
 
+    Powers are found from values by way of Legendre polynomials, in two products: the product of the two matrices has entries so large that
+    their rounding would be a hundred times that of the values.
+
     Attributes:
         nodes, weights: (q,). cumulative: (q, q) integrals from -1 to the nodes, of values at them.
-        legendre: (q, q) coefficients in Legendre polynomials from values. monomials: (q, q) coefficients in powers from values.
-        integral: (q + 1, q) coefficients in powers, of the integral from -1.
+        legendre: (q, q) coefficients in Legendre polynomials from values.
+        powers, integrals: (q, q) and (q + 1, q) coefficients in rising powers of the Legendre polynomials and of their integrals from -1.
     """
 
     nodes: Array
     weights: Array
     cumulative: Array
     legendre: Array
-    monomials: Array
-    integral: Array
+    powers: Array
+    integrals: Array
+
+    def polynomial(self, values: Array) -> Array:
+        """Coefficients (q, n) in rising powers of the polynomials through values (q, n) at the nodes."""
+        return np.asarray(self.powers @ (self.legendre @ values))
+
+    def integral(self, values: Array) -> Array:
+        """Coefficients (q + 1, n) in rising powers of their integrals from -1."""
+        return np.asarray(self.integrals @ (self.legendre @ values))
 
 
 @cache
@@ -60,16 +71,14 @@ def rule() -> Rule:
     nodes, weights = legendre.leggauss(NODES)
     degrees = np.arange(NODES)
     to_legendre = (degrees[:, None] + 0.5) * legendre.legvander(nodes, NODES - 1).T * weights
-    powers = np.zeros((NODES, NODES))
+    powers, integrals, cumulative = np.zeros((NODES, NODES)), np.zeros((NODES + 1, NODES)), np.zeros((NODES, NODES))
     for k in degrees:
-        column = legendre.leg2poly(np.eye(NODES)[k])
+        column, summed = legendre.leg2poly(np.eye(NODES)[k]), legendre.legint(np.eye(NODES)[k], lbnd=-1)
         powers[: len(column), k] = column
-    integral = np.zeros((NODES + 1, NODES + 1))
-    for k in degrees:
-        column = legendre.leg2poly(legendre.legint(np.eye(NODES)[k], lbnd=-1))
-        integral[: len(column), k] = column
-    integral = integral[:, :NODES] @ to_legendre
-    return Rule(nodes, weights, np.vander(nodes, NODES + 1, increasing=True) @ integral, to_legendre, powers @ to_legendre, integral)
+        integral = legendre.leg2poly(summed)
+        integrals[: len(integral), k] = integral
+        cumulative[:, k] = legendre.legval(nodes, summed)
+    return Rule(nodes, weights, cumulative @ to_legendre, to_legendre, powers, integrals)
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -127,8 +136,11 @@ def beyond(table: Table, angle: float, time: float | None = None) -> SimulationE
     return SimulationError(f"the linkage locks: its crank turns only from {low:.6g} to {high:.6g} deg, and runs against that", time, angle)
 
 
-def build(press: Linkage, coordinates: Sequence[Coordinate]) -> Table:
+def build(press: Linkage, coordinates: Sequence[Coordinate], panels: int | None = None) -> Table:
     """The table of a linkage with one driver.
+
+    Args:
+        panels: how many of equal width, whether these resolve it or not; by default as many as do.
 
     Raises:
         SingularityError, AssemblyError: see `Linkage.branch`.
@@ -136,27 +148,27 @@ def build(press: Linkage, coordinates: Sequence[Coordinate]) -> Table:
     branch = press.passage
     period = None if branch.period is None else branch.period * _periods(press, branch.advance)
     low, high = (0.0, period) if period is not None else (float(branch.angles[0]), float(branch.angles[-1]))
-    count = max(2, math.ceil(PANELS * (high - low) / (2 * np.pi) - 1e-9))
+    count = panels or max(2, math.ceil(PANELS * (high - low) / (2 * np.pi) - 1e-9))
     borders, points = np.linspace(low, high, count + 1), 0
     starts, ends = borders[:-1], borders[1:]
     done: list[tuple[Array, Array, Array]] = []
     scale = np.zeros(COORDINATES + len(coordinates))
     lowest, highest = np.inf, -np.inf
-    to_legendre = rule().legendre
+    last_terms = rule().legendre[-2:]
     while len(starts):
         half = 0.5 * (ends - starts)
         angles = (starts + half)[:, None] + half[:, None] * rule().nodes
-        values = _sample(press, angles.ravel(), coordinates).reshape(-1, *angles.shape)
+        values = sampled(press, angles.ravel(), coordinates).reshape(-1, *angles.shape)
         points += angles.size
         scale = np.maximum(scale, np.abs(values).max(axis=(1, 2)))
         lowest, highest = np.minimum(lowest, values[POTENTIAL].min()), np.maximum(highest, values[POTENTIAL].max())
         scale[WEIGHT] = max(float(scale[WEIGHT]), FLAT * float(scale[POTENTIAL]))
         scale[POTENTIAL] = max(float(highest - lowest), 1e-3 * float(max(abs(lowest), abs(highest))))
-        tail = np.abs(values @ to_legendre[-2:].T).max(axis=2)
+        tail = np.abs(values @ last_terms.T).max(axis=2)
         local = np.abs(values[INERTIA]).max(axis=1)  # near a lock the inertia has no bounds
         unresolved = (tail > RESOLVED * scale[:, None]).any(axis=0) | (tail[INERTIA] > RESOLVED * local)
-        settled = ~unresolved | (half < NARROWEST)
-        done.append((starts[settled], ends[settled], np.moveaxis(values[:, settled], 0, 1) @ rule().monomials.T))
+        settled = ~unresolved | (half < NARROWEST) | (panels is not None)
+        done.append((starts[settled], ends[settled], np.moveaxis(values[:, settled], 0, 1) @ rule().legendre.T @ rule().powers.T))
         left, right = starts[~settled], ends[~settled]
         middle = 0.5 * (left + right)
         starts, ends = np.concatenate([left, middle]), np.concatenate([middle, right])
@@ -187,7 +199,7 @@ def _periods(press: Linkage, advance: Array) -> int:
     )
 
 
-def _sample(press: Linkage, angles: Array, coordinates: Sequence[Coordinate]) -> Array:
+def sampled(press: Linkage, angles: Array, coordinates: Sequence[Coordinate]) -> Array:
     """Rows (rows, n) at crank angles (n,)."""
     motion = carried(press, angles, 1.0)  # at unit speed rates are derivatives by the crank angle
     kinetic, potential, weight = _energies(press, motion)

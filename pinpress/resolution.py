@@ -28,7 +28,7 @@ def carried(flow: Flow, grid: Grid) -> Array | None:
     low, high = old.borders[panel], old.borders[panel + 1]
     x = (2 * (along - low) / (high - low) - 1)[:, :, None]
     q, p, count = flow.energy.shape
-    coefficients = (rule().monomials @ flow.energy.reshape(q, -1)).reshape(q, p, count)
+    coefficients = rule().polynomial(flow.energy.reshape(q, -1)).reshape(q, p, count)
     value = coefficients[-1][panel]
     for k in range(q - 2, -1, -1):
         value = value * x + coefficients[k][panel]
@@ -96,7 +96,7 @@ def _corners_passed(flow: Flow, upto: int, corners: Sequence[float]) -> dict[int
         speeds = np.concatenate([ends[None, :-1], g.direction * flow.speed[:, :, 0], ends[None, 1:]])[:, :upto]
         for corner in corners:
             for panel in np.flatnonzero((speeds.min(axis=0) < corner) & (speeds.max(axis=0) > corner)).tolist():
-                at = _place_of(flow, panel, (rule().monomials @ speeds[1:-1, panel]).tolist(), corner)
+                at = _place_of(flow, panel, rule().polynomial(speeds[1:-1, panel]).tolist(), corner)
                 if at is not None:
                     found[panel] = at
     return found
@@ -126,7 +126,7 @@ def _contact_lost(flow: Flow, push: Push) -> list[tuple[int, float]]:
         position = np.concatenate([g.position[push.row][:, panel], g.position_ends[push.row, ends]])
         law = np.asarray(push.stretch.force(position - push.datum, np.concatenate(rates)))
         if law.min() < 0 < law.max():
-            at = _place_of(flow, panel, (rule().monomials @ law[:-2]).tolist(), 0.0)
+            at = _place_of(flow, panel, rule().polynomial(law[:-2]).tolist(), 0.0)
             if at is not None:
                 found.append((panel, at))
     return found

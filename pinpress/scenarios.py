@@ -227,16 +227,16 @@ class Together:
         panel = np.clip((passed[:, scenario] <= time).sum(axis=0) - 1, 0, len(grid.kinds) - 1)
         slowness = (grid.measure[:, :, None] / flow.speed)[:, panel, scenario]
         since = time - passed[panel, scenario]
-        x = turned.place_at(r.integral @ slowness, since, passed[panel + 1, scenario] - passed[panel, scenario])
+        x = turned.place_at(r.integral(slowness), since, passed[panel + 1, scenario] - passed[panel, scenario])
         along, measure = panels.travelled(grid, panel, x)
         self.angle[place, scenario] = self.at + self.direction * along
-        self.speed[place, scenario] = self.direction * measure / turned.values(r.monomials @ slowness, x)
+        self.speed[place, scenario] = self.direction * measure / turned.values(r.polynomial(slowness), x)
         # of those that end here, the work up to the end
         ending = np.flatnonzero(place == len(self.times) - 1)
         of, at = scenario[ending], panel[ending]
         for k, part in self._parts(flow):
             before = np.concatenate([np.zeros((1, len(going))), _sums(flow, part).cumsum(axis=0)])[at, of]
-            within = turned.values(r.integral @ (part * grid.measure[:, :, None])[:, at, of], x[ending])
+            within = turned.values(r.integral((part * grid.measure[:, :, None])[:, at, of]), x[ending])
             self.works[k, of] += before + within
 
     def _parts(self, flow: Flow) -> "list[tuple[int, Array]]":

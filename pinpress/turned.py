@@ -111,7 +111,7 @@ def turned(scene: Scene, table: Table, flow: Flow, count: int, begin: State) -> 
     """The first ``count`` panels of a flow of one scenario in time."""
     r, g = rule(), flow.grid
     measure, speed = g.measure[:, :count], flow.speed[:, :count, 0]
-    elapsed = r.integral @ (measure / speed)
+    elapsed = r.integral(measure / speed)
     if scene.drive is None:
         motor = np.zeros_like(speed)
     elif isinstance(scene.drive, PrescribedSpeed):
@@ -123,7 +123,7 @@ def turned(scene: Scene, table: Table, flow: Flow, count: int, begin: State) -> 
     if scene.drive is not None and not isinstance(scene.drive, PrescribedSpeed):
         driving = g.direction * scene.drive.torque(g.direction * speed) + np.zeros_like(speed)
     rates = [driving, -flow.resisting[:, :count, 0], motor * motor / speed]
-    summed = np.array([r.integral @ (rate * measure) for rate in rates])
+    summed = np.array([r.integral(rate * measure) for rate in rates])
     return Turned(
         scene=scene,
         table=table,

@@ -177,7 +177,7 @@ def _with_rest(flow: Flow, panel: int, ends: Array, hard: Array, from_rest: bool
     """Borders up to the stop in a ``panel``, the last of them over the square root of the angle; it starts at ``hard`` borders at the
     latest."""
     grid, r = flow.grid, rule()
-    polynomial = (r.integral @ (flow.force[:, panel, 0] * grid.measure[:, panel])).tolist()
+    polynomial = r.integral(flow.force[:, panel, 0] * grid.measure[:, panel]).tolist()
     polynomial[0] += float(flow.ends[panel, 0])
     samples = np.append(r.nodes, 1.0)
     first = int(np.argmax(np.append(flow.energy[:, panel, 0], flow.ends[panel + 1, 0]) <= 0))

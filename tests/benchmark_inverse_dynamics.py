@@ -23,11 +23,12 @@ from typing import Any
 
 import numpy as np
 import pinocchio as pin
-from hand_script import Array, six_bar, world_forces
 from pinocchio_loop import PinocchioLoop, inverse_dynamics
 
 ROOT = Path(__file__).resolve().parent.parent
 sys.path.insert(0, str(ROOT))
+from pinpress.peers.six_bar_script import Array, six_bar, world_forces  # noqa: E402
+
 SPEED = 70 * 2 * np.pi / 60  # [rad/s]
 TURN = 0.02  # seconds
 SUBSET = 720  # angles that the per-angle loop is timed on where the whole turn has more

@@ -3,11 +3,12 @@
 import json
 from pathlib import Path
 
-import hand_script
 import numpy as np
 import pinocchio_loop
 import pytest
-from hand_script import six_bar, world_forces
+
+from pinpress.peers import six_bar_script as hand_script
+from pinpress.peers.six_bar_script import six_bar, world_forces
 
 REFERENCE = json.loads((Path(__file__).parent / "reference" / "zxn2_3000b.json").read_text(encoding="utf-8"))
 TABLE = REFERENCE["table"]

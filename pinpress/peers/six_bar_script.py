@@ -1,4 +1,4 @@
-"""The ZXN2-3000(B) six-bar press written out by hand with NumPy: the benchmark's peer and the tests' independent oracle.
+"""The ZXN2-3000(B) six-bar press written out by hand with NumPy: a peer of pinpress and the tests' independent oracle.
 
 What a good engineer writes for this one press: Newton on the four vector-loop equations, velocities and accelerations from
 the same 4x4 matrix, then the 14 Newton-Euler equations of the five bodies for the driving torque and thirteen pin force
@@ -130,13 +130,13 @@ def six_bar(theta1: ArrayLike, omega1: ArrayLike, alpha1: ArrayLike, balanced: b
 
     right = np.zeros((n, 4, 1))
     right[:, 0, 0], right[:, 1, 0] = omega1 * b1y, -omega1 * b1x
-    v = np.linalg.solve(matrix, right)[..., 0]
+    v = np.asarray(np.linalg.solve(matrix, right)[..., 0], dtype=float)
     w1, w2, w3, w4 = omega1**2, v[:, 0] ** 2, v[:, 1] ** 2, v[:, 2] ** 2
     right[:, 0, 0] = alpha1 * b1y + w1 * b1x + w2 * b2x - w3 * b3x
     right[:, 1, 0] = -alpha1 * b1x + w1 * b1y + w2 * b2y - w3 * b3y
     right[:, 2, 0] = w3 * e3x + w4 * b4x
     right[:, 3, 0] = w3 * e3y + w4 * b4y
-    a = np.linalg.solve(matrix, right)[..., 0]
+    a = np.asarray(np.linalg.solve(matrix, right)[..., 0], dtype=float)
     alpha2, alpha3, alpha4 = a[:, 0], a[:, 1], a[:, 2]
 
     m1, p1, j1 = CRANK[balanced]
@@ -174,7 +174,7 @@ def six_bar(theta1: ArrayLike, omega1: ArrayLike, alpha1: ArrayLike, balanced: b
     system[:, 8, F43X], system[:, 8, F43Y] = g3y - e3y, e3x - g3x
     system[:, 11, F43X], system[:, 11, F43Y] = -f4 * b4y, f4 * b4x
     system[:, 11, F54X], system[:, 11, F54Y] = (f4 - 1.0) * b4y, (1.0 - f4) * b4x
-    forces = np.linalg.solve(system, load)[..., 0]
+    forces = np.asarray(np.linalg.solve(system, load)[..., 0], dtype=float)
 
     result = {name: forces[:, i] for i, name in enumerate(UNKNOWNS)}
     result |= {"theta2": x[:, 0], "theta3": x[:, 1], "theta4": x[:, 2], "slide_position": x[:, 3]}

@@ -1,0 +1,149 @@
+"""The same press in other programs: peers whose answers and run times can be set beside those of pinpress.
+
+    peers, skipped = find(pp.load("zxn2_3000b"))
+
+`find` gives every peer that can treat a press: a hand-written NumPy script (for one press), MuJoCo and Exudyn. Nothing of theirs is
+imported before it is called. All answers have pinpress's signs: see `pinpress.reactions`.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import partial
+from importlib import import_module
+from typing import Protocol
+
+import numpy as np
+
+from ..coordinates import Array
+from ..errors import PinpressError
+from ..linkage import Linkage
+from ..loading import load
+
+INSTALL = "not installed; pip install 'pinpress[peers]'"
+
+
+@dataclass(frozen=True, eq=False)
+class Answer:
+    """Inverse dynamics over n crank angles.
+
+    Attributes:
+        torque: (n,) on the driver joint, along its axis [N m].
+        force: name of a joint or loop -> (n, 3), action of parent on child (of a loop: of link1 on link2), world axes [N].
+    """
+
+    torque: Array
+    force: dict[str, Array]
+
+
+@dataclass(frozen=True, eq=False)
+class End:
+    """Where a free run ends.
+
+    Attributes:
+        crank_angle, crank_speed: of the driver joint, the angle unwrapped [rad, rad/s].
+        loop_gap: largest distance between the two sides of a bearing that the peer closes by an equation [m].
+        energy_error: kinetic and potential energy less that at the start, relative to the kinetic energy at the start [-].
+        force: name of a joint or loop -> (3,), as of `Answer` [N].
+    """
+
+    crank_angle: float
+    crank_speed: float
+    loop_gap: float
+    energy_error: float
+    force: dict[str, Array]
+
+
+class Peer(Protocol):
+    """A press made in another program.
+
+    Attributes:
+        name: of the program, with its version.
+        inverse: whether it has inverse dynamics of its own to be compared.
+        steps: fixed steps worth measuring in a free run of about 1 s at about 70 strokes/min, largest first; none where it cannot run [s].
+    """
+
+    name: str
+    inverse: bool
+    steps: tuple[float, ...]
+
+    def inverse_dynamics(self, angle: Array, speed: float) -> Answer:
+        """One turn at constant speed, or a part of one, without process loads, weights included.
+
+        Args:
+            angle: (n,) of the crank in equal steps [rad]. speed: of the crank, with the sign of the steps [rad/s].
+
+        Raises:
+            PinpressError: the peer finds no answer.
+        """
+
+    def free_run(self, angle: float, speed: float, inertia: float, duration: float, step: float) -> End:
+        """Let the press run without torque.
+
+        Args:
+            angle, speed: of the crank at the start [rad, rad/s]. inertia: of a flywheel on the crank's shaft [kg m2].
+            duration, step: [s]; the step is shortened until the duration is a whole number of steps.
+
+        Raises:
+            PinpressError: the peer finds no answer, or cannot run.
+        """
+
+
+class HandScript:
+    """`six_bar_script` as a peer: one press, written out by hand."""
+
+    name = "hand script"
+    inverse = True
+    steps: tuple[float, ...] = ()
+
+    def __init__(self, press: Linkage) -> None:
+        """
+        Raises:
+            PinpressError: another press than the script's.
+        """
+        shipped = ("zxn2_3000b", "zxn2_3000b_balanced")
+        own = load(press.name) if press.name in shipped else None
+        if own is None or press.text != own.text or press.model != own.model or press.drivers != own.drivers:
+            raise PinpressError(f"it is for {' and '.join(shipped)} alone")
+        self._balanced = press.name == shipped[1]
+
+    def inverse_dynamics(self, angle: Array, speed: float) -> Answer:
+        """See `Peer`."""
+        from .six_bar_script import six_bar, world_forces
+
+        result = six_bar(angle, speed, 0.0, self._balanced)
+        return Answer(result["tau"], world_forces(result))
+
+    def free_run(self, angle: float, speed: float, inertia: float, duration: float, step: float) -> End:
+        """Not in the script: see `steps`."""
+        raise PinpressError("the hand script has no free run: it has no steps")
+
+
+def find(press: Linkage) -> tuple[tuple[Peer, ...], tuple[str, ...]]:
+    """The peers that can treat a press, and one line for each that is skipped, with the reason."""
+    peers: list[Peer] = []
+    skipped: list[str] = []
+    makers: tuple[tuple[str, Callable[[Linkage], Peer]], ...] = (
+        ("hand script", HandScript),
+        ("MuJoCo", partial(_made, "mujoco", ".mujoco_press", "Mujoco")),
+        ("MuJoCo's mj_step", partial(_made, "mujoco", ".mujoco_press", "MujocoSteps")),
+        ("Exudyn", partial(_made, "exudyn", ".exudyn_press", "Exudyn")),
+    )
+    for name, make in makers:
+        try:
+            peers.append(make(press))
+        except ModuleNotFoundError:
+            skipped.append(f"{name} is skipped: {INSTALL}")
+        except PinpressError as error:
+            skipped.append(f"{name} is skipped: {error}")
+    return tuple(peers), tuple(skipped)
+
+
+def steps_of(duration: float, step: float) -> int:
+    """How many equal steps, none longer than ``step``, make up a duration."""
+    return max(1, int(np.ceil(duration / step * (1 - 1e-9))))
+
+
+def _made(package: str, module: str, kind: str, press: Linkage) -> Peer:
+    import_module(package)  # its absence is known even where our module has been imported before
+    peer: Peer = getattr(import_module(module, __name__), kind)(press)
+    return peer
