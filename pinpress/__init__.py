@@ -25,6 +25,7 @@ from .reactions import Reactions, inverse_dynamics
 
 __all__ = [
     "RPM",
+    "Accuracy",
     "AssemblyError",
     "At",
     "Brake",
@@ -38,6 +39,7 @@ __all__ = [
     "Friction",
     "Harmonics",
     "Linkage",
+    "Measurement",
     "Motion",
     "PinpressError",
     "PointForce",
@@ -51,6 +53,7 @@ __all__ = [
     "Stats",
     "UnknownNameError",
     "UrdfError",
+    "accuracy",
     "check",
     "cycle",
     "dead_centres",
@@ -62,6 +65,7 @@ __all__ = [
     "inverse_dynamics",
     "load",
     "loads",
+    "plot_accuracy",
     "plot_bearings",
     "plot_comparison",
     "plot_polar",
@@ -89,7 +93,9 @@ if TYPE_CHECKING:
     from .filming import film, still
     from .findings import Finding
     from .harmonic_analysis import Harmonics, harmonics
+    from .measurements import Accuracy, Measurement
     from .plots import plot_bearings, plot_comparison, plot_polar, plot_shaking, plot_slide, plot_torque
+    from .precision_plots import plot_accuracy
     from .recording import record
     from .reporting import report
     from .run import Run, Stats
@@ -97,6 +103,7 @@ if TYPE_CHECKING:
     from .scenarios import Runs
     from .simulation import simulate
     from .steady import steady_state
+    from .work_precision import accuracy
     from .writing import write_urdf
 
 _LATER = {
@@ -108,7 +115,9 @@ _LATER = {
     "filming": ("film", "still"),
     "findings": ("Finding",),
     "harmonic_analysis": ("Harmonics", "harmonics"),
+    "measurements": ("Accuracy", "Measurement"),
     "plots": ("plot_bearings", "plot_comparison", "plot_polar", "plot_shaking", "plot_slide", "plot_torque"),
+    "precision_plots": ("plot_accuracy",),
     "recording": ("record",),
     "reporting": ("report",),
     "run": ("Run", "Stats"),
@@ -116,6 +125,7 @@ _LATER = {
     "scenarios": ("Runs",),
     "simulation": ("simulate",),
     "steady": ("steady_state",),
+    "work_precision": ("accuracy",),
     "writing": ("write_urdf",),
 }
 

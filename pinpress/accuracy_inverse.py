@@ -40,7 +40,9 @@ def contest(press: Linkage, speed: float, points: int, peers: "Sequence[Peer]") 
 
     def by_peer(answer: "Answer") -> Errors:
         truth = answers[engines[0]]
-        return Errors(_off(answer.torque, truth.driving_torque, torque), force_error(answer.force, truth, peak), evaluations=points)
+        return Errors(
+            _off(answer.torque, truth.driving_torque, torque), force_error(answer.force, truth, peak, determined=True), evaluations=points
+        )
 
     angle = answers[engines[0]].motion.crank_angle
     setting = f"{points} crank angles"
@@ -56,7 +58,9 @@ def contest(press: Linkage, speed: float, points: int, peers: "Sequence[Peer]") 
         for engine in engines
     ]
     others = [
-        Contestant(INVERSE_DYNAMICS, peer.name, setting, points, partial(peer.inverse_dynamics, angle, speed), by_peer) for peer in peers
+        Contestant(INVERSE_DYNAMICS, peer.name, setting, points, partial(peer.inverse_dynamics, angle, speed), by_peer)
+        for peer in peers
+        if peer.inverse
     ]
     if len(engines) > 1:
         agreement = judged(answers["pinocchio"], answers["plane"])

@@ -66,13 +66,13 @@ def measured(contestants: Sequence[Contestant], repeats: int, done: Callable[[],
     return tuple(_measurement(*each, time) for each, time in zip(judged, seconds, strict=True))
 
 
-def force_error(forces: Mapping[str, Array], expected: Reactions, peak: float) -> float:
-    """Largest length of the difference of a bearing's force (n, 3), of a peak [N]; components that rigid mechanics leaves open, which each
-    shares as it likes, left out."""
+def force_error(forces: Mapping[str, Array], expected: Reactions, peak: float, determined: bool = False) -> float:
+    """Largest length of the difference of a bearing's force (n, 3), of a peak [N]; ``determined``: without the components that rigid
+    mechanics leaves open, which other programs share in ways of their own."""
     found = []
     for name, force in expected.bearing_force.items():
-        determined = ~expected.indeterminate[name][:3]
-        found.append(float(np.linalg.norm((forces[name] - force)[:, determined], axis=1).max()))
+        kept = ~expected.indeterminate[name][:3] if determined else slice(None)
+        found.append(float(np.linalg.norm((forces[name] - force)[:, kept], axis=1).max()))
     return max(found) / peak
 
 

@@ -117,12 +117,14 @@ class ForwardDynamics:
                 return result
         return self.acceleration_in_null_space(x, v, efforts)
 
-    def acceleration_by(self, settings: pin.ProximalSettings, x: Array, v: Array, efforts: Array) -> Array:
-        """What `constraintDynamics` answers (nv,) with proximal settings of one's own, where it has the quick way; unchecked."""
+    def answer_by(self, settings: pin.ProximalSettings, x: Array, v: Array, efforts: Array) -> tuple[Array, Array]:
+        """What `constraintDynamics` answers with proximal settings of one's own, where it has the quick way; unchecked: accelerations (nv,)
+        and the forces (points, 3) at the loops' points, link1 on link2, world axes [N]."""
         assert self.quick is not None
-        return np.array(
-            pin.constraintDynamics(self.model, self.quick.data, x, v, efforts, self.quick.points, self.quick.data_of_points, settings)
-        )
+        data, points, data_of_points = self.quick.data, self.quick.points, self.quick.data_of_points
+        result = np.array(pin.constraintDynamics(self.model, data, x, v, efforts, points, data_of_points, settings))
+        turned = [data.oMi[point.joint1_id].rotation @ point.joint1_placement.rotation for point in points]
+        return result, np.array([-r @ each.contact_force.linear for r, each in zip(turned, data_of_points, strict=True)])
 
     def acceleration_along(self, x: Array, first: Array, second: Array, speed: float, efforts: Array) -> Array:
         """Joint accelerations (nv,) where all joints are known to move with the driver, by its speed [rad/s] and influence coefficients,

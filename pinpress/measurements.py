@@ -12,7 +12,7 @@ INVERSE_DYNAMICS, SIMULATION, PROXIMAL, TABLE = GROUPS = ("inverse dynamics", "s
 UNITS = {  # what ``seconds`` and ``error`` of a group are
     INVERSE_DYNAMICS: ("of a turn", "of the driving torque, of its peak"),
     SIMULATION: ("of the run and the forces at its end", "of the crank angle at its end [rad]"),
-    PROXIMAL: ("of one state", "of the joint accelerations, of their peak"),
+    PROXIMAL: ("of 24 states", "of the joint accelerations, of their peak"),
     TABLE: ("of making it", "of reduced inertia and potential energy between the samples, of their range"),
 }
 

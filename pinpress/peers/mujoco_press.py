@@ -17,9 +17,9 @@ solver only take time. Its loops stay 1e-7 m open at 1 ms, and its error falls w
 stiffness goes with the step. Above 1e-6 rad it is as fast or faster, below it falls behind, ever more: `Mujoco` runs by the third way,
 `MujocoSteps` by the first.
 
-Bearing forces: of the open tree by `mj_rnePostConstraint` (``cfrc_int``), plus what the loops add. Letting MuJoCo add these from ``efc_force``
-gives the same to rounding. Where loops hold each other, the forces that this leaves open are those with the least sum of squared loop
-forces, not pinpress's.
+Bearing forces: of the open tree by `mj_rnePostConstraint` (``cfrc_int``), plus what the loops add. Letting MuJoCo add these from
+``efc_force`` gives the same to rounding. Where loops hold each other, the forces that this leaves open are those with the least sum of
+squared loop forces, not pinpress's.
 """
 
 import mujoco
@@ -42,7 +42,7 @@ STATE = mujoco.mjtState.mjSTATE_FULLPHYSICS
 class Mujoco:
     """A `pinpress.peers.Peer`; see the module."""
 
-    inverse, how = True, ", RK4 in NumPy"
+    inverse, how = True, " + NumPy"
     steps: tuple[float, ...] = (2e-2, 1e-2, 5e-3, 2.5e-3, 1e-3, 5e-4)
 
     def __init__(self, press: Linkage) -> None:

@@ -1,0 +1,65 @@
+"""`pinpress accuracy`: error against run time of all methods, and of other programs."""
+
+import argparse
+from pathlib import Path
+
+from . import scene_words
+from .command_output import DRIVER, FILE, SLIDE, make, progress
+from .loading import load
+from .motion import RPM
+
+EPILOG = """\
+every error is against a reference that two independent methods agree on; the table says how far. Times are the least of several rounds
+in which all take turns. MuJoCo and Exudyn take part where pip install 'pinpress[peers]' has put them; the plot needs 'pinpress[plots]'.
+e.g. pinpress accuracy zxn2_3000b --speed 70 --out out
+"""
+BAR = "{percentage:3.0f} % |{bar}| {remaining} to go"
+
+
+def add(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
+    """Put `accuracy` among the subcommands; parsed options have ``run``, see `run`."""
+    parser = commands.add_parser(
+        "accuracy",
+        help="error against run time of everything offered for a press, and of other programs",
+        description="Measure a press: inverse dynamics by both engines, a free run by both methods of simulation over tolerances and\n"
+        "steps, proximal settings of constraint dynamics, samples of the reduced table, and the same press in other programs. Prints\n"
+        "tables; with --out also writes accuracy.csv and accuracy.png.",
+        epilog=EPILOG,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    option = parser.add_argument
+    option("file", metavar="FILE", help=FILE)
+    option("--speed", type=float, required=True, metavar="RPM", help="of the crank, in the turn and at the start of the run, in r/min")
+    option("--flywheel", metavar="J", help="its inertia at the driver joint, in kg m2 (default: 4 times the linkage's own)")
+    option("--duration", type=float, metavar="S", help="of the run, in s (default: two turns at that speed)")
+    option("--points", type=int, default=360, metavar="N", help="crank angles in the turn (default: %(default)s)")
+    option("--repeats", type=int, default=3, metavar="N", help="rounds of timing (default: %(default)s)")
+    option("--driver", metavar="JOINT", help=DRIVER)
+    option("--slide", metavar="LINK", help=SLIDE)
+    option("--out", type=Path, metavar="DIR", help="folder for accuracy.csv and accuracy.png; made if it is not there")
+    parser.set_defaults(run=run)
+
+
+def run(options: argparse.Namespace) -> int:
+    """Print the tables and write the files.
+
+    Raises:
+        PinpressError: whatever `load`, `accuracy` and writing raise.
+    """
+    from .work_precision import accuracy
+
+    flywheel = None if options.flywheel is None else scene_words.flywheel(options.flywheel)
+    press = load(options.file, driver=options.driver, slide=options.slide)
+    if options.out is not None:
+        make(options.out)
+    with progress(1.0, BAR) as told:
+        measured = accuracy(press, options.speed * RPM, flywheel, options.duration, options.points, options.repeats, told)
+    print(measured)
+    if options.out is not None:
+        from .figures import save_plot
+        from .precision_plots import plot_accuracy
+
+        measured.to_csv(options.out / "accuracy.csv")
+        save_plot(plot_accuracy(measured), options.out / "accuracy.png")
+        print(f"\nwrote {options.out / 'accuracy.csv'} and {options.out / 'accuracy.png'}")
+    return 0

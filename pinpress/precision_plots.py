@@ -1,0 +1,123 @@
+"""`Accuracy` as a figure: error against run time, both logarithmic, and what settings do to the error."""
+
+from collections.abc import Callable, Sequence
+from typing import TYPE_CHECKING, Any
+
+from .errors import expect
+from .figures import COLOURS, GREY, SMALL, drawing, grid, legend, plain
+from .measurements import INVERSE_DYNAMICS, PROXIMAL, SIMULATION, TABLE, Accuracy, Measurement
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+HEIGHT = 21.0  # [cm]
+MARKERS = "osD^vP*X<>"
+
+Value = Callable[[Measurement], float | None]
+
+
+def plot_accuracy(measured: Accuracy) -> "Figure":
+    """Error against run time: of inverse dynamics, and of a free run its crank angle, its bearing forces at the end and its loops; then
+    error against the proximal parameter of constraint dynamics, and against the number of samples of the reduced table. Errors of torque,
+    forces and accelerations are of their peaks, those of a table of its range. Grey lines: what the reference is known to.
+
+    Raises:
+        PinpressError: not an `Accuracy`; Matplotlib is not installed.
+    """
+    expect("measured", measured, Accuracy, "accuracy")
+    looks = _looks(measured)
+    with drawing(HEIGHT) as figure:
+        panels = figure.subplots(3, 2)
+        drawn: dict[str, Any] = {}
+        for axes, group, label, value in (
+            (panels[0, 0], INVERSE_DYNAMICS, "error of the torque", _error),
+            (panels[0, 1], SIMULATION, "error of the crank angle [rad]", _error),
+            (panels[1, 0], SIMULATION, "error of bearing forces", _force_error),
+            (panels[1, 1], SIMULATION, "loop gap [m]", _loop_gap),
+        ):
+            title = {INVERSE_DYNAMICS: "Inverse dynamics, a turn", SIMULATION: "Free run"}[group]
+            for method in _methods(measured, group):
+                drawn.setdefault(method, _series(axes, measured.of(group, method), _time, value, looks[method]))
+            _axes(axes, title, "time [ms]", label)
+            if value is _error:
+                axes.axhline(measured.certificates[group], color=GREY, linewidth=0.8, zorder=0)
+        for axes, group, title, label in (
+            (panels[2, 0], PROXIMAL, "Constraint dynamics", "proximal parameter mu"),
+            (panels[2, 1], TABLE, "Reduced table", "samples"),
+        ):
+            methods = _methods(measured, group)
+            lines = [
+                _series(
+                    axes,
+                    measured.of(group, m),
+                    _number,
+                    _error,
+                    {"color": COLOURS[k % len(COLOURS)], "marker": MARKERS[k], "zorder": 3 + k},
+                )
+                for k, m in enumerate(methods)
+            ]
+            _axes(axes, title, label, "error of accelerations" if group == PROXIMAL else "error between them")
+            if group == PROXIMAL and methods:
+                legend(axes, lines, methods, loc="upper left")
+            if group == TABLE:
+                from matplotlib.ticker import NullFormatter
+
+                counts = [row.evaluations for row in measured.of(group, "reduced") if row.evaluations][::2]
+                axes.set_xticks(counts, [str(count) for count in counts])
+                axes.xaxis.set_minor_formatter(NullFormatter())
+            if group in measured.certificates:
+                axes.axhline(measured.certificates[group], color=GREY, linewidth=0.8, zorder=0)
+        legend(figure, list(drawn.values()), list(drawn), loc="outside upper center", ncols=3)
+        plain(figure.supxlabel(f"{measured.press}: {measured.scene}", fontsize=SMALL, color=GREY))
+    return figure
+
+
+def _looks(measured: Accuracy) -> dict[str, dict[str, Any]]:
+    """A colour for what pinpress, and what every other program offers; a marker for each of its methods; fixed steps dashed."""
+    methods = [*_methods(measured, INVERSE_DYNAMICS), *_methods(measured, SIMULATION)]
+    families: dict[str, str] = {}
+    looks: dict[str, dict[str, Any]] = {}
+    for method in dict.fromkeys(methods):
+        family = {"plane": "reduced", "pinocchio": "constraint"}.get(method, method.split(",")[0].split(" ")[0])
+        colour = families.setdefault(family, COLOURS[len(families) % len(COLOURS)])
+        fixed = "Runge-Kutta" in method or "mj_step" in method
+        looks[method] = {"color": colour, "marker": MARKERS[len(looks) % len(MARKERS)], "linestyle": (0, (4, 1.5)) if fixed else "-"}
+    return looks
+
+
+def _methods(measured: Accuracy, group: str) -> list[str]:
+    return list(dict.fromkeys(m.method for m in measured.of(group)))
+
+
+def _series(axes: "Axes", rows: Sequence[Measurement], along: Value, value: Value, look: dict[str, Any]) -> Any:
+    """A line through the measurements that have both values, in their order; one without is left out of a logarithmic chart."""
+    points = [(x, y) for x, y in ((along(row), value(row)) for row in rows) if x and y]
+    return axes.loglog([x for x, _ in points], [y for _, y in points], markersize=4.0, linewidth=1.0, **look)[0]
+
+
+def _axes(axes: "Axes", title: str, across: str, upwards: str) -> None:
+    grid(axes, upwards)
+    axes.margins(x=0.08, y=0.08)
+    axes.set_xlabel(across)
+    axes.set_title(title, loc="left")
+
+
+def _time(row: Measurement) -> float:
+    return 1e3 * row.seconds
+
+
+def _error(row: Measurement) -> float | None:
+    return row.error
+
+
+def _force_error(row: Measurement) -> float | None:
+    return row.force_error
+
+
+def _loop_gap(row: Measurement) -> float | None:
+    return row.loop_gap
+
+
+def _number(row: Measurement) -> float | None:
+    return row.number if row.number is not None else row.evaluations

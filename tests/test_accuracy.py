@@ -1,0 +1,233 @@
+"""What `accuracy` measures: errors that fall as their methods' orders say, references that are what they claim, problems said as such.
+
+Times are not judged: they are the machine's.
+"""
+
+import csv
+import dataclasses
+import math
+
+import numpy as np
+import pytest
+import small_linkages
+import spatial_linkages
+
+import pinpress as pp
+from pinpress import measurements, peers
+from pinpress.measurements import GROUPS, INVERSE_DYNAMICS, PROXIMAL, SIMULATION, TABLE
+
+SPEED = 70 * pp.RPM
+
+
+@pytest.fixture(scope="module")
+def alone():
+    """Without peers: they have their own tests, and take longer than all else."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(peers, "find", lambda press: ((), ("some peer is skipped: not installed",)))
+        yield
+
+
+@pytest.fixture(scope="module")
+def told():
+    return []
+
+
+@pytest.fixture(scope="module")
+def measured(alone, told):
+    return pp.accuracy(pp.load("zxn2_3000b"), SPEED, points=36, repeats=1, progress=told.append)
+
+
+def test_all_groups_are_measured(measured, told):
+    assert tuple(dict.fromkeys(m.group for m in measured.measurements)) == GROUPS
+    assert measured.skipped == ("some peer is skipped: not installed",)
+    assert all(m.seconds > 0 for m in measured.measurements)
+    assert told == sorted(told)
+    assert told[-1] == pytest.approx(1.0)
+
+
+def test_references_are_certified(measured):
+    """Two independent methods each: the engines, constraint and reduced dynamics, null space and reduced equation, table and linkage."""
+    assert set(measured.certificates) == set(measured.certified_by) == set(GROUPS)
+    bounds = {INVERSE_DYNAMICS: 1e-13, SIMULATION: 1e-11, PROXIMAL: 1e-10, TABLE: 1e-13}  # three times and more what is found
+    for group, bound in bounds.items():
+        assert 0 < measured.certificates[group] < bound
+        assert all(m.error >= measured.certificates[group] for m in measured.of(group) if m.error is not None and group in (SIMULATION, PROXIMAL))
+
+
+def test_inverse_dynamics(measured):
+    rows = measured.of(INVERSE_DYNAMICS)
+    assert [row.method for row in rows] == ["plane", "pinocchio"]
+    for row in rows:
+        assert row.error < 1e-13
+        assert row.force_error < 1e-13
+        assert row.loop_gap < 1e-14
+        assert row.energy_error < 1e-14
+        assert row.evaluations == 36
+
+
+@pytest.mark.parametrize("method", ["reduced", "constraint"])
+def test_fixed_steps_converge_with_order_four(measured, method):
+    rows = measured.of(SIMULATION, f"{method}, Runge-Kutta 4")
+    for quantity in ("error", "force_error", "energy_error"):
+        errors = np.array([getattr(row, quantity) for row in rows[:3]])
+        orders = np.log2(errors[:-1] / errors[1:])
+        assert (orders > 3.5).all(), quantity
+        assert orders.mean() < 7.0, quantity  # of `reduced` errors change their sign on the way
+    assert rows[0].number == pytest.approx(2 * rows[1].number)
+    assert rows[1].evaluations == pytest.approx(2 * rows[0].evaluations, rel=0.01)
+
+
+def test_tolerances_are_kept(measured):
+    """The error falls with the tolerance, and is at most a thousand tolerances."""
+    for method in ("reduced", "constraint"):
+        rows = measured.of(SIMULATION, method)
+        assert all(row.error <= max(1e3 * row.number, measured.certificates[SIMULATION]) for row in rows)
+    rows = measured.of(SIMULATION, "constraint")
+    assert rows[0].error > 1e4 * rows[-1].error
+    assert rows[0].evaluations < rows[-1].evaluations
+    assert all(row.loop_gap < 1e-14 for row in measured.of(SIMULATION))
+
+
+def test_the_default_wins(measured):
+    """Of what is offered, the default is among the most exact, and does the least work for it."""
+    default = measured.of(SIMULATION, "reduced")[0]
+    others = [row for row in measured.of(SIMULATION) if row.method.startswith("constraint")]
+    assert default.error <= min(row.error for row in others)
+    assert measured.fastest(SIMULATION, 1e-9)[0].method == "reduced"
+    assert measured.fastest(INVERSE_DYNAMICS, 1e-12)[0].method == "plane"
+
+
+def test_proximal_settings(measured):
+    """Without mu nothing finite; with one iteration an error that grows as mu; the setting of method constraint as exact as any."""
+    by = {(m.method, m.number): m for m in measured.of(PROXIMAL)}
+    assert by["1 iteration", 0.0].error is None
+    assert by["1 iteration", 0.0].problem == "not finite"
+    assert by["1 iteration", 1e-8].error == pytest.approx(10 * by["1 iteration", 1e-9].error, rel=0.02)
+    assert by["1 iteration", 1e-8].force_error == pytest.approx(10 * by["1 iteration", 1e-9].force_error, rel=0.02)
+    assert by["5 iterations", 1e-2].error > 0.1
+    (chosen,) = measured.of(PROXIMAL, "as chosen")
+    assert chosen.error == measured.certificates[PROXIMAL]
+    assert chosen.force_error < 1e-13
+
+
+def test_the_table_converges_faster_than_any_power(measured):
+    rows = measured.of(TABLE, "reduced")
+    errors = {row.evaluations: row.error for row in rows}
+    assert errors[14] > 0.01
+    assert errors[56] < 1e-6
+    assert errors[224] < 1e-13
+    (chosen,) = measured.of(TABLE, "reduced, as many as resolve it")
+    assert chosen.error < 1e-13
+
+
+def test_fastest(measured):
+    rows = measured.fastest(SIMULATION, 1e-6)
+    assert [row.seconds for row in rows] == sorted(row.seconds for row in rows)
+    assert len({row.method for row in rows}) == len(rows)
+    assert all(row.error <= 1e-6 for row in rows)
+    assert measured.fastest(SIMULATION, 0.0) == ()
+
+
+def test_text(measured):
+    text = str(measured)
+    assert all(m.method in text for m in measured.measurements)
+    assert "not finite" in text
+    assert "some peer is skipped" in text
+    assert "null-space accelerations and the reduced equation agree to" in text
+    assert max(map(len, text.split("\n"))) <= 140
+
+
+def test_csv_and_frame(measured, tmp_path):
+    measured.to_csv(tmp_path / "accuracy.csv")
+    with open(tmp_path / "accuracy.csv", newline="", encoding="utf-8") as file:
+        rows = list(csv.DictReader(file))
+    assert len(rows) == len(measured.measurements)
+    for row, m in zip(rows, measured.measurements, strict=True):
+        assert float(row["seconds [s]"]) == m.seconds
+        assert (float(row["error"]) if row["error"] else None) == m.error
+        assert row["method"] == m.method
+    pytest.importorskip("pandas")
+    frame = measured.to_frame()
+    assert list(frame.columns) == list(measured.columns())
+    assert len(frame) == len(rows)
+    with pytest.raises(pp.PinpressError, match=r"accuracy\.csv"):
+        measured.to_csv(tmp_path / "none" / "accuracy.csv")
+
+
+def test_plot(measured, tmp_path):
+    pytest.importorskip("matplotlib")
+    figure = pp.plot_accuracy(measured)
+    inverse, angle, force, gap, proximal, table = figure.axes
+    assert len(angle.lines) == len({m.method for m in measured.of(SIMULATION)}) + 1  # what the reference is known to
+    constraint = measured.of(SIMULATION, "constraint")
+    assert any(np.array_equal(line.get_ydata(), [m.error for m in constraint]) for line in angle.lines)
+    assert any(np.array_equal(line.get_ydata(), [m.force_error for m in constraint]) for line in force.lines)
+    for axes in (inverse, angle, force, gap, proximal, table):
+        assert axes.get_xscale() == axes.get_yscale() == "log"
+    first, second = (pp.save_plot(pp.plot_accuracy(measured), tmp_path / f"{k}.svg").read_bytes() for k in range(2))
+    assert first == second
+    with pytest.raises(pp.PinpressError, match="accuracy"):
+        pp.plot_accuracy(None)
+
+
+def test_a_problem_is_said(alone, monkeypatch):
+    """A contestant that raises is measured, and has its error in words."""
+    from pinpress import accuracy_simulation
+
+    monkeypatch.setattr(accuracy_simulation, "STEPS", (1,))
+    measured = pp.accuracy(pp.load("crank_slide"), 300 * pp.RPM, pp.Flywheel(0.5), duration=0.05, points=12, repeats=1)
+    (row,) = measured.of(SIMULATION, "constraint, Runge-Kutta 4")
+    assert (row.error is None) == bool(row.problem)
+    assert row.error is None or row.error > 1e-6
+
+
+def test_a_spatial_linkage(alone, tmp_path):
+    """One engine alone: its torque gives the accelerations back under forward dynamics."""
+    press = spatial_linkages.load_bennett(tmp_path) if hasattr(spatial_linkages, "load_bennett") else None
+    if press is None:
+        pytest.skip("see test_spatial_loops")
+    measured = pp.accuracy(press, 10.0, points=12, repeats=1)
+    assert [row.method for row in measured.of(INVERSE_DYNAMICS)] == ["pinocchio"]
+    assert measured.certified_by[INVERSE_DYNAMICS] == "torque and forward dynamics under it"
+    assert measured.certificates[INVERSE_DYNAMICS] < 1e-9
+
+
+def test_loops_that_hold_each_other(alone):
+    """Proximal settings are skipped with a line; all else is measured."""
+    measured = pp.accuracy(pp.load("jf75g_125_two_point"), 300 * pp.RPM, points=12, repeats=1)
+    assert not measured.of(PROXIMAL)
+    assert PROXIMAL not in measured.certificates
+    assert any("proximal settings are skipped" in line for line in measured.skipped)
+    assert measured.certificates[SIMULATION] < 1e-10
+
+
+@pytest.mark.parametrize(
+    ("arguments", "problem"),
+    [
+        ({"speed": 0.0}, "speed is 0"),
+        ({"speed": math.nan}, "speed"),
+        ({"points": 1}, "points"),
+        ({"points": 2.5}, "points"),
+        ({"repeats": 0}, "repeats"),
+        ({"repeats": True}, "repeats"),
+        ({"duration": -1.0}, "duration"),
+        ({"flywheel": 500.0}, "flywheel"),
+        ({"press": "zxn2_3000b"}, "press"),
+    ],
+)
+def test_wrong_arguments(alone, arguments, problem):
+    given = {"press": pp.load("crank_slide"), "speed": SPEED} | arguments
+    with pytest.raises(pp.PinpressError, match=problem):
+        pp.accuracy(**given)
+
+
+def test_several_drivers(tmp_path):
+    with pytest.raises(pp.PinpressError, match="2 drivers"):
+        pp.accuracy(small_linkages.two_cranks(tmp_path), SPEED)
+
+
+def test_measurements_are_plain_values(measured):
+    for m in measured.measurements:
+        for field in dataclasses.fields(m):
+            assert isinstance(getattr(m, field.name), str | float | int | None), field.name
+    assert set(measurements.UNITS) == set(GROUPS)
