@@ -22,6 +22,7 @@ LEAP = 1 / 8  # share of it that is leapt from either side at first
 PLACES = np.delete(chebyshev.chebpts1(18), [8, 9])  # of closed configurations over the stretch: none in its middle
 BESIDE = 12  # terms of the polynomials that look across from one side
 RESOLVED = 1e-9  # what the polynomials may miss, of positions and influence coefficients [rad, lengths of the linkage]
+EQUAL = 5e-3  # share of the gap of a closed loop, by which the middle may miss: five times rounding; else links are not of equal length
 AMBIGUOUS = 1e-2  # share of the distance across, by which Newton's method may move a joint: the other assembly is as far as that distance
 
 Gap = Callable[[Array], Array]
@@ -107,7 +108,8 @@ def _joined(
     checked, widest_between = close(between)
     missed = np.abs(checked - np.array(point.at(between))).max() / (1 + follower.size + np.abs(checked).max())
     middle = gap(point.at(angle + point.inner * np.linspace(-1, 1, 9))[0])
-    if not (max(widest, widest_between, float(middle.max())) <= follower.tolerance and missed <= RESOLVED):
+    closed = max(widest, widest_between) <= follower.tolerance and float(middle.max()) <= EQUAL * follower.tolerance
+    if not (closed and missed <= RESOLVED):
         return None
     return point, far
 

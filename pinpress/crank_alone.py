@@ -60,7 +60,9 @@ class CrankAlone:
         return Instant(angle, rate, coordinates, values[INERTIA], slopes[INERTIA], values[WEIGHT], levers)
 
     def accelerations(self, instant: Instant, torque: float, forces: Sequence[float], inertia: float) -> float:
-        total = instant.inertia + inertia  # positive all over the table, as the plan has seen to
+        total = instant.inertia + inertia
+        if not total > 0:  # no mass resists: an integrator shall try a shorter step
+            return math.nan
         for row, force in enumerate(forces):
             torque += force * instant.levers[row]
         return (torque - instant.weight - 0.5 * instant.inertia_slope * instant.speed * instant.speed) / total

@@ -36,6 +36,7 @@ from .spatial_equations import crossed
 MASSLESS = 1e-13  # share of the largest inertia below which what resists a motion is rounding
 CLEAR = 1e-6  # share of the largest pivot (of an inertia's own size) above which pivots of the quick way count as well away from zero
 PROXIMAL = 1e-10  # its damping, as a share of the largest pivot: each iteration leaves at most 1e-4 of the error (PROXIMAL / CLEAR)
+SETTLED = 1e-13  # change of a multiplier after which it stays [N], of its weight where the linkage weighs less than 1 N
 ITERATIONS = 6  # of these, most: redundant multipliers never settle, though the accelerations have
 OPENED = 1e-2  # how far joints are moved to see whether rows become independent [lengths of the linkage]
 
@@ -277,6 +278,11 @@ class ForwardDynamics:
         where = f"at crank angle {np.degrees(x[self.driver]):.6g} deg"
         return PinpressError(f"the motion of {self.name} {where} is too fast for floating point: lower speeds or efforts")
 
+    def _weight(self) -> float:
+        """Of all links [N]; without gravity what accelerates them at 1 rad/s2."""
+        mass = sum(float(inertia.mass) for inertia in self.model.inertias)
+        return mass * (float(np.linalg.norm(self.model.gravity.linear)) or self.size)
+
     def _quick(self, closed: Array, ends: "list[_End]", mass: Array) -> "_Quick | None":
         """What the quick way needs, None where it does not suit."""
         if not ends or not ((mass.diagonal() * self.per_unit**2).min() > self.least**2):
@@ -304,7 +310,7 @@ class ForwardDynamics:
             data=data,
             points=points,
             data_of_points=data_of_points,
-            settings=pin.ProximalSettings(0.0, 1e-13, PROXIMAL * largest, ITERATIONS),
+            settings=pin.ProximalSettings(0.0, SETTLED * min(1.0, self._weight()), PROXIMAL * largest, ITERATIONS),
             pivots=data.constraint_chol.D,
             bounds=CLEAR * np.concatenate([np.full(self.held, largest), mass.diagonal()]),
         )

@@ -12,6 +12,7 @@ from . import reduced, resolution, scene, turned, turning
 from .coordinates import Array
 from .driveline import Brake, Clutch, Driveline
 from .drives import Drive, Flywheel, PrescribedSpeed
+from .errors import SimulationError
 from .force_coordinates import JointAngle
 from .forces import Load
 from .linkage import Linkage
@@ -119,21 +120,21 @@ def plan_of_several(press: Linkage, drives: Mapping[str, Drive], flywheels: Mapp
     return Plan(found, Driveline(None, None, None, None, float(inertia[0])), inertia)
 
 
-def _check_inertia(plan: Plan) -> None:
-    """Raise where the inertia at the crank is zero or less."""
-    angles = 0.5 * (plan.table.borders[1:] + plan.table.borders[:-1])
+def _least_inertia(plan: Plan) -> tuple[float, float]:
+    """The least inertia at the crank [kg m2], and the crank angle [rad]."""
+    angles = np.append(0.5 * (plan.table.borders[1:] + plan.table.borders[:-1]), plan.table.borders[:-1])
     inertia = np.append(plan.table.coefficients[:, INERTIA, 0], plan.table.at(plan.table.borders[:-1])[0][INERTIA]) + plan.line.inertia
-    if not inertia.min() > 0:
-        raise scene.not_positive(float(inertia.min()), None, float(np.append(angles, plan.table.borders[:-1])[int(inertia.argmin())]))
+    return float(inertia.min()), float(angles[int(inertia.argmin())])
 
 
 def by_crank(
     plan: Plan, state: State, until: float, tolerance: float, step: float | None, progress: Progress | None, by_angle: bool = True
 ) -> Path:
     """The reduced equation from a state to a time: over the crank angle where that serves (and ``by_angle``), else over time."""
-    if plan.line.clutch is None:
-        _check_inertia(plan)
-    over_angle_too = by_angle and not plan.timed and step is None
+    least, where = _least_inertia(plan)
+    if plan.line.clutch is None and plan.line.inertia < 0 and not least > 0:
+        raise scene.not_positive(least, None, where)
+    over_angle_too = by_angle and not plan.timed and step is None and least > 0  # without mass it may stay between dead centres
     segments: list[Segment] = []
     if over_angle_too:
         found, stop = turning.run(plan.scene, plan.table, plan.edges, state, until, 0.1 * tolerance, progress)
@@ -157,7 +158,14 @@ def by_crank(
         y = machine.begin(np.array([state.angle]), np.array([state.speed]), states, state.ledgers)
         goes_on = None if not over_angle_too else lambda y, least=threshold: _energy(plan, y[0], y[1]) > least
         modes = machine.initial(state.time, y, mode)
-        stepped, y = over_time.run(machine, modes, state.time, y, until, tolerance, _scale(plan, y), step, plan.breaks, goes_on, progress)
+        try:
+            stepped, y = over_time.run(
+                machine, modes, state.time, y, until, tolerance, _scale(plan, y), step, plan.breaks, goes_on, progress
+            )
+        except SimulationError as error:
+            if least > 0:
+                raise
+            raise scene.not_positive(least, error.time, where if error.crank_angle is None else error.crank_angle) from error
         segments.append(stepped)
         if stepped.end >= until:
             return Path(segments)
@@ -181,7 +189,9 @@ def by_joints(
 
     press = plan.scene.press
     if plan.line.inertia < 0:
-        _check_inertia(plan)
+        least, where = _least_inertia(plan)
+        if not least > 0:
+            raise scene.not_positive(least, None, where)
     joints = AllJoints(press, plan.scene.coordinates, plan.inertia)
     machine = Machine(joints, plan.line, plan.scene.forces)
     several = len(press.drivers) > 1

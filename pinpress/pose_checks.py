@@ -15,6 +15,7 @@ from .spatial_equations import Rows
 CLOSE_TO_DRAWN = 0.25  # how far closing the drawn pose may turn a joint [rad], or move it in lengths of the linkage
 SEEN = 1e-9  # gaps below are rounding [lengths of the linkage, rad]
 UNSEEN = 1e-8  # axes that miss each other by less change the rank of no equations [rad]
+BESIDE = 1e-3  # how far from the drawn pose the rank is looked at again [rad, lengths of the linkage]
 ROUNDED = 1e-2  # axes as near to parallel as this are meant to be parallel [rad]
 
 
@@ -24,7 +25,9 @@ def errors(press: Linkage) -> Iterator[Finding]:
     rows = press.equations(press.closed if assembled else np.zeros_like(press.closed))
     free = press.model.nv - spatial.rank(rows.columns)
     yield from _unseen(press)
-    if free != len(press.drivers):
+    if assembled and free > len(press.drivers) and _free_beside(press) == len(press.drivers):
+        yield _change_point(press, rows)
+    elif free != len(press.drivers):
         yield _mobility(press, rows, free)
     if not assembled:
         yield from _open(press, rows)
@@ -91,6 +94,23 @@ def _mobility(press: Linkage, rows: Rows, free: int) -> Finding:
         stuck = rounded(press) or "a loop, a gear pair or a fixed joint too many: nothing can move"
         remedy = "drive fewer joints" if free > 0 else stuck
     return Finding.of(UrdfError(press.file, f'<robot name="{press.name}">', None, problem, remedy))
+
+
+def _free_beside(press: Linkage) -> int:
+    """Degrees of freedom that the equations leave a little beside the drawn pose, where none of them fails by chance."""
+    count = int(press.model.nv)
+    lengths = np.array([1.0 if axis.turns else press.spatial.size for axis in press.spatial.axes])
+    beside = press.closed + BESIDE * lengths * np.random.default_rng(0).uniform(-1, 1, count)
+    return count - spatial.rank(press.equations(beside).columns)
+
+
+def _change_point(press: Linkage, rows: Rows) -> Finding:
+    """Of a parallelogram drawn in one line, say: two assemblies meet there."""
+    problem = "two assemblies meet in the drawn pose, and the loops do not say which of them it is"
+    remedy = "draw the linkage a little further on"
+    smallest = float(spatial.singular_values(rows.columns)[press.model.nv - len(press.drivers) - 1])
+    error = SingularityError(f"{press.file}: {problem}; {remedy}", 0.0, smallest)
+    return Finding("error", f'<robot name="{press.name}">', None, problem, remedy, error)
 
 
 def _open(press: Linkage, rows: Rows) -> Iterator[Finding]:

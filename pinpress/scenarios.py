@@ -158,7 +158,7 @@ class Together:
         self.works = np.zeros((2, len(speed)))
         self.alone = np.zeros(len(speed), dtype=bool)
         self.before: Flow | None = None
-        self.at = angle
+        self.anchor = self.at = angle  # where periods begin: in the equation, and counted on
         self.clock = np.zeros(len(speed))
         self.energy = 0.5 * (plan.table.at(np.array([angle]))[0][INERTIA, 0] + plan.line.inertia) * speed**2
 
@@ -186,16 +186,16 @@ class Together:
             self.before = flow if len(flow.grid.kinds) < len(self.plan.table.borders) + MOST_KEPT else None
             self.clock = np.where(going, passed[-1], self.clock)
             self.energy = np.where(going, flow.ends[-1], self.energy)
-            self.at += self.direction * extent
+            self.at = self.anchor + self.direction * periods * extent
 
     def _period(self, extent: float, going: Mask, until: float, tolerance: float) -> tuple[Flow, Array]:
         """The period solved well enough for all that are ``going``, and the times (p + 1, S) at its borders."""
         plan, guess = self.plan, None
         if self.before is not None:
-            grid, guess = replace(self.before.grid, start=self.at), self.before.energy
+            grid, guess = self.before.grid, self.before.energy
         else:
-            ends = panels.borders(plan.table, plan.edges, self.at, self.direction, extent)
-            grid = panels.grid(plan.scene, plan.table, self.at, self.direction, ends)
+            ends = panels.borders(plan.table, plan.edges, self.anchor, self.direction, extent)
+            grid = panels.grid(plan.scene, plan.table, self.anchor, self.direction, ends)
         for _ in range(MOST_CUTS):
             flow = over_angle.flow(plan.scene, grid, self.energy, guess)
             passed = np.concatenate([self.clock[None], _sums(flow, 1 / flow.speed)]).cumsum(axis=0)
@@ -210,7 +210,7 @@ class Together:
             if not len(cuts):
                 return flow, passed
             ends = np.sort(np.concatenate([grid.borders, cuts]))
-            grid = panels.grid(plan.scene, plan.table, self.at, self.direction, ends)
+            grid = panels.grid(plan.scene, plan.table, self.anchor, self.direction, ends)
             guess = resolution.carried(flow, grid)
         self.alone |= going
         return flow, passed

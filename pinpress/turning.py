@@ -53,19 +53,27 @@ def run(
     """
     segments: list[Turned] = []
     state, before = begin, None
+    # Angles that grow round off, and what a period begins with must be what the one before ended with: the equation is solved over angles
+    # from the ``anchor`` on, again and again, and the crank's own angle is counted beside it.
+    anchor, first, periods = begin.angle, begin.angle, 0
     while state.time < until:
         if len(segments) == MOST_PERIODS:
             raise too_long(state.time, state.angle)
         direction = _direction(scene, table, state)
         if direction == 0:
             return segments, Stop(state, held=True)
-        found = _period(scene, table, edges, state, direction, until, tolerance, before)
+        found = _period(scene, table, edges, state, anchor, direction, until, tolerance, before)
         if found is None:
             return segments, Stop(state, held=False)
         flow, count = found
-        solved = turned(scene, table, flow, count, state)
+        solved = turned(scene, table, replace(flow, grid=replace(flow.grid, start=state.angle)), count, state)
         segments.append(solved)
         state = solved.last()
+        if table.period is not None and solved.travelled == table.period:
+            periods += 1
+            state = state._replace(angle=first + direction * periods * table.period)
+        else:
+            anchor, first, periods = anchor + direction * solved.travelled, state.angle, 0
         if progress is not None:
             progress(min(state.time, until))
         before = None
@@ -106,21 +114,22 @@ def _period(
     table: Table,
     edges: Sequence[Array],
     state: State,
+    anchor: float,
     direction: int,
     until: float,
     tolerance: float,
     before: Flow | None,
 ) -> tuple[Flow, int] | None:
-    """A period of the table, or less up to a stop or the time ``until``, and how many of its panels are right.
+    """A period of the table from the crank angle ``anchor``, or less up to a stop or the time ``until``, and how many panels are right.
 
     ``before`` is the period before: its panels and its speeds are a good start. None where the crank would stop, or has to start, under a
     force that depends on its speed.
     """
-    extent = panels.extent(table, state.angle, direction)
+    extent = panels.extent(table, anchor, direction)
     if extent <= 2 * panels.SAME:
         raise beyond(table, state.angle, state.time)
     from_rest, to_rest = state.speed == 0, False
-    inertia = float(table.at(np.array([state.angle]))[0][INERTIA, 0]) + scene.inertia
+    inertia = float(table.at(np.array([anchor]))[0][INERTIA, 0]) + scene.inertia
     if not inertia > 0:
         raise not_positive(inertia, state.time, state.angle)
     energy = np.array([0.5 * inertia * state.speed**2])
@@ -130,10 +139,10 @@ def _period(
     if scene.drive is not None and not isinstance(scene.drive, PrescribedSpeed):
         corners = tuple(float(np.ravel(corner)[0]) for corner in scene.drive.corners)
     if before is not None:
-        grid, guess = replace(before.grid, start=state.angle), before.energy
+        grid, guess = before.grid, before.energy
     else:
-        ends = panels.borders(table, edges, state.angle, direction, extent)
-        grid, guess = panels.grid(scene, table, state.angle, direction, ends, (from_rest, to_rest)), None
+        ends = panels.borders(table, edges, anchor, direction, extent)
+        grid, guess = panels.grid(scene, table, anchor, direction, ends, (from_rest, to_rest)), None
     for _ in range(MOST_CUTS):
         if guess is None and from_rest:
             guess = _any_energy(scene, grid)
@@ -143,7 +152,7 @@ def _period(
         count, stopping = _before_stop(flow, state.time, until)
         ends = grid.borders
         if stopping and flow.held and not to_rest:
-            ends = _with_rest(flow, count, ends, panels.on_the_way(table, edges, state.angle, direction), from_rest)
+            ends = _with_rest(flow, count, ends, panels.on_the_way(table, edges, anchor, direction), from_rest)
             to_rest = True
             if ends[-1] < SMALL:
                 return None
@@ -154,7 +163,7 @@ def _period(
             if not len(cuts):
                 return flow, count
             ends = np.sort(np.concatenate([ends, cuts]))
-        grid = panels.grid(scene, table, state.angle, direction, ends, (from_rest, to_rest))
+        grid = panels.grid(scene, table, anchor, direction, ends, (from_rest, to_rest))
         guess = resolution.carried(flow, grid)
     # what still is not resolved: there the crank all but stops, or the drive switches again and again
     right = int(grid.borders.searchsorted(cuts.min())) - 1

@@ -9,7 +9,7 @@ I = (N + 1) / 3 + N [kg m2], V = (N + 1) / 2 + N [kg m].
 GRAVITY = 9.81
 SPEED = 1.0  # of the tips at the start [m/s]
 
-# phi [rad] and its rate [rad/s] after so many seconds, from the exact equation, integrated in extended precision; all digits shown are right.
+# phi [rad] and its rate [rad/s] after so many seconds, from the exact equation, integrated in extended precision: all digits are right.
 EXACT = {
     1: {
         1: (3.405352987937, 6.875591948593),

@@ -7,7 +7,8 @@ from scipy.integrate import solve_ivp
 
 import pinpress as pp
 
-# Of the state after 10 s, relative to its angle: of `reduced` its table is resolved to 1e-11, of `constraint` every step may be off by 1e-11.
+# Of the state after 10 s, relative to its angle. `reduced` is at rounding that the falls make grow; of `constraint` every step may be off
+# by 1e-11.
 BOUNDS = {"reduced": 1e-11, "constraint": 1e-9}
 
 

@@ -1,0 +1,44 @@
+"""Every case of the table of extremes (`extreme_cases.py`) is held to its bound."""
+
+import math
+
+import pytest
+from extreme_case import Case, Outcome
+from extreme_cases import CASES, table
+
+import pinpress as pp
+
+pytestmark = pytest.mark.filterwarnings("error")
+
+SHORT = [(case, way) for case in CASES for way in case.ways if not case.long]
+
+
+@pytest.mark.parametrize(("case", "way"), SHORT, ids=[f"{case.group}: {case.name}, {way}" for case, way in SHORT])
+def test_case(case: Case, way: str) -> None:
+    outcome = case.work(way)
+    assert outcome.met, f"{case.expected}: {outcome}"
+
+
+def test_no_two_cases_are_called_the_same() -> None:
+    names = [(case.group, case.name) for case in CASES]
+    assert len(set(names)) == len(names)
+
+
+def test_the_table_says_what_is_not_met() -> None:
+    """A wrong result, an error that was not expected, a foreign one and a bound of nan are all shown as such."""
+
+    def raises(error: Exception) -> object:
+        raise error
+
+    scenes = {
+        "wrong": (lambda way: 1.0, lambda found: Outcome(found, 0.5)),
+        "not a number": (lambda way: math.nan, lambda found: Outcome(found, 0.5)),
+        "refused": (lambda way: raises(pp.SimulationError("it stalls", 0.1, 1.0)), lambda found: Outcome(0.0, 0.5)),
+        "foreign": (lambda way: raises(ZeroDivisionError("division")), lambda found: Outcome(0.0, 0.5)),
+        "right": (lambda way: 0.1, lambda found: Outcome(found, 0.5)),
+    }
+    rows = list(table(("plane",), [Case("group", name, "", scene, judge, ("plane",)) for name, (scene, judge) in scenes.items()]))[2:]
+    said = dict(zip(scenes, rows, strict=True))
+    assert [name for name, row in said.items() if "**not met**" in row] == ["wrong", "not a number", "refused", "foreign"]
+    assert "SimulationError at 57.2958 deg: it stalls" in said["refused"]
+    assert "ZeroDivisionError" in said["foreign"]
