@@ -7,7 +7,7 @@ sides, and polynomials through these configurations are the assembly between the
 both sides are one assembly; at a lock there is no other side.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -23,6 +23,7 @@ PLACES = np.delete(chebyshev.chebpts1(18), [8, 9])  # of closed configurations o
 BESIDE = 12  # terms of the polynomials that look across from one side
 RESOLVED = 1e-9  # what the polynomials may miss, of positions and influence coefficients [rad, lengths of the linkage]
 EQUAL = 5e-3  # share of the gap of a closed loop, by which the middle may miss: five times rounding; else links are not of equal length
+MET = 1e-6  # distance from a change point at which forces, that grow as 1 / distance, are of rounding [rad]
 AMBIGUOUS = 1e-2  # share of the distance across, by which Newton's method may move a joint: the other assembly is as far as that distance
 
 Gap = Callable[[Array], Array]
@@ -52,6 +53,18 @@ class ChangePoint:
         """Joint coordinates and their first two derivatives by the crank angle (nv, n) at crank angles (n,) of the stretch."""
         position, first, second = chebyshev.chebval((angle - self.angle) / self.half, self.coefficients)
         return position, first, second
+
+
+def met(points: Sequence[ChangePoint], period: float | None, angle: Array) -> int | None:
+    """Index of one of crank angles (n,) that is as good as at a change point, if there is one."""
+    for point in points:
+        distance = angle - point.angle
+        if period is not None:
+            distance -= period * np.round(distance / period)
+        at = int(np.abs(distance).argmin())
+        if abs(distance[at]) < MET:
+            return at
+    return None
 
 
 def across(follower: Follower, nodes: list[Node], angle: float, target: float, gap: Gap) -> tuple[ChangePoint, list[Node]] | None:

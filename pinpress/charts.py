@@ -255,6 +255,10 @@ def factor(quantity: str, unit: str) -> float:
 
 
 def _forces(reactions: Reactions) -> dict[str, Array]:
+    if reactions.left_out:  # the largest force tells what is rounding
+        raise PinpressError(
+            f"charts need all bearings, and {', '.join(reactions.left_out)} were left out: make the reactions without bearings=..."
+        )
     return {name: finite(f"force in {name}", force) for name, force in reactions.bearing_force.items()}
 
 

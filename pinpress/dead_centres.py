@@ -33,12 +33,17 @@ class DeadCentres:
 
 
 def dead_centres(press: Linkage) -> DeadCentres:
-    """Dead centres of a press whose crank turns fully, to rounding: zeros of the slide's speed, bisected.
+    """Dead centres of a press whose crank turns fully, to rounding: zeros of the slide's speed, bisected once and kept with the press.
 
     Raises:
         PinpressError: the linkage has no slide, or its slide never turns back.
         SingularityError: the linkage locks within the turn.
     """
+    return press.dead_centres
+
+
+def found(press: Linkage) -> DeadCentres:
+    """The same, worked out."""
     guide, offset = press.slide_guide
     turns = 2 * np.pi if press.branch.period is None else press.branch.period
 

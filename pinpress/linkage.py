@@ -21,6 +21,7 @@ from .sharing import RANK
 from .spatial import Spatial
 
 if TYPE_CHECKING:
+    from .dead_centres import DeadCentres
     from .reduced import Table
 
 CLEAR = 1e-2  # margin of a block of redundant equations below which all are solved together
@@ -201,6 +202,13 @@ class Linkage:
         from .reduced import build  # it makes motions of this linkage
 
         return build(self, [lambda motion: motion.slide_position] if self.slide is not None else [])
+
+    @cached_property
+    def dead_centres(self) -> "DeadCentres":
+        """Where the slide turns back. Raises as `pinpress.dead_centres`."""
+        from .dead_centres import found  # it closes this linkage
+
+        return found(self)
 
     def gaps(self, position: Array) -> Array:
         """Largest gaps (n,) of the loops at joint coordinates (nv, n) [m]."""

@@ -27,6 +27,7 @@ from .plane_blocks import Block, ordered
 
 EPSILON = float(np.finfo(float).eps)
 SERIAL = 65_536  # scalar multiplications up to which OpenBLAS makes a complex product in one thread
+SERIAL_ROW = 4_095  # the same of one row, which is a vector to it
 PARALLEL = 1e-12  # joint axes further from the plane's normal than this [rad] make a linkage spatial
 
 
@@ -112,11 +113,11 @@ class Plane:
 
 
 def product(rows: ComplexArray, columns: ComplexArray) -> ComplexArray:
-    """``rows @ columns`` for few rows and many columns, in pieces so small that BLAS keeps to one thread.
+    """``rows @ columns`` for any rows and many columns, in pieces so small that BLAS keeps to one thread.
 
     Its threads are no gain here, and where the machine has other work to do they wait milliseconds for each other.
     """
-    step = max(1, SERIAL // max(1, rows.size))
+    step = max(1, (SERIAL if len(rows) > 1 else SERIAL_ROW) // max(1, rows.size))
     if columns.shape[1] <= step:
         return rows @ columns
     result = np.empty((len(rows), columns.shape[1]), complex)

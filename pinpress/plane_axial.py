@@ -8,17 +8,15 @@ With the axes of `Plane`, normal x f is i f and r x normal is -i r for complex f
 """
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, TypeVar
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from .coordinates import Array, ComplexArray
 from .forces import AppliedForce
-from .plane import Plane, flat, in_space
+from .plane import Plane, flat, product
 from .sharing import Objective, least
 from .wrenches import Wrenches
-
-Values = TypeVar("Values", Array, ComplexArray)
 
 if TYPE_CHECKING:
     from .plane_dynamics import Bodies, OpenTree
@@ -38,8 +36,8 @@ def forces(plane: Plane, bodies: "Bodies", loads: Sequence[AppliedForce], compli
     for load in loads:
         if load.joint:
             axial[load.joint - 1] -= load.force @ plane.normal
-    axial = plane.carried @ axial
-    return _with_loops(plane, axial, range(len(plane.loop_points)), compliance)
+    spread = bodies.spread_force if compliance is None else spread_forces(plane, compliance)
+    return np.asarray(spread @ (plane.carried @ axial))
 
 
 def add(
@@ -52,9 +50,10 @@ def add(
     pins: ComplexArray,
     loads: Sequence[AppliedForce],
     axial: Array,
+    wanted: Sequence[int],
     result: Wrenches,
 ) -> None:
-    """Add the axial forces and tilting moments to a result that has the plane's.
+    """Add the axial forces and tilting moments of the wanted bearings to a result that has the plane's.
 
     Args:
         at: basis; v, a: joint rates and accelerations; tree: with its loops open; pins: loop forces; axial: what `forces` returned.
@@ -81,23 +80,38 @@ def add(
         for k in np.flatnonzero(plane.crossed[j]):
             arm = points[k] - origins[j]
             tilt[j] -= plane.crossed[j, k] * (1j * (plane.loop_heights[k] - plane.heights[j]) * pins[k] - 1j * arm * axial[count + k])
-    tilting = _with_loops(plane, tilt, [int(k) for k in np.flatnonzero(plane.holding)], None)
+    kept = slice(None) if len(wanted) == len(axial) else list(wanted)
+    tilting, axial = product(bodies.spread_moment[kept], tilt), axial[kept]
+    for i, (along, first, second) in enumerate(zip(plane.normal, *plane.axes, strict=True)):
+        # most presses stand in a coordinate plane: zeros cost nothing
+        if along:
+            result.force[..., i] += along * axial
+        if first:
+            result.moment[..., i] += first * tilting.real
+        if second:
+            result.moment[..., i] += second * tilting.imag
 
-    result.force[:] += axial[:, :, None] * plane.normal
-    result.moment[:] += in_space(plane, tilting)
+
+def spread_forces(plane: Plane, compliance: Array | None) -> Array:
+    """(bearings, nv) forces of all bearings along the normal from those of the joints with all loops open. Configurations do not matter."""
+    return _spread(plane, range(len(plane.loop_points)), compliance)
 
 
-def _with_loops(plane: Plane, joints: Values, sharing: Sequence[int], compliance: Array | None) -> Values:
-    """Forces, or moments, of all bearings from those (nv, n) of the joints with all loops open, some of which share in them."""
-    count, loops = len(joints), len(plane.loop_points)
-    response = np.concatenate([-plane.crossed[:, sharing], np.eye(loops)[:, sharing]])
-    start: Values = np.concatenate([joints, np.zeros((loops, joints.shape[1]))])
+def spread_moments(plane: Plane) -> ComplexArray:
+    """(bearings, nv) the same of tilting moments, in which the loops that hold their links upright share."""
+    return _spread(plane, [int(k) for k in np.flatnonzero(plane.holding)], None).astype(complex)
+
+
+def _spread(plane: Plane, sharing: Sequence[int], compliance: Array | None) -> Array:
+    """(bearings, nv) what all bearings carry of what joints do with all loops open, some of which share in it."""
+    count, loops = len(plane.parents), len(plane.loop_points)
+    alone = np.eye(count + loops, count)
     if not len(sharing):
-        return start
-    every = np.eye(count + loops)  # the shares of a unit of each, as they do not depend on the configuration
+        return alone
+    response = np.concatenate([-plane.crossed[:, sharing], np.eye(loops)[:, sharing]])
+    every = np.eye(count + loops)  # the shares of a unit of each
     objectives = [Objective(response, every, 1.0)]
     if compliance is not None:
         weights = np.sqrt(compliance)
         objectives.insert(0, Objective(weights[:, None] * response, weights * every, float(weights.max())))
-    shared: Values = start + response @ (least(objectives).T @ start)
-    return shared
+    return np.asarray(alone + response @ least(objectives).T @ alone)

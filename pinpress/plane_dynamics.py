@@ -14,7 +14,7 @@ from typing import NamedTuple
 import numpy as np
 import pinocchio as pin
 
-from . import plane_axial, plane_statics
+from . import plane_axial, plane_statics, plane_torque, plane_vectors
 from .coordinates import Array, ComplexArray
 from .errors import AssemblyError
 from .forces import AppliedForce
@@ -39,11 +39,14 @@ class Bodies:
         uncrossed: (nv, nl) minus `Plane.crossed`, what the joints are relieved of by the loop forces.
         forces: (2 nv, nb) on the second derivative of the basis: inertia force m a less weight of every body, then of all that hang on a
             joint. The first column is the weight; the basis' own first row does not move, so 1 is put there.
-        arms: on the basis: centres of mass from their joints; `Plane.closure`, its columns times i; ``inner`` joints from their parents;
-            directions of the prismatic joints; ``guided`` loops from the joint.
+        reduced: (nb - 1, nb) on the same: work of all inertia forces less weights on every function of the basis but the first.
+        spins: (nv, nv) joint accelerations to the effort of the links' inertia against turning in every joint.
+        arms: on the basis: centres of mass from their joints; `Plane.closure`, its columns times i, alone in ``closure``;
+            ``inner`` joints from their parents; directions of the prismatic joints; ``guided`` loops from the joint.
         inner: joints whose parent is not the frame, tips first.
         guided: (prismatic joint, loop) pairs: the loop's force turns the joint's link.
         geared: joints that turn and are coupled.
+        spread_force, spread_moment: `plane_axial.spread_forces` without compliances, and `plane_axial.spread_moments`.
         flat: everything moves and acts in one plane.
     """
 
@@ -52,10 +55,15 @@ class Bodies:
     products: ComplexArray
     uncrossed: ComplexArray
     forces: ComplexArray
+    reduced: ComplexArray
+    spins: Array
     arms: ComplexArray
+    closure: ComplexArray
     inner: tuple[int, ...]
     guided: tuple[tuple[int, int], ...]
     geared: tuple[int, ...]
+    spread_force: Array
+    spread_moment: ComplexArray
     flat: bool
 
 
@@ -73,14 +81,16 @@ def build(plane: Plane, model: pin.Model) -> Bodies:
     body_forces[:, 0] = -mass * complex(*(plane.axes @ gravity))
     inner = tuple(j for j in reversed(range(count)) if plane.parents[j] >= 0)
     guided = tuple((j, int(k)) for j in plane.prismatic for k in np.flatnonzero(plane.crossed[j]))
-    arms = [
-        *plane.centers,
-        *plane.closure[:loops],
-        *(1j * plane.closure[loops:]),
-        *(plane.origins[j] - plane.origins[plane.parents[j]] for j in inner),
-        *plane.directions,
-        *(plane.loop_points[k] - plane.origins[j] for j, k in guided),
-    ]
+    arms = np.array(
+        [
+            *plane.centers,
+            *plane.closure[:loops],
+            *(1j * plane.closure[loops:]),
+            *(plane.origins[j] - plane.origins[plane.parents[j]] for j in inner),
+            *plane.directions,
+            *(plane.loop_points[k] - plane.origins[j] for j, k in guided),
+        ]
+    )
     heights = np.concatenate([plane.heights, plane.center_heights, plane.loop_heights])
     return Bodies(
         axial_weight=axial_weight,
@@ -88,10 +98,15 @@ def build(plane: Plane, model: pin.Model) -> Bodies:
         products=products,
         uncrossed=-plane.crossed.astype(complex),
         forces=np.concatenate([body_forces, plane.carried @ body_forces]),
-        arms=np.array(arms),
+        reduced=(plane.origins + plane.centers).conj().T[1:] @ body_forces,
+        spins=plane.spin.T @ (tensors[:, 2, 2][:, None] * plane.spin),
+        arms=arms,
+        closure=arms[count : count + len(plane.closure)],
         inner=inner,
         guided=guided,
         geared=tuple(int(j) for j in np.flatnonzero(plane.coupled.any(axis=0)) if j in plane.revolute),
+        spread_force=plane_axial.spread_forces(plane, None),
+        spread_moment=plane_axial.spread_moments(plane),
         flat=bool(
             np.all(np.ptp(heights) <= ROUNDING * np.abs(plane.origins).max(initial=0.0))
             and not products.any()
@@ -107,27 +122,35 @@ def inverse_dynamics(
     v: Array,
     a: Array,
     loads: Sequence[AppliedForce],
+    law: FrictionLaw | None,
+    compliance: Array | None,
+    gears: bool,
     angle: Array,
-    law: FrictionLaw | None = None,
-    compliance: Array | None = None,
+    wanted: Sequence[int],
 ) -> Wrenches:
-    """Driving torque and the wrench of every joint and loop.
+    """Driving torque and the wrenches of joints and loops.
 
     Args:
         at: (nb, n) basis of the closed configurations.
         v, a: (nv, n) joint rates and accelerations.
-        loads: forces on links.
+        loads: forces on links. law: friction of the bearings. compliance: (bearings,) of the bearings [m/N].
+        gears: whether the torques of gear pairs are wanted; if not, they are one of several that balance.
         angle: (n,) crank angles.
-        law: friction of the bearings. compliance: (bearings,) of the bearings [m/N].
+        wanted: the bearings whose wrenches are wanted, rising. Friction, and what is shared, needs all of them first.
     """
     n = v.shape[1]
-    result = Wrenches.zeros(1, len(plane.offsets), len(plane.parents) + len(plane.loop_points), n)
+    result = Wrenches.zeros(1, len(plane.offsets), len(plane.parents) + len(plane.loop_points), n, len(wanted))
+    some = len(wanted) < len(result.friction)
+    few = some and law is None and plane_torque.suffices(plane, wanted, gears)
     speeds = None if law is None else law.moving(np.concatenate([v, (plane.crossed.T * plane.sense) @ v]))
     for start in range(0, n, PIECE):
         s = slice(None) if n <= PIECE else slice(start, start + PIECE)
         rubbing = None if law is None or speeds is None else Rubbing(law, speeds[:, s], angle[s])
         part = [load.part(s) for load in loads]
-        _piece(plane, bodies, at[:, s], v[:, s], a[:, s], part, rubbing, compliance, result.part(s))
+        if few and not (wanted and _across(plane, bodies, part)):
+            plane_torque.fill(plane, bodies, at[:, s], v[:, s], a[:, s], part, wanted, result.part(s))
+        else:
+            _piece(plane, bodies, at[:, s], v[:, s], a[:, s], part, rubbing, compliance, wanted, result.part(s))
     return result
 
 
@@ -159,18 +182,28 @@ def power_balance(plane: Plane, bodies: Bodies, at: ComplexArray, v: Array, a: A
 
     The energy's rate is taken body by body from velocities and accelerations: it shares nothing with the recursion that gave the torque.
     """
+    balance, total = np.empty(v.shape[1]), np.empty(v.shape[1])
+    for start in range(0, v.shape[1], PIECE):
+        s = slice(start, start + PIECE)
+        powers = _powers(plane, bodies, at[:, s], v[:, s], a[:, s], [load.part(s) for load in loads])
+        balance[s], total[s] = powers.sum(axis=0), np.abs(powers).sum(axis=0)
+    return balance, total
+
+
+def _powers(plane: Plane, bodies: Bodies, at: ComplexArray, v: Array, a: Array, loads: Sequence[AppliedForce]) -> Array:
+    """Every term (terms, n) of the balance."""
     first, second = basis_velocity(plane, at, v), basis_acceleration(plane, at, v, a)
     count = len(plane.parents)
     second[0] = 1.0
-    resisting = bodies.forces[:count] @ second
-    terms = list(-(((plane.origins + plane.centers) @ first).conj() * resisting).real - (bodies.inertia @ a) * (plane.spin @ v))
+    resisting = product(bodies.forces[:count], second)
+    velocities = product(plane.origins + plane.centers, first)
+    terms = list(-(velocities.conj() * resisting).real - (bodies.inertia @ a) * (plane.spin @ v))
     for load in loads:
         if load.joint:
             row = plane.origins[load.joint - 1].copy()
             row[plane.rotor(load.joint - 1)] += complex(*(plane.frames[load.joint - 1] @ load.point)[:2])
-            terms.append(((row @ first).conj() * flat(plane, load.force)).real)
-    powers = np.array(terms)
-    return powers.sum(axis=0), np.abs(powers).sum(axis=0)
+            terms.append((product(row[None], first)[0].conj() * flat(plane, load.force)).real)
+    return np.array(terms)
 
 
 class OpenTree(NamedTuple):
@@ -202,13 +235,12 @@ def _piece(
     loads: Sequence[AppliedForce],
     rubbing: Rubbing | None,
     compliance: Array | None,
+    wanted: Sequence[int],
     result: Wrenches,
 ) -> None:
     """Fill in the result of a piece of the motion."""
     tree = _open_tree(plane, bodies, at, v, a, loads)
-    across = None
-    if not (bodies.flat and all(plane_axial.is_flat(plane, load) for load in loads)):
-        across = plane_axial.forces(plane, bodies, loads, compliance, v.shape[1])
+    across = plane_axial.forces(plane, bodies, loads, compliance, v.shape[1]) if _across(plane, bodies, loads) else None
     statics = plane_statics.build(plane, tree.closure, tree.carried, bodies.uncrossed, at, compliance)
     efforts, passive = None, tree.passive
     if rubbing is not None:
@@ -219,13 +251,19 @@ def _piece(
     bearings = np.empty((count + len(plane.loop_points), v.shape[1]), complex)
     plane_statics.balance(statics, passive, gears, bearings)
     result.torque[0] = passive[plane.driver]
-    _in_space(plane, bearings, result.force)
-    for bearing, moment in _about_normal(plane, bodies, tree, bearings[count:], passive[plane.driver], gears, efforts).items():
-        _along_normal(plane, moment, result.moment[bearing])
-    if across is not None:
-        plane_axial.add(plane, bodies, at, v, a, tree, bearings[count:], loads, across, result)
-    if len(gears):  # multipliers so far
-        gears *= plane.coupled[range(len(gears)), plane.followers][:, None]
+    if wanted:
+        plane_vectors.put(plane, bearings if len(wanted) == len(bearings) else bearings[list(wanted)], result.force)
+        for bearing, moment in _about_normal(plane, bodies, tree, bearings[count:], passive[plane.driver], gears, efforts).items():
+            if bearing in wanted:
+                plane_vectors.put_normal(plane, moment, result.moment[wanted.index(bearing)])
+        if across is not None:
+            plane_axial.add(plane, bodies, at, v, a, tree, bearings[count:], loads, across, wanted, result)
+    plane_statics.torques(plane, gears)
+
+
+def _across(plane: Plane, bodies: Bodies, loads: Sequence[AppliedForce]) -> bool:
+    """Whether anything acts out of the plane."""
+    return not (bodies.flat and all(plane_axial.is_flat(plane, load) for load in loads))
 
 
 def _open_tree(plane: Plane, bodies: Bodies, at: ComplexArray, v: Array, a: Array, loads: Sequence[AppliedForce]) -> OpenTree:
@@ -295,12 +333,13 @@ def _friction(
     count = len(plane.parents)
     bearings = np.empty((count + len(plane.loop_points), passive.shape[1]), complex)
     gears = np.zeros((len(plane.offsets), passive.shape[1]))
+    slides = product(plane.directions, at).conj()
 
     def radial(efforts: Array) -> Array:
         plane_statics.balance(statics, passive - _resisted(plane, efforts), gears, bearings)
         sizes = np.abs(bearings)
-        for joint, row in zip(plane.prismatic, plane.directions, strict=True):
-            sizes[joint] = np.abs(((row @ at).conj() * bearings[joint]).imag)
+        for joint, direction in zip(plane.prismatic, slides, strict=True):
+            sizes[joint] = np.abs((direction * bearings[joint]).imag)
             if across is not None:
                 sizes[joint] = np.hypot(sizes[joint], across[joint])
         return sizes
@@ -312,21 +351,3 @@ def _resisted(plane: Plane, efforts: Array) -> Array:
     """What friction (bearings, n) takes over of the efforts (nv, n) of the joints."""
     count = len(plane.parents)
     return np.asarray(efforts[:count] + (plane.sense[:, None] * plane.crossed) @ efforts[count:])
-
-
-def _in_space(plane: Plane, vectors: ComplexArray, out: Array) -> None:
-    """Fill ``out`` (..., 3), zero so far, with complex vectors (...). Most presses stand in a coordinate plane: zeros cost nothing."""
-    for i, (first, second) in enumerate(plane.axes.T):
-        if first:
-            np.multiply(vectors.real, first, out=out[..., i])
-        if second and first:
-            out[..., i] += second * vectors.imag
-        elif second:
-            np.multiply(vectors.imag, second, out=out[..., i])
-
-
-def _along_normal(plane: Plane, values: Array, out: Array) -> None:
-    """Fill ``out`` (n, 3), zero so far, with vectors of lengths (n,) along the normal."""
-    for i, share in enumerate(plane.normal):
-        if share:
-            np.multiply(values, share, out=out[:, i])

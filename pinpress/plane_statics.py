@@ -53,7 +53,8 @@ def build(
     idle = list(_idle(plane, closure))
     responses = [np.concatenate([product(uncrossed, pins), pins]) for pins, _ in idle]
     coupled = [(joint, row) for joint, row in zip(plane.prismatic, plane.directions, strict=True) if plane.coupled[:, joint].any()]
-    return Statics(plane, closure, carried, uncrossed, idle, responses, compliance, {joint: row @ at for joint, row in coupled})
+    slides = {joint: product(row[None], at)[0] for joint, row in coupled}
+    return Statics(plane, closure, carried, uncrossed, idle, responses, compliance, slides)
 
 
 def balance(statics: Statics, passive: Array, gears: Array, bearings: ComplexArray) -> None:
@@ -63,12 +64,24 @@ def balance(statics: Statics, passive: Array, gears: Array, bearings: ComplexArr
     """
     count = len(statics.carried)
     pins = bearings[count:]
-    _balance(statics.plane, statics.closure, passive, pins, gears, len(statics.plane.blocks))
+    transmit(statics.plane, statics.closure, passive, pins, gears)
     np.add(product(statics.uncrossed, pins), statics.carried, out=bearings[:count])
     if statics.idle:
         for share, (_, idle_gears), response in zip(_shares(statics, bearings), statics.idle, statics.responses, strict=True):
             bearings += share * response
             gears += share * idle_gears
+
+
+def transmit(plane: Plane, closure: ComplexArray, passive: Array, pins: ComplexArray, gears: Array) -> None:
+    """Fill in forces of the pins (nl, n) and multipliers of the couplings (nc, n) alone, the idle forces not yet shared: without those of
+    the joints, on which that depends. ``passive`` as in `balance`."""
+    _balance(plane, closure, passive, pins, gears, len(plane.blocks))
+
+
+def torques(plane: Plane, multipliers: Array) -> None:
+    """Turn multipliers of the couplings (nc, n) into torques on their followers."""
+    if len(multipliers):
+        multipliers *= plane.coupled[range(len(multipliers)), plane.followers][:, None]
 
 
 def _balance(plane: Plane, closure: ComplexArray, passive: Array, pins: ComplexArray, gears: Array, blocks: int) -> None:

@@ -66,7 +66,7 @@ def plot_polar(reactions: Reactions, *bearings: str) -> "Figure":
     Raises:
         UnknownNameError: there is no such bearing.
     """
-    names = bearings or tuple(reactions.bearing_force)
+    names = bearings or reactions._press.bearings
     return draw_loci(reactions.motion, [charts.locus(reactions, name) for name in names])
 
 

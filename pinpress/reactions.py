@@ -9,51 +9,31 @@ included.
 
 import math
 import os
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from types import MappingProxyType
-from typing import Any, TypeVar
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from . import forces, plane_dynamics, spatial_dynamics, tables
+from . import change_points, forces, plane_dynamics, spatial_dynamics, tables
+from .by_bearing import ByBearing
 from .coordinates import Array, ComplexArray
-from .errors import PinpressError, UnknownNameError
+from .errors import PinpressError, SingularityError, UnknownNameError
 from .forces import AppliedForce, Load
-from .friction import Friction
+from .friction import Friction, FrictionLaw
 from .friction import law as friction_law
 from .linkage import Linkage
 from .motion import Motion
 from .plane import Plane
-from .shaking import shaking
+from .shaking import on_frame, shaking
 from .sharing import compliances
 from .wrenches import Wrenches
 
-T = TypeVar("T", bound=np.generic)
 NOTHING: Mapping[str, Any] = MappingProxyType({})
 STATES_LOOKED_AT = 256  # of a motion, to find what is indeterminate: the rank is the same all along it
-
-
-class ByBearing(Mapping[str, NDArray[T]]):
-    """Read-only mapping from the names of joints and loops to arrays; an unknown name is a `PinpressError` that lists the known ones."""
-
-    def __init__(self, names: tuple[str, ...], values: NDArray[T]) -> None:
-        values.setflags(write=False)
-        self._names, self._values = names, values
-
-    def __getitem__(self, name: str) -> NDArray[T]:
-        if name not in self._names:
-            raise UnknownNameError("bearing", name, self._names)
-        values: NDArray[T] = self._values[self._names.index(name)]
-        return values
-
-    def __iter__(self) -> Iterator[str]:
-        return iter(self._names)
-
-    def __len__(self) -> int:
-        return len(self._names)
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -64,10 +44,13 @@ class Reactions:
         motion: the motion. engine: "plane" or "pinocchio".
         driving_torque: (n,) on the driver joint, along its axis [N m]; (n, drivers) where there are several.
         coupling_torque: name of a joint with a ``<mimic>`` -> (n, 2): the torque of the gear pair on it, and on the joint it mimics, along
-            their axes [N m; N on one that slides]. A pair alone: the tooth force across the shafts' bearings is not in their forces.
-        bearing_force, bearing_moment: name of a joint or loop -> (n, 3) [N, N m].
-        friction_power: name of a joint or loop -> (n,) power lost there [W].
-        shaking_force: (n, 3) [N]; shaking_moment: (n, 3) about the world origin [N m].
+            their axes [N m; N on one that slides]. A pair alone: the tooth force across the shafts' bearings is not in their forces. Beside
+            a driving torque alone computed when it is first asked for: what gears share with bearings depends on all of them.
+        bearing_force, bearing_moment: name of a joint or loop -> (n, 3) [N, N m], of those that were asked for.
+        left_out: names of those that were not.
+        friction_power: name of a joint or loop, each of them -> (n,) power lost there [W].
+        shaking_force: (n, 3) [N]; shaking_moment: (n, 3) about the world origin [N m]. Computed when they are first asked for, from the
+            bearings on the frame, also where these were left out.
         indeterminate: name -> (6,) bool: components of force (x, y, z) and moment (x, y, z) that rigid mechanics leaves open because a loop
             closes more than it must; shared as `sharing` says, by default with the least sum of squared bearing forces. In a planar press
             whose equations in the plane are all needed they are those along the normal.
@@ -77,16 +60,27 @@ class Reactions:
     motion: Motion
     engine: str
     driving_torque: Array
-    coupling_torque: ByBearing[np.float64]
     bearing_force: ByBearing[np.float64]
     bearing_moment: ByBearing[np.float64]
     friction_power: ByBearing[np.float64]
+    left_out: tuple[str, ...]
     _wrenches: Wrenches
     _press: Linkage
-    _applied: list[AppliedForce]
+    _under: "_Under"
 
     def __repr__(self) -> str:
-        return f"<Reactions of {self._press.name}: {len(self.driving_torque)} states, bearings {', '.join(self.bearing_force)}>"
+        return (
+            f"<Reactions of {self._press.name}: {len(self.driving_torque)} states, bearings {', '.join(self.bearing_force) or 'left out'}>"
+        )
+
+    @cached_property
+    def coupling_torque(self) -> ByBearing[np.float64]:
+        press, found = self._press, self._wrenches
+        if not self._under.gears and press.couplings:
+            with np.errstate(all="ignore"):  # what overflows is refused
+                found = _solved(press, press.planar(self.engine), self.motion, self._under._replace(gears=True), ())
+        pairs = [np.stack([torque, -c.multiplier * torque], axis=1) for c, torque in zip(press.couplings, found.coupling, strict=True)]
+        return ByBearing(tuple(c.name for c in press.couplings), np.array(pairs))
 
     @cached_property
     def power_residual(self) -> Array:
@@ -109,7 +103,7 @@ class Reactions:
 
     @property
     def indeterminate_coupling(self) -> ByBearing[np.bool_]:
-        return ByBearing(tuple(self.coupling_torque), self._indeterminate[1])
+        return ByBearing(tuple(c.name for c in self._press.couplings), self._indeterminate[1])
 
     @cached_property
     def _indeterminate(self) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
@@ -127,8 +121,14 @@ class Reactions:
 
     @cached_property
     def _shaking(self) -> tuple[Array, Array]:
+        press, found = self._press, self._wrenches
+        there = [press.bearings.index(name) for name in self.bearing_force]
         with np.errstate(all="ignore"):  # what overflows is refused below
-            force, moment = shaking(self._press, self.motion, self._wrenches.force, self._wrenches.moment, self._applied)
+            if not set(on_frame(press)) <= set(there):
+                there = sorted(on_frame(press))
+                found = _solved(press, press.planar(self.engine), self.motion, self._under, there)
+            forces, moments = (dict(zip(there, vectors, strict=True)) for vectors in (found.force, found.moment))
+            force, moment = shaking(press, self.motion, forces, moments, self._under.loads)
             if not math.isfinite(force.sum() + moment.sum()):
                 raise PinpressError(f"the shaking moment of {self._press.name} is not finite: a load is too large for floating point")
         for array in (force, moment):
@@ -139,15 +139,17 @@ class Reactions:
         press, motion = self._press, self.motion
         if self.engine == "plane" and press.plane is not None and press.bodies is not None:
             at = _basis(press, press.plane, motion)
-            balance, total = plane_dynamics.power_balance(press.plane, press.bodies, at, motion.v.T, motion.a.T, self._applied)
+            balance, total = plane_dynamics.power_balance(press.plane, press.bodies, at, motion.v.T, motion.a.T, self._under.loads)
         else:
-            balance, total = spatial_dynamics.power_balance(press.spatial, motion.joint_position.T, motion.v.T, motion.a.T, self._applied)
+            balance, total = spatial_dynamics.power_balance(
+                press.spatial, motion.joint_position.T, motion.v.T, motion.a.T, self._under.loads
+            )
         torque = self.driving_torque.reshape(len(motion.crank_angle), -1).T
         driving, lost = torque * motion.v.T[list(press.spatial.drivers)], self._wrenches.friction.sum(axis=0)
         return balance + driving.sum(axis=0) - lost, total + np.abs(driving).sum(axis=0) + lost
 
     def columns(self) -> dict[str, Array]:
-        """The motion's columns, then torque, shaking force and moment and all bearings', under their names with units."""
+        """The motion's columns, then torque, shaking force and moment and the bearings', under their names with units."""
         columns = self.motion.columns()
         columns |= tables.by_driver("driving_torque", "N m", self.driving_torque, self.motion.drivers)
         for name, torque in self.coupling_torque.items():
@@ -182,6 +184,7 @@ def inverse_dynamics(
     friction: Mapping[str, Friction] = NOTHING,
     stiffness: Mapping[str, float] = NOTHING,
     engine: str = "auto",
+    bearings: Collection[str] | None = None,
 ) -> Reactions:
     """Driving torque, bearing and guide forces and shaking force of a motion.
 
@@ -192,45 +195,93 @@ def inverse_dynamics(
             with the least elastic energy (bearings without a stiffness count as rigid), instead of the least sum of squared forces.
         engine: "plane" (all crank angles at once), "pinocchio" (any linkage, one configuration at a time), or "auto": the plane where the
             linkage is planar.
+        bearings: names of the bearings and guides whose force and moment are wanted: by default all, ``()`` for none. Torques, friction's
+            power and shaking force are there in any case. What is left out saves time but where it is needed to find the rest: with
+            friction, where several bearings share a force, and beside a guide little but its memory. Values are those of all bearings to
+            rounding.
 
     Raises:
         PinpressError: a motion of a linkage with other joints, a load of wrong shape or with a value that is not finite, friction that
-            makes no sense or locks the linkage, a stiffness that is not positive.
+            makes no sense or locks the linkage, a stiffness that is not positive, bearings that are no names.
         UnknownNameError: a bearing or link that the linkage does not have.
         AssemblyError: a motion of a linkage with other lengths.
+        SingularityError: a state of a run at a change point.
     """
     if motion.joints != press.joints or motion.drivers != press.drivers:
         raise PinpressError(f"the motion is of {motion.linkage} with other joints than {press.name}: make it with cycle(press, ...)")
     plane = press.planar(engine)
-    if isinstance(loads, Load):
+    if not isinstance(loads, list | tuple) and isinstance(loads, Load):  # looking whether something follows a protocol takes long
         raise PinpressError(f"loads is one {type(loads).__name__}: give a list, loads=[...]")
+    wanted = _wanted(press, bearings)
+    _refuse_change_points(press, motion)
     law, compliance = friction_law(friction, press), compliances(stiffness, press)
-    with np.errstate(all="ignore"):  # what overflows is refused below
-        applied = forces.apply(loads, press, motion)
-        if plane is not None and press.bodies is not None:
-            at = _basis(press, plane, motion)
-            wrenches = plane_dynamics.inverse_dynamics(
-                plane, press.bodies, at, motion.v.T, motion.a.T, applied, motion.crank_angle, law, compliance
-            )
-        else:
-            position = motion.joint_position.T
-            wrenches = spatial_dynamics.inverse_dynamics(press.spatial, position, motion.v.T, motion.a.T, applied, law, compliance)
-        _refuse_not_finite(motion, wrenches)
+    with np.errstate(all="ignore"):  # what overflows is refused
+        under = _Under(forces.apply(loads, press, motion), law, compliance, gears=bool(wanted) or law is not None)
+        wrenches = _solved(press, plane, motion, under, wanted)
     names, several = press.bearings, len(press.drivers) > 1
+    kept = names if len(wanted) == len(names) else tuple(names[k] for k in wanted)
+    left_out = tuple(name for name in names if name not in kept) if len(kept) < len(names) else ()
     wrenches.torque.setflags(write=False)
-    pairs = [np.stack([torque, -c.multiplier * torque], axis=1) for c, torque in zip(press.couplings, wrenches.coupling, strict=True)]
     return Reactions(
         motion=motion,
         engine="pinocchio" if plane is None else "plane",
         driving_torque=wrenches.torque.T if several else wrenches.torque[0],
-        coupling_torque=ByBearing(tuple(c.name for c in press.couplings), np.array(pairs)),
-        bearing_force=ByBearing(names, wrenches.force),
-        bearing_moment=ByBearing(names, wrenches.moment),
+        bearing_force=ByBearing(kept, wrenches.force, left_out),
+        bearing_moment=ByBearing(kept, wrenches.moment, left_out),
         friction_power=ByBearing(names, wrenches.friction),
+        left_out=left_out,
         _wrenches=wrenches,
         _press=press,
-        _applied=applied,
+        _under=under,
     )
+
+
+class _Under(NamedTuple):
+    """What acts on the linkage: loads, the friction of its bearings, their compliances; whether the torques of gear pairs are wanted."""
+
+    loads: list[AppliedForce]
+    law: FrictionLaw | None
+    compliance: Array | None
+    gears: bool
+
+
+def _refuse_change_points(press: Linkage, motion: Motion) -> None:
+    """Raise where a run's state is at a change point: rigid links carry forces there that grow without bounds on the way."""
+    if len(press.drivers) > 1 or not press.passage.change_points:
+        return
+    at = change_points.met(press.passage.change_points, press.passage.period, motion.crank_angle)
+    if at is not None:
+        angle = float(motion.crank_angle[at])
+        raise SingularityError(
+            f"bearing forces have no value at the change point of {motion.linkage}, where they grow without bounds: leave this state out",
+            angle,
+            0.0,
+        )
+
+
+def _wanted(press: Linkage, bearings: Collection[str] | None) -> Sequence[int]:
+    """Indices of bearings in `Linkage.bearings`, rising."""
+    if bearings is None:
+        return range(len(press.bearings))
+    if isinstance(bearings, str) or not isinstance(bearings, Collection):
+        raise PinpressError(
+            f"bearings is {bearings!r}: give a list of names, e.g. [{press.bearings[0]!r}], or () for the driving torque alone"
+        )
+    for name in bearings:
+        if not isinstance(name, str) or name not in press.bearings:
+            raise UnknownNameError("bearing", name, press.bearings)
+    return [k for k, name in enumerate(press.bearings) if name in bearings]
+
+
+def _solved(press: Linkage, plane: Plane | None, motion: Motion, under: _Under, wanted: Sequence[int]) -> Wrenches:
+    """Torques, and the wrenches of wanted bearings, by the engine that goes with ``plane``, or its absence."""
+    if plane is not None and press.bodies is not None:
+        at = _basis(press, plane, motion)
+        found = plane_dynamics.inverse_dynamics(plane, press.bodies, at, motion.v.T, motion.a.T, *under, motion.crank_angle, wanted)
+    else:
+        found = spatial_dynamics.inverse_dynamics(press.spatial, motion.joint_position.T, motion.v.T, motion.a.T, *under, wanted)
+    _refuse_not_finite(motion, found)
+    return found
 
 
 def _basis(press: Linkage, plane: Plane, motion: Motion) -> ComplexArray:
@@ -240,10 +291,16 @@ def _basis(press: Linkage, plane: Plane, motion: Motion) -> ComplexArray:
 
 def _refuse_not_finite(motion: Motion, wrenches: Wrenches) -> None:
     """Raise where anything is not finite. A sum is not where a term is not, and costs a pass less than looking at each."""
-    if math.isfinite(wrenches.force.sum() + wrenches.moment.sum()):  # the torque is among the moments
+    total = 0.0
+    if len(wrenches.force):
+        total += wrenches.force.sum() + wrenches.moment.sum()
+    if len(wrenches.force) < len(wrenches.friction):  # else the torques are among the moments
+        total += wrenches.torque.sum() + wrenches.coupling.sum()
+    if math.isfinite(total):
         return
     arrays = {
         "driving torque": wrenches.torque,
+        "torque of a gear pair": wrenches.coupling,
         "bearing force": wrenches.force,
         "bearing moment": wrenches.moment,
     }

@@ -33,12 +33,15 @@ def inverse_dynamics(
     v: Array,
     a: Array,
     loads: Sequence[AppliedForce],
-    law: FrictionLaw | None = None,
-    compliance: Array | None = None,
+    law: FrictionLaw | None,
+    compliance: Array | None,
+    gears: bool,
+    wanted: Sequence[int],
 ) -> Wrenches:
-    """Driving torque and the wrench of every joint and loop; arguments as `plane_dynamics.inverse_dynamics`."""
+    """Driving torque and the wrenches of joints and loops; arguments as `plane_dynamics.inverse_dynamics`."""
     n, count = v.shape[1], spatial.model.nv
-    result = Wrenches.zeros(len(spatial.drivers), len(spatial.couplings), count + len(spatial.loops), n)
+    result = Wrenches.zeros(len(spatial.drivers), len(spatial.couplings), count + len(spatial.loops), n, len(wanted))
+    shared = bool(wanted or (gears and spatial.couplings))  # how idle forces are shared changes no driving torque
     equations = spatial.equations()
     spins = None if law is None else _loop_spins(spatial, equations, position, v)
     speeds = None if law is None or spins is None else law.moving(np.concatenate([v, np.linalg.norm(spins, axis=2)]))
@@ -48,11 +51,11 @@ def inverse_dynamics(
         state = _State(spatial, equations, x, v[:, i].copy(), a[:, i].copy(), applied)
         efforts, couples = np.zeros(count), np.zeros((len(spatial.loops), 3))
         if law is None or spins is None or speeds is None:
-            multipliers = state.multipliers(efforts, couples, compliance)
+            multipliers = state.multipliers(efforts, couples, compliance, shared)
         else:
             multipliers, efforts, couples, lost = state.with_friction(law, speeds[:, i], spins[:, i], compliance)
             result.friction[:, i] = lost
-        state.fill(result, i, multipliers, efforts, couples)
+        state.fill(result, i, multipliers, efforts, couples, wanted)
     return result
 
 
@@ -113,10 +116,11 @@ class _State:
         self.rotations = [placement.rotation for placement in self.placements]
         self.effort = pin.rnea(spatial.model, equations.data, self.rows.q, v, a, self._external(applied)).copy()
 
-    def multipliers(self, efforts: Array, couples: Array, compliance: Array | None) -> Array:
-        """Multipliers (rows,) of the equations under friction efforts (nv,) of the joints and couples (nl, 3) of the loops."""
+    def multipliers(self, efforts: Array, couples: Array, compliance: Array | None, shared: bool = True) -> Array:
+        """Multipliers (rows,) of the equations under friction efforts (nv,) of the joints and couples (nl, 3) of the loops;
+        the least, where what is open need not be ``shared``."""
         found, idle = self.passive.multipliers(self._needed(efforts, couples)), self.passive.idle
-        return found + idle @ least(self._objectives(found, idle, couples, compliance)) if idle.shape[1] else found
+        return found + idle @ least(self._objectives(found, idle, couples, compliance)) if shared and idle.shape[1] else found
 
     def with_friction(self, law: FrictionLaw, speeds: Array, spins: Array, compliance: Array | None) -> tuple[Array, Array, Array, Array]:
         """Multipliers (rows,), friction efforts (nv,) of the joints and couples (nl, 3) of the loops, and the power lost (bearings,).
@@ -139,7 +143,7 @@ class _State:
         efforts = law.efforts(speeds[:, None], radial, self.x[self.spatial.drivers[0]][None])[:, 0]
         return multipliers(efforts), efforts[:count], efforts[count:, None] * directions[count:], -efforts * speeds
 
-    def fill(self, result: Wrenches, i: int, multipliers: Array, efforts: Array, couples: Array) -> None:
+    def fill(self, result: Wrenches, i: int, multipliers: Array, efforts: Array, couples: Array, wanted: Sequence[int]) -> None:
         """Put this configuration into the result, as its state i."""
         spatial, count = self.spatial, len(self.effort)
         forces, moments, torques = _parts(spatial, self.rows, multipliers)
@@ -147,14 +151,17 @@ class _State:
         driving = self._needed(efforts, couples) - self.rows.columns.T @ multipliers
         result.torque[:, i] = driving[list(spatial.drivers)]
         result.coupling[:, i] = torques
-        result.force[count:, i], result.moment[count:, i] = forces, moments
+        joints, loops = [j for j in wanted if j < count], [k - count for k in wanted if k >= count]
+        result.force[len(joints) :, i], result.moment[len(joints) :, i] = forces[loops], moments[loops]
+        if not joints:
+            return
         on2 = [(loop.joint2, loop.point2, forces[k], moments[k]) for k, loop in enumerate(spatial.loops)]
         on1 = [(loop.joint1, loop.point1, -forces[k], -moments[k]) for k, loop in enumerate(spatial.loops)]
         pin.rnea(spatial.model, self.equations.data, self.rows.q, self.v, self.a, self._external(on2 + on1 + self.applied))
-        for j in range(count):
+        for place, j in enumerate(joints):
             wrench = self.wrenches[j + 1]
-            result.force[j, i] = self.rotations[j + 1] @ wrench.linear
-            result.moment[j, i] = self.rotations[j + 1] @ wrench.angular
+            result.force[place, i] = self.rotations[j + 1] @ wrench.linear
+            result.moment[place, i] = self.rotations[j + 1] @ wrench.angular
 
     def _needed(self, efforts: Array, couples: Array) -> Array:
         """Efforts (nv,) that equations and drives have to bring about."""

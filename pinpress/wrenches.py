@@ -9,15 +9,16 @@ from .coordinates import Array
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Wrenches:
-    """Joints in Pinocchio's order, then loops as declared; all in world axes, parent on child (link1 on link2), at the joint.
+    """Joints in Pinocchio's order, then loops as declared; all in world axes, parent on child (link1 on link2), at the joint. Forces and
+    moments are of the bearings that were wanted, in the same order.
 
     Attributes:
         torque: (drivers, n) on the driver joints, positive along their axes [N m].
         coupling: (couplings, n) torque on the follower of each, positive along its axis [N m, or N where it slides].
         friction: (bearings, n) power lost in each [W].
-        force: (bearings, n, 3) [N].
-        moment: (bearings, n, 3) about the origin of the child's joint frame [N m], of a loop about its point; along the axis in which a
-            joint is free it is the effort of drive, gear pairs and friction.
+        force: (wanted bearings, n, 3) [N].
+        moment: (wanted bearings, n, 3) about the origin of the child's joint frame [N m], of a loop about its point; along the axis in
+            which a joint is free it is the effort of drive, gear pairs and friction.
     """
 
     torque: Array
@@ -27,14 +28,14 @@ class Wrenches:
     moment: Array
 
     @staticmethod
-    def zeros(drivers: int, couplings: int, bearings: int, n: int) -> "Wrenches":
-        """To be filled in."""
+    def zeros(drivers: int, couplings: int, bearings: int, n: int, wanted: int) -> "Wrenches":
+        """To be filled in; counts of each, ``wanted`` of the bearings."""
         return Wrenches(
             torque=np.zeros((drivers, n)),
             coupling=np.zeros((couplings, n)),
             friction=np.zeros((bearings, n)),
-            force=np.zeros((bearings, n, 3)),
-            moment=np.zeros((bearings, n, 3)),
+            force=np.zeros((wanted, n, 3)),
+            moment=np.zeros((wanted, n, 3)),
         )
 
     def part(self, points: slice) -> "Wrenches":
