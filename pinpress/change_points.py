@@ -11,7 +11,6 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.polynomial import chebyshev
 
 from .coordinates import Array
 from .following import Follower, Node, advance, hermite_at
@@ -19,12 +18,19 @@ from .following import Follower, Node, advance, hermite_at
 WIDEST, NARROWEST = 0.3, 5e-3  # half widths of the stretch with polynomials [rad]
 INNER = 0.35  # share of it in which they stand for the equations, whose rounding grows as 1 / distance^3
 LEAP = 1 / 8  # share of it that is leapt from either side at first
-PLACES = np.delete(chebyshev.chebpts1(18), [8, 9])  # of closed configurations over the stretch: none in its middle
-BESIDE = 12  # terms of the polynomials that look across from one side
 RESOLVED = 1e-9  # what the polynomials may miss, of positions and influence coefficients [rad, lengths of the linkage]
 EQUAL = 5e-3  # share of the gap of a closed loop, by which the middle may miss: five times rounding; else links are not of equal length
 MET = 1e-6  # distance from a change point at which forces, that grow as 1 / distance, are of rounding [rad]
 AMBIGUOUS = 1e-2  # share of the distance across, by which Newton's method may move a joint: the other assembly is as far as that distance
+
+
+def _spread(count: int) -> Array:
+    """Where polynomials of so many terms are best given, -1 to 1."""
+    return np.asarray(-np.cos((np.arange(count) + 0.5) * np.pi / count))
+
+
+PLACES = np.delete(_spread(18), [8, 9])  # of closed configurations over the stretch: none in its middle
+BESIDE = _spread(12)  # of those that look across from one side
 
 Gap = Callable[[Array], Array]
 """Joint coordinates (nv, n) -> largest gaps of a loop (n,) [m]."""
@@ -51,7 +57,7 @@ class ChangePoint:
 
     def at(self, angle: Array) -> tuple[Array, Array, Array]:
         """Joint coordinates and their first two derivatives by the crank angle (nv, n) at crank angles (n,) of the stretch."""
-        position, first, second = chebyshev.chebval((angle - self.angle) / self.half, self.coefficients)
+        position, first, second = np.polynomial.chebyshev.chebval((angle - self.angle) / self.half, self.coefficients)
         return position, first, second
 
 
@@ -90,10 +96,10 @@ def _across(follower: Follower, nodes: list[Node], angle: float, reach: float, g
     near = [nodes[start]]
     if advance(finer, near, angle - reach) is not None:
         return None
-    places = 0.5 * (1 + LEAP) + 0.5 * (1 - LEAP) * chebyshev.chebpts1(BESIDE)
+    places = 0.5 * (1 + LEAP) + 0.5 * (1 - LEAP) * BESIDE
     looked = finer.close(angle - reach * places, hermite_at(near, angle - reach * places))
     opposite = (-LEAP - 0.5 * (1 + LEAP)) / (0.5 * (1 - LEAP))
-    guess: Array = np.asarray(chebyshev.chebval(opposite, _fitted(chebyshev.chebpts1(BESIDE), looked.position.T)))
+    guess: Array = np.asarray(np.polynomial.chebyshev.chebval(opposite, _fitted(BESIDE, looked.position.T)))
     closure = finer.close(np.array([angle + LEAP * reach]), guess[:, None])
     moved = float(np.abs(closure.position[:, 0] - guess).max()) / (1 + follower.size)
     if not (closure.gap[0] <= follower.tolerance and moved <= AMBIGUOUS * abs(LEAP * reach) and np.isfinite(closure.second).all()):
@@ -129,5 +135,5 @@ def _joined(
 
 def _fitted(places: Array, values: Array) -> Array:
     """Coefficients (n, ...) of the Chebyshev polynomials through values (n, ...) at places (n,)."""
-    solved = np.linalg.solve(chebyshev.chebvander(places, len(places) - 1), values.reshape(len(places), -1))
+    solved = np.linalg.solve(np.polynomial.chebyshev.chebvander(places, len(places) - 1), values.reshape(len(places), -1))
     return np.asarray(solved.reshape(values.shape), dtype=np.float64)

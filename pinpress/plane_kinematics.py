@@ -216,6 +216,9 @@ def _margins(plane: Plane, rows: ComplexArray) -> Array:
     """`Closure.margins` of every block; one with redundant equations has no determinant and so no sign."""
     margins = []
     for block in plane.blocks:
+        if block.kind == "dyad":
+            margins.append(_dyad_margin(*dyad_columns(block, rows)))
+            continue
         matrix = block_matrix(plane, block, rows)
         if not np.all(np.isfinite(matrix)):
             return np.full((len(plane.blocks), rows.shape[1]), np.nan)
@@ -227,3 +230,12 @@ def _margins(plane: Plane, rows: ComplexArray) -> Array:
         sign = np.ones(rows.shape[1]) if block.redundant else np.sign(np.linalg.det(matrix))
         margins.append(sign * np.linalg.svd(matrix, compute_uv=False)[:, -1])
     return np.array(margins).reshape(-1, rows.shape[1])
+
+
+def _dyad_margin(a: ComplexArray, b: ComplexArray) -> Array:
+    """The same of a 2x2 block with columns (n,). Of columns of unit length, at an angle with the cosine c, the singular values are the
+    roots of 1 + |c| and 1 - |c|, and their product is the determinant: so the smaller one keeps its digits."""
+    between = a.conj() * b
+    length = np.abs(between)
+    length[length == 0.0] = 1.0
+    return np.asarray(between.imag / length / np.sqrt(1.0 + np.abs(between.real) / length))

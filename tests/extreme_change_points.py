@@ -4,7 +4,7 @@ import math
 from typing import Any
 
 import numpy as np
-from extreme_case import EPS, METHODS, ROUNDING, Case, Outcome, loaded, refusal
+from extreme_case import CLOSE, EPS, METHODS, ROUNDING, Case, Outcome, loaded, refusal
 from extreme_crank_slide import CrankSlide, spinning
 from random_linkages import four_bar
 from scipy.optimize import brentq
@@ -128,6 +128,31 @@ SHORT = CrankSlide(rod=0.09)
 BLANK = {"speed": 5.0, "angle": 3.0, "flywheel": pp.Flywheel(5.0)}
 
 
+def through_locks() -> Case:
+    """The crank swings between its locks, while the rod turns: driven there, the same press has none."""
+    driven = "P"
+
+    def scene(method: str, press: CrankSlide = SHORT) -> pp.Run:
+        return pp.simulate(press.press(), 0.6, speed=30.0, method=method, points=61)
+
+    def judge(found: Any) -> Outcome:
+        press = SHORT.press()
+        by_rod = pp.load(press.file, driver=driven)
+        speed = float(pp.cycle(press, angle=[0.0], speed=30.0).v[0, press.joints.index(driven)])
+        expected = pp.simulate(by_rod, 0.6, speed=speed, points=61)
+        return Outcome(float(np.abs(found.joint_position - expected.joint_position).max()), CLOSE)
+
+    return Case(
+        "Through change points and close by them: runs",
+        "crank longer than rod, through its locks and back",
+        "the run of the same press driven at its rod, which turns fully, by `reduced`",
+        scene,
+        judge,
+        ("constraint",),
+        lambda method: scene(method, ORDINARY),
+    )
+
+
 def four() -> pp.Linkage:
     return loaded(four_bar(*LOCKING).urdf("O"))
 
@@ -198,6 +223,7 @@ CASES = [
     crossing("lambda = 1, no flywheel", 0.0, 60.0, 0.2, flywheel=0.0),
     crossing("lambda = 1, 100 turns", 0.0, 20.0, 31.0, long=True),
     *(crossing(f"lambda = 1 - 1e-{power}, a turn", 10.0**-power, 8.0, 0.8) for power in (2, 4, 6, 8, 10, 12, 13, 14)),
+    through_locks(),
     whole_turn("a four-bar that locks, a turn", four, [LOCKS[0]], {"points": 90}),
     whole_turn("the same, backwards from 0 to 1.01 times the lock", four, [LOCKS[1]], {"angle": np.array([0.0, 1.01 * LOCKS[1]])}),
     whole_turn("crank longer than rod (0.1, 0.09 m)", SHORT.press, [math.asin(0.9)], {"points": 90}),

@@ -6,6 +6,7 @@ Times are not judged: they are the machine's.
 import csv
 import dataclasses
 import math
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -17,6 +18,7 @@ from pinpress import measurements, peers
 from pinpress.measurements import GROUPS, INVERSE_DYNAMICS, PROXIMAL, SIMULATION, TABLE
 
 SPEED = 70 * pp.RPM
+PUBLISHED = Path(__file__).resolve().parent.parent / "viz" / "accuracy.csv"
 
 
 @pytest.fixture(scope="module")
@@ -64,6 +66,20 @@ def test_inverse_dynamics(measured):
         assert row.loop_gap < 1e-14
         assert row.energy_error < 1e-14
         assert row.evaluations == 36
+
+
+def test_the_published_errors_are_still_so(measured):
+    """Those of `viz/accuracy.csv`, of which the README's table and picture are made: within a factor of three, but for rounding."""
+    with open(PUBLISHED, newline="", encoding="utf-8") as file:
+        published = {(row["method"], row["setting"]): row for row in csv.DictReader(file) if row["group"] in (SIMULATION, TABLE)}
+    rounding = {"error": 1e-11, "force_error": 1e-11}
+    for group in (SIMULATION, TABLE):
+        for m in measured.of(group):
+            row = published[m.method, m.setting]
+            for name, least in rounding.items():
+                found, said = getattr(m, name), row[name]
+                if found is not None and max(found, float(said)) > least:
+                    assert 1 / 3 < found / float(said) < 3, (m.method, m.setting, name)
 
 
 @pytest.mark.parametrize("method", ["reduced", "constraint"])
@@ -165,8 +181,7 @@ def test_plot(measured, tmp_path):
     assert any(np.array_equal(line.get_ydata(), [m.force_error for m in constraint]) for line in force.lines)
     for axes in (inverse, angle, force, gap, proximal, table):
         assert axes.get_xscale() == axes.get_yscale() == "log"
-    first, second = (pp.save_plot(pp.plot_accuracy(measured), tmp_path / f"{k}.svg").read_bytes() for k in range(2))
-    assert first == second
+    assert pp.save_plot(figure, tmp_path / "accuracy.png").stat().st_size > 50_000
     with pytest.raises(pp.PinpressError, match="accuracy"):
         pp.plot_accuracy(None)
 

@@ -116,7 +116,7 @@ def test_larger_pictures_show_the_same_more_sharply(page: Path, turn: list[Any],
     assert difference(values(small.read_bytes()), shrunk) < 3
 
 
-@pytest.mark.parametrize("size", [(1001, 751), (64, 99)])
+@pytest.mark.parametrize("size", [(1001, 751)])
 def test_size_is_exact(size: tuple[int, int], page: Path, tmp_path: Path) -> None:
     picture = values(still(page, tmp_path / "out.png", size=size).read_bytes())
     assert picture.shape == (size[1], size[0], 3)

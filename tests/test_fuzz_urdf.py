@@ -11,11 +11,11 @@ import pinpress as pp
 
 
 def test_mutated_files_are_refused_or_sound():
-    counted, wrong = fuzz_urdf.run(range(200), seed=20)
+    counted, wrong = fuzz_urdf.run(range(120), seed=20)
     assert wrong == {}
-    assert counted["refused"] > 100
-    assert counted["plane"] > 20
-    assert counted["pinocchio"] > 2
+    assert counted["refused"] > 60
+    assert counted["plane"] > 12
+    assert counted["pinocchio"] > 1
 
 
 def test_every_base_is_sound(tmp_path):

@@ -22,7 +22,7 @@ PRESSES = (
     "zxn2_3000b",
     "zxn2_3000b_balanced",
 )
-MODULES = {f"pinpress/{path.name}" for path in (ROOT / "pinpress").glob("*.py")}
+MODULES = {path.relative_to(ROOT).as_posix() for path in (ROOT / "pinpress").rglob("*.py")}
 PAGES = {f"pinpress/pages/{path.name}" for path in (ROOT / "pinpress" / "pages").iterdir()}
 
 

@@ -1,8 +1,10 @@
 """The presses in other programs: they say what pinpress says, to what their methods allow, and converge to it with their orders."""
 
+import csv
 import subprocess
 import sys
 from importlib import import_module
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -15,6 +17,7 @@ SPEED = 70 * pp.RPM  # [rad/s]
 EXACT = 1e-12
 SHARED = 1e-10
 PRESSES = ("zxn2_3000b", "crank_slide", "jf75g_125", "thin_wall")
+PUBLISHED = Path(__file__).resolve().parent.parent / "viz" / "accuracy.csv"
 FLYWHEEL = 500.0  # [kg m2]
 DURATION, ANGLE = 0.5, 2.0  # [s, rad]
 
@@ -179,6 +182,20 @@ def test_a_step_too_long_is_said_or_seen(presses, made, kind, step, capfd, tmp_p
     made(kind, "zxn2_3000b").inverse_dynamics(turn(10), SPEED)
     assert capfd.readouterr().out == ""
     assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize(("kind", "step"), [("Mujoco", "5 ms"), ("MujocoSteps", "1 ms"), ("Exudyn", "1 ms")])
+def test_the_published_errors_are_still_so(presses, made, kind, step):
+    """Those of `viz/accuracy.csv`, of which the README's table and picture are made, within a factor of three."""
+    press, peer = presses("zxn2_3000b"), made(kind, "zxn2_3000b")
+    with open(PUBLISHED, newline="", encoding="utf-8") as file:
+        rows = {(row["method"], row["setting"]): row for row in csv.DictReader(file) if row["group"] == "simulation"}
+    row = rows[peer.name, f"step {step}"]
+    inertia = 4 * float(press.table.at(press.table.borders)[0][0].max())
+    duration = 4 * np.pi / SPEED
+    truth = pp.simulate(press, duration, speed=SPEED, flywheel=pp.Flywheel(inertia), tolerance=1e-13, points=2)
+    end = peer.free_run(0.0, SPEED, inertia, duration, float(row["number"]))
+    assert 1 / 3 < abs(end.crank_angle - truth.crank_angle[-1]) / float(row["error"]) < 3
 
 
 # -------------------------------------------------------------------------------------------------------------------------------- find

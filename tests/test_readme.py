@@ -24,13 +24,19 @@ def test_python_example_runs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) ->
     np.testing.assert_allclose(pressing.shaking_force, result.shaking_force, atol=1e-6)  # type: ignore[attr-defined]
 
 
-def test_table_of_kong_2025() -> None:
-    spec = importlib.util.spec_from_file_location("kong2025", ROOT / "viz" / "kong2025.py")
+@pytest.mark.parametrize("name", ["kong2025", "accuracy"])
+def test_tables_are_what_their_scripts_print(name: str) -> None:
+    spec = importlib.util.spec_from_file_location(name, ROOT / "viz" / f"{name}.py")
     assert spec is not None
     assert spec.loader is not None
     script = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(script)
     assert script.table() in README
+
+
+def test_links_lead_somewhere() -> None:
+    for target in re.findall(r"\]\((?!http)([^)#]+)\)", README):
+        assert (ROOT / target).exists(), target
 
 
 def test_integration_runs_the_test_command() -> None:

@@ -127,7 +127,7 @@ def test_fewer_bearings_have_the_values_of_all(folder, name, kind, engine):
         agree(some, full)
 
 
-@settings(FIXED, max_examples=40)
+@settings(FIXED, max_examples=15)
 @given(
     spec=linkages(),
     load_count=st.integers(0, 2),

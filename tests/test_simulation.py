@@ -199,7 +199,7 @@ def test_the_fixed_step_with_loads(press, method, name):
     load = {**LOADS, "die": loads.ElasticDie(0.004, 1.5e8, 4e5)}[name]
     windows = {"blanking_1250kN": [BLANK], "drawing_1250kN": [DRAW], "die": [die(0.004, 1.5e8, 4e5)]}[name]
     exact = equation.solve([0.45], W0, J0, torque=constant, windows=windows)
-    steps = np.array([8e-4, 4e-4, 2e-4, 1e-4])
+    steps = np.array([8e-4, 4e-4, 2e-4, 1e-4][: 3 if method == "constraint" else 4])  # its finest takes as long as all others
     runs = [zhang(press, 0.45, step=step, points=2, loads=[load], method=method) for step in steps]
     errors = np.array([run.crank_angle[-1] - exact.angle[-1] for run in runs])
     bound = 6e-9 if name == "die" else 6e-8
@@ -210,11 +210,12 @@ def test_the_fixed_step_with_loads(press, method, name):
 
 
 def test_energy_over_ten_thousand_turns(press):
-    run = pp.simulate(press, 2000.0, speed=300 * pp.RPM, flywheel=pp.Flywheel(J0))
+    """From an angle at which the inertia changes: what a period begins with is what the one before ended with, or it would grow."""
+    run = pp.simulate(press, 2000.0, speed=300 * pp.RPM, angle=1.0, flywheel=pp.Flywheel(J0), points=5001)
     assert run.crank_angle[-1] > 10_000 * 2 * math.pi * 0.99
-    assert run.stats.energy_error < 1e-9
+    assert run.stats.energy_error < 1e-11
     assert run.stats.closure_error < 1e-10
-    assert own_energy_error(run) < 1e-9
+    assert own_energy_error(run) < 1e-11
 
 
 def test_energy_of_the_constraint_method(press):

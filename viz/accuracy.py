@@ -1,0 +1,83 @@
+"""Error against run time of the six-bar press, pinpress and its peers: the table and the picture of the README.
+
+Run `python viz/accuracy.py` (with `pip install -e '.[plots,peers]'`): in about a minute it writes accuracy.csv and accuracy.png beside itself
+and prints the table. The README's table is made from that file, so that both are of one run.
+"""
+
+import csv
+from pathlib import Path
+
+import pinpress as pp
+
+HERE = Path(__file__).resolve().parent
+WANTED = (1e-6, 1e-9)  # errors of a free run that are asked for [rad]
+NAMES = {  # method -> what the table calls it
+    "plane": "`pinpress`, engine `plane`",
+    "pinocchio": "`pinpress`, engine `pinocchio`",
+    "reduced": "`pinpress`, `reduced`",
+    "reduced, its table anew": "`pinpress`, `reduced`, its table made anew",
+    "constraint": "`pinpress`, `constraint`",
+    "reduced, Runge-Kutta 4": "`pinpress`, `reduced`, Runge-Kutta 4",
+    "constraint, Runge-Kutta 4": "`pinpress`, `constraint`, Runge-Kutta 4",
+    "hand script": "hand script, batched NumPy",
+}
+
+
+def table(path: Path = HERE / "accuracy.csv") -> str:
+    """The README's tables from a file that `Accuracy.to_csv` has written: inverse dynamics, then the least times of a free run."""
+    with path.open(newline="", encoding="utf-8") as file:
+        rows = list(csv.DictReader(file))
+    turn = [row for row in rows if row["group"] == "inverse dynamics"]
+    least = min(float(row["seconds [s]"]) for row in turn)
+    lines = ["| inverse dynamics, 360 crank angles | time | | torque error | force error |", "|---|---|---|---|---|"]
+    for row in sorted(turn, key=lambda row: float(row["seconds [s]"])):
+        seconds = float(row["seconds [s]"])
+        errors = f"{float(row['error']):.0e} | {float(row['force_error']):.0e}"
+        lines.append(f"| {_name(row)} | {_milliseconds(seconds)} | {_times(seconds / least)} | {errors} |")
+    runs = [row for row in rows if row["group"] == "simulation" and row["error"]]
+    best = {wanted: _fastest(runs, wanted) for wanted in WANTED}
+    heads = " | ".join(f"to {wanted:.0e} rad | force error | loop gap" for wanted in WANTED)
+    lines += ["", f"| free run of two turns, least time | {heads} |", "|---" * (1 + 3 * len(WANTED)) + "|"]
+    order = sorted(best[WANTED[0]], key=lambda method: float(best[WANTED[0]][method]["seconds [s]"]))
+    for method in order:
+        cells = []
+        for wanted in WANTED:
+            row = best[wanted].get(method)
+            if row is None:
+                cells += ["not reached", "", ""]
+            else:
+                cells += [
+                    _milliseconds(float(row["seconds [s]"])),
+                    f"{float(row['force_error']):.0e}",
+                    f"{float(row['loop_gap [m]']):.0e} m",
+                ]
+        lines.append(f"| {_name({'method': method})} | " + " | ".join(cells) + " |")
+    return "\n".join(lines)
+
+
+def _fastest(rows: list[dict[str, str]], wanted: float) -> dict[str, dict[str, str]]:
+    """Of every method the fastest row with an error not above the wanted one."""
+    best: dict[str, dict[str, str]] = {}
+    for row in sorted(rows, key=lambda row: float(row["seconds [s]"])):
+        if float(row["error"]) <= wanted:
+            best.setdefault(row["method"], row)
+    return best
+
+
+def _name(row: dict[str, str]) -> str:
+    return NAMES.get(row["method"], row["method"])
+
+
+def _milliseconds(seconds: float) -> str:
+    return f"{1e3 * seconds:.3g} ms"
+
+
+def _times(ratio: float) -> str:
+    return "" if ratio == 1 else f"{ratio:.3g} times" if ratio < 100 else f"{ratio:.0f} times"
+
+
+if __name__ == "__main__":
+    measured = pp.accuracy(pp.load("zxn2_3000b"), speed=70 * pp.RPM, repeats=10)
+    measured.to_csv(HERE / "accuracy.csv")
+    pp.save_plot(pp.plot_accuracy(measured), HERE / "accuracy.png")
+    print(f"{measured}\n\n{table()}")
