@@ -1,4 +1,4 @@
-"""The N-four-bar benchmark (see `n_four_bar`), from URDF through the public API: 10 s, through 14 poses in which it is singular."""
+"""The N-four-bar benchmark (see `n_four_bar`), from URDF through the public API: 10 s, through ten poses in which it is singular."""
 
 import n_four_bar
 import numpy as np
