@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from .contestants import Contest, Contestant, Errors, force_error, peak_force
+from .contestants import Contest, Contestant, Errors, force_error, peak_force, peak_of
 from .coordinates import Array
 from .forward_dynamics import ForwardDynamics
 from .linkage import Linkage
@@ -26,7 +26,7 @@ def contest(press: Linkage, speed: float, points: int, peers: "Sequence[Peer]") 
     engines = ("plane", "pinocchio") if press.plane is not None else ("pinocchio",)
     answers = {engine: _solved(press, speed, points, engine) for engine in engines}
     judges = {"plane": answers["pinocchio"], "pinocchio": answers[engines[0]]}
-    torque, peak = np.abs(answers["pinocchio"].driving_torque).max(), peak_force(answers["pinocchio"])
+    torque, peak = peak_of(answers["pinocchio"].driving_torque), peak_force(answers["pinocchio"])
     returned = _returned(press, answers["pinocchio"])
 
     def judged(judge: Reactions, answer: Reactions) -> Errors:
@@ -86,4 +86,4 @@ def _returned(press: Linkage, reactions: Reactions) -> float:
     efforts[:, crank] = reactions.driving_torque[some]
     states = zip(motion.joint_position[some].copy(), motion.v[some].copy(), efforts, strict=True)
     found = np.array([dynamics.acceleration(*state) for state in states])
-    return float(np.abs(found - motion.a[some]).max() / np.abs(motion.a[some]).max())
+    return float(np.abs(found - motion.a[some]).max()) / peak_of(motion.a[some])

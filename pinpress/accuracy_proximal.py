@@ -10,7 +10,7 @@ from functools import partial
 import numpy as np
 import pinocchio as pin
 
-from .contestants import Contest, Contestant, Errors
+from .contestants import Contest, Contestant, Errors, peak_of
 from .coordinates import Array
 from .forward_dynamics import ForwardDynamics
 from .linkage import Linkage
@@ -21,7 +21,9 @@ from .reactions import inverse_dynamics
 STATES = 24  # of a turn
 PARAMETERS = (0.0, *(10.0**k for k in range(-14, -1)))
 ITERATIONS = (1, 5, 20)
-SKIPPED = "proximal settings are skipped: constraintDynamics does not treat gear pairs, links without mass or loops that hold each other"
+SKIPPED = (
+    "proximal settings are skipped: constraintDynamics is for loops, without gear pairs, links without mass, or loops that hold each other"
+)
 
 
 def contest(press: Linkage, speed: float, flywheel: float) -> Contest:
@@ -40,7 +42,7 @@ def contest(press: Linkage, speed: float, flywheel: float) -> Contest:
     motion = cycle(press, angle=turn.crank_angle, speed=speed, acceleration=truth[:, crank])
     at_loops = inverse_dynamics(press, motion).bearing_force
     expected = np.array([at_loops[loop.name] for loop in press.loops]).transpose(1, 0, 2)
-    peak, peak_at_loops = np.abs(truth).max(), np.linalg.norm(expected, axis=2).max()
+    peak, peak_at_loops = peak_of(truth), peak_of(np.linalg.norm(expected, axis=2))
     table, slope = press.table.at(motion.crank_angle)
     reduced = -(0.5 * slope[0] * speed**2 + slope[1]) / (table[0] + flywheel)
     certificate = float(np.abs(reduced - truth[:, crank]).max() / peak)

@@ -24,6 +24,7 @@ if TYPE_CHECKING:
 TOLERANCES = (1e-4, 1e-6, 1e-8, 1e-9, 1e-10, 1e-11, 1e-12)
 STEPS = (40, 80, 160, 320, 640)  # of the classical Runge-Kutta method, per turn
 PANELS = (1, 2, 3, 4, 6, 8, 11, 16, 22, 32)  # of a reduced table
+PACE = 60 / 70  # length of a turn for which the steps of peers are meant [s]
 BETWEEN = 997  # crank angles at which a table is looked at
 STATES = 121  # of the reference, in which forces have their peaks
 
@@ -80,7 +81,7 @@ def contest(press: Linkage, scene: Scene, peers: "Sequence[Peer]") -> Contest:
         for n in STEPS
     ]
     for peer in peers:
-        for step in peer.steps:
+        for step in (step * turn / PACE for step in peer.steps):
             work = partial(peer.free_run, 0.0, scene.speed, scene.flywheel, scene.duration, step)
             entries.append(Contestant(SIMULATION, peer.name, f"step {1e3 * step:.3g} ms", step, work, of_peer))
     return Contest(SIMULATION, tuple(entries), certificate, "constraint dynamics and the reduced equation")

@@ -77,8 +77,13 @@ def force_error(forces: Mapping[str, Array], expected: Reactions, peak: float, d
 
 
 def peak_force(reactions: Reactions) -> float:
-    """Largest force of any bearing in any state [N]."""
-    return max(float(np.linalg.norm(force, axis=1).max()) for force in reactions.bearing_force.values())
+    """Largest force of any bearing in any state [N]; 1 where there is none."""
+    return max(float(np.linalg.norm(force, axis=1).max()) for force in reactions.bearing_force.values()) or 1.0
+
+
+def peak_of(values: Array) -> float:
+    """The largest size among values; 1 where all are zero, of which a share cannot be given."""
+    return float(np.abs(values).max()) or 1.0
 
 
 def _tried(work: Callable[[], Any]) -> Callable[[], None]:

@@ -20,7 +20,7 @@ from .errors import AssemblyError
 from .forces import AppliedForce
 from .friction import FrictionLaw
 from .plane import Plane, flat, product
-from .plane_kinematics import basis, basis_acceleration, basis_velocity, gaps
+from .plane_kinematics import basis, basis_acceleration, gaps
 from .wrenches import Wrenches
 
 PIECE = 2048  # crank angles worked through at a time: what is in flight stays in the cache
@@ -175,35 +175,6 @@ def closed_basis(plane: Plane, position: Array) -> ComplexArray:
         angle = float(position[plane.driver, worst])
         raise AssemblyError("the motion leaves the loops of this linkage open: it is another one's", angle, float(widest[worst]), 0)
     return at
-
-
-def power_balance(plane: Plane, bodies: Bodies, at: ComplexArray, v: Array, a: Array, loads: Sequence[AppliedForce]) -> tuple[Array, Array]:
-    """Power of the loads less the rate of kinetic and potential energy, and the sum of the absolute powers, both (n,) [W].
-
-    The energy's rate is taken body by body from velocities and accelerations: it shares nothing with the recursion that gave the torque.
-    """
-    balance, total = np.empty(v.shape[1]), np.empty(v.shape[1])
-    for start in range(0, v.shape[1], PIECE):
-        s = slice(start, start + PIECE)
-        powers = _powers(plane, bodies, at[:, s], v[:, s], a[:, s], [load.part(s) for load in loads])
-        balance[s], total[s] = powers.sum(axis=0), np.abs(powers).sum(axis=0)
-    return balance, total
-
-
-def _powers(plane: Plane, bodies: Bodies, at: ComplexArray, v: Array, a: Array, loads: Sequence[AppliedForce]) -> Array:
-    """Every term (terms, n) of the balance."""
-    first, second = basis_velocity(plane, at, v), basis_acceleration(plane, at, v, a)
-    count = len(plane.parents)
-    second[0] = 1.0
-    resisting = product(bodies.forces[:count], second)
-    velocities = product(plane.origins + plane.centers, first)
-    terms = list(-(velocities.conj() * resisting).real - (bodies.inertia @ a) * (plane.spin @ v))
-    for load in loads:
-        if load.joint:
-            row = plane.origins[load.joint - 1].copy()
-            row[plane.rotor(load.joint - 1)] += complex(*(plane.frames[load.joint - 1] @ load.point)[:2])
-            terms.append((product(row[None], first)[0].conj() * flat(plane, load.force)).real)
-    return np.array(terms)
 
 
 class OpenTree(NamedTuple):

@@ -18,7 +18,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from . import change_points, forces, plane_dynamics, spatial_dynamics, tables
+from . import change_points, forces, plane_dynamics, plane_power, spatial_dynamics, tables
 from .by_bearing import ByBearing
 from .coordinates import Array, ComplexArray
 from .errors import PinpressError, SingularityError, UnknownNameError
@@ -139,7 +139,7 @@ class Reactions:
         press, motion = self._press, self.motion
         if self.engine == "plane" and press.plane is not None and press.bodies is not None:
             at = _basis(press, press.plane, motion)
-            balance, total = plane_dynamics.power_balance(press.plane, press.bodies, at, motion.v.T, motion.a.T, self._under.loads)
+            balance, total = plane_power.power_balance(press.plane, press.bodies, at, motion.v.T, motion.a.T, self._under.loads)
         else:
             balance, total = spatial_dynamics.power_balance(
                 press.spatial, motion.joint_position.T, motion.v.T, motion.a.T, self._under.loads

@@ -1,7 +1,9 @@
-"""Error against run time of everything that is offered for a press, each against a reference that two independent methods agree on.
+"""Error against run time of everything that is offered for a press.
 
-measured = pp.accuracy(press, speed=70 * pp.RPM)
-print(measured), measured.to_csv("accuracy.csv"), pp.save_plot(pp.plot_accuracy(measured), "accuracy.png")
+    measured = pp.accuracy(press, speed=70 * pp.RPM)
+    print(measured), measured.to_csv("accuracy.csv"), pp.save_plot(pp.plot_accuracy(measured), "accuracy.png")
+
+Every error is against a reference that two independent methods agree on; `Accuracy.certificates` says how far.
 """
 
 import os
@@ -63,7 +65,11 @@ def accuracy(
             raise PinpressError(f"{name} is {value!r}: give a whole number, at least {1 + (name == 'points')}")
     if flywheel is not None and not isinstance(flywheel, Flywheel):
         raise PinpressError(f"flywheel is {flywheel!r}: give a Flywheel(...)")
-    inertia = HEAVY * float(press.table.at(press.table.borders)[0][0].max()) if flywheel is None else float(flywheel.inertia)
+    inertia = (
+        HEAVY * float(press.table.at(press.table.borders)[0][0].max())
+        if flywheel is None
+        else number("the flywheel's inertia", flywheel.inertia)
+    )
     lasting = TURNS * 2 * np.pi / abs(speed) if duration is None else number("duration", duration, positive=True)
     found, skipped = peers.find(press)
     contests = (

@@ -198,6 +198,15 @@ def test_the_published_errors_are_still_so(presses, made, kind, step):
     assert 1 / 3 < abs(end.crank_angle - truth.crank_angle[-1]) / float(row["error"]) < 3
 
 
+def test_mujoco_fails_in_silence(made, capfd, tmp_path, monkeypatch):
+    """Where its own steps do not hold together it is an error, and MuJoCo neither prints nor writes its log."""
+    monkeypatch.chdir(tmp_path)
+    with pytest.raises(pp.SimulationError, match="shorter step"):
+        made("MujocoSteps", "crank_slide").free_run(0.0, 20_000 * pp.RPM, 1.0, 0.1, 2e-3)
+    assert capfd.readouterr() == ("", "")
+    assert list(tmp_path.iterdir()) == []
+
+
 # -------------------------------------------------------------------------------------------------------------------------------- find
 
 

@@ -1,7 +1,7 @@
 """Error against run time of the six-bar press, pinpress and its peers: the table and the picture of the README.
 
-Run `python viz/accuracy.py` (with `pip install -e '.[plots,peers]'`): in about a minute it writes accuracy.csv and accuracy.png beside itself
-and prints the table. The README's table is made from that file, so that both are of one run.
+Run `python viz/accuracy.py` (with `pip install -e '.[plots,peers]'`): in about a minute it writes accuracy.csv and accuracy.png beside
+itself and prints the table. The README's table is made from that file, so that both are of one run.
 """
 
 import csv

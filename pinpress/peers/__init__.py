@@ -59,7 +59,7 @@ class Peer(Protocol):
     Attributes:
         name: of the program, with its version.
         inverse: whether it has inverse dynamics of its own to be compared.
-        steps: fixed steps worth measuring in a free run of about 1 s at about 70 strokes/min, largest first; none where it cannot run [s].
+        steps: fixed steps worth measuring in a free run of some turns at 70 strokes/min, largest first; none where it cannot run [s].
     """
 
     name: str

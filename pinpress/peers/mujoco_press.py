@@ -48,10 +48,13 @@ class Mujoco:
     def __init__(self, press: Linkage) -> None:
         """
         Raises:
-            PinpressError: several drivers, a loop that holds rotations, a body that MuJoCo refuses, a crank that does not turn fully.
+            PinpressError: several drivers, no loops or one that holds rotations, a body that MuJoCo refuses, a crank that does not turn
+                fully.
         """
         if len(press.drivers) > 1:
             raise PinpressError(f"it is compared on one driver, {press.name} has {len(press.drivers)}")
+        if not press.loops:
+            raise PinpressError(f"{press.name} has no loops, and needs nothing but its tree")
         for loop in press.loops:
             if loop.type != "spherical":
                 raise PinpressError(f"it has no loop joint of type {loop.type} ({loop.name})")
@@ -273,7 +276,12 @@ class MujocoSteps(Mujoco):
         data.qpos[:], data.qvel[:] = x, v
         first = np.empty(mujoco.mj_stateSize(model, STATE))
         mujoco.mj_getState(model, data, first, STATE)
-        states, _ = rollout.rollout(model, data, first[None], nstep=count)
+        before = mujoco.get_mju_user_warning()
+        mujoco.set_mju_user_warning(lambda message: None)  # it would print it, and write a log; the error below says it
+        try:
+            states, _ = rollout.rollout(model, data, first[None], nstep=count)
+        finally:
+            mujoco.set_mju_user_warning(before)
         mujoco.mj_setState(model, data, states[0, -1].copy(), STATE)
         if not (np.isfinite(states).all() and abs(data.time - duration) < 0.5 * duration / count):  # MuJoCo starts anew where it fails
             raise SimulationError(f"{self.name} does not keep {self._press.name} together: give a shorter step")

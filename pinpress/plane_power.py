@@ -1,0 +1,40 @@
+"""Power balance of a planar linkage at all crank angles at once, apart from the recursion that gives the torque."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from .coordinates import Array, ComplexArray
+from .forces import AppliedForce
+from .plane import Plane, flat, product
+from .plane_dynamics import PIECE, Bodies
+from .plane_kinematics import basis_acceleration, basis_velocity
+
+
+def power_balance(plane: Plane, bodies: Bodies, at: ComplexArray, v: Array, a: Array, loads: Sequence[AppliedForce]) -> tuple[Array, Array]:
+    """Power of the loads less the rate of kinetic and potential energy, and the sum of the absolute powers, both (n,) [W].
+
+    The energy's rate is taken body by body from velocities and accelerations: it shares nothing with the recursion that gave the torque.
+    """
+    balance, total = np.empty(v.shape[1]), np.empty(v.shape[1])
+    for start in range(0, v.shape[1], PIECE):
+        s = slice(start, start + PIECE)
+        powers = _powers(plane, bodies, at[:, s], v[:, s], a[:, s], [load.part(s) for load in loads])
+        balance[s], total[s] = powers.sum(axis=0), np.abs(powers).sum(axis=0)
+    return balance, total
+
+
+def _powers(plane: Plane, bodies: Bodies, at: ComplexArray, v: Array, a: Array, loads: Sequence[AppliedForce]) -> Array:
+    """Every term (terms, n) of the balance."""
+    first, second = basis_velocity(plane, at, v), basis_acceleration(plane, at, v, a)
+    count = len(plane.parents)
+    second[0] = 1.0
+    resisting = product(bodies.forces[:count], second)
+    velocities = product(plane.origins + plane.centers, first)
+    terms = list(-(velocities.conj() * resisting).real - (bodies.inertia @ a) * (plane.spin @ v))
+    for load in loads:
+        if load.joint:
+            row = plane.origins[load.joint - 1].copy()
+            row[plane.rotor(load.joint - 1)] += complex(*(plane.frames[load.joint - 1] @ load.point)[:2])
+            terms.append((product(row[None], first)[0].conj() * flat(plane, load.force)).real)
+    return np.array(terms)
