@@ -27,6 +27,7 @@ from .plane_kinematics import basis, basis_velocity
 NODES = 14  # a panel; degree of its polynomials is one less
 PANELS = 16  # a turn to begin with
 RESOLVED = 1e-11  # size of a polynomial's last terms beside the function
+NOISE, GAIN = 1e-8, 10.0  # below this size last terms that halving does not make less by this factor are rounding, near change points say
 SLACK = 1e-9  # beyond the range of a table, by rounding [rad]
 FLAT = 1e-13  # range of the potential energy, beside its size, that is rounding
 NARROWEST = 1e-7  # panel [rad]: what it does not resolve lies at a lock
@@ -154,7 +155,7 @@ def build(press: Linkage, coordinates: Sequence[Coordinate], panels: int | None 
     done: list[tuple[Array, Array, Array]] = []
     scale = np.zeros(COORDINATES + len(coordinates))
     lowest, highest = np.inf, -np.inf
-    last_terms = rule().legendre[-2:]
+    last_terms, coarser = rule().legendre[-2:], np.full(count, np.inf)
     while len(starts):
         half = 0.5 * (ends - starts)
         angles = (starts + half)[:, None] + half[:, None] * rule().nodes
@@ -166,12 +167,15 @@ def build(press: Linkage, coordinates: Sequence[Coordinate], panels: int | None 
         scale[POTENTIAL] = max(float(highest - lowest), 1e-3 * float(max(abs(lowest), abs(highest))))
         tail = np.abs(values @ last_terms.T).max(axis=2)
         local = np.abs(values[INERTIA]).max(axis=1)  # near a lock the inertia has no bounds
-        unresolved = (tail > RESOLVED * scale[:, None]).any(axis=0) | (tail[INERTIA] > RESOLVED * local)
-        settled = ~unresolved | (half < NARROWEST) | (panels is not None)
+        sizes = np.where(scale > 0, scale, 1.0)
+        missed = np.maximum((tail / sizes[:, None]).max(axis=0), tail[INERTIA] / np.where(local > 0, local, 1.0))
+        rounding = (missed <= NOISE) & (missed > coarser / GAIN)  # halving a panel that is nearly resolved divides this by thousands
+        settled = (missed <= RESOLVED) | rounding | (half < NARROWEST) | (panels is not None)
         done.append((starts[settled], ends[settled], np.moveaxis(values[:, settled], 0, 1) @ rule().legendre.T @ rule().powers.T))
         left, right = starts[~settled], ends[~settled]
         middle = 0.5 * (left + right)
         starts, ends = np.concatenate([left, middle]), np.concatenate([middle, right])
+        coarser = np.tile(missed[~settled], 2)
     values = np.concatenate([d[2][:, POTENTIAL, 0] for d in done])
     middle, flat = 0.5 * float(values.min() + values.max()), bool(np.ptp(values) <= FLAT * np.abs(values).max())
     for _, _, polynomials in done:
