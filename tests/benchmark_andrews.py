@@ -10,7 +10,6 @@ from __future__ import annotations
 import argparse
 import sys
 import tempfile
-import time
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -20,10 +19,10 @@ import numpy as np
 
 sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
 import pinpress as pp
+from pinpress.timing import least_seconds
 
 DURATION = 0.05  # [s]
 WANTED = 1e-7  # relative
-TURN = 0.02  # [s] of calls before the next one's turn
 TOLERANCES = (1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10, 1e-11)
 STEPS = (1e-4, 5e-5, 2e-5, 1e-5, 5e-6, 2.5e-6, 1.25e-6, 1e-6)  # [s]
 (X, Z), (X3, Z3) = andrews.ANCHOR, andrews.ON_K3
@@ -80,18 +79,9 @@ def exudyn_runs(press: pp.Linkage) -> list[Contestant]:
 
 def least(contestants: list[Contestant], repeats: int) -> list[tuple[str, Array, float]]:
     """Name, result and least seconds of every contestant, in turn, again and again."""
-    best: list[float] = [np.inf] * len(contestants)
-    results: list[Array] = [None] * len(contestants)
-    for _ in range(repeats):
-        for k, (_, work) in enumerate(contestants):
-            end = time.perf_counter() + TURN
-            while True:  # the first call after another contestant finds its data and code evicted
-                start = time.perf_counter()
-                results[k] = work()
-                best[k] = min(best[k], time.perf_counter() - start)
-                if time.perf_counter() > end:
-                    break
-    return [(name, results[k], best[k]) for k, (name, _) in enumerate(contestants)]
+    works = [work for _, work in contestants]
+    results = [work() for work in works]
+    return [(name, *each) for (name, _), *each in zip(contestants, results, least_seconds(works, repeats), strict=True)]
 
 
 def main() -> None:

@@ -20,11 +20,11 @@ sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
 from pinocchio_run import free_run
 
 import pinpress as pp
+from pinpress.timing import least_seconds
 
 ANGLE, SPEED, DURATION = np.radians(154.0), 70 * pp.RPM, 2.0
 FLYWHEEL = pp.Flywheel(inertia=500.0)
 WANTED = 1e-6  # [rad]
-TURN = 0.02  # [s] of calls before the next one's turn
 TOLERANCES = (1e-3, 1e-4, 1e-5, 1e-6, 3e-7, 1e-7, 3e-8, 1e-8, 1e-9, 1e-10, 1e-11, 1e-12)
 STEPS = (1e-2, 5e-3, 2e-3, 1e-3, 5e-4, 2e-4)
 
@@ -33,18 +33,9 @@ Contestant = tuple[str, Callable[[], float]]
 
 def least(contestants: list[Contestant], repeats: int) -> list[tuple[str, float, float]]:
     """Name, result and least seconds of every contestant, in turn, again and again."""
-    best = [np.inf] * len(contestants)
-    results = [0.0] * len(contestants)
-    for _ in range(repeats):
-        for k, (_, work) in enumerate(contestants):
-            end = time.perf_counter() + TURN
-            while True:  # the first call after another contestant finds its data and code evicted
-                start = time.perf_counter()
-                results[k] = work()
-                best[k] = min(best[k], time.perf_counter() - start)
-                if time.perf_counter() > end:
-                    break
-    return [(name, results[k], best[k]) for k, (name, _) in enumerate(contestants)]
+    works = [work for _, work in contestants]
+    results = [work() for work in works]
+    return [(name, *each) for (name, _), *each in zip(contestants, results, least_seconds(works, repeats), strict=True)]
 
 
 def six_bar(press: pp.Linkage, fresh: bool = False, **how: Any) -> float:

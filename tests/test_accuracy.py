@@ -15,6 +15,7 @@ import spatial_linkages
 
 import pinpress as pp
 from pinpress import measurements, peers
+from pinpress.__main__ import main
 from pinpress.measurements import GROUPS, INVERSE_DYNAMICS, PROXIMAL, SIMULATION, TABLE
 
 SPEED = 70 * pp.RPM
@@ -248,3 +249,49 @@ def test_measurements_are_plain_values(measured):
         for field in dataclasses.fields(m):
             assert isinstance(getattr(m, field.name), str | float | int | None), field.name
     assert set(measurements.UNITS) == set(GROUPS)
+
+
+def test_command(alone, capsys, tmp_path):
+    """What is asked for is measured and written."""
+    out = tmp_path / "made" / "out"
+    words = [
+        "crank_slide",
+        "--speed",
+        "-300",
+        "--points",
+        "12",
+        "--repeats",
+        "1",
+        "--flywheel",
+        "2.5",
+        "--duration",
+        "0.1",
+        "--out",
+        str(out),
+    ]
+    assert main(["accuracy", *words]) == 0
+    said = capsys.readouterr().out
+    assert "crank_slide: -300 r/min; free run of 0.1 s with a flywheel of 2.5 kg m2" in said
+    assert "some peer is skipped" in said
+    assert f"wrote {out / 'accuracy.csv'} and {out / 'accuracy.png'}" in said
+    assert (out / "accuracy.png").stat().st_size > 50_000
+    with open(out / "accuracy.csv", newline="", encoding="utf-8") as file:
+        assert {row["group"] for row in csv.DictReader(file)} == set(GROUPS)
+
+
+@pytest.mark.parametrize(
+    ("words", "says"),
+    [
+        (["zxn2", "--speed", "70"], "zxn2_3000b"),
+        (["zxn2_3000b", "--speed", "0"], "speed is 0"),
+        (["zxn2_3000b", "--speed", "70", "--repeats", "0"], "repeats is 0"),
+        (["zxn2_3000b", "--speed", "70", "--flywheel", "much"], "much"),
+        (["zxn2_3000b", "--speed", "70", "--out", "README.md"], "README.md"),
+    ],
+)
+def test_command_refuses(alone, capsys, words, says):
+    assert main(["accuracy", *words]) == 2
+    error = capsys.readouterr().err
+    assert says in error
+    assert error.startswith("pinpress: ")
+    assert error.count("\n") == 1
