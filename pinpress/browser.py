@@ -28,7 +28,8 @@ NO_CHROMIUM = (
 )
 PROGRAMS = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable")
 DRAWN = ("--use-gl=angle", "--use-angle=swiftshader-webgl", "--enable-unsafe-swiftshader")  # by the processor: the same everywhere
-FLAGS = (*DRAWN, "--disable-dev-shm-usage", "--hide-scrollbars")
+# tiles that are drawn again in part come out a little otherwise, from run to run
+FLAGS = (*DRAWN, "--disable-partial-raster", "--disable-dev-shm-usage", "--hide-scrollbars")
 LONGER_SIDE = 960.0
 PATIENCE = 120_000  # ms
 PLAYER = "[typeof duration, typeof seek, typeof setPlaying, typeof viewer].join() === 'number,function,function,object'"
