@@ -4,10 +4,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from .branch import predict
 from .coordinates import Array
 from .errors import PinpressError
 from .linkage import Linkage
+from .motion import carried
 
 SAMPLES = 720  # per turn; two dead centres closer than half a degree would be taken for none
 
@@ -44,12 +44,12 @@ def dead_centres(press: Linkage) -> DeadCentres:
 
 def found(press: Linkage) -> DeadCentres:
     """The same, worked out."""
-    guide, offset = press.slide_guide
-    turns = 2 * np.pi if press.branch.period is None else press.branch.period
+    _ = press.slide_guide  # it has a slide
+    turns = press.passage.period or 2 * np.pi
 
     def slide(angle: Array) -> tuple[Array, Array]:
-        closure = press.close(angle, predict(press.branch, angle))
-        return closure.position[guide] + offset, closure.first[guide]
+        motion = carried(press, angle, 1.0)
+        return motion.slide_position, motion.slide_velocity
 
     # A press is often drawn at a dead centre: a grid that starts off the drawn pose has no sample on it.
     samples = np.linspace(0.0, turns, round(SAMPLES * turns / (2 * np.pi)) + 1) - 0.38 * np.pi / SAMPLES

@@ -64,6 +64,16 @@ def test_both_methods_under_drive_and_load(equal):
     first, second = (pp.simulate(equal, 3.0, method=m, loads=[pp.loads.Blanking(5e3, 0.03, 0.01)], **options) for m in METHODS)
     np.testing.assert_allclose(first.crank_angle, second.crank_angle, atol=1e-8)
     assert first.load_work[-1] > 0
+    ends = pp.dead_centres(equal)
+    assert ends.stroke == pytest.approx(4 * R, abs=1e-14)
+    # in the forces the load is where it was in the run: 30 to 10 mm above bottom dead centre, on the way down
+    load = pp.loads.Blanking(5e3, 0.03, 0.01)
+    forces = [pp.inverse_dynamics(equal, first, loads=loads).bearing_force["W"] for loads in ([], [load])]
+    height = first.slide_position - ends.bottom_position
+    pressed = np.abs(forces[1] - forces[0]).max(axis=1) > 100.0
+    assert pressed.any()
+    assert (height[pressed] < 0.03 + 1e-9).all()
+    assert (height[pressed] > 0.01 - 1e-9).all()
 
 
 @pytest.mark.parametrize("method", METHODS)
@@ -97,6 +107,12 @@ def test_forces_at_the_change_point(equal):
         with pytest.raises(pp.SingularityError, match="no value") as caught:
             pp.inverse_dynamics(equal, still, engine=engine)
         assert abs(caught.value.crank_angle - math.pi / 2) < 1e-8
+
+
+def test_check_says_so(equal):
+    (note,) = [finding for finding in pp.check(equal.file).notes if "assemblies meet" in finding.problem]
+    assert "90, 270 deg" in note.problem
+    assert "prescribed turn is refused" in note.remedy
 
 
 @pytest.mark.parametrize("method", METHODS)
