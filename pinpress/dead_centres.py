@@ -9,6 +9,8 @@ from .errors import PinpressError
 from .linkage import Linkage
 from .motion import carried
 
+ROUNDING = 4 * float(np.finfo(float).eps)  # of a crank angle [rad]
+MOST_STEPS = 60  # halve half a degree down to that
 SAMPLES = 720  # per turn; two dead centres closer than half a degree would be taken for none
 
 
@@ -33,7 +35,7 @@ class DeadCentres:
 
 
 def dead_centres(press: Linkage) -> DeadCentres:
-    """Dead centres of a press whose crank turns fully, to rounding: zeros of the slide's speed, bisected once and kept with the press.
+    """Dead centres of a press whose crank turns fully, to rounding: zeros of the slide's speed, found once and kept with the press.
 
     Raises:
         PinpressError: the linkage has no slide, or its slide never turns back.
@@ -47,9 +49,9 @@ def found(press: Linkage) -> DeadCentres:
     _ = press.slide_guide  # it has a slide
     turns = press.passage.period or 2 * np.pi
 
-    def slide(angle: Array) -> tuple[Array, Array]:
+    def slide(angle: Array) -> tuple[Array, Array, Array]:
         motion = carried(press, angle, 1.0)
-        return motion.slide_position, motion.slide_velocity
+        return motion.slide_position, motion.slide_velocity, motion.slide_acceleration
 
     # A press is often drawn at a dead centre: a grid that starts off the drawn pose has no sample on it.
     samples = np.linspace(0.0, turns, round(SAMPLES * turns / (2 * np.pi)) + 1) - 0.38 * np.pi / SAMPLES
@@ -58,12 +60,16 @@ def found(press: Linkage) -> DeadCentres:
     if len(turning) < 2:
         raise PinpressError(f"the slide of {press.name} does not turn back within a turn of the driver: it has no dead centres")
     low, high = samples[turning], samples[turning + 1]
-    before = np.signbit(speeds[turning])
-    for _ in range(60):  # halves half a degree down to rounding
-        middle = 0.5 * (low + high)
-        same = np.signbit(slide(middle)[1]) == before
-        low, high = np.where(same, middle, low), np.where(same, high, middle)
-    angles = 0.5 * (low + high)
+    before, angles = np.signbit(speeds[turning]), 0.5 * (low + high)
+    for _ in range(MOST_STEPS):
+        _, velocity, acceleration = slide(angles)
+        same = np.signbit(velocity) == before
+        low, high = np.where(same, angles, low), np.where(same, high, angles)
+        with np.errstate(all="ignore"):  # Newton's method, fenced in: where it leads out, or nowhere, halves
+            closer = angles - velocity / acceleration
+        last, angles = angles, np.where((closer >= low) & (closer <= high), closer, 0.5 * (low + high))
+        if np.abs(angles - last).max() <= ROUNDING:
+            break
     positions = slide(angles)[0]
     angles = np.where(np.abs(angles) < 1e-12, 0.0, angles % (2 * np.pi))  # not 360 degrees for one drawn there
     top, bottom = int(positions.argmax()), int(positions.argmin())
