@@ -1,11 +1,13 @@
 """`pinpress accuracy`: error against run time of all methods, and of other programs."""
 
 import argparse
+import importlib.util
 from pathlib import Path
 
 from . import scene_words
 from .command_output import DRIVER, FILE, SLIDE, make, progress
 from .loading import load
+from .measurements import Accuracy
 from .motion import RPM
 
 EPILOG = """\
@@ -56,10 +58,19 @@ def run(options: argparse.Namespace) -> int:
         measured = accuracy(press, options.speed * RPM, flywheel, options.duration, options.points, options.repeats, told)
     print(measured)
     if options.out is not None:
-        from .figures import save_plot
-        from .precision_plots import plot_accuracy
-
-        measured.to_csv(options.out / "accuracy.csv")
-        save_plot(plot_accuracy(measured), options.out / "accuracy.png")
-        print(f"\nwrote {options.out / 'accuracy.csv'} and {options.out / 'accuracy.png'}")
+        _write(measured, options.out)
     return 0
+
+
+def _write(measured: Accuracy, folder: Path) -> None:
+    """Write the files and say so; a minute's measurements are not lost where Matplotlib is missing."""
+    from .figures import NOT_INSTALLED, save_plot
+    from .precision_plots import plot_accuracy
+
+    table, plot = folder / "accuracy.csv", folder / "accuracy.png"
+    measured.to_csv(table)
+    if importlib.util.find_spec("matplotlib") is None:
+        print(f"\nwrote {table}; {plot} is left out: {NOT_INSTALLED}")
+        return
+    save_plot(plot_accuracy(measured), plot)
+    print(f"\nwrote {table} and {plot}")

@@ -5,6 +5,7 @@ Times are not judged: they are the machine's.
 
 import csv
 import dataclasses
+import importlib.util
 import math
 from pathlib import Path
 
@@ -277,6 +278,16 @@ def test_command(alone, capsys, tmp_path):
     assert (out / "accuracy.png").stat().st_size > 50_000
     with open(out / "accuracy.csv", newline="", encoding="utf-8") as file:
         assert {row["group"] for row in csv.DictReader(file)} == set(GROUPS)
+
+
+def test_command_without_matplotlib(alone, capsys, tmp_path, monkeypatch):
+    """The table is written all the same."""
+    find = importlib.util.find_spec
+    monkeypatch.setattr(importlib.util, "find_spec", lambda name, *more: None if name == "matplotlib" else find(name, *more))
+    words = ["crank_slide", "--speed", "300", "--points", "12", "--repeats", "1", "--duration", "0.05", "--out", str(tmp_path)]
+    assert main(["accuracy", *words]) == 0
+    assert "accuracy.png is left out: plots need Matplotlib" in capsys.readouterr().out
+    assert [path.name for path in tmp_path.iterdir()] == ["accuracy.csv"]
 
 
 @pytest.mark.parametrize(
