@@ -27,7 +27,7 @@ def contest(press: Linkage, speed: float, points: int, peers: "Sequence[Peer]") 
     answers = {engine: _solved(press, speed, points, engine) for engine in engines}
     judges = {"plane": answers["pinocchio"], "pinocchio": answers[engines[0]]}
     torque, peak = peak_of(answers["pinocchio"].driving_torque), peak_force(answers["pinocchio"])
-    returned = _returned(press, answers["pinocchio"])
+    returned = 0.0 if len(engines) > 1 else _returned(press, answers["pinocchio"])
 
     def judged(judge: Reactions, answer: Reactions) -> Errors:
         return Errors(

@@ -14,11 +14,10 @@ from .contestants import Contest, Contestant, Errors, peak_of
 from .coordinates import Array
 from .forward_dynamics import ForwardDynamics
 from .linkage import Linkage
-from .measurements import PROXIMAL
+from .measurements import PROXIMAL, PROXIMAL_STATES
 from .motion import cycle
 from .reactions import inverse_dynamics
 
-STATES = 24  # of a turn
 PARAMETERS = (0.0, *(10.0**k for k in range(-14, -1)))
 ITERATIONS = (1, 5, 20)
 SKIPPED = (
@@ -36,7 +35,7 @@ def contest(press: Linkage, speed: float, flywheel: float) -> Contest:
     dynamics = ForwardDynamics(press, armature)
     if dynamics.quick is None:
         return Contest(PROXIMAL, (), 0.0, "", (SKIPPED,))
-    turn = cycle(press, speed=speed, points=STATES)
+    turn = cycle(press, speed=speed, points=PROXIMAL_STATES)
     states = list(zip(turn.joint_position.copy(), turn.v.copy(), strict=True))
     truth = np.array([dynamics.acceleration_in_null_space(x, v, dynamics.still) for x, v in states])
     motion = cycle(press, angle=turn.crank_angle, speed=speed, acceleration=truth[:, crank])

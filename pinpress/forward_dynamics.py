@@ -19,7 +19,7 @@ each time, and where one of them is near zero that should not be, the general wa
 """
 
 import math
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 import pinocchio as pin
@@ -29,7 +29,7 @@ from .coordinates import Array, Axis
 from .errors import AssemblyError, PinpressError, SingularityError
 from .following import SMALLEST_MARGIN
 from .linkage import ACCEPTED, Linkage
-from .loops import LoopJoint
+from .loop_points import End, contact_rows, contacts, ends_of
 from .spatial import MOST_NEWTON_STEPS
 from .spatial_equations import crossed
 
@@ -74,7 +74,7 @@ class ForwardDynamics:
         self.placements = self.data.oMi  # live: fetching it costs more than the algorithm that fills it
 
         pin.forwardKinematics(self.model, self.data, press.closed)
-        by_loop = [_ends(loop, self.data, self.size) for loop in press.loops]
+        by_loop = [ends_of(loop, self.data, self.size) for loop in press.loops]
         ends = [end for held in by_loop for end in held]
         self.points, self.data_of_points = pin.StdVec_ConstraintModel(), pin.StdVec_ConstraintData()
         for end in ends:
@@ -283,13 +283,13 @@ class ForwardDynamics:
         mass = sum(float(inertia.mass) for inertia in self.model.inertias)
         return mass * (float(np.linalg.norm(self.model.gravity.linear)) or self.size)
 
-    def _quick(self, closed: Array, ends: "list[_End]", mass: Array) -> "_Quick | None":
+    def _quick(self, closed: Array, ends: list[End], mass: Array) -> "_Quick | None":
         """What the quick way needs, None where it does not suit."""
         if not ends or not ((mass.diagonal() * self.per_unit**2).min() > self.least**2):
             return None
-        data, (points, data_of_points) = self.model.createData(), _contacts(self.model, ends)
+        data, (points, data_of_points) = self.model.createData(), contacts(self.model, ends)
         opened = closed + OPENED * self.size * self.per_unit * np.random.default_rng(0).uniform(-1, 1, len(closed))
-        rows, opened_rows = (_rows(self.model, data, points, data_of_points, x) for x in (closed, opened))
+        rows, opened_rows = (contact_rows(self.model, data, points, data_of_points, x) for x in (closed, opened))
         values = np.linalg.svd(opened_rows * self.per_unit, compute_uv=False)
         if values[self.rank :].max(initial=0.0) > SMALLEST_MARGIN * values[0]:
             return None
@@ -303,7 +303,7 @@ class ForwardDynamics:
         # none, comes last: else a row may be a combination of others with large coefficients, and its pivot seem to be none of rounding.
         lefts = np.linalg.svd(rows.reshape(-1, 3, len(closed)))[0]
         turned = [pin.SE3(left * np.linalg.det(left), end[1].translation) for left, end in zip(lefts, ends, strict=True)]
-        points, data_of_points = _contacts(self.model, [(end[0], place, *end[2:]) for place, end in zip(turned, ends, strict=True)])
+        points, data_of_points = contacts(self.model, [(end[0], place, *end[2:]) for place, end in zip(turned, ends, strict=True)])
         pin.initConstraintDynamics(self.model, data, points, data_of_points)
         return _Quick(
             clear=self.rank + len(closed),
@@ -314,21 +314,6 @@ class ForwardDynamics:
             pivots=data.constraint_chol.D,
             bounds=CLEAR * np.concatenate([np.full(self.held, largest), mass.diagonal()]),
         )
-
-
-def _contacts(model: pin.Model, ends: "list[_End]") -> tuple[Any, Any]:
-    """Pinocchio's models and data of the points, for `constraintDynamics`."""
-    kind = pin.ContactType.CONTACT_3D
-    points = pin.StdVec_RigidConstraintModel([pin.RigidConstraintModel(kind, model, *end, pin.LOCAL) for end in ends])
-    return points, pin.StdVec_RigidConstraintData([point.createData() for point in points])
-
-
-def _rows(model: pin.Model, data: pin.Data, points: Any, data_of_points: Any, x: Array) -> Array:
-    """Jacobian (3 points, nv) as `constraintDynamics` has it: in open states it differs from that of the anchors."""
-    pin.computeJointJacobians(model, data, x)
-    for point, datum in zip(points, data_of_points, strict=True):
-        point.calc(model, data, datum)
-    return np.array(pin.getConstraintsJacobian(model, data, points, data_of_points)).reshape(-1, model.nv)
 
 
 class _Quick(NamedTuple):
@@ -347,10 +332,6 @@ class _Quick(NamedTuple):
     bounds: Array
 
 
-_End = tuple[int, pin.SE3, int, pin.SE3]
-"""Two points that a loop holds together: joint and place in its frame, of either side."""
-
-
 def _bounded(model: pin.Model, axes: tuple[Axis, ...]) -> pin.Model:
     """The same tree with joints whose configuration is the joint coordinate itself, unbounded ones too."""
     result = pin.Model()
@@ -359,16 +340,4 @@ def _bounded(model: pin.Model, axes: tuple[Axis, ...]) -> pin.Model:
         kind = pin.JointModelRevoluteUnaligned if axis.turns else pin.JointModelPrismaticUnaligned
         result.addJoint(model.parents[j], kind(axis.direction), model.jointPlacements[j], model.names[j])
         result.appendBodyToJoint(j, model.inertias[j], pin.SE3.Identity())
-    return result
-
-
-def _ends(loop: LoopJoint, data: pin.Data, size: float) -> list[_End]:
-    """The points of a loop; ``data`` has the closed pose."""
-    result = [(loop.joint1, pin.SE3(np.eye(3), loop.point1), loop.joint2, pin.SE3(np.eye(3), loop.point2))]
-    for axis in range({0: 0, 2: 1, 3: 2}[loop.held]):
-        along1, along2 = loop.rotation1[:, axis], loop.rotation2[:, axis]
-        worlds = data.oMi[loop.joint1].rotation @ along1, data.oMi[loop.joint2].rotation @ along2
-        turned = float(np.sign(worlds[0] @ worlds[1]))  # the axes of a revolute loop are aligned whichever way round
-        places = (pin.SE3(np.eye(3), point) for point in (loop.point1 + size * along1, loop.point2 + turned * size * along2))
-        result.append((loop.joint1, next(places), loop.joint2, next(places)))
     return result

@@ -7,7 +7,6 @@ import numpy as np
 
 from . import freedom, urdf_remarks
 from .branch import MOST_TURNS, Branch, predict
-from .change_points import ChangePoint
 from .coordinates import Array
 from .errors import PinpressError
 from .findings import Finding
@@ -43,7 +42,7 @@ def remarks(press: Linkage, robot: "Element") -> Iterator[Finding]:
                 problem = f"the linkage is not back at its drawn pose after {MOST_TURNS} turns of it"
                 yield Finding("note", *where, problem, "it is followed through as many turns either way: keep motions inside")
             elif branch.period is None and press.passage.change_points:
-                places = ", ".join(f"{np.degrees(point.angle):.6g}" for point in sorted(press.passage.change_points, key=_place))
+                places = ", ".join(f"{place:.6g}" for place in sorted(np.degrees(point.angle) for point in press.passage.change_points))
                 problem = f"two assemblies meet at crank angles of {places} deg"
                 yield Finding("note", *where, problem, "a simulated run goes through, in the drawn one; a prescribed turn is refused there")
             elif branch.period is None:
@@ -54,10 +53,6 @@ def remarks(press: Linkage, robot: "Element") -> Iterator[Finding]:
             yield from _limits(press, branch, robot)
     yield from _redundant(press, poses)
     yield from _engine(press)
-
-
-def _place(point: ChangePoint) -> float:
-    return point.angle
 
 
 def _drawn_open(press: Linkage) -> Iterator[Finding]:

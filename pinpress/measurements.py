@@ -9,10 +9,11 @@ from dataclasses import dataclass, fields
 from . import files, tables
 
 INVERSE_DYNAMICS, SIMULATION, PROXIMAL, TABLE = GROUPS = ("inverse dynamics", "simulation", "proximal settings", "reduced table")
+PROXIMAL_STATES = 24  # of a turn, that proximal settings are measured in
 UNITS = {  # what ``seconds`` and ``error`` of a group are
     INVERSE_DYNAMICS: ("of a turn", "of the driving torque, of its peak"),
     SIMULATION: ("of the run and the forces at its end", "of the crank angle at its end [rad]"),
-    PROXIMAL: ("of 24 states", "of the joint accelerations, of their peak"),
+    PROXIMAL: (f"of {PROXIMAL_STATES} states", "of the joint accelerations, of their peak"),
     TABLE: ("of making it", "of reduced inertia and potential energy between the samples, of their range"),
 }
 

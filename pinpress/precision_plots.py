@@ -41,36 +41,40 @@ def plot_accuracy(measured: Accuracy) -> "Figure":
                 drawn.setdefault(method, _series(axes, measured.of(group, method), _time, value, looks[method]))
             _axes(axes, title, "time [ms]", label)
             if value is _error:
-                axes.axhline(measured.certificates[group], color=GREY, linewidth=0.8, zorder=0)
-        for axes, group, title, label in (
-            (panels[2, 0], PROXIMAL, "Constraint dynamics", "proximal parameter mu"),
-            (panels[2, 1], TABLE, "Reduced table", "samples"),
-        ):
-            methods = _methods(measured, group)
-            lines = [
-                _series(
-                    axes,
-                    measured.of(group, m),
-                    _number,
-                    _error,
-                    {"color": COLOURS[k % len(COLOURS)], "marker": MARKERS[k], "zorder": 3 + k},
-                )
-                for k, m in enumerate(methods)
-            ]
-            _axes(axes, title, label, "error of accelerations" if group == PROXIMAL else "error between them")
-            if group == PROXIMAL and methods:
-                legend(axes, lines, methods, loc="upper left")
-            if group == TABLE:
-                from matplotlib.ticker import NullFormatter
-
-                counts = [row.evaluations for row in measured.of(group, "reduced") if row.evaluations][::2]
-                axes.set_xticks(counts, [str(count) for count in counts])
-                axes.xaxis.set_minor_formatter(NullFormatter())
-            if group in measured.certificates:
-                axes.axhline(measured.certificates[group], color=GREY, linewidth=0.8, zorder=0)
+                _known(axes, measured, group)
+        lines = _settings(panels[2, 0], measured, PROXIMAL)
+        _axes(panels[2, 0], "Constraint dynamics", "proximal parameter mu", "error of accelerations")
+        if lines:
+            legend(panels[2, 0], lines, _methods(measured, PROXIMAL), loc="upper left")
+        _settings(panels[2, 1], measured, TABLE)
+        _axes(panels[2, 1], "Reduced table", "samples", "error between them")
+        _ticks(panels[2, 1], [row.evaluations for row in measured.of(TABLE, "reduced") if row.evaluations][::2])
         legend(figure, list(drawn.values()), list(drawn), loc="outside upper center", ncols=3)
         plain(figure.supxlabel(f"{measured.press}: {measured.scene}", fontsize=SMALL, color=GREY))
     return figure
+
+
+def _settings(axes: "Axes", measured: Accuracy, group: str) -> list[Any]:
+    """Lines of error over the setting, one a method."""
+    lines = []
+    for k, method in enumerate(_methods(measured, group)):
+        look = {"color": COLOURS[k % len(COLOURS)], "marker": MARKERS[k], "zorder": 3 + k}
+        lines.append(_series(axes, measured.of(group, method), _number, _error, look))
+    _known(axes, measured, group)
+    return lines
+
+
+def _known(axes: "Axes", measured: Accuracy, group: str) -> None:
+    """A line at what the reference is known to."""
+    if group in measured.certificates:
+        axes.axhline(measured.certificates[group], color=GREY, linewidth=0.8, zorder=0)
+
+
+def _ticks(axes: "Axes", counts: Sequence[int]) -> None:
+    from matplotlib.ticker import NullFormatter
+
+    axes.set_xticks(counts, [str(count) for count in counts])
+    axes.xaxis.set_minor_formatter(NullFormatter())
 
 
 def _looks(measured: Accuracy) -> dict[str, dict[str, Any]]:

@@ -17,6 +17,8 @@ import spatial_linkages
 import pinpress as pp
 from pinpress import measurements, peers
 from pinpress.__main__ import main
+from pinpress.contestants import Contestant, Errors
+from pinpress.contestants import measured as measured_of
 from pinpress.measurements import GROUPS, INVERSE_DYNAMICS, PROXIMAL, SIMULATION, TABLE
 
 SPEED = 70 * pp.RPM
@@ -188,15 +190,22 @@ def test_plot(measured, tmp_path):
         pp.plot_accuracy(None)
 
 
-def test_a_problem_is_said(alone, monkeypatch):
-    """A contestant that raises is measured, and has its error in words."""
-    from pinpress import accuracy_simulation
+def test_a_problem_is_said():
+    """A contestant that raises, or whose answer is not finite, is timed, and has a problem in place of an error."""
 
-    monkeypatch.setattr(accuracy_simulation, "STEPS", (1,))
-    measured = pp.accuracy(pp.load("crank_slide"), 300 * pp.RPM, pp.Flywheel(0.5), duration=0.05, points=12, repeats=1)
-    (row,) = measured.of(SIMULATION, "constraint, Runge-Kutta 4")
-    assert (row.error is None) == bool(row.problem)
-    assert row.error is None or row.error > 1e-6
+    def fails():
+        raise pp.SimulationError("the press stalls: it comes to rest", 0.1, 0.2)
+
+    entries = [
+        Contestant(SIMULATION, "raises", "", None, fails, lambda answer: Errors(0.0)),
+        Contestant(SIMULATION, "is not finite", "", None, lambda: math.nan, lambda answer: Errors(answer, math.inf, 1.0)),
+        Contestant(SIMULATION, "is right", "", None, lambda: 0.0, lambda answer: Errors(answer)),
+    ]
+    raised, wild, right = measured_of(entries, repeats=1, done=lambda: None)
+    assert (raised.error, raised.problem) == (None, "the press stalls")
+    assert (wild.error, wild.force_error, wild.loop_gap, wild.problem) == (None, None, 1.0, "not finite")
+    assert (right.error, right.problem) == (0.0, "")
+    assert min(raised.seconds, wild.seconds, right.seconds) > 0
 
 
 def test_a_spatial_linkage(alone, tmp_path):

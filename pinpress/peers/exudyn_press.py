@@ -4,17 +4,10 @@ Every joint is an equation with a Lagrange multiplier, which is its force. Inver
 held at its speed by a constraint of velocities, one step an angle, sensors on all joints; its error falls with the square of the number of
 angles.
 
-What was tried, on the ZXN2-3000(B) at 70 strokes/min, one machine. One turn of 360 angles, error of the torque and time: trapezoidal rule
-of index 2 4e-5, 13 ms (2 and 4 steps an angle 1e-5, 29 ms; 3e-6, 48 ms); generalised alpha of spectral radius 0.9 3e-3, 13 ms. The initial
-accelerations of each state, solved anew at every angle, give 1.5e-7 in 31 ms, but of positions and velocities that must be
-closed before. Free run of 1 s with J = 500 kg m2 from 2 rad at 1 ms, error of the last crank angle and time:
-
-    trapezoidal rule of index 2, full Newton to 1e-12        2.1e-5 rad, 75 ms
-    the same, one Jacobian a step, Newton to 1e-10           2.1e-5 rad, 44 ms (39 ms with Eigen's dense solver: used here)
-    the same, Newton to 1e-8                                 2.1e-5 rad, 41 ms (forces of single states 2e-3 of the peak off)
-    the same, Jacobian kept as long as it converges          2.1e-5 rad, 61 ms
-    generalised alpha 0.9, Newton to 1e-8                    5.3e-5 rad, 39 ms (radius 1: its forces oscillate)
-    Newmark with index 2                                     the trapezoidal rule
+Tried on the ZXN2-3000(B), and left: generalised alpha (less exact in the same time, and with radius 1 its forces oscillate), Newton's method
+to 1e-12 (no more exact, and slower) and to 1e-8 (forces of single states off), a Jacobian kept as long as it converges (slower), and
+Newmark with index 2 (the trapezoidal rule). The initial accelerations of each state, solved anew at every angle, are more exact than a run,
+but of positions and velocities that must be closed before.
 
 The sparse linear solver is slower. `sys.exudynFast` (without range checks) gains less than a tenth. The explicit integrators refuse joints.
 """
@@ -34,7 +27,7 @@ from ..linkage import Linkage
 from ..motion import cycle
 from . import Answer, End, steps_of
 
-NEWTON = 1e-10  # relative tolerance; at 1e-8, a tenth faster, the forces of single states are up to 2e-3 of the peak off
+NEWTON = 1e-10  # relative tolerance; at 1e-8 the forces of single states are off
 FLAT = (0, 2)  # axes of the press's plane in the world
 
 

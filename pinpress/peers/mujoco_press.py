@@ -1,21 +1,14 @@
 """A press in MuJoCo (see `mujoco_model`): its motion, forces and free runs.
 
 MuJoCo's constraints are soft, and what it computes by itself is therefore no answer here. `mj_inverse` finds no force in loops that are
-exactly closed, and hence the torque of the open tree, 18 % wrong at one state of the ZXN2-3000(B). So its expert takes Jacobians, mass
-matrix, bias and accelerations from MuJoCo and solves the exact equations of the loops in NumPy, of all crank angles at once where that can
-be.
+exactly closed, and gives the torque of the open tree. So its expert takes Jacobians, mass matrix, bias and accelerations from MuJoCo and
+solves the exact equations of the loops in NumPy, of all crank angles at once where that can be.
 
-Free runs, 1 s of that press with J = 500 kg m2 at 70 strokes/min from 2 rad, one machine, error of the last crank angle and time:
-
-    mj_step, RK4, 1 ms and 0.1 ms                 4.7e-6 rad, 20 ms     4.3e-8 rad, 182 ms
-    mj_step, Euler and implicitfast, 0.1 ms       1.0e-3 rad, 49 ms     1.0e-3 rad, 49 ms
-    classical RK4 with projection, 5 ms, 1 ms     1.4e-7 rad, 62 ms     1.6e-10 rad, 182 ms
-
-The stiffest equalities that are stable do best in `mj_step` (omega = 0.5 / step, critically damped; with 0.2 it errs five times as much,
-with 1 nearly twice, and Euler and implicitfast fail); an impedance above 0.9999 changes nothing, and more than two iterations of the Newton
-solver only take time. Its loops stay 1e-7 m open at 1 ms, and its error falls with the square of the step even by RK4, as the equalities'
-stiffness goes with the step. Above 1e-6 rad it is as fast or faster, below it falls behind, ever more: `Mujoco` runs by the third way,
-`MujocoSteps` by the first.
+Free runs in two ways. `MujocoSteps` has `mj_step` with RK4 and the stiffest equalities that are stable: omega = 0.5 / step, critically
+damped (0.2 and 1 err more; Euler and implicitfast fail; a higher impedance changes nothing, more than two iterations of the Newton solver
+only take time). The loops' stiffness goes with the step, so that its error falls with the square of the step even by RK4, and the loops stay
+open. `Mujoco` has the classical RK4 with projection on MuJoCo's own terms: slower a step, but of order 4 and on the loops. `pinpress
+accuracy` shows where they cross.
 
 Bearing forces: of the open tree by `mj_rnePostConstraint` (``cfrc_int``), plus what the loops add. Letting MuJoCo add these from
 ``efc_force`` gives the same to rounding. Where loops hold each other, the forces that this leaves open are those with the least sum of
