@@ -4,9 +4,9 @@ Every joint is an equation with a Lagrange multiplier, which is its force. Inver
 held at its speed by a constraint of velocities, one step an angle, sensors on all joints; its error falls with the square of the number of
 angles.
 
-Tried on the ZXN2-3000(B), and left: generalised alpha (less exact in the same time, and with radius 1 its forces oscillate), Newton's method
-to 1e-12 (no more exact, and slower) and to 1e-8 (forces of single states off), a Jacobian kept as long as it converges (slower), and
-Newmark with index 2 (the trapezoidal rule). The initial accelerations of each state, solved anew at every angle, are more exact than a run,
+Tried on the ZXN2-3000(B), and left: generalised alpha (less exact in the same time, and with radius 1 its forces oscillate), Newton's
+method to 1e-12 (no more exact, and slower) and to 1e-8 (forces of single states off), a Jacobian kept as long as it converges (slower),
+and Newmark with index 2 (the trapezoidal rule). The initial accelerations of each state, solved anew at every angle, are more exact than a run,
 but of positions and velocities that must be closed before.
 
 The sparse linear solver is slower. `sys.exudynFast` (without range checks) gains less than a tenth. The explicit integrators refuse joints.

@@ -6,8 +6,8 @@ solves the exact equations of the loops in NumPy, of all crank angles at once wh
 
 Free runs in two ways. `MujocoSteps` has `mj_step` with RK4 and the stiffest equalities that are stable: omega = 0.5 / step, critically
 damped (0.2 and 1 err more; Euler and implicitfast fail; a higher impedance changes nothing, more than two iterations of the Newton solver
-only take time). The loops' stiffness goes with the step, so that its error falls with the square of the step even by RK4, and the loops stay
-open. `Mujoco` has the classical RK4 with projection on MuJoCo's own terms: slower a step, but of order 4 and on the loops. `pinpress
+only take time). The loops' stiffness goes with the step, so that its error falls with the square of the step even by RK4, and the loops
+stay open. `Mujoco` has the classical RK4 with projection on MuJoCo's own terms: slower a step, but of order 4 and on the loops. `pinpress
 accuracy` shows where they cross.
 
 Bearing forces: of the open tree by `mj_rnePostConstraint` (``cfrc_int``), plus what the loops add. Letting MuJoCo add these from
