@@ -6,8 +6,8 @@ angles.
 
 Tried on the ZXN2-3000(B), and left: generalised alpha (less exact in the same time, and with radius 1 its forces oscillate), Newton's
 method to 1e-12 (no more exact, and slower) and to 1e-8 (forces of single states off), a Jacobian kept as long as it converges (slower),
-and Newmark with index 2 (the trapezoidal rule). The initial accelerations of each state, solved anew at every angle, are more exact than a run,
-but of positions and velocities that must be closed before.
+and Newmark with index 2 (the trapezoidal rule). The initial accelerations of each state, solved anew at every angle, are more exact than
+a run, but of positions and velocities that must be closed before.
 
 The sparse linear solver is slower. `sys.exudynFast` (without range checks) gains less than a tenth. The explicit integrators refuse joints.
 """
