@@ -1,6 +1,7 @@
 """A press linkage: the URDF's tree as a Pinocchio model, its loops, its drivers and its slide."""
 
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from functools import cached_property, partial
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -209,6 +210,17 @@ class Linkage:
         from .dead_centres import found  # it closes this linkage
 
         return found(self)
+
+    def with_inertias(self, inertias: Sequence[pin.Inertia], name: str | None = None) -> "Linkage":
+        """The same linkage with other bodies, and perhaps another name: inertias of all joints, the frame's first, in their frames. What is
+        known of its geometry is kept, as loops do not feel masses."""
+        model = self.model.copy()
+        for joint, inertia in enumerate(inertias):
+            model.inertias[joint] = inertia
+        changed = replace(self, model=model, name=name or self.name)
+        known = {name: found for name, found in vars(self).items() if name in ("branch", "passage", "dead_centres")}
+        vars(changed).update(known)
+        return changed
 
     def gaps(self, position: Array) -> Array:
         """Largest gaps (n,) of the loops at joint coordinates (nv, n) [m]."""

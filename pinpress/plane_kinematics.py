@@ -47,19 +47,19 @@ def close(plane: Plane, angle: Array, guess: Array, with_margins: bool = False) 
             if worst <= plane.tolerance or stalled or steps == MOST_NEWTON_STEPS or not np.isfinite(worst):
                 break
             step = np.zeros_like(x)
-            _solve(plane, rows, _factors(plane, rows), [*-gaps, *-slips], step)
+            solve(plane, rows, factored(plane, rows), [*-gaps, *-slips], step)
             x += step
             steps += 1
-        factors = _factors(plane, rows)
+        factors = factored(plane, rows)
         first = np.empty_like(x)
         first[plane.driver] = 1.0
         driven = [None if row is None else -rows[row] for row in plane.driven]
         driven += [np.full(len(angle), -by) for by in plane.coupled[:, plane.driver]]
-        _solve(plane, rows, factors, driven, first)
+        solve(plane, rows, factors, driven, first)
         second = np.empty_like(x)
         second[plane.driver] = 0.0
         curvature = basis_acceleration(plane, at, first, None)
-        _solve(plane, rows, factors, [*-product(plane.closure[:count], curvature), *[None] * len(slips)], second)
+        solve(plane, rows, factors, [*-product(plane.closure[:count], curvature), *[None] * len(slips)], second)
         margins = _margins(plane, rows) if with_margins else None
     return Closure(x, first, second, gap, worst, steps, margins, at)
 
@@ -140,10 +140,10 @@ def block_matrix(plane: Plane, block: Block, rows: ComplexArray) -> Array:
     return matrix
 
 
-Factor = Any  # see `_factors`
+Factor = Any  # see `factored`
 
 
-def _factors(plane: Plane, rows: ComplexArray) -> list[Factor]:
+def factored(plane: Plane, rows: ComplexArray) -> list[Factor]:
     """Per block: a dyad's; conj(a) / |a|^2 of a lever; a coupling's coefficient; the matrix of a dense block."""
     result: list[Factor] = []
     for block in plane.blocks:
@@ -162,7 +162,7 @@ def _factors(plane: Plane, rows: ComplexArray) -> list[Factor]:
     return result
 
 
-def _solve(
+def solve(
     plane: Plane,
     rows: ComplexArray,
     factors: list[Factor],
