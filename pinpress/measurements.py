@@ -1,12 +1,10 @@
 """What `accuracy` measures: error against run time, as rows of a table, a CSV file and text."""
 
-import csv
-import io
 import os
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, fields
 
-from . import files, tables
+from . import tables
 
 INVERSE_DYNAMICS, SIMULATION, PROXIMAL, TABLE = GROUPS = ("inverse dynamics", "simulation", "proximal settings", "reduced table")
 PROXIMAL_STATES = 24  # of a turn, that proximal settings are measured in
@@ -88,15 +86,11 @@ class Accuracy:
         Raises:
             PinpressError: the file cannot be written.
         """
-        columns, text = self.columns(), io.StringIO(newline="")
-        writer = csv.writer(text, lineterminator="\n")
-        writer.writerow(columns)
-        writer.writerows(zip(*columns.values(), strict=True))
-        files.write(path, text.getvalue().encode())
+        tables.write_csv(path, self.columns())
 
     def to_frame(self) -> "tables.DataFrame":
         """The columns as a pandas DataFrame. Raises PinpressError where pandas is not installed."""
-        return tables.frame(self.columns())  # type: ignore[arg-type]  # it takes lists too
+        return tables.frame(self.columns())
 
     def __str__(self) -> str:
         lines = [f"{self.press}: {self.scene}", self.machine]

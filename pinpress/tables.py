@@ -25,8 +25,8 @@ def by_driver(name: str, unit: str, values: Array, drivers: Sequence[str]) -> di
     return {f"{name}_{driver} [{unit}]": values[:, i] for i, driver in enumerate(drivers)}
 
 
-def write_csv(path: str | os.PathLike[str], columns: Mapping[str, Array]) -> None:
-    """Write (n,) columns with their names as header, numbers to full precision.
+def write_csv(path: str | os.PathLike[str], columns: Mapping[str, Array | Sequence[object]]) -> None:
+    """Write columns (n,) with their names as header: numbers, to full precision, or words; None is left empty.
 
     Raises:
         PinpressError: the file cannot be written.
@@ -36,7 +36,8 @@ def write_csv(path: str | os.PathLike[str], columns: Mapping[str, Array]) -> Non
     text = io.StringIO(newline="")
     writer = csv.writer(text, lineterminator="\n")
     writer.writerow(columns)
-    writer.writerows(np.column_stack(list(columns.values())).tolist())
+    lists = (column.astype(float).tolist() if isinstance(column, np.ndarray) else column for column in columns.values())
+    writer.writerows(zip(*lists, strict=True))
     files.write(path, text.getvalue().encode())
 
 
@@ -59,7 +60,7 @@ def write_mat(path: str | os.PathLike[str], columns: Mapping[str, Array]) -> Non
     files.write(path, content.getvalue())
 
 
-def frame(columns: Mapping[str, Array]) -> "DataFrame":
+def frame(columns: Mapping[str, Array | Sequence[object]]) -> "DataFrame":
     """The columns as a pandas DataFrame.
 
     Raises:

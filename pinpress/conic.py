@@ -1,0 +1,136 @@
+"""Convex programs: the least of a linear cost under linear and second-order-cone constraints, by Clarabel's interior-point method, and the
+proof of the optimum, worked out again from what it returns.
+
+    least cost @ x  with  bound - coefficients @ x  in a cone, for each `Rows`
+
+The dual variables z, of the same rows, prove it: cost + sum(coefficients' z) = 0 with all z in their dual cones makes -sum(bound z) a lower
+bound of the cost of every x that fulfils the constraints.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from .coordinates import Array
+from .errors import PinpressError
+
+EQUAL, AT_MOST, CONE = "equal", "at most", "cone"
+TOLERANCE = 1e-12  # that the solver aims at, for programs scaled to numbers about one
+PROVED = 1e-8  # largest residual of the optimality conditions with which a solution is one
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Rows:
+    """One constraint: the slack ``bound - coefficients @ x`` is zero (`EQUAL`), not negative (`AT_MOST`), or has a first element not less
+    than the length of the others (`CONE`).
+
+    Attributes:
+        kind: one of these. coefficients: (rows, variables). bound: (rows,).
+        name: in words, for messages; empty for what only defines a quantity.
+        unit: what one of the bound is in the unit of what the constraint is on.
+    """
+
+    kind: str
+    coefficients: Array
+    bound: Array
+    name: str = ""
+    unit: float = 1.0
+
+    def slack(self, x: Array) -> Array:
+        """(rows,) at a point (variables,)."""
+        return np.asarray(self.bound - self.coefficients @ x)
+
+    def size(self, x: Array) -> float:
+        """Largest sum of the magnitudes that a slack is made of, at least one."""
+        return max(1.0, float((np.abs(self.bound) + np.abs(self.coefficients) @ np.abs(x)).max(initial=0.0)))
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Optimum:
+    """A solution and its proof.
+
+    Attributes:
+        x: (variables,). value: its cost. bound: the dual cost, no x has less.
+        residual: largest violation of the optimality conditions: of constraints, of the dual equations and cones, and of value = bound.
+        prices: the dual variables of every `Rows`: by how much the cost falls where the bound is raised by one.
+    """
+
+    x: Array
+    value: float
+    bound: float
+    residual: float
+    prices: tuple[Array, ...]
+
+
+class InfeasibleError(Exception):
+    """No x fulfils the constraints."""
+
+
+def least(cost: Array, rows: Sequence[Rows]) -> Optimum:
+    """The optimum of a program.
+
+    Raises:
+        InfeasibleError: there is no solution, which the solver has proved.
+        PinpressError: it found none and no proof, or one whose optimality conditions are not fulfilled.
+    """
+    import clarabel
+    from scipy import sparse  # slow to import
+
+    cones = {EQUAL: clarabel.ZeroConeT, AT_MOST: clarabel.NonnegativeConeT, CONE: clarabel.SecondOrderConeT}
+    settings = clarabel.DefaultSettings()
+    settings.verbose = False
+    settings.max_threads = 1
+    settings.equilibrate_enable = False  # programs are scaled already, and by what they mean
+    settings.tol_gap_abs = settings.tol_gap_rel = settings.tol_feas = TOLERANCE
+    # Many programs are so flat near their optimum that steps are only as good as the linear equations are solved.
+    settings.direct_solve_method = "faer"
+    settings.iterative_refinement_max_iter = 50
+    settings.iterative_refinement_reltol = settings.iterative_refinement_abstol = 1e-16
+    settings.iterative_refinement_stop_ratio = 1.1
+    variables = len(cost)
+    solver = clarabel.DefaultSolver(
+        sparse.csc_matrix((variables, variables)),
+        cost,
+        sparse.csc_matrix(np.concatenate([part.coefficients for part in rows])),
+        np.concatenate([part.bound for part in rows]),
+        [cones[part.kind](len(part.bound)) for part in rows],
+        settings,
+    )
+    solution = solver.solve()
+    if solution.status in (clarabel.SolverStatus.PrimalInfeasible, clarabel.SolverStatus.AlmostPrimalInfeasible):
+        raise InfeasibleError
+    prices = np.split(np.array(solution.z), np.cumsum([len(part.bound) for part in rows])[:-1])
+    optimum = _proved(cost, rows, np.array(solution.x), prices)
+    if not optimum.residual <= PROVED:
+        raise PinpressError(
+            f"the optimum was not found ({solution.status}): its conditions are missed by {optimum.residual:.1e} of the values before"
+            " balancing, more than rounding; give counterweights a largest mass, and limits that are neither very large nor very small"
+        )
+    return optimum
+
+
+def _proved(cost: Array, rows: Sequence[Rows], x: Array, prices: Sequence[Array]) -> Optimum:
+    """What the solver returned, judged anew. Residuals are relative to the terms that they are the sums of."""
+    value, dual = float(cost @ x), -float(sum(part.bound @ z for part, z in zip(rows, prices, strict=True)))
+    stationary, terms = cost.copy(), np.abs(cost)
+    for part, z in zip(rows, prices, strict=True):
+        stationary += part.coefficients.T @ z
+        terms += np.abs(part.coefficients.T) @ np.abs(z)
+    slope = float((np.abs(stationary) / np.maximum(terms, 1.0)).max())
+    missed = [_outside(part.kind, part.slack(x)) / part.size(x) for part in rows]
+    outside = [0.0 if part.kind == EQUAL else _outside(part.kind, z) for part, z in zip(rows, prices, strict=True)]
+    beyond = [each / max(1.0, float(np.abs(z).max())) for each, z in zip(outside, prices, strict=True)]
+    residual = max(slope, *missed, *beyond, abs(value - dual) / max(1.0, abs(value)))
+    # What prices that are not quite dual can have added to the bound, for designs of this size.
+    excess = np.abs(stationary) @ np.abs(x) + sum(each * np.abs(part.slack(x)).sum() for each, part in zip(outside, rows, strict=True))
+    return Optimum(x, value, dual - float(excess), residual, tuple(prices))
+
+
+def _outside(kind: str, slack: Array) -> float:
+    """How far a slack is outside its cone."""
+    if kind == EQUAL:
+        return float(np.abs(slack).max(initial=0.0))
+    if kind == AT_MOST:
+        return float(np.maximum(-slack, 0.0).max(initial=0.0))
+    return max(0.0, float(np.linalg.norm(slack[1:]) - slack[0]))
