@@ -30,6 +30,7 @@ RESOLVED = 1e-11  # size of a polynomial's last terms beside the function
 NOISE, GAIN = 1e-8, 10.0  # below this size last terms that halving does not make less by this factor are rounding, near change points say
 SLACK = 1e-9  # beyond the range of a table, by rounding [rad]
 FLAT = 1e-13  # range of the potential energy, beside its size, that is rounding
+HEIGHT = 1e-3  # of the potential energy: what its range, and its slope, are taken for at least
 NARROWEST = 1e-7  # panel [rad]: what it does not resolve lies at a lock
 INERTIA, POTENTIAL, WEIGHT, COORDINATES = 0, 1, 2, 3  # rows of a table
 
@@ -163,8 +164,9 @@ def build(press: Linkage, coordinates: Sequence[Coordinate], panels: int | None 
         points += angles.size
         scale = np.maximum(scale, np.abs(values).max(axis=(1, 2)))
         lowest, highest = np.minimum(lowest, values[POTENTIAL].min()), np.maximum(highest, values[POTENTIAL].max())
-        scale[WEIGHT] = max(float(scale[WEIGHT]), FLAT * float(scale[POTENTIAL]))
-        scale[POTENTIAL] = max(float(highest - lowest), 1e-3 * float(max(abs(lowest), abs(highest))))
+        # Of a balanced press the potential energy is constant, and its slope rounding of the links' shares in it.
+        least = HEIGHT * float(max(abs(lowest), abs(highest)))
+        scale[WEIGHT], scale[POTENTIAL] = max(float(scale[WEIGHT]), least), max(float(highest - lowest), least)
         tail = np.abs(values @ last_terms.T).max(axis=2)
         local = np.abs(values[INERTIA]).max(axis=1)  # near a lock the inertia has no bounds
         sizes = np.where(scale > 0, scale, 1.0)

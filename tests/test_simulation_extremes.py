@@ -12,6 +12,7 @@ import cmath
 import math
 import re
 import signal
+from functools import cache
 from pathlib import Path
 
 import numpy as np
@@ -19,6 +20,7 @@ import pytest
 import random_linkages
 from scipy.integrate import quad, solve_ivp
 from scipy.optimize import brentq
+from texts import shipped
 
 import pinpress as pp
 from pinpress import drives, loads
@@ -142,9 +144,10 @@ def acceleration(q, w, torque, flywheel):
     return (torque - (fallen.imag + 0.5 * carried.imag * w * w) / 1e-40) / (carried.real + flywheel)
 
 
+@cache
 def reference(duration, speed=0.0, angle=0.0, flywheel=0.0, torque=lambda speed: 0.0, law=None, edge=0.0, loses_contact=False):
     """Angle and speed at the end, of a slide pushed by ``law`` (height, velocity) below the height ``edge``; a contact that is lost where
-    the law falls below zero is made again at the edge alone."""
+    the law falls below zero is made again at the edge alone. The same for the same functions: both methods are held against one."""
 
     def rates(_, y, pushed):
         q, w = y.tolist()
@@ -175,6 +178,16 @@ def reference(duration, speed=0.0, angle=0.0, flywheel=0.0, torque=lambda speed:
         time, y = solved.t[-1], solved.y[:, -1]
         pushed = pushed != (solved.status == 1)
     return float(y[0]), float(y[1])
+
+
+@cache
+def pile(force):
+    return lambda h, v: force
+
+
+@cache
+def die(edge, stiffness, damping):
+    return lambda h, v: stiffness * (edge - h) - damping * v
 
 
 def at_height(wanted):
@@ -239,7 +252,7 @@ def test_an_inverter_passed_through(press, method):
 # ------------------------------------------------------------------------------------------------------------------------- dead centres
 
 
-@pytest.mark.parametrize("share", [1e-3, 1e-6, 1e-9, -1e-9, -1e-6, -1e-3])
+@pytest.mark.parametrize("share", [1e-3, 1e-9, -1e-9, -1e-3])
 def test_over_top_dead_centre_or_not(press, method, share):
     """From bottom dead centre with the energy to reach the top, and a little more or less. Beside the top all errors grow as
     exp(26 t): only which side it goes down, and its speed at bottom dead centre, can be asked for."""
@@ -257,7 +270,7 @@ def test_at_rest_at_bottom_dead_centre(press, method, turns):
     assert np.abs(result.crank_angle - 2 * math.pi * turns).max() < 1e-9
 
 
-@pytest.mark.parametrize("off", [0.0, 1e-12, -1e-12, 1e-9, -1e-9, 1e-6, -1e-6])
+@pytest.mark.parametrize("off", [0.0, 1e-12, -1e-12, 1e-9, -1e-6])
 def test_at_rest_at_top_dead_centre(press, method, off):
     """It stays, or comes down with the energy of the fall: the rounding of pi decides."""
     result = run(press, 1.5, angle=math.pi + off, method=method)
@@ -267,6 +280,7 @@ def test_at_rest_at_top_dead_centre(press, method, off):
         assert (result.crank_angle[40] - math.pi) * off > 0
 
 
+@cache
 def tiny_torque_near_the_top(off):
     """Nothing but 1e-3 N m and the slope of the weights turn the crank on; errors grow to the first bottom dead centre as exp(26 t)."""
     return reference(2.0, angle=math.pi + off, torque=lambda speed: 1e-3)
@@ -278,12 +292,12 @@ def test_a_tiny_torque_at_top_dead_centre(press, method, off):
     same(result, tiny_torque_near_the_top(off), 1e-4)  # 1e-9 N m, the rounding of the weights' torque, is 1e-6 of what starts it
 
 
-@pytest.mark.parametrize("angle", [-1.0, 2.0, 3.0, 6.0])
+@pytest.mark.parametrize("angle", [-1.0, 3.0, 6.0])
 def test_from_rest_anywhere(press, method, angle):
     same(run(press, 1.0, angle=angle, method=method), reference(1.0, angle=angle), 3e-7)  # 3 is near the top: errors grow
 
 
-@pytest.mark.parametrize("speed", [1e-12, -1e-9, 1e-6, 1e-4])
+@pytest.mark.parametrize("speed", [1e-12, -1e-9, 1e-4])
 def test_a_tiny_speed(press, method, speed):
     """Against the weights it stops after as good as no angle, and falls."""
     same(run(press, 1.0, angle=2.0, speed=speed, method=method), reference(1.0, angle=2.0, speed=speed))
@@ -302,14 +316,15 @@ def test_small_swings(press, method, size):
 # ------------------------------------------------------------------------------------------------------------- loads and their edges
 
 
-@pytest.mark.parametrize("speed", [3.0, -3.0, 0.5, -0.5])
-@pytest.mark.parametrize("place", [0.05, 0.035, 0.02])
+@pytest.mark.parametrize(
+    ("place", "speed"), [(0.05, 3.0), (0.05, -3.0), (0.05, 0.5), (0.05, -0.5), (0.035, 3.0), (0.035, -0.5), (0.02, -3.0), (0.02, 0.5)]
+)
 def test_a_start_on_an_edge_and_inside(press, method, place, speed):
     """Of a pile, with an elastic die of the same force at the lower edge in its place."""
     angle = at_height(place)
     for load, law, bound in (
-        (Piling(5e3, 0.05), lambda h, v: 5e3, CLOSE),
-        (ElasticDie(0.05, 2e5, 1e3), lambda h, v: 2e5 * (0.05 - h) - 1e3 * v, CLOSE),
+        (Piling(5e3, 0.05), pile(5e3), CLOSE),
+        (ElasticDie(0.05, 2e5, 1e3), die(0.05, 2e5, 1e3), CLOSE),
     ):
         result = run(press, 0.6, 1e-7, angle=angle, speed=speed, flywheel=pp.Flywheel(20.0), loads=[load], method=method)
         pulling = isinstance(load, ElasticDie)
@@ -324,7 +339,7 @@ BOTH_WAYS = {"speed": 10.0, "angle": 2.0, "flywheel": pp.Flywheel(50.0)}
 def test_a_pile_up_to_top_dead_centre_and_beyond(press, method, edge):
     """It pushes all the time: the slide weighs less. Beneath an edge 1e-12 m below the top it does but for 1e-5 rad."""
     result = run(press, 1.2, **BOTH_WAYS, loads=[Piling(500.0, edge)], method=method)
-    same(result, reference(1.2, 10.0, 2.0, 50.0, law=lambda h, v: 500.0, edge=1.0))
+    same(result, reference(1.2, 10.0, 2.0, 50.0, law=pile(500.0), edge=1.0))
 
 
 @pytest.mark.parametrize(
@@ -367,7 +382,7 @@ def test_loads_one_upon_the_other(press, method):
     )
 
 
-@pytest.mark.parametrize("beside", [1e-12, 1e-10, 1e-8, 1e-7])
+@pytest.mark.parametrize("beside", [1e-12, 1e-8, 1e-7])
 def test_edges_close_together(press, method, beside):
     """2500 N act 2e-7 m longer, 3e-4 J of 2500 J more: nothing else changes."""
     several = [Blanking(2.5e3, 0.05, 0.02), Blanking(2.5e3, 0.05 + beside, 0.02 - beside)]
@@ -380,7 +395,7 @@ def test_edges_close_together(press, method, beside):
 def test_a_pile_of_any_force(press, method, force, speed):
     """1 GN throws the slide back within 15 us and 3 um; the reference knows the edge to 1e-16 m, and with it these times to 1e-9 s."""
     result = run(press, 1.2, **(BOTH_WAYS | {"speed": speed}), loads=[Piling(force, 0.05)], method=method)
-    same(result, reference(1.2, speed, 2.0, 50.0, law=lambda h, v: force, edge=0.05), 5e-7)
+    same(result, reference(1.2, speed, 2.0, 50.0, law=pile(force), edge=0.05), 5e-7)
 
 
 DIES = [(1e3, 0.0), (1e9, 0.0), (1e11, 0.0), (1e5, 1e4), (1e7, 1e3), (1e9, 1e6), (1e3, 1e6), (1e9, 1e7), (1e11, 1e4)]
@@ -390,7 +405,7 @@ DIES = [(1e3, 0.0), (1e9, 0.0), (1e11, 0.0), (1e5, 1e4), (1e7, 1e3), (1e9, 1e6),
 def test_a_die_of_any_stiffness(press, method, stiffness, damping):
     """Also one that is so much damped that the slide creeps, and one that throws it back (1e9 without damping)."""
     result = run(press, 0.6, **BOTH_WAYS, loads=[ElasticDie(0.02, stiffness, damping)], method=method)
-    expected = reference(0.6, 10.0, 2.0, 50.0, law=lambda h, v: stiffness * (0.02 - h) - damping * v, edge=0.02, loses_contact=damping > 0)
+    expected = reference(0.6, 10.0, 2.0, 50.0, law=die(0.02, stiffness, damping), edge=0.02, loses_contact=damping > 0)
     same(result, expected, 5e-7)
 
 
@@ -400,8 +415,7 @@ def test_bouncing(press, method, stiffness, damped):
     """Without flywheel on a die at a quarter of the stroke, several times: each bounce multiplies errors by about four."""
     damping = 0.01 * math.sqrt(stiffness * 100) if damped else 0.0
     result = run(press, 0.7, 1e-7, angle=1.5, loads=[ElasticDie(0.05, stiffness, damping)], method=method)
-    law = lambda h, v: stiffness * (0.05 - h) - damping * v  # noqa: E731
-    same(result, reference(0.7, angle=1.5, law=law, edge=0.05, loses_contact=damped), 1e-6)
+    same(result, reference(0.7, angle=1.5, law=die(0.05, stiffness, damping), edge=0.05, loses_contact=damped), 1e-6)
 
 
 @pytest.mark.parametrize("edge", [0.0, 1e-12, -1e-12])
@@ -414,10 +428,9 @@ def test_a_die_met_at_bottom_dead_centre(press, method, edge, stiffness):
 
 @pytest.mark.parametrize("stiffness", [1e3, 1e5, 1e7])
 def test_a_die_preloaded_at_the_start(press, method, stiffness):
-    law = lambda h, v: stiffness * (0.02 - h) - 1e3 * v  # noqa: E731
     options = {"speed": -1.0, "angle": 0.1, "flywheel": pp.Flywheel(50.0)}
     result = run(press, 0.8, **options, loads=[ElasticDie(0.02, stiffness, 1e3)], method=method)
-    same(result, reference(0.8, -1.0, 0.1, 50.0, law=law, edge=0.02, loses_contact=True), 5e-7)
+    same(result, reference(0.8, -1.0, 0.1, 50.0, law=die(0.02, stiffness, 1e3), edge=0.02, loses_contact=True), 5e-7)
 
 
 @pytest.mark.parametrize("stiffness", [1e3, 1e4])
@@ -530,7 +543,7 @@ def test_a_clutch_on_a_standing_flywheel(press, method):
 
 def test_a_brake_that_holds_a_load(method):
     """A load that pushes on the way down alone, and a closed brake: the press stands, which is no error."""
-    zxn2 = pp.load("zxn2_3000b")
+    zxn2 = shipped("zxn2_3000b")
     stroke = loads.ForceStroke([0.02, 0.05, 0.08], [1e7, 1.3e7, 0.0])
     result = run(zxn2, 0.1, speed=-60.0, angle=1.7, loads=[stroke], brake=pp.Brake(1.2e5), method=method)
     assert result.crank_speed[-1] == 0.0
@@ -618,7 +631,7 @@ def test_a_period_of_several_turns(loaded, method, ratio):
 # ----------------------------------------------------------------------------------------------------------- speeds, durations, options
 
 
-@pytest.mark.parametrize("rpm", [1e-9, 1e-3, 1e3, 1e5, -1e5])
+@pytest.mark.parametrize("rpm", [1e-9, 1e-3, 1e3, -1e5])
 def test_speeds_of_all_sizes(press, method, rpm):
     duration = min(1.0, 100 / abs(rpm))
     result = run(press, duration, speed=rpm * pp.RPM, angle=2.0, method=method)
@@ -831,6 +844,7 @@ def test_a_torque_that_jumps_up(press, request, method, speed, known):
     same(result, jumping(1.0, speed, 2.0, 5.0, 100.0, 300.0), 1e-6)
 
 
+@cache
 def jumping(duration, speed, angle, flywheel, below, above, at=6.0):
     """As `reference`, with a torque that jumps at a speed and does not hold the crank there."""
     time, y, high = 0.0, np.array([angle, speed]), speed >= at
@@ -934,11 +948,11 @@ def scene(seed):
     return name, dict(duration=8 / abs(speed), loads=chosen, brake=brake, clutch=clutch, **start)
 
 
-@pytest.mark.parametrize("seed", range(18))
+@pytest.mark.parametrize("seed", range(12))
 def test_both_methods_agree(seed):
     """On the motion, or on the error, its time and its place."""
     name, arguments = scene(seed)
-    first, second = (outcome(pp.load(name), method=method, **arguments) for method in METHODS)
+    first, second = (outcome(shipped(name), method=method, **arguments) for method in METHODS)
     assert first.keys() == second.keys()
     for what, value in first.items():
         assert abs(value - second[what]) < 1e-6 * max(1.0, abs(value)), what
