@@ -109,13 +109,12 @@ def test_tolerances_are_kept(measured):
     assert all(row.loop_gap < 1e-14 for row in measured.of(SIMULATION))
 
 
-def test_the_default_wins(measured):
-    """Of what is offered, the default is among the most exact, and does the least work for it."""
+def test_the_default_is_as_exact_as_any(measured):
+    """That it is the fastest of these too is what `pinpress accuracy` prints; a time is no thing to assert."""
     default = measured.of(SIMULATION, "reduced")[0]
     others = [row for row in measured.of(SIMULATION) if row.method.startswith("constraint")]
     assert default.error <= min(row.error for row in others)
-    assert measured.fastest(SIMULATION, 1e-9)[0].method == "reduced"
-    assert measured.fastest(INVERSE_DYNAMICS, 1e-12)[0].method == "plane"
+    assert default.error <= 1e-12
 
 
 def test_proximal_settings(measured):
@@ -175,7 +174,7 @@ def test_csv_and_frame(measured, tmp_path):
         measured.to_csv(tmp_path / "none" / "accuracy.csv")
 
 
-def test_plot(measured, tmp_path):
+def test_plot(measured):
     pytest.importorskip("matplotlib")
     figure = pp.plot_accuracy(measured)
     inverse, angle, force, gap, proximal, table = figure.axes
@@ -185,7 +184,6 @@ def test_plot(measured, tmp_path):
     assert any(np.array_equal(line.get_ydata(), [m.force_error for m in constraint]) for line in force.lines)
     for axes in (inverse, angle, force, gap, proximal, table):
         assert axes.get_xscale() == axes.get_yscale() == "log"
-    assert pp.save_plot(figure, tmp_path / "accuracy.png").stat().st_size > 50_000
     with pytest.raises(pp.PinpressError, match="accuracy"):
         pp.plot_accuracy(None)
 
@@ -212,17 +210,17 @@ def test_a_spatial_linkage(alone, tmp_path):
     """One engine alone: its torque gives the accelerations back under forward dynamics. Bennett's linkage has redundant rows in space."""
     file = tmp_path / "bennett.urdf"
     file.write_text(spatial_linkages.bennett(), encoding="utf-8")
-    measured = pp.accuracy(pp.load(file), 10.0, duration=0.2, points=12, repeats=1)
+    measured = pp.accuracy(pp.load(file), 10.0, duration=0.05, points=12, repeats=1)
     assert [row.method for row in measured.of(INVERSE_DYNAMICS)] == ["pinocchio"]
     assert measured.certified_by[INVERSE_DYNAMICS] == "torque and forward dynamics under it"
     assert measured.certificates[INVERSE_DYNAMICS] < 1e-12
     assert measured.certificates[SIMULATION] < 1e-10
-    assert measured.fastest(SIMULATION, 1e-9)[0].method == "reduced"
+    assert all(row.error < 1e-11 for row in measured.of(SIMULATION, "reduced"))
 
 
 def test_loops_that_hold_each_other(alone):
     """Proximal settings are skipped with a line; all else is measured."""
-    measured = pp.accuracy(pp.load("jf75g_125_two_point"), 300 * pp.RPM, points=12, repeats=1)
+    measured = pp.accuracy(pp.load("jf75g_125_two_point"), 300 * pp.RPM, duration=0.05, points=12, repeats=1)
     assert not measured.of(PROXIMAL)
     assert PROXIMAL not in measured.certificates
     assert any("proximal settings are skipped" in line for line in measured.skipped)
@@ -275,13 +273,13 @@ def test_command(alone, capsys, tmp_path):
         "--flywheel",
         "2.5",
         "--duration",
-        "0.1",
+        "0.02",
         "--out",
         str(out),
     ]
     assert main(["accuracy", *words]) == 0
     said = capsys.readouterr().out
-    assert "crank_slide: -300 r/min; free run of 0.1 s with a flywheel of 2.5 kg m2" in said
+    assert "crank_slide: -300 r/min; free run of 0.02 s with a flywheel of 2.5 kg m2" in said
     assert "some peer is skipped" in said
     assert f"wrote {out / 'accuracy.csv'} and {out / 'accuracy.png'}" in said
     assert (out / "accuracy.png").stat().st_size > 50_000
@@ -293,7 +291,7 @@ def test_command_without_matplotlib(alone, capsys, tmp_path, monkeypatch):
     """The table is written all the same."""
     find = importlib.util.find_spec
     monkeypatch.setattr(importlib.util, "find_spec", lambda name, *more: None if name == "matplotlib" else find(name, *more))
-    words = ["crank_slide", "--speed", "300", "--points", "12", "--repeats", "1", "--duration", "0.05", "--out", str(tmp_path)]
+    words = ["crank_slide", "--speed", "300", "--points", "12", "--repeats", "1", "--duration", "0.02", "--out", str(tmp_path)]
     assert main(["accuracy", *words]) == 0
     assert "accuracy.png is left out: plots need Matplotlib" in capsys.readouterr().out
     assert [path.name for path in tmp_path.iterdir()] == ["accuracy.csv"]
