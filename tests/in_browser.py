@@ -38,13 +38,14 @@ def seek(page: Any, moment: float) -> Any:
 
 def pixels(page: Any, points: Any) -> Any:
     """Where world points (n, 3) lie on the screen, (n, 2), by the viewer's camera."""
-    view, projection = (
-        np.array(m).reshape(4, 4).T
-        for m in page.evaluate("[viewer.camera.matrixWorldInverse.elements, viewer.camera.projectionMatrix.elements]")
+    *camera, (width, height) = page.evaluate(
+        """(({ camera, renderer: { domElement } }) => [
+            camera.matrixWorldInverse.elements, camera.projectionMatrix.elements, [domElement.clientWidth, domElement.clientHeight],
+        ])(viewer)"""
     )
+    view, projection = (np.array(elements).reshape(4, 4).T for elements in camera)
     x, y, z = np.asarray(points).T
     clip = projection @ view @ np.array([x, z, -y, np.ones_like(x)])  # three.js has y up
-    width, height = page.evaluate("[viewer.renderer.domElement.clientWidth, viewer.renderer.domElement.clientHeight]")
     return np.column_stack([(clip[0] / clip[3] + 1) / 2 * width, (1 - clip[1] / clip[3]) / 2 * height])
 
 

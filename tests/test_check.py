@@ -32,6 +32,7 @@ from malformed_linkages import (
 from spatial_linkages import bennett, four_bar
 
 import pinpress as pp
+from pinpress.__main__ import main
 
 ZXN2 = pp.load("zxn2_3000b").text.decode()
 TWICE = with_element(f'<loop_joint name="V" type="spherical">{ROD_END}{SLIDE_END}</loop_joint>')
@@ -413,8 +414,19 @@ def test_warnings_are_no_failure(tmp_path):
 @pytest.mark.parametrize(
     "arguments", [[], ["none.urdf"], ["zxn2"], ["zxn2_3000b", "--driver", "Q"], ["zxn2_3000b", "--slide", "rod"], ["zxn2_3000b", "--fast"]]
 )
-def test_wrong_usage(arguments):
-    done = run(*arguments)
+def test_wrong_usage(arguments, capsys):
+    try:
+        code = main(["check", *arguments])
+    except SystemExit as end:  # argparse's
+        code = end.code
+    assert code == 2
+    said = capsys.readouterr()
+    assert said.out == ""
+    assert said.err
+
+
+def test_wrong_usage_is_the_status_of_the_process():
+    done = run("none.urdf")
     assert (done.returncode, done.stdout) == (2, "")
     assert "Traceback" not in done.stderr
 

@@ -1,22 +1,29 @@
-"""Every case of the table of extremes (`extreme_cases.py`) is held to its bound."""
+"""Every case of the table of extremes (`extreme_cases.py`) is held to its bound; of runs of many turns a shorter one."""
 
 import math
 
 import pytest
 from extreme_case import Case, Outcome
 from extreme_cases import CASES, table
+from extreme_runs import many
 
 import pinpress as pp
 
 pytestmark = pytest.mark.filterwarnings("error")
 
-SHORT = [(case, way) for case in CASES for way in case.ways if not case.long]
+FEWER = many(500)
+MORE = many(3000)  # takes six times as long, a third of the time of all cases
+SHORT = [(case, way) for case in (*CASES, FEWER) for way in case.ways if not case.long and case.name != MORE.name]
 
 
 @pytest.mark.parametrize(("case", "way"), SHORT, ids=[f"{case.group}: {case.name}, {way}" for case, way in SHORT])
 def test_case(case: Case, way: str) -> None:
     outcome = case.work(way)
     assert outcome.met, f"{case.expected}: {outcome}"
+
+
+def test_the_run_left_out_is_in_the_table() -> None:
+    assert [case.group for case in CASES if case.name == MORE.name] == [FEWER.group]
 
 
 def test_no_two_cases_are_called_the_same() -> None:

@@ -11,11 +11,11 @@ import pinpress as pp
 
 
 def test_mutated_files_are_refused_or_sound():
-    counted, wrong = fuzz_urdf.run(range(120), seed=20)
+    counted, wrong = fuzz_urdf.run(range(80), seed=20)
     assert wrong == {}
-    assert counted["refused"] > 60
-    assert counted["plane"] > 12
-    assert counted["pinocchio"] > 1
+    assert counted["refused"] > 40
+    assert counted["plane"] > 8
+    assert counted["pinocchio"] > 0
 
 
 def test_every_base_is_sound(tmp_path):
@@ -28,26 +28,24 @@ def test_cases_are_the_same_again():
     assert len({fuzz_urdf.case(3, number) for number in range(50)}) > 45
 
 
-def sleep(number):
-    time.sleep(60)
+def sleep_die_or_answer(number):
+    if number == 0:
+        time.sleep(60)
+    if number == 1:
+        os._exit(139)
+    return number > 2, str(number)
 
 
-def die(number):
-    os._exit(139)
-
-
-def answer(number):
-    return number > 1, str(number)
-
-
-@pytest.mark.parametrize(
-    ("task", "seconds", "said"),
-    [(sleep, 0.2, (False, "hangs: no end after 0.2 s")), (die, 30, (False, "crashes: exit code 139")), (answer, 30, (True, "2"))],
-)
-def test_worker_goes_on(task, seconds, said):
-    worker = fuzz_urdf.Worker(task, seconds)
+def test_worker_goes_on():
+    worker = fuzz_urdf.Worker(sleep_die_or_answer, seconds=2)
     try:
-        assert [worker(2), worker(2)] == [said] * 2
+        assert [worker(number) for number in (0, 1, 2, 3, 3)] == [
+            (False, "hangs: no end after 2 s"),
+            (False, "crashes: exit code 139"),
+            (False, "2"),
+            (True, "3"),
+            (True, "3"),
+        ]
     finally:
         worker.stop()
 

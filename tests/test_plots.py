@@ -16,6 +16,7 @@ import pinpress as pp
 
 matplotlib = pytest.importorskip("matplotlib") if not os.environ.get("CI") else __import__("matplotlib")
 
+from matplotlib.backends.backend_agg import FigureCanvasAgg  # noqa: E402
 from matplotlib.colors import to_rgb  # noqa: E402
 from PIL import Image  # noqa: E402
 
@@ -76,6 +77,14 @@ def legend(owner):
 def picture(figure, tmp_path, name="plot.png"):
     plots.save_plot(figure, tmp_path / name)
     return np.asarray(Image.open(tmp_path / name).convert("RGB"), dtype=float) / 255
+
+
+def on_screen(figure):
+    """Its pixels without a file, a ninth as many."""
+    figure.set_dpi(100)
+    canvas = FigureCanvasAgg(figure)
+    canvas.draw()
+    return np.asarray(canvas.buffer_rgba())[..., :3] / 255
 
 
 def drawn(image, colour):
@@ -237,23 +246,23 @@ def test_nothing_to_compare(result, legs, run):
         plots.plot_comparison(turn("crank_slide"), run)
 
 
-def test_several_drivers(legs, tmp_path):
+def test_several_drivers(legs):
     (axes,) = plots.plot_torque(legs).axes
     assert legend(axes) == list(legs.motion.drivers)
     assert len({(line.get_color(), str(line._dash_pattern)) for line in axes.lines}) == 12
     figure = plots.plot_comparison(legs, legs)
     assert figure.axes[0].get_title("left") == f"Driving torque {legs.motion.drivers[0]}, range ±0.0 %"
     for figure in (plots.plot_polar(legs, *list(legs.bearing_force)[:2]), plots.plot_shaking(legs), plots.plot_bearings(legs)):
-        assert picture(figure, tmp_path).min() < 0.5
+        assert on_screen(figure).min() < 0.5
 
 
 @pytest.mark.parametrize("angle", [[0.3], [0.0, 2.0, 1.0], np.linspace(6.0, 0.5, 30)])
-def test_states_of_any_kind(angle, tmp_path):
+def test_states_of_any_kind(angle):
     """One state; states not in time; a crank that turns backwards, whose time runs to the right."""
     press = texts.shipped("crank_slide")
     reactions = pp.inverse_dynamics(press, pp.cycle(press, -1.0, angle=angle))
     for plot in ALL:
-        assert drawn(picture(plot(reactions), tmp_path), "#0072B2") > 20
+        assert drawn(on_screen(plot(reactions)), "#0072B2") > 20
     left, right = plots.plot_torque(reactions).axes[0].get_xlim()
     assert len(angle) != 30 or left > right
 
@@ -265,7 +274,7 @@ def test_states_of_any_kind(angle, tmp_path):
 def test_names_are_text(oddly_named, plot, tmp_path):
     assert set(NAMES) < set(oddly_named.bearing_force)
     figure = plot(oddly_named)
-    for suffix in (".svg", ".png", ".pdf"):
+    for suffix in (".svg", ".png", ".pdf") if plot is plots.plot_bearings else (".svg",):
         plots.save_plot(figure, tmp_path / f"plot{suffix}")  # raises where a "$" is mathematics
     ElementTree.parse(tmp_path / "plot.svg")
     shown = [
@@ -289,11 +298,11 @@ def test_a_name_that_begins_with_an_underscore_is_in_the_legend(oddly_named):
 @pytest.mark.parametrize("suffix", [".svg", ".png", ".pdf"])
 def test_same_bytes(suffix, balanced, tmp_path):
     """Also saved twice, and where the caller has a style of his own."""
-    first = plots.plot_polar(balanced)
+    first = plots.plot_polar(balanced, "A", "B")
     for name in ("a", "b"):
         assert plots.save_plot(first, tmp_path / f"{name}{suffix}") == tmp_path / f"{name}{suffix}"
     with matplotlib.rc_context({"font.size": 20, "lines.linewidth": 9, "axes.grid": False, "figure.dpi": 40, "svg.fonttype": "none"}):
-        plots.save_plot(plots.plot_polar(balanced), tmp_path / f"c{suffix}")
+        plots.save_plot(plots.plot_polar(balanced, "A", "B"), tmp_path / f"c{suffix}")
     contents = {(tmp_path / f"{name}{suffix}").read_bytes() for name in "abc"}
     assert len(contents) == 1
     assert sorted(os.listdir(tmp_path)) == [f"{name}{suffix}" for name in "abc"]

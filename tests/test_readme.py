@@ -24,7 +24,7 @@ def test_python_example_runs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) ->
     np.testing.assert_allclose(pressing.shaking_force, result.shaking_force, atol=1e-6)  # type: ignore[attr-defined]
 
 
-@pytest.mark.parametrize("name", ["kong2025", "accuracy"])
+@pytest.mark.parametrize("name", ["kong2025", "accuracy", "balancing", "synthesis"])
 def test_tables_are_what_their_scripts_print(name: str) -> None:
     spec = importlib.util.spec_from_file_location(name, ROOT / "viz" / f"{name}.py")
     assert spec is not None

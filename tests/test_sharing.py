@@ -406,7 +406,7 @@ def double(drawing, rng, count):
         drawing.body(name, rng.uniform(1, 5), (first + second) / 2 + 0.1j, heights[2])
 
 
-@settings(FIXED, max_examples=8)
+@settings(FIXED, max_examples=5)
 @given(spec=linkages(most=2, extra=False, tilted=False), count=st.integers(1, 2), soft=st.booleans())
 def test_links_side_by_side(tmp_path, spec, count, soft):
     """Random linkages in which some links stand there twice: both engines against the bodies cut free, 1e-10 of the peaks."""

@@ -8,6 +8,7 @@ import dataclasses
 import itertools
 import json
 import math
+from functools import cache
 from pathlib import Path
 
 import crank_slide_equation as equation
@@ -76,7 +77,7 @@ def constant(*_):
 
 def same(run, solution, bound=1e-8, work=1e-8):
     """A run and a solution of the equation: angles to ``bound`` rad, speeds to that share of the largest, works of the kinetic energy."""
-    assert len(solution.time) == len(run.time)
+    np.testing.assert_allclose(run.time, solution.time, rtol=1e-14)
     fastest = np.abs(solution.speed).max()
     energy = 0.5 * J0 * fastest**2
     np.testing.assert_allclose(run.crank_angle, solution.angle, rtol=0, atol=bound)
@@ -192,16 +193,21 @@ def test_the_fixed_step_of_the_constraint_method(press):
     assert abs(speed[-1]) < 3e-11
 
 
+@cache
+def under_load(name):
+    """The exact angle after 0.45 s."""
+    windows = {"blanking_1250kN": [BLANK], "drawing_1250kN": [DRAW], "die": [die(0.004, 1.5e8, 4e5)]}[name]
+    return equation.solve([0.45], W0, J0, torque=constant, windows=windows).angle[-1]
+
+
 @pytest.mark.parametrize("name", [*LOADS, "die"])
 def test_the_fixed_step_with_loads(press, method, name):
     """Edges are located, where forces jump too: order 4 all the same. How the steps fall between them is by chance, and with it the size of
     the errors: they are held below a line of slope 4. An edge that was stepped over would leave 1e-6 or more."""
     load = {**LOADS, "die": loads.ElasticDie(0.004, 1.5e8, 4e5)}[name]
-    windows = {"blanking_1250kN": [BLANK], "drawing_1250kN": [DRAW], "die": [die(0.004, 1.5e8, 4e5)]}[name]
-    exact = equation.solve([0.45], W0, J0, torque=constant, windows=windows)
-    steps = np.array([8e-4, 4e-4, 2e-4, 1e-4][: 3 if method == "constraint" else 4])  # its finest takes as long as all others
+    steps = np.array([8e-4, 4e-4, 2e-4])  # the next takes as long as all others
     runs = [zhang(press, 0.45, step=step, points=2, loads=[load], method=method) for step in steps]
-    errors = np.array([run.crank_angle[-1] - exact.angle[-1] for run in runs])
+    errors = np.array([run.crank_angle[-1] - under_load(name) for run in runs])
     bound = 6e-9 if name == "die" else 6e-8
     assert np.all(np.abs(errors) < bound * (steps / steps[0]) ** 4 + 3e-11)
 
@@ -209,13 +215,13 @@ def test_the_fixed_step_with_loads(press, method, name):
 # --------------------------------------------------------------------------------------------------------------------------- energy
 
 
-def test_energy_over_ten_thousand_turns(press):
+def test_energy_over_three_thousand_turns(press):
     """From an angle at which the inertia changes: what a period begins with is what the one before ended with, or it would grow."""
-    run = pp.simulate(press, 2000.0, speed=300 * pp.RPM, angle=1.0, flywheel=pp.Flywheel(J0), points=5001)
-    assert run.crank_angle[-1] > 10_000 * 2 * math.pi * 0.99
-    assert run.stats.energy_error < 1e-11
+    run = pp.simulate(press, 600.0, speed=300 * pp.RPM, angle=1.0, flywheel=pp.Flywheel(J0), points=501)
+    assert run.crank_angle[-1] > 3000 * 2 * math.pi * 0.99
+    assert run.stats.energy_error < 3e-12
     assert run.stats.closure_error < 1e-10
-    assert own_energy_error(run) < 1e-11
+    assert own_energy_error(run) < 3e-12
 
 
 def test_energy_of_the_constraint_method(press):
@@ -272,11 +278,17 @@ CASES = {
 }
 
 
+@cache
+def pressed(name, duration, points, way=1, angle=0.0):
+    """The equation's solution for one of the cases: each method is held against it."""
+    times = np.linspace(0.0, duration, points)
+    return equation.solve(times, way * W0, J0, angle=angle, torque=lambda *_: way * M0, windows=CASES[name][1])
+
+
 @pytest.mark.parametrize("name", CASES)
 def test_a_load(press, method, name):
-    load, windows = CASES[name]
-    run = zhang(press, 0.45, loads=[load], points=61, method=method)
-    solution = equation.solve(run.time, W0, J0, torque=constant, windows=windows)
+    run = zhang(press, 0.45, loads=[CASES[name][0]], points=61, method=method)
+    solution = pressed(name, 0.45, 61)
     same(run, solution)
     assert abs(solution.load_work[-1]) > 100 or name == "die"
 
@@ -323,15 +335,14 @@ def test_a_datum_of_its_own(press, method):
 def test_a_start_anywhere(press, method, start):
     """Also within the load, and at dead centres."""
     run = zhang(press, 0.3, angle=start, loads=[CASES["stripping"][0]], points=31, method=method)
-    same(run, equation.solve(run.time, W0, J0, angle=start, torque=constant, windows=CASES["stripping"][1]))
+    same(run, pressed("stripping", 0.3, 31, angle=start))
 
 
 @pytest.mark.parametrize("name", ["blanking", "stripping", "table", "damped_die"])
 def test_backwards(press, method, name):
     """A crank that turns the other way works the same strokes."""
-    load, windows = CASES[name]
-    run = zhang(press, 0.3, speed=-W0, drive=pp.ConstantTorque(-M0), loads=[load], points=31, method=method)
-    same(run, equation.solve(run.time, -W0, J0, torque=lambda *_: -M0, windows=windows))
+    run = zhang(press, 0.3, speed=-W0, drive=pp.ConstantTorque(-M0), loads=[CASES[name][0]], points=31, method=method)
+    same(run, pressed(name, 0.3, 31, way=-1))
 
 
 # ------------------------------------------------------------------------------------------------------------------ stops and stalls
@@ -486,16 +497,23 @@ DRIVES = {
 }
 
 
-@pytest.mark.parametrize("load", ["idle", "stripping"])
-@pytest.mark.parametrize("name", DRIVES)
-def test_a_drive(press, method, name, load):
-    """Angle, speed, work, torque and the squared torque of the motor."""
+@cache
+def driven(name, load):
+    """A drive, what it presses, and the equation's solution: each method is held against it."""
     case = DRIVES[name]()
     given, windows = ([CASES[load][0]], CASES[load][1]) if load in CASES else ([], [])
     if name == "servo" and load in CASES:  # 5 kN m do not press 1250 kN
         given, windows = [loads.Piling(8e4, 0.004)], [Window(0.004, -1.0, 0, lambda h, v: 8e4)]
+    times = np.linspace(0.0, case.duration, 61)
+    return case, given, equation.solve(times, case.speed, J0 + case.inertia, windows=windows, **case.options)
+
+
+@pytest.mark.parametrize("load", ["idle", "stripping"])
+@pytest.mark.parametrize("name", DRIVES)
+def test_a_drive(press, method, name, load):
+    """Angle, speed, work, torque and the squared torque of the motor."""
+    case, given, solution = driven(name, load)
     run = zhang(press, case.duration, speed=case.speed, drive=case.drive, loads=given, points=61, method=method)
-    solution = equation.solve(run.time, case.speed, J0 + case.inertia, windows=windows, **case.options)
     same(run, solution)
     torque = [case.options["torque"](*at) for at in zip(solution.time, solution.angle, solution.speed, solution.states.T, strict=True)]
     np.testing.assert_allclose(run.drive_torque, torque, rtol=0, atol=2e-6 * max(1.0, np.abs(torque).max()))  # some are steep in speed
@@ -781,7 +799,7 @@ def test_a_run_is_reproducible(press, options):
 
 def test_the_tolerance_is_kept(press, method):
     """Errors fall with it, and stay within some hundred times of it: that many steps."""
-    exact = equation.solve([0.45], W0, J0, torque=constant, windows=CASES["damped_die"][1])
+    exact = pressed("damped_die", 0.45, 61)
     tolerances = [1e-4, 1e-6, 1e-8, 1e-10]
     runs = [zhang(press, 0.45, loads=[CASES["damped_die"][0]], tolerance=t, points=2, method=method) for t in tolerances]
     errors = np.array([abs(run.crank_angle[-1] - exact.angle[-1]) for run in runs])
@@ -881,7 +899,7 @@ def test_both_methods_on_a_spring_that_stops_the_crank(press):
 
 
 @settings(
-    max_examples=12, derandomize=True, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture, HealthCheck.too_slow]
+    max_examples=8, derandomize=True, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture, HealthCheck.too_slow]
 )
 @given(random_linkages.linkages(most=3))
 def test_both_methods_on_random_linkages(tmp_path, spec):

@@ -58,7 +58,7 @@ def steady(press):
 @pytest.fixture(scope="module")
 def long_run(press):
     with within(2 * LIMIT):
-        return pp.simulate(press, 60.0, speed=SPEED, drive=slip_clutch(), flywheel=WHEEL, loads=[BLANK])
+        return pp.simulate(press, 15.0, speed=SPEED, drive=slip_clutch(), flywheel=WHEEL, loads=[BLANK])
 
 
 def comes_back(run, work=0.0, turn=2 * math.pi):
@@ -193,8 +193,8 @@ def test_the_exact_equation_comes_back_with_a_lag(press, lag, guess):
 
 
 def test_a_long_run_ends_in_the_steady_state(long_run, strokes, steady):
-    """292 strokes, each of which leaves a fifth of what the speed was off: period, speed along it, works."""
-    assert len(strokes) == math.floor(long_run.crank_angle[-1] / 2 / math.pi)
+    """More than seventy strokes, each of which leaves a fifth of what the speed was off: period, speed along it, works."""
+    assert len(strokes) == math.floor(long_run.crank_angle[-1] / 2 / math.pi) > 70
     last = strokes[-1]
     read = long_run.path.read(last.start + steady.time * (last.duration / steady.time[-1]))
     np.testing.assert_allclose(read.speed[0], steady.crank_speed, rtol=1e-7)
@@ -226,7 +226,7 @@ def test_a_long_run_ends_in_it_to_the_tolerance(press, steady):
 
 def test_a_long_run_with_a_lag(press):
     """A stroke is four time constants: the press settles in 2 s."""
-    run = pp.simulate(press, 4.0, speed=30.0, drive=slip_clutch(0.05), flywheel=WHEEL, loads=[BLANK])
+    run = pp.simulate(press, 2.5, speed=30.0, drive=slip_clutch(0.05), flywheel=WHEEL, loads=[BLANK])
     found = pp.steady_state(press, 30.0, slip_clutch(0.05), WHEEL, [BLANK])
     last = pp.strokes(run)[-1]
     assert last.duration == pytest.approx(found.time[-1], rel=1e-9)
@@ -617,13 +617,13 @@ def test_strokes_make_up_the_run(long_run, strokes):
     np.testing.assert_allclose(long_run.path.read(ends).position[0], 2 * math.pi * np.arange(1, len(ends) + 1), rtol=0, atol=1e-9)
     rest = pp.duty(long_run, float(ends[-1]))
     parts = [*strokes, rest]
-    assert sum(part.duration for part in parts) == pytest.approx(60.0, rel=1e-12)
+    assert sum(part.duration for part in parts) == pytest.approx(long_run.time[-1], rel=1e-12)
     assert sum(part.drive_work for part in parts) == pytest.approx(long_run.drive_work[-1], rel=1e-11)
     assert sum(part.load_work for part in parts) == pytest.approx(long_run.load_work[-1], rel=1e-11)
     assert sum(part.motor_rms**2 * part.duration for part in parts) == pytest.approx(long_run.motor_squared[-1], rel=1e-10)
     whole = pp.duty(long_run)
     assert whole.drive_work == pytest.approx(long_run.drive_work[-1], rel=1e-12)
-    assert whole.motor_rms == pytest.approx(math.sqrt(long_run.motor_squared[-1] / 60.0), rel=1e-12)
+    assert whole.motor_rms == pytest.approx(math.sqrt(long_run.motor_squared[-1] / long_run.time[-1]), rel=1e-12)
     assert whole.highest_speed >= max(stroke.highest_speed for stroke in strokes) * (1 - 1e-5)  # 720 states a turn, shifted
 
 
