@@ -26,11 +26,16 @@ from .reactions import Reactions, inverse_dynamics
 __all__ = [
     "RPM",
     "Accuracy",
+    "Active",
+    "AddedMass",
     "AssemblyError",
     "At",
+    "Balance",
     "Brake",
+    "Case",
     "Clutch",
     "ConstantTorque",
+    "Counterweight",
     "DeadCentres",
     "Duty",
     "Extreme",
@@ -41,19 +46,30 @@ __all__ = [
     "Linkage",
     "Measurement",
     "Motion",
+    "MotionDerivative",
+    "Outcome",
+    "Peak",
     "PinpressError",
     "PointForce",
+    "Range",
     "Reactions",
     "Report",
+    "Rms",
+    "Room",
     "Run",
     "Runs",
     "SimulationError",
     "SingularityError",
     "SpringDamper",
     "Stats",
+    "Synthesis",
+    "TradeOff",
+    "Trial",
     "UnknownNameError",
     "UrdfError",
     "accuracy",
+    "arrangements",
+    "balance",
     "check",
     "cycle",
     "dead_centres",
@@ -65,6 +81,9 @@ __all__ = [
     "inverse_dynamics",
     "load",
     "loads",
+    "measures",
+    "motion_derivatives",
+    "pivot_positions",
     "plot_accuracy",
     "plot_bearings",
     "plot_comparison",
@@ -72,59 +91,90 @@ __all__ = [
     "plot_shaking",
     "plot_slide",
     "plot_torque",
+    "plot_trade_offs",
     "presses",
     "record",
     "report",
+    "reshaped",
     "save_plot",
     "simulate",
     "steady_state",
     "still",
     "strokes",
+    "synthesise",
+    "trade_off",
+    "with_counterweights",
     "write_urdf",
 ]
 
 if TYPE_CHECKING:
-    from . import drives, loads
+    from . import arrangements, drives, loads, measures
+    from .balance_measures import AddedMass, Peak, Range, Rms
+    from .balance_plots import plot_trade_offs
+    from .balance_result import Active, Balance, Outcome
+    from .balancing import balance
     from .checking import Report, check
+    from .counterweights import Counterweight, with_counterweights
     from .driveline import At, Brake, Clutch
     from .drives import ConstantTorque, Flywheel
     from .extreme_values import Extreme, extremes
     from .figures import save_plot
     from .filming import film, still
     from .findings import Finding
+    from .geometry import reshaped
     from .harmonic_analysis import Harmonics, harmonics
+    from .inertia_responses import Case
     from .measurements import Accuracy, Measurement
     from .plots import plot_bearings, plot_comparison, plot_polar, plot_shaking, plot_slide, plot_torque
     from .precision_plots import plot_accuracy
     from .recording import record
     from .reporting import report
+    from .rooms import Room
     from .run import Run, Stats
     from .run_duty import Duty, duty, strokes
     from .scenarios import Runs
+    from .sensitivities import MotionDerivative, motion_derivatives
+    from .sensitivities_pivots import pivot_positions
     from .simulation import simulate
     from .steady import steady_state
+    from .synthesis import Synthesis, synthesise
+    from .trade_offs import TradeOff, trade_off
+    from .trials import Trial
     from .work_precision import accuracy
     from .writing import write_urdf
 
 _LATER = {
+    "balance_measures": ("AddedMass", "Peak", "Range", "Rms"),
+    "balance_plots": ("plot_trade_offs",),
+    "balance_result": ("Active", "Balance", "Outcome"),
+    "balancing": ("balance",),
     "checking": ("Report", "check"),
+    "counterweights": ("Counterweight", "with_counterweights"),
     "driveline": ("At", "Brake", "Clutch"),
     "drives": ("ConstantTorque", "Flywheel"),
     "extreme_values": ("Extreme", "extremes"),
     "figures": ("save_plot",),
     "filming": ("film", "still"),
     "findings": ("Finding",),
+    "geometry": ("reshaped",),
     "harmonic_analysis": ("Harmonics", "harmonics"),
+    "inertia_responses": ("Case",),
     "measurements": ("Accuracy", "Measurement"),
     "plots": ("plot_bearings", "plot_comparison", "plot_polar", "plot_shaking", "plot_slide", "plot_torque"),
     "precision_plots": ("plot_accuracy",),
     "recording": ("record",),
     "reporting": ("report",),
+    "rooms": ("Room",),
     "run": ("Run", "Stats"),
     "run_duty": ("Duty", "duty", "strokes"),
     "scenarios": ("Runs",),
+    "sensitivities": ("MotionDerivative", "motion_derivatives"),
+    "sensitivities_pivots": ("pivot_positions",),
     "simulation": ("simulate",),
     "steady": ("steady_state",),
+    "synthesis": ("Synthesis", "synthesise"),
+    "trade_offs": ("TradeOff", "trade_off"),
+    "trials": ("Trial",),
     "work_precision": ("accuracy",),
     "writing": ("write_urdf",),
 }
@@ -134,7 +184,7 @@ def __getattr__(name: str) -> Any:
     """What is imported when it is first used: who wants one turn should not wait for the rest."""
     from importlib import import_module
 
-    if name in ("drives", "loads"):
+    if name in ("arrangements", "drives", "loads", "measures"):
         return import_module(f".{name}", __name__)
     for module, names in _LATER.items():
         if name in names:
