@@ -6,6 +6,7 @@ from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+from . import scene_words
 from .balance_measures import AXES, FORCES, AddedMass, Peak, Range, Rms, Target
 from .balance_result import Balance
 from .balance_tables import counterweight_columns
@@ -17,6 +18,7 @@ from .loading import load
 from .motion import RPM, cycle
 from .reactions import inverse_dynamics
 from .rooms import Room, Vector
+from .scene_words import LOADS, keys
 from .tables import write_csv
 from .writing import write_urdf
 
@@ -32,6 +34,8 @@ rooms: {ROOM}
 measures: {MEASURE}
   quantities: {", ".join(FORCES)}; the last two need a bearing; axes: {", ".join(AXES)}.
   Range and rms leave the constant part out, peaks count it.
+loads, heights are slide positions above bottom dead centre, or above the slide position datum=:
+{chr(10).join(f"  {name + ':':13}{keys(kind)}" for name, kind in LOADS.items())}
 e.g. pinpress balance zxn2_3000b --speed 70 --room crank:radius=0.3 --room rod:radius=0.3,most=200 --minimise range:shaking_force:z
      --limit range:shaking_force:x=1000 --limit added_mass=661 --out out --report
 """
@@ -73,6 +77,7 @@ def add(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None
         metavar="MEASURE=MOST",
         help="what a measure may be at most, in its SI unit; may be given several times",
     )
+    option("--load", metavar="KIND:KEYS", action="append", default=[], help="process load, see below; may be given several times")
     option("--points", type=int, default=360, metavar="N", help="crank angles in the turn (default: %(default)s)")
     option("--driver", metavar="JOINT", help=DRIVER)
     option("--slide", metavar="LINK", help=SLIDE)
@@ -91,8 +96,9 @@ def run(options: argparse.Namespace) -> int:
         raise PinpressError("--report needs a folder to write into: give --out DIR too")
     rooms = [_room(words) for words in options.room]
     minimise, limits = _objective(options.minimise), _by_target("--limit", options.limit, "")
+    loads = [scene_words.load(words) for words in options.load]
     press = load(options.file, driver=options.driver, slide=options.slide)
-    cases = [Case(cycle(press, speed * RPM, options.points)) for speed in options.speed]
+    cases = [Case(cycle(press, speed * RPM, options.points), loads) for speed in options.speed]
     result = balance(press, cases, rooms, minimise, limits)
     if options.out is not None:
         make(options.out)
@@ -112,8 +118,9 @@ def _write(result: Balance, folder: Path, with_report: bool) -> None:
         from .reporting import report
 
         # with all bearings, of which balancing computes only those that are asked for
-        before = inverse_dynamics(result.original, result.before[0].motion)
-        after = inverse_dynamics(result.press, result.after[0].motion)
+        loads = result.cases[0].loads
+        before = inverse_dynamics(result.original, result.before[0].motion, loads)
+        after = inverse_dynamics(result.press, result.after[0].motion, loads)
         report(result.press, after.motion, folder / "report.html", after, before=before)
         written.append("report.html")
     *first, last = (str(folder / name) for name in written)

@@ -14,6 +14,7 @@ from texts import shipped
 import pinpress as pp
 from pinpress import command_balance
 from pinpress.__main__ import main
+from pinpress.scene_words import LOADS
 
 ROOT = Path(__file__).resolve().parent.parent
 ROOMS = ["--room", "crank:radius=0.3", "--room", "rod:radius=0.3,most=200"]
@@ -99,6 +100,23 @@ def test_several_speeds_are_cases(capsys: pytest.CaptureFixture[str], tmp_path: 
     assert text.startswith(f"{six_bar(70, -50)}\n")
     assert "case 1: -50 r/min of joint A" in text
     assert read(tmp_path / "balance.csv")["case"][:4] == ["0", "1", "0", "1"]
+
+
+def test_under_a_load(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    """The peak of the driving torque while drawing, which counts the load; the report shows it too."""
+    press, load = shipped("zxn2_3000b"), pp.loads.DeepDrawing(force=1e6, start=0.010)
+    target = pp.Peak("driving_torque")
+    expected = pp.balance(press, pp.cycle(press, 70 * pp.RPM, 120), [pp.Room("crank", radius=0.3)], target, {pp.AddedMass(): 300.0}, [load])
+    idle = pp.balance(press, pp.cycle(press, 70 * pp.RPM, 120), [pp.Room("crank", radius=0.3)], target, {pp.AddedMass(): 300.0})
+    words = ["--load", "drawing:force=1e6,start=0.010", "--room", "crank:radius=0.3", "--minimise", "peak:driving_torque"]
+    rest = ["--limit", "added_mass=300", "--points", 120, "--out", tmp_path, "--report"]
+    assert printed(capsys, "zxn2_3000b", "--speed", 70, *words, *rest).startswith(f"{expected}\n")
+    assert str(expected) != str(idle)
+    motion = pp.cycle(expected.press, 70 * pp.RPM, 120)
+    largest = max(
+        np.linalg.norm(force, axis=1).max() for force in pp.inverse_dynamics(expected.press, motion, [load]).bearing_force.values()
+    )
+    assert data_in(tmp_path / "report.html")["peak"] == pytest.approx(largest, rel=1e-9)
 
 
 class Asked(pp.PinpressError):
@@ -196,6 +214,7 @@ def test_limits(monkeypatch: pytest.MonkeyPatch) -> None:
             ["--limit", "range:shaking_force:z=1"],
             ["no counterweights in these rooms fulfil the limit of the range of the shaking force, z, 1 N"],
         ),
+        (["--load", "sawing:force=1"], ["no kind 'sawing'"]),
         (["--speed", "0"], ["speed is 0"]),
         (["--points", "1"], ["points is 1"]),
         (["--driver", "Q"], ["no moving joint 'Q'"]),
@@ -231,6 +250,7 @@ def test_help_lists_every_word(capsys: pytest.CaptureFixture[str]) -> None:
         *command_balance.KEYS,
         *command_balance.KINDS,
         *command_balance.FORCES,
+        *LOADS,
         "added_mass",
         "r/min",
         "balanced.urdf",
