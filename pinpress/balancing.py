@@ -32,6 +32,7 @@ NOTHING = 1e-5  # of the press's moving mass: a counterweight that is lighter,
 TRACE = 1e-9  # and without which measures are worse by less than this of what they were before, is none
 BALANCED = "_balanced"  # a balanced press's name ends so
 PRICELESS = 1e-7  # of the objective before, for as much again of what is limited: a constraint of that price does not hold it back
+SPECK = 1e-11  # of a counterweight's mass times the square of its distance: a moment of inertia that is rounding
 GROWN = 0.999  # of the most that the program allows: a mass that grows without end
 CONFIRMED = 1e-8  # of the forces before balancing: how well inverse dynamics of the balanced press meets what the program promises
 
@@ -219,6 +220,8 @@ def _counterweight(press: Linkage, room: Layout, filling: pin.Inertia) -> Counte
     if press.plane is not None:
         normal = press.plane.frames[room.joint - 1][2]
         about = normal @ filling.inertia @ normal
+    if abs(about) <= SPECK * abs(filling.mass) * (filling.lever @ filling.lever):
+        about = 0.0
     x, y, z = placement.actInv(filling.lever)
     return Counterweight(room.room.link, float(filling.mass), (float(x), float(y), float(z)), float(about))
 
