@@ -30,7 +30,8 @@ from .harmonic_analysis import harmonics
 from .linkage import Linkage
 from .poses import poses
 from .reactions import Reactions
-from .rotor_balancing import Correction, Unbalance, positive, static_balance, two_plane_balance, unbalance
+from .rotor_balancing import Correction, Unbalance, static_balance, two_plane_balance, unbalance
+from .single_numbers import positive
 
 __all__ = [
     "Correction",

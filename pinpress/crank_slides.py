@@ -16,7 +16,8 @@ from .errors import PinpressError
 from .linkage import Linkage
 from .plane import Plane, flat, in_space
 from .poses import link_of, poses
-from .rotor_balancing import Correction, positive
+from .rotor_balancing import Correction
+from .single_numbers import positive
 
 CENTRED = 1e-9  # of the linkage's size: what the slide's pin may be beside the shaft by the rounded figures of a drawing
 LARGEST_RATIO = 1 - 1e-9  # of crank radius to rod length; nearer to 1 the series below is of millions of terms

@@ -19,8 +19,8 @@ from .errors import PinpressError, UnknownNameError
 from .forces import numbers
 from .linkage import Linkage
 from .poses import link_of
+from .single_numbers import positive
 
-SMALLEST, LARGEST = 1e-12, 1e12  # numbers of a size, in SI units
 ALONG_Y = np.array([0.0, 1.0, 0.0])  # the shaft's axis in the frames of our presses' cranks
 
 
@@ -149,13 +149,6 @@ def unbalance(press: Linkage, link: str) -> Unbalance:
     across = np.eye(3) - np.outer(axis, axis)
     about_origin = body.inertia @ axis - body.mass * (body.lever @ axis) * body.lever  # but for what is along the axis
     return Unbalance(_fixed(axis + 0.0), _fixed(body.mass * across @ body.lever), _fixed(-across @ about_origin))
-
-
-def positive(what: str, value: float, unit: str) -> float:
-    """A number; raises PinpressError where it is none that is positive, or so small or large that squares of it lose meaning."""
-    if isinstance(value, bool) or not isinstance(value, int | float | np.number) or not SMALLEST <= value <= LARGEST:
-        raise PinpressError(f"{what} is {value!r}: give a positive number [{unit}], from {SMALLEST:g} to {LARGEST:g}")
-    return float(value)
 
 
 def _of_masses(masses: ArrayLike, positions: ArrayLike) -> Unbalance:

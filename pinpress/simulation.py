@@ -7,7 +7,6 @@ period at once, while the crank turns, and over time where it may stop, or where
 ``"constraint"`` integrates all joints by Pinocchio's constraint dynamics, with the loops closed again after every step: any linkage.
 """
 
-import math
 import time as clock
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any, overload
@@ -27,6 +26,7 @@ from .panels import Indices
 from .path import LEDGERS
 from .run import LOOSE, UNBALANCED, Run, UnbalancedError, as_run, count_of
 from .scenarios import Runs
+from .single_numbers import number
 from .turned import State
 
 MOST_STEPS = 1_000_000  # of the Runge-Kutta method
@@ -267,15 +267,3 @@ def tolerated(tolerance: float) -> float:
     if not LEAST_TOLERANCE <= value <= 1e-2:
         raise PinpressError(f"tolerance is {value:g}: give one from {LEAST_TOLERANCE:g} to 0.01")
     return value
-
-
-def number(name: str, value: ArrayLike, positive: bool = False) -> float:
-    """The value as a finite number, named in the `PinpressError` where it is none."""
-    try:
-        array = np.asarray(value, dtype=float)
-        number = float(array) if array.ndim == 0 and not isinstance(value, bool | str) else math.nan
-    except (TypeError, ValueError):
-        number = math.nan
-    if not math.isfinite(number) or (positive and number <= 0):
-        raise PinpressError(f"{name} is {value!r}: give one finite number{', positive' if positive else ''}")
-    return number

@@ -18,7 +18,8 @@ from .linkage import Linkage
 from .methods import Plan
 from .path import LEDGERS, Path
 from .run import LOOSE, UNBALANCED, Run, as_run
-from .simulation import number, of_one, tolerated
+from .simulation import of_one, tolerated
+from .single_numbers import number
 from .turned import State
 
 MOST_CUTS = 30

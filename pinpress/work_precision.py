@@ -21,7 +21,7 @@ from .errors import PinpressError, expect
 from .linkage import Linkage
 from .measurements import Accuracy
 from .motion import MOST_POINTS, RPM
-from .simulation import number
+from .single_numbers import number
 
 TURNS = 2.0  # of the free run
 HEAVY = 4.0  # times the linkage's largest reduced inertia: a flywheel that carries it on
