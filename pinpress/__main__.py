@@ -4,7 +4,7 @@ import argparse
 import io
 import sys
 
-from . import PinpressError, check, command_accuracy, command_analyse, command_balance, command_record, command_simulate
+from . import PinpressError, check, command_accuracy, command_analyse, command_balance, command_ratings, command_record, command_simulate
 
 
 def main(arguments: list[str] | None = None) -> int:
@@ -27,7 +27,7 @@ def main(arguments: list[str] | None = None) -> int:
 def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(prog="pinpress", description="Mechanical press linkages: motion, driving torque, bearing forces.")
     commands = parser.add_subparsers(required=True, metavar="COMMAND")
-    for command in (command_analyse, command_simulate, command_balance, command_record, command_accuracy):
+    for command in (command_analyse, command_simulate, command_balance, command_ratings, command_record, command_accuracy):
         command.add(commands)
     checked = commands.add_parser(
         "check",
