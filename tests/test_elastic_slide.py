@@ -1,0 +1,125 @@
+"""Deflection of the slide in motion, and bottom dead centre over speed, by hand and by brute force."""
+
+import numpy as np
+import pytest
+from scipy.optimize import minimize_scalar
+
+import pinpress as pp
+from pinpress import loads
+from pinpress.compliance import elasticity
+from pinpress.crank_slides import crank_slide
+from pinpress.elastic_elements import Rod, Stiffness
+from pinpress.elastic_slide import dead_centre_shift, slide_deflection
+
+
+def stiffness_of(press):
+    bearings = {name: 1.5e9 + 2e8 * i for i, name in enumerate(press.bearings) if "guide" not in name}
+    return Stiffness(bearings, shaft=2e7, frame=3e9)
+
+
+def test_crank_slide_at_bottom_dead_centre_by_hand():
+    """All forces stand upright there: each pin carries the weight and inertia of what hangs on it, the rod the mean of its ends."""
+    press = pp.load("crank_slide")
+    parts = crank_slide(press)
+    r, length, g = parts.crank_radius, parts.rod_length, 9.81
+    found = dead_centre_shift(press, Stiffness({"W": 1e9, "P": 2e9, "O": 4e9}, {}, [Rod("rod", ("P", "W"), 5e8)], frame=8e9), [0.0, 20.0])
+
+    def by_hand(weight, squared):
+        slide = parts.slide_mass * (weight * g + squared * r * (1 + r / length))
+        rod_acceleration = squared * r * (1 + r / length * parts.rod_centre.real / length)
+        rod = slide + parts.rod_mass * (weight * g + rod_acceleration)
+        crank = rod + parts.crank_mass * (weight * g + squared * parts.crank_centre.real)
+        return -(slide / 1e9 + rod / 2e9 + crank / 4e9 + crank / 8e9 + 0.5 * (slide + rod) / 5e8)
+
+    assert found.constant == pytest.approx(by_hand(1, 0), rel=1e-9)
+    assert found.by_squared_speed == pytest.approx(by_hand(0, 1), rel=1e-9)
+    np.testing.assert_allclose(found.at_rigid_angle, [by_hand(1, 0), by_hand(1, 400.0)], rtol=1e-9)
+
+
+@pytest.mark.parametrize(("name", "speed"), [("zxn2_3000b", 7.3), ("jf75g_125", 42.0), ("jf75g_125_two_point", 60.0), ("thin_wall", 9.0)])
+def test_bottom_dead_centre_by_brute_force(name, speed):
+    press = pp.load(name)
+    stiffness = stiffness_of(press)
+    found = dead_centre_shift(press, stiffness, [0.5 * speed, speed])
+
+    def position(angle, w):
+        return slide_deflection(press, pp.cycle(press, w, angle=np.atleast_1d(angle)), stiffness).slide_position
+
+    for w, angle, lowest in zip(found.speed, found.crank_angle, found.position, strict=True):
+        around = found.rigid_angle + np.linspace(-0.1, 0.1, 401)
+        best = around[position(around, w).argmin()]
+        result = minimize_scalar(
+            lambda x, w=w: float(position(x, w)[0]), bounds=(best - 1e-3, best + 1e-3), method="bounded", options={"xatol": 1e-9}
+        )
+        assert lowest == pytest.approx(result.fun, abs=1e-14)
+        assert angle == pytest.approx(result.x, abs=2e-6)
+    still = dead_centre_shift(press, stiffness, 0.0)
+    assert still.shift[0] == 0.0
+    assert np.all(found.shift < 0.0)
+    assert found.shift[1] == pytest.approx(found.by_squared_speed * speed**2, rel=5e-3)  # the crank angle moves little
+
+
+def test_affine_in_the_squared_speed():
+    press = pp.load("zxn2_3000b")
+    stiffness, angles = stiffness_of(press), np.linspace(0.0, 6.0, 7)
+    at = [slide_deflection(press, pp.cycle(press, w, angle=angles), stiffness).deflection for w in (0.0, 3.0, 8.0)]
+    np.testing.assert_allclose((at[1] - at[0]) / 9, (at[2] - at[0]) / 64, rtol=1e-9, atol=1e-16)
+
+
+def test_process_force_deflects_by_the_compliance():
+    """Of a press without weight that turns slowly; without a load nothing of it yields."""
+    press = pp.load("jf75g_125", gravity=(0.0, 0.0, 0.0))
+    stiffness, motion = stiffness_of(press), pp.cycle(press, 1e-3, points=72)
+    load = loads.Blanking(1.25e6, 0.010, 0.005)
+    found = slide_deflection(press, motion, stiffness, [load])
+    height = motion.slide_position - pp.dead_centres(press).bottom_position
+    working = (motion.slide_velocity < 0) & (height > 0.005) & (height <= 0.010)
+    force = np.where(working, 1.25e6 * np.sin(np.pi / 2 * (0.010 - height) / 0.005), 0.0)
+    np.testing.assert_allclose(found.deflection, force * elasticity(press, stiffness, motion.crank_angle).compliance, rtol=1e-9, atol=1e-9)
+    assert working.sum() > 3
+    np.testing.assert_allclose(found.slide_position, motion.slide_position + found.deflection, rtol=0, atol=0)
+
+
+def test_weight_balanced_by_a_constant_force():
+    press = pp.load("crank_slide", gravity=(0.0, 0.0, -9.81))
+    slide = press.model.inertias[press.model.getJointId("slide_guide")].mass
+    stiffness = Stiffness({"W": 1e9})
+    balanced = dead_centre_shift(press, stiffness, 15.0, [pp.PointForce("slide", (0.0, 0.0, slide * 9.81))])
+    plain = dead_centre_shift(press, stiffness, 15.0)
+    assert balanced.constant == pytest.approx(0.0, abs=1e-12 * abs(plain.by_squared_speed) + 1e-18)
+    assert plain.constant == pytest.approx(-slide * 9.81 / 1e9, rel=1e-9)
+    assert balanced.by_squared_speed == pytest.approx(plain.by_squared_speed, rel=1e-9)
+
+
+def test_tables(tmp_path):
+    press = pp.load("jf75g_125")
+    shift = dead_centre_shift(press, stiffness_of(press), np.array([150.0, 300.0]) * pp.RPM)
+    assert "300 strokes/min" in str(shift)
+    shift.to_csv(tmp_path / "s.csv")
+    assert (tmp_path / "s.csv").read_text().splitlines()[0].split(",") == list(shift.to_frame().columns)
+    found = slide_deflection(press, pp.cycle(press, 30.0, points=8), stiffness_of(press))
+    assert "slide deflected by" in str(found)
+    found.to_csv(tmp_path / "d.csv")
+    assert len((tmp_path / "d.csv").read_text().splitlines()) == 9
+    np.testing.assert_array_equal(found.to_frame()["deflection [m]"], found.deflection)
+    with pytest.raises(ValueError, match="read-only"):
+        found.deflection[0] = 0.0
+
+
+def test_refusals():
+    press = pp.load("crank_slide")
+    stiffness = Stiffness({"W": 1e9})
+    for speed in ([np.nan], [], [[1.0]], "fast"):
+        with pytest.raises(pp.PinpressError, match="speed"):
+            dead_centre_shift(press, stiffness, speed)
+    for load in (
+        loads.ElasticDie(0.0, 1e9),
+        pp.PointForce("slide", lambda motion: (0, 0, 1.0)),
+        pp.SpringDamper("frame", "slide", 1.0, 2.0),
+    ):
+        with pytest.raises(pp.PinpressError, match="may depend on the speed"):
+            dead_centre_shift(press, stiffness, 1.0, [load])
+    with pytest.raises(pp.PinpressError, match="too soft"):
+        dead_centre_shift(press, Stiffness(shaft=1e-3, bearings={"W": 1e9}), 300.0)
+    with pytest.raises(pp.PinpressError, match="motion is a Linkage"):
+        slide_deflection(press, press, stiffness)
