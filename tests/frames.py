@@ -1,0 +1,51 @@
+"""A frame without symmetry and its mounts, for the tests of foundations; and presses without mass, which leave it alone."""
+
+import functools
+
+import numpy as np
+import pinocchio as pin
+
+import pinpress as pp
+from pinpress import foundation
+
+WIDE = 0.6  # half the distance between mounts [m]
+
+
+loaded = functools.cache(pp.load)
+
+
+@functools.cache
+def weightless(name="crank_slide"):
+    """A press whose links have no mass: what shakes the frame is what the test puts there."""
+    press = pp.load(name)
+    return press.with_inertias([pin.Inertia.Zero() for _ in press.model.inertias])
+
+
+def on_four(stiffness, damping=(0.0, 0.0, 0.0), height=-1.0, **more):
+    """Four mounts at the corners of a square."""
+    return [foundation.Mount((x, y, height), stiffness, damping, **more) for x in (-WIDE, WIDE) for y in (-WIDE, WIDE)]
+
+
+def uneven(scale=1.0):
+    """A frame whose centre of mass is off every axis, and mounts that all differ."""
+    inertia = scale * (np.diag([2500.0, 2200.0, 1500.0]) + 120.0 * (np.ones((3, 3)) - np.eye(3)))
+    frame = foundation.Frame(scale * 6000.0, (0.05, 0.12, -0.2), inertia)
+    mounts = [
+        foundation.Mount((x, y, -1.2 + 0.05 * k), tuple(scale * k * np.array([7e5, 8e5, 1.5e6])), tuple(scale * np.array([4e3, 5e3, 9e3])))
+        for k, (x, y) in enumerate([(-0.6, -0.5), (0.7, -0.4), (-0.5, 0.8), (0.6, 0.7)], start=2)
+    ]
+    return frame, mounts
+
+
+def harmonic_force(press, amplitude, orders=(1,)):
+    """A force on the frame through its origin, along z, cosines of the crank angle."""
+
+    def force(motion):
+        return np.outer(sum(np.cos(k * motion.crank_angle) for k in orders), [0.0, 0.0, amplitude])
+
+    return pp.PointForce(press.root, force)
+
+
+def turns(press, speed, count, states):
+    """So many turns at constant speed, as one motion in time."""
+    return pp.cycle(press, speed, angle=np.sign(speed) * np.linspace(0.0, 2 * np.pi * count, count * states + 1))
