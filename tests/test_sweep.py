@@ -1,0 +1,386 @@
+"""Sweeps in one process and with local ones: order, types, files, what fails and what is refused."""
+
+import csv
+import json
+import os
+import signal
+import subprocess
+import sys
+import threading
+from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
+from functools import partial
+
+import numpy as np
+import pytest
+from sweep_points import dies, fails_at_odd, logged, product
+from time_limit import _limit, within  # noqa: F401
+
+import pinpress as pp
+from pinpress.sweeping import sweep
+
+GRID = {"a": [3, 1, 2], "b": np.array([0.5, 4.0])}
+FORMATS = ["csv", "parquet"]
+
+
+@pytest.fixture(params=FORMATS)
+def file(request, tmp_path):
+    return tmp_path / f"results.{request.param}"
+
+
+def rows(path):
+    with open(path, newline="") as lines:
+        return list(csv.reader(lines))
+
+
+def same(one, other):
+    assert list(one.columns) == list(other.columns)
+    assert one.failed == other.failed
+    for name, column in one.columns.items():
+        assert column.dtype == other.columns[name].dtype
+        np.testing.assert_array_equal(np.ma.getmaskarray(column), np.ma.getmaskarray(other.columns[name]))
+        assert column.tolist() == other.columns[name].tolist()
+
+
+def test_last_axis_is_the_fastest():
+    found = sweep(product, GRID)
+    assert found.shape == (3, 2)
+    assert found.columns["a"].tolist() == [3, 3, 1, 1, 2, 2]
+    assert found.columns["b"].tolist() == [0.5, 4.0] * 3
+    np.testing.assert_array_equal(found.grid("product"), np.outer(GRID["a"], GRID["b"]))
+    assert found.columns["even"].dtype == bool
+    assert found.columns["which"].tolist() == ["a", "b, or, both", "a", "b, or, both", "a", "b, or, both"]
+    assert found.failed == ()
+    with pytest.raises(pp.UnknownNameError, match="product"):
+        found.grid("produkt")
+
+
+def test_axes_side_by_side():
+    found = sweep(product, {"a": [1, 1, 5], "b": [2, 2, 7]}, paired=True)
+    assert found.shape == (3,)
+    assert found.grid("product").tolist() == [2, 2, 35]
+
+
+def test_objects_under_labels():
+    press = pp.load("crank_slide")
+    dies = {"none": [], "drawing": [pp.loads.DeepDrawing(force=1e5, start=0.01)]}
+
+    def torque(speed, loads):
+        motion = pp.cycle(press, speed, points=60)
+        return {"torque": pp.inverse_dynamics(press, motion, loads, bearings=()).driving_torque.max()}
+
+    found = sweep(torque, {"loads": dies, "speed": [5.0, 10.0]})
+    assert found.columns["loads"].tolist() == ["none", "none", "drawing", "drawing"]
+    for i, loads in enumerate(dies.values()):
+        for j, speed in enumerate((5.0, 10.0)):
+            expected = pp.inverse_dynamics(press, pp.cycle(press, speed, points=60), loads).driving_torque.max()
+            assert found.grid("torque")[i, j] == pytest.approx(expected, rel=1e-12)
+
+
+def test_file_is_read_again_and_written_out(file, tmp_path):
+    calls = []
+
+    def counted(**point):
+        calls.append(point)
+        return product(**point)
+
+    alone = sweep(counted, GRID)
+    first = sweep(counted, GRID, to=file)
+    content = file.read_bytes()
+    second = sweep(counted, GRID, to=file)
+    assert len(calls) == 12
+    assert file.read_bytes() == content
+    same(first, alone)
+    same(second, alone)
+    assert sorted(os.listdir(tmp_path)) == [file.name, f"{file.name}.sweep"]
+    frame = second.to_frame()
+    assert frame["product"].tolist() == alone.columns["product"].tolist()
+    second.to_csv(tmp_path / "table.csv")
+    assert [float(row[2]) for row in rows(tmp_path / "table.csv")[1:]] == alone.columns["product"].tolist()
+    pandas = pytest.importorskip("pandas")
+    second.to_parquet(tmp_path / "table.parquet")
+    pandas.testing.assert_frame_equal(pandas.read_parquet(tmp_path / "table.parquet"), frame, check_dtype=False)
+
+
+def test_failed_points_are_recorded_and_done_again_where_asked(file):
+    """The first point fails: only later is it known what the columns are."""
+    found = sweep(fails_at_odd, {"a": [1, 2, 3, 4]}, to=file)
+    assert [bad.number for bad in found.failed] == [0, 2]
+    assert found.failed[0].point == {"a": 1}
+    assert found.failed[0].error == 'ValueError: 1 is odd,\nwhich is "bad"'
+    assert found.grid("half").tolist() == [None, 1, None, 2]
+    assert found.grid("half").sum() == 3
+    assert "2 of which failed" in str(found)
+    same(sweep(fails_at_odd, {"a": [1, 2, 3, 4]}, to=file), found)
+
+    def fails_at_odd_no_more(a):
+        return {"half": a // 2} if a % 2 else pytest.fail("a point that had not failed")
+
+    fails_at_odd_no_more.__qualname__ = "fails_at_odd"
+    mended = sweep(fails_at_odd_no_more, {"a": [1, 2, 3, 4]}, to=file, retry_failed=True)
+    assert mended.failed == ()
+    assert mended.grid("half").tolist() == [0, 1, 1, 2]
+    same(sweep(fails_at_odd, {"a": [1, 2, 3, 4]}, to=file), mended)
+
+
+def test_all_points_fail(file):
+    found = sweep(fails_at_odd, {"a": [1, 3]}, to=file)
+    assert len(found.failed) == 2
+    assert list(found.columns) == ["a"]
+    same(sweep(fails_at_odd, {"a": [1, 3]}, to=file), found)
+
+
+@pytest.mark.parametrize(
+    ("returned", "words"),
+    [
+        ({"x": np.nan}, "'x' nan, which is not finite"),
+        ({"x": np.array([1.0, 2.0])}, "'x' a ndarray, no number"),
+        ({"x": None}, "'x' a NoneType"),
+        ({"x": 2**60}, "too large"),
+        ({"x": "\ud800"}, "UTF-8"),
+        ({"error": 1.0}, "'error'"),
+        ({}, "return a mapping"),
+        (3.0, "returned 3.0"),
+    ],
+)
+def test_what_a_table_cannot_hold_has_failed(returned, words):
+    found = sweep(lambda a: {"x": 1.0} if a else returned, {"a": [0, 1]})
+    assert [bad.number for bad in found.failed] == [0]
+    assert words in found.failed[0].error
+    assert found.grid("x").tolist() == [None, 1.0]
+
+
+def test_words_come_back_as_they_were(file):
+    words = ["", "a,b", 'say "x"', "two\nlines", "two\r\nlines", "1.0", "True", "é 滑块"]
+    found = sweep(lambda k: {"word": words[k]}, {"k": range(len(words))}, to=file)
+    assert sweep(lambda k: {}, {"k": range(len(words))}, to=file).columns["word"].tolist() == words == found.columns["word"].tolist()
+
+
+def test_labels_of_several_kinds(file):
+    grid = {"size": {1: 10, "large": 30, 2.5: 20}, "left": [True, False]}
+    found = sweep(lambda size, left: {"x": -size if left else size}, grid, to=file)
+    assert found.columns["size"].tolist() == [1, 1, "large", "large", 2.5, 2.5]
+    assert found.columns["x"].tolist() == [-10, 10, -30, 30, -20, 20]
+    same(sweep(lambda size, left: {}, grid, to=file), found)
+
+
+def test_other_names_stop_the_sweep_and_what_was_done_stays(tmp_path):
+    file = tmp_path / "r.csv"
+    with pytest.raises(pp.PinpressError, match=r"y \(number\) at \{'a': 2\}, but x \(number\) before"):
+        sweep(lambda a: {"x": 1.0} if a < 2 else {"y": 1.0}, {"a": [0, 1, 2]}, to=file)
+    assert len(rows(file)) == 3
+
+
+@pytest.mark.parametrize("end", range(1, 30))
+def test_torn_last_line_is_dropped(tmp_path, end):
+    """Torn anywhere in the last two lines, in a quotation with a line's end in it too."""
+    file, done = tmp_path / "r.csv", []
+
+    def words(a):
+        done.append(a)
+        return {"word": f'é"\n{a}', "number": 12.25}
+
+    whole = sweep(words, {"a": [0, 1, 2]}, to=file)
+    content = file.read_bytes()
+    torn = content[:-end]
+    file.write_bytes(torn)
+    again = sweep(words, {"a": [0, 1, 2]}, to=file)
+    same(again, whole)
+    last = len(content.split(b"\n2,")[1]) + 2
+    assert done == ([0, 1, 2, 2] if end <= last else [0, 1, 2, 1, 2])
+    assert file.read_bytes() == content
+
+
+def test_damaged_or_foreign_files_are_refused(tmp_path):
+    file = tmp_path / "r.csv"
+    sweep(product, GRID, to=file)
+    content, side = file.read_text(), (tmp_path / "r.csv.sweep").read_text()
+    for damaged in (
+        content.replace("\n1,3,4.0", "\n1,3,4.5"),
+        content.replace("\n1,", "\n99,"),
+        content.replace("True", "yes", 1),
+        content.replace(",1.5,", ",nan,"),
+    ):
+        assert damaged != content
+        file.write_text(damaged)
+        with pytest.raises(pp.PinpressError, match=r"row \d is not of this sweep"):
+            sweep(product, GRID, to=file)
+    file.write_text("a,b\n1,2\n")
+    with pytest.raises(pp.PinpressError, match="first line"):
+        sweep(product, GRID, to=file)
+    (tmp_path / "r.csv.sweep").write_text(side[:-5])
+    with pytest.raises(pp.PinpressError, match=r"r\.csv\.sweep cannot be read"):
+        sweep(product, GRID, to=file)
+    os.unlink(tmp_path / "r.csv.sweep")
+    with pytest.raises(pp.PinpressError, match=r"not r\.csv\.sweep beside it"):
+        sweep(product, GRID, to=file)
+    assert file.read_text() == "a,b\n1,2\n"
+
+
+@pytest.mark.parametrize(
+    ("function", "grid", "how", "words"),
+    [
+        (product, {"a": [3, 1], "b": [0.5, 4.0]}, {}, "axis 'a' has 3 values, not 2"),
+        (product, {"a": [3, 1, 7], "b": [0.5, 4.0]}, {}, "value 2 of axis 'a' is 2, not 7"),
+        (product, {"b": [0.5, 4.0], "a": [3, 1, 2]}, {}, "axes are a, b, not b, a"),
+        (lambda a, b: {}, GRID, {}, "function is 'product'"),
+        (product, {"a": [3, 1], "b": [0.5, 4.0]}, {"paired": True}, "its axes are those of a full grid"),
+    ],
+)
+def test_another_sweep_is_refused_with_what_differs(file, function, grid, how, words):
+    sweep(product, GRID, to=file)
+    content = file.read_bytes()
+    with pytest.raises(pp.PinpressError, match=words):
+        sweep(function, grid, to=file, **how)
+    assert file.read_bytes() == content
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        ({"function": 3}, "function is 3"),
+        ({"grid": {}}, "grid: give a mapping"),
+        ({"grid": {"a": [1], "c": [2]}}, "does not take the axes a, c"),
+        ({"grid": {"a": [1]}}, "missing a required argument: 'b'"),
+        ({"grid": {"a": [], "b": [1]}}, "axis 'a' has no values"),
+        ({"grid": {"a": [np.inf], "b": [1]}}, "not finite"),
+        ({"grid": {"a": [1, 1.0], "b": [1]}}, "twice"),
+        ({"grid": {"a": [[1]], "b": [1]}}, "objects under labels"),
+        ({"grid": {"a": "xyz", "b": [1]}}, "give a sequence"),
+        ({"grid": {"a": np.ones((2, 2)), "b": [1]}}, "give a sequence"),
+        ({"grid": {"error": [1]}}, "cannot be an axis"),
+        ({"grid": {"a": [1, 2], "b": [1]}, "paired": True}, "equally long"),
+        ({"to": "results.txt"}, "ends with .csv or .parquet"),
+        ({"to": "no/such/folder/r.csv"}, "No such file or directory"),
+        ({"to": 5}, "cannot write 5"),
+        ({"executor": 4}, "executor is 4"),
+        ({"in_flight": 0}, "in_flight is 0"),
+        ({"progress": 1}, "progress is 1"),
+    ],
+)
+def test_bad_arguments(arguments, words):
+    with pytest.raises(pp.PinpressError, match=words):
+        sweep(**{"function": product, "grid": GRID, **arguments})
+
+
+def test_a_result_named_as_an_axis():
+    with pytest.raises(pp.PinpressError, match="the name of an axis"):
+        sweep(lambda a: {"a": a}, {"a": [1]})
+
+
+def test_progress():
+    shares = []
+    sweep(product, GRID, progress=shares.append)
+    assert shares == pytest.approx(np.arange(1, 7) / 6)
+
+
+def test_processes(file):
+    grid = {"a": range(40), "b": range(25)}
+    with ProcessPoolExecutor(2) as pool:
+        same(sweep(product, grid, to=file, executor=pool), sweep(product, grid))
+        for function, inner in ((lambda a, b: {}, grid), (product, {"a": {"lock": threading.Lock()}, "b": [1]})):
+            with pytest.raises(pp.PinpressError, match="cannot be sent to other processes"):
+                sweep(function, inner, executor=pool)
+
+
+def test_a_worker_that_dies(file):
+    grid = {"a": range(300)}
+    with ProcessPoolExecutor(2) as pool, pytest.raises(pp.PinpressError, match="call the same sweep again, with a new executor") as caught:
+        sweep(partial(dies, at=200), grid, to=file, executor=pool, in_flight=4)
+    kept = rows(file if file.suffix == ".csv" else f"{file}.csv")[1:]
+    assert f"after {len(kept)} of 300 points" in str(caught.value)
+    assert len(kept) > 50
+    found = sweep(partial(dies, at=None), grid, to=file)
+    assert found.columns["twice"].tolist() == [2 * a for a in range(300)]
+    assert found.failed == ()
+
+
+def test_few_points_are_in_flight_and_the_executor_stays_open():
+    most, running, guard = 0, 0, threading.Lock()
+
+    class Counting(ThreadPoolExecutor):
+        def submit(self, *arguments):
+            nonlocal most, running
+            with guard:
+                running += 1
+                most = max(most, running)
+            future = super().submit(*arguments)
+            future.add_done_callback(lambda _: finished())
+            return future
+
+    def finished():
+        nonlocal running
+        with guard:
+            running -= 1
+
+    with Counting(2) as pool:
+        found = sweep(lambda a: {"x": a}, {"a": range(5000)}, executor=pool, in_flight=3)
+        assert pool.submit(int, 3).result() == 3
+    assert found.columns["x"].tolist() == list(range(5000))
+    assert most <= 3
+
+
+def test_a_task_that_takes_longer_than_expected_hands_points_back():
+    """After a thousand fast points those of 60 ms do not come by the hundreds: a task ends within a fifth of a second and one point."""
+    begun = []
+
+    def slow_at_the_end(a):
+        if a >= 1000:
+            begun.append(a)
+            threading.Event().wait(0.06)
+        return {"x": a}
+
+    shares = []
+    with ThreadPoolExecutor(1) as pool:
+        found = sweep(
+            slow_at_the_end, {"a": range(1010)}, executor=pool, in_flight=1, progress=lambda share: shares.append((share, len(begun)))
+        )
+    assert begun == list(range(1000, 1010))
+    assert found.columns["x"].tolist() == list(range(1010))
+    assert np.diff([count for _, count in shares]).max() <= 4
+
+
+def test_interrupted_and_resumed(file):
+    def interrupted(a):
+        if a == 3 and not resumed:
+            raise KeyboardInterrupt
+        done.append(a)
+        return {"x": a}
+
+    done, resumed = [], False
+    with pytest.raises(KeyboardInterrupt):
+        sweep(interrupted, {"a": range(6)}, to=file)
+    resumed = True
+    assert sweep(interrupted, {"a": range(6)}, to=file).columns["x"].tolist() == done == list(range(6))
+
+
+def test_one_at_a_time(tmp_path):
+    """Refused in this process and from another one, which a kill releases."""
+    file, log = tmp_path / "r.csv", tmp_path / "log"
+    held = []
+
+    def again(a):
+        with pytest.raises(pp.PinpressError, match="another sweep of this process"):
+            sweep(product, GRID, to=file)
+        held.append(a)
+        return {"x": a}
+
+    sweep(again, {"a": [1]}, to=file)
+    assert held == [1]
+    other = tmp_path / "other.csv"
+    words = (
+        "from functools import partial; from sweep_points import logged; from pinpress.sweeping import sweep;"
+        f" sweep(partial(logged, log={str(log)!r}, pause=30), {{'a': [1]}}, to={str(other)!r})"
+    )
+    holder = subprocess.Popen([sys.executable, "-c", words], cwd=os.path.dirname(__file__))
+    try:
+        with within(20):
+            while not log.exists():
+                pass
+        with pytest.raises(pp.PinpressError, match=f"another sweep \\(process {holder.pid}\\)"):
+            sweep(partial(logged, log=str(log), pause=0), {"a": [1]}, to=other)
+    finally:
+        holder.send_signal(signal.SIGKILL)
+        holder.wait()
+    assert sweep(partial(logged, log=str(log), pause=0), {"a": [1]}, to=other).columns["twice"].tolist() == [2]
+    assert json.loads((tmp_path / "other.csv.sweep").read_text())["function"] == "logged"
+    assert not (tmp_path / "other.csv.lock").exists()

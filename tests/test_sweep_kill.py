@@ -1,0 +1,87 @@
+"""A sweep of simulations killed twice and resumed loses nothing, and repeats nothing that was finished.
+
+1000 points: a simulation takes 3 ms at the least, and 10 000 of them half a minute. `PINPRESS_SPEEDS=400` makes it 10 000.
+"""
+
+import csv
+import os
+import signal
+import subprocess
+import sys
+import time
+from collections import Counter
+from contextlib import suppress
+from functools import partial
+from pathlib import Path
+
+import pytest
+from sweep_10000 import INERTIAS, grid, stroke
+from time_limit import within
+
+from pinpress.sweeping import sweep
+
+SPEEDS = int(os.environ.get("PINPRESS_SPEEDS", "40"))
+POINTS = SPEEDS * len(INERTIAS)
+
+
+def executions(log):
+    return Counter(log.read_text().splitlines()) if log.exists() else Counter()
+
+
+def finished(path):
+    """Points in the file, complete lines of which end the points' numbers: (speed, inertia) as the log has them."""
+    lines = path.read_text().split("\n")[:-1]
+    return [f"{row[1]},{row[2]}" for row in csv.reader(lines[1:])] if lines else []
+
+
+@pytest.mark.parametrize("suffix", ["csv", "parquet"])
+def test_killed_twice_and_resumed(tmp_path, suffix):
+    file, log = tmp_path / f"r.{suffix}", tmp_path / "log"
+    running = file if suffix == "csv" else tmp_path / "r.parquet.csv"
+    speeds = SPEEDS if suffix == "csv" else 4  # what differs from CSV is the end
+    points = speeds * len(INERTIAS)
+    program = Path(__file__).with_name("sweep_10000.py")
+    started = []
+
+    def start(workers):
+        command = [sys.executable, str(program), str(file), str(log), str(speeds), str(workers)]
+        # A session of its own, to end its worker processes too, which outlive it.
+        started.append(subprocess.Popen(command, start_new_session=True, env=os.environ | {"OMP_NUM_THREADS": "1"}))
+        return started[-1]
+
+    try:
+        with within(300):
+            at_kills = []
+            for workers, share in ((0, 0.3), (2, 0.6)):
+                process = start(workers)
+                while sum(executions(log).values()) < share * points:
+                    assert process.poll() is None
+                    time.sleep(0.002)
+                os.kill(process.pid, signal.SIGKILL)  # alone: its workers hold neither the lock nor the file
+                assert process.wait() == -signal.SIGKILL
+                at_kills.append((finished(running), len(log.read_bytes())))
+            last = start(2)
+            assert last.wait() == 0
+    finally:
+        for process in started:
+            with suppress(ProcessLookupError):
+                os.killpg(process.pid, signal.SIGKILL)
+            process.wait()
+    done = executions(log)
+    assert len(done) == points
+    for known, until in at_kills:
+        assert len(known) == len(set(known)) < points
+        assert len(known) > 0.15 * points
+        later = log.read_bytes()[until:].decode().split("\n")
+        assert not set(known) & set(later), "a finished point was done again"
+    assert len(at_kills[0][0]) < len(at_kills[1][0])
+    # one by one, a kill costs one point; of two workers, what they had in hand and in their queue: five tasks
+    assert sum(done.values()) - points <= 1 + 5 * max(40, 0.02 * points)
+    found = sweep(partial(stroke, log=str(log)), grid(speeds), to=file)
+    assert executions(log) == done  # all of it was there
+    assert found.failed == ()
+    sample = range(0, points, max(1, points // 25))
+    for number in sample:
+        at = {name: found.columns[name][number] for name in ("speed", "inertia")}
+        alone = stroke(float(at["speed"]), float(at["inertia"]), log=os.devnull)
+        assert {name: found.columns[name][number] for name in alone} == alone
