@@ -32,36 +32,50 @@ __all__ = [
     "At",
     "Balance",
     "Brake",
+    "Capacities",
     "Case",
     "Clutch",
     "ConstantTorque",
     "Counterweight",
+    "DeadCentreShift",
     "DeadCentres",
     "Duty",
+    "EccentricLoad",
+    "Elasticity",
     "Extreme",
+    "FailedPoint",
     "Finding",
     "Flywheel",
     "Friction",
+    "Guide",
     "Harmonics",
     "Linkage",
     "Measurement",
     "Motion",
     "MotionDerivative",
+    "OperatingPoints",
     "Outcome",
     "Peak",
     "PinpressError",
     "PointForce",
     "Range",
+    "Ratings",
     "Reactions",
     "Report",
     "Rms",
+    "Rod",
     "Room",
     "Run",
     "Runs",
     "SimulationError",
     "SingularityError",
+    "SlideDeflection",
+    "SnapThrough",
+    "SpeedLimit",
     "SpringDamper",
     "Stats",
+    "Stiffness",
+    "Sweep",
     "Synthesis",
     "TradeOff",
     "Trial",
@@ -72,35 +86,51 @@ __all__ = [
     "balance",
     "check",
     "cycle",
+    "dead_centre_shift",
     "dead_centres",
     "drives",
     "duty",
+    "eccentric_load",
+    "elasticity",
     "extremes",
     "film",
+    "foundation",
     "harmonics",
     "inverse_dynamics",
     "load",
     "loads",
     "measures",
     "motion_derivatives",
+    "operating_points",
+    "permissible_breakthrough",
+    "permissible_eccentricity",
     "pivot_positions",
     "plot_accuracy",
     "plot_bearings",
     "plot_comparison",
+    "plot_dead_centre_shift",
+    "plot_elasticity",
     "plot_polar",
+    "plot_ratings",
     "plot_shaking",
     "plot_slide",
+    "plot_snap_through",
     "plot_torque",
     "plot_trade_offs",
     "presses",
+    "ratings",
     "record",
     "report",
     "reshaped",
     "save_plot",
     "simulate",
+    "slide_deflection",
+    "snap_through",
+    "speed_limit",
     "steady_state",
     "still",
     "strokes",
+    "sweep",
     "synthesise",
     "trade_off",
     "with_counterweights",
@@ -108,15 +138,21 @@ __all__ = [
 ]
 
 if TYPE_CHECKING:
-    from . import arrangements, drives, loads, measures
+    from . import arrangements, drives, foundation, loads, measures
     from .balance_measures import AddedMass, Peak, Range, Rms
     from .balance_plots import plot_trade_offs
     from .balance_result import Active, Balance, Outcome
     from .balancing import balance
+    from .breakthrough import SnapThrough, permissible_breakthrough, snap_through
+    from .capacities import Capacities
     from .checking import Report, check
+    from .compliance import Elasticity, elasticity
     from .counterweights import Counterweight, with_counterweights
     from .driveline import At, Brake, Clutch
     from .drives import ConstantTorque, Flywheel
+    from .elastic_elements import Rod, Stiffness
+    from .elastic_plots import plot_dead_centre_shift, plot_elasticity, plot_snap_through
+    from .elastic_slide import DeadCentreShift, SlideDeflection, dead_centre_shift, slide_deflection
     from .extreme_values import Extreme, extremes
     from .figures import save_plot
     from .filming import film, still
@@ -125,8 +161,14 @@ if TYPE_CHECKING:
     from .harmonic_analysis import Harmonics, harmonics
     from .inertia_responses import Case
     from .measurements import Accuracy, Measurement
+    from .operating import operating_points
+    from .operating_table import OperatingPoints
     from .plots import plot_bearings, plot_comparison, plot_polar, plot_shaking, plot_slide, plot_torque
     from .precision_plots import plot_accuracy
+    from .rating import Ratings, ratings
+    from .rating_guides import EccentricLoad, Guide, eccentric_load, permissible_eccentricity
+    from .rating_plots import plot_ratings
+    from .rating_speed import SpeedLimit, speed_limit
     from .recording import record
     from .reporting import report
     from .rooms import Room
@@ -137,6 +179,8 @@ if TYPE_CHECKING:
     from .sensitivities_pivots import pivot_positions
     from .simulation import simulate
     from .steady import steady_state
+    from .sweep_table import FailedPoint, Sweep
+    from .sweeping import sweep
     from .synthesis import Synthesis, synthesise
     from .trade_offs import TradeOff, trade_off
     from .trials import Trial
@@ -148,10 +192,16 @@ _LATER = {
     "balance_plots": ("plot_trade_offs",),
     "balance_result": ("Active", "Balance", "Outcome"),
     "balancing": ("balance",),
+    "breakthrough": ("SnapThrough", "permissible_breakthrough", "snap_through"),
+    "capacities": ("Capacities",),
     "checking": ("Report", "check"),
+    "compliance": ("Elasticity", "elasticity"),
     "counterweights": ("Counterweight", "with_counterweights"),
     "driveline": ("At", "Brake", "Clutch"),
     "drives": ("ConstantTorque", "Flywheel"),
+    "elastic_elements": ("Rod", "Stiffness"),
+    "elastic_plots": ("plot_dead_centre_shift", "plot_elasticity", "plot_snap_through"),
+    "elastic_slide": ("DeadCentreShift", "SlideDeflection", "dead_centre_shift", "slide_deflection"),
     "extreme_values": ("Extreme", "extremes"),
     "figures": ("save_plot",),
     "filming": ("film", "still"),
@@ -160,8 +210,14 @@ _LATER = {
     "harmonic_analysis": ("Harmonics", "harmonics"),
     "inertia_responses": ("Case",),
     "measurements": ("Accuracy", "Measurement"),
+    "operating": ("operating_points",),
+    "operating_table": ("OperatingPoints",),
     "plots": ("plot_bearings", "plot_comparison", "plot_polar", "plot_shaking", "plot_slide", "plot_torque"),
     "precision_plots": ("plot_accuracy",),
+    "rating": ("Ratings", "ratings"),
+    "rating_guides": ("EccentricLoad", "Guide", "eccentric_load", "permissible_eccentricity"),
+    "rating_plots": ("plot_ratings",),
+    "rating_speed": ("SpeedLimit", "speed_limit"),
     "recording": ("record",),
     "reporting": ("report",),
     "rooms": ("Room",),
@@ -172,6 +228,8 @@ _LATER = {
     "sensitivities_pivots": ("pivot_positions",),
     "simulation": ("simulate",),
     "steady": ("steady_state",),
+    "sweep_table": ("FailedPoint", "Sweep"),
+    "sweeping": ("sweep",),
     "synthesis": ("Synthesis", "synthesise"),
     "trade_offs": ("TradeOff", "trade_off"),
     "trials": ("Trial",),
@@ -184,7 +242,7 @@ def __getattr__(name: str) -> Any:
     """What is imported when it is first used: who wants one turn should not wait for the rest."""
     from importlib import import_module
 
-    if name in ("arrangements", "drives", "loads", "measures"):
+    if name in ("arrangements", "drives", "foundation", "loads", "measures"):
         return import_module(f".{name}", __name__)
     for module, names in _LATER.items():
         if name in names:

@@ -132,7 +132,7 @@ for module in pkgutil.iter_modules(pinpress.__path__):
         importlib.import_module("pinpress." + module.name)
 print(*[name for name in pinpress.__all__ if isinstance(getattr(pinpress, name), types.ModuleType)])
 """
-    assert python(checkout, code, tmp_path).split() == ["arrangements", "drives", "loads", "measures"]
+    assert python(checkout, code, tmp_path).split() == ["arrangements", "drives", "foundation", "loads", "measures"]
 
 
 @pytest.mark.parametrize("name", PRESSES)
