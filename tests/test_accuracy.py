@@ -13,9 +13,10 @@ import numpy as np
 import pytest
 import small_linkages
 import spatial_linkages
+import texts
 
 import pinpress as pp
-from pinpress import measurements, peers
+from pinpress import measurements, peers, work_precision
 from pinpress.__main__ import main
 from pinpress.contestants import Contestant, Errors
 from pinpress.contestants import measured as measured_of
@@ -40,7 +41,7 @@ def told():
 
 @pytest.fixture(scope="module")
 def measured(alone, told):
-    return pp.accuracy(pp.load("zxn2_3000b"), SPEED, points=36, repeats=1, progress=told.append)
+    return pp.accuracy(texts.shipped("zxn2_3000b"), SPEED, points=36, repeats=1, progress=told.append)
 
 
 def test_all_groups_are_measured(measured, told):
@@ -220,7 +221,7 @@ def test_a_spatial_linkage(alone, tmp_path):
 
 def test_loops_that_hold_each_other(alone):
     """Proximal settings are skipped with a line; all else is measured."""
-    measured = pp.accuracy(pp.load("jf75g_125_two_point"), 300 * pp.RPM, duration=0.05, points=12, repeats=1)
+    measured = pp.accuracy(texts.shipped("jf75g_125_two_point"), 300 * pp.RPM, duration=0.05, points=12, repeats=1)
     assert not measured.of(PROXIMAL)
     assert PROXIMAL not in measured.certificates
     assert any("proximal settings are skipped" in line for line in measured.skipped)
@@ -242,7 +243,7 @@ def test_loops_that_hold_each_other(alone):
     ],
 )
 def test_wrong_arguments(alone, arguments, problem):
-    given = {"press": pp.load("crank_slide"), "speed": SPEED} | arguments
+    given = {"press": texts.shipped("crank_slide"), "speed": SPEED} | arguments
     with pytest.raises(pp.PinpressError, match=problem):
         pp.accuracy(**given)
 
@@ -287,8 +288,9 @@ def test_command(alone, capsys, tmp_path):
         assert {row["group"] for row in csv.DictReader(file)} == set(GROUPS)
 
 
-def test_command_without_matplotlib(alone, capsys, tmp_path, monkeypatch):
-    """The table is written all the same."""
+def test_command_without_matplotlib(measured, capsys, tmp_path, monkeypatch):
+    """The table is written all the same; `test_command` is the one that measures."""
+    monkeypatch.setattr(work_precision, "accuracy", lambda *given: measured)
     find = importlib.util.find_spec
     monkeypatch.setattr(importlib.util, "find_spec", lambda name, *more: None if name == "matplotlib" else find(name, *more))
     words = ["crank_slide", "--speed", "300", "--points", "12", "--repeats", "1", "--duration", "0.02", "--out", str(tmp_path)]

@@ -14,6 +14,7 @@ import cassie
 import numpy as np
 import pinocchio as pin
 import pytest
+import texts
 from hypothesis import HealthCheck, assume, given, settings
 from numpy.testing import assert_allclose, assert_array_equal
 from random_linkages import drawn, linkages
@@ -107,7 +108,7 @@ def joined(press: Any, position: Any, normal: Any = None) -> None:
 
 @pytest.mark.parametrize("name", pp.presses())
 def test_visuals_as_pinocchio_reads_them(name: str) -> None:
-    press = pp.load(name)
+    press = texts.shipped(name)
     shown = bodies(press, positions(press))
     assert tuple(body.name for body in shown) == press.links
     assert all(body.drawn for body in shown)
@@ -336,7 +337,7 @@ def test_mesh_that_is_a_folder_and_scale_beyond_numbers(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("name", pp.presses())
 def test_pins_join_links_without_visuals(name: str) -> None:
-    press = bare(pp.load(name))
+    press = bare(texts.shipped(name))
     assert b"<visual" not in press.text
     position = positions(press)
     shown = bodies(press, position)
@@ -357,7 +358,7 @@ def own_colours(shown: Any) -> list[tuple[float, ...]]:
 
 @pytest.mark.parametrize("name", pp.presses())
 def test_colours_tell_links_apart(name: str) -> None:
-    press = bare(pp.load(name))
+    press = bare(texts.shipped(name))
     colours = own_colours(bodies(press, positions(press)))
     for one, other in itertools.combinations(colours, 2):
         assert np.abs(np.subtract(one, other)).max() > 0.1
@@ -366,7 +367,7 @@ def test_colours_tell_links_apart(name: str) -> None:
 @pytest.mark.parametrize("name", ["crank_slide", "jf75g_125", "jf75g_125_symmetric", "zxn2_3000b"])
 def test_links_pass_each_other_in_layers(name: str) -> None:
     """Along the normal, what is not a pin takes up room that no other link has; all bearings of these presses are at one height."""
-    press = bare(pp.load(name))
+    press = bare(texts.shipped(name))
     layers = []
     for body in bodies(press, positions(press)):
         placed = press.model.frames[body.frame].placement  # its turning about the normal changes nothing
@@ -384,7 +385,7 @@ def test_links_pass_each_other_in_layers(name: str) -> None:
 
 @pytest.mark.parametrize("name", pp.presses())
 def test_slides_stay_between_their_rails(name: str) -> None:
-    press = bare(pp.load(name))
+    press = bare(texts.shipped(name))
     position = positions(press)
     shown = bodies(press, position)
     rails = [part for part in shown[0].parts if isinstance(part.shape, Box) and max(part.shape.size) == part.shape.size[0]]
@@ -408,7 +409,7 @@ def test_slides_stay_between_their_rails(name: str) -> None:
 
 
 def test_same_press_same_parts() -> None:
-    press = bare(pp.load("thin_wall"))
+    press = bare(texts.shipped("thin_wall"))
     one, other = (bodies(press, positions(press)) for _ in range(2))
     for a, b in zip(one, other, strict=True):
         assert (a.name, a.frame, a.drawn) == (b.name, b.frame, b.drawn)
@@ -419,10 +420,10 @@ def test_same_press_same_parts() -> None:
 
 
 def test_visuals_of_some_links() -> None:
-    press = bare(pp.load("zxn2_3000b"), "frame", "coupler", "rod")
+    press = bare(texts.shipped("zxn2_3000b"), "frame", "coupler", "rod")
     shown = {body.name: body for body in bodies(press, positions(press))}
     assert [name for name, body in shown.items() if not body.drawn] == ["frame", "coupler", "rod"]
-    whole = {body.name: body for body in bodies(pp.load("zxn2_3000b"), positions(press))}
+    whole = {body.name: body for body in bodies(texts.shipped("zxn2_3000b"), positions(press))}
     for name in ("crank", "rocker", "slide"):
         assert [part.shape for part in shown[name].parts] == [part.shape for part in whole[name].parts]
 

@@ -11,6 +11,7 @@ from pathlib import Path
 import numpy as np
 import pinocchio as pin
 import pytest
+import texts
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from random_linkages import Drawing, four_bar
@@ -128,7 +129,7 @@ def test_a_crank_slide_is_read_as_it_was_drawn(folder, seed):
 
 def test_the_jf75g_125_is_read():
     """52.25 kg at the pin and half of 77.49 kg turn with it, 2200 kg and the other half go up and down; a uniform rod."""
-    main = arrangements.crank_slide(pp.load("jf75g_125_plain"))
+    main = arrangements.crank_slide(texts.shipped("jf75g_125_plain"))
     assert (main.crank_radius, main.rod_length, main.ratio) == pytest.approx((0.015, 0.3, 0.05), rel=1e-14)
     assert main.rotating_product == pytest.approx((52.25 + 77.49 / 2) * 0.015, rel=1e-14)
     assert main.reciprocating_mass == pytest.approx(2200 + 77.49 / 2, rel=1e-14)
@@ -146,7 +147,7 @@ def test_the_jf75g_125_is_read():
 def test_other_presses_are_refused(name, said):
     for arrangement in (arrangements.crank_slide, lambda press: opposed(press, 0.1)):
         with pytest.raises(pp.PinpressError, match=f"{name} is no centred crank-slide: .*{said}"):
-            arrangement(pp.load(name))
+            arrangement(texts.shipped(name))
 
 
 def test_what_differs_from_a_crank_slide_is_named(folder):
@@ -201,7 +202,7 @@ def test_harmonic_coefficients_begin_like_the_textbooks_series():
 
 def test_slide_accelerates_by_the_harmonics():
     """The textbook crank-slide at bottom dead centre, upwards positive: r w^2 (1 + A2 + A4 + ...), lambda = 0.25."""
-    press = pp.load("crank_slide")
+    press = texts.shipped("crank_slide")
     motion = pp.cycle(press, W, 64)
     waves = np.cos(np.multiply.outer(motion.crank_angle, np.arange(41)))
     expected = 0.1 * W**2 * waves @ arrangements.harmonic_coefficients(0.25, 40)
@@ -234,7 +235,7 @@ def test_complete_balance_fixes_the_centre_of_mass(folder, seed):
 
 def test_complete_balance_of_the_jf75g_125():
     """m'' = (m2 h2 + m3 l2) / r2, m' = (m_B l1 + m1 h1) / r1; with the thesis' m2 for m_B the centre of mass would not stand still."""
-    press = pp.load("jf75g_125_plain")
+    press = texts.shipped("jf75g_125_plain")
     on_rod, on_crank = arrangements.complete_balance(press, rod_radius=0.2, crank_radius=0.1)
     m_b = (77.49 * 0.15 + 2200 * 0.3) / 0.2 + 77.49 + 2200
     assert on_rod.mass == pytest.approx(m_b - 2277.49, rel=1e-14)
@@ -262,7 +263,7 @@ def test_approximate_balance_leaves_what_it_says(folder, seed, share):
 
 
 def test_approximate_balance_halves_the_first_order_of_the_jf75g_125():
-    press = pp.load("jf75g_125_plain")
+    press = texts.shipped("jf75g_125_plain")
     result = turn(with_counterweights(press, [arrangements.approximate_balance(press, 0.15)]))
     first = pp.harmonics(result.motion, result.shaking_force).amplitude[1]
     expected = 0.5 * (2200 + 77.49 / 2) * 0.015 * W**2
@@ -326,7 +327,7 @@ def test_opposed_leaves_the_tilting_moment_of_the_rods_inertia(folder, seed, sca
 
 def test_opposed_with_another_ratio_leaves_the_even_orders(folder):
     """m_C r1 w^2 |A_k(lambda1) - A_k(lambda2)| along the line, nothing across it."""
-    press = pp.load("jf75g_125_plain", gravity=(0, 0, 0))
+    press = texts.shipped("jf75g_125_plain", gravity=(0, 0, 0))
     result = turn(opposed(press, crank_radius=0.0297, rod_length=0.45), points=64)
     found = pp.harmonics(result.motion, result.shaking_force).amplitude
     one, other = (arrangements.harmonic_coefficients(ratio, 12) for ratio in (0.05, 0.0297 / 0.45))
@@ -339,7 +340,7 @@ def test_opposed_with_another_ratio_leaves_the_even_orders(folder):
 def test_opposed_keeps_the_balance_condition_of_the_shipped_press(rod_mass):
     """(m1 + m2 + m3) r1 = (m4 + m5 + m6) r2, from which the shipped r2 = 0.0297 m was rounded (to 0.0297 of 0.029699), with the mass moment
     of the crank for (m1 r1 - m4 r2); exactly. The shipped press' 119.06 N and its 1705 N across become rounding."""
-    plain, shipped = pp.load("jf75g_125_plain"), pp.load("jf75g_125")
+    plain, shipped = texts.shipped("jf75g_125_plain"), texts.shipped("jf75g_125")
     press = opposed(plain, 0.0297, rod_mass=rod_mass)
 
     def products(of):
@@ -369,7 +370,7 @@ def test_opposed_keeps_the_balance_condition_of_the_shipped_press(rod_mass):
 )
 def test_bad_sizes_of_the_auxiliary_crank_slide_are_refused(sizes, said):
     with pytest.raises(pp.PinpressError, match=said):
-        opposed(pp.load("jf75g_125_plain"), **sizes)
+        opposed(texts.shipped("jf75g_125_plain"), **sizes)
 
 
 # --------------------------------------------------------------------------------------------------------------------------- symmetric
@@ -377,7 +378,7 @@ def test_bad_sizes_of_the_auxiliary_crank_slide_are_refused(sizes, said):
 
 def test_symmetric_of_the_shipped_press_is_the_shipped_symmetric_one():
     """Torque, gear pair, shaking force and every bearing force of `jf75g_125_symmetric`, from `jf75g_125`: joints have the same names."""
-    made, shipped = symmetric(pp.load("jf75g_125"), 0.5), pp.load("jf75g_125_symmetric")
+    made, shipped = symmetric(texts.shipped("jf75g_125"), 0.5), texts.shipped("jf75g_125_symmetric")
     assert set(made.bearings) == set(shipped.bearings)
     assert (made.driver, made.mobility) == (shipped.driver, 1)
     found, expected = servo(made), servo(shipped)
@@ -410,7 +411,7 @@ def test_symmetric_has_no_lateral_force_and_no_tilting_moment(folder, seed, with
 
 def test_a_central_load_does_not_tilt_the_symmetric_press():
     loads = [pp.loads.DeepDrawing(force=1e6, start=0.010)]
-    press = symmetric(opposed(pp.load("jf75g_125_plain"), 0.0297), 0.5)
+    press = symmetric(opposed(texts.shipped("jf75g_125_plain"), 0.0297), 0.5)
     result = turn(press, loads=loads, points=72)
     assert np.abs(result.shaking_force[:, 0]).max() <= ROUNDING * 1e6
     assert np.abs(result.shaking_moment).max() <= ROUNDING * 1e6
@@ -418,10 +419,10 @@ def test_a_central_load_does_not_tilt_the_symmetric_press():
 
 def test_presses_that_cannot_be_mirrored_are_refused():
     for press, distance, said in (
-        (pp.load("jf75g_125"), 0.0, "shaft_distance is 0.0: give a positive number"),
-        (pp.load("jf75g_125_symmetric"), 0.5, "has gear pairs"),
-        (pp.load("zxn2_3000b"), 0.5, "bearing 'F' moves 1.25 m beside the shaft"),
-        (pp.load("thin_wall"), 0.5, "bearing 'E' moves 0.28 m beside the shaft"),
+        (texts.shipped("jf75g_125"), 0.0, "shaft_distance is 0.0: give a positive number"),
+        (texts.shipped("jf75g_125_symmetric"), 0.5, "has gear pairs"),
+        (texts.shipped("zxn2_3000b"), 0.5, "bearing 'F' moves 1.25 m beside the shaft"),
+        (texts.shipped("thin_wall"), 0.5, "bearing 'E' moves 0.28 m beside the shaft"),
     ):
         with pytest.raises(pp.PinpressError, match=said):
             symmetric(press, distance)
@@ -432,7 +433,7 @@ def test_presses_that_cannot_be_mirrored_are_refused():
 
 @pytest.mark.parametrize("make", [lambda press: opposed(press, 0.0297), lambda press: symmetric(opposed(press, 0.0297), 0.5)])
 def test_new_presses_can_be_written_and_loaded_again(make, tmp_path):
-    press = make(pp.load("jf75g_125_plain", gravity=(0, 0, -9.80665)))
+    press = make(texts.shipped("jf75g_125_plain", gravity=(0, 0, -9.80665)))
     again = pp.load(pp.write_urdf(press, tmp_path / "again.urdf"), gravity=(0, 0, -9.80665))
     assert again.bearings == press.bearings
     for one, other in zip(
@@ -444,7 +445,7 @@ def test_new_presses_can_be_written_and_loaded_again(make, tmp_path):
 
 
 def test_new_presses_can_be_recorded_and_reported(tmp_path):
-    press = symmetric(opposed(pp.load("crank_slide"), 0.15), 0.6)
+    press = symmetric(opposed(texts.shipped("crank_slide"), 0.15), 0.6)
     result = turn(press)
     assert pp.record(press, result.motion, tmp_path / "press.html", result).stat().st_size > 100_000
     assert pp.report(press, result.motion, tmp_path / "report.html", result).stat().st_size > 100_000
@@ -452,7 +453,7 @@ def test_new_presses_can_be_recorded_and_reported(tmp_path):
 
 def test_a_changed_press_can_be_arranged():
     """With its counterweights, in memory: those of `approximate_balance` on the plain press are balanced like the rest."""
-    plain = pp.load("jf75g_125_plain")
+    plain = texts.shipped("jf75g_125_plain")
     changed = with_counterweights(plain, [arrangements.approximate_balance(plain, 0.15, 0.2)])
     press = opposed(changed, 0.0297)
     assert mass(press) > mass(changed) > mass(plain)
@@ -464,7 +465,7 @@ def test_a_changed_press_can_be_arranged():
 
 def test_cancelled_says_what_became_of_every_harmonic():
     """Of the plain press with half of the reciprocating mass balanced: the first order along is halved, across raised; no other changes."""
-    plain = pp.load("jf75g_125_plain")
+    plain = texts.shipped("jf75g_125_plain")
     balanced = with_counterweights(plain, [arrangements.approximate_balance(plain, 0.15)])
     found = {(c.quantity, c.order): c for c in arrangements.cancelled(turn(plain), turn(balanced))}
     along = [found["force along the slide", k].change for k in range(1, 7)]
@@ -477,14 +478,14 @@ def test_cancelled_says_what_became_of_every_harmonic():
 
 def test_cancelled_by_the_symmetric_press():
     """Tilting moment and lateral force in all orders, about the shaft of the press before, wherever the world's origin is."""
-    plain = pp.load("jf75g_125_plain")
+    plain = texts.shipped("jf75g_125_plain")
     found = arrangements.cancelled(turn(plain), turn(symmetric(opposed(plain, 0.0297), 0.5)))
     assert {change.change for change in found} == {"cancelled", "none"}
     assert [c.order for c in found if c.quantity == "tilting moment" and c.change == "cancelled"] == [1, 3, 5]
 
 
 def test_what_cannot_be_compared_is_refused():
-    plain = pp.load("jf75g_125_plain")
+    plain = texts.shipped("jf75g_125_plain")
     result = turn(plain)
     for before, after, said in (
         (result, turn(plain, speed=2 * W), "different speeds"),
@@ -502,13 +503,13 @@ def test_what_cannot_be_compared_is_refused():
 @pytest.mark.parametrize("share", [-0.1, 1.1, np.nan, "half", True])
 def test_a_share_is_from_zero_to_one(share):
     with pytest.raises(pp.PinpressError, match=r"share is .* from 0 to 1"):
-        arrangements.approximate_balance(pp.load("crank_slide"), 0.1, share)
+        arrangements.approximate_balance(texts.shipped("crank_slide"), 0.1, share)
 
 
 @pytest.mark.parametrize(("radii", "link"), [((0.0, 0.1), "rod"), ((0.1, -0.1), "crank")])
 def test_radii_of_counterweights_are_positive(radii, link):
     with pytest.raises(pp.PinpressError, match=f"radius of the counterweight on '{link}' is .* give a positive number"):
-        arrangements.complete_balance(pp.load("crank_slide"), *radii)
+        arrangements.complete_balance(texts.shipped("crank_slide"), *radii)
 
 
 def test_the_table_is_what_its_script_prints():

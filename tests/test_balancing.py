@@ -19,7 +19,7 @@ ROUNDING = 1e-9  # of a measure before balancing; what is proved, to 1e-8, is sa
 
 @pytest.fixture(scope="module")
 def six_bar():
-    return pp.load("zxn2_3000b")
+    return texts.shipped("zxn2_3000b")
 
 
 @pytest.fixture(scope="module")
@@ -29,7 +29,7 @@ def turn(six_bar):
 
 @pytest.fixture(scope="module")
 def jf75g():
-    return pp.load("jf75g_125")
+    return texts.shipped("jf75g_125")
 
 
 # ----------------------------------------------------------------------------------------------------------- Zhang 2007, table 5-1
@@ -268,7 +268,7 @@ def test_motions_and_loads_that_do_not_belong_are_refused(six_bar, turn, jf75g):
 
 
 def test_a_force_that_symmetry_cancels_can_be_limited_but_not_improved():
-    press = pp.load("jf75g_125_symmetric")
+    press = texts.shipped("jf75g_125_symmetric")
     motion = pp.cycle(press, 300 * pp.RPM)
     rooms = [pp.Room(f"crank_{side}", radius=0.1) for side in ("left", "right")]
     with pytest.raises(pp.PinpressError, match="shaking force, x of jf75g_125_symmetric is zero before balancing"):

@@ -11,6 +11,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import random_linkages
+import texts
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
@@ -149,7 +150,7 @@ def test_a_lock_is_none(loaded):
     """At a lock there is no other side: `passage` is the branch itself."""
     press = loaded(random_linkages.four_bar(1.0, 0.8, 0.3, 0.7, 0.9).urdf("O"))
     assert press.passage is press.branch
-    whole = pp.load("zxn2_3000b")
+    whole = texts.shipped("zxn2_3000b")
     assert whole.passage is whole.branch
     assert not whole.passage.change_points
 

@@ -6,6 +6,7 @@ import os
 import re
 import subprocess
 import sys
+from pathlib import Path
 
 import numpy as np
 import pinocchio as pin
@@ -34,9 +35,9 @@ from spatial_linkages import bennett, four_bar
 import pinpress as pp
 from pinpress.__main__ import main
 
-ZXN2 = pp.load("zxn2_3000b").text.decode()
+URDF = Path(__file__).resolve().parent.parent / "urdf"
+ZXN2, SYMMETRIC = ((URDF / f"{name}.urdf").read_text(encoding="utf-8") for name in ("zxn2_3000b", "jf75g_125_symmetric"))
 TWICE = with_element(f'<loop_joint name="V" type="spherical">{ROD_END}{SLIDE_END}</loop_joint>')
-SYMMETRIC = pp.load("jf75g_125_symmetric").text.decode()
 
 
 @pytest.fixture

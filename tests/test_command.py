@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import texts
 from in_browser import data_in
 
 import pinpress as pp
@@ -35,7 +36,7 @@ def test_analyse_prints_a_summary_and_writes_both_files(tmp_path: Path) -> None:
         header, *rows = csv.reader(file)
     assert header[:2] == ["time [s]", "crank_angle [rad]"]
     assert len(rows) == 720
-    press = pp.load("zxn2_3000b")
+    press = texts.shipped("zxn2_3000b")
     motion = pp.cycle(press, speed=70 * pp.RPM, points=720)
     result = pp.inverse_dynamics(press, motion)
     table = np.array(rows, dtype=float)
@@ -67,7 +68,7 @@ def test_summary_peaks(capsys: pytest.CaptureFixture[str]) -> None:
     """Peaks of the summary against the quantities themselves, in the words around them."""
     assert main(["analyse", "crank_slide", "--speed", "60", "--points", "360", "--engine", "pinocchio"]) == 0
     text = capsys.readouterr().out
-    press = pp.load("crank_slide")
+    press = texts.shipped("crank_slide")
     result = pp.inverse_dynamics(press, pp.cycle(press, speed=60 * pp.RPM, points=360, engine="pinocchio"), engine="pinocchio")
     assert "engine 'pinocchio'" in text
     assert f"{'  stroke':28}{200:12.3f} mm" in text

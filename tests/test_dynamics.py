@@ -5,6 +5,7 @@ import re
 import numpy as np
 import pinocchio as pin
 import pytest
+import texts
 from random_linkages import four_bar
 
 import pinpress as pp
@@ -16,7 +17,7 @@ SERVO = {"angle": np.linspace(-7, 4, 23), "speed": 6 * np.cos(np.linspace(0, 5, 
 
 @pytest.fixture(scope="module")
 def zxn2():
-    return pp.load("zxn2_3000b")
+    return texts.shipped("zxn2_3000b")
 
 
 def numbers(result):
@@ -134,7 +135,7 @@ def test_torque_and_forces_are_affine(zxn2, engine):
 @pytest.mark.parametrize("engine", ENGINES)
 def test_weight_is_what_gravity_adds(engine):
     """Without gravity, speed and load nothing acts at all; with it, forces are proportional to it."""
-    free, earth, double = (pp.load("zxn2_3000b", gravity=(0, 0, g)) for g in (0.0, -9.81, -19.62))
+    free, earth, double = (texts.shipped("zxn2_3000b", gravity=(0, 0, g)) for g in (0.0, -9.81, -19.62))
     poses = {"angle": np.linspace(0, 6, 9), "speed": 0.0}
     still = [pp.inverse_dynamics(p, pp.cycle(p, **poses, engine=engine), engine=engine) for p in (free, earth, double)]
     for values in numbers(still[0]):
@@ -219,7 +220,7 @@ def test_a_wrong_torque_shows_in_the_power_residual(zxn2, motion, engine):
 def test_a_turn_at_constant_speed_does_no_work(press_name):
     """Kinetic and potential energy come back, so the mean torque is zero: 1e-12 of the peak. (Equal steps over a period integrate a smooth
     function to rounding.)"""
-    press = pp.load(press_name)
+    press = texts.shipped(press_name)
     for speed in (SPEED, -SPEED):
         torque = pp.inverse_dynamics(press, pp.cycle(press, speed, points=360)).driving_torque
         assert abs(torque.mean()) <= 1e-12 * np.abs(torque).max()
@@ -246,7 +247,7 @@ def test_work_is_energy(zxn2):
 @pytest.mark.parametrize("engine", ENGINES)
 def test_another_driver_does_the_same_work(engine):
     """Driven at the rod's pin P instead of the crank, with the motion that the crank gave it: the same states and power; 1e-12."""
-    by_crank, by_rod = pp.load("crank_slide"), pp.load("crank_slide", driver="P")
+    by_crank, by_rod = texts.shipped("crank_slide"), pp.load("crank_slide", driver="P")
     assert by_rod.driver == "P"
     motion = pp.cycle(by_crank, angle=np.linspace(-4, 5, 31), speed=np.linspace(3, 6, 31), acceleration=-20.0, engine=engine)
     p, o = (by_crank.joints.index(name) for name in "PO")
@@ -270,7 +271,7 @@ def test_another_driver_does_the_same_work(engine):
 @pytest.mark.parametrize("engine", ENGINES)
 def test_a_motion_serves_another_press_of_the_same_lengths(zxn2, motion, engine):
     """The balanced press moves as the unbalanced one: its forces from either motion are the same to rounding (1e-12 of the peak)."""
-    balanced = pp.load("zxn2_3000b_balanced")
+    balanced = texts.shipped("zxn2_3000b_balanced")
     own = pp.inverse_dynamics(balanced, pp.cycle(balanced, **SERVO), engine=engine)
     lent = pp.inverse_dynamics(balanced, motion, engine=engine)
     same(own, lent, 1e-12)
@@ -282,7 +283,7 @@ def test_a_motion_serves_another_press_of_the_same_lengths(zxn2, motion, engine)
 def test_a_motion_of_another_linkage_is_refused(zxn2, motion, tmp_path, engine):
     """By its joints, and by lengths that do not fit."""
     with pytest.raises(pp.PinpressError, match="other joints"):
-        pp.inverse_dynamics(pp.load("crank_slide"), motion, engine=engine)
+        pp.inverse_dynamics(texts.shipped("crank_slide"), motion, engine=engine)
     file = tmp_path / "four_bar.urdf"
     presses = []
     for crank in (0.3, 0.301):

@@ -17,6 +17,7 @@ import uuid
 from collections.abc import Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -78,6 +79,30 @@ def fake_screen(monkeypatch: pytest.MonkeyPatch) -> Callable[[float], None]:
         monkeypatch.setattr("pinpress.filming.opened", lambda *_: contextlib.nullcontext(Screen(duration, picture)))
 
     return fake
+
+
+@pytest.fixture(scope="module")
+def chromium_in_a_thread() -> Iterator[tuple[ThreadPoolExecutor, Any]]:
+    """Started as the library starts it."""
+    from playwright.sync_api import sync_playwright
+
+    with ThreadPoolExecutor(1) as thread:
+        playwright = thread.submit(lambda: sync_playwright().start()).result()
+        options = {"executable_path": CHROMIUM, "args": list(browser.FLAGS), "chromium_sandbox": os.geteuid() != 0}
+        chromium = thread.submit(lambda: playwright.chromium.launch(**options)).result()
+        yield thread, chromium
+        thread.submit(chromium.close).result()
+        thread.submit(playwright.stop).result()
+
+
+@pytest.fixture
+def running(chromium_in_a_thread: tuple[ThreadPoolExecutor, Any], monkeypatch: pytest.MonkeyPatch) -> None:
+    """Pictures and films by a Chromium that runs already, a tab each: to start one takes longer than such a test, and others do."""
+    thread, chromium = chromium_in_a_thread
+    playwright = SimpleNamespace(chromium=SimpleNamespace(launch=lambda **_: chromium))
+    monkeypatch.setattr("playwright.sync_api.sync_playwright", lambda: contextlib.nullcontext(playwright))
+    monkeypatch.setattr(browser, "ThreadPoolExecutor", lambda _: contextlib.nullcontext(thread))
+    monkeypatch.setattr(browser, "_close", lambda chromium: [context.close() for context in chromium.contexts])
 
 
 def values(png: bytes) -> Any:
@@ -174,6 +199,7 @@ def test_film_shows_the_recording_at_the_times_of_its_frames(filmed: tuple[Path,
     assert list(out.parent.iterdir()) == [out]
 
 
+@pytest.mark.usefixtures("running")
 def test_one_turn_is_slowed_down_for_the_eye(tmp_path: Path) -> None:
     _, shown = frames(film(stub(tmp_path, DURATION), tmp_path / "out.mp4", (64, 64), 2))
     assert len(shown) == round(5 * DURATION * 2) == 9
@@ -186,6 +212,7 @@ def test_slow_enough(duration: float, slowdown: float) -> None:
     assert slow_enough(duration) == slowdown
 
 
+@pytest.mark.usefixtures("running")
 def test_gif(tmp_path: Path) -> None:
     from PIL import Image
 
@@ -283,6 +310,7 @@ def test_unknown_suffix(make: Any, name: str, endings: str, page: Path, tmp_path
         make(page, tmp_path / name)
 
 
+@pytest.mark.usefixtures("running")
 @pytest.mark.parametrize(
     ("content", "says"),
     [
@@ -301,6 +329,7 @@ def test_no_recording(content: bytes | None, says: str, tmp_path: Path) -> None:
     assert {p.name for p in tmp_path.iterdir()} <= {"out.html"}
 
 
+@pytest.mark.usefixtures("running")
 @pytest.mark.parametrize(
     ("wrong", "says"),
     [
@@ -317,6 +346,7 @@ def test_what_goes_wrong_in_the_page_is_said(wrong: str, says: str, tmp_path: Pa
     assert not out.exists()
 
 
+@pytest.mark.usefixtures("running")
 def test_without_webgl(page: Path, tmp_path: Path) -> None:
     html, out = tmp_path / "out.html", tmp_path / "out.png"
     none = "<body><script>HTMLCanvasElement.prototype.getContext = () => null</script>"
@@ -326,6 +356,7 @@ def test_without_webgl(page: Path, tmp_path: Path) -> None:
     assert not out.exists()
 
 
+@pytest.mark.usefixtures("running")
 def test_lost_graphics_are_no_blank_picture(page: Path, tmp_path: Path) -> None:
     html, out = tmp_path / "out.html", tmp_path / "out.png"
     lose = "viewer.renderer.getContext().getExtension('WEBGL_lose_context').loseContext();"

@@ -9,6 +9,7 @@ import numpy as np
 import pinocchio as pin
 import pytest
 import random_linkages
+import texts
 from cut_free import gears
 from random_linkages import Group, Spec
 from spatial_linkages import Loops, bennett, bricard, four_bar, null_space
@@ -80,7 +81,7 @@ def load(tmp_path_factory):
 @pytest.fixture(scope="module", params=FAMILIES)
 def case(request, load):
     made = FAMILIES[request.param]
-    press = pp.load(request.param) if made is None else load(made())
+    press = texts.shipped(request.param) if made is None else load(made())
     count = len(press.drivers)
     swing, middle = {"cassie": (0.1, 0.0), "bricard": (1.0, -0.4)}.get(request.param, (0.4, 0.0))
     frequency, phase = np.linspace(2.0, 4.0, count), np.arange(count)
@@ -274,7 +275,7 @@ def massless(press, *links):
 def test_links_without_mass():
     """A slide on a crank and rod without mass: m s'^2 alpha = torque - m s' (s'' speed^2 + g) from the slide's influence coefficients.
     At a dead centre nothing resists the crank."""
-    press = pp.load("crank_slide")
+    press = texts.shipped("crank_slide")
     names = {name: press.model.frames[press.model.getFrameId(name, pin.BODY)].parentJoint for name in press.links}
     light = massless(press, *(link for link in press.links if link != press.slide and names[link]))
     mass = light.model.inertias[names[press.slide]].mass
@@ -299,7 +300,7 @@ def test_links_without_mass():
 @pytest.mark.parametrize("wrong", [np.nan, np.inf, 1e200])
 def test_what_is_not_finite(name, wrong):
     """Every argument is named; squares that overflow are too fast."""
-    press = pp.load(name)
+    press = texts.shipped(name)
     dynamics = ForwardDynamics(press, np.zeros(press.model.nv))
     x, zero = press.closed.copy(), np.zeros(press.model.nv)
     bad = zero.copy()
@@ -327,7 +328,7 @@ def test_what_is_not_finite(name, wrong):
 @pytest.mark.parametrize("armature", [np.zeros(2), [0, np.nan, 0], [np.inf, 0, 0], 1.0])
 def test_a_bad_armature(armature):
     with pytest.raises(pp.PinpressError, match="give 3 finite inertias"):
-        ForwardDynamics(pp.load("crank_slide"), armature)
+        ForwardDynamics(texts.shipped("crank_slide"), armature)
 
 
 # ------------------------------------------------------------------------------------------------------------------------ energy, points
@@ -362,7 +363,7 @@ def test_power(case):
 
 def test_energy_of_a_free_run():
     """Half a second without torque by Runge and Kutta's method of order 4 and projection: energy to h^4; of half the step 1/16."""
-    press = pp.load("zxn2_3000b")
+    press = texts.shipped("zxn2_3000b")
     crank = press.spatial.drivers[0]
     dynamics = ForwardDynamics(press, 2000.0 * (np.arange(5) == crank))
     drifts = []
@@ -456,7 +457,7 @@ def test_the_nearest_state(case):
 
 def test_the_gap(load):
     """What a loop is drawn apart, and a coupling; many turns of the crank cost digits and no more."""
-    press = pp.load("zxn2_3000b")
+    press = texts.shipped("zxn2_3000b")
     dynamics = ForwardDynamics(press, np.zeros(5))
     slide = press.slide_guide[0]
     assert dynamics.gap(press.closed + 1e-3 * (np.arange(5) == slide)) == pytest.approx(1e-3, rel=1e-9)
@@ -465,7 +466,7 @@ def test_the_gap(load):
     at, _, gap = dynamics.project(x, np.zeros(5))
     assert gap < 1e-9
     assert np.abs(at - x).max() < 1e-5
-    geared = pp.load("jf75g_125_symmetric")
+    geared = texts.shipped("jf75g_125_symmetric")
     turned = geared.closed + 1e-3 * np.array([joint in ("O_left",) for joint in geared.joints])
     assert ForwardDynamics(geared, np.zeros(8)).gap(turned) == pytest.approx(1e-3 * geared.spatial.size, rel=1e-9)
 
@@ -473,7 +474,7 @@ def test_the_gap(load):
 def test_loops_that_do_not_close(monkeypatch):
     """It is said after so many steps, with the gap."""
     monkeypatch.setattr(forward_dynamics, "MOST_NEWTON_STEPS", 1)
-    press = pp.load("zxn2_3000b")
+    press = texts.shipped("zxn2_3000b")
     with pytest.raises(pp.AssemblyError, match="do not close near this state") as caught:
         ForwardDynamics(press, np.zeros(5)).project(press.closed + 0.05, np.zeros(5))
     assert caught.value.iterations == 1

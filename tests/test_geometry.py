@@ -3,6 +3,7 @@
 import numpy as np
 import pinocchio as pin
 import pytest
+import texts
 from small_linkages import bolted, geared
 from spatial_linkages import bennett
 
@@ -15,7 +16,7 @@ ROUNDING = 1e-13  # of lengths near 1 m that pass through placements, sines and 
 
 
 def crank_slide(radius, rod):
-    return reshaped(pp.load("crank_slide"), {("P", "crank"): (radius, 0, 0), ("W", "rod"): (rod, 0, 0)})
+    return reshaped(texts.shipped("crank_slide"), {("P", "crank"): (radius, 0, 0), ("W", "rod"): (rod, 0, 0)})
 
 
 def test_a_crank_slide_has_the_stroke_of_its_new_crank():
@@ -26,7 +27,7 @@ def test_a_crank_slide_has_the_stroke_of_its_new_crank():
 
 
 def test_the_drawn_pose_is_closed_and_the_crank_angle_keeps_its_meaning():
-    press = reshaped(pp.load("zxn2_3000b"), {("A", "frame"): (1.3, 0, -0.25), ("C", "coupler"): (1.3, 0, 0)})
+    press = reshaped(texts.shipped("zxn2_3000b"), {("A", "frame"): (1.3, 0, -0.25), ("C", "coupler"): (1.3, 0, 0)})
     assert np.abs(press.closed).max() <= ROUNDING
     along = press.plane.origins[press.joints.index("B")] - press.plane.origins[press.joints.index("A")]
     assert abs(np.angle(along.sum())) <= ROUNDING  # the crank lies along x, as it was drawn
@@ -34,7 +35,7 @@ def test_the_drawn_pose_is_closed_and_the_crank_angle_keeps_its_meaning():
 
 def test_the_assembly_is_kept_where_another_one_is_nearer_in_one_step():
     """The rocker of the ZXN2-3000(B) stays on the same side of the line from B to D through a change that alone turns it by 40 degrees."""
-    press = pp.load("zxn2_3000b")
+    press = texts.shipped("zxn2_3000b")
     far = reshaped(press, {("A", "frame"): (0.9, 0, -0.6), ("C", "coupler"): (1.0, 0, 0)})
     steps = press
     for share in np.linspace(0.1, 1.0, 10):
@@ -47,7 +48,7 @@ def test_the_assembly_is_kept_where_another_one_is_nearer_in_one_step():
 
 
 def test_the_way_there_and_back_leads_to_the_same_motion():
-    press = pp.load("thin_wall")
+    press = texts.shipped("thin_wall")
     there = reshaped(press, {("D", "bar"): (0.7, 0, 0), ("slide_guide", "frame"): (0.3, 0, 0.68), ("C", "frame"): (0.05, 0, -0.02)})
     back = reshaped(there, {("D", "bar"): (0.648, 0, 0), ("slide_guide", "frame"): (0.41, 0, 0.63), ("C", "frame"): (0, 0, 0)})
     motions = [pp.cycle(p, SPEED, points=60) for p in (press, back)]
@@ -59,7 +60,7 @@ def test_the_way_there_and_back_leads_to_the_same_motion():
 
 @pytest.mark.parametrize("name", ["zxn2_3000b", "jf75g_125_symmetric", "thin_wall"])
 def test_a_changed_linkage_is_written_and_loads_to_the_same_motion(name, tmp_path):
-    press = pp.load(name)
+    press = texts.shipped(name)
     scaled = reshaped(press, {pivot: 1.1 * position for pivot, position in pivot_positions(press).items()})
     loaded = pp.load(pp.write_urdf(scaled, tmp_path / "changed.urdf"))
     motions = [pp.cycle(p, SPEED, points=60) for p in (scaled, loaded, press)]
@@ -69,7 +70,7 @@ def test_a_changed_linkage_is_written_and_loads_to_the_same_motion(name, tmp_pat
 
 
 def test_joint_limits_keep_their_place_counted_from_the_new_pose():
-    press = pp.load("zxn2_3000b")
+    press = texts.shipped("zxn2_3000b")
     changed = reshaped(press, {("slide_guide", "frame"): (0.02, 0, -0.957), ("F", "rod"): (0.5, 0, 0)})
     guide, offset = press.slide_guide
     new_offset = changed.slide_guide[1]
@@ -112,27 +113,27 @@ def test_a_linkage_in_space_is_closed_with_its_new_lengths(tmp_path):
 )
 def test_pivots_that_make_no_sense_are_refused(pivots, words):
     with pytest.raises(pp.PinpressError, match=words):
-        reshaped(pp.load("crank_slide"), pivots)
+        reshaped(texts.shipped("crank_slide"), pivots)
 
 
 def test_lengths_that_do_not_reach_are_refused():
     with pytest.raises(pp.AssemblyError) as caught:
-        reshaped(pp.load("crank_slide"), {("W", "rod"): (0.05, 0, 0), ("slide_guide", "frame"): (0.4, 0, -0.5)})
+        reshaped(texts.shipped("crank_slide"), {("W", "rod"): (0.05, 0, 0), ("slide_guide", "frame"): (0.4, 0, -0.5)})
     assert caught.value.gap > 0.1
     with pytest.raises(pp.AssemblyError):
-        reshaped(pp.load("jf75g_125_two_point"), {("P4_front", "main_rod_front"): (0.31, 0, 0)})  # the rod behind holds the slide
+        reshaped(texts.shipped("jf75g_125_two_point"), {("P4_front", "main_rod_front"): (0.31, 0, 0)})  # the rod behind holds the slide
 
 
 def test_another_assembly_is_not_taken_for_an_answer():
     """The rod of the ZXN2-3000(B) turned over would close, with the slide above its bearing on the rocker."""
     with pytest.raises(pp.SingularityError, match="two assemblies"):
-        reshaped(pp.load("zxn2_3000b"), {("F", "rod"): (-0.48, 0, 0)})
+        reshaped(texts.shipped("zxn2_3000b"), {("F", "rod"): (-0.48, 0, 0)})
 
 
 def test_pivots_are_in_the_frames_of_links_that_are_welded_askew(tmp_path):
     """A ZXN2-3000(B) bolted down askew, its crank pivot given in the frame that is bolted, moves as one that stands upright."""
     pivots = {("A", "frame"): (1.3, 0.0, -0.2), ("C", "rocker"): (0.39, 0.0, 0.01)}
-    upright, askew = pp.load("zxn2_3000b"), bolted(pp.load("zxn2_3000b"), "0.3 0.2 0.5", tmp_path)
+    upright, askew = texts.shipped("zxn2_3000b"), bolted(texts.shipped("zxn2_3000b"), "0.3 0.2 0.5", tmp_path)
     motions = [pp.cycle(reshaped(press, pivots), SPEED, points=24) for press in (upright, askew)]
     assert np.abs(motions[0].v - motions[1].v).max() <= 1e3 * ROUNDING  # of planes that are turned
 

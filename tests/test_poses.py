@@ -3,6 +3,7 @@
 import numpy as np
 import pinocchio as pin
 import pytest
+import texts
 from spatial_linkages import bennett
 
 import pinpress as pp
@@ -12,7 +13,7 @@ from pinpress.poses import bearing_points, link_of, loaded_bodies, poses
 @pytest.fixture(params=[*pp.presses(), "bennett"])
 def press(request, tmp_path):
     if request.param != "bennett":
-        return pp.load(request.param)
+        return texts.shipped(request.param)
     (tmp_path / "bennett.urdf").write_text(bennett(), encoding="utf-8")
     return pp.load(tmp_path / "bennett.urdf")
 
@@ -35,7 +36,7 @@ def test_against_pinocchio(press):
 
 
 def test_links_that_are_loaded():
-    press = pp.load("zxn2_3000b")
+    press = texts.shipped("zxn2_3000b")
     loaded = dict(zip(press.bearings, (link_of(press, body) for body in loaded_bodies(press)), strict=True))
     assert loaded == {"A": "crank", "B": "coupler", "C": "rocker", "D": "rocker", "E": "rod", "F": "slide", "slide_guide": "slide"}
     assert link_of(press, 0) == "frame"

@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 import pinocchio as pin
 import pytest
+import texts
 from hostile import load_hostile
 from in_browser import data_in, pixels, seek, visible, wait
 from numpy.testing import assert_allclose
@@ -27,7 +28,7 @@ SMALL = (400, 300)  # a window that is drawn fast
 
 @pytest.fixture(scope="module")
 def press() -> Any:
-    return pp.load("crank_slide")
+    return texts.shipped("crank_slide")
 
 
 @pytest.fixture(scope="module")
@@ -66,7 +67,7 @@ def arrows_at(page: Any, time: float) -> list[dict[str, Any]]:
     return list(
         page.evaluate(
             """time => {
-                seek(time);
+                if (now !== time) seek(time);  // else it would be drawn again
                 return arrows.map(({ group, parts: [,, shaft, head] }) => {
                     const along = new THREE.Vector3(0, 1, 0).applyQuaternion(group.quaternion);
                     const { r, g, b } = shaft.material.color, length = shaft.scale.y + head.scale.y;
@@ -81,7 +82,7 @@ def arrows_at(page: Any, time: float) -> list[dict[str, Any]]:
 
 @pytest.mark.parametrize("name", ["jf75g_125_symmetric", "thin_wall"])
 def test_links_and_loads_are_seen_where_the_mechanics_puts_them(name: str, view: Callable[..., Any], tmp_path: Path) -> None:
-    press = pp.load(name)
+    press = texts.shipped(name)
     motion = pp.cycle(press, speed=SPEED, points=120)
     result = pp.inverse_dynamics(press, motion)
     path = pp.record(press, motion, tmp_path / "out.html", result)
@@ -150,7 +151,7 @@ def see_arrows(page: Any, press: Any, motion: Any, forces: list[Any]) -> None:
 
 
 def test_poses_between_keys_and_over_the_seam(press: Any, motion: Any, recording: Path, shared_view: Callable[..., Any]) -> None:
-    page = shared_view(recording)
+    page = shared_view(recording, SMALL)
     data, frame = press.model.createData(), press.model.getFrameId("slide")
     group = f"viewer.scene_tree.find(['press', '{press.links.index('slide')}']).object"
     height = f"t => {{ seek(t); return {group}.position.z }}"
@@ -163,7 +164,7 @@ def test_poses_between_keys_and_over_the_seam(press: Any, motion: Any, recording
 
 
 def test_without_forces(recording: Path, shared_view: Callable[..., Any]) -> None:
-    page = shared_view(recording)
+    page = shared_view(recording, SMALL)
     assert page.evaluate("[arrows.length, element('show-forces').offsetParent, element('scale').offsetParent]") == [0, None, None]
     assert page.evaluate("[...document.querySelectorAll('#labels span')].every(value => value.textContent === '')")
 
@@ -259,7 +260,7 @@ def test_toolbar_shows_and_hides(loaded: tuple[Path, Any], shared_view: Callable
 @pytest.fixture(scope="module")
 def traced(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Any, Any]:
     """A recording with forces and the path of a point of the coupler, the press and the forces."""
-    press = pp.load("zxn2_3000b")
+    press = texts.shipped("zxn2_3000b")
     result = pp.inverse_dynamics(press, pp.cycle(press, speed=SPEED, points=120))
     path = tmp_path_factory.mktemp("traced") / "out.html"
     return pp.record(press, result.motion, path, result, traces=[("coupler", ON_COUPLER)]), press, result
@@ -295,9 +296,9 @@ def test_names_and_loads_stand_at_the_bearings(traced: tuple[Path, Any, Any], sh
         assert r1 <= l2 or r2 <= l1 or b1 <= t2 or b2 <= t1  # none lies on another
 
 
-def test_paths_of_slide_and_coupler_point(traced: tuple[Path, Any, Any], view: Callable[..., Any]) -> None:
+def test_paths_of_slide_and_coupler_point(traced: tuple[Path, Any, Any], shared_view: Callable[..., Any]) -> None:
     file, press, result = traced
-    motion, page = result.motion, view(file, "#t=0")
+    motion, page = result.motion, shared_view(file)
     page.click("#show-names")
     page.click("#show-forces")
     data, frame = press.model.createData(), press.model.getFrameId("coupler", pin.BODY)
@@ -318,10 +319,12 @@ def test_paths_of_slide_and_coupler_point(traced: tuple[Path, Any, Any], view: C
             path => [path.v1.toArray(), path.v2.toArray()])[0]"""
     )
     assert_allclose(sorted(end[2] for end in ends), [motion.slide_position.min(), motion.slide_position.max()], atol=1e-6)
+    page.click("#show-names")
+    page.click("#show-forces")
 
 
 def test_a_page_of_360_frames_with_arrows_is_small(tmp_path: Path) -> None:
-    press = pp.load("zxn2_3000b")
+    press = texts.shipped("zxn2_3000b")
     motion = pp.cycle(press, speed=SPEED, points=360)
     page = pp.record(press, motion, tmp_path / "out.html", pp.inverse_dynamics(press, motion))
     assert len(data_in(page)["time"]) == 361
@@ -330,7 +333,7 @@ def test_a_page_of_360_frames_with_arrows_is_small(tmp_path: Path) -> None:
 
 def test_run_that_swings_back_and_stops(tmp_path: Path, view: Callable[..., Any]) -> None:
     """A free linkage swings; each crank angle comes several times."""
-    press = pp.load("crank_slide")
+    press = texts.shipped("crank_slide")
     run = pp.simulate(press, duration=2.0, speed=0.0, angle=1.0)
     assert np.any(np.diff(run.crank_angle) > 0)
     assert np.any(np.diff(run.crank_angle) < 0)
@@ -351,7 +354,7 @@ def picture(recording: Path, motion: Any, tab: Any) -> Any:
 
 def test_fast_and_small_press(picture: Any, tmp_path: Path, view: Callable[..., Any]) -> None:
     """A millimetre high, 20 000 strokes a minute: times and positions are shown as finely as they differ, the picture is the same."""
-    large, file = pp.load("crank_slide"), tmp_path / "small.urdf"
+    large, file = texts.shipped("crank_slide"), tmp_path / "small.urdf"
 
     def scaled(match: re.Match[str]) -> str:
         return f'{match[1]}="{" ".join(repr(float(word) / 1000) for word in match[2].split())}"'
@@ -455,7 +458,7 @@ def test_motion_that_cannot_be_played(change: Callable[[Any], Any], says: str, p
 
 
 def test_reactions_of_another_motion(press: Any, motion: Any, tmp_path: Path) -> None:
-    other = pp.load("zxn2_3000b")
+    other = texts.shipped("zxn2_3000b")
     for result in (
         pp.inverse_dynamics(press, pp.cycle(press, speed=SPEED, points=60)),
         pp.inverse_dynamics(other, pp.cycle(other, speed=SPEED, points=120)),
@@ -466,7 +469,7 @@ def test_reactions_of_another_motion(press: Any, motion: Any, tmp_path: Path) ->
 
 
 def test_what_does_not_belong_together(tmp_path: Path) -> None:
-    press, balanced, other = pp.load("zxn2_3000b"), pp.load("zxn2_3000b_balanced"), pp.load("crank_slide")
+    press, balanced, other = texts.shipped("zxn2_3000b"), texts.shipped("zxn2_3000b_balanced"), texts.shipped("crank_slide")
     motion = pp.cycle(press, speed=SPEED, points=36)
     result = pp.inverse_dynamics(press, motion)
     faster = pp.inverse_dynamics(press, pp.cycle(press, speed=3 * SPEED, points=36))
@@ -496,7 +499,7 @@ def test_states_that_are_too_far_apart(press: Any, tmp_path: Path) -> None:
 @pytest.mark.parametrize("turned", ["0 0 3.141592653589793", "0 0 -1.5707963267948966", "0 0 1.5707963267948966"])
 def test_a_press_is_seen_from_its_front(turned: str, tmp_path: Path) -> None:
     """The ZXN2's frame is a wall behind its links, which face -y as drawn."""
-    turned_press = bolted(pp.load("zxn2_3000b"), turned, tmp_path)
+    turned_press = bolted(texts.shipped("zxn2_3000b"), turned, tmp_path)
     data = data_in(pp.record(turned_press, pp.cycle(turned_press, speed=SPEED, points=36), tmp_path / "out.html"))
     yaw = float(turned.split()[2])
     assert_allclose(data["front"], [np.sin(yaw), -np.cos(yaw), 0], atol=1e-9)

@@ -10,6 +10,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import texts
 
 import pinpress as pp
 from pinpress.peers.six_bar_script import six_bar, world_forces
@@ -31,7 +32,7 @@ SERVO = {"angle": np.linspace(9, -4, 97), "speed": 8 * np.cos(np.linspace(0, 7, 
 
 @pytest.fixture(scope="module")
 def presses():
-    return {name: pp.load(name) for name in (*BALANCED, "crank_slide")}
+    return {name: texts.shipped(name) for name in (*BALANCED, "crank_slide")}
 
 
 def at(press, degrees, engine="auto"):

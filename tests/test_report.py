@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+import texts
 from hostile import NAMES, load_hostile
 from in_browser import data_in, seek, wait
 from numpy.testing import assert_allclose
@@ -35,7 +36,7 @@ def shown(text: str) -> float:
 
 @pytest.fixture(scope="module")
 def press() -> Any:
-    return pp.load("zxn2_3000b")
+    return texts.shipped("zxn2_3000b")
 
 
 @pytest.fixture(scope="module")
@@ -60,7 +61,7 @@ def test_a_press_has_its_charts(page: Any, result: Any) -> None:
 
 def test_a_press_of_many_links_has_its_charts(view: Callable[..., Any], tmp_path: Path) -> None:
     """From its motion alone."""
-    press = pp.load("thin_wall")
+    press = texts.shipped("thin_wall")
     result = pp.inverse_dynamics(press, pp.cycle(press, speed=SPEED, points=60))
     see_charts(view(pp.report(press, result.motion, tmp_path / "out.html"), "#t=0", SMALL), result)
 
@@ -201,7 +202,7 @@ def test_table_of_extremes(page: Any, result: Any) -> None:
 
 def test_before_and_after(result: Any, view: Callable[..., Any], tmp_path: Path) -> None:
     """The plain press beside the balanced one, at another number of states."""
-    balanced = pp.load("zxn2_3000b_balanced")
+    balanced = texts.shipped("zxn2_3000b_balanced")
     after = pp.inverse_dynamics(balanced, pp.cycle(balanced, speed=SPEED, points=90))
     page = view(pp.report(balanced, after.motion, tmp_path / "out.html", after, before=result), "#t=0", SMALL)
     curves = page.evaluate(CURVES)
@@ -219,7 +220,7 @@ def test_before_and_after(result: Any, view: Callable[..., Any], tmp_path: Path)
 
 
 def test_run_is_over_time(view: Callable[..., Any], tmp_path: Path) -> None:
-    press = pp.load("jf75g_125")
+    press = texts.shipped("jf75g_125")
     load = pp.loads.Blanking(1e6, 0.006, 0.002)
     run = pp.simulate(press, 1.0, 300 * pp.RPM, flywheel=pp.Flywheel(30.0), drive=pp.ConstantTorque(900.0), loads=[load])
     result = pp.inverse_dynamics(press, run, loads=[load])
@@ -274,7 +275,7 @@ def test_backwards(press: Any, result: Any, tmp_path: Path, view: Callable[..., 
 
 
 def test_what_rigid_mechanics_leaves_open_is_said(tmp_path: Path) -> None:
-    two_rods, one_rod = pp.load("jf75g_125_two_point"), pp.load("jf75g_125")
+    two_rods, one_rod = texts.shipped("jf75g_125_two_point"), texts.shipped("jf75g_125")
     for press, expected in ((two_rods, True), (one_rod, False)):
         motion = pp.cycle(press, speed=SPEED, points=24)
         bearings = data_in(pp.report(press, motion, tmp_path / "out.html"))["report"]["bearings"]
@@ -296,7 +297,7 @@ def test_tilted_press_has_whole_polar_diagrams(press: Any, result: Any, tmp_path
 
 
 def test_run_under_loads_needs_its_reactions(tmp_path: Path) -> None:
-    press = pp.load("crank_slide")
+    press = texts.shipped("crank_slide")
     run = pp.simulate(press, 0.5, SPEED, flywheel=pp.Flywheel(50.0), loads=[pp.loads.Blanking(1e3, 0.02, 0.01)])
     with pytest.raises(pp.PinpressError, match=r"the run has loads: give its reactions with them, inverse_dynamics\(press, run, loads="):
         pp.report(press, run, tmp_path / "out.html")

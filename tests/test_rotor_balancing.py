@@ -6,6 +6,7 @@ bearing bears is the rotor's unbalance alone.
 
 import numpy as np
 import pytest
+import texts
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from random_linkages import Drawing
@@ -142,7 +143,7 @@ def test_holes_balance_as_well(folder):
 
 def test_unbalance_of_a_crank_is_its_mass_at_the_pin():
     """JF75G-125, plain: m1 = 52.25 kg at r1 = 0.015 m, in the plane of the rod. Its frame's y axis is the shaft's."""
-    found = arrangements.unbalance(pp.load("jf75g_125_plain"), "crank")
+    found = arrangements.unbalance(texts.shipped("jf75g_125_plain"), "crank")
     np.testing.assert_allclose(found.static, [52.25 * 0.015, 0, 0], atol=1e-15)
     np.testing.assert_array_equal([found.axis, found.couple], [[0, 1, 0], [0, 0, 0]])
 
@@ -175,7 +176,7 @@ def test_a_radius_is_positive(radius):
 
 
 def test_only_what_turns_on_the_frame_is_a_rotor():
-    press = pp.load("crank_slide")
+    press = texts.shipped("crank_slide")
     for link in ("rod", "slide", "frame"):
         with pytest.raises(pp.PinpressError, match=f"{link!r} is no rotor; links that joints turn on the frame: crank"):
             arrangements.unbalance(press, link)

@@ -9,6 +9,7 @@ import math
 import crank_slide_equation as equation
 import numpy as np
 import pytest
+import texts
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from time_limit import _limit, within  # noqa: F401 (a fixture)
@@ -24,12 +25,12 @@ BOUND = 1e-9
 
 @pytest.fixture(scope="module")
 def press():
-    return pp.load("jf75g_125", gravity=(0, 0, -9.80665))
+    return texts.shipped("jf75g_125", gravity=(0, 0, -9.80665))
 
 
 @pytest.fixture(scope="module")
 def textbook():
-    return pp.load("crank_slide", gravity=(0, 0, -9.80665))
+    return texts.shipped("crank_slide", gravity=(0, 0, -9.80665))
 
 
 def alike(linkage, duration, build, values, which=None, **options):
@@ -184,7 +185,7 @@ def test_one_scenario_is_still_an_array(press, change):
 
 @pytest.mark.parametrize("name", ["zxn2_3000b", "thin_wall", "jf75g_125_symmetric", "jf75g_125_two_point"])
 def test_other_presses(name):
-    press = pp.load(name)
+    press = texts.shipped(name)
     fast = 30.0 if name.startswith("jf") else 7.0
     alike(
         press,

@@ -3,6 +3,7 @@
 import numpy as np
 import pinocchio as pin
 import pytest
+import texts
 from hypothesis import HealthCheck, assume, given, settings
 from random_linkages import drawn, linkages
 
@@ -74,7 +75,7 @@ def check_motion(press, states, along):
 
 @pytest.mark.parametrize("name", ["jf75g_125_symmetric", "thin_wall", "zxn2_3000b"])
 def test_motion_derivatives_are_those_of_changed_presses(name):
-    press = pp.load(name)
+    press = texts.shipped(name)
     angle = np.linspace(0.1, 6.2, 12)
     states = {"angle": angle, "speed": 3 + np.sin(angle), "acceleration": 5 * np.cos(angle)}
     check_motion(press, states, direction(press, np.random.default_rng(3)))
@@ -138,21 +139,21 @@ def check_trials(press, motion, along, loads=()):
 @pytest.mark.parametrize("name", pp.presses())
 def test_reaction_derivatives_are_those_of_changed_presses(name):
     """With a constant force on a link."""
-    press = pp.load(name)
+    press = texts.shipped(name)
     load = pp.PointForce(press.links[1], (2e3, 0.0, -5e3), (0.1, 0.0, 0.05))
     check_trials(press, pp.cycle(press, SPEED, 24), direction(press, np.random.default_rng(4)), [load])
 
 
 def test_a_process_load_follows_the_slide():
     """A die 0.15 m above bottom dead centre, met and left between two of the states whatever the step."""
-    press = pp.load("zxn2_3000b")
+    press = texts.shipped("zxn2_3000b")
     load = pp.loads.ElasticDie(height=0.15, stiffness=2e6, damping=1e4, datum=press.dead_centres.bottom_position)
     check_trials(press, pp.cycle(press, SPEED, 24), direction(press, np.random.default_rng(5)), [load])
 
 
 @pytest.mark.parametrize("name", ["zxn2_3000b", "jf75g_125_symmetric", "thin_wall"])
 def test_a_trial_shows_the_motion_and_reactions_of_its_press(name):
-    press = pp.load(name)
+    press = texts.shipped(name)
     motion = pp.cycle(press, SPEED, 24)
     load = pp.PointForce(press.links[1], (2e3, 0.0, -5e3), (0.1, 0.0, 0.05))
     design = start(press, motion, direction(press, np.random.default_rng(6)), [load])
@@ -175,7 +176,7 @@ def test_a_trial_shows_the_motion_and_reactions_of_its_press(name):
 
 def test_a_crank_slide_has_the_derivatives_of_its_formula():
     """Complex step through s = -(r cos q + sqrt(l^2 - r^2 sin^2 q)) and its derivatives by q, written out."""
-    press = pp.load("crank_slide")
+    press = texts.shipped("crank_slide")
     angle = np.linspace(0.0, 6.2, 40)
     speed, acceleration = 3 + np.sin(angle), 5 * np.cos(angle)
 
@@ -197,7 +198,7 @@ def test_a_crank_slide_has_the_derivatives_of_its_formula():
 @pytest.mark.parametrize("name", pp.presses())
 def test_a_press_made_larger_moves_to_scale(name):
     """Along its own positions all travels grow in proportion, and no angle changes."""
-    press = pp.load(name)
+    press = texts.shipped(name)
     motion = pp.cycle(press, SPEED, 24)
     positions = pivot_positions(press)
     flat = {pivot: position - (position @ [0, 1, 0]) * np.array([0, 1, 0]) for pivot, position in positions.items()}
@@ -214,14 +215,14 @@ def test_a_press_made_larger_moves_to_scale(name):
 
 
 def test_a_direction_in_which_bearings_contradict_each_other_is_refused():
-    press = pp.load("jf75g_125_two_point")
+    press = texts.shipped("jf75g_125_two_point")
     motion = pp.cycle(press, SPEED, 12)
     with pytest.raises(pp.PinpressError, match="do not stay closed"):
         motion_derivatives(press, motion, [{("P4_front", "main_rod_front"): (1, 0, 0)}])
 
 
 def test_a_direction_out_of_the_plane_and_a_motion_of_another_press_are_refused():
-    press, other = pp.load("crank_slide"), pp.load("thin_wall")
+    press, other = texts.shipped("crank_slide"), texts.shipped("thin_wall")
     motion = pp.cycle(press, SPEED, 12)
     with pytest.raises(pp.PinpressError, match="out of the plane"):
         motion_derivatives(press, motion, [{("P", "crank"): (0, 1, 0)}])

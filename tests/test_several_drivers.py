@@ -3,6 +3,7 @@
 import cassie
 import numpy as np
 import pytest
+import texts
 
 import pinpress as pp
 
@@ -60,4 +61,4 @@ def test_wrong_arguments(legs, arguments, message):
 @pytest.mark.parametrize("more", [{"step": 1e-3}, {"loads": [pp.loads.TimeForce(lambda t: 1e5 + 0 * np.asarray(t))]}])
 def test_a_prescribed_speed_leaves_nothing_to_integrate(more):
     with pytest.raises(pp.PinpressError, match="leaves nothing to integrate"):
-        pp.simulate(pp.load("jf75g_125"), 0.3, drive=pp.drives.PrescribedSpeed(31.0), **more)
+        pp.simulate(texts.shipped("jf75g_125"), 0.3, drive=pp.drives.PrescribedSpeed(31.0), **more)

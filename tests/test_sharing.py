@@ -10,6 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 import pytest
+import texts
 from cut_free import cut_free, gears
 from hypothesis import HealthCheck, assume, given, settings
 from hypothesis import strategies as st
@@ -102,8 +103,8 @@ def five_bar(multiplier):
 
 
 LINKAGES = {
-    "two_point": lambda: pp.load("jf75g_125_two_point"),
-    "symmetric": lambda: pp.load("jf75g_125_symmetric"),
+    "two_point": lambda: texts.shipped("jf75g_125_two_point"),
+    "symmetric": lambda: texts.shipped("jf75g_125_symmetric"),
     "two_rods": lambda: rods(2),
     "three_rods": lambda: rods(3),
     "one_held_rod": lambda: rods(1, "revolute"),
@@ -340,7 +341,7 @@ def test_a_soft_rod_carries_nothing_but_itself(folder, engine):
 @pytest.mark.parametrize("engine", ENGINES)
 def test_stiffness_does_not_matter_where_nothing_is_open(engine):
     """The six-bar in its plane: the same to rounding, 1e-13."""
-    press = pp.load("zxn2_3000b")
+    press = texts.shipped("zxn2_3000b")
     motion = pp.cycle(press, **SERVO)
     one, two = (pp.inverse_dynamics(press, motion, stiffness=each, engine=engine) for each in ({}, {"B": 1e6, "slide_guide": 1e9}))
     for bearing in press.bearings:

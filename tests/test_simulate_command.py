@@ -13,6 +13,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+import texts
 
 import pinpress as pp
 from pinpress import __main__, command_output, command_simulate, scene_words
@@ -100,7 +101,7 @@ def agree(text: str, press: pp.Linkage, run: pp.Run, loads: list[Any]) -> None:
 
 def test_prints_what_the_library_gives(capsys: pytest.CaptureFixture[str]) -> None:
     text = printed(capsys, *PRESSING, "--duration", 2)
-    press, load = pp.load("zxn2_3000b"), Blanking(2e6, 0.006, 0.002)
+    press, load = texts.shipped("zxn2_3000b"), Blanking(2e6, 0.006, 0.002)
     run = pp.simulate(press, 2.0, 70 * pp.RPM, drive=motor(), flywheel=pp.Flywheel(2000.0), loads=[load])
     agree(text, press, run, [load])
     assert f"\n  {'drive':26}{MOTOR}\n" in text
@@ -120,7 +121,7 @@ def test_flywheel_alone_against_a_separate_integration(capsys: pytest.CaptureFix
 
 def test_many_strokes_are_listed_in_part(capsys: pytest.CaptureFixture[str]) -> None:
     text = printed(capsys, "crank_slide", "--duration", 12, "--drive", "prescribed:speed=60", "--points", 100)
-    press = pp.load("crank_slide")
+    press = texts.shipped("crank_slide")
     agree(text, press, pp.simulate(press, 12.0, drive=PrescribedSpeed(60 * pp.RPM), points=100), [])
     assert "\n     ...\n      12 " in text
     assert "crank angle 0 deg, 60 r/min" in text  # the drive's, as no other was given
@@ -137,7 +138,7 @@ def test_files(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
     out = tmp_path / "made" / "out"
     text = printed(capsys, *PRESSING, "--duration", 2, "--points", 200, "--out", out)
     assert all(str(out / name) in text for name in ("simulation.csv", "strokes.csv", "recording.html"))
-    press, load = pp.load("zxn2_3000b"), Blanking(2e6, 0.006, 0.002)
+    press, load = texts.shipped("zxn2_3000b"), Blanking(2e6, 0.006, 0.002)
     run = pp.simulate(press, 2.0, 70 * pp.RPM, drive=motor(), flywheel=pp.Flywheel(2000.0), loads=[load], points=200)
     result = pp.inverse_dynamics(press, run, loads=[load])
     simulation = read(out / "simulation.csv")
@@ -178,7 +179,7 @@ def read(path: Path) -> dict[str, np.ndarray[Any, Any]]:
 
 def test_steady(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
     text = printed(capsys, *PRESSING, "--steady", "--angle", 30, "--out", tmp_path)
-    press, load = pp.load("zxn2_3000b"), Blanking(2e6, 0.006, 0.002)
+    press, load = texts.shipped("zxn2_3000b"), Blanking(2e6, 0.006, 0.002)
     run = pp.steady_state(press, 70 * pp.RPM, motor(), pp.Flywheel(2000.0), [load], angle=np.radians(30))
     agree(text, press, run, [load])
     assert "steady state" in text.splitlines()[0]
@@ -195,7 +196,7 @@ def test_clutch_and_brake(capsys: pytest.CaptureFixture[str]) -> None:
         *("zxn2_3000b", "--duration", 1.5, "--flywheel", "inertia=2000,speed=70", "--drive", MOTOR),
         *("--clutch", "torque=6e4,rise=0.1,closes=0.2s,opens=250deg", "--brake", "torque=4e4,closes=250deg"),
     )
-    press, angle = pp.load("zxn2_3000b"), np.radians(250)
+    press, angle = texts.shipped("zxn2_3000b"), np.radians(250)
     run = pp.simulate(
         press,
         1.5,

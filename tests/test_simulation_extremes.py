@@ -18,6 +18,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import random_linkages
+import texts
 from scipy.integrate import quad, solve_ivp
 from scipy.optimize import brentq
 from texts import shipped
@@ -62,7 +63,7 @@ def method(request):
 
 @pytest.fixture(scope="module")
 def press():
-    return pp.load("crank_slide")
+    return texts.shipped("crank_slide")
 
 
 @pytest.fixture(scope="module")

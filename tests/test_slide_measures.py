@@ -5,6 +5,7 @@ import functools
 
 import numpy as np
 import pytest
+import texts
 from closed_form_slides import crank_slide, four_bar, guide_bar, scotch_yoke, turn
 from hypothesis import given, settings
 from hypothesis import strategies as st
@@ -104,7 +105,7 @@ def test_dwell_and_contact_speed_of_a_centred_crank_slide():
 @pytest.mark.parametrize("name", ["thin_wall", "zxn2_3000b", "crank_slide", "jf75g_125"])
 def test_the_stroke_of_a_press_is_that_between_its_dead_centres(name):
     """These are found on the closed linkage itself. 1e-10 is asked for; at 360 points the quintics are better."""
-    press = pp.load(name)
+    press = texts.shipped(name)
     ends, motion = pp.dead_centres(press), pp.cycle(press, speed=SPEED)
     np.testing.assert_allclose(measures.stroke(motion), ends.stroke, rtol=1e-12)
     down = (ends.bottom_angle - ends.top_angle) % (2 * np.pi)
@@ -115,7 +116,7 @@ def test_the_stroke_of_a_press_is_that_between_its_dead_centres(name):
 def test_the_press_of_chen_2002():
     """Printed: a ratio of times of 1.5 and a stroke of 400 mm; its rounded lengths give a little less. Speed ratio and evenness of a
     stretch of 120 mm as an independent search over the paper's formulas found them."""
-    motion = pp.cycle(pp.load("thin_wall"), speed=SPEED)
+    motion = pp.cycle(texts.shipped("thin_wall"), speed=SPEED)
     swing = np.arcsin(0.108 / 0.350)
     np.testing.assert_allclose(measures.quick_return_ratio(motion), (np.pi + 2 * swing) / (np.pi - 2 * swing), rtol=1e-12)
     np.testing.assert_allclose(measures.stroke(motion), 2 * 0.648 * 0.108 / 0.350, rtol=1e-12)
@@ -326,7 +327,7 @@ def test_pressure_angle_of_presses():
         ("thin_wall", "E", "D", (1, 0, 0), (0.648 - 0.630) / 0.220),
         ("crank_slide", "W", "P", (0, 0, 2), 0.1 / 0.4),
     ):
-        press = pp.load(name)
+        press = texts.shipped(name)
         for points, tolerance in ((45, 1e-9), (360, 1e-12)):
             motion = pp.cycle(press, speed=SPEED, points=points)
             at = measures.bearing_positions(press, motion)
@@ -343,7 +344,7 @@ def transmission_of_kong(crank=0.143):
 
 def test_transmission_angle_of_a_crank_rocker():
     """Kong 2025, at the pin of coupler and rocker. 1e-10: the lengths of its file are rounded at 15 digits, the angles closed to 1e-13."""
-    press = pp.load("zxn2_3000b")
+    press = texts.shipped("zxn2_3000b")
     motion = pp.cycle(press, speed=SPEED)
     at = measures.bearing_positions(press, motion)
     np.testing.assert_allclose(measures.transmission_angle(motion, at["C"], at["B"], at["D"]), transmission_of_kong(), rtol=1e-10)
@@ -376,7 +377,7 @@ def test_a_link_that_turns_over_has_a_pressure_angle_of_a_right_angle():
 def test_bearing_positions_are_where_pinocchio_has_them():
     import pinocchio as pin
 
-    press = pp.load("zxn2_3000b")
+    press = texts.shipped("zxn2_3000b")
     motion = pp.cycle(press, speed=SPEED, points=5)
     at = measures.bearing_positions(press, motion)
     assert tuple(at) == press.bearings
@@ -394,7 +395,7 @@ def test_bearing_positions_are_where_pinocchio_has_them():
 
 @pytest.mark.parametrize("name", [name for name in ALL if "return" not in name])
 def test_what_is_no_turn_at_constant_speed_is_refused(name):
-    press = pp.load("crank_slide")
+    press = texts.shipped("crank_slide")
     servo = pp.cycle(press, angle=np.linspace(0, 1, 50), speed=1.0)
     slowing = dataclasses.replace(pp.cycle(press, speed=1.0), crank_speed=np.linspace(1, 2, 360))
     for motion, words in ((servo, "not one turn"), (slowing, "constant speed"), (3, "no Motion")):
@@ -407,7 +408,7 @@ def test_a_slide_that_is_missing_or_never_turns_back_is_refused():
     still = of(lambda q: (np.ones_like(q), np.zeros_like(q), np.zeros_like(q)), points=90)
     with pytest.raises(pp.PinpressError, match="does not turn back"):
         measures.stroke(still)
-    press = dataclasses.replace(pp.load("crank_slide"), slide=None)
+    press = dataclasses.replace(texts.shipped("crank_slide"), slide=None)
     with pytest.raises(pp.PinpressError, match="no slide"):
         measures.stroke(pp.cycle(press, speed=1.0))
     broken = dataclasses.replace(of(scotch_yoke(), points=90), slide_velocity=np.where(angle > 1, np.nan, 1.0))
@@ -466,4 +467,4 @@ def test_pins_that_cannot_be_are_refused():
     with pytest.raises(pp.PinpressError, match="axis"):
         measures.pressure_angle(motion, here, there, (0, 0, 0))
     with pytest.raises(pp.PinpressError, match="other joints"):
-        measures.bearing_positions(pp.load("thin_wall"), pp.cycle(pp.load("crank_slide"), speed=1.0))
+        measures.bearing_positions(texts.shipped("thin_wall"), pp.cycle(texts.shipped("crank_slide"), speed=1.0))

@@ -5,6 +5,7 @@ import re
 import numpy as np
 import pinocchio as pin
 import pytest
+import texts
 from random_linkages import Drawing, momentum_balance, newton_euler
 
 import pinpress as pp
@@ -331,7 +332,7 @@ def test_no_moment_in_the_plane_is_open(open_components):
 @pytest.mark.parametrize("press_name", ["zxn2_3000b", "crank_slide"])
 def test_only_forces_across_an_ordinary_press_are_open(press_name, engine):
     """In-plane forces and moments are certain; along the normal, world y, the loops may share a force as they like."""
-    press = pp.load(press_name)
+    press = texts.shipped(press_name)
     flags = pp.inverse_dynamics(press, pp.cycle(press, 5.0, points=7), engine=engine).indeterminate
     for name in press.bearings:
         assert flags[name][:3].tolist() == [False, True, False], name

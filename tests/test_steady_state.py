@@ -11,6 +11,7 @@ import math
 import crank_slide_equation as equation
 import numpy as np
 import pytest
+import texts
 from crank_slide_equation import Window
 from random_linkages import four_bar
 from scipy.integrate import simpson, solve_ivp
@@ -30,12 +31,12 @@ ENERGY = 0.5 * J0 * SPEED**2
 
 @pytest.fixture(scope="module")
 def press():
-    return pp.load("jf75g_125", gravity=(0, 0, -9.80665))
+    return texts.shipped("jf75g_125", gravity=(0, 0, -9.80665))
 
 
 @pytest.fixture(scope="module")
 def textbook():
-    return pp.load("crank_slide", gravity=(0, 0, -9.80665))
+    return texts.shipped("crank_slide", gravity=(0, 0, -9.80665))
 
 
 def slip_clutch(lag=0.0, ratio=3.0):
@@ -261,7 +262,7 @@ PRESSES = {
 def test_other_presses_by_the_constraint_method(name):
     """Pinocchio's constraint dynamics, which share no equation with the reduced ones, come back to the steady state too."""
     speed, drive, inertia, load, work = PRESSES[name]
-    linkage, wheel = pp.load(name), pp.Flywheel(inertia)
+    linkage, wheel = texts.shipped(name), pp.Flywheel(inertia)
     run = pp.steady_state(linkage, speed, drive, wheel, [load], points=41)
     comes_back(run, work)
     period, first = float(run.time[-1]), float(run.crank_speed[0])
@@ -324,7 +325,7 @@ def test_backwards_is_another_orbit_of_a_press_with_quick_return():
     periods = []
     for way in (1, -1):
         turned = drives.Geared(drive.drive, way * 20.0)
-        linkage = pp.load("thin_wall")
+        linkage = texts.shipped("thin_wall")
         run = pp.steady_state(linkage, way * speed, turned, pp.Flywheel(inertia), [load])
         comes_back(run)
         long = pp.simulate(linkage, 16.0, speed=way * 7.5, drive=turned, flywheel=pp.Flywheel(inertia), loads=[load])
@@ -722,7 +723,7 @@ def test_duty_of_several_drivers(tmp_path):
 )
 def test_stiff_motors_and_little_inertia(name, drive, flywheel, load, period):
     """Periods are those of the last strokes of runs of 20 s, to their nine digits."""
-    press = pp.load(name, gravity=(0, 0, -9.80665))
+    press = texts.shipped(name, gravity=(0, 0, -9.80665))
     found = pp.steady_state(press, SPEED if name == "jf75g_125" else 72 * RPM, drive, flywheel and pp.Flywheel(flywheel), [load])
     comes_back(found)
     assert period is None or found.time[-1] == pytest.approx(period, rel=1e-8)

@@ -5,6 +5,7 @@ import re
 
 import numpy as np
 import pytest
+import texts
 
 import pinpress as pp
 from pinpress.measures import flatness, pressure_angle, quick_return_ratio, stroke
@@ -51,7 +52,7 @@ def peak_ratio(trial):
 
 def test_the_objective_of_chen_2002_is_degenerate():
     """As Chen 2002 states it: the coupler runs into its bound whatever that is, and the crank has no say."""
-    press = pp.load("thin_wall")
+    press = texts.shipped("thin_wall")
     found = [
         synthesise(press, {"l1": (0.08, 0.108, 0.14), "l4": (0.15, 0.22, bound)}, peak_ratio, geometry=chen, speed=CHEN_SPEED, points=1440)
         for bound in (0.3, 3.0)
@@ -73,7 +74,7 @@ def pressure(trial):
 
 def even(degrees):
     return synthesise(
-        pp.load("thin_wall"),
+        texts.shipped("thin_wall"),
         {"l4": (0.05, 0.22, 0.4), "h": (0.6, 0.63, 0.7)},
         lambda trial: flatness(trial.motion, 0.12),
         {"pressure angle": (pressure, None, math.radians(degrees))},
@@ -102,7 +103,7 @@ def test_the_shortest_rod_that_keeps_an_acceleration():
     """Stroke 2 r and largest acceleration r w^2 (1 + r / l) fix crank and rod; their multipliers are derivatives of that formula."""
     w, s, a = 10.0, 0.24, 15.0
     synthesis = synthesise(
-        pp.load("crank_slide"),
+        texts.shipped("crank_slide"),
         {"P.crank.x": (0.05, 0.1, 0.2), "W.rod.x": (0.2, 0.7, 0.9)},
         lambda trial: trial.variables["W.rod.x"],
         {"stroke": (travel, s, s), "acceleration": (lambda trial: both_ways(trial.motion.slide_acceleration), None, a)},
@@ -125,7 +126,7 @@ def test_the_shortest_rod_that_keeps_an_acceleration():
 
 
 def test_a_synthesis_is_a_table(tmp_path):
-    press = pp.load("crank_slide")
+    press = texts.shipped("crank_slide")
     limit = {"stroke": (travel, None, 0.3)}
     synthesis = synthesise(press, {"P.crank.x": (0.05, 0.1, 0.2), "W.rod.x": (0.3, 0.4, 0.5)}, lambda t: -travel(t), limit, speed=10.0)
     text = str(synthesis)
@@ -144,7 +145,7 @@ def test_a_synthesis_is_a_table(tmp_path):
 def test_a_global_search_leaves_the_valley_it_starts_in():
     """cos(60 r) - r has a valley at every 0.105 m; the deepest within the bounds is the last."""
     problem = (
-        pp.load("crank_slide"),
+        texts.shipped("crank_slide"),
         {"P.crank.x": (0.02, 0.06, 0.35)},
         lambda t: np.cos(60 * t.variables["P.crank.x"]) - t.variables["P.crank.x"],
     )
@@ -167,7 +168,7 @@ def torque(trial):
 def test_the_zxn2_3000b_needs_less_torque_at_the_same_stroke(tmp_path):
     """A fifth less, with a slide that takes no less time down than up; shown by `inverse_dynamics` of the written press."""
     synthesis = synthesise(
-        pp.load("zxn2_3000b"),
+        texts.shipped("zxn2_3000b"),
         {"x": (1.1, 1.25, 1.4), "z": (-0.35, -0.2, -0.05), "l1": (0.12, 0.143, 0.17), "l2": (1.1, 1.243, 1.4), "l31": (0.33, 0.375, 0.42)},
         torque,
         {"stroke": (travel, 0.3012, 0.3012), "time ratio": (lambda trial: quick_return_ratio(trial.motion), 1.0, None)},
@@ -202,7 +203,7 @@ def jerk(trial):
 
 def refused(words, variables=ROD, minimise=jerk, subject_to=None, **options):
     with pytest.raises(pp.PinpressError, match=words):
-        synthesise(pp.load("crank_slide"), variables, minimise, subject_to or {}, **{"speed": SPEED, "points": 24} | options)
+        synthesise(texts.shipped("crank_slide"), variables, minimise, subject_to or {}, **{"speed": SPEED, "points": 24} | options)
 
 
 def test_constraints_that_no_design_keeps_are_named():
@@ -242,7 +243,9 @@ def test_a_search_that_runs_into_designs_that_lock_says_so():
 def test_a_search_that_oversteps_into_designs_that_lock_comes_back():
     """The same with a limit to the acceleration, r w^2 (1 + r / l), that keeps the crank shorter."""
     limit = {"acceleration": (lambda t: both_ways(t.motion.slide_acceleration), None, 30.0)}
-    synthesis = synthesise(pp.load("crank_slide"), {"P.crank.x": (0.05, 0.1, 0.5)}, lambda t: -travel(t), limit, speed=SPEED, points=60)
+    synthesis = synthesise(
+        texts.shipped("crank_slide"), {"P.crank.x": (0.05, 0.1, 0.5)}, lambda t: -travel(t), limit, speed=SPEED, points=60
+    )
     r, w, rod = synthesis.variables["P.crank.x"], SPEED, 0.4
     assert r * w**2 * (1 + r / rod) == pytest.approx(30.0, rel=1e-7)
 
@@ -269,7 +272,7 @@ def test_functions_without_an_exact_gradient_are_refused(function):
 def test_a_geometry_without_numbers_is_stepped_back_from():
     """A crank of sqrt(u), for a stroke of 40 mm: on its way the search asks for the root of a negative number."""
     synthesis = synthesise(
-        pp.load("crank_slide"),
+        texts.shipped("crank_slide"),
         {"u": (-0.1, 0.02, 0.1)},
         lambda t: (travel(t) - 0.04) ** 2,
         geometry=lambda u: {("P", "crank"): (np.sqrt(u), 0, 0)},
@@ -293,7 +296,7 @@ def test_what_is_not_known_exactly_is_refused():
     refused("give datum=", loads=[pp.loads.Piling(1e3, 0.01)])
     refused("give a list", loads=pp.PointForce("slide", (0, 0, 1)))
     refused("unknown method", method="best")
-    two_point = pp.load("jf75g_125_two_point")
+    two_point = texts.shipped("jf75g_125_two_point")
     both = {"l": (0.25, 0.3, 0.4)}
     rods = {"geometry": lambda l: {(f"P4_{end}", f"main_rod_{end}"): (l, 0, 0) for end in ("front", "back")}, "speed": SPEED, "points": 60}  # noqa: E741
     assert synthesise(two_point, both, torque, **rods).kkt <= CONVERGED

@@ -4,6 +4,7 @@ import csv
 
 import numpy as np
 import pytest
+import texts
 from scipy.io import loadmat
 
 import pinpress as pp
@@ -25,13 +26,13 @@ RESULT = [*MOTION, "driving_torque [N m]", *(f"{name}_{axis} [{unit}]" for name,
 
 @pytest.fixture(scope="module")
 def motion():
-    return pp.cycle(pp.load("crank_slide"), speed=7.0, points=17)
+    return pp.cycle(texts.shipped("crank_slide"), speed=7.0, points=17)
 
 
 @pytest.fixture(scope="module")
 def result(motion):
     load = pp.PointForce("slide", lambda motion: np.outer(np.sin(motion.crank_angle), (0.0, 0.0, 1e6)))
-    return pp.inverse_dynamics(pp.load("crank_slide"), motion, loads=[load])
+    return pp.inverse_dynamics(texts.shipped("crank_slide"), motion, loads=[load])
 
 
 @pytest.fixture(params=["motion", "result"])
@@ -97,7 +98,7 @@ def test_mat_file_has_the_name_given(tmp_path, motion):
 
 
 def test_states_without_time_or_slide_have_no_such_columns():
-    press = pp.load("crank_slide")
+    press = texts.shipped("crank_slide")
     states = pp.cycle(press, speed=1.0, angle=[1.0, 0.5])
     assert list(states.columns()) == MOTION[1:]
     assert list(states.to_frame().columns) == MOTION[1:]

@@ -10,6 +10,7 @@ from pathlib import Path
 import numpy as np
 import pinocchio as pin
 import pytest
+import texts
 from scipy.optimize import brentq, minimize_scalar
 
 import pinpress as pp
@@ -23,7 +24,7 @@ L1, L3, L4, L6, H = (REFERENCE["geometry"][name] for name in ("l1", "l3", "l4", 
 
 @pytest.fixture(scope="module")
 def press():
-    return pp.load("thin_wall")
+    return texts.shipped("thin_wall")
 
 
 @pytest.fixture(params=["plane", "pinocchio"])

@@ -2,12 +2,13 @@
 
 import numpy as np
 import pytest
+import texts
 
 import pinpress as pp
 
 X, Z, MASS = pp.Range("shaking_force", "x"), pp.Range("shaking_force", "z"), pp.AddedMass()
 ROOMS = [pp.Room("crank", radius=0.3), pp.Room("rocker", radius=0.6), pp.Room("rod", radius=0.3)]
-PRESS = pp.load("zxn2_3000b")
+PRESS = texts.shipped("zxn2_3000b")
 MOTION = pp.cycle(PRESS, speed=70 * pp.RPM, points=90)
 
 

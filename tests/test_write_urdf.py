@@ -9,6 +9,7 @@ import sys
 import numpy as np
 import pinocchio as pin
 import pytest
+import texts
 from hypothesis import HealthCheck, assume, given, settings
 from hypothesis import strategies as st
 from random_linkages import drawn, linkages
@@ -195,7 +196,7 @@ def nudge(rng, size):
 
 @pytest.mark.parametrize("name", pp.presses())
 def test_unchanged_press_has_the_same_bytes(name, tmp_path):
-    press = pp.load(name)
+    press = texts.shipped(name)
     assert pp.write_urdf(press, tmp_path / "written.urdf") == tmp_path / "written.urdf"
     assert (tmp_path / "written.urdf").read_bytes() == press.text
 
@@ -252,7 +253,7 @@ def test_name_that_no_file_can_hold(press, tmp_path, name):
 
 @pytest.mark.parametrize("name", pp.presses())
 def test_inertias(name, tmp_path):
-    press, rng = pp.load(name), np.random.default_rng(2)
+    press, rng = texts.shipped(name), np.random.default_rng(2)
 
     def all_new(model):
         for j in range(model.njoints):
@@ -597,7 +598,7 @@ def test_forces_of_the_file_are_those_of_the_changed_linkage(press, tmp_path):
 
 def test_planar_press_stays_planar(tmp_path):
     """Its angles and lengths in the plane changed: the planar engine takes it, and the same forces come out."""
-    press, rng = pp.load("zxn2_3000b"), np.random.default_rng(6)
+    press, rng = texts.shipped("zxn2_3000b"), np.random.default_rng(6)
 
     def change(model):
         for j in range(1, model.njoints):
@@ -614,7 +615,7 @@ def test_planar_press_stays_planar(tmp_path):
 @pytest.mark.parametrize("name", pp.presses())
 def test_forces_with_other_inertias(name, tmp_path):
     """Redundant presses among them, whose lengths must fit to all digits."""
-    press, rng = pp.load(name), np.random.default_rng(7)
+    press, rng = texts.shipped(name), np.random.default_rng(7)
     motion = pp.cycle(press, speed=7.0, points=8)
     before = pp.inverse_dynamics(press, motion)
 
@@ -680,7 +681,7 @@ def fewer_joints(press):
     ("change", "problem"),
     [
         (lambda press: {"model": fewer_joints(press)}, "other joints"),
-        (lambda press: {"model": pp.load("crank_slide").model}, "other joints"),
+        (lambda press: {"model": texts.shipped("crank_slide").model}, "other joints"),
         (lambda press: {"loops": ()}, "other loops"),
         (lambda press: {"loops": (dataclasses.replace(press.loops[0], joint2=0),)}, "other loops"),
         (lambda press: {"loops": (dataclasses.replace(press.loops[0], name="V"),)}, "other loops"),

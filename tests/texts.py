@@ -14,5 +14,6 @@ def load(text, folder, gravity=(0.0, 0.0, -9.81)):
 
 
 @cache
-def shipped(name):
-    return pp.load(name)
+def shipped(name, gravity=(0.0, 0.0, -9.81)):
+    """A shipped press: a linkage is read-only, so that tests can share one, and what it has found out about itself."""
+    return pp.load(name, gravity=gravity)
