@@ -97,6 +97,15 @@ def test_docs_are_what_the_command_writes(made, name):
     assert (DOCS / f"{name}.md").read_text(encoding="utf-8") == made[name].markdown()
 
 
+def test_the_page_on_mounts_has_the_findings_of_the_frame(made):
+    text = (ROOT / "viz" / "foundation.md").read_text(encoding="utf-8")
+    (entry,) = [entry for entry in made["zhang2007"].entries if entry.kind == FINDINGS]
+    assert len(entry.rows) == text.partition("| Zhang 2007 says")[2].partition("\n\n")[0].count("\n") - 1
+    for each in entry.rows:
+        gives, _, agrees = str(each.ours).partition(". Agrees: ")
+        assert f"| {each.quantity.partition(': ')[2]} | {gives} | {agrees} |" in text
+
+
 def test_figures_of_the_docs_are_those_that_the_command_draws(made):
     drawn = {entry.figure for page in made.values() for entry in page.entries if entry.draw is not None}
     assert {path.stem for path in (DOCS / "figures").glob("*.png") if path.stem.startswith(DOCUMENTS)} == drawn
@@ -121,17 +130,6 @@ def test_writes_pages_and_figures(made, tmp_path):
     for path in written[1:]:
         assert path.read_bytes().startswith(b"\x89PNG")
         assert 5_000 < path.stat().st_size < 100_000
-
-
-def test_vibration_takes_answers():
-    from pinpress.reproduce import zhang2007
-
-    empty = zhang2007.vibration()
-    assert [each.ours for each in empty.rows] == [None] * len(zhang2007.MEASURED)
-    answered = zhang2007.vibration([str(k) for k in range(len(zhang2007.MEASURED))])
-    assert "| hardly any vibration | 0 |" in answered.markdown("figures")
-    with pytest.raises(ValueError, match="argument"):
-        zhang2007.vibration(["one"])
 
 
 # -------------------------------------------------------------------------------------------------------------------- the command
