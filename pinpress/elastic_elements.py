@@ -104,7 +104,7 @@ def parts(press: Linkage, stiffness: Stiffness) -> tuple[Part, ...]:
             raise PinpressError(f"moments names {name!r}, which is no guide and holds no moment in the plane: leave it out")
         compliance = 1 / positive(f"stiffness of guide {name!r} against turning", value, "N m/rad")
         found.append(Part(f"{name} turning", compliance, "moment", ((there, 1.0),)))
-    if isinstance(stiffness.rods, Rod) or not all(isinstance(rod, Rod) for rod in stiffness.rods):
+    if not isinstance(stiffness.rods, Sequence) or not all(isinstance(rod, Rod) for rod in stiffness.rods):
         raise PinpressError(f"rods is {stiffness.rods!r}: give a list of Rod(link, (bearing, bearing), stiffness)")
     found += [_rod(press, rod) for rod in stiffness.rods]
     if stiffness.shaft is not None:

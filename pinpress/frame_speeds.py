@@ -137,7 +137,7 @@ def transmissibility(system: MountedPress, frequency: ArrayLike, axis: str = "z"
         PinpressError: frequencies or an axis that are none.
     """
     expect("system", system, MountedPress, "mounted")
-    if axis not in AXES:
+    if not isinstance(axis, str) or axis not in AXES:
         raise PinpressError(f"axis is {axis!r}: write 'x', 'y' or 'z'")
     w = rising("frequency", frequency)
     force = rows_at(system.parts, system.parts - 1, system.centre)[AXES[axis]]

@@ -225,6 +225,7 @@ def test_tables(tmp_path):
         (Stiffness({"O": -1e9}), "stiffness of bearing 'O' is -1000000000.0"),
         (Stiffness({"O": True}), "stiffness of bearing 'O' is True"),
         (Stiffness(moments={"P": 1e9}), "'P', which is no guide"),
+        (Stiffness(rods=1e9), "rods is 1000000000.0: give a list of Rod"),
         (Stiffness(rods=[Rod("bar", ("P", "W"), 1e9)]), "no moving link 'bar'"),
         (Stiffness(rods=[Rod("rod", ("P", "O"), 1e9)]), "bearing 'O' is not on that link; there are: P, W"),
         (Stiffness(rods=[Rod("rod", ("P", "P"), 1e9)]), "names of two of its bearings"),

@@ -287,6 +287,7 @@ def test_mounts_that_lift_off_are_named():
         (lambda s, r: foundation.over_speeds(s, [3.0, 2.0], {}), PinpressError, "speeds is"),
         (lambda s, r: foundation.over_speeds(s, 3.0, {}), PinpressError, "speeds is 3.0"),
         (lambda s, r: foundation.transmissibility(s, [1.0], "up"), PinpressError, "axis is 'up'"),
+        (lambda s, r: foundation.transmissibility(s, [1.0], {}), PinpressError, "axis is {}"),
         (lambda s, r: foundation.over_speeds(s, [3.0], POINTS).growth("top"), PinpressError, "needs two speeds"),
         (lambda s, r: foundation.plot_vibration({}), PinpressError, "nothing to draw"),
         (lambda s, r: foundation.plot_speeds({"a": foundation.over_speeds(s, [3.0], {})}, "top"), UnknownNameError, "no point 'top'"),
