@@ -38,6 +38,17 @@ def balanced():
 
 
 @pytest.fixture(scope="module")
+def torque(result):
+    """To be looked at and saved: to lay it out takes longer than that."""
+    return plots.plot_torque(result)
+
+
+@pytest.fixture(scope="module")
+def comparison(result, balanced):
+    return plots.plot_comparison(result, balanced)
+
+
+@pytest.fixture(scope="module")
 def run():
     press = texts.shipped("crank_slide")
     loads = [pp.loads.DeepDrawing(force=2e4, start=0.05)]
@@ -204,9 +215,9 @@ def test_polar_of_unknown(result):
         plots.plot_polar(result, "A", "Z")
 
 
-def test_comparison(result, balanced):
-    """The changes are those of tests/test_reference.py's paper: README, "The paper's numbers"."""
-    figure = plots.plot_comparison(result, balanced)
+def test_comparison(result, balanced, comparison):
+    """The changes are those of tests/test_reference.py's paper: docs/kong2025.md."""
+    figure = comparison
     torque, x, z, bars = figure.axes
     assert torque.get_title("left") == "Driving torque, range −1.7 %"
     change = np.ptp(balanced.shaking_force, axis=0) / np.where(np.arange(3) == 1, 1, np.ptp(result.shaking_force, axis=0)) - 1
@@ -261,9 +272,10 @@ def test_states_of_any_kind(angle):
     """One state; states not in time; a crank that turns backwards, whose time runs to the right."""
     press = texts.shipped("crank_slide")
     reactions = pp.inverse_dynamics(press, pp.cycle(press, -1.0, angle=angle))
-    for plot in ALL:
-        assert drawn(on_screen(plot(reactions)), "#0072B2") > 20
-    left, right = plots.plot_torque(reactions).axes[0].get_xlim()
+    figures = [plot(reactions) for plot in ALL]
+    for figure in figures:
+        assert drawn(on_screen(figure), "#0072B2") > 20
+    left, right = figures[ALL.index(plots.plot_torque)].axes[0].get_xlim()
     assert len(angle) != 30 or left > right
 
 
@@ -319,8 +331,8 @@ def test_same_bytes(suffix, twice, tmp_path):
     assert sorted(os.listdir(tmp_path)) == [f"{name}{suffix}" for name in "abc"]
 
 
-def test_a_picture_for_a_column(result, balanced, tmp_path):
-    image = picture(plots.plot_comparison(result, balanced), tmp_path)
+def test_a_picture_for_a_column(comparison, tmp_path):
+    image = picture(comparison, tmp_path)
     assert image.shape[1] == int(16 / 2.54 * 300)
     assert drawn(image, "#0072B2") > 5000
     assert drawn(image, "#b0b0b0") > 5000
@@ -329,8 +341,8 @@ def test_a_picture_for_a_column(result, balanced, tmp_path):
     assert (border == 1.0).mean() > 0.99  # nothing is cut off
 
 
-def test_svg_has_the_curve(result, tmp_path):
-    plots.save_plot(plots.plot_torque(result), tmp_path / "torque.svg")
+def test_svg_has_the_curve(torque, tmp_path):
+    plots.save_plot(torque, tmp_path / "torque.svg")
     root = ElementTree.parse(tmp_path / "torque.svg").getroot()
     assert root.get("width") == f"{16 / 2.54 * 72:.6f}pt"
     paths = [path.get("d") for path in root.iter("{http://www.w3.org/2000/svg}path") if "#0072b2" in (path.get("style") or "").lower()]
@@ -345,19 +357,18 @@ def test_svg_has_the_curve(result, tmp_path):
         ("gone/plot.svg", "cannot write .*gone/plot.svg"),
     ],
 )
-def test_paths_that_cannot_be_written(result, path, message, tmp_path):
+def test_paths_that_cannot_be_written(torque, path, message, tmp_path):
     with pytest.raises(pp.PinpressError, match=message):
-        plots.save_plot(plots.plot_torque(result), tmp_path / path)
+        plots.save_plot(torque, tmp_path / path)
     assert not list(tmp_path.iterdir())
 
 
-def test_a_failure_leaves_the_file_as_it_was(result, tmp_path, monkeypatch):
+def test_a_failure_leaves_the_file_as_it_was(torque, tmp_path, monkeypatch):
     file = tmp_path / "plot.svg"
     file.write_text("before")
-    figure = plots.plot_torque(result)
-    monkeypatch.setattr(figure, "savefig", lambda content, **_: content.write(b"<svg") and 1 / 0)
+    monkeypatch.setattr(torque, "savefig", lambda content, **_: content.write(b"<svg") and 1 / 0)
     with pytest.raises(ZeroDivisionError):
-        plots.save_plot(figure, file)
+        plots.save_plot(torque, file)
     assert file.read_text() == "before"
     assert list(tmp_path.iterdir()) == [file]
 
@@ -391,7 +402,7 @@ def style():  # but for the backend, as asking for it imports pyplot
 before = style()
 press = pp.load("crank_slide")
 result = pp.inverse_dynamics(press, pp.cycle(press, 7.0, points=24))
-for figure in (plots.plot_polar(result), plots.plot_comparison(result, result)):
+for figure in (plots.plot_polar(result, "O"), plots.plot_comparison(result, result)):
     figure.savefig(sys.argv[1], dpi=50)
 assert "matplotlib.pyplot" not in sys.modules
 assert style() == before

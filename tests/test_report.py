@@ -1,6 +1,8 @@
 """Reports, opened in a real browser with the network off: charts that show what was computed and follow the recording."""
 
+import base64
 import importlib.util
+import itertools
 import re
 from collections.abc import Callable
 from pathlib import Path
@@ -18,7 +20,7 @@ from spatial_linkages import bennett
 import pinpress as pp
 
 SPEED = 70 * pp.RPM
-WIDE, SMALL = (1300, 800), (800, 300)  # windows; the larger one takes longer to draw
+WIDE, SMALL = (1000, 500), (700, 300)  # windows, the press beside the charts and above them; the larger one takes longer to draw
 CURVES = """() => Object.fromEntries([...document.querySelectorAll('.chart')].filter(box => box.querySelector('.plot')).map(box => [
     box.querySelector('h3').textContent,
     box.querySelector('.plot').data.map(({ name, x, y }) => ({ name, x: [...x], y: [...y] })),
@@ -59,13 +61,6 @@ def test_a_press_has_its_charts(page: Any, result: Any) -> None:
     see_charts(page, result)
 
 
-def test_a_press_of_many_links_has_its_charts(view: Callable[..., Any], tmp_path: Path) -> None:
-    """From its motion alone."""
-    press = texts.shipped("thin_wall")
-    result = pp.inverse_dynamics(press, pp.cycle(press, speed=SPEED, points=60))
-    see_charts(view(pp.report(press, result.motion, tmp_path / "out.html"), "#t=0", SMALL), result)
-
-
 def see_charts(page: Any, result: Any) -> None:
     """Curves of the page against the arrays; the view's fixture sees to it that nothing went wrong in the page."""
     motion = result.motion
@@ -102,8 +97,8 @@ def test_charts_follow_the_recording(page: Any, result: Any) -> None:
             cursor = page.evaluate(CURSOR, title)
             assert cursor["x"] == pytest.approx(2 * i, abs=0.05)
             assert_allclose([shown(text) for text in cursor["values"]], [value[i] for value in values], atol=6e-4 * np.abs(values).max())
-    before = seek(page, motion.time[20])[:, 640:]
-    assert np.count_nonzero(np.abs(seek(page, motion.time[60])[:, 640:] - before).max(axis=2) > 60) > 200  # cursors have moved
+    before = seek(page, motion.time[20])[:, 500:]
+    assert np.count_nonzero(np.abs(seek(page, motion.time[60])[:, 500:] - before).max(axis=2) > 60) > 200  # cursors have moved
 
 
 def test_the_press_stays_in_sight(page: Any) -> None:
@@ -118,7 +113,7 @@ def test_the_press_stays_in_sight(page: Any) -> None:
             assert box[0] >= 0
             assert box[1] == pytest.approx(0, abs=1)
             assert box[2] <= width
-            assert box[3] > 300
+            assert box[3] > 0.375 * WIDE[1]
     page.set_viewport_size({"width": WIDE[0], "height": WIDE[1]})
     page.wait_for_timeout(500)  # until the charts have their width again
 
@@ -200,39 +195,81 @@ def test_table_of_extremes(page: Any, result: Any) -> None:
     assert f"{np.abs(torque).max() / 1e3:.4g} kN m" in cards
 
 
-def test_before_and_after(result: Any, view: Callable[..., Any], tmp_path: Path) -> None:
-    """The plain press beside the balanced one, at another number of states."""
+def test_a_press_of_many_links_has_its_charts(tmp_path: Path) -> None:
+    """From its motion alone: what the page is given; the tests above see that it shows it."""
+    press = texts.shipped("thin_wall")
+    result = pp.inverse_dynamics(press, pp.cycle(press, speed=SPEED, points=60))
+    report = data_in(pp.report(press, result.motion, tmp_path / "out.html"))["report"]
+    charts = {chart["title"]: chart for section in report["sections"] for chart in section["charts"]}
+    assert {"Slide position", "Slide velocity", "Slide acceleration", "Driving torque", "Shaking force"} <= set(charts)
+    motion, given = result.motion, {}
+    for title, chart in charts.items():
+        for curve in chart["curves"]:
+            given[title, curve["name"]] = {"N": 1.0, "kN": 1e3, "MN": 1e6}.get(chart["unit"], 1.0) * floats(curve["values"])
+    peak = max(np.linalg.norm(force, axis=1).max() for force in result.bearing_force.values())
+    assert {name for title, name in given if title == "Bearing forces"} == set(result.bearing_force)
+    for name, force in result.bearing_force.items():
+        size = np.linalg.norm(force, axis=1)
+        assert_allclose(given["Bearing forces", name], [*size, size[0]], atol=1e-6 * peak)
+    assert_allclose(given["Slide velocity", "velocity"][:-1], motion.slide_velocity, atol=1e-6)
+    assert [bearing["name"] for bearing in report["bearings"]] == list(result.bearing_force)
+    for bearing, force in zip(report["bearings"], result.bearing_force.values(), strict=True):
+        unit = {"N": 1.0, "kN": 1e3, "MN": 1e6}[bearing["unit"]]
+        assert_allclose(unit * floats(bearing["frame"]).reshape(-1, 2)[:-1], force[:, [0, 2]], atol=1e-6 * peak)
+    assert len(report["table"]["rows"]) > 10
+
+
+def floats(packed: str) -> Any:
+    """Numbers as a page is given them."""
+    return np.frombuffer(base64.b64decode(packed), "<f4")
+
+
+def test_before_and_after_backwards(press: Any, result: Any, view: Callable[..., Any], tmp_path: Path) -> None:
+    """The plain press beside the balanced one, at another number of states. Time runs to the right, though the crank turns backwards."""
+    plain = pp.inverse_dynamics(press, pp.cycle(press, speed=-SPEED, points=60))
     balanced = texts.shipped("zxn2_3000b_balanced")
-    after = pp.inverse_dynamics(balanced, pp.cycle(balanced, speed=SPEED, points=90))
-    page = view(pp.report(balanced, after.motion, tmp_path / "out.html", after, before=result), "#t=0", SMALL)
+    after = pp.inverse_dynamics(balanced, pp.cycle(balanced, speed=-SPEED, points=90))
+    with pytest.raises(pp.PinpressError, match="turns the other way"):
+        pp.report(balanced, after.motion, tmp_path / "out.html", after, before=result)
+    page = view(pp.report(balanced, after.motion, tmp_path / "out.html", after, before=plain), "#t=0", SMALL)
     curves = page.evaluate(CURVES)
     names = [curve["name"] for curve in curves["Shaking force [kN]"]]
     assert names == ["x", "x, before", "z", "z, before"]
-    assert_allclose(curves["Shaking force [kN]"][1]["y"][:-1], result.shaking_force[:, 0] / 1e3, atol=1e-4)
-    assert_allclose(curves["Shaking force [kN]"][0]["y"][:-1], after.shaking_force[:, 0] / 1e3, atol=1e-4)
+    for curve, states in zip(curves["Shaking force [kN]"], (after, plain), strict=False):
+        assert_allclose(curve["y"][:-1], states.shaking_force[:, 0] / 1e3, atol=1e-4)
+        assert_allclose(curve["x"], np.linspace(0, -360, len(states.motion.time) + 1), atol=1e-3)
     assert len(curves["Polar diagram, world axes [kN]"]) == 2
-    assert "dashed: zxn2_3000b, crank at 70 r/min" in page.inner_text("#subtitle")
+    assert "dashed: zxn2_3000b, crank at −70 r/min" in page.inner_text("#subtitle")
     rows = page.evaluate("[...document.querySelectorAll('tbody tr')].map(row => [...row.children].map(cell => cell.textContent))")
     row = next(row for row in rows if row[0] == "shaking force, x")
-    change = 100 * (np.ptp(after.shaking_force[:, 0]) / np.ptp(result.shaking_force[:, 0]) - 1)
+    change = 100 * (np.ptp(after.shaking_force[:, 0]) / np.ptp(plain.shaking_force[:, 0]) - 1)
     assert shown(row[-2].removesuffix(" %")) == pytest.approx(change, abs=0.006)
-    assert shown(row[-3]) == pytest.approx(np.ptp(result.shaking_force[:, 0]), rel=1e-4)
+    assert shown(row[-3]) == pytest.approx(np.ptp(plain.shaking_force[:, 0]), rel=1e-4)
+    page.evaluate("t => seek(t)", after.motion.time[30])
+    assert page.evaluate(CURSOR, "Slide position")["x"] == pytest.approx(-120, abs=0.1)
+    place = "parseFloat(document.querySelector('.cursor').style.left)"
+    left = page.evaluate(place)
+    page.evaluate("t => seek(t)", after.motion.time[45])
+    assert page.evaluate(place) > left
+    assert page.inner_text("#crank") == "crank−180.0°"
 
 
 def test_run_is_over_time(view: Callable[..., Any], tmp_path: Path) -> None:
     press = texts.shipped("jf75g_125")
     load = pp.loads.Blanking(1e6, 0.006, 0.002)
-    run = pp.simulate(press, 1.0, 300 * pp.RPM, flywheel=pp.Flywheel(30.0), drive=pp.ConstantTorque(900.0), loads=[load])
+    run = pp.simulate(press, 0.3, 300 * pp.RPM, flywheel=pp.Flywheel(30.0), drive=pp.ConstantTorque(900.0), loads=[load])
     result = pp.inverse_dynamics(press, run, loads=[load])
-    page = view(pp.report(press, run, tmp_path / "out.html", result), "#t=0.5", SMALL)
+    page = view(pp.report(press, run, tmp_path / "out.html", result), "#t=0.15", SMALL)
     curves = page.evaluate(CURVES)
     assert "Crank speed [r/min]" in curves
     torque = curves["Driving torque [kN m]"]
     assert [curve["name"] for curve in torque] == ["driving torque", "drive"]
     assert_allclose(torque[0]["x"], run.time, atol=1e-6)
     assert_allclose(torque[0]["y"], result.driving_torque / 1e3, atol=1e-5 * np.abs(result.driving_torque).max() / 1e3)
-    assert page.evaluate(CURSOR, "Driving torque")["x"] == pytest.approx(0.5, abs=1e-3)
-    assert "simulated run of 1 s" in page.inner_text("#subtitle")
+    assert page.evaluate(CURSOR, "Driving torque")["x"] == pytest.approx(0.15, abs=3e-4)
+    slide = np.interp(0.15, run.time, run.slide_position)
+    assert shown(page.inner_text("#slide")[5:-3]) == pytest.approx(1e3 * slide, abs=0.1)
+    assert "simulated run of 0.3 s" in page.inner_text("#subtitle")
 
 
 def test_hostile_names_are_text(tmp_path: Path, view: Callable[..., Any]) -> None:
@@ -241,9 +278,14 @@ def test_hostile_names_are_text(tmp_path: Path, view: Callable[..., Any]) -> Non
     texts = page.inner_text("body")
     for name in NAMES.values():
         assert name in texts or name in page.title()
-    assert page.locator("article script, article img, article b b").count() == 0
+    assert page.locator("article script, article img, article b b, main script, main img, main b b").count() == 0
+    assert page.inner_text("h1") == page.title() == NAMES["crank_slide"]
+    assert NAMES["rod"] in page.inner_text("#legend")
+    assert NAMES["P"] in page.inner_text("#labels")
+    assert page.evaluate("viewer.scene_tree.find(['press']).object.children.length") == 4
+    assert {"Slide position", "Driving torque", "Shaking force"} <= {title.split(" [")[0] for title in page.evaluate(CURVES)}
     page.select_option("#bearing", label=NAMES["P"])
-    page.mouse.move(1000, 400)
+    page.mouse.move(800, 400)
     page.wait_for_timeout(100)
     assert f"Force in {NAMES['P']}" in page.inner_text("#charts")
 
@@ -257,21 +299,6 @@ def test_what_cannot_be_compared(press: Any, result: Any, tmp_path: Path) -> Non
     with pytest.raises(pp.PinpressError, match="before is over time, the motion over crank angle"):
         pp.report(press, result.motion, tmp_path / "out.html", result, before=pp.inverse_dynamics(press, run))
     assert list(tmp_path.iterdir()) == []
-
-
-def test_backwards(press: Any, result: Any, tmp_path: Path, view: Callable[..., Any]) -> None:
-    """Time runs to the right, and a motion the other way is not laid beside it."""
-    back = pp.inverse_dynamics(press, pp.cycle(press, speed=-SPEED, points=60))
-    with pytest.raises(pp.PinpressError, match="turns the other way"):
-        pp.report(press, back.motion, tmp_path / "out.html", back, before=result)
-    page = view(pp.report(press, back.motion, tmp_path / "out.html", back), "#t=0", SMALL)
-    page.evaluate("t => seek(t)", back.motion.time[15])
-    assert page.evaluate(CURSOR, "Slide position")["x"] == pytest.approx(-90, abs=0.1)
-    place = "parseFloat(document.querySelector('.cursor').style.left)"
-    left = page.evaluate(place)
-    page.evaluate("t => seek(t)", back.motion.time[30])
-    assert page.evaluate(place) > left
-    assert page.inner_text("#crank") == "crank−180.0°"
 
 
 def test_what_rigid_mechanics_leaves_open_is_said(tmp_path: Path) -> None:
@@ -312,10 +339,21 @@ def test_linkage_in_space_without_slide(tmp_path: Path, view: Callable[..., Any]
     page = view(pp.report(press, result.motion, tmp_path / "out.html"), "#t=0.1", SMALL)
     curves = page.evaluate(CURVES)
     assert not any(title.startswith("Slide") for title in curves)
+    assert page.evaluate("[data.front.length, data.slide]") == [0, None]
     (unit,) = (title.split("[")[1][:-1] for title in curves if title.startswith("Shaking force"))
     scale = {"N": 1.0, "kN": 1e3}[unit]
     for curve, force in zip(curves[f"Shaking force [{unit}]"], result.shaking_force.T, strict=True):
         assert_allclose(scale * np.array(curve["y"])[:-1], force, atol=1e-5 * np.abs(result.shaking_force).max())
+    page.click("#show-names")
+    page.click("#show-forces")
+    see_movement(page, result.motion.time[[0, 20, 40]], 125)
+
+
+def see_movement(page: Any, times: Any, least: int) -> None:
+    """At the times [s] the press is seen in poses that differ in `least` pixels or more."""
+    pictures = [seek(page, time)[: page.evaluate("element('view').clientHeight")] for time in times]
+    for before, after in itertools.pairwise(pictures):
+        assert np.count_nonzero(np.abs(after - before).max(axis=2) > 30) > least
 
 
 def test_several_drivers(tmp_path: Path, view: Callable[..., Any]) -> None:
@@ -331,6 +369,7 @@ def test_several_drivers(tmp_path: Path, view: Callable[..., Any]) -> None:
     for curve, values in zip(torque, result.driving_torque.T, strict=True):
         assert_allclose(curve["x"], time, atol=1e-8)
         assert_allclose(curve["y"], values, atol=1e-6 * np.abs(result.driving_torque).max())
+    see_movement(page, [0.1, 0.9], 0)
 
 
 def test_states_that_are_not_in_time(press: Any, tmp_path: Path) -> None:
