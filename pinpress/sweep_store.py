@@ -14,7 +14,6 @@ from pathlib import Path
 from . import files, sweep_lines
 from .errors import PinpressError
 from .sweep_grid import Grid, Scalar, differences, fingerprint
-from .sweep_lock import locked
 from .sweep_run import Outcome
 
 SUFFIXES = (".csv", ".parquet")
@@ -170,6 +169,10 @@ def results(grid: Grid, function: str, to: str | os.PathLike[str] | None, retry_
         from .sweep_parquet import installed
 
         installed()
+    try:
+        from .sweep_lock import locked
+    except ImportError:  # of the locks
+        raise PinpressError("a sweep to a file needs the locks of Linux or macOS: leave to= out, and write the table at the end") from None
     with locked(path):
         kept = Results(grid, function, path)
         try:

@@ -1,4 +1,4 @@
-"""Time and size of recordings and reports of the six-bar press, 360 frames, as the Markdown table in the README.
+"""Time and size of recordings and reports of the six-bar press, 360 frames, as the Markdown table in docs/recording.md.
 
 python tests/benchmark_recording.py
 """

@@ -22,7 +22,7 @@ ENGINES = ("plane", "pinocchio")
 METHODS = ("reduced", "constraint")
 EPS = float(np.finfo(float).eps)
 ROUNDING = 1e-12
-"""Of the peak: what the engines agree to with each other and with closed forms on ordinary linkages, see README."""
+"""Of the peak: what the engines agree to with each other and with closed forms on ordinary linkages, see docs/motion_and_forces.md."""
 CLOSE = 1e-7
 """rad, of speeds times the speed: the methods keep to 1e-11 a step, in tens to hundreds of steps; edges and stops multiply that by tens."""
 

@@ -2,7 +2,7 @@
 
 ```python   runs; a ```text block right below it is what it prints
 ```console  lines that begin with "$ " are commands of pinpress, what follows them is what they print
-```xml title="name"  is appended to the file of that name
+```xml title="name"  is appended to the file of that name; python too, as a module that other blocks import
 ```
 
 Where a page shows ``...`` anything may stand (times, rounding); all else is compared as printed.
@@ -60,7 +60,12 @@ def run(page: str, names: dict[str, object]) -> Iterator[Shown]:
     """Run the blocks of a page in the working folder, with ``names`` as the session's; yields what is shown, printed or not."""
     found = blocks(page)
     for block, after in zip(found, [*found[1:], Block("", "", "", 0)], strict=True):
-        if block.language == "python":
+        if block.title:
+            if block.language == "python":
+                compile(block.body, block.title, "exec")  # also where no other block imports it
+            with Path(block.title).open("a", encoding="utf-8") as file:
+                file.write(block.body)
+        elif block.language == "python":
             printed = io.StringIO()
             with contextlib.redirect_stdout(printed):
                 exec(compile(block.body, f"<line {block.line}>", "exec"), names)
@@ -68,9 +73,6 @@ def run(page: str, names: dict[str, object]) -> Iterator[Shown]:
         elif block.language == "console":
             for command, wanted in commands(block.body):
                 yield Shown(block, wanted, terminal(command))
-        elif block.title:
-            with Path(block.title).open("a", encoding="utf-8") as file:
-                file.write(block.body)
 
 
 def commands(body: str) -> Iterator[tuple[str, str]]:

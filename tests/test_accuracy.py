@@ -74,7 +74,7 @@ def test_inverse_dynamics(measured):
 
 
 def test_the_published_errors_are_still_so(measured):
-    """Those of `viz/accuracy.csv`, of which the README's table and picture are made: within a factor of three, but for rounding."""
+    """Those of `viz/accuracy.csv`, of which tables and picture of docs/accuracy.md are made: within a factor of three, but for rounding."""
     with open(PUBLISHED, newline="", encoding="utf-8") as file:
         published = {(row["method"], row["setting"]): row for row in csv.DictReader(file) if row["group"] in (SIMULATION, TABLE)}
     rounding = {"error": 1e-11, "force_error": 1e-11}

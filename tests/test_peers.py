@@ -186,7 +186,7 @@ def test_a_step_too_long_is_said_or_seen(presses, made, kind, step, capfd, tmp_p
 
 @pytest.mark.parametrize(("kind", "step"), [("Mujoco", "5 ms"), ("MujocoSteps", "1 ms"), ("Exudyn", "1 ms")])
 def test_the_published_errors_are_still_so(presses, made, kind, step):
-    """Those of `viz/accuracy.csv`, of which the README's table and picture are made, within a factor of three."""
+    """Those of `viz/accuracy.csv`, of which tables and picture of docs/accuracy.md are made, within a factor of three."""
     press, peer = presses("zxn2_3000b"), made(kind, "zxn2_3000b")
     with open(PUBLISHED, newline="", encoding="utf-8") as file:
         rows = {(row["method"], row["setting"]): row for row in csv.DictReader(file) if row["group"] == "simulation"}

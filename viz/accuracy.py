@@ -1,7 +1,7 @@
-"""Error against run time of the six-bar press, pinpress and its peers: the table and the picture of the README.
+"""Error against run time of the six-bar press, pinpress and its peers: the tables and the picture of docs/accuracy.md.
 
 Run `python viz/accuracy.py` (with `pip install -e '.[plots,peers]'`): in about a minute it writes accuracy.csv and accuracy.png beside
-itself and prints the table. The README's table is made from that file, so that both are of one run.
+itself and prints the table. The page's tables are made from that file, so that both are of one run.
 """
 
 import csv
@@ -24,7 +24,7 @@ NAMES = {  # method -> what the table calls it
 
 
 def table(path: Path = HERE / "accuracy.csv") -> str:
-    """The README's tables from a file that `Accuracy.to_csv` has written: inverse dynamics, then the least times of a free run."""
+    """The page's tables from a file that `Accuracy.to_csv` has written: inverse dynamics, then the least times of a free run."""
     with path.open(newline="", encoding="utf-8") as file:
         rows = list(csv.DictReader(file))
     turn = [row for row in rows if row["group"] == "inverse dynamics"]

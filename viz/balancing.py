@@ -1,4 +1,4 @@
-"""Balancing of the JF75G-125 and the ZXN2-3000(B) beside what the sources found: the README's tables, and its picture of trade-offs.
+"""Balancing of the JF75G-125 and the ZXN2-3000(B) beside what the sources found: the tables of docs/balancing.md, and its picture.
 
 python viz/balancing.py
 """

@@ -1,4 +1,4 @@
-"""Ratings of the ZXN2-3000(B) and the JF75G-125: markdown tables, and the picture of the first one's force, stroke and energy.
+"""Ratings of the ZXN2-3000(B) and the JF75G-125: the tables of docs/ratings.md, and the first one's force, stroke and energy as a picture.
 
 python viz/ratings.py
 
@@ -6,18 +6,15 @@ The documents print nominal force, speed, motor and flywheel, as far as they sta
 drops of speed they do not. What stands under ASSUMED is ours: customary figures of presses of their size, no data of these machines.
 """
 
+from functools import cache
 from pathlib import Path
 
 import numpy as np
 
 import pinpress as pp
-from pinpress.capacities import Capacities
-from pinpress.rating import Ratings, ratings
-from pinpress.rating_guides import Guide, eccentric_load, permissible_eccentricity
-from pinpress.rating_plots import plot_ratings
 
 HERE = Path(__file__).parent
-POINTS = 1801  # of the tables: between them they are linear
+POINTS = 1081  # of the tables: between them they are linear
 SHOWN = (0.5, 1.0, 2.0, 3.0, 5.0, 10.0, 20.0, 30.0, 50.0, 100.0)  # heights, percent of the stroke
 SPEEDS = {"zxn2_3000b": 70 * pp.RPM, "jf75g_125": 300 * pp.RPM}  # Kong 2025, Zhang 2007
 TITLES = {"zxn2_3000b": "ZXN2-3000(B), 70 strokes/min", "jf75g_125": "JF75G-125, 300 strokes/min"}
@@ -36,17 +33,18 @@ ASSUMED = {
     },
     "jf75g_125": {"nominal_height": 0.003, "speed_drop": 0.15, "bearings": {"O": 1.4e6, "P4": 1.4e6}},
 }
-GUIDES = {"zxn2_3000b": Guide(length=1.2, width=0.3), "jf75g_125": Guide(length=0.6, width=0.2)}
+GUIDES = {"zxn2_3000b": pp.Guide(length=1.2, width=0.3), "jf75g_125": pp.Guide(length=0.6, width=0.2)}
 PRESSURE = 6e6  # permissible on the gibs [Pa]
 
 
-def capacities(name: str) -> Capacities:
+def capacities(name: str) -> pp.Capacities:
     """What is printed and assumed."""
-    return Capacities(**PRINTED[name] | ASSUMED[name])
+    return pp.Capacities(**PRINTED[name] | ASSUMED[name])
 
 
-def rated(name: str, at_speed: bool = False) -> Ratings:
-    return ratings(pp.load(name), SPEEDS[name], capacities(name), at_speed, POINTS)
+@cache
+def rated(name: str, at_speed: bool = False) -> pp.Ratings:
+    return pp.ratings(pp.load(name), SPEEDS[name], capacities(name), at_speed, POINTS)
 
 
 def table() -> str:
@@ -68,7 +66,7 @@ def main_data() -> str:
         "flywheel at the crank, drop of its speed",
         [
             f"{PRINTED[n].get('flywheel_inertia', ASSUMED[n].get('flywheel_inertia')):g} kg m2"
-            f" ({'printed' if 'flywheel_inertia' in PRINTED[n] else 'assumed'}), {ASSUMED[n]['speed_drop']:.0%} (assumed)"
+            f" ({'printed' if 'flywheel_inertia' in PRINTED[n] else 'assumed'}), {100 * ASSUMED[n]['speed_drop']:.0f} % (assumed)"
             for n in names
         ],
     )
@@ -95,7 +93,7 @@ def main_data() -> str:
     return head + "\n".join(f"| {what} | {' | '.join(cells)} |" for what, cells in rows)
 
 
-def above(one: Ratings) -> str:
+def above(one: pp.Ratings) -> str:
     """The limit that governs above the heights at which the nominal force is permissible."""
     at = int(np.flatnonzero(one.height == one.changes[-1])[0])
     return one.limited_by[at - 1]
@@ -107,8 +105,8 @@ def eccentricity(name: str) -> str:
     assert one.capacities.nominal_height is not None
     motion = pp.cycle(press, speed=0.0, angle=one.crank_angle[one.height <= one.capacities.nominal_height + 1e-12])
     force = one.capacities.nominal_force
-    left, right = permissible_eccentricity(press, motion, force, GUIDES[name], PRESSURE)
-    central = eccentric_load(press, motion, force, (0.0, 0.0, 0.0), GUIDES[name]).pressure.max()
+    left, right = pp.permissible_eccentricity(press, motion, force, GUIDES[name], PRESSURE)
+    central = pp.eccentric_load(press, motion, force, (0.0, 0.0, 0.0), GUIDES[name]).pressure.max()
     return f"{1e3 * left:.1f} to {1e3 * right:+.1f} mm (centred: {central / 1e6:.2f} MPa)"
 
 
@@ -129,17 +127,17 @@ def forces(name: str) -> str:
         lever = at(static, np.abs(static.travel_per_angle), height)
         nominal = static.capacities.nominal_force
         lines.append(
-            f"| {1e3 * height:.2f} | {1e3 * lever:.3f} | {by_torque / 1e3:.0f} | {at_speed / 1e3:.0f} | {min(energy, nominal) / 1e3:.0f} |"
+            f"| {1e3 * height:.2f} | {1e3 * lever:.2f} | {by_torque / 1e3:.0f} | {at_speed / 1e3:.0f} | {min(energy, nominal) / 1e3:.0f} |"
             f" {force / 1e3:.0f} | {governing} |"
         )
     return "\n".join(lines)
 
 
-def at(one: Ratings, values: np.ndarray, height: float) -> float:
+def at(one: pp.Ratings, values: np.ndarray, height: float) -> float:
     """A quantity between the states, linear in the height."""
     return float(np.interp(height, one.height[::-1], values[::-1]))
 
 
 if __name__ == "__main__":
     print(table())
-    print(pp.save_plot(plot_ratings(rated("zxn2_3000b")), HERE / "ratings.png"))
+    print(pp.save_plot(pp.plot_ratings(rated("zxn2_3000b")), HERE / "ratings.png"))

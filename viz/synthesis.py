@@ -1,4 +1,4 @@
-"""Link lengths found for the thin-wall press of Chen 2002 and for the ZXN2-3000(B): the README's tables.
+"""Link lengths found for the thin-wall press of Chen 2002 and for the ZXN2-3000(B): the table of docs/synthesis.md.
 
 python viz/synthesis.py
 """

@@ -49,10 +49,8 @@ def page() -> Page:
         "chen2002",
         "Chen 2002: a press for thin-walled parts",
         "Chen Y., Su S. 2002, Modern Manufacturing Engineering 2002(7), 42-44 (in Chinese): lengths of an oscillating guide bar with a"
-        " rocker-slide"
-        " behind it, so that the ram works at an even speed and returns quickly. `thin_wall`, at 7.54 rad/s. The paper has no tables."
-        " Written by"
-        " `python -m pinpress.reproduce chen2002`.",
+        " rocker-slide behind it, so that the ram works at an even speed and returns quickly. `thin_wall`, at 7.54 rad/s. The paper has"
+        " no tables. Written by `python -m pinpress.reproduce chen2002`.",
         (
             Entry(("Fig. 1",), "scheme of the press", NO_RESULT),
             _ends(press),
@@ -175,8 +173,7 @@ def _example(press: Linkage, motion: Motion) -> Entry:
     )
     reason = (
         "l1 = 108, l3 = 648, l4 = 220, l6 = 350, h = 630 mm. Time ratio and stroke are those of these lengths, to what rounding to"
-        " millimetres"
-        " leaves (0.5 % of the crank); bar and height are not the rounded ones of the paper's own rules. l4 is discussed below."
+        " millimetres leaves (0.5 % of the crank); bar and height are not the rounded ones of the paper's own rules. l4 is discussed below."
     )
     return Entry(("Example",), "lengths, time ratio, stroke, pressure angle", PARTLY, rows, reason)
 
@@ -241,7 +238,6 @@ def _even(motion: Motion, found: list[Synthesis]) -> Entry:
         ]
     reason = (
         "What the press is for: speed as even as may be over the 120 mm that are drawn, with free l4 and h under a limit of the pressure"
-        " angle."
-        " It has an optimum of its own, little better than the paper's lengths: the guide bar decides."
+        " angle. It has an optimum of its own, little better than the paper's lengths: the guide bar decides."
     )
     return Entry(("Even speed",), "objective with an optimum", BEYOND, tuple(rows), reason)

@@ -21,7 +21,7 @@ from ..reactions import Reactions, inverse_dynamics
 from ..simulation import simulate
 from .drawings import Panel, draw
 from .kong2025_errata import ERRATA
-from .pages import BEYOND, DATA, NO_RESULT, NOT, PARTLY, REPRODUCED, Entry, Page, Row, table
+from .pages import BEYOND, DATA, NO_RESULT, NOT, PARTLY, REPRODUCED, Entry, Page, Row
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -79,18 +79,6 @@ def states() -> tuple[State, State]:
     return state("zxn2_3000b"), state("zxn2_3000b_balanced")
 
 
-def reactions_table() -> str:
-    """Tables 2 and 3 beside ours, in Markdown: one row a quantity and source."""
-    before, after = (each.columns() for each in states())
-    rows = []
-    for name, printed in PRINTED.items():
-        ours = tuple((round(float(curve.max())), round(float(curve.min()))) for curve in (before[name], after[name]))
-        for source, (first, second) in (("Kong 2025", printed), ("pinpress", ours)):
-            change = 100 * (np.ptp(second) / np.ptp(first) - 1)
-            rows.append((name, source, f"{first[0]} / {first[1]}", f"{second[0]} / {second[1]}", f"{change:.2f} %"))
-    return table(("", "", "before, max / min", "after, max / min", "range changes by"), rows).replace("|  |  |", "| | |", 1)
-
-
 def page() -> Page:
     """All tables and figures of the paper."""
     before, after = states()
@@ -98,10 +86,9 @@ def page() -> Page:
         "kong2025",
         "Kong 2025: the six-bar press ZXN2-3000(B)",
         "Kong X. et al. 2025, Forging and Stamping Technology 50(2), 195-203 (in Chinese): kinematics, driving torque and bearing forces"
-        " of a"
-        " 3000 kN press at 70 strokes/min, before and after partial balancing by counterweights on crank and rod. `zxn2_3000b` and"
-        " `zxn2_3000b_balanced`; the moments of inertia, which the paper does not print, are named in these files. Written by"
-        " `python -m pinpress.reproduce kong2025`.",
+        " of a 3000 kN press at 70 strokes/min, before and after partial balancing by counterweights on crank and rod. `zxn2_3000b` and"
+        " `zxn2_3000b_balanced`; the moments of inertia, which the paper does not print, are named in these files. Written by `python -m"
+        " pinpress.reproduce kong2025`.",
         (
             _motor(),
             Entry(("Fig. 2",), "kinematic model and photograph", NO_RESULT),
@@ -140,8 +127,7 @@ def _motor() -> Entry:
     )
     reason = (
         "The figure prints the rated point; the curve is constant flux below 50 Hz and constant voltage above it. One gear ratio cannot"
-        " give"
-        " both ends of the printed ranges: 724.9 r/min belong to 35 strokes/min, or to 50 strokes/min of a press that runs up to 100."
+        " give both ends of the printed ranges: 724.9 r/min belong to 35 strokes/min, or to 50 strokes/min of a press that runs up to 100."
     )
     return Entry(
         ("Fig. 1",), "torque of the motor over frequency", REPRODUCED, rows, reason, "kong2025_motor", shown, "Cross: rated point."
@@ -271,9 +257,8 @@ def _claims(before: State, after: State) -> Entry:
     )
     reason = (
         "These follow from lengths, masses and centres of mass alone, whatever the inertias and the weight. The paper quotes them from its"
-        " reference [20]. Two come out, as far as the printed centres of mass go: rounded to 0.1 mm, they leave 0.1 % of the first and"
-        " 0.7 % of the"
-        " last. The other two are off by 3 and 4 % of themselves."
+        " reference [20]. Two come out, as far as the printed centres of mass go: rounded to 0.1 mm, they leave 0.1 % of the first and 0.7"
+        " % of the last. The other two are off by 3 and 4 % of themselves."
     )
     return Entry(("Reference [20]",), "what the balancing does to centre of mass and shaking force", PARTLY, rows, reason)
 

@@ -34,11 +34,9 @@ def page() -> Page:
         "zhang2007",
         "Zhang 2007: the high-speed press JF75G-125",
         "Zhang X. 2007, master thesis, Southeast University, Nanjing (in Chinese): vibration measurements, balancing arrangements,"
-        " equations of"
-        " motion and ADAMS models of a 1250 kN press at 300 strokes/min. `jf75g_125_plain`, `jf75g_125` and `jf75g_125_symmetric`. The"
-        " thesis"
-        " prints no lengths; ours are inferred, with reasons in these files, so that what depends on them can agree only as far as they do."
-        " Gravity 9.80665 m/s2. Written by `python -m pinpress.reproduce zhang2007`.",
+        " equations of motion and ADAMS models of a 1250 kN press at 300 strokes/min. `jf75g_125_plain`, `jf75g_125` and"
+        " `jf75g_125_symmetric`. The thesis prints no lengths; ours are inferred, with reasons in these files, so that what depends on"
+        " them can agree only as far as they do. Gravity 9.80665 m/s2. Written by `python -m pinpress.reproduce zhang2007`.",
         (
             Entry(figures(1, 1, 4), "presses of others", NO_RESULT),
             Entry(figures(2, 1, 6), "photograph, scheme, CAD model, instruments, measuring points", NO_RESULT),
@@ -100,8 +98,7 @@ def _rotors() -> Entry:
     )
     reason = (
         "The thesis has formulas without an example. Ours: 2 kg at 100 mm and a hole of 1.2 kg at 150 mm across, 50 and 200 mm along the"
-        " shaft;"
-        " planes at 0 and 300 mm."
+        " shaft; planes at 0 and 300 mm."
     )
     return Entry(("Fig. 3-1", "Fig. 3-2"), "balancing of rotors in one and two planes", FORMULAS, rows, reason)
 
@@ -164,9 +161,8 @@ def _complete(plain: Linkage, before: Reactions) -> Entry:
         Row("with both, m' as printed [N]", "", left((rod, Counterweight("crank", wrong, crank.position))), places=0),
     )
     reason = (
-        "The thesis has formulas without an example. Ours: counterweights at 0.30 m on the rod and 0.15 m on the crank. The printed m'"
-        " has the"
-        " rod's mass m2 where m_B belongs, all that hangs on the crank pin, and nearly doubles the force."
+        "The thesis has formulas without an example. Ours: counterweights at 0.30 m on the rod and 0.15 m on the crank. The printed m' has"
+        " the rod's mass m2 where m_B belongs, all that hangs on the crank pin, and nearly doubles the force."
     )
     return Entry(("Fig. 3-4",), "complete balancing", FORMULAS, rows, reason)
 
@@ -214,8 +210,8 @@ def _opposed(plain: Linkage, before: Reactions, as_printed: Reactions) -> Entry:
     )
     reason = (
         "By the thesis' formulas for m6, with the inferred auxiliary crank of 29.7 mm and rod of 600 mm. What is left along the slide is"
-        " the"
-        " second order, as the ratios of crank and rod are 0.05 and 0.0495. Its masses of table 5-1 balance the sum of all masses instead."
+        " the second order, as the ratios of crank and rod are 0.05 and 0.0495. Its masses of table 5-1 balance the sum of all masses"
+        " instead."
     )
     return Entry(("Fig. 3-6",), "opposed arrangement", FORMULAS, rows, reason)
 

@@ -85,10 +85,8 @@ def _objective(plain: Linkage, opposed: Linkage, symmetric: Linkage) -> Entry:
         rows.append(Row(f"objective, {words}", "", sum(ratios) / 4, places=4))
     reason = (
         "Weights, scales and values are not printed; ours with a quarter for each. The opposed counterweight takes the force away, and"
-        " multiplies"
-        " the tilting moment, which the symmetric arrangement has not. (5-8), a mean of forces with their signs, vanishes from dead"
-        " centre to dead"
-        " centre for any masses."
+        " multiplies the tilting moment, which the symmetric arrangement has not. (5-8), a mean of forces with their signs, vanishes from"
+        " dead centre to dead centre for any masses."
     )
     return Entry(("(5-10) to (5-14)",), "objective of balancing", CURVES, tuple(rows), reason)
 
@@ -117,10 +115,8 @@ def _search(press: Linkage) -> Entry:
 
     reason = (
         "Lengths are inferred, so the ranges differ by 13 to 29 %, most where m5 in step 4 is out of line with its neighbours. ADAMS"
-        " stalled in a valley: the range depends almost only on m5 + m6, which"
-        " balances the first order. The problem is linear in the masses, and its optimum, with both masses free and the rod's shape kept,"
-        " is"
-        " nearly three thousand times lower."
+        " stalled in a valley: the range depends almost only on m5 + m6, which balances the first order. The problem is linear in the"
+        " masses, and its optimum, with both masses free and the rod's shape kept, is nearly three thousand times lower."
     )
     caption = "Dashes: our optimum."
     title = "search for the masses of auxiliary rod and counterweight"
@@ -144,8 +140,7 @@ def _idle(press: Linkage) -> Entry:
 
     reason = (
         "The same masses have a range of 139.07 N in table 5-1 and of 2724.88 N here: the thesis contradicts itself. Ours, without the"
-        " weight,"
-        " belongs to the former. Two mirrored halves cannot have a lateral force."
+        " weight, belongs to the former. Two mirrored halves cannot have a lateral force."
     )
     caption = "Less the weight. The axis spans 120 N."
     return Entry(("Fig. 5-11",), "empty strokes after the search", NOT, rows, reason, "zhang2007_idle", shown, caption)
@@ -171,10 +166,8 @@ def _comparison(plain: Linkage, symmetric: Linkage) -> Entry:
     rows.append(Row("original, vertical range at 400 by that at 300 r/min", f"{theirs_grown:.3f}", grown[2] / grown[0]))
     reason = (
         "The original is the crank-slide without counterweight. Its vertical range is near ours at 300 r/min, and less and less so at 350"
-        " and 400:"
-        " forces of inertia grow with the square of the speed, by 1.778 from 300 to 400 r/min, the thesis' by 1.556, its lateral ones by"
-        " 1.148."
-        " The improved press contradicts table 5-1 (see Fig. 5-11)."
+        " and 400: forces of inertia grow with the square of the speed, by 1.778 from 300 to 400 r/min, the thesis' by 1.556, its lateral"
+        " ones by 1.148. The improved press contradicts table 5-1 (see Fig. 5-11)."
     )
     return Entry(("Table 5-2",), "shaking force before and after", NOT, tuple(rows), reason)
 

@@ -125,11 +125,9 @@ def _cases(press: Linkage) -> tuple[Entry, ...]:
 _CAPTION = "Vertical force of the mechanism on the frame, less the weight; the die's reaction on the bed is left out. One stroke."
 _NOMINAL = (
     "Sizes of the peaks; the thesis' are negative, as it lets the force act along the slide's motion, where a process resists it. Its load"
-    " functions read 1250, without a unit, in a model whose forces are in newtons (table 5-1). The peaks fit 1250 N in order of size:"
-    " they are"
-    " some hundred newtons beyond the 2316 N of empty strokes, where 1250 kN put more than a million on shafts and guides. (Those 2316 N"
-    " are"
-    " not reproducible either, see Fig. 5-11.)"
+    " functions read 1250, without a unit, in a model whose forces are in newtons (table 5-1). The peaks fit 1250 N in order of size: they"
+    " are some hundred newtons beyond the 2316 N of empty strokes, where 1250 kN put more than a million on shafts and guides. (Those 2316"
+    " N are not reproducible either, see Fig. 5-11.)"
 )
 _WHY = {
     "piling": f"{_NOMINAL} Its pulses at 0.1 s assume bottom dead centre there, the windows of blanking at 0.2 s: one model cannot"

@@ -63,10 +63,8 @@ def _motor(press: Linkage) -> Entry:
     )
     reason = (
         "YCT280-4A: 30 kW, 189 N m, 1320 to 132 r/min, regulation 2.5 %, 750 kg. (4.3.1) is the law of `SlipClutchMotor`; its K follows"
-        " from"
-        " the torque at top speed, the amplifier's gain from the regulation, and the primary speed of 1470 r/min is ours, as none is"
-        " printed."
-        " The power does not belong to torque and top speed; it is nearer to that of the motor before the clutch."
+        " from the torque at top speed, the amplifier's gain from the regulation, and the primary speed of 1470 r/min is ours, as none is"
+        " printed. The power does not belong to torque and top speed; it is nearer to that of the motor before the clutch."
     )
     return Entry(("Table 4-1",), "motor with slip clutch", DATA, rows, reason)
 
@@ -95,10 +93,8 @@ def _run(press: Linkage) -> Entry:
 
     reason = (
         "The printed equations have the mistakes listed below, and no number is printed of their solution. Beside ours stands an"
-        " independent"
-        " solution of the correct equation with the thesis' torque, initial speed and step and the inferred lengths. 567 N m without"
-        " losses have no steady"
-        " state, which the thesis calls its curves: the press speeds up throughout."
+        " independent solution of the correct equation with the thesis' torque, initial speed and step and the inferred lengths. 567 N m"
+        " without losses have no steady state, which the thesis calls its curves: the press speeds up throughout."
     )
     numbers = ("Fig. 4-10", "Fig. 4-11", "Fig. 4-12 (captioned 4-11)")
     caption = "Position above bottom dead centre, upwards positive."
