@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from .coordinates import Array
-from .reduced import COORDINATES, INERTIA, WEIGHT, Table
+from .reduced import COORDINATES, INERTIA, WEIGHT, Table, horner
 
 SLACK = 1e-6  # beyond the table, by rounding of many turns [rad]
 
@@ -33,7 +33,9 @@ class CrankAlone:
     def __init__(self, table: Table) -> None:
         self.table = table
         self.borders = table.borders.tolist()
-        self.rows = [[row[::-1] for row in panel] for panel in table.coefficients.tolist()]  # falling powers
+        falling = table.coefficients[:, :, ::-1].tolist()  # powers of x
+        # of V' the value alone is needed, of V nothing
+        self.rows = [(panel[WEIGHT], [panel[INERTIA], *panel[COORDINATES:]]) for panel in falling]
 
     def at(self, position: Array, speed: Array) -> Instant:
         angle, rate = float(position[0]), float(speed[0])
@@ -47,17 +49,18 @@ class CrankAlone:
         panel = min(max(bisect_right(borders, local) - 1, 0), len(borders) - 2)
         half = 0.5 * (borders[panel + 1] - borders[panel])
         x = (local - borders[panel]) / half - 1.0
-        values, slopes = [], []
-        for row in self.rows[panel]:
+        weights, rows = self.rows[panel]
+        weight, values, slopes = horner(weights, x), [], []
+        for row in rows:
             value = slope = 0.0
             for coefficient in row:
                 slope = slope * x + value
                 value = value * x + coefficient
             values.append(value)
             slopes.append(slope / half)
-        levers = slopes[COORDINATES:]
-        coordinates = [(value, lever * rate) for value, lever in zip(values[COORDINATES:], levers, strict=True)]
-        return Instant(angle, rate, coordinates, values[INERTIA], slopes[INERTIA], values[WEIGHT], levers)
+        levers = slopes[1:]
+        coordinates = [(value, lever * rate) for value, lever in zip(values[1:], levers, strict=True)]
+        return Instant(angle, rate, coordinates, values[0], slopes[0], weight, levers)
 
     def accelerations(self, instant: Instant, torque: float, forces: Sequence[float], inertia: float) -> float:
         total = instant.inertia + inertia

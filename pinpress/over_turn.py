@@ -61,9 +61,10 @@ class Curve:
         """The quantity and its first three derivatives by the place, (m,) each, at places (m,)."""
         before = np.floor(place.real)
         since = place - before
-        zero = np.zeros(place.shape, complex)
-        value, first, second, third = zero, zero, zero, zero
-        for coefficient in self.coefficients[::-1, before.astype(int) % self.states]:
+        highest, next_highest, *others = self.coefficients[::-1, before.astype(int) % self.states]
+        value, first = highest * since + next_highest, highest
+        second = third = np.zeros(place.shape, complex)
+        for coefficient in others:
             third = third * since + 3 * second
             second = second * since + 2 * first
             first = first * since + value

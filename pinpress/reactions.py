@@ -33,6 +33,7 @@ from .sharing import compliances
 from .wrenches import Wrenches
 
 NOTHING: Mapping[str, Any] = MappingProxyType({})
+CLEAR = 1e-3  # distance from the end of a branch at which no change point can be met any more [rad]
 STATES_LOOKED_AT = 256  # of a motion, to find what is indeterminate: the rank is the same all along it
 
 
@@ -247,7 +248,7 @@ class _Under(NamedTuple):
 
 def _refuse_change_points(press: Linkage, motion: Motion) -> None:
     """Raise where a run's state is at a change point: rigid links carry forces there that grow without bounds on the way."""
-    if len(press.drivers) > 1 or not press.passage.change_points:
+    if len(press.drivers) > 1 or _between_locks(press, motion) or not press.passage.change_points:
         return
     at = change_points.met(press.passage.change_points, press.passage.period, motion.crank_angle)
     if at is not None:
@@ -257,6 +258,13 @@ def _refuse_change_points(press: Linkage, motion: Motion) -> None:
             angle,
             0.0,
         )
+
+
+def _between_locks(press: Linkage, motion: Motion) -> bool:
+    """Whether a motion stays where the linkage was followed without a change point, and clear of the ends: then none need be looked for,
+    which takes as long as following it did."""
+    angles, crank = press.branch.angles, motion.crank_angle
+    return bool(angles[0] + CLEAR < crank.min() and crank.max() < angles[-1] - CLEAR)
 
 
 def _wanted(press: Linkage, bearings: Collection[str] | None) -> Sequence[int]:

@@ -18,7 +18,7 @@ from .forces import AppliedForce
 from .friction import FrictionLaw
 from .sharing import RANK, Objective, least
 from .spatial import Passive, Spatial
-from .spatial_equations import Equations, Rows
+from .spatial_equations import Equations, Rows, cross
 from .wrenches import Wrenches
 
 Wrench = tuple[int, Array, Array, Array]
@@ -90,7 +90,7 @@ def power_balance(spatial: Spatial, position: Array, v: Array, a: Array, loads: 
         for j in range(1, model.njoints):
             inertia, velocity = model.inertias[j], data.v[j]
             momentum_rate = inertia * data.a[j] + velocity.cross(inertia * velocity)
-            lifted = data.oMi[j].rotation @ (velocity.linear + np.cross(velocity.angular, inertia.lever))
+            lifted = data.oMi[j].rotation @ (velocity.linear + cross(velocity.angular, inertia.lever))
             powers += [inertia.mass * float(gravity @ lifted), -momentum_rate.dot(velocity)]
         for load in loads:
             if load.joint:

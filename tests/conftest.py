@@ -4,12 +4,17 @@ import gc
 import importlib.util
 import os
 import shutil
+import sys
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
 import pytest
 from in_browser import FLAGS, wait
+
+# Bytecode is kept, whatever the machine's habit: every test that starts Python, and every worker, would compile all of pinpress again.
+sys.dont_write_bytecode = False
+os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
 
 
 def pytest_collection_finish() -> None:

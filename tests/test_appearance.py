@@ -462,7 +462,7 @@ def test_links_in_space_are_rods_from_pin_to_pin(text: str, tmp_path: Path) -> N
 
 
 @settings(
-    derandomize=True, deadline=None, max_examples=30, suppress_health_check=[HealthCheck.function_scoped_fixture, HealthCheck.too_slow]
+    derandomize=True, deadline=None, max_examples=15, suppress_health_check=[HealthCheck.function_scoped_fixture, HealthCheck.too_slow]
 )
 @given(spec=linkages())
 def test_pins_join_links_nobody_thought_of(spec: Any, tmp_path: Path) -> None:

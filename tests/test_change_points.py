@@ -35,8 +35,12 @@ def loaded(tmp_path_factory):
 @pytest.fixture(scope="module")
 def equal(loaded):
     """The textbook press with its rod as long as its crank."""
+    return loaded(equal_rod())
+
+
+def equal_rod():
     text = TEXT.replace("0.400 0 0", f"{R} 0 0").replace("0 0 -0.500", f"0 0 {-2 * R}").replace("0.200 0 0", f"{R / 2} 0 0")
-    return loaded(re.sub(r"<limit[^/]*/>", '<limit lower="-1" upper="1" effort="1e6" velocity="20"/>', text))
+    return re.sub(r"<limit[^/]*/>", '<limit lower="-1" upper="1" effort="1e6" velocity="20"/>', text)
 
 
 def energy(angle, speed, flywheel):
@@ -58,6 +62,16 @@ def test_rod_as_long_as_the_crank(equal, method, speed):
     total = energy(run.crank_angle, run.crank_speed, 50.0)
     np.testing.assert_allclose(total, total[0], rtol=1e-10)  # some hundred steps of 1e-11 each, at the most
     assert run.stats.energy_error < 1e-10
+
+
+def test_between_change_points_none_is_looked_for(loaded):
+    """Forces of a motion that stays clear of both, by the branch alone; within 1e-4 rad of one it is looked for, and the forces stand."""
+    press = loaded(equal_rod())
+    near = math.pi / 2 - 1e-4
+    pp.inverse_dynamics(press, pp.cycle(press, angle=[-1.5, 0.3, 1.5], speed=1.0))
+    assert "passage" not in vars(press)
+    pp.inverse_dynamics(press, pp.cycle(press, angle=[0.0, near], speed=1.0))
+    assert len(vars(press)["passage"].change_points) == 2
 
 
 def test_both_methods_under_drive_and_load(equal):

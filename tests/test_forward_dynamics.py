@@ -47,7 +47,7 @@ def random_text(seed):
     return None if drawn is None else drawn.urdf("crank")
 
 
-RANDOM = (0, 2, 6, 9, 10, 11, 16, 22, 25, 28, 32, 39)  # seeds of linkages that can be drawn and turn by the swing of the cases
+RANDOM = (0, 2, 6, 9, 11, 16, 25)  # seeds of linkages that can be drawn and turn by the swing of the cases
 
 FAMILIES: dict[str, Any] = dict.fromkeys(pp.presses())
 FAMILIES |= {"three_cranks": three_cranks, "bennett": bennett, "bricard": bricard, "cassie": cassie.urdf}

@@ -97,7 +97,7 @@ def check(press, states, loads):
         np.testing.assert_array_equal(results["plane"].indeterminate[name], results["pinocchio"].indeterminate[name], err_msg=name)
 
 
-@settings(FIXED, max_examples=20)
+@settings(FIXED, max_examples=12)
 @given(spec=linkages(), load_count=st.integers(0, 2), in_plane=st.booleans())
 def test_engines_agree_and_balance(tmp_path, spec, load_count, in_plane):
     """Velocities and accelerations to 1e-11, forces and moments to 1e-12 of their peak, power and momentum to 1e-10: see `check`."""

@@ -211,7 +211,7 @@ def test_the_fixed_step_with_loads(press, method, name):
     """Edges are located, where forces jump too: order 4 all the same. How the steps fall between them is by chance, and with it the size of
     the errors: they are held below a line of slope 4. An edge that was stepped over would leave 1e-6 or more."""
     load = {**LOADS, "die": loads.ElasticDie(0.004, 1.5e8, 4e5)}[name]
-    steps = np.array([1.6e-3, 8e-4, 4e-4])  # the next takes as long as all others
+    steps = np.array([1.6e-3, 8e-4])  # the next takes longer than both
     runs = [zhang(press, 0.45, step=step, points=2, loads=[load], method=method) for step in steps]
     errors = np.array([run.crank_angle[-1] - under_load(name) for run in runs])
     bound = 6e-9 if name == "die" else 6e-8
@@ -221,21 +221,21 @@ def test_the_fixed_step_with_loads(press, method, name):
 # --------------------------------------------------------------------------------------------------------------------------- energy
 
 
-def test_energy_over_three_thousand_turns(press):
+def test_energy_over_a_thousand_turns(press):
     """From an angle at which the inertia changes: what a period begins with is what the one before ended with, or it would grow."""
-    run = pp.simulate(press, 600.0, speed=300 * pp.RPM, angle=1.0, flywheel=pp.Flywheel(J0), points=501)
-    assert run.crank_angle[-1] > 3000 * 2 * math.pi * 0.99
+    run = pp.simulate(press, 200.0, speed=300 * pp.RPM, angle=1.0, flywheel=pp.Flywheel(J0), points=501)
+    assert run.crank_angle[-1] > 1000 * 2 * math.pi * 0.99
     assert run.stats.energy_error < 3e-12
     assert run.stats.closure_error < 1e-10
     assert own_energy_error(run) < 3e-12
 
 
 def test_energy_of_the_constraint_method(press):
-    run = pp.simulate(press, 20.0, speed=300 * pp.RPM, flywheel=pp.Flywheel(J0), method="constraint", points=2000)
-    assert run.crank_angle[-1] > 100 * 2 * math.pi * 0.99
-    assert run.stats.energy_error < 1e-7
+    run = pp.simulate(press, 8.0, speed=300 * pp.RPM, flywheel=pp.Flywheel(J0), method="constraint", points=800)
+    assert run.crank_angle[-1] > 40 * 2 * math.pi * 0.99
+    assert run.stats.energy_error < 4e-8
     assert run.stats.closure_error < 1e-10
-    assert own_energy_error(run) < 1e-7
+    assert own_energy_error(run) < 4e-8
 
 
 def own_energy_error(run):
@@ -905,7 +905,7 @@ def test_both_methods_on_a_spring_that_stops_the_crank(press):
 
 
 @settings(
-    max_examples=8, derandomize=True, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture, HealthCheck.too_slow]
+    max_examples=5, derandomize=True, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture, HealthCheck.too_slow]
 )
 @given(random_linkages.linkages(most=3))
 def test_both_methods_on_random_linkages(tmp_path, spec):

@@ -230,7 +230,7 @@ def test_a_load_it_cannot_get_through(press, name):
 def test_drives_from_standstill_and_backwards(press, name, speed):
     """No torque law is left where its motor never was meant to work."""
     options = {"speed": speed, "angle": 0.5, "flywheel": pp.Flywheel(5.0), "drive": DRIVES[name]}
-    first, second = (run(press, 0.7, method=method, **options) for method in METHODS)
+    first, second = (run(press, 0.5, method=method, **options) for method in METHODS)
     same(first, end(second), 1e-6)  # the laws' corners add to the error
 
 
@@ -949,7 +949,7 @@ def scene(seed):
     return name, dict(duration=8 / abs(speed), loads=chosen, brake=brake, clutch=clutch, **start)
 
 
-@pytest.mark.parametrize("seed", range(12))
+@pytest.mark.parametrize("seed", range(8))
 def test_both_methods_agree(seed):
     """On the motion, or on the error, its time and its place."""
     name, arguments = scene(seed)

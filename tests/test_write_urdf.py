@@ -629,7 +629,7 @@ def test_forces_with_other_inertias(name, tmp_path):
     assert np.abs(pp.inverse_dynamics(other, motion).driving_torque - before.driving_torque).max() > 0.01 * peak(before) / 1e3
 
 
-PROPERTY = settings(derandomize=True, deadline=None, max_examples=15, suppress_health_check=list(HealthCheck))
+PROPERTY = settings(derandomize=True, deadline=None, max_examples=12, suppress_health_check=list(HealthCheck))
 
 
 @PROPERTY
