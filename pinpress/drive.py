@@ -2,6 +2,8 @@
 
 from typing import Protocol, runtime_checkable
 
+import numpy as np
+
 from .coordinates import Array
 
 Values = float | Array
@@ -81,3 +83,10 @@ class Plain:
 
     def motor_torque(self, speed: Values, angle: Values = 0.0, time: Values = 0.0, state: tuple[Values, ...] = ()) -> Values:
         return self.torque(speed, angle, time, state)
+
+
+def between(lowest: float, value: Values, highest: float) -> Values:
+    """Value limited to a range. Python's own min and max take a tenth of the time of NumPy's on one number."""
+    if isinstance(value, float):
+        return min(max(value, lowest), highest)
+    return np.minimum(np.maximum(value, lowest), highest)

@@ -13,7 +13,9 @@ import numpy as np
 from .drive import Drive, Plain, Values
 from .drive_checks import check
 from .errors import PinpressError
-from .motors import InductionMotor, InverterMotor, ServoMotor, SlipClutchMotor
+from .motors import InductionMotor, InverterMotor
+from .servo_motor import ServoMotor
+from .slip_clutch_motor import SlipClutchMotor
 
 __all__ = [
     "ConstantTorque",

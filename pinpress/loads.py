@@ -13,16 +13,19 @@ import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import partial
-from typing import TYPE_CHECKING, Any, Protocol, runtime_checkable
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from .coordinates import Array
+from .drive_checks import set_field
 from .errors import PinpressError
+from .load_checks import check_datum, check_height, check_magnitude, check_scenarios, check_span, checked_numbers, fixed
+from .process_load import ProcessLoad, Stretch, datum
 
 if TYPE_CHECKING:
-    from .linkage import Linkage
+    pass
 
 __all__ = [
     "Blanking",
@@ -39,58 +42,6 @@ __all__ = [
 ]
 
 
-Law = Callable[[Any, Any], Any]  # of numbers a number, of arrays an array
-
-
-@dataclass(frozen=True)
-class Stretch:
-    """One smooth stretch of a process force, in one direction of travel.
-
-    Attributes:
-        upper, lower: heights between which it acts, lower < height <= upper [m]; may be infinite.
-        force: height [m] and velocity along the axis [m/s] -> force on the slide along the axis [N]. Of numbers a number, or (S,) where
-            the load has scenarios; of arrays (..., S) the same shape. Smooth, a little beyond the stretch too.
-        one_sided: a contact: where the law gives less than zero the contact is lost, and the force is zero.
-    """
-
-    upper: float
-    lower: float
-    force: Law
-    one_sided: bool = False
-
-
-@runtime_checkable
-class ProcessLoad(Protocol):
-    """A force between slide and bolster. Any class with these two members is one."""
-
-    @property
-    def datum(self) -> float | None:
-        """Slide position from which heights are measured [m]; None for that of bottom dead centre."""
-
-    def stretches(self, downwards: bool) -> tuple[Stretch, ...]:
-        """The stretches on the way down (against the guide's axis) or up; disjoint, no force outside them."""
-
-
-def datum(load: ProcessLoad, press: "Linkage") -> float:
-    """Slide position from which the heights of a load are measured [m].
-
-    Raises:
-        PinpressError: the linkage has no slide, or neither it has a bottom dead centre nor the load a datum.
-    """
-    from .dead_centres import dead_centres  # imports the linkage, whose dynamics imports the loads
-
-    _ = press.slide_guide
-    if load.datum is not None:
-        return load.datum
-    try:
-        return dead_centres(press).bottom_position
-    except PinpressError as error:
-        raise PinpressError(
-            f"{type(load).__name__}: {press.name} has no bottom dead centre to measure heights from ({error});"
-            " give datum=, a slide position [m]"
-        ) from error
-
-
 @dataclass(frozen=True)
 class Idle:
     """The press runs empty: no force. Zhang 2007, 5.7.1 (1)."""
@@ -98,7 +49,7 @@ class Idle:
     datum: float | None = None
 
     def __post_init__(self) -> None:
-        _datum(self)
+        check_datum(self)
 
     def stretches(self, downwards: bool) -> tuple[Stretch, ...]:
         return ()
@@ -120,9 +71,9 @@ class Piling:
     datum: float | None = None
 
     def __post_init__(self) -> None:
-        _magnitude(self, "force")
-        _height(self, "height")
-        _datum(self)
+        check_magnitude(self, "force")
+        check_height(self, "height")
+        check_datum(self)
         if self.height < 0:
             raise PinpressError(f"Piling: height is {self.height:g}; give the height above bottom dead centre [m], not negative")
 
@@ -147,11 +98,11 @@ class Blanking:
     datum: float | None = None
 
     def __post_init__(self) -> None:
-        _magnitude(self, "force")
-        _magnitude(self, "stripping")
-        _same_scenarios(self, "force", "stripping")
-        _span(self)
-        _datum(self)
+        check_magnitude(self, "force")
+        check_magnitude(self, "stripping")
+        check_scenarios(self, "force", "stripping")
+        check_span(self)
+        check_datum(self)
 
     def stretches(self, downwards: bool) -> tuple[Stretch, ...]:
         if downwards:
@@ -174,9 +125,9 @@ class DeepDrawing:
     datum: float | None = None
 
     def __post_init__(self) -> None:
-        _magnitude(self, "force")
-        _span(self)
-        _datum(self)
+        check_magnitude(self, "force")
+        check_span(self)
+        check_datum(self)
 
     def stretches(self, downwards: bool) -> tuple[Stretch, ...]:
         if not downwards:
@@ -198,7 +149,7 @@ class ForceStroke:
     datum: float | None = None
 
     def __post_init__(self) -> None:
-        heights, forces = _numbers(self, "heights"), _numbers(self, "forces")
+        heights, forces = checked_numbers(self, "heights"), checked_numbers(self, "forces")
         if heights.ndim != 1 or len(heights) < 2:
             raise PinpressError(f"ForceStroke: heights has shape {heights.shape}; give (n,) of at least two [m]")
         if forces.ndim not in (1, 2) or len(forces) != len(heights) or not forces.size:
@@ -211,9 +162,9 @@ class ForceStroke:
             slopes = np.diff(forces, axis=0).T / np.diff(heights)
         if not np.isfinite(slopes).all():
             raise PinpressError("ForceStroke: heights are too close together for the change of forces between them; move them apart")
-        _set(self, "heights", _fixed(heights))
-        _set(self, "forces", _fixed(forces))
-        _datum(self)
+        set_field(self, "heights", fixed(heights))
+        set_field(self, "forces", fixed(forces))
+        check_datum(self)
 
     def stretches(self, downwards: bool) -> tuple[Stretch, ...]:
         if not downwards:
@@ -244,11 +195,11 @@ class ElasticDie:
     datum: float | None = None
 
     def __post_init__(self) -> None:
-        _height(self, "height")
-        _magnitude(self, "stiffness")
-        _magnitude(self, "damping")
-        _same_scenarios(self, "stiffness", "damping")
-        _datum(self)
+        check_height(self, "height")
+        check_magnitude(self, "stiffness")
+        check_magnitude(self, "damping")
+        check_scenarios(self, "stiffness", "damping")
+        check_datum(self)
         if not np.all(np.asarray(self.stiffness) > 0):
             raise PinpressError(f"ElasticDie: stiffness is {self.stiffness!r}; give a positive one [N/m]")
 
@@ -273,10 +224,10 @@ class TimeForce:
     def __post_init__(self) -> None:
         if not callable(self.force):
             raise PinpressError(f"TimeForce: force is {self.force!r}; give a function of time [s]")
-        edges = _numbers(self, "edges")
+        edges = checked_numbers(self, "edges")
         if edges.ndim != 1:
             raise PinpressError(f"TimeForce: edges has shape {edges.shape}; give a sequence of instants [s]")
-        _set(self, "edges", tuple(np.unique(edges).tolist()))
+        set_field(self, "edges", tuple(np.unique(edges).tolist()))
 
 
 def step(x: ArrayLike, x0: float, h0: float, x1: float, h1: float) -> Array:
@@ -318,64 +269,3 @@ def _line(force: Any, slope: Any, lower: float, height: Any, velocity: Any) -> A
 
 def _contact(touching: float, stiffness: Any, damping: Any, height: Any, velocity: Any) -> Any:
     return stiffness * (touching - height) - damping * velocity
-
-
-def _set(load: object, name: str, value: object) -> None:
-    object.__setattr__(load, name, value)  # only while a frozen load is made
-
-
-def _numbers(load: object, name: str) -> Array:
-    value = getattr(load, name)
-    try:
-        numbers = np.array(value, dtype=float)
-    except (TypeError, ValueError):
-        raise PinpressError(f"{type(load).__name__}: {name} is {value!r}; give numbers") from None
-    if isinstance(value, bool) or not np.isfinite(numbers).all():
-        raise PinpressError(f"{type(load).__name__}: {name} is {value!r}; give finite numbers")
-    return numbers
-
-
-def _height(load: object, name: str) -> None:
-    numbers = _numbers(load, name)
-    if numbers.ndim:
-        raise PinpressError(f"{type(load).__name__}: {name} has shape {numbers.shape}; give one number [m], the same for all scenarios")
-    _set(load, name, float(numbers))
-
-
-def _datum(load: ProcessLoad) -> None:
-    if load.datum is not None:
-        _height(load, "datum")
-
-
-def _span(load: "Blanking | DeepDrawing") -> None:
-    """Heights start and end, start above end and not so near that the rate of the force overflows."""
-    _height(load, "start")
-    _height(load, "end")
-    extent = load.start - load.end
-    if not (extent > 0 and math.isfinite(extent) and math.isfinite(math.pi / extent)):
-        raise PinpressError(
-            f"{type(load).__name__}: start is {load.start:g}, not above end, {load.end:g}; give heights [m] with start above end"
-        )
-
-
-def _magnitude(load: object, name: str) -> None:
-    """One number that is not negative, or (S,) of them."""
-    numbers = _numbers(load, name)
-    if numbers.ndim > 1 or not numbers.size:
-        raise PinpressError(f"{type(load).__name__}: {name} has shape {numbers.shape}; give one number, or (S,) for S scenarios")
-    if np.any(numbers < 0):
-        raise PinpressError(
-            f"{type(load).__name__}: {name} is {getattr(load, name)!r}; give it not negative (positive resists the slide's work)"
-        )
-    _set(load, name, _fixed(numbers) if numbers.ndim else float(numbers))
-
-
-def _same_scenarios(load: object, *names: str) -> None:
-    shapes = {np.shape(getattr(load, name)) for name in names} - {()}
-    if len(shapes) > 1:
-        raise PinpressError(f"{type(load).__name__}: {' and '.join(names)} are for different numbers of scenarios, {sorted(shapes)}")
-
-
-def _fixed(array: Array) -> Array:
-    array.setflags(write=False)
-    return array

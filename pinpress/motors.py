@@ -1,15 +1,13 @@
-"""Motors by their nameplates: induction motors on the mains and on inverters, the slip clutch, the servo motor."""
+"""Motors by their nameplates: induction motors on the mains and on inverters."""
 
 import math
-from bisect import bisect_right
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 
-from .coordinates import Array
-from .drive import Plain, Values
+from .drive import Plain, Values, between
 from .drive_checks import check, check_scenarios, numbers, set_field
 from .errors import PinpressError
 from .motion import RPM
@@ -166,182 +164,7 @@ class InverterMotor(Plain):
         return flux**2 * self.rated_torque / (_synchronous(self.rated_frequency, self.poles) - self.rated_speed)
 
     def torque(self, speed: Values, angle: Values = 0.0, time: Values = 0.0, state: tuple[Values, ...] = ()) -> Values:
-        return _between(-self._limit, self._slope * (self.synchronous_speed - speed), self._limit)
-
-
-@dataclass(frozen=True)
-class SlipClutchMotor(Plain):
-    """An adjustable-speed motor with electromagnetic slip clutch ("YCT"): Zhang 2007, section 4.3, with closed-loop speed control.
-
-    An induction motor turns the clutch's driving half at n0, the excitation current I_f pulls the driven half after it:
-    n = n0 - K T^2 / I_f^4 (4.3.1), so T = I_f^2 sqrt((n0 - n) / K). I_f is in shares of its largest value. A proportional amplifier sets
-    it from the set speed less the tachometer's, between 0 and 1. K and its gain are ours, as the thesis prints none: K from the torque at
-    the top of the speed range with I_f = 1, the gain from the regulation. That is met at every set speed up to the top speed: the lower
-    the speed, the less current the rated torque takes.
-
-    It cannot brake: the torque is zero from the set speed on, or with a lag while there is current, from n0 on. There its slope is
-    infinite, as (4.3.1) has it; without a lag n0 is out of reach. Turned backwards the clutch slips more, and (4.3.1) is taken on: the
-    torque rises further, with the root of the slip. (The 30 kW of the thesis's YCT280-4A are not 189 N m at its 1320 r/min, which are
-    26 kW: they are nearer to what its induction motor gives, slip power included.)
-
-    Attributes:
-        rated_torque: [N m]. primary_speed: n0, of the driving half, constant [rad/s].
-        top_speed: highest speed of its range at which it gives the rated torque [rad/s]; below primary_speed.
-        set_speed: that the control holds [rad/s]; at most top_speed.
-        regulation: drop of speed from the set speed, where it gives no torque, to the rated torque, by the set speed; below 1.
-        lag: time constant with which the excitation current follows the amplifier [s]; 0: at once. With a lag the current is the one
-            state, zero at the start: switched on.
-        inertia: of the driven half [kg m2], or (S,).
-    """
-
-    rated_torque: float
-    primary_speed: float
-    top_speed: float
-    set_speed: float
-    regulation: float = 0.025
-    lag: float = 0.0
-    inertia: Values = 0.0
-
-    def __post_init__(self) -> None:
-        check(self, "rated_torque", "positive", "N m")
-        for field in ("primary_speed", "top_speed", "set_speed"):
-            check(self, field, "positive", "rad/s")
-        check(self, "regulation", "positive", "-")
-        check(self, "lag", "not negative", "s")
-        check(self, "inertia", "not negative", "kg m2", scenarios=True)
-        if not self.regulation < 1:
-            raise PinpressError(f"SlipClutchMotor: regulation is {self.regulation!r}; give a share of the set speed below 1, e.g. 0.025")
-        if not self.top_speed < self.primary_speed:
-            raise PinpressError(
-                f"SlipClutchMotor: top_speed is {self.top_speed / RPM:.6g} r/min, primary_speed {self.primary_speed / RPM:.6g} r/min;"
-                " give a top_speed below it [rad/s]: the clutch pulls only where it slips"
-            )
-        if not self.set_speed <= self.top_speed:
-            raise PinpressError(
-                f"SlipClutchMotor: set_speed is {self.set_speed / RPM:.6g} r/min, top_speed {self.top_speed / RPM:.6g} r/min;"
-                " give a set_speed of at most that [rad/s]"
-            )
-
-    @property
-    def state(self) -> tuple[float, ...]:
-        return (0.0,) if self.lag else ()
-
-    @property
-    def timed(self) -> bool:
-        return self.lag > 0
-
-    @property
-    def corners(self) -> tuple[Values, ...]:
-        """Where the amplifier comes off its largest current, and where it reaches zero."""
-        return () if self.lag else (self.set_speed - 1.0 / self.gain, self.set_speed)
-
-    @cached_property
-    def gain(self) -> float:
-        """Of the amplifier: excitation current, in shares of its largest, by speed error [s/rad]."""
-        drop = self.regulation * self.set_speed
-        rated = (self.primary_speed - self.top_speed) / (self.primary_speed - self.set_speed + drop)  # to the fourth power
-        return math.sqrt(math.sqrt(rated)) / drop
-
-    def excitation(self, speed: Values) -> Values:
-        """Excitation current that the amplifier asks for, 0 to 1."""
-        return _between(0.0, self.gain * (self.set_speed - speed), 1.0)
-
-    def torque(self, speed: Values, angle: Values = 0.0, time: Values = 0.0, state: tuple[Values, ...] = ()) -> Values:
-        """As `Drive.torque`; ``state`` is the excitation current: without it that which the amplifier asks for."""
-        current = state[0] if state else self.excitation(speed)
-        share = _between(0.0, (self.primary_speed - speed) / (self.primary_speed - self.top_speed), math.inf)
-        return self.rated_torque * (current * current) * share**0.5
-
-    def rates(self, speed: Values, angle: Values = 0.0, time: Values = 0.0, state: tuple[Values, ...] = ()) -> tuple[Values, ...]:
-        return ((self.excitation(speed) - state[0]) / self.lag,) if self.lag else ()
-
-    def slip_power(self, speed: Values, angle: Values = 0.0, time: Values = 0.0, state: tuple[Values, ...] = ()) -> Values:
-        """Power lost in the clutch, T (n0 - n) [W]; arguments as of ``torque``."""
-        return self.torque(speed, angle, time, state) * (self.primary_speed - speed)
-
-
-@dataclass(frozen=True)
-class ServoMotor(Plain):
-    """A servo motor that follows a motion program of its shaft.
-
-    The program is the cubic spline through its points that stands still at both ends, as it is held at the first angle before and at the
-    last one afterwards: its speed has no jump. The torque is stiffness x error of angle + damping x error of speed, within the peak torque.
-
-    Attributes:
-        times: (k,) of the program's points, rising [s]. angles: (k,) of the shaft at them [rad].
-        stiffness: [N m/rad]. damping: [N m s/rad]. peak_torque: [N m]. inertia: of the rotor [kg m2], or (S,).
-        rated_torque: bearable without end [N m]; None: not known.
-    """
-
-    times: Sequence[float] | Array
-    angles: Sequence[float] | Array
-    stiffness: float
-    damping: float
-    peak_torque: float
-    inertia: Values = 0.0
-    rated_torque: float | None = None
-
-    def __post_init__(self) -> None:
-        for field, unit in (("times", "s"), ("angles", "rad")):
-            values = numbers(getattr(self, field))
-            if values is None or values.ndim != 1 or len(values) < 2:
-                raise PinpressError(f"ServoMotor: {field} is {getattr(self, field)!r}; give two or more finite numbers [{unit}]")
-            set_field(self, field, tuple(values.tolist()))
-        if len(self.times) != len(self.angles):
-            raise PinpressError(f"ServoMotor: {len(self.times)} times and {len(self.angles)} angles; give an angle at each time")
-        if not np.all(np.diff(self.times) > 0):
-            at = int(np.argmin(np.diff(self.times) > 0))
-            raise PinpressError(f"ServoMotor: times go from {self.times[at]:g} to {self.times[at + 1]:g} s; give them rising")
-        check(self, "stiffness", "positive", "N m/rad")
-        check(self, "damping", "not negative", "N m s/rad")
-        check(self, "peak_torque", "positive", "N m")
-        check(self, "inertia", "not negative", "kg m2", scenarios=True)
-        if self.rated_torque is not None:
-            check(self, "rated_torque", "positive", "N m")
-
-    @property
-    def timed(self) -> bool:
-        return True
-
-    def program(self, time: Values) -> tuple[Values, Values]:
-        """Angle [rad] and speed [rad/s] of the program at times [s] of any shape."""
-        # a number at a time is what an integrator asks for: an array of one takes forty times as long
-        start, a, b, c, d = (
-            self._rows[bisect_right(self.times, time)]
-            if isinstance(time, float)
-            else np.moveaxis(self._pieces[np.searchsorted(self._pieces[1:, 0], time, "right")], -1, 0)
-        )
-        t = time - start
-        return a + t * (b + t * (c + t * d)), b + t * (2.0 * c + t * (3.0 * d))
-
-    @cached_property
-    def _pieces(self) -> Array:
-        """(k + 1, 5): start of each piece of the program and its polynomial, constant first; the first and last are those it is held in."""
-        from scipy.interpolate import CubicSpline  # slow to import, and only servo motors need it
-
-        spline = CubicSpline(self.times, self.angles, bc_type="clamped")
-        pieces = np.zeros((len(self.times) + 1, 5))
-        pieces[:, 0] = [self.times[0], *self.times]
-        pieces[1:-1, 1:] = spline.c[::-1].T
-        pieces[[0, -1], 1] = self.angles[0], self.angles[-1]
-        return pieces
-
-    @cached_property
-    def _rows(self) -> list[list[float]]:
-        rows: list[list[float]] = self._pieces.tolist()
-        return rows
-
-    def torque(self, speed: Values, angle: Values = 0.0, time: Values = 0.0, state: tuple[Values, ...] = ()) -> Values:
-        wanted_angle, wanted_speed = self.program(time)
-        torque = self.stiffness * (wanted_angle - angle) + self.damping * (wanted_speed - speed)
-        return _between(-self.peak_torque, torque, self.peak_torque)
-
-
-def _between(lowest: float, value: Values, highest: float) -> Values:
-    """Value limited to a range. Python's own min and max take a tenth of the time of NumPy's on one number."""
-    if isinstance(value, float):
-        return min(max(value, lowest), highest)
-    return np.minimum(np.maximum(value, lowest), highest)
+        return between(-self._limit, self._slope * (self.synchronous_speed - speed), self._limit)
 
 
 def _synchronous(frequency: float, poles: int) -> float:

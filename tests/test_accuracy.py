@@ -207,6 +207,7 @@ def test_a_problem_is_said():
     assert min(raised.seconds, wild.seconds, right.seconds) > 0
 
 
+@pytest.mark.exhaustive
 def test_a_spatial_linkage(alone, tmp_path):
     """One engine alone: its torque gives the accelerations back under forward dynamics. Bennett's linkage has redundant rows in space."""
     file = tmp_path / "bennett.urdf"
@@ -219,6 +220,7 @@ def test_a_spatial_linkage(alone, tmp_path):
     assert all(row.error < 1e-11 for row in measured.of(SIMULATION, "reduced"))
 
 
+@pytest.mark.exhaustive
 def test_loops_that_hold_each_other(alone):
     """Proximal settings are skipped with a line; all else is measured."""
     measured = pp.accuracy(texts.shipped("jf75g_125_two_point"), 300 * pp.RPM, duration=0.05, points=12, repeats=1)

@@ -128,6 +128,7 @@ def site(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return target
 
 
+@pytest.mark.exhaustive
 def test_site_has_every_public_name_with_its_signature_and_docstring(site: Path) -> None:
     pages = {path: path.read_text(encoding="utf-8") for path in (site / "reference").glob("*.html")}
     together = "\n".join(pages.values())
@@ -144,6 +145,7 @@ def test_site_has_every_public_name_with_its_signature_and_docstring(site: Path)
             assert set(inspect.signature(getattr(pp, name)).parameters) <= set(words.split()), f"{name}: its signature"
 
 
+@pytest.mark.exhaustive
 def test_reference_keeps_names_that_share_a_description_together(site: Path) -> None:
     page = unescape((site / "reference" / "motion.html").read_text(encoding="utf-8")).replace("\u00a0", " ")
     assert ">crank_angle, crank_speed, crank_acceleration<" in page
@@ -153,6 +155,7 @@ def _words(passage: str) -> str:
     return " ".join(re.findall(r"\w+", passage))
 
 
+@pytest.mark.exhaustive
 def test_site_asks_for_nothing_from_the_network(site: Path) -> None:
     """Links that a reader may click are no requests."""
     for path in site.rglob("*.html"):

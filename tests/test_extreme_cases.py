@@ -15,8 +15,16 @@ FEWER = many(500)
 MORE = many(3000)  # takes six times as long, a third of the time of all cases
 SHORT = [(case, way) for case in (*CASES, FEWER) for way in case.ways if not case.long and case.name != MORE.name]
 
+ALWAYS = 4  # every fourth case
 
-@pytest.mark.parametrize(("case", "way"), SHORT, ids=[f"{case.group}: {case.name}, {way}" for case, way in SHORT])
+
+@pytest.mark.parametrize(
+    ("case", "way"),
+    [
+        pytest.param(case, way, id=f"{case.group}: {case.name}, {way}", marks=() if k % ALWAYS == 0 else pytest.mark.exhaustive)
+        for k, (case, way) in enumerate(SHORT)
+    ],
+)
 def test_case(case: Case, way: str) -> None:
     outcome = case.work(way)
     assert outcome.met, f"{case.expected}: {outcome}"

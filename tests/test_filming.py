@@ -160,6 +160,7 @@ def test_picture_is_what_the_page_shows(page: Path, turn: list[Any], tmp_path: P
 
 
 @pytest.mark.usefixtures("running")
+@pytest.mark.exhaustive
 def test_larger_pictures_are_of_exact_size_and_show_the_same_more_sharply(page: Path, turn: list[Any], tmp_path: Path) -> None:
     from PIL import Image
 
@@ -173,6 +174,7 @@ def test_larger_pictures_are_of_exact_size_and_show_the_same_more_sharply(page: 
 
 
 @pytest.mark.usefixtures("running")
+@pytest.mark.exhaustive
 def test_same_page_same_bytes(page: Path, filmed: tuple[Path, list[float]], tmp_path: Path) -> None:
     """Also in another Chromium."""
     assert film(page, tmp_path / "out.mp4", SIZE, RATE, slowdown=1, repeats=2).read_bytes() == filmed[0].read_bytes()
@@ -240,6 +242,7 @@ def test_link_stays_a_link(fake_screen: Callable[[float], None], tmp_path: Path)
     assert (tmp_path / "real.png").read_bytes().startswith(b"\x89PNG")
 
 
+@pytest.mark.exhaustive
 def test_where_an_event_loop_runs(tmp_path: Path) -> None:
     """As in a notebook."""
     page = stub(tmp_path, 1)
@@ -362,6 +365,7 @@ def test_without_webgl(page: Path, tmp_path: Path) -> None:
 
 
 @pytest.mark.usefixtures("running")
+@pytest.mark.exhaustive
 def test_lost_graphics_are_no_blank_picture(page: Path, tmp_path: Path) -> None:
     html, out = tmp_path / "out.html", tmp_path / "out.png"
     lose = "viewer.renderer.getContext().getExtension('WEBGL_lose_context').loseContext();"
@@ -428,6 +432,7 @@ def short_path() -> Iterator[Path]:
 
 @pytest.mark.skipif(not Path("/proc/self/environ").exists(), reason="needs /proc, to find what is left")
 @pytest.mark.parametrize("when", ["opening", "filming"])
+@pytest.mark.exhaustive
 def test_interrupted(when: str, tmp_path: Path, short_path: Path) -> None:
     """Ctrl-C, which a terminal sends to all processes at once."""
     code = f"""if True:

@@ -418,6 +418,7 @@ def refused(press, friction, speed, engine):
 
 
 @pytest.mark.parametrize("share", [0.1, 0.3, 0.5, 0.75, 0.9, 0.98, 1.01, 1.3, 5.0])
+@pytest.mark.exhaustive
 def test_near_self_locking(share, engine):
     """The crank-slide's guide locks when mu is the cotangent of the rod's largest slope. Well below, forces are found; near and beyond they
     are lawful, or an error names the crank angle: nothing else comes back."""
@@ -430,6 +431,7 @@ def test_near_self_locking(share, engine):
 
 
 @pytest.mark.parametrize("radius", [0.1, 0.3, 1.0, 3.0, 10.0, 100.0])
+@pytest.mark.exhaustive
 def test_bearings_out_of_all_proportion(radius, engine):
     """Friction circles as large as the links: lawful, or refused."""
     press = shipped("zxn2_3000b")

@@ -18,6 +18,7 @@ def test_mutated_files_are_refused_or_sound():
     assert counted["pinocchio"] > 0
 
 
+@pytest.mark.exhaustive
 def test_every_base_is_sound(tmp_path):
     for name, text in fuzz_urdf.bases().items():
         assert fuzz_urdf.judge(text.encode(), tmp_path) in ("plane", "pinocchio"), name
@@ -36,6 +37,7 @@ def sleep_die_or_answer(number):
     return number > 2, str(number)
 
 
+@pytest.mark.exhaustive
 def test_worker_goes_on():
     worker = fuzz_urdf.Worker(sleep_die_or_answer, seconds=2)
     try:

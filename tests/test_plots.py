@@ -257,6 +257,7 @@ def test_nothing_to_compare(result, legs, run):
         plots.plot_comparison(turn("crank_slide"), run)
 
 
+@pytest.mark.exhaustive
 def test_several_drivers(legs):
     (axes,) = plots.plot_torque(legs).axes
     assert legend(axes) == list(legs.motion.drivers)
@@ -268,6 +269,7 @@ def test_several_drivers(legs):
 
 
 @pytest.mark.parametrize("angle", [[0.3], [0.0, 2.0, 1.0], np.linspace(6.0, 0.5, 30)])
+@pytest.mark.exhaustive
 def test_states_of_any_kind(angle):
     """One state; states not in time; a crank that turns backwards, whose time runs to the right."""
     press = texts.shipped("crank_slide")
@@ -283,6 +285,7 @@ def test_states_of_any_kind(angle):
 
 
 @pytest.mark.parametrize("plot", [*ALL, lambda r: plots.plot_slide(r.motion), lambda r: plots.plot_comparison(r, r)])
+@pytest.mark.exhaustive
 def test_names_are_text(oddly_named, plot, tmp_path):
     assert set(NAMES) < set(oddly_named.bearing_force)
     figure = plot(oddly_named)
@@ -389,6 +392,7 @@ def test_without_matplotlib(result, monkeypatch):
         plots.plot_torque(result)
 
 
+@pytest.mark.exhaustive
 def test_no_global_state(tmp_path):
     """Importing takes no Matplotlib, drawing no pyplot, and the caller's style is as it was."""
     code = """

@@ -254,6 +254,7 @@ def test_before_and_after_backwards(press: Any, result: Any, view: Callable[...,
     assert page.inner_text("#crank") == "crank−180.0°"
 
 
+@pytest.mark.exhaustive
 def test_run_is_over_time(view: Callable[..., Any], tmp_path: Path) -> None:
     press = texts.shipped("jf75g_125")
     load = pp.loads.Blanking(1e6, 0.006, 0.002)
@@ -332,6 +333,7 @@ def test_run_under_loads_needs_its_reactions(tmp_path: Path) -> None:
     assert pp.report(press, idle, tmp_path / "out.html").exists()
 
 
+@pytest.mark.exhaustive
 def test_linkage_in_space_without_slide(tmp_path: Path, view: Callable[..., Any]) -> None:
     (tmp_path / "bennett.urdf").write_text(bennett(), encoding="utf-8")
     press = pp.load(tmp_path / "bennett.urdf")
@@ -356,6 +358,7 @@ def see_movement(page: Any, times: Any, least: int) -> None:
         assert np.count_nonzero(np.abs(after - before).max(axis=2) > 30) > least
 
 
+@pytest.mark.exhaustive
 def test_several_drivers(tmp_path: Path, view: Callable[..., Any]) -> None:
     """Two cranks on one frame: a curve of torque for each, over time."""
     press = two_cranks(tmp_path)

@@ -115,6 +115,7 @@ def agree(some, full, bound=SAME):
 
 @pytest.mark.parametrize("kind", SCENES)
 @pytest.mark.parametrize("name", NAMES)
+@pytest.mark.exhaustive
 def test_fewer_bearings_have_the_values_of_all(folder, name, kind, engine):
     """In every kind of scene; on linkages that are redundant, geared, in parallel planes. Pinocchio takes ten times as long, and so
     does friction: of these each bearing with others only, alone in `test_linkages_of_the_other_engine` and, at random,
@@ -137,6 +138,7 @@ def test_fewer_bearings_have_the_values_of_all(folder, name, kind, engine):
     chosen=st.sets(st.integers(0, 40)),
     engine=st.sampled_from(ENGINES),
 )
+@pytest.mark.exhaustive
 def test_any_bearings_of_any_linkage(tmp_path, spec, load_count, in_plane, chosen, engine):
     """Power and momentum balance too, 1e-10 as with all bearings."""
     drawing = drawn(spec)

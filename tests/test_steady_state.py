@@ -225,6 +225,7 @@ def test_a_long_run_ends_in_it_to_the_tolerance(press, steady):
     assert float(run.path.read(np.array([last.start])).speed[0, 0]) == pytest.approx(steady.crank_speed[0], rel=2e-10)
 
 
+@pytest.mark.exhaustive
 def test_a_long_run_with_a_lag(press):
     """A stroke is four time constants: the press settles in 2 s."""
     run = pp.simulate(press, 2.5, speed=30.0, drive=slip_clutch(0.05), flywheel=WHEEL, loads=[BLANK])
@@ -235,6 +236,7 @@ def test_a_long_run_with_a_lag(press):
 
 
 @pytest.mark.parametrize("name", ["induction", "lossy_induction", "inverter"])
+@pytest.mark.exhaustive
 def test_a_run_of_stiff_motors(press, name):
     """Forty strokes are enough: their speed settles by a factor of 2 and more each."""
     drive = CASES[name]().drive
@@ -288,6 +290,7 @@ def test_a_spring_that_is_damped(textbook):
 
 @pytest.mark.parametrize("angle", [1.0, 5.9, -2.0, 40.0])
 @pytest.mark.parametrize("name", CASES)
+@pytest.mark.exhaustive
 def test_the_start_does_not_matter(press, name, angle):
     """The same orbit from any crank angle: period, works, and the speed at each angle."""
     drive = CASES[name]().drive
@@ -302,6 +305,7 @@ def test_the_start_does_not_matter(press, name, angle):
 
 @pytest.mark.parametrize("guess", [0.4, 0.8, 1.0, 1.3, 3.0])
 @pytest.mark.parametrize("name", CASES)
+@pytest.mark.exhaustive
 def test_the_guess_does_not_matter(press, name, guess):
     drive = CASES[name]().drive
     found, steady = (pp.steady_state(press, share * SPEED, drive, WHEEL, [BLANK]) for share in (guess, 1.0))
@@ -737,6 +741,7 @@ def test_stiff_motors_and_little_inertia(name, drive, flywheel, load, period):
         (1, loads.ElasticDie(0.003, 2e8, 1e5), 0.200901097),
     ],
 )
+@pytest.mark.exhaustive
 def test_a_lag_from_further_off(press, way, load, period):
     """Periods of the last strokes of runs of 20 s and 40 s."""
     found = pp.steady_state(press, way * SPEED, slip_clutch(0.05, way * 3.0), WHEEL, [load])

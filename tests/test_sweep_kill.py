@@ -73,8 +73,8 @@ def test_killed_twice_and_resumed(tmp_path, suffix):
         later = log.read_bytes()[until:].decode().split("\n")
         assert not set(known) & set(later), "a finished point was done again"
     assert len(at_kills[0][0]) < len(at_kills[1][0])
-    # one by one, a kill costs one point; of two workers, what they had in hand and in their queue: five tasks
-    assert sum(done.values()) - points <= 1 + 5 * max(40, 0.02 * points)
+    # What was in hand at a kill is done again: at most once for each of the two.
+    assert max(done.values()) <= 3
     found = sweep(partial(stroke, log=str(log)), grid(speeds), to=file)
     assert executions(log) == done  # all of it was there
     assert found.failed == ()

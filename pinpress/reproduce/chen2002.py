@@ -104,7 +104,8 @@ def _pressure(trial: Trial) -> float:
     return pressure_angle(trial.motion, trial.positions["E"], trial.positions["D"], AXIS)
 
 
-def _largest_pressure(press: Linkage, motion: Motion) -> float:
+def largest_pressure(press: Linkage, motion: Motion) -> float:
+    """Between coupler and guide, over the turn [deg]."""
     at = bearing_positions(press, motion)
     return math.degrees(pressure_angle(motion, at["E"], at["D"], AXIS))
 
@@ -165,7 +166,7 @@ def _example(press: Linkage, motion: Motion) -> Entry:
         Row(
             "largest pressure angle, (18) [deg]",
             f"{math.degrees(math.asin((648 - 630) / 220)):.4f}",
-            _largest_pressure(press, motion),
+            largest_pressure(press, motion),
             1e-3,
             None,
             FORMULA,
