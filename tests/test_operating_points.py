@@ -104,7 +104,7 @@ def test_without_a_load():
     assert found.grid("largest_driving_torque")[1, 0] == pytest.approx(expected, rel=1e-13)
 
 
-@settings(max_examples=30, deadline=None)
+@settings(derandomize=True, max_examples=30, deadline=None)
 @given(
     seed=st.integers(0, 2**32 - 1),
     components=st.integers(1, 3),

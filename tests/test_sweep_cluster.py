@@ -40,13 +40,13 @@ def cluster(tmp_path):
 
     try:
         start("dask_scheduler", "--host", "127.0.0.1", "--port", "0", "--scheduler-file", str(address))
-        with within(30):
+        with within(120):
             while not address.exists():
                 time.sleep(0.02)
         for _ in range(2):
             start("dask_worker", "--scheduler-file", str(address), "--nthreads", "1", "--no-nanny", "--host", "127.0.0.1")
         with distributed.Client(scheduler_file=str(address)) as client:
-            client.wait_for_workers(2, timeout=30)
+            client.wait_for_workers(2, timeout=60)
             yield client, processes
     finally:
         for process in processes:
@@ -65,7 +65,7 @@ def test_a_worker_is_killed_in_the_middle(cluster, tmp_path):
             killed.append(workers[0].pid)
             os.kill(workers[0].pid, signal.SIGKILL)
 
-    with within(60):
+    with within(120):
         function = partial(logged, log=str(log), pause=0.01)
         found = sweep(function, {"a": points}, to=file, executor=client.get_executor(), in_flight=8, progress=kill)
     assert killed == [workers[0].pid]
@@ -75,7 +75,8 @@ def test_a_worker_is_killed_in_the_middle(cluster, tmp_path):
     assert set(by) == {worker.pid for worker in workers}, "both have worked"
     done = Counter(int(line.split(",")[0]) for line in log.read_text().splitlines())
     assert sorted(done) == list(points)
-    assert sum(done.values()) - len(points) <= 8 * 10  # Dask has done again what the killed worker had in hand, or had not handed over
+    # Dask has done again what the killed worker had in hand, or had not handed over: eight tasks of at most 0.2 s
+    assert sum(done.values()) - len(points) <= 8 * 20
     # A function that fails, and one that no worker can do.
     assert len(sweep(fails_at_odd, {"a": points}, executor=client.get_executor()).failed) == 200
 
@@ -86,6 +87,6 @@ def test_a_worker_is_killed_in_the_middle(cluster, tmp_path):
 
     other = tmp_path / "other.csv"
     function = partial(logged, log=str(log), pause=0.01)
-    with within(60), pytest.raises(pp.PinpressError, match="call the same sweep again, with a new executor"):
+    with within(120), pytest.raises(pp.PinpressError, match="call the same sweep again, with a new executor"):
         sweep(function, {"a": points}, to=other, executor=client.get_executor(), in_flight=8, progress=kill_the_scheduler)
     assert len(other.read_text().splitlines()) > 0.2 * len(points)

@@ -228,7 +228,7 @@ MUTATION = st.tuples(
 )
 
 
-@settings(max_examples=150, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@settings(derandomize=True, max_examples=150, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(st.lists(MUTATION, max_size=3), st.integers(0, 400))
 @example([], 0)
 def test_damaged_file_reads_or_raises_urdf_error(tmp_path, mutations, cut):
