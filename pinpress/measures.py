@@ -28,6 +28,7 @@ __all__ = [
     "dwell_angle",
     "dwell_time",
     "flatness",
+    "mechanical_advantage",
     "pressure_angle",
     "quick_return_ratio",
     "speed_at",
@@ -80,10 +81,19 @@ def speed_at(motion: SlideMotion, height: float, downwards: bool = True) -> floa
     Raises:
         PinpressError: a height that is not between 0 and the stroke.
     """
-    way = slide_strokes.working_stroke(motion, downwards)
-    above = _within(way.length, "height", height)
-    place = way.place_at(np.array([way.length - above if downwards else above + 0j]))
-    return way.path.number(complex(way.speed(place)[0]) / over_turn.step_time(motion))
+    path, speed = _speed_by_state(motion, height, downwards)
+    return path.number(speed / over_turn.step_time(motion))
+
+
+def mechanical_advantage(motion: SlideMotion, height: float, downwards: bool = True) -> float:
+    """Force on the slide for each N m on the crank at a height above bottom dead centre [m], without losses and inertia: crank speed by
+    slide speed, 1 / |ds/dtheta| [1/m] (virtual work). It grows without bounds towards the dead centres.
+
+    Raises:
+        PinpressError: a height that is not between 0 and the stroke.
+    """
+    path, speed = _speed_by_state(motion, height, downwards)
+    return path.number(2 * np.pi / path.states / speed)
 
 
 def dwell_angle(motion: SlideMotion, tolerance: float) -> float:
@@ -100,6 +110,14 @@ def dwell_time(motion: SlideMotion, tolerance: float) -> float:
     """The same as a time [s]. Raises as `dwell_angle`."""
     path, states = _dwell(motion, tolerance)
     return path.number(states * over_turn.step_time(motion))
+
+
+def _speed_by_state(motion: SlideMotion, height: float, downwards: bool) -> tuple[Curve, complex]:
+    """The slide's path, and its speed at a height, in metres from state to state."""
+    way = slide_strokes.working_stroke(motion, downwards)
+    above = _within(way.length, "height", height)
+    place = way.place_at(np.array([way.length - above if downwards else above + 0j]))
+    return way.path, complex(way.speed(place)[0])
 
 
 def _dwell(motion: SlideMotion, tolerance: float) -> tuple[Curve, complex]:

@@ -45,7 +45,8 @@ class Ratings:
             ends before the stroke does.
         energies: name of a source -> work that a stroke may take of it [J]: "flywheel energy", "motor energy".
         stroke: [m]. quick_return_ratio: time of the working stroke beside that of the return stroke.
-        contact_height, contact_speed: where the tool meets the work [m], and the slide's speed there [m/s]; None without a height.
+        contact_height, contact_speed, contact_advantage: where the tool meets the work [m], the slide's speed there [m/s], and the
+            mechanical advantage [1/m], force on the slide for each N m on the crank; None without a height.
         dwell_tolerance, dwell_time: distance from bottom dead centre [m], and how long the slide stays within it [s].
         speed_limit: at which the idle press reaches a capacity; None where no speed does.
     """
@@ -69,6 +70,7 @@ class Ratings:
     quick_return_ratio: float
     contact_height: float | None
     contact_speed: float | None
+    contact_advantage: float | None
     dwell_tolerance: float
     dwell_time: float
     speed_limit: SpeedLimit | None
@@ -170,6 +172,7 @@ def ratings(
         quick_return_ratio=quick_return,
         contact_height=None if contact is None else positive("contact_height", contact, "m"),
         contact_speed=None if contact is None else measures.speed_at(turn, contact),
+        contact_advantage=None if contact is None else measures.mechanical_advantage(turn, contact),
         dwell_tolerance=tolerance,
         dwell_time=measures.dwell_time(turn, tolerance),
         speed_limit=limiting_speed(press, capacities, scene.torque, math.copysign(1.0, rate), engine=engine),

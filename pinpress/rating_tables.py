@@ -58,6 +58,10 @@ def _data(ratings: "Ratings") -> list[tuple[str, str]]:
             if ratings.contact_speed is None or ratings.contact_height is None
             else f"{ratings.contact_speed:.6g} m/s, {1e3 * ratings.contact_height:.6g} mm above bottom dead centre",
         ),
+        (
+            "mechanical advantage there",
+            None if ratings.contact_advantage is None else f"{ratings.contact_advantage:.6g} N for each N m on the crank",
+        ),
         ("dwell", f"{1e3 * ratings.dwell_time:.6g} ms within {1e3 * ratings.dwell_tolerance:.6g} mm of bottom dead centre"),
         *((name, f"{energy / 1e3:.6g} kJ a stroke") for name, energy in ratings.energies.items()),
         (

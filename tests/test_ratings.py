@@ -72,6 +72,7 @@ def test_a_given_torque_is_that_of_its_nominal_height():
     np.testing.assert_allclose(np.interp(one.crank_angle, other.crank_angle, other.force), one.force, rtol=1e-9)
     assert other.contact_height is None
     assert other.contact_speed is None
+    assert other.contact_advantage is None
 
 
 def test_stroke_speeds_and_dwell():
@@ -79,6 +80,7 @@ def test_stroke_speeds_and_dwell():
     np.testing.assert_allclose(found.stroke, 2 * R, rtol=1e-12)
     np.testing.assert_allclose(found.quick_return_ratio, 1.0, rtol=1e-12)
     np.testing.assert_allclose(found.contact_speed, SPEED * lever(angle_of(0.02)), rtol=1e-10)
+    np.testing.assert_allclose(found.contact_advantage, 1 / lever(angle_of(0.02)), rtol=1e-10)
     np.testing.assert_allclose(found.dwell_time, 2 * angle_of(0.003) / SPEED, rtol=1e-10)
     np.testing.assert_allclose(found.slide_velocity, SPEED * found.travel_per_angle, rtol=1e-14)
     assert set(found.limited_by) == {"nominal force"}

@@ -25,6 +25,7 @@ ALL = {
     "flatness": functools.partial(measures.flatness, length=0.06),
     "flatness of the return": functools.partial(measures.flatness, length=0.12, downwards=False),
     "speed_at": functools.partial(measures.speed_at, height=0.03),
+    "mechanical_advantage": functools.partial(measures.mechanical_advantage, height=0.03),
     "speed_at of the return": functools.partial(measures.speed_at, height=0.03, downwards=False),
     "dwell_angle": functools.partial(measures.dwell_angle, tolerance=1e-3),
     "dwell_time": functools.partial(measures.dwell_time, tolerance=1e-3),
@@ -106,6 +107,7 @@ def test_dwell_and_contact_speed_of_a_centred_crank_slide():
         np.testing.assert_allclose(measures.dwell_angle(motion, height), 2 * angle(height), rtol=1e-9 if height < 1e-5 else 1e-11)
         speed = SPEED * crank_slide(offset=0.0)(angle(height))[1]
         np.testing.assert_allclose(measures.speed_at(motion, height), speed, rtol=1e-9 if height < 1e-5 else 1e-11)
+        np.testing.assert_allclose(measures.mechanical_advantage(motion, height), SPEED / speed, rtol=1e-9 if height < 1e-5 else 1e-11)
 
 
 @pytest.mark.parametrize("name", ["thin_wall", "zxn2_3000b", "crank_slide", "jf75g_125"])
@@ -314,7 +316,9 @@ def test_derivatives_by_the_crank_speed():
     """Speeds are proportional to it, times inversely, all else does not know it: 1e-12, rounding."""
     step = 1e-30
     motion = of(crank_slide(), speed=SPEED + 1j * step)
-    for name, power in {"speed_at": 1, "dwell_time": -1, "dwell_angle": 0, "stroke": 0, "flatness": 0, "speed_ratio": 0}.items():
+    powers = {"speed_at": 1, "dwell_time": -1}
+    for name in (*powers, "dwell_angle", "mechanical_advantage", "stroke", "flatness", "speed_ratio"):
+        power = powers.get(name, 0)
         value = ALL[name](motion)
         assert abs(value.imag / step - power * value.real / SPEED) <= 1e-12 * value.real
 

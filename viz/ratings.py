@@ -79,6 +79,7 @@ def main_data() -> str:
     row("stroke", [f"{1e3 * one.stroke:.2f} mm" for one in found.values()])
     row("quick return ratio", [f"{one.quick_return_ratio:.4f}" for one in found.values()])
     row("speed at the nominal height", [f"{1e3 * one.contact_speed:.1f} mm/s" for one in found.values()])
+    row("mechanical advantage there", [f"{one.contact_advantage:.2f} N for each N m" for one in found.values()])
     row("dwell within 1 % of the stroke", [f"{1e3 * one.dwell_time:.1f} ms" for one in found.values()])
     row("energy of the flywheel in a stroke", [f"{one.energies['flywheel energy'] / 1e3:.2f} kJ" for one in found.values()])
     row("energy of the motor in a turn", [f"{one.energies['motor energy'] / 1e3:.2f} kJ" for one in found.values()])
