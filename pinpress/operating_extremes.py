@@ -21,7 +21,6 @@ from .coordinates import Array
 
 TILES = 16  # along either axis: fewer leave more states over, more take longer to cut
 LEAST = 24  # points of a tile along either axis
-JUDGES = 5  # states that leave out others: the largest at the corners of a tile and in its middle
 
 
 class Affine(NamedTuple):
