@@ -2,6 +2,10 @@
 
 from collections.abc import Iterable
 
+_LONGEST_SHOWN = 200  # characters of a value in a message
+_LONGEST_WHOLE_NUMBER = 200  # bits
+_LONGEST_NAME = 200  # characters of a name that alternatives are suggested for: comparing longer ones takes long
+
 
 class PinpressError(Exception):
     """Base of all errors: something the caller can put right; the message says where it is and how."""
@@ -76,7 +80,8 @@ class UnknownNameError(PinpressError, KeyError):
 
     def __init__(self, kind: str, name: object, known: Iterable[str]) -> None:
         self.name, self.known = name, tuple(known)
-        super().__init__(f"no {kind} {name!r}{suggestion(str(name), self.known)}; there are: {', '.join(self.known)}")
+        alike = suggestion(name, self.known) if isinstance(name, str) else ""
+        super().__init__(f"no {kind} {shown(name)}{alike}; there are: {', '.join(self.known)}")
 
     def __str__(self) -> str:  # KeyError would print the message as a quoted literal
         return str(self.args[0])
@@ -96,10 +101,23 @@ class UnknownScenarioError(PinpressError, IndexError):
 
 def suggestion(name: str, known: Iterable[str]) -> str:
     """ ", did you mean 'x'?" where a known name is close to the one given, else an empty string."""
+    if len(name) > _LONGEST_NAME:
+        return ""
     import difflib  # only on the way to an error
 
-    close = difflib.get_close_matches(name, tuple(known), n=1)
+    close = difflib.get_close_matches(name, [other for other in known if len(other) <= _LONGEST_NAME], n=1)
     return f", did you mean {close[0]!r}?" if close else ""
+
+
+def shown(value: object) -> str:
+    """A value as messages show it: on one line, and cut where it is long."""
+    if isinstance(value, int) and value.bit_length() > _LONGEST_WHOLE_NUMBER:  # writing one of thousands of digits is an error in Python
+        return f"a whole number of {value.bit_length()} bits"
+    try:
+        text = " ".join(repr(value).split())
+    except Exception:  # whatever a caller's own object raises
+        text = f"a {type(value).__name__}"
+    return text if len(text) <= _LONGEST_SHOWN else f"{text[:_LONGEST_SHOWN]}..."
 
 
 def _degrees(angle: float) -> str:

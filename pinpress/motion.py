@@ -15,11 +15,12 @@ from .closure import Closure
 from .coordinates import Array, ComplexArray, Slot, configuration
 from .errors import PinpressError
 from .linkage import Linkage
+from .single_numbers import numbers, whole_number
 
 RPM = 2 * np.pi / 60
 """One revolution per minute [rad/s]."""
 
-MOST_POINTS = 10**8
+MOST_POINTS = 10**7  # states of one turn: half a gigabyte for every quantity of a six-bar press
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -214,7 +215,7 @@ def _rates(closure: Closure, speed: Array | np.float64, acceleration: Array | No
 
 
 def _turn(speed: ArrayLike, points: int, acceleration: ArrayLike, time: ArrayLike | None) -> tuple[Array, Array, Array, Array | None]:
-    given = _numbers("speed", speed)
+    given = numbers("speed", speed)
     if given.ndim:
         raise PinpressError("speed is an array, but a turn at constant speed takes one number: give angle too, for a servo motion")
     rate = float(given)
@@ -222,8 +223,7 @@ def _turn(speed: ArrayLike, points: int, acceleration: ArrayLike, time: ArrayLik
         raise PinpressError(f"speed is {abs(rate):g}: a turn never ends; give a speed [rad/s], e.g. 70 * pinpress.RPM")
     if time is not None or not (np.isscalar(acceleration) and acceleration == 0.0):
         raise PinpressError("time and acceleration belong to a servo motion: give angle too")
-    if isinstance(points, bool) or not isinstance(points, int | np.integer) or not 2 <= points <= MOST_POINTS:
-        raise PinpressError(f"points is {points!r}: a turn takes a whole number from 2 to {MOST_POINTS}")
+    points = whole_number("points", points, 2, MOST_POINTS)
     angles: Array = np.arange(points, dtype=float) * (math.copysign(2 * np.pi, rate) / points)
     return angles, np.full(points, rate), np.zeros(points), angles / rate
 
@@ -232,7 +232,7 @@ def _servo(
     angle: ArrayLike, speed: ArrayLike, acceleration: ArrayLike, time: ArrayLike | None, drivers: int
 ) -> tuple[Array, Array, Array, Array | None]:
     given = {"angle": angle, "speed": speed, "acceleration": acceleration} | ({} if time is None else {"time": time})
-    arrays = {name: _numbers(name, values) for name, values in given.items()}
+    arrays = {name: numbers(name, values) for name, values in given.items()}
     angles = arrays["angle"]
     if drivers == 1 and (angles.ndim != 1 or len(angles) == 0):
         raise PinpressError(f"angle has shape {angles.shape}: give (n,) crank angles [rad]")
@@ -257,19 +257,6 @@ def _times(angles: Array, speeds: Array) -> Array | None:
     if not np.all(np.isfinite(steps) & (steps > 0)):
         return None
     return np.concatenate([[0.0], np.cumsum(steps)])
-
-
-def _numbers(name: str, values: ArrayLike) -> Array:
-    try:
-        numbers = np.array(values, dtype=float)
-    except (TypeError, ValueError):
-        raise PinpressError(f"{name} is not a number or an array of numbers") from None
-    if numbers.ndim == 0:
-        if not math.isfinite(numbers):
-            raise PinpressError(f"{name} is not finite")
-    elif not np.isfinite(numbers).all():
-        raise PinpressError(f"{name} is not finite at point {int(np.argmin(np.isfinite(numbers).ravel()))}")
-    return numbers
 
 
 def _fixed(array: Array) -> Array:
