@@ -1,6 +1,8 @@
 """Every exception of the library. Each carries its data as attributes, so that a caller need not read the sentence."""
 
-from collections.abc import Iterable
+import pickle
+from collections.abc import Iterable, Mapping
+from typing import Any
 
 _LONGEST_SHOWN = 200  # characters of a value in a message
 _LONGEST_WHOLE_NUMBER = 200  # bits
@@ -8,7 +10,14 @@ _LONGEST_NAME = 200  # characters of a name that alternatives are suggested for:
 
 
 class PinpressError(Exception):
-    """Base of all errors: something the caller can put right; the message says where it is and how."""
+    """Base of all errors: something the caller can put right; the message says where it is and how.
+
+    Every error travels: it is copied and pickled with its attributes, so that process pools report it.
+    """
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        # An exception is rebuilt from its message alone by default, which a class that is made from other arguments does not take.
+        return _rebuilt, (type(self), self.args, {name: _sendable(value) for name, value in vars(self).items()})
 
 
 class UrdfError(PinpressError):
@@ -128,3 +137,18 @@ def expect(name: str, value: object, kind: type, maker: str) -> None:
     """Raise PinpressError where an argument is of another kind than it must be; ``maker``: what makes one."""
     if not isinstance(value, kind):
         raise PinpressError(f"{name} is a {type(value).__name__}, no {kind.__name__}: give what {maker} returns")
+
+
+def _rebuilt(kind: type[PinpressError], arguments: tuple[object, ...], attributes: Mapping[str, object]) -> PinpressError:
+    error = kind.__new__(kind, *arguments)
+    vars(error).update(attributes)
+    return error
+
+
+def _sendable(value: object) -> object:
+    """An attribute as it can be pickled: what cannot, such as a function that was given for a name, is described."""
+    try:
+        pickle.dumps(value)
+    except Exception:  # whatever pickling says
+        return repr(value)
+    return value
