@@ -57,7 +57,8 @@ class Balance:
         residual: largest violation of the conditions of optimality, relative to before.
         outcomes: of the objective's measures, then of all others, case by case, from ``before`` and ``after``.
         active: constraints that hold the optimum back.
-        before, after: reactions of the press and of the balanced one, of every case.
+        before, after: reactions of the press and of the balanced one, of every case: both in the motion of the case. Where that is a run,
+            simulate the balanced press for its own.
     """
 
     original: Linkage

@@ -7,7 +7,6 @@ searches step by step.)
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import replace
 
 import numpy as np
 import pinocchio as pin
@@ -24,7 +23,7 @@ from .errors import PinpressError
 from .forces import Load
 from .inertia_responses import Case
 from .linkage import Linkage
-from .motion import Motion
+from .motion import Motion, as_prescribed
 from .reactions import Reactions, inverse_dynamics
 from .rooms import Layout, Room
 
@@ -95,7 +94,7 @@ def balanced(
     bodies = _filled(problem, u)
     result = _fitted(press, problem, bodies)
     after = tuple(
-        inverse_dynamics(result, replace(case.motion, linkage=result.name), case.loads, bearings=tuple(reactions.bearing_force))
+        inverse_dynamics(result, as_prescribed(case.motion, result.name), case.loads, bearings=tuple(reactions.bearing_force))
         for case, reactions in zip(cases, before, strict=True)
     )
     _refuse_unconfirmed(problem, u, after)

@@ -63,7 +63,7 @@ class Elasticity:
     def __str__(self) -> str:
         heading = f"{self.press}: stiffness at bottom dead centre {1e-6 * self.bottom_stiffness:.5g} kN/mm, of its deflection"
         width = max(map(len, self.bottom_shares))
-        most_first = sorted(self.bottom_shares.items(), key=lambda item: -item[1])
+        most_first = sorted(self.bottom_shares.items(), key=lambda item: -round(item[1], 9))  # equal ones differ by rounding
         return "\n".join([heading, *(f"  {name:<{width}}  {100 * share:6.2f} %" for name, share in most_first)])
 
     @cached_property

@@ -197,9 +197,9 @@ def place(press: "Linkage", link: str, point: ArrayLike, what: str, name: str) -
 
 
 def numbers(values: ArrayLike, what: str, name: str) -> Array:
-    """Values as an array of finite numbers."""
+    """Values as a fresh array of finite numbers: results are worked out later too, whatever the caller then does with his own."""
     try:
-        array = np.asarray(values, dtype=float)
+        array = np.array(values, dtype=float)
     except (TypeError, ValueError):
         raise PinpressError(f"{what}: {name} is not an array of numbers") from None
     if not np.all(np.isfinite(array)):

@@ -13,6 +13,7 @@ from .branch import Branch, Returning
 from .change_points import Gap
 from .closure import Close, Closure
 from .coordinates import Array
+from .derived import Model, derived
 from .errors import PinpressError
 from .following import SMALLEST_MARGIN
 from .loops import Coupling, LoopJoint
@@ -31,7 +32,8 @@ ACCEPTED = 1e3  # times the tolerance of rounding: a loop whose gap is not below
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Linkage:
-    """A closed linkage and its drivers. Made by `load`; read-only, ``model`` too.
+    """A closed linkage and its drivers. Made by `load`; read-only, ``model`` too: once it was changed in place, whatever is asked of the
+    linkage raises a PinpressError.
 
     World axes: z up; a planar press stands in the x-z plane. Angles are zero in the drawn pose. SI units. A changed linkage is made by
     ``dataclasses.replace(press, model=...)`` with a changed copy of the model: everything else here is derived.
@@ -74,44 +76,44 @@ class Linkage:
         """Names of all joints and loops that transmit forces: joints in Pinocchio's order, then loops."""
         return self.joints + tuple(loop.name for loop in self.loops)
 
-    @cached_property
+    @derived
     def mobility(self) -> int:
         """Degrees of freedom of the closed linkage: joints less the rank of the equations. One a driver, or `load` had refused."""
         return int(self.model.nv) - self.rank
 
-    @cached_property
+    @derived
     def rank(self) -> int:
         """Rank of the equations of loops and couplings in the closed drawn pose."""
         return spatial.rank(self.equations(self.closed).columns)
 
-    @cached_property
+    @derived
     def spatial(self) -> Spatial:
         """Constants of the Pinocchio engine."""
         return spatial.build(self.model, self.loops, self.couplings, tuple(self.joints.index(driver) for driver in self.drivers))
 
-    @cached_property
+    @derived
     def plane(self) -> Plane | None:
         """Constants of the planar engine, None where the linkage is not planar, or needs more than its blocks of equations."""
         return self._assembly.plane
 
-    @cached_property
+    @derived
     def bodies(self) -> Bodies | None:
         """Inertial constants of the planar engine."""
         return None if self.plane is None else plane_dynamics.build(self.plane, self.model)
 
-    @cached_property
+    @derived
     def drawn(self) -> Closure:
         """The drawn pose, its drivers at zero, closed as far as Newton's method came: `load` judges it."""
         return self._assembly.drawn
 
-    @cached_property
+    @derived
     def closed(self) -> Array:
         """(nv,) joint coordinates of the drawn pose, closed exactly, drivers at zero [rad or m]."""
         closed = self.drawn.position[:, 0]
         closed.setflags(write=False)
         return closed
 
-    @cached_property
+    @derived
     def _assembly(self) -> "_Assembly":
         """The drawn pose closed by the engine that suits."""
         start, general = np.zeros((self.model.nv, 1)), self.spatial
@@ -153,7 +155,7 @@ class Linkage:
             return None
         return walked if walked.period is not None else None
 
-    @cached_property
+    @derived
     def slide_guide(self) -> tuple[int, float]:
         """Place of the slide's guide in v, and the slide's position along the guide in the drawn pose [m].
 
@@ -168,7 +170,7 @@ class Linkage:
         axis = place.rotation @ self.spatial.axes[guide].direction
         return guide, float(axis @ place.act(frame.placement.translation))
 
-    @cached_property
+    @derived
     def branch(self) -> Branch:
         """The drawn assembly over the crank angle, walked once.
 
@@ -183,7 +185,7 @@ class Linkage:
             return self._assembly.branch
         return self._walk(self.plane, self.closed)
 
-    @cached_property
+    @derived
     def passage(self) -> Branch:
         """The same, carried on through change points: where two assemblies meet, a linkage in motion goes on in its own.
 
@@ -196,7 +198,7 @@ class Linkage:
         carried = self._walk(self.plane, branch.predict(found, np.array([middle]))[:, 0], gap=self.gaps, begin=middle)
         return carried if carried.change_points else found
 
-    @cached_property
+    @derived
     def table(self) -> "Table":
         """Reduced inertia, potential energy and, if there is one, slide position over the crank angle; see `reduced`. Raises as
         `branch`."""
@@ -204,7 +206,7 @@ class Linkage:
 
         return build(self, [lambda motion: motion.slide_position] if self.slide is not None else [])
 
-    @cached_property
+    @derived
     def dead_centres(self) -> "DeadCentres":
         """Where the slide turns back. Raises as `pinpress.dead_centres`."""
         from .dead_centres import found  # it closes this linkage
@@ -255,6 +257,10 @@ class Linkage:
                 f"{self.name} is not a planar linkage with one driver and pins for loops: use engine='pinocchio' (or 'auto')"
             )
         return None if engine == "pinocchio" else self.plane
+
+
+# Outside the class, where it would be taken for the field's default.
+Linkage.model = Model()
 
 
 class _Assembly(NamedTuple):

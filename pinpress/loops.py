@@ -2,6 +2,8 @@
 
 from dataclasses import dataclass
 
+import numpy as np
+
 from .coordinates import Array
 
 _HELD = {"spherical": 0, "revolute": 2, "fixed": 3}
@@ -27,6 +29,12 @@ class LoopJoint:
     point2: Array
     rotation2: Array
     line: int
+
+    def __post_init__(self) -> None:
+        for name in ("point1", "rotation1", "point2", "rotation2"):  # copies, as what a caller keeps is his to change
+            array = np.array(getattr(self, name), dtype=float)
+            array.setflags(write=False)
+            object.__setattr__(self, name, array)
 
     @property
     def held(self) -> int:

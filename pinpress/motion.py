@@ -2,7 +2,7 @@
 
 import math
 import os
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
 from functools import cached_property
 
 import numpy as np
@@ -184,6 +184,13 @@ def _states(
     if closure is not None and closure.basis is not None:
         object.__setattr__(motion, "_closed_as", (press, closure.basis))
     return motion
+
+
+def as_prescribed(motion: Motion, linkage: str) -> Motion:
+    """The same states, prescribed to a linkage of that name that moves alike: of a run, which belongs to the press that was simulated, the
+    motion alone."""
+    kept = {each.name: getattr(motion, each.name) for each in fields(Motion) if each.init}
+    return Motion(**(kept | {"linkage": linkage}))
 
 
 def of_states(press: Linkage, position: Array, v: Array, a: Array, gap: Array, times: Array | None) -> Motion:

@@ -90,7 +90,7 @@ def snaps(press: pp.Linkage, name: str) -> dict[str, pp.SnapThrough]:
 
 def compliance_table(name: str, found: pp.Elasticity) -> str:
     """Shares of the parts at bottom dead centre, the largest first."""
-    shares = sorted(found.bottom_shares.items(), key=lambda item: -item[1])
+    shares = sorted(found.bottom_shares.items(), key=lambda item: -round(item[1], 9))  # equal ones differ by rounding
     rows = [f"| {part} | {100 * share:.1f} % |" for part, share in shares if share > 5e-4]
     heading = f"`{name}`: {1e-6 * found.bottom_stiffness:.0f} kN/mm at bottom dead centre (assumed springs)"
     return "\n".join([heading, "", "| part | share of the deflection |", "|---|---:|", *rows])
