@@ -8,12 +8,23 @@ from . import spatial
 from .branch import LARGEST_CORRECTION, Branch, predict
 from .closure import Closure, joined
 from .coordinates import Array
-from .errors import AssemblyError, SingularityError
+from .errors import AssemblyError, PinpressError, SingularityError
 from .following import Lock, follow
 from .linkage import ACCEPTED, Linkage
 from .plane_dynamics import PIECE
 
 MANY_PERIODS = 1000  # beyond which a crank angle's rounding is seen in the gaps of loops
+FARTHEST = 1e7  # beyond which the rounding of a crank angle exceeds 1e-9, and the slide is no longer where the angle says [rad]
+
+
+def refuse_far(name: str, angles: Array) -> None:
+    """Raise PinpressError where crank angles of any shape [rad] are so large that their rounding would be seen in the results."""
+    worst = float(angles.flat[int(np.abs(angles).argmax())])
+    if abs(worst) > FARTHEST:
+        raise PinpressError(
+            f"{name} is {worst:.6g} rad, {abs(worst) / (2 * np.pi):.3g} turns away: numbers as large are {np.spacing(abs(worst)):.1g} rad"
+            f" apart, and the slide would be somewhere else; stay within {FARTHEST:g} rad, take whole turns off"
+        )
 
 
 def closed(press: Linkage, branch: Branch, angles: Array, engine: str) -> Closure:

@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 
 from . import spatial, tables
 from .branch import Branch
-from .closing import closed, followed
+from .closing import closed, followed, refuse_far
 from .closure import Closure
 from .coordinates import Array, ComplexArray, Slot, configuration
 from .errors import PinpressError
@@ -21,6 +21,7 @@ RPM = 2 * np.pi / 60
 """One revolution per minute [rad/s]."""
 
 MOST_POINTS = 10**7  # states of one turn: half a gigabyte for every quantity of a six-bar press
+KEPT = 1e6  # roundings of time that a step must have, for its length to be known
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -134,9 +135,9 @@ def cycle(
     Args:
         speed: of the driver joint [rad/s]. One number, with ``points`` (default 360): one turn from crank angle 0 in equal steps, the end
             left out, backwards where it is negative. With ``angle``: (n,) or one number.
-        angle, acceleration: (n,) of the driver joint, any angles in any order [rad, rad/s2]; ``acceleration`` may be one number. A linkage
-            with several drivers takes (n, drivers) of all three, in the order of `Linkage.drivers`; there the assembly is followed from
-            the drawn pose to the first state and from state to state, on straight lines between the drivers' positions.
+        angle, acceleration: (n,) of the driver joint, any angles up to 1e7 rad in any order [rad, rad/s2]; ``acceleration`` may be one
+            number. A linkage with several drivers takes (n, drivers) of all three, in the order of `Linkage.drivers`; there the assembly
+            is followed from the drawn pose to the first state and from state to state, on straight lines between the drivers' positions.
         time: (n,) of a servo motion, rising [s]. By default it is found from angle and speed by the trapezoidal rule; states in which
             these do not fit together have no time, and `Motion.time` says so.
         engine: "plane" (all crank angles at once), "pinocchio" (any linkage), or "auto": the plane where the linkage is planar.
@@ -249,11 +250,16 @@ def _servo(
         shape = angles.shape[:1] if name == "time" else angles.shape
         if values.shape != shape and not (values.ndim == 0 and name in ("speed", "acceleration")):
             raise PinpressError(f"{name} has shape {values.shape}, but angle has {angles.shape}")
+    refuse_far("angle", angles)
     speeds, accelerations = (np.broadcast_to(arrays[name], angles.shape).copy() for name in ("speed", "acceleration"))
     if "time" not in arrays:
         return angles, speeds, accelerations, _times(angles if drivers == 1 else angles[:, 0], speeds if drivers == 1 else speeds[:, 0])
-    if np.any(np.diff(arrays["time"]) <= 0):
+    steps = np.diff(arrays["time"])
+    if np.any(steps <= 0):
         raise PinpressError("time does not rise throughout")
+    if len(steps) and steps.min() < KEPT * np.spacing(np.abs(arrays["time"]).max()):
+        latest = np.abs(arrays["time"]).max()
+        raise PinpressError(f"time is up to {latest:g} s, where its steps are lost in rounding: count it from where the motion begins")
     return angles, speeds, accelerations, arrays["time"]
 
 

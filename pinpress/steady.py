@@ -10,6 +10,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from . import over_angle, panels, reduced, resolution, scenarios, turned
+from .closing import refuse_far
 from .coordinates import Array
 from .drives import Drive, Flywheel
 from .errors import PinpressError, SimulationError
@@ -55,6 +56,7 @@ def steady_state(
     if not isinstance(press, Linkage) or len(press.drivers) > 1:
         raise PinpressError("a steady state is that of a press with one driver: give the Linkage that load returns")
     start, guess, tolerance = number("angle", angle), number("speed", speed), tolerated(tolerance)
+    refuse_far("angle", np.array(start))
     if guess == 0.0:
         raise PinpressError("speed is 0: give the speed about which the press runs [rad/s]")
     if scenarios.count(speed, angle, drive, flywheel, loads) is not None:

@@ -22,7 +22,7 @@ def far(turns: float) -> Case:
     bound = ROUNDING + 4 * float(steepest) * float(np.spacing(abs(angles[-1])))
     return Case(
         "A million turns away",
-        f"crank angles after {turns:.0e} turns",
+        f"crank angles after {turns:.2g} turns",
         "closed form, within four roundings of the angle",
         lambda engine: spinning(MECHANISM.press(), engine, angles),
         MECHANISM.judge(bound),
@@ -151,7 +151,7 @@ def rolls(run: pp.Run) -> Outcome:
 
 
 CASES = [
-    *(far(turns) for turns in (1e6, -1e6, 1e9)),
+    *(far(turns) for turns in (1e6, -1e6, 1.5e6)),
     *(far_run(turns) for turns in (1e6, -1e6)),
     many(3000),
     many(10_000, long=True),

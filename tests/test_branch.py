@@ -336,3 +336,54 @@ def test_redundant_loops_that_contradict_each_other_by_little(tmp_path):
     with pytest.raises(pp.AssemblyError, match=r"the loops do not stay closed: .* must fit to all digits") as caught:
         pp.cycle(press, 5.0)
     assert 1e-13 < caught.value.gap < 1e-10
+
+
+@pytest.mark.parametrize("engine", ENGINES)
+@pytest.mark.parametrize("turns", [1500, -1500, 100_000])
+def test_joints_many_turns_away_have_turned_as_often(tmp_path, engine, turns):
+    """Of a drag link all that turns fully has made the crank's turns, one that swings has not, and the crank is where it was sent."""
+    press = four_bar_press(tmp_path, 0.5, 1.0, 1.1, 0.9, np.radians(70))
+    angle = np.linspace(0.1, 6.2, 101)
+    here = pp.cycle(press, angle=angle, speed=1.0, engine=engine)
+    there = pp.cycle(press, angle=angle + 2 * np.pi * turns, speed=1.0, engine=engine)
+    np.testing.assert_array_equal(there.crank_angle, angle + 2 * np.pi * turns)
+    gained = there.joint_position - here.joint_position
+    for name, made in (("O", turns), ("D", turns), ("B", 0)):
+        rounding = 8 * np.spacing(2 * np.pi * abs(turns))
+        np.testing.assert_allclose(gained[:, press.joints.index(name)], 2 * np.pi * made, rtol=0, atol=rounding)
+
+
+FAR = "turns away: numbers as large are .* rad apart"
+
+
+@pytest.mark.parametrize("turns", [1e6, 1.5e6])
+def test_a_million_turns_away_the_slide_is_where_the_angle_says(turns):
+    """By the crank-slide's formula, at the very angle that was given, within half a rounding of it."""
+    press, crank, rod = texts.shipped("crank_slide"), 0.100, 0.400
+    angle = 2 * np.pi * turns + np.linspace(0.1, 6.2, 13)
+    motion = pp.cycle(press, angle=angle, speed=1.0)
+    expected = -crank * np.cos(angle) - np.sqrt(rod**2 - (crank * np.sin(angle)) ** 2)
+    rounding = 0.5 * np.spacing(angle.max()) * crank * 1.2
+    np.testing.assert_allclose(motion.slide_position, expected, rtol=0, atol=rounding + 1e-15)
+
+
+@pytest.mark.parametrize("angle", [1e12, -1e17, 1.01e7])
+def test_angles_whose_rounding_would_be_seen_are_refused(angle):
+    press = texts.shipped("crank_slide")
+    for asked in (
+        lambda: pp.cycle(press, angle=[0.0, angle], speed=1.0),
+        lambda: pp.cycle(press, angle=[angle], speed=1.0, engine="pinocchio"),
+        lambda: pp.simulate(press, 0.1, 1.0, angle),
+        lambda: pp.simulate(press, 0.1, 1.0, angle, method="constraint"),
+        lambda: pp.simulate(press, 0.1, [1.0, 2.0], angle, drive=pp.ConstantTorque(1.0)),
+        lambda: pp.steady_state(press, 5.0, pp.drives.InductionMotor(1e3, 5.0), angle=angle),
+    ):
+        with pytest.raises(pp.PinpressError, match=FAR):
+            asked()
+
+
+def test_times_whose_steps_are_lost_in_rounding_are_refused():
+    press, steps = texts.shipped("crank_slide"), 1e-3 * np.arange(4)
+    with pytest.raises(pp.PinpressError, match="its steps are lost in rounding: count it from where the motion begins"):
+        pp.cycle(press, angle=steps, speed=1.0, time=1e12 + np.arange(4))
+    pp.cycle(press, angle=steps, speed=1.0, time=1e6 + steps)
