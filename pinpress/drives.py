@@ -5,8 +5,10 @@ its shaft in the positive direction; ``Geared(motor, -1.0)`` turns it round. Sev
 where a class allows it, and their speeds on the last axis of an array. Wrong parameters raise a `PinpressError` that names class and field.
 """
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
+from typing import ClassVar
 
 import numpy as np
 
@@ -39,6 +41,8 @@ class Flywheel:
         speed: of the flywheel at the start, where an open clutch lets it differ from the crank's [rad/s]; None: that of the crank.
     """
 
+    per_scenario: ClassVar[Mapping[str, int]] = {"inertia": 0}
+
     inertia: Values
     speed: float | None = None
 
@@ -70,6 +74,8 @@ class ConstantTorque(Plain):
         value: [N m], or (S,); negative: backwards. (``torque`` is the method that all drives have.)
     """
 
+    per_scenario: ClassVar[Mapping[str, int]] = {"value": 0}
+
     value: Values
 
     def __post_init__(self) -> None:
@@ -99,6 +105,8 @@ class Geared:
         gear_inertia: of the gears, at the slower shaft [kg m2], or (S,). (``inertia`` is the total there.)
         efficiency: above 0, at most 1.
     """
+
+    per_scenario: ClassVar[Mapping[str, int]] = {"gear_inertia": 0}
 
     drive: Drive
     ratio: float

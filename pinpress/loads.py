@@ -10,10 +10,10 @@ and windows in time then miss the stroke that they were made for.
 
 import itertools
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -66,6 +66,8 @@ class Piling:
         force: [N], one number or (S,), not negative. height: [m], not negative; with 0 it acts nowhere. datum: see the module.
     """
 
+    per_scenario: ClassVar[Mapping[str, int]] = {"force": 0}
+
     force: float | Array
     height: float
     datum: float | None = None
@@ -90,6 +92,8 @@ class Blanking:
             up, as the punch leaves the strip [N]. One number or (S,), not negative.
         start, end: heights at which the punch meets the blank and breaks through [m]; start above end. datum: see the module.
     """
+
+    per_scenario: ClassVar[Mapping[str, int]] = {"force": 0, "stripping": 0}
 
     force: float | Array
     start: float
@@ -119,6 +123,8 @@ class DeepDrawing:
         start, end: heights at which the punch meets the blank and the cup is drawn [m]; start above end. datum: see the module.
     """
 
+    per_scenario: ClassVar[Mapping[str, int]] = {"force": 0}
+
     force: float | Array
     start: float
     end: float = 0.0
@@ -143,6 +149,8 @@ class ForceStroke:
         heights: (n,) [m], at least two, strictly rising or falling; kept rising.
         forces: (n,) or (n, S) at the heights [N]; negative where the slide is drawn down. datum: see the module.
     """
+
+    per_scenario: ClassVar[Mapping[str, int]] = {"forces": 1}
 
     heights: ArrayLike
     forces: ArrayLike
@@ -188,6 +196,8 @@ class ElasticDie:
         height: at which the slide touches the unloaded die [m].
         stiffness: k, positive [N/m]. damping: c, not negative [N s/m]. One number or (S,). datum: see the module.
     """
+
+    per_scenario: ClassVar[Mapping[str, int]] = {"stiffness": 0, "damping": 0}
 
     height: float
     stiffness: float | Array

@@ -127,14 +127,12 @@ def _least_inertia(plan: Plan) -> tuple[float, float]:
     return float(inertia.min()), float(angles[int(inertia.argmin())])
 
 
-def by_crank(
-    plan: Plan, state: State, until: float, tolerance: float, step: float | None, progress: Progress | None, by_angle: bool = True
-) -> Path:
-    """The reduced equation from a state to a time: over the crank angle where that serves (and ``by_angle``), else over time."""
+def by_crank(plan: Plan, state: State, until: float, tolerance: float, step: float | None, progress: Progress | None) -> Path:
+    """The reduced equation from a state to a time: over the crank angle where that serves, else over time."""
     least, where = _least_inertia(plan)
     if plan.line.clutch is None and plan.line.inertia < 0 and not least > 0:
         raise scene.not_positive(least, None, where)
-    over_angle_too = by_angle and not plan.timed and step is None and least > 0  # without mass it may stay between dead centres
+    over_angle_too = not plan.timed and step is None and least > 0  # without mass it may stay between dead centres
     segments: list[Segment] = []
     if over_angle_too:
         found, stop = turning.run(plan.scene, plan.table, plan.edges, state, until, 0.1 * tolerance, progress)

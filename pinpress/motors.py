@@ -1,9 +1,10 @@
 """Motors by their nameplates: induction motors on the mains and on inverters."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from typing import ClassVar
 
 import numpy as np
 
@@ -26,6 +27,8 @@ class InductionMotor(Plain):
         poles: number of poles (twice that of pole pairs). breakdown_ratio: breakdown torque by rated torque, above 1.
         inertia: of the rotor [kg m2], or (S,).
     """
+
+    per_scenario: ClassVar[Mapping[str, int]] = {"rated_power": 0, "inertia": 0}
 
     rated_power: Values
     rated_speed: float
@@ -94,6 +97,8 @@ class InverterMotor(Plain):
             `torque_limit` works out from overload and breakdown_ratio.
         inertia: of the rotor [kg m2], or (S,).
     """
+
+    per_scenario: ClassVar[Mapping[str, int]] = {"inertia": 0}
 
     rated_torque: float
     rated_speed: float

@@ -17,12 +17,12 @@ from .path import DRIVE_WORK, LEDGERS, LOAD_WORK, LOST, Path, Reading
 POINTS = 120  # states returned per turn of the crank, and at least
 MOST_POINTS = 1_000_000  # by default
 LOOSE = 1e3  # energy error, in tolerances, that is none
-UNBALANCED = 1e-6  # energy error of a run, steps by error, that is none; more where a large tolerance is asked for
+BALANCED = 1e-6  # energy error of a run, steps by error, that is none; more where a large tolerance is asked for
 ROUNDED = 1e-6  # of the potential energy
-
-
-class UnbalancedError(SimulationError):
-    """A run whose energy does not balance."""
+UNBALANCED = (
+    "the energy does not balance: a torque or force changes too sharply for this tolerance; name the speeds at which the drive's torque is"
+    " not smooth in its corners, or give a smaller tolerance"
+)
 
 
 @dataclass(frozen=True)
@@ -93,20 +93,12 @@ def as_run(plan: Plan, path: Path, method: str, until: float, points: int | None
     kinetic, potential = reduced.energies(press, motion)
     turning = speed[list(press.spatial.drivers)] if several else reading.own[None]
     kinetic = kinetic + 0.5 * plan.inertia @ turning**2
-    gained = reading.ledgers[DRIVE_WORK] - reading.ledgers[LOAD_WORK] - reading.ledgers[LOST]
-    residual = np.abs(kinetic + potential - (kinetic[0] + potential[0]) - gained).max()
-    if not math.isfinite(float(residual) + float(acceleration.sum())):
+    error = energy_error(kinetic, potential, *reading.ledgers[[DRIVE_WORK, LOAD_WORK, LOST]])
+    if not math.isfinite(float(error.max()) + float(acceleration.sum())):
         raise PinpressError(f"the motion of {press.name} is too fast for floating point: lower speeds and forces")
-    # at rest all of it is the rounding of the potential energy
-    works = reading.ledgers[[DRIVE_WORK, LOAD_WORK, LOST]]
-    size = max(float(kinetic.max()), float(np.abs(works).max()), ROUNDED * float(np.abs(potential).max())) or 1.0
-    if allowed is not None and residual > allowed * size:
-        worst = int(np.abs(kinetic + potential - (kinetic[0] + potential[0]) - gained).argmax())
-        raise UnbalancedError(
-            "the energy does not balance: forces change too sharply for this tolerance; give a smaller one",
-            float(times[worst]),
-            float(np.ravel(motion.crank_angle[worst])[0]),
-        )
+    if allowed is not None and error.max() > allowed:
+        worst = int(error.argmax())
+        raise SimulationError(UNBALANCED, float(times[worst]), float(np.ravel(motion.crank_angle[worst])[0]))
     if several:
         torque = _torques(plan, turning)
         reading = reading._replace(torque=torque.T.copy(), own=turning.T.copy())
@@ -116,9 +108,20 @@ def as_run(plan: Plan, path: Path, method: str, until: float, points: int | None
         evaluations=path.evaluations,
         wall_time=clock.perf_counter() - began,
         closure_error=float(motion.closure_error.max()),
-        energy_error=float(residual / size),
+        energy_error=float(error.max()),
     )
     return _with(plan, path, motion, stats, reading)
+
+
+def energy_error(kinetic: Array, potential: Array, drive_work: Array, load_work: Array, lost: Array) -> Array:
+    """What is missing of the energy, beside the largest of energy and works, at n states: arrays (n,), or (n, S) of scenarios [J]; the
+    works are those since the first state."""
+    missing = np.abs(kinetic + potential - (kinetic[0] + potential[0]) - (drive_work - load_work - lost))
+    size = kinetic.max(axis=0)
+    for work in (drive_work, load_work, lost):
+        size = np.maximum(size, np.abs(work).max(axis=0))
+    size = np.maximum(size, ROUNDED * np.abs(potential).max(axis=0))  # at rest all of it is the rounding of the potential energy
+    return np.asarray(missing / np.where(size > 0, size, 1.0))
 
 
 def _torques(plan: Plan, speed: Array) -> Array:
@@ -141,6 +144,11 @@ def _with(plan: Plan, path: Path, motion: Motion, stats: Stats, reading: Reading
     run = Run(**kept, stats=stats, drive_torque=reading.torque, drive_speed=reading.own, **ledgers, plan=plan, path=path)
     object.__setattr__(run, "_closed_as", motion._closed_as)
     return run
+
+
+def allowed_error(tolerance: float) -> float:
+    """Energy error of a run with steps by error that is none."""
+    return max(BALANCED, LOOSE * tolerance)
 
 
 def count_of(points: int | None, turns: float) -> int:

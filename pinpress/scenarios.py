@@ -1,12 +1,12 @@
-"""Many scenarios at once: speeds, motor sizes, flywheels and loads as arrays, one value a scenario.
+"""Many scenarios at once: speeds, and the declared parameters of drives, flywheels and loads, as arrays, one value a scenario.
 
 All scenarios of a press run over the same crank angles, so that one period of all of them is solved as one array (see `over_angle`). A
-scenario that stops, or that depends on more than angle and speed, is simulated on its own.
+scenario that stops, that depends on more than angle and speed, or whose energy does not balance so, is simulated on its own.
 """
 
 import time as clock
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass, fields, is_dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property, partial
 from typing import Any
 
@@ -15,12 +15,15 @@ from numpy.typing import NDArray
 
 from . import over_angle, panels, resolution, turned, turning
 from .coordinates import Array
+from .drives import Drive
 from .errors import PinpressError, SimulationError, UnknownScenarioError
-from .forces import PointForce, SpringDamper
 from .methods import Plan
+from .motion import carried
 from .over_angle import Flow
 from .panels import Indices
-from .reduced import COORDINATES, INERTIA, rule
+from .reduced import COORDINATES, INERTIA, energies, rule
+from .run import energy_error
+from .scenario_fields import lengths
 from .scene import Acting
 
 Mask = NDArray[np.bool_]
@@ -28,7 +31,6 @@ Mask = NDArray[np.bool_]
 AT_ONCE = 128  # scenarios in one array: what is in flight stays in the cache
 MOST_KEPT = 24  # panels more than the table's, that are taken over into the next period
 MOST_CUTS = 12  # rounds of cutting panels; scenarios that need more are run alone
-SHARED = ("heights", "times", "angles", "curve")  # fields of drives and loads that hold arrays, but not one value a scenario
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -39,6 +41,7 @@ class Runs:
         time: (n,) [s].
         crank_angle, crank_speed: (n, S) [rad, rad/s]. Of one that stalls: at rest where it did.
         drive_work, load_work: (S,) over the whole run [J].
+        energy_error: (S,) as of `Stats`, from the states at start and end.
         errors: (S,) why a scenario stalled or could not go on, None of all others.
         wall_time: of the whole call [s].
     """
@@ -48,6 +51,7 @@ class Runs:
     crank_speed: Array
     drive_work: Array
     load_work: Array
+    energy_error: Array
     errors: tuple[SimulationError | None, ...]
     wall_time: float
     _alone: Callable[[int], Any]
@@ -91,7 +95,7 @@ def count(speed: Any, angle: Any, drive: Any, flywheel: Any, loads: Any) -> int 
         raise PinpressError("angle is an array: scenarios start from the same crank angle; give one number [rad]")
     found = {} if _is_number(speed) else {"speed": _of_speed(speed)}
     for item in (drive, flywheel, *(loads if isinstance(loads, Sequence) else ())):
-        found |= _lengths(item)
+        found |= lengths(item)
     if len(set(found.values())) > 1:
         raise PinpressError(f"arrays for different numbers of scenarios: {', '.join(f'{name} {size}' for name, size in found.items())}")
     return next(iter(found.values()), None)
@@ -112,41 +116,6 @@ def _of_speed(speed: Any) -> int:
     return len(array)
 
 
-def _lengths(item: Any) -> dict[str, int]:
-    """Lengths of the arrays of scenarios in a drive, flywheel or load, and in what it is made of."""
-    if not is_dataclass(item) or isinstance(item, type):
-        return {}
-    found = {}
-    for field in fields(item):
-        value = getattr(item, field.name)
-        if _per_scenario(item, field.name, value):
-            found[f"{type(item).__name__}.{field.name}"] = value.shape[-1]
-        found |= _lengths(value)
-    return found
-
-
-def _per_scenario(item: Any, name: str, value: Any) -> bool:
-    """Whether a field holds one value a scenario; a table of forces over heights has scenarios on its second axis."""
-    if isinstance(item, PointForce | SpringDamper):
-        return False
-    return isinstance(value, np.ndarray) and name not in SHARED and value.ndim == (2 if hasattr(item, "heights") else 1)
-
-
-def pick(item: Any, which: "int | Indices") -> Any:
-    """A drive, flywheel or load with the values of one scenario, or of some."""
-    if not is_dataclass(item) or isinstance(item, type):
-        return item
-    changes: dict[str, Any] = {}
-    for field in fields(item):
-        value = getattr(item, field.name)
-        if _per_scenario(item, field.name, value):
-            part = value[..., which]
-            changes[field.name] = float(part) if part.ndim == 0 else part
-        elif is_dataclass(value) and (picked := pick(value, which)) is not value:
-            changes[field.name] = picked
-    return replace(item, **changes) if changes else item
-
-
 class Together:
     """Scenarios of one direction of travel, that are solved as one array; filled period by period."""
 
@@ -154,6 +123,7 @@ class Together:
         """``speed`` (S,) at the start, none of them zero; ``times`` (n,) of the states to be returned."""
         self.plan, self.times = plan, times
         self.direction = 1 if speed[0] > 0 else -1
+        self.first, self.begin = angle, speed
         self.angle, self.speed = np.empty((len(times), len(speed))), np.empty((len(times), len(speed)))
         self.works = np.zeros((2, len(speed)))
         self.alone = np.zeros(len(speed), dtype=bool)
@@ -179,9 +149,10 @@ class Together:
                 return
             flow, passed = self._period(extent, going, until, tolerance)
             going &= ~self.alone
-            self._read(flow, passed, going, until)
+            parts = self._parts(flow)
+            self._read(flow, passed, going, until, parts)
             through = going & (passed[-1] < until)
-            for k, part in self._parts(flow):
+            for k, part in parts:
                 self.works[k] += np.where(through, _sums(flow, part).sum(axis=0), 0.0)
             self.before = flow if len(flow.grid.kinds) < len(self.plan.table.borders) + MOST_KEPT else None
             self.clock = np.where(going, passed[-1], self.clock)
@@ -215,7 +186,7 @@ class Together:
         self.alone |= going
         return flow, passed
 
-    def _read(self, flow: Flow, passed: Array, going: Mask, until: float) -> None:
+    def _read(self, flow: Flow, passed: Array, going: Mask, until: float, parts: "list[tuple[int, Array]]") -> None:
         """Fill in the states within a period."""
         r, grid = rule(), flow.grid
         first = self.times.searchsorted(passed[0])
@@ -234,7 +205,7 @@ class Together:
         # of those that end here, the work up to the end
         ending = np.flatnonzero(place == len(self.times) - 1)
         of, at = scenario[ending], panel[ending]
-        for k, part in self._parts(flow):
+        for k, part in parts:
             before = np.concatenate([np.zeros((1, len(going))), _sums(flow, part).cumsum(axis=0)])[at, of]
             within = turned.values(r.integral((part * grid.measure[:, :, None])[:, at, of]), x[ending])
             self.works[k, of] += before + within
@@ -242,7 +213,20 @@ class Together:
     def _parts(self, flow: Flow) -> "list[tuple[int, Array]]":
         """Forces of the drive along the travel, and of the loads against it, where there are any; each with its row in ``works``."""
         scene = self.plan.scene
-        return ([(0, flow.driving)] if scene.drive is not None else []) + ([(1, -flow.resisting)] if scene.forces else [])
+        # a prescribed speed has no scenarios
+        parts = [(0, turned.driven(scene.drive, flow))] if isinstance(scene.drive, Drive) else []
+        return parts + ([(1, -flow.resisting)] if scene.forces else [])
+
+    def energy_error(self) -> Array:
+        """(S,) of those that are not ``alone``, from their states at start and end."""
+        press, count = self.plan.scene.press, len(self.begin)
+        at, speed = np.concatenate([self.angle[[0, -1]], self.speed[[0, -1]]]).reshape(2, 2, count)
+        at, speed = np.where(self.alone, self.first, at), np.where(self.alone, self.begin, speed)
+        motion = carried(press, at.ravel(), speed.ravel())
+        kinetic, potential = (energy.reshape(2, count) for energy in energies(press, motion))
+        driven, taken = np.concatenate([np.zeros((2, 1, count)), self.works[:, None]], axis=1)
+        found: Array = energy_error(kinetic + 0.5 * self.plan.line.inertia * speed**2, potential, driven, taken, np.zeros_like(taken))[-1]
+        return found
 
 
 def _sticks(force: Acting) -> bool:
@@ -268,16 +252,19 @@ def simulate(
     tolerance: float,
     plan: Callable[[Indices], Plan],
     alone: Callable[[int, float | None], Any],
+    allowed: float,
 ) -> Runs:
     """Run S scenarios.
 
     Args:
         speed: (S,) at the start [rad/s]. times: (n,) of the states [s].
         plan: of the scenarios with these indices, as one array. alone: the `Run` of one scenario, with these n states; or up to a time.
+        allowed: energy error from which a scenario is run alone, with finer panels of its own.
     """
     began, count = clock.perf_counter(), len(speed)
     angles, speeds, works = np.empty((len(times), count)), np.empty((len(times), count)), np.zeros((2, count))
     errors: list[SimulationError | None] = [None] * count
+    missing = np.zeros(count)
     left = list(np.flatnonzero(speed == 0))
     for direction in (1, -1):
         ones = np.flatnonzero(np.sign(speed) == direction)
@@ -285,6 +272,8 @@ def simulate(
             some = ones[start : start + AT_ONCE]
             together = Together(plan(some), angle, speed[some], times)
             together.run(tolerance)
+            missing[some] = found = together.energy_error()
+            together.alone |= ~(found <= allowed)
             angles[:, some], speeds[:, some], works[:, some] = together.angle, together.speed, together.works
             left += list(some[together.alone])
     for k in map(int, left):
@@ -292,29 +281,32 @@ def simulate(
             run = alone(k, None)
         except SimulationError as error:
             errors[k] = error
-            angles[:, k], speeds[:, k], works[:, k] = _up_to(error, angle, speed[k], times, partial(alone, k))
+            angles[:, k], speeds[:, k], works[:, k], missing[k] = _up_to(error, angle, speed[k], times, partial(alone, k))
             continue
         angles[:, k], speeds[:, k], works[:, k] = run.crank_angle, run.crank_speed, (run.drive_work[-1], run.load_work[-1])
-    for array in (angles, speeds, works):
+        missing[k] = run.stats.energy_error
+    for array in (angles, speeds, works, missing):
         array.setflags(write=False)
     took = clock.perf_counter() - began
-    return Runs(times, angles, speeds, works[0], works[1], tuple(errors), took, lambda k: alone(k, None), plan(np.arange(1)))
+    return Runs(times, angles, speeds, works[0], works[1], missing, tuple(errors), took, lambda k: alone(k, None), plan(np.arange(1)))
 
 
 def _up_to(
     error: SimulationError, angle: float, speed: float, times: Array, alone: Callable[[float], Any]
-) -> tuple[Array, Array, tuple[float, float]]:
-    """Angles and speeds (n,) of a scenario that stalls, at rest from there on, and the works of its drive and loads up to there."""
+) -> tuple[Array, Array, tuple[float, float], float]:
+    """Angles and speeds (n,) of a scenario that stalls, at rest from there on, the works of its drive and loads and the energy error up to
+    there."""
     end = 0.0 if error.time is None else error.time * (1 - 1e-9)
     stopped = angle if error.crank_angle is None else error.crank_angle
     angles, speeds, works = np.full(len(times), stopped), np.zeros(len(times)), (0.0, 0.0)
+    missing = 0.0
     before = times < end
     if before.any():
         try:
             run = alone(end)
         except SimulationError:  # it does not even get there: at rest from the start
-            return np.full(len(times), angle), speeds, works
+            return np.full(len(times), angle), speeds, works, missing
         reading = run.path.read(times[before])
         angles[before], speeds[before] = reading.position[0], reading.speed[0]
-        works = (float(run.drive_work[-1]), float(run.load_work[-1]))
-    return angles, speeds, works
+        works, missing = (float(run.drive_work[-1]), float(run.load_work[-1])), run.stats.energy_error
+    return angles, speeds, works, missing

@@ -1,9 +1,10 @@
 """The servo motor and its motion program."""
 
 from bisect import bisect_right
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from typing import ClassVar
 
 import numpy as np
 
@@ -25,6 +26,8 @@ class ServoMotor(Plain):
         stiffness: [N m/rad]. damping: [N m s/rad]. peak_torque: [N m]. inertia: of the rotor [kg m2], or (S,).
         rated_torque: bearable without end [N m]; None: not known.
     """
+
+    per_scenario: ClassVar[Mapping[str, int]] = {"inertia": 0}
 
     times: Sequence[float] | Array
     angles: Sequence[float] | Array

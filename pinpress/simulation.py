@@ -25,7 +25,8 @@ from .linkage import Linkage
 from .methods import Plan
 from .panels import Indices
 from .path import LEDGERS
-from .run import LOOSE, UNBALANCED, Run, UnbalancedError, as_run, count_of
+from .run import Run, allowed_error, as_run, count_of
+from .scenario_fields import pick
 from .scenarios import Runs
 from .single_numbers import number
 from .turned import State
@@ -97,14 +98,16 @@ def simulate(
         tolerance: of the error of a step, beside 1 rad and the speeds of the crank.
         progress: called with the time reached [s], now and then; not for arrays of scenarios.
 
-    Scenarios at once: ``speed`` and the parameters of drive, flywheel and loads that allow it may be arrays (S,); `Runs` come back.
+    Scenarios at once: ``speed`` and the parameters of drive, flywheel and loads that their classes declare ``per_scenario`` may be arrays
+    (S,); `Runs` come back.
 
     A linkage with several drivers takes method="constraint", (drivers,) of ``speed`` and ``angle``, and drives (of torque by speed alone)
     and flywheels by the names of the drivers' joints.
 
     Raises:
         PinpressError: an argument that makes no sense.
-        SimulationError: the press stalls, runs against a lock, or has no inertia: the error says when and where.
+        SimulationError: the press stalls, runs against a lock, or has no inertia, or the energy does not balance: the error says when and
+            where.
     """
     began = clock.perf_counter()
     if not isinstance(press, Linkage):
@@ -149,15 +152,8 @@ def simulate(
             path = methods.by_crank(plan, state, until, tolerance, fixed, progress)
         else:
             path = methods.by_joints(plan, angles, speeds, until, tolerance, fixed, progress)
-        allowed = None if fixed is not None else max(UNBALANCED, LOOSE * tolerance)
-        try:
-            return as_run(plan, path, method, until, points, began, allowed)
-        except UnbalancedError:
-            if method != "reduced" or isinstance(plan.scene.drive, PrescribedSpeed) or plan.timed:
-                raise
-            # a drive that changes sharply where it does not say so: not for a solution of a whole period at once
-            path = methods.by_crank(plan, state, until, tolerance, fixed, progress, by_angle=False)
-            return as_run(plan, path, method, until, points, began, allowed)
+        allowed = None if fixed is not None else allowed_error(tolerance)
+        return as_run(plan, path, method, until, points, began, allowed)
 
 
 def _scenarios(
@@ -186,14 +182,14 @@ def _scenarios(
     times.setflags(write=False)
 
     def alone(k: int, end: float | None) -> Run:
-        parts = [scenarios.pick(item, k) for item in (drive, flywheel, *loads)]
+        parts = [pick(item, k) for item in (drive, flywheel, *loads)]
         lasting, states = (until, len(times)) if end is None else (end, 2)
         run = simulate(press, lasting, float(speeds[k]), start, parts[0], parts[1], parts[2:], points=states, tolerance=tolerance)
         assert isinstance(run, Run)
         return run
 
     def plan(some: Indices) -> Plan:
-        parts = [scenarios.pick(item, some) for item in (drive, flywheel, *loads)]
+        parts = [pick(item, some) for item in (drive, flywheel, *loads)]
         return of_one(press, parts[0], parts[1], parts[2:], None, None)
 
     if step is not None:
@@ -202,7 +198,7 @@ def _scenarios(
         raise PinpressError("a drive that prescribes the speed has one scenario: leave the arrays out")
     _refuse_long(speeds, until, start)
     with np.errstate(all="ignore"):
-        return scenarios.simulate(speeds, start, times, 0.1 * tolerance, plan, alone)
+        return scenarios.simulate(speeds, start, times, 0.1 * tolerance, plan, alone, allowed_error(tolerance))
 
 
 def _refuse_long(speeds: Array, until: float, angle: float) -> None:

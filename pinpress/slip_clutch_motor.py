@@ -1,8 +1,10 @@
 """The motor with electromagnetic slip clutch and speed control of Zhang 2007."""
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
+from typing import ClassVar
 
 from .drive import Plain, Values, between
 from .drive_checks import check
@@ -34,6 +36,8 @@ class SlipClutchMotor(Plain):
             state, zero at the start: switched on.
         inertia: of the driven half [kg m2], or (S,).
     """
+
+    per_scenario: ClassVar[Mapping[str, int]] = {"inertia": 0}
 
     rated_torque: float
     primary_speed: float

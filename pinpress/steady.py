@@ -18,7 +18,7 @@ from .forces import Load
 from .linkage import Linkage
 from .methods import Plan
 from .path import LEDGERS, Path
-from .run import LOOSE, UNBALANCED, Run, as_run
+from .run import Run, allowed_error, as_run
 from .simulation import of_one, tolerated
 from .single_numbers import number
 from .turned import State
@@ -72,7 +72,7 @@ def steady_state(
         path = None if plan.timed else _over_angle(plan, start, guess, tolerance)
         if path is None:
             path = _over_time(plan, start, guess, tolerance)
-        return as_run(plan, path, "reduced", path.segments[-1].end, points, began, max(UNBALANCED, LOOSE * tolerance))
+        return as_run(plan, path, "reduced", path.segments[-1].end, points, began, allowed_error(tolerance))
 
 
 def _over_angle(plan: Plan, angle: float, speed: float, tolerance: float) -> Path | None:

@@ -8,7 +8,7 @@ import numpy as np
 
 from . import panels
 from .coordinates import Array
-from .drives import PrescribedSpeed
+from .drives import Drive, PrescribedSpeed
 from .over_angle import Flow
 from .panels import Grid, Indices
 from .path import LEDGERS, Reading
@@ -118,10 +118,9 @@ def turned(scene: Scene, table: Table, flow: Flow, count: int, begin: State) -> 
         motor = flow.driving[:, :count, 0]
     else:
         motor = np.asarray(scene.drive.motor_torque(g.direction * speed))
-    # once more at the speeds that came out of it: so the energy balance tells whether these are right
     driving = flow.driving[:, :count, 0]
     if scene.drive is not None and not isinstance(scene.drive, PrescribedSpeed):
-        driving = g.direction * scene.drive.torque(g.direction * speed) + np.zeros_like(speed)
+        driving = driven(scene.drive, flow)[:, :count, 0]
     rates = [driving, -flow.resisting[:, :count, 0], motor * motor / speed]
     summed = np.array([r.integral(rate * measure) for rate in rates])
     return Turned(
@@ -137,6 +136,13 @@ def turned(scene: Scene, table: Table, flow: Flow, count: int, begin: State) -> 
         final_speed=g.direction * math.sqrt(2 * max(0.0, float(flow.ends[count, 0])) / (float(g.inertia_ends[count]) + scene.inertia)),
         evaluations=flow.evaluations,
     )
+
+
+def driven(drive: Drive, flow: Flow) -> Array:
+    """Torque of a drive along the travel (q, p, S), once more at the speeds that came out of it: so the energy balance tells whether these
+    are right."""
+    g = flow.grid
+    return np.asarray(g.direction * drive.torque(g.direction * flow.speed) + np.zeros_like(flow.speed))
 
 
 @dataclass(frozen=True, eq=False, repr=False)

@@ -20,9 +20,11 @@ SMALL = 1e-2  # swings shorter than this are followed over time: their forces ar
 REST = 0.2  # angle before a stop that is run through over its square root [rad]
 NOTHING = 3e-11  # force on a crank at rest, beside the range of the potential energy a radian, that is none
 LITTLE = 1e-7  # kinetic energy, beside the range of the potential one, from which a start is followed over time
+USED_UP = 1e-9  # kinetic energy left at a stop, beside the largest on the way there, that is none
 MOST_PERIODS = 200_000  # in one run; each takes some memory
 MOST_CUTS = 40  # rounds of cutting panels
 MOST_KEPT = 150  # panels more than the table's, that are taken over into the next period
+NO_CUTS = np.zeros(0)
 
 
 def too_long(time: float, angle: float) -> SimulationError:
@@ -149,25 +151,35 @@ def _period(
         flow = over_angle.flow(scene, grid, energy, guess)
         if from_rest and not flow.held:
             return None
+        if to_rest and not _comes_to_rest(flow):
+            return None
         count, stopping = _before_stop(flow, state.time, until)
-        ends = grid.borders
-        if stopping and flow.held and not to_rest:
+        ends, stops = grid.borders, stopping and flow.held and not to_rest
+        if count == 0 and not stops:
+            return None
+        cuts = resolution.unresolved(flow, count, tolerance, corners) if count else NO_CUTS
+        if len(cuts):
+            ends = np.sort(np.concatenate([ends, cuts]))
+        elif stops:  # where it stops is known from panels that are right, and not before
             ends = _with_rest(flow, count, ends, panels.on_the_way(table, edges, anchor, direction), from_rest)
             to_rest = True
             if ends[-1] < SMALL:
                 return None
-        elif count == 0:
-            return None
         else:
-            cuts = resolution.unresolved(flow, count, tolerance, corners)
-            if not len(cuts):
-                return flow, count
-            ends = np.sort(np.concatenate([ends, cuts]))
+            return flow, count
         grid = panels.grid(scene, table, anchor, direction, ends, (from_rest, to_rest))
         guess = resolution.carried(flow, grid)
     # what still is not resolved: there the crank all but stops, or the drive switches again and again
+    if to_rest or not len(cuts):
+        return None
     right = int(grid.borders.searchsorted(cuts.min())) - 1
-    return (flow, right) if right > 0 and not to_rest else None
+    return (flow, right) if right > 0 else None
+
+
+def _comes_to_rest(flow: Flow) -> bool:
+    """Whether a crank that is to rest at the end of its panels does so: no force depends on its speed, and all the energy is used up."""
+    left = float(flow.ends[0, 0] + (rule().weights @ (flow.force[:, :, 0] * flow.grid.measure)).sum())
+    return flow.held and abs(left) <= USED_UP * float(flow.ends.max())
 
 
 def _before_stop(flow: Flow, time: float, until: float) -> tuple[int, bool]:

@@ -4,7 +4,9 @@ Bounds: a run keeps each step's error near 1e-11 of its sizes; all scenarios sha
 and its own run differ by rounding and that. 1e-9 rad is a hundred times as much.
 """
 
+import dataclasses
 import math
+from typing import ClassVar
 
 import crank_slide_equation as equation
 import numpy as np
@@ -15,7 +17,7 @@ from hypothesis import strategies as st
 from time_limit import _limit, within  # noqa: F401 (a fixture)
 
 import pinpress as pp
-from pinpress import drives, loads
+from pinpress import drives, loads, over_angle
 
 RPM = pp.RPM
 WHEEL = pp.Flywheel(136.0)  # Zhang 2007, 4.3
@@ -512,3 +514,115 @@ def test_arrays_that_are_no_scenarios(press):
     assert isinstance(pp.simulate(press, 0.1, speed=28.0, flywheel=WHEEL, drive=motor, loads=[table]), pp.Run)
     runs = pp.simulate(press, 0.1, speed=[28.0, 29.0], flywheel=WHEEL, drive=motor, loads=[table, spring])
     assert len(runs) == 2
+
+
+# ------------------------------------------------------------------------------------------------- what a caller's own class declares
+
+
+@dataclasses.dataclass(frozen=True)
+class Curve:
+    """A caller's own drive: torque over the crank's speed, straight between points."""
+
+    speeds: np.ndarray
+    torques: np.ndarray
+    inertia: float = 0.0
+    state: tuple = ()
+    timed: bool = False
+    rated_torque: float | None = None
+
+    @property
+    def corners(self):
+        return tuple(self.speeds)
+
+    def torque(self, speed, angle=0.0, time=0.0, state=()):
+        return np.interp(speed, self.speeds, self.torques)
+
+    motor_torque = torque
+
+    def rates(self, speed, angle=0.0, time=0.0, state=()):
+        return ()
+
+    def motor_speed(self, speed):
+        return speed
+
+
+class Scaled(Curve):
+    """The same with a gain, one for each scenario."""
+
+    per_scenario: ClassVar = {"inertia": 0}
+
+    def torque(self, speed, angle=0.0, time=0.0, state=()):
+        return np.interp(speed, self.speeds, self.torques) * (1.0 + 0.01 * self.inertia)
+
+    motor_torque = torque
+
+
+POINTS = np.array([0.0, 10.0, 20.0, 28.0, 31.0, 40.0])
+TORQUES = np.array([900.0, 950.0, 1000.0, 900.0, 500.0, -500.0])
+
+
+def test_a_torque_curve_of_six_points_is_one_drive(press):
+    """What an array means is what its class says, never its shape."""
+    run = pp.simulate(press, 0.3, **blanked(press, drive=Curve(POINTS, TORQUES)))
+    assert isinstance(run, pp.Run)
+    expected = pp.simulate(press, 0.3, **blanked(press, drive=Curve(tuple(POINTS), tuple(TORQUES))))
+    np.testing.assert_array_equal(run.crank_angle, expected.crank_angle)
+    assert isinstance(pp.steady_state(press, 30.0, Curve(POINTS, TORQUES), WHEEL, [loads.Blanking(1e5, 0.010, 0.005)]), pp.Run)
+
+
+def test_a_drive_that_declares_its_scenarios(press):
+    build = lambda j: blanked(None, drive=drives.Geared(Scaled(POINTS, TORQUES, j), 1.2))  # noqa: E731
+    runs = alike(press, 0.3, build, {"j": [0.0, 5.0, 50.0]})
+    assert np.ptp(runs.drive_work) > 10.0
+
+
+@pytest.mark.parametrize(
+    ("declared", "field", "message"),
+    [
+        ({"gain": 0}, 0.0, r"per_scenario is \{'gain': 0\}"),
+        ("inertia", 0.0, "per_scenario is 'inertia'"),
+        ({"inertia": -1}, 0.0, "per_scenario is"),
+        ({"inertia": 0}, np.ones((2, 2)), r"inertia has shape \(2, 2\)"),
+        ({"inertia": 1}, 0.0, r"inertia has shape \(\)"),
+    ],
+)
+def test_declarations_that_make_no_sense(press, declared, field, message):
+    drive = type("Odd", (Curve,), {"per_scenario": declared})(POINTS, TORQUES, field)
+    with pytest.raises(pp.PinpressError, match=message):
+        pp.simulate(press, 0.1, **blanked(press, drive=drive))
+
+
+def test_only_a_dataclass_declares_scenarios(press):
+    class Plain:
+        per_scenario: ClassVar = {"datum": 0}
+        datum = None
+
+        def stretches(self, downwards):
+            return ()
+
+    with pytest.raises(pp.PinpressError, match="Plain: per_scenario is for dataclasses"):
+        pp.simulate(press, 0.1, **blanked(press, loads=[Plain()]))
+
+
+# ---------------------------------------------------------------------------------------------------------------------- energy audit
+
+
+def test_every_scenario_keeps_its_energy(press):
+    """Of those solved together, and of those that stall, which run alone, up to there."""
+    options = {"flywheel": pp.Flywheel(50.0), "drive": pp.ConstantTorque(np.array([300.0, 200.0, -300.0])), "loads": [BLANK]}
+    runs = pp.simulate(press, 1.8, speed=[10.0, 31.0, 4.0], **options)
+    assert [error is None for error in runs.errors] == [False, True, False]
+    assert runs.energy_error.shape == (3,)
+    assert np.all((runs.energy_error > 0) & (runs.energy_error < 1e-9))
+
+
+def test_a_scenario_whose_energy_does_not_balance_is_refused(press, monkeypatch):
+    """Newton's method given up too early: torques that belong to other speeds, in one scenario much, in one a little. Alone they fare no
+    better."""
+    drive = drives.Geared(drives.InductionMotor(np.array([1e4, 3e4]), 1465 * RPM, inertia=0.1), 5.0)
+    monkeypatch.setattr(over_angle, "SETTLED", 1.0)
+    runs = pp.simulate(press, 0.5, **blanked(press, speed=10.0, drive=drive, loads=[]))
+    assert runs.errors[0] is None
+    assert 1e-8 < runs.energy_error[0] < 1e-6
+    assert "energy does not balance" in str(runs.errors[1])
+    assert runs.errors[1].time is not None

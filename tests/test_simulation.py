@@ -551,6 +551,18 @@ def test_a_drive_that_turns_backwards(press, method):
     np.testing.assert_allclose(runs[1].drive_work, runs[0].drive_work, rtol=0, atol=1e-3)
 
 
+def test_swings_through_both_limits_of_a_drive():
+    """A crank that swings through the corners of an inverter's torque: where it stops is known only once these are. One integration, whose
+    progress goes forward, and the motion that the other method finds."""
+    press, told = texts.shipped("crank_slide"), []
+    motor = drives.Geared(drives.InverterMotor(0.0147, 1440 * pp.RPM, 50.0), 72.455)
+    options = {"speed": -2.07, "angle": 7.3377, "flywheel": pp.Flywheel(1.846), "drive": motor, "points": 31}
+    run, other = pp.simulate(press, 1.147, progress=told.append, **options), pp.simulate(press, 1.147, method="constraint", **options)
+    assert told == sorted(told)
+    assert run.stats.energy_error < 1e-9
+    np.testing.assert_allclose(run.crank_angle, other.crank_angle, rtol=0, atol=1e-8)
+
+
 @pytest.mark.parametrize("speed", [W0, -20.0])
 def test_a_prescribed_speed(press, speed):
     """The torque that it takes, in closed form, whatever the flywheel; for the drive's work the slide's is added to what is stored."""
