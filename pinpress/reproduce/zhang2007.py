@@ -36,7 +36,8 @@ def page() -> Page:
         "Zhang X. 2007, master thesis, Southeast University, Nanjing (in Chinese): vibration measurements, balancing arrangements,"
         " equations of motion and ADAMS models of a 1250 kN press at 300 strokes/min. `jf75g_125_plain`, `jf75g_125` and"
         " `jf75g_125_symmetric`. The thesis prints no lengths; ours are inferred, with reasons in these files, so that what depends on"
-        " them can agree only as far as they do. Gravity 9.80665 m/s2. Written by `python -m pinpress.reproduce zhang2007`.",
+        " them can agree only as far as they do. We read the thesis in a transcription: what may be its mistake is marked `as our text"
+        " reads`. Gravity 9.80665 m/s2. Written by `python -m pinpress.reproduce zhang2007`.",
         (
             Entry(figures(1, 1, 4), "presses of others", NO_RESULT),
             Entry(figures(2, 1, 6), "photograph, scheme, CAD model, instruments, measuring points", NO_RESULT),
@@ -145,7 +146,7 @@ def _complete(plain: Linkage, before: Reactions) -> Entry:
     on_rod = (main.rod_mass * h2 + main.slide_mass * main.rod_length) / ROD_RADIUS
     at_pin = on_rod + main.rod_mass + main.slide_mass
     right = (at_pin * main.crank_radius + main.crank_mass * h1) / RADIUS
-    wrong = (main.rod_mass * main.crank_radius + main.crank_mass * h1) / RADIUS  # as printed
+    wrong = (main.rod_mass * main.crank_radius + main.crank_mass * h1) / RADIUS  # as our text reads
     rod, crank = arrangements.complete_balance(plain, ROD_RADIUS, RADIUS)
     peak = float(np.ptp(before.shaking_force[:, 2]))
 
@@ -155,14 +156,14 @@ def _complete(plain: Linkage, before: Reactions) -> Entry:
     rows = (
         Row("m'' on the rod [kg]", f"{on_rod:.3f}", rod.mass, 1e-3, None, FORMULA),
         Row("m' on the crank, corrected [kg]", f"{right:.3f}", crank.mass, 1e-3, None, FORMULA),
-        Row("m' on the crank, as printed [kg]", "", wrong, places=3),
+        Row("m' on the crank, as our text reads [kg]", "", wrong, places=3),
         Row("range of the vertical shaking force without balancing [N]", "", peak, places=0),
         Row("with both, m' corrected [N]", "0", left((rod, crank)), 0, None, FORMULA),
-        Row("with both, m' as printed [N]", "", left((rod, Counterweight("crank", wrong, crank.position))), places=0),
+        Row("with both, m' as our text reads [N]", "", left((rod, Counterweight("crank", wrong, crank.position))), places=0),
     )
     reason = (
-        "The thesis has formulas without an example. Ours: counterweights at 0.30 m on the rod and 0.15 m on the crank. The printed m' has"
-        " the rod's mass m2 where m_B belongs, all that hangs on the crank pin, and nearly doubles the force."
+        "The thesis has formulas without an example. Ours: counterweights at 0.30 m on the rod and 0.15 m on the crank. As our text"
+        " reads, m' has the rod's mass m2 where m_B belongs, all that hangs on the crank pin, and nearly doubles the force."
     )
     return Entry(("Fig. 3-4",), "complete balancing", FORMULAS, rows, reason)
 
@@ -224,7 +225,8 @@ def _guides(plain: Linkage, before: Reactions) -> Entry:
     guide = float(np.abs(before.bearing_force["slide_guide"][:, 0]).max())
     wrong = (Row("peak of X4, the force in the slide's guide, by (3.5.24) [N]", f"{simple:.0f}", guide, None, None, FORMULA),)
     why = (
-        "A constant crank speed does not make the rod's angular acceleration zero, as (3.5.20)-(3.5.25) have it; X4 is more than gravity's."
+        "At constant crank speed, (3.5.20)-(3.5.25) take the angular accelerations of the rods and the accelerations of their mass centres"
+        " for zero, which they are not, and turn the sign that gravity has in (3.5.3) and (3.5.6). What is left of X4 is gravity's alone."
     )
     return Entry(("Fig. 3-7 (captioned 4-6)",), "forces of the opposed arrangement", NOT, wrong, why)
 

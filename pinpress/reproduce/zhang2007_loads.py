@@ -1,5 +1,6 @@
 """Zhang 2007, 5.7: load laws, ADAMS' STEP, and the press under piling, blanking and drawing."""
 
+import math
 from collections.abc import Callable
 from typing import TYPE_CHECKING
 
@@ -22,7 +23,7 @@ if TYPE_CHECKING:
 
 NOMINAL = 1250e3  # [N]
 ALLEGED = 1250.0  # what stands in the thesis' load functions, whose unit in ADAMS is the newton [N]
-START_HEIGHT, BREAK_HEIGHT = 0.010, 0.005  # slide heights at which its windows in time open and close [m]
+START_HEIGHT, BREAK_HEIGHT = 0.010, 0.005  # slide heights at 0.1616 and 0.1738 s, the window of its text [m]
 SOLVER, FORMULA = "independent solver", "formula"
 # Crank speed [rad/s] where the punch meets the sheet in the first stroke and where its force ends, of a solver without pinpress; work W [J]
 BLANKING, DRAWING = ("31.9220326706", "31.1117998356"), ("31.9220326706", "30.3740590987")
@@ -133,21 +134,38 @@ _WHY = {
     "piling": f"{_NOMINAL} Its pulses at 0.1 s assume bottom dead centre there, the windows of blanking at 0.2 s: one model cannot"
     " satisfy both.",
     "blanking": (
-        f"{_NOMINAL} The window closes at 0.1838 s, but bottom dead centre and break-through belong to 0.1738 s, where a quarter sine"
-        f" ends with"
-        " pi / 0.0244. Windows in time miss the stroke when the press changes its speed: ours go with the slide's height."
+        f"{_NOMINAL} The window can be read in two ways. The text lets the force act from 0.1616 to 0.1738 s. The load function ends it at"
+        " 0.1838 s and has pi / 0.0488; its sine is 0.990 there, against 0.707 at 0.1738 s, so these two fit each other. We take the"
+        " text's window, because a sheet of 5 mm then begins and ends at round heights, and because 0.0488 is four times its 0.0122 s,"
+        " where a quarter sine needs twice. The inferred crank radius of 15 mm rests on this choice. Windows in time miss the stroke when"
+        " the press changes its speed: ours go with the slide's height."
     ),
     "drawing": f"{_NOMINAL} With pi / 0.0244 the force turns negative after 0.186 s; a half sine up to 0.2 s has pi / 0.0384.",
 }
 
 
 def _windows(press: Linkage) -> tuple[Row, ...]:
-    """When the slide passes 10 and 5 mm at constant speed: how the crank radius of 15 mm was inferred."""
+    """Both readings of the window of 5.7.4: what the sine is at its end, and the crank radius that follows from a sheet of 5 mm."""
     turn = cycle(press, SPEED, 7200)
     heights, down = turn.slide_position - turn.slide_position[0], turn.slide_velocity < 0
     when = [float(np.interp(-height, -heights[down], turn.time[down])) for height in (START_HEIGHT, BREAK_HEIGHT)]
     names = ("slide at 10 mm, from which the crank radius is inferred [s]", "slide at 5 mm, likewise [s]")
-    return tuple(Row(name, theirs, ours) for name, theirs, ours in zip(names, ("0.1616", "0.1738"), when, strict=True))
+    rows = [Row(name, theirs, ours) for name, theirs, ours in zip(names, ("0.1616", "0.1738"), when, strict=True)]
+    for end in (0.1738, 0.1838):
+        first, last = np.interp((0.1616, end), turn.time, heights).tolist()
+        scale = (START_HEIGHT - BREAK_HEIGHT) / (first - last)  # lengths of a press whose slide moves 5 mm from 0.1616 s to the end
+        rows += [
+            Row(
+                f"window to {end} s: sine at its end, with pi / 0.0488",
+                "",
+                math.sin((end - 0.1616) * math.pi / 0.0488),
+                places=3,
+            ),
+            Row(f"window to {end} s: crank radius, rod twenty times as long [mm]", "", 1e3 * 0.015 * scale, places=2),
+            Row(f"window to {end} s: height at which it begins [mm]", "", 1e3 * first * scale, places=2),
+            Row(f"window to {end} s: height at which it ends [mm]", "", 1e3 * last * scale, places=2),
+        ]
+    return tuple(rows)
 
 
 def _stroke(press: Linkage, name: str, lower: float, speeds: tuple[str, str]) -> tuple[Row, ...]:
