@@ -8,6 +8,7 @@ from functools import cached_property
 from . import balance_tables, tables
 from .balance_measures import Measure, Target
 from .counterweights import Counterweight
+from .frozen import Frozen
 from .inertia_responses import Case
 from .linkage import Linkage
 from .reactions import Reactions
@@ -42,7 +43,7 @@ class Active:
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Balance:
+class Balance(Frozen):
     """A balanced press.
 
     Attributes:

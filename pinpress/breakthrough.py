@@ -23,6 +23,7 @@ from numpy.typing import ArrayLike
 from . import tables
 from .coordinates import Array
 from .errors import PinpressError
+from .frozen import Frozen
 from .single_numbers import number, positive
 from .snap_stretches import STEPS, Release, stretches, turning
 
@@ -34,7 +35,7 @@ LONGEST = 1e3  # periods that a break-through may take
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class SnapThrough:
+class SnapThrough(Frozen):
     """Response of the slide and the sprung press to break-through. All arrays are read-only.
 
     Attributes:

@@ -7,11 +7,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .errors import PinpressError, UnknownNameError
+from .frozen import Frozen
 
 T = TypeVar("T", bound=np.generic)
 
 
-class ByBearing(Mapping[str, NDArray[T]]):
+class ByBearing(Frozen, Mapping[str, NDArray[T]]):
     """Read-only mapping from the names of joints and loops to arrays; an unknown name is a `PinpressError` that lists the known ones, one
     that was left out is a `PinpressError` that says so, with ``get`` too."""
 

@@ -3,9 +3,9 @@
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from types import MappingProxyType
 
 from .errors import PinpressError, UnknownNameError
+from .frozen import Frozen, FrozenMapping
 from .linkage import Linkage
 from .single_numbers import positive
 
@@ -22,7 +22,7 @@ UNITS = {
 
 
 @dataclass(frozen=True)
-class Capacities:
+class Capacities(Frozen):
     """Capacities of a press; what is None, or no bearing here, limits nothing.
 
     Attributes:
@@ -46,7 +46,7 @@ class Capacities:
     nominal_force: float
     nominal_height: float | None = None
     torque: float | None = None
-    bearings: Mapping[str, float] = field(default_factory=lambda: MappingProxyType({}))
+    bearings: Mapping[str, float] = field(default_factory=lambda: FrozenMapping({}))
     flywheel_inertia: float | None = None
     speed_drop: float | None = None
     motor_power: float | None = None
@@ -61,7 +61,7 @@ class Capacities:
         if not isinstance(self.bearings, Mapping):
             raise PinpressError(f"bearings is {self.bearings!r}: give a mapping of names to forces [N], e.g. {{'A': 2e6}}")
         known = {name: positive(f"the capacity of bearing {name!r}", value, "N") for name, value in self.bearings.items()}
-        object.__setattr__(self, "bearings", MappingProxyType(known))
+        object.__setattr__(self, "bearings", FrozenMapping(known))
         if self.torque is not None and self.nominal_height is not None:
             raise PinpressError("torque and nominal_height both state the torque capacity: leave one out")
         if (self.flywheel_inertia is None) != (self.speed_drop is None):

@@ -10,7 +10,6 @@ import os
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from types import MappingProxyType
 
 import numpy as np
 import pinocchio as pin
@@ -22,6 +21,7 @@ from .dead_centres import dead_centres
 from .elastic_elements import Part, Stiffness, internal_forces, parts, sharing
 from .errors import PinpressError
 from .forces import Load, PointForce
+from .frozen import Frozen, FrozenMapping
 from .linkage import Linkage
 from .motion import Motion, cycle
 from .poses import link_of
@@ -35,7 +35,7 @@ SOFT = 1e9  # stiffness of a bearing without one, to share forces otherwise [N/m
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Elasticity:
+class Elasticity(Frozen):
     """Compliance of a press at its slide, over n crank angles. All arrays are read-only.
 
     Attributes:
@@ -127,9 +127,9 @@ def elasticity(press: Linkage, stiffness: Stiffness, angle: ArrayLike | None = N
         slide_position=motion.slide_position,
         height=arrays[0],
         compliance=total,
-        parts=MappingProxyType(shares),
+        parts=FrozenMapping(shares),
         bottom_stiffness=1 / at_bottom,
-        bottom_shares=MappingProxyType({name: share / at_bottom for name, share in bottom.items()}),
+        bottom_shares=FrozenMapping({name: share / at_bottom for name, share in bottom.items()}),
         _held=held,
     )
 

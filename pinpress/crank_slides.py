@@ -13,6 +13,7 @@ import numpy as np
 from .coordinates import Array
 from .counterweights import Counterweight
 from .errors import PinpressError
+from .frozen import Frozen
 from .linkage import Linkage
 from .plane import Plane, flat, in_space
 from .poses import link_of, poses
@@ -25,7 +26,7 @@ SMALLEST_TERM = 1e-18  # of that series, beside its first
 
 
 @dataclass(frozen=True, eq=False)
-class CrankSlide:
+class CrankSlide(Frozen):
     """A centred crank-slide: lengths, masses and centres of mass as its balancing needs them.
 
     Attributes:

@@ -8,10 +8,10 @@ than a microsecond.
 from collections.abc import Callable
 from typing import Any, Generic, TypeVar, overload
 
-import numpy as np
 import pinocchio as pin
 
 from .errors import PinpressError
+from .frozen import read_only
 
 _MODEL, _AS_BUILT = "model", "_as_built"  # in the linkage's __dict__
 
@@ -70,16 +70,3 @@ def refuse_changed(press: object) -> None:
             f"the model of {kept['name']} was changed in place, after it was loaded: change a copy, model = press.model.copy(), and make a"
             " changed press of it, dataclasses.replace(press, model=model)"
         )
-
-
-def read_only(value: T) -> T:
-    """The same value, its arrays read-only."""
-    if isinstance(value, np.ndarray):
-        value.setflags(write=False)
-    elif isinstance(value, tuple):
-        for part in value:
-            read_only(part)
-    elif hasattr(value, "__dataclass_fields__"):
-        for part in vars(value).values():
-            read_only(part)
-    return value

@@ -14,6 +14,7 @@ import pinocchio as pin
 
 from .coordinates import Array
 from .errors import PinpressError, UnknownNameError
+from .frozen import Frozen
 from .linkage import Linkage
 from .motion import Motion
 from .poses import bearing_points, loaded_bodies, poses
@@ -49,7 +50,7 @@ class Rod:
 
 
 @dataclass(frozen=True, eq=False)
-class Stiffness:
+class Stiffness(Frozen):
     """What yields in a press; all that is not named is rigid, gear pairs are. `stiffness` of `inverse_dynamics` means the same bearings.
 
     Attributes:

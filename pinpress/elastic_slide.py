@@ -11,7 +11,6 @@ that of weight and other constant forces.
 import os
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from types import MappingProxyType
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -23,6 +22,7 @@ from .dead_centres import dead_centres
 from .elastic_elements import Stiffness
 from .errors import PinpressError, expect
 from .forces import Load, PointForce, SpringDamper
+from .frozen import Frozen, FrozenMapping
 from .linkage import Linkage
 from .motion import RPM, Motion, cycle
 
@@ -32,7 +32,7 @@ UNRESOLVED = 1e-9  # of a polynomial's largest coefficient: what its last ones m
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class SlideDeflection:
+class SlideDeflection(Frozen):
     """Elastic deflection of the slide over a motion of n states. All arrays are read-only.
 
     Attributes:
@@ -71,7 +71,7 @@ class SlideDeflection:
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class DeadCentreShift:
+class DeadCentreShift(Frozen):
     """Bottom dead centre of an elastic press over S speeds. Deeper is negative. All arrays are read-only.
 
     Attributes:
@@ -148,7 +148,7 @@ def slide_deflection(press: Linkage, motion: Motion, stiffness: Stiffness, loads
     position = motion.slide_position + deflection
     for array in (deflection, position, *shares.values()):
         array.setflags(write=False)
-    return SlideDeflection(motion, deflection, MappingProxyType(shares), position)
+    return SlideDeflection(motion, deflection, FrozenMapping(shares), position)
 
 
 def dead_centre_shift(

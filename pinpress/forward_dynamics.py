@@ -19,7 +19,7 @@ each time, and where one of them is near zero that should not be, the general wa
 """
 
 import math
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 import pinocchio as pin
@@ -42,7 +42,7 @@ OPENED = 1e-2  # how far joints are moved to see whether rows become independent
 
 
 class ForwardDynamics:
-    """Forward dynamics of one linkage, within one call of the caller: it holds Pinocchio's data and neither copies nor pickles.
+    """Forward dynamics of one linkage, within one call of the caller: it holds Pinocchio's data, which a copy or a pickle makes anew.
 
     States are joint coordinates x (nv,) (see `coordinates`: angles unwrapped [rad], travels [m]) and rates v (nv,) [rad/s, m/s], efforts
     (nv,) act along the joints, positive as v [N m, N]. Arrays are float64 of that shape; this is not checked. Results are fresh arrays.
@@ -59,6 +59,7 @@ class ForwardDynamics:
         # its import takes long; NumPy's own QR has no pivoting, and an overhead of 10 us
         from scipy.linalg import lapack
 
+        self._made_of = press, armature
         self.geqp3, self.orgqr, self.trtrs, self.posv = lapack.dgeqp3, lapack.dorgqr, lapack.dtrtrs, lapack.dposv
 
         general, self.name, self.joints = press.spatial, press.name, press.joints
@@ -103,6 +104,9 @@ class ForwardDynamics:
         mass = pin.crba(self.model, self.data, press.closed)
         self.least = math.sqrt(MASSLESS * float((mass.diagonal() * self.per_unit**2).max()))
         self.quick = None if couplings else self._quick(press.closed, ends, mass)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return ForwardDynamics, self._made_of
 
     def acceleration(self, x: Array, v: Array, efforts: Array) -> Array:
         """Joint accelerations (nv,) of a closed state under efforts (nv,) [rad/s2, m/s2].

@@ -19,6 +19,7 @@ from .frame_modes import undamped
 from .frame_mounts import Frame, Mount, listed_mounts
 from .frame_response import solved
 from .frame_speeds import floor_rms, rising, shaking_rms, spectra
+from .frozen import Frozen
 from .linkage import Linkage
 from .motion import RPM
 from .mounted_press import MountedPress, mounted, with_mounts
@@ -29,7 +30,7 @@ REFINED = 1e-9  # of the stiffness found, relative
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Isolation:
+class Isolation(Frozen):
     """The stiffest mounts that isolate. All arrays are read-only.
 
     Attributes:

@@ -10,13 +10,14 @@ from .coordinates import Array, ComplexArray
 from .drive_checks import numbers
 from .errors import PinpressError, expect
 from .frame_matrices import centre_of
+from .frozen import Frozen
 from .mounted_press import MountedPress
 
 MOTIONS = ("along x", "along y", "along z", "rocking about x", "rocking about y", "twisting about z")
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Modes:
+class Modes(Frozen):
     """Modes of free vibration, n of them in the order of their frequencies. All arrays are read-only.
 
     Attributes:

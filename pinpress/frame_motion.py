@@ -3,20 +3,20 @@
 import os
 from collections.abc import Mapping
 from dataclasses import dataclass
-from types import MappingProxyType
 
 import numpy as np
 
 from . import frame_tables, tables
 from .coordinates import Array
 from .errors import PinpressError, UnknownNameError
+from .frozen import Frozen, FrozenMapping
 from .mounted_press import MountedPress
 
 NOTHING = 1e-9  # of the weight: a shaking force that is rounding
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class FrameMotion:
+class FrameMotion(Frozen):
     """Vibration about the static position at n states. All arrays are read-only.
 
     Attributes:
@@ -65,9 +65,9 @@ class FrameMotion:
             system=system,
             time=_fixed(time),
             period=period,
-            displacement=MappingProxyType(moved[0]),
-            velocity=MappingProxyType(moved[1]),
-            acceleration=MappingProxyType(moved[2]),
+            displacement=FrozenMapping(moved[0]),
+            velocity=FrozenMapping(moved[1]),
+            acceleration=FrozenMapping(moved[2]),
             coordinates=_fixed(motion[0]),
             mount_force=_fixed(mount_force),
             floor_force=_fixed(-mount_force.sum(axis=1)),

@@ -9,13 +9,14 @@ from numpy.typing import ArrayLike
 from .coordinates import Array
 from .drive_checks import numbers, set_field
 from .errors import PinpressError
+from .frozen import Frozen, read_only
 from .rubber_pads import RubberPad
 
 Vector = tuple[float, float, float]
 
 
 @dataclass(frozen=True)
-class Frame:
+class Frame(Frozen):
     """A rigid part of the frame, with all that stands on it and is not in the URDF: motor, flywheel, bolster, lower die.
 
     What the URDF's frame link weighs is counted with the press, and so are the links that move.
@@ -40,6 +41,9 @@ class Frame:
         least, middle, largest = np.linalg.eigvalsh(inertia)
         if least < -1e-9 * largest or largest > (least + middle) * (1 + 1e-9):
             raise PinpressError("Frame: no body has this inertia: each principal moment must be at most the sum of the two others")
+        for field in ("centre", "inertia"):  # a copy, as what a caller keeps is his to change
+            if isinstance(getattr(self, field), np.ndarray):
+                set_field(self, field, read_only(np.array(getattr(self, field))))
 
     @property
     def tensor(self) -> Array:

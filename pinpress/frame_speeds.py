@@ -7,7 +7,6 @@ grows with the speed squared; both are found from two turns, and with them every
 import os
 from collections.abc import Mapping
 from dataclasses import dataclass
-from types import MappingProxyType
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -20,6 +19,7 @@ from .frame_forcing import forcing
 from .frame_matrices import rows_at
 from .frame_motion import NOTHING
 from .frame_response import Points, mount_forces, named_points, resolved, solved
+from .frozen import Frozen, FrozenMapping
 from .linkage import Linkage
 from .motion import RPM, cycle
 from .mounted_press import MountedPress
@@ -31,7 +31,7 @@ AXES = {"x": 0, "y": 1, "z": 2}
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class SpeedResponse:
+class SpeedResponse(Frozen):
     """Steady vibration of an idle press at each of (s,) speeds. All arrays are read-only.
 
     Attributes:
@@ -119,9 +119,9 @@ def over_speeds(system: MountedPress, speeds: ArrayLike, points: Points) -> Spee
     return SpeedResponse(
         press=system.press.name,
         speed=_fixed(speed),
-        rms=MappingProxyType({name: _fixed(_rms(values)) for name, values in acceleration.items()}),
-        peak=MappingProxyType({name: _fixed(_largest(values)) for name, values in acceleration.items()}),
-        displacement=MappingProxyType({name: _fixed(_largest(values)) for name, values in by_point.items()}),
+        rms=FrozenMapping({name: _fixed(_rms(values)) for name, values in acceleration.items()}),
+        peak=FrozenMapping({name: _fixed(_largest(values)) for name, values in acceleration.items()}),
+        displacement=FrozenMapping({name: _fixed(_largest(values)) for name, values in by_point.items()}),
         shaking_force=_fixed(shaking_rms(system, harmonics)),
         floor_force=_fixed(floor_rms(system, frequency, amplitude)),
     )

@@ -1,4 +1,4 @@
-"""What stays read-only however it travels: results and descriptions whose copies and pickles are as frozen as they are."""
+"""Results and descriptions are read-only, and stay so however they travel: copied, pickled, sent home by another process."""
 
 from collections.abc import Iterator, Mapping
 from typing import Any, TypeVar
@@ -7,14 +7,26 @@ import numpy as np
 
 K = TypeVar("K")
 V = TypeVar("V", covariant=True)
+T = TypeVar("T")
 
 
 class Frozen:
-    """Base of frozen dataclasses that hold arrays: NumPy makes those of a deep copy, or of a pickle, writable again."""
+    """Base of frozen dataclasses that hold arrays or mappings, which are read-only as well.
+
+    NumPy makes the arrays of a deep copy, or of a pickle, writable again, and Python the dictionaries.
+    """
+
+    def __post_init__(self) -> None:
+        for name, value in vars(self).items():
+            if isinstance(value, np.ndarray):
+                value.setflags(write=False)
+            elif isinstance(value, dict):
+                vars(self)[name] = FrozenMapping(value)
 
     def __setstate__(self, state: dict[str, Any]) -> None:
-        freeze(state)
         vars(self).update(state)
+        for value in state.values():
+            read_only(value)
 
 
 class FrozenMapping(Frozen, Mapping[K, V]):
@@ -22,7 +34,7 @@ class FrozenMapping(Frozen, Mapping[K, V]):
 
     def __init__(self, items: Mapping[K, V]) -> None:
         self._items = dict(items)
-        freeze(self._items)
+        read_only(self._items)
 
     def __getitem__(self, key: K) -> V:
         return self._items[key]
@@ -37,15 +49,19 @@ class FrozenMapping(Frozen, Mapping[K, V]):
         return repr(self._items)
 
 
-def freeze(value: object) -> None:
-    """Make arrays read-only, those in tuples, lists and dictionaries too."""
+def read_only(value: T) -> T:
+    """The same value, its arrays read-only, those in sequences, dictionaries and dataclasses too."""
     if isinstance(value, np.ndarray):
         value.setflags(write=False)
         if isinstance(value, np.ma.MaskedArray):
             value.harden_mask()
     elif isinstance(value, dict):
-        for inner in value.values():
-            freeze(inner)
+        for part in value.values():
+            read_only(part)
     elif isinstance(value, tuple | list):
-        for inner in value:
-            freeze(inner)
+        for part in value:
+            read_only(part)
+    elif hasattr(value, "__dataclass_fields__"):
+        for part in vars(value).values():
+            read_only(part)
+    return value

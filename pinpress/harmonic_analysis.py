@@ -7,6 +7,7 @@ import numpy as np
 from .coordinates import Array
 from .errors import PinpressError, expect
 from .forces import numbers
+from .frozen import Frozen
 from .motion import Motion
 
 EQUAL = 1e-9  # difference of the steps of the crank angle [rad] that is none
@@ -15,7 +16,7 @@ BESIDE = 3.0  # times the largest error of prediction within the turn that it ma
 
 
 @dataclass(frozen=True, eq=False)
-class Harmonics:
+class Harmonics(Frozen):
     """A force over one turn of the crank as a sum of amplitude cos(order x crank angle + phase) over the orders.
 
     Attributes:

@@ -12,6 +12,7 @@ import pinocchio as pin
 
 from .coordinates import Array
 from .forces import Load, PointForce, place
+from .frozen import Frozen
 from .linkage import Linkage
 from .motion import Motion
 from .plane import Plane, in_space, product
@@ -20,7 +21,7 @@ from .reactions import Reactions, inverse_dynamics
 
 
 @dataclass(frozen=True)
-class Case:
+class Case(Frozen):
     """An operating condition: a motion and the loads on it, as `inverse_dynamics` takes them."""
 
     motion: Motion

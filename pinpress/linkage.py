@@ -16,6 +16,7 @@ from .coordinates import Array
 from .derived import Model, derived
 from .errors import PinpressError
 from .following import SMALLEST_MARGIN
+from .frozen import Frozen
 from .loops import Coupling, LoopJoint
 from .plane import Plane
 from .plane_dynamics import Bodies
@@ -31,7 +32,7 @@ ACCEPTED = 1e3  # times the tolerance of rounding: a loop whose gap is not below
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Linkage:
+class Linkage(Frozen):
     """A closed linkage and its drivers. Made by `load`; read-only, ``model`` too: once it was changed in place, whatever is asked of the
     linkage raises a PinpressError.
 

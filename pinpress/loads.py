@@ -21,6 +21,7 @@ from numpy.typing import ArrayLike
 from .coordinates import Array
 from .drive_checks import set_field
 from .errors import PinpressError
+from .frozen import Frozen
 from .load_checks import check_datum, check_height, check_magnitude, check_scenarios, check_span, checked_numbers, fixed
 from .process_load import ProcessLoad, Stretch, datum
 
@@ -142,7 +143,7 @@ class DeepDrawing:
 
 
 @dataclass(frozen=True, eq=False)
-class ForceStroke:
+class ForceStroke(Frozen):
     """Table of force over height, on the way down: linear between its points, no force beyond them.
 
     Attributes:

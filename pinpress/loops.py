@@ -5,12 +5,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from .coordinates import Array
+from .frozen import Frozen
 
 _HELD = {"spherical": 0, "revolute": 2, "fixed": 3}
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class LoopJoint:
+class LoopJoint(Frozen):
     """A bearing at which a loop was cut. End k is fixed to the body of Pinocchio joint k (0: the frame), in that joint's frame.
 
     Attributes:

@@ -5,6 +5,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, fields
 
 from . import tables
+from .frozen import Frozen
 
 INVERSE_DYNAMICS, SIMULATION, PROXIMAL, TABLE = GROUPS = ("inverse dynamics", "simulation", "proximal settings", "reduced table")
 PROXIMAL_STATES = 24  # of a turn, that proximal settings are measured in
@@ -44,7 +45,7 @@ class Measurement:
 
 
 @dataclass(frozen=True)
-class Accuracy:
+class Accuracy(Frozen):
     """Error against run time of everything that is offered for a press, and of its peers, measured in one run.
 
     Attributes:

@@ -14,6 +14,7 @@ from .closing import closed, followed, refuse_far
 from .closure import Closure
 from .coordinates import Array, ComplexArray, Slot, configuration
 from .errors import PinpressError
+from .frozen import Frozen
 from .linkage import Linkage
 from .single_numbers import numbers, whole_number
 
@@ -25,7 +26,7 @@ KEPT = 1e6  # roundings of time that a step must have, for its length to be know
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Motion:
+class Motion(Frozen):
     """States of a linkage, n of them, closed. All arrays are read-only.
 
     Attributes:

@@ -37,6 +37,7 @@ from .frame_matrices import (
     weight_wrench,
 )
 from .frame_mounts import Frame, Mount, listed_mounts
+from .frozen import Frozen, read_only
 from .linkage import Linkage
 from .motion import cycle
 
@@ -44,7 +45,7 @@ POSES = 180  # of the turn over which the moving mass is averaged: the mean of h
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class MountedPress:
+class MountedPress(Frozen):
     """A press on its mounts; made by `mounted`. All arrays are read-only; n coordinates, 6 a part (see the module).
 
     Attributes:
@@ -129,7 +130,7 @@ class MountedPress:
     @cached_property
     def mount_rows(self) -> Array:
         """(mounts, 3, n) displacement of each mount's point for each coordinate."""
-        return np.array([rows_at(self.parts, 0, np.array(mount.point)) for mount in self.mounts])
+        return read_only(np.array([rows_at(self.parts, 0, np.array(mount.point)) for mount in self.mounts]))
 
 
 def mounted(

@@ -9,11 +9,12 @@ import numpy as np
 from . import tables
 from .coordinates import Array
 from .errors import UnknownNameError
+from .frozen import Frozen
 from .motion import RPM
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class OperatingPoints:
+class OperatingPoints(Frozen):
     """Extremes over a turn at every speed and amplitude of a load. All arrays are read-only.
 
     Attributes:
@@ -29,10 +30,6 @@ class OperatingPoints:
     forces: Array
     results: Mapping[str, Array]
     angles: Mapping[str, Array]
-
-    def __post_init__(self) -> None:
-        for array in (self.speeds, self.forces, *self.results.values(), *self.angles.values()):
-            array.setflags(write=False)
 
     def __repr__(self) -> str:
         return f"<OperatingPoints of {self.linkage}: {len(self.speeds)} speeds, {len(self.forces)} forces>"

@@ -4,7 +4,6 @@ import math
 import os
 from collections.abc import Mapping
 from dataclasses import dataclass
-from types import MappingProxyType
 
 import numpy as np
 
@@ -12,6 +11,7 @@ from . import measures, rating_tables, tables
 from .capacities import Capacities, known_bearings
 from .coordinates import Array
 from .errors import PinpressError, expect
+from .frozen import Frozen, FrozenMapping
 from .linkage import Linkage
 from .motion import cycle
 from .rating_curves import refuse_overloaded_idle
@@ -24,7 +24,7 @@ MOST_POINTS = 10**5
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Ratings:
+class Ratings(Frozen):
     """What a press may do over its working stroke, n heights from top to bottom dead centre. All arrays are read-only.
 
     Attributes:
@@ -164,10 +164,10 @@ def ratings(
         speed=rate,
         at_speed=bool(at_speed),
         torque_capacity=scene.torque,
-        limits=MappingProxyType(found.forces),
+        limits=FrozenMapping(found.forces),
         limited_by=found.names,
         changes=tuple(float(height[k]) for k in found.changes),
-        energies=MappingProxyType(dict(scene.energies)),
+        energies=FrozenMapping(dict(scene.energies)),
         stroke=measures.stroke(turn),
         quick_return_ratio=quick_return,
         contact_height=None if contact is None else positive("contact_height", contact, "m"),

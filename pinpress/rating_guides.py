@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from .coordinates import Array
 from .errors import PinpressError, expect
 from .forces import PointForce, place
+from .frozen import Frozen
 from .linkage import Linkage
 from .motion import Motion
 from .rating_curves import largest_factor, without_masses
@@ -60,7 +61,7 @@ class Guide:
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class EccentricLoad:
+class EccentricLoad(Frozen):
     """What a process force beside the slide's axis does, at n states. All arrays are read-only; signs as in `reactions`, world axes.
 
     Attributes:

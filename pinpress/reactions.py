@@ -12,7 +12,6 @@ import os
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from types import MappingProxyType
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -25,6 +24,7 @@ from .errors import PinpressError, SingularityError, UnknownNameError
 from .forces import AppliedForce, Load
 from .friction import Friction, FrictionLaw
 from .friction import law as friction_law
+from .frozen import Frozen, FrozenMapping
 from .linkage import Linkage
 from .motion import Motion
 from .plane import Plane
@@ -32,13 +32,13 @@ from .shaking import on_frame, shaking
 from .sharing import compliances
 from .wrenches import Wrenches
 
-NOTHING: Mapping[str, Any] = MappingProxyType({})
+NOTHING: Mapping[str, Any] = FrozenMapping({})
 CLEAR = 1e-3  # distance from the end of a branch at which no change point can be met any more [rad]
 STATES_LOOKED_AT = 256  # of a motion, to find what is indeterminate: the rank is the same all along it
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Reactions:
+class Reactions(Frozen):
     """Torque and forces over a motion of n states. All arrays are read-only; signs: see the module.
 
     Attributes:

@@ -17,6 +17,7 @@ from .coordinates import Array
 from .counterweights import Counterweight
 from .errors import PinpressError, UnknownNameError
 from .forces import numbers
+from .frozen import Frozen
 from .linkage import Linkage
 from .poses import link_of
 from .single_numbers import positive
@@ -25,7 +26,7 @@ ALONG_Y = np.array([0.0, 1.0, 0.0])  # the shaft's axis in the frames of our pre
 
 
 @dataclass(frozen=True, eq=False)
-class Correction:
+class Correction(Frozen):
     """What balances a rotor in one plane across its axis.
 
     Attributes:
@@ -55,7 +56,7 @@ class Correction:
 
 
 @dataclass(frozen=True, eq=False)
-class Unbalance:
+class Unbalance(Frozen):
     """The unbalance of a rotor whose axis passes through the origin of its frame. Vectors are in that frame.
 
     Turning at the speed w, the rotor pulls at its bearings with the force w^2 x static and, about the origin, the moment

@@ -17,6 +17,7 @@ from . import over_angle, panels, resolution, turned, turning
 from .coordinates import Array
 from .drives import Drive
 from .errors import PinpressError, SimulationError, UnknownScenarioError
+from .frozen import Frozen
 from .methods import Plan
 from .motion import carried
 from .over_angle import Flow
@@ -34,7 +35,7 @@ MOST_CUTS = 12  # rounds of cutting panels; scenarios that need more are run alo
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Runs:
+class Runs(Frozen):
     """S simulated scenarios of a press, n states each at the same times. Arrays are read-only; ``runs[k]`` is scenario k as a `Run`.
 
     Attributes:
@@ -251,7 +252,7 @@ def simulate(
     times: Array,
     tolerance: float,
     plan: Callable[[Indices], Plan],
-    alone: Callable[[int, float | None], Any],
+    alone: Callable[..., Any],
     allowed: float,
 ) -> Runs:
     """Run S scenarios.
@@ -278,7 +279,7 @@ def simulate(
             left += list(some[together.alone])
     for k in map(int, left):
         try:
-            run = alone(k, None)
+            run = alone(k)
         except SimulationError as error:
             errors[k] = error
             angles[:, k], speeds[:, k], works[:, k], missing[k] = _up_to(error, angle, speed[k], times, partial(alone, k))
@@ -288,7 +289,7 @@ def simulate(
     for array in (angles, speeds, works, missing):
         array.setflags(write=False)
     took = clock.perf_counter() - began
-    return Runs(times, angles, speeds, works[0], works[1], missing, tuple(errors), took, lambda k: alone(k, None), plan(np.arange(1)))
+    return Runs(times, angles, speeds, works[0], works[1], missing, tuple(errors), took, alone, plan(np.arange(1)))
 
 
 def _up_to(

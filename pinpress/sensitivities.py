@@ -18,6 +18,7 @@ import numpy as np
 
 from .coordinates import Array, ComplexArray
 from .errors import PinpressError
+from .frozen import Frozen
 from .linkage import Linkage
 from .motion import Motion
 from .plane import Plane, product
@@ -30,7 +31,7 @@ CONTRADICTED = 1e-9  # of the displacement: what redundant equations may leave o
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class MotionDerivative:
+class MotionDerivative(Frozen):
     """Derivatives of a motion of n states in one direction of the pivots: of the attributes of `Motion` with the same names, per metre (or
     whatever unit the direction is given per). All arrays are read-only.
 

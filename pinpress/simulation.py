@@ -9,6 +9,7 @@ period at once, while the crank turns, and over time where it may stop, or where
 
 import time as clock
 from collections.abc import Callable, Mapping, Sequence
+from functools import partial
 from typing import Any, overload
 
 import numpy as np
@@ -181,13 +182,6 @@ def _scenarios(
     times = np.linspace(0.0, until, count_of(points, 0.0))
     times.setflags(write=False)
 
-    def alone(k: int, end: float | None) -> Run:
-        parts = [pick(item, k) for item in (drive, flywheel, *loads)]
-        lasting, states = (until, len(times)) if end is None else (end, 2)
-        run = simulate(press, lasting, float(speeds[k]), start, parts[0], parts[1], parts[2:], points=states, tolerance=tolerance)
-        assert isinstance(run, Run)
-        return run
-
     def plan(some: Indices) -> Plan:
         parts = [pick(item, some) for item in (drive, flywheel, *loads)]
         return of_one(press, parts[0], parts[1], parts[2:], None, None)
@@ -197,8 +191,28 @@ def _scenarios(
     if isinstance(drive, PrescribedSpeed):
         raise PinpressError("a drive that prescribes the speed has one scenario: leave the arrays out")
     _refuse_long(speeds, until, start)
+    alone = partial(_alone, press, until, len(times), speeds, start, (drive, flywheel, *loads), tolerance)
     with np.errstate(all="ignore"):
         return scenarios.simulate(speeds, start, times, 0.1 * tolerance, plan, alone, allowed_error(tolerance))
+
+
+def _alone(
+    press: Linkage,
+    until: float,
+    points: int,
+    speeds: Array,
+    start: float,
+    parts: Sequence[Any],
+    tolerance: float,
+    k: int,
+    end: float | None = None,
+) -> Run:
+    """Scenario k as a run, up to a time or, as the others, with all its states."""
+    drive, flywheel, *loads = (pick(item, k) for item in parts)
+    lasting, states = (until, points) if end is None else (end, 2)
+    run = simulate(press, lasting, float(speeds[k]), start, drive, flywheel, loads, points=states, tolerance=tolerance)
+    assert isinstance(run, Run)
+    return run
 
 
 def _refuse_long(speeds: Array, until: float, angle: float) -> None:

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from . import tables
 from .errors import UnknownNameError
+from .frozen import Frozen
 from .sweep_grid import Grid, Scalar
 from .sweep_run import Outcome
 
@@ -18,7 +19,7 @@ Column = NDArray[Any]
 
 
 @dataclass(frozen=True)
-class FailedPoint:
+class FailedPoint(Frozen):
     """A point at which the function failed.
 
     Attributes:
@@ -31,7 +32,7 @@ class FailedPoint:
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Sweep:
+class Sweep(Frozen):
     """Results at all points, in the order of the grid (last axis fastest), whatever the order in which they were finished.
 
     Attributes:

@@ -18,7 +18,6 @@ import math
 import os
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from types import MappingProxyType
 from typing import Any
 
 import numpy as np
@@ -28,6 +27,7 @@ from . import synthesis_tables, tables
 from .coordinates import Array
 from .errors import AssemblyError, PinpressError, SingularityError, UnknownNameError, expect
 from .forces import Load
+from .frozen import Frozen, FrozenMapping
 from .geometry import reshaped
 from .linkage import Linkage
 from .motion import cycle
@@ -41,12 +41,12 @@ from .synthesis_search import Search
 from .synthesis_tables import Row
 
 SYNTHESISED = "_synthesised"  # the name of a press that was found ends so
-UNCONSTRAINED: Mapping[str, Any] = MappingProxyType({})
+UNCONSTRAINED: Mapping[str, Any] = FrozenMapping({})
 SAME = 1e-9  # share of the linkage's size to which the motion of the found press is that of the trial
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Synthesis:
+class Synthesis(Frozen):
     """The optimum that was found.
 
     Attributes:
@@ -196,10 +196,10 @@ def _synthesis(start: Point, found: Point, search: Search) -> Synthesis:
         rows.append(Row(measure.name, "constraint", bounds[0], next(nearest), next(nearest), bounds[1]))
     return Synthesis(
         press=press.with_inertias(list(press.model.inertias), name=press.name.removesuffix(SYNTHESISED) + SYNTHESISED),
-        variables=MappingProxyType(values),
+        variables=FrozenMapping(values),
         value=found.objective,
         start_value=start.objective,
-        constraints=MappingProxyType(constraints),
+        constraints=FrozenMapping(constraints),
         active=held.active,
         idle=held.idle,
         kkt=held.residual,

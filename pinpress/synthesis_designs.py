@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, partial
 from typing import cast
 
 import numpy as np
@@ -73,8 +73,8 @@ class Design:
             dict(self.variables),
             self.motion,
             Positions(self.start.press.bearings, self._point),
-            lambda: self.press,
-            lambda: self._reactions,
+            partial(getattr, self, "press"),
+            partial(getattr, self, "_reactions"),
         )
 
     def trial_towards(self, place: int, step: float) -> Trial:
@@ -83,9 +83,9 @@ class Design:
         return Trial(
             self.variables | {name: cast(float, self.variables[name] + 1j * h)},
             self._motion_towards(place, h),
-            Positions(self.start.press.bearings, lambda bearing: _complex(self._point(bearing), h, self._point_slope(bearing, place))),
-            lambda: self.press,
-            lambda: self._reactions_towards(place, h),
+            Positions(self.start.press.bearings, partial(self._point_towards, place, h)),
+            partial(getattr, self, "press"),
+            partial(self._reactions_towards, place, h),
         )
 
     # ----------------------------------------------------------------------------------------------------------------------------- motion
@@ -133,6 +133,9 @@ class Design:
             a=_complex(motion.a, h, slope.a.T),
             _guide=guided,
         )
+
+    def _point_towards(self, place: int, h: float, bearing: int) -> Array:
+        return _complex(self._point(bearing), h, self._point_slope(bearing, place))
 
     def _point(self, bearing: int) -> Array:
         """(n, 3) where a bearing is."""

@@ -13,6 +13,7 @@ from .balancing import balanced, checked
 from .coordinates import Array
 from .errors import PinpressError
 from .forces import Load
+from .frozen import Frozen
 from .inertia_responses import Case
 from .linkage import Linkage
 from .motion import Motion
@@ -22,7 +23,7 @@ GIVEN = 1e-7  # of a measure before balancing: what is given of its best so that
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class TradeOff:
+class TradeOff(Frozen):
     """Balanced presses of which none is better in one measure without being worse in the other.
 
     Attributes:

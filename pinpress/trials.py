@@ -12,6 +12,7 @@ from functools import cached_property
 
 from .coordinates import Array
 from .errors import PinpressError, UnknownNameError
+from .frozen import Frozen, read_only
 from .linkage import Linkage
 from .motion import Motion
 
@@ -20,7 +21,7 @@ OUT_OF_PLANE = "the links lie in several planes, so the derivatives of moments a
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class TrialReactions:
+class TrialReactions(Frozen):
     """Reactions of a trial, named as in `Reactions`: signs and units are the same.
 
     Attributes:
@@ -68,7 +69,7 @@ class TrialReactions:
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Trial:
+class Trial(Frozen):
     """A press with one set of variables, as objectives and constraints see it. Arrays are complex where a gradient is worked out, see the
     module.
 
@@ -108,7 +109,7 @@ class Positions(Mapping[str, Array]):
     def __getitem__(self, name: str) -> Array:
         if name not in self._names:
             raise UnknownNameError("bearing", name, self._names)
-        return self._at(self._names.index(name))
+        return read_only(self._at(self._names.index(name)))
 
     def __iter__(self) -> Iterator[str]:
         return iter(self._names)

@@ -139,7 +139,11 @@ def made():
         foundation.isolate(press(), FRAME, MOUNTS, [50.0, 60.0], 0.5),
         *(DEEP, loads.ForceStroke([0.0, 0.1], [1e3, 2e3]), loads.TimeForce(even, edges=[0.1]), *DEEP.stretches(True)),
         *(loads.Idle(), loads.Piling(1e5, 0.02), loads.Blanking(1e5, 0.02, 0.01), loads.ElasticDie(0.01, 1e7), ACCURACY, MEASUREMENT),
-        *(arrangements.crank_slide(press()), arrangements.unbalance(press(), "crank"), arrangements.static_balance([2.0], [[0.1, 0.0, 0.0]])),
+        *(
+            arrangements.crank_slide(press()),
+            arrangements.unbalance(press(), "crank"),
+            arrangements.static_balance([2.0], [[0.1, 0.0, 0.0]]),
+        ),
         *arrangements.cancelled(reactions(), pp.inverse_dynamics(two_cranks(), pp.cycle(two_cranks(), SPEED, points=24)), 2)[:1],
     ]
     return found

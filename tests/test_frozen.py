@@ -16,8 +16,9 @@ import pytest
 from time_limit import _limit  # noqa: F401
 
 import pinpress as pp
-from pinpress.frozen import FrozenMapping
+from pinpress.derived import derived
 
+KEPT = (functools.cached_property, derived)
 WAYS = {"pickle": lambda value: pickle.loads(pickle.dumps(value)), "copy": copy.copy, "deepcopy": copy.deepcopy}
 KINDS = sorted(every_result.public(), key=lambda kind: kind.__name__)
 
@@ -35,7 +36,7 @@ def parts(value):
     if isinstance(value, types.MethodType):
         return {"function": value.__func__, "of": value.__self__}
     if type(value).__module__.startswith(("pinpress", "scipy")):
-        return vars(value)
+        return dict(zip(("maker", "arguments", "state"), value.__reduce_ex__(4), strict=False))
     return None
 
 
@@ -74,9 +75,14 @@ def arrays(value, where="", seen=None):
         if isinstance(value, np.ma.MaskedArray):
             yield f"{where}.data", value.data
         return
-    inner = parts(value) or {}
+    inner = parts(value) if isinstance(value, Mapping | tuple | list) or dataclasses.is_dataclass(value) else {}
     if dataclasses.is_dataclass(value):
-        kept = {name: found for kind in type(value).__mro__ for name, found in vars(kind).items() if isinstance(found, functools.cached_property)}
+        kept = {
+            name: found
+            for kind in type(value).__mro__
+            for name, found in vars(kind).items()
+            if isinstance(found, functools.cached_property)
+        }
         inner = {name: getattr(value, name, None) for name in inner | kept if not name.startswith("_")}
     for name, found in inner.items():
         yield from arrays(found, f"{where}.{name}", seen)
@@ -111,3 +117,38 @@ def test_nothing_in_reach_can_be_written(kind):
             for name, mapping in mappings(each):
                 for change in ("__setitem__", "__delitem__", "update", "clear", "__ior__"):
                     assert not hasattr(mapping, change), f"{name} of {where}"
+
+
+def computed(press):
+    """Motion, forces, runs and ratings of a press."""
+    motion = pp.cycle(press, every_result.SPEED, points=12)
+    return (
+        motion,
+        pp.inverse_dynamics(press, motion, [every_result.DEEP]),
+        pp.simulate(press, 0.1, 2.0, flywheel=pp.Flywheel(20.0)).joint_position,
+        pp.simulate(press, 0.02, 2.0, method="constraint", points=3).joint_position,
+        pp.simulate(press, 0.1, np.array([2.0, 3.0]), points=3).crank_angle,
+        pp.dead_centres(press),
+        pp.operating_points(press, [5.0, 7.0], [0.0, 1e3], every_result.DEEP, points=8),
+    )
+
+
+@pytest.fixture(scope="module", params=["zxn2_3000b", "jf75g_125_symmetric"])
+def press(request):
+    return pp.load(request.param)
+
+
+def test_results_do_not_depend_on_what_was_computed_before(press):
+    used = pp.load(press.name)
+    pp.dead_centres(used)
+    pp.simulate(used, 0.3, -5.0, angle=2.0, points=7)
+    pp.inverse_dynamics(used, pp.cycle(used, 3.0, angle=np.array([9.0, -4.0, 0.3])), engine="pinocchio")
+    pp.simulate(used, 0.05, 3.0, loads=[every_result.DEEP], points=7)
+    same(computed(used), computed(pp.load(press.name)))
+
+
+def test_other_processes_find_the_same(press):
+    """A worker that gets the press, with what it has kept, and one that imports all anew."""
+    for start in ("fork", "spawn"):
+        with ProcessPoolExecutor(1, multiprocessing.get_context(start)) as pool:
+            same(pool.submit(computed, press).result(20), computed(press))
