@@ -14,7 +14,6 @@ from time_limit import _limit  # noqa: F401
 
 import pinpress as pp
 from pinpress.errors import UnknownScenarioError
-from pinpress.run import UnbalancedError
 
 ARGUMENTS = {
     pp.PinpressError: ("speed is 'x': give a number",),
@@ -22,7 +21,6 @@ ARGUMENTS = {
     pp.AssemblyError: ("the loops do not close", 0.5, 1e-3, 7),
     pp.SingularityError: ("the linkage locks", 0.5, 1e-9),
     pp.SimulationError: ("the press stalls", 0.25, 1.5),
-    UnbalancedError: ("the energy does not balance", 0.25, 1.5),
     pp.UnknownNameError: ("bearing", "Q", ["A", "B"]),
     UnknownScenarioError: (7, 3),
 }
