@@ -60,8 +60,8 @@ def points() -> None:
         ("and the crank angles of extremes", {"angles": True}),
     ):
         alone = {} if "angles" in how else how
-        rate = size / cpu(lambda how=how: operating_points(press, SPEEDS, FORCES, load, **how))  # type: ignore[misc, arg-type]
-        loop = 200 / cpu(lambda alone=alone: one_by_one(press, 200, **alone))  # type: ignore[misc]
+        rate = size / cpu(lambda how=how: operating_points(press, SPEEDS, FORCES, load, **how))
+        loop = 200 / cpu(lambda alone=alone: one_by_one(press, 200, **alone))
         print(f"  {name:42}{rate:12.3g}{loop:12.3g}")
 
 

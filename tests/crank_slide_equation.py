@@ -99,7 +99,7 @@ class Solution(NamedTuple):
     load_work: np.ndarray
     motor_squared: np.ndarray
     states: np.ndarray
-    crossings: list
+    crossings: list[tuple[float, float, float]]
     stalled: bool
 
 
@@ -135,8 +135,8 @@ def solve(
         for height in (window.upper, window.lower):
             if 0 < height < 2 * R:
                 edges |= {angle_of(height), 2 * math.pi - angle_of(height)}
-    edges = np.array(sorted(edges))
-    every = np.concatenate([edges + 2 * math.pi * turn for turn in range(-60, 400)])  # far more turns than any run here has
+    within_a_turn = np.array(sorted(edges))
+    every = np.concatenate([within_a_turn + 2 * math.pi * turn for turn in range(-60, 400)])  # far more turns than any run here has
 
     def act(way, low, high, pushing):
         """Right-hand side in a stretch between two edges, turning one way."""
@@ -211,7 +211,9 @@ def solve(
         if any(len(e) for e in piece.t_events[:3]):
             crossings.append((t, float(y[0]), float(y[1])))
     all_states = np.hstack(found) if found else np.zeros((6 + k, 0))
-    return Solution(times[: all_states.shape[1]], *all_states[[0, 1, -1, 2, 3, 4]], all_states[5:-1], crossings, stalled)
+    q, w, a, drive_work, load_work, motor_squared = all_states[[0, 1, -1, 2, 3, 4]]
+    known = times[: all_states.shape[1]]
+    return Solution(known, q, w, a, drive_work, load_work, motor_squared, all_states[5:-1], crossings, stalled)
 
 
 def between(edges, angle, way):
@@ -224,5 +226,5 @@ def event(function, direction):
     def g(t, y):
         return function(t, y)
 
-    g.terminal, g.direction = True, direction
+    g.terminal, g.direction = True, direction  # type: ignore[attr-defined]
     return g

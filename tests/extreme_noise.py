@@ -139,7 +139,7 @@ def proximal(mu: float, which: str) -> Case:
     """Ours: the accelerations with which runs under these torques begin."""
 
     def scene(_: str) -> list[pp.Run]:
-        _, torques = asked(which)
+        torques = asked(which)[1]
         return [
             pp.simulate(pressed(which), 1e-3, w, q, drive=pp.ConstantTorque(float(torque)), method="constraint", points=2)
             for (q, w, _), torque in zip(STATES, torques, strict=True)

@@ -6,6 +6,7 @@ world, how every joint frame is turned and where a loop is cut are chosen apart 
 """
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 import pinocchio as pin
@@ -22,7 +23,8 @@ class Drawing:
     def __init__(self, name="drawing", world=UPRIGHT, frame="frame"):
         self.name, self.world, self.frame = name, np.asarray(world), frame
         self.placed = {frame: (np.eye(3), np.zeros(3))}  # link -> rotation and origin of its frame in the world
-        self.bodies, self.joints, self.loops, self.welds = {frame: None}, [], [], []
+        self.bodies: dict[str, Any] = {frame: None}
+        self.joints, self.loops, self.welds = [], [], []
 
     def space(self, at, height=0.0):
         """World position (3,) of a point of the plane."""

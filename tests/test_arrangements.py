@@ -7,6 +7,7 @@ centres of mass off the pins' lines and off the plane, joint frames turned about
 import importlib.util
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pinocchio as pin
@@ -45,7 +46,7 @@ def drawn(seed, on_line=False, offset=0.0, ratio=None):
     pin from the shaft; ``ratio`` of crank and rod."""
     rng = np.random.default_rng(seed)
     world = np.linalg.qr(rng.normal(size=(3, 3)))[0]
-    sizes = {
+    sizes: dict[str, Any] = {
         "crank_radius": rng.uniform(0.01, 0.2),
         "crank_mass": rng.uniform(1, 50),
         "rod_mass": rng.uniform(1, 80),

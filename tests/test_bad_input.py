@@ -440,7 +440,7 @@ def test_slide_of_a_linkage_without_one(locking):
         (pp.PointForce("slide", (0.0, math.nan, 0.0)), "load on 'slide': force is not finite"),
         (pp.PointForce("slide", "up"), "load on 'slide': force is not an array of numbers"),
         (pp.PointForce("slide", lambda motion: np.zeros((3, 12))), r"force has shape \(3, 12\)"),
-        (pp.PointForce("slide", lambda motion: None), "force is not"),
+        (pp.PointForce("slide", lambda motion: None), "force is not"),  # type: ignore[return-value]
         (pp.PointForce("slide", (0.0, 0.0, 1.0), point=(0.0, 0.0)), r"load on 'slide': point has shape \(2,\)"),
         (pp.PointForce("slide", (0.0, 0.0, 1.0), point=(0.0, 0.0, math.inf)), "load on 'slide': point is not finite"),
         (pp.PointForce("slide", (0.0, 0.0, 1.0), point="tip"), "load on 'slide': point is not an array of numbers"),
@@ -477,7 +477,7 @@ def test_unknown_bearing(result, quantity):
     for kind in (pp.PinpressError, KeyError):
         with pytest.raises(kind) as caught:
             mapping["slide_guid"]
-        assert (caught.value.name, caught.value.known) == ("slide_guid", known)
+        assert (caught.value.name, caught.value.known) == ("slide_guid", known)  # type: ignore[attr-defined]
         assert str(caught.value) == "no bearing 'slide_guid', did you mean 'slide_guide'?; there are: O, P, slide_guide, W"
     assert mapping.get("slide_guid") is None
     assert mapping.get("Q", 3) == 3

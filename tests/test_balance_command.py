@@ -12,7 +12,7 @@ from in_browser import data_in
 from texts import shipped
 
 import pinpress as pp
-from pinpress import command_balance
+from pinpress import balance_measures, command_balance
 from pinpress.__main__ import main
 from pinpress.scene_words import LOADS
 
@@ -249,7 +249,7 @@ def test_help_lists_every_word(capsys: pytest.CaptureFixture[str]) -> None:
     for word in (
         *command_balance.KEYS,
         *command_balance.KINDS,
-        *command_balance.FORCES,
+        *balance_measures.FORCES,
         *LOADS,
         "added_mass",
         "r/min",

@@ -177,7 +177,7 @@ def test_no_counterweights_beat_the_bound(planar, number):
     assert -1e-8 <= b.value - b.bound <= 1e-7 * len(measures)
     assert b.value <= len(measures) * (1 + 1e-7)  # to leave the press alone is admissible
     for share in (1.0, 1.0, 1.0, 0.3, 0.03, 0.003):
-        other = [weight for room in rooms for weight in random_filling(*room, rng)]
+        other = [weight for room, middle, arms, along in rooms for weight in random_filling(room, middle, arms, along, rng)]
         assert worst([*part_of(b.counterweights, 1 - share), *part_of(other, share)]) >= b.bound - 1e-9
 
 

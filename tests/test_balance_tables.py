@@ -193,7 +193,7 @@ def test_limits_stand_beside_their_measures() -> None:
 def test_counterweights_as_columns() -> None:
     balance = pressed()
     links, *numbers = counterweight_columns(balance).values()
-    made = [pp.Counterweight(link, m, (x, y, z), j) for link, m, x, y, z, j in zip(links, *numbers, strict=True)]  # type: ignore[arg-type]
+    made = [pp.Counterweight(link, m, (x, y, z), j) for link, m, x, y, z, j in zip(links, *numbers, strict=True)]
     assert made == list(balance.counterweights)
     assert list(counterweight_columns(balance)) == ["link", "mass [kg]", "x [m]", "y [m]", "z [m]", "inertia [kg m2]"]
 

@@ -67,11 +67,11 @@ def solved(zeta, tau, gap, end):
     def turning(t, y, side):
         return y[1]
 
-    upper.terminal = lower.terminal = True
-    lower.direction = -1
-    turning.direction = 1
+    upper.terminal = lower.terminal = True  # type: ignore[attr-defined]
+    lower.direction = -1  # type: ignore[attr-defined]
+    turning.direction = 1  # type: ignore[attr-defined]
     while t < end:
-        upper.direction = -1 if side == 1 else 1
+        upper.direction = -1 if side == 1 else 1  # type: ignore[attr-defined]
         until = tau if t < tau < end else end
         found = solve_ivp(
             rate, (t, until), state, "DOP853", rtol=1e-12, atol=1e-15, events=(upper, lower, turning), args=(side,), dense_output=True

@@ -17,7 +17,6 @@ from malformed_linkages import (
     CRANK_LENGTH,
     GEAR,
     GOES,
-    INERTIAL,
     OPENING_W,
     ORIGIN_GUIDE,
     ORIGIN_P,
@@ -30,6 +29,7 @@ from malformed_linkages import (
     pinned,
     with_element,
 )
+from malformed_urdf import INERTIAL
 from spatial_linkages import bennett, four_bar
 
 import pinpress as pp
@@ -72,7 +72,9 @@ def test_shipped_presses_have_nothing_to_be_warned_of(name):
     facts = report.facts
     assert (facts.drivers, facts.slide, facts.joints, facts.mobility) == (press.drivers, press.slide, press.joints, press.mobility)
     assert facts.engine == ("pinocchio" if press.plane is None else "plane")
-    assert sorted(each.name for each in facts.closings) == sorted(each.name for each in (*press.loops, *press.couplings))
+    assert sorted(each.name for each in facts.closings) == sorted(
+        [*(loop.name for loop in press.loops), *(pair.name for pair in press.couplings)]
+    )
     assert max(each.gap for each in facts.closings) < 1e-12
 
 
@@ -417,7 +419,7 @@ def test_warnings_are_no_failure(tmp_path):
 )
 def test_wrong_usage(arguments, capsys):
     try:
-        code = main(["check", *arguments])
+        code: object = main(["check", *arguments])
     except SystemExit as end:  # argparse's
         code = end.code
     assert code == 2

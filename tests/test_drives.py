@@ -6,6 +6,7 @@ import math
 import pickle
 import subprocess
 import sys
+from typing import Any
 
 import numpy as np
 import pytest
@@ -51,7 +52,7 @@ BY_SPEED = {
     "geared_lossy_behind": Geared(Geared(KONG, 4.0), 5.0, 3.0, 0.9),
     "geared_clutch": Geared(YCT, 3.0, efficiency=0.9),
 }
-DRIVES = BY_SPEED | {
+DRIVES: dict[str, Any] = BY_SPEED | {
     "lagging": LAGGING,
     "servo": SERVO,
     "geared_lagging": Geared(LAGGING, 3.0),
@@ -518,7 +519,7 @@ def test_angle_time_and_state_go_through_gears():
 # --------------------------------------------------------------------------------------------------------------------------- bad input
 
 NUMBERS = [math.nan, math.inf, "1", None, True, 1j, [[1.0]], []]
-GOOD = {
+GOOD: dict[Any, dict[str, Any]] = {
     Flywheel: {"inertia": 1.0},
     PrescribedSpeed: {"speed": 1.0},
     ConstantTorque: {"value": 1.0},

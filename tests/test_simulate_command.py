@@ -455,7 +455,7 @@ def test_no_progress_bar_elsewhere(monkeypatch: pytest.MonkeyPatch) -> None:
 def test_progress_is_what_the_simulation_reports(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
     """A short run on a terminal reports, but shows nothing: neither bar nor remains of one."""
     reached: list[float] = []
-    simulate = command_simulate.simulate
+    simulate = command_simulate.simulate  # type: ignore[attr-defined]
 
     def spy(*args: Any, progress: Any, **kwargs: Any) -> Any:
         def both(time: float) -> None:

@@ -830,6 +830,7 @@ def test_the_tolerance_is_kept(press, method):
 def test_a_run_is_a_motion(press, method, tmp_path):
     run = zhang(press, 0.4, loads=[CASES["blanking"][0]], method=method)
     assert isinstance(run, pp.Motion)
+    assert isinstance(run, pp.Run)
     assert run.stats.method == method
     turned = run.crank_angle[-1] / (2 * math.pi)
     assert 2 <= len(run.time) / turned <= 2000

@@ -7,6 +7,7 @@ Bounds: a steady state comes back to 1e-10 of its speed, and each step's error i
 import dataclasses
 import itertools
 import math
+from typing import Any
 
 import crank_slide_equation as equation
 import numpy as np
@@ -112,9 +113,9 @@ def inverter_torque(speed):
 class Case:
     """A drive, its inertia at the crank, and its torque and corners over the crank's speed."""
 
-    drive: object
+    drive: Any
     inertia: float
-    torque: object
+    torque: Any
     corners: tuple = ()
 
 

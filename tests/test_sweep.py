@@ -298,7 +298,7 @@ def test_few_points_are_in_flight_and_the_executor_stays_open():
     most, running, guard = 0, 0, threading.Lock()
 
     class Counting(ThreadPoolExecutor):
-        def submit(self, *arguments):
+        def submit(self, *arguments, **named):
             nonlocal most, running
             with guard:
                 running += 1

@@ -96,7 +96,7 @@ def test_valid_file(file):
 )
 def test_mimic(file, written, read):
     file.write_text(in_joint("P", written))
-    assert urdf.read(file).joints[1].mimic == urdf.Mimic("O", *read, 20)
+    assert urdf.read(file).joints[1].mimic == urdf.Mimic("O", read[0], read[1], 20)
     assert [joint.mimic for joint in urdf.read(file).joints[::2]] == [None, None]
 
 

@@ -42,14 +42,14 @@ def table(path: Path = HERE / "accuracy.csv") -> str:
     for method in order:
         cells = []
         for wanted in WANTED:
-            row = best[wanted].get(method)
-            if row is None:
+            reached = best[wanted].get(method)
+            if reached is None:
                 cells += ["not reached", "", ""]
             else:
                 cells += [
-                    _milliseconds(float(row["seconds [s]"])),
-                    f"{float(row['force_error']):.0e}",
-                    f"{float(row['loop_gap [m]']):.0e} m",
+                    _milliseconds(float(reached["seconds [s]"])),
+                    f"{float(reached['force_error']):.0e}",
+                    f"{float(reached['loop_gap [m]']):.0e} m",
                 ]
         lines.append(f"| {_name({'method': method})} | " + " | ".join(cells) + " |")
     return "\n".join(lines)
