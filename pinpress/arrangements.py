@@ -159,12 +159,13 @@ class HarmonicChange:
 
     Attributes:
         quantity: "force along the slide" (vertical in an upright press), "force across the slide" (lateral) or "tilting moment".
-        order: of the crank's speed. before, after: amplitudes [N, or N m].
+        order: of the crank's speed; fractions too where a press repeats itself only after several turns.
+        before, after: amplitudes [N, or N m].
         change: "cancelled" (it is rounding), "reduced", "unchanged", "raised", or "none" where there was and is nothing but rounding.
     """
 
     quantity: str
-    order: int
+    order: float
     before: float
     after: float
     change: str
@@ -177,10 +178,10 @@ def cancelled(before: Reactions, after: Reactions, orders: int = 6) -> tuple[Har
     linkage's size, is rounding.
 
     Args:
-        before, after: reactions of two planar presses over the same turn or turns.
+        before, after: reactions of two planar presses over a period or more.
 
     Raises:
-        PinpressError: a press without a slide or not planar, motions at different speeds, without a full turn or with too few states for
+        PinpressError: a press without a slide or not planar, motions at different speeds, without a full period or with too few states for
             the orders.
     """
     for reactions in (before, after):
@@ -196,24 +197,30 @@ def cancelled(before: Reactions, after: Reactions, orders: int = 6) -> tuple[Har
     axes = np.array([along, np.cross(press.plane.normal, along)])
     shaft = at.position[press.spatial.drivers[0] + 1, 0]
     (first, least1), (second, least2) = (_amplitudes(each, axes, press.plane.normal, shaft, orders) for each in (before, after))
+    none = np.zeros(3)
     return tuple(
-        HarmonicChange(quantity, order, float(was), float(now), _change(was, now, max(least1[k], least2[k])))
+        HarmonicChange(quantity, order, was, now, _change(was, now, max(least1[k], least2[k])))
         for k, quantity in enumerate(("force along the slide", "force across the slide", "tilting moment"))
-        for order, (was, now) in enumerate(zip(first[:, k], second[:, k], strict=True), 1)
+        for order in sorted({*first, *second})
+        for was, now in [(float(first.get(order, none)[k]), float(second.get(order, none)[k]))]
     )
 
 
-def _amplitudes(reactions: Reactions, axes: Array, normal: Array, shaft: Array, orders: int) -> tuple[Array, tuple[float, float, float]]:
-    """Amplitudes (orders, 3) of force along and across and of moment about the shaft, and what is rounding of each."""
+def _amplitudes(
+    reactions: Reactions, axes: Array, normal: Array, shaft: Array, orders: int
+) -> tuple[dict[float, Array], tuple[float, float, float]]:
+    """By order, amplitudes (3,) of force along and across and of moment about the shaft, and what is rounding of each."""
     force = reactions.shaking_force
     moment = (reactions.shaking_moment - np.cross(shaft, force)) @ normal
     found = harmonics(reactions.motion, np.column_stack([force @ axes.T, moment]), orders)
-    if found is None or len(found.orders) <= orders:
+    turns = reactions.motion.period_turns or 1
+    if found is None or len(found.orders) <= orders * turns:
         raise PinpressError(
-            f"the motion of {reactions.motion.linkage} has no full turn of {2 * orders + 1} states: use cycle(..., points=...)"
+            f"the motion of {reactions.motion.linkage} has no full period of {2 * orders * turns + 1} states: use cycle(..., points=...)"
         )
     least = ROUNDING * max(float(np.abs(each).max()) for each in (force, *reactions.bearing_force.values()))
-    return found.amplitude[1:], (least, least, least * reactions._press.spatial.size)
+    by_order = {int(o) if o.is_integer() else float(o): at for o, at in zip(found.orders[1:], found.amplitude[1:], strict=True)}
+    return by_order, (least, least, least * reactions._press.spatial.size)
 
 
 def _change(before: float, after: float, least: float) -> str:

@@ -149,7 +149,7 @@ def predict(branch: Branch, angle: Array) -> Array:
     turns, local = None, angle
     if angle.min() < branch.angles[0] or angle.max() > branch.angles[-1]:
         if branch.period is None:
-            raise _beyond(branch, angle)
+            raise beyond(branch, upwards=bool(angle.max() > branch.angles[-1]))
         turns = np.floor((angle - branch.angles[0]) / branch.period)
         local = angle - turns * branch.period
     interval = branch.angles[1:-1].searchsorted(local, side="right")
@@ -192,10 +192,18 @@ def _table(follower: Follower, nodes: list[Node], passed: tuple[ChangePoint, ...
     return angles, hermite(angles, closure.position.T, closure.first.T, closure.second.T)
 
 
-def _beyond(branch: Branch, angle: Array) -> PinpressError:
+def periods_until_back(advance: Array) -> int | None:
+    """Periods after which joints that turn, and gain so much (k,) in each [rad], are all back; None if not after `MOST_TURNS`."""
+    counts = np.arange(1, MOST_TURNS + 1)
+    turns = np.multiply.outer(counts, advance / (2 * np.pi))
+    back = np.all(np.abs(turns - np.round(turns)) < 1e-9, axis=1)
+    return int(counts[np.argmax(back)]) if back.any() else None
+
+
+def beyond(branch: Branch, upwards: bool) -> PinpressError:
     """Why a motion leaves a branch without a period."""
     low, high = np.degrees([branch.angles[0], branch.angles[-1]])
-    lock = branch.locks[1] if angle.max() > branch.angles[-1] else branch.locks[0]
+    lock = branch.locks[upwards]
     if lock is None:
         return PinpressError(
             f"the linkage is not back at its drawn pose after {MOST_TURNS} turns of the driver, and is followed no further:"

@@ -69,17 +69,20 @@ class Capacities(Frozen):
         if self.speed_drop is not None and self.speed_drop > 1.0:
             raise PinpressError(f"speed_drop is {self.speed_drop:g}: give a fraction of the speed, 1 or less")
 
-    def energies(self, speed: float) -> dict[str, float]:
+    def energies(self, speed: float, turns: int = 1) -> dict[str, float]:
         """Name of a source -> work that a stroke may take of it at a crank speed [rad/s] [J].
 
         A flywheel that slows from w to (1 - d) w gives J w^2 (1 - (1 - d)^2) / 2, a motor of power P restores 2 pi P / w in a turn.
+
+        Args:
+            turns: of the crank, from stroke to stroke.
         """
         found = {}
         if self.flywheel_inertia is not None and self.speed_drop is not None:
             # d (2 - d): 1 - (1 - d)^2 would cancel for a small drop
             found["flywheel energy"] = 0.5 * self.flywheel_inertia * speed**2 * self.speed_drop * (2.0 - self.speed_drop)
         if self.motor_power is not None:
-            found["motor energy"] = self.motor_power * 2 * math.pi / abs(speed)
+            found["motor energy"] = self.motor_power * 2 * math.pi * turns / abs(speed)
         return found
 
 

@@ -78,12 +78,12 @@ class Locus:
 
 
 def abscissa(motion: Motion) -> Abscissa:
-    """Crank angle [deg], unwrapped, of at most one turn one way at constant speed; else time [s]. States that are not in time: crank angle
-    where it only rises or only falls, else the number of the state, from 0."""
+    """Crank angle [deg], unwrapped, of at most one period one way at constant speed; else time [s]. States that are not in time: crank
+    angle where it only rises or only falls, else the number of the state, from 0."""
     expect("motion", motion, Motion, "cycle or simulate")
     angle, speed = finite("crank angle", motion.crank_angle), finite("crank speed", motion.crank_speed)
     one_way = angle.ndim == 1 and _one_way(angle)
-    if one_way and np.ptp(angle) <= 2 * np.pi * (1 + ROUNDING) and _constant(speed):
+    if one_way and np.ptp(angle) <= 2 * np.pi * (motion.period_turns or 1) * (1 + ROUNDING) and _constant(speed):
         return Abscissa("crank angle", "deg", _fixed(np.degrees(angle)))
     try:
         return Abscissa("time", "s", _fixed(finite("time", motion.time)))

@@ -34,7 +34,7 @@ def add(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None
     option("--speed", type=float, required=True, metavar="RPM", help="of the crank, in the turn and at the start of the run, in r/min")
     option("--flywheel", metavar="J", help="its inertia at the driver joint, in kg m2 (default: 4 times the linkage's own)")
     option("--duration", type=float, metavar="S", help="of the run, in s (default: two turns at that speed)")
-    option("--points", type=int, default=360, metavar="N", help="crank angles in the turn (default: %(default)s)")
+    option("--points", type=int, default=360, metavar="N", help="crank angles in the period (default: %(default)s)")
     option("--repeats", type=int, default=3, metavar="N", help="rounds of timing (default: %(default)s)")
     option("--driver", metavar="JOINT", help=DRIVER)
     option("--slide", metavar="LINK", help=SLIDE)

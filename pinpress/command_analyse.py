@@ -1,4 +1,4 @@
-"""`pinpress analyse`: one turn at constant speed."""
+"""`pinpress analyse`: one period at constant speed."""
 
 import argparse
 import time
@@ -6,11 +6,14 @@ from pathlib import Path
 
 from .command_output import DRIVER, FILE, SIGNS, SLIDE, TRACE, make, trace, write_pages
 from .errors import PinpressError
+from .linkage import Linkage
 from .loading import load
 from .motion import RPM, cycle
 from .overlays import traced
 from .reactions import Reactions, inverse_dynamics
 from .summary import summary
+
+POINTS = 720  # of a turn
 
 
 def add(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
@@ -18,9 +21,10 @@ def add(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None
     parser = commands.add_parser(
         "analyse",
         help="one turn at constant speed: motion, driving torque, every bearing force",
-        description="Turn a press once at constant speed. Prints a summary; with --out also writes cycle.csv (every quantity at every\n"
-        "crank angle, units in the header) and recording.html (the press turning with its forces, a page to open by double click); with\n"
-        "--report also report.html, which has the curves that matter beside the press.",
+        description="Turn a press through one period at constant speed: one turn of the crank, or as many as it takes until gears are\n"
+        "back. Prints a summary; with --out also writes cycle.csv (every quantity at every crank angle, units in the header) and\n"
+        "recording.html (the press turning with its forces, a page to open by double click); with --report also report.html,\n"
+        "which has the curves that matter beside the press.",
         epilog=SIGNS,
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
@@ -31,7 +35,7 @@ def add(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None
     option("--report", action="store_true", help="also write report.html: the recording and charts that follow it")
     option("--before", metavar="FILE", help="another press, drawn beside this one in the report at the same speed")
     option("--trace", type=trace, action="append", default=[], metavar="LINK:X,Y,Z", help=TRACE)
-    option("--points", type=int, default=720, metavar="N", help="crank angles in the turn (default: %(default)s)")
+    option("--points", type=int, metavar="N", help=f"crank angles, in all (default: {POINTS} a turn)")
     option("--engine", choices=("auto", "plane", "pinocchio"), default="auto", help="how to compute (default: the fast one)")
     option("--driver", metavar="JOINT", help=DRIVER)
     option("--slide", metavar="LINK", help=SLIDE)
@@ -53,7 +57,7 @@ def run(options: argparse.Namespace) -> int:
     walk = time.perf_counter()
     _ = press.branch  # followed here, so that the times below are those of any further motion
     start = time.perf_counter()
-    motion = cycle(press, speed=options.speed * RPM, points=options.points, engine=options.engine)
+    motion = cycle(press, speed=options.speed * RPM, points=_points(press, options), engine=options.engine)
     middle = time.perf_counter()
     result = inverse_dynamics(press, motion, engine=options.engine)
     end = time.perf_counter()
@@ -70,4 +74,8 @@ def run(options: argparse.Namespace) -> int:
 
 def _before(options: argparse.Namespace) -> Reactions:
     press = load(options.before)
-    return inverse_dynamics(press, cycle(press, speed=options.speed * RPM, points=options.points))
+    return inverse_dynamics(press, cycle(press, speed=options.speed * RPM, points=_points(press, options)))
+
+
+def _points(press: Linkage, options: argparse.Namespace) -> int:
+    return options.points if options.points is not None else POINTS * press.period_turns

@@ -78,7 +78,7 @@ def add(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None
         help="what a measure may be at most, in its SI unit; may be given several times",
     )
     option("--load", metavar="KIND:KEYS", action="append", default=[], help="process load, see below; may be given several times")
-    option("--points", type=int, default=360, metavar="N", help="crank angles in the turn (default: %(default)s)")
+    option("--points", type=int, metavar="N", help="crank angles, in all (default: 360 a turn)")
     option("--driver", metavar="JOINT", help=DRIVER)
     option("--slide", metavar="LINK", help=SLIDE)
     option("--out", type=Path, metavar="DIR", help="folder for the files; made if it is not there")

@@ -1,4 +1,4 @@
-"""`pinpress record`: one turn of a press as a page, a film, a picture."""
+"""`pinpress record`: one period of a press as a page, a film, a picture."""
 
 import argparse
 import math
@@ -22,8 +22,8 @@ def add(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None
     parser = commands.add_parser(
         "record",
         help="a page, film or picture of a press turning, with its forces",
-        description="Turn a press once at constant speed, without process loads, and write what it looks like: a page to open by double\n"
-        "click (--out), a film (--video), a picture (--png); bearing forces and shaking force are drawn as arrows.",
+        description="Turn a press through one period at constant speed, without process loads, and write what it looks like: a page to\n"
+        "open by double click (--out), a film (--video), a picture (--png); bearing forces and shaking force are drawn as arrows.",
         epilog=EPILOG,
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
@@ -40,12 +40,12 @@ def add(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None
         "--slowdown",
         type=float,
         metavar="X",
-        help="times slower than the press; 1: real time (default: such that a turn takes 4 s or more)",
+        help="times slower than the press; 1: real time (default: such that a period takes 4 s or more)",
     )
-    option("--repeats", type=int, default=1, metavar="N", help="turns in the film (default: %(default)s)")
+    option("--repeats", type=int, default=1, metavar="N", help="periods in the film (default: %(default)s)")
     option("--trace", type=trace, action="append", default=[], metavar="LINK:X,Y,Z", help=TRACE)
     option("--no-forces", dest="forces", action="store_false", help="leave the forces out")
-    option("--points", type=int, default=360, metavar="N", help="crank angles in the turn (default: %(default)s)")
+    option("--points", type=int, metavar="N", help="crank angles, in all (default: 360 a turn)")
     option("--driver", metavar="JOINT", help=DRIVER)
     option("--slide", metavar="LINK", help=SLIDE)
     parser.set_defaults(run=run)
@@ -75,7 +75,7 @@ def run(options: argparse.Namespace) -> int:
         record(press, motion, page, reactions=reactions, traces=options.trace)
         size = {} if options.size is None else {"size": options.size}
         if options.png is not None:
-            still(page, options.png, _time(options.at, options.speed), **size)
+            still(page, options.png, _time(options.at, options.speed, press.period_turns), **size)
         if options.video is not None:
             shown = {"frames_per_second": options.fps, "slowdown": options.slowdown, "repeats": options.repeats}
             with progress(1.0, "{percentage:3.0f} % |{bar}| {remaining} to go") as tell:
@@ -85,9 +85,9 @@ def run(options: argparse.Namespace) -> int:
     return 0
 
 
-def _time(degrees: float, speed: float) -> float:
-    """When [s] a crank at constant speed [r/min] is at an angle, from 0 on."""
-    return degrees / 360 % 1 * 60 / abs(speed) if speed > 0 else -degrees / 360 % 1 * 60 / abs(speed)
+def _time(degrees: float, speed: float, turns: int) -> float:
+    """When [s] a crank at constant speed [r/min] is at an angle, from 0 on within a period of so many turns."""
+    return (degrees if speed > 0 else -degrees) / 360 % turns * 60 / abs(speed)
 
 
 def _size(words: str) -> tuple[int, int]:

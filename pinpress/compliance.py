@@ -28,7 +28,7 @@ from .poses import link_of
 from .reactions import inverse_dynamics
 
 RIGID = 1e-12  # of the largest compliance over the motion: less is rounding
-POINTS = 360
+POINTS = 360  # of a turn
 UNSHARED = 1e-9  # of a deflection: what it may err by
 NOTHING_IDLE = 1e-16  # of the work of a force on the slide on itself: idle forces that do less are rounding
 SOFT = 1e9  # stiffness of a bearing without one, to share forces otherwise [N/m]
@@ -97,7 +97,7 @@ def elasticity(press: Linkage, stiffness: Stiffness, angle: ArrayLike | None = N
 
     Args:
         stiffness: of its parts.
-        angle: (n,) crank angles [rad]; by default one turn of 360, its end left out.
+        angle: (n,) crank angles [rad]; by default 360 a turn of one period, its end left out.
 
     Raises:
         UnknownNameError: a bearing or link that the linkage does not have.
@@ -107,7 +107,7 @@ def elasticity(press: Linkage, stiffness: Stiffness, angle: ArrayLike | None = N
     """
     parts(press, stiffness)  # refuses what makes no sense before anything is computed
     centres = dead_centres(press)
-    angles = np.arange(POINTS) * (2 * np.pi / POINTS) if angle is None else angle
+    angles = np.arange(POINTS * press.period_turns) * (2 * np.pi / POINTS) if angle is None else angle
     motion = cycle(press, 0.0, angle=angles)
     held = hold(press, stiffness, motion)
     shares = held.moved(held.unit)

@@ -4,6 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from .branch import beyond
 from .coordinates import Array
 from .errors import PinpressError
 from .linkage import Linkage
@@ -12,14 +13,16 @@ from .motion import carried
 ROUNDING = 4 * float(np.finfo(float).eps)  # of a crank angle [rad]
 MOST_STEPS = 60  # halve half a degree down to that
 SAMPLES = 720  # per turn; two dead centres closer than half a degree would be taken for none
+EQUAL = 1e-12  # of the stroke: turning points that differ by less differ by rounding
 
 
 @dataclass(frozen=True)
 class DeadCentres:
-    """Outermost turning points of the slide along its guide's axis over one turn.
+    """Outermost turning points of the slide along its guide's axis over one period; of equal ones the first.
 
     Attributes:
-        top_angle, bottom_angle: of the driver joint, 0 to 2 pi [rad]. top: the far end along the axis, upwards in an upright press.
+        top_angle, bottom_angle: of the driver joint, from 0 to the end of the period, which mostly is 2 pi (`Linkage.period_turns`) [rad].
+            top: the far end along the axis, upwards in an upright press.
         top_position, bottom_position: of the slide [m].
     """
 
@@ -38,8 +41,8 @@ def dead_centres(press: Linkage) -> DeadCentres:
     """Dead centres of a press whose crank turns fully, to rounding: zeros of the slide's speed, found once and kept with the press.
 
     Raises:
-        PinpressError: the linkage has no slide, or its slide never turns back.
-        SingularityError: the linkage locks within the turn.
+        PinpressError: the linkage has no slide, its slide never turns back, or it is not back after many turns.
+        SingularityError: the linkage locks within the period.
     """
     return press.dead_centres
 
@@ -47,18 +50,20 @@ def dead_centres(press: Linkage) -> DeadCentres:
 def found(press: Linkage) -> DeadCentres:
     """The same, worked out."""
     _ = press.slide_guide  # it has a slide
-    turns = press.passage.period or 2 * np.pi
+    period = press.passage.period
+    if period is None:
+        raise beyond(press.passage, upwards=press.passage.locks[True] is not None)
 
     def slide(angle: Array) -> tuple[Array, Array, Array]:
         motion = carried(press, angle, 1.0)
         return motion.slide_position, motion.slide_velocity, motion.slide_acceleration
 
     # A press is often drawn at a dead centre: a grid that starts off the drawn pose has no sample on it.
-    samples = np.linspace(0.0, turns, round(SAMPLES * turns / (2 * np.pi)) + 1) - 0.38 * np.pi / SAMPLES
+    samples = np.linspace(0.0, period, round(SAMPLES * period / (2 * np.pi)) + 1) - 0.38 * np.pi / SAMPLES
     speeds = slide(samples)[1]
     turning = np.flatnonzero(np.signbit(speeds[:-1]) != np.signbit(speeds[1:]))
     if len(turning) < 2:
-        raise PinpressError(f"the slide of {press.name} does not turn back within a turn of the driver: it has no dead centres")
+        raise PinpressError(f"the slide of {press.name} does not turn back within its period: it has no dead centres")
     low, high = samples[turning], samples[turning + 1]
     before, angles = np.signbit(speeds[turning]), 0.5 * (low + high)
     for _ in range(MOST_STEPS):
@@ -71,6 +76,6 @@ def found(press: Linkage) -> DeadCentres:
         if np.abs(angles - last).max() <= ROUNDING:
             break
     positions = slide(angles)[0]
-    angles = np.where(np.abs(angles) < 1e-12, 0.0, angles % (2 * np.pi))  # not 360 degrees for one drawn there
-    top, bottom = int(positions.argmax()), int(positions.argmin())
+    angles = np.where(np.abs(angles) < 1e-12, 0.0, angles % period)  # not 360 degrees for one drawn there
+    top, bottom = (int(np.argmax(way * positions >= (way * positions).max() - EQUAL * np.ptp(positions))) for way in (1, -1))
     return DeadCentres(float(angles[top]), float(positions[top]), float(angles[bottom]), float(positions[bottom]))

@@ -19,7 +19,7 @@ class Extreme:
     """Extremes of one quantity over a motion's states, in its unit.
 
     Attributes:
-        smallest_at, largest_at: crank angle [deg], 0 to 360; of several drivers that of the first.
+        smallest_at, largest_at: crank angle [deg], as `Motion.crank_degrees`.
         range: largest less smallest.
         rms: root of the mean square over the states, which is that over time where these are equally spaced in it, as in a `cycle` or run.
     """
@@ -44,7 +44,7 @@ def extremes(reactions: Reactions) -> tuple[Extreme, ...]:
         PinpressError: a value that is not finite.
     """
     motion = charts.driven(reactions)
-    angle = np.degrees(charts.finite("crank angle", motion.crank_angle).reshape(len(motion.crank_angle), -1)[:, 0]) % 360.0
+    angle = charts.finite("crank angle", motion.crank_degrees)
     return tuple(_extreme(quantity, unit, charts.finite(quantity, values), angle) for quantity, unit, values in _series(reactions))
 
 

@@ -13,7 +13,7 @@ from . import files
 from .charts import Abscissa, Curve, abscissa
 from .coordinates import Array
 from .errors import PinpressError
-from .harmonic_analysis import is_cycle, last_turn
+from .harmonic_analysis import is_cycle
 from .motion import Motion
 
 if TYPE_CHECKING:
@@ -85,13 +85,14 @@ def save_plot(figure: "Figure", path: str | os.PathLike[str]) -> Path:
 
 
 class Over:
-    """What curves are drawn over. One turn without its end is closed by its first state."""
+    """What curves are drawn over. One period without its end is closed by its first state."""
 
     def __init__(self, motion: Motion) -> None:
         self.abscissa: Abscissa = abscissa(motion)
-        self._closes = self.abscissa.unit == "deg" and is_cycle(motion) and last_turn(motion) == 0
+        self._closes = self.abscissa.unit == "deg" and is_cycle(motion)
         x = self.abscissa.values
-        self.x: Array = np.append(x, x[0] + np.copysign(360.0, x[-1])) if self._closes else x
+        self._turns = motion.period_turns or 1
+        self.x: Array = np.append(x, x[0] + np.copysign(360.0 * self._turns, x[-1])) if self._closes else x
 
     def along(self, values: Array) -> Array:
         """Values (n, ...) at `x`."""
@@ -107,7 +108,7 @@ class Over:
             axes.set_xlim(first, last)  # backwards too: time runs to the right
         if self.abscissa.unit == "deg":
             turned = abs(last - first)
-            whole = MultipleLocator(45 if wide else 90)
+            whole = MultipleLocator((45 if wide else 90) * self._turns)
             axes.xaxis.set_major_locator(whole if turned >= 270 else MaxNLocator(9 if wide else 5, steps=[1, 1.5, 3, 4.5, 6, 9, 10]))
 
 

@@ -64,7 +64,7 @@ def film(
 ) -> Path:
     """Write a film of a recording, without its controls, and return its path.
 
-    Frame k shows the recording at k / (frames_per_second slowdown) [s]. One turn makes a loop: its last frame is followed by its first.
+    Frame k shows the recording at k / (frames_per_second slowdown) [s]. One period makes a loop: its last frame is followed by its first.
 
     Args:
         page: the HTML file that `record` or `report` wrote.

@@ -5,7 +5,7 @@ import numpy as np
 from .coordinates import Array
 from .drives import Flywheel
 from .errors import PinpressError, expect
-from .harmonic_analysis import is_cycle, last_turn
+from .harmonic_analysis import is_cycle
 from .linkage import Linkage
 from .motion import Motion
 from .mounted_press import MountedPress
@@ -72,18 +72,23 @@ def period(motion: Motion) -> tuple[float, int]:
     """Period [s] of a periodic motion, and its states, equal intervals of time apart, the end left out.
 
     Raises:
-        PinpressError: neither one turn at constant speed nor one period of a steady state.
+        PinpressError: neither one period at constant speed nor one of a steady state.
     """
     states, speed = len(motion.crank_angle), motion.crank_speed
-    if is_cycle(motion) and last_turn(motion) == 0:
+    angle = 2 * np.pi * (motion.period_turns or 1)
+    if is_cycle(motion):
         if np.ptp(speed) <= EVEN * np.abs(speed).max() and not motion.crank_acceleration.any():
-            return 2 * np.pi / abs(float(speed[0])), states
+            return angle / abs(float(speed[0])), states
     elif isinstance(motion, Run):
         turned = abs(motion.crank_angle[-1] - motion.crank_angle[0])
-        if abs(turned - 2 * np.pi) < SAME_SPEED and abs(speed[-1] - speed[0]) <= SAME_SPEED * abs(speed[0]):
+        if (
+            turned > 0.5 * angle
+            and abs(turned - angle * round(turned / angle)) < SAME_SPEED
+            and abs(speed[-1] - speed[0]) <= SAME_SPEED * abs(speed[0])
+        ):
             return float(motion.time[-1] - motion.time[0]), states - 1
     raise PinpressError(
-        "the motion is no period: give one turn at constant speed (cycle with points=) or one period of steady_state, or use time_response"
+        "the motion is no period: give one at constant speed (cycle without angle=) or one period of steady_state, or use time_response"
     )
 
 

@@ -32,7 +32,7 @@ def steady_response(system: MountedPress, result: Reactions, points: Points, fly
     """The vibration of one period, when all that began it has died away.
 
     Args:
-        result: of one turn at constant speed (`cycle`), or of one period of `steady_state`.
+        result: of one period at constant speed (`cycle`), or of one period of `steady_state`.
         points: name -> (3,) point of the frame [m]; of a frame in two parts (3,) of the bed, or ("crown", (3,)).
         flywheel: on the crank's shaft, see `frame_forcing.forcing`; it matters where the speed changes.
 

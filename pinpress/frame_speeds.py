@@ -1,7 +1,7 @@
 """An idle press on its mounts over its range of speeds, and what its mounts pass on.
 
 Idle and at constant speed the shaking wrench is a part that the weights of the moving links give, the same at all speeds, and one that
-grows with the speed squared; both are found from two turns, and with them every speed at once.
+grows with the speed squared; both are found from two cycles, and with them every speed at once.
 """
 
 import os
@@ -25,7 +25,7 @@ from .motion import RPM, cycle
 from .mounted_press import MountedPress
 from .reactions import Reactions, inverse_dynamics
 
-STATES = 360  # of the turn: harmonics to order 179
+STATES = 360  # of a turn: harmonics to order 179
 ROUNDED = 1e-14  # of the largest force: harmonics that are rounding, left out
 AXES = {"x": 0, "y": 1, "z": 2}
 
@@ -114,14 +114,15 @@ def over_speeds(system: MountedPress, speeds: ArrayLike, points: Points) -> Spee
     frequency, harmonics = spectra(system, speed)
     amplitude = solved(system, frequency, harmonics)
     amplitude[:, 0] = 0.0  # what does not vibrate: rounding of the weight
+    states = _states(system)
     by_point = {name: np.einsum("ij,skj->ski", at, amplitude) for name, at in rows.items()}
     acceleration = {name: -(frequency[..., None] ** 2) * values for name, values in by_point.items()}
     return SpeedResponse(
         press=system.press.name,
         speed=_fixed(speed),
-        rms=FrozenMapping({name: _fixed(_rms(values)) for name, values in acceleration.items()}),
-        peak=FrozenMapping({name: _fixed(_largest(values)) for name, values in acceleration.items()}),
-        displacement=FrozenMapping({name: _fixed(_largest(values)) for name, values in by_point.items()}),
+        rms=FrozenMapping({name: _fixed(_rms(values, states)) for name, values in acceleration.items()}),
+        peak=FrozenMapping({name: _fixed(_largest(values, states)) for name, values in acceleration.items()}),
+        displacement=FrozenMapping({name: _fixed(_largest(values, states)) for name, values in by_point.items()}),
         shaking_force=_fixed(shaking_rms(system, harmonics)),
         floor_force=_fixed(floor_rms(system, frequency, amplitude)),
     )
@@ -146,29 +147,30 @@ def transmissibility(system: MountedPress, frequency: ArrayLike, axis: str = "z"
 
 
 def spectra(system: MountedPress, speed: Array) -> tuple[Array, ComplexArray]:
-    """Angular frequencies (s, k) and one-sided harmonics (s, k, n) of the wrench on the frame, as `numpy.fft.rfft` has them over STATES.
-    The last ones, that are rounding, are left out."""
+    """Angular frequencies (s, k) and one-sided harmonics (s, k, n) of the wrench on the frame, as `numpy.fft.rfft` has them over the
+    states of a period. The last ones, that are rounding, are left out."""
     press, fast = system.press, float(speed[-1])
     one, two = (forcing(system, _idle(press, some), None) for some in (fast, 2 * fast))
     growing = (two - one) / (3 * fast**2)
     size = max(np.abs(one).max(), np.abs(system.weight[:3]).max())
-    constant, squared = (resolved(np.fft.rfft(part, axis=0), STATES, size) for part in (one - fast**2 * growing, fast**2 * growing))
-    there = np.flatnonzero(np.maximum(np.abs(constant), np.abs(squared)).max(axis=1) > ROUNDED * STATES * size)
+    states = _states(system)
+    constant, squared = (resolved(np.fft.rfft(part, axis=0), states, size) for part in (one - fast**2 * growing, fast**2 * growing))
+    there = np.flatnonzero(np.maximum(np.abs(constant), np.abs(squared)).max(axis=1) > ROUNDED * states * size)
     orders = int(there[-1]) + 1 if len(there) else 1
     harmonics = constant[:orders] + (speed[:, None, None] / fast) ** 2 * squared[:orders]
-    return speed[:, None] * np.arange(harmonics.shape[1]), harmonics
+    return speed[:, None] * (np.arange(harmonics.shape[1]) / press.period_turns), harmonics
 
 
 def shaking_rms(system: MountedPress, harmonics: ComplexArray) -> Array:
     """(s,) of the shaking force [N], zero where it is rounding."""
     force = sum(harmonics[..., 6 * part : 6 * part + 3] for part in range(system.parts))
-    size = np.sqrt((_rms(np.asarray(force)) ** 2).sum(axis=1))
+    size = np.sqrt((_rms(np.asarray(force), _states(system)) ** 2).sum(axis=1))
     return np.asarray(np.where(size > NOTHING * np.abs(system.weight[:3]).max(), size, 0.0))
 
 
 def floor_rms(system: MountedPress, frequency: Array, amplitude: ComplexArray) -> Array:
     """(s,) of the force on the floor [N]."""
-    return np.asarray(np.sqrt((_rms(mount_forces(system, frequency, amplitude).sum(axis=-2)) ** 2).sum(axis=1)))
+    return np.asarray(np.sqrt((_rms(mount_forces(system, frequency, amplitude).sum(axis=-2), _states(system)) ** 2).sum(axis=1)))
 
 
 def rising(name: str, given: ArrayLike) -> Array:
@@ -184,16 +186,21 @@ def rising(name: str, given: ArrayLike) -> Array:
 
 
 def _idle(press: Linkage, speed: float) -> Reactions:
-    return inverse_dynamics(press, cycle(press, speed, STATES), bearings=())
+    return inverse_dynamics(press, cycle(press, speed, STATES * press.period_turns), bearings=())
 
 
-def _rms(harmonics: ComplexArray) -> Array:
+def _states(system: MountedPress) -> int:
+    """States of a period."""
+    return STATES * system.press.period_turns
+
+
+def _rms(harmonics: ComplexArray, states: int) -> Array:
     """Root mean square (s, ...) of what has these harmonics (s, k, ...), about its mean."""
-    return np.asarray(np.sqrt(2 * (np.abs(harmonics[:, 1:]) ** 2).sum(axis=1)) / STATES)
+    return np.asarray(np.sqrt(2 * (np.abs(harmonics[:, 1:]) ** 2).sum(axis=1)) / states)
 
 
-def _largest(harmonics: ComplexArray) -> Array:
-    return np.asarray(np.abs(np.fft.irfft(harmonics, STATES, axis=1)).max(axis=1))
+def _largest(harmonics: ComplexArray, states: int) -> Array:
+    return np.asarray(np.abs(np.fft.irfft(harmonics, states, axis=1)).max(axis=1))
 
 
 def _fixed(array: Array) -> Array:

@@ -23,8 +23,8 @@ class Keys:
 
     Attributes:
         states: (k,) indices of states of the motion. time: (k,) from the first one [s]. crank: (k,) angle of the (first) driver [rad].
-        slide: (k,) slide position [m], None where there is no slide. turn: how many keys, from the first, one turn takes, after which the
-            linkage repeats its path; all of them where it does not.
+        slide: (k,) slide position [m], None where there is no slide. turn: how many keys, from the first, one period takes, after
+            which the linkage repeats its path; all of them where it does not.
     """
 
     states: NDArray[np.intp]
@@ -35,7 +35,7 @@ class Keys:
 
 
 def keys(press: Linkage, motion: Motion) -> Keys:
-    """Key frames of a motion; one of a turn is closed to a loop, a long one thinned to `PER_TURN` a turn of the crank.
+    """Key frames of a motion; one of a period is closed to a loop, a long one thinned to `PER_TURN` a turn of the crank.
 
     Raises:
         PinpressError: a motion of a linkage with other joints, no time in it, a value that is not finite, states that are too far apart,
@@ -48,12 +48,12 @@ def keys(press: Linkage, motion: Motion) -> Keys:
     _refuse_broken(motion, press.slide is not None)
     time = motion.time - motion.time[0]
     crank = np.asarray(motion.crank_angle).reshape(len(time), -1)[:, 0]  # of several drivers, the first
-    returns = _turns_back(press)
-    last = _closing_time(time, crank) if returns else None
+    period = _period(press, motion)
+    last = None if period is None else _closing_time(time, crank, period)
     order = np.arange(len(time))
-    if last is not None:  # the first state once more, so that the loop has no jump
+    if period is not None and last is not None:  # the first state once more, so that the loop has no jump
         order, time = np.append(order, 0), np.append(time, last)
-        crank = np.append(crank, crank[0] + np.sign(crank[-1] - crank[0]) * 2 * np.pi)
+        crank = np.append(crank, crank[0] + np.sign(crank[-1] - crank[0]) * period)
     turns = float(np.abs(np.diff(crank)).sum() / (2 * np.pi))
     if turns * FEWEST_PER_TURN > MOST:
         raise PinpressError(
@@ -69,8 +69,8 @@ def keys(press: Linkage, motion: Motion) -> Keys:
     kept = np.rint(np.linspace(0, len(order) - 1, int(min(len(order), most)))).astype(int)  # the first and the last among them
     order, crank = order[kept], crank[kept]
     slide = np.asarray(motion.slide_position)[order] if press.slide is not None else None
-    beyond = np.flatnonzero(np.abs(crank - crank[0]) >= 2 * np.pi * (1 - 1e-9))
-    turn = int(beyond[0]) + 1 if returns and len(beyond) else len(order)
+    beyond = np.flatnonzero(np.abs(crank - crank[0]) >= (period or np.inf) * (1 - 1e-9))
+    turn = int(beyond[0]) + 1 if len(beyond) else len(order)
     return Keys(order, time[kept], crank, slide, turn)
 
 
@@ -87,16 +87,17 @@ def _refuse_broken(motion: Motion, has_slide: bool) -> None:
         raise PinpressError("motion.time does not increase from point to point; order the points of the motion by time")
 
 
-def _turns_back(press: Linkage) -> bool:
-    """Whether the linkage is where it was after a turn of its driver; with a gear ratio it need not be."""
-    if len(press.drivers) > 1 or press.branch.period is None:
-        return False
-    before, after = configuration(press.spatial.slots, predict(press.branch, np.array([0.0, 2 * np.pi]))).T
-    return bool(np.allclose(before, after, rtol=0.0, atol=1e-9 * (1 + press.spatial.size)))
+def _period(press: Linkage, motion: Motion) -> float | None:
+    """Crank angle after which all is where it was, balanced shafts too [rad]; None where it is not after a period of the motion."""
+    if motion.period_turns is None:
+        return None
+    period = 2 * np.pi * motion.period_turns
+    before, after = configuration(press.spatial.slots, predict(press.passage, np.array([0.0, period]))).T
+    return period if np.allclose(before, after, rtol=0.0, atol=1e-9 * (1 + press.spatial.size)) else None
 
 
-def _closing_time(time: Array, crank: Array) -> float | None:
-    """When the first point comes round again [s], if the motion is one turn without its end point; else None."""
+def _closing_time(time: Array, crank: Array, period: float) -> float | None:
+    """When the first point comes round again [s], if the motion is one period [rad] without its end point; else None."""
     turned = abs(crank[-1] - crank[0])
-    gap, step = 2 * np.pi - turned, np.max(np.abs(np.diff(crank)), initial=0.0)
+    gap, step = period - turned, np.max(np.abs(np.diff(crank)), initial=0.0)
     return float(time[-1] * (1 + gap / turned)) if len(time) > 2 and 1e-6 * step < gap <= 1.001 * step else None

@@ -1,4 +1,4 @@
-"""Angles between the links of a linkage over a turn: pressure angle and transmission angle.
+"""Angles between the links of a linkage over a period: pressure angle and transmission angle.
 
 Of a planar linkage the pins' positions belong in one plane across the pins' axes.
 """
@@ -41,11 +41,11 @@ def pressure_angle(motion: CrankMotion, driven: Numbers, other: Numbers, axis: A
     means that the link stands square to the way at some crank angle. Chen 2002 asks for at most 40 degrees.
 
     Args:
-        motion: one turn at constant speed. driven, other: (n, 3) positions of the two pins [m], see `bearing_positions`.
+        motion: one period at constant speed. driven, other: (n, 3) positions of the two pins [m], see `bearing_positions`.
         axis: (3,) of the guide; of any length.
 
     Raises:
-        PinpressError: not such a turn, arrays of other shapes or not finite, pins in one place, or states too far apart.
+        PinpressError: not such a period, arrays of other shapes or not finite, pins in one place, or states too far apart.
     """
     link = _line(motion, "driven", driven, "other", other)
     way = np.asarray(axis, dtype=float)
@@ -66,11 +66,11 @@ def transmission_angle(motion: CrankMotion, pin: Numbers, one: Numbers, another:
     come into line at some crank angle.
 
     Args:
-        motion: one turn at constant speed. pin, one, another: (n, 3) positions of the pin and of the links' other pins [m], see
+        motion: one period at constant speed. pin, one, another: (n, 3) positions of the pin and of the links' other pins [m], see
             `bearing_positions`.
 
     Raises:
-        PinpressError: not such a turn, arrays of other shapes or not finite, pins in one place, or states too far apart.
+        PinpressError: not such a period, arrays of other shapes or not finite, pins in one place, or states too far apart.
     """
     first, second = _line(motion, "one", one, "pin", pin), _line(motion, "another", another, "pin", pin)
     cosine = _smooth("the transmission angle", _dot(first, second) / np.sqrt(_dot(first, first) * _dot(second, second)), pin, one, another)
@@ -83,7 +83,7 @@ def transmission_angle(motion: CrankMotion, pin: Numbers, one: Numbers, another:
 
 def _line(motion: CrankMotion, name: str, to: Numbers, beginning_name: str, beginning: Numbers) -> ComplexArray:
     """Vectors (n, 3) from one pin to another."""
-    over_turn.step_time(motion)  # refuses what is no full turn
+    over_turn.step_angle(motion)  # refuses what is no full period
     states = len(motion.crank_angle)
     for what, positions in ((name, to), (beginning_name, beginning)):
         if np.shape(positions) != (states, 3) or not np.all(np.isfinite(positions)):
@@ -100,12 +100,12 @@ def _dot(one: ComplexArray, another: ComplexArray) -> ComplexArray:
 
 
 def _smooth(what: str, values: ComplexArray, *given: Numbers) -> Curve:
-    """A quantity (n,) of about one over the turn: its trigonometric polynomial at more places, with derivatives."""
+    """A quantity (n,) of about one over the period: its trigonometric polynomial at more places, with derivatives."""
     n = len(values)
     orders = np.arange(n // 2 + 1)
     harmonics = np.fft.rfft(values.real), np.fft.rfft(values.imag)  # apart: one transform would round the one into the other
     if np.abs(harmonics[0][-max(2, len(orders) // 4) :]).max() > UNRESOLVED * n:
-        raise PinpressError(f"{n} states do not resolve {what} over the turn, or the linkage is elsewhere after it: give cycle more points")
+        raise PinpressError(f"{n} states do not resolve {what} over the period, or the linkage is elsewhere after it: give more points")
 
     def derivative(order: int) -> ComplexArray:
         finer = FINER * n

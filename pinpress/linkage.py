@@ -28,6 +28,7 @@ if TYPE_CHECKING:
     from .reduced import Table
 
 CLEAR = 1e-2  # margin of a block of redundant equations below which all are solved together
+EVEN = 1e-9  # of its moment of inertia, or of the linkage's size: unbalance of a shaft that is rounding
 ACCEPTED = 1e3  # times the tolerance of rounding: a loop whose gap is not below that is open
 
 
@@ -198,6 +199,50 @@ class Linkage(Frozen):
         middle = 0.5 * float(found.angles[0] + found.angles[-1])  # the drawn pose may be beside a change point
         carried = self._walk(self.plane, branch.predict(found, np.array([middle]))[:, 0], gap=self.gaps, begin=middle)
         return carried if carried.change_points else found
+
+    @property
+    def period_turns(self) -> int:
+        """Turns of the driver in one period, after which all that matters to motion and forces is where it was. Mostly one; more where gear
+        ratios bring something back later. A balanced shaft that is geared to a linkage, and on none of its loops, does not count.
+
+        Raises:
+            SingularityError: the linkage locks before.
+            PinpressError: it is not back after many turns, or has several drivers.
+        """
+        if self.turns_until_back is not None:
+            return self.turns_until_back
+        if self.passage.period is None:
+            raise branch.beyond(self.passage, upwards=self.passage.locks[True] is not None)
+        raise PinpressError(
+            f"{self.name} has no period: an unbalanced shaft is geared so that it is not back after {branch.MOST_TURNS} turns; give crank"
+            " angles, cycle(press, speed, angle=[...]), or another gear ratio"
+        )
+
+    @derived
+    def turns_until_back(self) -> int | None:
+        """The same, None where it is not back, or has several drivers."""
+        if len(self.drivers) > 1:
+            return None
+        found = self.passage
+        if found.period is None:
+            return None
+        loops = (self.spatial.crossed != 0).any(axis=1)
+        counts = [axis.turns and not (loops[k] or self._is_balanced(k)) for k, axis in enumerate(self.spatial.axes)]
+        periods = branch.periods_until_back(found.advance[counts])
+        return None if periods is None else periods * round(found.period / (2 * np.pi))
+
+    def _is_balanced(self, joint: int) -> bool:
+        """Whether what a joint carries has the same inertia however far it has turned; ``joint``: place in v."""
+        body = joint + 1
+        if body in list(self.model.parents)[1:]:
+            return False  # it carries other joints
+        inertia, axis = self.model.inertias[body], self.spatial.axes[joint].direction
+        across = np.eye(3) - np.outer(axis, axis)
+        transverse = across @ inertia.inertia @ across
+        along = axis @ inertia.inertia @ axis
+        uneven = inertia.inertia - along * np.outer(axis, axis) - 0.5 * np.trace(transverse) * across
+        eccentric = inertia.mass * np.linalg.norm(across @ inertia.lever)
+        return bool(np.abs(uneven).max() <= EVEN * along and eccentric <= EVEN * inertia.mass * self.spatial.size)
 
     @derived
     def table(self) -> "Table":

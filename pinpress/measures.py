@@ -1,4 +1,5 @@
-"""Measures of a slide's motion, in which requirements on a press are stated: plain functions of the motion of one turn at constant speed.
+"""Measures of a slide's motion, in which requirements on a press are stated: plain functions of the motion of one period at constant speed,
+as `cycle` gives it.
 
 The working stroke goes against the guide's axis, downwards in an upright press; with ``downwards=False`` the measure is that of the other
 stroke. Heights [m] are those above bottom dead centre, the outermost turning point against the axis. Between its states a motion is taken
@@ -8,8 +9,8 @@ points and to 1e-5 with 45; fewer than resolve the motion to 1e-5 are refused.
 All functions are analytic in the arrays of the motion: of complex ones the measure is complex, and derivatives by parameters are found by
 the complex-step method, the imaginary part of the measure for arrays of values + i h derivatives, h about 1e-30, divided by h.
 
-All raise PinpressError for a motion that is no such turn, has no slide or one that does not turn back, or has too few states; those of the
-working stroke for a slide that turns back more than twice a turn too.
+All raise PinpressError for a motion that is no such period, has no slide or one that does not turn back, or has too few states; those of
+the working stroke for a slide that turns back more than twice in it too.
 """
 
 import numpy as np
@@ -93,7 +94,7 @@ def mechanical_advantage(motion: SlideMotion, height: float, downwards: bool = T
         PinpressError: a height that is not between 0 and the stroke.
     """
     path, speed = _speed_by_state(motion, height, downwards)
-    return path.number(2 * np.pi / path.states / speed)
+    return path.number(abs(over_turn.step_angle(motion)) / speed)
 
 
 def dwell_angle(motion: SlideMotion, tolerance: float) -> float:
@@ -103,7 +104,7 @@ def dwell_angle(motion: SlideMotion, tolerance: float) -> float:
         PinpressError: a tolerance that is not between 0 and the stroke.
     """
     path, states = _dwell(motion, tolerance)
-    return path.number(states * 2 * np.pi / path.states)
+    return path.number(states * abs(over_turn.step_angle(motion)))
 
 
 def dwell_time(motion: SlideMotion, tolerance: float) -> float:

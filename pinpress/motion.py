@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from . import spatial, tables
-from .branch import Branch
+from .branch import Branch, beyond
 from .closing import closed, followed, refuse_far
 from .closure import Closure
 from .coordinates import Array, ComplexArray, Slot, configuration
@@ -21,7 +21,8 @@ from .single_numbers import numbers, whole_number
 RPM = 2 * np.pi / 60
 """One revolution per minute [rad/s]."""
 
-MOST_POINTS = 10**7  # states of one turn: half a gigabyte for every quantity of a six-bar press
+POINTS = 360  # of a turn
+MOST_POINTS = 10**7  # states of one period: half a gigabyte for every quantity of a six-bar press
 KEPT = 1e6  # roundings of time that a step must have, for its length to be known
 
 
@@ -39,6 +40,7 @@ class Motion(Frozen):
         time: (n,) [s]. See `cycle` for states that are not in time.
         slide_position, slide_velocity, slide_acceleration: (n,) of the slide link's origin along its guide's axis in world coordinates,
             positive along the axis (upwards) [m, m/s, m/s2].
+        period_turns: as of `Linkage`; None where the linkage has no period, or several drivers.
     """
 
     linkage: str
@@ -54,6 +56,7 @@ class Motion(Frozen):
     _time: Array | None
     _slots: tuple[Slot, ...]
     _guide: tuple[int, float] | None
+    period_turns: int | None
     # Not taken over by dataclasses.replace: a motion with other positions must not keep the basis of this one.
     _closed_as: tuple[Linkage, ComplexArray] | None = field(default=None, init=False)
 
@@ -78,6 +81,13 @@ class Motion(Frozen):
     def slide_position(self) -> Array:
         guide, offset = self._slide()
         return _fixed(self.joint_position[:, guide] + offset)
+
+    @property
+    def crank_degrees(self) -> Array:
+        """(n,) crank angle within one period, of several drivers that of the first [deg]: 0 to 360, or to as many turns as the period has;
+        unwrapped where there is none."""
+        degrees = np.degrees(self.crank_angle.reshape(len(self.crank_angle), -1)[:, 0])
+        return degrees if self.period_turns is None else np.asarray(degrees % (360.0 * self.period_turns))
 
     @property
     def slide_velocity(self) -> Array:
@@ -131,11 +141,14 @@ def cycle(
     time: ArrayLike | None = None,
     engine: str = "auto",
 ) -> Motion:
-    """The motion of a press: one turn at constant speed, or a servo motion.
+    """The motion of a press: one period at constant speed, or a servo motion.
+
+    The period is one turn of the crank. Only where gear ratios bring the linkage back later is it several turns, see
+    `Linkage.period_turns`: so peaks and extremes over it are those of all turns.
 
     Args:
-        speed: of the driver joint [rad/s]. One number, with ``points`` (default 360): one turn from crank angle 0 in equal steps, the end
-            left out, backwards where it is negative. With ``angle``: (n,) or one number.
+        speed: of the driver joint [rad/s]. One number, with ``points`` in all (default 360 a turn): one period from crank angle 0 in equal
+            steps, the end left out, backwards where it is negative. With ``angle``: (n,) or one number.
         angle, acceleration: (n,) of the driver joint, any angles up to 1e7 rad in any order [rad, rad/s2]; ``acceleration`` may be one
             number. A linkage with several drivers takes (n, drivers) of all three, in the order of `Linkage.drivers`; there the assembly
             is followed from the drawn pose to the first state and from state to state, on straight lines between the drivers' positions.
@@ -144,17 +157,17 @@ def cycle(
         engine: "plane" (all crank angles at once), "pinocchio" (any linkage), or "auto": the plane where the linkage is planar.
 
     Raises:
-        PinpressError: a number that is not finite, arrays of different lengths, fewer than two points, a turn at speed zero.
+        PinpressError: a number that is not finite, arrays of different lengths, fewer than two points, a period at speed zero, or of a
+            linkage that is not back after many turns.
         SingularityError: the linkage locks within the motion.
         AssemblyError: the loops do not close.
     """
     press.planar(engine)  # refuses an engine that does not suit before anything is computed
     if angle is None:
-        _ = press.branch  # a turn is one of a single driver
-        angles, speeds, accelerations, times = _turn(speed, 360 if points is None else points, acceleration, time)
+        angles, speeds, accelerations, times = _period(press, press.branch, speed, points, acceleration, time)
     else:
         if points is not None:
-            raise PinpressError("points goes with one turn at constant speed: leave it out where angle is given")
+            raise PinpressError("points goes with one period at constant speed: leave it out where angle is given")
         angles, speeds, accelerations, times = _servo(angle, speed, acceleration, time, len(press.drivers))
     branch = None if len(press.drivers) > 1 else press.branch
     return _states(press, branch, angles, speeds, accelerations, times, engine)
@@ -182,7 +195,7 @@ def _states(
         finite = math.isfinite(a.sum())  # the accelerations have the squares of the speeds in them
     if not finite:
         raise PinpressError(f"the motion of {press.name} is too fast for floating point: lower speed and acceleration")
-    motion = of_states(press, position, v, a, gap, times)
+    motion = of_states(press, position, v, a, gap, times, None if branch is None or branch.period is None else press.turns_until_back)
     if closure is not None and closure.basis is not None:
         object.__setattr__(motion, "_closed_as", (press, closure.basis))
     return motion
@@ -195,7 +208,9 @@ def as_prescribed(motion: Motion, linkage: str) -> Motion:
     return Motion(**(kept | {"linkage": linkage}))
 
 
-def of_states(press: Linkage, position: Array, v: Array, a: Array, gap: Array, times: Array | None) -> Motion:
+def of_states(
+    press: Linkage, position: Array, v: Array, a: Array, gap: Array, times: Array | None, period_turns: int | None = None
+) -> Motion:
     """The motion with these closed states: joint coordinates, rates and accelerations (nv, n), gaps (n,) and times (n,)."""
     drivers = press.spatial.drivers[0] if len(press.drivers) == 1 else list(press.spatial.drivers)
     return Motion(
@@ -212,6 +227,7 @@ def of_states(press: Linkage, position: Array, v: Array, a: Array, gap: Array, t
         _time=None if times is None else _fixed(times),
         _slots=press.spatial.slots,
         _guide=None if press.slide is None else press.slide_guide,
+        period_turns=period_turns,
     )
 
 
@@ -223,18 +239,24 @@ def _rates(closure: Closure, speed: Array | np.float64, acceleration: Array | No
     return closure.first * speed, a
 
 
-def _turn(speed: ArrayLike, points: int, acceleration: ArrayLike, time: ArrayLike | None) -> tuple[Array, Array, Array, Array | None]:
+def _period(
+    press: Linkage, branch: Branch, speed: ArrayLike, points: int | None, acceleration: ArrayLike, time: ArrayLike | None
+) -> tuple[Array, Array, Array, Array | None]:
     given = numbers("speed", speed)
     if given.ndim:
         raise PinpressError("speed is an array, but a turn at constant speed takes one number: give angle too, for a servo motion")
     rate = float(given)
-    if not (rate and math.isfinite(2 * np.pi / rate)):
+    if branch.period is None:  # a prescribed turn does not go through change points
+        raise beyond(branch, upwards=rate > 0)
+    turns = press.period_turns
+    period = 2 * np.pi * turns
+    if not (rate and math.isfinite(period / rate)):
         raise PinpressError(f"speed is {abs(rate):g}: a turn never ends; give a speed [rad/s], e.g. 70 * pinpress.RPM")
     if time is not None or not (np.isscalar(acceleration) and acceleration == 0.0):
         raise PinpressError("time and acceleration belong to a servo motion: give angle too")
-    points = whole_number("points", points, 2, MOST_POINTS)
-    angles: Array = np.arange(points, dtype=float) * (math.copysign(2 * np.pi, rate) / points)
-    return angles, np.full(points, rate), np.zeros(points), angles / rate
+    count = POINTS * turns if points is None else whole_number("points", points, 2, MOST_POINTS)
+    angles: Array = np.arange(count, dtype=float) * (math.copysign(period, rate) / count)
+    return angles, np.full(count, rate), np.zeros(count), angles / rate
 
 
 def _servo(

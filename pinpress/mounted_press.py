@@ -6,7 +6,7 @@ about it no other point of reference is needed.
 
 What moves in the press rides with the frame. For joint motions q(t) relative to the frame the six equations of a floating tree are
 M(q) u'' + (terms in u' of the links' relative velocities) = shaking wrench at a frame at rest + mounts; M(q) is the spatial inertia of the
-whole press, and its mean over a turn of the crank is taken. What is left out (its change over the turn, Coriolis forces) is of second
+whole press, and its mean over a period is taken. What is left out (its change over the period, Coriolis forces) is of second
 order: the ratio of moving mass to frame times the vibration. The gyroscopic moment of a flywheel, J w times the rate at which the frame
 turns its axis, is left out too.
 
@@ -41,7 +41,7 @@ from .frozen import Frozen, read_only
 from .linkage import Linkage
 from .motion import cycle
 
-POSES = 180  # of the turn over which the moving mass is averaged: the mean of harmonics below that order is exact
+POSES = 180  # of a turn over which the moving mass is averaged: the mean of harmonics below that order is exact
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -139,7 +139,7 @@ def mounted(
     """Stand a press on its mounts.
 
     Args:
-        press: its links ride with the frame, or with the crown; their inertia is averaged over a turn of the crank.
+        press: its links ride with the frame, or with the crown; their inertia is averaged over a period, mostly one turn of the crank.
         frame: the frame in one part; with ``crown`` its lower part, the bed, on which the loads on the frame act (the process force).
         mounts: between floor and frame.
         crown: upper part of the frame, which carries crank and guides. columns: springs between the two, as mounts.
@@ -166,20 +166,20 @@ def with_mounts(system: MountedPress, mounts: Sequence[Mount]) -> MountedPress:
 
 
 def press_inertia(press: Linkage) -> Array:
-    """(6, 6) mean spatial inertia of all links about the world origin over one turn of the crank; linear, then angular.
+    """(6, 6) mean spatial inertia of all links about the world origin over one period; linear, then angular.
 
     Raises:
         PinpressError: the crank does not turn fully, or there are several.
     """
-    model, turn = press.model, cycle(press, 1.0, POSES)
+    model, period = press.model, cycle(press, 1.0, POSES * press.period_turns)
     data = model.createData()
     total = np.zeros((6, 6))
-    for q in turn.q:
+    for q in period.q:
         pin.forwardKinematics(model, data, q)
         for place, inertia in zip(data.oMi, model.inertias, strict=True):
             if inertia.mass:
                 total += place.act(inertia).matrix()
-    return total / len(turn.q)
+    return total / len(period.q)
 
 
 def _assembled(

@@ -43,10 +43,10 @@ def operating_points(
     *,
     loads: Sequence[Load] = (),
     bearings: Collection[str] | None = None,
-    points: int = 360,
+    points: int | None = None,
     angles: bool = False,
 ) -> OperatingPoints:
-    """Extremes of torque and forces over a turn at constant speed, at every speed and every amplitude of a load.
+    """Extremes of torque and forces over a period at constant speed, at every speed and every amplitude of a load.
 
     They are those of `inverse_dynamics` of `cycle`, exactly but for rounding, at a million points a second.
 
@@ -57,7 +57,7 @@ def operating_points(
         unit_load: one or several process loads or point forces, such as ``DeepDrawing(force=1.0, start=0.010)``.
         loads: what acts at every point the same, such as springs.
         bearings: names of those whose peaks are wanted; by default all.
-        points: crank angles of the turn, in equal steps from 0.
+        points: crank angles of the period, in equal steps from 0; by default 360 a turn.
         angles: the crank angles of extreme torques and peaks too; takes longer.
 
     Raises:
@@ -82,12 +82,12 @@ def operating_points(
     if any(isinstance(load, TimeForce) for load in (*units, *constant)):
         raise PinpressError("a TimeForce depends on time, and so on the speed: sweep does such points each by itself")
 
-    turn = partial(_turn, press, units, constant, bearings, points)
+    at = partial(_cycle, press, units, constant, bearings, points)
     fastest, most = float(speed[np.abs(speed).argmax()]), float(force[np.abs(force).argmax()])
     with np.errstate(all="ignore"):  # what overflows is refused
-        motion, affine = _coefficients(turn, fastest, most)
+        motion, affine = _coefficients(at, fastest, most)
         ends = {(fastest, float(force.min())), (fastest, float(force.max()))}
-        _confirm(turn, affine, ends | {(BETWEEN * fastest, BETWEEN * most)})
+        _confirm(at, affine, ends | {(BETWEEN * fastest, BETWEEN * most)})
         results, states = _extremes(affine, speed, force, angles)
     for name, values in results.items():
         if not np.isfinite(values).all():
@@ -124,19 +124,19 @@ def _multiplied(load: Load, factor: float) -> Load:
     return load  # inverse dynamics says that it is none
 
 
-Turn = Callable[[float, float | None], tuple[Motion, Quantities]]
+Cycle = Callable[[float, float | None], tuple[Motion, Quantities]]
 
 
-def _turn(
+def _cycle(
     press: Linkage,
     units: Sequence[Load],
     loads: Sequence[Load],
     bearings: Collection[str] | None,
-    points: int,
+    points: int | None,
     speed: float,
     force: float | None,
 ) -> tuple[Motion, Quantities]:
-    """One turn at a speed and an amplitude; None: without the load."""
+    """One period at a speed and an amplitude; None: without the load."""
     motion = cycle(press, speed, points=points)
     acting = [*loads, *(_multiplied(load, force) for load in units)] if force is not None else list(loads)
     return motion, _quantities(inverse_dynamics(press, motion, acting, bearings=bearings))
@@ -148,11 +148,11 @@ def _quantities(found: Reactions) -> Quantities:
     return named | {f"shaking_force_{axis}": found.shaking_force.T[k : k + 1] for k, axis in enumerate("xyz")}
 
 
-def _coefficients(turn: Turn, fastest: float, most: float) -> tuple[Motion, dict[str, Affine]]:
-    """The turn, and the coefficients of all quantities; what cancels between calls is small beside what is computed with them."""
-    _, still = turn(SLOW * fastest, None)
-    motion, fast = turn(fastest, None)
-    loaded = turn(SLOW * fastest, most)[1] if most else still
+def _coefficients(at: Cycle, fastest: float, most: float) -> tuple[Motion, dict[str, Affine]]:
+    """The period, and the coefficients of all quantities; what cancels between calls is small beside what is computed with them."""
+    _, still = at(SLOW * fastest, None)
+    motion, fast = at(fastest, None)
+    loaded = at(SLOW * fastest, most)[1] if most else still
     affine = {}
     for name, c in still.items():
         d = (loaded[name] - c) / most if most else np.zeros_like(c)
@@ -160,10 +160,10 @@ def _coefficients(turn: Turn, fastest: float, most: float) -> tuple[Motion, dict
     return motion, affine
 
 
-def _confirm(turn: Turn, affine: dict[str, Affine], tried: set[tuple[float, float]]) -> None:
+def _confirm(at: Cycle, affine: dict[str, Affine], tried: set[tuple[float, float]]) -> None:
     """Raise where a quantity is not affine at other speeds and amplitudes."""
     for speed, force in sorted(tried):
-        for name, values in turn(speed, force)[1].items():
+        for name, values in at(speed, force)[1].items():
             a, c, d = affine[name]
             terms = max(float(np.abs(part).max()) for part in (a * speed**2, c, d * force, values))
             if not np.abs(a * speed**2 + c + d * force - values).max() <= AFFINE * _scale(name, affine, speed, force, terms):

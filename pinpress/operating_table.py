@@ -15,7 +15,7 @@ from .motion import RPM
 
 @dataclass(frozen=True, eq=False, repr=False)
 class OperatingPoints(Frozen):
-    """Extremes over a turn at every speed and amplitude of a load. All arrays are read-only.
+    """Extremes over a period at every speed and amplitude of a load. All arrays are read-only.
 
     Attributes:
         linkage: its name.

@@ -1,6 +1,6 @@
-"""A quantity over one turn of the crank at constant speed, between the states as smooth as they let it be.
+"""A quantity over one period at constant speed of the crank, between the states as smooth as they let it be.
 
-A *place* is a number of states since the first one, a fraction included: the turn of n states goes from place 0 to n and begins again
+A *place* is a number of states since the first one, a fraction included: the period of n states goes from place 0 to n and begins again
 there. From state to state the quantity is the quintic with its value, slope and curvature at both: it misses a smooth motion by the sixth
 power of the step.
 
@@ -43,7 +43,7 @@ class CrankMotion(Protocol):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Curve:
-    """A quantity over a turn of n states.
+    """A quantity over a period of n states.
 
     Attributes:
         coefficients: (6, n) of the quintics, of rising powers of the place since a state.
@@ -94,32 +94,42 @@ class Curve:
 
 
 def step_time(motion: CrankMotion) -> complex:
-    """Time from state to state [s] of one turn at constant speed.
+    """Time from state to state [s] of one period at constant speed. Raises as `step_angle`."""
+    return complex(step_angle(motion) / np.asarray(motion.crank_speed)[0])
+
+
+def step_angle(motion: CrankMotion) -> float:
+    """Crank angle from state to state [rad] of one period at constant speed, with its sign.
+
+    A `Motion` knows how many turns of the crank its linkage takes to be back; of other motions it is as many as there are.
 
     Raises:
-        PinpressError: the motion is no such turn.
+        PinpressError: the motion is no such period.
     """
     if not isinstance(motion, CrankMotion):
         raise PinpressError(f"motion is a {type(motion).__name__}, no Motion: give what cycle returns")
     angle, speed = np.asarray(motion.crank_angle).real, np.asarray(motion.crank_speed)
-    remedy = "give the motion of one turn at constant speed, cycle(press, speed=...)"
+    remedy = "give the motion of one period at constant speed, cycle(press, speed=...)"
     if angle.ndim > 1:
         raise PinpressError(f"the linkage has {angle.shape[1]} drivers, and no one crank to turn: measures are those of a press with one")
     if len(angle) < 3 or not np.all(np.isfinite(angle) & np.isfinite(speed)):
         raise PinpressError(f"the motion has fewer than three states, or one that is not finite: {remedy}")
-    turn = math.copysign(2 * np.pi, float(angle[-1] - angle[0]))
-    if np.abs(np.diff(angle, append=angle[0] + turn) - turn / len(angle)).max() > UNEQUAL:
-        raise PinpressError(f"the motion is not one turn of the crank in equal steps, its end left out: {remedy}")
-    if np.ptp(speed.real) > UNEQUAL * abs(speed[0]) or speed[0].real * turn <= 0:
+    made = float(angle[-1] - angle[0])
+    turns = getattr(motion, "period_turns", None) or max(1, round(abs(made) * len(angle) / (len(angle) - 1) / (2 * np.pi)))
+    period = math.copysign(2 * np.pi * turns, made)
+    if np.abs(np.diff(angle, append=angle[0] + period) - period / len(angle)).max() > UNEQUAL:
+        whole = "one turn" if turns == 1 else f"a period, {turns} turns"
+        raise PinpressError(f"the motion is not {whole} of the crank in equal steps, its end left out: {remedy}")
+    if np.ptp(speed.real) > UNEQUAL * abs(speed[0]) or speed[0].real * period <= 0:
         raise PinpressError(f"the crank does not turn at constant speed: {remedy}")
-    return complex(turn / len(angle) / speed[0])
+    return period / len(angle)
 
 
 def curve(what: str, value: Numbers, first: Numbers, second: Numbers, real: bool) -> Curve:
     """The curve through values (n,) with derivatives by the place (n,).
 
     Raises:
-        PinpressError: a number that is not finite, or states too far apart, or another value after the turn than at its start.
+        PinpressError: a number that is not finite, or states too far apart, or another value after the period than at its start.
     """
     x, v, a = (np.asarray(values, dtype=complex) for values in (value, first, second))
     if not np.all(np.isfinite(x + v + a)):
@@ -128,8 +138,8 @@ def curve(what: str, value: Numbers, first: Numbers, second: Numbers, real: bool
     missed = np.abs((x_next - x - 0.5 * (v + v_next) - (a - a_next) / 12).real).max()
     if missed > MISSED * np.ptp(x.real):
         raise PinpressError(
-            f"{len(x)} states do not resolve {what} over the turn, or it is elsewhere after it: give cycle more points; of a linkage that"
-            " repeats itself after several turns only there is no measure"
+            f"{len(x)} states do not resolve {what} over the period, or it is elsewhere after it: give cycle more points; of a linkage that"
+            " repeats itself only after several turns give all of them"
         )
     distance, speeding, bending = x_next - x - v - 0.5 * a, v_next - v - a, a_next - a
     third = 10 * distance - 4 * speeding + 0.5 * bending

@@ -61,7 +61,7 @@ def plot_bearings(reactions: Reactions) -> "Figure":
 
 def plot_polar(reactions: Reactions, *bearings: str) -> "Figure":
     """Polar diagrams of bearing forces, by default of all: path of the force vector's tip in world axes (solid) and in axes that turn with
-    the link it acts on (dashed), with dots at crank angles of 0, 90, 180 and 270 deg of the last turn. Circles are of constant force.
+    the link it acts on (dashed), with dots at every quarter turn of the crank in the last period. Circles are of constant force.
 
     Raises:
         UnknownNameError: there is no such bearing.
@@ -71,7 +71,7 @@ def plot_polar(reactions: Reactions, *bearings: str) -> "Figure":
 
 
 def plot_shaking(reactions: Reactions) -> "Figure":
-    """World components of the shaking force, and the amplitudes of its harmonics in the last full turn, where there is one."""
+    """World components of the shaking force, and the amplitudes of its harmonics in the last full period, where there is one."""
     motion, chart = reactions.motion, charts.shaking(reactions)
     found = harmonics(motion, reactions.shaking_force)
     if found is None or len(found.orders) < 2:
@@ -80,7 +80,8 @@ def plot_shaking(reactions: Reactions) -> "Figure":
         top, bottom = figure.subplots(2, 1, height_ratios=(1.2, 1.0))
         _panel(top, Over(motion), chart)
         factor = charts.factor(chart.quantity, chart.unit)
-        width, bars, names = 0.8 / len(chart.curves), [], []
+        apart = float(found.orders[1])
+        width, bars, names = 0.8 * apart / len(chart.curves), [], []
         for i, curve in enumerate(chart.curves):
             axis = charts.AXES.index(curve.name)
             place = found.orders[1:] + (i - 0.5 * (len(chart.curves) - 1)) * width
@@ -90,8 +91,8 @@ def plot_shaking(reactions: Reactions) -> "Figure":
             names.append(f"{curve.name} (mean {_number(0.0 if negligible else mean)} {chart.unit})")
         grid(bottom, f"amplitude [{chart.unit}]")
         bottom.grid(False, axis="x")
-        bottom.set_xlim(0.4, found.orders[-1] + 0.6)
-        bottom.set_xticks(found.orders[1:])
+        bottom.set_xlim(0.4 * apart, found.orders[-1] + 0.6 * apart)
+        bottom.set_xticks(np.arange(1.0, found.orders[-1] + 1.0) if found.orders[-1] >= 1 else found.orders[1:])
         bottom.set_xlabel("order of the crank's speed")
         above(bottom, bars, names)
         figure.align_ylabels()

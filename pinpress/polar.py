@@ -9,7 +9,7 @@ import numpy as np
 from .charts import Locus
 from .coordinates import Array
 from .figures import COLOURS, GREY, LIGHT, LINE, SMALL, THIN, WIDTH, Over, brief, drawing, legend, plain
-from .harmonic_analysis import last_turn
+from .harmonic_analysis import last_period
 from .motion import Motion
 
 if TYPE_CHECKING:
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 FRAME, OWN = COLOURS[0], COLOURS[1]
 DASHED = (0, (4, 1.5))
-QUARTERS = (0, 90, 180, 270)  # crank angles that are marked [deg]
+QUARTER = 90  # between crank angles that are marked [deg]
 CLOSE = 0.12  # of the largest force: marks that are closer have one label
 SAME = 1e-6  # of the largest force: paths that differ by less are one
 TINY = 6.5  # of the letters inside [pt]
@@ -28,13 +28,13 @@ LARGEST = 8.0  # side of a diagram [cm]
 
 
 def draw_loci(motion: Motion, loci: Sequence[Locus]) -> "Figure":
-    """A diagram for each locus, equal scales on both axes, of the last full turn; that of a link that does not turn has one path."""
+    """A diagram for each locus, equal scales on both axes, of the last full period; that of a link that does not turn has one path."""
     columns = {1: 1, 2: 2, 4: 2}.get(len(loci), 3 if len(loci) < 10 else 4)
     rows = math.ceil(len(loci) / columns)
     side = min(WIDTH / columns, LARGEST)
     with drawing(1.0 + rows * (side + 0.8)) as figure:
         over, marked = Over(motion), _quarters(motion)
-        first = max(0, (last_turn(motion) or 0) - 1)  # turns drawn over each other would show nothing more
+        first = max(0, (last_period(motion) or 0) - 1)  # periods drawn over each other would show nothing more
         places = figure.subplots(rows, columns, squeeze=False).ravel()
         for axes, locus in zip(places, loci, strict=False):
             _draw(axes, locus, over, first, marked, side)
@@ -151,15 +151,17 @@ def _step(largest: float) -> float:
 
 
 def _quarters(motion: Motion) -> list[tuple[int, int]]:
-    """(crank angle, nearest state of the last turn) for the quarters [deg] that it passes; none of several drivers."""
+    """(crank angle, nearest state of the last period) for the quarter turns [deg] that it passes; none of several drivers."""
     angle: Array = motion.crank_angle
     if angle.ndim > 1 or len(angle) < 3:
         return []
-    last = np.flatnonzero(np.abs(angle - angle[-1]) < 2 * np.pi * (1 - 1e-9))
+    turns = motion.period_turns or 1
+    period = 2 * np.pi * turns
+    last = np.flatnonzero(np.abs(angle - angle[-1]) < period * (1 - 1e-9))
     step = float(np.abs(np.diff(angle)).max())
     marked = []
-    for degrees in QUARTERS:
-        away = np.abs((angle[last] - np.radians(degrees) + np.pi) % (2 * np.pi) - np.pi)
+    for degrees in range(0, 360 * turns, QUARTER):
+        away = np.abs((angle[last] - np.radians(degrees) + 0.5 * period) % period - 0.5 * period)
         if away.min() <= 0.5 * step + 1e-9:
             marked.append((degrees, int(last[away.argmin()])))
     return marked

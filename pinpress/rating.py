@@ -49,6 +49,7 @@ class Ratings(Frozen):
             mechanical advantage [1/m], force on the slide for each N m on the crank; None without a height.
         dwell_tolerance, dwell_time: distance from bottom dead centre [m], and how long the slide stays within it [s].
         speed_limit: at which the idle press reaches a capacity; None where no speed does.
+        period_turns: as of `Linkage`: a stroke takes as many turns of the driver joint.
     """
 
     press: str
@@ -74,6 +75,7 @@ class Ratings(Frozen):
     dwell_tolerance: float
     dwell_time: float
     speed_limit: SpeedLimit | None
+    period_turns: int
 
     def __repr__(self) -> str:
         return f"<Ratings of {self.press}: {len(self.height)} heights, nominal force {self.capacities.nominal_force:.6g} N>"
@@ -111,7 +113,7 @@ def ratings(
     process force.
 
     Args:
-        press: with one driver, and a slide that turns back twice a turn.
+        press: with one driver, and a slide that turns back twice in a period.
         speed: of the driver joint in operation [rad/s]; negative: backwards.
         at_speed: False: torque and bearings carry the process force alone, as catalogues print ratings; True: weights and inertia forces
             at this speed too, which is what they carry in operation. The torque capacity of a nominal height is the same in both, so
@@ -123,11 +125,11 @@ def ratings(
         engine: as in `cycle`.
 
     Raises:
-        PinpressError: arguments that make no sense; a slide that turns back more than twice a turn; a height that is not within the stroke;
-            an idle press that is beyond a capacity at its speed (where ``at_speed``), or by its weight alone: it names what, at which crank
-            angle and speed.
+        PinpressError: arguments that make no sense; a slide that turns back more than twice in a period; a height that is not within the
+            stroke; an idle press that is beyond a capacity at its speed (where ``at_speed``), or by its weight alone: it names what, at
+            which crank angle and speed.
         UnknownNameError: a bearing that the press does not have.
-        SingularityError: the linkage locks within the turn.
+        SingularityError: the linkage locks within the period.
     """
     expect("press", press, Linkage, "load")
     known_bearings(capacities, press)
@@ -138,14 +140,14 @@ def ratings(
         raise PinpressError(f"points is {points!r}: give a whole number from 3 to {MOST_POINTS}")
     if len(press.drivers) > 1:
         raise PinpressError(f"{press.name} has {len(press.drivers)} drivers: ratings are those of a press with one")
-    turn = cycle(press, rate, 360, engine=engine)
-    quick_return = measures.quick_return_ratio(turn)  # refuses what has no one working stroke
+    period = cycle(press, rate, engine=engine)
+    quick_return = measures.quick_return_ratio(period)  # refuses what has no one working stroke
     scene = rated(press, capacities, rate, bool(at_speed), engine)
     if at_speed:
         refuse_overloaded_idle(scene)
     found = limited(scene, int(points))
     contact = capacities.nominal_height if contact_height is None else contact_height
-    tolerance = DWELL * measures.stroke(turn) if dwell_tolerance is None else positive("dwell_tolerance", dwell_tolerance, "m")
+    tolerance = DWELL * measures.stroke(period) if dwell_tolerance is None else positive("dwell_tolerance", dwell_tolerance, "m")
     motion = scene.motion(found.angle)
     height = scene.height(motion)
     arrays = {
@@ -168,14 +170,15 @@ def ratings(
         limited_by=found.names,
         changes=tuple(float(height[k]) for k in found.changes),
         energies=FrozenMapping(dict(scene.energies)),
-        stroke=measures.stroke(turn),
+        stroke=measures.stroke(period),
         quick_return_ratio=quick_return,
         contact_height=None if contact is None else positive("contact_height", contact, "m"),
-        contact_speed=None if contact is None else measures.speed_at(turn, contact),
-        contact_advantage=None if contact is None else measures.mechanical_advantage(turn, contact),
+        contact_speed=None if contact is None else measures.speed_at(period, contact),
+        contact_advantage=None if contact is None else measures.mechanical_advantage(period, contact),
         dwell_tolerance=tolerance,
-        dwell_time=measures.dwell_time(turn, tolerance),
+        dwell_time=measures.dwell_time(period, tolerance),
         speed_limit=limiting_speed(press, capacities, scene.torque, math.copysign(1.0, rate), engine=engine),
+        period_turns=press.period_turns,
         **arrays,
     )
 

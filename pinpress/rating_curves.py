@@ -21,7 +21,7 @@ from .motion import RPM, Motion, cycle
 from .reactions import Reactions, inverse_dynamics
 
 NOMINAL, TORQUE, BEARING = "nominal force", "torque", "bearing "
-TURN = 360  # states in which the idle press is looked at
+TURN = 360  # states of a turn in which the idle press is looked at
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -29,7 +29,7 @@ class Rated:
     """A press that is rated.
 
     Attributes:
-        press: with one driver, and a slide that turns back twice a turn. speed: of the driver joint, its sign that of the turn [rad/s].
+        press: with one driver, and a slide that turns back twice in a period. speed: of the driver joint, with its sign [rad/s].
         torque: capacity at the driver joint [N m], None where it limits nothing.
         at_speed: whether weights and inertia forces count. engine: as in `cycle`.
         top, bottom: crank angles of the dead centres between which the working stroke is, in the order of the turn, unwrapped [rad].
@@ -52,7 +52,7 @@ class Rated:
 
     @cached_property
     def energies(self) -> Mapping[str, float]:
-        return self.capacities.energies(self.speed)
+        return self.capacities.energies(self.speed, self.press.period_turns)
 
     @cached_property
     def massless(self) -> Linkage:
@@ -123,8 +123,8 @@ def permissible(rated: Rated, motion: Motion, energy: bool = True) -> dict[str, 
 
 
 def refuse_overloaded_idle(rated: Rated) -> None:
-    """Raise where the idle press at its speed is beyond a capacity of torque or bearings, anywhere in a turn."""
-    whole = rated.top + np.arange(TURN) * (2 * np.pi / TURN)
+    """Raise where the idle press at its speed is beyond a capacity of torque or bearings, anywhere in a period."""
+    whole = rated.top + np.arange(TURN * rated.press.period_turns) * (2 * np.pi / TURN)
     stroke = np.linspace(rated.top, rated.bottom, TURN)
     motion = rated.motion(np.concatenate([whole, stroke]))
     idle = inverse_dynamics(rated.press, motion, engine=rated.engine, bearings=rated.bearings)
@@ -136,6 +136,6 @@ def refuse_overloaded_idle(rated: Rated) -> None:
         worst = int(size.argmax())
         if size[worst] > capacity:
             raise PinpressError(
-                f"{what} of the idle press is {size[worst]:.6g} {unit} at crank angle {np.degrees(motion.crank_angle[worst]) % 360:.6g} deg"
+                f"{what} of the idle press is {size[worst]:.6g} {unit} at crank angle {motion.crank_degrees[worst]:.6g} deg"
                 f" and {abs(rated.speed) / RPM:.6g} r/min, its capacity {capacity:.6g} {unit}: lower speed, or more capacity"
             )

@@ -153,10 +153,10 @@ def permissible_eccentricity(
     constant, slope = central.moment @ about, (beside.moment - central.moment) @ about
     worst = int(np.argmax(np.abs(constant) - most))
     if most[worst] <= 0 or abs(constant[worst]) > most[worst]:
-        angle = np.degrees(float(motion.crank_angle[worst])) % 360
         raise PinpressError(
-            f"at crank angle {angle:.6g} deg the gibs bear no eccentricity of a force of {newtons:.6g} N: a central one reaches the"
-            " pressure already, or does not press on a single gib; give larger gibs, less force, or two gibs without clearance"
+            f"at crank angle {motion.crank_degrees[worst]:.6g} deg the gibs bear no eccentricity of a force of {newtons:.6g} N: a central"
+            " one reaches the pressure already, or does not press on a single gib; give larger gibs, less force, or two gibs without"
+            " clearance"
         )
     right, left = (float(largest_factor(constant[:, None], way * slope[:, None], most).min()) for way in (1.0, -1.0))
     if not (math.isfinite(right) and math.isfinite(left)):
@@ -222,7 +222,7 @@ def _pressure(guide: Guide, normal: Array, tilting: Array, motion: Motion) -> tu
         return linear, np.ones_like(n)
     tips = m >= 0.5 * guide.length * n
     if np.any(tips & (m > 0)):
-        angle = np.degrees(float(motion.crank_angle[int(np.argmax(tips & (m > 0)))])) % 360
+        angle = motion.crank_degrees[int(np.argmax(tips & (m > 0)))]
         raise PinpressError(
             f"the slide tips at crank angle {angle:.6g} deg: the force on the gib acts beyond its end; give longer gibs, less eccentricity,"
             " or two gibs without clearance (one_sided=False)"

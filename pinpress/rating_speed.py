@@ -38,17 +38,19 @@ class SpeedLimit:
 
     Attributes:
         speed: of the driver joint [rad/s]. limited_by: "torque", "bearing NAME", "slide acceleration" or "shaking force".
-        crank_angle: at which that is reached, 0 to 2 pi [rad].
+        crank_angle: at which that is reached, from 0 to the end of the period, which mostly is 2 pi [rad].
+        period_turns: as of `Linkage`.
     """
 
     speed: float
     limited_by: str
     crank_angle: float
+    period_turns: int = 1
 
     @property
     def strokes_per_minute(self) -> float:
-        """One stroke a turn of the driver joint."""
-        return self.speed / RPM
+        """One a period: mostly one a turn of the driver joint."""
+        return self.speed / RPM / self.period_turns
 
 
 def speed_limit(
@@ -58,7 +60,7 @@ def speed_limit(
     loads: Sequence[ProcessLoad] = (),
     engine: str = "auto",
 ) -> SpeedLimit | None:
-    """The highest constant speed at which torque, bearings, slide acceleration and shaking force keep to their capacities all over a turn.
+    """The highest constant speed at which torque, bearings, slide acceleration and shaking force keep to their capacities over a period.
 
     Args:
         capacities: of which nominal force and height and the energies limit no speed.
@@ -67,13 +69,13 @@ def speed_limit(
         engine: as in `cycle`.
 
     Returns:
-        None where no speed reaches a capacity. The worst crank angle is found to rounding between the states of a turn, loads whose edges
-        are closer than a degree to one another apart.
+        None where no speed reaches a capacity. The worst crank angle is found to rounding between the states, loads whose edges are
+        closer than a degree to one another apart.
 
     Raises:
         PinpressError: the press is beyond a capacity at any speed, by weights and loads; a load that depends on the speed.
         UnknownNameError: a bearing that the press does not have.
-        SingularityError: the linkage locks within the turn.
+        SingularityError: the linkage locks within the period.
     """
     expect("press", press, Linkage, "load")
     known_bearings(capacities, press)
@@ -93,8 +95,8 @@ def limiting_speed(
     scene = _Scene(press, capacities, torque, way, tuple(loads), engine)
     if not scene.limits_something:
         return None
-    step = 2 * np.pi / STATES
-    angle: Array = np.arange(STATES, dtype=float) * step
+    step, turns = 2 * np.pi / STATES, press.period_turns
+    angle: Array = np.arange(STATES * turns, dtype=float) * step
     first = {item.name: item for item in _items(scene, angle)}
     least = min(float(item.square.min()) for item in first.values())
     if not math.isfinite(least):
@@ -112,7 +114,7 @@ def limiting_speed(
                 best[k], centre[k] = float(square.min()), float(places[k, int(square.argmin())])
         step *= 2 / (AROUND - 1)
     worst = int(np.argmin(best))
-    return SpeedLimit(math.sqrt(best[worst]), names[worst], float(centre[worst]) % (2 * math.pi))
+    return SpeedLimit(math.sqrt(best[worst]), names[worst], float(centre[worst]) % (2 * math.pi * turns), turns)
 
 
 class _Item(NamedTuple):
@@ -177,7 +179,7 @@ def _items(scene: _Scene, angle: Array) -> Iterator[_Item]:
         worst = int(amount.argmax())
         if amount[worst] > capacity:
             raise PinpressError(
-                f"{name} is {amount[worst]:.6g} {unit} at crank angle {np.degrees(angle[worst]) % 360:.6g} deg at any speed, by weights"
+                f"{name} is {amount[worst]:.6g} {unit} at crank angle {fast.crank_degrees[worst]:.6g} deg at any speed, by weights"
                 f"{' and loads' if scene.loads else ''}, its capacity {capacity:.6g} {unit}: more capacity, or less load"
             )
         return _Item(name, largest_factor(constant, slope, capacity))

@@ -32,7 +32,7 @@ def record(
 ) -> Path:
     """Write a self-contained page that shows the press moving, and return its path.
 
-    It plays in real time; where a turn takes less than half a second it begins slowed down. A motion over one turn is closed to a loop.
+    It plays in real time; where a period takes less than half a second it begins slowed down. A motion over one period is closed to a loop.
     Long motions are thinned to 360 key frames per turn of the crank. The same input gives the same bytes. ``#t=0.25`` at the end of the
     page's address stops it at 0.25 s.
 
@@ -68,6 +68,7 @@ def scene(
         "legend": _legend(drawn, of_body),
         "front": overlays.front(press, at, drawn),
         "turn": frames.turn,
+        "period": None if motion.period_turns is None else 360 * motion.period_turns,  # deg
         "size": press.spatial.size,
         **overlays.bearings(press, at, frames, reactions),
         **overlays.shaking(reactions, frames),

@@ -17,7 +17,7 @@ from typing import NamedTuple
 import numpy as np
 import pinocchio as pin
 
-from .branch import MOST_TURNS
+from .branch import MOST_TURNS, periods_until_back
 from .coordinates import Array, configuration
 from .errors import SimulationError
 from .linkage import Linkage
@@ -195,10 +195,9 @@ def _periods(press: Linkage, advance: Array) -> int:
     Raises:
         SimulationError: it does not within `MOST_TURNS`.
     """
-    turns = np.array([gained / (2 * np.pi) for gained, axis in zip(advance, press.spatial.axes, strict=True) if axis.turns])
-    for count in range(1, MOST_TURNS + 1):
-        if np.all(np.abs(count * turns - np.round(count * turns)) < 1e-9):
-            return count
+    count = periods_until_back(advance[[axis.turns for axis in press.spatial.axes]])
+    if count is not None:
+        return count
     raise SimulationError(
         f"a shaft of {press.name} comes back only after more than {MOST_TURNS} turns, so that there is no period to tabulate:"
         " use method='constraint', or another gear ratio"

@@ -11,10 +11,9 @@ from numpy.typing import ArrayLike
 
 from . import charts, files, pages
 from .charts import Chart
-from .coordinates import Array
 from .errors import PinpressError, expect
 from .extreme_values import Extreme, extremes
-from .harmonic_analysis import harmonics
+from .harmonic_analysis import Harmonics, harmonics
 from .keys import Keys, keys
 from .linkage import Linkage
 from .motion import RPM, Motion
@@ -94,7 +93,7 @@ def _other(before: Reactions, motion: Motion, over: str) -> dict[str, Any]:
     """What is drawn beside: its key frames, abscissas and charts."""
     its = charts.abscissa(before.motion).quantity
     if its != over:
-        raise PinpressError(f"before is over {its}, the motion over {over}: compare a turn with a turn, or a run with a run")
+        raise PinpressError(f"before is over {its}, the motion over {over}: compare a cycle with a cycle, or a run with a run")
     frames = keys(before._press, before.motion)
     if over == "crank angle" and (motion.crank_angle[-1] > motion.crank_angle[0]) != (frames.crank[-1] > frames.crank[0]):
         raise PinpressError("before turns the other way than the motion: compare two that turn the same way")
@@ -145,7 +144,7 @@ def _left_open(result: Reactions, name: str) -> str:
 
 
 def _harmonics(result: Reactions, before: Reactions | None) -> dict[str, Any] | None:
-    """Amplitudes of the shaking force by axis, those that are not zero; None where the crank makes no full turn."""
+    """Amplitudes of the shaking force by axis, those that are not zero; None where the motion has no full period."""
     found = harmonics(result.motion, result.shaking_force)
     if found is None:
         return None
@@ -153,14 +152,18 @@ def _harmonics(result: Reactions, before: Reactions | None) -> dict[str, Any] | 
     chart = charts.shaking(result)
     factor = charts.factor(chart.quantity, chart.unit)
 
-    def bars(amplitude: Array) -> dict[str, list[float]]:
-        return {curve.name: (factor * amplitude[1:, charts.AXES.index(curve.name)]).tolist() for curve in chart.curves}
+    every = sorted({*found.orders[1:], *([] if other is None else other.orders[1:])})  # one may repeat itself after more turns
+
+    def bars(shown: Harmonics) -> dict[str, list[float]]:
+        amplitude = dict(zip(shown.orders, factor * shown.amplitude, strict=True))
+        none = np.zeros(3)
+        return {curve.name: [float(amplitude.get(order, none)[charts.AXES.index(curve.name)]) for order in every] for curve in chart.curves}
 
     return {
         "unit": chart.unit,
-        "orders": found.orders[1:].astype(int).tolist(),
-        "amplitude": bars(found.amplitude),
-        "before": None if other is None else bars(other.amplitude),
+        "orders": [int(order) if order.is_integer() else float(order) for order in every],
+        "amplitude": bars(found),
+        "before": None if other is None else bars(other),
     }
 
 

@@ -89,7 +89,7 @@ def as_run(plan: Plan, path: Path, method: str, until: float, points: int | None
     if len(position) == 1:
         motion = carried(press, position[0], speed[0], acceleration[0], times)
     else:
-        motion = of_states(press, position, speed, acceleration, press.gaps(position), times)
+        motion = of_states(press, position, speed, acceleration, press.gaps(position), times, press.turns_until_back)
     kinetic, potential = reduced.energies(press, motion)
     turning = speed[list(press.spatial.drivers)] if several else reading.own[None]
     kinetic = kinetic + 0.5 * plan.inertia @ turning**2

@@ -65,7 +65,8 @@ def duty(run: Run, start: float = 0.0, end: float | None = None) -> Duty:
 
 
 def strokes(run: Run) -> tuple[Duty, ...]:
-    """One `Duty` for each full turn of the crank, from the angle at which the run began on; none where it never turns fully.
+    """One `Duty` for each full period, from the angle at which the run began on: for each turn of the crank, or each several turns of a
+    linkage that repeats itself only after these (`Linkage.period_turns`). None where there is no full period.
 
     Raises:
         PinpressError: a linkage with several drivers.
@@ -79,7 +80,10 @@ def strokes(run: Run) -> tuple[Duty, ...]:
     travelled = direction * travelled
     back = np.flatnonzero(np.diff(travelled) < 0)  # strokes end where the crank turns back
     upto = int(back[0]) + 1 if len(back) else len(travelled)
-    turned = travelled[:upto] / (2 * np.pi)
+    if run.period_turns is None:
+        return ()
+    period = 2 * np.pi * run.period_turns
+    turned = travelled[:upto] / period
     count = math.floor(float(turned[-1]) * ROUND + 1e-9)
     if count == 0:
         return ()
@@ -87,7 +91,7 @@ def strokes(run: Run) -> tuple[Duty, ...]:
     times = np.interp(marks, turned, run.time[:upto])
     for _ in range(6):  # Newton's method on the path itself
         position, speed = _crank(run, run.path.read(times, whole=False))
-        late = position - (run.crank_angle[0] + direction * 2 * np.pi * marks)
+        late = position - (run.crank_angle[0] + direction * period * marks)
         step = np.where((marks > 0) & (speed != 0), late / np.where(speed == 0, 1.0, speed), 0.0)
         times = np.clip(times - step, 0.0, run.time[-1])
     return tuple(_duties(run, times))

@@ -54,7 +54,7 @@ def simulation_summary(press: Linkage, run: Run, result: Reactions, scene: Seque
         *_work(whole),
         *_motor(run, whole),
         *_torque(result),
-        *_strokes(strokes(run)),
+        *_strokes(strokes(run), run.period_turns),
         *_bearings(run, result),
         "",
         "Checks",
@@ -126,16 +126,16 @@ def _torque(result: Reactions) -> list[str]:
     lines = ["", "Torque at the crank (flywheel, drive, clutch and brake together)"]
     torque, motion = result.driving_torque, result.motion
     for name, at in (("largest", int(torque.argmax())), ("smallest", int(torque.argmin()))):
-        angle = np.degrees(motion.crank_angle[at]) % 360.0
-        lines.append(f"  {name:26}{torque[at]:12.6g} N m    at {angle:8.3f} deg, {motion.time[at]:.6f} s")
+        lines.append(f"  {name:26}{torque[at]:12.6g} N m    at {motion.crank_degrees[at]:8.3f} deg, {motion.time[at]:.6f} s")
     return lines
 
 
-def _strokes(found: Sequence[Duty]) -> list[str]:
+def _strokes(found: Sequence[Duty], turns: int | None) -> list[str]:
     if not found:
-        return ["", "Strokes: none, the crank does not make a full turn"]
+        return ["", "Strokes: none, the crank does not get through a period"]
     heads = ["start [s]", "duration [s]", "mean [r/min]", "lowest [r/min]", "drive [J]", "loads [J]"]
-    lines = ["", "Strokes (turns of the crank from the start)", f"  {'':6}" + "".join(f"{head:>16}" for head in heads)]
+    what = "turns of the crank" if turns in (None, 1) else f"each {turns} turns of the crank"
+    lines = ["", f"Strokes ({what}, from the start)", f"  {'':6}" + "".join(f"{head:>16}" for head in heads)]
     few = len(found) <= MOST_STROKES
     for k in range(len(found)) if few else [*range(FIRST_STROKES), len(found) - 1]:
         stroke = found[k]

@@ -1,4 +1,4 @@
-"""The slide's path over a turn, and its working stroke."""
+"""The slide's path over a period, and its working stroke."""
 
 from dataclasses import dataclass
 from functools import cached_property
@@ -87,10 +87,10 @@ class Stroke:
 
 
 def slide_path(motion: SlideMotion) -> Curve:
-    """Slide position over the turn [m].
+    """Slide position over the period [m].
 
     Raises:
-        PinpressError: not one turn at constant crank speed, no slide, one that does not turn back, or states too far apart.
+        PinpressError: not one period at constant crank speed, no slide, one that does not turn back, or states too far apart.
     """
     time = over_turn.step_time(motion)
     if not isinstance(motion, SlideMotion):
@@ -100,7 +100,7 @@ def slide_path(motion: SlideMotion) -> Curve:
     scaled = [np.asarray(values * scale) for values, scale in ((position, 1.0), (velocity, time), (acceleration, time**2))]
     path = over_turn.curve("the slide's position", scaled[0], scaled[1], scaled[2], real)
     if len(path.turning_places()) < 2:
-        raise PinpressError("the slide does not turn back within the turn: it has no dead centres, and no stroke to measure")
+        raise PinpressError("the slide does not turn back within the period: it has no dead centres, and no stroke to measure")
     return path
 
 
@@ -108,13 +108,13 @@ def working_stroke(motion: SlideMotion, downwards: bool = True) -> Stroke:
     """The stroke against the guide's axis, or along it.
 
     Raises:
-        PinpressError: as of `slide_path`; the slide turns back more than twice a turn.
+        PinpressError: as of `slide_path`; the slide turns back more than twice in the period.
     """
     path = slide_path(motion)
     places = path.turning_places()
     if len(places) > 2:
         raise PinpressError(
-            f"the slide turns back {len(places)} times a turn and has no one working stroke: stroke and dwell can be measured, not this"
+            f"the slide turns back {len(places)} times a period and has no one working stroke: stroke and dwell can be measured, not this"
         )
     along = Curve(-path.coefficients if downwards else path.coefficients, path.real)
     start, end = (complex(place) for place in places[np.argsort(along.at(places)[0].real)])

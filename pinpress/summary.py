@@ -1,4 +1,4 @@
-"""What an engineer reads off one turn of a press, as text."""
+"""What an engineer reads off one period of a press, as text."""
 
 from collections.abc import Callable
 
@@ -14,7 +14,7 @@ AXES = "xyz"
 
 
 def summary(press: Linkage, motion: Motion, result: Reactions) -> str:
-    """Stroke, peaks and ranges over a turn, and how well the equations are fulfilled; units and crank angles beside every number.
+    """Stroke, peaks and ranges over the period, and how well the equations are fulfilled; units and crank angles beside every number.
 
     Peaks are the largest of the motion's points; dead centres are exact. Signs as in `reactions`.
     """
@@ -40,7 +40,7 @@ def _slide(press: Linkage, motion: Motion) -> list[str]:
     position, velocity, acceleration = motion.slide_position, motion.slide_velocity, motion.slide_acceleration
 
     def time(angle: float) -> float:
-        return float((angle if speed > 0 else 2 * np.pi - angle) / abs(speed))
+        return float((angle if speed > 0 else 2 * np.pi * press.period_turns - angle) / abs(speed))
 
     return [
         "",
@@ -111,4 +111,4 @@ def _extreme(name: str, values: Array, motion: Motion, unit: str, choose: Callab
 
 
 def _degrees(motion: Motion, at: int) -> float:
-    return float(np.degrees(motion.crank_angle[at]) % 360.0)
+    return float(motion.crank_degrees[at])

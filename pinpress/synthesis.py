@@ -104,12 +104,12 @@ def synthesise(
     geometry: Callable[..., Pivots] | None = None,
     *,
     speed: float,
-    points: int = 360,
+    points: int | None = None,
     method: str = "local",
     loads: Sequence[Load] = (),
     seed: int = 0,
 ) -> Synthesis:
-    """The lengths of a planar press that make an objective least, over one turn of the crank at constant speed.
+    """The lengths of a planar press that make an objective least, over one period at constant speed.
 
     Args:
         variables: name -> (lower bound, start, upper bound) [SI].
@@ -118,7 +118,7 @@ def synthesise(
             an array every element keeps the bounds.
         geometry: function of the variables, by their names, that returns pivots as `reshaped` takes them; written with NumPy's functions.
             Design rules belong here. Left out, variables are single coordinates, named bearing.link.axis, as in "B.crank.x".
-        speed: of the crank [rad/s]. points: of the turn at which trials are judged.
+        speed: of the crank [rad/s]. points: of the period at which trials are judged; by default 360 a turn.
         method: "local", the optimum next to the start, or "global", the best of those next to many starts within the bounds.
         loads: constant forces, and process loads with a datum. seed: of the starts.
 
@@ -149,7 +149,7 @@ def synthesise(
     return _synthesis(point, found, search)
 
 
-def _start(press: Linkage, problem: Problem, speed: float, points: int, loads: Sequence[Load]) -> Point:
+def _start(press: Linkage, problem: Problem, speed: float, points: int | None, loads: Sequence[Load]) -> Point:
     """The start, with measures scaled by their size there."""
     values = {variable.name: variable.start for variable in problem.variables}
     try:
@@ -159,8 +159,6 @@ def _start(press: Linkage, problem: Problem, speed: float, points: int, loads: S
         listed = ", ".join(f"{name} = {value:g}" for name, value in values.items())
         raise PinpressError(f"the start, {listed}, is no press: {error}; start elsewhere") from error
     plane = planar(drawn)
-    if drawn.branch.period is None or not math.isclose(drawn.branch.period, 2 * math.pi):
-        raise PinpressError(f"{press.name} is not back at its start after one turn of the crank, which is what trials are judged by")
     closure = drawn.close(motion.crank_angle, motion.joint_position.T)
     state = closure.position, closure.first, closure.second, closure.gap
     design = Design(Start(drawn, plane, motion, loads), values, nowhere(drawn), [], plane, *state)
@@ -175,7 +173,7 @@ def _scaled(measure: Measure, values: Array) -> Measure:
     return Measure(measure.name, measure.function, measure.lower, measure.upper, max(sizes) or 1.0)
 
 
-def _verify(found: Point, speed: float, points: int) -> None:
+def _verify(found: Point, speed: float, points: int | None) -> None:
     """Raise where the press that was found does not move as its trial did: between the points it may lock."""
     motion, trial = cycle(found.design.press, speed, points), found.design.motion
     if not np.abs(motion.joint_position - trial.joint_position).max() <= SAME * (1 + found.design.plane.size):

@@ -28,7 +28,7 @@ from .wrenches import Wrenches
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Start:
-    """The press that a search starts from, planar and drawn closed; its motion over one turn from angle 0; and the loads on it."""
+    """The press that a search starts from, planar and drawn closed; its motion over one period from angle 0; and the loads on it."""
 
     press: Linkage
     plane: Plane
@@ -109,9 +109,11 @@ class Design:
 
     @cached_property
     def motion(self) -> Motion:
-        """Over one turn."""
+        """Over one period."""
         press, drawn = self.start.press, self.position[:, :1]
-        motion = of_states(press, self.position - drawn, self._rates.v, self._rates.a, self.gap, self.start.motion.time)
+        motion = of_states(
+            press, self.position - drawn, self._rates.v, self._rates.a, self.gap, self.start.motion.time, self.start.motion.period_turns
+        )
         if press.slide is None:
             return motion
         guide, offset = press.slide_guide

@@ -79,7 +79,7 @@ class Trial(Frozen):
 
     Attributes:
         variables: name -> value [SI].
-        motion: one turn of the crank at constant speed; see `Motion`.
+        motion: one period at constant speed; see `cycle`.
         positions: name of a bearing -> (n, 3) where it is in the world [m].
     """
 

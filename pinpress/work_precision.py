@@ -38,16 +38,16 @@ def accuracy(
 ) -> Accuracy:
     """Measure everything that is offered for a press, and the same press in other programs where they are installed (`peers`).
 
-    Inverse dynamics of a turn at constant speed by both engines. A free run from crank angle 0, weights on, by both methods of simulation
+    Inverse dynamics of a period at constant speed by both engines. A free run from crank angle 0, weights on, by both methods of simulation
     over tolerances and steps. The proximal settings of constraint dynamics. The number of samples of the reduced table. Run times are the
     least of ``repeats`` rounds in which all take turns.
 
     Args:
         press: with one driver.
-        speed: of the crank, in the turn and at the start of the run [rad/s].
+        speed: of the crank, in the period and at the start of the run [rad/s].
         flywheel: of the run; by default with 4 times the largest reduced inertia of the linkage.
         duration: of the run; by default the time of two turns at that speed [s].
-        points: crank angles in the turn.
+        points: crank angles in the period.
         progress: called with the share done, 0 to 1.
 
     Raises:

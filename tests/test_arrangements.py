@@ -490,7 +490,7 @@ def test_what_cannot_be_compared_is_refused():
     result = turn(plain)
     for before, after, said in (
         (result, turn(plain, speed=2 * W), "different speeds"),
-        (result, turn(plain, points=12), "no full turn of 13 states"),
+        (result, turn(plain, points=12), "no full period of 13 states"),
         (result, servo(plain), "different speeds"),
         (result, plain, "after is a Linkage|reactions is a Linkage"),
     ):

@@ -11,7 +11,7 @@ import texts
 import pinpress as pp
 from pinpress import charts
 from pinpress.extreme_values import extremes
-from pinpress.harmonic_analysis import harmonics, is_cycle, last_turn
+from pinpress.harmonic_analysis import harmonics, is_cycle, last_period
 
 MASS, RADIUS, SPEED = 3.0, 0.2, 31.0
 ROTOR = f"""
@@ -190,22 +190,44 @@ def test_no_full_turn(legs):
     assert of(pp.cycle(legs, angle=np.zeros((4, 12)), speed=0.0)) is None
 
 
-@pytest.mark.parametrize(("ratio", "back"), [("0.5", False), ("-2", True), ("1.01", False), ("3", True)])
-def test_a_geared_shaft_is_back_after_whole_turns(folder, ratio, back):
+@pytest.mark.parametrize(("ratio", "turns"), [("0.5", 2), ("-2", 1), ("1.2", 5), ("3", 1)])
+def test_a_geared_shaft_is_back_after_whole_turns(folder, ratio, turns):
+    """The shaft's unbalance, at the speed of its own, is of the order of its ratio, a fraction too; so are those of the disc and of a run
+    through two periods, whose last one counts."""
     press = rotor(folder, SHAFT.replace("RATIO", ratio))
-    motion = pp.cycle(press, SPEED, points=90)
-    found = harmonics(motion, pp.inverse_dynamics(press, motion).shaking_force)
-    assert (found is not None) is back
+    motion = pp.cycle(press, SPEED, points=90 * turns)
     assert is_cycle(motion)
-    if found is not None:  # the shaft's unbalance, at the speed of its own
-        order = abs(int(ratio))
-        np.testing.assert_allclose(found.amplitude[order, 0], 2 * 0.1 * (order * SPEED) ** 2, rtol=1e-12)
+    longer = pp.cycle(press, SPEED, angle=np.linspace(0.0, 4 * np.pi * turns, 180 * turns + 1))
+    for some, rtol in ((motion, 1e-12), (longer, 1e-5)):  # the second by splines
+        found = harmonics(some, pp.inverse_dynamics(press, some).shaking_force)
+        np.testing.assert_allclose(found.orders, np.arange(12 * turns + 1) / turns, rtol=1e-15)
+        order = abs(float(ratio))
+        size = dict(zip((found.orders * turns).round().astype(int), found.amplitude[:, 0], strict=True))
+        np.testing.assert_allclose(size.pop(round(order * turns)), 2 * 0.1 * (order * SPEED) ** 2, rtol=rtol)
+        np.testing.assert_allclose(size.pop(turns), MASS * RADIUS * SPEED**2, rtol=rtol)
+        assert max(size.values()) < rtol * MASS * RADIUS * SPEED**2
+    assert harmonics(pp.cycle(press, SPEED, angle=np.linspace(0.0, 2 * np.pi * turns - 0.1, 90)), np.zeros((90, 3))) is None
+
+
+def test_an_unbalanced_shaft_that_is_never_back_has_no_period(folder):
+    """With 101 turns to 100; balanced it does not matter where it is."""
+    shaft = SHAFT.replace("RATIO", "1.01")
+    with pytest.raises(pp.PinpressError, match="rotor has no period: an unbalanced shaft"):
+        pp.cycle(rotor(folder, shaft), SPEED)
+    somewhere = pp.cycle(rotor(folder, shaft), SPEED, angle=np.linspace(0.0, 7.0, 50))
+    assert somewhere.period_turns is None
+    assert harmonics(somewhere, np.zeros((50, 3))) is None
+    balanced = pp.cycle(rotor(folder, shaft.replace('"0.1 0 0"', '"0 0.1 0"')), SPEED)
+    assert balanced.period_turns == 1
+    uneven = rotor(folder, shaft.replace('"0.1 0 0"', '"0 0.1 0"').replace('izz="0.1"', 'izz="0.15"'))
+    with pytest.raises(pp.PinpressError, match="rotor has no period"):
+        pp.cycle(uneven, SPEED)
 
 
 @pytest.mark.parametrize("name", pp.presses())
 @pytest.mark.parametrize("points", [12, 360])
 def test_every_press_comes_back(name, points):
-    assert last_turn(turn(name, points=points).motion) == 0
+    assert last_period(turn(name, points=points).motion) == 0
 
 
 @pytest.mark.parametrize(

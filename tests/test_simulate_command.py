@@ -131,7 +131,7 @@ def test_few_strokes_or_none(capsys: pytest.CaptureFixture[str]) -> None:
     text = printed(capsys, "crank_slide", "--duration", 8, "--drive", "prescribed:speed=60", "--points", 100)
     assert "..." not in text
     assert "\n       8 " in text
-    assert "does not make a full turn" in printed(capsys, "crank_slide", "--duration", 0.5, "--speed", 60, "--flywheel", 50)
+    assert "does not get through a period" in printed(capsys, "crank_slide", "--duration", 0.5, "--speed", 60, "--flywheel", 50)
 
 
 def test_files(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:

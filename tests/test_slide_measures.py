@@ -445,7 +445,7 @@ def test_a_slide_with_two_strokes_a_turn_has_no_one_working_stroke():
     twice = of(lambda q: (-np.cos(2 * q), 2 * np.sin(2 * q), 4 * np.cos(2 * q)))
     np.testing.assert_allclose(measures.stroke(twice), 2.0, rtol=1e-12)
     np.testing.assert_allclose(measures.dwell_angle(twice, 0.5), np.arccos(0.5), rtol=1e-11)
-    with pytest.raises(pp.PinpressError, match="4 times a turn"):
+    with pytest.raises(pp.PinpressError, match="4 times a period"):
         measures.speed_ratio(twice)
 
 

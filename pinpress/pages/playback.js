@@ -4,7 +4,7 @@ const DIGITS = Math.max(3, 2 - Math.floor(Math.log10(duration || 1)));  // of ti
 const [LENGTH, PER_METRE] = data.size > 50 ? ["m", 1] : data.size > 0.02 ? ["mm", 1e3] : ["µm", 1e6];
 const travel = data.slide ? (Math.max(...data.slide) - Math.min(...data.slide)) * PER_METRE : 0;
 const PLACES = travel > 0 ? Math.min(9, Math.max(1, 2 - Math.floor(Math.log10(travel)))) : 1;
-const ONE_TURN = data.crank.every(angle => Math.abs(angle) <= 360.001);
+const UNWRAPPED = !data.period || data.crank.every(angle => Math.abs(angle) <= data.period + 0.001);
 const listeners = [];  // what else follows the time: functions of the time [s]
 
 function seek(time) {
@@ -15,7 +15,7 @@ function seek(time) {
   for (const { dot, series } of dots) dot.position.copy(vector(series));
   const angle = number(data.crank);
   show("time", "", now.toFixed(DIGITS) + " s");
-  show("crank", "crank", ONE_TURN ? angle.toFixed(1) + "°" : ((angle % 360 + 360) % 360).toFixed(1) + "°");
+  show("crank", "crank", (UNWRAPPED ? angle : (angle % data.period + data.period) % data.period).toFixed(1) + "°");
   if (data.slide) show("slide", "slide", `${(number(data.slide) * PER_METRE).toFixed(PLACES)} ${LENGTH}`);
   element("slider").value = now;
   fillLabels();
@@ -50,7 +50,7 @@ function seekFromAddress() {
   return match !== null;
 }
 
-function startingRate() {  // real time, or so slow that a turn takes half a second at least
+function startingRate() {  // real time, or so slow that a period takes half a second at least
   const turn = data.time[data.turn - 1], rates = [...element("rate").options].map(option => Number(option.value));
   return String(Math.max(rates[0], ...rates.filter(rate => rate <= 1 && turn / rate >= 0.5)));
 }
