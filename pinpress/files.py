@@ -1,44 +1,61 @@
-"""Writing files: whole, or not at all."""
+"""Writing files: whole, or not at all. All of the library's files are written here."""
 
 import errno
 import os
+import secrets
+import stat
 import tempfile
 from collections.abc import Iterator
-from contextlib import ExitStack, contextmanager
+from contextlib import ExitStack, contextmanager, suppress
+from io import FileIO
 from pathlib import Path
 
 from .errors import PinpressError
 
 
 def write(path: str | os.PathLike[str], content: bytes) -> Path:
-    """Write a file in one step, so that none is left half written; a link to a file stays one. Returns the path.
+    """Write a file in one step, so that there is the old content or the new one, never a part of it. Returns the path.
+
+    The file keeps its mode, and a link to it stays a link. One that has several names (hard links) keeps them: it alone is written in
+    place, after the disk has given the room, so that a machine that dies meanwhile can leave it mixed. What is no regular file, such as a
+    device, a pipe or this program's own output, is written through.
 
     Raises:
-        PinpressError: it cannot be written.
+        PinpressError: it cannot be written; what there was is as before.
     """
-    with written(path) as part, refused(path):
-        part.write_bytes(content)
+    with refused(path):
+        found = _status(path)
+        if found is None:
+            _replace(Path(os.path.realpath(path)), None, content)
+        elif (stream := _stream(path, found)) is not None:
+            with stream:
+                _send(stream, content)
+        elif found.st_nlink > 1:
+            _overwrite(path, found, content)
+        else:
+            _replace(Path(os.path.realpath(path)), found, content)
     return Path(path)
 
 
 @contextmanager
 def written(path: str | os.PathLike[str], suffix: str = "") -> Iterator[Path]:
-    """A file to write, with this suffix, that becomes ``path`` at the end of the block, if nothing failed.
+    """A temporary file for others to write, with this suffix, whose content `write` puts into ``path`` at the end of the block, if nothing
+    failed.
 
     Raises:
         PinpressError: a path that cannot be written, before the block.
     """
     with ExitStack() as tidying:
         with refused(path):
-            target = Path(os.path.realpath(path))
-            if target.is_dir():
-                raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR))
-            # in the same directory, so that the last step is atomic
-            folder = tidying.enter_context(tempfile.TemporaryDirectory(dir=target.parent, prefix=".pinpress-"))
+            if _status(path) is None:
+                _refuse_folder(Path(os.path.realpath(path)).parent)
+            # not beside the path, where a kill would leave it
+            folder = tidying.enter_context(tempfile.TemporaryDirectory(prefix="pinpress-"))
         part = Path(folder, "part" + suffix)
         yield part
         with refused(path):
-            os.replace(part, target)
+            content = part.read_bytes()
+        write(path, content)
 
 
 @contextmanager
@@ -49,3 +66,82 @@ def refused(path: object) -> Iterator[None]:
     except (OSError, ValueError, TypeError) as error:  # ValueError: a null character in the path; TypeError: no path at all
         reason = getattr(error, "strerror", None) or str(error)
         raise PinpressError(f"cannot write {path}: {reason}; give a file in a directory you can write to") from error
+
+
+def _status(path: str | os.PathLike[str]) -> os.stat_result | None:
+    """Of the file that is there, None where there is none; raise OSError for one that cannot be written."""
+    try:
+        found = os.stat(path)
+    except FileNotFoundError:
+        return None
+    if stat.S_ISDIR(found.st_mode):
+        raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR))
+    if not os.access(path, os.W_OK):  # replacing it would need its folder alone
+        raise PermissionError(errno.EACCES, os.strerror(errno.EACCES))
+    return found
+
+
+def _refuse_folder(folder: Path) -> None:
+    if not folder.is_dir():
+        raise FileNotFoundError(errno.ENOENT, os.strerror(errno.ENOENT))
+    if not os.access(folder, os.W_OK):
+        raise PermissionError(errno.EACCES, os.strerror(errno.EACCES))
+
+
+def _stream(path: str | os.PathLike[str], found: os.stat_result) -> FileIO | None:
+    """What a file that is written through is written to: a regular one is, where it is this program's own output."""
+    for standard in (1, 2):
+        with suppress(OSError):  # closed
+            if os.path.samestat(os.fstat(standard), found):
+                return FileIO(os.dup(standard), "w")
+    return None if stat.S_ISREG(found.st_mode) else FileIO(os.open(path, os.O_WRONLY), "w")
+
+
+def _replace(target: Path, found: os.stat_result | None, content: bytes) -> None:
+    """Write a file beside the target, and give it the target's name, mode and owner."""
+    part = target.with_name(f".pinpress-{secrets.token_hex(8)}")
+    descriptor, named = _opened(part)
+    try:
+        with FileIO(descriptor, "w") as stream:
+            if found is not None and hasattr(os, "fchmod"):
+                if (found.st_uid, found.st_gid) != (os.geteuid(), os.getegid()):
+                    with suppress(OSError):  # only root may
+                        os.fchown(descriptor, found.st_uid, found.st_gid)
+                os.fchmod(descriptor, stat.S_IMODE(found.st_mode))
+            _send(stream, content)
+            os.fsync(descriptor)
+            if not named:  # src_dir_fd makes it the system call that follows the link to the file
+                os.link(f"/proc/self/fd/{descriptor}", part, src_dir_fd=descriptor)
+        os.replace(part, target)
+    except BaseException:
+        with suppress(OSError):
+            part.unlink()
+        raise
+
+
+def _opened(part: Path) -> tuple[int, bool]:
+    """A new file, and whether it has its name: where the system knows files without one, nothing is left of it by a kill."""
+    if hasattr(os, "O_TMPFILE") and os.path.isdir("/proc/self/fd"):
+        with suppress(OSError):  # not on every file system
+            return os.open(part.parent, os.O_TMPFILE | os.O_WRONLY, 0o666), False
+    return os.open(part, os.O_WRONLY | os.O_CREAT | os.O_EXCL | getattr(os, "O_BINARY", 0), 0o666), True
+
+
+def _overwrite(path: str | os.PathLike[str], found: os.stat_result, content: bytes) -> None:
+    """Write a file in place."""
+    with open(path, "r+b", buffering=0) as stream:
+        if content and hasattr(os, "posix_fallocate"):
+            try:
+                os.posix_fallocate(stream.fileno(), 0, len(content))
+            except OSError:
+                stream.truncate(found.st_size)
+                raise
+        _send(stream, content)
+        stream.truncate(len(content))
+        os.fsync(stream.fileno())
+
+
+def _send(stream: FileIO, content: bytes) -> None:
+    left = memoryview(content)
+    while left:
+        left = left[stream.write(left) :]

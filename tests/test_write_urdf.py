@@ -780,12 +780,12 @@ def test_link_to_a_file_stays_one(press, tmp_path):
     assert target.read_bytes() == press.text
 
 
-def test_written_over_the_file_that_was_read(press, file, tmp_path):
+def test_written_over_the_file_that_was_read(press, file):
     """It is replaced and not written into: who has it open reads on in the old one."""
-    (tmp_path / "same.urdf").hardlink_to(file)
     heavier = body_changed(press, "Q", lambda total: total + ball(1.0))
-    assert_same(pp.load(pp.write_urdf(heavier, file)), heavier)
-    assert (tmp_path / "same.urdf").read_bytes() == press.text
+    with open(file, "rb") as reader:
+        assert_same(pp.load(pp.write_urdf(heavier, file)), heavier)
+        assert reader.read() == press.text
 
 
 def test_import_of_pinpress_leaves_it_out():

@@ -1,0 +1,167 @@
+"""Files are written whole or left alone, keep what they are, and leave nothing beside them."""
+
+import contextlib
+import errno
+import os
+import resource
+import signal
+import stat
+import subprocess
+import sys
+import threading
+
+import pytest
+from time_limit import _limit  # noqa: F401
+
+import pinpress as pp
+from pinpress import files
+
+OLD, NEW = b"old content", b"new content, longer than the old one"
+
+
+@pytest.fixture
+def file(tmp_path):
+    path = tmp_path / "table.csv"
+    path.write_bytes(OLD)
+    return path
+
+
+@contextlib.contextmanager
+def full_disk(size):
+    """No file may become longer: what a full disk is for a program, but in the error's words."""
+    before = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (size, before[1]))
+    try:
+        yield
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, before)
+
+
+@pytest.mark.parametrize("mode", [0o600, 0o640, 0o644, 0o755])
+def test_mode_is_kept(file, mode):
+    file.chmod(mode)
+    files.write(file, NEW)
+    assert file.read_bytes() == NEW
+    assert stat.S_IMODE(file.stat().st_mode) == mode
+    assert os.listdir(file.parent) == [file.name]
+
+
+@pytest.mark.parametrize("mask", [0o022, 0o077, 0o002])
+def test_new_files_go_by_the_mask(tmp_path, mask):
+    before = os.umask(mask)
+    try:
+        files.write(tmp_path / "new", NEW)
+    finally:
+        os.umask(before)
+    assert stat.S_IMODE((tmp_path / "new").stat().st_mode) == 0o666 & ~mask
+
+
+def test_links_stay_links(file):
+    link, hard, broken = (file.with_name(name) for name in ("link", "hard", "broken"))
+    link.symlink_to(file.name)
+    broken.symlink_to("new")
+    files.write(link, NEW)
+    assert link.is_symlink()
+    assert file.read_bytes() == NEW
+    files.write(broken, NEW)
+    assert broken.is_symlink()
+    assert file.with_name("new").read_bytes() == NEW
+    os.link(file, hard)
+    for content in (b"longer than " + NEW, b"short", b""):
+        files.write(hard, content)
+        assert file.read_bytes() == content
+        assert file.samefile(hard)
+    assert sorted(os.listdir(file.parent)) == ["broken", "hard", "link", "new", "table.csv"]
+
+
+def test_pipes_and_devices_are_written_through(tmp_path):
+    pipe, read = tmp_path / "pipe", []
+    os.mkfifo(pipe)
+    reader = threading.Thread(target=lambda: read.append(pipe.read_bytes()))
+    reader.start()
+    files.write(pipe, NEW)
+    reader.join()
+    assert read == [NEW]
+    assert stat.S_ISFIFO(pipe.stat().st_mode)
+    files.write("/dev/null", NEW)
+    assert stat.S_ISCHR(os.stat("/dev/null").st_mode)
+    with pytest.raises(pp.PinpressError, match="cannot write /dev/full: No space left"):
+        files.write("/dev/full", NEW)
+
+
+@pytest.mark.parametrize("kind", ["file", "pipe"])
+def test_output_is_written_through(tmp_path, kind):
+    """After what was printed, also where the output was sent into a file, which stays the one that is open."""
+    words = "from pinpress import files; print('before', flush=True); files.write('/dev/stdout', b'content\\n'); print('after')"
+    with open(tmp_path / "out", "w+b") as out:
+        run = subprocess.run([sys.executable, "-c", words], stdout=out if kind == "file" else subprocess.PIPE, check=True)
+        out.seek(0)
+        assert (out.read() if kind == "file" else run.stdout) == b"before\ncontent\nafter\n"
+
+
+@pytest.mark.parametrize("names", [1, 2])
+def test_a_full_disk_leaves_what_there_was(file, names):
+    if names == 2:
+        os.link(file, file.with_name("other"))
+    before = sorted(os.listdir(file.parent))
+    with full_disk(len(OLD)), pytest.raises(pp.PinpressError, match=f"cannot write {file}: {os.strerror(errno.EFBIG)}"):
+        files.write(file, 1000 * NEW)
+    assert file.read_bytes() == OLD
+    assert sorted(os.listdir(file.parent)) == before
+
+
+@pytest.mark.skipif(os.geteuid() == 0, reason="root may write everywhere")
+def test_places_without_permission(file):
+    file.chmod(0o444)
+    with pytest.raises(pp.PinpressError, match="Permission denied"):
+        files.write(file, NEW)
+    file.chmod(0o644)
+    file.parent.chmod(0o555)
+    try:
+        for call in (lambda: files.write(file, NEW), lambda: files.write(file.with_name("new"), NEW)):
+            with pytest.raises(pp.PinpressError, match="Permission denied"):
+                call()
+    finally:
+        file.parent.chmod(0o755)
+    assert file.read_bytes() == OLD
+
+
+@pytest.mark.parametrize("by", ["system", "file system"])
+def test_where_files_have_names_from_the_beginning(file, monkeypatch, by):
+    """Without O_TMPFILE: the same, and nothing is left by an error."""
+    if by == "system":
+        monkeypatch.delattr(os, "O_TMPFILE", raising=False)
+    else:
+        monkeypatch.setattr(os, "O_TMPFILE", os.O_DIRECTORY)
+    file.chmod(0o600)
+    files.write(file, NEW)
+    assert file.read_bytes() == NEW
+    assert stat.S_IMODE(file.stat().st_mode) == 0o600
+    with full_disk(len(NEW)), pytest.raises(pp.PinpressError):
+        files.write(file, 1000 * NEW)
+    assert file.read_bytes() == NEW
+    assert os.listdir(file.parent) == [file.name]
+
+
+@pytest.mark.skipif(not hasattr(os, "O_TMPFILE"), reason="files have names from the beginning")
+def test_a_kill_leaves_nothing(file):
+    """When all is written, but not yet under the file's name."""
+    words = (
+        "import os, signal, sys; from pinpress import files\n"
+        "os.fsync = lambda _: os.kill(os.getpid(), signal.SIGKILL)\n"
+        "files.write(sys.argv[1], bytes(1_000_000))"
+    )
+    assert subprocess.run([sys.executable, "-c", words, file]).returncode == -signal.SIGKILL
+    assert os.listdir(file.parent) == [file.name]
+    assert file.read_bytes() == OLD
+
+
+def test_writers_keep_the_mode(tmp_path):
+    press = pp.load("crank_slide")
+    motion = pp.cycle(press, 1.0, points=4)
+    for name, write in (("m.csv", motion.to_csv), ("m.mat", motion.to_mat), ("m.urdf", lambda path: pp.write_urdf(press, path))):
+        path = tmp_path / name
+        path.touch(0o600)
+        write(path)
+        assert path.stat().st_size > 100
+        assert stat.S_IMODE(path.stat().st_mode) == 0o600
