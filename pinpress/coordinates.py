@@ -35,11 +35,19 @@ class Axis(NamedTuple):
 
 def axes(model: pin.Model) -> tuple[Axis, ...]:
     """Axes of the moving joints, in the order of v."""
-    data = model.createData()
-    pin.computeJointJacobians(model, data, pin.neutral(model))
-    # reshaped, because a Jacobian of one column comes as a vector
-    columns = (pin.getJointJacobian(model, data, j + 1, pin.LOCAL).reshape(6, model.nv)[:, j] for j in range(model.nv))
+    columns = (np.ravel(joint.createData().S) for joint in list(model.joints)[1:])
     return tuple(Axis(c[3:].copy(), True) if np.linalg.norm(c[3:]) > 0.5 else Axis(c[:3].copy(), False) for c in columns)
+
+
+def drawn(model: pin.Model) -> list[pin.SE3]:
+    """Placements of all joints in the world in the drawn pose, the world's own first.
+
+    The product of constants down the tree. `pin.Data`, with which Pinocchio would find the same, has arrays of nv cubed numbers.
+    """
+    places = [pin.SE3.Identity()]
+    for joint, parent in enumerate(list(model.parents)[1:], 1):
+        places.append(places[parent] * model.jointPlacements[joint])
+    return places
 
 
 def configuration(slots: tuple[Slot, ...], x: Array) -> Array:

@@ -16,8 +16,8 @@ from typing import NamedTuple
 import numpy as np
 
 from . import plane_statics
+from .constant_rows import product
 from .coordinates import Array, ComplexArray
-from .plane import product
 from .plane_dynamics import Bodies
 from .sensitivities import Rates, States, Tangent
 from .sensitivities_loads import Push
@@ -77,7 +77,7 @@ def tangent(known: Balanced, moved: Tangent, by: Shift, pushes: Sequence[Push]) 
     for push in pushes:
         arm, arm_turned = (push.arm * rotor[plane.rotor(push.body)] for rotor in (at, moved.basis))
         moment[push.body] -= _cross(arm_turned, push.force) + _cross(arm, push.turned)
-        carried[plane.carried[:, push.body] > 0] -= push.turned
+        carried[plane.carriers(push.body)] -= push.turned
         if not push.braced:
             shaking_force += push.turned
             shaking_moment += _cross(origins_turned[push.body] + arm_turned, push.force)

@@ -6,10 +6,9 @@ All of one configuration, from its `Rows`. A joint or an equation takes part whe
 from typing import NamedTuple
 
 import numpy as np
-import pinocchio as pin
 
 from . import spatial
-from .coordinates import Array
+from .coordinates import Array, drawn
 from .linkage import Linkage
 from .loops import Coupling, LoopJoint
 from .plane import PARALLEL
@@ -150,6 +149,4 @@ def _normal(press: Linkage) -> Array:
 
 
 def _drawn_rotations(press: Linkage) -> list[Array]:
-    data = press.model.createData()
-    pin.forwardKinematics(press.model, data, pin.neutral(press.model))
-    return [place.rotation.copy() for place in data.oMi]
+    return [place.rotation.copy() for place in drawn(press.model)]

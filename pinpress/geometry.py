@@ -79,7 +79,8 @@ def _from_zero(coupling: Coupling) -> Coupling:
 def _closed(press: Linkage, moved: Displacements) -> Array:
     """Joint coordinates (nv,) that close the linkage with displaced pivots, counted from where it was drawn."""
     if press.plane is not None:
-        return carried(press.plane, press.closed[:, None], shift(press, press.plane, moved)).closure.position[:, 0]
+        plane = press.plane.dense
+        return carried(plane, press.closed[:, None], shift(press, plane, moved)).closure.position[:, 0]
     return _closed_in_space(press, moved)
 
 

@@ -10,12 +10,13 @@ from dataclasses import dataclass
 import numpy as np
 import pinocchio as pin
 
+from .constant_rows import product
 from .coordinates import Array
 from .forces import Load, PointForce, place
 from .frozen import Frozen
 from .linkage import Linkage
 from .motion import Motion
-from .plane import Plane, in_space, product
+from .plane import Plane, in_space
 from .plane_kinematics import basis, basis_acceleration
 from .reactions import Reactions, inverse_dynamics
 
@@ -94,8 +95,7 @@ def _in_plane(plane: Plane, press: Linkage, motion: Motion, joint: int, points: 
     at = motion.basis(press)
     at = basis(plane, motion.joint_position.T) if at is None else at
     x, y, height = plane.frames[joint - 1] @ points.T
-    rows = np.repeat(plane.origins[joint - 1][None], len(points), axis=0)
-    rows[:, plane.rotor(joint - 1)] += x + 1j * y
+    rows = np.array([plane.point(joint - 1, complex(*arm)) for arm in zip(x, y, strict=True)])
     position = in_space(plane, product(rows, at)) + (plane.heights[joint - 1] + height)[:, None, None] * plane.normal
     return position, in_space(plane, product(rows, basis_acceleration(plane, at, motion.v.T, motion.a.T)))
 

@@ -86,6 +86,8 @@ class Linkage(Frozen):
     @derived
     def rank(self) -> int:
         """Rank of the equations of loops and couplings in the closed drawn pose."""
+        if self.plane is not None and plane_kinematics.moves(self.plane, self.drawn):
+            return int(self.model.nv) - 1  # each of its blocks gives its joints: that is what it has a plane for
         return spatial.rank(self.equations(self.closed).columns)
 
     @derived

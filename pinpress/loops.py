@@ -1,5 +1,6 @@
 """What holds the tree of a linkage together: the bearings at which its loops were cut, and the gear pairs between its joints."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -56,3 +57,16 @@ class Coupling:
     multiplier: float
     offset: float
     line: int
+
+
+def between(parents: Sequence[int], joint1: int, joint2: int) -> dict[int, float]:
+    """The joints of the tree on the way from one joint to another, rising: +1 of those that carry only the second, -1 only the first.
+
+    ``parents`` of the joints, all in the order of v; -1 stands for the frame.
+    """
+    signs: dict[int, float] = {}
+    for joint, sign in ((joint2, 1.0), (joint1, -1.0)):
+        while joint >= 0:
+            signs[joint] = signs.get(joint, 0.0) + sign
+            joint = parents[joint]
+    return {joint: sign for joint, sign in sorted(signs.items()) if sign}

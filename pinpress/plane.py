@@ -12,28 +12,28 @@ basis' derivatives: one matrix product for all links and all crank angles. The r
 (all joints at zero); complex numbers are components along ``axes[0]`` and ``axes[1]``, which with ``normal`` make a right-handed frame.
 """
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, fields, replace
 from functools import cached_property
 
 import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
-from .coordinates import Array, ComplexArray
+from .constant_rows import Entries, Matrix, matrix, plain
+from .coordinates import Array, ComplexArray, drawn
 from .coordinates import axes as joint_axes
-from .loops import Coupling, LoopJoint
+from .loops import Coupling, LoopJoint, between
 from .plane_blocks import Block, ordered
 
 EPSILON = float(np.finfo(float).eps)
-SERIAL = 65_536  # scalar multiplications up to which OpenBLAS makes a complex product in one thread
-SERIAL_ROW = 4_095  # the same of one row, which is a vector to it
 PARALLEL = 1e-12  # joint axes further from the plane's normal than this [rad] make a linkage spatial
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Plane:
-    """Constants of a planar linkage; joints are counted as in v, loops as declared. See the module for ``basis``.
+    """Constants of a planar linkage; joints are counted as in v, loops as declared. See the module for ``basis``, and `constant_rows` for
+    what a matrix is; ``dense`` has all of them as plain arrays.
 
     Attributes:
         normal, axes: (3,) and (2, 3) world directions.
@@ -43,6 +43,7 @@ class Plane:
         revolute, prismatic: joint indices in the order of the basis.
         turn: (nr, nv) absolute angles of the rotors from joint angles. spin: (nv, nv) the same of every link, also where it only slides.
         frames: (nv, 3, 3) a vector in a joint's frame to its components along axes[0], axes[1], normal in the drawn pose.
+        rotors: (nv,) basis row of the rotor of every joint's link; 0 of links that only translate.
         guide_rotors: (np,) basis row of the rotor that carries each prismatic direction.
         origins, centers: (nv, nb) joint origins; centres of mass relative to their joint's origin.
         heights, center_heights: (nv,) the same along the normal, centres from the world origin [m].
@@ -51,10 +52,10 @@ class Plane:
         loop_points: (nl, nb) point 1 of every loop. loop_heights: (nl,) along the normal [m].
         holding: (nl,) whether the loop's bearing holds its links upright: a revolute one does.
         coupled: (nc, nv) coefficients of the coupling equations, turning ones in lengths of the linkage. offsets: (nc,) right-hand sides.
-        followers: (nc,) joints whose coordinate the couplings give.
+        gears: the same row by row, coefficients by joints, rising. followers: (nc,) joints whose coordinate the couplings give.
         blocks: the order in which equations are solved. driven: per loop, row of the driver's column, None where it does not move the loop.
         carried: (nv, nv) 1 where the link of joint k hangs on joint j.
-        crossed: (nv, nl) +1 / -1 where loop l's point 2 / 1 hangs on joint j.
+        crossed: (nv, nl) +1 / -1 where loop l's point 2 / 1 hangs on joint j. round_loops: the same joint by joint, by loops, rising.
         size: of the largest loop: sum of the lengths round it [m].
     """
 
@@ -65,26 +66,29 @@ class Plane:
     sense: Array
     revolute: tuple[int, ...]
     prismatic: tuple[int, ...]
-    turn: Array
-    spin: Array
+    turn: Matrix
+    spin: Matrix
     frames: Array
+    rotors: tuple[int, ...]
     guide_rotors: tuple[int, ...]
-    origins: ComplexArray
-    centers: ComplexArray
+    origins: Matrix
+    centers: Matrix
     heights: Array
     center_heights: Array
-    directions: ComplexArray
-    closure: ComplexArray
-    loop_points: ComplexArray
+    directions: Matrix
+    closure: Matrix
+    loop_points: Matrix
     loop_heights: Array
     holding: NDArray[np.bool_]
-    coupled: Array
+    coupled: Matrix
+    gears: tuple[Mapping[int, float], ...]
     offsets: Array
     followers: tuple[int, ...]
     blocks: tuple[Block, ...]
     driven: tuple[int | None, ...]
-    carried: Array
-    crossed: Array
+    carried: Matrix
+    crossed: Matrix
+    round_loops: tuple[Mapping[int, float], ...]
     size: float
 
     @cached_property
@@ -97,33 +101,27 @@ class Plane:
         """Whether some of the equations in the plane say nothing new."""
         return any(block.redundant for block in self.blocks)
 
+    @cached_property
+    def dense(self) -> "Plane":
+        """The same with plain arrays for matrices."""
+        if isinstance(self.closure, np.ndarray):
+            return self
+        matrices = {field.name: plain(getattr(self, field.name)) for field in fields(self) if field.type is Matrix}
+        return replace(self, **matrices)
+
     def rotor(self, joint: int) -> int:
         """Basis row of the rotor of a joint's link; 0 for the frame (joint -1) and for links that only translate."""
-        while joint >= 0:
-            if joint in self.revolute:
-                return 1 + self.revolute.index(joint)
-            joint = self.parents[joint]
-        return 0
+        return self.rotors[joint] if joint >= 0 else 0
 
-    def point(self, joint: int, position: ComplexArray | complex, origin: complex) -> ComplexArray:
-        """Row (nb,) of a point of a joint's link that is at ``position`` in the drawn pose, where the joint is at ``origin``."""
-        row = self.origins[joint].copy() if joint >= 0 else np.zeros(self.closure.shape[1], complex)
-        row[self.rotor(joint)] += position - origin
+    def carriers(self, joint: int) -> list[int]:
+        """The joint and all joints between it and the frame."""
+        return _ancestry(self.parents, joint)
+
+    def point(self, joint: int, arm: complex) -> ComplexArray:
+        """Row (nb,) of a point of a joint's link, at ``arm`` from the joint's origin in the drawn pose."""
+        row: ComplexArray = plain(self.origins[[joint]])[0].copy()
+        row[self.rotor(joint)] += arm
         return row
-
-
-def product(rows: ComplexArray, columns: ComplexArray) -> ComplexArray:
-    """``rows @ columns`` for any rows and many columns, in pieces so small that BLAS keeps to one thread.
-
-    Its threads are no gain here, and where the machine has other work to do they wait milliseconds for each other.
-    """
-    step = max(1, (SERIAL if len(rows) > 1 else SERIAL_ROW) // max(1, rows.size))
-    if columns.shape[1] <= step:
-        return rows @ columns
-    result = np.empty((len(rows), columns.shape[1]), complex)
-    for start in range(0, columns.shape[1], step):
-        np.matmul(rows, columns[:, start : start + step], out=result[:, start : start + step])
-    return result
 
 
 def flat(plane: Plane, vectors: Array) -> ComplexArray:
@@ -141,23 +139,63 @@ def build(
 ) -> Plane | None:
     """Constants of a linkage whose driver turns, or None where it is not planar or its equations do not fall into blocks with as many
     unknown joints, or fewer. ``one_block``: solve all equations together."""
-    if misalignment(model, driver) > PARALLEL:
+    place, directions, turning = _drawn_joints(model)
+    if _misalignment(directions, turning, driver) > PARALLEL or not all(_lies_across(loop, place, directions[driver]) for loop in loops):
         return None
     count = model.nv
-    place, directions, turning = _drawn_joints(model)
     normal, axes = _frame(directions[driver])
     sense = np.array([np.sign(d @ normal) if t else 0.0 for d, t in zip(directions, turning, strict=True)])
 
     def in_plane(vector: Array) -> complex:
         return complex(*(axes @ vector))
 
-    parents = tuple(int(model.parents[j + 1]) - 1 for j in range(count))
-    revolute = tuple(j for j in range(count) if turning[j])
-    prismatic = tuple(j for j in range(count) if not turning[j])
-    width = 1 + count
-    position = [in_plane(p.translation) for p in place]
-    bodies = [(place[j], model.inertias[j + 1]) for j in range(count)]
-    skeleton = Plane(
+    parents = tuple(int(parent) - 1 for parent in list(model.parents)[1:])
+    revolute, prismatic = (tuple(j for j in range(count) if turning[j] is turns) for turns in (True, False))
+    position = [in_plane(place[j + 1].translation) for j in range(count)]
+    rotors: list[int] = []
+    row_of = {j: row for row, j in enumerate((*revolute, *prismatic), 1)}  # of the basis
+    origins: list[dict[int, complex]] = []
+    directed: dict[int, dict[int, complex]] = {}
+    for j, parent in enumerate(parents):  # parents come before their children in Pinocchio
+        carrier = rotors[parent] if parent >= 0 else 0
+        rotors.append(row_of[j] if turning[j] else carrier)
+        step = position[j] - (position[parent] if parent >= 0 else 0.0)
+        origins.append(_moved(origins[parent] if parent >= 0 else {}, carrier, step))
+        if not turning[j]:
+            origins[j][row_of[j]] = in_plane(directions[j])
+            directed[j] = {carrier: in_plane(directions[j])}
+
+    def end(joint: int, point: Array) -> tuple[dict[int, complex], float]:
+        world = place[joint].act(point)
+        start, carrier, origin = (origins[joint - 1], rotors[joint - 1], position[joint - 1]) if joint else ({}, 0, 0.0)
+        return _moved(start, carrier, in_plane(world) - origin), float(world @ normal)
+
+    ends = [(end(loop.joint1, loop.point1), end(loop.joint2, loop.point2)) for loop in loops]
+    gaps = [_difference(second, first) for (first, _), (second, _) in ends]
+    if any(abs(first[1] - second[1]) > PARALLEL * _length(gap) for (first, second), gap in zip(ends, gaps, strict=True)):
+        return None
+    crossed = [between(parents, loop.joint1 - 1, loop.joint2 - 1) for loop in loops]
+    columns, owners = [], []
+    for k, ((first, _), (second, _)) in enumerate(ends):
+        for joint, sign in crossed[k].items():
+            if turning[joint]:
+                arm = _difference(second if sign > 0 else first, origins[joint])
+                columns.append({row: 1j * sense[joint] * sign * entry for row, entry in arm.items()})
+            else:
+                columns.append({row: sign * entry for row, entry in directed[joint].items()})
+            owners.append((k, joint))
+    blocks = ordered(owners, len(loops), couplings, driver, count, one_block)
+    if blocks is None:
+        return None
+    size = max((_length({row: entry for row, entry in gap.items() if row <= len(revolute)}) for gap in gaps), default=1.0)
+    units = [size if turning[coupling.follower] else 1.0 for coupling in couplings]
+    gears = tuple(
+        dict(sorted({c.follower: unit, c.leader: -unit * c.multiplier}.items())) for c, unit in zip(couplings, units, strict=True)
+    )
+    driven = {k: len(loops) + row for row, (k, joint) in enumerate(owners) if joint == driver}
+    lines = [_ancestry(parents, j) for j in range(count)]
+    spin = [{k: sense[k] for k in line if turning[k]} for line in lines]
+    return Plane(
         normal=normal,
         axes=axes,
         driver=driver,
@@ -165,47 +203,37 @@ def build(
         sense=sense,
         revolute=revolute,
         prismatic=prismatic,
-        turn=np.array([[sense[k] * (k in _ancestry(parents, j)) for k in range(count)] for j in revolute]),
-        spin=np.array([[sense[k] * (k in _ancestry(parents, j)) for k in range(count)] for j in range(count)]),
-        frames=np.array([np.array([*axes, normal]) @ p.rotation for p in place]),
-        guide_rotors=(),
-        origins=np.zeros((count, width), complex),
-        centers=np.zeros((count, width), complex),
-        heights=np.array([p.translation @ normal for p in place]),
-        center_heights=np.array([p.act(y.lever) @ normal for p, y in bodies]),
-        directions=np.zeros((len(prismatic), width), complex),
-        closure=np.zeros((0, width), complex),
-        loop_points=np.zeros((len(loops), width), complex),
-        loop_heights=np.zeros(len(loops)),
+        turn=matrix([spin[j] for j in revolute], count, count, float),
+        spin=matrix(spin, count, count, float),
+        frames=np.array([np.array([*axes, normal]) @ p.rotation for p in place[1:]]),
+        rotors=tuple(rotors),
+        guide_rotors=tuple(next(iter(directed[j])) for j in prismatic),
+        origins=matrix(origins, 1 + count, count),
+        centers=matrix(
+            [{rotors[j]: in_plane(place[j + 1].rotation @ model.inertias[j + 1].lever)} for j in range(count)], 1 + count, count
+        ),
+        heights=np.array([p.translation @ normal for p in place[1:]]),
+        center_heights=np.array([place[j].act(model.inertias[j].lever) @ normal for j in range(1, count + 1)]),
+        directions=matrix([directed[j] for j in prismatic], 1 + count, count),
+        closure=matrix(gaps + columns, 1 + count, count),
+        loop_points=matrix([first for (first, _), _ in ends], 1 + count, count),
+        loop_heights=np.array([height for (_, height), _ in ends]),
         holding=np.array([loop.held > 0 for loop in loops], dtype=bool),
-        coupled=np.zeros((len(couplings), count)),
-        offsets=np.zeros(len(couplings)),
+        coupled=matrix(gears, count, count, float),
+        gears=tuple({joint: by for joint, by in gear.items() if by} for gear in gears),
+        offsets=np.array([unit * coupling.offset for coupling, unit in zip(couplings, units, strict=True)]),
         followers=tuple(coupling.follower for coupling in couplings),
-        blocks=(),
-        driven=(),
-        carried=np.array([[float(j in _ancestry(parents, k)) for k in range(count)] for j in range(count)]),
-        crossed=np.array(
-            [
-                [float(j in _ancestry(parents, loop.joint2 - 1)) - float(j in _ancestry(parents, loop.joint1 - 1)) for loop in loops]
-                for j in range(count)
-            ]
-        ).reshape(count, len(loops)),
-        size=0.0,
+        blocks=blocks,
+        driven=tuple(driven.get(k) for k in range(len(loops))),
+        carried=matrix(_turned_over([dict.fromkeys(line, 1.0) for line in lines], count), count, count, float),
+        crossed=matrix(_turned_over(crossed, count), len(loops), count, float),
+        round_loops=tuple(_turned_over(crossed, count)),
+        size=size,
     )
-    for j in range(count):  # parents come before their children in Pinocchio
-        p = parents[j]
-        skeleton.origins[j] = skeleton.point(p, position[j], position[p] if p >= 0 else 0.0)
-        if j in prismatic:
-            k = prismatic.index(j)
-            skeleton.origins[j, 1 + len(revolute) + k] = in_plane(directions[j])
-            skeleton.directions[k, skeleton.rotor(p)] = in_plane(directions[j])
-        skeleton.centers[j, skeleton.rotor(j)] = in_plane(place[j].rotation @ bodies[j][1].lever)
-    return _with_loops(skeleton, loops, couplings, place, position, one_block)
 
 
-def misalignment(model: pin.Model, driver: int) -> float:
+def _misalignment(directions: Sequence[Array], turning: Sequence[bool], driver: int) -> float:
     """Largest angle [rad] by which a turning axis misses the direction of the driver's, or a sliding one the plane across it."""
-    _, directions, turning = _drawn_joints(model)
     normal = directions[driver]
     return max(
         float(np.linalg.norm(np.cross(d, normal)) if turns else abs(d @ normal)) for d, turns in zip(directions, turning, strict=True)
@@ -213,80 +241,51 @@ def misalignment(model: pin.Model, driver: int) -> float:
 
 
 def _drawn_joints(model: pin.Model) -> tuple[list[pin.SE3], list[Array], list[bool]]:
-    """Placements of the joints in the drawn pose, their axes in the world, and whether they turn."""
-    data = model.createData()
-    pin.forwardKinematics(model, data, pin.neutral(model))
-    place = [data.oMi[j + 1].copy() for j in range(model.nv)]
-    found = joint_axes(model)
-    return place, [p.rotation @ axis.direction for p, axis in zip(place, found, strict=True)], [axis.turns for axis in found]
+    """Placements of the world and the joints in the drawn pose, the joints' axes in the world, and whether they turn."""
+    place, found = drawn(model), joint_axes(model)
+    return place, [p.rotation @ axis.direction for p, axis in zip(place[1:], found, strict=True)], [axis.turns for axis in found]
 
 
-def _with_loops(
-    plane: Plane,
-    loops: Sequence[LoopJoint],
-    couplings: Sequence[Coupling],
-    place: list[pin.SE3],
-    position: list[complex],
-    one_block: bool,
-) -> Plane | None:
-    """The plane with its equations, None where the loops leave the plane or the equations do not fall into blocks."""
-
-    def end(joint: int, point: Array) -> tuple[ComplexArray, float]:
-        world = place[joint - 1].act(point) if joint else point
-        row = plane.point(joint - 1, complex(*(plane.axes @ world)), position[joint - 1] if joint else 0.0)
-        return row, float(world @ plane.normal)
-
-    gaps, columns, owners = [], [], []
-
-    def lies_across(loop: LoopJoint) -> bool:
-        ends = ((loop.joint1, loop.rotation1[:, 0]), (loop.joint2, loop.rotation2[:, 0]))
-        return all(
-            float(np.linalg.norm(np.cross(place[joint - 1].rotation @ axis if joint else axis, plane.normal))) <= PARALLEL
-            for joint, axis in ends
-        )
-
-    if not all(loop.type == "spherical" or (loop.type == "revolute" and lies_across(loop)) for loop in loops):
-        return None
-    for k, loop in enumerate(loops):
-        (first, height1), (second, height2) = end(loop.joint1, loop.point1), end(loop.joint2, loop.point2)
-        plane.loop_points[k], plane.loop_heights[k] = first, height1
-        gaps.append(second - first)
-        if abs(height1 - height2) > PARALLEL * np.abs(gaps[-1]).sum():
-            return None
-        for joint in np.flatnonzero(plane.crossed[:, k]):
-            row = np.zeros_like(first)
-            if joint in plane.revolute:
-                side = second if plane.crossed[joint, k] > 0 else first
-                row += 1j * plane.sense[joint] * plane.crossed[joint, k] * (side - plane.origins[joint])
-            else:
-                row += plane.crossed[joint, k] * plane.directions[plane.prismatic.index(joint)]
-            columns.append(row)
-            owners.append((k, int(joint)))
-    blocks = ordered(owners, len(loops), couplings, plane.driver, len(plane.parents), one_block)
-    if blocks is None:
-        return None
-    size = max((float(np.abs(g[: 1 + len(plane.revolute)]).sum()) for g in gaps), default=1.0)
-    for k, coupling in enumerate(couplings):
-        unit = size if coupling.follower in plane.revolute else 1.0
-        plane.coupled[k, [coupling.follower, coupling.leader]] = unit, -unit * coupling.multiplier
-        plane.offsets[k] = unit * coupling.offset
-    changes = {
-        "guide_rotors": tuple(plane.rotor(plane.parents[j]) for j in plane.prismatic),
-        "closure": np.array(gaps + columns).reshape(-1, plane.origins.shape[1]),
-        "blocks": blocks,
-        "driven": tuple(next((len(loops) + r for r, o in enumerate(owners) if o == (k, plane.driver)), None) for k in range(len(loops))),
-        "size": size,
-    }
-    return Plane(**{**plane.__dict__, **changes})
+def _lies_across(loop: LoopJoint, place: Sequence[pin.SE3], normal: Array) -> bool:
+    """Whether a loop's bearing lets its links move in the plane: a spherical one does, a revolute one with its axis along the normal."""
+    ends = ((loop.joint1, loop.rotation1[:, 0]), (loop.joint2, loop.rotation2[:, 0]))
+    return loop.type == "spherical" or (
+        loop.type == "revolute"
+        and all(float(np.linalg.norm(np.cross(place[joint].rotation @ axis, normal))) <= PARALLEL for joint, axis in ends)
+    )
 
 
-def _ancestry(parents: tuple[int, ...], joint: int) -> set[int]:
-    """The joint and all joints between it and the frame."""
-    line = set()
+def _moved(row: Entries, rotor: int, step: complex) -> dict[int, complex]:
+    """The row of a point that is a ``step`` of a rotor's link further on."""
+    return {**row, rotor: row.get(rotor, 0j) + step}
+
+
+def _difference(row: Entries, other: Entries) -> dict[int, complex]:
+    """One row less another; what is in both alike is left out."""
+    entries = {column: row.get(column, 0j) - other.get(column, 0j) for column in sorted({*row, *other})}
+    return {column: entry for column, entry in entries.items() if entry}
+
+
+def _length(row: Entries) -> float:
+    return float(np.abs(np.array(list(row.values()))).sum())
+
+
+def _turned_over(rows: Sequence[Mapping[int, float]], count: int) -> list[dict[int, float]]:
+    """Rows of the transposed matrix."""
+    result: list[dict[int, float]] = [{} for _ in range(count)]
+    for place, row in enumerate(rows):
+        for column, entry in row.items():
+            result[column][place] = entry
+    return result
+
+
+def _ancestry(parents: Sequence[int], joint: int) -> list[int]:
+    """The joint and all joints between it and the frame, rising."""
+    line = []
     while joint >= 0:
-        line.add(joint)
+        line.append(joint)
         joint = parents[joint]
-    return line
+    return line[::-1]
 
 
 def _frame(normal: Array) -> tuple[Array, Array]:

@@ -8,13 +8,15 @@ With the axes of `Plane`, normal x f is i f and r x normal is -i r for complex f
 """
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from .constant_rows import Matrix, matrix, plain, product, stacked
 from .coordinates import Array, ComplexArray
 from .forces import AppliedForce
-from .plane import Plane, flat, product
+from .plane import Plane, flat
 from .sharing import Objective, least
 from .wrenches import Wrenches
 
@@ -37,7 +39,7 @@ def forces(plane: Plane, bodies: "Bodies", loads: Sequence[AppliedForce], compli
         if load.joint:
             axial[load.joint - 1] -= load.force @ plane.normal
     spread = bodies.spread_force if compliance is None else spread_forces(plane, compliance)
-    return np.asarray(spread @ (plane.carried @ axial))
+    return np.asarray(spread.carried(plane.carried @ axial, slice(None)))
 
 
 def add(
@@ -60,7 +62,7 @@ def add(
     """
     count = len(plane.parents)
     spin, acceleration = plane.spin @ v, plane.spin @ a
-    rotors = at[[plane.rotor(j) for j in range(count)]]
+    rotors = at[list(plane.rotors)]
     weight = -bodies.axial_weight[:, None]
     tilt = (acceleration + 1j * spin**2) * bodies.products[:, None] * rotors
     tilt += 1j * (plane.center_heights - plane.heights)[:, None] * tree.own - 1j * tree.centers * weight
@@ -77,11 +79,11 @@ def add(
             tilt[p] += tilt[j] + 1j * (plane.heights[j] - plane.heights[p]) * tree.carried[j] - 1j * (origins[j] - origins[p]) * hanging[j]
     points = plane.loop_points @ at
     for j in range(count):
-        for k in np.flatnonzero(plane.crossed[j]):
+        for k, sign in plane.round_loops[j].items():
             arm = points[k] - origins[j]
-            tilt[j] -= plane.crossed[j, k] * (1j * (plane.loop_heights[k] - plane.heights[j]) * pins[k] - 1j * arm * axial[count + k])
+            tilt[j] -= sign * (1j * (plane.loop_heights[k] - plane.heights[j]) * pins[k] - 1j * arm * axial[count + k])
     kept = slice(None) if len(wanted) == len(axial) else list(wanted)
-    tilting, axial = product(bodies.spread_moment[kept], tilt), axial[kept]
+    tilting, axial = bodies.spread_moment.carried(tilt, kept), axial[kept]
     for i, (along, first, second) in enumerate(zip(plane.normal, *plane.axes, strict=True)):
         # most presses stand in a coordinate plane: zeros cost nothing
         if along:
@@ -92,26 +94,55 @@ def add(
             result.moment[..., i] += second * tilting.imag
 
 
-def spread_forces(plane: Plane, compliance: Array | None) -> Array:
-    """(bearings, nv) forces of all bearings along the normal from those of the joints with all loops open. Configurations do not matter."""
-    return _spread(plane, range(len(plane.loop_points)), compliance)
+@dataclass(frozen=True, eq=False, repr=False)
+class Spread:
+    """What all bearings carry of what joints do with all loops open, some of the loops sharing in it. Configurations do not matter.
+
+    Attributes:
+        alone: (bearings, nv) what joints would carry with all loops open. response: (bearings, shares) what a unit of each share adds.
+        every: (bearings, nv) both together, worked out; None of a large linkage, where its entries would be too many.
+    """
+
+    alone: Matrix
+    response: Matrix
+    every: Array | None
+
+    def carried(self, own: Any, kept: slice | list[int]) -> Any:
+        """Of ``own`` (nv, n) of the joints with all loops open, what the ``kept`` bearings carry (kept, n): the least squares of all."""
+        if self.every is not None:
+            return product(self.every[kept].astype(own.dtype), own)
+        from scipy.sparse.linalg import splu
+
+        squares = splu((self.response.T @ self.response).tocsc())
+        carried = self.alone @ own
+        across = self.response.T @ carried
+        parts = [across.real, across.imag] if np.iscomplexobj(across) else [across]
+        shares = [squares.solve(np.ascontiguousarray(part)) for part in parts]
+        return (carried - self.response @ (shares[0] + 1j * shares[1] if len(shares) > 1 else shares[0]))[kept]
 
 
-def spread_moments(plane: Plane) -> ComplexArray:
-    """(bearings, nv) the same of tilting moments, in which the loops that hold their links upright share."""
-    return _spread(plane, [int(k) for k in np.flatnonzero(plane.holding)], None).astype(complex)
+def spread_forces(plane: Plane, compliance: Array | None) -> Spread:
+    """Of forces along the normal, in which all loops share."""
+    return _spread(plane, list(range(len(plane.loop_heights))), compliance)
 
 
-def _spread(plane: Plane, sharing: Sequence[int], compliance: Array | None) -> Array:
-    """(bearings, nv) what all bearings carry of what joints do with all loops open, some of which share in it."""
-    count, loops = len(plane.parents), len(plane.loop_points)
-    alone = np.eye(count + loops, count)
-    if not len(sharing):
-        return alone
-    response = np.concatenate([-plane.crossed[:, sharing], np.eye(loops)[:, sharing]])
-    every = np.eye(count + loops)  # the shares of a unit of each
+def spread_moments(plane: Plane) -> Spread:
+    """Of tilting moments, in which the loops that hold their links upright share."""
+    return _spread(plane, [int(k) for k in np.flatnonzero(plane.holding)], None)
+
+
+def _spread(plane: Plane, sharing: list[int], compliance: Array | None) -> Spread:
+    count, loops = len(plane.parents), len(plane.loop_heights)
+    large = not isinstance(plane.crossed, np.ndarray)
+    size = count if large else 0
+    alone = matrix([{k: 1.0} if k < count else {} for k in range(count + loops)], count, size, float)
+    response = stacked([-plane.crossed, matrix([{k: 1.0} for k in range(loops)], loops, size, float)])[:, sharing]
+    if large and compliance is None:
+        return Spread(alone, response, None)
+    alone, response, every = plain(alone), plain(response), np.eye(count + loops)  # the shares of a unit of each
     objectives = [Objective(response, every, 1.0)]
     if compliance is not None:
         weights = np.sqrt(compliance)
         objectives.insert(0, Objective(weights[:, None] * response, weights * every, float(weights.max())))
-    return np.asarray(alone + response @ least(objectives).T @ alone)
+    found = alone + response @ least(objectives).T @ alone if sharing else alone
+    return Spread(alone, response, found)

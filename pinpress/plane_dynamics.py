@@ -9,17 +9,19 @@ Signs: forces and moments of a joint are the action of parent on child, of a loo
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
 import pinocchio as pin
 
 from . import plane_axial, plane_statics, plane_torque, plane_vectors
+from .constant_rows import Matrix, compressed, product, stacked, weighted, with_column
 from .coordinates import Array, ComplexArray
 from .errors import AssemblyError
 from .forces import AppliedForce
 from .friction import FrictionLaw
-from .plane import Plane, flat, product
+from .plane import Plane, flat
 from .plane_kinematics import basis, basis_acceleration, gaps
 from .wrenches import Wrenches
 
@@ -46,30 +48,38 @@ class Bodies:
         inner: joints whose parent is not the frame, tips first.
         guided: (prismatic joint, loop) pairs: the loop's force turns the joint's link.
         geared: joints that turn and are coupled.
-        spread_force, spread_moment: `plane_axial.spread_forces` without compliances, and `plane_axial.spread_moments`.
         flat: everything moves and acts in one plane.
     """
 
+    plane: Plane
     axial_weight: Array
-    inertia: Array
+    inertia: Matrix
     products: ComplexArray
-    uncrossed: ComplexArray
-    forces: ComplexArray
-    reduced: ComplexArray
-    spins: Array
-    arms: ComplexArray
-    closure: ComplexArray
+    uncrossed: Matrix
+    forces: Matrix
+    reduced: Matrix
+    spins: Matrix
+    arms: Matrix
+    closure: Matrix
     inner: tuple[int, ...]
     guided: tuple[tuple[int, int], ...]
-    geared: tuple[int, ...]
-    spread_force: Array
-    spread_moment: ComplexArray
+    geared: frozenset[int]
     flat: bool
+
+    @cached_property
+    def spread_force(self) -> plane_axial.Spread:
+        """How bearings share forces along the normal, without compliances."""
+        return plane_axial.spread_forces(self.plane, None)
+
+    @cached_property
+    def spread_moment(self) -> plane_axial.Spread:
+        """How they share tilting moments."""
+        return plane_axial.spread_moments(self.plane)
 
 
 def build(plane: Plane, model: pin.Model) -> Bodies:
     """Inertial constants of a linkage, read once from the Pinocchio model."""
-    count, loops = model.nv, len(plane.loop_points)
+    count, loops = model.nv, len(plane.loop_heights)
     inertias = [model.inertias[j + 1] for j in range(count)]
     gravity = model.gravity.linear
     mass = np.array([y.mass for y in inertias])
@@ -77,38 +87,38 @@ def build(plane: Plane, model: pin.Model) -> Bodies:
     products = tensors[:, 0, 2] + 1j * tensors[:, 1, 2]
     products[np.abs(products) <= ROUNDING * np.abs(tensors).max(axis=(1, 2))] = 0.0
     axial_weight = mass * float(gravity @ plane.normal)
-    body_forces = mass[:, None] * (plane.origins + plane.centers)
-    body_forces[:, 0] = -mass * complex(*(plane.axes @ gravity))
+    centers = plane.origins + plane.centers
+    body_forces = with_column(weighted(centers, mass), 0, -mass * complex(*(plane.axes @ gravity)))
     inner = tuple(j for j in reversed(range(count)) if plane.parents[j] >= 0)
-    guided = tuple((j, int(k)) for j in plane.prismatic for k in np.flatnonzero(plane.crossed[j]))
-    arms = np.array(
+    guided = tuple((j, k) for j in plane.prismatic for k in plane.round_loops[j])
+    arms = stacked(
         [
-            *plane.centers,
-            *plane.closure[:loops],
-            *(1j * plane.closure[loops:]),
-            *(plane.origins[j] - plane.origins[plane.parents[j]] for j in inner),
-            *plane.directions,
-            *(plane.loop_points[k] - plane.origins[j] for j, k in guided),
+            plane.centers,
+            plane.closure[:loops],
+            1j * plane.closure[loops:],
+            plane.origins[list(inner)] - plane.origins[[plane.parents[j] for j in inner]],
+            plane.directions,
+            plane.loop_points[[k for _, k in guided]] - plane.origins[[j for j, _ in guided]],
         ]
     )
     heights = np.concatenate([plane.heights, plane.center_heights, plane.loop_heights])
+    inertia = weighted(plane.spin, tensors[:, 2, 2])
     return Bodies(
+        plane=plane,
         axial_weight=axial_weight,
-        inertia=tensors[:, 2, 2][:, None] * plane.spin,
+        inertia=inertia,
         products=products,
         uncrossed=-plane.crossed.astype(complex),
-        forces=np.concatenate([body_forces, plane.carried @ body_forces]),
-        reduced=(plane.origins + plane.centers).conj().T[1:] @ body_forces,
-        spins=plane.spin.T @ (tensors[:, 2, 2][:, None] * plane.spin),
+        forces=stacked([body_forces, compressed(plane.carried @ body_forces)]),
+        reduced=compressed(centers.conj().T)[1:] @ body_forces,
+        spins=compressed(plane.spin.T @ inertia),
         arms=arms,
-        closure=arms[count : count + len(plane.closure)],
+        closure=arms[count : count + plane.closure.shape[0]],
         inner=inner,
         guided=guided,
-        geared=tuple(int(j) for j in np.flatnonzero(plane.coupled.any(axis=0)) if j in plane.revolute),
-        spread_force=plane_axial.spread_forces(plane, None),
-        spread_moment=plane_axial.spread_moments(plane),
+        geared=frozenset(j for gear in plane.gears for j in gear if plane.sense[j]),
         flat=bool(
-            np.all(np.ptp(heights) <= ROUNDING * np.abs(plane.origins).max(initial=0.0))
+            np.all(np.ptp(heights) <= ROUNDING * np.abs(plane.origins).max())
             and not products.any()
             and np.all(np.abs(axial_weight) <= ROUNDING * mass * np.linalg.norm(gravity))
         ),
@@ -139,10 +149,10 @@ def inverse_dynamics(
         wanted: the bearings whose wrenches are wanted, rising. Friction, and what is shared, needs all of them first.
     """
     n = v.shape[1]
-    result = Wrenches.zeros(1, len(plane.offsets), len(plane.parents) + len(plane.loop_points), n, len(wanted))
+    result = Wrenches.zeros(1, len(plane.offsets), len(plane.parents) + len(plane.loop_heights), n, len(wanted))
     some = len(wanted) < len(result.friction)
     few = some and law is None and plane_torque.suffices(plane, wanted, gears)
-    speeds = None if law is None else law.moving(np.concatenate([v, (plane.crossed.T * plane.sense) @ v]))
+    speeds = None if law is None else law.moving(np.concatenate([v, plane.crossed.T @ (plane.sense[:, None] * v)]))
     for start in range(0, n, PIECE):
         s = slice(None) if n <= PIECE else slice(start, start + PIECE)
         rubbing = None if law is None or speeds is None else Rubbing(law, speeds[:, s], angle[s])
@@ -219,14 +229,15 @@ def _piece(
         result.friction[:] = -efforts * rubbing.speeds
         passive -= _resisted(plane, efforts)
     count, gears = len(plane.parents), result.coupling
-    bearings = np.empty((count + len(plane.loop_points), v.shape[1]), complex)
+    bearings = np.empty((count + len(plane.loop_heights), v.shape[1]), complex)
     plane_statics.balance(statics, passive, gears, bearings)
     result.torque[0] = passive[plane.driver]
     if wanted:
         plane_vectors.put(plane, bearings if len(wanted) == len(bearings) else bearings[list(wanted)], result.force)
+        places = {bearing: place for place, bearing in enumerate(wanted)}
         for bearing, moment in _about_normal(plane, bodies, tree, bearings[count:], passive[plane.driver], gears, efforts).items():
-            if bearing in wanted:
-                plane_vectors.put_normal(plane, moment, result.moment[wanted.index(bearing)])
+            if bearing in places:
+                plane_vectors.put_normal(plane, moment, result.moment[places[bearing]])
         if across is not None:
             plane_axial.add(plane, bodies, at, v, a, tree, bearings[count:], loads, across, wanted, result)
     plane_statics.torques(plane, gears)
@@ -245,7 +256,7 @@ def _open_tree(plane: Plane, bodies: Bodies, at: ComplexArray, v: Array, a: Arra
     forces = product(bodies.forces, second)
     own, carried = forces[:count], forces[count:]
     arms = product(bodies.arms, at)
-    closure, row = arms[count : count + len(plane.closure)], count + len(plane.closure)
+    closure, row = arms[count : count + plane.closure.shape[0]], count + plane.closure.shape[0]
 
     moment = (arms[:count].conj() * own).imag
     moment += bodies.inertia @ a
@@ -275,14 +286,17 @@ def _about_normal(
     """
     moments = tree.turning
     for (j, k), arm in zip(bodies.guided, tree.guided, strict=True):
-        moments[j] -= plane.crossed[j, k] * (arm.conj() * pins[k]).imag
+        moments[j] -= plane.round_loops[j][k] * (arm.conj() * pins[k]).imag
     moments[plane.driver] = plane.sense[plane.driver] * torque
-    for j in bodies.geared:
-        moments[j] = moments.get(j, 0.0) + plane.sense[j] * (plane.coupled[:, j] @ gears)
+    if bodies.geared:
+        meshed = plane.coupled.T @ gears
+        for j in bodies.geared:
+            moments[j] = moments.get(j, 0.0) + plane.sense[j] * meshed[j]
     if efforts is not None:
         count = len(plane.parents)
+        of_loops = plane.crossed @ efforts[count:]
         for j in range(count):
-            rubbing = plane.sense[j] * efforts[j] if plane.sense[j] else -plane.crossed[j] @ efforts[count:]
+            rubbing = plane.sense[j] * efforts[j] if plane.sense[j] else -of_loops[j]
             moments[j] = moments.get(j, 0.0) + rubbing
         moments |= dict(enumerate(efforts[count:], count))
     return moments
@@ -294,7 +308,7 @@ def _take_load(plane: Plane, at: ComplexArray, carried: ComplexArray, moment: Ar
     force = flat(plane, load.force)
     arm = complex(*(plane.frames[joint] @ load.point)[:2]) * at[plane.rotor(joint)]
     moment[joint] -= (arm.conj() * force).imag
-    carried[plane.carried[:, joint] > 0] -= force
+    carried[plane.carriers(joint)] -= force
 
 
 def _friction(
@@ -302,7 +316,7 @@ def _friction(
 ) -> Array:
     """Efforts (bearings, n) of friction: of joints along their axes, of loops about the normal."""
     count = len(plane.parents)
-    bearings = np.empty((count + len(plane.loop_points), passive.shape[1]), complex)
+    bearings = np.empty((count + len(plane.loop_heights), passive.shape[1]), complex)
     gears = np.zeros((len(plane.offsets), passive.shape[1]))
     slides = product(plane.directions, at).conj()
 
@@ -321,4 +335,4 @@ def _friction(
 def _resisted(plane: Plane, efforts: Array) -> Array:
     """What friction (bearings, n) takes over of the efforts (nv, n) of the joints."""
     count = len(plane.parents)
-    return np.asarray(efforts[:count] + (plane.sense[:, None] * plane.crossed) @ efforts[count:])
+    return np.asarray(efforts[:count] + plane.sense[:, None] * (plane.crossed @ efforts[count:]))

@@ -15,9 +15,11 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from .closure import Closure
+from .constant_rows import product
 from .coordinates import Array, ComplexArray
-from .plane import Plane, product
+from .plane import Plane
 from .plane_blocks import Block
+from .sharing import RANK
 
 MOST_NEWTON_STEPS = 12
 NO_SLIPS = np.empty((0, 1))
@@ -30,7 +32,7 @@ def close(plane: Plane, angle: Array, guess: Array, with_margins: bool = False) 
     """
     x = guess.copy()
     x[plane.driver] = angle
-    count = len(plane.loop_points)
+    count = len(plane.loop_heights)
     worst, steps = np.inf, 0
     with np.errstate(all="ignore"):  # a failed closure shows in its gap
         while True:
@@ -54,7 +56,7 @@ def close(plane: Plane, angle: Array, guess: Array, with_margins: bool = False) 
         first = np.empty_like(x)
         first[plane.driver] = 1.0
         driven = [None if row is None else -rows[row] for row in plane.driven]
-        driven += [np.full(len(angle), -by) for by in plane.coupled[:, plane.driver]]
+        driven += [np.full(len(angle), -gear.get(plane.driver, 0.0)) for gear in plane.gears]
         solve(plane, rows, factors, driven, first)
         second = np.empty_like(x)
         second[plane.driver] = 0.0
@@ -62,6 +64,15 @@ def close(plane: Plane, angle: Array, guess: Array, with_margins: bool = False) 
         solve(plane, rows, factors, [*-product(plane.closure[:count], curvature), *[None] * len(slips)], second)
         margins = _margins(plane, rows) if with_margins else None
     return Closure(x, first, second, gap, worst, steps, margins, at)
+
+
+def moves(plane: Plane, drawn: Closure) -> bool:
+    """Whether the driver moves a closed linkage with as many equations as its joints need, or with more that agree."""
+    if not plane.redundant:
+        return True
+    rate = basis_velocity(plane, basis(plane, drawn.position), drawn.first)
+    opened = product(plane.closure[: len(plane.loop_heights)], rate), plane.coupled @ drawn.first
+    return all(np.abs(each).max(initial=0.0) <= RANK * plane.size for each in opened)
 
 
 def basis(plane: Plane, x: Array) -> ComplexArray:
@@ -79,7 +90,7 @@ def basis(plane: Plane, x: Array) -> ComplexArray:
 
 def gaps(plane: Plane, x: Array, at: ComplexArray) -> Array:
     """Largest distance (n,) between the two sides of a loop at joint coordinates (nv, n) with their basis [m], slips of couplings too."""
-    widest: Array = np.abs(product(plane.closure[: len(plane.loop_points)], at)).max(axis=0, initial=0.0)
+    widest: Array = np.abs(product(plane.closure[: len(plane.loop_heights)], at)).max(axis=0, initial=0.0)
     return np.asarray(np.maximum(widest, np.abs(plane.coupled @ x - plane.offsets[:, None]).max(axis=0, initial=0.0)))
 
 
@@ -136,7 +147,8 @@ def block_matrix(plane: Plane, block: Block, rows: ComplexArray) -> Array:
         for joint, row in columns:
             j = block.joints.index(joint)
             matrix[:, 2 * k, j], matrix[:, 2 * k + 1, j] = rows[row].real, rows[row].imag
-    matrix[:, loops:] = plane.coupled[np.ix_(block.couplings, block.joints)]
+    for row, k in enumerate(block.couplings, loops):
+        matrix[:, row] = [plane.gears[k].get(joint, 0.0) for joint in block.joints]
     return matrix
 
 
@@ -156,7 +168,7 @@ def factored(plane: Plane, rows: ComplexArray) -> list[Factor]:
             a = rows[block.own[0][0][1]]
             result.append(a.conj() / (a.real**2 + a.imag**2))
         elif block.kind == "gear":
-            result.append(plane.coupled[block.couplings[0], block.joints[0]])
+            result.append(plane.gears[block.couplings[0]][block.joints[0]])
         else:
             result.append(block_matrix(plane, block, rows))
     return result
@@ -185,7 +197,7 @@ def solve(
             x[block.joints[0]] = (factor * sides[0]).real
         else:
             parts = [part for side in sides for part in (side.real, side.imag)]
-            parts += [_slip(plane, block, k, target[len(plane.loop_points) + k], x) for k in block.couplings]
+            parts += [_slip(plane, block, k, target[len(plane.loop_heights) + k], x) for k in block.couplings]
             if block.kind == "gear":
                 x[block.joints[0]] = parts[0] / factor
             elif block.joints:
@@ -195,9 +207,9 @@ def solve(
 def _slip(plane: Plane, block: Block, coupling: int, target: Array | ComplexArray | None, x: Array) -> Array:
     """What the joints of a block have to move a coupling by (n,), once the joints known before and the driver have done their part."""
     side = np.zeros(x.shape[1]) if target is None else target.real
-    for joint in np.flatnonzero(plane.coupled[coupling]):
+    for joint, by in plane.gears[coupling].items():
         if joint not in block.joints and joint != plane.driver:
-            side = side - plane.coupled[coupling, joint] * x[joint]
+            side = side - by * x[joint]
     return side
 
 

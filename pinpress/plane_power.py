@@ -4,9 +4,10 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from .constant_rows import product
 from .coordinates import Array, ComplexArray
 from .forces import AppliedForce
-from .plane import Plane, flat, product
+from .plane import Plane, flat
 from .plane_dynamics import PIECE, Bodies
 from .plane_kinematics import basis_acceleration, basis_velocity
 
@@ -34,7 +35,6 @@ def _powers(plane: Plane, bodies: Bodies, at: ComplexArray, v: Array, a: Array, 
     terms = list(-(velocities.conj() * resisting).real - (bodies.inertia @ a) * (plane.spin @ v))
     for load in loads:
         if load.joint:
-            row = plane.origins[load.joint - 1].copy()
-            row[plane.rotor(load.joint - 1)] += complex(*(plane.frames[load.joint - 1] @ load.point)[:2])
+            row = plane.point(load.joint - 1, complex(*(plane.frames[load.joint - 1] @ load.point)[:2]))
             terms.append((product(row[None], first)[0].conj() * flat(plane, load.force)).real)
     return np.array(terms)

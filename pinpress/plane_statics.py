@@ -14,8 +14,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from .constant_rows import Matrix, product
 from .coordinates import Array, ComplexArray
-from .plane import Plane, product
+from .plane import Plane
 from .plane_blocks import Block
 from .plane_kinematics import block_matrix, dyad_columns
 from .sharing import Objective, least
@@ -37,7 +38,7 @@ class Statics:
     plane: Plane
     closure: ComplexArray
     carried: ComplexArray
-    uncrossed: ComplexArray
+    uncrossed: Matrix
     idle: list[tuple[ComplexArray, Array]]
     responses: list[ComplexArray]
     compliance: Array | None
@@ -45,15 +46,15 @@ class Statics:
 
 
 def build(
-    plane: Plane, closure: ComplexArray, carried: ComplexArray, uncrossed: ComplexArray, at: ComplexArray, compliance: Array | None
+    plane: Plane, closure: ComplexArray, carried: ComplexArray, uncrossed: Matrix, at: ComplexArray, compliance: Array | None
 ) -> Statics:
     """The equations at configurations with basis ``at``."""
     if not plane.redundant:
         return Statics(plane, closure, carried, uncrossed, [], [], None, {})
     idle = list(_idle(plane, closure))
     responses = [np.concatenate([product(uncrossed, pins), pins]) for pins, _ in idle]
-    coupled = [(joint, row) for joint, row in zip(plane.prismatic, plane.directions, strict=True) if plane.coupled[:, joint].any()]
-    slides = {joint: product(row[None], at)[0] for joint, row in coupled}
+    coupled = set().union(*plane.gears)
+    slides = {j: product(plane.directions[[k]], at)[0] for k, j in enumerate(plane.prismatic) if j in coupled}
     return Statics(plane, closure, carried, uncrossed, idle, responses, compliance, slides)
 
 
@@ -81,7 +82,7 @@ def transmit(plane: Plane, closure: ComplexArray, passive: Array, pins: ComplexA
 def torques(plane: Plane, multipliers: Array) -> None:
     """Turn multipliers of the couplings (nc, n) into torques on their followers."""
     if len(multipliers):
-        multipliers *= plane.coupled[range(len(multipliers)), plane.followers][:, None]
+        multipliers *= np.array([gear[j] for gear, j in zip(plane.gears, plane.followers, strict=True)])[:, None]
 
 
 def _balance(plane: Plane, closure: ComplexArray, passive: Array, pins: ComplexArray, gears: Array, blocks: int) -> None:
@@ -96,7 +97,7 @@ def _balance(plane: Plane, closure: ComplexArray, passive: Array, pins: ComplexA
             a = closure[block.own[0][0][1]]
             pins[block.loops[0]] = a * (-1j * passive[block.joints[0]] / (a.real**2 + a.imag**2))
         elif block.kind == "gear":
-            gears[block.couplings[0]] = passive[block.joints[0]] / plane.coupled[block.couplings[0], block.joints[0]]
+            gears[block.couplings[0]] = passive[block.joints[0]] / plane.gears[block.couplings[0]][block.joints[0]]
         elif block.joints:
             _spread(block, _dense(block_matrix(plane, block, -1j * closure), passive[list(block.joints)].T), pins, gears)
         _pass_on(plane, block, closure, pins, gears, passive)
@@ -126,9 +127,9 @@ def _pass_on(plane: Plane, block: Block, closure: ComplexArray, pins: ComplexArr
         if driven is not None:
             passive[plane.driver] += (closure[driven].conj() * pins[loop]).imag
     for coupling in block.couplings:
-        for joint in map(int, np.flatnonzero(plane.coupled[coupling])):
+        for joint, by in plane.gears[coupling].items():
             if joint not in block.joints:
-                passive[joint] -= plane.coupled[coupling, joint] * gears[coupling]
+                passive[joint] -= by * gears[coupling]
 
 
 def _idle(plane: Plane, closure: ComplexArray) -> Iterator[tuple[ComplexArray, Array]]:
@@ -144,7 +145,7 @@ def _idle(plane: Plane, closure: ComplexArray) -> Iterator[tuple[ComplexArray, A
             matrix = block_matrix(plane, block, -1j * closure)
             own = np.linalg.qr(matrix, mode="complete")[0][:, :, len(block.joints) :]
         for k in range(block.redundant):
-            pins, gears = np.zeros((len(plane.loop_points), n), complex), np.zeros((len(plane.offsets), n))
+            pins, gears = np.zeros((len(plane.loop_heights), n), complex), np.zeros((len(plane.offsets), n))
             passive = np.zeros((len(plane.parents), n))
             _spread(block, own[:, :, k], pins, gears)
             _pass_on(plane, block, closure, pins, gears, passive)

@@ -12,9 +12,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from . import plane_statics
+from .constant_rows import product
 from .coordinates import Array, ComplexArray
 from .forces import AppliedForce
-from .plane import Plane, flat, product
+from .plane import Plane, flat
 from .plane_kinematics import basis_acceleration
 from .plane_vectors import put, put_normal
 from .wrenches import Wrenches
@@ -49,7 +50,7 @@ def fill(
     second = basis_acceleration(plane, at, v, a)
     second[0] = 1.0
     passive = _efforts(plane, bodies, at, a, second, loads)
-    pins = np.empty((len(plane.loop_points), v.shape[1]), complex)
+    pins = np.empty((len(plane.loop_heights), v.shape[1]), complex)
     plane_statics.transmit(plane, product(bodies.closure, at), passive, pins, result.coupling)
     result.torque[0] = passive[plane.driver]
     if wanted:
@@ -61,14 +62,13 @@ def fill(
 
 def _efforts(plane: Plane, bodies: "Bodies", at: ComplexArray, a: Array, second: ComplexArray, loads: Sequence[AppliedForce]) -> Array:
     """Efforts (nv, n) that the joints would have to transmit with all loops open."""
-    work = product(bodies.reduced, second)
+    work: ComplexArray = product(bodies.reduced, second)
     for load in loads:
         if load.joint:
             joint, force = load.joint - 1, flat(plane, load.force)
-            row = plane.origins[joint].copy()
-            row[plane.rotor(joint)] += complex(*(plane.frames[joint] @ load.point)[:2])
-            for k in np.flatnonzero(row[1:]):
-                work[k] -= row[k + 1].conj() * force
+            point = plane.point(joint, complex(*(plane.frames[joint] @ load.point)[:2]))
+            for k in np.flatnonzero(point[1:]):
+                work[k] -= point[k + 1].conj() * force
     turning = len(plane.revolute)
     turned = (at[1:].conj() * work).imag
     for row, rotor in enumerate(plane.guide_rotors, turning):
@@ -92,7 +92,7 @@ def _forces(
         carried = product(bodies.forces[[count + j for j in joints]], second)
         for load in loads:
             if load.joint:
-                carried[plane.carried[joints, load.joint - 1] > 0] -= flat(plane, load.force)
+                carried[[place for place, j in enumerate(joints) if j in plane.carriers(load.joint - 1)]] -= flat(plane, load.force)
         np.add(product(bodies.uncrossed[joints], pins), carried, out=forces[: len(joints)])
     return forces
 
@@ -100,9 +100,10 @@ def _forces(
 def _moments(plane: Plane, bodies: "Bodies", wanted: Sequence[int], result: Wrenches) -> dict[int, Array]:
     """Those about the normal that are not zero, (n,) each, by place among the wanted; ``result`` has multipliers of the gear pairs."""
     moments = {}
+    meshed = plane.coupled.T @ result.coupling if any(j in bodies.geared for j in wanted) else result.coupling
     for place, j in enumerate(wanted):
         if j == plane.driver:
             moments[place] = plane.sense[j] * result.torque[0]
         if j in bodies.geared:
-            moments[place] = moments.get(place, 0.0) + plane.sense[j] * (plane.coupled[:, j] @ result.coupling)
+            moments[place] = moments.get(place, 0.0) + plane.sense[j] * meshed[j]
     return moments

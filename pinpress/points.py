@@ -34,7 +34,6 @@ def point_motion(press: "Linkage", motion: "Motion", joint: int, point: Array) -
 def _in_plane(plane: Plane, motion: "Motion", joint: int, point: Array) -> tuple[Array, Array]:
     at = basis(plane, motion.joint_position.T)
     x, y, height = plane.frames[joint] @ point
-    row = plane.origins[joint].copy()
-    row[plane.rotor(joint)] += complex(x, y)
+    row = plane.point(joint, complex(x, y))
     position, velocity = row @ at, row @ basis_velocity(plane, at, motion.v.T)
     return in_space(plane, position) + (plane.heights[joint] + height) * plane.normal, in_space(plane, velocity)

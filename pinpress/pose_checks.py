@@ -22,6 +22,9 @@ ROUNDED = 1e-2  # axes as near to parallel as this are meant to be parallel [rad
 def errors(press: Linkage) -> Iterator[Finding]:
     """All that is wrong; each carries a UrdfError, AssemblyError or SingularityError."""
     assembled = closes(press)
+    if assembled and press.mobility == len(press.drivers) and press.plane is not None:
+        yield from _unseen(press)  # all its joints are determined: the planar engine found so, block by block
+        return
     rows = press.equations(press.closed if assembled else np.zeros_like(press.closed))
     free = press.model.nv - spatial.rank(rows.columns)
     yield from _unseen(press)

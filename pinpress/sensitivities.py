@@ -16,12 +16,13 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from .constant_rows import product
 from .coordinates import Array, ComplexArray
 from .errors import PinpressError
 from .frozen import Frozen
 from .linkage import Linkage
 from .motion import Motion
-from .plane import Plane, product
+from .plane import Plane
 from .plane_kinematics import basis, basis_acceleration, basis_velocity, factored, solve
 from .sensitivities_pivots import Pivots, directed
 from .sensitivities_rows import Shift, shift
@@ -90,7 +91,7 @@ def planar(press: Linkage) -> Plane:
     """
     if press.plane is None:
         raise PinpressError(f"exact derivatives are those of planar linkages with one driver and pins for loops, which {press.name} is not")
-    return press.plane
+    return press.plane.dense
 
 
 def guide_shift(plane: Plane, by: Shift, guide: int) -> float:

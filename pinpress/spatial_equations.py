@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 import pinocchio as pin
 
-from .coordinates import Array, axes, configuration, slots
+from .coordinates import Array, axes, configuration, drawn, slots
 from .loops import Coupling, LoopJoint
 
 
@@ -142,10 +142,9 @@ def crossed(model: pin.Model, loops: tuple[LoopJoint, ...]) -> Array:
 
 def extent(model: pin.Model, loops: tuple[LoopJoint, ...]) -> tuple[float, float]:
     """Largest extent of joints and loop points in the drawn pose, and their largest distance from the world origin [m]."""
-    data = model.createData()
-    pin.forwardKinematics(model, data, pin.neutral(model))
-    points = [data.oMi[j].translation.copy() for j in range(1, model.njoints)]
-    points += [data.oMi[k.joint1].act(k.point1) for k in loops] + [data.oMi[k.joint2].act(k.point2) for k in loops]
+    places = drawn(model)
+    points = [place.translation.copy() for place in places[1:]]
+    points += [places[k.joint1].act(k.point1) for k in loops] + [places[k.joint2].act(k.point2) for k in loops]
     cloud = np.array(points)
     size = float(np.linalg.norm(cloud.max(axis=0) - cloud.min(axis=0)))
     return size or 1.0, float(np.linalg.norm(cloud, axis=1).max())

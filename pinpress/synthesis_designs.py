@@ -9,13 +9,14 @@ import numpy as np
 
 from . import force_sensitivities, plane_dynamics
 from .by_bearing import ByBearing
+from .constant_rows import product
 from .coordinates import Array, ComplexArray
 from .force_sensitivities import Balanced
 from .forces import Load, apply
 from .geometry import redrawn
 from .linkage import Linkage
 from .motion import Motion, of_states
-from .plane import Plane, flat, in_space, product
+from .plane import Plane, flat, in_space
 from .sensitivities import STEP, Rates, States, Tangent, guide_shift
 from .sensitivities_loads import Push, pushes
 from .sensitivities_path import carried
