@@ -101,11 +101,13 @@ class Plane:
         """Whether some of the equations in the plane say nothing new."""
         return any(block.redundant for block in self.blocks)
 
-    @cached_property
+    @property
     def dense(self) -> "Plane":
         """The same with plain arrays for matrices."""
-        if isinstance(self.closure, np.ndarray):
-            return self
+        return self if isinstance(self.closure, np.ndarray) else self._dense
+
+    @cached_property
+    def _dense(self) -> "Plane":
         matrices = {field.name: plain(getattr(self, field.name)) for field in fields(self) if field.type is Matrix}
         return replace(self, **matrices)
 

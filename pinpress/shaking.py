@@ -12,7 +12,7 @@ from .motion import Motion
 
 def on_frame(press: Linkage) -> tuple[int, ...]:
     """Indices of the bearings on the frame in `Linkage.bearings`."""
-    joints = [j for j in range(len(press.joints)) if press.model.parents[j + 1] == 0]
+    joints = [j for j, parent in enumerate(list(press.model.parents)[1:]) if parent == 0]
     return (*joints, *(k for k, loop in enumerate(press.loops, len(press.joints)) if 0 in (loop.joint1, loop.joint2)))
 
 
@@ -25,7 +25,7 @@ def shaking(
         force, moment: (n, 3) by the bearing's index, of all that are `on_frame`: parent on child, link1 on link2.
         loads: those on the frame are passed on, those on other links are in the bearings' forces.
     """
-    model, count = press.model, len(press.joints)
+    model, axes, count = press.model, press.spatial.axes, len(press.joints)
     total = np.zeros((2, len(motion.crank_angle), 3))
 
     def put(on_frame: Array, about: Array | float, point: Array) -> None:
@@ -40,9 +40,8 @@ def shaking(
         if k < count:
             place = model.jointPlacements[k + 1]
             point = place.translation
-            axis = press.spatial.axes[k]
-            if not axis.turns:
-                point = point + motion.joint_position[:, k, None] * (place.rotation @ axis.direction)
+            if not axes[k].turns:
+                point = point + motion.joint_position[:, k, None] * (place.rotation @ axes[k].direction)
             put(-force[k], -moment[k], point)
             continue
         loop = press.loops[k - count]
