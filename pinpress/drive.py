@@ -14,12 +14,14 @@ Values = float | Array
 class Drive(Protocol):
     """What acts on a shaft with a torque that depends on its speed, and where it is ``timed`` on angle, time and states of its own too.
 
-    Any class with these members can drive a press.
+    Any class with these members can drive a press. Its torque is a function: the same arguments give the same torque whenever they are
+    asked, of an array element by element. What it remembers (an excitation, a hysteresis) it keeps in ``state`` with its ``rates``, not in
+    itself. `simulate` and `steady_state` try a caller's own drive before a run, and ask for the run's torques once more after it.
 
     Attributes:
         inertia: of what turns with the shaft [kg m2]; (S,) where it differs between scenarios.
         state: values at the start of the drive's own states; () for most.
-        timed: whether the torque depends on anything but the speed.
+        timed: whether the torque depends on angle, time or states; where it is False, on the speed alone.
         rated_torque: of the motor, at its own shaft, bearable without end [N m]; (S,) where it differs; None where it is not known.
         corners: speeds of the shaft at which the torque is not a smooth function of speed [rad/s], in no order; () where ``timed``.
     """

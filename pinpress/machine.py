@@ -14,6 +14,7 @@ import numpy as np
 from .coordinates import Array
 from .driveline import HOLDING, OPEN, SLIPPING, Brake, Clutch, Driveline, Grip, Mode
 from .errors import SimulationError
+from .laws import LawError
 from .modes import Dynamics, Modes, Place, Switch, place_of
 from .path import LEDGERS
 from .scene import Acting
@@ -58,6 +59,12 @@ class Machine:
 
     def rates(self, modes: Modes, time: float, y: Array) -> Array:
         """dy/dt (len(y),)."""
+        try:
+            return self._rates(modes, time, y)
+        except LawError as error:
+            raise error.within(time, float(self.split(y)[0].angle)) from error.__cause__
+
+    def _rates(self, modes: Modes, time: float, y: Array) -> Array:
         n, line = self.dynamics.size, self.line
         if self.free:
             return self._coasting(y)

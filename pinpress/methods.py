@@ -20,6 +20,7 @@ from .motion import carried, cycle
 from .path import LEDGERS, Path, Segment
 from .reduced import COORDINATES, INERTIA, POTENTIAL, Table
 from .scene import Scene
+from .scene_checks import check_drive
 from .turned import Resting, State
 
 AGAIN = 4.0  # times the kinetic energy at which the crank stopped turning for sure, from which it is followed over its angle again
@@ -113,6 +114,7 @@ def plan_of_several(press: Linkage, drives: Mapping[str, Drive], flywheels: Mapp
         if name in flywheels:
             inertia[k] += flywheels[name].inertia
         if name in drives:
+            check_drive(drives[name])
             inertia[k] += drives[name].inertia
             acting.append(scene.driving(len(coordinates), drives[name]))
             coordinates.append(JointAngle(joint))

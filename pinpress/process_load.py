@@ -31,7 +31,10 @@ class Stretch:
 
 @runtime_checkable
 class ProcessLoad(Protocol):
-    """A force between slide and bolster. Any class with these two members is one."""
+    """A force between slide and bolster. Any class with these two members is one.
+
+    Its stretches are the same whenever they are asked for, and their forces depend on height, velocity and direction of travel alone.
+    """
 
     @property
     def datum(self) -> float | None:

@@ -6,7 +6,7 @@ from dataclasses import dataclass, fields
 
 import numpy as np
 
-from . import reduced
+from . import laws, reduced
 from .coordinates import Array
 from .errors import PinpressError, SimulationError
 from .force_coordinates import JointAngle
@@ -102,6 +102,8 @@ def as_run(plan: Plan, path: Path, method: str, until: float, points: int | None
     if several:
         torque = _torques(plan, turning)
         reading = reading._replace(torque=torque.T.copy(), own=turning.T.copy())
+    else:
+        laws.confirm(plan.scene.drive, times, motion.crank_angle, reading.own, reading.torque)
     stats = Stats(
         method=method,
         steps=path.steps,

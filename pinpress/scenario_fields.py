@@ -15,9 +15,9 @@ from dataclasses import fields, is_dataclass, replace
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from .errors import PinpressError
-from .panels import Indices
 
 
 def lengths(item: Any) -> dict[str, int]:
@@ -47,7 +47,7 @@ def lengths(item: Any) -> dict[str, int]:
     return found
 
 
-def pick(item: Any, which: "int | Indices") -> Any:
+def pick(item: Any, which: int | NDArray[np.intp]) -> Any:
     """A drive, flywheel or load with the values of one scenario, or of some."""
     if not is_dataclass(item) or isinstance(item, type):
         return item

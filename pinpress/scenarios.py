@@ -18,6 +18,7 @@ from .coordinates import Array
 from .drives import Drive
 from .errors import PinpressError, SimulationError, UnknownScenarioError
 from .frozen import Frozen
+from .laws import LawError
 from .methods import Plan
 from .motion import carried
 from .over_angle import Flow
@@ -148,7 +149,10 @@ class Together:
             if extent is None:
                 self.alone |= going
                 return
-            flow, passed = self._period(extent, going, until, tolerance)
+            try:
+                flow, passed = self._period(extent, going, until, tolerance)
+            except LawError as error:
+                raise error.within(float(self.clock[going].min()), self.at) from error.__cause__
             going &= ~self.alone
             parts = self._parts(flow)
             self._read(flow, passed, going, until, parts)

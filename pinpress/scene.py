@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from . import forces
+from . import forces, laws
 from .dead_centres import dead_centres
 from .drives import Drive, Flywheel, PrescribedSpeed
 from .errors import PinpressError, SimulationError
@@ -148,7 +148,7 @@ def _process(press: Linkage, load: ProcessLoad) -> Acting | None:
     for stretch in (*rising, *falling):
         if stretch.upper - stretch.lower < least:
             raise PinpressError(
-                f"{type(load).__name__}: a stretch of {stretch.upper - stretch.lower:g} m is thinner than a simulation resolves;"
+                f"{laws.name(load)}: a stretch of {stretch.upper - stretch.lower:g} m is thinner than a simulation resolves;"
                 f" give at least {least:.2g} m"
             )
     rising, falling = tuple(rising), tuple(falling)
@@ -159,7 +159,7 @@ def _same(some: tuple[Stretch, ...], others: tuple[Stretch, ...]) -> bool:
     """Whether stretches are the same, so that the way the slide goes does not matter."""
 
     def key(stretch: Stretch) -> tuple[Any, ...]:
-        law = stretch.force
+        law = stretch.force.call if isinstance(stretch.force, laws.Law) else stretch.force
         parts = (law.func, *map(id, law.args)) if isinstance(law, partial) else (law,)
         return stretch.upper, stretch.lower, stretch.one_sided, *parts
 
@@ -168,7 +168,7 @@ def _same(some: tuple[Stretch, ...], others: tuple[Stretch, ...]) -> bool:
 
 def _bottom(press: Linkage, load: ProcessLoad) -> float:
     """Slide position of bottom dead centre."""
-    name = type(load).__name__
+    name = laws.name(load)
     if len(press.drivers) > 1 or press.passage.period is None:
         raise PinpressError(
             f"{name}: {press.name} does not turn fully with one driver, so that there is no bottom dead centre to measure heights from;"

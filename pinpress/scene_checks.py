@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from . import laws
 from .drives import Drive
 from .errors import PinpressError
 from .loads import ProcessLoad, Stretch, TimeForce
@@ -17,7 +18,7 @@ SPEEDS = np.array([-1.0, 0.5, 2.0])  # [rad/s]
 
 def check_drive(drive: Drive) -> None:
     """Raise PinpressError where a drive does not answer as the protocol says."""
-    name = type(drive).__name__
+    name = laws.name(drive)
     inertia = _asked(f"{name}: inertia", lambda: drive.inertia)
     if inertia.ndim > 1 or not np.all(np.isfinite(inertia)) or np.any(inertia < 0):
         raise PinpressError(f"{name}: inertia is {drive.inertia!r}; give a finite number that is not negative [kg m2]")
@@ -34,15 +35,18 @@ def check_drive(drive: Drive) -> None:
     for what in (drive.torque, drive.motor_torque):
         call: Callable[..., Any] = what
         _law(f"{name}: {what.__name__}", partial(call, angle=0.0, time=0.0, state=states), drive.timed)
+    if isinstance(drive, laws.AskedDrive):
+        laws.try_drive(drive)
 
 
 def check_load(load: ProcessLoad | TimeForce) -> None:
     """Raise PinpressError where a load does not answer as the protocol says."""
-    name = type(load).__name__
+    name = laws.name(load)
     if isinstance(load, TimeForce):
         value = _asked(f"{name}: force", lambda: load.force(np.array([0.0])))
         if value.size != 1 or not np.isfinite(value).all():
             raise PinpressError(f"{name}: force at time 0 is {value}; give a finite number [N]")
+        laws.try_in_time(load.force)
         return
     datum = load.datum
     if datum is not None and not (isinstance(datum, int | float) and not isinstance(datum, bool) and math.isfinite(datum)):
@@ -61,6 +65,8 @@ def check_load(load: ProcessLoad | TimeForce) -> None:
         for below, above in itertools.pairwise(ordered):
             if below.upper > above.lower:
                 raise PinpressError(f"{name}: its stretches overlap at {above.lower:g} m; write two loads, or stretches that do not")
+    if isinstance(load, laws.AskedLoad):
+        laws.try_load(load)
 
 
 def _at_rest(stretch: Stretch, height: float, shape: Any) -> Any:

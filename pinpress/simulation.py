@@ -15,7 +15,7 @@ from typing import Any, overload
 import numpy as np
 from numpy.typing import ArrayLike
 
-from . import methods, scenarios, scene, turning
+from . import laws, methods, scenarios, scene, turning
 from .closing import refuse_far
 from .coordinates import Array
 from .driveline import Brake, Clutch
@@ -130,6 +130,7 @@ def simulate(
             raise PinpressError("arrays of scenarios are for method='reduced' without clutch and brake: simulate these one by one")
         return _scenarios(press, count, until, speed, angle, drive, flywheel, loads, points, fixed, tolerance)
     angles, speeds = _start(press, "angle", angle), _start(press, "speed", speed)
+    drive, loads = laws.asked_drive(drive, float(np.abs(speeds).max())), laws.asked_loads(loads)
     refuse_far("angle", angles)
     _refuse_long(speeds, until, float(angles[0]))
     with np.errstate(all="ignore"):  # what is not finite is refused where it arises
@@ -179,6 +180,7 @@ def _scenarios(
         raise PinpressError(f"speed is {speed!r}: give one finite number, or (S,) of them [rad/s]")
     start = number("angle", angle)
     refuse_far("angle", np.array(start))
+    drive, loads = laws.asked_drive(drive, float(np.abs(speeds).max())), laws.asked_loads(loads)
     times = np.linspace(0.0, until, count_of(points, 0.0))
     times.setflags(write=False)
 

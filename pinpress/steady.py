@@ -9,7 +9,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from . import over_angle, panels, reduced, resolution, scenarios, turned
+from . import laws, over_angle, panels, reduced, resolution, scenarios, turned
+from . import scene as scenes
 from .closing import refuse_far
 from .coordinates import Array
 from .drives import Drive, Flywheel
@@ -61,6 +62,8 @@ def steady_state(
         raise PinpressError("speed is 0: give the speed about which the press runs [rad/s]")
     if scenarios.count(speed, angle, drive, flywheel, loads) is not None:
         raise PinpressError("a steady state is found for one scenario at a time: give numbers, not arrays")
+    scenes.listed(loads)
+    drive, loads = laws.asked_drive(drive, guess), laws.asked_loads(loads)
     plan = of_one(press, drive, flywheel, loads, None, None)
     if drive is None or not isinstance(drive, Drive):
         raise PinpressError(f"drive is {drive!r}: a steady state needs a motor, see pinpress.drives")

@@ -10,6 +10,7 @@ from . import over_angle, panels, resolution
 from .coordinates import Array
 from .drives import PrescribedSpeed
 from .errors import SimulationError
+from .laws import LawError
 from .over_angle import Flow
 from .panels import STEADY, TO_REST, Grid
 from .reduced import INERTIA, POTENTIAL, WEIGHT, Table, beyond, horner, root, rule
@@ -64,7 +65,10 @@ def run(
         direction = _direction(scene, table, state)
         if direction == 0:
             return segments, Stop(state, held=True)
-        found = _period(scene, table, edges, state, anchor, direction, until, tolerance, before)
+        try:
+            found = _period(scene, table, edges, state, anchor, direction, until, tolerance, before)
+        except LawError as error:
+            raise error.within(state.time, state.angle) from error.__cause__
         if found is None:
             return segments, Stop(state, held=False)
         flow, count = found
