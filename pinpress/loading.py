@@ -13,6 +13,8 @@ from .coordinates import Array
 from .errors import PinpressError, UnknownNameError, UrdfError, suggestion
 from .linkage import Linkage
 from .loops import Coupling, LoopJoint
+from .regular_files import path_of
+from .single_numbers import numbers
 
 if TYPE_CHECKING:
     from . import urdf
@@ -60,7 +62,7 @@ def check_drawn_pose(press: Linkage, command: str | None = None) -> None:
 
 def located(path: str | os.PathLike[str]) -> str | os.PathLike[str]:
     """The path of a URDF file, given itself or the name of a shipped press; raises UrdfError where there is neither."""
-    file = os.fspath(path)
+    file = path_of("path", path)
     if os.path.exists(file):
         return path
     if file in presses():
@@ -82,7 +84,7 @@ def assembled(
         model = pin.buildModelFromXML(description.text.decode())
     except (ValueError, RuntimeError) as error:  # nothing is known that passes the checks and ends here
         raise UrdfError(description.file, None, None, f"Pinocchio cannot read it: {error}", "simplify the file") from error
-    model.gravity.linear = _gravity(gravity)
+    model.gravity.linear = numbers("gravity", gravity, (3,))
     places = {name: place for place, name in enumerate(tuple(model.names)[1:])}
     for name in drivers:
         if not model.joints[places[name] + 1].shortname().startswith("JointModelR"):
@@ -136,16 +138,6 @@ def _drivers(description: "urdf.Urdf", driver: str | Sequence[str] | None) -> tu
             'add <transmission name="drive"><joint name="..."/></transmission>, or load(..., driver=...)',
         )
     return given
-
-
-def _gravity(gravity: Sequence[float]) -> Array:
-    try:
-        vector = np.asarray(gravity, dtype=float)
-    except (TypeError, ValueError):
-        vector = np.empty(0)
-    if vector.shape != (3,) or not np.all(np.isfinite(vector)):
-        raise PinpressError(f"gravity {gravity!r} is not three finite numbers [m/s2]")
-    return vector
 
 
 def _loop_joint(model: pin.Model, loop: "urdf.Loop") -> LoopJoint:

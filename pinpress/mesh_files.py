@@ -2,16 +2,17 @@
 
 import os
 import re
+import tempfile
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
-from . import urdf
-from .errors import PinpressError, UrdfError
+from . import mesh_checks, regular_files
+from .errors import PinpressError
 from .shapes import Mesh
 
 KINDS = "STL (.stl), Wavefront (.obj) or COLLADA (.dae)"
-_INDICES = re.compile(rb"<(?:p|v|vcount)\b[^>]*>([^<]*)<|(?:count|offset|stride)\s*=\s*[\"']([^\"']*)")
 
 
 def read(file: str, link: str, name: str, scale: tuple[float, ...]) -> Mesh:
@@ -35,21 +36,18 @@ def read(file: str, link: str, name: str, scale: tuple[float, ...]) -> Mesh:
             f"{place} is in no package that is known; put the folder of the package, or the one it is in, into ROS_PACKAGE_PATH, or give"
             " the mesh's path relative to the URDF"
         )
-    if not path.is_file():
+    if not os.path.exists(path) or os.path.isdir(path):
         raise PinpressError(f"{place}: there is no file {os.fspath(path)!r}; correct the path, or put the mesh there")
     try:
-        problem = _problem(path.suffix.lower(), path.read_bytes())
-    except OSError as error:
-        raise PinpressError(f"{place} cannot be read: {error.strerror}; make {os.fspath(path)!r} readable") from error
-    if problem:
-        raise PinpressError(f"{place} {problem}; give an intact file, {KINDS}")
-
-    import coal  # part of Pinocchio, but seldom needed
-
+        content = regular_files.read(path, mesh_checks.MOST_BYTES)
+    except (OSError, ValueError) as error:
+        said = regular_files.reason(error)
+        raise PinpressError(f"{place} cannot be read: {said}; put a mesh file at {os.fspath(path)!r} that is readable") from error
+    kind = path.suffix.lower()
     try:
-        found = coal.MeshLoader().load(os.fspath(path), np.ones(3))  # unscaled: here a scale of any size is safe
-    except Exception as error:
-        raise PinpressError(f"{place} cannot be read as triangles; give an intact file, {KINDS}") from error
+        found = _loaded(kind, mesh_checks.triangles_only(kind, content))
+    except mesh_checks.UnfitError as error:
+        raise PinpressError(f"{place} {error}; give an intact file, {KINDS}") from error
     faces = np.array([[side[0], side[1], side[2]] for side in map(found.tri_indices, range(found.num_tris))], dtype=np.int64)
     with np.errstate(all="ignore"):  # what is not finite is refused below
         vertices = np.array(found.vertices(), dtype=float) * factors
@@ -64,6 +62,19 @@ def read(file: str, link: str, name: str, scale: tuple[float, ...]) -> Mesh:
     return Mesh(vertices, faces)
 
 
+def _loaded(kind: str, content: bytes) -> Any:
+    """The mesh in such a content, unscaled; raises UnfitError where there is none."""
+    import coal  # part of Pinocchio, but seldom needed
+
+    with tempfile.TemporaryDirectory(prefix="pinpress-") as folder:
+        file = Path(folder, f"mesh{kind}")
+        file.write_bytes(content)
+        try:
+            return coal.MeshLoader().load(os.fspath(file), np.ones(3))  # unscaled: here a scale of any size is safe
+        except Exception as error:
+            raise mesh_checks.UnfitError("cannot be read as triangles") from error
+
+
 def _located(file: str, name: str) -> Path | None:
     """Where a mesh is; None where its package is nowhere."""
     folder = Path(file).resolve().parent
@@ -71,37 +82,13 @@ def _located(file: str, name: str) -> Path | None:
         return folder / re.sub("^file://", "", name)
     package, _, rest = name.removeprefix("package://").partition("/")
     for root in filter(None, os.environ.get("ROS_PACKAGE_PATH", "").split(os.pathsep)):
-        if Path(root).name == package and (Path(root) / rest).exists():
+        if Path(root).name == package and os.path.exists(Path(root) / rest):
             return Path(root) / rest
-        if (Path(root) / package).is_dir():
+        if os.path.isdir(Path(root) / package):
             return Path(root) / package / rest
     for parent in (folder, *folder.parents):
         if parent.name == package:
             return parent / rest
-        if (parent / package).is_dir():
+        if os.path.isdir(parent / package):
             return parent / package / rest
-    return None
-
-
-def _problem(suffix: str, content: bytes) -> str | None:
-    """Why a file is not what its name says; None if it may be.
-
-    The library that reads meshes goes by the content where the name does not help, ends the process on some broken files of other kinds,
-    makes room for as many vertices as the largest index in a COLLADA file says, and never ends on an index that is no number.
-    """
-    if suffix == ".stl":
-        triangles = int.from_bytes(content[80:84], "little")
-        whole = 0 < triangles <= (len(content) - 84) // 50 or content.lstrip()[:5].lower() == b"solid"
-        return None if whole else "is not an STL file, or one that ends early"
-    if suffix == ".obj":
-        return None if re.search(rb"^[ \t]*v[ \t]", content, re.MULTILINE) and b"\0" not in content else "is not a Wavefront file"
-    if suffix != ".dae":
-        return f"is of an unknown kind, {suffix!r}"
-    try:
-        root = urdf.tree("", content)
-    except (UrdfError, ValueError):  # ValueError: an attribute that is not text
-        return "is not a COLLADA file"
-    numbers = (number for match in _INDICES.finditer(content) for number in (match[1] or match[2] or b"").split())
-    if root.tag != "COLLADA" or not all(re.fullmatch(rb"\d{1,12}", number) and int(number) <= len(content) for number in numbers):
-        return "is not a COLLADA file, or one with a broken index"
     return None

@@ -167,7 +167,7 @@ class _State:
         """Efforts (nv,) that equations and drives have to bring about."""
         needed: Array = self.effort - efforts
         if couples.any():
-            turning = self.equations.data.J[3:]
+            turning = self.equations.data.J.reshape(6, -1)[3:]
             for couple, crossed in zip(couples, self.spatial.crossed.T, strict=True):
                 needed -= (turning * crossed).T @ couple
         return needed

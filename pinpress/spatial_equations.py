@@ -97,7 +97,7 @@ class Equations:
 
     def _hold(self, gaps: Array, columns: Array) -> list[Array]:
         """Fill in the rows of held rotations; their directions."""
-        turning, row, directions = self.data.J[3:], 3 * len(self.loops), []
+        turning, row, directions = self.data.J.reshape(6, -1)[3:], 3 * len(self.loops), []
         for k, loop in enumerate(self.loops):
             first, second = (
                 self.placements[joint].rotation @ rotation

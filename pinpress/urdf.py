@@ -4,21 +4,21 @@ Pinocchio drops much of what it cannot read and carries on: a misspelt ``<axis>`
 everything that enters the mechanics is checked first, by `urdf_checks`, and what passes is a file that Pinocchio reads in full.
 """
 
+import itertools
 import math
 import os
 import re
 from dataclasses import dataclass, field
 from xml.parsers import expat
 
-from . import body_checks, urdf_checks
-from .errors import UrdfError
+from . import body_checks, regular_files, urdf_checks, urdf_limits
+from .errors import UrdfError, shown
 from .findings import Finding, command, refuse
 
 _TEXTS = ("link", "joint", "filename")  # attributes that hold no numbers; all others that are asked for hold one, but
 _COUNTS = {"xyz": 3, "rpy": 3, "size": 3, "scale": 3, "rgba": 4}
 # Pinocchio's parser takes neither "1_0" nor "nan" nor digits of other scripts, all of which Python's float() does.
 _NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?", re.ASCII)
-_DEEPEST = 200  # levels of elements; Pinocchio's parser stops at 500
 _START_TAG = re.compile(rb"<(?:[^\"'>]|\"[^\"]*\"|'[^']*')*>")
 _REFERENCE = re.compile(r"&(?:#x([0-9a-fA-F]+)|#([0-9]+)|(\w+));")
 _ENTITIES = {"lt": "<", "gt": ">", "amp": "&", "quot": '"', "apos": "'"}
@@ -91,13 +91,18 @@ class Urdf:
 
 @dataclass(eq=False)
 class Element:
-    """An XML element as Pinocchio's parser sees it: namespace prefixes are part of names. ``line`` is where its tag starts."""
+    """An XML element as Pinocchio's parser sees it: namespace prefixes are part of names.
+
+    ``line`` and ``start`` are the line and the byte where its tag starts, ``end`` is the byte where its end tag does.
+    """
 
     tag: str
     attributes: dict[str, str]
     line: int
     parent: "Element | None"
     children: list["Element"] = field(default_factory=list)
+    start: int = 0
+    end: int = 0
 
     def get(self, name: str) -> str:
         """The attribute, empty where it is missing."""
@@ -119,7 +124,7 @@ class Element:
         words = [word for word in self.get(name).split(" ") if word] if count > 1 else [self.get(name)]
         for word in words:
             if not _NUMBER.fullmatch(word) or not math.isfinite(float(word)):
-                return f"{word!r} is not a finite number"
+                return f"{shown(word)} is not a finite number"
         return None if len(words) == count else f"{len(words)} numbers, not {count}"
 
     def __str__(self) -> str:
@@ -148,8 +153,12 @@ def read(path: str | os.PathLike[str]) -> Urdf:
 
 
 def errors(document: Document) -> list[Finding]:
-    """All that is wrong with a URDF before its links are put together."""
-    problems = [*urdf_checks.problems(document.robot), *body_checks.problems(document.robot)]
+    """What is wrong with a URDF before its links are put together: all of it, or the first hundred."""
+    robot = document.robot
+    problems = list(urdf_limits.problems(robot))
+    if not problems:  # checking all of what is too large would take long
+        every = itertools.chain(urdf_checks.problems(robot), body_checks.problems(robot))
+        problems = list(itertools.islice(every, urdf_limits.MOST_ERRORS))
     return [Finding.of(UrdfError(document.file, str(element), element.line, *said)) for element, *said in problems]
 
 
@@ -188,13 +197,11 @@ def _loop_end(end: Element) -> LoopEnd:
 
 def parse(path: str | os.PathLike[str]) -> Document:
     """The elements of a URDF; raises UrdfError where it is no URDF at all."""
-    file = os.fspath(path)
+    file = regular_files.path_of("path", path)
     try:
-        with open(path, "rb") as stream:
-            text = stream.read()
+        text = regular_files.read(path, urdf_limits.MOST_BYTES)
     except (OSError, ValueError) as error:  # ValueError: a null character in the path
-        reason = getattr(error, "strerror", None) or str(error)
-        raise UrdfError(file, None, None, f"cannot be read: {reason}", "give the path of a URDF file") from error
+        raise UrdfError(file, None, None, f"cannot be read: {regular_files.reason(error)}", "give the path of a URDF file") from error
     try:
         document = text.decode("utf-8-sig")
         odd = text.find(0)  # a null character, as in UTF-16, which Expat would read
@@ -212,30 +219,39 @@ def parse(path: str | os.PathLike[str]) -> Document:
 
 
 def tree(file: str, document: bytes) -> Element:
-    """The root element of an XML document, UTF-8; raises UrdfError, with ``file`` in its message, where it is not well-formed."""
+    """The root element of an XML document, UTF-8; raises UrdfError, with ``file`` in its message, where it is too large or no XML."""
     # The encoding is given, because Pinocchio reads UTF-8 whatever the XML declaration says. Expat as it is here knows no namespaces, as
     # Pinocchio does not, and so takes <drake:...> without its xmlns:drake.
     parser = expat.ParserCreate("utf-8")
     opened: list[Element] = []
     roots: list[Element] = []
+    count = 0
 
     def forbid(problem: str, remedy: str, element: str | None = None) -> None:
         raise UrdfError(file, element, parser.CurrentLineNumber, problem, remedy)
 
     def start(tag: str, attributes: dict[str, str]) -> None:
+        nonlocal count
+        count += 1
+        if problem := urdf_limits.too_large(count, tag, attributes):
+            forbid(problem, "remove what does not belong to the press")
         attributes |= _broken(document, parser.CurrentByteIndex)
         element = Element(tag, attributes, parser.CurrentLineNumber, opened[-1] if opened else None)
+        element.start = parser.CurrentByteIndex
         if tag.startswith("xacro:"):
             forbid("is xacro, not URDF", "expand the file first: xacro press.urdf.xacro > press.urdf", str(element))
         if tag.endswith(":include"):
             forbid("is XInclude, which Pinocchio does not read", "write what it includes in its place", str(element))
-        if len(opened) > _DEEPEST:
+        if len(opened) > urdf_limits.DEEPEST_ELEMENTS:
             forbid("is nested too deeply", "remove it", str(element))
         (opened[-1].children if opened else roots).append(element)
         opened.append(element)
 
+    def end(_: str) -> None:
+        opened.pop().end = parser.CurrentByteIndex
+
     parser.StartElementHandler = start
-    parser.EndElementHandler = lambda tag: opened.pop()
+    parser.EndElementHandler = end
     parser.StartDoctypeDeclHandler = lambda *_: forbid(
         "has a document type declaration", "write its entities out, and remove <!DOCTYPE ...>"
     )

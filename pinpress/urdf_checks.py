@@ -8,7 +8,7 @@ import math
 from collections.abc import Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING
 
-from .errors import suggestion
+from .errors import shown, suggestion
 
 if TYPE_CHECKING:
     from .urdf import Element
@@ -128,11 +128,11 @@ def _attribute_problems(element: "Element") -> Iterator[Problem]:
             if name not in foreign and tag not in _OPEN_TO_ATTRIBUTES and ":" not in name and name != "xmlns":
                 yield element, f"unknown attribute {name!r}{suggestion(name, known)}", f"in <{tag}> write: {', '.join(known)}"
         elif fault := element.fault(name):
-            yield element, f"{name}={text!r}: {fault}", "write plain numbers, decimals after a point, spaces in between"
+            yield element, f"{name}={shown(text)}: {fault}", "write plain numbers, decimals after a point, spaces in between"
         elif name in _QUANTITIES and tag != "axis" and max(map(abs, element.numbers(name))) > _LARGEST:
-            yield element, f"{name}={text!r} is out of range", f"write SI units; {_LARGEST:g} is the largest number"
+            yield element, f"{name}={shown(text)} is out of range", f"write SI units; {_LARGEST:g} is the largest number"
         elif name in ("size", "radius", "length") and min(element.numbers(name)) <= 0:
-            yield element, f"{name}={text!r} is not positive", "write the size in metres"
+            yield element, f"{name}={shown(text)} is not positive", "write the size in metres"
         elif name == "rgba" and not all(0 <= part <= 1 for part in element.numbers(name)):
             yield element, f"rgba={text!r} is not from 0 to 1", 'write, for example, rgba="0.5 0.5 0.5 1"'
     for name, word in zip(known, words, strict=True):
@@ -143,6 +143,7 @@ def _attribute_problems(element: "Element") -> Iterator[Problem]:
 
 
 def _name_problems(robot: "Element") -> Iterator[Problem]:
+    joints = set(names(robot, "joint"))
     for tag in ("link", "joint", "loop_joint", "material"):
         first: dict[str, Element] = {}
         for element in robot.all(tag):
@@ -151,7 +152,7 @@ def _name_problems(robot: "Element") -> Iterator[Problem]:
                 yield element, "has no name", f'write <{tag} name="...">'
             elif name in first:
                 yield element, f"the name is already that of the <{tag}> on line {first[name].line}", f"give each <{tag}> its own name"
-            elif tag == "loop_joint" and name in names(robot, "joint"):
+            elif tag == "loop_joint" and name in joints:
                 yield element, "the name is already that of a <joint>", "give each bearing, joint or loop, its own name"
             elif tag == "joint" and name == "universe":
                 yield element, "the name 'universe' is Pinocchio's own, for the world", "give the joint another name"

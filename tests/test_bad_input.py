@@ -245,7 +245,7 @@ def test_slide_must_be_a_guided_link():
 
 @pytest.mark.parametrize("gravity", [9.81, (0, 0), (0, 0, math.nan), (0, 0, math.inf), (0, 0, "down"), "down", None, [[0, 0, -9.81]]])
 def test_gravity(gravity):
-    with pytest.raises(pp.PinpressError, match=r"is not three finite numbers \[m/s2\]"):
+    with pytest.raises(pp.PinpressError, match=r"^gravity (is not finite|has shape)"):
         pp.load("crank_slide", gravity=gravity)
 
 
