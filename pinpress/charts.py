@@ -177,28 +177,38 @@ def locus(reactions: Reactions, name: str) -> Locus:
     motion, press = driven(reactions), reactions._press
     if name not in press.bearings:
         raise UnknownNameError("bearing", name, press.bearings)
-    force = _clean(finite(f"force in {name}", reactions.bearing_force[name]), rounding(reactions).force)
+    least = rounding(reactions).force
+    force = _clean(finite(f"force in {name}", reactions.bearing_force[name]), least)
     body = loaded_bodies(press)[press.bearings.index(name)]
     drawn = poses(press, np.zeros((1, press.model.nv))).rotation[body, 0]
     turned = poses(press, motion.joint_position).rotation[body] @ drawn.T
     own = np.einsum("nji,nj->ni", turned, force)
-    axes, directions = _directions(press, force)
+    axes, directions = _directions(press, force, least)
     unit, factor = _unit("force", float(np.abs(force).max(initial=0.0)))
     frame, own = factor * force @ directions.T, factor * own @ directions.T
     return Locus(name, link_of(press, body), axes, unit, _fixed(frame), _fixed(own))
 
 
-def _directions(press: Linkage, force: Array) -> tuple[tuple[str, str], Array]:
-    """Names and world directions (2, 3) of a polar diagram's axes."""
+def _directions(press: Linkage, force: Array, least: float) -> tuple[tuple[str, str], Array]:
+    """Names and world directions (2, 3) of a polar diagram's axes; forces (n, 3) below ``least`` are rounding."""
     normal = None if press.plane is None else press.plane.normal
     if normal is not None and np.abs(normal).max() < 1 - ROUNDING:
         along = np.cross((0.0, 0.0, 1.0), normal)
         along *= (1.0 if along[np.argmax(np.abs(along))] > 0 else -1.0) / np.linalg.norm(along)
         upwards = np.cross(normal, along)
         return ("h", "u"), np.array([along, upwards * (1.0 if upwards[2] > 0 else -1.0)])
-    spread = -np.ptp(force, axis=0) if normal is None else np.abs(normal)
-    first, second = sorted(np.argsort(spread, kind="stable")[:2].tolist())
+    across = _least_moved(force, least) if normal is None else int(np.abs(normal).argmax())
+    first, second = (axis for axis in range(3) if axis != across)
     return (AXES[first], AXES[second]), np.eye(3)[[first, second]]
+
+
+def _least_moved(force: Array, least: float) -> int:
+    """The axis along which a force (n, 3) ranges least; of those alike but for rounding the one along which it is smaller, then y, for most
+    presses stand in the x-z plane."""
+    left = [1, 0, 2]
+    for sizes in (np.ptp(force, axis=0), np.abs(force).max(axis=0)):
+        left = [axis for axis in left if sizes[axis] <= min(sizes[left]) + least]
+    return left[0]
 
 
 def held_moments(reactions: Reactions) -> dict[str, Array]:

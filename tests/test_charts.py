@@ -7,6 +7,8 @@ import cassie
 import numpy as np
 import pytest
 import texts
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
 import pinpress as pp
 from pinpress import charts
@@ -147,8 +149,8 @@ def test_turns_of_other_states(start):
     expected = harmonics(expected.motion, expected.shaking_force)
     force = pp.inverse_dynamics(press, motion).shaking_force
     assert not is_cycle(motion)
-    for given in ((motion, force), (pp.cycle(press, 7.0, angle=angle[::-1]), force[::-1])):
-        found = harmonics(*given)
+    for case in ((motion, force), (pp.cycle(press, 7.0, angle=angle[::-1]), force[::-1])):
+        found = harmonics(*case)
         a, b = (h.amplitude * np.exp(1j * h.phase) for h in (found, expected))
         np.testing.assert_allclose(a, b, rtol=0, atol=1e-5 * np.abs(force).max())
 
@@ -402,14 +404,30 @@ def test_locus_of_an_unbalance_stands_still_in_the_link(folder):
 
 
 def test_locus_in_space(legs):
-    """Of a spatial linkage: the two axes of largest range; the link is the one the force acts on."""
+    """Of a spatial linkage: the two axes of largest range; the link is the one the force acts on. The first joint carries a weight at rest:
+    its force ranges along no axis but by rounding, which must not choose the axes."""
     angle = 0.05 * np.sin(np.linspace(0, 6, 20))[:, None] * np.ones(12)
     result = pp.inverse_dynamics(legs, pp.cycle(legs, angle=angle, speed=0.0))
-    for name in (legs.joints[0], legs.loops[0].name):
+    ranges = {name: np.ptp(result.bearing_force[name], axis=0) for name in (legs.joints[0], legs.loops[0].name)}
+    still, moved = ranges.values()
+    assert still.max() < 1e-12 * np.abs(result.bearing_force[legs.joints[0]]).max()
+    assert np.diff(np.sort(moved)).min() > 0.1 * moved.max()
+    for name, axes in zip(ranges, ({"x", "z"}, {"xyz"[i] for i in np.argsort(moved)[1:]}), strict=True):
         found = charts.locus(result, name)
-        ranges = np.ptp(result.bearing_force[name], axis=0)
-        assert set(found.axes) == {"xyz"[i] for i in np.argsort(ranges)[1:]}
+        assert set(found.axes) == axes
         assert found.link in legs.links
+
+
+@settings(derandomize=True, max_examples=20, deadline=None)
+@given(ranges=st.permutations([0.0, 1.0, 2.0]), equal=st.booleans(), seed=st.integers(0, 99))
+def test_axes_of_a_locus_do_not_hang_on_rounding(ranges, equal, seed):
+    """The axis of least range is left out; where all ranges are alike, that of the smaller force, and y of equal ones."""
+    turned = np.cos(np.linspace(0, 6, 30))[:, None]
+    force = 100.0 * (np.ones((30, 3)) if equal else turned * ranges)
+    noise = 1e-12 * np.random.default_rng(seed).uniform(-1, 1, force.shape)
+    assert charts._least_moved(force + noise, 1e-7) == (1 if equal else ranges.index(0.0))
+    force[:, 2] += 50.0 * equal
+    assert charts._least_moved(force + noise, 1e-7) == (1 if equal else ranges.index(0.0))
 
 
 def test_unknown_bearing():
