@@ -21,6 +21,7 @@ from .coordinates import Array
 from .counterweights import Counterweight, refuse_unphysical, sum_of
 from .errors import PinpressError
 from .forces import Load
+from .harmonic_analysis import is_cycle
 from .inertia_responses import Case
 from .linkage import Linkage
 from .motion import Motion, as_prescribed
@@ -93,8 +94,9 @@ def balanced(
     u = _without_traces(problem, objective, limits, design.variables)
     bodies = _filled(problem, u)
     result = _fitted(press, problem, bodies)
+    _refuse_later_period(cases, result)
     after = tuple(
-        inverse_dynamics(result, as_prescribed(case.motion, result.name), case.loads, bearings=tuple(reactions.bearing_force))
+        inverse_dynamics(result, as_prescribed(case.motion, result), case.loads, bearings=tuple(reactions.bearing_force))
         for case, reactions in zip(cases, before, strict=True)
     )
     _refuse_unconfirmed(problem, u, after)
@@ -147,6 +149,17 @@ def checked(minimise: Target | Mapping[Target, float], limits: Mapping[Target, f
     if not any(objective.values()):
         raise PinpressError("minimise: no weight is above zero, so that all counterweights are as good: give one")
     return {target: float(weight) for target, weight in objective.items() if weight > 0}
+
+
+def _refuse_later_period(cases: Sequence[Case], result: Linkage) -> None:
+    """Raise where a case is one period of the press, and counterweights on a shaft that was balanced make that longer."""
+    turns = result.turns_until_back
+    if any(is_cycle(case.motion) and case.motion.period_turns != turns for case in cases):
+        after = "never" if turns is None else f"only after {turns} turns"
+        raise PinpressError(
+            f"with a counterweight on a geared shaft that was balanced {result.name} is back {after}, and the motion is shorter: give one"
+            " over as many turns, cycle(press, speed, angle=[...]), or no room on that shaft"
+        )
 
 
 def _refuse_nothing(press: Linkage, problem: Problem, before: Sequence[Reactions], objective: Mapping[Target, float]) -> None:

@@ -201,11 +201,10 @@ def _states(
     return motion
 
 
-def as_prescribed(motion: Motion, linkage: str) -> Motion:
-    """The same states, prescribed to a linkage of that name that moves alike: of a run, which belongs to the press that was simulated, the
-    motion alone."""
+def as_prescribed(motion: Motion, press: Linkage) -> Motion:
+    """The same states, prescribed to a linkage that moves alike. A run belongs to the press that was simulated: of it, the motion alone."""
     kept = {each.name: getattr(motion, each.name) for each in fields(Motion) if each.init}
-    return Motion(**(kept | {"linkage": linkage}))
+    return Motion(**(kept | {"linkage": press.name, "period_turns": press.turns_until_back}))
 
 
 def of_states(

@@ -19,7 +19,7 @@ PARABOLA = 1e-9  # of slide positions [m]
 LATER = 0.4  # of a step, by which the states are off those that the library takes
 
 
-@pytest.fixture(scope="module", params=TURNS)
+@pytest.fixture(scope="module", params=["half", "third", "geared_down", pytest.param("one_and_a_half", marks=pytest.mark.exhaustive)])
 def name(request):
     return request.param
 
