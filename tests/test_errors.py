@@ -14,6 +14,7 @@ from time_limit import _limit  # noqa: F401
 
 import pinpress as pp
 from pinpress.errors import UnknownScenarioError
+from pinpress.laws import LawError
 
 ARGUMENTS = {
     pp.PinpressError: ("speed is 'x': give a number",),
@@ -21,6 +22,7 @@ ARGUMENTS = {
     pp.AssemblyError: ("the loops do not close", 0.5, 1e-3, 7),
     pp.SingularityError: ("the linkage locks", 0.5, 1e-9),
     pp.SimulationError: ("the press stalls", 0.25, 1.5),
+    LawError: ("Fan: torque at speed 3 rad/s is nan", 0.25, 1.5),
     pp.UnknownNameError: ("bearing", "Q", ["A", "B"]),
     UnknownScenarioError: (7, 3),
 }
