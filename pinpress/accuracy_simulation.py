@@ -47,8 +47,8 @@ class Ended(NamedTuple):
 def contest(press: Linkage, scene: Scene, peers: "Sequence[Peer]") -> Contest:
     """Both methods over tolerances and fixed steps, and the peers over their steps.
 
-    The reference is a run by constraint dynamics with the least tolerance. The reduced equation, which shares no equation of motion with
-    it, has to give the same; no error is said to be less than the difference of the two.
+    The reference is a run of all joints (`constraint`) with the least tolerance. The reduced equation, which shares no equation of motion
+    with it, has to give the same; no error is said to be less than the difference of the two.
     """
     truth, other = (_ended(press, scene, method, tolerance=LEAST_TOLERANCE) for method in ("constraint", "reduced"))
     peak = peak_force(inverse_dynamics(press, _run(press, scene, "reduced", points=STATES)))
@@ -84,7 +84,7 @@ def contest(press: Linkage, scene: Scene, peers: "Sequence[Peer]") -> Contest:
         for step in (step * turn / PACE for step in peer.steps):
             work = partial(peer.free_run, 0.0, scene.speed, scene.flywheel, scene.duration, step)
             entries.append(Contestant(SIMULATION, peer.name, f"step {1e3 * step:.3g} ms", step, work, of_peer))
-    return Contest(SIMULATION, tuple(entries), certificate, "constraint dynamics and the reduced equation")
+    return Contest(SIMULATION, tuple(entries), certificate, "all joints and the reduced equation")
 
 
 def tables(press: Linkage) -> Contest:

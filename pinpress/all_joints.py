@@ -1,4 +1,4 @@
-"""The linkage with all its joints, by Pinocchio's constraint dynamics, one state at a time: for integration over time."""
+"""The linkage with all its joints, by `ForwardDynamics`, one state at a time: for integration over time."""
 
 from collections.abc import Sequence
 from typing import NamedTuple

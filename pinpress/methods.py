@@ -182,7 +182,7 @@ def by_crank(plan: Plan, state: State, until: float, tolerance: float, step: flo
 def by_joints(
     plan: Plan, angle: Array, speed: Array, until: float, tolerance: float, step: float | None, progress: Progress | None
 ) -> Path:
-    """All joints by constraint dynamics, from angles and speeds (drivers,) at time 0 to a time."""
+    """All joints at once, from angles and speeds (drivers,) at time 0 to a time."""
     from . import over_time
     from .all_joints import AllJoints
     from .machine import Machine

@@ -4,7 +4,8 @@
 
 Two methods give the same run. ``"reduced"`` integrates the one-degree-of-freedom equation (see `reduced`): over the crank angle, all of a
 period at once, while the crank turns, and over time where it may stop, or where a clutch, a drive's own states or forces in time demand it.
-``"constraint"`` integrates all joints by Pinocchio's constraint dynamics, with the loops closed again after every step: any linkage.
+``"constraint"`` integrates all joints, with the loops closed again after every step: any linkage. Its accelerations are those of
+Pinocchio's constraint dynamics, but not with gear pairs, links without mass or loops that hold each other: see `forward_dynamics`.
 """
 
 import time as clock

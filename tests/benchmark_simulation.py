@@ -132,12 +132,20 @@ def long_runs(repeats: int) -> None:
     print(f"  steady state directly: {1e3 * direct:.1f} ms; its period differs from the minute's last stroke by {apart:.0e} s,")
     print(f"  its lowest speed by {slower:.0e} rad/s; work of drive and load there {last.drive_work:.6f} and {last.load_work:.6f} J")
     start = time.perf_counter()
-    free = pp.simulate(press, 2000.0, speed=300 * pp.RPM, flywheel=flywheel, points=1000).stats
+    free = pp.simulate(press, 2000.0, speed=300 * pp.RPM, flywheel=flywheel, points=1000)
     middle = time.perf_counter()
-    closed = pp.simulate(press, 20.0, speed=300 * pp.RPM, flywheel=flywheel, method="constraint", points=1000).stats
+    closed = pp.simulate(press, 20.0, speed=300 * pp.RPM, flywheel=flywheel, method="constraint", points=1000)
     end = time.perf_counter()
-    print(f"  10 000 turns free, reduced: energy error {free.energy_error:.1e}, {middle - start:.1f} s")
-    print(f"  100 turns free, constraint: energy error {closed.energy_error:.1e}, gap {closed.closure_error:.0e} m, {end - middle:.1f} s")
+    print(f"  {_turns(free)} turns free, reduced: energy error {free.stats.energy_error:.1e}, {middle - start:.1f} s")
+    left = closed.stats
+    print(f"  {_turns(closed)} turns free, constraint: energy error {left.energy_error:.1e}, gap {left.closure_error:.0e} m,")
+    print(f"  {end - middle:.1f} s")
+    six = pp.simulate(pp.load("zxn2_3000b"), 8571.0, speed=70 * pp.RPM, flywheel=pp.Flywheel(2000.0), points=1000)
+    print(f"  ZXN2-3000(B) from 70 strokes/min, {_turns(six)} turns free, reduced: energy error {six.stats.energy_error:.1e}")
+
+
+def _turns(run: pp.Run) -> int:
+    return round(float(run.crank_angle[-1]) / (2 * np.pi))
 
 
 def main() -> None:

@@ -155,22 +155,8 @@ def test_the_pinocchio_loop_remembers_nothing_between_calls():
     np.testing.assert_array_equal(first["tau"], again["tau"])
 
 
-def test_an_unfinished_closure_is_refused():
-    with pytest.raises(ArithmeticError, match="2 Newton steps"):
-        hand_script.closure(np.linspace(0.0, 6.0, 50), most=2)
-
-
-def test_another_assembly_is_refused(monkeypatch):
-    """Started from a coupler on the other side of the line B-D, Newton closes the loops there; the script must say so."""
-    closing, started = hand_script.loop_matrix, []
-
-    def start_mirrored(x, matrix):
-        if not started:
-            x[:, 1] = -1.7
-            x[:, 0] = -2.6
-        started.append(True)
-        closing(x, matrix)
-
-    monkeypatch.setattr(hand_script, "loop_matrix", start_mirrored)
-    with pytest.raises(ArithmeticError, match="another assembly"):
-        hand_script.closure(np.zeros(1))
+@pytest.mark.parametrize(("length", "value"), [("L2", 0.5), ("L31", 0.05), ("L4", 0.3)])
+def test_loops_that_do_not_close_are_refused(monkeypatch, length, value):
+    monkeypatch.setattr(hand_script, length, value)
+    with pytest.raises(ArithmeticError, match="cannot be closed"):
+        six_bar(np.linspace(0.0, 6.0, 50), SPEED, 0.0)

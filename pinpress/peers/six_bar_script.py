@@ -1,8 +1,8 @@
 """The ZXN2-3000(B) six-bar press written out by hand with NumPy: a peer of pinpress and the tests' independent oracle.
 
-What a good engineer writes for this one press: Newton on the four vector-loop equations, velocities and accelerations from
-the same 4x4 matrix, then the 14 Newton-Euler equations of the five bodies for the driving torque and thirteen pin force
-components; everything batched over the crank angles. No code is shared with pinpress.
+What a good engineer writes for this one press, who eliminates the unknowns by hand: both loops closed as triangles, without iteration;
+velocities and accelerations by Cramer's rule; then the driving torque and thirteen pin force components body by body, from the slide to
+the crank; everything batched over the crank angles. No code is shared with pinpress.
 
 Source: Kong et al. 2025, Forging and Stamping Technology 50(2), 195-203; the moments of inertia are inferred (the paper prints none).
 
@@ -20,7 +20,7 @@ Array = NDArray[np.float64]
 
 L1, L2, L31, L32, L4 = 0.143, 1.243, 0.375, 0.480, 0.480  # AB, BC, DC, DE, EF [m]
 AX, AY = 1.250, -0.200  # crank pivot A seen from D [m]
-CORNER = 0.75 * np.pi  # E lies this angle clockwise of C, seen from D
+COS, SIN = np.cos(0.75 * np.pi), np.sin(0.75 * np.pi)  # E lies this angle clockwise of C, seen from D
 GRAVITY = 9.81  # [m/s2], along -y
 
 M2, M3, M5 = 290.57, 2871.07, 7073.87  # coupler, rocker, slide [kg]
@@ -32,75 +32,31 @@ CRANK = {False: (1009.16, 0.0567, 31.5), True: (1614.656, -0.0181, 46.56)}
 ROD = {False: (277.68, 0.2400, 5.33), True: (333.216, 0.1924, 9.105)}
 
 UNKNOWNS = ("tau", "F01x", "F01y", "F21x", "F21y", "F23x", "F23y", "F03x", "F03y", "F43x", "F43y", "F54x", "F54y", "F05x")
-TAU, F01X, F01Y, F21X, F21Y, F23X, F23Y, F03X, F03Y, F43X, F43Y, F54X, F54Y, F05X = range(14)
-
-# Rows 3(i-1), 3(i-1)+1, 3(i-1)+2 are body i's x, y and moment equation; the slide (rows 12, 13) does not turn.
-CONSTANT = np.zeros((14, 14))
-for _row, _column, _sign in (
-    (0, F01X, 1.0), (1, F01Y, 1.0), (0, F21X, 1.0), (1, F21Y, 1.0), (2, TAU, 1.0),
-    (3, F21X, -1.0), (4, F21Y, -1.0), (3, F23X, -1.0), (4, F23Y, -1.0),
-    (6, F23X, 1.0), (7, F23Y, 1.0), (6, F03X, 1.0), (7, F03Y, 1.0), (6, F43X, 1.0), (7, F43Y, 1.0),
-    (9, F43X, -1.0), (10, F43Y, -1.0), (9, F54X, 1.0), (10, F54Y, 1.0),
-    (12, F54X, -1.0), (13, F54Y, -1.0), (12, F05X, 1.0),
-):  # fmt: skip
-    CONSTANT[_row, _column] = _sign
 
 
-def closure(theta1: Array, tolerance: float = 1e-8, most: int = 12) -> tuple[Array, Array]:
-    """Close both loops at every crank angle at once, by Newton.
+def closure(bx: Array, by: Array) -> tuple[Array, Array, Array, Array, Array, Array, Array]:
+    """Close both loops at every crank angle at once, each as a triangle with two known sides.
 
     Args:
-        theta1: crank angle, shape (n,) [rad].
-        tolerance: largest last step [rad, m]. Newton doubles the digits, so the step after it would be about its square.
-        most: Newton steps before giving up.
+        bx, by: the crank pin B seen from D, shape (n,) [m].
 
     Returns:
-        (theta2, theta3, theta4, y) as columns, shape (n, 4) [rad, rad, rad, m], with y the height of the slide pin F, and
-        the loop matrix there, shape (n, 4, 4).
+        x and y of C from D, of E from D, of F from E, and the height of the slide pin F, each of shape (n,) [m].
 
     Raises:
-        ArithmeticError: not converged, or in another assembly (coupler below the rocker's end C, or F above E).
+        ArithmeticError: a loop cannot be closed: coupler and rocker do not reach each other, or the rod does not reach the slide's line.
     """
-    c1, s1 = np.cos(theta1), np.sin(theta1)
-    c1c1, s1c1 = 2.0 * c1 * c1 - 1.0, 2.0 * s1 * c1  # of twice the angle
-    x = np.empty((theta1.size, 4))
-    # Two harmonics, read off a drawing of the press; within 0.005 rad and 0.004 m of the branch the press is built in.
-    x[:, 0] = 2.694 + 0.042 * c1 + 0.108 * s1 + 0.007 * c1c1 - 0.009 * s1c1
-    x[:, 1] = 1.194 - 0.350 * c1 + 0.170 * s1 + 0.010 * c1c1 - 0.010 * s1c1
-    x[:, 2] = -1.979 + 0.350 * c1 - 0.170 * s1 - 0.010 * c1c1 + 0.010 * s1c1
-    x[:, 3] = -0.848 - 0.133 * c1 + 0.065 * s1 + 0.025 * c1c1 - 0.030 * s1c1
-    bx, by = AX + L1 * c1, AY + L1 * s1
-    matrix = np.zeros((theta1.size, 4, 4))
-    matrix[:, 3, 3] = -1.0
-    gap = np.empty((theta1.size, 4, 1))
-    step = np.inf
-    for _ in range(most):
-        loop_matrix(x, matrix)
-        if step < tolerance:
-            break
-        # The matrix already holds every sine and cosine of the gaps: l2 c2, l31 c3, ...
-        gap[:, 0, 0] = bx + matrix[:, 1, 0] + matrix[:, 1, 1]
-        gap[:, 1, 0] = by - matrix[:, 0, 0] - matrix[:, 0, 1]
-        gap[:, 2, 0] = matrix[:, 3, 1] + matrix[:, 3, 2]
-        gap[:, 3, 0] = -matrix[:, 2, 1] - matrix[:, 2, 2] - x[:, 3]
-        change = np.linalg.solve(matrix, gap)[..., 0]
-        x -= change
-        step = float(np.abs(change).max(initial=0.0))
-    else:
-        raise ArithmeticError(f"loops not closed after {most} Newton steps; last step {step:.3g}")
-    if not (np.sin(x[:, 0] - x[:, 1]).min(initial=1.0) > 0.0 and matrix[:, 2, 2].min(initial=1.0) > 0.0):
-        raise ArithmeticError("Newton closed the loops in another assembly")
-    return x, matrix
-
-
-def loop_matrix(x: Array, matrix: Array) -> None:
-    """Fill in the derivative of the four loop equations by (theta2, theta3, theta4, y), shape (n, 4, 4); its zeros and its -1 stay."""
-    c, s = np.cos(x[:, :3]), np.sin(x[:, :3])
-    ce, se = np.cos(x[:, 1] - CORNER), np.sin(x[:, 1] - CORNER)
-    matrix[:, 0, 0], matrix[:, 1, 0] = -L2 * s[:, 0], L2 * c[:, 0]
-    matrix[:, 0, 1], matrix[:, 1, 1] = L31 * s[:, 1], -L31 * c[:, 1]
-    matrix[:, 2, 1], matrix[:, 3, 1] = -L32 * se, L32 * ce
-    matrix[:, 2, 2], matrix[:, 3, 2] = -L4 * s[:, 2], L4 * c[:, 2]
+    square = bx * bx + by * by
+    along = 0.5 * (L31 * L31 - L2 * L2 + square) / square  # C = along B + beside (B turned by a quarter)
+    beside = L31 * L31 / square - along * along
+    with np.errstate(invalid="ignore"):
+        beside = np.sqrt(beside)  # the other root is the assembly with the coupler on the other side of the line B-D
+        cx, cy = along * bx - beside * by, along * by + beside * bx
+        ex, ey = L32 / L31 * (COS * cx + SIN * cy), L32 / L31 * (COS * cy - SIN * cx)
+        drop = np.sqrt(L4 * L4 - ex * ex)  # the other root has the slide above E
+    if not np.isfinite(drop).all():
+        raise ArithmeticError("a loop cannot be closed: the links are too short")
+    return cx, cy, ex, ey, -ex, -drop, ey - drop
 
 
 def six_bar(theta1: ArrayLike, omega1: ArrayLike, alpha1: ArrayLike, balanced: bool = False) -> dict[str, Array]:
@@ -121,23 +77,25 @@ def six_bar(theta1: ArrayLike, omega1: ArrayLike, alpha1: ArrayLike, balanced: b
     omega1 = np.broadcast_to(np.asarray(omega1, dtype=float), n)
     alpha1 = np.broadcast_to(np.asarray(alpha1, dtype=float), n)
 
-    x, matrix = closure(theta1)
     b1x, b1y = L1 * np.cos(theta1), L1 * np.sin(theta1)  # B from A
-    b2x, b2y = matrix[:, 1, 0], -matrix[:, 0, 0]  # C from B
-    b3x, b3y = -matrix[:, 1, 1], matrix[:, 0, 1]  # C from D
-    e3x, e3y = matrix[:, 3, 1], -matrix[:, 2, 1]  # E from D
-    b4x, b4y = matrix[:, 3, 2], -matrix[:, 2, 2]  # F from E
+    bx, by = AX + b1x, AY + b1y  # from D
+    b3x, b3y, e3x, e3y, b4x, b4y, y = closure(bx, by)  # C from D, E from D, F from E
+    b2x, b2y = b3x - bx, b3y - by  # C from B
 
-    right = np.zeros((n, 4, 1))
-    right[:, 0, 0], right[:, 1, 0] = omega1 * b1y, -omega1 * b1x
-    v = np.asarray(np.linalg.solve(matrix, right)[..., 0], dtype=float)
-    w1, w2, w3, w4 = omega1**2, v[:, 0] ** 2, v[:, 1] ** 2, v[:, 2] ** 2
-    right[:, 0, 0] = alpha1 * b1y + w1 * b1x + w2 * b2x - w3 * b3x
-    right[:, 1, 0] = -alpha1 * b1x + w1 * b1y + w2 * b2y - w3 * b3y
-    right[:, 2, 0] = w3 * e3x + w4 * b4x
-    right[:, 3, 0] = w3 * e3y + w4 * b4y
-    a = np.asarray(np.linalg.solve(matrix, right)[..., 0], dtype=float)
-    alpha2, alpha3, alpha4 = a[:, 0], a[:, 1], a[:, 2]
+    # omega2 k x BC - omega3 k x DC = right: 2x2, by Cramer's rule; then the slide's line gives omega4, and the slide's speed follows.
+    across = b2x * b3y - b2y * b3x
+    right_x, right_y = omega1 * b1y, -omega1 * b1x
+    omega2 = (right_x * b3x + right_y * b3y) / across
+    omega3 = (right_x * b2x + right_y * b2y) / across
+    omega4 = -omega3 * e3y / b4y
+    w1, w2, w3, w4 = omega1**2, omega2**2, omega3**2, omega4**2
+    right_x = alpha1 * b1y + w1 * b1x + w2 * b2x - w3 * b3x
+    right_y = -alpha1 * b1x + w1 * b1y + w2 * b2y - w3 * b3y
+    alpha2 = (right_x * b3x + right_y * b3y) / across
+    alpha3 = (right_x * b2x + right_y * b2y) / across
+    alpha4 = -(alpha3 * e3y + w3 * e3x + w4 * b4x) / b4y
+    velocity = omega3 * e3x + omega4 * b4x
+    acceleration = alpha3 * e3x - w3 * e3y + alpha4 * b4x - w4 * b4y
 
     m1, p1, j1 = CRANK[balanced]
     m4, p4, j4 = ROD[balanced]
@@ -146,40 +104,32 @@ def six_bar(theta1: ArrayLike, omega1: ArrayLike, alpha1: ArrayLike, balanced: b
     # Accelerations of B and E, then of the centres of mass; r x (alpha, omega): a = alpha k x r - omega^2 r.
     abx, aby = -alpha1 * b1y - w1 * b1x, alpha1 * b1x - w1 * b1y
     aex, aey = -alpha3 * e3y - w3 * e3x, alpha3 * e3x - w3 * e3y
-    load = np.empty((n, 14, 1))
-    load[:, 0, 0] = m1 * f1 * abx
-    load[:, 1, 0] = m1 * (f1 * aby + GRAVITY)
-    load[:, 2, 0] = j1 * alpha1
-    load[:, 3, 0] = M2 * (abx + f2 * (-alpha2 * b2y - w2 * b2x))
-    load[:, 4, 0] = M2 * (aby + f2 * (alpha2 * b2x - w2 * b2y) + GRAVITY)
-    load[:, 5, 0] = J2 * alpha2
-    load[:, 6, 0] = M3 * (-alpha3 * g3y - w3 * g3x)
-    load[:, 7, 0] = M3 * (alpha3 * g3x - w3 * g3y + GRAVITY)
-    load[:, 8, 0] = J3 * alpha3
-    load[:, 9, 0] = m4 * (aex + f4 * (-alpha4 * b4y - w4 * b4x))
-    load[:, 10, 0] = m4 * (aey + f4 * (alpha4 * b4x - w4 * b4y) + GRAVITY)
-    load[:, 11, 0] = j4 * alpha4
-    load[:, 12, 0] = 0.0
-    load[:, 13, 0] = M5 * (a[:, 3] + GRAVITY)
+    # Of each body mass times acceleration and weight, (nx, ny), and the moment k of both and of its inertia about A, B, D, E.
+    n1x, n1y = m1 * f1 * abx, m1 * (f1 * aby + GRAVITY)
+    n2x, n2y = M2 * (abx + f2 * (-alpha2 * b2y - w2 * b2x)), M2 * (aby + f2 * (alpha2 * b2x - w2 * b2y) + GRAVITY)
+    n3x, n3y = M3 * (-alpha3 * g3y - w3 * g3x), M3 * (alpha3 * g3x - w3 * g3y + GRAVITY)
+    n4x, n4y = m4 * (aex + f4 * (-alpha4 * b4y - w4 * b4x)), m4 * (aey + f4 * (alpha4 * b4x - w4 * b4y) + GRAVITY)
+    k1 = f1 * (b1x * n1y - b1y * n1x) + j1 * alpha1
+    k2 = f2 * (b2x * n2y - b2y * n2x) + J2 * alpha2
+    k3 = g3x * n3y - g3y * n3x + J3 * alpha3
+    k4 = f4 * (b4x * n4y - b4y * n4x) + j4 * alpha4
 
-    # Moments about each body's own centre of mass: a force at r has the moment rx Fy - ry Fx.
-    system = np.empty((n, 14, 14))
-    system[:] = CONSTANT
-    system[:, 2, F01X], system[:, 2, F01Y] = f1 * b1y, -f1 * b1x
-    system[:, 2, F21X], system[:, 2, F21Y] = (f1 - 1.0) * b1y, (1.0 - f1) * b1x
-    system[:, 5, F21X], system[:, 5, F21Y] = -f2 * b2y, f2 * b2x  # the crank's force on the coupler is -F21, at B
-    system[:, 5, F23X], system[:, 5, F23Y] = (1.0 - f2) * b2y, (f2 - 1.0) * b2x
-    system[:, 8, F23X], system[:, 8, F23Y] = g3y - b3y, b3x - g3x
-    system[:, 8, F03X], system[:, 8, F03Y] = g3y, -g3x
-    system[:, 8, F43X], system[:, 8, F43Y] = g3y - e3y, e3x - g3x
-    system[:, 11, F43X], system[:, 11, F43Y] = -f4 * b4y, f4 * b4x
-    system[:, 11, F54X], system[:, 11, F54Y] = (f4 - 1.0) * b4y, (1.0 - f4) * b4x
-    forces = np.asarray(np.linalg.solve(system, load)[..., 0], dtype=float)
+    # The slide, then moments of the rod about E; coupler and rocker together, moments about B and D; then the crank.
+    f54y = -M5 * (acceleration + GRAVITY)
+    f54x = (b4x * f54y - k4) / b4y
+    f43x, f43y = f54x - n4x, f54y - n4y
+    k3 = k3 - (e3x * f43y - e3y * f43x)
+    f23x, f23y = -(k2 * b3x + k3 * b2x) / across, -(k2 * b3y + k3 * b2y) / across
+    f21x, f21y = -f23x - n2x, -f23y - n2y
+    f03x, f03y = n3x - f23x - f43x, n3y - f23y - f43y
+    f01x, f01y = n1x - f21x, n1y - f21y
+    tau = k1 - b1x * f21y + b1y * f21x
 
-    result = {name: forces[:, i] for i, name in enumerate(UNKNOWNS)}
-    result |= {"theta2": x[:, 0], "theta3": x[:, 1], "theta4": x[:, 2], "slide_position": x[:, 3]}
-    result |= {"omega2": v[:, 0], "omega3": v[:, 1], "omega4": v[:, 2], "slide_velocity": v[:, 3]}
-    result |= {"alpha2": alpha2, "alpha3": alpha3, "alpha4": alpha4, "slide_acceleration": a[:, 3]}
+    forces = (tau, f01x, f01y, f21x, f21y, f23x, f23y, f03x, f03y, f43x, f43y, f54x, f54y, f54x)
+    result = dict(zip(UNKNOWNS, forces, strict=True))
+    angles = {"theta2": np.arctan2(b2y, b2x), "theta3": np.arctan2(b3y, b3x), "theta4": np.arctan2(b4y, b4x)}
+    result |= angles | {"slide_position": y, "slide_velocity": velocity, "slide_acceleration": acceleration}
+    result |= {"omega2": omega2, "omega3": omega3, "omega4": omega4, "alpha2": alpha2, "alpha3": alpha3, "alpha4": alpha4}
     return result
 
 
