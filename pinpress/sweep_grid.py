@@ -11,7 +11,7 @@ from .errors import PinpressError
 Scalar = float | int | bool | str
 """What a table can hold."""
 
-RESERVED = ("point", "error")  # columns of every table
+RESERVED = ("point", "error", "checksum")  # columns of every table
 LONGEST = 10_000  # characters of a word in a table
 LARGEST = 2**53  # whole number that a float holds exactly
 
@@ -70,7 +70,7 @@ def gridded(grid: object, paired: bool) -> Grid:
     axes, objects = {}, {}
     for name, values in grid.items():
         if not isinstance(name, str) or not name or name in RESERVED:
-            raise PinpressError(f"grid: {name!r} cannot be an axis; name an argument of the function, other than {' and '.join(RESERVED)}")
+            raise PinpressError(f"grid: {name!r} cannot be an axis; name an argument of the function, other than {', '.join(RESERVED)}")
         axes[name], objects[name] = _axis(name, values)
         if not paired and len(set(axes[name])) < len(axes[name]):
             twice = next(label for k, label in enumerate(axes[name]) if label in axes[name][:k])

@@ -1,6 +1,7 @@
 """Results of a sweep as a Parquet file."""
 
 import os
+import zlib
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -31,38 +32,46 @@ def write_columns(path: str | os.PathLike[str], columns: Mapping[str, Any]) -> N
     Raises:
         PinpressError: the file cannot be written, or pyarrow is not installed.
     """
+    files.write(path, _content(columns))
+
+
+def _content(columns: Mapping[str, Any]) -> bytes:
     pyarrow = installed()
-    with files.written(path) as part, files.refused(path):
-        pyarrow.parquet.write_table(pyarrow.table({name: pyarrow.array(values) for name, values in columns.items()}), part)
+    with pyarrow.BufferOutputStream() as stream:
+        pyarrow.parquet.write_table(pyarrow.table({name: pyarrow.array(values) for name, values in columns.items()}), stream)
+        content: bytes = stream.getvalue().to_pybytes()
+    return content
 
 
-def write(path: Path, grid: Grid, kinds: Mapping[str, str], found: Sequence[Outcome]) -> None:
-    """Write outcomes, in their order."""
+def write(path: Path, grid: Grid, kinds: Mapping[str, str], found: Sequence[Outcome]) -> int:
+    """Write outcomes, in their order. Returns the file's checksum."""
     labels = grid.columns()
     numbers = [outcome.number for outcome in found]
     columns: dict[str, Sequence[object]] = {"point": numbers}
     columns |= {name: [column[number] for number in numbers] for name, column in _alike(labels).items()}
     columns |= _alike({name: [outcome.values.get(name) for outcome in found] for name in kinds})
-    write_columns(path, columns | {"error": [outcome.error for outcome in found]})
+    content = _content(columns | {"error": [outcome.error for outcome in found]})
+    files.write(path, content)
+    return zlib.crc32(content)
 
 
-def read(path: Path, grid: Grid, kinds: Mapping[str, str]) -> Iterator[Outcome]:
-    """The outcomes in a file that `write` made.
+def read(path: Path, kinds: Mapping[str, str], checksum: object) -> Iterator[Outcome]:
+    """The outcomes in a file that `write` made, whose checksum it was.
 
     Raises:
-        PinpressError: it cannot be read, or is of another sweep.
+        PinpressError: it cannot be read, or is not that file.
     """
     pyarrow = installed()
     try:
-        columns = pyarrow.parquet.read_table(path).to_pydict()
-    except (OSError, pyarrow.ArrowException) as error:
-        raise PinpressError(f"cannot read {path}: {error}; delete it to have its points done anew") from error
-    if list(columns) != ["point", *grid.axes, *kinds, "error"]:
-        raise PinpressError(f"{path}: its columns are not those of this sweep; give another file")
-    labels = _alike(grid.columns())
+        content = path.read_bytes()
+    except OSError as error:
+        raise PinpressError(f"cannot read {path}: {error.strerror}") from error
+    if zlib.crc32(content) != checksum:
+        raise PinpressError(
+            f"{path} is damaged or was changed, its checksum does not fit: give another file, or delete it to have its points done anew"
+        )
+    columns = pyarrow.parquet.read_table(pyarrow.BufferReader(content)).to_pydict()
     for k, (number, words) in enumerate(zip(columns["point"], columns["error"], strict=True)):
-        if not 0 <= number < len(grid) or any(columns[name][k] != column[number] for name, column in labels.items()):
-            raise PinpressError(f"{path}: row {k} is not of this sweep; give another file")
         yield Outcome(number, {} if words else {name: columns[name][k] for name in kinds}, words)
 
 

@@ -2,12 +2,14 @@
 
 Three files: the results, ``.sweep`` beside them with what tells this sweep from another, and while it runs ``.lock``. Finished points are
 appended to a CSV, a line each, complete or, after a kill, torn: a last line without its end is dropped. It is the file of results itself,
-or for Parquet, which cannot be appended to, ``.csv`` beside it. At the end, all are written in the order of the grid, in one step.
+or for Parquet, which cannot be appended to, ``.csv`` beside it. At the end, all are written in the order of the grid, in one step. All that
+is read has a checksum: of each line, and in ``.sweep`` of itself and of a Parquet file.
 """
 
 import json
 import os
-from collections.abc import Iterator, Mapping, Sequence
+import zlib
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 
@@ -30,6 +32,7 @@ class Results:
         self.known: dict[int, Outcome] = {}
         self.kinds: dict[str, str] = {}
         self._grid, self._print, self._path, self._descriptor = grid, fingerprint(grid, function), path, -1
+        self._checksum: object = None  # of the Parquet file
 
     def add(self, found: Sequence[Outcome]) -> None:
         """Keep outcomes, on disk before this returns (safe against the death of the process, not of the machine).
@@ -60,14 +63,15 @@ class Results:
             self._read_side(side)
         elif target.exists() or self._running.exists():
             raise PinpressError(f"{target} is there, but not {side.name} beside it, which says of what sweep it is: give another file")
-        if target.suffix == ".parquet" and target.exists():
+        found: Iterable[Outcome] = ()
+        whole = False
+        if self._running.exists():  # which has all that was known when it was begun
+            found, whole = sweep_lines.read(self._running, self._grid, self.kinds)
+        elif target.exists():
             from .sweep_parquet import read
 
-            self.known.update((outcome.number, outcome) for outcome in read(target, self._grid, self.kinds))
-        whole = False
-        if self._running.exists():
-            found, whole = sweep_lines.read(self._running, self._grid, self.kinds)
-            self.known.update((outcome.number, outcome) for outcome in found)
+            found = read(target, self.kinds, self._checksum)
+        self.known.update((outcome.number, outcome) for outcome in found)
         before = len(self.known)
         if retry_failed:
             self.known = {number: outcome for number, outcome in self.known.items() if not outcome.error}
@@ -87,7 +91,8 @@ class Results:
         if self._path.suffix == ".parquet":
             from .sweep_parquet import write
 
-            write(self._path, self._grid, self.kinds, list(self.known.values()))
+            self._checksum = write(self._path, self._grid, self.kinds, list(self.known.values()))
+            self._write_side()
             self.close()
             self._running.unlink()
         else:
@@ -129,9 +134,7 @@ class Results:
     def _begin(self) -> None:
         """Write all that is known anew, in one step, and open it to add lines."""
         self.close()
-        side = json.dumps({**self._print, "results": self.kinds})
-        if not self._side.exists() or self._side.read_text("utf-8") != side:
-            files.write(self._side, side.encode())
+        self._write_side()
         rows = sweep_lines.lines(self._grid, self.kinds, self.known.values())
         files.write(self._running, sweep_lines.header(self._grid, self.kinds) + rows)
         with files.refused(self._running):
@@ -142,17 +145,24 @@ class Results:
             while content:
                 content = content[os.write(self._descriptor, content) :]
 
+    def _write_side(self) -> None:
+        said = {**self._print, "results": self.kinds, "parquet": self._checksum}
+        side = json.dumps({**said, "checksum": zlib.crc32(json.dumps(said).encode())})
+        if not self._side.exists() or self._side.read_text("utf-8") != side:
+            files.write(self._side, side.encode())
+
     def _read_side(self, side: Path) -> None:
         """Take over the kinds of the results; raise where the file is of another sweep."""
         try:
             before = json.loads(side.read_text("utf-8"))
-            kinds = before["results"]
-            differ = "; ".join(differences(before, self._print))
-        except (OSError, ValueError, KeyError, TypeError) as error:
+            checksum = before.pop("checksum")
+            if zlib.crc32(json.dumps(before).encode()) != checksum:
+                raise ValueError("it is damaged or was changed, its checksum does not fit")
+            self.kinds, self._checksum = before["results"], before["parquet"]
+        except (OSError, ValueError, KeyError, TypeError, AttributeError) as error:
             raise PinpressError(f"{side} cannot be read ({error}): give another file, or delete it with its results") from error
-        if differ:
+        if differ := "; ".join(differences(before, self._print)):
             raise PinpressError(f"{self._path} is of another sweep: {differ}. Give another file, or call the sweep that it is of")
-        self.kinds = kinds
 
 
 @contextmanager
@@ -163,6 +173,8 @@ def results(grid: Grid, function: str, to: str | os.PathLike[str] | None, retry_
         return
     with files.refused(to):
         path = Path(to)
+    if path.exists() and not path.is_file():
+        raise PinpressError(f"{path} is no regular file: a sweep is kept in one of its own; give another name")
     if path.suffix not in SUFFIXES:
         raise PinpressError(f"to is {os.fspath(to)!r}: give a file whose name ends with {' or '.join(SUFFIXES)}")
     if path.suffix == ".parquet":

@@ -28,16 +28,17 @@ def sweep(
 
     Args:
         function: takes the axes' names as keyword arguments and returns a mapping of names to numbers, words or bools: the same names with
-            values of the same kind at every point. Where it raises, or returns what is not finite, the point has failed, and the sweep
-            goes on.
+            values of the same kind at every point. Where it raises (but KeyboardInterrupt), returns what is not finite, or ends the process
+            of an executor that it runs in, the point has failed, and the sweep goes on.
         grid: name -> sequence of numbers or words, or mapping of labels (numbers or words) to any objects, such as loads: labels stand in
             the results, and tell points apart. All combinations, the last axis fastest.
         to: file of results, ``.csv`` or (with pyarrow) ``.parquet``. Every finished point is kept there at once: the same call, after
             Ctrl-C, a crash or a kill, does the points that are missing; after the end, it reads the file. Beside it stands ``.sweep``,
             which says of what sweep it is: names and labels are compared, not what the function does. A sweep to Parquet appends to
-            ``.parquet.csv`` as long as it runs.
+            ``.parquet.csv`` as long as it runs. Checksums, in a CSV a last column, tell what was changed or damaged, which is refused.
         executor: any of `concurrent.futures`, such as ``ProcessPoolExecutor()``, or ``distributed.Client(...).get_executor()`` of a Dask
-            cluster; it stays open. None: point by point in this process.
+            cluster; it stays open. None: point by point in this process. A process pool whose worker dies is broken: the sweep goes on with
+            pools of one process each, made as it was.
         paired: the axes are columns of equal length, point k has value k of each.
         retry_failed: do points again that have failed in an earlier run; else they stay as they are.
         in_flight: how many tasks are submitted at once; on a cluster at least twice its threads. A task has one or more points, those
@@ -46,8 +47,8 @@ def sweep(
 
     Raises:
         PinpressError: an argument that makes no sense; a function that cannot be sent to other processes; a file that is of another sweep,
-            damaged, cannot be written or is being written by another sweep; results of other names than before; an executor whose workers
-            died. All that was finished is in the file.
+            damaged, cannot be written or is being written by another sweep; results of other names than before; an executor that is gone.
+            All that was finished is in the file.
     """
     _check_arguments(function, executor, in_flight, progress)
     points = gridded(grid, paired)

@@ -3,7 +3,7 @@
 import io
 import itertools
 import os
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
@@ -31,14 +31,24 @@ def write_csv(path: str | os.PathLike[str], columns: Mapping[str, Array | Sequen
     Raises:
         PinpressError: the file cannot be written.
     """
+    lists = (column.astype(float).tolist() if isinstance(column, np.ndarray) else column for column in columns.values())
+    files.write(path, csv_text(itertools.chain([columns], zip(*lists, strict=True))).encode())
+
+
+def csv_text(rows: Iterable[Iterable[object]]) -> str:
+    """Rows as a CSV, a line each."""
     import csv
 
-    text = io.StringIO(newline="")
-    writer = csv.writer(text, lineterminator="\n")
-    writer.writerow(columns)
-    lists = (column.astype(float).tolist() if isinstance(column, np.ndarray) else column for column in columns.values())
-    writer.writerows(zip(*lists, strict=True))
-    files.write(path, text.getvalue().encode())
+    text = _Lines(newline="")
+    csv.writer(text, lineterminator="\r\n").writerows(rows)
+    return text.getvalue()
+
+
+class _Lines(io.StringIO):
+    """Lines of a CSV with their ends as Unix has them: a writer puts what could end a line into quotes only where its own lines end so."""
+
+    def write(self, line: str) -> int:
+        return super().write(line[:-2] + "\n")
 
 
 def write_mat(path: str | os.PathLike[str], columns: Mapping[str, Array]) -> None:

@@ -1,6 +1,8 @@
 """Functions that are swept in other processes, which must be able to import them."""
 
+import faulthandler
 import os
+import signal
 import time
 
 
@@ -14,11 +16,27 @@ def fails_at_odd(a):
     return {"half": a // 2}
 
 
-def dies(a, at):
-    if a == at:
-        time.sleep(0.5)  # the other points are done by then
-        os._exit(1)
+def doubled(a):
     return {"twice": 2 * a}
+
+
+def raises_at_1(a, error):
+    if a == 1:
+        raise error
+    return doubled(a)
+
+
+def dies(a, at, how, log):
+    """Twice a, but at some points the process ends; every call is logged."""
+    descriptor = os.open(log, os.O_WRONLY | os.O_APPEND | os.O_CREAT)
+    os.write(descriptor, f"{a}\n".encode())
+    os.close(descriptor)
+    if a in at:
+        if how == "exit":
+            os._exit(1)
+        faulthandler.disable()  # it would print
+        os.kill(os.getpid(), signal.SIGKILL if how == "kill" else signal.SIGSEGV)
+    return doubled(a)
 
 
 def logged(a, log, pause):

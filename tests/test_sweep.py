@@ -7,12 +7,14 @@ import signal
 import subprocess
 import sys
 import threading
+from collections import Counter
 from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
+from contextlib import nullcontext
 from functools import partial
 
 import numpy as np
 import pytest
-from sweep_points import dies, fails_at_odd, logged, product
+from sweep_points import dies, doubled, fails_at_odd, logged, product, raises_at_1
 from time_limit import _limit, within  # noqa: F401
 
 import pinpress as pp
@@ -150,7 +152,7 @@ def test_what_a_table_cannot_hold_has_failed(returned, words):
 
 
 def test_words_come_back_as_they_were(file):
-    words = ["", "a,b", 'say "x"', "two\nlines", "two\r\nlines", "1.0", "True", "é 滑块"]
+    words = ["", "a,b", 'say "x"', "two\nlines", "two\r\nlines", "two\rlines", "\r", ",00000000\n0", "1.0", "True", "é 滑块"]
     found = sweep(lambda k: {"word": words[k]}, {"k": range(len(words))}, to=file)
     assert sweep(lambda k: {}, {"k": range(len(words))}, to=file).columns["word"].tolist() == words == found.columns["word"].tolist()
 
@@ -202,7 +204,7 @@ def test_damaged_or_foreign_files_are_refused(tmp_path):
     ):
         assert damaged != content
         file.write_text(damaged)
-        with pytest.raises(pp.PinpressError, match=r"row \d is not of this sweep"):
+        with pytest.raises(pp.PinpressError, match=r"row \d is damaged or was changed"):
             sweep(product, GRID, to=file)
     file.write_text("a,b\n1,2\n")
     with pytest.raises(pp.PinpressError, match="first line"):
@@ -214,6 +216,100 @@ def test_damaged_or_foreign_files_are_refused(tmp_path):
     with pytest.raises(pp.PinpressError, match=r"not r\.csv\.sweep beside it"):
         sweep(product, GRID, to=file)
     assert file.read_text() == "a,b\n1,2\n"
+
+
+WORDS = ["plain", "two\nlines", 'say "x", or y', "é 滑块", "\r", "7"]
+
+
+def told(k):
+    if k % 5 == 3:
+        raise ValueError(f'not {k},\nor "{k}"')
+    return {"number": 0.1 * k, "word": WORDS[k % 6], "even": k % 2 == 0, "whole": k}
+
+
+def edits(content, seed, count):
+    """A content with a bit, a byte, a piece or two lines changed, somewhere."""
+    rng = np.random.default_rng(seed)
+    for _ in range(count):
+        at, changed = int(rng.integers(len(content))), bytearray(content)
+        match rng.integers(6):
+            case 0:
+                changed[at] ^= 1 << int(rng.integers(8))
+            case 1:
+                changed[at] = int(rng.choice(list(b'"\n\r,0\xff')))
+            case 2:
+                changed[at:at] = bytes([int(rng.choice(list(b'"\n\r,0\xff')))])
+            case 3:
+                del changed[at : at + int(rng.integers(1, 40))]
+            case 4:
+                changed[at : at + 20] = bytes(20)
+            case 5:
+                there = int(rng.integers(len(content)))
+                changed[at : at + 1], changed[there : there + 1] = content[there : there + 1], content[at : at + 1]
+        yield bytes(changed)
+
+
+@pytest.mark.parametrize("suffix", ["csv", "parquet", "csv.sweep", "parquet.csv"])
+def test_changed_files_are_refused_or_do_no_harm(tmp_path, suffix):
+    """Finished ones, the one beside them, and one that a sweep to Parquet has left: no value is ever another one, no row is lost in the
+    middle; at the end a row may pass for one that was not written to its end, and is done again."""
+    file = tmp_path / ("r.csv" if suffix.startswith("csv") else "r.parquet")
+    grid = {"k": range(30)}
+    if suffix == "parquet.csv":
+        with pytest.raises(KeyboardInterrupt):
+            sweep(stopped, grid, to=file)
+    right = sweep(told, grid, to=None if suffix == "parquet.csv" else file)
+    others = {path: path.read_bytes() for path in tmp_path.iterdir()}
+    target = tmp_path / f"r.{suffix}"
+    refused = 0
+    for changed in edits(others[target], 7, 120):
+        for path in tmp_path.iterdir():
+            path.unlink()
+        for path, content in others.items():
+            path.write_bytes(content)
+        target.write_bytes(changed)
+        done = []
+
+        def counted(k, done=done):
+            done.append(k)
+            return told(k)
+
+        counted.__qualname__ = "told"
+        try:
+            found = sweep(counted, grid, to=file)
+        except pp.PinpressError:
+            refused += 1
+        else:
+            same(found, right)
+            assert set(done) <= {27, 28, 29}
+    assert refused > 70
+
+
+def stopped(k):
+    if k == 29:
+        raise KeyboardInterrupt
+    return told(k)
+
+
+stopped.__qualname__ = "told"
+
+
+@pytest.mark.parametrize("damage", [b"\xff", b'"'])
+def test_damage_in_the_middle_of_an_unfinished_file_is_told(tmp_path, damage):
+    file = tmp_path / "r.csv"
+    with pytest.raises(KeyboardInterrupt):
+        sweep(stopped, {"k": range(30)}, to=file)
+    content = file.read_bytes()
+    at = content.index(b"\n5,") + 4
+    file.write_bytes(content[:at] + damage + content[at + 1 :])
+    with pytest.raises(pp.PinpressError, match=r"r\.csv: row 7|r\.csv: row 8|r\.csv: row 9"):
+        sweep(told, {"k": range(30)}, to=file)
+
+
+def test_a_sweep_is_kept_in_a_regular_file(tmp_path):
+    os.mkfifo(tmp_path / "r.csv")
+    with pytest.raises(pp.PinpressError, match="no regular file"):
+        sweep(product, GRID, to=tmp_path / "r.csv")
 
 
 @pytest.mark.parametrize(
@@ -282,16 +378,72 @@ def test_processes(file):
                 sweep(function, inner, executor=pool)
 
 
-def test_a_worker_that_dies(file):
-    grid = {"a": range(300)}
-    with ProcessPoolExecutor(2) as pool, pytest.raises(pp.PinpressError, match="call the same sweep again, with a new executor") as caught:
-        sweep(partial(dies, at=200), grid, to=file, executor=pool, in_flight=4)
-    kept = rows(file if file.suffix == ".csv" else f"{file}.csv")[1:]
-    assert f"after {len(kept)} of 300 points" in str(caught.value)
-    assert len(kept) > 50
-    found = sweep(partial(dies, at=None), grid, to=file)
-    assert found.columns["twice"].tolist() == [2 * a for a in range(300)]
-    assert found.failed == ()
+@pytest.mark.parametrize("how", ["exit", "kill", "crash"])
+def test_a_point_that_kills_its_worker_has_failed(file, how):
+    """Of many points in a task as of few; the points that were in hand with it are done, and each is called again once at most."""
+    log = file.with_name("log")
+    with ProcessPoolExecutor(2) as pool:
+        found = sweep(partial(dies, at=(20, 200, 201), how=how, log=str(log)), {"a": range(300)}, to=file, executor=pool, in_flight=4)
+    assert [bad.number for bad in found.failed] == [20, 200, 201]
+    assert "ends the process that it runs in" in found.failed[0].error
+    good = [a for a in range(300) if a not in (20, 200, 201)]
+    assert np.ma.compressed(found.columns["twice"]).tolist() == [2 * a for a in good]
+    called = Counter(log.read_text().split())
+    assert max(called[str(a)] for a in (20, 200, 201)) <= 3
+    again = sweep(partial(dies, at=(), how=how, log=str(log)), {"a": range(300)}, to=file)
+    assert again.failed == found.failed
+    same(
+        sweep(partial(dies, at=(), how=how, log=os.devnull), {"a": range(300)}, to=file, retry_failed=True),
+        sweep(doubled, {"a": range(300)}),
+    )
+
+
+def test_no_process_can_be_started(tmp_path):
+    """That is not the points' fault: none of them has failed."""
+    file = tmp_path / "r.csv"
+    with ProcessPoolExecutor(2, initializer=os._exit, initargs=(1,)) as pool, pytest.raises(pp.PinpressError, match="with a new executor"):
+        sweep(doubled, {"a": range(30)}, to=file, executor=pool)
+    assert not file.exists() or len(rows(file)) <= 1
+
+
+def test_a_cluster_gives_up_a_point_that_kills_its_workers():
+    """As Dask does, by an exception of the task."""
+
+    class KilledWorker(Exception):  # noqa: N818  its name there
+        pass
+
+    class Cluster(ThreadPoolExecutor):
+        def submit(self, function, /, *arguments, **_):
+            return super().submit(refuse if any(number == 7 for number, _ in arguments[1]) else function, *arguments)
+
+    def refuse(*_):
+        raise KilledWorker
+
+    with Cluster(2) as pool:
+        found = sweep(doubled, {"a": range(50)}, executor=pool, in_flight=2)
+    assert [bad.number for bad in found.failed] == [7]
+
+
+class SilentError(Exception):
+    def __str__(self):
+        raise RuntimeError
+
+
+class LocalError(Exception):
+    def __reduce__(self):
+        raise TypeError("not to be pickled")
+
+
+@pytest.mark.parametrize(
+    "error", [SystemExit(3), GeneratorExit(), SilentError(), LocalError("x"), MemoryError()], ids=lambda e: type(e).__name__
+)
+@pytest.mark.parametrize("processes", [False, True])
+def test_whatever_a_function_raises_the_sweep_goes_on(error, processes):
+    with ProcessPoolExecutor(1) if processes else nullcontext() as pool:
+        found = sweep(partial(raises_at_1, error=type(error)), {"a": [0, 1, 2]}, executor=pool)
+    assert [bad.number for bad in found.failed] == [1]
+    assert found.failed[0].error.startswith(f"{type(error).__name__}: ")
+    assert found.columns["twice"].tolist() == [0, None, 4]
 
 
 def test_few_points_are_in_flight_and_the_executor_stays_open():
