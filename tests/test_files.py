@@ -8,7 +8,9 @@ import signal
 import stat
 import subprocess
 import sys
+import tempfile
 import threading
+from pathlib import Path
 
 import pytest
 from time_limit import _limit  # noqa: F401
@@ -110,20 +112,30 @@ def test_a_full_disk_leaves_what_there_was(file, names):
     assert sorted(os.listdir(file.parent)) == before
 
 
-@pytest.mark.skipif(os.geteuid() == 0, reason="root may write everywhere")
-def test_places_without_permission(file):
-    file.chmod(0o444)
-    with pytest.raises(pp.PinpressError, match="Permission denied"):
-        files.write(file, NEW)
-    file.chmod(0o644)
-    file.parent.chmod(0o555)
-    try:
-        for call in (lambda: files.write(file, NEW), lambda: files.write(file.with_name("new"), NEW)):
-            with pytest.raises(pp.PinpressError, match="Permission denied"):
-                call()
-    finally:
-        file.parent.chmod(0o755)
-    assert file.read_bytes() == OLD
+def test_places_without_permission():
+    """Nobody may, where the tests are root's."""
+    words = (
+        "import sys; from pinpress import PinpressError, files\n"
+        "for path in sys.argv[1:]:\n"
+        "    try: files.write(path, b'new')\n"
+        "    except PinpressError as error: print(error)"
+    )
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        open_folder, kept = folder / "open", folder / "open" / "kept"
+        open_folder.mkdir()
+        kept.write_bytes(OLD)
+        kept.chmod(0o444)
+        for each, mode in ((folder, 0o555), (open_folder, 0o777)):
+            each.chmod(mode)
+        try:
+            user = 65534 if os.geteuid() == 0 else None
+            run = subprocess.run([sys.executable, "-c", words, kept, folder / "new"], user=user, capture_output=True, text=True, check=True)
+        finally:
+            folder.chmod(0o755)
+        assert run.stdout.count("Permission denied; give a file in a directory you can write to") == 2
+        assert kept.read_bytes() == OLD
+        assert os.listdir(open_folder) == [kept.name]
 
 
 @pytest.mark.parametrize("by", ["system", "file system"])
