@@ -3,6 +3,7 @@
 import gc
 import importlib.util
 import os
+import random
 import shutil
 import sys
 from collections.abc import Callable, Generator, Iterator
@@ -10,7 +11,11 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from exploring import EXPLORE, FIXED
+from hypothesis import settings
 from in_browser import FLAGS, wait
+
+settings.load_profile(FIXED)
 
 # Bytecode is kept, whatever the machine's habit: every test that starts Python, and every worker, would compile all of pinpress again.
 sys.dont_write_bytecode = False
@@ -21,6 +26,19 @@ def pytest_collection_finish() -> None:
     """Thousands of collected tests stay to the end: the garbage collector need not look through them again and again."""
     gc.collect()
     gc.freeze()
+
+
+@pytest.hookimpl(tryfirst=True)
+def pytest_configure(config: pytest.Config) -> None:
+    """Exploring, all tests draw from one seed, which is chosen here if it is not given."""
+    if config.option.hypothesis_profile == EXPLORE and config.option.hypothesis_seed is None:
+        config.option.hypothesis_seed = str(random.SystemRandom().randrange(2**32))
+
+
+def pytest_report_header(config: pytest.Config) -> list[str]:
+    if config.option.hypothesis_profile != EXPLORE:
+        return []
+    return [f"new random cases; these again: --hypothesis-profile={EXPLORE} --hypothesis-seed={config.option.hypothesis_seed}"]
 
 
 def _fail_where_skipped(report: pytest.CollectReport | pytest.TestReport) -> None:

@@ -15,7 +15,8 @@ import numpy as np
 import pinocchio as pin
 import pytest
 import texts
-from hypothesis import HealthCheck, assume, given, settings
+from exploring import examples
+from hypothesis import assume, given
 from numpy.testing import assert_allclose, assert_array_equal
 from random_linkages import drawn, linkages
 from spatial_linkages import bennett, bricard, four_bar
@@ -461,9 +462,7 @@ def test_links_in_space_are_rods_from_pin_to_pin(text: str, tmp_path: Path) -> N
     assert len(ends) == press.model.njoints
 
 
-@settings(
-    derandomize=True, deadline=None, max_examples=15, suppress_health_check=[HealthCheck.function_scoped_fixture, HealthCheck.too_slow]
-)
+@examples(15)
 @given(spec=linkages())
 def test_pins_join_links_nobody_thought_of(spec: Any, tmp_path: Path) -> None:
     drawing = drawn(spec)

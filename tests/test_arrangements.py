@@ -13,7 +13,8 @@ import numpy as np
 import pinocchio as pin
 import pytest
 import texts
-from hypothesis import HealthCheck, given, settings
+from exploring import examples
+from hypothesis import given
 from hypothesis import strategies as st
 from random_linkages import Drawing, four_bar
 
@@ -25,7 +26,7 @@ from pinpress.counterweights import with_counterweights
 ROOT = Path(__file__).resolve().parent.parent
 ROUNDING = 1e-12  # of the forces of the press before: sums of forces that cancel
 W = 300 * pp.RPM
-FIXED = settings(derandomize=True, deadline=None, max_examples=3, suppress_health_check=[HealthCheck.too_slow])
+FIXED = examples(3)
 SEEDS = st.integers(0, 2**32 - 1)
 SERVO = {"angle": np.linspace(-5, 6, 40), "speed": 20 * np.cos(np.linspace(0, 7, 40)), "acceleration": 500 * np.sin(np.linspace(1, 9, 40))}
 

@@ -2,7 +2,8 @@
 
 import numpy as np
 import pytest
-from hypothesis import HealthCheck, given, settings
+from exploring import examples
+from hypothesis import given
 from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 
@@ -12,7 +13,7 @@ from pinpress.breakthrough import permissible_breakthrough, snap_through
 F, K, M = 1.25e6, 6e8, 2600.0
 W = np.sqrt(K / M)
 PERIOD = 2 * np.pi / W
-FEW = settings(max_examples=8, derandomize=True, deadline=None, suppress_health_check=[HealthCheck.too_slow])
+FEW = examples(8)
 
 
 def test_at_once_and_without_damping():

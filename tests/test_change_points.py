@@ -12,7 +12,8 @@ import numpy as np
 import pytest
 import random_linkages
 import texts
-from hypothesis import assume, given, settings
+from exploring import examples
+from hypothesis import assume, given
 from hypothesis import strategies as st
 
 import pinpress as pp
@@ -169,7 +170,7 @@ def test_a_lock_is_none(loaded):
     assert not whole.passage.change_points
 
 
-@settings(max_examples=12, deadline=None, derandomize=True)
+@examples(12)
 @given(
     st.floats(0.3, 3.0),
     st.floats(0.1, 0.9),

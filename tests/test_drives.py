@@ -10,7 +10,8 @@ from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from exploring import examples
+from hypothesis import given
 from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
@@ -107,7 +108,7 @@ def test_a_class_of_the_users_own_can_drive():
     assert (geared.inertia, geared.rated_torque, geared.corners) == (18.0, 10.0, (0.0,))
 
 
-@settings(derandomize=True, deadline=None)
+@examples(100)
 @given(st.sampled_from(sorted(DRIVES)), st.floats(-1e100, 1e100), st.floats(-1e6, 1e6), st.floats(0, 1e6), st.floats(0, 1))
 def test_finite_at_every_speed(name, speed, angle, time, current):
     drive = DRIVES[name]

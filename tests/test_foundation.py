@@ -2,8 +2,9 @@
 
 import numpy as np
 import pytest
+from exploring import examples
 from frames import WIDE, loaded, on_four, uneven, weightless
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 import pinpress as pp
@@ -11,7 +12,7 @@ from pinpress import PinpressError, foundation
 from pinpress.frame_modes import state_matrix
 
 GRAVITY = 9.81
-FIXED = settings(derandomize=True, deadline=None, max_examples=5)
+FIXED = examples(5)
 
 
 # ---------------------------------------------------------------------------------------------------------------------------------- rubber

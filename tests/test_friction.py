@@ -9,7 +9,8 @@ import friction_script
 import numpy as np
 import pinocchio as pin
 import pytest
-from hypothesis import HealthCheck, assume, given, settings
+from exploring import examples
+from hypothesis import assume, given
 from random_linkages import Drawing, drawn, linkages, momentum_balance
 from spatial_linkages import Loops, bennett, four_bar
 from test_sharing import double, rods, wheels
@@ -19,7 +20,6 @@ from texts import load, shipped
 import pinpress as pp
 
 ENGINES = ("plane", "pinocchio")
-FIXED = settings(derandomize=True, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture, HealthCheck.too_slow])
 ANGLE = np.linspace(-7.0, 4.0, 31)
 SERVO = {"angle": ANGLE, "speed": 6 * np.cos(np.linspace(0, 5, 31)), "acceleration": 40 * np.sin(np.linspace(1, 8, 31))}
 LIFT = np.linspace(-2e5, 9e5, 31)
@@ -502,7 +502,7 @@ def test_friction_of_a_spherical_loop_is_in_its_moment(folder):
         check(press, result, friction)
 
 
-@settings(FIXED, max_examples=10)
+@examples(10)
 @given(spec=linkages(most=3, extra=False))
 def test_random_linkages(tmp_path, spec):
     """Friction everywhere, loads across the plane: both engines the same to 1e-10 of the peaks, and lawful."""

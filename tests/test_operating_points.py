@@ -4,7 +4,8 @@ import csv
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from exploring import examples
+from hypothesis import given
 from hypothesis import strategies as st
 
 import pinpress as pp
@@ -104,7 +105,7 @@ def test_without_a_load():
     assert found.grid("largest_driving_torque")[1, 0] == pytest.approx(expected, rel=1e-13)
 
 
-@settings(derandomize=True, max_examples=30, deadline=None)
+@examples(30)
 @given(
     seed=st.integers(0, 2**32 - 1),
     components=st.integers(1, 3),

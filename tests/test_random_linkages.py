@@ -9,7 +9,8 @@ away: that bounds the condition numbers, and with them what rounding may do.
 
 import numpy as np
 import pytest
-from hypothesis import HealthCheck, assume, given, settings
+from exploring import examples
+from hypothesis import assume, given
 from hypothesis import strategies as st
 from random_linkages import Drawing, Group, Spec, drawn, linkages, momentum_balance, newton_euler
 
@@ -17,7 +18,6 @@ import pinpress as pp
 
 ENGINES = ("plane", "pinocchio")
 STATES = 4
-FIXED = settings(derandomize=True, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture, HealthCheck.too_slow])
 
 
 def loaded(drawing, folder, **options):
@@ -97,7 +97,7 @@ def check(press, states, loads):
         np.testing.assert_array_equal(results["plane"].indeterminate[name], results["pinocchio"].indeterminate[name], err_msg=name)
 
 
-@settings(FIXED, max_examples=12)
+@examples(12)
 @given(spec=linkages(), load_count=st.integers(0, 2), in_plane=st.booleans())
 def test_engines_agree_and_balance(tmp_path, spec, load_count, in_plane):
     """Velocities and accelerations to 1e-11, forces and moments to 1e-12 of their peak, power and momentum to 1e-10: see `check`."""

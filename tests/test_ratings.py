@@ -4,7 +4,8 @@ import csv
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from exploring import examples
+from hypothesis import given
 from hypothesis import strategies as st
 from scipy.integrate import quad
 from scipy.optimize import brentq
@@ -158,7 +159,7 @@ def test_where_the_governing_limit_changes_two_permit_the_same():
     st.lists(st.floats(-1, 1), min_size=6, max_size=6),
     st.floats(1.0, 1e3),
 )
-@settings(derandomize=True, max_examples=50, deadline=None)
+@examples(50)
 def test_the_largest_factor_reaches_the_capacity(numbers, scale):
     constant, slope = np.array(numbers[:3]) / 2, scale * np.array(numbers[3:])
     (factor,) = largest_factor(constant[None], slope[None], 1.0)

@@ -7,7 +7,8 @@ bearing bears is the rotor's unbalance alone.
 import numpy as np
 import pytest
 import texts
-from hypothesis import HealthCheck, given, settings
+from exploring import examples
+from hypothesis import given
 from hypothesis import strategies as st
 from random_linkages import Drawing
 
@@ -17,7 +18,7 @@ from pinpress.counterweights import Counterweight, with_counterweights
 
 ROUNDING = 1e-12  # of what there was before: sums of some ten terms
 SPEED = 30.0
-FIXED = settings(derandomize=True, deadline=None, max_examples=5, suppress_health_check=[HealthCheck.too_slow])
+FIXED = examples(5)
 MASSES, POSITIONS = [2.0, -0.5, 3.0], [[0.1, 0.2, 0.0], [0.0, -0.3, 0.2], [-0.2, 0.1, 0.1]]
 
 

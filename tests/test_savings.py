@@ -13,7 +13,8 @@ from functools import cache
 import numpy as np
 import pinocchio as pin
 import pytest
-from hypothesis import HealthCheck, assume, given, settings
+from exploring import examples
+from hypothesis import assume, given
 from hypothesis import strategies as st
 from random_linkages import drawn, linkages, momentum_balance
 from small_linkages import geared, two_cranks
@@ -29,7 +30,6 @@ import pinpress as pp
 from pinpress import friction, plane_axial, plane_dynamics, plane_statics, reactions, spatial_dynamics
 
 ENGINES = ("plane", "pinocchio")
-FIXED = settings(derandomize=True, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture, HealthCheck.too_slow])
 SAME = 1e-12
 NAMES = ("crank_slide", "zxn2_3000b", "thin_wall", "jf75g_125", "flat_gears", *(name for name in LINKAGES if name not in NOT_PLANAR))
 SCENES = ("bare", "loads", "across", "spring", "friction", "stiffness")
@@ -130,7 +130,7 @@ def test_fewer_bearings_have_the_values_of_all(folder, name, kind, engine):
         agree(some, full)
 
 
-@settings(FIXED, max_examples=10)
+@examples(10)
 @given(
     spec=linkages(),
     load_count=st.integers(0, 2),

@@ -12,7 +12,8 @@ import crank_slide_equation as equation
 import numpy as np
 import pytest
 import texts
-from hypothesis import given, settings
+from exploring import examples
+from hypothesis import given
 from hypothesis import strategies as st
 from time_limit import _limit, within  # noqa: F401 (a fixture)
 
@@ -344,7 +345,7 @@ def sets(draw):
     return {"speed": speed, "j": column(20.0, 500.0), "m": column(-800.0, 800.0), "f": column(0.0, 2e6), "s": column(0.0, 3e5)}
 
 
-@settings(max_examples=12, deadline=None, derandomize=True)
+@examples(12)
 @given(values=sets(), angle=st.sampled_from([0.0, 1.0, -2.5, 9.0]))
 def test_random_sets(press, values, angle):
     def build(speed, j, m, f, s):

@@ -4,7 +4,8 @@ import numpy as np
 import pinocchio as pin
 import pytest
 import texts
-from hypothesis import HealthCheck, assume, given, settings
+from exploring import examples
+from hypothesis import assume, given
 from random_linkages import drawn, linkages
 
 import pinpress as pp
@@ -18,7 +19,6 @@ MOTION = ("joint_position", "v", "a", "slide_position", "slide_velocity", "slide
 REACTIONS = ("driving_torque", "shaking_force", "shaking_moment")
 H = 2e-4  # of steps along directions as long as the linkage: the error of a difference is of its square, and rounding does not show yet
 ROUNDING = 1e-8  # of a difference, relative: that of values, 1e-13 or so, divided by the step
-FIXED = settings(derandomize=True, deadline=None, suppress_health_check=list(HealthCheck))
 UNITS = {  # directions in which the redundant presses stay closed: crank pins, rods and guides alike on both sides
     "jf75g_125_symmetric": {
         **{(f"P2_{side}", f"crank_{side}"): (0.3, 0, 0) for side in ("left", "right")},
@@ -81,7 +81,7 @@ def test_motion_derivatives_are_those_of_changed_presses(name):
     check_motion(press, states, direction(press, np.random.default_rng(3)))
 
 
-@settings(FIXED, max_examples=8)
+@examples(8)
 @given(spec=linkages(most=3))
 def test_motion_and_reaction_derivatives_of_random_linkages(tmp_path, spec):
     drawing = drawn(spec)

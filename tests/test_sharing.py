@@ -12,7 +12,8 @@ import numpy as np
 import pytest
 import texts
 from cut_free import cut_free, gears
-from hypothesis import HealthCheck, assume, given, settings
+from exploring import examples
+from hypothesis import assume, given
 from hypothesis import strategies as st
 from random_linkages import Drawing, Group, Spec, drawn, linkages, momentum_balance
 from test_spatial import three_cranks
@@ -21,7 +22,6 @@ from texts import load
 import pinpress as pp
 
 ENGINES = ("plane", "pinocchio")
-FIXED = settings(derandomize=True, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture, HealthCheck.too_slow])
 ZERO = 1e-9  # share of the largest below which a singular value, or a component of an idle force, is zero
 
 
@@ -407,7 +407,7 @@ def double(drawing, rng, count):
         drawing.body(name, rng.uniform(1, 5), (first + second) / 2 + 0.1j, heights[2])
 
 
-@settings(FIXED, max_examples=5)
+@examples(5)
 @given(spec=linkages(most=2, extra=False, tilted=False), count=st.integers(1, 2), soft=st.booleans())
 def test_links_side_by_side(tmp_path, spec, count, soft):
     """Random linkages in which some links stand there twice: both engines against the bodies cut free, 1e-10 of the peaks."""

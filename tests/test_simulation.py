@@ -17,7 +17,8 @@ import pytest
 import random_linkages
 import texts
 from crank_slide_equation import Window
-from hypothesis import HealthCheck, assume, given, settings
+from exploring import examples
+from hypothesis import assume, given
 from spatial_linkages import bennett, four_bar
 
 import pinpress as pp
@@ -917,9 +918,7 @@ def test_both_methods_on_a_spring_that_stops_the_crank(press):
         assert one.crank_speed.min() < 0 < one.crank_speed.max()
 
 
-@settings(
-    max_examples=5, derandomize=True, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture, HealthCheck.too_slow]
-)
+@examples(5)
 @given(random_linkages.linkages(most=3))
 def test_both_methods_on_random_linkages(tmp_path, spec):
     drawing = random_linkages.drawn(spec)

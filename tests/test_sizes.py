@@ -8,7 +8,8 @@ import n_four_bar
 import numpy as np
 import pinocchio as pin
 import pytest
-from hypothesis import given, settings
+from exploring import examples
+from hypothesis import given
 from hypothesis import strategies as st
 
 import pinpress as pp
@@ -121,7 +122,7 @@ def systems(draw):
     return joints, loops, draw(st.lists(pairs, max_size=3))
 
 
-@settings(max_examples=60, derandomize=True, deadline=None)
+@examples(60)
 @given(systems())
 def test_blocks_by_their_graph(system):
     """They are in an order in which each gives its joints from those before, and exist exactly where trying all groups finds some; where

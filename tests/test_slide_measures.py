@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 import texts
 from closed_form_slides import crank_slide, four_bar, guide_bar, scotch_yoke, turn
-from hypothesis import given, settings
+from exploring import examples
+from hypothesis import given
 from hypothesis import strategies as st
 
 import pinpress as pp
@@ -189,7 +190,7 @@ def test_no_measure_depends_on_the_first_state(measure):
     np.testing.assert_allclose(values, values[0], rtol=1e-10)
 
 
-@settings(derandomize=True, max_examples=8, deadline=None)
+@examples(8)
 @given(st.lists(st.floats(-1, 1), min_size=7, max_size=7), st.floats(0.05, 0.6))
 def test_flatness_is_the_least_drop_of_any_window(coefficients, share):
     """Speeds with several humps, against a search over windows on a grid: 1e-4 is the grid's step."""

@@ -5,7 +5,8 @@ from pathlib import Path
 
 import pinocchio
 import pytest
-from hypothesis import HealthCheck, example, given, settings
+from exploring import examples
+from hypothesis import example, given
 from hypothesis import strategies as st
 from malformed_urdf import (
     CRANK_INERTIA,
@@ -228,7 +229,7 @@ MUTATION = st.tuples(
 )
 
 
-@settings(derandomize=True, max_examples=150, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@examples(150)
 @given(st.lists(MUTATION, max_size=3), st.integers(0, 400))
 @example([], 0)
 def test_damaged_file_reads_or_raises_urdf_error(tmp_path, mutations, cut):

@@ -10,7 +10,8 @@ import numpy as np
 import pinocchio as pin
 import pytest
 import texts
-from hypothesis import HealthCheck, assume, given, settings
+from exploring import examples
+from hypothesis import assume, given
 from hypothesis import strategies as st
 from random_linkages import drawn, linkages
 from spatial_linkages import bennett, four_bar
@@ -629,7 +630,7 @@ def test_forces_with_other_inertias(name, tmp_path):
     assert np.abs(pp.inverse_dynamics(other, motion).driving_torque - before.driving_torque).max() > 0.01 * peak(before) / 1e3
 
 
-PROPERTY = settings(derandomize=True, deadline=None, max_examples=12, suppress_health_check=list(HealthCheck))
+PROPERTY = examples(12)
 
 
 @PROPERTY

@@ -1,0 +1,16 @@
+"""How many random cases a property is tried on: few and always the same ones, or many new ones under `--hypothesis-profile=explore`."""
+
+from hypothesis import HealthCheck, settings
+
+FIXED, EXPLORE = "fixed", "explore"  # names of profiles
+MORE = 30  # cases explored for each one that is always tried
+
+# Cases are whole presses, which take long to make, and folders may be shared: neither says anything of the property.
+_COMMON = settings(deadline=None, suppress_health_check=list(HealthCheck))
+settings.register_profile(FIXED, _COMMON, derandomize=True)
+settings.register_profile(EXPLORE, _COMMON, derandomize=False, print_blob=True)
+
+
+def examples(count: int) -> settings:
+    """The settings of a property that is tried on ``count`` cases."""
+    return settings(max_examples=count if settings.default.derandomize else MORE * count)
