@@ -165,7 +165,7 @@ def harmonic_coefficients(ratio: float, orders: int = 6) -> Array:
 
     To rounding, for every lambda: with z = exp(2 i q), sqrt(1 - lambda^2 sin^2 q) is sqrt(1 + b z) sqrt(1 + b / z) / (1 + b), where
     b = (lambda / (1 + sqrt(1 - lambda^2)))^2, and its binomial series in b are multiplied. A_2 = lambda + lambda^3 / 4 + ...,
-    A_4 = - lambda^3 / 4 - ...; Zhang 2007, eq. 3.2.2, has A_2 = lambda alone (and prints l for lambda).
+    A_4 = - lambda^3 / 4 - ...; Zhang 2007, eq. 3.2.2, has A_2 = lambda alone.
 
     Args:
         ratio: lambda, crank radius by rod length, between 0 and 1. orders: the highest order.
@@ -194,8 +194,8 @@ def complete_balance(press: Linkage, rod_radius: float, crank_radius: float) -> 
     Zhang 2007, 3.3, with its m' corrected.
 
     On the rod, opposite to the slide: m'' r2 = m2 h2 + m3 l2, so that with it rod and slide weigh m_B = m'' + m2 + m3 in the crank pin. On
-    the crank, opposite to the pin: m' r1 = m_B l1 + m1 h1 (the thesis prints m2 l1 for m_B l1). As vectors: on the side away from the
-    centre of what they balance. Moment and driving torque are not balanced, and mostly grow.
+    the crank, opposite to the pin: m' r1 = m_B l1 + m1 h1 (as our text of the thesis reads, it has m2 l1 for m_B l1). As vectors: on the
+    side away from the centre of what they balance. Moment and driving torque are not balanced, and mostly grow.
 
     Args:
         rod_radius: from the crank pin to the rod's counterweight. crank_radius: from the shaft to the crank's [m].

@@ -307,6 +307,14 @@ def test_kong_no_inertias_do_better_than_the_best(made):
         assert min(kong2025.rms_deviation(pair, weight, shares) for shares in grid) > best - 0.02  # 360 angles miss so much of extremes
 
 
+def test_kong_force_in_a_is_the_cranks_on_the_frame():
+    """With the other sign tables 2 and 3 are more than twice as far away."""
+    pair = [kong2025.parts(kong2025.state(name, 360)) for name in ("zxn2_3000b", "zxn2_3000b_balanced")]
+    sign = np.array([[1.0], [-1.0], [-1.0]])
+    turned = [replace(each, rest=sign * each.rest, weight=sign * each.weight, inertia=sign * each.inertia) for each in pair]
+    assert kong2025.rms_deviation(turned, 1.0, np.ones(4)) > 2 * kong2025.rms_deviation(pair, 1.0, np.ones(4))
+
+
 def test_kong_errata_of_the_moments():
     """(12) to (14) as printed, with right forces: (14) holds, (12) and (13) once the terms that the page names change their signs."""
     angle = np.linspace(0.0, 2 * np.pi, 60, endpoint=False)

@@ -91,7 +91,8 @@ def page() -> Page:
         "Kong 2025: the six-bar press ZXN2-3000(B)",
         "Kong X. et al. 2025, Forging and Stamping Technology 50(2), 195-203 (in Chinese): kinematics, driving torque and bearing forces"
         " of a 3000 kN press at 70 strokes/min, before and after partial balancing by counterweights on crank and rod. `zxn2_3000b` and"
-        " `zxn2_3000b_balanced`; the moments of inertia, which the paper does not print, are named in these files. The motion comes out,"
+        " `zxn2_3000b_balanced`; the moments of inertia, which the paper does not print, are named in these files; gravity, not printed"
+        " either, is 9.81 m/s2. The motion comes out,"
         " the forces do not. The most informative result is what brings them nearer: [(18)](#18-the-weight-that-it-leaves-out). Written by"
         " `python -m pinpress.reproduce kong2025`.",
         (
@@ -198,7 +199,8 @@ def _table(number: str, title: str, names: tuple[str, ...], before: State, after
             ]
         change = 100 * (np.ptp(curves[1]) / np.ptp(curves[0]) - 1)
         rows.append(Row(f"{name}, change of the range [%]", REDUCTION[name], float(change), places=2))
-    return Entry((number,), title, NOT, tuple(rows), WHY_NOT)
+    whose = " It does not say on whom the force acts: ours is the crank's on the frame, which is much nearer than the opposite."
+    return Entry((number,), title, NOT, tuple(rows), WHY_NOT + (whose if ACROSS in names else ""))
 
 
 TURNING = ("B", "D", "E")  # joints of the links whose inertias matter at constant crank speed: coupler, rocker, rod

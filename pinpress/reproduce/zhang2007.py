@@ -37,7 +37,7 @@ def page() -> Page:
         " equations of motion and ADAMS models of a 1250 kN press at 300 strokes/min. `jf75g_125_plain`, `jf75g_125` and"
         " `jf75g_125_symmetric`. The thesis prints no lengths; ours are inferred, with reasons in these files, so that what depends on"
         " them can agree only as far as they do. We read the thesis in a transcription: what may be its mistake is marked `as our text"
-        " reads`. Gravity 9.80665 m/s2. Written by `python -m pinpress.reproduce zhang2007`.",
+        " reads`. Gravity is not printed, ours 9.80665 m/s2. Written by `python -m pinpress.reproduce zhang2007`.",
         (
             Entry(figures(1, 1, 4), "presses of others", NO_RESULT),
             Entry(figures(2, 1, 6), "photograph, scheme, CAD model, instruments, measuring points", NO_RESULT),

@@ -17,7 +17,7 @@ START = 10 * np.pi  # speed at which its runs begin, at bottom dead centre [rad/
 
 
 def presses() -> dict[str, Linkage]:
-    """The plain, the opposed and the symmetric press under the thesis' gravity, by the names that are shipped."""
+    """The plain, the opposed and the symmetric press under this gravity (the thesis prints none), by the names that are shipped."""
     return {f"jf75g_125{kind}": load(f"jf75g_125{kind}", gravity=(0, 0, -GRAVITY)) for kind in ("_plain", "", "_symmetric")}
 
 
