@@ -83,9 +83,8 @@ def too_many(press: Linkage, rows: Rows) -> list[Held]:
 
 
 def holding(press: Linkage, rows: Rows) -> list[Held]:
-    """The loops and gear pairs without any one of which more drivers could move."""
-    now = _freedom(press, rows.columns)[1]
-    return [each for each, columns in _without_one(press, rows) if _freedom(press, columns)[1] > now]
+    """The loops and gear pairs of a linkage that cannot move, without any one of which some of the drivers could."""
+    return [each for each, columns in _without_one(press, rows) if _freedom(press, columns)[1] > 0]
 
 
 def _without_one(press: Linkage, rows: Rows) -> list[tuple[Held, Array]]:

@@ -387,3 +387,14 @@ def test_times_whose_steps_are_lost_in_rounding_are_refused():
     with pytest.raises(pp.PinpressError, match="its steps are lost in rounding: count it from where the motion begins"):
         pp.cycle(press, angle=steps, speed=1.0, time=1e12 + np.arange(4))
     pp.cycle(press, angle=steps, speed=1.0, time=1e6 + steps)
+
+
+@pytest.mark.parametrize("turns", [-2500, 1500])
+@pytest.mark.parametrize("name", ["zxn2_3000b", "crank_slide", "jf75g_125_symmetric"])
+def test_joints_far_away_have_turned_as_often(name, turns):
+    """What a joint gains in a turn, followed in small steps, it has gained as often as the crank has turned."""
+    press = texts.shipped(name)
+    followed = pp.cycle(press, angle=np.linspace(0.3, 0.3 + 2 * np.pi, 200), speed=1.0).joint_position
+    assert np.abs(np.diff(followed, axis=0)).max() < 0.2
+    far = pp.cycle(press, angle=[0.3 + 2 * np.pi * turns], speed=1.0).joint_position[0]
+    np.testing.assert_allclose(far, followed[0] + turns * (followed[-1] - followed[0]), rtol=0, atol=1e-9)

@@ -17,6 +17,7 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 
 import pinpress as pp
+from pinpress.motion import carried
 
 METHODS = ("reduced", "constraint")
 TEXT = (Path(__file__).parents[1] / "urdf" / "crank_slide.urdf").read_text(encoding="utf-8")
@@ -185,3 +186,14 @@ def test_all_parallelograms(loaded, ground, share, drawn, way):
     rocker = run.joint_position[:, run.joints.index("D")]
     np.testing.assert_allclose(rocker, run.crank_angle, atol=1e-11)
     assert len(press.passage.change_points) == 2
+
+
+@pytest.mark.parametrize("side", [-1.0, 1.0])
+def test_forces_at_a_change_point_are_refused(equal, side):
+    """On either end of the turn to which the loops alone lead, where forces grow without bounds; inside of it they have a value."""
+    corner = side * 0.5 * math.pi
+    assert equal.branch.period is None  # it ends at both
+    with pytest.raises(pp.SingularityError, match="no value at the change point"):
+        pp.inverse_dynamics(equal, carried(equal, np.array([0.0, corner]), 8.0))
+    result = pp.inverse_dynamics(equal, carried(equal, np.array([0.0, 0.99 * corner]), 8.0))
+    assert np.isfinite(result.bearing_force["W"]).all()

@@ -293,3 +293,21 @@ def test_a_motion_of_another_linkage_is_refused(zxn2, motion, tmp_path, engine):
     with pytest.raises(pp.AssemblyError, match="another one"):
         pp.inverse_dynamics(presses[1], turn, engine=engine)
     assert np.abs(pp.inverse_dynamics(presses[0], turn, engine=engine).power_residual).max() < 1e-13
+
+
+@pytest.mark.parametrize(
+    ("load", "named"),
+    [
+        (pp.PointForce("slide", (0.0, 1.7e308, 0.0)), "bearing force"),  # across the plane, where no drive feels it
+        (pp.PointForce("slide", (0.0, 1e10, 0.0), (1e300, 0.0, 0.0)), "bearing moment"),
+        (pp.PointForce("slide", (0.0, 0.0, 1.7e308)), "driving torque"),
+    ],
+)
+def test_what_is_not_finite_is_named_with_its_angle(load, named):
+    """Of two loads that overflow together, in one of five states."""
+    press = texts.shipped("zxn2_3000b")
+    motion = pp.cycle(press, angle=np.radians([10.0, 20.0, 30.0, 40.0, 50.0]), speed=7.0)
+    force = np.zeros((5, 3))
+    force[3] = load.force
+    with pytest.raises(pp.PinpressError, match=f"^the {named} of zxn2_3000b is not finite at crank angle 40 deg"):
+        pp.inverse_dynamics(press, motion, loads=[pp.PointForce(load.link, force, load.point)] * 2)
