@@ -60,10 +60,10 @@ def _too_deep(joints: "list[Element]") -> "Iterator[Element]":
     children = {child for carried in below.values() for child, _ in carried}
     depth = {link: 0 for link in below if link not in children}
     reached = list(depth)
-    for parent in reached:  # grows as it goes
-        for child, joint in below.get(parent, ()):
+    for link in reached:  # grows as it goes
+        for child, joint in below.get(link, []):
             if child not in depth:
-                depth[child] = depth[parent] + 1
+                depth[child] = depth[link] + 1
                 reached.append(child)
                 if depth[child] > DEEPEST_JOINTS:
                     yield joint
