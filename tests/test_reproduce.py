@@ -315,6 +315,19 @@ def test_kong_force_in_a_is_the_cranks_on_the_frame():
     assert kong2025.rms_deviation(turned, 1.0, np.ones(4)) > 2 * kong2025.rms_deviation(pair, 1.0, np.ones(4))
 
 
+def test_kong_errata_of_the_accelerations():
+    """Rows 3 and 4 of (10) as printed, with right accelerations: they hold once the terms of l32 change their signs."""
+    r = six_bar_script.six_bar(np.linspace(0.0, 2 * np.pi, 60, endpoint=False), 70 * np.pi / 30, 0.0)
+    e, f = (0.48 * np.exp(1j * angle) for angle in (r["theta3"] - 0.75 * np.pi, r["theta4"]))  # DE and EF
+    left = 1j * (e * r["alpha3"] + f * r["alpha4"]) - 1j * r["slide_acceleration"]  # row 3 + i row 4
+
+    def right(sign):  # the last vector has zeros here
+        return sign * e * r["omega3"] ** 2 + f * r["omega4"] ** 2
+
+    assert np.abs(left - right(-1.0)).max() > 1.0
+    assert np.abs(left - right(1.0)).max() < 1e-12 * np.abs(left).max()
+
+
 def test_kong_errata_of_the_moments():
     """(12) to (14) as printed, with right forces: (14) holds, (12) and (13) once the terms that the page names change their signs."""
     angle = np.linspace(0.0, 2 * np.pi, 60, endpoint=False)
