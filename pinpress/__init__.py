@@ -14,6 +14,7 @@ SI units and radians throughout. World z is up; a planar press stands in the x-z
 
 from typing import TYPE_CHECKING, Any
 
+from . import command_end  # noqa: F401  first: from here on Ctrl-C ends a command without a traceback
 from .dead_centres import DeadCentres, dead_centres
 from .errors import AssemblyError, PinpressError, SimulationError, SingularityError, UnknownNameError, UrdfError
 from .forces import PointForce, SpringDamper

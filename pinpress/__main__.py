@@ -4,24 +4,21 @@ import argparse
 import io
 import sys
 
-from . import PinpressError, check, command_accuracy, command_analyse, command_balance, command_ratings, command_record, command_simulate
+from . import check, command_accuracy, command_analyse, command_balance, command_ratings, command_record, command_simulate
+from .command_end import ended
 
 
 def main(arguments: list[str] | None = None) -> int:
-    """Run the command; exit code 2 with one line on stderr where the input is at fault, 1 where `check` finds errors."""
+    """Run the command; exit code 2 with one line on stderr where the input is at fault, 1 where `check` finds errors, others see
+    `command_end.ended`."""
+    return ended("pinpress", lambda: _run(arguments))
+
+
+def _run(arguments: list[str] | None) -> int:
     options = _parser().parse_args(arguments)
     if isinstance(sys.stdout, io.TextIOWrapper):
         sys.stdout.reconfigure(errors="backslashreplace")  # names may have characters that the terminal's encoding lacks
-    try:
-        return int(options.run(options))
-    except PinpressError as error:
-        print(f"pinpress: {' '.join(str(error).split())}", file=sys.stderr)
-        return 2
-    except BrokenPipeError:  # e.g. | head
-        sys.stderr.close()
-        return 0
-    except KeyboardInterrupt:
-        return 130
+    return int(options.run(options))
 
 
 def _parser() -> argparse.ArgumentParser:

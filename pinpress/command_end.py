@@ -1,0 +1,76 @@
+"""How a command ends: with an exit code and at most a line on stderr, never a traceback.
+
+Ctrl-C may come while modules are still imported, before there is anything to catch it: this one is imported first, and lets it end the
+command.
+"""
+
+import os
+import signal
+import sys
+import threading
+from collections.abc import Callable
+from contextlib import suppress
+
+INTERRUPTED = 130  # as shells have it: 128 and the signal's number
+
+
+def ended(program: str, run: Callable[[], int]) -> int:
+    """Run a command to its end, its output written out.
+
+    Returns its exit code; 2 where the input is at fault, or the output cannot be written; 0 where nobody reads it any more, as with
+    ``| head``; 130 after Ctrl-C.
+    """
+    from .errors import PinpressError
+
+    if signal.getsignal(signal.SIGINT) is _end_at_once:
+        signal.signal(signal.SIGINT, signal.default_int_handler)
+    try:
+        try:
+            return run()
+        finally:
+            if sys.stdout is not None:
+                sys.stdout.flush()
+    except PinpressError as error:
+        return _refused(program, " ".join(str(error).split()), 2)
+    except BrokenPipeError:
+        _silence()
+        return 0
+    except KeyboardInterrupt:
+        return _refused(program, "interrupted", INTERRUPTED)
+    except OSError as error:
+        if error.filename is not None:  # not of the output: a defect of ours
+            raise
+        _silence()
+        return _refused(program, f"cannot write the output: {error.strerror or error}", 2)
+
+
+def _refused(program: str, words: str, code: int) -> int:
+    with suppress(OSError):
+        print(f"{program}: {words}", file=sys.stderr, flush=True)
+    return code
+
+
+def _silence() -> None:
+    """What is left of the output goes nowhere: Python would try to write it at its end, and complain."""
+    nowhere = os.open(os.devnull, os.O_WRONLY)
+    os.dup2(nowhere, sys.stdout.fileno())
+    os.close(nowhere)
+
+
+def _end_at_once(*_: object) -> None:
+    os.write(2, b"pinpress: interrupted\n")
+    os._exit(INTERRUPTED)
+
+
+def _is_command() -> bool:
+    """Whether this program is the command. While Python imports the package of ``python -m pinpress``, the program's name is -m."""
+    name = sys.argv[0] if getattr(sys, "argv", None) else ""
+    return name == "-m" or os.path.splitext(os.path.basename(name))[0] == "pinpress"
+
+
+if (
+    _is_command()
+    and threading.current_thread() is threading.main_thread()
+    and signal.getsignal(signal.SIGINT) is signal.default_int_handler
+):
+    signal.signal(signal.SIGINT, _end_at_once)
