@@ -2,7 +2,9 @@
 
 import balance_by_hand as by_hand
 import numpy as np
+import pinocchio as pin
 import pytest
+import scipy.optimize
 import texts
 from random_linkages import four_bar
 from small_linkages import two_cranks
@@ -325,3 +327,25 @@ def test_extreme_problems_are_solved_and_proved(six_bar, measure, change):
     before = measure.value(b.before[0])
     assert b.value <= (1 + ROUNDING) * before
     assert -1e-8 * before <= b.value - b.bound <= 1e-7 * before
+
+
+def test_the_constant_part_counts_in_a_peak():
+    """The best mass opposite the crank pin, for the largest force in the main bearing of a slow press, whose weight it carries too, by
+    search over that mass; for its root mean square about the mean it is another one."""
+    press, bearing, place = texts.shipped("crank_slide"), "O", np.array([-0.1, 0.0, 0.0])
+    motion, crank = pp.cycle(press, 15.0), press.joints.index("O") + 1
+
+    def peak(mass):
+        bodies = list(press.model.inertias)
+        bodies[crank] = bodies[crank] + pin.Inertia(mass, place, np.zeros((3, 3)))
+        found = pp.inverse_dynamics(press.with_inertias(bodies), motion)
+        return float(np.linalg.norm(found.bearing_force[bearing], axis=1).max())
+
+    best = scipy.optimize.minimize_scalar(peak, bounds=(0.0, 300.0), method="bounded", options={"xatol": 1e-7})
+    room = pp.Room("crank", (0.0, 300.0), at=tuple(place))
+    result = pp.balance(press, motion, [room], pp.Peak("bearing_force", bearing=bearing))
+    assert 1.0 < best.x < 299.0
+    assert result.value == pytest.approx(best.fun, rel=1e-8)
+    assert sum(weight.mass for weight in result.counterweights) == pytest.approx(best.x, rel=1e-4)
+    other = pp.balance(press, motion, [room], pp.Rms("bearing_force", bearing=bearing))
+    assert abs(sum(weight.mass for weight in other.counterweights) - best.x) > 1.0

@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pinocchio as pin
 import pytest
+import texts
 from scipy.optimize import fsolve
 
 import pinpress as pp
@@ -177,6 +178,37 @@ def test_guides_that_would_share_with_the_rods():
     assert elasticity(press, even, ANGLES).bottom_stiffness == pytest.approx(2e9, rel=1e-12)
     with pytest.raises(pp.PinpressError, match="make both sides alike"):
         elasticity(press, replace(even, bearings={"P4_left": 1e9, "P4_right": 2e9}), ANGLES)
+
+
+BEVEL = """<link name="cross"><inertial><mass value="1e-9"/>
+<inertia ixx="1e-12" ixy="0" ixz="0" iyy="1e-12" iyz="0" izz="1e-12"/></inertial>
+</link><joint name="bevel" type="continuous"><parent link="frame"/><child link="cross"/><origin xyz="1 0 0"/><axis xyz="1 0 0"/>
+<mimic joint="{0}"/></joint></robot>"""
+
+
+def test_sharing_is_looked_at_in_presses_that_are_not_planar(tmp_path):
+    """The same press with a shaft across its plane, which carries nothing."""
+    planar = pp.load("jf75g_125_symmetric")
+    press = texts.load(planar.text.decode().replace("</robot>", BEVEL.format(planar.driver)), tmp_path)
+    assert press.plane is None
+    even = Stiffness({"P4_left": 1e9, "P4_right": 1e9}, {"slide_guide": 1e7})
+    assert elasticity(press, even, [0.4]).compliance[0] == pytest.approx(elasticity(planar, even, [0.4]).compliance[0], rel=1e-9)
+    with pytest.raises(pp.PinpressError, match="make both sides alike"):
+        elasticity(press, replace(even, bearings={"P4_left": 1e9, "P4_right": 2e9}), [0.4])
+
+
+def test_an_arm_that_would_share_with_the_rods():
+    """Of the slide, between its guide and one of its two pins."""
+    press = pp.load("jf75g_125_symmetric")
+    even = {"P4_left": 1e9, "P4_right": 1e9}
+    with pytest.raises(pp.PinpressError, match="make both sides alike"):
+        elasticity(press, Stiffness(even, rods=[Rod("slide", ("slide_guide", "P4_left"), 1e8)]), ANGLES)
+
+
+def test_a_rod_between_bearings_that_meet():
+    """The crank-slide's guide is measured at the origin of its joint, which is the slide's pin."""
+    with pytest.raises(pp.PinpressError, match="rod 'slide slide_guide-W': its bearings meet"):
+        elasticity(pp.load("crank_slide"), Stiffness(rods=[Rod("slide", ("slide_guide", "W"), 1e9)]), ANGLES)
 
 
 def mass_of(press, stiffness, angles):

@@ -53,7 +53,13 @@ def test_bottom_dead_centre_by_brute_force(name, speed):
         )
         assert lowest == pytest.approx(result.fun, abs=1e-14)
         assert angle == pytest.approx(result.x, abs=2e-6)
+    assert found.rigid_position == pytest.approx(pp.cycle(press, 1.0, angle=[found.rigid_angle]).slide_position[0], abs=1e-15)
+    assert found.rigid_position <= pp.cycle(press, 1.0, points=3600).slide_position.min()
     still = dead_centre_shift(press, stiffness, 0.0)
+    resting = position(found.rigid_angle + np.linspace(-1e-2, 1e-2, 2001), 0.0).min()
+    assert found.standstill_position == pytest.approx(resting, abs=1e-11)
+    assert still.position[0] == still.standstill_position == found.standstill_position
+    assert found.standstill_position == pytest.approx(found.rigid_position + found.constant, abs=1e-3 * abs(found.constant))
     assert still.shift[0] == 0.0
     assert np.all(found.shift < 0.0)
     assert found.shift[1] == pytest.approx(found.by_squared_speed * speed**2, rel=5e-3)  # the crank angle moves little

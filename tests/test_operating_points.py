@@ -7,6 +7,7 @@ import pytest
 from exploring import examples
 from hypothesis import given
 from hypothesis import strategies as st
+from small_linkages import two_cranks
 
 import pinpress as pp
 from pinpress.operating import operating_points
@@ -162,6 +163,11 @@ def test_refused(arguments, words):
     given = {"press": SIX_BAR, "speeds": [1.0, 5.0], "forces": [0.0, 1e6], "unit_load": unit_loads(1.0), **arguments}
     with pytest.raises(pp.PinpressError, match=words):
         operating_points(**given)
+
+
+def test_several_drivers_are_refused(tmp_path):
+    with pytest.raises(pp.PinpressError, match="geared has 2 drivers: operating points are of a press with one"):
+        operating_points(two_cranks(tmp_path), [7.0])
 
 
 def test_an_elastic_die_pushes_in_proportion():

@@ -326,19 +326,20 @@ def test_ratings_of_a_stroke_over_two_turns(folder):
 
 
 def test_an_overload_in_any_turn_is_refused(folder):
+    """Of a slow press, on the return stroke in the second turn: more than ever else."""
     from pinpress.capacities import Capacities
     from pinpress.rating import ratings
 
-    press = period_presses.repeating("half", folder)
-    amount = largest(press, "bearing O")
-    result = everywhere(press)
+    press, slow = period_presses.repeating("half", folder), 3.0
+    result = everywhere(press, slow)
     sizes = np.linalg.norm(result.bearing_force["O"], axis=1)
-    others = max(sizes[: len(sizes) // 2].max(), sizes[len(sizes) // 2 :].max())
-    assert others == sizes.max()
+    since_top = (result.motion.crank_angle - pp.dead_centres(press).top_angle) % (4 * np.pi)
+    others = sizes[(since_top < 2 * np.pi) | (result.motion.slide_velocity < 0)].max()
+    assert sizes.max() > 1.3 * others
     with pytest.raises(pp.PinpressError, match="the force in bearing 'O' of the idle press") as refused:
-        ratings(press, SPEED, Capacities(1e6, bearings={"O": 0.9999 * amount}), at_speed=True)
+        ratings(press, slow, Capacities(1e6, bearings={"O": 0.999 * sizes.max()}), at_speed=True)
     angle = float(str(refused.value).split("at crank angle ")[1].split(" deg")[0])
-    assert abs(np.linalg.norm(at(press, np.radians(angle)).bearing_force["O"][0]) / amount - 1) < 1e-4
+    assert abs(np.linalg.norm(at(press, np.radians(angle), slow).bearing_force["O"][0]) / sizes.max() - 1) < 1e-3
 
 
 def test_operating_points(press):

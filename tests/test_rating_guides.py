@@ -4,6 +4,7 @@ import dataclasses
 
 import numpy as np
 import pytest
+from small_linkages import bolted
 from texts import shipped
 
 import pinpress as pp
@@ -43,6 +44,31 @@ def by_strips(guide, n, m, strips=5_001):
     force, moment, p = resultants(rise, tilt)
     np.testing.assert_allclose([force, moment], [n, m], rtol=1e-6)
     return p.max(), np.mean(p > 0)
+
+
+@pytest.mark.parametrize(("name", "axis"), [("crank_slide", 0), ("zxn2_3000b", 0), ("thin_wall", 2)])  # the last one lies
+def test_gibs_of_a_planar_press_face_along_its_plane(name, axis):
+    """Left out, the normal is the direction across the guide in the plane, its largest component positive."""
+    press = shipped(name)
+    given, default = Guide(0.3, 0.1, normal=tuple(np.eye(3)[axis])), Guide(0.3, 0.1)
+    loads = [eccentric_load(press, at(press), FORCE, 0.02 * np.eye(3)[axis], guide) for guide in (given, default)]
+    np.testing.assert_array_equal(loads[1].normal_force, loads[0].normal_force)
+    np.testing.assert_array_equal(loads[1].tilting, loads[0].tilting)
+    np.testing.assert_allclose(loads[1].normal_force, loads[1].force[:, axis], rtol=1e-14)
+    assert np.abs(loads[1].normal_force).max() > 1.0
+    least, most = permissible_eccentricity(press, at(press), FORCE, default, 2e8)
+    assert (least, most) == permissible_eccentricity(press, at(press), FORCE, given, 2e8)
+    for offset in (least, most):
+        assert eccentric_load(press, at(press), FORCE, offset * np.eye(3)[axis], default).pressure.max() == pytest.approx(2e8, rel=1e-9)
+
+
+def test_gibs_of_a_press_that_leans(tmp_path):
+    """By 0.2 rad about y, its guide with it: the gibs face 0.2 rad below x."""
+    press = bolted(shipped("crank_slide"), "0 0.2 0", tmp_path)
+    upright = eccentric_load(shipped("crank_slide"), at(shipped("crank_slide")), FORCE, (0.02, 0.0, 0.0), Guide(0.3, 0.1))
+    leaning = eccentric_load(press, at(press), FORCE, (0.02, 0.0, 0.0), Guide(0.3, 0.1))
+    np.testing.assert_allclose(leaning.normal_force, upright.normal_force, rtol=1e-9, atol=1e-6)
+    np.testing.assert_allclose(leaning.normal_force, leaning.force @ [np.cos(0.2), 0.0, -np.sin(0.2)], rtol=1e-9, atol=1e-6)
 
 
 def test_guide_of_the_crank_slide():

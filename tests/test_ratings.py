@@ -112,6 +112,36 @@ def test_a_press_that_turns_backwards_works_on_the_other_side():
     assert abs(forwards.torque_capacity / backwards.torque_capacity - 1) > 0.01  # the six-bar is not symmetric
 
 
+@pytest.mark.parametrize("speed", [SPEED, -SPEED])
+def test_travel_by_angle_is_the_slope_of_the_slide_over_the_crank(speed):
+    press = shipped("zxn2_3000b")
+    found = ratings(press, speed, Capacities(3e6, nominal_height=0.013), points=31)
+    step = 1e-5
+    after, before = (pp.cycle(press, 1.0, angle=found.crank_angle + way * step).slide_position for way in (1, -1))
+    scale = np.abs(found.travel_per_angle).max()
+    np.testing.assert_allclose(found.travel_per_angle, (after - before) / (2 * step), atol=1e-8 * scale)
+    assert np.all(np.sign(found.travel_per_angle[1:-1]) == -np.sign(speed))  # the slide goes down
+    np.testing.assert_allclose(found.slide_velocity, speed * found.travel_per_angle, rtol=1e-14)
+
+
+@pytest.mark.parametrize("speed", [10.0, -10.0])
+def test_an_overload_on_the_return_stroke_is_refused(speed):
+    """There the idle thin-wall press, which returns quickly, loads pin C twice as much as on its working stroke."""
+    press, ends = shipped("thin_wall"), pp.dead_centres(shipped("thin_wall"))
+    motion = pp.cycle(press, speed, angle=np.copysign(1.0, speed) * np.linspace(0.0, 2 * np.pi, 3601))
+    force = np.linalg.norm(pp.inverse_dynamics(press, motion).bearing_force["C"], axis=1)
+    working = motion.slide_velocity < 0
+    (low, at_low), (high, at_high) = sorted(
+        (force[side].max(), motion.crank_degrees[side][force[side].argmax()]) for side in (working, ~working)
+    )
+    assert high > 1.5 * low
+    with pytest.raises(pp.PinpressError, match="bearing 'C' of the idle press is") as refused:
+        ratings(press, speed, Capacities(1e5, bearings={"C": 0.99 * high}), at_speed=True)
+    assert abs(float(str(refused.value).split("crank angle ")[1].split(" deg")[0]) - at_high) < 1.0
+    assert abs(at_high - at_low) > 30.0
+    assert ratings(press, speed, Capacities(1e5, bearings={"C": 1.01 * high}), at_speed=True).stroke == pytest.approx(ends.stroke)
+
+
 # Any press, by brute force
 
 

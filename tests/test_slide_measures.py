@@ -5,6 +5,7 @@ import functools
 
 import numpy as np
 import pytest
+import scipy.optimize
 import texts
 from closed_form_slides import crank_slide, four_bar, guide_bar, scotch_yoke, turn
 from exploring import examples
@@ -440,6 +441,32 @@ def test_too_few_states_and_turns_that_do_not_close_are_refused():
     pins = four_bar(crank=0.5, coupler=1.0, rocker=1.0)(motion.crank_angle)
     with pytest.raises(pp.PinpressError, match="12 states do not resolve the pressure angle"):
         measures.pressure_angle(motion, pins[1], pins[0], (1, 0, 0))
+
+
+@pytest.mark.parametrize("after", [0.5, 2.0, 4.0])
+def test_dwell_up_to_a_hump_between_states(after):
+    """The slide has two bottoms with a low hump between them: it leaves the deeper one where the hump begins to rise above the tolerance,
+    which may be between two states, behind the deepest point of the turn or before it."""
+
+    def path(y):
+        return -np.cos(y) + 0.45 * np.cos(2 * y) + 0.05 * np.sin(y)
+
+    hump = scipy.optimize.minimize_scalar(lambda y: -path(y), bounds=(-0.5, 0.5), method="bounded", options={"xatol": 1e-12}).x
+    deepest = scipy.optimize.minimize_scalar(path, bounds=(-1.5, -0.5), method="bounded", options={"xatol": 1e-12}).x
+    states = 72
+    begin = (round(after * states / (2 * np.pi)) + 0.5) * 2 * np.pi / states - hump  # the hump is in the middle between two states
+
+    def moved(q):
+        y = q - begin
+        first, second = np.sin(y) - 0.9 * np.sin(2 * y) + 0.05 * np.cos(y), np.cos(y) - 1.8 * np.cos(2 * y) - 0.05 * np.sin(y)
+        return path(y), first, second
+
+    beside = path(hump + np.pi / states)
+    tolerance = 0.5 * (path(hump) + max(beside, path(hump - np.pi / states))) - path(deepest)
+    level = path(deepest) + tolerance
+    leaves = scipy.optimize.brentq(lambda y: path(y) - level, deepest, hump)
+    comes = scipy.optimize.brentq(lambda y: path(y) - level, -3.0, deepest)
+    assert measures.dwell_angle(of(moved, points=states), tolerance) == pytest.approx(leaves - comes, rel=1e-6)
 
 
 def test_a_slide_with_two_strokes_a_turn_has_no_one_working_stroke():
