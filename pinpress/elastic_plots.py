@@ -60,7 +60,7 @@ def draw_elasticity(axes: "Axes", elasticity: Elasticity) -> None:
 
     order = np.argsort(elasticity.crank_angle)
     largest = float(elasticity.compliance.max())
-    parts = sorted(elasticity.parts.items(), key=lambda item: -float(item[1].mean()))
+    parts = sorted(elasticity.parts.items(), key=lambda item: -round(float(item[1].mean()) / largest, 9))  # equal ones differ by rounding
     shown = [(name, part) for name, part in parts if part.max() >= SMALLEST * largest][: len(COLOURS)]
     rest = elasticity.compliance - np.sum([part for _, part in shown], axis=0)
     names, curves = [name for name, _ in shown], [part for _, part in shown]

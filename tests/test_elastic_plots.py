@@ -1,5 +1,7 @@
 """Charts of elastic presses show the numbers they are given."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -20,6 +22,17 @@ def test_parts_are_stacked_to_the_whole():
     top = axes.collections[-1].get_paths()[0].vertices[:, 1].max()
     assert top == pytest.approx(1e9 * found.compliance.max(), rel=1e-12)
     assert {text.get_text() for text in axes.get_legend().get_texts()} <= {*found.parts, "others"}
+
+
+@pytest.mark.parametrize("names", [("P", "W"), ("W", "P")])
+def test_rounding_does_not_choose_the_order(names):
+    """Of parts that yield alike, in the text and in the chart, the one that was given first comes first."""
+    found = elasticity(pp.load("crank_slide"), Stiffness(dict.fromkeys(names, 1e9)), np.linspace(0.0, 6.0, 25))
+    half = 0.5 * found.compliance
+    alike = dict(zip(names, (half, np.nextafter(half, 1.0)), strict=True))
+    found = replace(found, parts=alike, bottom_shares=dict(zip(names, (0.5, np.nextafter(0.5, 1.0)), strict=True)))
+    assert [line.split()[0] for line in str(found).splitlines()[1:]] == list(names)
+    assert [text.get_text() for text in plot_elasticity(found).axes[0].get_legend().get_texts()] == list(names[::-1])  # from the top
 
 
 def test_curves():
