@@ -10,8 +10,12 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
+from .errors import PinpressError
+
 Array = NDArray[np.float64]
 ComplexArray = NDArray[np.complex128]
+
+MOST_JOINTS = 200  # `pin.Data` has 7 arrays of their cube: half a gigabyte
 
 
 class Slot(NamedTuple):
@@ -37,6 +41,14 @@ def axes(model: pin.Model) -> tuple[Axis, ...]:
     """Axes of the moving joints, in the order of v."""
     columns = (np.ravel(joint.createData().S) for joint in list(model.joints)[1:])
     return tuple(Axis(c[3:].copy(), True) if np.linalg.norm(c[3:]) > 0.5 else Axis(c[:3].copy(), False) for c in columns)
+
+
+def data_of(model: pin.Model) -> pin.Data:
+    """Room for Pinocchio's algorithms; raises PinpressError where it would take gigabytes, as it grows with the joints cubed."""
+    if model.nv > MOST_JOINTS:
+        problem = f"{model.name} has {model.nv} joints, more than the {MOST_JOINTS} that Pinocchio has room for"
+        raise PinpressError(f"{problem}; model fewer, or ask only for what the planar engine computes")
+    return model.createData()
 
 
 def drawn(model: pin.Model) -> list[pin.SE3]:

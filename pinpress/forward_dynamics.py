@@ -25,7 +25,7 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
-from .coordinates import Array, Axis
+from .coordinates import Array, Axis, data_of
 from .errors import AssemblyError, PinpressError, SingularityError
 from .following import SMALLEST_MARGIN
 from .linkage import ACCEPTED, Linkage
@@ -71,7 +71,7 @@ class ForwardDynamics:
         self.size, self.tolerance = general.size, general.tolerance
         self.model = _bounded(press.model, general.axes)
         self.model.armature = self.armature = np.array(press.model.armature) + armature
-        self.data = self.model.createData()
+        self.data = data_of(self.model)
         self.placements = self.data.oMi  # live: fetching it costs more than the algorithm that fills it
 
         pin.forwardKinematics(self.model, self.data, press.closed)
@@ -238,7 +238,7 @@ class ForwardDynamics:
         for point, datum in self.anchors:
             point.calc(self.model, self.data, datum)
         if self.held:
-            jacobian = pin.getConstraintsJacobian(self.model, self.data, self.points, self.data_of_points)
+            jacobian = pin.getConstraintsJacobian(self.model, self.data, self.points, self.data_of_points).reshape(self.held, -1)
             np.multiply(jacobian, self.weights, out=self.rows[: self.held])
         factor, pivots, scales, _, _ = self.geqp3(self.rows.T)
         rank = self.rank
@@ -291,7 +291,7 @@ class ForwardDynamics:
         """What the quick way needs, None where it does not suit."""
         if not ends or not ((mass.diagonal() * self.per_unit**2).min() > self.least**2):
             return None
-        data, (points, data_of_points) = self.model.createData(), contacts(self.model, ends)
+        data, (points, data_of_points) = data_of(self.model), contacts(self.model, ends)
         opened = closed + OPENED * self.size * self.per_unit * np.random.default_rng(0).uniform(-1, 1, len(closed))
         rows, opened_rows = (contact_rows(self.model, data, points, data_of_points, x) for x in (closed, opened))
         values = np.linalg.svd(opened_rows * self.per_unit, compute_uv=False)

@@ -11,7 +11,7 @@ import numpy as np
 import pinocchio as pin
 
 from .constant_rows import product
-from .coordinates import Array
+from .coordinates import Array, data_of
 from .forces import Load, PointForce, place
 from .frozen import Frozen
 from .linkage import Linkage
@@ -103,7 +103,7 @@ def _in_plane(plane: Plane, press: Linkage, motion: Motion, joint: int, points: 
 def _in_space(press: Linkage, motion: Motion, joint: int, points: Array) -> tuple[Array, Array]:
     """The same by Pinocchio, one state at a time."""
     position = np.empty((len(points), len(motion.v), 3))
-    acceleration, data = np.empty_like(position), press.model.createData()
+    acceleration, data = np.empty_like(position), data_of(press.model)
     for i, (q, v, a) in enumerate(zip(np.array(motion.q), np.array(motion.v), np.array(motion.a), strict=True)):
         pin.forwardKinematics(press.model, data, q, v, a)
         body, velocity = data.oMi[joint], data.v[joint]

@@ -24,7 +24,7 @@ import numpy as np
 import pinocchio as pin
 
 from . import frame_tables, tables
-from .coordinates import Array
+from .coordinates import Array, data_of
 from .errors import PinpressError, expect
 from .frame_matrices import (
     body_inertia,
@@ -172,7 +172,7 @@ def press_inertia(press: Linkage) -> Array:
         PinpressError: the crank does not turn fully, or there are several.
     """
     model, period = press.model, cycle(press, 1.0, POSES * press.period_turns)
-    data = model.createData()
+    data = data_of(model)
     total = np.zeros((6, 6))
     for q in period.q:
         pin.forwardKinematics(model, data, q)

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 import pinocchio as pin
 
-from .coordinates import Array
+from .coordinates import Array, data_of
 from .plane import Plane, in_space
 from .plane_kinematics import basis, basis_velocity
 
@@ -22,7 +22,7 @@ def point_motion(press: "Linkage", motion: "Motion", joint: int, point: Array) -
     if press.plane is not None:
         return _in_plane(press.plane, motion, joint - 1, point)
     position, velocity = np.empty((n, 3)), np.empty((n, 3))
-    data = press.model.createData()
+    data = data_of(press.model)
     for i, (q, v) in enumerate(zip(np.array(motion.q), np.array(motion.v), strict=True)):
         pin.forwardKinematics(press.model, data, q, v)
         speed = data.v[joint]

@@ -18,7 +18,7 @@ import numpy as np
 import pinocchio as pin
 
 from .branch import MOST_TURNS, periods_until_back
-from .coordinates import Array, configuration
+from .coordinates import Array, configuration, data_of
 from .errors import SimulationError
 from .linkage import Linkage
 from .motion import Motion, carried
@@ -235,7 +235,7 @@ def _energies(press: Linkage, motion: Motion) -> tuple[Array, Array, Array]:
 
 
 def _spatial_energies(press: Linkage, motion: Motion) -> tuple[Array, Array, Array]:
-    model, data = press.model, press.model.createData()
+    model, data = press.model, data_of(press.model)
     q = configuration(press.spatial.slots, motion.joint_position.T)
     found = np.empty((3, len(motion.v)))
     for i in range(len(motion.v)):

@@ -8,7 +8,7 @@ import numpy as np
 import pinocchio as pin
 
 from . import urdf
-from .coordinates import Array
+from .coordinates import Array, data_of
 from .errors import PinpressError
 from .linkage import Linkage
 
@@ -123,7 +123,7 @@ def skeleton(press: Linkage, travel: Array, drawn: Collection[str]) -> Skeleton:
     Raises:
         PinpressError: the drawn pose is not finite.
     """
-    model, data = press.model, press.model.createData()
+    model, data = press.model, data_of(press.model)
     pin.framesForwardKinematics(model, data, pin.neutral(model))
     frames = {link: model.getFrameId(link, pin.BODY) for link in press.links}
     joint = {link: model.frames[frame].parentJoint for link, frame in frames.items()}

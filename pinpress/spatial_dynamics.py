@@ -12,7 +12,7 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
-from .coordinates import Array, configuration
+from .coordinates import Array, configuration, data_of
 from .errors import AssemblyError
 from .forces import AppliedForce
 from .friction import FrictionLaw
@@ -81,7 +81,7 @@ def power_balance(spatial: Spatial, position: Array, v: Array, a: Array, loads: 
 
     Body by body from Pinocchio's forward kinematics.
     """
-    model, data = spatial.model, spatial.model.createData()
+    model, data = spatial.model, data_of(spatial.model)
     gravity, q = model.gravity.linear, configuration(spatial.slots, position)
     balance, total = np.empty(v.shape[1]), np.empty(v.shape[1])
     for i in range(v.shape[1]):

@@ -10,8 +10,10 @@ from dataclasses import dataclass
 import numpy as np
 import pinocchio as pin
 
-from .coordinates import Array, axes, configuration, drawn, slots
+from .coordinates import Array, axes, configuration, data_of, drawn, slots
 from .loops import Coupling, LoopJoint
+
+PARALLEL = 1e-14  # sine of an angle: axes of one direction are off by so much in rounding, which is no equation of its own
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -33,7 +35,7 @@ class Equations:
     """Constraint models and datas of the loops. Built for each call, because they neither copy nor pickle."""
 
     def __init__(self, model: pin.Model, loops: tuple[LoopJoint, ...], couplings: tuple[Coupling, ...], size: float) -> None:
-        self.model, self.data = model, model.createData()
+        self.model, self.data = model, data_of(model)
         self.placements, self.wrenches = self.data.oMi, self.data.f  # live: fetching them costs more than the algorithm that fills them
         self.loops, self.size, self.slots = loops, size, slots(model)
         self.anchors = [
@@ -112,7 +114,9 @@ class Equations:
                 error = np.zeros(3)
             held = first[:, 3 - loop.held :]
             gaps[row : row + loop.held] = self.size * held.T @ error
-            columns[row : row + loop.held] = self.size * held.T @ (turning * self.crossed[:, k])
+            turned = held.T @ (turning * self.crossed[:, k])
+            turned[np.abs(turned) < PARALLEL] = 0.0
+            columns[row : row + loop.held] = self.size * turned
             directions.append(held)
             row += loop.held
         return directions

@@ -19,7 +19,6 @@ MOST_CHARACTERS = 1000  # of a name or value
 MOST_ERRORS = 100  # listed: each may compare its name with all others
 DEEPEST_ELEMENTS = 200  # levels of elements; Pinocchio's parser stops at 500
 MOST = {"link": 1000, "joint": 1000, "loop_joint": 500, "transmission": 500, "material": 1000}
-MOST_MOVING = 500  # joints
 DEEPEST_JOINTS = 500  # from the root on; Pinocchio's parser calls itself for each, and at 2 kB of stack a call ends the process after 2000
 
 
@@ -42,11 +41,7 @@ def problems(robot: "Element") -> Iterator["Problem"]:
         found = robot.all(tag)
         if len(found) > most:
             yield found[most], f"there are {len(found)} <{tag}>, more than {most}", remedy
-    joints = robot.all("joint")
-    moving = [joint for joint in joints if joint.get("type") != "fixed"]
-    if len(moving) > MOST_MOVING:
-        yield moving[MOST_MOVING], f"there are {len(moving)} joints that move, more than {MOST_MOVING}", remedy
-    for joint in _too_deep(joints):
+    for joint in _too_deep(robot.all("joint")):
         yield joint, f"it is more than {DEEPEST_JOINTS} joints away from the root link", "weld links together, and " + remedy
         return
 
