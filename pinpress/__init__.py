@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any
 
 from . import command_end  # noqa: F401  first: from here on Ctrl-C ends a command without a traceback
 from .dead_centres import DeadCentres, dead_centres
-from .errors import AssemblyError, PinpressError, SimulationError, SingularityError, UnknownNameError, UrdfError
+from .errors import AssemblyError, PinpressError, PinpressWarning, SimulationError, SingularityError, UnknownNameError, UrdfError
 from .forces import PointForce, SpringDamper
 from .friction import Friction
 from .linkage import Linkage
@@ -58,6 +58,7 @@ __all__ = [
     "Outcome",
     "Peak",
     "PinpressError",
+    "PinpressWarning",
     "PointForce",
     "Range",
     "Ratings",

@@ -1,6 +1,8 @@
 """Every exception of the library. Each carries its data as attributes, so that a caller need not read the sentence."""
 
 import pickle
+import sys
+import warnings
 from collections.abc import Iterable, Mapping
 from typing import Any
 
@@ -18,6 +20,10 @@ class PinpressError(Exception):
     def __reduce__(self) -> tuple[Any, ...]:
         # An exception is rebuilt from its message alone by default, which a class that is made from other arguments does not take.
         return _rebuilt, (type(self), self.args, {name: _sendable(value) for name, value in vars(self).items()})
+
+
+class PinpressWarning(UserWarning):
+    """Something that is legal, but hardly what was meant; the message says where it is, and what to do."""
 
 
 class UrdfError(PinpressError):
@@ -152,3 +158,11 @@ def _sendable(value: object) -> object:
     except Exception:  # whatever pickling says
         return repr(value)
     return value
+
+
+def caution(message: str) -> None:
+    """Issue a PinpressWarning that points at the caller of the library, however deep in it this is called."""
+    frame, level = sys._getframe(), 1
+    while frame.f_back is not None and frame.f_globals.get("__name__", "").partition(".")[0] == __package__:
+        frame, level = frame.f_back, level + 1
+    warnings.warn(message, PinpressWarning, stacklevel=level)

@@ -21,6 +21,7 @@ from .scene import Acting
 
 AHEAD = 1e-9  # time looked ahead, where there are several drivers [s]
 LITTLE = 1e-7  # of a turn of the crank, looked ahead to see into which stretch a force goes [rad]
+STARTS = 1e-9  # acceleration of a press that stands, beside that by the loads that hold it, with which it starts
 AT_REST = 1e-9  # crank speed, beside the run's largest, at which a stop is one
 STALLED = "the press stalls: it comes to rest, and the load holds it there against the drive"
 
@@ -73,7 +74,7 @@ class Machine:
         forces, taken, driven, squared = self._forces(modes, time, instant)
         through, braking = self._transmitted(modes.line, time, instant.speed, own)
         result, accelerated = np.zeros(len(y)), 0.0
-        if modes.line.brake.state != HOLDING:
+        if modes.line.brake.state != HOLDING and not modes.standing:
             rigid = modes.line.clutch.state == HOLDING
             on_crank, inertia = (torque, line.inertia) if rigid else (through, 0.0)
             result[:n] = y[n : 2 * n]
@@ -136,6 +137,8 @@ class Machine:
         """Switching functions: positive in these modes; where one falls below zero the modes change."""
         instant, own, _ = self.split(y)
         found: dict[Switch, float] = {}
+        if modes.standing:
+            return found | self._starts(modes, time, y) | self._line_switches(modes, time, y)
         for k, (force, place) in enumerate(zip(self.forces, modes.places, strict=True)):
             if place is None:
                 continue
@@ -151,6 +154,12 @@ class Machine:
                 found[Switch("contact", k)] = law if place.pushing else -law
         for k, (corner, side) in enumerate(zip(self.corners, modes.sides, strict=True)):
             found[Switch("corner", k)] = side * (own - corner)
+        return found | self._line_switches(modes, time, y)
+
+    def _line_switches(self, modes: Modes, time: float, y: Array) -> dict[Switch, float]:
+        """Switching functions of clutch and brake."""
+        instant, own, _ = self.split(y)
+        found: dict[Switch, float] = {}
         for which, friction, grip, relative in (
             ("clutch", self.line.clutch, modes.line.clutch, own - instant.speed),
             ("brake", self.line.brake, modes.line.brake, instant.speed),
@@ -166,6 +175,16 @@ class Machine:
             elif grip.state == HOLDING:
                 found[Switch("slips", which)] = grip.capacity(friction, time) - abs(self._held(modes, time, y, which))
         return found
+
+    def _starts(self, modes: Modes, time: float, y: Array) -> dict[Switch, float]:
+        """Switching functions of a press that stands: it starts either way once the drive overcomes what resists that way."""
+        if modes.line.brake.state == HOLDING:
+            return {}
+        n, free = self.dynamics.size, {}
+        for way in (1, -1):
+            free[way] = self._accelerated(self._looking(modes, *self.dynamics.moved(y[:n], way * LITTLE), moving=False), time, y)[0]
+        more = STARTS * abs(free[-1] - free[1])
+        return {Switch("starts", 1): more - free[1], Switch("starts", -1): more + free[-1]}
 
     def _held(self, modes: Modes, time: float, y: Array, which: str) -> float:
         """Torque that a holding clutch or brake transmits: the clutch to the crank along, the brake against the positive direction."""
@@ -223,8 +242,9 @@ class Machine:
         """The modes with every force put where it is; at rest the way is that in which the crank starts.
 
         Raises:
-            SimulationError: the loads hold the press from both sides.
+            SimulationError: the loads hold the press from both sides, and nothing that depends on time can change that.
         """
+        modes = modes._replace(standing=False)
         n = self.dynamics.size
         speed = y[n : 2 * n]
         instant = self.dynamics.at(y[:n], speed)
@@ -245,7 +265,16 @@ class Machine:
             still = tried if acceleration == 0.0 else still
         if still is not None:
             return still
+        if self.waits:
+            return modes._replace(standing=True)
         raise SimulationError(STALLED, time, instant.angle)
+
+    @cached_property
+    def waits(self) -> bool:
+        """Whether a press at rest may be started later: by the drive, a force in time, clutch or brake."""
+        line = self.line
+        drives = (line.drive is not None and line.drive.timed) or line.clutch is not None or line.brake is not None
+        return drives or any(force.time is not None for force in self.forces)
 
     def _looking(self, modes: Modes, position: Array, speed: Array, moving: bool) -> Modes:
         """The modes with every force put where it is at a state a little ahead."""
@@ -269,8 +298,16 @@ class Machine:
         stops = switch.what == "turn" and abs(instant.speed) <= AT_REST * fastest and self.dynamics.alone
         if stops and modes.line.brake.state == SLIPPING:  # what happens at rest is for the brake to decide
             return self._line_switched(Switch("grips", "brake"), "brake", modes, time, y)
+        n = self.dynamics.size
+        if switch.what == "starts":
+            way = float(switch.of)
+            return self._looking(modes, *self.dynamics.moved(y[:n], way * LITTLE), moving=False)._replace(standing=False), y
         if isinstance(switch.of, int):
-            return self._force_switched(switch, switch.of, modes, time, y, fastest), y
+            modes = self._force_switched(switch, switch.of, modes, time, y, fastest)
+            if modes.standing:
+                y = y.copy()
+                y[n : 2 * n] = 0.0
+            return modes, y
         return self._line_switched(switch, str(switch.of), modes, time, y)
 
     def _force_switched(self, switch: Switch, k: int, modes: Modes, time: float, y: Array, fastest: float) -> Modes:

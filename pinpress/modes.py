@@ -53,16 +53,17 @@ class Place(NamedTuple):
 
 class Modes(NamedTuple):
     """All that is switched: the driveline's mode, the place of every force (None of one in time), and on which side of the corners of its
-    torque the drive runs."""
+    torque the drive runs; whether the press is ``standing``, held by loads that resist either way."""
 
     line: Mode
     places: tuple[Place | None, ...]
     sides: tuple[int, ...] = ()
+    standing: bool = False
 
 
 class Switch(NamedTuple):
-    """What a switching function is of: a force ("low", "high", "turn", "contact"), the drive ("corner"), or a clutch or brake ("grips",
-    "slips", "closes", "opens")."""
+    """What a switching function is of: a force ("low", "high", "turn", "contact"), the drive ("corner"), a clutch or brake ("grips",
+    "slips", "closes", "opens"), or a press that stands ("starts", +1 or -1)."""
 
     what: str
     of: int | str

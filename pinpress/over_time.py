@@ -23,6 +23,7 @@ from .path import LEDGERS, Reading
 
 LEAST_RELATIVE = 3e-14  # tolerance beside the value itself, the least that SciPy takes: angles grow, their errors must not
 LOOKED_AT = (0.25, 0.5, 0.75, 1.0)  # of a step: where switching functions are looked at
+LOOKS = 200  # in a run's duration, at a press that stands
 MOST_TRIES = 4  # to end a step at a corner
 MOST_AT_ONCE = 100  # events without time going on
 SOME_STEPS = 3000  # after which the pace is looked at
@@ -88,6 +89,12 @@ class Stepped:
     @property
     def end(self) -> float:
         return self.times[-1] if self.times else self.start
+
+    @property
+    def standing(self) -> float | None:
+        """Since when the press stands at the end, held by loads; None where it does not."""
+        moving = next((k for k in range(len(self.modes), 0, -1) if not self.modes[k - 1].standing), 0)
+        return None if moving == len(self.modes) else self.times[moving - 1] if moving else self.start
 
     def before(self, late: Callable[[Array], float]) -> tuple[float, Modes, Array, float]:
         """Give up the last step, in which a function of the vector has become positive: when it began, its modes, the vector there,
@@ -155,6 +162,8 @@ def run(
             solver: OdeSolver = RungeKutta4(rates, time, y, target, step)
         else:
             more: dict[str, float] = {} if first is None else {"first_step": min(first, target - time)}
+            if modes.standing:  # nothing moves, so that a step may be of any length: what starts the press must not be stepped over
+                more["max_step"] = (until - start) / LOOKS
             solver = DOP853(rates, time, y, target, rtol=LEAST_RELATIVE, atol=tolerance * scale, **more)
         if not np.isfinite(solver.f).all():
             raise SimulationError("a torque or force is not finite here, or the linkage locks: look at drive and loads", time, angle)

@@ -21,7 +21,7 @@ from .closing import refuse_far
 from .coordinates import Array
 from .driveline import Brake, Clutch
 from .drives import Drive, Flywheel, PrescribedSpeed
-from .errors import PinpressError, SimulationError, UnknownNameError
+from .errors import PinpressError, SimulationError, UnknownNameError, caution
 from .forces import Load
 from .linkage import Linkage
 from .methods import Plan
@@ -156,7 +156,14 @@ def simulate(
         else:
             path = methods.by_joints(plan, angles, speeds, until, tolerance, fixed, progress)
         allowed = None if fixed is not None else allowed_error(tolerance)
-        return as_run(plan, path, method, until, points, began, allowed)
+        run = as_run(plan, path, method, until, points, began, allowed)
+    since = getattr(path.segments[-1], "standing", None)
+    if since is not None:
+        caution(
+            f"the press stands from {since:.6g} s to the end, at crank angle {np.degrees(run.crank_angle[-1]):.6g} deg: the load holds it"
+            " there against the drive"
+        )
+    return run
 
 
 def _scenarios(
