@@ -9,24 +9,25 @@ from pathlib import Path
 from .errors import PinpressError
 from .sweep_grid import LONGEST, Grid, Scalar, scalar
 from .sweep_run import Outcome
-from .tables import csv_text
+from .tables import csv_lines
 
 SUM = 9  # bytes of a comma and a checksum at the end of a line
 
 
 def header(grid: Grid, kinds: Mapping[str, str]) -> bytes:
     """The first line."""
-    return csv_text([["point", *grid.axes, *kinds, "error", "checksum"]]).encode()
+    (line,) = csv_lines([["point", *grid.axes, *kinds, "error", "checksum"]])
+    return f"{line}\n".encode()
 
 
 def lines(grid: Grid, kinds: Mapping[str, str], found: Iterable[Outcome]) -> bytes:
     """A line for each outcome, more where a text has lines of its own."""
-    start, written = _start(grid, kinds), []
-    for number, values, error in found:
-        results = ("" if error else _text(values[name]) for name in kinds)
-        row = csv_text([[str(number), *map(_text, grid.labels(number)), *results, error]])[:-1].encode()
-        written.append(b"%s,%08x\n" % (row, zlib.crc32(row, start)))
-    return b"".join(written)
+    rows = (
+        [str(number), *map(_text, grid.labels(number)), *("" if error else _text(values[name]) for name in kinds), error]
+        for number, values, error in found
+    )
+    start = _start(grid, kinds)
+    return b"".join(b"%s,%08x\n" % (row, zlib.crc32(row, start)) for row in map(str.encode, csv_lines(rows)))
 
 
 def read(path: Path, grid: Grid, kinds: Mapping[str, str]) -> tuple[list[Outcome], bool]:
@@ -86,8 +87,8 @@ def _row(first_line: bytes, piece: int) -> int:
 
 
 def _start(grid: Grid, kinds: Mapping[str, str]) -> int:
-    """What checksums begin with: the names of the columns and the kinds of the results."""
-    return zlib.crc32(repr(list(kinds.values())).encode(), zlib.crc32(header(grid, kinds)))
+    """What checksums begin with: the names of the axes, and names and kinds of the results."""
+    return zlib.crc32(repr((list(grid.axes), kinds)).encode())
 
 
 def _outcome(row: bytes, grid: Grid, kinds: Mapping[str, str]) -> Outcome:

@@ -4,6 +4,7 @@ import io
 import itertools
 import os
 from collections.abc import Iterable, Mapping, Sequence
+from types import SimpleNamespace
 from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
@@ -32,23 +33,18 @@ def write_csv(path: str | os.PathLike[str], columns: Mapping[str, Array | Sequen
         PinpressError: the file cannot be written.
     """
     lists = (column.astype(float).tolist() if isinstance(column, np.ndarray) else column for column in columns.values())
-    files.write(path, csv_text(itertools.chain([columns], zip(*lists, strict=True))).encode())
+    lines = csv_lines(itertools.chain([columns], zip(*lists, strict=True)))
+    files.write(path, "".join(f"{line}\n" for line in lines).encode())
 
 
-def csv_text(rows: Iterable[Iterable[object]]) -> str:
-    """Rows as a CSV, a line each."""
+def csv_lines(rows: Iterable[Iterable[object]]) -> list[str]:
+    """Rows as lines of a CSV, without their ends. One has line feeds in it where a text has."""
     import csv
 
-    text = _Lines(newline="")
-    csv.writer(text, lineterminator="\r\n").writerows(rows)
-    return text.getvalue()
-
-
-class _Lines(io.StringIO):
-    """Lines of a CSV with their ends as Unix has them: a writer puts what could end a line into quotes only where its own lines end so."""
-
-    def write(self, line: str) -> int:
-        return super().write(line[:-2] + "\n")
+    written: list[str] = []
+    # with the end that it writes here the writer puts both characters that can end a line into quotes
+    csv.writer(SimpleNamespace(write=written.append), lineterminator="\r\n").writerows(rows)
+    return [line[:-2] for line in written]
 
 
 def write_mat(path: str | os.PathLike[str], columns: Mapping[str, Array]) -> None:

@@ -1,9 +1,7 @@
 """Files are written whole or left alone, keep what they are, and leave nothing beside them."""
 
-import contextlib
 import errno
 import os
-import resource
 import signal
 import stat
 import subprocess
@@ -13,6 +11,7 @@ import threading
 from pathlib import Path
 
 import pytest
+from full_disk import full_disk
 from time_limit import _limit  # noqa: F401
 
 import pinpress as pp
@@ -26,17 +25,6 @@ def file(tmp_path):
     path = tmp_path / "table.csv"
     path.write_bytes(OLD)
     return path
-
-
-@contextlib.contextmanager
-def full_disk(size):
-    """No file may become longer: what a full disk is for a program, but in the error's words."""
-    before = resource.getrlimit(resource.RLIMIT_FSIZE)
-    resource.setrlimit(resource.RLIMIT_FSIZE, (size, before[1]))
-    try:
-        yield
-    finally:
-        resource.setrlimit(resource.RLIMIT_FSIZE, before)
 
 
 @pytest.mark.parametrize("mode", [0o600, 0o640, 0o644, 0o755])

@@ -14,6 +14,7 @@ from functools import partial
 
 import numpy as np
 import pytest
+from full_disk import full_disk
 from sweep_points import dies, doubled, fails_at_odd, logged, product, raises_at_1
 from time_limit import _limit, within  # noqa: F401
 
@@ -155,6 +156,8 @@ def test_words_come_back_as_they_were(file):
     words = ["", "a,b", 'say "x"', "two\nlines", "two\r\nlines", "two\rlines", "\r", ",00000000\n0", "1.0", "True", "é 滑块"]
     found = sweep(lambda k: {"word": words[k]}, {"k": range(len(words))}, to=file)
     assert sweep(lambda k: {}, {"k": range(len(words))}, to=file).columns["word"].tolist() == words == found.columns["word"].tolist()
+    found.to_csv(file.with_name("table.csv"))
+    assert [row[1] for row in rows(file.with_name("table.csv"))[1:]] == words
 
 
 def test_labels_of_several_kinds(file):
@@ -304,6 +307,24 @@ def test_damage_in_the_middle_of_an_unfinished_file_is_told(tmp_path, damage):
     file.write_bytes(content[:at] + damage + content[at + 1 :])
     with pytest.raises(pp.PinpressError, match=r"r\.csv: row 7|r\.csv: row 8|r\.csv: row 9"):
         sweep(told, {"k": range(30)}, to=file)
+
+
+def test_a_disk_that_fills_up(file):
+    """What was finished before is there, and a call with more room does the others."""
+    running = file if file.suffix == ".csv" else file.with_name(f"{file.name}.csv")
+    done = []
+
+    def counted(k):
+        done.append(k)
+        return told(k)
+
+    counted.__qualname__ = "told"
+    with full_disk(800), pytest.raises(pp.PinpressError, match=f"cannot write {running}: File too large"):
+        sweep(counted, {"k": range(30)}, to=file)
+    assert running.stat().st_size == 800
+    before, done[:] = len(done), []
+    same(sweep(counted, {"k": range(30)}, to=file), sweep(told, {"k": range(30)}))
+    assert done == list(range(before - 1, 30))
 
 
 def test_a_sweep_is_kept_in_a_regular_file(tmp_path):
@@ -489,6 +510,12 @@ def test_a_task_that_takes_longer_than_expected_hands_points_back():
     assert begun == list(range(1000, 1010))
     assert found.columns["x"].tolist() == list(range(1010))
     assert np.diff([count for _, count in shares]).max() <= 4
+
+
+def test_ctrl_c_in_a_worker_stops_the_sweep(file):
+    with ProcessPoolExecutor(1) as pool, pytest.raises(KeyboardInterrupt):
+        sweep(partial(raises_at_1, error=KeyboardInterrupt), {"a": [0, 1, 2]}, to=file, executor=pool)
+    assert sweep(partial(raises_at_1, error=ValueError), {"a": [0, 1, 2]}, to=file).columns["twice"].tolist() == [0, None, 4]
 
 
 def test_interrupted_and_resumed(file):
