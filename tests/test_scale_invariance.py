@@ -38,7 +38,7 @@ UNITS = [Units(length=2.0**-7), Units(mass=2.0**9), Units(time=2.0**-5), Units(2
 FORCE, TORQUE, INERTIA, POWER, RATE = (1, 1, -2), (2, 1, -2), (2, 1, 0), (2, 1, -3), (0, 0, -1)
 LENGTH, TIME, PLAIN = (1, 0, 0), (0, 0, 1), (0, 0, 0)
 INSIDE = None  # an object with units of its own
-DIMENSIONS = {
+DIMENSIONS: dict[type, dict[str, tuple[int, int, int] | None]] = {
     forces.PointForce: {"link": PLAIN, "force": FORCE, "point": LENGTH},
     forces.SpringDamper: {
         "link1": PLAIN,
@@ -227,7 +227,7 @@ DRIVES = {
     "slip clutch": drives.Geared(drives.SlipClutchMotor(190.0, 150.0, 138.0, 130.0, lag=0.05, inertia=0.3), 18.0),
     "servo": drives.ServoMotor([0.0, 0.1, 0.3], [0.0, 0.5, 1.5], 1e6, 1e5, 1e6, inertia=50.0),
 }
-SCENES = {
+SCENES: dict[str, dict[str, object]] = {
     **{name: {"drive": drive} for name, drive in DRIVES.items()},
     **{name: {"loads": [load]} for name, load in LOADS.items() if name != "in time"},
     "clutch": {"drive": DRIVES["torque"], "clutch": driveline.Clutch(2e3, closes=driveline.At(time=0.05), rise=0.02)},
