@@ -11,6 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from . import freedom
 from .coordinates import Array
 from .errors import PinpressError, UnknownNameError, expect
 from .linkage import Linkage
@@ -192,11 +193,8 @@ def locus(reactions: Reactions, name: str) -> Locus:
 def _directions(press: Linkage, force: Array, least: float) -> tuple[tuple[str, str], Array]:
     """Names and world directions (2, 3) of a polar diagram's axes; forces (n, 3) below ``least`` are rounding."""
     normal = None if press.plane is None else press.plane.normal
-    if normal is not None and np.abs(normal).max() < 1 - ROUNDING:
-        along = np.cross((0.0, 0.0, 1.0), normal)
-        along *= (1.0 if along[np.argmax(np.abs(along))] > 0 else -1.0) / np.linalg.norm(along)
-        upwards = np.cross(normal, along)
-        return ("h", "u"), np.array([along, upwards * (1.0 if upwards[2] > 0 else -1.0)])
+    if normal is not None and np.abs(normal).max() < 1 - freedom.UPRIGHT:
+        return ("h", "u"), freedom.own_axes(press)[[0, 2]]
     across = _least_moved(force, least) if normal is None else int(np.abs(normal).argmax())
     first, second = (axis for axis in range(3) if axis != across)
     return (AXES[first], AXES[second]), np.eye(3)[[first, second]]

@@ -71,8 +71,10 @@ def force_error(forces: Mapping[str, Array], expected: Reactions, peak: float, d
     mechanics leaves open, which other programs share in ways of their own."""
     found = []
     for name, force in expected.bearing_force.items():
-        kept = ~expected.indeterminate[name][:3] if determined else slice(None)
-        found.append(float(np.linalg.norm((forces[name] - force)[:, kept], axis=1).max()))
+        off = forces[name] - force
+        if determined:
+            off = (off @ expected.indeterminate_axes.T)[:, ~expected.indeterminate[name][:3]]
+        found.append(float(np.linalg.norm(off, axis=1).max()))
     return max(found) / peak
 
 

@@ -15,6 +15,7 @@ from .plane import PARALLEL
 from .spatial_equations import Rows
 
 TAKES_PART = 1e-6  # of a unit null vector
+UPRIGHT = 1e-9  # a plane whose normal is a world axis but for as little has the world's axes
 
 
 class Held(NamedTuple):
@@ -121,6 +122,19 @@ def redundancy(press: Linkage, rows: Rows) -> Redundancy:
 def lies_in_plane(press: Linkage) -> bool:
     """Whether all axes, those of pins at loops too, are parallel to the driver's, and all guides across it."""
     return all(off <= PARALLEL for off in [*joints_off_plane(press), *loops_off_plane(press)])
+
+
+def own_axes(press: Linkage) -> Array:
+    """(3, 3) directions, as rows, in which what a linkage can move, and what it only carries, are told apart: of a planar linkage whose
+    plane is inclined against all world axes the horizontal in the plane, the normal, and the way up in the plane; else the world's."""
+    normal = _normal(press)
+    if np.abs(normal).max() >= 1 - UPRIGHT or not lies_in_plane(press):
+        return np.eye(3)
+    along = np.cross((0.0, 0.0, 1.0), normal)
+    along *= (1.0 if along[np.argmax(np.abs(along))] > 0 else -1.0) / np.linalg.norm(along)
+    upwards = np.cross(normal, along)
+    upwards *= 1.0 if upwards[2] > 0 else -1.0
+    return np.array([along, np.cross(upwards, along), upwards])
 
 
 def joints_off_plane(press: Linkage) -> list[float]:

@@ -12,12 +12,14 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from .constant_rows import Matrix, matrix, plain, product, stacked
 from .coordinates import Array, ComplexArray
 from .forces import AppliedForce
-from .plane import Plane, flat
-from .sharing import Objective, least
+from .plane import Plane, flat, in_space
+from .plane_kinematics import basis
+from .sharing import RANK, Objective, least
 from .wrenches import Wrenches
 
 if TYPE_CHECKING:
@@ -92,6 +94,29 @@ def add(
             result.moment[..., i] += first * tilting.real
         if second:
             result.moment[..., i] += second * tilting.imag
+
+
+def indeterminate(plane: Plane, position: Array, axes: Array) -> NDArray[np.bool_]:
+    """Components of bearings (bearings, 6) along ``axes`` (3, 3), its rows, that idle forces reach in any of the positions (nv, n); see
+    `Reactions.indeterminate`. Where all equations in the plane are needed, every loop can carry any force along the normal, and if it
+    holds its links upright any tilting moment: the joints of the tree do without."""
+    count = len(plane.parents)
+    at = basis(plane, position)
+    origins, points = product(plane.origins, at), product(plane.loop_points, at)
+    along = [np.abs(axes @ each) > RANK for each in (plane.normal, *plane.axes)]
+    tilting = along[1] | along[2]
+    marks = np.zeros((count + len(plane.loop_heights), 6), dtype=bool)
+    marks[count:, :3] = along[0]
+    marks[count:, 3:] = plane.holding[:, None] & tilting
+    for joint, loops in enumerate(plane.round_loops):
+        for loop in loops:
+            marks[joint, :3] |= along[0]
+            if plane.holding[loop]:
+                marks[joint, 3:] |= tilting
+            else:
+                moments = in_space(plane, -1j * (points[loop] - origins[joint])) @ axes.T
+                marks[joint, 3:] |= np.abs(moments).max(axis=0) > RANK * plane.size
+    return marks
 
 
 @dataclass(frozen=True, eq=False, repr=False)

@@ -117,7 +117,7 @@ def eccentric_load(
         tilting=tilting,
         pressure=pressure,
         contact=contact,
-        indeterminate=bool(np.any(found.indeterminate[3:] & (np.abs(across[1]) > DIRECTION))),
+        indeterminate=bool(np.any(found.indeterminate & (np.abs(found.axes @ across[1]) > DIRECTION))),
     )
     for array in (result.tilting_moment, found.force, found.moment, normal, tilting, pressure, contact):
         array.setflags(write=False)
@@ -193,11 +193,13 @@ def _across(press: Linkage, guide: Guide) -> tuple[Array, Array]:
 
 
 class _Reaction(NamedTuple):
-    """Force (n, 3) of the guide on the slide and its moment (n, 3) about the middle of the gibs; components (6,) that are indeterminate."""
+    """Force (n, 3) of the guide on the slide and its moment (n, 3) about the middle of the gibs; the components (3,) of this moment along
+    ``axes`` (3, 3) that are indeterminate."""
 
     force: Array
     moment: Array
     indeterminate: NDArray[np.bool_]
+    axes: Array
 
 
 def _reacting(press: Linkage, motion: Motion, force: Array, point: Array, guide: Guide, engine: str) -> _Reaction:
@@ -211,7 +213,8 @@ def _reacting(press: Linkage, motion: Motion, force: Array, point: Array, guide:
     frame = press.model.frames[press.model.getFrameId(slide, pin.BODY)]
     middle = press.model.jointPlacements[joint].rotation @ frame.placement.translation + guide.middle * axis
     reaction = np.array(found.bearing_force[name])
-    return _Reaction(reaction, found.bearing_moment[name] - np.cross(middle, reaction), found.indeterminate[name])
+    moment = found.bearing_moment[name] - np.cross(middle, reaction)
+    return _Reaction(reaction, moment, found.indeterminate[name][3:], found.indeterminate_axes)
 
 
 def _pressure(guide: Guide, normal: Array, tilting: Array, motion: Motion) -> tuple[Array, Array]:

@@ -17,11 +17,12 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from . import change_points, forces, plane_dynamics, plane_power, spatial_dynamics, tables
+from . import change_points, forces, plane_axial, plane_dynamics, plane_power, spatial_dynamics, tables
 from .by_bearing import ByBearing
 from .coordinates import Array, ComplexArray
 from .errors import PinpressError, SingularityError, UnknownNameError
 from .forces import AppliedForce, Load
+from .freedom import own_axes
 from .friction import Friction, FrictionLaw
 from .friction import law as friction_law
 from .frozen import Frozen, FrozenMapping
@@ -52,9 +53,11 @@ class Reactions(Frozen):
         friction_power: name of a joint or loop, each of them -> (n,) power lost there [W].
         shaking_force: (n, 3) [N]; shaking_moment: (n, 3) about the world origin [N m]. Computed when they are first asked for, from the
             bearings on the frame, also where these were left out.
-        indeterminate: name -> (6,) bool: components of force (x, y, z) and moment (x, y, z) that rigid mechanics leaves open because a loop
-            closes more than it must; shared as `sharing` says, by default with the least sum of squared bearing forces. In a planar press
-            whose equations in the plane are all needed they are those along the normal.
+        indeterminate: name -> (6,) bool: components of force and moment, three each, that rigid mechanics leaves open because a loop closes
+            more than it must; shared as `sharing` says, by default with the least sum of squared bearing forces. In a planar press whose
+            equations in the plane are all needed they are the forces along the normal and the moments that tilt.
+        indeterminate_axes: (3, 3) the directions of these components, as rows: world x, y, z; of a planar linkage whose plane is inclined
+            against all of these the horizontal in the plane, the normal, and the way up in the plane.
         indeterminate_coupling: name of a joint with a ``<mimic>`` -> bool: the same of the gear pair's torque.
     """
 
@@ -107,10 +110,19 @@ class Reactions(Frozen):
         return ByBearing(tuple(c.name for c in self._press.couplings), self._indeterminate[1])
 
     @cached_property
+    def indeterminate_axes(self) -> Array:
+        axes = own_axes(self._press)
+        axes.setflags(write=False)
+        return axes
+
+    @cached_property
     def _indeterminate(self) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
-        positions = self.motion.joint_position.T
+        positions, press = self.motion.joint_position.T, self._press
         some = positions[:, :: max(1, positions.shape[1] // STATES_LOOKED_AT)]
-        return spatial_dynamics.indeterminate(self._press.spatial, some)
+        if self.engine == "plane" and press.plane is not None and not press.plane.redundant:
+            marks = plane_axial.indeterminate(press.plane, some, self.indeterminate_axes)
+            return marks, np.zeros(len(press.couplings), dtype=bool)
+        return spatial_dynamics.indeterminate(press.spatial, some, self.indeterminate_axes)
 
     @property
     def shaking_force(self) -> Array:

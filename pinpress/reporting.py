@@ -137,9 +137,11 @@ def _bearing(result: Reactions, name: str, frames: Keys, before: Reactions | Non
 def _left_open(result: Reactions, name: str) -> str:
     """What rigid mechanics does not decide of a bearing, and is not zero, in words; empty where there is nothing."""
     least = charts.rounding(result)
-    sizes = [np.abs(vector).max(axis=0) for vector in (result.bearing_force[name], result.bearing_moment[name])]
+    axes = result.indeterminate_axes.T
+    sizes = [np.abs(vector @ axes).max(axis=0) for vector in (result.bearing_force[name], result.bearing_moment[name])]
     shown = np.concatenate([sizes[0] > least.force, sizes[1] > least.moment]) & result.indeterminate[name]
-    components = [f"{kind} {axis}" for kind in ("force", "moment") for axis in charts.AXES]
+    names = charts.AXES if np.array_equal(axes, np.eye(3)) else ("h", "across the plane", "u")
+    components = [f"{kind} {axis}" for kind in ("force", "moment") for axis in names]
     return ", ".join(itertools.compress(components, shown))
 
 

@@ -59,9 +59,9 @@ def inverse_dynamics(
     return result
 
 
-def indeterminate(spatial: Spatial, position: Array) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
-    """Components of bearings (bearings, 6), and torques of couplings (nc,), that idle forces reach in any of the positions (nv, n); see
-    `Reactions.indeterminate`."""
+def indeterminate(spatial: Spatial, position: Array, axes: Array) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
+    """Components of bearings (bearings, 6) along ``axes`` (3, 3), its rows, and torques of couplings (nc,), that idle forces reach in any
+    of the positions (nv, n); see `Reactions.indeterminate`."""
     equations = spatial.equations()
     marks, gears = np.zeros((spatial.model.nv + len(spatial.loops), 6), dtype=bool), np.zeros(len(spatial.couplings), dtype=bool)
     for x in position.T:
@@ -70,8 +70,10 @@ def indeterminate(spatial: Spatial, position: Array) -> tuple[NDArray[np.bool_],
         if idle.shape[1]:
             forces, moments, _ = _parts(spatial, rows, idle)
             moments = _moments(spatial, equations.placements, forces, moments)
-            marks[:, :3] |= (np.abs(spatial.share @ idle[: 3 * len(spatial.loops)]).max(axis=1) > RANK).reshape(-1, 3)
-            marks[:, 3:] |= (np.abs(moments).max(axis=1) > RANK * spatial.size).reshape(-1, 3)
+            carried = spatial.share @ idle[: 3 * len(spatial.loops)]
+            for place, vectors, unit in ((0, carried, 1.0), (3, moments, spatial.size)):
+                along = axes @ vectors.reshape(len(marks), 3, -1)
+                marks[:, place : place + 3] |= np.abs(along).max(axis=2) > RANK * unit
             gears |= np.abs(idle[len(idle) - len(gears) :]).max(axis=1) > RANK
     return marks, gears
 

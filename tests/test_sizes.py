@@ -35,6 +35,8 @@ def test_planar_linkages_need_no_pinocchio_data(datas, kind):
     result = pp.inverse_dynamics(press, pp.cycle(press, angle=ANGLES, speed=3.0))
     assert np.abs(result.power_residual).max() < 1e-13
     assert np.isfinite(result.shaking_moment).all()
+    loop_forces = [flags[:3].tolist() for name, flags in result.indeterminate.items() if name not in press.joints]
+    assert loop_forces == [[False, True, False]] * len(press.loops)
     assert not datas
 
 

@@ -5,6 +5,7 @@ import re
 import numpy as np
 import pinocchio as pin
 import pytest
+import small_linkages
 import texts
 from random_linkages import Drawing, momentum_balance, newton_euler
 
@@ -326,6 +327,30 @@ def test_no_moment_in_the_plane_is_open(open_components):
     press, flags = open_components
     for name in press.bearings:
         assert not flags[name][4], name
+
+
+@pytest.mark.parametrize("engine", ["plane", "pinocchio"])
+@pytest.mark.parametrize("name", ["zxn2_3000b", "crank_slide", "jf75g_125_symmetric"])
+def test_the_same_is_open_in_a_press_that_stands_askew(name, engine, tmp_path):
+    """Flags are along the horizontal in the plane, the normal, and the way up in the plane: what is certain upright is certain askew."""
+    upright, askew = texts.shipped(name), small_linkages.bolted(texts.shipped(name), "0.3 0.2 0.1", tmp_path)
+    straight, leaning = (pp.inverse_dynamics(press, pp.cycle(press, 5.0, points=7), engine=engine) for press in (upright, askew))
+    np.testing.assert_array_equal(straight.indeterminate_axes, np.eye(3))
+    axes, normal = leaning.indeterminate_axes, pin.rpy.rpyToMatrix(0.3, 0.2, 0.1)[:, 1]
+    np.testing.assert_allclose(axes @ axes.T, np.eye(3), atol=1e-15)
+    assert np.linalg.det(axes) > 0.5
+    assert abs(axes[0, 2]) < 1e-15  # horizontal
+    assert axes[2, 2] > 0.5  # upwards
+    assert abs(abs(axes[1] @ normal) - 1) < 1e-12
+    certain = 0
+    for bearing in upright.bearings:
+        before, after = straight.indeterminate[bearing], leaning.indeterminate[bearing]
+        # forces in the plane, then moments in it, are open together: their two directions are others than upright
+        assert (after[1], after[4]) == (before[1], before[4])
+        for pair in ([0, 2], [3, 5]):
+            assert after[pair].any() == before[pair].any()
+        certain += np.count_nonzero(~after)
+    assert certain >= len(upright.bearings)
 
 
 @pytest.mark.parametrize("engine", ["plane", "pinocchio"])
