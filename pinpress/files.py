@@ -100,18 +100,11 @@ def _stream(path: str | os.PathLike[str], found: os.stat_result) -> FileIO | Non
 def _replace(target: Path, found: os.stat_result | None, content: bytes) -> None:
     """Write a file beside the target, and give it the target's name, mode and owner."""
     part = target.with_name(f".pinpress-{secrets.token_hex(8)}")
-    descriptor, named = _opened(part)
     try:
-        with FileIO(descriptor, "w") as stream:
-            if found is not None and hasattr(os, "fchmod"):
-                if (found.st_uid, found.st_gid) != (os.geteuid(), os.getegid()):
-                    with suppress(OSError):  # only root may
-                        os.fchown(descriptor, found.st_uid, found.st_gid)
-                os.fchmod(descriptor, stat.S_IMODE(found.st_mode))
-            _send(stream, content)
-            os.fsync(descriptor)
-            if not named:  # src_dir_fd makes it the system call that follows the link to the file
-                os.link(f"/proc/self/fd/{descriptor}", part, src_dir_fd=descriptor)
+        if not _nameless(part, found, content):
+            descriptor = os.open(part, os.O_WRONLY | os.O_CREAT | os.O_EXCL | getattr(os, "O_BINARY", 0), 0o666)
+            with FileIO(descriptor, "w") as stream:
+                _fill(stream, found, content)
         os.replace(part, target)
     except BaseException:
         with suppress(OSError):
@@ -119,12 +112,33 @@ def _replace(target: Path, found: os.stat_result | None, content: bytes) -> None
         raise
 
 
-def _opened(part: Path) -> tuple[int, bool]:
-    """A new file, and whether it has its name: where the system knows files without one, nothing is left of it by a kill."""
-    if hasattr(os, "O_TMPFILE") and os.path.isdir("/proc/self/fd"):
-        with suppress(OSError):  # not on every file system
-            return os.open(part.parent, os.O_TMPFILE | os.O_WRONLY, 0o666), False
-    return os.open(part, os.O_WRONLY | os.O_CREAT | os.O_EXCL | getattr(os, "O_BINARY", 0), 0o666), True
+def _nameless(part: Path, found: os.stat_result | None, content: bytes) -> bool:
+    """Write a file that has no name as long as it is written, so that a kill leaves nothing of it; whether the system knows such."""
+    if not hasattr(os, "O_TMPFILE"):
+        return False
+    try:
+        descriptor = os.open(part.parent, os.O_TMPFILE | os.O_WRONLY, 0o666)
+    except OSError:  # not on every file system
+        return False
+    with FileIO(descriptor, "w") as stream:
+        _fill(stream, found, content)
+        try:  # src_dir_fd makes it the system call that follows the link to the file
+            os.link(f"/proc/self/fd/{descriptor}", part, src_dir_fd=descriptor)
+        except OSError:  # /proc is not there
+            return False
+    return True
+
+
+def _fill(stream: FileIO, found: os.stat_result | None, content: bytes) -> None:
+    descriptor = stream.fileno()
+    if found is not None:
+        if hasattr(os, "fchown") and (found.st_uid, found.st_gid) != (os.geteuid(), os.getegid()):
+            with suppress(OSError):  # only root may
+                os.fchown(descriptor, found.st_uid, found.st_gid)
+        if hasattr(os, "fchmod"):
+            os.fchmod(descriptor, stat.S_IMODE(found.st_mode))
+    _send(stream, content)
+    os.fsync(descriptor)
 
 
 def _overwrite(path: str | os.PathLike[str], found: os.stat_result, content: bytes) -> None:

@@ -55,6 +55,7 @@ def read_only(value: T) -> T:
         value.setflags(write=False)
         if isinstance(value, np.ma.MaskedArray):
             value.harden_mask()
+            read_only(np.ma.getmaskarray(value))
     elif isinstance(value, dict):
         for part in value.values():
             read_only(part)

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from . import tables
 from .errors import UnknownNameError
-from .frozen import Frozen
+from .frozen import Frozen, read_only
 from .sweep_grid import Grid, Scalar
 from .sweep_run import Outcome
 
@@ -118,10 +118,9 @@ def table(function: str, grid: Grid, kinds: Mapping[str, str], known: Mapping[in
     masked = np.array([bool(outcome.error) for outcome in found])
     for name, kind in kinds.items():
         values = np.ma.MaskedArray(_filled([outcome.values.get(name) for outcome in found], kind), masked.copy())
-        values.harden_mask()
         columns[name] = values
     for column in columns.values():
-        column.setflags(write=False)
+        read_only(column)
     failed = tuple(
         FailedPoint(bad.number, dict(zip(grid.axes, grid.labels(bad.number), strict=True)), bad.error) for bad in found if bad.error
     )

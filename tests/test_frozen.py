@@ -74,6 +74,7 @@ def arrays(value, where="", seen=None):
         yield where, value
         if isinstance(value, np.ma.MaskedArray):
             yield f"{where}.data", value.data
+            yield f"{where}.mask", value.mask
         return
     inner = parts(value) if isinstance(value, Mapping | tuple | list) or dataclasses.is_dataclass(value) else {}
     if dataclasses.is_dataclass(value):
