@@ -13,7 +13,7 @@ from .motion import carried
 ROUNDING = 4 * float(np.finfo(float).eps)  # of a crank angle [rad]
 MOST_STEPS = 60  # halve half a degree down to that
 SAMPLES = 720  # per turn; two dead centres closer than half a degree would be taken for none
-EQUAL = 1e-12  # of the stroke: turning points that differ by less differ by rounding
+EQUAL = 1e-9  # of the stroke: slide positions that differ by less differ by rounding
 
 
 @dataclass(frozen=True)
@@ -21,8 +21,10 @@ class DeadCentres:
     """Outermost turning points of the slide along its guide's axis over one period; of equal ones the first.
 
     Attributes:
-        top_angle, bottom_angle: of the driver joint, from 0 to the end of the period, which mostly is 2 pi (`Linkage.period_turns`) [rad].
-            top: the far end along the axis, upwards in an upright press.
+        turns: of the driver, after which the slide is where it was; all that moves with it may be back only later
+            (`Linkage.period_turns`).
+        top_angle, bottom_angle: of the driver joint, from 0 to the end of these turns [rad]. top: the far end along the axis, upwards in an
+            upright press.
         top_position, bottom_position: of the slide [m].
     """
 
@@ -30,6 +32,7 @@ class DeadCentres:
     top_position: float
     bottom_angle: float
     bottom_position: float
+    turns: int
 
     @property
     def stroke(self) -> float:
@@ -47,6 +50,14 @@ def dead_centres(press: Linkage) -> DeadCentres:
     return press.dead_centres
 
 
+def stroke_turns(press: Linkage) -> int | None:
+    """Turns of the driver from stroke to stroke; of a linkage without dead centres those of its period, None where it has none."""
+    try:
+        return dead_centres(press).turns
+    except PinpressError:
+        return press.turns_until_back
+
+
 def found(press: Linkage) -> DeadCentres:
     """The same, worked out."""
     _ = press.slide_guide  # it has a slide
@@ -60,7 +71,7 @@ def found(press: Linkage) -> DeadCentres:
 
     # A press is often drawn at a dead centre: a grid that starts off the drawn pose has no sample on it.
     samples = np.linspace(0.0, period, round(SAMPLES * period / (2 * np.pi)) + 1) - 0.38 * np.pi / SAMPLES
-    speeds = slide(samples)[1]
+    way, speeds, _ = slide(samples)
     turning = np.flatnonzero(np.signbit(speeds[:-1]) != np.signbit(speeds[1:]))
     if len(turning) < 2:
         raise PinpressError(f"the slide of {press.name} does not turn back within its period: it has no dead centres")
@@ -77,5 +88,13 @@ def found(press: Linkage) -> DeadCentres:
             break
     positions = slide(angles)[0]
     angles = np.where(np.abs(angles) < 1e-12, 0.0, angles % period)  # not 360 degrees for one drawn there
-    top, bottom = (int(np.argmax(way * positions >= (way * positions).max() - EQUAL * np.ptp(positions))) for way in (1, -1))
-    return DeadCentres(float(angles[top]), float(positions[top]), float(angles[bottom]), float(positions[bottom]))
+    top, bottom = (int(np.argmax(sign * positions >= (sign * positions).max() - EQUAL * np.ptp(positions))) for sign in (1, -1))
+    turns = _turns(way[:-1], round(period / (2 * np.pi)))
+    return DeadCentres(float(angles[top]), float(positions[top]), float(angles[bottom]), float(positions[bottom]), turns)
+
+
+def _turns(positions: Array, turns: int) -> int:
+    """Turns after which positions (n,) of the slide, equally spaced over so many turns, come again."""
+    by_turn = positions.reshape(turns, -1)
+    least = EQUAL * float(np.ptp(positions))
+    return next(t for t in range(1, turns + 1) if turns % t == 0 and np.abs(np.roll(by_turn, t, axis=0) - by_turn).max() <= least)

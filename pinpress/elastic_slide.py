@@ -162,12 +162,17 @@ def dead_centre_shift(
 
     Raises:
         PinpressError: a speed that is not finite, a load that depends on the speed, a press so soft that it has no bottom dead centre
-            within 6 degrees of the rigid one; else as `elasticity`.
+            within 6 degrees of the rigid one, a slide that is back before all that moves with it; else as `elasticity`.
     """
     expect("press", press, Linkage, "load")
     speeds = _speeds(speed)
     _refuse_dependent(loads)
     centres = dead_centres(press)
+    if press.period_turns != centres.turns:
+        raise PinpressError(
+            f"the slide of {press.name} is back after {centres.turns} turns, all that moves with it only after {press.period_turns}: its"
+            " bottom dead centre moves by another distance in each stroke; see slide_deflection of a motion"
+        )
     series = np.polynomial.chebyshev
     nodes = centres.bottom_angle + WINDOW * series.chebpts1(NODES)
     angles = np.append(nodes, centres.bottom_angle)

@@ -49,7 +49,7 @@ class Ratings(Frozen):
             mechanical advantage [1/m], force on the slide for each N m on the crank; None without a height.
         dwell_tolerance, dwell_time: distance from bottom dead centre [m], and how long the slide stays within it [s].
         speed_limit: at which the idle press reaches a capacity; None where no speed does.
-        period_turns: as of `Linkage`: a stroke takes as many turns of the driver joint.
+        turns: of the driver joint from stroke to stroke.
     """
 
     press: str
@@ -75,7 +75,7 @@ class Ratings(Frozen):
     dwell_tolerance: float
     dwell_time: float
     speed_limit: SpeedLimit | None
-    period_turns: int
+    turns: int
 
     def __repr__(self) -> str:
         return f"<Ratings of {self.press}: {len(self.height)} heights, nominal force {self.capacities.nominal_force:.6g} N>"
@@ -178,7 +178,7 @@ def ratings(
         dwell_tolerance=tolerance,
         dwell_time=measures.dwell_time(period, tolerance),
         speed_limit=limiting_speed(press, capacities, scene.torque, math.copysign(1.0, rate), engine=engine),
-        period_turns=press.period_turns,
+        turns=scene.turns,
         **arrays,
     )
 

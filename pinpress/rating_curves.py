@@ -5,7 +5,8 @@ of the idle press, R1 those of its links without mass under a force of 1 N, so t
 most C then lets F grow until |R0 + F R1| = C, a quadratic equation.
 """
 
-from collections.abc import Mapping
+import functools
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -33,6 +34,7 @@ class Rated:
         torque: capacity at the driver joint [N m], None where it limits nothing.
         at_speed: whether weights and inertia forces count. engine: as in `cycle`.
         top, bottom: crank angles of the dead centres between which the working stroke is, in the order of the turn, unwrapped [rad].
+        turns: from stroke to stroke. All of the press may be back only after several strokes, in which forces are not the same.
         bottom_position: of the slide [m].
     """
 
@@ -45,6 +47,7 @@ class Rated:
     top: float
     bottom: float
     bottom_position: float
+    turns: int
 
     @cached_property
     def bearings(self) -> tuple[str, ...]:
@@ -52,7 +55,7 @@ class Rated:
 
     @cached_property
     def energies(self) -> Mapping[str, float]:
-        return self.capacities.energies(self.speed, self.press.period_turns)
+        return self.capacities.energies(self.speed, self.turns)
 
     @cached_property
     def massless(self) -> Linkage:
@@ -105,6 +108,24 @@ def permissible(rated: Rated, motion: Motion, energy: bool = True) -> dict[str, 
     Args:
         energy: also the forces that, constant from here to bottom dead centre, take all usable energy.
     """
+    strokes = (_permissible(rated, again) for again in _in_every_stroke(rated, motion))
+    found = functools.reduce(lambda some, others: {name: np.minimum(force, others[name]) for name, force in some.items()}, strokes)
+    if energy:
+        height = rated.height(motion)
+        with np.errstate(divide="ignore", over="ignore"):  # no way, no work
+            found |= {name: usable / height for name, usable in rated.energies.items()}
+    return found
+
+
+def _in_every_stroke(rated: Rated, motion: Motion) -> Iterator[Motion]:
+    """The motion, and the same way of the slide in the other strokes of the period."""
+    yield motion
+    for stroke in range(1, rated.press.period_turns // rated.turns):
+        yield rated.motion(motion.crank_angle + 2 * np.pi * rated.turns * stroke)
+
+
+def _permissible(rated: Rated, motion: Motion) -> dict[str, Array]:
+    """What torque, bearings and the nominal force permit in one stroke; see `permissible`."""
     capacities, count = rated.capacities, len(motion.crank_angle)
     found = {NOMINAL: np.full(count, capacities.nominal_force)}
     unit = under_unit_force(rated.massless, motion, rated.bottom_position, rated.bearings, rated.engine)
@@ -115,10 +136,6 @@ def permissible(rated: Rated, motion: Motion, energy: bool = True) -> dict[str, 
     for name in rated.bearings:
         before = np.zeros((count, 3)) if idle is None else idle.bearing_force[name]
         found[BEARING + name] = largest_factor(before, unit.bearing_force[name], capacities.bearings[name])
-    if energy:
-        height = rated.height(motion)
-        with np.errstate(divide="ignore", over="ignore"):  # no way, no work
-            found |= {name: usable / height for name, usable in rated.energies.items()}
     return found
 
 

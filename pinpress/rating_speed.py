@@ -14,6 +14,7 @@ import numpy as np
 
 from .capacities import Capacities, known_bearings
 from .coordinates import Array
+from .dead_centres import stroke_turns
 from .errors import PinpressError, expect
 from .forces import Load
 from .linkage import Linkage
@@ -39,18 +40,18 @@ class SpeedLimit:
     Attributes:
         speed: of the driver joint [rad/s]. limited_by: "torque", "bearing NAME", "slide acceleration" or "shaking force".
         crank_angle: at which that is reached, from 0 to the end of the period, which mostly is 2 pi [rad].
-        period_turns: as of `Linkage`.
+        turns: of the driver joint from stroke to stroke; where there is no slide, those of the period.
     """
 
     speed: float
     limited_by: str
     crank_angle: float
-    period_turns: int = 1
+    turns: int = 1
 
     @property
     def strokes_per_minute(self) -> float:
-        """One a period: mostly one a turn of the driver joint."""
-        return self.speed / RPM / self.period_turns
+        """Mostly one a turn of the driver joint."""
+        return self.speed / RPM / self.turns
 
 
 def speed_limit(
@@ -114,7 +115,7 @@ def limiting_speed(
                 best[k], centre[k] = float(square.min()), float(places[k, int(square.argmin())])
         step *= 2 / (AROUND - 1)
     worst = int(np.argmin(best))
-    return SpeedLimit(math.sqrt(best[worst]), names[worst], float(centre[worst]) % (2 * math.pi * turns), turns)
+    return SpeedLimit(math.sqrt(best[worst]), names[worst], float(centre[worst]) % (2 * math.pi * turns), stroke_turns(press) or turns)
 
 
 class _Item(NamedTuple):

@@ -36,8 +36,8 @@ def rated(press: Linkage, capacities: Capacities, speed: float, at_speed: bool, 
     """What is rated, its torque capacity found where a nominal height stands for it. Raises as `angle_at`."""
     ends = dead_centres(press)
     way = 1.0 if speed > 0 else -1.0
-    bottom = ends.top_angle + way * ((way * (ends.bottom_angle - ends.top_angle)) % (2 * np.pi * press.period_turns))
-    make = partial(Rated, press, capacities, speed, at_speed=at_speed, engine=engine, top=ends.top_angle, bottom=bottom)
+    bottom = ends.top_angle + way * ((way * (ends.bottom_angle - ends.top_angle)) % (2 * np.pi * ends.turns))
+    make = partial(Rated, press, capacities, speed, at_speed=at_speed, engine=engine, top=ends.top_angle, bottom=bottom, turns=ends.turns)
     given = make(torque=capacities.torque, bottom_position=ends.bottom_position)
     if capacities.nominal_height is None:
         return given

@@ -29,7 +29,7 @@ def columns(ratings: "Ratings") -> dict[str, Array | list[str]]:
 
 def text(ratings: "Ratings") -> str:
     """Main data, energies, and permissible force at some heights; units beside every number."""
-    rpm = abs(ratings.speed) / RPM / ratings.period_turns
+    rpm = abs(ratings.speed) / RPM / ratings.turns
     what = "with weights and inertia forces at this speed" if ratings.at_speed else "the process force alone, as catalogues print it"
     return "\n".join(
         [
@@ -82,7 +82,7 @@ def _shown(ratings: "Ratings") -> list[int]:
 
 
 def _row(ratings: "Ratings", k: int) -> str:
-    angle = np.degrees(ratings.crank_angle[k]) % (360 * ratings.period_turns)
+    angle = np.degrees(ratings.crank_angle[k]) % (360 * ratings.turns)
     return (
         f"  {1e3 * ratings.height[k]:14.3f}{angle:20.2f}{1e3 * abs(ratings.travel_per_angle[k]):24.4f}"
         f"{ratings.force[k] / 1e3:14.2f}{ratings.work[k] / 1e3:13.4f}  {ratings.limited_by[k]}"

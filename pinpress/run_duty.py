@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from .coordinates import Array
+from .dead_centres import stroke_turns
 from .drives import PrescribedSpeed
 from .errors import PinpressError
 from .path import DRIVE_WORK, LOAD_WORK, LOST, MOTOR_SQUARED, Reading
@@ -65,8 +66,8 @@ def duty(run: Run, start: float = 0.0, end: float | None = None) -> Duty:
 
 
 def strokes(run: Run) -> tuple[Duty, ...]:
-    """One `Duty` for each full period, from the angle at which the run began on: for each turn of the crank, or each several turns of a
-    linkage that repeats itself only after these (`Linkage.period_turns`). None where there is no full period.
+    """One `Duty` for each stroke, from the angle at which the run began on: for each full turn of the crank, or each several turns, where
+    gears bring the slide back only after these (`DeadCentres.turns`). None where the crank does not turn as far.
 
     Raises:
         PinpressError: a linkage with several drivers.
@@ -80,9 +81,10 @@ def strokes(run: Run) -> tuple[Duty, ...]:
     travelled = direction * travelled
     back = np.flatnonzero(np.diff(travelled) < 0)  # strokes end where the crank turns back
     upto = int(back[0]) + 1 if len(back) else len(travelled)
-    if run.period_turns is None:
+    turns = stroke_turns(run.plan.scene.press)
+    if turns is None:
         return ()
-    period = 2 * np.pi * run.period_turns
+    period = 2 * np.pi * turns
     turned = travelled[:upto] / period
     count = math.floor(float(turned[-1]) * ROUND + 1e-9)
     if count == 0:

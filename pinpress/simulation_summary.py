@@ -6,6 +6,7 @@ from dataclasses import fields
 import numpy as np
 
 from .coordinates import Array
+from .dead_centres import stroke_turns
 from .linkage import Linkage
 from .motion import RPM
 from .reactions import Reactions
@@ -54,7 +55,7 @@ def simulation_summary(press: Linkage, run: Run, result: Reactions, scene: Seque
         *_work(whole),
         *_motor(run, whole),
         *_torque(result),
-        *_strokes(strokes(run), run.period_turns),
+        *_strokes(strokes(run), stroke_turns(run.plan.scene.press)),
         *_bearings(run, result),
         "",
         "Checks",

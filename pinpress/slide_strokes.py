@@ -1,5 +1,6 @@
 """The slide's path over a period, and its working stroke."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Protocol, runtime_checkable
@@ -10,6 +11,8 @@ from . import over_turn
 from .coordinates import Array, ComplexArray
 from .errors import PinpressError
 from .over_turn import CrankMotion, Curve, Numbers
+
+SAME = 1e-9  # of a range: values that differ by less differ by rounding
 
 
 @runtime_checkable
@@ -87,7 +90,7 @@ class Stroke:
 
 
 def slide_path(motion: SlideMotion) -> Curve:
-    """Slide position over the period [m].
+    """Slide position over the period [m], or the part of it after which the slide is back, and other links are not.
 
     Raises:
         PinpressError: not one period at constant crank speed, no slide, one that does not turn back, or states too far apart.
@@ -98,10 +101,21 @@ def slide_path(motion: SlideMotion) -> Curve:
     position, velocity, acceleration = motion.slide_position, motion.slide_velocity, motion.slide_acceleration
     real = not any(map(np.iscomplexobj, (position, velocity, acceleration, motion.crank_speed)))
     scaled = [np.asarray(values * scale) for values, scale in ((position, 1.0), (velocity, time), (acceleration, time**2))]
-    path = over_turn.curve("the slide's position", scaled[0], scaled[1], scaled[2], real)
+    states = _until_back(scaled, round(abs(over_turn.step_angle(motion)) * len(position) / (2 * np.pi)))
+    path = over_turn.curve("the slide's position", scaled[0][:states], scaled[1][:states], scaled[2][:states], real)
     if len(path.turning_places()) < 2:
         raise PinpressError("the slide does not turn back within the period: it has no dead centres, and no stroke to measure")
     return path
+
+
+def _until_back(scaled: Sequence[Numbers], turns: int) -> int:
+    """States after which position, velocity and acceleration (n,), over so many turns, come again with a whole turn."""
+    count = len(scaled[0])
+    for part in range(1, turns):
+        states, left = divmod(count * part, turns)
+        if turns % part == 0 and not left and all(np.abs(np.roll(x, states) - x).max() <= SAME * np.ptp(x.real) for x in scaled):
+            return states
+    return count
 
 
 def working_stroke(motion: SlideMotion, downwards: bool = True) -> Stroke:

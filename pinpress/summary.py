@@ -40,7 +40,7 @@ def _slide(press: Linkage, motion: Motion) -> list[str]:
     position, velocity, acceleration = motion.slide_position, motion.slide_velocity, motion.slide_acceleration
 
     def time(angle: float) -> float:
-        return float((angle if speed > 0 else 2 * np.pi * press.period_turns - angle) / abs(speed))
+        return float((angle if speed > 0 else 2 * np.pi * ends.turns - angle) / abs(speed))
 
     return [
         "",

@@ -29,8 +29,8 @@ def test_rounding_does_not_choose_the_order(names):
     """Of parts that yield alike, in the text and in the chart, the one that was given first comes first."""
     found = elasticity(pp.load("crank_slide"), Stiffness(dict.fromkeys(names, 1e9)), np.linspace(0.0, 6.0, 25))
     half = 0.5 * found.compliance
-    alike = dict(zip(names, (half, np.nextafter(half, 1.0)), strict=True))
-    found = replace(found, parts=alike, bottom_shares=dict(zip(names, (0.5, np.nextafter(0.5, 1.0)), strict=True)))
+    alike = dict(zip(names, (half, half * (1 + 1e-13)), strict=True))
+    found = replace(found, parts=alike, bottom_shares=dict(zip(names, (0.5, 0.5 * (1 + 1e-13)), strict=True)))
     assert [line.split()[0] for line in str(found).splitlines()[1:]] == list(names)
     assert [text.get_text() for text in plot_elasticity(found).axes[0].get_legend().get_texts()] == list(names[::-1])  # from the top
 

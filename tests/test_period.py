@@ -96,6 +96,7 @@ def test_crank_degrees_are_those_of_the_period(press, name):
 
 def test_dead_centres(press):
     found, positions = pp.dead_centres(press), everywhere(press).motion.slide_position
+    assert found.turns == period_turns(press)
     for angle, position in ((found.top_angle, found.top_position), (found.bottom_angle, found.bottom_position)):
         there = pp.cycle(press, 1.0, angle=[angle])
         assert abs(there.slide_position[0] - position) < 1e-15
@@ -120,6 +121,7 @@ def test_of_equal_dead_centres_the_first(folder):
     press = texts.load(text, folder)
     assert press.period_turns == 2
     found = pp.dead_centres(press)
+    assert found.turns == 1
     np.testing.assert_allclose([found.top_angle, found.bottom_angle], [np.pi, 0.0], atol=1e-12)
     twice = pp.cycle(press, SPEED)  # the cam's weight differs in the second turn, the slide's way does not
     torque = pp.inverse_dynamics(press, twice).driving_torque

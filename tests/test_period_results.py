@@ -123,6 +123,63 @@ def test_strokes_are_periods(press, name):
     assert len(pp.strokes(pp.simulate(press, 1.0, 0.5, flywheel=pp.Flywheel(1e4)))) == 0
 
 
+# A slide that is back before other links
+
+
+@pytest.fixture(scope="module")
+def with_cam(folder):
+    """The textbook crank-slide; an unbalanced shaft beside it turns half as fast."""
+    return cam_shaft(folder, 0.1)
+
+
+def test_measures_of_a_slide_that_is_back_before_other_links(with_cam, alone):
+    assert (with_cam.period_turns, pp.dead_centres(with_cam).turns) == (2, 1)
+    mine, theirs = pp.cycle(with_cam, SPEED), pp.cycle(alone, SPEED)
+    for measure, given in (
+        (measures.stroke, ()),
+        (measures.quick_return_ratio, ()),
+        (measures.speed_ratio, ()),
+        (measures.flatness, (0.05,)),
+        (measures.speed_at, (0.02,)),
+        (measures.mechanical_advantage, (0.02,)),
+        (measures.dwell_angle, (0.001,)),
+        (measures.dwell_time, (0.001,)),
+    ):
+        assert measure(mine, *given) == pytest.approx(measure(theirs, *given), rel=1e-9)
+    run = pp.simulate(with_cam, 1.0, SPEED, flywheel=pp.Flywheel(50.0))
+    assert len(pp.strokes(run)) == int(run.crank_angle[-1] / (2 * np.pi)) > 3
+
+
+@pytest.mark.parametrize("speed", [SPEED, -SPEED])
+def test_ratings_of_a_slide_that_is_back_before_other_links(with_cam, alone, speed):
+    """The process force alone does not know of the shaft; at speed the worse of two strokes counts."""
+    from pinpress.capacities import Capacities
+    from pinpress.rating import ratings
+
+    capacities = Capacities(1e5, torque=900.0, motor_power=1e3)
+    mine, theirs = ratings(with_cam, speed, capacities), ratings(alone, speed, capacities)
+    np.testing.assert_allclose(mine.crank_angle, theirs.crank_angle, atol=1e-9)
+    np.testing.assert_allclose(mine.force, theirs.force, rtol=1e-9)
+    assert mine.energies == pytest.approx(theirs.energies, rel=1e-14)
+    assert str(mine).splitlines()[0].split(",")[1] == str(theirs).splitlines()[0].split(",")[1]  # strokes/min
+    assert mine.speed_limit.strokes_per_minute == pytest.approx(mine.speed_limit.speed / pp.RPM)
+    found = ratings(with_cam, speed, capacities, at_speed=True, points=19)
+    needed = np.abs(found.travel_per_angle)
+    signs = np.sign(speed)
+    idle = [
+        pp.inverse_dynamics(with_cam, pp.cycle(with_cam, speed, angle=found.crank_angle + turn)).driving_torque for turn in (0, 2 * np.pi)
+    ]
+    assert np.abs(idle[1] - idle[0]).max() > 1.0
+    with np.errstate(divide="ignore"):
+        permitted = [(900.0 - signs * torque) / needed for torque in idle]  # the process force asks for torque the way that the crank turns
+    np.testing.assert_allclose(found.limits["torque"], np.minimum(np.minimum(*permitted), 1e5), rtol=1e-7)
+
+
+def test_bottom_dead_centre_that_each_stroke_moves_otherwise_is_refused(with_cam):
+    with pytest.raises(pp.PinpressError, match="is back after 1 turns, all that moves with it only after 2"):
+        pp.dead_centre_shift(with_cam, pp.Stiffness({"W": 1e9}), [SPEED])
+
+
 # Pictures
 
 
