@@ -28,10 +28,10 @@ def run(command, *arguments, **more):
     return subprocess.run([sys.executable, *COMMANDS[command], *arguments], env=environment, stderr=subprocess.PIPE, text=True, **more)
 
 
-@pytest.mark.parametrize(("arguments", "unbuffered"), [(["check", "crank_slide"], ""), (["check", "crank_slide"], "1"), (["--help"], "")])
-def test_output_that_cannot_be_written(arguments, unbuffered):
+@pytest.mark.parametrize("arguments", [["check", "crank_slide"], ["--help"]], ids=" ".join)
+def test_output_that_cannot_be_written(arguments):
     with open("/dev/full", "w") as full:
-        ended = run("module", *arguments, stdout=full, env={"PYTHONUNBUFFERED": unbuffered})
+        ended = run("module", *arguments, stdout=full)
     assert (ended.returncode, ended.stderr) == (2, "pinpress: cannot write the output: No space left on device\n")
 
 
@@ -51,8 +51,6 @@ def test_output_that_nobody_reads(unbuffered):
         ("module", "pinpress.command_record"),
         ("module", "pinpress.recording"),
         ("script", "numpy"),
-        ("script", "pinpress.command_record"),
-        ("reproduce", "pinpress.reproduce.pages"),
         ("reproduce", "pinpress.reproduce.chen2002"),
     ],
 )

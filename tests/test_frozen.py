@@ -148,8 +148,14 @@ def test_results_do_not_depend_on_what_was_computed_before(press):
     same(computed(used), computed(pp.load(press.name)))
 
 
-def test_other_processes_find_the_same(press):
+@pytest.mark.parametrize("start", ["fork", "spawn"])
+def test_other_processes_find_the_same(start):
     """A worker that gets the press, with what it has kept, and one that imports all anew."""
-    for start in ("fork", "spawn"):
-        with ProcessPoolExecutor(1, multiprocessing.get_context(start)) as pool:
-            same(pool.submit(computed, press).result(20), computed(press))
+    press = pp.load("zxn2_3000b")
+    with ProcessPoolExecutor(1, multiprocessing.get_context(start)) as pool:
+        same(pool.submit(computed, press).result(20), computed(press))
+
+
+def test_scenarios_that_were_sent_are_simulated_once_more():
+    sent = WAYS["pickle"](every_result.runs())
+    same(sent[0].joint_position, every_result.runs()[0].joint_position)
