@@ -58,10 +58,11 @@ class Mutant:
     after: str
     at_import: bool  # outside of all functions
     text: str  # of its first line
+    column: int
 
     def place(self, seed: int) -> str:
         """Where it stands in the draw of a seed; the same before and after changes elsewhere."""
-        return hashlib.sha256(f"{seed} {self.module} {self.text} {self.before} {self.after}".encode()).hexdigest()
+        return hashlib.sha256(f"{seed} {self.module} {self.text} {self.column} {self.after}".encode()).hexdigest()
 
     def __str__(self) -> str:
         return f"pinpress/{self.module}.py:{self.line}: {' '.join(self.before.split())}  ->  {self.after}"
@@ -184,7 +185,7 @@ def mutants(module: str) -> list[Mutant]:
             begin, end = starts[node.lineno - 1] + node.col_offset, starts[node.end_lineno - 1] + node.end_col_offset  # type: ignore[attr-defined]
             before = text.encode()[begin:end].decode()
             words = text.splitlines()[node.lineno - 1].strip()  # type: ignore[attr-defined]
-            found.append(Mutant(module, node.lineno, node.end_lineno, begin, end, before, after, at_import, words))  # type: ignore[attr-defined]
+            found.append(Mutant(module, node.lineno, node.end_lineno, begin, end, before, after, at_import, words, node.col_offset))  # type: ignore[attr-defined]
     return found
 
 

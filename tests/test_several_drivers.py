@@ -8,6 +8,38 @@ import texts
 import pinpress as pp
 
 
+def five_bar(folder):
+    """Two driven cranks of 0.1 m, 0.5 m apart, and two couplers of 0.25 m, drawn with all four pins on the ground line and C above them."""
+    inertial = '<inertial><mass value="1"/><inertia ixx="0.01" ixy="0" ixz="0" iyy="0.01" iyz="0" izz="0.01"/></inertial>'
+
+    def pin(name, parent, child, x):
+        ends = f'<parent link="{parent}"/><child link="{child}"/><origin xyz="{x} 0 0"/>'
+        return f'<joint name="{name}" type="continuous">{ends}<axis xyz="0 -1 0"/></joint>'
+
+    text = f"""<robot name="five_bar"><link name="frame"/>
+    {"".join(f'<link name="{link}">{inertial}</link>' for link in ("crank_1", "crank_2", "coupler_1", "coupler_2"))}
+    {pin("A", "frame", "crank_1", 0)}{pin("B", "frame", "crank_2", 0.5)}
+    {pin("P", "crank_1", "coupler_1", 0.1)}{pin("Q", "crank_2", "coupler_2", -0.1)}
+    <loop_joint name="C" type="spherical"><link1 link="coupler_1" xyz="0.15 0 0.2"/><link2 link="coupler_2" xyz="-0.15 0 0.2"/></loop_joint>
+    <transmission name="a"><joint name="A"/></transmission><transmission name="b"><joint name="B"/></transmission></robot>"""
+    return texts.load(text, folder)
+
+
+def test_where_two_drivers_pull_the_linkage_straight(tmp_path):
+    """The pins are 0.5 - 0.2 cos s apart: two couplers of 0.25 m are straight at a right angle, and there C is halfway on their line."""
+    press, last = five_bar(tmp_path), np.radians(89.0)
+    turned = np.linspace(0.0, last, 30)
+    motion = pp.cycle(press, angle=np.column_stack([turned, -turned]), speed=0.0)
+    half = 0.25 - 0.1 * np.cos(turned)
+    inclined = np.arctan2(np.sqrt(0.25**2 - half**2), half)  # of coupler 1 over the ground, and drawn
+    coupler = motion.joint_position[:, press.joints.index("A")] + motion.joint_position[:, press.joints.index("P")]
+    np.testing.assert_allclose(coupler, inclined - np.arctan2(0.2, 0.15), rtol=0, atol=1e-9)
+    turned = np.linspace(0.0, 2.0, 21)
+    with pytest.raises(pp.SingularityError, match=r"five_bar locks between driver positions \[ 85\.\d* -85\.\d*\] and") as caught:
+        pp.cycle(press, angle=np.column_stack([turned, -turned]), speed=0.0)
+    assert caught.value.crank_angle == pytest.approx(np.pi / 2, abs=1e-6)
+
+
 @pytest.fixture(scope="module")
 def legs(tmp_path_factory):
     file = tmp_path_factory.mktemp("cassie") / "cassie.urdf"

@@ -349,7 +349,7 @@ def test_the_same_is_open_in_a_press_that_stands_askew(name, engine, tmp_path):
         assert (after[1], after[4]) == (before[1], before[4])
         for pair in ([0, 2], [3, 5]):
             assert after[pair].any() == before[pair].any()
-        certain += np.count_nonzero(~after)
+        certain += int(np.count_nonzero(~after))
     assert certain >= len(upright.bearings)
 
 

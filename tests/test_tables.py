@@ -45,6 +45,22 @@ def test_names_and_units(motion, result):
     assert list(result.columns()) == RESULT
 
 
+@pytest.mark.parametrize("engine", ["plane", "pinocchio"])
+def test_torques_of_gear_pairs_and_powers_of_friction_have_columns(engine):
+    """Of a pair the torque on the joint that follows; of bearings those with friction."""
+    press = texts.shipped("jf75g_125_symmetric")
+    motion = pp.cycle(press, speed=30.0, points=12)
+    load = pp.PointForce("slide", (0.0, 0.0, 1e5))
+    friction = {"O_left": pp.Friction(0.02, 0.08)}
+    result = pp.inverse_dynamics(press, motion, loads=[load], friction=friction, engine=engine)
+    columns, bearings = result.columns(), len(press.bearings)
+    for name, torque in result.coupling_torque.items():
+        assert np.abs(torque).max() > 1.0
+        np.testing.assert_array_equal(columns[f"coupling_torque_{name} [N m]"], torque[:, 0])
+    np.testing.assert_array_equal(columns["friction_power_O_left [W]"], result.friction_power["O_left"])
+    assert len(columns) == len(motion.columns()) + 1 + len(press.couplings) + 6 * (1 + bearings) + 1
+
+
 def test_columns_are_the_quantities(motion, result):
     columns = result.columns()
     assert columns["time [s]"] is motion.time
