@@ -1,5 +1,6 @@
 """What can be wrong with the links of a URDF as bodies: how joints and loops connect them, and their inertia. See `urdf_checks`."""
 
+from collections import Counter
 from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING
 
@@ -54,6 +55,7 @@ def _inertia_problems(robot: "Element") -> Iterator[Problem]:
     bodies = bodies_of(robot)
     frame = next(iter(bodies), None)
     heavy = {bodies.get(link.get("name")) for link in robot.all("link") if link.all("inertial")}
+    connected = _connected(robot, bodies)
     for link in robot.all("link"):
         name = link.get("name")
         moving = bodies.get(name, frame) != frame
@@ -62,13 +64,31 @@ def _inertia_problems(robot: "Element") -> Iterator[Problem]:
         for inertial in link.all("inertial"):
             for element in inertial.all("mass"):
                 for mass in element.numbers("value"):
-                    if moving and mass <= 0:
-                        yield element, f"the mass {mass!r} of a moving link is not positive", "write it in kg, or remove <inertial>"
+                    if moving and (mass < 0 or (mass == 0 and not _idealised(inertial, bodies[name], connected))):
+                        remedy = (
+                            "write it in kg, or remove <inertial>; a link between two bearings may have none, without moments of inertia"
+                        )
+                        yield element, f"the mass {mass!r} of a moving link is not positive", remedy
                     elif mass < 0:
                         yield element, f"the mass {mass!r} is negative", "write it in kg"
             for element in inertial.all("inertia"):
                 if problem := _tensor_problem(element):
                     yield element, problem, "write the moments about the centre of mass [kg m2], products with the sign of -integral xy dm"
+
+
+def _connected(robot: "Element", bodies: dict[str, str]) -> Counter[str]:
+    """How many bearings, of joints and loops, every body has."""
+    found: Counter[str] = Counter()
+    for element in robot.all("joint", "loop_joint"):
+        if element.get("type") != "fixed" or element.tag == "loop_joint":
+            ends = _ends(element, "link1", "link2") if element.tag == "loop_joint" else _ends(element)
+            found.update(bodies[link] for link in ends if link in bodies)
+    return found
+
+
+def _idealised(inertial: "Element", body: str, connected: Counter[str]) -> bool:
+    """Whether an inertia of no mass is that of a link meant to have none: of a cross piece or rod between two bearings."""
+    return connected[body] > 1 and not any(principal_moments(tensor) != (0.0, 0.0, 0.0) for tensor in inertial.all("inertia"))
 
 
 def _loop_problems(robot: "Element") -> Iterator[Problem]:

@@ -106,6 +106,29 @@ class Linkage(Frozen):
         return None if self.plane is None else plane_dynamics.build(self.plane, self.model)
 
     @derived
+    def as_drawn(self) -> Array:
+        """(nv,) joint coordinates of the drawn pose as the file has it, not yet closed: zero, and of gear pairs with an offset where these
+        put their joints while the drivers are at zero."""
+        position, found = np.zeros(self.model.nv), {self.joints.index(driver) for driver in self.drivers}
+        meshed: dict[int, list[tuple[int, float, float]]] = {}
+        for each in self.couplings:
+            meshed.setdefault(each.leader, []).append((each.follower, each.multiplier, each.offset))
+            if each.multiplier:
+                meshed.setdefault(each.follower, []).append((each.leader, 1 / each.multiplier, -each.offset / each.multiplier))
+        followers = {each.follower for each in self.couplings}
+        leaders = sorted({each.leader for each in self.couplings}, key=lambda joint: (joint in followers, joint))
+        for start in (*sorted(found), *leaders):
+            reached = [start]
+            found.add(start)
+            for joint in reached:  # grows as it goes
+                for other, multiplier, offset in meshed.get(joint, ()):
+                    if other not in found:
+                        position[other] = multiplier * position[joint] + offset
+                        found.add(other)
+                        reached.append(other)
+        return position
+
+    @derived
     def drawn(self) -> Closure:
         """The drawn pose, its drivers at zero, closed as far as Newton's method came: `load` judges it."""
         return self._assembly.drawn
@@ -120,7 +143,7 @@ class Linkage(Frozen):
     @derived
     def _assembly(self) -> "_Assembly":
         """The drawn pose closed by the engine that suits."""
-        start, general = np.zeros((self.model.nv, 1)), self.spatial
+        start, general = self.as_drawn[:, None], self.spatial
         for one_block in (False, True) if len(self.drivers) == 1 else ():
             planar = plane.build(self.model, self.loops, self.couplings, general.drivers[0], one_block)
             if planar is None:

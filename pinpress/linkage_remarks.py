@@ -56,9 +56,9 @@ def remarks(press: Linkage, robot: "Element") -> Iterator[Finding]:
 
 
 def _drawn_open(press: Linkage) -> Iterator[Finding]:
-    gaps = press.equations(np.zeros_like(press.closed)).gaps
-    most = int(np.argmax(np.abs(press.closed)))
-    moved = f"joint {press.joints[most]!r} by {_value(press, most, press.closed[most])}"
+    gaps, moves = press.equations(press.as_drawn).gaps, press.closed - press.as_drawn
+    most = int(np.argmax(np.abs(moves)))
+    moved = f"joint {press.joints[most]!r} by {_value(press, most, moves[most])}"
     for each in freedom.held(press):
         if each.gap(gaps) > OPEN * press.spatial.size:
             remedy = f"draw it closed; to close it, load has moved {moved}"
@@ -72,7 +72,7 @@ def _limits(press: Linkage, branch: Branch, robot: "Element") -> Iterator[Findin
     positions = predict(branch, angles)
     for name, (lower, upper, element) in urdf_remarks.limits(robot).items():
         joint = press.joints.index(name)
-        if not lower <= 0.0 <= upper:
+        if not lower <= 0.0 <= upper and not press.as_drawn[joint]:
             continue  # said of the drawn pose
         for beyond, side, limit in ((lower - positions[joint], "lower", lower), (positions[joint] - upper, "upper", upper)):
             at = int(np.argmax(beyond))

@@ -3,19 +3,22 @@
 from collections.abc import Iterator
 
 import numpy as np
+import pinocchio as pin
 
 from . import freedom, spatial
-from .coordinates import Array
+from .coordinates import Array, configuration
 from .errors import AssemblyError, SingularityError, UrdfError
 from .findings import Finding
 from .linkage import ACCEPTED, Linkage
 from .plane import PARALLEL
+from .poses import link_of
 from .spatial_equations import Rows
 
 CLOSE_TO_DRAWN = 0.25  # how far closing the drawn pose may turn a joint [rad], or move it in lengths of the linkage
 SEEN = 1e-9  # gaps below are rounding [lengths of the linkage, rad]
 UNSEEN = 1e-8  # axes that miss each other by less change the rank of no equations [rad]
 BESIDE = 1e-3  # how far from the drawn pose the rank is looked at again [rad, lengths of the linkage]
+MASSLESS = 1e-13  # share of the inertia that the heaviest link might have, below which none is left
 ROUNDED = 1e-2  # axes as near to parallel as this are meant to be parallel [rad]
 
 
@@ -24,8 +27,9 @@ def errors(press: Linkage) -> Iterator[Finding]:
     assembled = closes(press)
     if assembled and press.mobility == len(press.drivers) and press.plane is not None:
         yield from _unseen(press)  # all its joints are determined: the planar engine found so, block by block
+        yield from _massless(press)
         return
-    rows = press.equations(press.closed if assembled else np.zeros_like(press.closed))
+    rows = press.equations(press.closed if assembled else press.as_drawn)
     free = press.model.nv - spatial.rank(rows.columns)
     yield from _unseen(press)
     if assembled and free > len(press.drivers) and _free_beside(press) == len(press.drivers):
@@ -35,14 +39,14 @@ def errors(press: Linkage) -> Iterator[Finding]:
     if not assembled:
         yield from _open(press, rows)
     elif free == len(press.drivers):
-        yield from _dead_point(press, rows)
+        yield from list(_dead_point(press, rows)) or _massless(press)
 
 
 def closes(press: Linkage) -> bool:
     """Whether the linkage closes near its drawn pose."""
     tolerance = ACCEPTED * (press.plane or press.spatial).tolerance
     near = CLOSE_TO_DRAWN * max(1.0, press.spatial.size)
-    return bool(press.drawn.gap[0] <= tolerance) and bool(np.abs(press.closed).max() <= near)
+    return bool(press.drawn.gap[0] <= tolerance) and bool(np.abs(press.closed - press.as_drawn).max() <= near)
 
 
 def apart(press: Linkage, each: freedom.Held, gaps: Array) -> str:
@@ -144,6 +148,35 @@ def _dead_point(press: Linkage, rows: Rows) -> Iterator[Finding]:
     smallest = float(values.min()) if len(values) == columns.shape[1] else 0.0
     error = SingularityError(f"{press.file}: {problem}; {remedy}", 0.0, smallest)
     yield Finding("error", f'<robot name="{press.name}">', None, problem, remedy, error)
+
+
+def _massless(press: Linkage) -> Iterator[Finding]:
+    """Of a linkage with links that have no mass: a motion that no mass resists."""
+    masses = [inertia.mass for inertia in press.model.inertias]
+    if all(masses[1:]):
+        return
+    # One driver may be drawn where the only heavy link is at its dead centre: there it is about to move.
+    rates = np.hstack([press.drawn.first, press.drawn.second]) if len(press.drivers) == 1 else _rates(press)
+    mass = pin.crba(press.model, press.model.createData(), configuration(press.spatial.slots, press.closed))
+    resisted = rates.T @ mass @ rates
+    values, ways = np.linalg.eigh(resisted if len(press.drivers) > 1 else resisted.diagonal().sum().reshape(1, 1))
+    if values[0] > MASSLESS * max(masses[1:]) * press.spatial.size**2:
+        return
+    moved = rates if len(press.drivers) == 1 else rates @ ways[:, :1]
+    moving = np.flatnonzero(np.abs(moved).max(axis=1) > SEEN)
+    body = next(int(j) + 1 for j in moving if not masses[j + 1])
+    problem = "it moves without a mass, as do all links that move with it: nothing resists the drive"
+    error = UrdfError(press.file, f'<link name="{link_of(press, body)}">', None, problem, "write its <mass> and <inertia>")
+    yield Finding.of(error)
+
+
+def _rates(press: Linkage) -> Array:
+    """(nv, drivers) rates of all joints at a unit rate of each driver alone, in the closed drawn pose."""
+    rows, drivers = press.equations(press.closed), list(press.spatial.drivers)
+    passive = spatial.Passive(rows.columns, press.spatial)
+    rates = np.array([passive.rates(-rows.columns[:, driver]) for driver in drivers]).T
+    rates[drivers] = np.eye(len(drivers))
+    return rates
 
 
 def _driver(press: Linkage) -> str:

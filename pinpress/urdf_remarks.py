@@ -59,8 +59,9 @@ def _names(robot: "Element", *tags: str) -> Iterator[Finding]:
 
 
 def _drawn_limits(robot: "Element") -> Iterator[Finding]:
-    for lower, upper, limit in limits(robot).values():
-        if not lower <= 0.0 <= upper:
+    offset = {joint.get("name") for joint in robot.all("joint") for mimic in joint.all("mimic") if any(mimic.numbers("offset"))}
+    for name, (lower, upper, limit) in limits(robot).items():
+        if not lower <= 0.0 <= upper and name not in offset:
             problem = f"the drawn pose, 0, is outside the limits {lower:g} to {upper:g}"
             yield _warning(limit, problem, "limits count from the drawn pose: shift them (they do not enter any computation)")
 
@@ -72,7 +73,8 @@ def _massless(robot: "Element") -> Iterator[Finding]:
     tensors: dict[str | None, list[Element]] = {}
     for link in robot.all("link"):
         for inertial in link.all("inertial"):
-            tensors.setdefault(bodies.get(link.get("name"), frame), []).extend(inertial.all("inertia"))
+            if any(any(mass.numbers("value")) for mass in inertial.all("mass")):
+                tensors.setdefault(bodies.get(link.get("name"), frame), []).extend(inertial.all("inertia"))
     for body, inertias in tensors.items():
         moments = principal_moments(inertias[0]) if len(inertias) == 1 else ()
         if body != frame and moments and not any(moments):

@@ -753,12 +753,12 @@ def test_linkage_that_does_not_move(file, tmp_path):
     assert "mobility" in refusal(dataclasses.replace(press, loops=(dataclasses.replace(press.loops[0], type="fixed"),)), tmp_path)
 
 
-@pytest.mark.parametrize(("stretch", "problem"), [(1.001, '<joint name="G">'), (1 + 1e-9, "cannot hold the changed directions")])
-def test_rotation_that_is_none(press, tmp_path, stretch, problem):
+@pytest.mark.parametrize("stretch", [1.001, 1 + 1e-9])
+def test_rotation_that_is_none(press, tmp_path, stretch):
     def stretched(model):
         model.jointPlacements[press.joints.index("G") + 1].rotation = stretch * np.eye(3)
 
-    assert problem in refusal(changed(press, stretched), tmp_path)
+    assert "cannot hold the changed directions of joints" in refusal(changed(press, stretched), tmp_path)
 
 
 def test_driver_that_is_none(press, tmp_path):
