@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from . import plausibility
 from .coordinates import Array
 from .errors import PinpressError
 
@@ -25,6 +26,8 @@ def check(drive: object, field: str, kind: str, unit: str, scenarios: bool = Fal
         wanted = "a finite number" if kind == "finite" else f"a finite number that is {kind}"
         several = ", or an array (S,) of them" if scenarios else ""
         raise PinpressError(f"{type(drive).__name__}: {field} is {given!r}; give {wanted} [{unit}]{several}")
+    if unit == "rad/s":
+        plausibility.speeds(f"{type(drive).__name__}: {field}", values)
     values.setflags(write=False)
     set_field(drive, field, values if values.ndim else float(values))
 

@@ -28,6 +28,11 @@ class Finding:
     remedy: str
     error: PinpressError | None = field(default=None, compare=False, repr=False)
 
+    def message(self, file: str) -> str:
+        """All of it, as the message of a UrdfError puts it."""
+        place = file if self.line is None else f"{file}:{self.line}"
+        return f"{place}: {self.element}: {self.problem}; {self.remedy}"
+
     @staticmethod
     def of(error: UrdfError) -> "Finding":
         return Finding("error", error.element, error.line, error.problem, error.remedy, error)

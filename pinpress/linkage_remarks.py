@@ -13,11 +13,15 @@ from .findings import Finding
 from .linkage import Linkage
 from .plane import PARALLEL
 from .pose_checks import apart, rounded
+from .poses import poses
 
 if TYPE_CHECKING:
     from .urdf import Element
 
 OPEN = 1e-6  # a loop drawn further open than this is said to be [lengths of the linkage, rad]
+FAR_OPEN, CLOSED_FAR = 0.02, 0.05  # a loop that is drawn as far open [lengths], or moved as far to close it [rad or m], is hardly meant
+LARGEST = 50.0  # linkage of a press [m]
+DOWNWARDS, BELOW = 0.9, 0.25  # cosine of an axis that points down; how far below its crank a slide hangs [lengths of the linkage]
 OUTSIDE = 1e-9  # a joint further beyond its limit than this has left it [rad or m]
 HARDLY = 1.0  # a driver that turns by less hardly moves the linkage [deg]
 SAMPLES = 720  # per turn
@@ -26,8 +30,9 @@ POSES = 6  # looked at for redundancy: one may be a dead centre, where idle forc
 
 def remarks(press: Linkage, robot: "Element") -> Iterator[Finding]:
     """All of them; ``robot``: root element of the linkage's URDF."""
-    yield from _drawn_open(press)
-    yield from urdf_remarks.gyration(robot, press.spatial.size)
+    yield from _drawn_open(press, freedom.held(press), OPEN)
+    yield from _units(press, robot)
+    yield from _slide_axis(press, robot)
     poses = press.closed[:, None]
     if len(press.drivers) == 1:
         line = next(joint.line for joint in robot.all("joint") if joint.get("name") == press.driver)
@@ -55,12 +60,44 @@ def remarks(press: Linkage, robot: "Element") -> Iterator[Finding]:
     yield from _engine(press)
 
 
-def _drawn_open(press: Linkage) -> Iterator[Finding]:
+def severe(press: Linkage, robot: "Element") -> Iterator[Finding]:
+    """The warnings of what makes results of another linkage than was meant, found in a moment: `load` passes them on."""
+    far = np.abs(press.closed - press.as_drawn).max() > CLOSED_FAR
+    yield from _drawn_open(press, freedom.held(press)[: len(press.loops)], OPEN if far else FAR_OPEN)
+    yield from _units(press, robot)
+    yield from _slide_axis(press, robot)
+
+
+def _units(press: Linkage, robot: "Element") -> Iterator[Finding]:
+    """Of lengths, masses or inertias that are hardly in SI units."""
+    if press.spatial.size > LARGEST:
+        problem = f"the linkage is {press.spatial.size:.4g} m long"
+        yield Finding("warning", str(robot), robot.line, problem, "write lengths in metres, 0.001 for a millimetre")
+    yield from urdf_remarks.inertias(robot, press.spatial.size)
+
+
+def _slide_axis(press: Linkage, robot: "Element") -> Iterator[Finding]:
+    """Of a slide that hangs below its crank and is guided along an axis that points down, so that top and bottom are exchanged."""
+    gravity = float(np.linalg.norm(press.model.gravity.linear))
+    if press.slide is None or gravity == 0.0:
+        return
+    guide, _ = press.slide_guide
+    place = press.model.jointPlacements[guide + 1]
+    axis = place.rotation @ press.spatial.axes[guide].direction
+    crank = poses(press, press.closed[None]).position[press.spatial.drivers[0] + 1, 0]
+    if axis @ press.model.gravity.linear > DOWNWARDS * gravity and axis @ (place.translation - crank) > BELOW * press.spatial.size:
+        joint = next(joint for joint in robot.all("joint") if joint.get("name") == press.joints[guide])
+        problem = f"the axis of slide {press.slide!r} points down, away from the crank: its top is taken for its bottom dead centre"
+        yield Finding("warning", str(joint), joint.line, problem, "turn the <axis> round, so that it points up")
+
+
+def _drawn_open(press: Linkage, among: list[freedom.Held], beyond: float) -> Iterator[Finding]:
+    """Of those among loops and gear pairs that are drawn open by more than a part of the linkage's length."""
     gaps, moves = press.equations(press.as_drawn).gaps, press.closed - press.as_drawn
     most = int(np.argmax(np.abs(moves)))
     moved = f"joint {press.joints[most]!r} by {_value(press, most, moves[most])}"
-    for each in freedom.held(press):
-        if each.gap(gaps) > OPEN * press.spatial.size:
+    for each in among:
+        if each.gap(gaps) > beyond * press.spatial.size:
             remedy = f"draw it closed; to close it, load has moved {moved}"
             yield Finding("warning", each.element, each.by.line, f"it is {apart(press, each, gaps)} apart as drawn", remedy)
 

@@ -10,7 +10,7 @@ import pinocchio as pin
 
 from . import findings
 from .coordinates import Array
-from .errors import PinpressError, UnknownNameError, UrdfError, suggestion
+from .errors import PinpressError, UnknownNameError, UrdfError, caution, suggestion
 from .linkage import Linkage
 from .loops import Coupling, LoopJoint
 from .regular_files import path_of
@@ -45,11 +45,18 @@ def load(
         UrdfError: the file cannot be read, or makes no sense; no driver, or more or fewer drivers than degrees of freedom.
         AssemblyError: the loops do not close near the drawn pose.
         SingularityError: the driver does not determine the drawn pose.
-    """
-    from . import urdf  # only reading needs it, and it is a tenth of the package's import
 
-    press = assembled(urdf.read(located(path)), driver, slide, gravity)
+    Warns:
+        PinpressWarning: a linkage that is hardly meant: a loop drawn far open, lengths or inertias that are not in SI units, a slide's axis
+            that points down. `check` says more.
+    """
+    from . import linkage_remarks, urdf  # only reading needs it, and it is a tenth of the package's import
+
+    document = urdf.checked(located(path))
+    press = assembled(urdf.describe(document), driver, slide, gravity)
     check_drawn_pose(press, findings.command(press.file, () if driver is None else press.drivers, slide))
+    for finding in linkage_remarks.severe(press, document.robot):
+        caution(finding.message(press.file))
     return press
 
 

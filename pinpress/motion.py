@@ -8,7 +8,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike
 
-from . import spatial, tables
+from . import plausibility, spatial, tables
 from .branch import Branch, beyond
 from .closing import closed, followed, refuse_far
 from .closure import Closure
@@ -137,7 +137,7 @@ def cycle(
     speed: ArrayLike,
     points: int | None = None,
     angle: ArrayLike | None = None,
-    acceleration: ArrayLike = 0.0,
+    acceleration: ArrayLike | None = None,
     time: ArrayLike | None = None,
     engine: str = "auto",
 ) -> Motion:
@@ -152,6 +152,7 @@ def cycle(
         angle, acceleration: (n,) of the driver joint, any angles up to 1e7 rad in any order [rad, rad/s2]; ``acceleration`` may be one
             number. A linkage with several drivers takes (n, drivers) of all three, in the order of `Linkage.drivers`; there the assembly
             is followed from the drawn pose to the first state and from state to state, on straight lines between the drivers' positions.
+            An acceleration that is not given is 0.
         time: (n,) of a servo motion, rising [s]. By default it is found from angle and speed by the trapezoidal rule; states in which
             these do not fit together have no time, and `Motion.time` says so.
         engine: "plane" (all crank angles at once), "pinocchio" (any linkage), or "auto": the plane where the linkage is planar.
@@ -161,6 +162,10 @@ def cycle(
             linkage that is not back after many turns.
         SingularityError: the linkage locks within the motion.
         AssemblyError: the loops do not close.
+
+    Warns:
+        PinpressWarning: what is hardly meant: a speed that varies without an acceleration, angle, speed and acceleration that are not each
+            other's derivatives over the ``time`` given, speeds above 1000 rad/s.
     """
     press.planar(engine)  # refuses an engine that does not suit before anything is computed
     if angle is None:
@@ -168,7 +173,10 @@ def cycle(
     else:
         if points is not None:
             raise PinpressError("points goes with one period at constant speed: leave it out where angle is given")
-        angles, speeds, accelerations, times = _servo(angle, speed, acceleration, time, len(press.drivers))
+        angles, speeds, accelerations, times = _servo(angle, speed, 0.0 if acceleration is None else acceleration, time, len(press.drivers))
+        given = None if acceleration is None else accelerations, None if time is None else times
+        plausibility.servo_motion(angles, speeds, *given)
+    plausibility.speeds("speed", speeds)
     branch = None if len(press.drivers) > 1 else press.branch
     return _states(press, branch, angles, speeds, accelerations, times, engine)
 
@@ -239,7 +247,7 @@ def _rates(closure: Closure, speed: Array | np.float64, acceleration: Array | No
 
 
 def _period(
-    press: Linkage, branch: Branch, speed: ArrayLike, points: int | None, acceleration: ArrayLike, time: ArrayLike | None
+    press: Linkage, branch: Branch, speed: ArrayLike, points: int | None, acceleration: ArrayLike | None, time: ArrayLike | None
 ) -> tuple[Array, Array, Array, Array | None]:
     given = numbers("speed", speed)
     if given.ndim:
@@ -251,7 +259,7 @@ def _period(
     period = 2 * np.pi * turns
     if not (rate and math.isfinite(period / rate)):
         raise PinpressError(f"speed is {abs(rate):g}: a turn never ends; give a speed [rad/s], e.g. 70 * pinpress.RPM")
-    if time is not None or not (np.isscalar(acceleration) and acceleration == 0.0):
+    if time is not None or not (acceleration is None or (np.isscalar(acceleration) and acceleration == 0.0)):
         raise PinpressError("time and acceleration belong to a servo motion: give angle too")
     count = POINTS * turns if points is None else whole_number("points", points, 2, MOST_POINTS)
     angles: Array = np.arange(count, dtype=float) * (math.copysign(period, rate) / count)

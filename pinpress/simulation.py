@@ -16,7 +16,7 @@ from typing import Any, overload
 import numpy as np
 from numpy.typing import ArrayLike
 
-from . import laws, methods, scenarios, scene, turning
+from . import laws, methods, plausibility, scenarios, scene, turning
 from .closing import refuse_far
 from .coordinates import Array
 from .driveline import Brake, Clutch
@@ -133,6 +133,7 @@ def simulate(
     angles, speeds = _start(press, "angle", angle), _start(press, "speed", speed)
     drive, loads = laws.asked_drive(drive, float(np.abs(speeds).max())), laws.asked_loads(loads)
     refuse_far("angle", angles)
+    plausibility.speeds("speed", speeds)
     _refuse_long(speeds, until, float(angles[0]))
     with np.errstate(all="ignore"):  # what is not finite is refused where it arises
         if len(press.drivers) > 1:
@@ -188,6 +189,7 @@ def _scenarios(
         raise PinpressError(f"speed is {speed!r}: give one finite number, or (S,) of them [rad/s]")
     start = number("angle", angle)
     refuse_far("angle", np.array(start))
+    plausibility.speeds("speed", speeds)
     drive, loads = laws.asked_drive(drive, float(np.abs(speeds).max())), laws.asked_loads(loads)
     times = np.linspace(0.0, until, count_of(points, 0.0))
     times.setflags(write=False)

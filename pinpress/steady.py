@@ -9,7 +9,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from . import laws, over_angle, panels, reduced, resolution, scenarios, turned
+from . import laws, over_angle, panels, plausibility, reduced, resolution, scenarios, turned
 from . import scene as scenes
 from .closing import refuse_far
 from .coordinates import Array
@@ -58,6 +58,7 @@ def steady_state(
         raise PinpressError("a steady state is that of a press with one driver: give the Linkage that load returns")
     start, guess, tolerance = number("angle", angle), number("speed", speed), tolerated(tolerance)
     refuse_far("angle", np.array(start))
+    plausibility.speeds("speed", guess)
     if guess == 0.0:
         raise PinpressError("speed is 0: give the speed about which the press runs [rad/s]")
     if scenarios.count(speed, angle, drive, flywheel, loads) is not None:

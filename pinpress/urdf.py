@@ -147,9 +147,14 @@ class Document:
 
 def read(path: str | os.PathLike[str]) -> Urdf:
     """Reads a URDF; raises UrdfError on its first problem."""
+    return describe(checked(path))
+
+
+def checked(path: str | os.PathLike[str]) -> Document:
+    """The elements of a URDF without errors; raises UrdfError on its first problem."""
     document = parse(path)
     refuse(errors(document), command(document.file))
-    return describe(document)
+    return document
 
 
 def errors(document: Document) -> list[Finding]:

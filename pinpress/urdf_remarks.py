@@ -11,6 +11,7 @@ if TYPE_CHECKING:
     from .urdf import Element
 
 MOST_GYRATION = 10.0  # radius of gyration in lengths of the linkage
+DENSEST = 1e7  # that a link may be [kg/m3], hundreds of times as dense as any metal: a wrong unit makes millions
 
 
 def remarks(robot: "Element") -> Iterator[Finding]:
@@ -22,12 +23,19 @@ def remarks(robot: "Element") -> Iterator[Finding]:
     yield from _unread(robot)
 
 
-def gyration(robot: "Element", size: float) -> Iterator[Finding]:
-    """Warnings of links whose moments of inertia are out of proportion to a linkage of a size [m]; of a URDF without errors."""
+def inertias(robot: "Element", size: float) -> Iterator[Finding]:
+    """Warnings of links whose moments of inertia are out of proportion to a linkage of a size [m], or to their mass; of a URDF without
+    errors."""
     for link in robot.all("link"):
         for inertial in link.all("inertial"):
             (mass,), inertia = inertial.all("mass")[0].numbers("value"), inertial.all("inertia")[0]
-            radius = math.sqrt(max(principal_moments(inertia)) / mass) if mass > 0 else 0.0
+            moments = principal_moments(inertia)
+            radius = math.sqrt(max(moments) / mass) if mass > 0 else 0.0
+            # No body of this mass and these moments fills more than a sphere does: radius^2 = 5/6 of their sum by the mass.
+            filled = 4 / 3 * math.pi * (5 / 6 * sum(moments) / mass) ** 1.5 if mass > 0 else 0.0
+            if filled and mass / filled > DENSEST:
+                least = f"with {mass:.6g} kg and moments of inertia up to {max(moments):.3g} kg m2 its density is at least"
+                yield _warning(inertia, f"{least} {mass / filled:.0e} kg/m3", "write moments of inertia in kg m2, and the mass in kg")
             if radius > MOST_GYRATION * size:
                 yield _warning(
                     inertia,

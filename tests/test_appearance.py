@@ -474,6 +474,7 @@ def test_pins_join_links_nobody_thought_of(spec: Any, tmp_path: Path) -> None:
     joined(press, press.closed[None], press.plane.normal)
 
 
+@pytest.mark.filterwarnings("ignore:.*density:pinpress.PinpressWarning")
 @pytest.mark.parametrize("small", [1.0, 1e-3])
 def test_lone_rotor_is_a_disc_of_its_inertia(small: float, tmp_path: Path) -> None:
     moments = re.sub(r'(i[xyz]{2})="([\d.]+)"', lambda m: f'{m[1]}="{float(m[2]) * small**2}"', MASS)

@@ -264,8 +264,12 @@ def test_abscissa(legs):
         (pp.cycle(press, -7.0, points=8), "crank angle", np.arange(8) * -45.0),
         (pp.cycle(press, 7.0, angle=np.linspace(1, 1 + 2 * np.pi, 5)), "crank angle", np.degrees(1) + np.arange(5) * 90.0),
         (pp.cycle(press, 7.0, angle=[0.0, 3.5, 7.0]), "time", [0.0, 0.5, 1.0]),  # more than a turn
-        (pp.cycle(press, [1.0, 3.0], angle=[0.0, 2.0]), "time", [0.0, 1.0]),  # faster and faster
-        (pp.cycle(press, [1.0, -3.0], angle=[0.0, 2.0]), "crank angle", np.degrees([0.0, 2.0])),  # not in time, but one way
+        (pp.cycle(press, [1.0, 3.0], angle=[0.0, 2.0], acceleration=2.0), "time", [0.0, 1.0]),  # faster and faster
+        (
+            pp.cycle(press, [1.0, -3.0], angle=[0.0, 2.0], acceleration=0.0),
+            "crank angle",
+            np.degrees([0.0, 2.0]),
+        ),  # not in time, but one way
         (pp.cycle(press, 0.0, angle=[0.0, 2.0, 1.0]), "state", [0.0, 1.0, 2.0]),
         (pp.cycle(legs, angle=np.zeros((3, 12)), speed=0.0, time=[0.0, 0.1, 0.3]), "time", [0.0, 0.1, 0.3]),
         (pp.cycle(legs, angle=np.zeros((3, 12)), speed=0.0), "state", [0.0, 1.0, 2.0]),
@@ -429,10 +433,10 @@ def test_locus_in_axes_of_the_link(name):
 
 def test_locus_of_an_unbalance_stands_still_in_the_link(folder):
     press = rotor(folder)
-    motion = pp.cycle(press, 1e4 * pp.RPM, points=60)
+    motion = pp.cycle(press, 9e3 * pp.RPM, points=60)
     found = charts.locus(pp.inverse_dynamics(press, motion), "O")
     assert (found.link, found.unit) == ("disc", "kN")
-    pull = MASS * RADIUS * (1e4 * pp.RPM) ** 2 / 1e3
+    pull = MASS * RADIUS * (9e3 * pp.RPM) ** 2 / 1e3
     weight = 9.81 * MASS / 1e3
     np.testing.assert_allclose(found.own, np.broadcast_to([-pull, 0.0], (60, 2)), rtol=0, atol=1.0001 * weight)
     np.testing.assert_allclose(np.hypot(*(found.own - [-pull, 0.0]).T), weight, rtol=1e-6)

@@ -617,7 +617,7 @@ def test_scenarios_are_refused_by_inverse_dynamics(name, count):
 
 def test_bad_load_of_inverse_dynamics():
     press = shipped("jf75g_125")
-    motion, standing = pp.cycle(press, SPEED, points=6), pp.cycle(press, [1.0, -1.0], angle=[0.0, 1.0])
+    motion, standing = pp.cycle(press, SPEED, points=6), pp.cycle(press, [1.0, -1.0], angle=[0.0, 1.0], acceleration=0.0)
     with pytest.raises(pp.PinpressError, match="no motion in time"):
         pp.inverse_dynamics(press, standing, [TimeForce(piling)])
     with pytest.raises(pp.PinpressError, match=r"TimeForce: force has shape \(3,\); give \(6,\)"):

@@ -60,8 +60,11 @@ def run():
 @pytest.fixture(scope="module")
 def legs(tmp_path_factory):
     press = texts.load(cassie.urdf(), tmp_path_factory.mktemp("cassie"))
-    angle = 0.05 * np.sin(np.linspace(0, 6, 20))[:, None] * np.ones(12)
-    return pp.inverse_dynamics(press, pp.cycle(press, angle=angle, speed=0.1, time=np.linspace(0, 1, 20)))
+    time, legs = np.linspace(0, 1, 20), np.ones(12)
+    angle, speed, acceleration = (
+        np.multiply.outer(law, legs) for law in (0.05 * np.sin(6 * time), 0.3 * np.cos(6 * time), -1.8 * np.sin(6 * time))
+    )
+    return pp.inverse_dynamics(press, pp.cycle(press, speed, angle=angle, acceleration=acceleration, time=time))
 
 
 @pytest.fixture(scope="module")

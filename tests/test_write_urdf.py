@@ -301,6 +301,7 @@ def test_attribute_that_was_not_there(file, tmp_path):
     assert b'<origin xyz="0.5 0 0" rpy="0.0 0.0 0.25" />' in written(changed(press, turned), tmp_path).text
 
 
+@pytest.mark.filterwarnings("ignore:.*apart as drawn:pinpress.PinpressWarning")
 def test_placements(press, tmp_path):
     rng = np.random.default_rng(3)
 
@@ -597,6 +598,7 @@ def test_forces_of_the_file_are_those_of_the_changed_linkage(press, tmp_path):
     assert np.abs(pp.inverse_dynamics(other, motion_of(other)).driving_torque - before.driving_torque).max() > 1.0
 
 
+@pytest.mark.filterwarnings("ignore:.*apart as drawn:pinpress.PinpressWarning")
 def test_planar_press_stays_planar(tmp_path):
     """Its angles and lengths in the plane changed: the planar engine takes it, and the same forces come out."""
     press, rng = texts.shipped("zxn2_3000b"), np.random.default_rng(6)
