@@ -24,8 +24,9 @@ def remarks(robot: "Element") -> Iterator[Finding]:
 
 
 def inertias(robot: "Element", size: float) -> Iterator[Finding]:
-    """Warnings of links whose moments of inertia are out of proportion to a linkage of a size [m], or to their mass; of a URDF without
-    errors."""
+    """Warnings of links whose moments of inertia are out of proportion to a linkage of a size [m], or, where they turn, to their mass; of a
+    URDF without errors."""
+    turning = _turning(robot)
     for link in robot.all("link"):
         for inertial in link.all("inertial"):
             (mass,), inertia = inertial.all("mass")[0].numbers("value"), inertial.all("inertia")[0]
@@ -33,7 +34,7 @@ def inertias(robot: "Element", size: float) -> Iterator[Finding]:
             radius = math.sqrt(max(moments) / mass) if mass > 0 else 0.0
             # No body of this mass and these moments fills more than a sphere does: radius^2 = 5/6 of their sum by the mass.
             filled = 4 / 3 * math.pi * (5 / 6 * sum(moments) / mass) ** 1.5 if mass > 0 else 0.0
-            if filled and mass / filled > DENSEST:
+            if link.get("name") in turning and filled and mass / filled > DENSEST:
                 least = f"with {mass:.6g} kg and moments of inertia up to {max(moments):.3g} kg m2 its density is at least"
                 yield _warning(inertia, f"{least} {mass / filled:.0e} kg/m3", "write moments of inertia in kg m2, and the mass in kg")
             if radius > MOST_GYRATION * size:
@@ -42,6 +43,20 @@ def inertias(robot: "Element", size: float) -> Iterator[Finding]:
                     f"the radius of gyration is {radius:.3g} m, of a linkage of {size:.3g} m",
                     "write moments of inertia in kg m2, and the mass in kg",
                 )
+
+
+def _turning(robot: "Element") -> set[str]:
+    """Names of the links that a joint may turn: the moments of inertia of the others are without effect, and often anything."""
+    joints = {joint.all("child")[0].get("link"): joint for joint in robot.all("joint")}
+
+    def turns(link: str) -> bool:
+        while (joint := joints.get(link)) is not None:
+            if joint.get("type") in ("revolute", "continuous"):
+                return True
+            link = joint.all("parent")[0].get("link")
+        return False
+
+    return {name for name in (link.get("name") for link in robot.all("link")) if turns(name)}
 
 
 def limits(robot: "Element") -> dict[str, tuple[float, float, "Element"]]:

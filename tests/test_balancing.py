@@ -305,6 +305,7 @@ def scaled(folder, length, mass, speed=9.0):
     return press, pp.cycle(press, speed), rooms
 
 
+@pytest.mark.filterwarnings("ignore::pinpress.PinpressWarning")  # that no press is like that
 def test_relative_results_do_not_depend_on_size_and_mass(tmp_path):
     """From micrometres to kilometres, milligrams to 1e4 tonnes; 1e-6 of before, as every optimum is proved to 1e-7 and rounding apart."""
     measures, found = (X, TORQUE, pp.Peak("bearing_force", bearing="B"), pp.Rms("shaking_moment", "y")), []
@@ -316,6 +317,7 @@ def test_relative_results_do_not_depend_on_size_and_mass(tmp_path):
     assert np.max(found[0], axis=0)[0] < -0.01
 
 
+@pytest.mark.filterwarnings("ignore::pinpress.PinpressWarning")  # that it turns too fast
 @pytest.mark.parametrize("measure", [X, TORQUE, pp.Rms("shaking_force"), pp.Peak("bearing_force", bearing="D")], ids=lambda m: m.words)
 @pytest.mark.parametrize("change", ["two states", "many states", "1e6 r/min", "0.7 r/min", "1e-9 kg", "1e9 kg", "1e-9 m", "10 m"])
 def test_extreme_problems_are_solved_and_proved(six_bar, measure, change):

@@ -245,6 +245,7 @@ def light_crank_slide(along, radius=0.1, length=0.4):
     return drawing.urdf("O"), crank, end
 
 
+@pytest.mark.filterwarnings("ignore:.*points down:pinpress.PinpressWarning")
 @pytest.mark.parametrize("along", [1j, -1j, 1 + 0j, np.exp(0.5j)], ids=["up", "down", "across", "slope"])
 @pytest.mark.parametrize("direction", [1, -1])
 def test_a_slide_that_rubs_in_its_guide(folder, along, direction, engine):
