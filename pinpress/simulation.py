@@ -133,8 +133,8 @@ def simulate(
     angles, speeds = _start(press, "angle", angle), _start(press, "speed", speed)
     drive, loads = laws.asked_drive(drive, float(np.abs(speeds).max())), laws.asked_loads(loads)
     refuse_far("angle", angles)
-    plausibility.speeds("speed", speeds)
     _refuse_long(speeds, until, float(angles[0]))
+    plausibility.speeds("speed", speeds)
     with np.errstate(all="ignore"):  # what is not finite is refused where it arises
         if len(press.drivers) > 1:
             if method == "reduced":
@@ -189,7 +189,6 @@ def _scenarios(
         raise PinpressError(f"speed is {speed!r}: give one finite number, or (S,) of them [rad/s]")
     start = number("angle", angle)
     refuse_far("angle", np.array(start))
-    plausibility.speeds("speed", speeds)
     drive, loads = laws.asked_drive(drive, float(np.abs(speeds).max())), laws.asked_loads(loads)
     times = np.linspace(0.0, until, count_of(points, 0.0))
     times.setflags(write=False)
@@ -203,6 +202,7 @@ def _scenarios(
     if isinstance(drive, PrescribedSpeed):
         raise PinpressError("a drive that prescribes the speed has one scenario: leave the arrays out")
     _refuse_long(speeds, until, start)
+    plausibility.speeds("speed", speeds)
     alone = partial(_alone, press, until, len(times), speeds, start, (drive, flywheel, *loads), tolerance)
     with np.errstate(all="ignore"):
         return scenarios.simulate(speeds, start, times, 0.1 * tolerance, plan, alone, allowed_error(tolerance))
