@@ -11,6 +11,7 @@ from dataclasses import replace
 from functools import cache
 
 import numpy as np
+import period_presses
 import pinocchio as pin
 import pytest
 from exploring import examples
@@ -108,6 +109,17 @@ def agree(some, full, bound=SAME):
     for name in full.friction_power:
         assert np.abs(some.friction_power[name] - full.friction_power[name]).max() <= bound * power
         np.testing.assert_array_equal(some.indeterminate[name], full.indeterminate[name])
+
+
+@pytest.mark.parametrize("ratio", [0.5, -2.0])
+def test_bearings_of_shafts_that_are_geared_alone(tmp_path, ratio):
+    """Their gear pair's torque is in the moment about the pin of the shaft that follows; and so it is by Pinocchio."""
+    press = period_presses.five_bar(ratio, tmp_path)
+    motion = pp.cycle(press, speed=7.0, points=8)
+    full = pp.inverse_dynamics(press, motion, engine="pinocchio")
+    assert np.abs(full.bearing_moment["P"][:, 1]).max() > 0.1
+    for bearings in subsets(press):
+        agree(pp.inverse_dynamics(press, motion, bearings=bearings, engine="plane"), full, 1e-10)
 
 
 # ------------------------------------------------------------------------------------------------------------------------- the same values
