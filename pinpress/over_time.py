@@ -75,13 +75,14 @@ class Cubic(DenseOutput):  # type: ignore[misc]
 
 @dataclass(eq=False, repr=False)
 class Stepped:
-    """A run over time, step by step: filled by `run`, read afterwards."""
+    """A run over time, step by step: filled by `run`, read afterwards. ``speeds``: of the crank at the start and after every step."""
 
     machine: Machine
     start: float
     times: list[float] = field(default_factory=list)
     pieces: list[Callable[[Any], Array]] = field(default_factory=list)
     modes: list[Modes] = field(default_factory=list)
+    speeds: list[float] = field(default_factory=list)
     steps: int = 0
     evaluations: int = 0
     travelled: float = 0.0
@@ -101,6 +102,7 @@ class Stepped:
         and about when the function is zero."""
         begin = self.times[-2] if len(self.times) > 1 else self.start
         piece, end, modes = self.pieces.pop(), self.times.pop(), self.modes.pop()
+        self.speeds.pop()
         zero = brentq(lambda t: late(piece(t)), begin, end, rtol=1e-15) if late(piece(begin)) < 0 else begin
         return begin, modes, np.asarray(piece(begin)), float(zero)
 
@@ -147,6 +149,7 @@ def run(
     result = Stepped(machine, start)
     time, first, stuck = start, None, 0
     angle, fastest = machine.split(y)[0].angle, abs(machine.split(y)[0].speed)
+    result.speeds.append(float(machine.split(y)[0].speed))
     looked = start
     ends = sorted({b for b in breaks if start < b < until} | {until})
     shortest = SHORTEST * (until - start)
@@ -192,6 +195,7 @@ def run(
                 time, y = at, _project(machine, piece(at), at)
             instant = machine.split(y)[0]
             result.travelled += abs(instant.angle - angle)
+            result.speeds.append(float(instant.speed))
             angle, fastest = instant.angle, max(fastest, abs(instant.speed))
             if progress is not None:
                 progress(time)

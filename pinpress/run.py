@@ -33,6 +33,8 @@ class Stats:
         method: "reduced" or "constraint". steps: of integration: panels over the crank angle, steps over time.
         evaluations: of the equation of motion. wall_time: of the whole call [s].
         closure_error: largest gap of a loop in the states returned [m].
+        sensitivity: by how much more the crank angle goes astray than the start is moved, by an angle, or by a speed times the time, where
+            the run passes close to an unstable rest; None where it does not.
         energy_error: largest difference of kinetic and potential energy, worked out body by body from the states returned, and what drive
             and loads have put in, as a part of the largest of the kinetic energy, the works and 1e-6 of the potential energy.
     """
@@ -43,6 +45,7 @@ class Stats:
     wall_time: float
     closure_error: float
     energy_error: float
+    sensitivity: float | None = None
 
 
 @dataclass(frozen=True, eq=False, repr=False, kw_only=True)
@@ -80,7 +83,16 @@ class Run(Motion):
         return columns | ({"lost [J]": self.lost} if self.lost.any() else {})
 
 
-def as_run(plan: Plan, path: Path, method: str, until: float, points: int | None, began: float, allowed: float | None) -> Run:
+def as_run(
+    plan: Plan,
+    path: Path,
+    method: str,
+    until: float,
+    points: int | None,
+    began: float,
+    allowed: float | None,
+    sensitivity: float | None = None,
+) -> Run:
     """The states of a path, closed and checked; ``allowed``: energy error, None for any."""
     press, several = plan.scene.press, len(plan.inertia) > 1
     times = np.linspace(0.0, until, count_of(points, path.turns))
@@ -111,6 +123,7 @@ def as_run(plan: Plan, path: Path, method: str, until: float, points: int | None
         wall_time=clock.perf_counter() - began,
         closure_error=float(motion.closure_error.max()),
         energy_error=float(error.max()),
+        sensitivity=sensitivity,
     )
     return _with(plan, path, motion, stats, reading)
 

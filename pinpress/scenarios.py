@@ -23,7 +23,7 @@ from .methods import Plan
 from .motion import carried
 from .over_angle import Flow
 from .panels import Indices
-from .reduced import COORDINATES, INERTIA, energies, rule
+from .reduced import COORDINATES, INERTIA, POTENTIAL, energies, rule
 from .run import energy_error
 from .scenario_fields import lengths
 from .scene import Acting
@@ -153,6 +153,7 @@ class Together:
                 flow, passed = self._period(extent, going, until, tolerance)
             except LawError as error:
                 raise error.within(float(self.clock[going].min()), self.at) from error.__cause__
+            self.alone |= going & self._beside_rest(flow, passed, until)
             going &= ~self.alone
             parts = self._parts(flow)
             self._read(flow, passed, going, until, parts)
@@ -190,6 +191,11 @@ class Together:
             guess = resolution.carried(flow, grid)
         self.alone |= going
         return flow, passed
+
+    def _beside_rest(self, flow: Flow, passed: Array, until: float) -> Mask:
+        """Scenarios (S,) that come nearly to rest: whether that is an unstable one is seen when they are run alone."""
+        span = float(np.ptp(self.plan.table.coefficients[:, POTENTIAL, 0]))
+        return np.asarray((turned.slow(flow.energy, flow.force, span) & (passed[:-1] < until)).any(axis=(0, 1)))
 
     def _read(self, flow: Flow, passed: Array, going: Mask, until: float, parts: "list[tuple[int, Array]]") -> None:
         """Fill in the states within a period."""

@@ -26,10 +26,11 @@ from .forces import Load
 from .linkage import Linkage
 from .methods import Plan
 from .panels import Indices
-from .path import LEDGERS
+from .path import LEDGERS, Path
 from .run import Run, allowed_error, as_run, count_of
 from .scenario_fields import pick
 from .scenarios import Runs
+from .sensitivity import of_run
 from .single_numbers import number
 from .turned import State
 
@@ -151,13 +152,17 @@ def simulate(
             if speeds[0] not in (0.0, plan.scene.drive.speed):
                 raise PinpressError(f"speed is {speeds[0]:g}, but the drive prescribes {plan.scene.drive.speed:g} rad/s: leave speed out")
             speeds = np.array([plan.scene.drive.speed])
-        if method == "reduced" or isinstance(plan.scene.drive, PrescribedSpeed):
-            state = State(0.0, float(angles[0]), float(speeds[0]), np.zeros(len(LEDGERS)))
-            path = methods.by_crank(plan, state, until, tolerance, fixed, progress)
-        else:
-            path = methods.by_joints(plan, angles, speeds, until, tolerance, fixed, progress)
+
+        def moved(angle: float = 0.0, speed: float = 0.0, progress: Callable[[float], None] | None = None) -> Path:
+            if method == "reduced" or isinstance(plan.scene.drive, PrescribedSpeed):
+                state = State(0.0, float(angles[0]) + angle, float(speeds[0]) + speed, np.zeros(len(LEDGERS)))
+                return methods.by_crank(plan, state, until, tolerance, fixed, progress)
+            return methods.by_joints(plan, angles + angle, speeds + speed, until, tolerance, fixed, progress)
+
+        path = moved(progress=progress)
         allowed = None if fixed is not None else allowed_error(tolerance)
-        run = as_run(plan, path, method, until, points, began, allowed)
+        sensitivity = of_run(plan, path, until, tolerance, moved)
+        run = as_run(plan, path, method, until, points, began, allowed, sensitivity)
     since = getattr(path.segments[-1], "standing", None)
     if since is not None:
         caution(

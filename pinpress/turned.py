@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from . import panels
 from .coordinates import Array
@@ -12,8 +13,10 @@ from .drives import Drive, PrescribedSpeed
 from .over_angle import Flow
 from .panels import Grid, Indices
 from .path import LEDGERS, Reading
-from .reduced import COORDINATES, INERTIA, WEIGHT, Table, rule
+from .reduced import COORDINATES, INERTIA, POTENTIAL, WEIGHT, Table, rule
 from .scene import Scene
+
+NEAR = 1e-5  # of the range of the potential energy: kinetic energy, and that by which the potential may still rise, beside a rest
 
 
 class State(NamedTuple):
@@ -34,6 +37,7 @@ class Turned:
         begin: the state at its start. times: (count + 1,) at the borders [s].
         elapsed: (q + 1, count) coefficients of the time since a panel's start. summed: (3, q + 1, count) of the ledgers.
         ledgers: (3, count + 1) at the borders. final_speed: of the crank, from its kinetic energy: the time's polynomial is less exact.
+        slow: crank angles at which it is `slow`.
     """
 
     scene: Scene
@@ -47,6 +51,7 @@ class Turned:
     ledgers: Array
     final_speed: float
     evaluations: int
+    slow: Array
 
     @property
     def start(self) -> float:
@@ -123,6 +128,7 @@ def turned(scene: Scene, table: Table, flow: Flow, count: int, begin: State) -> 
         driving = driven(scene.drive, flow)[:, :count, 0]
     rates = [driving, -flow.resisting[:, :count, 0], motor * motor / speed]
     summed = np.array([r.integral(rate * measure) for rate in rates])
+    nearly = slow(flow.energy[:, :count, 0], flow.force[:, :count, 0], float(np.ptp(table.coefficients[:, POTENTIAL, 0])))
     return Turned(
         scene=scene,
         table=table,
@@ -135,7 +141,14 @@ def turned(scene: Scene, table: Table, flow: Flow, count: int, begin: State) -> 
         ledgers=np.concatenate([np.zeros((3, 1)), summed.sum(axis=1).cumsum(axis=1)], axis=1),
         final_speed=g.direction * math.sqrt(2 * max(0.0, float(flow.ends[count, 0])) / (float(g.inertia_ends[count]) + scene.inertia)),
         evaluations=flow.evaluations,
+        slow=g.angle[:, :count][nearly],
     )
+
+
+def slow(energy: Array, force: Array, span: float) -> NDArray[np.bool_]:
+    """Whether cranks with these kinetic energies, under these net torques, are nearly at rest; ``span``: range of the potential energy."""
+    found = np.asarray(energy < NEAR * span)
+    return found & (energy + force**2 / (2 * span) < NEAR * span) if found.any() else found
 
 
 def driven(drive: Drive, flow: Flow) -> Array:

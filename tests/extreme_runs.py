@@ -1,6 +1,7 @@
 """Cases a million turns away, of very many turns, and of starts at dead centres."""
 
 import math
+import warnings
 from collections.abc import Callable
 
 import numpy as np
@@ -108,7 +109,11 @@ def moving(name: str, angle: float, speed: float, flywheel: float, torque: float
 
 def resting(name: str, angle: float, judge: Callable[[pp.Run], Outcome], expected: str) -> Case:
     def scene(method: str, angle: float = angle) -> pp.Run:
-        return pp.simulate(MECHANISM.press(), 1.5, angle=angle, method=method)
+        with warnings.catch_warnings(record=True) as said:
+            warnings.simplefilter("always")
+            run = pp.simulate(MECHANISM.press(), 1.5, angle=angle, method=method)
+        assert [warning.category for warning in said] == [pp.PinpressWarning] * (abs(angle - math.pi) < 0.1)  # at an unstable rest alone
+        return run
 
     return Case(STARTS, name, expected, scene, judge, METHODS, lambda method: scene(method, 1.0))
 

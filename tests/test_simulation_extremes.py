@@ -12,6 +12,7 @@ import cmath
 import math
 import re
 import signal
+from contextlib import nullcontext
 from functools import cache
 from pathlib import Path
 
@@ -267,12 +268,18 @@ def test_an_inverter_passed_through(press, method):
 # ------------------------------------------------------------------------------------------------------------------------- dead centres
 
 
+def beside_the_top():
+    """What a run says that passes an unstable rest too closely, or stays there."""
+    return pytest.warns(pp.PinpressWarning, match="not determined to its tolerance|unstable equilibrium")
+
+
 @pytest.mark.parametrize("share", [1e-3, 1e-9, -1e-9, -1e-3])
 def test_over_top_dead_centre_or_not(press, method, share):
     """From bottom dead centre with the energy to reach the top, and a little more or less. Beside the top all errors grow as
     exp(26 t): only which side it goes down, and its speed at bottom dead centre, can be asked for."""
     rise = potential(math.pi) - potential(0.0)
-    result = run(press, 1.6, speed=math.sqrt(2 * rise * (1 + share) / inertia(0.0)), method=method)
+    with beside_the_top() if abs(share) < 1e-6 else nullcontext():
+        result = run(press, 1.6, speed=math.sqrt(2 * rise * (1 + share) / inertia(0.0)), method=method)
     went = result.crank_angle.max() > math.pi + 0.5
     assert went == (share > 0)
     expected = math.sqrt(2 * (rise * (1 + share) + potential(0.0) - potential(result.crank_angle[-1])) / inertia(result.crank_angle[-1]))
@@ -288,7 +295,8 @@ def test_at_rest_at_bottom_dead_centre(press, method, turns):
 @pytest.mark.parametrize("off", [0.0, 1e-12, -1e-12, 1e-9, -1e-6])
 def test_at_rest_at_top_dead_centre(press, method, off):
     """It stays, or comes down with the energy of the fall: the rounding of pi decides."""
-    result = run(press, 1.5, angle=math.pi + off, method=method)
+    with beside_the_top():
+        result = run(press, 1.5, angle=math.pi + off, method=method)
     fallen = potential(math.pi) - potential(result.crank_angle)
     assert np.abs(0.5 * inertia(result.crank_angle) * result.crank_speed**2 - fallen).max() < 1e-8 * (potential(math.pi) - potential(0.0))
     if abs(off) >= 1e-9:
@@ -303,7 +311,8 @@ def tiny_torque_near_the_top(off):
 
 @pytest.mark.parametrize("off", [0.0, -1e-9, -1e-6])
 def test_a_tiny_torque_at_top_dead_centre(press, method, off):
-    result = run(press, 2.0, angle=math.pi + off, drive=pp.ConstantTorque(1e-3), method=method)
+    with beside_the_top():
+        result = run(press, 2.0, angle=math.pi + off, drive=pp.ConstantTorque(1e-3), method=method)
     same(result, tiny_torque_near_the_top(off), 1e-4)  # 1e-9 N m, the rounding of the weights' torque, is 1e-6 of what starts it
 
 
