@@ -17,6 +17,8 @@ from extreme_sizes import scaled
 import pinpress as pp
 from pinpress import driveline, drives, forces, friction, loads
 
+pytestmark = pytest.mark.filterwarnings("ignore::pinpress.PinpressWarning")  # that no press is as large, dense or fast
+
 SIX = "zxn2_3000b"
 SPEED = 70 * pp.RPM
 
