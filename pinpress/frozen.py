@@ -11,9 +11,9 @@ T = TypeVar("T")
 
 
 class Frozen:
-    """Base of frozen dataclasses that hold arrays or mappings, which are read-only as well.
+    """Base of frozen dataclasses that hold arrays, mappings or sequences, which are read-only as well.
 
-    NumPy makes the arrays of a deep copy, or of a pickle, writable again, and Python the dictionaries.
+    NumPy makes the arrays of a deep copy, or of a pickle, writable again.
     """
 
     def __post_init__(self) -> None:
@@ -22,6 +22,8 @@ class Frozen:
                 value.setflags(write=False)
             elif isinstance(value, dict):
                 vars(self)[name] = FrozenMapping(value)
+            elif isinstance(value, list):
+                vars(self)[name] = tuple(value)
 
     def __setstate__(self, state: dict[str, Any]) -> None:
         vars(self).update(state)
