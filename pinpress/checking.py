@@ -137,7 +137,7 @@ def _put_together(document: "urdf.Document", driver: str | Sequence[str] | None,
     errors = list(pose_checks.errors(press))
     findings = errors or list(linkage_remarks.remarks(press, document.robot))
     drawn = press.equations(press.as_drawn)
-    rows = drawn if errors else press.equations(press.closed)
+    rows = drawn if errors else press.closed_rows
     between = [(loop.link1.link, loop.link2.link) for loop in description.loops]
     between += [(press.joints[pair.follower], press.joints[pair.leader]) for pair in press.couplings]
     closings = tuple(

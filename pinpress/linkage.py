@@ -88,7 +88,7 @@ class Linkage(Frozen):
         """Rank of the equations of loops and couplings in the closed drawn pose."""
         if self.plane is not None and plane_kinematics.moves(self.plane, self.drawn):
             return int(self.model.nv) - 1  # each of its blocks gives its joints: that is what it has a plane for
-        return spatial.rank(self.equations(self.closed).columns)
+        return spatial.rank(self.closed_rows.columns)
 
     @derived
     def spatial(self) -> Spatial:
@@ -154,8 +154,10 @@ class Linkage(Frozen):
             fit = one_block or walked is not None or not planar.redundant
             if fit and closure.margins is not None and np.abs(closure.margins).min(initial=1.0) > RANK:
                 return _Assembly(planar, closure, walked)
-        along = [1.0] + [0.0] * (len(self.drivers) - 1)
-        return _Assembly(None, spatial.close(general, general.equations(), np.zeros((len(self.drivers), 1)), along, start), None)
+        equations, along = general.equations(), [1.0] + [0.0] * (len(self.drivers) - 1)
+        closure = spatial.close(general, equations, np.zeros((len(self.drivers), 1)), along, start)
+        rows = equations.at(closure.position[:, 0]) if np.isfinite(closure.position).all() else None
+        return _Assembly(None, closure, None, rows)
 
     def _walk(
         self,
@@ -166,7 +168,7 @@ class Linkage(Frozen):
         begin: float = 0.0,
     ) -> Branch:
         general = self.spatial
-        returning = Returning((general.crossed != 0).any(axis=1), np.array([axis.turns for axis in general.axes]))
+        returning = Returning(general.on_loop, np.array([axis.turns for axis in general.axes]))
         if planar is not None:
             close: Close = partial(plane_kinematics.close, planar, with_margins=True)
         else:
@@ -251,7 +253,7 @@ class Linkage(Frozen):
         found = self.passage
         if found.period is None:
             return None
-        loops = (self.spatial.crossed != 0).any(axis=1)
+        loops = self.spatial.on_loop
         counts = [axis.turns and not (loops[k] or self._is_balanced(k)) for k, axis in enumerate(self.spatial.axes)]
         periods = branch.periods_until_back(found.advance[counts])
         return None if periods is None else periods * round(found.period / (2 * np.pi))
@@ -302,6 +304,11 @@ class Linkage(Frozen):
         equations = self.spatial.equations()
         return np.array([equations.widest(equations.at(x).gaps) for x in position.T])
 
+    @derived
+    def closed_rows(self) -> spatial_equations.Rows:
+        """The equations in the closed drawn pose."""
+        return self._assembly.rows or self.equations(self.closed)
+
     def equations(self, x: Array) -> spatial_equations.Rows:
         """The equations of loops and couplings at joint coordinates (nv,)."""
         return self.spatial.equations().at(x)
@@ -335,8 +342,10 @@ Linkage.model = Model()
 
 
 class _Assembly(NamedTuple):
-    """The planar engine's constants, None where the other engine suits; the closed drawn pose; its branch where it was walked to see."""
+    """The planar engine's constants, None where the other engine suits; the closed drawn pose; its branch where it was walked to see; its
+    equations where the other engine closed it."""
 
     plane: Plane | None
     drawn: Closure
     branch: Branch | None
+    rows: spatial_equations.Rows | None = None

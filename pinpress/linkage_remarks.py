@@ -125,7 +125,7 @@ def _value(press: Linkage, joint: int, value: float) -> str:
 
 
 def _redundant(press: Linkage, poses: Array) -> Iterator[Finding]:
-    across, further, among = freedom.redundancy(press, press.equations(press.closed))
+    across, further, among = freedom.redundancy(press, press.closed_rows)
     robot, shared = f'<robot name="{press.name}">', "is shared by least squares, result.indeterminate marks it"
     if across:
         problem = f"{_equations(across)} redundant across the plane of the linkage, as in any with parallel pins"

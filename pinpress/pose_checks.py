@@ -29,7 +29,7 @@ def errors(press: Linkage) -> Iterator[Finding]:
         yield from _unseen(press)  # all its joints are determined: the planar engine found so, block by block
         yield from _massless(press)
         return
-    rows = press.equations(press.closed if assembled else press.as_drawn)
+    rows = press.closed_rows if assembled else press.equations(press.as_drawn)
     free = press.model.nv - spatial.rank(rows.columns)
     yield from _unseen(press)
     if assembled and free > len(press.drivers) and _free_beside(press) == len(press.drivers):
@@ -123,7 +123,7 @@ def _change_point(press: Linkage, rows: Rows) -> Finding:
 def _open(press: Linkage, rows: Rows) -> Iterator[Finding]:
     """The loops and gear pairs that Newton's method left open, widest as drawn first."""
     owners = freedom.held(press)
-    closest = press.equations(press.closed).gaps if np.isfinite(press.drawn.gap[0]) else rows.gaps
+    closest = press.closed_rows.gaps if np.isfinite(press.drawn.gap[0]) else rows.gaps
     gaps, left = ([each.gap(of) for each in owners] for of in (rows.gaps, closest))
     # Where loops hold each other, all of them may be left open; those that are drawn closed are not to blame.
     still_open = [k for k in range(len(owners)) if min(gaps[k], left[k]) > ACCEPTED * press.spatial.tolerance]
@@ -172,7 +172,7 @@ def _massless(press: Linkage) -> Iterator[Finding]:
 
 def _rates(press: Linkage) -> Array:
     """(nv, drivers) rates of all joints at a unit rate of each driver alone, in the closed drawn pose."""
-    rows, drivers = press.equations(press.closed), list(press.spatial.drivers)
+    rows, drivers = press.closed_rows, list(press.spatial.drivers)
     passive = spatial.Passive(rows.columns, press.spatial)
     rates = np.array([passive.rates(-rows.columns[:, driver]) for driver in drivers]).T
     rates[drivers] = np.eye(len(drivers))

@@ -3,6 +3,7 @@
 
 from dataclasses import fields
 
+import cassie
 import large_linkages
 import n_four_bar
 import numpy as np
@@ -38,6 +39,11 @@ def test_planar_linkages_need_no_pinocchio_data(datas, kind):
     loop_forces = [flags[:3].tolist() for name, flags in result.indeterminate.items() if name not in press.joints]
     assert loop_forces == [[False, True, False]] * len(press.loops)
     assert not datas
+
+
+def test_the_pinocchio_engine_needs_one_data_to_load(datas):
+    large_linkages.load(cassie.urdf())
+    assert len(datas) == 1
 
 
 def stored(linkage):
