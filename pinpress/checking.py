@@ -136,8 +136,7 @@ def _put_together(document: "urdf.Document", driver: str | Sequence[str] | None,
     press = assembled(description, driver, slide)
     errors = list(pose_checks.errors(press))
     findings = errors or list(linkage_remarks.remarks(press, document.robot))
-    drawn = press.equations(press.as_drawn)
-    rows = drawn if errors else press.closed_rows
+    rank = spatial.rank(press.equations(press.as_drawn).columns) if errors else press.rank
     between = [(loop.link1.link, loop.link2.link) for loop in description.loops]
     between += [(press.joints[pair.follower], press.joints[pair.leader]) for pair in press.couplings]
     closings = tuple(
@@ -145,13 +144,13 @@ def _put_together(document: "urdf.Document", driver: str | Sequence[str] | None,
             each.by.name,
             each.by.type if isinstance(each.by, LoopJoint) else "gear pair",
             between[k],
-            *freedom.opening(press, each, drawn.gaps),
+            *freedom.opening(press, each, press.drawn_gaps),
             joints,
         )
         for k, each, joints in _in_order(press, freedom.held(press))
     )
     engine = None if errors else "pinocchio" if press.plane is None else "plane"
-    return findings, Facts(press.drivers, press.slide, press.joints, len(rows.gaps), spatial.rank(rows.columns), engine, closings)
+    return findings, Facts(press.drivers, press.slide, press.joints, len(press.drawn_gaps), rank, engine, closings)
 
 
 def _in_order(press: "Linkage", owners: "list[freedom.Held]") -> "Iterator[tuple[int, freedom.Held, tuple[str, ...]]]":

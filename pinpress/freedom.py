@@ -100,8 +100,11 @@ def _freedom(press: Linkage, columns: Array) -> tuple[int, int]:
     return mobility, mobility - (int(passive.shape[1]) - spatial.rank(passive))
 
 
-def redundancy(press: Linkage, rows: Rows) -> Redundancy:
-    """How many equations say nothing new in a closed configuration, and of which loops and gear pairs."""
+def redundancy(press: Linkage, x: Array) -> Redundancy:
+    """How many equations say nothing new at closed joint coordinates (nv,), and of which loops and gear pairs."""
+    if press.plane is not None and not press.plane.redundant:
+        return Redundancy(sum(1 + loop.held for loop in press.loops), 0, ())
+    rows = press.closed_rows if x is press.closed else press.equations(x)
     single = np.eye(len(rows.gaps))
     parts, owners = [], []
     for k, each in enumerate(held(press)):

@@ -156,8 +156,9 @@ class Linkage(Frozen):
                 return _Assembly(planar, closure, walked)
         equations, along = general.equations(), [1.0] + [0.0] * (len(self.drivers) - 1)
         closure = spatial.close(general, equations, np.zeros((len(self.drivers), 1)), along, start)
+        gaps = equations.at(start[:, 0]).gaps
         rows = equations.at(closure.position[:, 0]) if np.isfinite(closure.position).all() else None
-        return _Assembly(None, closure, None, rows)
+        return _Assembly(None, closure, None, gaps, rows)
 
     def _walk(
         self,
@@ -305,6 +306,20 @@ class Linkage(Frozen):
         return np.array([equations.widest(equations.at(x).gaps) for x in position.T])
 
     @derived
+    def drawn_gaps(self) -> Array:
+        """(rows,) gaps of the equations of loops and couplings as drawn, see `spatial_equations`."""
+        if self.plane is None:
+            assert self._assembly.gaps is not None
+            return self._assembly.gaps
+        x, size, axes = self.as_drawn, self.spatial.size, self.spatial.axes
+        turns = np.zeros(sum(loop.held for loop in self.loops))  # axes are parallel in the plane
+        slips = [
+            (x[each.follower] - each.multiplier * x[each.leader] - each.offset) * (size if axes[each.follower].turns else 1.0)
+            for each in self.couplings
+        ]
+        return np.concatenate([plane_kinematics.openings(self.plane, x).ravel(), turns, slips])
+
+    @derived
     def closed_rows(self) -> spatial_equations.Rows:
         """The equations in the closed drawn pose."""
         return self._assembly.rows or self.equations(self.closed)
@@ -342,10 +357,11 @@ Linkage.model = Model()
 
 
 class _Assembly(NamedTuple):
-    """The planar engine's constants, None where the other engine suits; the closed drawn pose; its branch where it was walked to see; its
-    equations where the other engine closed it."""
+    """The planar engine's constants, None where the other engine suits; the closed drawn pose; its branch where it was walked to see; where
+    the other engine closed it the gaps as drawn, and its equations."""
 
     plane: Plane | None
     drawn: Closure
     branch: Branch | None
+    gaps: Array | None = None
     rows: spatial_equations.Rows | None = None

@@ -93,7 +93,7 @@ def _slide_axis(press: Linkage, robot: "Element") -> Iterator[Finding]:
 
 def _drawn_open(press: Linkage, among: list[freedom.Held], beyond: float) -> Iterator[Finding]:
     """Of those among loops and gear pairs that are drawn open by more than a part of the linkage's length."""
-    gaps, moves = press.equations(press.as_drawn).gaps, press.closed - press.as_drawn
+    gaps, moves = press.drawn_gaps, press.closed - press.as_drawn
     most = int(np.argmax(np.abs(moves)))
     moved = f"joint {press.joints[most]!r} by {_value(press, most, moves[most])}"
     for each in among:
@@ -125,13 +125,13 @@ def _value(press: Linkage, joint: int, value: float) -> str:
 
 
 def _redundant(press: Linkage, poses: Array) -> Iterator[Finding]:
-    across, further, among = freedom.redundancy(press, press.closed_rows)
+    across, further, among = freedom.redundancy(press, press.closed)
     robot, shared = f'<robot name="{press.name}">', "is shared by least squares, result.indeterminate marks it"
     if across:
         problem = f"{_equations(across)} redundant across the plane of the linkage, as in any with parallel pins"
         yield Finding("note", robot, None, problem, f"what bearings carry across it {shared}")
     if further:
-        found = [*among, *(each for x in poses.T for each in freedom.redundancy(press, press.equations(x)).among)]
+        found = [*among, *(each for x in poses.T for each in freedom.redundancy(press, x).among)]
         where = "in the plane" if freedom.lies_in_plane(press) else "in space"
         problem = f"{_equations(further)} redundant {where}, of {', '.join(each.title for each in freedom.held(press) if each in found)}"
         remedy = f"their load {shared}; or give inverse_dynamics a stiffness=; lengths and angles have to fit to all digits"

@@ -17,7 +17,7 @@ import numpy as np
 from .closure import Closure
 from .constant_rows import product
 from .coordinates import Array, ComplexArray
-from .plane import Plane
+from .plane import Plane, in_space
 from .plane_blocks import Block
 from .sharing import RANK
 
@@ -86,6 +86,11 @@ def basis(plane: Plane, x: Array) -> ComplexArray:
     for row, (joint, rotor) in enumerate(zip(plane.prismatic, plane.guide_rotors, strict=True), 1 + turning):
         at[row] = x[joint] * at[rotor] if rotor else x[joint]
     return at
+
+
+def openings(plane: Plane, x: Array) -> Array:
+    """Distances (nl, 3) of the two sides of the loops at joint coordinates (nv,), point 2 less point 1 in world axes [m]."""
+    return in_space(plane, product(plane.closure[: len(plane.loop_heights)], basis(plane, x[:, None]))[:, 0])
 
 
 def gaps(plane: Plane, x: Array, at: ComplexArray) -> Array:

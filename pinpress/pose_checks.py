@@ -6,7 +6,7 @@ import numpy as np
 import pinocchio as pin
 
 from . import freedom, spatial
-from .coordinates import Array, configuration
+from .coordinates import Array, configuration, data_of
 from .errors import AssemblyError, SingularityError, UrdfError
 from .findings import Finding
 from .linkage import ACCEPTED, Linkage
@@ -157,7 +157,7 @@ def _massless(press: Linkage) -> Iterator[Finding]:
         return
     # One driver may be drawn where the only heavy link is at its dead centre: there it is about to move.
     rates = np.hstack([press.drawn.first, press.drawn.second]) if len(press.drivers) == 1 else _rates(press)
-    mass = pin.crba(press.model, press.model.createData(), configuration(press.spatial.slots, press.closed))
+    mass = pin.crba(press.model, data_of(press.model), configuration(press.spatial.slots, press.closed))
     resisted = rates.T @ mass @ rates
     values, ways = np.linalg.eigh(resisted if len(press.drivers) > 1 else resisted.diagonal().sum().reshape(1, 1))
     if values[0] > MASSLESS * max(masses[1:]) * press.spatial.size**2:

@@ -1,6 +1,7 @@
 """Large linkages: what is computed grows with their joints and no faster, and stays right. Counts, not times: those are printed by
 `benchmark_sizes.py`."""
 
+import dataclasses
 from dataclasses import fields
 
 import cassie
@@ -9,6 +10,7 @@ import n_four_bar
 import numpy as np
 import pinocchio as pin
 import pytest
+import texts
 from exploring import examples
 from hypothesis import given
 from hypothesis import strategies as st
@@ -18,6 +20,7 @@ from pinpress import constant_rows, plane_blocks
 from pinpress.loops import Coupling
 from pinpress.plane_blocks import ordered
 
+MOVED = np.array([1e-3, 0.0, 2e-3])
 ANGLES = np.linspace(0.05, 1.2, 7)
 KINDS = {"dyads": n_four_bar.urdf, "gears": large_linkages.gear_train}
 
@@ -39,6 +42,25 @@ def test_planar_linkages_need_no_pinocchio_data(datas, kind):
     loop_forces = [flags[:3].tolist() for name, flags in result.indeterminate.items() if name not in press.joints]
     assert loop_forces == [[False, True, False]] * len(press.loops)
     assert not datas
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_checking_planar_linkages_needs_no_pinocchio_data(datas, kind, tmp_path):
+    file = tmp_path / "linkage.urdf"
+    file.write_text(KINDS[kind](20), encoding="utf-8")
+    report = pp.check(file)
+    assert report.errors == ()
+    assert report.facts.mobility == 1
+    assert not datas
+
+
+@pytest.mark.parametrize("name", [*pp.presses(), "geared"])
+def test_gaps_as_drawn_are_those_of_the_pinocchio_engine(name):
+    press = large_linkages.load(large_linkages.gear_train(3)) if name == "geared" else texts.shipped(name)
+    size = press.spatial.size
+    np.testing.assert_allclose(press.drawn_gaps, press.equations(press.as_drawn).gaps, rtol=0, atol=1e-15 * size)
+    beside = dataclasses.replace(press, loops=tuple(dataclasses.replace(loop, point1=loop.point1 + MOVED) for loop in press.loops))
+    np.testing.assert_allclose(beside.drawn_gaps, beside.equations(beside.as_drawn).gaps, rtol=0, atol=1e-15 * size)
 
 
 def test_the_pinocchio_engine_needs_one_data_to_load(datas):
