@@ -1,5 +1,8 @@
 """How many random cases a property is tried on: few and always the same ones, or many new ones under `--hypothesis-profile=explore`."""
 
+from collections.abc import Callable
+
+import pytest
 from hypothesis import HealthCheck, settings
 
 FIXED, EXPLORE = "fixed", "explore"  # names of profiles
@@ -11,6 +14,7 @@ settings.register_profile(FIXED, _COMMON, derandomize=True)
 settings.register_profile(EXPLORE, _COMMON, derandomize=False, print_blob=True)
 
 
-def examples(count: int) -> settings:
-    """The settings of a property that is tried on ``count`` cases."""
-    return settings(max_examples=count if settings.default.derandomize else MORE * count)
+def examples(count: int) -> Callable[[Callable[..., None]], Callable[..., None]]:
+    """Decorates a property that is tried on ``count`` cases. Drawn at random, these may be such as are legal but hardly meant."""
+    drawn = settings(max_examples=count if settings.default.derandomize else MORE * count)
+    return lambda test: pytest.mark.filterwarnings("ignore::pinpress.PinpressWarning")(drawn(test))
