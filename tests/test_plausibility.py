@@ -6,7 +6,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from hypothesis import HealthCheck, given, settings
+from exploring import examples
+from hypothesis import given
 from hypothesis import strategies as st
 
 import pinpress as pp
@@ -112,7 +113,7 @@ def test_a_loop_that_is_drawn_far_open_is_warned_of(tmp_path):
         load(tmp_path, (edit[0], edit[1].replace("0.370", "0.397")))
 
 
-@settings(max_examples=10, deadline=None, suppress_health_check=list(HealthCheck))
+@examples(10)
 @given(
     stroke=st.floats(0.002, 0.6),
     ratio=st.floats(3.0, 20.0),
