@@ -122,6 +122,21 @@ class Machine:
                 squared += float(force.drive.motor_torque(rate)) ** 2
         return forces, taken, driven, squared
 
+    def heeds_speed(self, modes: Modes, time: float, y: Array) -> bool:
+        """Whether anything but angle and speed of the crank counts, or forces in this state depend on its speed or way."""
+        n, line = self.dynamics.size, self.line
+        if n > 1 or len(y) > 2 + len(LEDGERS) or line.clutch is not None or line.brake is not None:
+            return True
+        if any(force.time is not None or force.rising is not force.falling for force in self.forces):
+            return True
+        found = []
+        for share in (1.0, 0.5, 0.0, -1.0):
+            instant = self.dynamics.at(y[:n], share * y[n : 2 * n])
+            found.append(
+                (*self._forces(modes, time, instant)[0], float(np.ravel(line.drive_torque(instant.speed, instant.angle, time, ()))[0]))
+            )
+        return found.count(found[0]) < len(found)
+
     def _transmitted(self, mode: Mode, time: float, speed: float, own: float) -> tuple[float, float]:
         """Friction torques on the crank of a slipping clutch, along, and of a slipping brake, against the positive direction."""
         through = braking = 0.0

@@ -4,13 +4,13 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property, partial
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from . import reduced, resolution, scene, turned, turning
 from .coordinates import Array
-from .driveline import Brake, Clutch, Driveline
+from .driveline import Brake, Clutch, Driveline, Mode
 from .drives import Drive, Flywheel, PrescribedSpeed
 from .errors import SimulationError
 from .force_coordinates import JointAngle
@@ -22,6 +22,10 @@ from .reduced import COORDINATES, INERTIA, POTENTIAL, Table
 from .scene import Scene
 from .scene_checks import check_drive
 from .turned import Resting, State
+
+if TYPE_CHECKING:
+    from .machine import Machine
+    from .over_time import Stepped
 
 AGAIN = 4.0  # times the kinetic energy at which the crank stopped turning for sure, from which it is followed over its angle again
 
@@ -129,12 +133,17 @@ def _least_inertia(plan: Plan) -> tuple[float, float]:
     return float(inertia.min()), float(angles[int(inertia.argmin())])
 
 
-def by_crank(plan: Plan, state: State, until: float, tolerance: float, step: float | None, progress: Progress | None) -> Path:
-    """The reduced equation from a state to a time: over the crank angle where that serves, else over time."""
+def by_crank(
+    plan: Plan, state: State, until: float, tolerance: float, step: float | None, progress: Progress | None, implicit: bool = False
+) -> Path:
+    """The reduced equation from a state to a time: over the crank angle where that serves, else over time; ``implicit``: by Radau IIA."""
     least, where = _least_inertia(plan)
     if plan.line.clutch is None and plan.line.inertia < 0 and not least > 0:
         raise scene.not_positive(least, None, where)
-    over_angle_too = not plan.timed and step is None and least > 0  # without mass it may stay between dead centres
+    prescribed = isinstance(plan.scene.drive, PrescribedSpeed)
+    over_angle_too = (
+        not plan.timed and step is None and least > 0 and (prescribed or not implicit)
+    )  # without mass it may stay between dead centres
     segments: list[Segment] = []
     if over_angle_too:
         found, stop = turning.run(plan.scene, plan.table, plan.edges, state, until, 0.1 * tolerance, progress)
@@ -154,13 +163,25 @@ def by_crank(plan: Plan, state: State, until: float, tolerance: float, step: flo
     before: Sequence[Any] = (state, *(segment.last() for segment in segments if isinstance(segment, turned.Turned)))
     fastest = max(_energy(plan, s.angle, s.speed) for s in before)
     threshold = max(AGAIN * resolution.LEAST * fastest, LITTLE * float(np.ptp(plan.table.coefficients[:, POTENTIAL, 0])))
+    swings, solver = True, over_time.IMPLICIT if implicit else over_time.BY_STIFFNESS
     while True:
         y = machine.begin(np.array([state.angle]), np.array([state.speed]), states, state.ledgers)
-        goes_on = None if not over_angle_too else lambda y, least=threshold: _energy(plan, y[0], y[1]) > least
+        followed = _Followed(plan, threshold, state.speed, swings) if over_angle_too else None
         modes = machine.initial(state.time, y, mode)
         try:
             stepped, y = over_time.run(
-                machine, modes, state.time, y, until, tolerance, _scale(plan, y), step, plan.breaks, goes_on, progress
+                machine,
+                modes,
+                state.time,
+                y,
+                until,
+                tolerance,
+                _scale(plan, y),
+                step,
+                plan.breaks,
+                solver,
+                followed,
+                progress,
             )
         except SimulationError as error:
             if least > 0:
@@ -170,6 +191,12 @@ def by_crank(plan: Plan, state: State, until: float, tolerance: float, step: flo
         if stepped.end >= until:
             return Path(segments)
         state = State(stepped.end, float(y[0]), float(y[1]), y[-len(LEDGERS) :])
+        if followed is not None and followed.swung:
+            swinging = None if stepped.heeds_speed() else _swinging(plan, machine, stepped, mode, tolerance, until)
+            if swinging is not None:
+                return Path([*segments, *swinging])
+            swings = False
+            continue
         found, stop = turning.run(plan.scene, plan.table, plan.edges, state, until, 0.1 * tolerance, progress)
         segments += found
         if stop is None:
@@ -177,6 +204,51 @@ def by_crank(plan: Plan, state: State, until: float, tolerance: float, step: flo
         if not found:  # too early
             threshold *= AGAIN
         state = stop.at
+
+
+def _swinging(plan: Plan, machine: "Machine", stepped: "Stepped", mode: Mode, tolerance: float, until: float) -> "list[Segment] | None":
+    """A crank that swings to and fro under forces that do not depend on its speed: a whole swing, to a tolerance in its own measure, and
+    its repetition. None where it does not come back."""
+    from . import over_time
+
+    begin, turn, again = stepped.stops()[-3:]
+    reading = stepped.read(np.array([begin, turn]), whole=False)
+    at, beyond = reading.position[0]
+    y = machine.begin(reading.position[:, 0], np.zeros(1), (), reading.ledgers[:, 0])
+    scale = _scale(plan, y)
+    scale[:2] = abs(beyond - at), abs(beyond - at) * 2 * np.pi / (again - begin)
+    followed = _Followed(plan, np.inf, 0.0, swings=True)
+    swing, _ = over_time.run(
+        machine,
+        machine.initial(begin, y, mode),
+        begin,
+        y,
+        begin + 2 * (again - begin),
+        tolerance,
+        scale,
+        None,
+        (),
+        over_time.IMPLICIT,
+        followed,
+    )
+    stops = swing.stops()
+    return [swing, turned.Repeated(Path([swing]), begin, stops[2], until)] if len(stops) > 2 else None
+
+
+class _Followed:
+    """Whether a crank has been followed over time for long enough: it turns, or has swung to and fro once."""
+
+    def __init__(self, plan: Plan, threshold: float, speed: float, swings: bool) -> None:
+        """``threshold``: kinetic energy from which it turns [J]; ``speed`` at the start [rad/s]; ``swings``: whether a swing counts."""
+        self.plan, self.threshold, self.speed = plan, threshold, speed
+        self.left = (2 if speed == 0 else 3) if swings else -1  # stops before a whole swing is over
+        self.swung = False
+
+    def __call__(self, y: Array) -> bool:
+        if y[1] * self.speed < 0:
+            self.left -= 1
+        self.speed, self.swung = float(y[1]) or self.speed, self.left == 0
+        return self.swung or _energy(self.plan, y[0], y[1]) > self.threshold
 
 
 def by_joints(
@@ -203,7 +275,19 @@ def by_joints(
     lengths = np.array([1.0 if axis.turns else press.spatial.size for axis in press.spatial.axes])
     energy = joints.energy(np.concatenate([first.joint_position[0], rate * np.ones(joints.size)]))
     scale = np.concatenate([lengths, lengths * rate, _of_states(plan, len(states), rate), [energy, energy, np.inf, energy]])
-    stepped, _ = over_time.run(machine, machine.initial(0.0, y, mode), 0.0, y, until, tolerance, scale, step, plan.breaks, None, progress)
+    stepped, _ = over_time.run(
+        machine,
+        machine.initial(0.0, y, mode),
+        0.0,
+        y,
+        until,
+        tolerance,
+        scale,
+        step,
+        plan.breaks,
+        over_time.BY_STIFFNESS,
+        progress=progress,
+    )
     return Path([stepped])
 
 
@@ -249,7 +333,17 @@ def one_period(plan: Plan, angle: float, start: Array, tolerance: float) -> tupl
         return bool((y[0] - target) * direction >= 0)
 
     stepped, y = over_time.run(
-        machine, machine.initial(0.0, y, mode), 0.0, y, patience, tolerance, _scale(plan, y), None, plan.breaks, beyond
+        machine,
+        machine.initial(0.0, y, mode),
+        0.0,
+        y,
+        patience,
+        tolerance,
+        _scale(plan, y),
+        None,
+        plan.breaks,
+        over_time.BY_STIFFNESS,
+        beyond,
     )
     if not beyond(y):
         raise scene.too_slow(float(patience), float(y[0]))
@@ -259,7 +353,7 @@ def one_period(plan: Plan, angle: float, start: Array, tolerance: float) -> tupl
     for _ in range(CLOSER):
         if end <= begin:  # an event has ended the step before, just there
             break
-        last, y = over_time.run(machine, modes, begin, at, end, tolerance, _scale(plan, at), None, plan.breaks)
+        last, y = over_time.run(machine, modes, begin, at, end, tolerance, _scale(plan, at), None, plan.breaks, over_time.BY_STIFFNESS)
         segments = [stepped, last]
         end += float((target - y[0]) / y[1])
     return Path(segments), y[1 : -len(LEDGERS)]

@@ -6,7 +6,7 @@ Newton's method needs few rounds, each an integral with an integrating factor, o
 Where no force depends on the speed one round is exact.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -34,6 +34,7 @@ class Flow:
         speed: (q, p, S) size of the crank's speed [rad/s], of no meaning where W is below the floor.
         force: (q, p, S) dW/du; driving, resisting: parts of it, of the drive and of the loads [N m].
         held: whether no force depends on the speed, so that W is right beyond a stop too.
+        stiffness: (p,) by how many e-folds a disturbance of W dies away on half a panel; 0 where the drive is not stiff.
         settled: (S,) panels on which Newton's method has found W: all, or those before the crank all but stops.
         added: inertia of flywheel and drive, of the first scenario [kg m2]. evaluations: of the forces, nodes counted.
     """
@@ -46,6 +47,7 @@ class Flow:
     driving: Array
     resisting: Array
     held: bool
+    stiffness: Array
     settled: Indices
     added: float
     evaluations: int
@@ -69,19 +71,22 @@ def flow(scene: Scene, grid: Grid, energy: Array, guess: Array | None = None, pe
         return _prescribed(scene, grid, inertia, drive)
     forces = Forces(drive, grid, shape)
 
-    def result(work: Array, held: bool, settled: Indices) -> Flow:
-        force = forces.driving + forces.resisting + grid.weight[:, :, None]
-        work, ends = _integral(grid, forces.driving + forces.resisting, grid.weight[:, :, None], energy)
+    def result(work: Array, held: bool, settled: Indices, ends: Array | None = None, force: Array | None = None) -> Flow:
+        if ends is None or force is None:
+            force = forces.driving + forces.resisting + grid.weight[:, :, None]
+            work, ends = _integral(grid, forces.driving + forces.resisting, grid.weight[:, :, None], energy)
+        else:  # of a stiff drive the torque that moves the press, not that of a speed which rounding has changed
+            forces.driving = force - forces.resisting - grid.weight[:, :, None]
         least = np.finfo(float).tiny if held else floor  # before a stop W is small, and right
         speed = np.sqrt(2 * np.maximum(work, least) / inertia)
         count = forces.asked * work.size
-        return Flow(grid, work, ends, speed, force, forces.driving, forces.resisting, held, settled, added, count)
+        return Flow(grid, work, ends, speed, force, forces.driving, forces.resisting, held, stiffness, settled, added, count)
 
     every = np.full(len(energy), p)
     work = np.broadcast_to(energy, shape) if guess is None else guess
     # fixed, as far from the solution W may rise without bounds
     floor = FLOOR * work.max(axis=(0, 1)) + np.finfo(float).tiny
-    rate, moved = None, np.full((p, len(energy)), np.inf)
+    rate, moved, ends, force, stiffness = None, np.full((p, len(energy)), np.inf), None, None, np.zeros(p)
     for _ in range(ROUNDS):
         above = np.maximum(work, floor)
         speed = np.sqrt(2 * above / inertia)
@@ -91,28 +96,36 @@ def flow(scene: Scene, grid: Grid, energy: Array, guess: Array | None = None, pe
         # Newton: dW/du = G + K (W_new - W); K by a difference, as it only has to lead there, and not anew close to the end
         if rate is None or moved.max() > CLOSE:
             change = forces.faster(speed, 1e-7)
-            if not change.any():  # here; but also at the speeds that come of these forces?
+            if not change.any():  # here; but also at the speeds that come of these forces, and next to a stop?
                 found = result(work, True, every)
                 if np.array_equal(forces.at(found.speed), total):
-                    return found  # of a periodic motion too: it does not come back, whatever its speed
+                    stopping = grid.kinds.any() or not found.ends.min() > 0
+                    # of a periodic motion too: it does not come back, whatever its speed
+                    return replace(found, held=bool(np.array_equal(forces.at(0.0 * speed), total))) if stopping else found
                 work, rate = np.maximum(found.energy, above / FURTHEST), None
                 continue
             rate = change / (2e-7 * above)
+            stiffness = np.abs(rate * grid.measure[:, :, None]).max(axis=(0, 2))
+            stiffness *= stiffness.max() > STIFF
         before = work
         total += grid.weight[:, :, None]
         total -= rate * before
         with np.errstate(all="ignore"):  # far from the solution it may overshoot without bounds
-            work, energy = _factored(grid, total, rate, energy, periodic)
+            work, ends, force = (_solved if stiffness.any() else _factored)(grid, total, rate, energy, periodic)
+            energy = ends[0]
         if not np.isfinite(work.sum()):
             work = np.where(np.isfinite(work), work, above)
         work = np.minimum(np.maximum(work, above / FURTHEST), above * FURTHEST)
-        moved = np.abs(work - before).max(axis=0) / np.maximum(work.max(axis=0), energy)
-        if moved.max() <= SETTLED:
+        last, moved = moved, np.abs(work - before).max(axis=0) / np.maximum(work.max(axis=0), energy)
+        if moved.max() <= SETTLED and not (
+            stiffness.any() and moved.max() < 0.5 * last.max()
+        ):  # a stiff drive feels the last digit of the speed
             break
     # what comes later does not matter to what comes before: the first panels may be right where the last ones are not
     unsettled = moved > SETTLED
     forces.at(np.sqrt(2 * np.maximum(work, floor) / inertia))
-    return result(work, False, np.where(unsettled.any(axis=0), unsettled.argmax(axis=0), p))
+    settled = np.where(unsettled.any(axis=0), unsettled.argmax(axis=0), p)
+    return result(work, False, settled, ends, force) if stiffness.any() else result(work, False, settled)
 
 
 class Forces:
@@ -181,7 +194,20 @@ def _prescribed(scene: Scene, grid: Grid, inertia: Array, drive: PrescribedSpeed
     force = 0.5 * grid.direction * grid.slope[:, :, None] * speed**2
     driving = force - resisting - grid.weight[:, :, None]
     ends = np.full((len(grid.borders), 1), work.max())
-    return Flow(grid, work, ends, speed, force, driving, resisting, True, np.full(1, len(grid.kinds)), float(scene.inertia), work.size)
+    return Flow(
+        grid,
+        work,
+        ends,
+        speed,
+        force,
+        driving,
+        resisting,
+        True,
+        np.zeros(len(grid.kinds)),
+        np.full(1, len(grid.kinds)),
+        float(scene.inertia),
+        work.size,
+    )
 
 
 def _integral(grid: Grid, force: Array, weight: Array, energy: Array) -> tuple[Array, Array]:
@@ -210,49 +236,48 @@ def _integral(grid: Grid, force: Array, weight: Array, energy: Array) -> tuple[A
     return work, ends
 
 
-def _factored(grid: Grid, constant: Array, rate: Array, energy: Array, periodic: bool) -> tuple[Array, Array]:
-    """W (q, p, S) from dW/du = constant + rate W, and its value (S,) at the start: ``energy``, or where it is ``periodic`` that at the end.
+def _factored(grid: Grid, constant: Array, rate: Array, energy: Array, periodic: bool) -> tuple[Array, Array, None]:
+    """W (q, p, S) from dW/du = constant + rate W by an integrating factor, for all scenarios in few operations; its values (p + 1, S) at
+    the borders; and no force. At the start W is ``energy``, or where it is ``periodic`` what it is at the end.
 
     On every panel W is a part of its own, plus a growth times its value at the start.
     """
-    _, p, count = constant.shape
-    exponents = rate * grid.measure[:, :, None]
-    own, growth, gained, final = (_by_solving if np.abs(exponents).max() > STIFF else _by_factor)(
-        constant * grid.measure[:, :, None], exponents
-    )
-    starts = np.empty((p, count))
-    if periodic:
-        energy = np.zeros(count)
-        for k in range(p):
-            energy = final[k] * energy + gained[k]
-        energy = energy / (1 - final.prod(axis=0))
-    start = energy
-    for k in range(p):
-        starts[k] = start
-        start = final[k] * start + gained[k]
-    return np.asarray(growth * starts + own), energy
-
-
-def _by_factor(constant: Array, exponents: Array) -> tuple[Array, Array, Array, Array]:
-    """Own part and growth (q, p, S), the same at the panels' ends (p, S), by an integrating factor: for all scenarios in few operations."""
     r = rule()
     q, p, count = constant.shape
-    flat = exponents.reshape(q, p * count)
+    flat = (rate * grid.measure[:, :, None]).reshape(q, p * count)
     growth, final = np.exp(r.cumulative @ flat).reshape(q, p, count), np.exp(r.weights @ flat).reshape(p, count)
-    scaled = (constant / growth).reshape(q, p * count)
-    return growth * (r.cumulative @ scaled).reshape(q, p, count), growth, final * (r.weights @ scaled).reshape(p, count), final
+    scaled = (constant * grid.measure[:, :, None] / growth).reshape(q, p * count)
+    ends = _along(final * (r.weights @ scaled).reshape(p, count), final, energy, periodic)
+    return np.asarray(growth * (ends[:-1] + (r.cumulative @ scaled).reshape(q, p, count))), ends, None
 
 
-def _by_solving(constant: Array, exponents: Array) -> tuple[Array, Array, Array, Array]:
-    """The same by solving the collocation equations of every panel: for drives so stiff that an integrating factor is no polynomial."""
-    r = rule()
-    rates, constants = np.moveaxis(exponents, 0, -1), np.moveaxis(constant, 0, -1)  # (p, S, q)
-    matrix = np.eye(len(r.nodes)) - r.cumulative * rates[:, :, None, :]
-    right = np.stack([constants @ r.cumulative.T, np.ones_like(constants)], axis=-1)
+def _solved(grid: Grid, constant: Array, rate: Array, energy: Array, periodic: bool) -> tuple[Array, Array, Array]:
+    """W likewise from the collocation equations of every panel, for drives so stiff that an integrating factor is no polynomial; and the
+    force dW/du (q, p, S) that solves them: worked out from W it would be that of its last digit.
+    """
+    r, measure = rule(), grid.measure.T[:, None]
+    exponents = np.moveaxis(rate, 0, -1) * measure  # (p, S, q)
+    right = np.stack([np.moveaxis(constant, 0, -1) * measure, exponents], axis=-1)
     try:
-        parts = np.asarray(np.linalg.solve(matrix, right), dtype=np.float64)
+        parts = np.linalg.solve(np.eye(len(r.nodes)) - exponents[..., None] * r.cumulative, right)
     except np.linalg.LinAlgError:
         parts = np.full(right.shape, np.nan)
     own, growth = parts[..., 0], parts[..., 1]
-    gained, final = (constants + rates * own) @ r.weights, 1 + (rates * growth) @ r.weights
-    return np.moveaxis(own, -1, 0), np.moveaxis(growth, -1, 0), np.asarray(gained), np.asarray(final)
+    ends = _along(own @ r.weights, 1 + growth @ r.weights, energy, periodic)
+    gained = own + growth * ends[:-1, :, None]
+    work = ends[:-1, :, None] + gained @ r.cumulative.T
+    return np.moveaxis(work, -1, 0), ends, np.moveaxis(gained / measure, -1, 0)
+
+
+def _along(gained: Array, final: Array, energy: Array, periodic: bool) -> Array:
+    """W (p + 1, S) at the borders, from what panels (p, S) gain, and by how much they multiply what is there at their start."""
+    if periodic:
+        energy = np.zeros(len(energy))
+        for k in range(len(gained)):
+            energy = final[k] * energy + gained[k]
+        energy = energy / (1 - final.prod(axis=0))
+    ends = np.empty((len(gained) + 1, len(energy)))
+    ends[0] = energy
+    for k in range(len(gained)):
+        ends[k + 1] = final[k] * ends[k] + gained[k]
+    return ends

@@ -1,8 +1,9 @@
 """Integration over time, whatever happens: stops, contacts, clutches, drives with states of their own, forces in time.
 
 An event is the zero of a switching function of the `Machine`. It is located on the integrator's own interpolation, the modes are set anew,
-and the integration goes on from there. SciPy integrates, by its DOP853 with steps by error; or the classical Runge-Kutta method with a
-fixed step does, as Zhang 2007, 4.3, used it (its update of positions corrected: h^2/6, not h/6).
+and the integration goes on from there. SciPy's DOP853 integrates with steps by error, and where forces are so stiff that it is held up by
+its stability, Radau IIA does (see `radau`); or the classical Runge-Kutta method with a fixed step, as Zhang 2007, 4.3, used it (its update
+of positions corrected: h^2/6, not h/6).
 """
 
 import math
@@ -20,7 +21,13 @@ from .errors import PinpressError, SimulationError
 from .machine import Machine
 from .modes import Modes, Switch
 from .path import LEDGERS, Reading
+from .radau import RadauIIA, slopes
 
+EXPLICIT, IMPLICIT, FIXED, BY_STIFFNESS = "explicit", "implicit", "fixed step", "by stiffness"
+WINDOW = 5  # steps over which the pace of a method is measured, after as many in which it finds its step
+SWIFT, SLOW = 0.3, 10.0  # steps beside the shortest time constant, below and above which DOP853 and Radau IIA are the faster one for sure
+DEARER = 1.5  # an evaluation of the implicit method, with what it does between them, beside one of the explicit method
+ASIDE = 1e-3  # of a step from rest: there the crank moves
 LEAST_RELATIVE = 3e-14  # tolerance beside the value itself, the least that SciPy takes: angles grow, their errors must not
 LOOKED_AT = (0.25, 0.5, 0.75, 1.0)  # of a step: where switching functions are looked at
 LOOKS = 200  # in a run's duration, at a press that stands
@@ -79,10 +86,12 @@ class Stepped:
 
     machine: Machine
     start: float
+    from_rest: bool = False
     times: list[float] = field(default_factory=list)
     pieces: list[Callable[[Any], Array]] = field(default_factory=list)
     modes: list[Modes] = field(default_factory=list)
     speeds: list[float] = field(default_factory=list)
+    ran: dict[str, None] = field(default_factory=dict)
     steps: int = 0
     evaluations: int = 0
     travelled: float = 0.0
@@ -97,6 +106,10 @@ class Stepped:
         moving = next((k for k in range(len(self.modes), 0, -1) if not self.modes[k - 1].standing), 0)
         return None if moving == len(self.modes) else self.times[moving - 1] if moving else self.start
 
+    @property
+    def solvers(self) -> tuple[str, ...]:
+        return tuple(self.ran)
+
     def before(self, late: Callable[[Array], float]) -> tuple[float, Modes, Array, float]:
         """Give up the last step, in which a function of the vector has become positive: when it began, its modes, the vector there,
         and about when the function is zero."""
@@ -105,6 +118,24 @@ class Stepped:
         self.speeds.pop()
         zero = brentq(lambda t: late(piece(t)), begin, end, rtol=1e-15) if late(piece(begin)) < 0 else begin
         return begin, modes, np.asarray(piece(begin)), float(zero)
+
+    def stops(self) -> list[float]:
+        """When the crank, alone, stopped: the start too where it began at rest."""
+        found, since = [], self.start
+        if self.from_rest:  # behind the start, where the speed is rounding
+            found, since = [self.start], self.start + ASIDE * (self.times[0] - self.start)
+        for piece, end in zip(self.pieces, self.times, strict=True):
+            if float(piece(since)[1]) * float(piece(end)[1]) < 0:
+                found.append(float(brentq(lambda t, piece=piece: float(piece(t)[1]), since, end, xtol=1e-300, rtol=1e-15)))
+            since = end
+        return found
+
+    def heeds_speed(self) -> bool:
+        """Whether more than the crank's angle counted for a force after any of the steps."""
+        return any(
+            self.machine.heeds_speed(mode, end, np.asarray(piece(end)))
+            for mode, end, piece in zip(self.modes, self.times, self.pieces, strict=True)
+        )
 
     def read(self, times: Array, whole: bool = True) -> Reading:
         machine, size, ledgers = self.machine, self.machine.dynamics.size, len(LEDGERS)
@@ -132,6 +163,7 @@ def run(
     scale: Array,
     step: float | None,
     breaks: Sequence[float],
+    solver: str = EXPLICIT,
     finished: Callable[[Array], bool] | None = None,
     progress: Callable[[float], None] | None = None,
 ) -> tuple[Stepped, Array]:
@@ -139,14 +171,15 @@ def run(
 
     Args:
         y: vector of the `Machine` at the start. scale: (len(y),) sizes of its entries, that the ``tolerance`` is a share of.
-        step: of the classical Runge-Kutta method [s]; None: DOP853.
+        step: of the classical Runge-Kutta method [s]; None: steps by error.
         breaks: instants at which something is not smooth.
+        solver: of steps by error: `EXPLICIT`, `IMPLICIT`, or one after the other `BY_STIFFNESS`.
         finished: whether a vector, at the end of a step, is far enough.
 
     Raises:
         SimulationError: the press stalls, or runs against a lock; steps become too short.
     """
-    result = Stepped(machine, start)
+    result = Stepped(machine, start, bool(machine.split(y)[0].speed == 0))
     time, first, stuck = start, None, 0
     angle, fastest = machine.split(y)[0].angle, abs(machine.split(y)[0].speed)
     result.speeds.append(float(machine.split(y)[0].speed))
@@ -155,41 +188,39 @@ def run(
     shortest = SHORTEST * (until - start)
     corner, tried = math.inf, 0  # time at which a drive's torque has a corner: a step must end there, not run over it
     close = 8 * float(np.finfo(float).eps) * abs(until)
+    pacer = Pacer() if step is None and solver == BY_STIFFNESS else None
     while time < until - close:
         target = min(next(b for b in ends if b > time), corner)
 
         def rates(t: float, y: Array, modes: Modes = modes) -> Array:
             return machine.rates(modes, t, y)
 
-        if step is not None:
-            solver: OdeSolver = RungeKutta4(rates, time, y, target, step)
-        else:
-            more: dict[str, float] = {} if first is None else {"first_step": min(first, target - time)}
-            if modes.standing:  # nothing moves, so that a step may be of any length: what starts the press must not be stepped over
-                more["max_step"] = (until - start) / LOOKS
-            solver = DOP853(rates, time, y, target, rtol=LEAST_RELATIVE, atol=tolerance * scale, **more)
-        if not np.isfinite(solver.f).all():
+        using = FIXED if step is not None else pacer.using if pacer is not None and not modes.standing else solver
+        longest = (until - start) / LOOKS if modes.standing else math.inf  # what starts a press that stands must not be stepped over
+        integrator = _integrator(rates, time, y, target, step, using, tolerance, scale, first, longest)
+        if not np.isfinite(integrator.f).all():
             raise SimulationError("a torque or force is not finite here, or the linkage locks: look at drive and loads", time, angle)
         event, again = None, False
         values = machine.switches(modes, time, y)
-        while solver.status == "running" and event is None:
-            message = solver.step()
-            if solver.status == "failed" or not np.isfinite(solver.y).all():
+        while integrator.status == "running" and event is None:
+            message = integrator.step()
+            if integrator.status == "failed" or not np.isfinite(integrator.y).all():
                 raise _lost(machine, time, y, message)
-            piece = solver.dense_output()
+            piece = integrator.dense_output()
             if values:
-                event, values = _first_event(machine, modes, piece, solver, values)
+                event, values = _first_event(machine, modes, piece, integrator, values)
             if event is not None and event[0].what == "corner" and tried < MOST_TRIES and event[1] > time + shortest:
                 corner, tried, again = event[1], tried + 1, True
                 break
-            at = solver.t if event is None else event[1]
+            at = integrator.t if event is None else event[1]
             result.steps += 1
             result.pieces.append(piece)
             result.times.append(at)
             result.modes.append(modes)
-            first = getattr(solver, "h_abs", None)
+            result.ran[using] = None
+            first = getattr(integrator, "h_abs", None)
             if event is None:
-                time, y = solver.t, _closed(machine, solver)
+                time, y = integrator.t, _closed(machine, integrator)
             else:
                 stuck = stuck + 1 if at <= time + shortest else 0
                 time, y = at, _project(machine, piece(at), at)
@@ -211,9 +242,13 @@ def run(
             if result.steps == MOST_STEPS:
                 raise SimulationError(f"more than {MOST_STEPS} steps: simulate in parts, or with a larger tolerance or step", time, angle)
             if finished is not None and finished(y):
-                result.evaluations += solver.nfev
+                result.evaluations += integrator.nfev
                 return result, y
-        result.evaluations += solver.nfev
+            if pacer is not None and event is None:
+                asked = partial(_swiftness, integrator, time, y, scale)
+                if pacer.changes(time, result.evaluations + integrator.nfev, asked):
+                    break
+        result.evaluations += integrator.nfev
         if again:
             continue
         if event is None and time >= corner:
@@ -226,6 +261,68 @@ def run(
     if result.times:
         result.times[-1] = until  # an event there may have ended it a rounding before
     return result, y
+
+
+def _integrator(
+    rates: Callable[[float, Array], Array],
+    time: float,
+    y: Array,
+    until: float,
+    step: float | None,
+    using: str,
+    tolerance: float,
+    scale: Array,
+    first: float | None,
+    longest: float,
+) -> OdeSolver:
+    """The integrator from a vector at a time; ``first``: length of its first step, where it is known; ``longest``: of any. The others as
+    of `run`."""
+    if step is not None:
+        return RungeKutta4(rates, time, y, until, step)
+    first = None if first is None else min(first, until - time)
+    if using == IMPLICIT and longest == math.inf:
+        return RadauIIA(rates, time, y, until, tolerance * scale, LEAST_RELATIVE, len(LEDGERS), scale, first)
+    more = {} if first is None else {"first_step": first}
+    return DOP853(rates, time, y, until, max_step=longest, rtol=LEAST_RELATIVE, atol=tolerance * scale, **more)
+
+
+class Pacer:
+    """Which method of steps by error gets on faster: each is measured over some steps, and the slower one tried again after ever longer
+    intervals where the steps, beside the shortest time constant, say that it may be the faster one by now."""
+
+    def __init__(self) -> None:
+        self.using = EXPLICIT
+        self.cost: dict[str, float] = {}  # evaluations a second of the run
+        self.taken, self.interval = 0, 4 * WINDOW
+        self.since: tuple[float, int] | None = None
+
+    def changes(self, time: float, evaluations: int, swiftness: Callable[[], float]) -> bool:
+        """Whether the other method is to go on after a step; ``evaluations``: of the method in use so far; ``swiftness``: the step beside
+        the shortest time constant."""
+        self.taken += 1
+        if self.taken == WINDOW:
+            self.since = time, evaluations
+        if self.taken == 2 * WINDOW and self.since is not None and time > self.since[0]:
+            dearer = DEARER if self.using == IMPLICIT else 1.0
+            self.cost[self.using] = dearer * (evaluations - self.since[1]) / (time - self.since[0])
+        if self.taken < 2 * WINDOW:
+            return False
+        other = IMPLICIT if self.using == EXPLICIT else EXPLICIT
+        if not self.cost.get(self.using, math.inf) > self.cost.get(other, math.inf):
+            if self.taken < self.interval:
+                return False
+            self.interval *= 2
+            if (swiftness() < SWIFT) if self.using == EXPLICIT else (swiftness() > SLOW):
+                return False
+        self.using, self.taken, self.since = other, 0, None
+        return True
+
+
+def _swiftness(integrator: OdeSolver, time: float, y: Array, scale: Array) -> float:
+    """The integrator's last step beside the shortest time constant of the motion."""
+    size = len(y) - len(LEDGERS)
+    jacobian = slopes(integrator.fun, time, y, integrator.f, scale[:size])[:size]
+    return float(integrator.step_size * np.abs(np.linalg.eigvals(jacobian)).max()) if np.isfinite(jacobian).all() else 1.0
 
 
 def _first_event(

@@ -48,6 +48,11 @@ class Segment(Protocol):
         """Angle that the crank has turned, either way [rad]."""
         ...
 
+    @property
+    def solvers(self) -> tuple[str, ...]:
+        """What it was found by."""
+        ...
+
     def read(self, times: Array, whole: bool = True) -> Reading:
         """States at times (n,) within the segment; where it is not needed ``whole``, without accelerations, and loops not closed anew."""
         ...
@@ -66,6 +71,11 @@ class Path:
     @property
     def evaluations(self) -> int:
         return sum(segment.evaluations for segment in self.segments)
+
+    @property
+    def solvers(self) -> tuple[str, ...]:
+        """What it was found by, in the order in which they came."""
+        return tuple(dict.fromkeys(solver for segment in self.segments for solver in segment.solvers))
 
     @property
     def turns(self) -> float:

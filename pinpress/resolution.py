@@ -15,6 +15,7 @@ from .panels import FROM_REST, SAME, STEADY, TO_REST, Grid, Indices, Push, trave
 from .reduced import horner, root, rule
 
 NARROWEST = 1e-9  # panel [rad]
+LAYER = 10.0  # e-folds of half a panel that holds what dies away at its start under a stiff drive
 LEAST = 1e-3  # kinetic energy, beside the period's largest, below which a drive that depends on speed may be about to stop the crank
 
 
@@ -66,7 +67,9 @@ def unresolved(flow: Flow, upto: int, tolerance: float, corners: Sequence[float]
     taken = (r.weights @ (slowness * measure).reshape(q, -1)).reshape(upto, count).sum(axis=0)
     bad = coarse(force, ends.max(axis=0)) | coarse(slowness, taken)
     bad &= np.diff(g.borders[: upto + 1]) > NARROWEST
-    cuts = {panel: _middle(g, panel) for panel in np.flatnonzero(bad).tolist()}
+    if flow.stiffness.any():  # what is not resolved there rings on through the panels that follow
+        bad[1:] &= (flow.stiffness[1:upto] <= LAYER) | ~bad[:-1]
+    cuts = {panel: _within(flow, panel) for panel in np.flatnonzero(bad).tolist()}
     if count == 1:
         cuts |= _corners_passed(flow, upto, corners)
         for push in g.pushes:
@@ -74,10 +77,13 @@ def unresolved(flow: Flow, upto: int, tolerance: float, corners: Sequence[float]
     return np.array(list(cuts.values()))
 
 
-def _middle(grid: Grid, panel: int) -> float:
-    """The middle of a panel, as it runs."""
-    low, high = grid.borders[panel : panel + 2]
-    share = {STEADY: 0.5, FROM_REST: 0.25, TO_REST: 0.75}[int(grid.kinds[panel])]
+def _within(flow: Flow, panel: int) -> float:
+    """Where a panel is cut: in its middle, as it runs; under a stiff drive behind the layer at its start, where that is not cut off yet."""
+    g, stiffness = flow.grid, flow.stiffness
+    low, high = g.borders[panel : panel + 2]
+    share = {STEADY: 0.5, FROM_REST: 0.25, TO_REST: 0.75}[int(g.kinds[panel])]
+    if stiffness[panel] > 2 * LAYER and (panel == 0 or stiffness[panel - 1] > 2 * LAYER):
+        share = LAYER / float(stiffness[panel])
     return float(low + share * (high - low))
 
 

@@ -30,7 +30,9 @@ class Stats:
     """What a run took, and how good it is.
 
     Attributes:
-        method: "reduced" or "constraint". steps: of integration: panels over the crank angle, steps over time.
+        method: the equations solved, "reduced" or "constraint". solvers: what solved them, in the order in which they came: over the crank
+            "angle"; over time "explicit" (DOP853), "implicit" (Radau IIA) or by a "fixed step"; "repetition" of a swing; "standstill".
+        steps: of integration: panels over the crank angle, steps over time.
         evaluations: of the equation of motion. wall_time: of the whole call [s].
         closure_error: largest gap of a loop in the states returned [m].
         sensitivity: by how much more the crank angle goes astray than the start is moved, by an angle, or by a speed times the time, where
@@ -40,6 +42,7 @@ class Stats:
     """
 
     method: str
+    solvers: tuple[str, ...]
     steps: int
     evaluations: int
     wall_time: float
@@ -118,6 +121,7 @@ def as_run(
         laws.confirm(plan.scene.drive, times, motion.crank_angle, reading.own, reading.torque)
     stats = Stats(
         method=method,
+        solvers=path.solvers,
         steps=path.steps,
         evaluations=path.evaluations,
         wall_time=clock.perf_counter() - began,

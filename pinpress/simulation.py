@@ -2,10 +2,13 @@
 
     run = pp.simulate(press, duration=2.0, speed=70 * pp.RPM, flywheel=pp.Flywheel(inertia=2000.0))
 
-Two methods give the same run. ``"reduced"`` integrates the one-degree-of-freedom equation (see `reduced`): over the crank angle, all of a
-period at once, while the crank turns, and over time where it may stop, or where a clutch, a drive's own states or forces in time demand it.
+Two sets of equations give the same run. ``"reduced"`` integrates the one-degree-of-freedom equation (see `reduced`): over the crank angle,
+all of a period at once, while the crank turns, and over time where it may stop, or where a clutch, a drive's own states or forces in time
+demand it. ``"implicit"`` integrates the same equation over time alone, by Radau IIA.
 ``"constraint"`` integrates all joints, with the loops closed again after every step: any linkage. Its accelerations are those of
 Pinocchio's constraint dynamics, but not with gear pairs, links without mass or loops that hold each other: see `forward_dynamics`.
+``"auto"`` is the first where there is one driver, else the last. Over time each of them takes explicit steps, or implicit ones where forces
+are so stiff that these get on faster: `Stats.solvers` says which.
 """
 
 import time as clock
@@ -34,6 +37,7 @@ from .sensitivity import of_run
 from .single_numbers import number
 from .turned import State
 
+METHODS = ("auto", "reduced", "implicit", "constraint")
 MOST_STEPS = 1_000_000  # of the Runge-Kutta method
 LEAST_TOLERANCE = 1e-13
 
@@ -80,7 +84,7 @@ def simulate(
     drive: "Drive | PrescribedSpeed | Mapping[str, Drive] | None" = None,
     flywheel: "Flywheel | Mapping[str, Flywheel] | None" = None,
     loads: Sequence[Load] = (),
-    method: str = "reduced",
+    method: str = "auto",
     clutch: Clutch | None = None,
     brake: Brake | None = None,
     points: int | None = None,
@@ -94,7 +98,8 @@ def simulate(
         duration: [s]. speed, angle: of the crank at the start [rad/s, rad].
         drive: what turns the crank, see `pinpress.drives`; None: nothing. flywheel: its inertia at the driver joint.
         loads: process loads of `pinpress.loads`, constant forces on links, springs and dampers.
-        method: "reduced" or "constraint", see the module. Where a linkage locks the first ends, the second runs on through the lock.
+        method: "auto", "reduced", "implicit" or "constraint", see the module. Where a linkage locks the first three end, "constraint" runs
+            on through the lock.
         clutch: between flywheel and crank; brake: on the crank.
         points: number of states returned; by default 120 a turn, and at least 120.
         step: fixed step of the classical Runge-Kutta method over time [s]; None: steps by error.
@@ -104,8 +109,8 @@ def simulate(
     Scenarios at once: ``speed`` and the parameters of drive, flywheel and loads that their classes declare ``per_scenario`` may be arrays
     (S,); `Runs` come back.
 
-    A linkage with several drivers takes method="constraint", (drivers,) of ``speed`` and ``angle``, and drives (of torque by speed alone)
-    and flywheels by the names of the drivers' joints.
+    A linkage with several drivers takes (drivers,) of ``speed`` and ``angle``, and drives (of torque by speed alone) and flywheels by the
+    names of the drivers' joints; its method is "auto" or "constraint".
 
     Raises:
         PinpressError: an argument that makes no sense.
@@ -115,8 +120,9 @@ def simulate(
     began = clock.perf_counter()
     if not isinstance(press, Linkage):
         raise PinpressError(f"press is {press!r}: give a Linkage, as load returns it")
-    if method not in ("reduced", "constraint"):
-        raise PinpressError(f"unknown method {method!r}: write 'reduced' or 'constraint'")
+    if method not in METHODS:
+        raise PinpressError(f"unknown method {method!r}: write {', '.join(map(repr, METHODS[:-1]))} or {METHODS[-1]!r}")
+    equations = ("reduced" if len(press.drivers) == 1 else "constraint") if method == "auto" else method
     until, tolerance = number("duration", duration, positive=True), tolerated(tolerance)
     fixed = None if step is None else number("step", step, positive=True)
     if fixed is not None and fixed < until / MOST_STEPS:
@@ -128,8 +134,8 @@ def simulate(
     count_of(points, 0.0)
     scene.listed(loads)
     if len(press.drivers) == 1 and (count := scenarios.count(speed, angle, drive, flywheel, loads)) is not None:
-        if method != "reduced" or clutch is not None or brake is not None:
-            raise PinpressError("arrays of scenarios are for method='reduced' without clutch and brake: simulate these one by one")
+        if equations != "reduced" or clutch is not None or brake is not None:
+            raise PinpressError("arrays of scenarios are for method='auto' without clutch and brake: simulate these one by one")
         return _scenarios(press, count, until, speed, angle, drive, flywheel, loads, points, fixed, tolerance)
     angles, speeds = _start(press, "angle", angle), _start(press, "speed", speed)
     drive, loads = laws.asked_drive(drive, float(np.abs(speeds).max())), laws.asked_loads(loads)
@@ -138,8 +144,8 @@ def simulate(
     plausibility.speeds("speed", speeds)
     with np.errstate(all="ignore"):  # what is not finite is refused where it arises
         if len(press.drivers) > 1:
-            if method == "reduced":
-                raise PinpressError(f"{press.name} has {len(press.drivers)} drivers: method='constraint' simulates it")
+            if equations != "constraint":
+                raise PinpressError(f"{press.name} has {len(press.drivers)} drivers: method='auto' simulates it")
             plan = _of_several(press, drive, flywheel, loads, clutch, brake)
         else:
             plan = of_one(press, drive, flywheel, loads, clutch, brake)
@@ -152,17 +158,21 @@ def simulate(
             if speeds[0] not in (0.0, plan.scene.drive.speed):
                 raise PinpressError(f"speed is {speeds[0]:g}, but the drive prescribes {plan.scene.drive.speed:g} rad/s: leave speed out")
             speeds = np.array([plan.scene.drive.speed])
+            equations = "reduced"
+        if method == "implicit" and fixed is not None:
+            raise PinpressError("step is of the classical Runge-Kutta method: leave it out with method='implicit'")
 
         def moved(angle: float = 0.0, speed: float = 0.0, progress: Callable[[float], None] | None = None) -> Path:
-            if method == "reduced" or isinstance(plan.scene.drive, PrescribedSpeed):
-                state = State(0.0, float(angles[0]) + angle, float(speeds[0]) + speed, np.zeros(len(LEDGERS)))
-                return methods.by_crank(plan, state, until, tolerance, fixed, progress)
-            return methods.by_joints(plan, angles + angle, speeds + speed, until, tolerance, fixed, progress)
+            if equations == "constraint":
+                return methods.by_joints(plan, angles + angle, speeds + speed, until, tolerance, fixed, progress)
+            state = State(0.0, float(angles[0]) + angle, float(speeds[0]) + speed, np.zeros(len(LEDGERS)))
+            return methods.by_crank(plan, state, until, tolerance, fixed, progress, implicit=equations == "implicit")
 
         path = moved(progress=progress)
         allowed = None if fixed is not None else allowed_error(tolerance)
         sensitivity = of_run(plan, path, until, tolerance, moved)
-        run = as_run(plan, path, method, until, points, began, allowed, sensitivity)
+        solved = "constraint" if equations == "constraint" else "reduced"
+        run = as_run(plan, path, solved, until, points, began, allowed, sensitivity)
     since = getattr(path.segments[-1], "standing", None)
     if since is not None:
         caution(

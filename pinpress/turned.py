@@ -12,7 +12,7 @@ from .coordinates import Array
 from .drives import Drive, PrescribedSpeed
 from .over_angle import Flow
 from .panels import Grid, Indices
-from .path import LEDGERS, Reading
+from .path import LEDGERS, MOTOR_SQUARED, Path, Reading
 from .reduced import COORDINATES, INERTIA, POTENTIAL, WEIGHT, Table, rule
 from .scene import Scene
 
@@ -60,6 +60,10 @@ class Turned:
     @property
     def end(self) -> float:
         return float(self.times[-1])
+
+    @property
+    def solvers(self) -> tuple[str, ...]:
+        return ("angle",)
 
     @property
     def steps(self) -> int:
@@ -170,6 +174,10 @@ class Resting:
         return self.at.time
 
     @property
+    def solvers(self) -> tuple[str, ...]:
+        return ("standstill",)
+
+    @property
     def steps(self) -> int:
         return 0
 
@@ -184,6 +192,49 @@ class Resting:
     def read(self, times: Array, whole: bool = True) -> Reading:
         none = np.zeros((1, len(times)))
         return Reading(none + self.at.angle, none, none, none[0], none[0], none[0], self.at.ledgers[:, None] + none)
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Repeated:
+    """A press that swings to and fro between two stops under forces that do not depend on its speed: what it did once, until a time.
+
+    Attributes:
+        swing: segments that have a whole swing in them. first, start: when the crank stopped in one place, and in the same place again [s];
+            from the latter on the swing is repeated. end: of the repetition [s].
+    """
+
+    swing: Path
+    first: float
+    start: float
+    end: float
+
+    @property
+    def solvers(self) -> tuple[str, ...]:
+        return ("repetition",)
+
+    @property
+    def steps(self) -> int:
+        return 0
+
+    @property
+    def evaluations(self) -> int:
+        return 0
+
+    @property
+    def travelled(self) -> float:
+        swings = (self.end - self.start) / (self.start - self.first)
+        return swings * sum(segment.travelled for segment in self.swing.segments)
+
+    def read(self, times: Array, whole: bool = True) -> Reading:
+        period = self.start - self.first
+        swings = np.floor((times - self.first) / period)
+        within = np.clip(times - swings * period, self.first, self.start)
+        order = np.argsort(within, kind="stable")
+        back = np.argsort(order, kind="stable")
+        found = Reading(*(rows[..., back] for rows in self.swing.read(within[order], whole)))
+        squared = self.swing.read(np.array([self.first, self.start]), whole=False).ledgers[MOTOR_SQUARED]
+        found.ledgers[MOTOR_SQUARED] += swings * (squared[1] - squared[0])  # all work is given back
+        return found
 
 
 def place_at(elapsed: Array, since: Array, took: Array) -> Array:

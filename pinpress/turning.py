@@ -13,9 +13,10 @@ from .errors import SimulationError
 from .laws import LawError
 from .over_angle import Flow
 from .panels import STEADY, TO_REST, Grid
+from .path import Path, Segment
 from .reduced import INERTIA, POTENTIAL, WEIGHT, Table, beyond, horner, root, rule
 from .scene import Scene, not_positive
-from .turned import State, Turned, turned
+from .turned import Repeated, State, turned
 
 SMALL = 1e-2  # swings shorter than this are followed over time: their forces are small differences [rad]
 REST = 0.2  # angle before a stop that is run through over its square root [rad]
@@ -23,6 +24,7 @@ NOTHING = 3e-11  # force on a crank at rest, beside the range of the potential e
 LITTLE = 1e-7  # kinetic energy, beside the range of the potential one, from which a start is followed over time
 USED_UP = 1e-9  # kinetic energy left at a stop, beside the largest on the way there, that is none
 MOST_PERIODS = 200_000  # in one run; each takes some memory
+NOTICED = 1e-6  # share of a swing by which two stops are not in the same place
 MOST_CUTS = 40  # rounds of cutting panels
 MOST_KEPT = 150  # panels more than the table's, that are taken over into the next period
 NO_CUTS = np.zeros(0)
@@ -40,6 +42,24 @@ class Stop(NamedTuple):
     held: bool
 
 
+class Swings:
+    """Stops of a press under forces that do not depend on its speed: where it stops a second time, it swings on like that for ever."""
+
+    def __init__(self, scene: Scene) -> None:
+        self.stops: list[tuple[int, float, float]] = []  # segments before, time, crank angle
+        self.same_both_ways = all(force.rising is force.falling for force in scene.forces)
+
+    def stopped(self, segments: Sequence[Segment], time: float, angle: float, until: float) -> Repeated | None:
+        """The repetition of the swing that ends with this stop, where one does."""
+        self.stops.append((len(segments), time, angle))
+        if len(self.stops) < 3 or not self.same_both_ways:
+            return None
+        (count, first, at), (_, _, beyond) = self.stops[-3:-1]
+        if abs(angle - at) > NOTICED * abs(beyond - at) or not first < time < until:
+            return None
+        return Repeated(Path(segments[count:]), first, time, until)
+
+
 def run(
     scene: Scene,
     table: Table,
@@ -48,14 +68,16 @@ def run(
     until: float,
     tolerance: float,
     progress: Callable[[float], None] | None = None,
-) -> "tuple[list[Turned], Stop | None]":
+) -> "tuple[list[Segment], Stop | None]":
     """Follow a press that turns, from a state on, up to a time or to where it may stop.
 
     Raises:
         SimulationError: it runs against a lock.
     """
-    segments: list[Turned] = []
-    state, before = begin, None
+    segments: list[Segment] = []
+    state, before, swings = begin, None, Swings(scene)
+    if not begin.speed:
+        swings.stopped(segments, begin.time, begin.angle, until)
     # Angles that grow round off, and what a period begins with must be what the one before ended with: the equation is solved over angles
     # from the ``anchor`` on, again and again, and the crank's own angle is counted beside it.
     anchor, first, periods = begin.angle, begin.angle, 0
@@ -83,8 +105,13 @@ def run(
         if progress is not None:
             progress(min(state.time, until))
         before = None
+        if not flow.held:
+            swings.stops.clear()
         if flow.grid.kinds[count - 1] == TO_REST:
             state = state._replace(speed=0.0)
+            repeated = swings.stopped(segments, state.time, state.angle, until)
+            if repeated is not None:
+                return [*segments, repeated], None
         elif count < len(flow.grid.kinds) and state.time < until:
             return segments, Stop(state, held=False)
         elif table.period is None and state.time < until:
