@@ -60,10 +60,10 @@ def rule() -> Rule:
     """The method's coefficients."""
     inner = np.sort(roots_jacobi(STAGES - 1, 1.0, 0.0)[0])
     x = np.append(inner, 1.0)  # on -1..1
-    series: Array = np.asarray(np.linalg.inv(legendre.legvander(x, STAGES - 1)), dtype=np.float64)  # of the polynomial through values at the nodes
-    integral: Array = 0.5 * np.asarray(legendre.legint(series, lbnd=-1, axis=0), dtype=np.float64)
+    through = np.linalg.inv(legendre.legvander(x, STAGES - 1))  # Legendre series of the polynomial through values at the nodes
+    integral = 0.5 * np.asarray(legendre.legint(through, lbnd=-1, axis=0), dtype=np.float64)
     matrix = legendre.legvander(x, STAGES) @ integral
-    inverse = np.linalg.inv(matrix)
+    inverse = np.linalg.inv(matrix).astype(np.float64)
     # The embedded formula of order s takes the rate at the start with the weight that makes its error, filtered by the linear equation
     # of that weight, fit the method's own: the inverse of the real eigenvalue of the inverse matrix.
     values = np.linalg.eigvals(inverse)

@@ -135,7 +135,7 @@ def simulate(
     scene.listed(loads)
     if len(press.drivers) == 1 and (count := scenarios.count(speed, angle, drive, flywheel, loads)) is not None:
         if equations != "reduced" or clutch is not None or brake is not None:
-            raise PinpressError("arrays of scenarios are for method='auto' without clutch and brake: simulate these one by one")
+            raise PinpressError("arrays of scenarios are for method='reduced' without clutch and brake: simulate these one by one")
         return _scenarios(press, count, until, speed, angle, drive, flywheel, loads, points, fixed, tolerance)
     angles, speeds = _start(press, "angle", angle), _start(press, "speed", speed)
     drive, loads = laws.asked_drive(drive, float(np.abs(speeds).max())), laws.asked_loads(loads)
@@ -145,7 +145,7 @@ def simulate(
     with np.errstate(all="ignore"):  # what is not finite is refused where it arises
         if len(press.drivers) > 1:
             if equations != "constraint":
-                raise PinpressError(f"{press.name} has {len(press.drivers)} drivers: method='auto' simulates it")
+                raise PinpressError(f"{press.name} has {len(press.drivers)} drivers: method='constraint' simulates it")
             plan = _of_several(press, drive, flywheel, loads, clutch, brake)
         else:
             plan = of_one(press, drive, flywheel, loads, clutch, brake)
