@@ -17,7 +17,7 @@ from .linkage import Linkage
 from .methods import Plan
 from .path import Path
 from .reduced import INERTIA, POTENTIAL, WEIGHT, Table
-from .turned import NEAR, Resting, Turned, slow
+from .turned import NEAR, Repeated, Resting, Turned, slow
 
 MOVED = 1e-6  # angle to both sides of a rest, at which it is seen whether it is stable [rad]
 PUSHED, CREEPING = 1e-4, 1e-9  # angle [rad] and speed [rad/s] of a press at rest that is pushed
@@ -70,7 +70,7 @@ def _beside_rest(press: Linkage, segment: Any, span: float) -> bool:
     """Whether the crank comes close to an unstable rest."""
     if isinstance(segment, Turned):
         return bool((_bend(press.table, segment.slow) < 0).any())
-    if isinstance(segment, Resting):
+    if isinstance(segment, Resting | Repeated):
         return False
     machine, n = segment.machine, segment.machine.dynamics.size
     own = 0.0 if machine.line.clutch is not None else machine.line.inertia
