@@ -14,6 +14,7 @@ import numpy as np
 from .coordinates import Array
 from .errors import PinpressError, UnknownNameError
 from .linkage import Linkage
+from .single_numbers import finite_numbers
 
 FORCES = {"shaking_force": "N", "shaking_moment": "N m", "driving_torque": "N m", "bearing_force": "N", "bearing_moment": "N m"}
 AXES = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
@@ -58,6 +59,9 @@ class Measure:
             raise UnknownNameError("quantity", self.quantity, tuple(FORCES))
         if self.quantity.startswith("bearing") != (self.bearing is not None):
             raise PinpressError(f"{self.words}: a bearing force or moment needs bearing=, the other quantities have none")
+        about = finite_numbers(self.about)
+        if about is None or about.shape != (3,):
+            raise PinpressError(f"{type(self).__name__}: about is {self.about!r}; give a point, three numbers [m]")
         if any(self.about) and self.quantity != "shaking_moment":
             raise PinpressError(f"{self.words}: about goes with a shaking moment")
         if self.quantity == "driving_torque" and self.axis is not None:
@@ -66,8 +70,8 @@ class Measure:
             raise PinpressError(f"{self.words}: a vector has no range: name an axis, or take Rms or Peak")
         direction = AXES.get(self.axis, ()) if isinstance(self.axis, str) else AXES["z"] if self.axis is None else self.axis
         for name, vector in (("axis", direction), ("about", self.about)):
-            numbers = np.asarray(vector, dtype=float)
-            if numbers.shape != (3,) or not np.all(np.isfinite(numbers)) or (name == "axis" and not numbers.any()):
+            numbers = finite_numbers(vector)
+            if numbers is None or numbers.shape != (3,) or (name == "axis" and not numbers.any()):
                 raise PinpressError(f"{self}: {name} is {getattr(self, name)!r}; give three numbers, or for an axis 'x', 'y' or 'z'")
 
     @property

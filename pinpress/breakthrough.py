@@ -24,7 +24,7 @@ from . import tables
 from .coordinates import Array
 from .errors import PinpressError
 from .frozen import Frozen
-from .single_numbers import number, positive
+from .single_numbers import number, numbers, positive
 from .snap_stretches import STEPS, Release, stretches, turning
 
 WEAKEST = 1e-6  # ratio of reverse load and force, below which no force counts as permitted
@@ -164,9 +164,10 @@ def permissible_breakthrough(
         PinpressError: arrays of different lengths, an argument out of range, a break-through so slow that no force brings the reverse load
             about.
     """
+    asked = {"reverse_force": reverse_force, "stiffness": stiffness, "mass": mass}
     try:
-        given = np.broadcast_arrays(*(np.atleast_1d(np.asarray(values, dtype=float)) for values in (reverse_force, stiffness, mass)))
-    except (TypeError, ValueError):
+        given = np.broadcast_arrays(*(np.atleast_1d(numbers(name, values)) for name, values in asked.items()))
+    except ValueError:
         raise PinpressError("reverse_force, stiffness and mass are not numbers of one length: give (n,) or one number each") from None
     if given[0].ndim != 1:
         raise PinpressError(f"reverse_force, stiffness and mass have shape {given[0].shape} together: give (n,) or one number each")

@@ -97,7 +97,7 @@ def _added(press: Linkage, weight: Counterweight) -> tuple[int, pin.Inertia]:
         raise UnknownNameError("link", weight.link, press.links)
     joint, point = carrier(press, weight.link, weight.position, what)
     for name, value in (("mass", weight.mass), ("inertia", weight.inertia)):
-        if not isinstance(value, int | float | np.number) or not math.isfinite(value):
+        if isinstance(value, bool) or not isinstance(value, int | float | np.number) or not math.isfinite(value):
             raise PinpressError(f"{what}: {name} is {value!r}: give a finite number")
     if weight.inertia * weight.mass < 0 or (weight.inertia and not weight.mass):
         raise PinpressError(f"{what}: its inertia is {weight.inertia:g} kg m2 at a mass of {weight.mass:g} kg, which no body has")

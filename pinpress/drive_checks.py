@@ -3,8 +3,8 @@
 import numpy as np
 
 from . import plausibility
-from .coordinates import Array
 from .errors import PinpressError
+from .single_numbers import finite_numbers
 
 _WITHIN = {
     "finite": lambda values: np.isfinite(values),
@@ -21,7 +21,7 @@ def check(drive: object, field: str, kind: str, unit: str, scenarios: bool = Fal
         PinpressError: it is not a finite number of the kind, or an array (S,) of such numbers where there may be several scenarios.
     """
     given = getattr(drive, field)
-    values = numbers(given)
+    values = finite_numbers(given)
     if values is None or values.ndim > scenarios or not values.size or not np.all(_WITHIN[kind](values)):
         wanted = "a finite number" if kind == "finite" else f"a finite number that is {kind}"
         several = ", or an array (S,) of them" if scenarios else ""
@@ -30,16 +30,6 @@ def check(drive: object, field: str, kind: str, unit: str, scenarios: bool = Fal
         plausibility.speeds(f"{type(drive).__name__}: {field}", values)
     values.setflags(write=False)
     set_field(drive, field, values if values.ndim else float(values))
-
-
-def numbers(given: object) -> Array | None:
-    """What was given as a fresh array of numbers; None where it is none, or one of them is not finite."""
-    try:
-        values = np.asarray(given)
-    except ValueError:  # rows of different lengths
-        return None
-    # no truth values, and no texts that look like numbers
-    return values.astype(float) if values.dtype.kind in "iuf" and np.all(np.isfinite(values)) else None
 
 
 def set_field(drive: object, field: str, value: object) -> None:

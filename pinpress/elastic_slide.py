@@ -25,6 +25,7 @@ from .forces import Load, PointForce, SpringDamper
 from .frozen import Frozen, FrozenMapping
 from .linkage import Linkage
 from .motion import RPM, Motion, cycle
+from .single_numbers import numbers
 
 WINDOW = np.radians(6.0)  # on both sides of the rigid bottom dead centre, in which the elastic one is looked for [rad]
 NODES = 24  # of the polynomials in it
@@ -226,12 +227,9 @@ def _series(press: Linkage, values: Array) -> Array:
 
 
 def _speeds(speed: ArrayLike) -> Array:
-    try:
-        speeds = np.atleast_1d(np.array(speed, dtype=float))
-    except (TypeError, ValueError):
-        raise PinpressError(f"speed is {speed!r}: give numbers [rad/s]") from None
-    if speeds.ndim != 1 or not len(speeds) or not np.isfinite(speeds).all():
-        raise PinpressError(f"speed has shape {speeds.shape}, or is not finite: give (S,) speeds of the crank [rad/s]")
+    speeds = np.atleast_1d(numbers("speed", speed))
+    if speeds.ndim != 1 or not len(speeds):
+        raise PinpressError(f"speed has shape {speeds.shape}: give (S,) speeds of the crank [rad/s]")
     return speeds
 
 

@@ -14,6 +14,7 @@ from .errors import PinpressError, UnknownNameError
 from .friction import REST
 from .loads import ProcessLoad, Stretch, TimeForce, datum
 from .points import point_motion
+from .single_numbers import numbers
 
 if TYPE_CHECKING:
     from .linkage import Linkage
@@ -125,7 +126,7 @@ def _in_height(load: ProcessLoad, press: "Linkage", motion: "Motion") -> Array:
     for downwards, stretch in stretches:
         _refuse_scenarios(name, stretch)
         inside = np.flatnonzero((down == downwards) & (stretch.lower < height) & (height <= stretch.upper))
-        law = numbers(stretch.force(height[inside], velocity[inside]), name, "force")
+        law = numbers(f"{name}: force", stretch.force(height[inside], velocity[inside]))
         if law.shape not in ((), inside.shape):
             raise PinpressError(f"{name}: force of {inside.shape} heights has shape {law.shape}; give the same")
         force[inside] = np.maximum(law, 0.0) if stretch.one_sided else law
@@ -141,7 +142,7 @@ def _refuse_scenarios(name: str, stretch: Stretch) -> None:
 
 
 def _in_time(load: TimeForce, motion: "Motion") -> Array:
-    force = numbers(load.force(motion.time), "TimeForce", "force")
+    force = numbers("TimeForce: force", load.force(motion.time))
     if force.shape not in ((), motion.time.shape):
         raise PinpressError(f"TimeForce: force has shape {force.shape}; give {motion.time.shape}, as the time has")
     return np.broadcast_to(force, motion.time.shape)
@@ -150,7 +151,7 @@ def _in_time(load: TimeForce, motion: "Motion") -> Array:
 def _applied(load: PointForce, press: "Linkage", motion: "Motion") -> AppliedForce:
     points, what = len(motion.crank_angle), f"load on {load.link!r}"
     joint, point = place(press, load.link, load.point, what, "point")
-    force = numbers(load.force(motion) if callable(load.force) else load.force, what, "force")
+    force = numbers(f"{what}: force", load.force(motion) if callable(load.force) else load.force)
     if force.shape not in ((3,), (points, 3)):
         raise PinpressError(f"{what}: force has shape {force.shape}; give (3,) or ({points}, 3), in world axes [N]")
     return AppliedForce(joint, point, np.broadcast_to(force, (points, 3)))
@@ -175,7 +176,7 @@ def spring_ends(load: SpringDamper, press: "Linkage") -> tuple[tuple[int, Array]
     """The ends of a spring: each the joint whose body it is on, and the point in that joint's frame [m]."""
     what = _of_spring(load)
     for quantity in ("stiffness", "damping", "free_length"):
-        value = numbers(getattr(load, quantity), what, quantity)
+        value = numbers(f"{what}: {quantity}", getattr(load, quantity))
         if value.ndim or value < 0:
             raise PinpressError(f"{what}: {quantity} is {getattr(load, quantity)!r}; give one number that is not negative")
     return place(press, load.link1, load.point1, what, "point1"), place(press, load.link2, load.point2, what, "point2")
@@ -189,19 +190,8 @@ def place(press: "Linkage", link: str, point: ArrayLike, what: str, name: str) -
     """The joint whose body a link belongs to, and a point of the link in that joint's frame."""
     if link not in press.links:
         raise UnknownNameError("link", link, press.links)
-    position = numbers(point, what, name)
+    position = numbers(f"{what}: {name}", point)
     if position.shape != (3,):
         raise PinpressError(f"{what}: {name} has shape {position.shape}; give x, y, z in the link's frame [m]")
     frame = press.model.frames[press.model.getFrameId(link, pin.BODY)]
     return frame.parentJoint, frame.placement.act(position)
-
-
-def numbers(values: ArrayLike, what: str, name: str) -> Array:
-    """Values as a fresh array of finite numbers: results are worked out later too, whatever the caller then does with his own."""
-    try:
-        array = np.array(values, dtype=float)
-    except (TypeError, ValueError):
-        raise PinpressError(f"{what}: {name} is not an array of numbers") from None
-    if not np.all(np.isfinite(array)):
-        raise PinpressError(f"{what}: {name} is not finite")
-    return array

@@ -13,7 +13,6 @@ from numpy.typing import ArrayLike
 
 from . import tables
 from .coordinates import Array
-from .drive_checks import numbers
 from .errors import PinpressError
 from .frame_modes import undamped
 from .frame_mounts import Frame, Mount, listed_mounts
@@ -23,6 +22,7 @@ from .frozen import Frozen
 from .linkage import Linkage
 from .motion import RPM
 from .mounted_press import MountedPress, mounted, with_mounts
+from .single_numbers import finite_numbers
 
 TRIALS = 97  # stiffnesses tried, evenly in their logarithm, from the stiffest down
 SOFTEST, STIFFEST = 0.01, 4.0  # lowest natural frequency beside the lowest and the highest speed, between which is looked
@@ -170,7 +170,7 @@ def _sag(system: MountedPress) -> float:
 
 
 def _between(name: str, given: object, upper: float, wanted: str) -> float:
-    value = numbers(given)
+    value = finite_numbers(given)
     if value is None or value.ndim or not 0 < value < upper:
         raise PinpressError(f"{name} is {given!r}: give {wanted}")
     return float(value)

@@ -7,11 +7,11 @@ import numpy as np
 
 from . import tables
 from .coordinates import Array, ComplexArray
-from .drive_checks import numbers
 from .errors import PinpressError, expect
 from .frame_matrices import centre_of
 from .frozen import Frozen
 from .mounted_press import MountedPress
+from .single_numbers import finite_numbers
 
 MOTIONS = ("along x", "along y", "along z", "rocking about x", "rocking about y", "twisting about z")
 
@@ -141,7 +141,7 @@ def logarithmic_decrement(signal: Array) -> float:
     Raises:
         PinpressError: no (n,) of finite numbers, or fewer than three peaks.
     """
-    values = numbers(signal)
+    values = finite_numbers(signal)
     if values is None or values.ndim != 1:
         raise PinpressError("signal is no array (n,) of finite numbers: give one component of a vibration")
     size = np.abs(values)

@@ -7,10 +7,11 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from .coordinates import Array
-from .drive_checks import numbers, set_field
+from .drive_checks import set_field
 from .errors import PinpressError
 from .frozen import Frozen, read_only
 from .rubber_pads import RubberPad
+from .single_numbers import finite_numbers
 
 Vector = tuple[float, float, float]
 
@@ -48,7 +49,7 @@ class Frame(Frozen):
     @property
     def tensor(self) -> Array:
         """(3, 3) about the centre of mass [kg m2]."""
-        given = numbers(self.inertia)
+        given = finite_numbers(self.inertia)
         if given is None or given.shape not in ((3,), (3, 3)):
             raise PinpressError(f"Frame: inertia is {self.inertia!r}; give (3, 3), or (3,) along x, y and z [kg m2]")
         return np.diag(given) if given.ndim == 1 else given
@@ -115,7 +116,7 @@ def listed_mounts(mounts: object, what: str) -> tuple[Mount, ...]:
 
 
 def _checked(kind: str, field: str, given: object, shape: tuple[int, ...], wanted: str) -> Array:
-    values = numbers(given)
+    values = finite_numbers(given)
     if values is None or values.shape != shape:
         raise PinpressError(f"{kind}: {field} is {given!r}; give {wanted}, finite")
     return values

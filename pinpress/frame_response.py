@@ -12,7 +12,6 @@ from numpy.typing import ArrayLike
 
 from . import frame_forcing
 from .coordinates import Array, ComplexArray
-from .drive_checks import numbers
 from .drives import Flywheel
 from .errors import PinpressError, expect
 from .frame_matrices import rows_at
@@ -20,6 +19,7 @@ from .frame_modes import quadrature, state_matrix
 from .frame_motion import FrameMotion
 from .mounted_press import MountedPress
 from .reactions import Reactions
+from .single_numbers import finite_numbers
 
 UNRESOLVED = 1e-3  # share of the last third of the harmonics from which the states do not resolve the force
 ROUNDING = 1e-9  # of weight and forces
@@ -166,7 +166,7 @@ def named_points(system: MountedPress, points: Points) -> dict[str, Array]:
     rows = {}
     for name, given in points.items():
         part, place = (1, given[1]) if isinstance(given, tuple) and len(given) == 2 and given[0] == "crown" else (0, given)
-        point = numbers(place)
+        point = finite_numbers(place)
         if not isinstance(name, str) or point is None or point.shape != (3,):
             raise PinpressError(f"point {name!r} is {given!r}: give x, y, z [m] under a name, or ('crown', (x, y, z))")
         if part >= system.parts:

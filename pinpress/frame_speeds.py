@@ -13,7 +13,6 @@ from numpy.typing import ArrayLike
 
 from . import tables
 from .coordinates import Array, ComplexArray
-from .drive_checks import numbers
 from .errors import PinpressError, expect
 from .frame_forcing import forcing
 from .frame_matrices import rows_at
@@ -24,6 +23,7 @@ from .linkage import Linkage
 from .motion import RPM, cycle
 from .mounted_press import MountedPress
 from .reactions import Reactions, inverse_dynamics
+from .single_numbers import finite_numbers
 
 STATES = 360  # of a turn: harmonics to order 179
 ROUNDED = 1e-14  # of the largest force: harmonics that are rounding, left out
@@ -179,7 +179,7 @@ def rising(name: str, given: ArrayLike) -> Array:
     Raises:
         PinpressError: it is none.
     """
-    values = numbers(given)
+    values = finite_numbers(given)
     if values is None or values.ndim != 1 or not len(values) or values[0] <= 0 or (np.diff(values) <= 0).any():
         raise PinpressError(f"{name} is {given!r}: give an array of positive numbers, rising [rad/s]")
     return values

@@ -6,9 +6,9 @@ import numpy as np
 
 from .coordinates import Array
 from .errors import PinpressError, expect
-from .forces import numbers
 from .frozen import Frozen
 from .motion import Motion
+from .single_numbers import numbers
 
 EQUAL = 1e-9  # difference of the steps of the crank angle [rad] that is none
 FINER = 8  # times as many angles as states that unequal ones are interpolated at
@@ -42,7 +42,7 @@ def harmonics(motion: Motion, force: Array, orders: int = 12) -> Harmonics | Non
     if isinstance(orders, bool) or not isinstance(orders, int | np.integer) or orders < 0:
         raise PinpressError(f"orders is {orders!r}: give a whole number from 0")
     expect("motion", motion, Motion, "cycle or simulate")
-    force = numbers(force, "harmonics", "force")
+    force = numbers("harmonics: force", force)
     if force.shape != (len(motion.crank_angle), 3):
         raise PinpressError(f"force has shape {force.shape}: give one of ({len(motion.crank_angle)}, 3), a state a row")
     start, turns = last_period(motion), motion.period_turns

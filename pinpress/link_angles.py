@@ -16,6 +16,7 @@ from .linkage import Linkage
 from .motion import Motion
 from .over_turn import CrankMotion, Curve, Numbers
 from .poses import bearing_points, poses
+from .single_numbers import numbers
 
 FINER = 8  # times as many places as states that an angle's cosine or squared sine is worked out at
 UNRESOLVED = 1e-9  # amplitude of one of the last quarter of the harmonics that n states carry, above which these are too few
@@ -48,8 +49,8 @@ def pressure_angle(motion: CrankMotion, driven: Numbers, other: Numbers, axis: A
         PinpressError: not such a period, arrays of other shapes or not finite, pins in one place, or states too far apart.
     """
     link = _line(motion, "driven", driven, "other", other)
-    way = np.asarray(axis, dtype=float)
-    if way.shape != (3,) or not np.all(np.isfinite(way)) or not way.any():
+    way = numbers("axis", axis)
+    if way.shape != (3,) or not way.any():
         raise PinpressError(f"axis is {axis!r}: give a direction (3,)")
     way = way / np.linalg.norm(way)
     along, across = link @ way, np.cross(link, way)

@@ -7,8 +7,9 @@ import numpy as np
 
 from .coordinates import Array
 from .drive_checks import set_field
-from .errors import PinpressError
+from .errors import PinpressError, shown
 from .process_load import ProcessLoad
+from .single_numbers import finite_numbers
 
 if TYPE_CHECKING:
     from .loads import Blanking, DeepDrawing
@@ -16,20 +17,17 @@ if TYPE_CHECKING:
 
 def checked_numbers(load: object, name: str) -> Array:
     value = getattr(load, name)
-    try:
-        numbers = np.array(value, dtype=float)
-    except (TypeError, ValueError):
-        raise PinpressError(f"{type(load).__name__}: {name} is {value!r}; give numbers") from None
-    if isinstance(value, bool) or not np.isfinite(numbers).all():
-        raise PinpressError(f"{type(load).__name__}: {name} is {value!r}; give finite numbers")
-    return numbers
+    found = finite_numbers(value)
+    if found is None:
+        raise PinpressError(f"{type(load).__name__}: {name} is {shown(value)}; give finite numbers")
+    return found
 
 
 def check_height(load: object, name: str) -> None:
-    numbers = checked_numbers(load, name)
-    if numbers.ndim:
-        raise PinpressError(f"{type(load).__name__}: {name} has shape {numbers.shape}; give one number [m], the same for all scenarios")
-    set_field(load, name, float(numbers))
+    values = checked_numbers(load, name)
+    if values.ndim:
+        raise PinpressError(f"{type(load).__name__}: {name} has shape {values.shape}; give one number [m], the same for all scenarios")
+    set_field(load, name, float(values))
 
 
 def check_datum(load: ProcessLoad) -> None:
@@ -50,14 +48,14 @@ def check_span(load: "Blanking | DeepDrawing") -> None:
 
 def check_magnitude(load: object, name: str) -> None:
     """One number that is not negative, or (S,) of them."""
-    numbers = checked_numbers(load, name)
-    if numbers.ndim > 1 or not numbers.size:
-        raise PinpressError(f"{type(load).__name__}: {name} has shape {numbers.shape}; give one number, or (S,) for S scenarios")
-    if np.any(numbers < 0):
+    values = checked_numbers(load, name)
+    if values.ndim > 1 or not values.size:
+        raise PinpressError(f"{type(load).__name__}: {name} has shape {values.shape}; give one number, or (S,) for S scenarios")
+    if np.any(values < 0):
         raise PinpressError(
             f"{type(load).__name__}: {name} is {getattr(load, name)!r}; give it not negative (positive resists the slide's work)"
         )
-    set_field(load, name, fixed(numbers) if numbers.ndim else float(numbers))
+    set_field(load, name, fixed(values) if values.ndim else float(values))
 
 
 def check_scenarios(load: object, *names: str) -> None:

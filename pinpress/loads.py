@@ -24,6 +24,7 @@ from .errors import PinpressError
 from .frozen import Frozen
 from .load_checks import check_datum, check_height, check_magnitude, check_scenarios, check_span, checked_numbers, fixed
 from .process_load import ProcessLoad, Stretch, datum
+from .single_numbers import any_numbers, number
 
 if TYPE_CHECKING:
     pass
@@ -249,12 +250,12 @@ def step(x: ArrayLike, x0: float, h0: float, x1: float, h1: float) -> Array:
     Raises:
         PinpressError: x1 not above x0, or a value that is not a number.
     """
-    try:
-        at, (begin, before, end, after) = np.asarray(x, dtype=float), map(float, (x0, h0, x1, h1))
-    except (TypeError, ValueError):
-        raise PinpressError(f"step: x, x0, h0, x1, h1 must be numbers, not {(x, x0, h0, x1, h1)!r}") from None
-    if np.isnan(at).any() or not all(map(math.isfinite, (begin, before, end, after, 1 / (end - begin) if end > begin else 0.0))):
-        raise PinpressError("step: x, x0, h0, x1 or h1 is not finite")
+    at = any_numbers("step: x", x)
+    if np.isnan(at).any():
+        raise PinpressError("step: x is not finite")
+    begin, before, end, after = (number(f"step: {name}", value) for name, value in (("x0", x0), ("h0", h0), ("x1", x1), ("h1", h1)))
+    if end > begin and not math.isfinite(1 / (end - begin)):
+        raise PinpressError("step: x0 and x1 are too near to each other: move them apart")
     if not end > begin:
         raise PinpressError(f"step: x1 is {end:g}, not above x0, {begin:g}; write step(x, x0, h0, x1, h1) with x0 < x1")
     share = np.clip((at - begin) / (end - begin), 0.0, 1.0)

@@ -9,9 +9,10 @@ from typing import ClassVar
 import numpy as np
 
 from .drive import Plain, Values, between
-from .drive_checks import check, check_scenarios, numbers, set_field
+from .drive_checks import check, check_scenarios, set_field
 from .errors import PinpressError
 from .motion import RPM
+from .single_numbers import finite_numbers
 
 
 @dataclass(frozen=True)
@@ -142,7 +143,7 @@ class InverterMotor(Plain):
         Raises:
             PinpressError: a frequency that is not positive, or off the curve.
         """
-        given = numbers(frequency)
+        given = finite_numbers(frequency)
         if given is None or not np.all(given > 0):
             raise PinpressError(f"InverterMotor: frequency is {frequency!r}; give a positive number [Hz]")
         if self.curve is not None:
@@ -194,7 +195,7 @@ def _check_rated_speed(drive: object, rated_speed: float, frequency: float, pole
 
 
 def _curve(drive: object, given: object) -> tuple[tuple[float, float], ...]:
-    pairs = numbers(given)
+    pairs = finite_numbers(given)
     if pairs is None or pairs.ndim != 2 or pairs.shape[1] != 2 or len(pairs) < 2 or not np.all(pairs > 0):
         raise PinpressError(
             f"{type(drive).__name__}: curve is {given!r}; give two or more pairs (frequency [Hz], torque [N m]), all positive"

@@ -25,6 +25,7 @@ from .motion import Motion, cycle
 from .operating_extremes import Affine, largest
 from .operating_table import OperatingPoints
 from .reactions import Reactions, inverse_dynamics
+from .single_numbers import numbers
 
 SLOW = 1e-9  # of the highest speed: inertia is below rounding, and the slide still has its direction of travel
 BETWEEN = 0.37  # of highest speed and amplitude: where the coefficients are tried
@@ -117,7 +118,7 @@ def _times(factor: float, law: Callable[..., Any], *arguments: Any) -> Any:
 
 def _multiplied(load: Load, factor: float) -> Load:
     if isinstance(load, PointForce):
-        law = partial(_times, factor, load.force) if callable(load.force) else factor * np.asarray(load.force, dtype=float)
+        law = partial(_times, factor, load.force) if callable(load.force) else factor * numbers("unit_load: force", load.force)
         return replace(load, force=law)
     if isinstance(load, ProcessLoad) and not isinstance(load, type):
         return _Multiplied(load, factor)
@@ -221,11 +222,8 @@ def _without_nothing(vector: Affine, squares: Array, forces: Array) -> Affine:
 
 
 def _axis(name: str, values: ArrayLike, unit: str) -> Array:
-    try:
-        array = np.array(values, dtype=float, ndmin=1)
-    except (TypeError, ValueError):
-        raise PinpressError(f"{name} is {values!r}: give an array of numbers [{unit}]") from None
-    if array.ndim != 1 or not array.size or not np.isfinite(array).all():
+    array = np.atleast_1d(numbers(name, values))
+    if array.ndim != 1 or not array.size:
         raise PinpressError(f"{name} must be a sequence of finite numbers [{unit}], at least one")
     array.setflags(write=False)
     return array

@@ -23,7 +23,7 @@ from .linkage import Linkage
 from .motion import Motion
 from .rating_curves import largest_factor, without_masses
 from .reactions import inverse_dynamics
-from .single_numbers import positive
+from .single_numbers import finite_numbers, positive
 
 DIRECTION = 1e-9  # component along the guide that a gib's normal may have
 ROUNDING = 1e-12  # of the process force: a force that is none
@@ -246,10 +246,7 @@ def _largest_moment(guide: Guide, normal: Array, pressure: float) -> Array:
 
 
 def _vector(name: str, values: object) -> Array:
-    try:
-        vector = np.asarray(values, dtype=float)
-    except (TypeError, ValueError):
-        vector = np.zeros(0)
-    if vector.shape != (3,) or not np.isfinite(vector).all():
+    vector = finite_numbers(values)
+    if vector is None or vector.shape != (3,):
         raise PinpressError(f"{name} is {values!r}: give three finite numbers, x, y, z")
     return vector

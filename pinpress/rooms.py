@@ -17,9 +17,9 @@ from .conic import AT_MOST, CONE, Rows
 from .coordinates import Array
 from .counterweights import body, carrier, spread
 from .errors import PinpressError, UnknownNameError
-from .forces import numbers
 from .inertia_responses import PointMasses
 from .linkage import Linkage
+from .single_numbers import any_numbers, numbers
 
 Vector = tuple[float, float, float]
 FLAT = 1e-9  # of the press's size: corners are in one plane of motion
@@ -50,21 +50,28 @@ class Room:
     replaces: bool = False
 
     def __post_init__(self) -> None:
-        what, given = self.words, (self.at is not None) + (self.radius is not None) + bool(self.corners)
+        what = self.words
+        if self.at is not None:
+            object.__setattr__(self, "at", tuple(numbers(f"{what}: at", self.at, (3,)).tolist()))
+        corners = (
+            np.empty((0, 3)) if isinstance(self.corners, list | tuple) and not self.corners else numbers(f"{what}: corners", self.corners)
+        )
+        if corners.ndim != 2 or corners.shape[1] != 3:
+            raise PinpressError(f"{what}: corners has shape {corners.shape}: give points in the link's frame, (k, 3) [m]")
+        object.__setattr__(self, "corners", tuple(map(tuple, corners.tolist())))
+        given = (self.at is not None) + (self.radius is not None) + bool(self.corners)
         if given > 1:
             raise PinpressError(f"{what}: give one of at, radius and corners")
         if not given and not self.replaces:
             raise PinpressError(f"{what}: give its place: at, radius or corners (or replaces=True, for another mass of the link itself)")
-        try:
-            low, high = map(float, self.mass)
-        except (TypeError, ValueError):
-            low = high = math.nan
+        mass = any_numbers(f"{what}: mass", self.mass)
+        low, high = map(float, mass) if mass.shape == (2,) else (math.nan, math.nan)
         if not -math.inf < low <= high:
             raise PinpressError(f"{what}: mass is {self.mass!r}: give the least and the most, as (0, 500) [kg]; the most may be math.inf")
         if low < 0 and (self.at is None or self.replaces):
             raise PinpressError(f"{what}: its least mass is {low:g} kg, but only a hole at a point, at=..., has a negative one")
         for name, length in (("radius", self.radius), ("gyration", self.gyration)):
-            if length is not None and not (np.ndim(length) == 0 and numbers(length, what, name) >= 0):
+            if length is not None and not ((found := numbers(f"{what}: {name}", length)).ndim == 0 and found >= 0):
                 raise PinpressError(f"{what}: {name} is {length!r}: give a length that is not negative [m]")
         if self.gyration and self.replaces and not given:
             raise PinpressError(f"{what}: the link keeps its own shape, and radius of gyration with it: leave gyration out")

@@ -16,11 +16,10 @@ from numpy.typing import ArrayLike
 from .coordinates import Array
 from .counterweights import Counterweight
 from .errors import PinpressError, UnknownNameError
-from .forces import numbers
 from .frozen import Frozen
 from .linkage import Linkage
 from .poses import link_of
-from .single_numbers import positive
+from .single_numbers import numbers, positive
 
 ALONG_Y = np.array([0.0, 1.0, 0.0])  # the shaft's axis in the frames of our presses' cranks
 
@@ -94,7 +93,7 @@ class Unbalance(Frozen):
         return _correction(first, centres[0]), _correction(second, centres[1])
 
     def _centres(self, planes: Sequence[float]) -> Array:
-        places = numbers(planes, "balancing of a rotor", "planes")
+        places = numbers("balancing of a rotor: planes", planes)
         if places.ndim != 1:
             raise PinpressError(f"planes is {planes!r}: give places along the shaft, one number each [m]")
         return np.multiply.outer(places, self.axis)
@@ -153,7 +152,7 @@ def unbalance(press: Linkage, link: str) -> Unbalance:
 
 
 def _of_masses(masses: ArrayLike, positions: ArrayLike) -> Unbalance:
-    mass, position = numbers(masses, "balancing of a rotor", "masses"), numbers(positions, "balancing of a rotor", "positions")
+    mass, position = numbers("balancing of a rotor: masses", masses), numbers("balancing of a rotor: positions", positions)
     if mass.ndim != 1 or position.shape != (len(mass), 3):
         raise PinpressError(f"masses has shape {mass.shape}, positions {position.shape}: give (k,) masses and (k, 3) positions")
     radii = position * (1.0 - ALONG_Y)

@@ -23,6 +23,7 @@ from .loads import ProcessLoad, Stretch, TimeForce
 from .motion import carried
 from .reduced import COORDINATES, roots
 from .scene_checks import check_drive, check_load
+from .single_numbers import numbers
 
 if TYPE_CHECKING:
     pass
@@ -192,7 +193,7 @@ def _point(press: Linkage, load: PointForce, row: int) -> tuple[Coordinate | Non
             f"{what}: a simulation takes a constant force, (3,) in world axes [N]; for one that changes write one of pinpress.loads,"
             " or a class with their members `datum` and `stretches`"
         )
-    force = forces.numbers(load.force, what, "force")
+    force = numbers(f"{what}: force", load.force)
     if force.shape != (3,):
         raise PinpressError(f"{what}: force has shape {force.shape}; give (3,), in world axes [N]")
     if not joint:  # on the frame, which does not move

@@ -12,6 +12,7 @@ from . import laws
 from .drives import Drive
 from .errors import PinpressError
 from .loads import ProcessLoad, Stretch, TimeForce
+from .single_numbers import any_numbers
 
 SPEEDS = np.array([-1.0, 0.5, 2.0])  # [rad/s]
 
@@ -93,7 +94,7 @@ def _asked(what: str, ask: Callable[[], Any]) -> Any:
     """An answer as an array of numbers."""
     try:
         with np.errstate(all="ignore"):
-            return np.asarray(ask(), dtype=float)
+            return any_numbers(what, ask())
     except PinpressError:
         raise
     except Exception as error:

@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike
 from .coordinates import Array
 from .errors import PinpressError, UnknownNameError
 from .linkage import Linkage
+from .single_numbers import finite_numbers
 
 Pivots = Mapping[tuple[str, str], ArrayLike]
 """(bearing, link) -> position (3,) of that bearing in the link's own frame [m]."""
@@ -76,11 +77,8 @@ def _vectors(pivots: Pivots) -> Iterator[tuple[tuple[str, str], Array]]:
     for key, values in pivots.items():
         if not (isinstance(key, tuple) and len(key) == 2):
             raise PinpressError(f"pivots: {key!r} is no pair of names: write (bearing, link)")
-        try:
-            vector = np.asarray(values, dtype=float)
-        except (TypeError, ValueError):
-            raise PinpressError(f"pivots: {key!r} is no array of numbers") from None
-        if vector.shape != (3,) or not np.all(np.isfinite(vector)):
+        vector = finite_numbers(values)
+        if vector is None or vector.shape != (3,):
             raise PinpressError(f"pivots: {key!r} is {values!r}: give three finite numbers, in the link's own frame [m]")
         yield key, vector
 

@@ -10,8 +10,9 @@ import numpy as np
 
 from .coordinates import Array
 from .drive import Plain, Values, between
-from .drive_checks import check, numbers, set_field
+from .drive_checks import check, set_field
 from .errors import PinpressError
+from .single_numbers import finite_numbers
 
 
 @dataclass(frozen=True)
@@ -39,7 +40,7 @@ class ServoMotor(Plain):
 
     def __post_init__(self) -> None:
         for field, unit in (("times", "s"), ("angles", "rad")):
-            values = numbers(getattr(self, field))
+            values = finite_numbers(getattr(self, field))
             if values is None or values.ndim != 1 or len(values) < 2:
                 raise PinpressError(f"ServoMotor: {field} is {getattr(self, field)!r}; give two or more finite numbers [{unit}]")
             set_field(self, field, tuple(values.tolist()))

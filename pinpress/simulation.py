@@ -24,7 +24,7 @@ from .closing import refuse_far
 from .coordinates import Array
 from .driveline import Brake, Clutch
 from .drives import Drive, Flywheel, PrescribedSpeed
-from .errors import PinpressError, SimulationError, UnknownNameError, caution
+from .errors import PinpressError, SimulationError, UnknownNameError, caution, shown
 from .forces import Load
 from .linkage import Linkage
 from .methods import Plan
@@ -34,7 +34,7 @@ from .run import Run, allowed_error, as_run, count_of
 from .scenario_fields import pick
 from .scenarios import Runs
 from .sensitivity import of_run
-from .single_numbers import number
+from .single_numbers import finite_numbers, number
 from .turned import State
 
 METHODS = ("auto", "reduced", "implicit", "constraint")
@@ -196,12 +196,10 @@ def _scenarios(
     tolerance: float,
 ) -> Runs:
     """Many scenarios; arguments as of `simulate`."""
-    try:
-        speeds = np.broadcast_to(np.asarray(speed, dtype=float), (count,)).copy()
-    except (TypeError, ValueError):
-        speeds = np.full(count, np.nan)
-    if not np.isfinite(speeds).all():
-        raise PinpressError(f"speed is {speed!r}: give one finite number, or (S,) of them [rad/s]")
+    given = finite_numbers(speed)
+    if given is None or given.shape not in ((), (count,)):
+        raise PinpressError(f"speed is {shown(speed)}: give one finite number, or (S,) of them [rad/s]")
+    speeds = np.broadcast_to(given, (count,)).copy()
     start = number("angle", angle)
     refuse_far("angle", np.array(start))
     drive, loads = laws.asked_drive(drive, float(np.abs(speeds).max())), laws.asked_loads(loads)
@@ -292,13 +290,10 @@ def _start(press: Linkage, name: str, value: ArrayLike) -> Array:
     """(drivers,) numbers."""
     if len(press.drivers) == 1:
         return np.array([number(name, value)])
-    try:
-        numbers = np.array(value, dtype=float)
-    except (TypeError, ValueError):
-        raise PinpressError(f"{name} is {value!r}: give numbers, one of each driver") from None
-    if numbers.shape not in ((), (len(press.drivers),)) or not np.isfinite(numbers).all():
-        raise PinpressError(f"{name} is {value!r}: give finite numbers, one of each of the {len(press.drivers)} drivers")
-    return np.broadcast_to(numbers, (len(press.drivers),)).copy()
+    given = finite_numbers(value)
+    if given is None or given.shape not in ((), (len(press.drivers),)):
+        raise PinpressError(f"{name} is {shown(value)}: give finite numbers, one of each of the {len(press.drivers)} drivers")
+    return np.broadcast_to(given, (len(press.drivers),)).copy()
 
 
 def tolerated(tolerance: float) -> float:

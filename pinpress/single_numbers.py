@@ -62,9 +62,7 @@ def numbers(name: str, values: object, shape: tuple[int | None, ...] | None = No
         PinpressError: masked, complex or ragged values, texts, truth values, dates, anything that is no number or not finite, or another
             shape.
     """
-    array = _array(values)
-    if isinstance(array, str):
-        raise PinpressError(f"{name} is not {_wanted(shape)}, but {array}: {shown(values)}")
+    array = any_numbers(name, values, shape)
     if shape is not None and not (
         array.ndim == len(shape) and all(wanted in (None, length) for wanted, length in zip(shape, array.shape, strict=True))
     ):
@@ -73,6 +71,21 @@ def numbers(name: str, values: object, shape: tuple[int | None, ...] | None = No
         where = f" at point {', '.join(map(str, np.argwhere(~np.isfinite(array))[0]))}" if array.ndim else ""
         raise PinpressError(f"{name} is not finite{where}")
     return array
+
+
+def any_numbers(name: str, values: object, shape: tuple[int | None, ...] | None = None) -> Array:
+    """The values as a new array of numbers, infinite ones and NaN too; raises as `numbers` does where they are none. ``shape``: for the
+    message."""
+    array = _array(values)
+    if isinstance(array, str):
+        raise PinpressError(f"{name} is not {_wanted(shape)}, but {array}: {shown(values)}")
+    return array
+
+
+def finite_numbers(values: object) -> Array | None:
+    """The values as a new array of finite numbers; None where `numbers` refuses them: for callers that say more about what they want."""
+    array = _array(values)
+    return None if isinstance(array, str) or not np.isfinite(array).all() else array
 
 
 def _wanted(shape: tuple[int | None, ...] | None) -> str:

@@ -439,12 +439,12 @@ def test_slide_of_a_linkage_without_one(locking):
         (pp.PointForce("slide", np.zeros((11, 3))), r"force has shape \(11, 3\)"),
         (pp.PointForce("slide", 5.0), r"force has shape \(\)"),
         (pp.PointForce("slide", (0.0, math.nan, 0.0)), "load on 'slide': force is not finite"),
-        (pp.PointForce("slide", "up"), "load on 'slide': force is not an array of numbers"),
+        (pp.PointForce("slide", "up"), "load on 'slide': force is not a number or an array of numbers"),
         (pp.PointForce("slide", lambda motion: np.zeros((3, 12))), r"force has shape \(3, 12\)"),
         (pp.PointForce("slide", lambda motion: None), "force is not"),  # type: ignore[return-value]
         (pp.PointForce("slide", (0.0, 0.0, 1.0), point=(0.0, 0.0)), r"load on 'slide': point has shape \(2,\)"),
         (pp.PointForce("slide", (0.0, 0.0, 1.0), point=(0.0, 0.0, math.inf)), "load on 'slide': point is not finite"),
-        (pp.PointForce("slide", (0.0, 0.0, 1.0), point="tip"), "load on 'slide': point is not an array of numbers"),
+        (pp.PointForce("slide", (0.0, 0.0, 1.0), point="tip"), "load on 'slide': point is not a number or an array of numbers"),
     ],
 )
 def test_load(press, motion, engine, load, problem):

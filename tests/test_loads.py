@@ -551,9 +551,9 @@ NAN, INF = math.nan, math.inf
         (partial(Piling, [], 0.1), r"Piling: force has shape \(0,\)"),
         (partial(Piling, [[1.0]], 0.1), r"Piling: force has shape \(1, 1\)"),
         (partial(Piling, True, 0.1), "Piling: force is True"),
-        (partial(Idle, datum="top"), "Idle: datum is 'top'; give numbers"),
+        (partial(Idle, datum="top"), "Idle: datum is 'top'; give finite numbers"),
         (partial(Idle, datum=NAN), "Idle: datum is nan"),
-        (partial(Blanking, "1 MN", 0.01, 0.005), "Blanking: force is '1 MN'; give numbers"),
+        (partial(Blanking, "1 MN", 0.01, 0.005), "Blanking: force is '1 MN'; give finite numbers"),
         (partial(Blanking, [1.0, -1.0], 0.01, 0.005), "Blanking: force is"),
         (partial(Blanking, 1.0, 0.005, 0.01), "Blanking: start is 0.005, not above end, 0.01"),
         (partial(Blanking, 1.0, 0.005, 0.005), "Blanking: start is 0.005, not above end, 0.005"),
@@ -578,8 +578,8 @@ NAN, INF = math.nan, math.inf
         (partial(ForceStroke, [0.2, 0.3, 0.1], [1.0, 2.0, 3.0]), "ForceStroke: heights neither rises nor falls throughout"),
         (partial(ForceStroke, [0.1, NAN], [1.0, 2.0]), "ForceStroke: heights is"),
         (partial(ForceStroke, [0.1, 0.2], [1.0, INF]), "ForceStroke: forces is"),
-        (partial(ForceStroke, [0.1, "x"], [1.0, 2.0]), "ForceStroke: heights is .*; give numbers"),
-        (partial(ForceStroke, [[0.1, 0.2], [0.3]], [1.0, 2.0]), "ForceStroke: heights is .*; give numbers"),
+        (partial(ForceStroke, [0.1, "x"], [1.0, 2.0]), "ForceStroke: heights is .*; give finite numbers"),
+        (partial(ForceStroke, [[0.1, 0.2], [0.3]], [1.0, 2.0]), "ForceStroke: heights is .*; give finite numbers"),
         (partial(ForceStroke, [0.0, 1e-300], [0.0, 1e300]), "ForceStroke: heights are too close together"),
         (partial(ElasticDie, 0.01, 0.0), "ElasticDie: stiffness is 0.0; give a positive one"),
         (partial(ElasticDie, 0.01, [1.0, 0.0]), "ElasticDie: stiffness is"),
@@ -593,11 +593,11 @@ NAN, INF = math.nan, math.inf
         (partial(TimeForce, piling, "now"), "TimeForce: edges is 'now'"),
         (partial(step, 0.0, 1.0, 0.0, 1.0, 1.0), "step: x1 is 1, not above x0, 1"),
         (partial(step, 0.0, 1.0, 0.0, 0.5, 1.0), "step: x1 is 0.5, not above x0, 1"),
-        (partial(step, NAN, 0.0, 0.0, 0.5, 1.0), "step: x, x0, h0, x1 or h1 is not finite"),
-        (partial(step, 0.0, 0.0, INF, 0.5, 1.0), "step: x, x0, h0, x1 or h1 is not finite"),
-        (partial(step, 0.0, 0.0, 0.0, 5e-324, 1.0), "step: x, x0, h0, x1 or h1 is not finite"),
-        (partial(step, "x", 0.0, 0.0, 0.5, 1.0), "step: x, x0, h0, x1, h1 must be numbers"),
-        (partial(step, 0.0, 0.0, [0.0, 1.0], 0.5, 1.0), "step: x, x0, h0, x1, h1 must be numbers"),
+        (partial(step, NAN, 0.0, 0.0, 0.5, 1.0), "step: x is not finite"),
+        (partial(step, 0.0, 0.0, INF, 0.5, 1.0), "step: h0 is inf: give one finite number"),
+        (partial(step, 0.0, 0.0, 0.0, 5e-324, 1.0), "step: x0 and x1 are too near"),
+        (partial(step, "x", 0.0, 0.0, 0.5, 1.0), "step: x is not a number or an array of numbers, but text"),
+        (partial(step, 0.0, 0.0, [0.0, 1.0], 0.5, 1.0), "step: h0 is .*: give one finite number"),
     ],
 )
 def test_bad_load(make, problem):
@@ -624,7 +624,7 @@ def test_bad_load_of_inverse_dynamics():
         pp.inverse_dynamics(press, motion, [TimeForce(lambda time: np.ones(3))])
     with pytest.raises(pp.PinpressError, match="TimeForce: force is not finite"):
         pp.inverse_dynamics(press, motion, [TimeForce(lambda time: np.full(6, NAN))])
-    with pytest.raises(pp.PinpressError, match="TimeForce: force is not an array of numbers"):
+    with pytest.raises(pp.PinpressError, match="TimeForce: force is not a number or an array of numbers"):
         pp.inverse_dynamics(press, motion, [TimeForce(lambda time: "strong")])
     with pytest.raises(pp.PinpressError, match="give a PointForce, a SpringDamper, a process load"):
         pp.inverse_dynamics(press, motion, [Piling])

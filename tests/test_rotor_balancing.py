@@ -158,7 +158,7 @@ def test_unbalance_of_a_crank_is_its_mass_at_the_pin():
         (([1.0], [[0, 0]], (0, 1)), "positions \\(1, 2\\)"),
         (([1.0, 2.0], [[0, 0, 0]], (0, 1)), "masses has shape \\(2,\\)"),
         (([np.nan], [[0, 0, 0]], (0, 1)), "masses is not finite"),
-        (([1.0], [["a", 0, 0]], (0, 1)), "positions is not an array of numbers"),
+        (([1.0], [["a", 0, 0]], (0, 1)), "positions is not a number or an array of numbers"),
         (([1.0], [[0, 0, 1]], (0.2, 0.2)), "two different planes"),
         (([1.0], [[0, 0, 1]], (0.2, 0.3, 0.4)), "two different planes"),
         (([1.0], [[0, 0, 1]], 0.3), "one number each"),

@@ -263,12 +263,12 @@ def test_ends_that_meet_are_refused(values, engine):
         ({"free_length": -0.1}, "free_length is -0.1"),
         ({"stiffness": np.nan}, "stiffness is not finite"),
         ({"damping": np.inf}, "damping is not finite"),
-        ({"stiffness": "hard"}, "stiffness is not an array of numbers"),
+        ({"stiffness": "hard"}, "stiffness is not a number or an array of numbers"),
         ({"stiffness": [1e5, 2e5]}, "give one number"),
         ({"stiffness": None}, "stiffness"),
         ({"point1": (0.0, 0.1)}, r"point1 has shape \(2,\)"),
         ({"point2": (0.0, np.nan, 0.1)}, "point2 is not finite"),
-        ({"point2": "slide"}, "point2 is not an array"),
+        ({"point2": "slide"}, "point2 is not a number or an array"),
     ],
 )
 def test_a_spring_that_makes_no_sense_is_refused(values, message, engine):

@@ -1,0 +1,131 @@
+"""Every public entry that takes numbers refuses what NumPy would take for some: masks, imaginary parts, texts, truth values, dates."""
+
+from collections.abc import Callable, Iterator
+from functools import cache
+from typing import Any
+
+import numpy as np
+import pytest
+
+import pinpress as pp
+from pinpress import drives, foundation, loads, measures
+from pinpress.drive import Plain
+
+ODD = {
+    "masked": np.ma.masked_array([1.0, 2.0, 3.0], mask=[0, 1, 0]),
+    "masked number": np.ma.masked_array(1.0, mask=True),
+    "complex": np.array([1 + 1j, 2.0, 3.0]),
+    "complex number": 1 + 2j,
+    "texts": ["1", "2", "3"],
+    "text": "1",
+    "truth values": [True, False, True],
+    "truth value": True,
+    "dates": np.array(["2026-01-01", "2026-01-02", "2026-01-03"], dtype="M8[D]"),
+    "spans of time": np.array([1, 2, 3], dtype="m8[s]"),
+    "ragged": [[1.0], [1.0, 2.0]],
+}
+
+
+@cache
+def press() -> pp.Linkage:
+    return pp.load("crank_slide")
+
+
+@cache
+def turn() -> pp.Motion:
+    return pp.cycle(press(), 7.0, points=12)
+
+
+@cache
+def result() -> pp.Reactions:
+    return pp.inverse_dynamics(press(), turn())
+
+
+def under(load: Any) -> pp.Reactions:
+    return pp.inverse_dynamics(press(), turn(), [load])
+
+
+SPRINGS = pp.Stiffness(bearings={"O": 1e9, "P": 1e9, "W": 1e9})
+ENTRIES: dict[str, Callable[[Any], object]] = {
+    "angle of a motion": lambda v: pp.cycle(press(), 1.0, angle=v),
+    "speed of a motion": lambda v: pp.cycle(press(), v, angle=[0.0, 1.0, 2.0]),
+    "speed of a turn": lambda v: pp.cycle(press(), v),
+    "acceleration": lambda v: pp.cycle(press(), 1.0, angle=[0.0, 1.0, 2.0], acceleration=v),
+    "time": lambda v: pp.cycle(press(), 1.0, angle=[0.0, 1.0, 2.0], time=v),
+    "gravity": lambda v: pp.load("crank_slide", gravity=v),
+    "force": lambda v: under(pp.PointForce("slide", v)),
+    "force of a function": lambda v: under(pp.PointForce("slide", lambda motion: v)),
+    "point of a force": lambda v: under(pp.PointForce("slide", (0.0, 0.0, 1.0), v)),
+    "spring": lambda v: under(pp.SpringDamper("slide", "frame", stiffness=v)),
+    "end of a spring": lambda v: under(pp.SpringDamper("slide", "frame", 1.0, point2=v)),
+    "friction": lambda v: pp.inverse_dynamics(press(), turn(), friction={"P": pp.Friction(v, 0.1)}),
+    "stiffness": lambda v: pp.inverse_dynamics(press(), turn(), stiffness={"P": v}),
+    "load": lambda v: loads.Piling(v, 0.01),
+    "height of a load": lambda v: loads.Piling(1.0, v),
+    "heights of a table": lambda v: loads.ForceStroke(v, [1.0, 2.0, 3.0]),
+    "forces of a table": lambda v: loads.ForceStroke([0.0, 0.1, 0.2], v),
+    "force in time": lambda v: under(loads.TimeForce(lambda time: v)),
+    "edges in time": lambda v: loads.TimeForce(lambda time: 0 * time, v),
+    "step": lambda v: loads.step(v, 0.0, 0.0, 1.0, 1.0),
+    "begin of a step": lambda v: loads.step(0.5, v, 0.0, 1.0, 1.0),
+    "duration": lambda v: pp.simulate(press(), v, 1.0),
+    "speed at the start": lambda v: pp.simulate(press(), 0.01, v),
+    "angle at the start": lambda v: pp.simulate(press(), 0.01, 1.0, v),
+    "steady state": lambda v: pp.steady_state(press(), v, drives.InductionMotor(1e4, 95 * pp.RPM)),
+    "flywheel": lambda v: pp.Flywheel(v),
+    "torque": lambda v: pp.ConstantTorque(v),
+    "gear": lambda v: drives.Geared(pp.ConstantTorque(1.0), v),
+    "switch": lambda v: pp.At(time=v),
+    "clutch": lambda v: pp.Clutch(v),
+    "speeds of operating points": lambda v: pp.operating_points(press(), v),
+    "forces of operating points": lambda v: pp.operating_points(press(), [1.0], v, unit_load=[loads.DeepDrawing(1.0, 0.01)]),
+    "unit load": lambda v: pp.operating_points(press(), [1.0], [1.0], unit_load=[pp.PointForce("slide", v)]),
+    "capacity": lambda v: pp.Capacities(nominal_force=v),
+    "capacity of a bearing": lambda v: pp.Capacities(nominal_force=1e5, bearings={"P": v}),
+    "length of a guide": lambda v: pp.Guide(v, 0.1),
+    "normal of a guide": lambda v: pp.Guide(0.1, 0.1, normal=v),
+    "mass of a room": lambda v: pp.Room("crank", radius=0.1, mass=v),
+    "radius of a room": lambda v: pp.Room("crank", radius=v),
+    "place of a room": lambda v: pp.Room("crank", at=v),
+    "corners of a room": lambda v: pp.Room("crank", corners=v),
+    "axis of a measure": lambda v: pp.Range("shaking_force", axis=v),
+    "point of a measure": lambda v: pp.Rms("shaking_moment", about=v),
+    "counterweight": lambda v: pp.with_counterweights(press(), [pp.Counterweight("crank", v, (0.0, 0.0, 0.0))]),
+    "place of a counterweight": lambda v: pp.with_counterweights(press(), [pp.Counterweight("crank", 1.0, v)]),
+    "break-through": lambda v: pp.permissible_breakthrough(v, 1e9, 500.0),
+    "snap-through": lambda v: pp.snap_through(v, 1e9, 500.0),
+    "spring of a bearing": lambda v: pp.elasticity(press(), pp.Stiffness(bearings={"P": v})),
+    "angles of elasticity": lambda v: pp.elasticity(press(), SPRINGS, angle=v),
+    "mounts": lambda v: foundation.Mount((0.0, 0.0, 0.0), v),
+    "values of a sweep": lambda v: pp.operating_points(press(), [1.0], v),
+    "height of a speed": lambda v: measures.speed_at(turn(), v),
+    "pivots": lambda v: pp.motion_derivatives(press(), turn(), {("P", "crank"): v}),
+    "reshaped": lambda v: pp.reshaped(press(), {("P", "crank"): v}),
+}
+
+
+def accepted(ask: Callable[[Any], object]) -> Iterator[str]:
+    for kind, value in ODD.items():
+        try:
+            ask(value)
+        except pp.PinpressError:
+            continue
+        yield kind
+
+
+@pytest.mark.parametrize("entry", ENTRIES)
+def test_what_is_no_number_is_refused(entry):
+    assert list(accepted(ENTRIES[entry])) == []
+
+
+def test_a_law_that_answers_with_complex_or_masked_numbers_is_refused():
+    class Odd(Plain):
+        def __init__(self, factor: Any) -> None:
+            self.factor, self.inertia, self.rated_torque = factor, 0.0, None
+
+        def torque(self, speed, angle=0.0, time=0.0, state=()):
+            return -speed * self.factor
+
+    for factor in (1 + 1j, np.ma.masked_array(1.0, mask=True)):
+        with pytest.raises(pp.PinpressError, match=r"Odd: .*torque"):
+            pp.simulate(press(), 0.1, 5.0, drive=Odd(factor))
