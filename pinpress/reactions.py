@@ -34,6 +34,8 @@ from .sharing import compliances
 from .wrenches import Wrenches
 
 NOTHING: Mapping[str, Any] = FrozenMapping({})
+ROUNDED = 1e-6  # of forces times velocities: powers beside which rounding is small
+DENORMAL = 1e-290  # [W]; numbers below have fewer digits
 CLEAR = 1e-3  # distance from the end of a branch at which no change point can be met any more [rad]
 STATES_LOOKED_AT = 256  # of a motion, to find what is indeterminate: the rank is the same all along it
 
@@ -90,14 +92,17 @@ class Reactions(Frozen):
     def power_residual(self) -> Array:
         """(n,) power of drive and loads less d/dt (kinetic + potential energy), relative to the motion's largest sum of absolute powers.
 
+        Where these are next to nothing beside forces times velocities (a balanced disc, a press kept in its dead centre), so that all of
+        them is rounding, it is relative to a millionth of the latter.
+
         Computed when it is first asked for, from the bodies' velocities and accelerations, independently of the torque's own recursion.
         """
         with np.errstate(all="ignore"):  # what overflows is refused below
-            balance, total = self._power_balance()
-        largest = total.max()
+            balance, total, apparent = self._power_balance()
+        largest = max(total.max(), ROUNDED * apparent.max(), DENORMAL)
         if not np.isfinite(largest):
             raise PinpressError(f"the powers of {self._press.name} are too large for floating point: lower speed or loads")
-        residual = balance / largest if largest > 0 else np.zeros_like(balance)  # at rest nothing flows
+        residual = balance / largest
         residual.setflags(write=False)
         return np.asarray(residual)
 
@@ -148,18 +153,18 @@ class Reactions(Frozen):
             array.setflags(write=False)
         return force, moment
 
-    def _power_balance(self) -> tuple[Array, Array]:
+    def _power_balance(self) -> tuple[Array, Array, Array]:
         press, motion = self._press, self.motion
         if self.engine == "plane" and press.plane is not None and press.bodies is not None:
             at = _basis(press, press.plane, motion)
-            balance, total = plane_power.power_balance(press.plane, press.bodies, at, motion.v.T, motion.a.T, self._under.loads)
+            balance, total, apparent = plane_power.power_balance(press.plane, press.bodies, at, motion.v.T, motion.a.T, self._under.loads)
         else:
-            balance, total = spatial_dynamics.power_balance(
+            balance, total, apparent = spatial_dynamics.power_balance(
                 press.spatial, motion.joint_position.T, motion.v.T, motion.a.T, self._under.loads
             )
         torque = self.driving_torque.reshape(len(motion.crank_angle), -1).T
         driving, lost = torque * motion.v.T[list(press.spatial.drivers)], self._wrenches.friction.sum(axis=0)
-        return balance + driving.sum(axis=0) - lost, total + np.abs(driving).sum(axis=0) + lost
+        return balance + driving.sum(axis=0) - lost, total + np.abs(driving).sum(axis=0) + lost, apparent
 
     def columns(self) -> dict[str, Array]:
         """The motion's columns, then torque, shaking force and moment and the bearings', under their names with units."""

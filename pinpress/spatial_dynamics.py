@@ -6,6 +6,7 @@ open among them is shared as `sharing` says; then the tree once more, under the 
 Signs: forces and moments of a joint are the action of parent on child, of a loop the action of link1 on link2.
 """
 
+import math
 from collections.abc import Iterator, Sequence
 
 import numpy as np
@@ -78,14 +79,15 @@ def indeterminate(spatial: Spatial, position: Array, axes: Array) -> tuple[NDArr
     return marks, gears
 
 
-def power_balance(spatial: Spatial, position: Array, v: Array, a: Array, loads: Sequence[AppliedForce]) -> tuple[Array, Array]:
-    """Power of the loads less the rate of kinetic and potential energy, and the sum of the absolute powers, both (n,) [W].
+def power_balance(spatial: Spatial, position: Array, v: Array, a: Array, loads: Sequence[AppliedForce]) -> tuple[Array, Array, Array]:
+    """Power of the loads less the rate of kinetic and potential energy, and what it is small beside, both (n,) [W]: the sum of the absolute
+    powers, and of those that there would be were all forces along the velocities.
 
     Body by body from Pinocchio's forward kinematics.
     """
     model, data = spatial.model, data_of(spatial.model)
     gravity, q = model.gravity.linear, configuration(spatial.slots, position)
-    balance, total = np.empty(v.shape[1]), np.empty(v.shape[1])
+    balance, total, apparent = np.empty(v.shape[1]), np.empty(v.shape[1]), np.zeros(v.shape[1])
     for i in range(v.shape[1]):
         pin.forwardKinematics(model, data, np.ascontiguousarray(q[:, i]), v[:, i].copy(), a[:, i].copy())
         powers = []
@@ -94,13 +96,16 @@ def power_balance(spatial: Spatial, position: Array, v: Array, a: Array, loads: 
             momentum_rate = inertia * data.a[j] + velocity.cross(inertia * velocity)
             lifted = data.oMi[j].rotation @ (velocity.linear + cross(velocity.angular, inertia.lever))
             powers += [inertia.mass * float(gravity @ lifted), -momentum_rate.dot(velocity)]
+            pairs = ((inertia.mass * gravity, lifted), (momentum_rate.linear, velocity.linear), (momentum_rate.angular, velocity.angular))
+            apparent[i] += sum(math.sqrt((force @ force) * (moved @ moved)) for force, moved in pairs)
         for load in loads:
             if load.joint:
                 velocity = data.v[load.joint]
                 moved = data.oMi[load.joint].rotation @ (velocity.linear + np.cross(velocity.angular, load.point))
                 powers.append(float(load.force[i] @ moved))
+                apparent[i] += math.sqrt((load.force[i] @ load.force[i]) * (moved @ moved))
         balance[i], total[i] = np.sum(powers), np.sum(np.abs(powers))
-    return balance, total
+    return balance, total, apparent
 
 
 class _State:

@@ -312,3 +312,50 @@ def test_what_is_not_finite_is_named_with_its_angle(load, named):
     force[3] = load.force
     with pytest.raises(pp.PinpressError, match=f"^the {named} of zxn2_3000b is not finite at crank angle 40 deg"):
         pp.inverse_dynamics(press, motion, loads=[pp.PointForce(load.link, force, load.point)] * 2)
+
+
+HORIZONTAL = """<robot name="disc"><link name="frame"/><link name="disc"><inertial><origin xyz="0.2 0 0.1"/><mass value="40"/>
+<inertia ixx="2" ixy="0" ixz="0" iyy="3" iyz="0" izz="2"/></inertial></link><joint name="O" type="continuous">
+<origin xyz="0.3 0 0.7" rpy="1.5707963267948966 0 0"/><parent link="frame"/><child link="disc"/><axis xyz="0 -1 0"/></joint>
+<transmission name="drive"><joint name="O"/></transmission></robot>"""
+
+
+@pytest.fixture(scope="module")
+def horizontal(tmp_path_factory):
+    file = tmp_path_factory.mktemp("disc") / "disc.urdf"
+    file.write_text(HORIZONTAL, encoding="utf-8")
+    return pp.load(file)
+
+
+def kept_in(press, angle, speed):
+    """States that go through the same crank angle again and again."""
+    none = np.zeros(5)
+    return pp.cycle(press, angle=none + angle, speed=none + speed, acceleration=none)
+
+
+@pytest.mark.parametrize("engine", ENGINES)
+@pytest.mark.parametrize("case", ["a disc whose weight does no work", "dead centre", "dead centre without weights", "next to nothing"])
+def test_where_all_powers_are_rounding_their_residual_is_small(horizontal, engine, case):
+    """1e-14 of forces times velocities, of which a millionth is what it is beside."""
+    if case == "a disc whose weight does no work":
+        press, motion = horizontal, pp.cycle(horizontal, 7.0, points=40)
+    else:
+        press = texts.shipped("crank_slide", gravity=(0, 0, -9.81 if case == "dead centre" else 0.0))
+        motion = pp.cycle(press, 1e-105, points=20) if case == "next to nothing" else kept_in(press, np.pi, 3.0)
+    result = pp.inverse_dynamics(press, motion, engine=engine)
+    assert np.abs(result.power_residual).max() < 1e-8
+
+
+@pytest.mark.parametrize("engine", ENGINES)
+@pytest.mark.parametrize("share", [1e-3, 1.0])
+def test_a_small_torque_that_is_wrong_shows_all_the_same(horizontal, engine, share):
+    """Some 5e-3 N m accelerate the disc, whose centre is held to its circle by 430 N: the share by which a torque is wrong shows."""
+    n = 9
+    motion = pp.cycle(horizontal, angle=np.linspace(0, 1, n), speed=np.full(n, 7.0), acceleration=np.full(n, 1e-3))
+    result = pp.inverse_dynamics(horizontal, motion, engine=engine)
+    torque = float(np.abs(result.driving_torque).max())
+    assert np.abs(result.power_residual).max() < 1e-9
+    wrong = pp.inverse_dynamics(horizontal, motion, engine=engine)
+    object.__setattr__(wrong, "driving_torque", result.driving_torque * (1 + share))
+    assert np.abs(wrong.power_residual).max() > 0.3 * share
+    assert 1e-3 < torque < 1e-2
