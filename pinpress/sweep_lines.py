@@ -56,7 +56,7 @@ def read(path: Path, grid: Grid, kinds: Mapping[str, str]) -> tuple[list[Outcome
         except (ValueError, IndexError, csv.Error):
             raise PinpressError(f"{path}: row {_row(first_line, begin)} is not of this sweep; give another file") from None
         begin = end
-    if _damaged(pieces, begin, start, (2 + len(grid.axes) + len(columns)) * (4 * LONGEST + 3)):
+    if _damaged([*pieces, torn], begin, start, (2 + len(grid.axes) + len(columns)) * (4 * LONGEST + 3)):
         raise PinpressError(
             f"{path}: row {_row(first_line, begin)} is damaged or was changed, its checksum does not fit;"
             " put it right, or delete it to do its point anew"

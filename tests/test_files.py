@@ -36,6 +36,36 @@ def test_mode_is_kept(file, mode):
     assert os.listdir(file.parent) == [file.name]
 
 
+def test_owner_is_kept(file):
+    """By root, who may; all others own what they may replace, or become its owner."""
+    if os.geteuid() == 0:
+        os.chown(file, 65534, 65533)
+    before = file.stat()
+    files.write(file, NEW)
+    assert (file.stat().st_uid, file.stat().st_gid) == (before.st_uid, before.st_gid)
+
+
+@pytest.mark.parametrize("name", ["new", "table.csv"])
+def test_others_write_elsewhere(file, name):
+    """Beside the file nothing is seen until it is whole, nor where writing it has failed."""
+    before = os.listdir(file.parent)
+    with pytest.raises(ZeroDivisionError), files.written(file.with_name(name)) as part:
+        part.write_bytes(NEW[: 1 // 0])
+    assert os.listdir(file.parent) == before
+    with files.written(file.with_name(name), ".png") as part:
+        part.write_bytes(NEW)
+        assert part.suffix == ".png"
+        assert os.listdir(file.parent) == before
+    assert file.with_name(name).read_bytes() == NEW
+    assert not part.exists()
+
+
+@pytest.mark.parametrize("name", ["missing/film.mp4", ".", "table.csv/film.mp4"])
+def test_places_are_refused_before_others_write(file, name):
+    with pytest.raises(pp.PinpressError, match="cannot write"), files.written(file.parent / name):
+        pytest.fail("it was begun")
+
+
 @pytest.mark.parametrize("mask", [0o022, 0o077, 0o002])
 def test_new_files_go_by_the_mask(tmp_path, mask):
     before = os.umask(mask)

@@ -310,6 +310,27 @@ def test_damage_in_the_middle_of_an_unfinished_file_is_told(tmp_path, damage):
         sweep(told, {"k": range(30)}, to=file)
 
 
+def test_an_unfinished_file_most_of_which_is_lost_is_refused(tmp_path):
+    """More than a row that was torn can be, though no row after it is whole."""
+    file = tmp_path / "r.csv"
+    sweep(told, {"k": range(30)}, to=file)
+    content = file.read_bytes()
+    file.write_bytes(content[: content.index(b"\n5,") + 1] + bytes(300_000))
+    with pytest.raises(pp.PinpressError, match=r"r\.csv: row \d+ is damaged"):
+        sweep(told, {"k": range(30)}, to=file)
+
+
+def test_killed_between_the_last_steps(tmp_path):
+    """When the Parquet file was written, but the lines beside it, which are those of a CSV, were still there."""
+    file, grid = tmp_path / "r.parquet", {"k": range(30)}
+    right = sweep(told, grid, to=file)
+    sweep(told, grid, to=tmp_path / "r.csv")
+    (tmp_path / "r.csv").rename(tmp_path / "r.parquet.csv")
+    same(sweep(stopped, grid, to=file), right)
+    assert sorted(os.listdir(tmp_path)) == ["r.csv.sweep", "r.parquet", "r.parquet.sweep"]
+    same(sweep(stopped, grid, to=file), right)
+
+
 def test_a_disk_that_fills_up(file):
     """What was finished before is there, and a call with more room does the others."""
     running = file if file.suffix == ".csv" else file.with_name(f"{file.name}.csv")
