@@ -345,11 +345,14 @@ class Linkage(Frozen):
         """
         if engine not in ("auto", "plane", "pinocchio"):
             raise PinpressError(f"unknown engine {engine!r}: write 'auto', 'plane' or 'pinocchio'")
-        if engine == "plane" and self.plane is None:
+        if engine == "pinocchio":
+            return None
+        plane = self.plane
+        if plane is None and engine == "plane":
             raise PinpressError(
                 f"{self.name} is not a planar linkage with one driver and pins for loops: use engine='pinocchio' (or 'auto')"
             )
-        return None if engine == "pinocchio" else self.plane
+        return plane
 
 
 # Outside the class, where it would be taken for the field's default.

@@ -300,9 +300,10 @@ def _wanted(press: Linkage, bearings: Collection[str] | None) -> Sequence[int]:
 
 def _solved(press: Linkage, plane: Plane | None, motion: Motion, under: _Under, wanted: Sequence[int]) -> Wrenches:
     """Torques, and the wrenches of wanted bearings, by the engine that goes with ``plane``, or its absence."""
-    if plane is not None and press.bodies is not None:
+    bodies = None if plane is None else press.bodies
+    if plane is not None and bodies is not None:
         at = _basis(press, plane, motion)
-        found = plane_dynamics.inverse_dynamics(plane, press.bodies, at, motion.v.T, motion.a.T, *under, motion.crank_angle, wanted)
+        found = plane_dynamics.inverse_dynamics(plane, bodies, at, motion.v.T, motion.a.T, *under, motion.crank_angle, wanted)
     else:
         found = spatial_dynamics.inverse_dynamics(press.spatial, motion.joint_position.T, motion.v.T, motion.a.T, *under, wanted)
     _refuse_not_finite(motion, found)
