@@ -11,7 +11,7 @@ import numpy as np
 import pinocchio as pin
 
 from . import urdf
-from .coordinates import Array, axes, slots
+from .coordinates import Array, Axis, Slot, axes, slots
 from .linkage import Linkage
 from .loops import LoopJoint
 from .urdf import Element
@@ -32,10 +32,12 @@ def edited(document: urdf.Document, before: Linkage, now: Linkage) -> bytes:
     if now.name != before.name:
         text.set(text.robot, {"name": now.name})
     joints = list(zip(description.joints, text.robot.all("joint"), strict=True))
+    movable = list(zip(axes(before.model), axes(now.model), slots(now.model), strict=True))
     for joint, element in joints:
         text.set_child(element, "origin", _changed_place(_origin(before, joint), _origin(now, joint)))
         if joint.type != "fixed":
-            _edit_joint(text, element, before.joints.index(joint.name), before, now)
+            j = before.joints.index(joint.name)
+            _edit_joint(text, element, j, before, now, *movable[j])
     mimics = [element.all("mimic")[0] for joint, element in joints if joint.mimic]
     for mimic, was, pair in zip(mimics, before.couplings, now.couplings, strict=True):
         text.set(mimic, _changed({"multiplier": (was.multiplier, pair.multiplier), "offset": (was.offset, pair.offset)}))
@@ -69,11 +71,10 @@ def _origin(press: Linkage, joint: urdf.Joint) -> pin.SE3:
     return placement(press, joint.parent).inverse() * place
 
 
-def _edit_joint(text: Text, element: Element, j: int, before: Linkage, now: Linkage) -> None:
-    axis, start = axes(now.model)[j].direction, slots(now.model)[j].start
-    if not np.array_equal(axis, axes(before.model)[j].direction):
-        text.set_child(element, "axis", {"xyz": _written(axis)})
-    for child, names, at in (("limit", POSITION_LIMITS, start), ("limit", LIMITS, j), ("dynamics", DYNAMICS, j)):
+def _edit_joint(text: Text, element: Element, j: int, before: Linkage, now: Linkage, was: Axis, axis: Axis, slot: Slot) -> None:
+    if not np.array_equal(axis.direction, was.direction):
+        text.set_child(element, "axis", {"xyz": _written(axis.direction)})
+    for child, names, at in (("limit", POSITION_LIMITS, slot.start), ("limit", LIMITS, j), ("dynamics", DYNAMICS, j)):
         limits = {name: (getattr(before.model, array)[at], getattr(now.model, array)[at]) for name, array in names.items()}
         text.set_child(element, child, _changed(limits))
 
