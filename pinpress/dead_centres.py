@@ -97,4 +97,4 @@ def _turns(positions: Array, turns: int) -> int:
     """Turns after which positions (n,) of the slide, equally spaced over so many turns, come again."""
     by_turn = positions.reshape(turns, -1)
     least = EQUAL * float(np.ptp(positions))
-    return next(t for t in range(1, turns + 1) if turns % t == 0 and np.abs(np.roll(by_turn, t, axis=0) - by_turn).max() <= least)
+    return next(t for t in range(1, turns + 1) if np.abs(np.roll(by_turn, t, axis=0) - by_turn).max() <= least)

@@ -254,8 +254,7 @@ class Linkage(Frozen):
         found = self.passage
         if found.period is None:
             return None
-        loops = self.spatial.on_loop
-        counts = [axis.turns and not (loops[k] or self._is_balanced(k)) for k, axis in enumerate(self.spatial.axes)]
+        counts = [axis.turns and not self._is_balanced(k) for k, axis in enumerate(self.spatial.axes)]  # on loops all are back
         periods = branch.periods_until_back(found.advance[counts])
         return None if periods is None else periods * round(found.period / (2 * np.pi))
 

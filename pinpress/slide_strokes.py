@@ -113,7 +113,7 @@ def _until_back(scaled: Sequence[Numbers], turns: int) -> int:
     count = len(scaled[0])
     for part in range(1, turns):
         states, left = divmod(count * part, turns)
-        if turns % part == 0 and not left and all(np.abs(np.roll(x, states) - x).max() <= SAME * np.ptp(x.real) for x in scaled):
+        if not left and all(np.abs(np.roll(x, states) - x).max() <= SAME * np.ptp(x.real) for x in scaled):
             return states
     return count
 

@@ -251,6 +251,20 @@ def test_a_report_beside_a_press_with_another_period(press, alone, tmp_path):
             )
 
 
+def test_a_balanced_shaft_that_carries_another_counts(folder):
+    """What it carries goes round with it."""
+    carried = (
+        '<link name="planet"><inertial><mass value="3"/><inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="1"/></inertial></link>'
+        '<joint name="H" type="continuous"><parent link="cam"/><child link="planet"/><origin xyz="0.2 0 0"/><axis xyz="0 -1 0"/>'
+        '<mimic joint="O"/></joint></robot>'
+    )
+    press = texts.load(cam_shaft(folder, 0.0).text.decode().replace("</robot>", carried), folder)
+    assert press.period_turns == 2
+    motion = pp.cycle(press, SPEED)
+    torque = pp.inverse_dynamics(press, motion).driving_torque
+    assert np.abs(torque[360:] - torque[:360]).max() > 1.0
+
+
 # Designs
 
 
@@ -290,6 +304,8 @@ def test_a_counterweight_that_is_back_later_is_refused_on_a_motion_that_is_short
     both = pp.cycle(press, SPEED, angle=2 * np.pi * np.arange(180) / 90)
     result = pp.balance(press, both, [*rooms, pp.Room("crank", (0.0, 50.0), radius=0.2)], pp.Range("shaking_force", "x"))
     assert result.after[0].motion.period_turns == result.press.period_turns
+    given = pp.balance(press, both, [pp.Room("cam", (5.0, 5.0), at=(0.1, 0.0, 0.0))], pp.Range("shaking_force", "x"))
+    assert given.after[0].motion.period_turns == given.press.period_turns == 2
 
 
 # Commands
