@@ -277,3 +277,11 @@ def test_warnings_of_a_callers_law_are_the_callers(press, method):
     with warnings.catch_warnings(), np.errstate(divide="ignore"):
         warnings.simplefilter("error")
         pp.simulate(press, 0.2, drive=Own(law, corners=(24.0,)), method=method, **START)
+
+
+@pytest.mark.parametrize("inertia", [-0.01, math.nan, np.array([1.0, -1.0]), np.ones((2, 2)), None])
+def test_inertia_of_a_drive_that_makes_no_sense(press, inertia):
+    """Also where that of the flywheel makes up for it."""
+    with pytest.raises(pp.PinpressError, match="Own: inertia"):
+        pp.simulate(press, 0.05, drive=Own(lambda w, a, t, s: -1.0 * w, inertia=inertia), **START)
+    assert pp.simulate(press, 0.05, drive=Own(lambda w, a, t, s: -1.0 * w, inertia=0.0), **START).stats.energy_error < 1e-9

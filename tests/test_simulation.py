@@ -22,7 +22,7 @@ from hypothesis import assume, given
 from spatial_linkages import bennett, four_bar
 
 import pinpress as pp
-from pinpress import drives, loads
+from pinpress import crank_alone, drives, loads, machine, methods, modes, simulation, turning
 
 REFERENCE = Path(__file__).parent / "reference"
 ZXN2 = json.loads((REFERENCE / "zxn2_3000b.json").read_text(encoding="utf-8"))["forward"]
@@ -972,3 +972,48 @@ def test_a_run_in_two_parts(press, method):
         )
         assert abs(rest.crank_angle[-1] - whole.crank_angle[-1]) < 1e-8
         assert abs(rest.load_work[-1] + begun.load_work[-1] - whole.load_work[-1]) < 1e-2
+
+
+# ------------------------------------------------------------------------------------------------------------------ bounds and counting
+
+
+def test_a_run_of_more_turns_than_are_kept_is_refused_before_it_begins():
+    """Of the fastest scenario, either way; a run of one turn less is none of these."""
+    most = 2 * math.pi * turning.MOST_PERIODS
+    for speeds, until in (([1.0, -most * (1 + 1e-9)], 1.0), ([0.0, 2.0], 0.5 * most * (1 + 1e-9))):
+        with pytest.raises(pp.SimulationError, match=f"more than {turning.MOST_PERIODS} turns") as caught:
+            simulation._refuse_long(np.array(speeds), until, 0.7)
+        assert (caught.value.time, caught.value.crank_angle) == (0.0, 0.7)
+    simulation._refuse_long(np.array([-most * (1 - 1e-9), 1.0]), 1.0, 0.7)
+
+
+@pytest.mark.parametrize("speed", [20.0, -20.0, 0.0])
+def test_states_are_counted_by_the_way_that_the_crank_makes(speed):
+    """120 a turn, either way, there and back: of a turning press, and of one that swings."""
+    press = texts.shipped("crank_slide")
+    run = pp.simulate(press, 3.0, speed, 3.0, flywheel=pp.Flywheel(0.0 if speed == 0 else 5.0), step=2e-3)
+    turns = np.abs(np.diff(run.crank_angle)).sum() / (2 * math.pi)
+    assert turns > 2
+    assert abs(len(run.time) - 1 - 120 * turns) < 3
+
+
+@pytest.mark.parametrize("corners", [(1.0, 2.0, 4.0), (4.0, 1.0, 2.0)])
+def test_the_side_of_every_corner(corners):
+    """Of one that is passed it changes, of the others it stays; at the start it is where the speed is, or tends to from the corner up."""
+    drive = drives.InverterMotor(200.0, 1450 * pp.RPM, 40.0)
+    plan = methods.plan(texts.shipped("crank_slide"), drive, None, [])
+    found = machine.Machine(crank_alone.CrankAlone(plan.table), plan.line, ())
+    found.__dict__["corners"] = corners
+    line, _ = plan.line.begin(0.0, 0.0)
+
+    def sides(speed, before=()):
+        y = found.begin(np.zeros(1), np.array([speed]), (), np.zeros(4))
+        after = found.past_corner(modes.Modes(line, (), before), y).sides
+        return dict(zip(corners, after, strict=True))
+
+    assert sides(3.0) == {1.0: 1, 2.0: 1, 4.0: -1}
+    assert sides(2.0) == {1.0: 1, 2.0: 1, 4.0: -1}
+    assert sides(0.5) == {1.0: -1, 2.0: -1, 4.0: -1}
+    low, high = tuple(1 if c < 2.0 else -1 for c in corners), tuple(1 if c <= 2.0 else -1 for c in corners)
+    assert sides(2.0 - 1e-12, low) == {1.0: 1, 2.0: 1, 4.0: -1}  # 2 passed upwards, whatever the rounding of the speed
+    assert sides(2.0 + 1e-12, high) == {1.0: 1, 2.0: -1, 4.0: -1}  # and downwards
