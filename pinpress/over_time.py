@@ -357,9 +357,10 @@ def _located(
         if when > first[1] - rounding and first[1] != until:
             break
         first = (which, when)
-        # one that fell and rose again before the end of the step shows only at the others' events
+        # one that fell and rose again before the end of the step shows only at the others' events; where two come at once, as an elastic
+        # force ends with its stretch, one that has just switched is below zero by rounding
         values = machine.switches(modes, when, _project(machine, piece(when), when))
-        fallen = [switch for switch, after in values.items() if after < 0 and switch != which]
+        fallen = [switch for switch, after in values.items() if after < 0 and switch != which and low[switch] > 0]
         if when <= since or not fallen:
             break
     return first

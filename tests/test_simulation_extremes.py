@@ -655,6 +655,7 @@ def test_a_period_of_several_turns(loaded, method, ratio):
 # ----------------------------------------------------------------------------------------------------------- speeds, durations, options
 
 
+@pytest.mark.filterwarnings("ignore:speed is:pinpress.PinpressWarning")  # it is meant
 @pytest.mark.parametrize("rpm", [1e-9, 1e-3, 1e3, -1e5])
 def test_speeds_of_all_sizes(press, method, rpm):
     duration = min(1.0, 100 / abs(rpm))
