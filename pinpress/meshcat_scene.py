@@ -15,6 +15,7 @@ from .pages import NO_MESHCAT
 from .poses import Poses
 from .shapes import Box, Cylinder, Mesh, Shape
 
+LARGEST = float(np.finfo(np.float32).max)
 FLOATS, WHOLE_NUMBERS = 0x17, 0x16  # Meshcat's extension types of MessagePack: arrays of float32 and of uint32
 UPRIGHT = np.array([[1.0, 0, 0, 0], [0, 0, -1, 0], [0, 1, 0, 0], [0, 0, 0, 1]])  # three.js's cylinders lie along y, ours along z
 MOVES = 1e-9  # m, or of a quaternion: less is rest
@@ -43,6 +44,9 @@ def commands(bodies: Iterable[Body], poses: dict[str, Array], time: Array) -> It
 
     Args:
         poses: name of a body -> (k, 7), see `body_poses`. time: (k,) of the keys [s].
+
+    Raises:
+        PinpressError: a shape too large for single precision.
     """
     clips = []
     for i, body in enumerate(bodies):
@@ -50,6 +54,7 @@ def commands(bodies: Iterable[Body], poses: dict[str, Array], time: Array) -> It
         yield _transform(path, pin.XYZQUATToSE3(pose[0]).homogeneous)
         for j, part in enumerate(body.parts):
             shape, turned = _geometry(part.shape)
+            _refuse_unseen([shape, part.placement], f"a visual of link {body.name!r}")
             yield _object(f"{path}/{j}", shape, part.rgba)
             yield _transform(f"{path}/{j}", part.placement @ turned)
         if moves(pose):
@@ -62,7 +67,8 @@ def pack(commands: Iterable[dict[str, Any]]) -> list[str]:
     """Commands as the viewer takes them: MessagePack, in base64 for the page.
 
     Raises:
-        PinpressError: Meshcat is not installed.
+        PinpressError: Meshcat is not installed; a number beyond single precision, in which the viewer computes; times that it cannot tell
+            apart.
     """
     try:
         import umsgpack
@@ -71,12 +77,29 @@ def pack(commands: Iterable[dict[str, Any]]) -> list[str]:
 
     def extended(array: Array) -> Any:
         if array.dtype.kind == "f":
-            return umsgpack.Ext(FLOATS, array.astype("<f4").tobytes())
+            with np.errstate(all="ignore"):  # what overflows was refused
+                return umsgpack.Ext(FLOATS, array.astype("<f4").tobytes())
         return umsgpack.Ext(WHOLE_NUMBERS, array.astype("<u4").tobytes())
 
-    handlers = {np.ndarray: extended}
-    packed = (umsgpack.packb(command, force_float_precision="single", ext_handlers=handlers) for command in commands)
+    handlers, packed = {np.ndarray: extended}, []
+    for command in commands:
+        _refuse_unseen(command, command["path"] or "the motion")
+        packed.append(umsgpack.packb(command, force_float_precision="single", ext_handlers=handlers))
     return [base64.b64encode(command).decode("ascii") for command in packed]
+
+
+def _refuse_unseen(value: Any, what: str) -> None:
+    """Raise PinpressError where a number of a command is none in single precision, or times of a motion are the same there."""
+    if isinstance(value, dict):
+        for name, part in value.items():
+            _refuse_unseen(part, {"times": "the time of the motion", "values": "a pose of the motion"}.get(name, what))
+        if "times" in value and not (np.diff(value["times"].astype("<f4")) > 0).all():
+            raise PinpressError(f"the times of the motion, up to {value['times'].max():g} s, are too near to each other to be shown")
+    elif isinstance(value, list):
+        for part in value:
+            _refuse_unseen(part, what)
+    elif isinstance(value, float | np.ndarray) and not (largest := float(np.abs(value).max(initial=0.0))) <= LARGEST:
+        raise PinpressError(f"{what} is {largest:g} large: a page shows numbers up to {LARGEST:.1g}; give smaller ones")
 
 
 def hexadecimal(rgba: Array) -> str:

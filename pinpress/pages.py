@@ -32,11 +32,22 @@ def page(template: str, title: str, data: Mapping[str, Any], scripts: dict[str, 
         scripts: libraries' text by name, see `as_script` and `as_text`.
     """
     folder = importlib.resources.files(__package__) / "pages"
-    fields = {"title": html.escape(title), "data": json.dumps(data, separators=(",", ":"), allow_nan=False).replace("<", "\\u003c")}
+    fields = {"title": html.escape(title), "data": _as_json(data).replace("<", "\\u003c")}
 
     whole = re.sub(r"\{\{(\w+\.\w+)\}\}", lambda match: (folder / match[1]).read_text("utf-8"), (folder / template).read_text("utf-8"))
     # in one pass, as what is filled in must not be searched
     return re.sub(r"\{\{(\w+)\}\}", lambda match: (scripts | fields)[match[1]], whole).encode()
+
+
+def _as_json(data: Mapping[str, Any]) -> str:
+    """Raises PinpressError where a number is not finite."""
+    parts = []
+    for name, value in data.items():
+        try:
+            parts.append(f"{json.dumps(name)}:{json.dumps(value, separators=(',', ':'), allow_nan=False)}")
+        except ValueError as error:
+            raise PinpressError(f"the page cannot show the {name}: a value of it is not finite") from error
+    return "{" + ",".join(parts) + "}"
 
 
 def meshcat() -> dict[str, str]:
