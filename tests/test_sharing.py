@@ -262,9 +262,12 @@ def test_a_five_bar_stays_closed(folder, engine):
 @pytest.mark.parametrize("engine", ENGINES)
 @pytest.mark.parametrize("ratio", [17 / 86, -86 / 17, float(np.sqrt(2))])
 def test_any_gear_ratio_can_be_driven(folder, ratio, engine):
-    """A shaft that no loop holds need not come back to its start: with such teeth it never does, or after many turns."""
+    """A shaft that no loop holds need not come back to its start: with such teeth it never does, or after many turns. It is driven through
+    angles; one period of it would be no cycle."""
     press = load(wheels(("s1", "crank", ratio)), folder)
-    motion = pp.cycle(press, 5.0, points=12, engine=engine)
+    with pytest.raises(pp.PinpressError, match="has no period"):
+        pp.cycle(press, 5.0, points=12, engine=engine)
+    motion = pp.cycle(press, angle=np.linspace(0.0, 6.0, 12), speed=5.0, engine=engine)
     assert np.abs(motion.joint_position[:, press.joints.index("s1")] - ratio * motion.crank_angle).max() <= 1e-13
     far = pp.cycle(press, angle=[1e3], speed=5.0, engine=engine)
     assert far.joint_position[0, press.joints.index("s1")] == pytest.approx(1e3 * ratio, rel=1e-13)
