@@ -22,6 +22,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from .arguments import typed
 from .arrangement_urdf import built, doubled, plan, with_auxiliary
 from .coordinates import Array
 from .crank_slides import CENTRED, CrankSlide, approximate_balance, complete_balance, crank_slide, harmonic_coefficients
@@ -55,6 +56,7 @@ UNCHANGED = 1e-9  # of an amplitude: a change that is none
 SAME_SPEED = 1e-9  # of a speed: a difference that is none
 
 
+@typed
 def opposed(
     press: Linkage,
     crank_radius: float,
@@ -106,6 +108,7 @@ def opposed(
     )
 
 
+@typed
 def symmetric(press: Linkage, shaft_distance: float) -> Linkage:
     """Two halves of a press, one the mirror image of the other, on two shafts that a gear pair lets turn against each other, with the slide
     (and the counterweight) in common. Zhang 2007, 3.6.
@@ -171,6 +174,7 @@ class HarmonicChange:
     change: str
 
 
+@typed
 def cancelled(before: Reactions, after: Reactions, orders: int = 6) -> tuple[HarmonicChange, ...]:
     """What an arrangement does to the harmonics of the shaking force and of the tilting moment, orders 1 to ``orders``.
 

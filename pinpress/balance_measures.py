@@ -55,7 +55,7 @@ class Measure:
     def __post_init__(self) -> None:
         if type(self) is Measure:
             raise PinpressError("Measure is what Range, Rms and Peak have in common: write one of these")
-        if self.quantity not in FORCES:
+        if not isinstance(self.quantity, str) or self.quantity not in FORCES:
             raise UnknownNameError("quantity", self.quantity, tuple(FORCES))
         if self.quantity.startswith("bearing") != (self.bearing is not None):
             raise PinpressError(f"{self.words}: a bearing force or moment needs bearing=, the other quantities have none")

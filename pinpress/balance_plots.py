@@ -3,6 +3,7 @@
 from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
+from .arguments import typed
 from .balance_measures import AddedMass, Target
 from .errors import PinpressError
 from .figures import COLOURS, GREY, drawing, grid, legend, plain
@@ -16,6 +17,7 @@ if TYPE_CHECKING:
 HIGH = 6.5  # of a panel [cm]
 
 
+@typed
 def plot_trade_offs(curves: Mapping[str, TradeOff]) -> "Figure":
     """Curves of `trade_off` under their names, the first measure over the second; those of the same two measures in one panel. A grey cross
     is the press before balancing.
@@ -23,7 +25,7 @@ def plot_trade_offs(curves: Mapping[str, TradeOff]) -> "Figure":
     Raises:
         PinpressError: Matplotlib is not installed, or there is no curve.
     """
-    if not curves:
+    if not isinstance(curves, Mapping) or not curves or not all(isinstance(curve, TradeOff) for curve in curves.values()):
         raise PinpressError("there is no curve to draw: give what trade_off returns, under a name")
     panels: dict[tuple[Target, Target], dict[str, TradeOff]] = {}
     for name, curve in curves.items():

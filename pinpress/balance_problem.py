@@ -70,6 +70,8 @@ def build(press: Linkage, cases: Sequence[Case], rooms: Sequence[Room], targets:
 
     Raises as `balancing.balance`.
     """
+    if not isinstance(rooms, list | tuple) or not rooms or not all(isinstance(room, Room) for room in rooms):
+        raise PinpressError("rooms is no list of Room: say on which links counterweights may be, [Room('crank', radius=0.3)]")
     measures = list(dict.fromkeys(target for target in targets if isinstance(target, Measure)))
     for measure in measures:
         refuse_unknown(measure, press)
@@ -118,8 +120,6 @@ def _shares(layouts: Sequence[Layout], signals: Sequence[Signal]) -> list[float]
 
 def _layouts(press: Linkage, rooms: Sequence[Room], turning: bool, units: Sequence[float]) -> tuple[Layout, ...]:
     """Rooms as variables, one of which means a unit [kg] each."""
-    if not rooms or not all(isinstance(room, Room) for room in rooms):
-        raise PinpressError("rooms is no list of Room: say on which links counterweights may be, [Room('crank', radius=0.3)]")
     layouts = tuple(layout(press, room, turning, unit) for room, unit in zip(rooms, units, strict=True))
     replaced = [room.joint for room in layouts if room.own is not None]
     for room in layouts:

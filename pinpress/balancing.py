@@ -11,6 +11,7 @@ from collections.abc import Iterator, Mapping, Sequence
 import numpy as np
 import pinocchio as pin
 
+from .arguments import typed
 from .balance_measures import AddedMass, Measure, Target
 from .balance_problem import ROUNDING, Problem, build
 from .balance_program import LARGEST, Design, solve, value_of
@@ -19,7 +20,7 @@ from .conic import CONE, InfeasibleError
 from .contradictions import contradiction
 from .coordinates import Array
 from .counterweights import Counterweight, refuse_unphysical, sum_of
-from .errors import PinpressError
+from .errors import PinpressError, shown
 from .forces import Load
 from .harmonic_analysis import is_cycle
 from .inertia_responses import Case
@@ -27,6 +28,7 @@ from .linkage import Linkage
 from .motion import Motion, as_prescribed
 from .reactions import Reactions, inverse_dynamics
 from .rooms import Layout, Room
+from .single_numbers import is_number
 
 NOTHING = 1e-5  # of the press's moving mass: a counterweight that is lighter,
 TRACE = 1e-9  # and without which measures are worse by less than this of what they were before, is none
@@ -37,6 +39,7 @@ GROWN = 0.999  # of the most that the program allows: a mass that grows without 
 CONFIRMED = 1e-8  # of the forces before balancing: how well inverse dynamics of the balanced press meets what the program promises
 
 
+@typed
 def balance(
     press: Linkage,
     motion: Motion | Sequence[Case],
@@ -139,13 +142,17 @@ def _cases(motion: Motion | Sequence[Case], loads: Sequence[Load]) -> tuple[Case
 
 def checked(minimise: Target | Mapping[Target, float], limits: Mapping[Target, float]) -> dict[Target, float]:
     """The objective as targets with weights."""
+    if not isinstance(minimise, Mapping | Measure | AddedMass):
+        raise PinpressError(f"minimise: {shown(minimise)} is no measure: give Range, Rms, Peak or AddedMass()")
     objective = dict(minimise) if isinstance(minimise, Mapping) else {minimise: 1.0}
     for targets, what, words in ((objective, "weight", "minimise"), (limits, "limit", "limits")):
         for target, number in targets.items():
             if not isinstance(target, Measure | AddedMass):
                 raise PinpressError(f"{words}: {target!r} is no measure: give Range, Rms, Peak or AddedMass()")
-            if not (isinstance(number, int | float | np.number) and math.isfinite(number)) or number < 0:
-                raise PinpressError(f"{words}: the {what} of the {target.words} is {number!r}: give a finite number that is not negative")
+            if not is_number(number) or number < 0:
+                raise PinpressError(
+                    f"{words}: the {what} of the {target.words} is {shown(number)}: give a finite number that is not negative"
+                )
     if not any(objective.values()):
         raise PinpressError("minimise: no weight is above zero, so that all counterweights are as good: give one")
     return {target: float(weight) for target, weight in objective.items() if weight > 0}

@@ -176,7 +176,7 @@ def locus(reactions: Reactions, name: str) -> Locus:
         UnknownNameError: there is no such bearing.
     """
     motion, press = driven(reactions), reactions._press
-    if name not in press.bearings:
+    if not isinstance(name, str) or name not in press.bearings:
         raise UnknownNameError("bearing", name, press.bearings)
     least = rounding(reactions).force
     force = _clean(finite(f"force in {name}", reactions.bearing_force[name]), least)

@@ -16,6 +16,7 @@ import pinocchio as pin
 from numpy.typing import ArrayLike
 
 from . import tables
+from .arguments import typed
 from .coordinates import Array
 from .dead_centres import dead_centres
 from .elastic_elements import Part, Stiffness, internal_forces, parts, sharing
@@ -89,6 +90,7 @@ class Elasticity(Frozen):
         return tables.frame(self.columns())
 
 
+@typed
 def elasticity(press: Linkage, stiffness: Stiffness, angle: ArrayLike | None = None) -> Elasticity:
     """Compliance of a press at its slide over the crank angle, and which part gives how much.
 

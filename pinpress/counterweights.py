@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 import pinocchio as pin
 
+from .arguments import typed
 from .coordinates import Array
 from .errors import PinpressError, UnknownNameError
 from .forces import place
@@ -31,6 +32,7 @@ class Counterweight:
     inertia: float = 0.0
 
 
+@typed
 def with_counterweights(press: Linkage, counterweights: Iterable[Counterweight]) -> Linkage:
     """The press with counterweights fixed to its links; `write_urdf` writes it.
 

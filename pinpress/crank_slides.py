@@ -10,6 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from .arguments import typed
 from .coordinates import Array
 from .counterweights import Counterweight
 from .errors import PinpressError
@@ -18,7 +19,7 @@ from .linkage import Linkage
 from .plane import Plane, flat, in_space
 from .poses import link_of, poses
 from .rotor_balancing import Correction
-from .single_numbers import positive
+from .single_numbers import is_number, positive, whole_number
 
 CENTRED = 1e-9  # of the linkage's size: what the slide's pin may be beside the shaft by the rounded figures of a drawing
 LARGEST_RATIO = 1 - 1e-9  # of crank radius to rod length; nearer to 1 the series below is of millions of terms
@@ -100,6 +101,7 @@ class CrankSlide(Frozen):
         return self.rod_inertia - self.rod_mass * (self.rod_centre.real * self.rod_length - abs(self.rod_centre) ** 2)
 
 
+@typed
 def crank_slide(press: Linkage) -> CrankSlide:
     """The crank-slide that a linkage is, drawn in any pose, in whatever direction its slide moves.
 
@@ -175,8 +177,7 @@ def harmonic_coefficients(ratio: float, orders: int = 6) -> Array:
     """
     if not positive("ratio of crank radius to rod length", ratio, "-") <= LARGEST_RATIO:
         raise PinpressError(f"ratio is {ratio!r}: for a full turn the crank must be shorter than the rod; give at most {LARGEST_RATIO!r}")
-    if isinstance(orders, bool) or not isinstance(orders, int | np.integer) or orders < 1:
-        raise PinpressError(f"orders is {orders!r}: give a whole number from 1")
+    orders = whole_number("orders", orders, 1, 10**5)
     root = ratio / (1 + np.sqrt((1 - ratio) * (1 + ratio)))
     base, terms = root**2, 2 + int(np.log(SMALLEST_TERM) / (4 * np.log(root)))
     binomials = np.concatenate([[1.0], np.cumprod(1.5 / np.arange(1, terms + orders // 2) - 1)])  # of 1/2
@@ -189,6 +190,7 @@ def harmonic_coefficients(ratio: float, orders: int = 6) -> Array:
     return coefficients
 
 
+@typed
 def complete_balance(press: Linkage, rod_radius: float, crank_radius: float) -> tuple[Counterweight, Counterweight]:
     """Counterweights on rod and crank with which the press's centre of mass stands still: its shaking force is its weight alone.
     Zhang 2007, 3.3, with its m' corrected.
@@ -213,6 +215,7 @@ def complete_balance(press: Linkage, rod_radius: float, crank_radius: float) -> 
     return on_rod, _on_crank(press, main, at_pin * main.crank_radius + main.crank_mass * main.crank_centre, crank_radius)
 
 
+@typed
 def approximate_balance(press: Linkage, radius: float, share: float = 0.5) -> Counterweight:
     """A counterweight on the crank for what turns and a share of what reciprocates. Zhang 2007, 3.4.
 
@@ -230,7 +233,7 @@ def approximate_balance(press: Linkage, radius: float, share: float = 0.5) -> Co
     Raises:
         PinpressError: no centred crank-slide (see `crank_slide`), a radius that is not positive, a share that is not from 0 to 1.
     """
-    if isinstance(share, bool) or not isinstance(share, int | float | np.number) or not 0 <= share <= 1:
+    if not is_number(share) or not 0 <= share <= 1:
         raise PinpressError(f"share is {share!r}: give the part of the reciprocating mass to be balanced, from 0 to 1")
     main = crank_slide(press)
     return _on_crank(press, main, main.rotating_product + share * main.crank_radius * main.reciprocating_mass, radius)

@@ -4,6 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from .arguments import typed
 from .branch import beyond
 from .coordinates import Array
 from .errors import PinpressError
@@ -40,6 +41,7 @@ class DeadCentres:
         return self.top_position - self.bottom_position
 
 
+@typed
 def dead_centres(press: Linkage) -> DeadCentres:
     """Dead centres of a press whose crank turns fully, to rounding: zeros of the slide's speed, found once and kept with the press.
 

@@ -3,7 +3,7 @@
 import numpy as np
 
 from . import plausibility
-from .errors import PinpressError
+from .errors import PinpressError, shown
 from .single_numbers import finite_numbers
 
 _WITHIN = {
@@ -25,7 +25,7 @@ def check(drive: object, field: str, kind: str, unit: str, scenarios: bool = Fal
     if values is None or values.ndim > scenarios or not values.size or not np.all(_WITHIN[kind](values)):
         wanted = "a finite number" if kind == "finite" else f"a finite number that is {kind}"
         several = ", or an array (S,) of them" if scenarios else ""
-        raise PinpressError(f"{type(drive).__name__}: {field} is {given!r}; give {wanted} [{unit}]{several}")
+        raise PinpressError(f"{type(drive).__name__}: {field} is {shown(given)}; give {wanted} [{unit}]{several}")
     if unit == "rad/s":
         plausibility.speeds(f"{type(drive).__name__}: {field}", values)
     values.setflags(write=False)

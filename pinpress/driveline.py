@@ -11,6 +11,7 @@ from typing import Any, NamedTuple
 
 from .drives import Drive, Flywheel
 from .errors import PinpressError
+from .single_numbers import is_number
 
 OPEN, SLIPPING, HOLDING = "open", "slipping", "holding"
 
@@ -24,7 +25,7 @@ class At:
 
     def __post_init__(self) -> None:
         given = [value for value in (self.time, self.angle) if value is not None]
-        if len(given) != 1 or isinstance(given[0], bool) or not isinstance(given[0], int | float) or not math.isfinite(given[0]):
+        if len(given) != 1 or not is_number(given[0]):
             raise PinpressError(f"At: time is {self.time!r} and angle {self.angle!r}; give one of them, a finite number [s] or [rad]")
 
 
@@ -68,8 +69,7 @@ def _check(friction: Clutch | Brake) -> None:
     name = type(friction).__name__
     for field, least in (("torque", "positive"), ("rise", "not negative")):
         value = getattr(friction, field)
-        good = isinstance(value, int | float) and not isinstance(value, bool) and math.isfinite(value)
-        if not good or value < 0 or (value == 0 and least == "positive"):
+        if not is_number(value) or value < 0 or (value == 0 and least == "positive"):
             raise PinpressError(f"{name}: {field} is {value!r}; give a number that is {least} [{'N m' if field == 'torque' else 's'}]")
     for field in ("closes", "opens"):
         if not isinstance(getattr(friction, field), At | None):

@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from .arguments import typed
 from .breakthrough import SnapThrough
 from .compliance import Elasticity
 from .elastic_slide import DeadCentreShift
@@ -21,6 +22,7 @@ HIGH = 7.0  # of a chart [cm]
 SMALLEST = 5e-3  # of the largest compliance: parts that never give as much are drawn together
 
 
+@typed
 def plot_elasticity(elasticity: Elasticity) -> "Figure":
     """Compliance at the slide over the crank angle, the shares of the parts stacked on each other; the largest lowest.
 
@@ -32,6 +34,7 @@ def plot_elasticity(elasticity: Elasticity) -> "Figure":
     return figure
 
 
+@typed
 def plot_dead_centre_shift(shifts: Mapping[str, DeadCentreShift]) -> "Figure":
     """How much deeper the slides of presses go at speed than at standstill, under their names.
 
@@ -43,6 +46,7 @@ def plot_dead_centre_shift(shifts: Mapping[str, DeadCentreShift]) -> "Figure":
     return figure
 
 
+@typed
 def plot_snap_through(responses: Mapping[str, SnapThrough]) -> "Figure":
     """Force of the sprung press beside that at break-through over time, under the names of the cases; below zero the linkage is pulled.
 
@@ -81,7 +85,7 @@ def draw_elasticity(axes: "Axes", elasticity: Elasticity) -> None:
 
 def draw_dead_centre_shift(axes: "Axes", shifts: Mapping[str, DeadCentreShift]) -> None:
     """The chart of `plot_dead_centre_shift` on given axes."""
-    _refuse_none(shifts, "dead_centre_shift")
+    _refuse_none(shifts, "dead_centre_shift", DeadCentreShift)
     grid(axes, "shift of bottom dead centre [µm]")
     lines: list[Artist] = []
     for i, shift in enumerate(shifts.values()):
@@ -93,7 +97,7 @@ def draw_dead_centre_shift(axes: "Axes", shifts: Mapping[str, DeadCentreShift]) 
 
 def draw_snap_through(axes: "Axes", responses: Mapping[str, SnapThrough]) -> None:
     """The chart of `plot_snap_through` on given axes."""
-    _refuse_none(responses, "snap_through")
+    _refuse_none(responses, "snap_through", SnapThrough)
     grid(axes, "force by that at break-through [-]")
     axes.axhline(0.0, color=GREY, linewidth=0.6)
     lines: list[Artist] = []
@@ -109,6 +113,6 @@ def _line(i: int) -> Any:
     return LINES[i % len(LINES)]
 
 
-def _refuse_none(given: Mapping[str, object], maker: str) -> None:
-    if not given:
+def _refuse_none(given: Mapping[str, object], maker: str, kind: type) -> None:
+    if not isinstance(given, Mapping) or not given or not all(isinstance(each, kind) for each in given.values()):
         raise PinpressError(f"there is no curve to draw: give what {maker} returns, under a name")

@@ -16,11 +16,12 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from . import tables
+from .arguments import typed
 from .compliance import Held, hold
 from .coordinates import Array
 from .dead_centres import dead_centres
 from .elastic_elements import Stiffness
-from .errors import PinpressError, expect
+from .errors import PinpressError
 from .forces import Load, PointForce, SpringDamper
 from .frozen import Frozen, FrozenMapping
 from .linkage import Linkage
@@ -132,6 +133,7 @@ class DeadCentreShift(Frozen):
         return tables.frame(self.columns())
 
 
+@typed
 def slide_deflection(press: Linkage, motion: Motion, stiffness: Stiffness, loads: Sequence[Load] = ()) -> SlideDeflection:
     """Elastic deflection of the slide over a motion, under loads, weight and inertia.
 
@@ -141,8 +143,6 @@ def slide_deflection(press: Linkage, motion: Motion, stiffness: Stiffness, loads
     Raises:
         PinpressError, UnknownNameError, SingularityError: as `elasticity` and `inverse_dynamics`.
     """
-    expect("press", press, Linkage, "load")
-    expect("motion", motion, Motion, "cycle or simulate")
     held = hold(press, stiffness, motion)
     shares = held.moved(held.in_motion(loads))
     deflection = np.sum(list(shares.values()), axis=0)
@@ -152,6 +152,7 @@ def slide_deflection(press: Linkage, motion: Motion, stiffness: Stiffness, loads
     return SlideDeflection(motion, deflection, FrozenMapping(shares), position)
 
 
+@typed
 def dead_centre_shift(
     press: Linkage, stiffness: Stiffness, speed: ArrayLike, loads: Sequence[PointForce | SpringDamper] = ()
 ) -> DeadCentreShift:
@@ -165,7 +166,6 @@ def dead_centre_shift(
         PinpressError: a speed that is not finite, a load that depends on the speed, a press so soft that it has no bottom dead centre
             within 6 degrees of the rigid one, a slide that is back before all that moves with it; else as `elasticity`.
     """
-    expect("press", press, Linkage, "load")
     speeds = _speeds(speed)
     _refuse_dependent(loads)
     centres = dead_centres(press)

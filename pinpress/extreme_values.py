@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from . import charts
+from .arguments import typed
 from .coordinates import Array
 from .motion import RPM, Motion
 from .reactions import Reactions
@@ -34,6 +35,7 @@ class Extreme:
     rms: float
 
 
+@typed
 def extremes(reactions: Reactions) -> tuple[Extreme, ...]:
     """Extremes of slide, crank speed where it is not constant, torques, bearing forces, the moments that bearings hold
     (`charts.held_moments`), shaking force and shaking moment: components along the world's axes and magnitudes.

@@ -10,7 +10,7 @@ from contextlib import ExitStack, contextmanager, suppress
 from io import FileIO
 from pathlib import Path
 
-from .errors import PinpressError
+from .errors import PinpressError, shown
 
 
 def write(path: str | os.PathLike[str], content: bytes) -> Path:
@@ -61,6 +61,8 @@ def written(path: str | os.PathLike[str], suffix: str = "") -> Iterator[Path]:
 @contextmanager
 def refused(path: object) -> Iterator[None]:
     """Turns what goes wrong in writing a file into a PinpressError that names ``path``."""
+    if not isinstance(path, str | os.PathLike):  # the number of an open file would be taken for a path
+        raise PinpressError(f"cannot write {shown(path)}: it is no path; give the path of a file")
     try:
         yield
     except (OSError, ValueError, TypeError) as error:  # ValueError: a null character in the path; TypeError: no path at all

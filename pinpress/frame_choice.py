@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from . import tables
+from .arguments import typed
 from .coordinates import Array
 from .errors import PinpressError
 from .frame_modes import undamped
@@ -84,6 +85,7 @@ class Isolation(Frozen):
         return _sag(self.system)
 
 
+@typed
 def isolate(
     press: Linkage,
     frame: Frame,

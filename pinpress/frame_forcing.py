@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from .arguments import typed
 from .coordinates import Array
 from .drives import Flywheel
 from .errors import PinpressError, expect
@@ -49,9 +50,9 @@ def forcing(system: MountedPress, result: Reactions, flywheel: Flywheel | None) 
     return wrench
 
 
+@typed
 def flywheel_moment(press: Linkage, motion: Motion, flywheel: Flywheel) -> Array:
     """Moment (states, 3) of a flywheel on the frame, -J w' about the crank's axis [N m]. Raises as `forcing`."""
-    expect("flywheel", flywheel, Flywheel, "Flywheel")
     if np.ndim(flywheel.inertia):
         raise PinpressError("flywheel has the inertias of several scenarios: give one")
     driver = press.spatial.drivers[0]

@@ -6,8 +6,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from . import tables
+from .arguments import typed
 from .coordinates import Array, ComplexArray
-from .errors import PinpressError, expect
+from .errors import PinpressError
 from .frame_matrices import centre_of
 from .frozen import Frozen
 from .mounted_press import MountedPress
@@ -76,6 +77,7 @@ class Modes(Frozen):
         return tables.frame(self.columns())  # type: ignore[arg-type]
 
 
+@typed
 def modes(system: MountedPress) -> Modes:
     """Natural frequencies (of M, K), and damping from the eigenvalues of the damped system in first order.
 
@@ -84,7 +86,6 @@ def modes(system: MountedPress) -> Modes:
     Raises:
         PinpressError: no `MountedPress`.
     """
-    expect("system", system, MountedPress, "mounted")
     squared, shapes = undamped(system)
     frequency = np.sqrt(squared)
     eigenvalues = np.asarray(np.linalg.eigvals(state_matrix(system)), dtype=complex)

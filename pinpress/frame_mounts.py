@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
+from .arguments import typed
 from .coordinates import Array
 from .drive_checks import set_field
 from .errors import PinpressError
@@ -97,6 +98,7 @@ class Mount:
         return self.stiffness if self.static_stiffness is None else self.static_stiffness
 
 
+@typed
 def pad_mount(point: Vector, pad: RubberPad) -> Mount:
     """The mount that a rubber pad is, its middle at a point [m]."""
     if not isinstance(pad, RubberPad):

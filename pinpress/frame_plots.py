@@ -5,12 +5,14 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from .arguments import typed
 from .coordinates import Array
 from .errors import PinpressError, UnknownNameError
 from .figures import COLOURS, drawing, grid, legend, plain
 from .frame_motion import FrameMotion
 from .frame_speeds import SpeedResponse
 from .motion import RPM
+from .single_numbers import number
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -18,6 +20,7 @@ if TYPE_CHECKING:
 HIGH = 5.0  # of one panel [cm]
 
 
+@typed
 def plot_vibration(motions: Mapping[str, FrameMotion], axis: str = "z", last: float | None = None) -> "Figure":
     """Acceleration of all points along an axis over time, one panel a motion under its name.
 
@@ -27,11 +30,12 @@ def plot_vibration(motions: Mapping[str, FrameMotion], axis: str = "z", last: fl
     Raises:
         PinpressError: Matplotlib is not installed, there is no motion, or no such axis.
     """
-    if not motions or axis not in ("x", "y", "z"):
+    named = isinstance(motions, Mapping) and all(isinstance(motion, FrameMotion) for motion in motions.values())
+    if not named or not motions or not isinstance(axis, str) or axis not in ("x", "y", "z"):
         raise PinpressError("there is nothing to draw: give motions, each under a name, and an axis 'x', 'y' or 'z'")
     with drawing(HIGH * len(motions)) as figure:
         for panel, (name, motion) in zip(figure.subplots(len(motions), 1, squeeze=False)[:, 0], motions.items(), strict=True):
-            shown = motion.time >= motion.time[-1] - (np.inf if last is None else last)
+            shown = motion.time >= motion.time[-1] - (np.inf if last is None else number("last", last, positive=True))
             lines = []
             for k, values in enumerate(motion.acceleration.values()):
                 lines += panel.plot(motion.time[shown], values[shown, "xyz".index(axis)], color=COLOURS[k % len(COLOURS)], linewidth=0.9)
@@ -42,6 +46,7 @@ def plot_vibration(motions: Mapping[str, FrameMotion], axis: str = "z", last: fl
     return figure
 
 
+@typed
 def plot_speeds(responses: Mapping[str, SpeedResponse], point: str) -> "Figure":
     """Acceleration of a point, root mean square of all directions, and force on the floor by shaking force, over the speed; a curve a
     response, under its name.
@@ -50,10 +55,10 @@ def plot_speeds(responses: Mapping[str, SpeedResponse], point: str) -> "Figure":
         PinpressError: Matplotlib is not installed, or there is no response.
         UnknownNameError: a response without this point.
     """
-    if not responses:
+    if not isinstance(responses, Mapping) or not responses or not all(isinstance(each, SpeedResponse) for each in responses.values()):
         raise PinpressError("there is nothing to draw: give what over_speeds returns, under a name")
     for response in responses.values():
-        if point not in response.rms:
+        if not isinstance(point, str) or point not in response.rms:
             raise UnknownNameError("point", point, response.rms)
     with drawing(1.4 * HIGH) as figure:
         left, right = figure.subplots(1, 2)

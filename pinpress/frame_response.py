@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from . import frame_forcing
+from .arguments import typed
 from .coordinates import Array, ComplexArray
 from .drives import Flywheel
 from .errors import PinpressError, expect
@@ -28,6 +29,7 @@ RESONANCE = "a harmonic meets a natural frequency that has no damping: give the 
 Points = Mapping[str, "ArrayLike | tuple[str, ArrayLike]"]
 
 
+@typed
 def steady_response(system: MountedPress, result: Reactions, points: Points, flywheel: Flywheel | None = None) -> FrameMotion:
     """The vibration of one period, when all that began it has died away.
 
@@ -61,6 +63,7 @@ def steady_response(system: MountedPress, result: Reactions, points: Points, fly
     )
 
 
+@typed
 def time_response(system: MountedPress, result: Reactions, points: Points, flywheel: Flywheel | None = None) -> FrameMotion:
     """The vibration from rest, in the static position, as the press runs: a run of `simulate`, or any motion in equal steps of time.
 

@@ -12,8 +12,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from . import tables
+from .arguments import typed
 from .coordinates import Array, ComplexArray
-from .errors import PinpressError, expect
+from .errors import PinpressError
 from .frame_forcing import forcing
 from .frame_matrices import rows_at
 from .frame_motion import NOTHING
@@ -100,6 +101,7 @@ class SpeedResponse(Frozen):
         return tables.frame(self.columns())
 
 
+@typed
 def over_speeds(system: MountedPress, speeds: ArrayLike, points: Points) -> SpeedResponse:
     """The steady vibration of the idle press at many speeds.
 
@@ -109,7 +111,6 @@ def over_speeds(system: MountedPress, speeds: ArrayLike, points: Points) -> Spee
     Raises:
         PinpressError: speeds that are none, points that are none.
     """
-    expect("system", system, MountedPress, "mounted")
     speed, rows = rising("speeds", speeds), named_points(system, points)
     frequency, harmonics = spectra(system, speed)
     amplitude = solved(system, frequency, harmonics)
@@ -128,6 +129,7 @@ def over_speeds(system: MountedPress, speeds: ArrayLike, points: Points) -> Spee
     )
 
 
+@typed
 def transmissibility(system: MountedPress, frequency: ArrayLike, axis: str = "z") -> Array:
     """(f,) force on the floor along an axis by that of a harmonic force along it, through the mean centre of mass [-].
 
@@ -137,7 +139,6 @@ def transmissibility(system: MountedPress, frequency: ArrayLike, axis: str = "z"
     Raises:
         PinpressError: frequencies or an axis that are none.
     """
-    expect("system", system, MountedPress, "mounted")
     if not isinstance(axis, str) or axis not in AXES:
         raise PinpressError(f"axis is {axis!r}: write 'x', 'y' or 'z'")
     w = rising("frequency", frequency)

@@ -6,6 +6,7 @@ import numpy as np
 import pinocchio as pin
 
 from . import spatial
+from .arguments import typed
 from .closure import Closure
 from .coordinates import Array
 from .errors import SingularityError
@@ -17,6 +18,7 @@ from .sensitivities_pivots import Displacements, Pivots, displaced
 from .sensitivities_rows import shift
 
 
+@typed
 def reshaped(press: Linkage, pivots: Pivots) -> Linkage:
     """The linkage with some of its pivots elsewhere in their links, in the assembly it was drawn in; `write_urdf` writes it.
 

@@ -4,6 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from .arguments import typed
 from .coordinates import Array
 from .errors import PinpressError, expect
 from .frozen import Frozen
@@ -30,6 +31,7 @@ class Harmonics(Frozen):
     phase: Array
 
 
+@typed
 def harmonics(motion: Motion, force: Array, orders: int = 12) -> Harmonics | None:
     """Harmonics of a force (n, 3) [N] over the last full period, up to order ``orders``, or as far as the states carry.
 

@@ -9,9 +9,10 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from . import over_turn
+from .arguments import typed
 from .by_bearing import ByBearing
 from .coordinates import Array, ComplexArray
-from .errors import PinpressError, expect
+from .errors import PinpressError
 from .linkage import Linkage
 from .motion import Motion
 from .over_turn import CrankMotion, Curve, Numbers
@@ -22,14 +23,13 @@ FINER = 8  # times as many places as states that an angle's cosine or squared si
 UNRESOLVED = 1e-9  # amplitude of one of the last quarter of the harmonics that n states carry, above which these are too few
 
 
+@typed
 def bearing_positions(press: Linkage, motion: Motion) -> Mapping[str, Array]:
     """World positions (n, 3) of all bearings [m], where their forces act: the origin of the child's joint frame, of a loop its point.
 
     Raises:
         PinpressError: a motion of a linkage with other joints. UnknownNameError: a bearing that is not there.
     """
-    expect("press", press, Linkage, "load")
-    expect("motion", motion, Motion, "cycle or simulate")
     if motion.joints != press.joints:
         raise PinpressError(f"the motion is of {motion.linkage} with other joints than {press.name}: make it with cycle(press, ...)")
     return ByBearing(press.bearings, bearing_points(press, poses(press, motion.joint_position)))
@@ -87,7 +87,9 @@ def _line(motion: CrankMotion, name: str, to: Numbers, beginning_name: str, begi
     over_turn.step_angle(motion)  # refuses what is no full period
     states = len(motion.crank_angle)
     for what, positions in ((name, to), (beginning_name, beginning)):
-        if np.shape(positions) != (states, 3) or not np.all(np.isfinite(positions)):
+        if not isinstance(positions, np.ndarray):
+            raise PinpressError(f"{what} is a {type(positions).__name__}: give positions ({states}, 3), see bearing_positions")
+        if positions.shape != (states, 3) or positions.dtype.kind not in "fc" or not np.all(np.isfinite(positions)):
             raise PinpressError(f"{what} has shape {np.shape(positions)}, or is not finite: give positions ({states}, 3), a state a row")
     line: ComplexArray = np.asarray(to, dtype=complex) - np.asarray(beginning, dtype=complex)
     if not np.all(_dot(line, line).real > 0):

@@ -342,7 +342,7 @@ class Linkage(Frozen):
         Raises:
             PinpressError: unknown engine, or "plane" for a linkage that is not planar.
         """
-        if engine not in ("auto", "plane", "pinocchio"):
+        if not isinstance(engine, str) or engine not in ("auto", "plane", "pinocchio"):
             raise PinpressError(f"unknown engine {engine!r}: write 'auto', 'plane' or 'pinocchio'")
         if engine == "pinocchio":
             return None

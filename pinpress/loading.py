@@ -1,7 +1,7 @@
 """From a URDF file to a `Linkage`: read, closed in its drawn pose, and found to be moved by its driver alone."""
 
 import os
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -9,12 +9,13 @@ import numpy as np
 import pinocchio as pin
 
 from . import findings
+from .arguments import typed
 from .coordinates import Array
-from .errors import PinpressError, UnknownNameError, UrdfError, caution, suggestion
+from .errors import PinpressError, UnknownNameError, UrdfError, caution, shown, suggestion
 from .linkage import Linkage
 from .loops import Coupling, LoopJoint
 from .regular_files import path_of
-from .single_numbers import numbers
+from .single_numbers import LARGEST, numbers
 
 if TYPE_CHECKING:
     from . import urdf
@@ -25,6 +26,7 @@ def presses() -> tuple[str, ...]:
     return tuple(sorted(path.stem for path in _library().glob("*.urdf")))
 
 
+@typed
 def load(
     path: str | os.PathLike[str],
     driver: str | Sequence[str] | None = None,
@@ -92,6 +94,8 @@ def assembled(
     except (ValueError, RuntimeError) as error:  # nothing is known that passes the checks and ends here
         raise UrdfError(description.file, None, None, f"Pinocchio cannot read it: {error}", "simplify the file") from error
     model.gravity.linear = numbers("gravity", gravity, (3,))
+    if np.abs(model.gravity.linear).max() > LARGEST:
+        raise PinpressError(f"gravity is {shown(gravity)}: give m/s2, {LARGEST:g} at most")
     places = {name: place for place, name in enumerate(tuple(model.names)[1:])}
     for name in drivers:
         if not model.joints[places[name] + 1].shortname().startswith("JointModelR"):
@@ -130,9 +134,9 @@ def _drivers(description: "urdf.Urdf", driver: str | Sequence[str] | None) -> tu
     moving = [joint.name for joint in description.joints if joint.type != "fixed"]
     given: tuple[str, ...] = description.drivers
     if driver is not None:
-        given = (driver,) if isinstance(driver, str) or not isinstance(driver, Iterable) else tuple(driver)
+        given = tuple(driver) if isinstance(driver, list | tuple) else (driver,)  # type: ignore[assignment]
     for name in given:
-        if name not in moving:
+        if not isinstance(name, str) or name not in moving:
             raise UnknownNameError("moving joint", name, moving)
     if len(set(given)) < len(given):
         raise PinpressError(f"driver names a joint twice: {', '.join(given)}")
@@ -160,6 +164,8 @@ def _loop_joint(model: pin.Model, loop: "urdf.Loop") -> LoopJoint:
 def _slide(description: "urdf.Urdf", model: pin.Model, slide: str | None) -> str | None:
     guided = {j.child: j.name for j in description.joints if j.type == "prismatic" and model.parents[model.getJointId(j.name)] == 0}
     if slide is not None:
+        if not isinstance(slide, str):
+            raise UnknownNameError("link", slide, description.links)
         joint = model.frames[model.getFrameId(slide, pin.BODY)].parentJoint if slide in description.links else 0
         if slide not in description.links:
             raise UnknownNameError("link", slide, description.links)

@@ -16,6 +16,7 @@ the working stroke for a slide that turns back more than twice in it too.
 import numpy as np
 
 from . import over_turn, slide_strokes
+from .arguments import typed
 from .coordinates import ComplexArray
 from .errors import PinpressError
 from .even_speed import least_drop
@@ -46,6 +47,7 @@ def stroke(motion: SlideMotion) -> float:
     return path.number(top - bottom)
 
 
+@typed
 def quick_return_ratio(motion: SlideMotion, downwards: bool = True) -> float:
     """Time of the working stroke beside that of the return stroke: more than 1 where the slide returns quickly.
 
@@ -56,6 +58,7 @@ def quick_return_ratio(motion: SlideMotion, downwards: bool = True) -> float:
     return way.path.number(working / (way.path.states - working))
 
 
+@typed
 def speed_ratio(motion: SlideMotion, downwards: bool = True) -> float:
     """Highest speed of the slide in the working stroke beside its mean, stroke by time (objective of Chen 2002)."""
     way = slide_strokes.working_stroke(motion, downwards)
@@ -63,6 +66,7 @@ def speed_ratio(motion: SlideMotion, downwards: bool = True) -> float:
     return way.path.number(speeds[speeds.real.argmax()] * (way.end - way.start) / way.length)
 
 
+@typed
 def flatness(motion: SlideMotion, length: float, downwards: bool = True) -> float:
     """Least drop of speed, 1 - lowest / highest, over any stretch of this length of the working stroke [-]; 0 is an even speed.
 
@@ -76,6 +80,7 @@ def flatness(motion: SlideMotion, length: float, downwards: bool = True) -> floa
     return way.path.number(least_drop(way, _within(way.length, "length", length)))
 
 
+@typed
 def speed_at(motion: SlideMotion, height: float, downwards: bool = True) -> float:
     """Speed of the slide at a height above bottom dead centre [m], such as that at which the tool meets the work; positive [m/s].
 
@@ -86,6 +91,7 @@ def speed_at(motion: SlideMotion, height: float, downwards: bool = True) -> floa
     return path.number(speed / over_turn.step_time(motion))
 
 
+@typed
 def mechanical_advantage(motion: SlideMotion, height: float, downwards: bool = True) -> float:
     """Force on the slide for each N m on the crank at a height above bottom dead centre [m], without losses and inertia: crank speed by
     slide speed, 1 / |ds/dtheta| [1/m] (virtual work). It grows without bounds towards the dead centres.

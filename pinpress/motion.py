@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from . import plausibility, spatial, tables
+from .arguments import typed
 from .branch import Branch, beyond
 from .closing import closed, followed, refuse_far
 from .closure import Closure
@@ -132,6 +133,7 @@ class Motion(Frozen):
         return self._guide
 
 
+@typed
 def cycle(
     press: Linkage,
     speed: ArrayLike,

@@ -10,9 +10,11 @@ import numpy as np
 
 from .drive import Plain, Values, between
 from .drive_checks import check, check_scenarios, set_field
-from .errors import PinpressError
+from .errors import PinpressError, shown
 from .motion import RPM
 from .single_numbers import finite_numbers
+
+MOST_POLES = 1000
 
 
 @dataclass(frozen=True)
@@ -184,8 +186,8 @@ def _check_breakdown(drive: object, ratio: float) -> None:
 
 
 def _check_rated_speed(drive: object, rated_speed: float, frequency: float, poles: object) -> None:
-    if isinstance(poles, bool) or not isinstance(poles, int | np.integer) or poles < 2 or poles % 2:
-        raise PinpressError(f"{type(drive).__name__}: poles is {poles!r}; give the number of poles: 2, 4, 6, ...")
+    if isinstance(poles, bool | np.timedelta64) or not isinstance(poles, int | np.integer) or not 2 <= poles <= MOST_POLES or poles % 2:
+        raise PinpressError(f"{type(drive).__name__}: poles is {shown(poles)}; give the number of poles: 2, 4, 6, ...")
     synchronous = _synchronous(frequency, int(poles))
     if not rated_speed < synchronous:
         raise PinpressError(

@@ -24,6 +24,7 @@ import numpy as np
 import pinocchio as pin
 
 from . import frame_tables, tables
+from .arguments import typed
 from .coordinates import Array, data_of
 from .errors import PinpressError, expect
 from .frame_matrices import (
@@ -133,6 +134,7 @@ class MountedPress(Frozen):
         return read_only(np.array([rows_at(self.parts, 0, np.array(mount.point)) for mount in self.mounts]))
 
 
+@typed
 def mounted(
     press: Linkage, frame: Frame, mounts: Sequence[Mount], crown: Frame | None = None, columns: Sequence[Mount] = ()
 ) -> MountedPress:
@@ -148,8 +150,6 @@ def mounted(
         PinpressError: arguments of other kinds, a crank that does not turn fully, mounts that leave the frame free or are pulled by
             its weight, a press that tips.
     """
-    expect("press", press, Linkage, "load")
-    expect("frame", frame, Frame, "Frame")
     mounts = listed_mounts(mounts, "mounts")
     if (crown is None) != (len(columns) == 0):
         raise PinpressError("crown and columns go together: give both, or neither for a frame in one part")
@@ -165,6 +165,7 @@ def with_mounts(system: MountedPress, mounts: Sequence[Mount]) -> MountedPress:
     return _assembled(system.press, system.frame, mounts, system.crown, system.columns, system.press_inertia)
 
 
+@typed
 def press_inertia(press: Linkage) -> Array:
     """(6, 6) mean spatial inertia of all links about the world origin over one period; linear, then angular.
 

@@ -16,8 +16,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
+from .arguments import typed
 from .coordinates import Array
-from .errors import PinpressError, expect
+from .errors import PinpressError
 from .forces import Load, PointForce, SpringDamper
 from .linkage import Linkage
 from .loads import ProcessLoad, Stretch, TimeForce
@@ -36,6 +37,7 @@ Quantities = dict[str, Array]
 """Name -> (k, s): components, states."""
 
 
+@typed
 def operating_points(
     press: Linkage,
     speeds: ArrayLike,
@@ -67,7 +69,6 @@ def operating_points(
             does each point by itself.
         UnknownNameError, SingularityError, AssemblyError: as `cycle` and `inverse_dynamics`.
     """
-    expect("press", press, Linkage, "load")
     if len(press.drivers) > 1:
         raise PinpressError(f"{press.name} has {len(press.drivers)} drivers: operating points are of a press with one")
     speed, force = _axis("speeds", speeds, "rad/s"), _axis("forces", forces, "N")

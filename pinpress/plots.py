@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from . import charts
+from .arguments import typed
 from .charts import Chart, Curve
 from .coordinates import Array
 from .errors import PinpressError
@@ -34,6 +35,7 @@ MOST_ABOVE = 4  # names of curves that go into one line above the axes
 BEFORE, PALE, AFTER = GREY, "#b0b0b0", COLOURS[0]
 
 
+@typed
 def plot_slide(motion: Motion) -> "Figure":
     """Position, velocity and acceleration of the slide, and the speed of the crank where it is not constant.
 
@@ -47,11 +49,13 @@ def plot_slide(motion: Motion) -> "Figure":
     return _stacked(motion, shown if speed is None else [*shown, speed], 4.2)
 
 
+@typed
 def plot_torque(reactions: Reactions) -> "Figure":
     """Driving torque of every driver; of a run beside the torque of its drive."""
     return _stacked(reactions.motion, [charts.torque(reactions)], 6.0)
 
 
+@typed
 def plot_bearings(reactions: Reactions) -> "Figure":
     """Magnitudes of all bearing and guide forces, and of the moments they hold, where one does. Curves that coincide are drawn once."""
     moments = charts.bearing_moment(reactions)
@@ -59,6 +63,7 @@ def plot_bearings(reactions: Reactions) -> "Figure":
     return _stacked(reactions.motion, shown, 7.5, 4.5)
 
 
+@typed
 def plot_polar(reactions: Reactions, *bearings: str) -> "Figure":
     """Polar diagrams of bearing forces, by default of all: path of the force vector's tip in world axes (solid) and in axes that turn with
     the link it acts on (dashed), with dots at every quarter turn of the crank in the last period. Circles are of constant force.
@@ -70,6 +75,7 @@ def plot_polar(reactions: Reactions, *bearings: str) -> "Figure":
     return draw_loci(reactions.motion, [charts.locus(reactions, name) for name in names])
 
 
+@typed
 def plot_shaking(reactions: Reactions) -> "Figure":
     """World components of the shaking force, and the amplitudes of its harmonics in the last full period, where there is one."""
     motion, chart = reactions.motion, charts.shaking(reactions)
@@ -99,6 +105,7 @@ def plot_shaking(reactions: Reactions) -> "Figure":
     return figure
 
 
+@typed
 def plot_comparison(before: Reactions, after: Reactions) -> "Figure":
     """Two presses, or two operating points of one: driving torque, shaking force, peaks of the forces in the bearings they
     both have, and by how much each changes.

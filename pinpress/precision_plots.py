@@ -3,7 +3,7 @@
 from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, Any
 
-from .errors import expect
+from .arguments import typed
 from .figures import COLOURS, GREY, SMALL, drawing, grid, legend, plain
 from .measurements import INVERSE_DYNAMICS, PROXIMAL, SIMULATION, TABLE, Accuracy, Measurement
 
@@ -17,6 +17,7 @@ MARKERS = "osD^vP*X<>"
 Value = Callable[[Measurement], float | None]
 
 
+@typed
 def plot_accuracy(measured: Accuracy) -> "Figure":
     """Error against run time: of inverse dynamics, and of a free run its crank angle, its bearing forces at the end and its loops; then
     error against the proximal parameter of constraint dynamics, and against the number of samples of the reduced table. Errors of torque,
@@ -25,7 +26,6 @@ def plot_accuracy(measured: Accuracy) -> "Figure":
     Raises:
         PinpressError: not an `Accuracy`; Matplotlib is not installed.
     """
-    expect("measured", measured, Accuracy, "accuracy")
     looks = _looks(measured)
     with drawing(HEIGHT) as figure:
         panels = figure.subplots(3, 2)

@@ -4,6 +4,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Protocol, runtime_checkable
 
+from .arguments import typed
 from .errors import PinpressError
 
 if TYPE_CHECKING:
@@ -44,6 +45,7 @@ class ProcessLoad(Protocol):
         """The stretches on the way down (against the guide's axis) or up; disjoint, no force outside them."""
 
 
+@typed
 def datum(load: ProcessLoad, press: "Linkage") -> float:
     """Slide position from which the heights of a load are measured [m].
 
@@ -52,6 +54,8 @@ def datum(load: ProcessLoad, press: "Linkage") -> float:
     """
     from .dead_centres import dead_centres  # imports the linkage, whose dynamics imports the loads
 
+    if not isinstance(load, ProcessLoad) or isinstance(load, type):
+        raise PinpressError(f"load is a {type(load).__name__}: give a process load")
     _ = press.slide_guide
     if load.datum is not None:
         return load.datum

@@ -8,19 +8,21 @@ from dataclasses import dataclass
 import numpy as np
 
 from . import measures, rating_tables, tables
+from .arguments import typed
 from .capacities import Capacities, known_bearings
 from .coordinates import Array
-from .errors import PinpressError, expect
+from .errors import PinpressError, shown
 from .frozen import Frozen, FrozenMapping
 from .linkage import Linkage
 from .motion import cycle
 from .rating_curves import refuse_overloaded_idle
 from .rating_speed import SpeedLimit, limiting_speed
 from .rating_strokes import limited, rated, work
-from .single_numbers import positive
+from .single_numbers import is_number, positive, whole_number
 
 DWELL = 0.01  # of the stroke
 MOST_POINTS = 10**5
+SLOWEST, FASTEST = 1e-12, 1e12  # speeds [rad/s] whose squares, and turns at which, have meaning in floating point
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -96,6 +98,7 @@ class Ratings(Frozen):
         return tables.frame(self.columns())
 
 
+@typed
 def ratings(
     press: Linkage,
     speed: float,
@@ -131,13 +134,11 @@ def ratings(
         UnknownNameError: a bearing that the press does not have.
         SingularityError: the linkage locks within the period.
     """
-    expect("press", press, Linkage, "load")
     known_bearings(capacities, press)
     rate = _speed(speed)
     if not isinstance(at_speed, bool | np.bool_):
         raise PinpressError(f"at_speed is {at_speed!r}: give True or False")
-    if isinstance(points, bool) or not isinstance(points, int | np.integer) or not 3 <= points <= MOST_POINTS:
-        raise PinpressError(f"points is {points!r}: give a whole number from 3 to {MOST_POINTS}")
+    points = whole_number("points", points, 3, MOST_POINTS)
     if len(press.drivers) > 1:
         raise PinpressError(f"{press.name} has {len(press.drivers)} drivers: ratings are those of a press with one")
     period = cycle(press, rate, engine=engine)
@@ -145,7 +146,7 @@ def ratings(
     scene = rated(press, capacities, rate, bool(at_speed), engine)
     if at_speed:
         refuse_overloaded_idle(scene)
-    found = limited(scene, int(points))
+    found = limited(scene, points)
     contact = capacities.nominal_height if contact_height is None else contact_height
     tolerance = DWELL * measures.stroke(period) if dwell_tolerance is None else positive("dwell_tolerance", dwell_tolerance, "m")
     motion = scene.motion(found.angle)
@@ -184,6 +185,6 @@ def ratings(
 
 
 def _speed(speed: float) -> float:
-    if isinstance(speed, bool) or not isinstance(speed, int | float | np.number) or not math.isfinite(speed) or speed == 0:
-        raise PinpressError(f"speed is {speed!r}: give one number that is not zero [rad/s], e.g. 70 * pinpress.RPM")
+    if not is_number(speed) or not SLOWEST <= abs(speed) <= FASTEST:
+        raise PinpressError(f"speed is {shown(speed)}: give one number that is not zero [rad/s], e.g. 70 * pinpress.RPM")
     return float(speed)

@@ -15,15 +15,16 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
+from .arguments import typed
 from .coordinates import Array
-from .errors import PinpressError, expect
+from .errors import PinpressError
 from .forces import PointForce, place
 from .frozen import Frozen
 from .linkage import Linkage
 from .motion import Motion
 from .rating_curves import largest_factor, without_masses
 from .reactions import inverse_dynamics
-from .single_numbers import finite_numbers, positive
+from .single_numbers import finite_numbers, is_number, positive
 
 DIRECTION = 1e-9  # component along the guide that a gib's normal may have
 ROUNDING = 1e-12  # of the process force: a force that is none
@@ -52,11 +53,11 @@ class Guide:
     def __post_init__(self) -> None:
         for name in ("length", "width"):
             object.__setattr__(self, name, positive(f"the guide's {name}", getattr(self, name), "m"))
-        if isinstance(self.middle, bool) or not isinstance(self.middle, int | float | np.number) or not math.isfinite(self.middle):
+        if not is_number(self.middle):
             raise PinpressError(f"the guide's middle is {self.middle!r}: give a finite number [m]")
         if self.normal is not None:
             normal = _vector("the guide's normal", self.normal)
-            if not np.linalg.norm(normal) > 0:
+            if not normal.any():
                 raise PinpressError("the guide's normal is zero: give a direction, e.g. (1, 0, 0)")
 
 
@@ -84,6 +85,7 @@ class EccentricLoad(Frozen):
     indeterminate: bool
 
 
+@typed
 def eccentric_load(
     press: Linkage, motion: Motion, force: float, offset: Sequence[float], guide: Guide, engine: str = "auto"
 ) -> EccentricLoad:
@@ -98,9 +100,6 @@ def eccentric_load(
         PinpressError: arguments that make no sense, a linkage without a slide, a gib normal along the guide, a single gib that would have
             to pull: the slide tips.
     """
-    expect("press", press, Linkage, "load")
-    expect("motion", motion, Motion, "cycle or simulate")
-    expect("guide", guide, Guide, "Guide(length, width)")
     newtons = positive("force", force, "N")
     point = _vector("offset", offset)
     across = _across(press, guide)
@@ -124,6 +123,7 @@ def eccentric_load(
     return result
 
 
+@typed
 def permissible_eccentricity(
     press: Linkage, motion: Motion, force: float, guide: Guide, pressure: float, engine: str = "auto"
 ) -> tuple[float, float]:
@@ -139,9 +139,6 @@ def permissible_eccentricity(
     Raises:
         PinpressError: as `eccentric_load`; also where the central force alone is too much, which names the crank angle.
     """
-    expect("press", press, Linkage, "load")
-    expect("motion", motion, Motion, "cycle or simulate")
-    expect("guide", guide, Guide, "Guide(length, width)")
     newtons, allowed = positive("force", force, "N"), positive("pressure", pressure, "Pa")
     normal, about = _across(press, guide)
     _, axis = _slide_guide(press)
@@ -186,6 +183,7 @@ def _across(press: Linkage, guide: Guide) -> tuple[Array, Array]:
         normal *= np.sign(normal[np.abs(normal).argmax()])
     else:
         raise PinpressError(f"{press.name} is not planar: say which way the gibs face, Guide(..., normal=(x, y, z))")
+    normal = normal / np.abs(normal).max()  # so that nothing overflows
     normal = normal / np.linalg.norm(normal)
     if abs(normal @ axis) > DIRECTION:
         raise PinpressError(f"the guide's normal {normal.tolist()} is not across the guide's axis {axis.tolist()}: gibs face across it")

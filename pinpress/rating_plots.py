@@ -4,8 +4,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from .arguments import typed
 from .coordinates import Array
-from .errors import expect
 from .figures import COLOURS, GREY, LINES, SMALL, drawing, grid, legend, plain
 from .rating import Ratings
 from .rating_curves import NOMINAL
@@ -22,6 +22,7 @@ NEAR = 2.0  # times the largest height of a change that the left panel shows
 GOVERNING = 3.2  # width of the governing curve [pt]
 
 
+@typed
 def plot_ratings(ratings: Ratings) -> "Figure":
     """Permissible force over the height, of each limit and, thick in the colour of the one that governs, of all; left near bottom dead
     centre, right over the stroke. Thin hyperbolas are of constant energy. Below the work that the force takes from a height down, and the
@@ -30,7 +31,6 @@ def plot_ratings(ratings: Ratings) -> "Figure":
     Raises:
         PinpressError: Matplotlib is not installed, or no ratings.
     """
-    expect("ratings", ratings, Ratings, "ratings")
     with drawing(HIGH) as figure:
         panels = figure.subplots(2, 2, height_ratios=(1.7, 1.0), width_ratios=(1.0, 1.0))
         near = _near(ratings)

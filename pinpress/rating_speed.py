@@ -12,10 +12,11 @@ from typing import NamedTuple
 
 import numpy as np
 
+from .arguments import typed
 from .capacities import Capacities, known_bearings
 from .coordinates import Array
 from .dead_centres import stroke_turns
-from .errors import PinpressError, expect
+from .errors import PinpressError
 from .forces import Load
 from .linkage import Linkage
 from .loads import ProcessLoad
@@ -54,6 +55,7 @@ class SpeedLimit:
         return self.speed / RPM / self.turns
 
 
+@typed
 def speed_limit(
     press: Linkage,
     capacities: Capacities,
@@ -78,7 +80,6 @@ def speed_limit(
         UnknownNameError: a bearing that the press does not have.
         SingularityError: the linkage locks within the period.
     """
-    expect("press", press, Linkage, "load")
     known_bearings(capacities, press)
     if len(press.drivers) > 1:
         raise PinpressError(f"{press.name} has {len(press.drivers)} drivers: ratings are those of a press with one")

@@ -18,6 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from . import change_points, forces, plane_axial, plane_dynamics, plane_power, spatial_dynamics, tables
+from .arguments import typed
 from .by_bearing import ByBearing
 from .coordinates import Array, ComplexArray
 from .errors import PinpressError, SingularityError, UnknownNameError
@@ -195,6 +196,7 @@ class Reactions(Frozen):
         tables.write_mat(path, self.columns())
 
 
+@typed
 def inverse_dynamics(
     press: Linkage,
     motion: Motion,

@@ -15,6 +15,7 @@ from numpy.typing import ArrayLike
 
 from . import files, meshcat_scene, overlays, pages
 from .appearance import Body, bodies
+from .arguments import typed
 from .coordinates import Array
 from .keys import Keys, keys
 from .linkage import Linkage
@@ -23,6 +24,7 @@ from .poses import poses
 from .reactions import Reactions
 
 
+@typed
 def record(
     press: Linkage,
     motion: Motion,

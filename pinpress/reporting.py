@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from . import charts, files, pages
+from .arguments import typed
 from .charts import Chart
 from .errors import PinpressError, expect
 from .extreme_values import Extreme, extremes
@@ -23,6 +24,7 @@ from .recording import scene
 from .run import Run
 
 
+@typed
 def report(
     press: Linkage,
     motion: Motion,

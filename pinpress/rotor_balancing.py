@@ -13,6 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
+from .arguments import typed
 from .coordinates import Array
 from .counterweights import Counterweight
 from .errors import PinpressError, UnknownNameError
@@ -112,6 +113,7 @@ def static_balance(masses: ArrayLike, positions: ArrayLike) -> Correction:
     return _of_masses(masses, positions).static_balance()
 
 
+@typed
 def two_plane_balance(masses: ArrayLike, positions: ArrayLike, planes: Sequence[float]) -> tuple[Correction, Correction]:
     """The two corrections that leave a rotor neither force nor couple. Zhang 2007, 3.1.1 (2).
 
@@ -128,6 +130,7 @@ def two_plane_balance(masses: ArrayLike, positions: ArrayLike, planes: Sequence[
     return _of_masses(masses, positions).two_plane_balance(planes)
 
 
+@typed
 def unbalance(press: Linkage, link: str) -> Unbalance:
     """The unbalance of a link that turns on the frame, with all that is welded to it, from its inertia in the model.
 
@@ -138,7 +141,7 @@ def unbalance(press: Linkage, link: str) -> Unbalance:
         UnknownNameError: a link that the press does not have.
         PinpressError: a link that no joint turns on the frame.
     """
-    if link not in press.links:
+    if not isinstance(link, str) or link not in press.links:
         raise UnknownNameError("link", link, press.links)
     rotors = _rotors(press)
     if link not in rotors:

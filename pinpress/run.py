@@ -13,6 +13,7 @@ from .force_coordinates import JointAngle
 from .methods import Plan
 from .motion import Motion, carried, of_states
 from .path import DRIVE_WORK, LEDGERS, LOAD_WORK, LOST, Path, Reading
+from .single_numbers import whole_number
 
 POINTS = 120  # states returned per turn of the crank, and at least
 MOST_POINTS = 1_000_000  # by default
@@ -174,6 +175,4 @@ def count_of(points: int | None, turns: float) -> int:
     """States to return, from those asked for or from the turns."""
     if points is None:
         return int(min(MOST_POINTS, max(POINTS, math.ceil(POINTS * turns)))) + 1
-    if isinstance(points, bool) or not isinstance(points, int | np.integer) or not 2 <= points <= 10**8:
-        raise PinpressError(f"points is {points!r}: give a whole number of states from 2 to {10**8}")
-    return int(points)
+    return whole_number("points", points, 2, 10**7)

@@ -6,12 +6,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from .arguments import typed
 from .coordinates import Array
 from .dead_centres import stroke_turns
 from .drives import PrescribedSpeed
 from .errors import PinpressError
 from .path import DRIVE_WORK, LOAD_WORK, LOST, MOTOR_SQUARED, Reading
 from .run import Run
+from .single_numbers import is_number
 
 ROUND = 1 + 1e-12  # rounding of times and turns
 STATES = 720  # looked at in a stroke, for extremes
@@ -48,6 +50,7 @@ class Duty:
     utilisation: float | None
 
 
+@typed
 def duty(run: Run, start: float = 0.0, end: float | None = None) -> Duty:
     """What a run was to its motor and flywheel, from one time to another; by default in all.
 
@@ -59,12 +62,13 @@ def duty(run: Run, start: float = 0.0, end: float | None = None) -> Duty:
     _check(run)
     last = float(run.time[-1])
     until = last if end is None else end
-    numbers = all(isinstance(value, int | float) and not isinstance(value, bool) for value in (start, until))
+    numbers = all(map(is_number, (start, until)))
     if not numbers or not 0.0 <= start < until <= last * ROUND:
         raise PinpressError(f"start is {start!r} and end {end!r}: give times within the run, 0 to {last:g} s")
     return _duties(run, np.array([start, min(until, last)]))[0]
 
 
+@typed
 def strokes(run: Run) -> tuple[Duty, ...]:
     """One `Duty` for each stroke, from the angle at which the run began on: for each full turn of the crank, or each several turns, where
     gears bring the slide back only after these (`DeadCentres.turns`). None where the crank does not turn as far.

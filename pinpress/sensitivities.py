@@ -16,6 +16,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from .arguments import typed
 from .constant_rows import product
 from .coordinates import Array, ComplexArray
 from .errors import PinpressError
@@ -49,6 +50,7 @@ class MotionDerivative(Frozen):
     slide_acceleration: Array | None
 
 
+@typed
 def motion_derivatives(press: Linkage, motion: Motion, directions: Sequence[Pivots]) -> tuple[MotionDerivative, ...]:
     """Derivatives of a motion by the positions of pivots: what `cycle` of the `reshaped` linkage does at the same crank angles, to first
     order.

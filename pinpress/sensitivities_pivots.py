@@ -7,6 +7,7 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import ArrayLike
 
+from .arguments import typed
 from .coordinates import Array
 from .errors import PinpressError, UnknownNameError
 from .linkage import Linkage
@@ -33,6 +34,7 @@ def nowhere(press: Linkage) -> Displacements:
     return Displacements(np.zeros((press.model.nv, 3)), np.zeros((len(press.loops), 2, 3)))
 
 
+@typed
 def pivot_positions(press: Linkage) -> dict[tuple[str, str], Array]:
     """Where every bearing that can be moved in a link is: (bearing, link) -> (3,) in the link's own frame [m].
 

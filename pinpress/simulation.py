@@ -20,6 +20,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from . import laws, methods, plausibility, scenarios, scene, turning
+from .arguments import typed
 from .closing import refuse_far
 from .coordinates import Array
 from .driveline import Brake, Clutch
@@ -76,6 +77,7 @@ def simulate(
     tolerance: float = ...,
     progress: Callable[[float], None] | None = ...,
 ) -> "Run | Runs": ...
+@typed
 def simulate(
     press: Linkage,
     duration: float,

@@ -35,6 +35,12 @@ def number(name: str, value: object, positive: bool = False) -> float:
     return float(found)
 
 
+def is_number(value: object) -> bool:
+    """Whether a value is one finite number."""
+    found = _array(value)
+    return not isinstance(found, str) and not found.ndim and bool(np.isfinite(found))
+
+
 def positive(what: str, value: object, unit: str) -> float:
     """A size as a number; raises PinpressError where it is not positive, or so small or large that its squares lose meaning."""
     found = _array(value)

@@ -11,6 +11,7 @@ import numpy as np
 
 from . import laws, over_angle, panels, plausibility, reduced, resolution, scenarios, turned
 from . import scene as scenes
+from .arguments import typed
 from .closing import refuse_far
 from .coordinates import Array
 from .drives import Drive, Flywheel
@@ -21,7 +22,7 @@ from .methods import Plan
 from .path import LEDGERS, Path
 from .run import Run, allowed_error, as_run
 from .simulation import of_one, tolerated
-from .single_numbers import number
+from .single_numbers import LARGEST, number
 from .turned import State
 
 MOST_CUTS = 30
@@ -32,6 +33,7 @@ CLOSER = 3  # times that the range of speeds is narrowed, 32 times each
 COMES_BACK = 1e-10  # difference of the crank's speed, beside itself, after a period of a steady state
 
 
+@typed
 def steady_state(
     press: Linkage,
     speed: float,
@@ -59,6 +61,8 @@ def steady_state(
     start, guess, tolerance = number("angle", angle), number("speed", speed), tolerated(tolerance)
     refuse_far("angle", np.array(start))
     plausibility.speeds("speed", guess)
+    if not abs(guess) <= LARGEST:
+        raise PinpressError(f"speed is {guess:g}: give rad/s, {LARGEST:g} at most")
     if guess == 0.0:
         raise PinpressError("speed is 0: give the speed about which the press runs [rad/s]")
     if scenarios.count(speed, angle, drive, flywheel, loads) is not None:

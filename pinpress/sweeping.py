@@ -6,6 +6,7 @@ import pickle
 from collections.abc import Callable, Mapping
 from concurrent.futures import Executor, ProcessPoolExecutor
 
+from .arguments import typed
 from .errors import PinpressError
 from .sweep_grid import Grid, gridded
 from .sweep_run import Function, TaskError, in_parallel, serially
@@ -13,6 +14,7 @@ from .sweep_store import Results, results
 from .sweep_table import Sweep, table
 
 
+@typed
 def sweep(
     function: Function,
     grid: Mapping[str, object],

@@ -24,8 +24,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from . import synthesis_tables, tables
+from .arguments import typed
 from .coordinates import Array
-from .errors import AssemblyError, PinpressError, SingularityError, UnknownNameError, expect
+from .errors import AssemblyError, PinpressError, SingularityError, UnknownNameError
 from .forces import Load
 from .frozen import Frozen, FrozenMapping
 from .geometry import reshaped
@@ -96,6 +97,7 @@ class Synthesis(Frozen):
         return tables.frame(synthesis_tables.columns(self._rows))
 
 
+@typed
 def synthesise(
     press: Linkage,
     variables: Mapping[str, tuple[float, float, float]],
@@ -128,14 +130,15 @@ def synthesise(
             constraints; a search that does not converge.
         UnknownNameError: a bearing or link that the linkage does not have.
     """
-    expect("press", press, Linkage, "load")
     planar(press)
     for name, mapping in (("variables", variables), ("subject_to", subject_to)):
         if not isinstance(mapping, Mapping):
             raise PinpressError(f"{name} is a {type(mapping).__name__}, no mapping from names")
     refuse_unknown(loads)
-    if method not in ("local", "global"):
+    if not isinstance(method, str) or method not in ("local", "global"):
         raise PinpressError(f"unknown method {method!r}: write 'local' or 'global'")
+    if geometry is not None and not callable(geometry):
+        raise PinpressError(f"geometry is a {type(geometry).__name__}, no function of the variables that returns pivots")
     known = tuple(_variable(name, bounds) for name, bounds in variables.items())
     if not known:
         raise PinpressError("variables is empty: give {name: (lower bound, start, upper bound)}")

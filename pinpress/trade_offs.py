@@ -6,20 +6,25 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from .balance_measures import AddedMass, Target
+from .arguments import typed
+from .balance_measures import AddedMass, Measure, Target
 from .balance_problem import build
 from .balance_result import Balance
 from .balancing import balanced, checked
 from .coordinates import Array
-from .errors import PinpressError
+from .errors import PinpressError, shown
 from .forces import Load
 from .frozen import Frozen
 from .inertia_responses import Case
 from .linkage import Linkage
 from .motion import Motion
 from .rooms import Room
+from .single_numbers import whole_number
 
 GIVEN = 1e-7  # of a measure before balancing: what is given of its best so that the other can be improved
+
+
+MOST_POINTS = 10_000  # each an optimisation
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -40,6 +45,7 @@ class TradeOff(Frozen):
         return f"<TradeOff of the {self.first.words} and the {self.second.words}: {len(self.designs)} designs>"
 
 
+@typed
 def trade_off(
     press: Linkage,
     motion: Motion,
@@ -57,10 +63,12 @@ def trade_off(
     Raises:
         PinpressError: as `balance`; both measures the same, fewer than two points.
     """
+    for name, target in (("first", first), ("second", second)):
+        if not isinstance(target, Measure | AddedMass):
+            raise PinpressError(f"{name}: {shown(target)} is no measure: give Range, Rms, Peak or AddedMass()")
     if first == second:
         raise PinpressError(f"both measures are the {first.words}: give two")
-    if isinstance(points, bool) or not isinstance(points, int | np.integer) or points < 2:
-        raise PinpressError(f"points is {points!r}: a curve takes a whole number from 2")
+    points = whole_number("points", points, 2, MOST_POINTS)
     held = dict(limits or {})
     objectives = {target: checked(target, held) for target in (first, second)}
     cases = (Case(motion, tuple(loads)),)

@@ -15,9 +15,10 @@ import pinocchio as pin
 
 from . import accuracy_inverse, accuracy_proximal, accuracy_simulation, peers
 from .accuracy_simulation import Scene
+from .arguments import typed
 from .contestants import measured
 from .drives import Flywheel
-from .errors import PinpressError, expect
+from .errors import PinpressError
 from .linkage import Linkage
 from .measurements import Accuracy
 from .motion import MOST_POINTS, RPM
@@ -27,6 +28,7 @@ TURNS = 2.0  # of the free run
 HEAVY = 4.0  # times the linkage's largest reduced inertia: a flywheel that carries it on
 
 
+@typed
 def accuracy(
     press: Linkage,
     speed: float,
@@ -54,7 +56,6 @@ def accuracy(
         PinpressError: an argument that makes no sense, a linkage with several drivers.
         SingularityError, SimulationError: the crank does not turn fully, or the run has no end.
     """
-    expect("press", press, Linkage, "load")
     if len(press.drivers) > 1:
         raise PinpressError(f"{press.name} has {len(press.drivers)} drivers: accuracy is measured of a linkage with one")
     speed = number("speed", speed)

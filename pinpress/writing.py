@@ -13,10 +13,12 @@ import numpy as np
 import pinocchio as pin
 
 from . import files, loading, pose_checks, urdf
+from .arguments import typed
 from .coordinates import Array, axes
 from .errors import PinpressError
 from .findings import Finding
 from .linkage import Linkage
+from .regular_files import path_of
 from .writing_edits import DYNAMICS, LIMITS, POSITION_LIMITS, edited, placement
 
 MOST_TEXTS = 4  # tried to meet the numbers to the last bit; the second mostly does, or none
@@ -25,6 +27,7 @@ ACCEPTED = 1e-12  # relative difference from the linkage with which a text is st
 _UNSAID = ("armature", "rotorInertia", "rotorGearRatio")  # a URDF has nothing to say it with
 
 
+@typed
 def write_urdf(press: Linkage, path: str | os.PathLike[str]) -> Path:
     """Write a linkage, perhaps a changed one, as a URDF that loads to the same numbers, and return its path.
 
@@ -47,7 +50,7 @@ def write_urdf(press: Linkage, path: str | os.PathLike[str]) -> Path:
             cannot be written.
         UrdfError, AssemblyError, SingularityError: `load` would refuse the file.
     """
-    unwritten = f"{os.fspath(path)} (not written)"  # the file's name in errors
+    unwritten = f"{path_of('path', path)} (not written)"  # the file's name in errors
     template = _read(press.text, press.file)
     before = loading.assembled(urdf.describe(template), press.drivers, press.slide)
     _check(press, before)

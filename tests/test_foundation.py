@@ -195,7 +195,7 @@ PAD = {"length": 0.1, "width": 0.1, "thickness": 0.01}
         (lambda: foundation.Mount((0, 0, 0), (1, 1, 1), loss_factor=-0.1), "loss_factor is -0.1"),
         (lambda: foundation.Mount((0, 0, 0), (1, 1, 1), area=0.0), "area is 0.0"),
         (lambda: foundation.Mount((0, 0, 0), "stiff"), "stiffness is 'stiff'"),
-        (lambda: foundation.pad_mount((0, 0, 0), None), "pad is None"),
+        (lambda: foundation.pad_mount((0, 0, 0), None), "pad is a NoneType, no RubberPad"),
         (lambda: foundation.Frame(**HEAVY | {"mass": -1.0}), "mass is -1.0"),
         (lambda: foundation.Frame(**HEAVY | {"inertia": (1, 1, 3)}), "no body has this inertia"),
         (lambda: foundation.Frame(**HEAVY | {"inertia": np.eye(3) + np.eye(3, k=1)}), "symmetric"),

@@ -545,7 +545,7 @@ def test_forces_that_cannot_be_drawn(press: Any, motion: Any, tmp_path: Path) ->
         ([("rod", (0, 0))], "trace of 'rod': point has shape (2,)"),
         ([("rod", (0, 0, np.inf))], "trace of 'rod': point is not finite"),
         (("rod", (0, 0, 0)), "give a list of a link and a point"),
-        ("rod", "give a list of a link and a point"),
+        ("rod", "traces is one str: give a list"),
     ],
 )
 def test_traces_that_are_none(traces: Any, says: str, press: Any, motion: Any, tmp_path: Path) -> None:
