@@ -17,6 +17,7 @@ from .coordinates import Array
 from .drives import Drive, Flywheel
 from .errors import PinpressError, SimulationError
 from .forces import Load
+from .laws import LawError
 from .linkage import Linkage
 from .methods import Plan
 from .path import LEDGERS, Path
@@ -162,6 +163,8 @@ def _over_time(plan: Plan, angle: float, speed: float, tolerance: float) -> Path
             columns = [(one_period(plan, angle, at + step, tolerance)[1] - after) / step[k] for k, step in enumerate(np.diag(steps))]
             found = at + np.linalg.solve(np.eye(len(at)) - np.array(columns).T, after - at)
             at = found if np.isfinite(found).all() and 0.8 < found[0] / at[0] < 1.25 else after
+    except LawError:  # of the caller, whatever steady state there is
+        raise
     except (SimulationError, np.linalg.LinAlgError) as error:
         raise _none(speed) from error
     raise _none(speed)
