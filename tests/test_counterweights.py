@@ -7,6 +7,8 @@ import texts
 from random_linkages import Group, Spec, drawn, momentum_balance
 
 import pinpress as pp
+from pinpress.counterweights import body as inertia_of
+from pinpress.counterweights import refuse_unphysical
 
 PAPER = [pp.Counterweight(link, mass, (at, 0.0, 0.0)) for link, mass, at in by_hand.PAPER]
 
@@ -113,3 +115,23 @@ def test_what_cannot_be_is_refused_by_name(six_bar, weight, said):
     with pytest.raises(pp.PinpressError) as refusal:
         pp.with_counterweights(six_bar, [weight])
     assert [word for word in said if word not in str(refusal.value)] == []
+
+
+@pytest.mark.parametrize(
+    ("moments", "sound"),
+    [((1.0, 1.0, 2.0), True), ((1.0, 2.0, 1.0), True), ((1.0, 1.0, 2.001), False), ((3.0, -0.5, 3.0), False)],
+)
+def test_bodies_are_told_by_the_triangle_of_their_moments(moments, sound):
+    """A lamina has the largest moment that two others allow."""
+    press = pp.load("crank_slide")
+    inertia = inertia_of(7.0, np.array([0.1, 0.0, 0.0]), np.diag(moments))
+    if sound:
+        return refuse_unphysical(press, 1, inertia)
+    with pytest.raises(pp.PinpressError, match=r"body on joint 'O' principal moments of inertia of .*, which no body has"):
+        refuse_unphysical(press, 1, inertia)
+
+
+@pytest.mark.parametrize("mass", [0.0, -1.0, np.nan])
+def test_bodies_have_a_mass(mass):
+    with pytest.raises(pp.PinpressError, match="the body on joint 'O' a mass of"):
+        refuse_unphysical(pp.load("crank_slide"), 1, inertia_of(mass, np.zeros(3), np.eye(3)))

@@ -7,6 +7,7 @@ from frames import harmonic_force, loaded, on_four, turns, uneven, weightless
 
 import pinpress as pp
 from pinpress import PinpressError, UnknownNameError, foundation
+from pinpress.frame_response import resolved
 
 POINTS = {"top": (0.3, 0.2, 1.5), "bed": (-0.2, 0.1, -1.0)}
 SPEED = 20.0
@@ -326,3 +327,13 @@ def test_a_press_that_shakes_nothing_transmits_nothing():
         _ = foundation.over_speeds(system, [3.0], {}).transmitted
     with pytest.raises(PinpressError, match="needs no isolation"):
         foundation.isolate(press, CENTRED, on_four((1e6, 1e6, 1e6)), [3.0], 0.1)
+
+
+@pytest.mark.parametrize("states", [30, 31])
+def test_the_highest_harmonic_counts_where_its_phase_is_known(states):
+    """Of an even number of states the highest one is their alternation, which may be sine or cosine; of an odd number it is a true one."""
+    harmonics = np.zeros((states // 2 + 1, 6), dtype=complex)
+    harmonics[1], harmonics[-1] = 1.0, 1e-15
+    kept = resolved(harmonics.copy(), states, 1e3)
+    np.testing.assert_array_equal(kept[:-1], harmonics[:-1])
+    np.testing.assert_array_equal(kept[-1], 0.0 if states == 30 else harmonics[-1])
