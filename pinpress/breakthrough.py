@@ -15,6 +15,7 @@ F |sin(w tau / 2) / (w tau / 2)|, w = sqrt(k / m) (a linear drop of force on a l
 
 import math
 import os
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
@@ -25,7 +26,7 @@ from .coordinates import Array
 from .errors import PinpressError
 from .frozen import Frozen
 from .single_numbers import number, numbers, positive
-from .snap_stretches import STEPS, Release, stretches, turning
+from .snap_stretches import STEPS, Release, Stretch, stretches, turning
 
 WEAKEST = 1e-6  # ratio of reverse load and force, below which no force counts as permitted
 GROWTH = 1.05  # of the force, in the search for one with clearance
@@ -113,7 +114,7 @@ def snap_through(
     """
     case = _case(force, stiffness, mass, damping_ratio, break_time, clearance)
     parts = list(stretches(_resolved(case)))
-    lowest, overload = 0.0, 0.0
+    lowest, overload = _lowest(parts), 0.0
     time, displacement, velocity = [], [], []
     for stretch, span in parts:
         inside = np.linspace(0.0, span, STEPS + 1)
@@ -122,7 +123,6 @@ def snap_through(
             states = stretch.at(inside[:-1])
             displacement.append(states[0])
             velocity.append(states[1])
-        lowest = min([lowest, *(float(stretch.at(s)[0]) for s in (0.0, *turning(stretch, span), span))])
         overload = max([overload, *(abs(stretch.acceleration(s)) for s in (0.0, *stretch.jerk_zeros(span), span))])
     last, span = parts[-1]
     end = last.at(span)
@@ -189,7 +189,8 @@ def _permissible(reverse: float, stiffness: float, mass: float, damping_ratio: f
     from scipy.optimize import brentq
 
     def excess(force: float) -> float:
-        return snap_through(force, stiffness, mass, damping_ratio, break_time, clearance).reverse_force - reverse
+        case = _case(force, stiffness, mass, damping_ratio, break_time, clearance)
+        return max(0.0, -case.stiffness * (_lowest(stretches(_resolved(case))) + case.clearance)) - reverse
 
     low = reverse / GROWTH  # without damping, and at once, the reverse load is the force; else it is less
     while excess(high := GROWTH * low) < 0.0:
@@ -197,6 +198,11 @@ def _permissible(reverse: float, stiffness: float, mass: float, damping_ratio: f
         if low > reverse / WEAKEST:
             raise PinpressError(f"no force brings about a reverse load of {reverse:g} N within a break-through of {break_time:g} s")
     return float(brentq(excess, low, high, xtol=1e-12 * high, rtol=1e-14))
+
+
+def _lowest(parts: Iterable[tuple[Stretch, float]]) -> float:
+    """The lowest place of the slide in these stretches [m], 0 where it stays above."""
+    return min(0.0, *(float(stretch.at(s)[0]) for stretch, span in parts for s in (0.0, *turning(stretch, span), span)))
 
 
 def _case(force: float, stiffness: float, mass: float, damping_ratio: float, break_time: float, clearance: float) -> Release:
