@@ -14,6 +14,7 @@ from .over_angle import FLOOR, Flow
 from .panels import FROM_REST, SAME, STEADY, TO_REST, Grid, Indices, Push, travelled
 from .reduced import horner, root, rule
 
+BEYOND = 10.0  # times the largest energy that is known, that it is taken to be on panels where it is not
 NARROWEST = 1e-9  # panel [rad]
 LAYER = 10.0  # e-folds of half a panel that holds what dies away at its start under a stiff drive
 LEAST = 1e-3  # kinetic energy, beside the period's largest, below which a drive that depends on speed may be about to stop the crank
@@ -33,7 +34,10 @@ def carried(flow: Flow, grid: Grid) -> Array | None:
     value = coefficients[-1][panel]
     for k in range(q - 2, -1, -1):
         value = value * x + coefficients[k][panel]
-    return np.asarray(np.maximum(value, FLOOR * flow.ends[0]))
+    # on panels that Newton's method has not settled the energy is of no meaning, and may be anything: it must not set what counts as little
+    known = np.arange(len(old.kinds))[:, None] < flow.settled
+    highest = np.maximum(np.where(known, flow.energy.max(axis=0), 0.0).max(axis=0), flow.ends[0])
+    return np.asarray(np.clip(value, FLOOR * flow.ends[0], BEYOND * highest))
 
 
 def stopping(flow: Flow) -> NDArray[np.bool_]:
