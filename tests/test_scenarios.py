@@ -459,7 +459,7 @@ BAD = {
     "points": ({"points": 1}, "points is 1"),
     "tolerance": ({"tolerance": 1e-30}, "tolerance is"),
     "drive": ({"drive": 567.0}, "drive is 567"),
-    "flywheel": ({"flywheel": 136.0}, "flywheel is 136"),
+    "flywheel": ({"flywheel": 136.0}, "flywheel is a float"),
     "no loads": ({"loads": None}, "loads"),
     "a number of loads": ({"loads": 3}, "loads"),
     "a prescribed speed": ({"drive": drives.PrescribedSpeed(30.0)}, "prescribes"),

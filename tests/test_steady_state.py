@@ -529,7 +529,7 @@ BAD = {
     "no drive": ({"drive": None}, "needs a motor"),
     "prescribed": ({"drive": drives.PrescribedSpeed(7.0)}, "needs a motor"),
     "a number for a drive": ({"drive": 567.0}, "drive is 567"),
-    "a number for a flywheel": ({"flywheel": 50.0}, "flywheel is 50"),
+    "a number for a flywheel": ({"flywheel": 50.0}, "flywheel is a float"),
     "one load": ({"loads": BLANK}, "give a list"),
     "a force in time": ({"loads": [loads.TimeForce(lambda t: 0 * t)]}, "time"),
     "no linkage": ({"press": None}, "Linkage"),
