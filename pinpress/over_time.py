@@ -33,7 +33,10 @@ LOOKED_AT = (0.25, 0.5, 0.75, 1.0)  # of a step: where switching functions are l
 LOOKS = 200  # in a run's duration, at a press that stands
 MOST_TRIES = 4  # to end a step at a corner
 MOST_AT_ONCE = 100  # events without time going on
-SOME_STEPS = 3000  # after which the pace is looked at
+LOOK, PATIENCE = 12_000, 3  # evaluations after which the pace is looked at, and slow looks one after the other that give a run up
+MOST_EVALUATIONS = 15_000_000  # of a run that gets on
+CREEPING, MOST_CREEPING = 1.0, 150_000  # angle between looks below which a press creeps or vibrates [rad], evaluations of such a run
+VIBRATING = 0.5  # imaginary part of the swiftest motion's rate, beside its size, from which it is a vibration
 MOST_STEPS = 1_000_000  # in one run; each takes some memory
 SHORTEST = 1e-15  # step, beside the duration
 
@@ -183,7 +186,7 @@ def run(
     time, first, stuck = start, None, 0
     angle, fastest = machine.split(y)[0].angle, abs(machine.split(y)[0].speed)
     result.speeds.append(float(machine.split(y)[0].speed))
-    looked = start
+    pace = Pace(start, until)
     ends = sorted({b for b in breaks if start < b < until} | {until})
     shortest = SHORTEST * (until - start)
     corner, tried = math.inf, 0  # time at which a drive's torque has a corner: a step must end there, not run over it
@@ -230,15 +233,8 @@ def run(
             angle, fastest = instant.angle, max(fastest, abs(instant.speed))
             if progress is not None:
                 progress(time)
-            if result.steps % SOME_STEPS == 0:
-                if SOME_STEPS * (until - time) > MOST_STEPS * (time - looked):
-                    raise SimulationError(
-                        f"at this pace the run takes more than {MOST_STEPS} steps: the linkage locks ahead, or a torque or force is too"
-                        " stiff, or jumps to and fro; give it a slope, or simulate in parts",
-                        time,
-                        angle,
-                    )
-                looked = time
+            if step is None and pace.hopeless(time, result.evaluations + integrator.nfev, result.travelled):
+                raise SimulationError(_hopeless(integrator, time, y, scale, until), time, angle)
             if result.steps == MOST_STEPS:
                 raise SimulationError(f"more than {MOST_STEPS} steps: simulate in parts, or with a larger tolerance or step", time, angle)
             if finished is not None and finished(y):
@@ -316,6 +312,42 @@ class Pacer:
                 return False
         self.using, self.taken, self.since = other, 0, None
         return True
+
+
+class Pace:
+    """How a run gets on: one that would take too many evaluations is given up early, and earlier where the crank all but stands."""
+
+    def __init__(self, start: float, until: float) -> None:
+        self.until, self.slow = until, 0
+        self.before = start, 0, 0.0
+
+    def hopeless(self, time: float, evaluations: int, travelled: float) -> bool:
+        """Whether to give up, ``evaluations`` and the angle ``travelled`` [rad] since the start."""
+        since, asked, turned = self.before
+        if evaluations - asked < LOOK:
+            return False
+        coming = (evaluations - asked) * (self.until - time) / max(time - since, np.finfo(float).tiny)
+        most = MOST_CREEPING if travelled - turned < CREEPING else MOST_EVALUATIONS
+        self.slow = self.slow + 1 if coming > most else 0
+        self.before = time, evaluations, travelled
+        return self.slow >= PATIENCE
+
+
+def _hopeless(integrator: OdeSolver, time: float, y: Array, scale: Array, until: float) -> str:
+    """Why a run is given up, and what to do."""
+    size = len(y) - len(LEDGERS)
+    jacobian = slopes(integrator.fun, time, y, integrator.f, scale[:size])[:size]
+    swiftest = max(np.linalg.eigvals(jacobian), key=abs) if np.isfinite(jacobian).all() else 0.0
+    if abs(swiftest.imag) > VIBRATING * abs(swiftest):
+        frequency = abs(swiftest.imag) / (2 * np.pi)
+        return (
+            f"a stiff force makes the press vibrate at {frequency:.3g} Hz, {frequency * (until - time):.2g} times until the end, and each"
+            " swing would be followed: give the force a damper, or simulate a shorter time or with a larger tolerance"
+        )
+    return (
+        "at this pace the run would take too long: the linkage locks ahead, or a torque or force is too stiff for this method, or jumps to"
+        " and fro; use method='auto', give the force a slope, or simulate in parts"
+    )
 
 
 def _swiftness(integrator: OdeSolver, time: float, y: Array, scale: Array) -> float:
