@@ -12,6 +12,7 @@ from .coordinates import Array
 from .errors import PinpressError, UnknownNameError
 from .forces import place
 from .linkage import Linkage
+from .single_numbers import number
 
 PHYSICAL = 1e-9  # of the largest principal moment of inertia: what a body may lack to be one, by rounding
 
@@ -99,8 +100,7 @@ def _added(press: Linkage, weight: Counterweight) -> tuple[int, pin.Inertia]:
         raise UnknownNameError("link", weight.link, press.links)
     joint, point = carrier(press, weight.link, weight.position, what)
     for name, value in (("mass", weight.mass), ("inertia", weight.inertia)):
-        if isinstance(value, bool) or not isinstance(value, int | float | np.number) or not math.isfinite(value):
-            raise PinpressError(f"{what}: {name} is {value!r}: give a finite number")
+        number(f"{what}: {name}", value)
     if weight.inertia * weight.mass < 0 or (weight.inertia and not weight.mass):
         raise PinpressError(f"{what}: its inertia is {weight.inertia:g} kg m2 at a mass of {weight.mass:g} kg, which no body has")
     return joint, body(float(weight.mass), point, weight.inertia * spread(press, joint))

@@ -175,7 +175,8 @@ def harmonic_coefficients(ratio: float, orders: int = 6) -> Array:
     Raises:
         PinpressError: a ratio that is not between 0 and 1, orders that are no whole number from 1.
     """
-    if not positive("ratio of crank radius to rod length", ratio, "-") <= LARGEST_RATIO:
+    ratio = positive("ratio of crank radius to rod length", ratio, "-")
+    if not ratio <= LARGEST_RATIO:
         raise PinpressError(f"ratio is {ratio!r}: for a full turn the crank must be shorter than the rod; give at most {LARGEST_RATIO!r}")
     orders = whole_number("orders", orders, 1, 10**5)
     root = ratio / (1 + np.sqrt((1 - ratio) * (1 + ratio)))

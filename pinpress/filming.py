@@ -1,7 +1,6 @@
 """Pictures and films of a recording, for reports and slides."""
 
 import itertools
-import math
 import os
 import subprocess
 import tempfile
@@ -16,6 +15,7 @@ import numpy as np
 from . import files
 from .browser import opened
 from .errors import PinpressError
+from .single_numbers import number, whole_number
 
 NO_FFMPEG = "films need imageio-ffmpeg, which is not installed; pip install 'pinpress[video]'"
 SHORTEST_FILM = 4.0  # s, below which a recording is slowed down
@@ -43,7 +43,7 @@ def still(page: str | os.PathLike[str], path: str | os.PathLike[str], time: floa
         PinpressError: a page that is no recording or fails in Chromium, a time outside it, a size that makes no sense, a path that cannot
             be written, Playwright or Chromium missing.
     """
-    size, time = _size(size), _number("time", time)
+    size, time = _size(size), number("time", time)
     with files.written(path, _suffix(path, (PNG,))) as part, opened(page, size) as screen:
         if not 0 <= time <= screen.duration:
             raise PinpressError(f"time is {time:g} s, but the recording lasts from 0 to {screen.duration:.7g} s; give one within it")
@@ -80,9 +80,9 @@ def film(
         PinpressError: a page that is no recording or fails in Chromium, numbers that make no sense, a path that cannot be written,
             imageio-ffmpeg, Playwright or Chromium missing.
     """
-    size, rate = _size(size, step=2), _whole("frames_per_second", frames_per_second, 120)
-    times = _whole("repeats", repeats, MOST_FRAMES)
-    if slowdown is not None and _number("slowdown", slowdown) <= 0:
+    size, rate = _size(size, step=2), whole_number("frames_per_second", frames_per_second, 1, 120)
+    times = whole_number("repeats", repeats, 1, MOST_FRAMES)
+    if slowdown is not None and number("slowdown", slowdown) <= 0:
         raise PinpressError(f"slowdown is {slowdown:g}; give a positive number, e.g. 10 for a film ten times slower than the press")
     program = _ffmpeg()
     with files.written(path, _suffix(path, ENCODING)) as part, opened(page, size) as screen:
@@ -173,17 +173,5 @@ def _size(size: object, step: int = 1) -> tuple[int, int]:
     return int(sides[0]), int(sides[1])
 
 
-def _whole(name: str, value: object, most: int) -> int:
-    if not _is_whole(value) or not 1 <= value <= most:
-        raise PinpressError(f"{name} is {value!r}: give a whole number from 1 to {most}")
-    return int(value)
-
-
 def _is_whole(value: object) -> TypeGuard[int]:
     return isinstance(value, int | np.integer) and not isinstance(value, bool)
-
-
-def _number(name: str, value: object) -> float:
-    if isinstance(value, bool) or not isinstance(value, int | float | np.integer | np.floating) or not math.isfinite(value):
-        raise PinpressError(f"{name} is {value!r}: give a finite number")
-    return float(value)

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from .coordinates import Array
 from .errors import PinpressError, UnknownNameError
+from .single_numbers import is_number
 
 if TYPE_CHECKING:
     from .linkage import Linkage
@@ -115,12 +116,12 @@ def law(friction: Mapping[str, Friction], press: "Linkage") -> FrictionLaw | Non
             value = getattr(given, quantity)
             if value is None and quantity == "radius":
                 continue
-            if isinstance(value, bool) or not isinstance(value, int | float | np.number) or not 0 <= value < np.inf:
+            if not is_number(value) or float(value) < 0:
                 raise PinpressError(f"friction of {name!r}: {quantity} is {value!r}; give a finite number that is not negative")
         if turns[index] and given.coefficient and given.radius is None:
             raise PinpressError(f"friction of {name!r}: its radius is missing; give that of the bearing [m]")
         if not turns[index] and given.radius is not None:
             raise PinpressError(f"friction of {name!r}: a guide has no radius; leave it out")
-        arm[index] = given.coefficient * (1.0 if given.radius is None else given.radius)
-        viscous[index] = given.viscous
+        arm[index] = float(given.coefficient) * (1.0 if given.radius is None else float(given.radius))
+        viscous[index] = float(given.viscous)
     return FrictionLaw(arm, viscous, np.array(turns), press.spatial.size) if arm.any() or viscous.any() else None

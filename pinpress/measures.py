@@ -13,6 +13,8 @@ All raise PinpressError for a motion that is no such period, has no slide or one
 the working stroke for a slide that turns back more than twice in it too.
 """
 
+import math
+
 import numpy as np
 
 from . import over_turn, slide_strokes
@@ -22,6 +24,7 @@ from .errors import PinpressError
 from .even_speed import least_drop
 from .link_angles import bearing_positions, pressure_angle, transmission_angle
 from .over_turn import Curve, Numbers
+from .single_numbers import is_number, number
 from .slide_strokes import SlideMotion
 
 __all__ = [
@@ -152,6 +155,7 @@ def _dwell(motion: SlideMotion, tolerance: float) -> tuple[Curve, complex]:
 
 def _within(stroke: complex, name: str, value: object) -> float:
     """A distance that is more than nothing and less than the stroke [m]."""
-    if isinstance(value, bool) or not isinstance(value, int | float) or not 0.0 < value < stroke.real:
+    distance = number(name, value) if is_number(value) else math.nan
+    if not 0.0 < distance < stroke.real:
         raise PinpressError(f"{name} is {value!r}: give a distance between 0 and the stroke of {stroke.real:.6g} m")
-    return float(value)
+    return distance

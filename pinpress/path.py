@@ -53,6 +53,11 @@ class Segment(Protocol):
         """What it was found by."""
         ...
 
+    @property
+    def standing(self) -> float | None:
+        """Since when the press stands at the end, held by loads [s]; None where it does not."""
+        ...
+
     def read(self, times: Array, whole: bool = True) -> Reading:
         """States at times (n,) within the segment; where it is not needed ``whole``, without accelerations, and loops not closed anew."""
         ...
@@ -76,6 +81,11 @@ class Path:
     def solvers(self) -> tuple[str, ...]:
         """What it was found by, in the order in which they came."""
         return tuple(dict.fromkeys(solver for segment in self.segments for solver in segment.solvers))
+
+    @property
+    def standing(self) -> float | None:
+        """Since when the press stands at the end of the run, held by loads [s]; None where it does not."""
+        return self.segments[-1].standing
 
     @property
     def turns(self) -> float:

@@ -12,7 +12,7 @@ from . import laws
 from .drives import Drive
 from .errors import PinpressError
 from .loads import ProcessLoad, Stretch, TimeForce
-from .single_numbers import any_numbers
+from .single_numbers import any_numbers, is_number
 
 SPEEDS = np.array([-1.0, 0.5, 2.0])  # [rad/s]
 
@@ -50,7 +50,7 @@ def check_load(load: ProcessLoad | TimeForce) -> None:
         laws.try_in_time(load.force)
         return
     datum = load.datum
-    if datum is not None and not (isinstance(datum, int | float) and not isinstance(datum, bool) and math.isfinite(datum)):
+    if datum is not None and not is_number(datum):
         raise PinpressError(f"{name}: datum is {datum!r}; give a slide position [m], or None for bottom dead centre")
     for downwards in (True, False):
         stretches = load.stretches(downwards)

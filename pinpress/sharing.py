@@ -18,6 +18,7 @@ import numpy as np
 
 from .coordinates import Array
 from .errors import PinpressError, UnknownNameError
+from .single_numbers import number
 
 if TYPE_CHECKING:
     from .linkage import Linkage
@@ -75,7 +76,5 @@ def compliances(stiffness: Mapping[str, float], press: "Linkage") -> Array | Non
     for name, value in stiffness.items():
         if name not in press.bearings:
             raise UnknownNameError("bearing", name, press.bearings)
-        if isinstance(value, bool) or not isinstance(value, int | float | np.number) or not 0 < value < np.inf:
-            raise PinpressError(f"stiffness of {name!r} is {value!r}: give a positive number [N/m]")
-        result[press.bearings.index(name)] = 1 / value
+        result[press.bearings.index(name)] = 1 / number(f"stiffness of {name!r} [N/m]", value, positive=True)
     return result

@@ -175,8 +175,7 @@ def simulate(
         sensitivity = of_run(plan, path, until, tolerance, moved)
         solved = "constraint" if equations == "constraint" else "reduced"
         run = as_run(plan, path, solved, until, points, began, allowed, sensitivity)
-    since = getattr(path.segments[-1], "standing", None)
-    if since is not None:
+    if (since := path.standing) is not None:
         caution(
             f"the press stands from {since:.6g} s to the end, at crank angle {np.degrees(run.crank_angle[-1]):.6g} deg: the load holds it"
             " there against the drive"

@@ -147,7 +147,7 @@ class Results:
 
     def _write_side(self) -> None:
         said = {**self._print, "results": self.kinds, "parquet": self._checksum}
-        side = json.dumps({**said, "checksum": zlib.crc32(json.dumps(said).encode())})
+        side = json.dumps({**said, "checksum": zlib.crc32(json.dumps(said, allow_nan=False).encode())}, allow_nan=False)
         if not self._side.exists() or self._side.read_text("utf-8") != side:
             files.write(self._side, side.encode())
 

@@ -2,6 +2,7 @@
 
 import io
 import itertools
+import math
 import os
 from collections.abc import Iterable, Mapping, Sequence
 from types import SimpleNamespace
@@ -30,11 +31,23 @@ def write_csv(path: str | os.PathLike[str], columns: Mapping[str, Array | Sequen
     """Write columns (n,) with their names as header: numbers, to full precision, or words; None is left empty.
 
     Raises:
-        PinpressError: the file cannot be written.
+        PinpressError: a number that is not finite, or the file cannot be written.
     """
+    _refuse_not_finite(columns)
     lists = (column.astype(float).tolist() if isinstance(column, np.ndarray) else column for column in columns.values())
     lines = csv_lines(itertools.chain([columns], zip(*lists, strict=True)))
     files.write(path, "".join(f"{line}\n" for line in lines).encode())
+
+
+def _refuse_not_finite(columns: Mapping[str, Array | Sequence[object]]) -> None:
+    """Raise PinpressError where a column holds numbers that other programs would read as words, or not at all."""
+    for name, column in columns.items():
+        if isinstance(column, np.ndarray):
+            bad = ~np.isfinite(column)
+        else:
+            bad = np.array([isinstance(each, float) and not math.isfinite(each) for each in column])
+        if bad.any():
+            raise PinpressError(f"{name} is not finite in row {np.argwhere(bad)[0][0]}, counted from 0: it cannot be written")
 
 
 def csv_lines(rows: Iterable[Iterable[object]]) -> list[str]:
@@ -52,8 +65,9 @@ def write_mat(path: str | os.PathLike[str], columns: Mapping[str, Array]) -> Non
     same, the later one gets a number: "force_A-1_x" and "force_A 1_x" become force_A_1_x and force_A_1_x_2.
 
     Raises:
-        PinpressError: the file cannot be written.
+        PinpressError: a number that is not finite, or the file cannot be written.
     """
+    _refuse_not_finite(columns)
     from scipy.io import savemat  # its import takes longer than all else here
 
     taken: dict[str, Array] = {}

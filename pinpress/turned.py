@@ -66,6 +66,10 @@ class Turned:
         return ("angle",)
 
     @property
+    def standing(self) -> None:
+        return None
+
+    @property
     def steps(self) -> int:
         return self.count
 
@@ -178,6 +182,10 @@ class Resting:
         return ("standstill",)
 
     @property
+    def standing(self) -> None:
+        return None
+
+    @property
     def steps(self) -> int:
         return 0
 
@@ -211,6 +219,10 @@ class Repeated:
     @property
     def solvers(self) -> tuple[str, ...]:
         return ("repetition",)
+
+    @property
+    def standing(self) -> None:
+        return None
 
     @property
     def steps(self) -> int:

@@ -1,11 +1,14 @@
 """A press on its mounts: rubber, loads at rest, modes, against closed forms."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from exploring import examples
 from frames import WIDE, loaded, on_four, uneven, weightless
 from hypothesis import given
 from hypothesis import strategies as st
+from scipy.spatial.transform import Rotation
 
 import pinpress as pp
 from pinpress import PinpressError, foundation
@@ -142,6 +145,52 @@ def test_stretching_of_bed_and_crown():
     assert stretching == pytest.approx(np.sqrt(4e8 * (1 / 900 + 1 / 600)), rel=1e-4)
     assert (found.natural_frequency > 0).all()
     assert len(found.natural_frequency) == 12
+
+
+def test_stiffness_is_the_curvature_of_the_energy_of_bed_and_crown():
+    """Bed and crown turn by whatever angles: springs in the world's axes, loaded as at rest, and weights; without symmetry anywhere."""
+    bed, crown = foundation.Frame(3000.0, (0.1, -0.2, -0.8), (900, 900, 900)), foundation.Frame(1500.0, (0.3, 0.1, 1.1), (200, 200, 200))
+    mounts = [replace(mount, stiffness=(3e4, 2e4, 5e4 + 1e4 * k)) for k, mount in enumerate(on_four((1.0, 1.0, 1.0)))]
+    columns = [replace(mount, stiffness=(8e4, 7e4, 9e4 + 2e4 * k)) for k, mount in enumerate(on_four((1.0, 1.0, 1.0), height=0.5))]
+    system = foundation.mounted(weightless(), bed, mounts, crown, columns)
+    rest = np.linalg.solve(sum_of_springs(mounts, columns), system.weight)
+
+    def energy(x):
+        def moved(part, point):
+            place = np.array(point, dtype=float)
+            return x[6 * part : 6 * part + 3] + (Rotation.from_rotvec(x[6 * part + 3 : 6 * part + 6]).as_matrix() - np.eye(3)) @ place
+
+        total = GRAVITY * (bed.mass * moved(0, bed.centre)[2] + crown.mass * moved(1, crown.centre)[2])
+        for part, springs in ((0, mounts), (1, columns)):
+            for spring in springs:
+                still = rest_at(rest, part, spring.point) - (rest_at(rest, 0, spring.point) if part else 0.0)
+                stretch = still + moved(part, spring.point) - (moved(0, spring.point) if part else 0.0)
+                total += 0.5 * np.array(spring.stiffness) @ stretch**2
+        return total
+
+    h = 1e-3
+    steps = h * np.eye(12)
+    curvature = np.array([[sum(s * t * energy(s * a + t * b) for s in (1, -1) for t in (1, -1)) for b in steps] for a in steps]) / (
+        4 * h * h
+    )
+    np.testing.assert_allclose(system.stiffness, curvature, atol=1e-5 * np.abs(curvature).max())
+    assert np.abs(system.stiffness - sum_of_springs(mounts, columns)).max() > 1e-2 * np.abs(curvature).max()
+
+
+def rest_at(x, part, point):
+    """Small displacement of a point of a part."""
+    return x[6 * part : 6 * part + 3] + np.cross(x[6 * part + 3 : 6 * part + 6], point)
+
+
+def sum_of_springs(mounts, columns):
+    """Stiffness (12, 12) of springs in the world's axes, small displacements, without what their forces add."""
+    total = np.zeros((12, 12))
+    for part, springs in ((0, mounts), (1, columns)):
+        for spring in springs:
+            ends = [[rest_at(unit, k, spring.point) for k in range(part + 1)] for unit in np.eye(12)]
+            rows = np.array([end[part] - (end[0] if part else 0.0) for end in ends]).T
+            total += rows.T @ np.diag(spring.stiffness) @ rows
+    return total
 
 
 def test_resonance_speeds_are_natural_frequencies_by_orders():

@@ -3,6 +3,7 @@
 import numpy as np
 import pinocchio as pin
 import pytest
+import spatial_linkages
 import texts
 from exploring import examples
 from hypothesis import assume, given
@@ -219,6 +220,14 @@ def test_a_direction_in_which_bearings_contradict_each_other_is_refused():
     motion = pp.cycle(press, SPEED, 12)
     with pytest.raises(pp.PinpressError, match="do not stay closed"):
         motion_derivatives(press, motion, [{("P4_front", "main_rod_front"): (1, 0, 0)}])
+
+
+def test_a_spatial_linkage_has_no_derivatives(tmp_path):
+    file = tmp_path / "ring.urdf"
+    file.write_text(spatial_linkages.bennett(), encoding="utf-8")
+    press = pp.load(file)
+    with pytest.raises(pp.PinpressError, match=f"exact derivatives are those of planar linkages .*, which {press.name} is not"):
+        motion_derivatives(press, pp.cycle(press, SPEED, 12), [])
 
 
 def test_a_direction_out_of_the_plane_and_a_motion_of_another_press_are_refused():

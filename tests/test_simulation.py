@@ -300,6 +300,17 @@ def test_a_load(press, method, name):
     assert abs(solution.load_work[-1]) > 100 or name == "die"
 
 
+@pytest.mark.parametrize("die", [(0.012, 1e7, 2e6), (0.006, 5e7, 5e5), (0.004, 2e8, 3e6)])
+def test_where_heights_are_measured_from_does_not_change_how_a_die_is_solved(press, die):
+    """Panels are cut where the contact is lost; cut elsewhere they are twice as many, or the end is missed by some 1e-6."""
+    height, stiffness, damping = die
+    bottom = press.dead_centres.bottom_position
+    given = [loads.ElasticDie(height, stiffness, damping), loads.ElasticDie(bottom + height, stiffness, damping, datum=0.0)]
+    by_bottom, by_zero = (zhang(press, 0.45, loads=[each], points=61) for each in given)
+    assert by_bottom.stats.steps == by_zero.stats.steps
+    np.testing.assert_allclose(by_bottom.crank_angle, by_zero.crank_angle, rtol=0.0, atol=1e-12)
+
+
 def test_several_loads_at_once(press, method):
     run = zhang(press, 0.45, loads=[CASES[name][0] for name in ("piling", "stripping", "table", "damped_die")], points=46, method=method)
     windows = [window for name in ("piling", "stripping", "table", "damped_die") for window in CASES[name][1]]

@@ -6,6 +6,7 @@ from fractions import Fraction
 import numpy as np
 import pandas as pd
 import pytest
+import texts
 
 import pinpress as pp
 from pinpress.single_numbers import number, numbers, positive, whole_number
@@ -57,6 +58,25 @@ def test_what_is_no_number_is_refused_by_name(value):
 def test_a_number_of_any_honest_kind(value):
     assert number("x", value) == positive("x", value, "m") == numbers("x", value) == 7.0
     assert type(number("x", value)) is type(positive("x", value, "m")) is float
+
+
+@pytest.mark.parametrize("value", [np.complex128(0.1), np.True_, "0.1", np.ma.masked, np.array([0.1, 0.2]), np.nan], ids=repr)
+@pytest.mark.parametrize(
+    "use",
+    [
+        lambda press, motion, x: pp.inverse_dynamics(press, motion, friction={"O": pp.Friction(x, 0.05)}),
+        lambda press, motion, x: pp.inverse_dynamics(press, motion, friction={"O": pp.Friction(0.1, x)}),
+        lambda press, motion, x: pp.inverse_dynamics(press, motion, friction={"O": pp.Friction(0.1, 0.05, x)}),
+        lambda press, motion, x: pp.inverse_dynamics(press, motion, stiffness={"O": x}),
+        lambda press, motion, x: pp.with_counterweights(press, pp.Counterweight("crank", x, (0.1, 0.0, 0.0))),
+        lambda press, motion, x: pp.measures.flatness(motion, x),
+    ],
+    ids=["coefficient", "radius", "viscous", "stiffness", "mass", "length"],
+)
+def test_single_numbers_of_parts_are_held_to_the_same(use, value):
+    press = texts.shipped("crank_slide")
+    with pytest.raises(pp.PinpressError):
+        use(press, pp.cycle(press, 7.0, 24), value)
 
 
 def test_arrays_pass_unchanged_and_are_not_the_callers():

@@ -2,6 +2,7 @@
 
 import math
 import re
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -10,6 +11,7 @@ import texts
 import pinpress as pp
 from pinpress.measures import flatness, pressure_angle, quick_return_ratio, stroke
 from pinpress.synthesis import synthesise
+from pinpress.synthesis_search import Search
 
 SPEED = 70 * pp.RPM
 CONVERGED = 1e-6  # of the optimum's conditions, which is what `synthesise` promises
@@ -228,6 +230,20 @@ def test_constraints_that_no_design_keeps_are_named():
 )
 def test_variables_that_make_no_sense_are_refused(words, variables):
     refused(words, variables)
+
+
+def test_a_global_search_that_finds_nothing_says_why_the_first_start_failed(monkeypatch):
+    tried = []
+
+    def fails(search, near):
+        tried.append(near)
+        raise pp.PinpressError(f"start {len(tried)} fails")
+
+    monkeypatch.setattr(Search, "at", lambda search, z, near: near)
+    monkeypatch.setattr(Search, "local", fails)
+    with pytest.raises(pp.PinpressError, match="start 1 fails"):
+        Search(SimpleNamespace()).best(SimpleNamespace(z=np.zeros(2)), 0)
+    assert len(tried) > 1
 
 
 def test_bounds_of_constraints_that_contradict_each_other_are_refused():

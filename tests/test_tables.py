@@ -1,6 +1,7 @@
 """Columns written and read back: every number to its last bit, names and units as the library states them."""
 
 import csv
+import dataclasses
 
 import numpy as np
 import pytest
@@ -8,6 +9,7 @@ import texts
 from scipy.io import loadmat
 
 import pinpress as pp
+from pinpress import tables
 
 MOTION = [
     "time [s]",
@@ -38,6 +40,26 @@ def result(motion):
 @pytest.fixture(params=["motion", "result"])
 def thing(request):
     return request.getfixturevalue(request.param)
+
+
+@pytest.mark.parametrize(("write", "suffix"), [("to_csv", "csv"), ("to_mat", "mat")])
+@pytest.mark.parametrize("value", [np.nan, np.inf])
+def test_no_file_holds_what_is_not_finite(tmp_path, result, write, suffix, value):
+    torque = result.driving_torque.copy()
+    torque[3] = value
+    broken = dataclasses.replace(result, driving_torque=torque)
+    with pytest.raises(pp.PinpressError, match=r"driving_torque \[N m\] is not finite in row 3"):
+        getattr(broken, write)(tmp_path / f"broken.{suffix}")
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_list_of_numbers_is_written_only_where_it_is_finite(tmp_path):
+    """Words, truth values and gaps are written; what reads like a number and is none is not."""
+    columns = {"name": ["nan", "b"], "of": [True, False], "gap": [None, 1.0]}
+    tables.write_csv(tmp_path / "table.csv", columns)
+    assert (tmp_path / "table.csv").read_text() == "name,of,gap\nnan,True,\nb,False,1.0\n"
+    with pytest.raises(pp.PinpressError, match="height is not finite in row 1"):
+        tables.write_csv(tmp_path / "table.csv", columns | {"height": [0.0, float("inf")]})
 
 
 def test_names_and_units(motion, result):
