@@ -128,9 +128,8 @@ def plan_of_several(press: Linkage, drives: Mapping[str, Drive], flywheels: Mapp
 
 def _least_inertia(plan: Plan) -> tuple[float, float]:
     """The least inertia at the crank [kg m2], and the crank angle [rad]."""
-    angles = np.append(0.5 * (plan.table.borders[1:] + plan.table.borders[:-1]), plan.table.borders[:-1])
-    inertia = np.append(plan.table.coefficients[:, INERTIA, 0], plan.table.at(plan.table.borders[:-1])[0][INERTIA]) + plan.line.inertia
-    return float(inertia.min()), float(angles[int(inertia.argmin())])
+    inertia, angle = plan.table.lightest
+    return inertia + plan.line.inertia, angle
 
 
 def by_crank(

@@ -378,7 +378,11 @@ def _located(
     """The first of the switching functions that have fallen below zero between two times, and when."""
 
     def value(switch: Switch, t: float) -> float:  # with the loops closed, as the run goes on from there: a stiff edge wants all digits
-        return machine.switches(modes, t, _project(machine, piece(t), t))[switch]
+        y = _project(machine, piece(t), t)
+        found = machine.switches(modes, t, y)[switch]
+        if math.isnan(found):
+            raise _lost(machine, t, y, None)
+        return found
 
     first, rounding = (fallen[0], until), 8 * np.finfo(float).eps * max(abs(until), abs(since))
     for _ in range(len(low) + 1):

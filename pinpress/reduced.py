@@ -11,7 +11,7 @@ rounding is halved. Source: Zhang 2007, 4.2 (for any linkage, and without its li
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from functools import cache
+from functools import cache, cached_property
 from typing import NamedTuple
 
 import numpy as np
@@ -99,6 +99,13 @@ class Table:
     coefficients: Array
     period: float | None
     evaluations: int
+
+    @cached_property
+    def lightest(self) -> tuple[float, float]:
+        """The least reduced inertia at borders and middles of the panels [kg m2], and its crank angle [rad]."""
+        angles = np.append(0.5 * (self.borders[1:] + self.borders[:-1]), self.borders[:-1])
+        inertia = np.append(self.coefficients[:, INERTIA, 0], self.at(self.borders[:-1])[0][INERTIA])
+        return float(inertia.min()), float(angles[int(inertia.argmin())])
 
     def local(self, angle: Array) -> Array:
         """Crank angles brought into the table's range.

@@ -16,6 +16,7 @@ from .reduced import horner, root, rule
 
 BEYOND = 10.0  # times the largest energy that is known, that it is taken to be on panels where it is not
 NARROWEST = 1e-9  # panel [rad]
+ROUNDED = 5e-14  # last terms, beside the whole, that may be rounding: no cut makes them less
 LAYER = 10.0  # e-folds of half a panel that holds what dies away at its start under a stiff drive
 LEAST = 1e-3  # kinetic energy, beside the period's largest, below which a drive that depends on speed may be about to stop the crank
 
@@ -61,7 +62,7 @@ def unresolved(flow: Flow, upto: int, tolerance: float, corners: Sequence[float]
     r, g = rule(), flow.grid
     force, speed, ends = flow.force[:, :upto, which], flow.speed[:, :upto, which], flow.ends[: upto + 1, which]
     q, _, count = force.shape
-    last, measure = r.legendre[-2:], g.measure[:, :upto, None]
+    last, measure, tolerance = r.legendre[-2:], g.measure[:, :upto, None], max(tolerance, ROUNDED)
 
     def coarse(integrand: Array, whole: Array) -> NDArray[np.bool_]:
         tail = np.abs(last @ (integrand * measure).reshape(q, -1)).max(axis=0).reshape(upto, count)
