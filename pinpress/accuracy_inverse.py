@@ -26,7 +26,7 @@ def contest(press: Linkage, speed: float, points: int, peers: "Sequence[Peer]") 
     engines = ("plane", "pinocchio") if press.plane is not None else ("pinocchio",)
     answers = {engine: _solved(press, speed, points, engine) for engine in engines}
     judges = {"plane": answers["pinocchio"], "pinocchio": answers[engines[0]]}
-    torque, peak = peak_of(answers["pinocchio"].driving_torque), peak_force(answers["pinocchio"])
+    torque, peak = peak_of(answers["pinocchio"].driving_torque), peak_force(answers["pinocchio"].bearing_force)
     returned = 0.0 if len(engines) > 1 else _returned(press, answers["pinocchio"])
 
     def judged(judge: Reactions, answer: Reactions) -> Errors:

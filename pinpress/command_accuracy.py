@@ -7,7 +7,7 @@ from pathlib import Path
 from . import scene_words
 from .command_output import DRIVER, FILE, SLIDE, make, progress
 from .loading import load
-from .measurements import Accuracy
+from .measurements import SCENES, Accuracy
 from .motion import RPM
 
 EPILOG = """\
@@ -23,19 +23,21 @@ def add(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None
     parser = commands.add_parser(
         "accuracy",
         help="error against run time of everything offered for a press, and of other programs",
-        description="Measure a press: inverse dynamics by both engines, a free run by both methods of simulation over tolerances and\n"
-        "steps, proximal settings of constraint dynamics, samples of the reduced table, and the same press in other programs. Prints\n"
+        description="Measure a press: inverse dynamics by both engines, simulations by all methods over tolerances and\n"
+        "steps (freely, with clutch and blank, on a stiff die, under a stiff drive), proximal settings of constraint dynamics, samples\n"
+        "of the reduced table, and the same press in other programs. Prints\n"
         "tables; with --out also writes accuracy.csv and accuracy.png.",
         epilog=EPILOG,
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     option = parser.add_argument
     option("file", metavar="FILE", help=FILE)
-    option("--speed", type=float, required=True, metavar="RPM", help="of the crank, in the turn and at the start of the run, in r/min")
+    option("--speed", type=float, required=True, metavar="RPM", help="of the crank, in the turn and in the runs, in r/min")
     option("--flywheel", metavar="J", help="its inertia at the driver joint, in kg m2 (default: 4 times the linkage's own)")
-    option("--duration", type=float, metavar="S", help="of the run, in s (default: two turns at that speed)")
+    option("--duration", type=float, metavar="S", help="of each run, in s (default: two turns at that speed)")
     option("--points", type=int, default=360, metavar="N", help="crank angles in the period (default: %(default)s)")
     option("--repeats", type=int, default=3, metavar="N", help="rounds of timing (default: %(default)s)")
+    option("--scene", action="append", choices=SCENES, metavar="SCENE", help=f"simulate this one of: {', '.join(SCENES)} (default: all)")
     option("--driver", metavar="JOINT", help=DRIVER)
     option("--slide", metavar="LINK", help=SLIDE)
     option("--out", type=Path, metavar="DIR", help="folder for accuracy.csv and accuracy.png; made if it is not there")
@@ -54,8 +56,9 @@ def run(options: argparse.Namespace) -> int:
     press = load(options.file, driver=options.driver, slide=options.slide)
     if options.out is not None:
         make(options.out)
+    scenes = options.scene or SCENES
     with progress(1.0, BAR) as told:
-        measured = accuracy(press, options.speed * RPM, flywheel, options.duration, options.points, options.repeats, told)
+        measured = accuracy(press, options.speed * RPM, flywheel, options.duration, options.points, options.repeats, scenes, told)
     print(measured)
     if options.out is not None:
         _write(measured, options.out)

@@ -78,9 +78,9 @@ def force_error(forces: Mapping[str, Array], expected: Reactions, peak: float, d
     return max(found) / peak
 
 
-def peak_force(reactions: Reactions) -> float:
-    """Largest force of any bearing in any state [N]; 1 where there is none."""
-    return max(float(np.linalg.norm(force, axis=1).max()) for force in reactions.bearing_force.values()) or 1.0
+def peak_force(forces: Mapping[str, Array]) -> float:
+    """Largest force of any bearing (n, 3) in any state [N]; 1 where there is none."""
+    return max(float(np.linalg.norm(force, axis=1).max()) for force in forces.values()) or 1.0
 
 
 def peak_of(values: Array) -> float:

@@ -7,11 +7,13 @@ from dataclasses import dataclass, fields
 from . import tables
 from .frozen import Frozen
 
-INVERSE_DYNAMICS, SIMULATION, PROXIMAL, TABLE = GROUPS = ("inverse dynamics", "simulation", "proximal settings", "reduced table")
+FREE_RUN, CLUTCH, DIE, SPEED_LAW = SCENES = ("free run", "clutch and blanking", "elastic die", "stiff speed law")
+INVERSE_DYNAMICS, PROXIMAL, TABLE = "inverse dynamics", "proximal settings", "reduced table"
+GROUPS = (INVERSE_DYNAMICS, *SCENES, PROXIMAL, TABLE)
 PROXIMAL_STATES = 24  # of a turn, that proximal settings are measured in
 UNITS = {  # what ``seconds`` and ``error`` of a group are
     INVERSE_DYNAMICS: ("of a turn", "of the driving torque, of its peak"),
-    SIMULATION: ("of the run and the forces at its end", "of the crank angle at its end [rad]"),
+    **dict.fromkeys(SCENES, ("of the run and the forces at its end", "of the crank angle at its end [rad]")),
     PROXIMAL: (f"of {PROXIMAL_STATES} states", "of the joint accelerations, of their peak"),
     TABLE: ("of making it", "of reduced inertia and potential energy between the samples, of their range"),
 }
@@ -50,6 +52,7 @@ class Accuracy(Frozen):
 
     Attributes:
         press: its name. scene: what was computed, in words. machine: on what, in words.
+        scenes: group of a simulation -> that scene in words.
         certificates: group -> difference of the two independent methods whose agreement makes the reference, in the unit of its errors.
         certified_by: group -> which two these are.
         measurements: in the order of `GROUPS`. skipped: what could not be measured, and why, a line each.
@@ -58,6 +61,7 @@ class Accuracy(Frozen):
     press: str
     scene: str
     machine: str
+    scenes: Mapping[str, str]
     certificates: Mapping[str, float]
     certified_by: Mapping[str, str]
     measurements: tuple[Measurement, ...]
@@ -100,6 +104,7 @@ class Accuracy(Frozen):
             if rows:
                 time, error = UNITS[group]
                 lines += ["", f"{group[0].upper()}{group[1:]}: time {time}; error {error}"]
+                lines += [f"  {self.scenes[group]}"] if group in self.scenes else []
                 lines += [f"  reference: {self.certified_by[group]} agree to {self.certificates[group]:.1e}", *_table(rows)]
         return "\n".join([*lines, *(["", *self.skipped] if self.skipped else [])])
 

@@ -5,50 +5,56 @@ from typing import TYPE_CHECKING, Any
 
 from .arguments import typed
 from .figures import COLOURS, GREY, SMALL, drawing, grid, legend, plain
-from .measurements import INVERSE_DYNAMICS, PROXIMAL, SIMULATION, TABLE, Accuracy, Measurement
+from .measurements import CLUTCH, DIE, FREE_RUN, INVERSE_DYNAMICS, PROXIMAL, SCENES, SPEED_LAW, TABLE, Accuracy, Measurement
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-HEIGHT = 21.0  # [cm]
-MARKERS = "osD^vP*X<>"
+HEIGHT = 28.0  # [cm]
+ANGLE = "error of the crank angle [rad]"
+MARKERS = "osD^vP*X<>dhp12348"
 
 Value = Callable[[Measurement], float | None]
 
 
 @typed
 def plot_accuracy(measured: Accuracy) -> "Figure":
-    """Error against run time: of inverse dynamics, and of a free run its crank angle, its bearing forces at the end and its loops; then
-    error against the proximal parameter of constraint dynamics, and against the number of samples of the reduced table. Errors of torque,
-    forces and accelerations are of their peaks, those of a table of its range. Grey lines: what the reference is known to.
+    """Error against run time: of inverse dynamics; of every scene the crank angle at its end, under a stiff speed law, which leaves that no
+    choice, the bearing forces. Then loop gaps of the free run, error against the proximal parameter of constraint dynamics, and against the
+    number of samples of the reduced table. Errors of torque, forces and accelerations are of their peaks, those of a table of its range.
+    Grey lines: what the reference is known to.
 
     Raises:
         PinpressError: not an `Accuracy`; Matplotlib is not installed.
     """
     looks = _looks(measured)
     with drawing(HEIGHT) as figure:
-        panels = figure.subplots(3, 2)
+        panels = figure.subplots(4, 2)
         drawn: dict[str, Any] = {}
         for axes, group, label, value in (
             (panels[0, 0], INVERSE_DYNAMICS, "error of the torque", _error),
-            (panels[0, 1], SIMULATION, "error of the crank angle [rad]", _error),
-            (panels[1, 0], SIMULATION, "error of bearing forces", _force_error),
-            (panels[1, 1], SIMULATION, "loop gap [m]", _loop_gap),
+            (panels[0, 1], FREE_RUN, ANGLE, _error),
+            (panels[1, 0], CLUTCH, ANGLE, _error),
+            (panels[1, 1], DIE, ANGLE, _error),
+            (panels[2, 0], SPEED_LAW, "error of bearing forces", _force_error),
+            (panels[2, 1], FREE_RUN, "loop gap [m]", _loop_gap),
         ):
-            title = {INVERSE_DYNAMICS: "Inverse dynamics, a turn", SIMULATION: "Free run"}[group]
             for method in _methods(measured, group):
-                drawn.setdefault(method, _series(axes, measured.of(group, method), _time, value, looks[method]))
-            _axes(axes, title, "time [ms]", label)
+                line = _series(axes, measured.of(group, method), _time, value, looks[method])
+                if len(line.get_xdata()):
+                    drawn.setdefault(method, line)
+            title = group[0].upper() + group[1:]
+            _axes(axes, f"{title}, loops" if value is _loop_gap else title, "time [ms]", label)
             if value is _error:
                 _known(axes, measured, group)
-        lines = _settings(panels[2, 0], measured, PROXIMAL)
-        _axes(panels[2, 0], "Constraint dynamics", "proximal parameter mu", "error of accelerations")
+        lines = _settings(panels[3, 0], measured, PROXIMAL)
+        _axes(panels[3, 0], "Constraint dynamics", "proximal parameter mu", "error of accelerations")
         if lines:
-            legend(panels[2, 0], lines, _methods(measured, PROXIMAL), loc="upper left")
-        _settings(panels[2, 1], measured, TABLE)
-        _axes(panels[2, 1], "Reduced table", "samples", "error between them")
-        _ticks(panels[2, 1], [row.evaluations for row in measured.of(TABLE, "reduced") if row.evaluations][::2])
+            legend(panels[3, 0], lines, _methods(measured, PROXIMAL), loc="upper left")
+        _settings(panels[3, 1], measured, TABLE)
+        _axes(panels[3, 1], "Reduced table", "samples", "error between them")
+        _ticks(panels[3, 1], [row.evaluations for row in measured.of(TABLE, "reduced") if row.evaluations][::2])
         legend(figure, list(drawn.values()), list(drawn), loc="outside upper center", ncols=3)
         plain(figure.supxlabel(f"{measured.press}: {measured.scene}", fontsize=SMALL, color=GREY))
     return figure
@@ -79,7 +85,7 @@ def _ticks(axes: "Axes", counts: Sequence[int]) -> None:
 
 def _looks(measured: Accuracy) -> dict[str, dict[str, Any]]:
     """A colour for what pinpress, and what every other program offers; a marker for each of its methods; fixed steps dashed."""
-    methods = [*_methods(measured, INVERSE_DYNAMICS), *_methods(measured, SIMULATION)]
+    methods = [method for group in (INVERSE_DYNAMICS, *SCENES) for method in _methods(measured, group)]
     families: dict[str, str] = {}
     looks: dict[str, dict[str, Any]] = {}
     for method in dict.fromkeys(methods):

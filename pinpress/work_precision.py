@@ -8,23 +8,23 @@ Every error is against a reference that two independent methods agree on; `Accur
 
 import os
 import platform
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 
 import numpy as np
 import pinocchio as pin
 
-from . import accuracy_inverse, accuracy_proximal, accuracy_simulation, peers
-from .accuracy_simulation import Scene
+from . import accuracy_inverse, accuracy_proximal, accuracy_scenes, accuracy_simulation, peers
+from .accuracy_scenes import Scene
 from .arguments import typed
 from .contestants import measured
 from .drives import Flywheel
 from .errors import PinpressError
 from .linkage import Linkage
-from .measurements import Accuracy
+from .measurements import SCENES, Accuracy
 from .motion import MOST_POINTS, RPM
 from .single_numbers import number
 
-TURNS = 2.0  # of the free run
+TURNS = 2.0  # of the runs
 HEAVY = 4.0  # times the linkage's largest reduced inertia: a flywheel that carries it on
 
 
@@ -36,20 +36,23 @@ def accuracy(
     duration: float | None = None,
     points: int = 360,
     repeats: int = 3,
+    scenes: Sequence[str] = SCENES,
     progress: Callable[[float], None] | None = None,
 ) -> Accuracy:
     """Measure everything that is offered for a press, and the same press in other programs where they are installed (`peers`).
 
-    Inverse dynamics of a period at constant speed by both engines. A free run from crank angle 0, weights on, by both methods of simulation
-    over tolerances and steps. The proximal settings of constraint dynamics. The number of samples of the reduced table. Run times are the
-    least of ``repeats`` rounds in which all take turns.
+    Inverse dynamics of a period at constant speed by both engines. Simulations by all methods over tolerances and steps: a free run from
+    crank angle 0, weights on; a start by a clutch under a motor, and a blank; a stiff elastic die, met under a motor; a drive that holds
+    the speed so hard that the equation is stiff. The proximal settings of constraint dynamics. The number of samples of the reduced table.
+    Run times are the least of ``repeats`` rounds in which all take turns.
 
     Args:
         press: with one driver.
-        speed: of the crank, in the period and at the start of the run [rad/s].
-        flywheel: of the run; by default with 4 times the largest reduced inertia of the linkage.
-        duration: of the run; by default the time of two turns at that speed [s].
+        speed: of the crank, in the period and in the runs [rad/s].
+        flywheel: of the runs; by default with 4 times the largest reduced inertia of the linkage.
+        duration: of the runs; by default the time of two turns at that speed [s].
         points: crank angles in the period.
+        repeats: rounds of timing. scenes: which of "free run", "clutch and blanking", "elastic die" and "stiff speed law" to simulate.
         progress: called with the share done, 0 to 1.
 
     Raises:
@@ -72,10 +75,14 @@ def accuracy(
         else number("the flywheel's inertia", flywheel.inertia)
     )
     lasting = TURNS * 2 * np.pi / abs(speed) if duration is None else number("duration", duration, positive=True)
+    if isinstance(scenes, str) or not set(scenes) <= set(SCENES):
+        raise PinpressError(f"scenes are {scenes!r}: give some of {', '.join(map(repr, SCENES))}")
     found, skipped = peers.find(press)
+    solvers, missing = peers.solvers(press)
+    made, unmade = _scenes(press, scenes, speed, inertia, lasting)
     contests = (
         accuracy_inverse.contest(press, speed, points, found),
-        accuracy_simulation.contest(press, Scene(speed, inertia, lasting), found),
+        *(accuracy_simulation.contest(press, scene, found, solvers) for scene in made),
         accuracy_proximal.contest(press, speed, inertia),
         accuracy_simulation.tables(press),
     )
@@ -89,13 +96,27 @@ def accuracy(
 
     return Accuracy(
         press=press.name,
-        scene=f"{speed / RPM:g} r/min; free run of {lasting:.4g} s with a flywheel of {inertia:.4g} kg m2",
+        scene=f"{speed / RPM:g} r/min; runs of {lasting:.4g} s with a flywheel of {inertia:.4g} kg m2",
         machine=_machine(),
+        scenes={scene.group: scene.words for scene in made},
         certificates={contest.group: contest.certificate for contest in contests if contest.contestants},
         certified_by={contest.group: contest.certified_by for contest in contests if contest.contestants},
         measurements=tuple(m for contest in contests for m in measured(contest.contestants, repeats, one_done)),
-        skipped=(*skipped, *(line for contest in contests for line in contest.skipped)),
+        skipped=(*skipped, *missing, *unmade, *(line for contest in contests for line in contest.skipped)),
     )
+
+
+def _scenes(
+    press: Linkage, wanted: Sequence[str], speed: float, flywheel: float, duration: float
+) -> tuple[tuple[Scene, ...], tuple[str, ...]]:
+    """The scenes wanted, and a line for each that this press does not have."""
+    made, unmade = [], []
+    for group in (scene for scene in SCENES if scene in wanted):
+        try:
+            made.append(accuracy_scenes.build(press, group, speed, flywheel, duration))
+        except PinpressError as error:
+            unmade.append(f"{group} is skipped: {error}")
+    return tuple(made), tuple(unmade)
 
 
 def _machine() -> str:

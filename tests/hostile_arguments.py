@@ -490,7 +490,7 @@ def calls() -> dict[str, Call]:
         ),
         ("still", pp.still, lambda: {"page": "none.html", "path": FOLDER / "still.png", "time": 0.0, "size": (320, 200)}),
         ("save_plot", pp.save_plot, lambda: {"figure": pp.plot_slide(motion()), "path": FOLDER / "plot.svg"}),
-        ("plot_accuracy", pp.plot_accuracy, lambda: {"measured": pp.Accuracy("press", "scene", "machine", {}, {}, (), ())}),
+        ("plot_accuracy", pp.plot_accuracy, lambda: {"measured": pp.Accuracy("press", "scene", "machine", {}, {}, {}, (), ())}),
         ("plot_bearings", pp.plot_bearings, lambda: {"reactions": reactions()}),
         ("plot_comparison", pp.plot_comparison, lambda: {"before": reactions(), "after": reactions()}),
         ("plot_dead_centre_shift", pp.plot_dead_centre_shift, lambda: {"shifts": {"press": shift()}}),

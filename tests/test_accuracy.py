@@ -16,11 +16,12 @@ import spatial_linkages
 import texts
 
 import pinpress as pp
-from pinpress import measurements, peers, work_precision
+from pinpress import accuracy_scenes, accuracy_simulation, measurements, peers, work_precision
 from pinpress.__main__ import main
 from pinpress.contestants import Contestant, Errors
 from pinpress.contestants import measured as measured_of
-from pinpress.measurements import GROUPS, INVERSE_DYNAMICS, PROXIMAL, SIMULATION, TABLE
+from pinpress.measurements import CLUTCH, DIE, FREE_RUN, GROUPS, INVERSE_DYNAMICS, PROXIMAL, SPEED_LAW, TABLE
+from pinpress.peers.six_bar_equation import INTEGRATORS, SixBarEquation
 
 SPEED = 70 * pp.RPM
 PUBLISHED = Path(__file__).resolve().parent.parent / "viz" / "accuracy.csv"
@@ -31,6 +32,7 @@ def alone():
     """Without peers: they have their own tests, and take longer than all else."""
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(peers, "find", lambda press: ((), ("some peer is skipped: not installed",)))
+        patch.setattr(peers, "solvers", lambda press: ((), ()))
         yield
 
 
@@ -41,11 +43,11 @@ def told():
 
 @pytest.fixture(scope="module")
 def measured(alone, told):
-    return pp.accuracy(texts.shipped("zxn2_3000b"), SPEED, points=36, repeats=1, progress=told.append)
+    return pp.accuracy(texts.shipped("zxn2_3000b"), SPEED, points=36, repeats=1, scenes=[FREE_RUN], progress=told.append)
 
 
 def test_all_groups_are_measured(measured, told):
-    assert tuple(dict.fromkeys(m.group for m in measured.measurements)) == GROUPS
+    assert tuple(dict.fromkeys(m.group for m in measured.measurements)) == (INVERSE_DYNAMICS, FREE_RUN, PROXIMAL, TABLE)
     assert measured.skipped == ("some peer is skipped: not installed",)
     assert all(m.seconds > 0 for m in measured.measurements)
     assert told == sorted(told)
@@ -54,12 +56,12 @@ def test_all_groups_are_measured(measured, told):
 
 def test_references_are_certified(measured):
     """Two independent methods each: the engines, constraint and reduced dynamics, null space and reduced equation, table and linkage."""
-    assert set(measured.certificates) == set(measured.certified_by) == set(GROUPS)
-    bounds = {INVERSE_DYNAMICS: 1e-13, SIMULATION: 1e-11, PROXIMAL: 1e-10, TABLE: 1e-13}  # three times and more what is found
+    assert set(measured.certificates) == set(measured.certified_by) == {INVERSE_DYNAMICS, FREE_RUN, PROXIMAL, TABLE}
+    bounds = {INVERSE_DYNAMICS: 1e-13, FREE_RUN: 1e-11, PROXIMAL: 1e-10, TABLE: 1e-13}  # three times and more what is found
     for group, bound in bounds.items():
         assert 0 < measured.certificates[group] < bound
     for m in measured.measurements:  # nothing is said to be known better than that
-        assert m.group not in (SIMULATION, PROXIMAL) or m.error is None or m.error >= measured.certificates[m.group]
+        assert m.group not in (FREE_RUN, PROXIMAL) or m.error is None or m.error >= measured.certificates[m.group]
 
 
 def test_inverse_dynamics(measured):
@@ -76,9 +78,9 @@ def test_inverse_dynamics(measured):
 def test_the_published_errors_are_still_so(measured):
     """Those of `viz/accuracy.csv`, of which tables and picture of docs/accuracy.md are made: within a factor of three, but for rounding."""
     with open(PUBLISHED, newline="", encoding="utf-8") as file:
-        published = {(row["method"], row["setting"]): row for row in csv.DictReader(file) if row["group"] in (SIMULATION, TABLE)}
+        published = {(row["method"], row["setting"]): row for row in csv.DictReader(file) if row["group"] in (FREE_RUN, TABLE)}
     rounding = {"error": 1e-11, "force_error": 1e-11}
-    for group in (SIMULATION, TABLE):
+    for group in (FREE_RUN, TABLE):
         for m in measured.of(group):
             row = published[m.method, m.setting]
             for name, least in rounding.items():
@@ -89,7 +91,7 @@ def test_the_published_errors_are_still_so(measured):
 
 @pytest.mark.parametrize("method", ["reduced", "constraint"])
 def test_fixed_steps_converge_with_order_four(measured, method):
-    rows = measured.of(SIMULATION, f"{method}, Runge-Kutta 4")
+    rows = measured.of(FREE_RUN, f"{method}, Runge-Kutta 4")
     for quantity in ("error", "force_error", "energy_error"):
         errors = np.array([getattr(row, quantity) for row in rows[:3]])
         orders = np.log2(errors[:-1] / errors[1:])
@@ -102,20 +104,60 @@ def test_fixed_steps_converge_with_order_four(measured, method):
 def test_tolerances_are_kept(measured):
     """The error falls with the tolerance, and is at most a thousand tolerances."""
     for method in ("reduced", "constraint"):
-        rows = measured.of(SIMULATION, method)
-        assert all(row.error <= max(1e3 * row.number, measured.certificates[SIMULATION]) for row in rows)
-    rows = measured.of(SIMULATION, "constraint")
+        rows = measured.of(FREE_RUN, method)
+        assert all(row.error <= max(1e3 * row.number, measured.certificates[FREE_RUN]) for row in rows)
+    rows = measured.of(FREE_RUN, "constraint")
     assert rows[0].error > 1e4 * rows[-1].error
     assert rows[0].evaluations < rows[-1].evaluations
-    assert all(row.loop_gap < 1e-14 for row in measured.of(SIMULATION))
+    assert all(row.loop_gap < 1e-14 for row in measured.of(FREE_RUN))
 
 
 def test_the_default_is_as_exact_as_any(measured):
     """That it is the fastest of these too is what `pinpress accuracy` prints; a time is no thing to assert."""
-    default = measured.of(SIMULATION, "reduced")[0]
-    others = [row for row in measured.of(SIMULATION) if row.method.startswith("constraint")]
+    default = measured.of(FREE_RUN, "reduced")[0]
+    others = [row for row in measured.of(FREE_RUN) if row.method.startswith("constraint")]
     assert default.error <= min(row.error for row in others)
     assert default.error <= 1e-12
+
+
+def test_a_tolerance_that_changes_nothing_is_one_row(measured):
+    """Over the crank angle the table's panels resolve a free run to rounding: the loosest tolerance and the tightest are the same run."""
+    (row,) = measured.of(FREE_RUN, "reduced")
+    assert row.setting == "any tolerance"
+    assert row.error <= 1e-12
+
+
+@pytest.mark.parametrize("group", [CLUTCH, DIE, pytest.param(SPEED_LAW, marks=pytest.mark.exhaustive)])
+def test_scenes_at_work(group):
+    """All joints and the reduced equation agree on the end, and so does SciPy on the closed form, which shares no code with them."""
+    press = texts.shipped("zxn2_3000b")
+    scene = accuracy_scenes.build(press, group, SPEED, 1360.0, 4 * math.pi / SPEED)
+    contest = accuracy_simulation.contest(press, scene, (), [SixBarEquation(name, balanced=False) for name in INTEGRATORS])
+    assert contest.group == group
+    assert contest.certificate < 1e-11
+    works = {(entry.method, entry.setting): entry for entry in contest.contestants}
+    integrator = "LSODA" if group == SPEED_LAW else "DOP853"
+    for method, setting, bound in (
+        ("reduced", "tolerance 1e-11", 1e-10),
+        (f"SciPy {integrator}, closed form", "tolerance 1e-10", 5e-9),
+    ):
+        errors = works[method, setting].errors(works[method, setting].work())
+        assert errors.error < bound
+        assert errors.force_error < bound
+    assert any("fixed steps are left out" in line for line in contest.skipped) == (group == SPEED_LAW)
+
+
+@pytest.mark.exhaustive
+@pytest.mark.parametrize("group", [CLUTCH, DIE, SPEED_LAW])
+def test_tolerances_of_scenes_at_work(alone, group):
+    press = texts.shipped("zxn2_3000b")
+    measured = pp.accuracy(press, SPEED, points=12, repeats=1, scenes=[group])
+    for row in measured.of(group):
+        assert row.error is not None, (row.method, row.setting, row.problem)
+        if row.setting.startswith("tolerance"):
+            assert row.error <= max(1e4 * row.number, measured.certificates[group]), (row.method, row.setting)
+    default = next(row for row in measured.of(group, "reduced") if row.number == 1e-11)
+    assert default.error < 1e-10
 
 
 def test_proximal_settings(measured):
@@ -142,11 +184,11 @@ def test_the_table_converges_faster_than_any_power(measured):
 
 
 def test_fastest(measured):
-    rows = measured.fastest(SIMULATION, 1e-6)
+    rows = measured.fastest(FREE_RUN, 1e-6)
     assert [row.seconds for row in rows] == sorted(row.seconds for row in rows)
     assert len({row.method for row in rows}) == len(rows)
     assert all(row.error <= 1e-6 for row in rows)
-    assert measured.fastest(SIMULATION, 0.0) == ()
+    assert measured.fastest(FREE_RUN, 0.0) == ()
 
 
 def test_text(measured):
@@ -178,12 +220,13 @@ def test_csv_and_frame(measured, tmp_path):
 def test_plot(measured):
     pytest.importorskip("matplotlib")
     figure = pp.plot_accuracy(measured)
-    inverse, angle, force, gap, proximal, table = figure.axes
-    assert len(angle.lines) == len({m.method for m in measured.of(SIMULATION)}) + 1  # what the reference is known to
-    constraint = measured.of(SIMULATION, "constraint")
+    inverse, angle, clutch, die, law, gap, proximal, table = figure.axes
+    assert len(angle.lines) == len({m.method for m in measured.of(FREE_RUN)}) + 1  # what the reference is known to
+    constraint = measured.of(FREE_RUN, "constraint")
     assert any(np.array_equal(line.get_ydata(), [m.error for m in constraint]) for line in angle.lines)
-    assert any(np.array_equal(line.get_ydata(), [m.force_error for m in constraint]) for line in force.lines)
-    for axes in (inverse, angle, force, gap, proximal, table):
+    assert any(np.array_equal(line.get_ydata(), [m.loop_gap for m in constraint]) for line in gap.lines)
+    assert not any(axes.lines for axes in (clutch, die, law))  # not asked for
+    for axes in (inverse, angle, gap, proximal, table):
         assert axes.get_xscale() == axes.get_yscale() == "log"
     with pytest.raises(pp.PinpressError, match="accuracy"):
         pp.plot_accuracy(None)
@@ -196,9 +239,9 @@ def test_a_problem_is_said():
         raise pp.SimulationError("the press stalls: it comes to rest", 0.1, 0.2)
 
     entries = [
-        Contestant(SIMULATION, "raises", "", None, fails, lambda answer: Errors(0.0)),
-        Contestant(SIMULATION, "is not finite", "", None, lambda: math.nan, lambda answer: Errors(answer, math.inf, 1.0)),
-        Contestant(SIMULATION, "is right", "", None, lambda: 0.0, lambda answer: Errors(answer)),
+        Contestant(FREE_RUN, "raises", "", None, fails, lambda answer: Errors(0.0)),
+        Contestant(FREE_RUN, "is not finite", "", None, lambda: math.nan, lambda answer: Errors(answer, math.inf, 1.0)),
+        Contestant(FREE_RUN, "is right", "", None, lambda: 0.0, lambda answer: Errors(answer)),
     ]
     raised, wild, right = measured_of(entries, repeats=1, done=lambda: None)
     assert (raised.error, raised.problem) == (None, "the press stalls")
@@ -212,22 +255,24 @@ def test_a_spatial_linkage(alone, tmp_path):
     """One engine alone: its torque gives the accelerations back under forward dynamics. Bennett's linkage has redundant rows in space."""
     file = tmp_path / "bennett.urdf"
     file.write_text(spatial_linkages.bennett(), encoding="utf-8")
-    measured = pp.accuracy(pp.load(file), 10.0, duration=0.05, points=12, repeats=1)
+    measured = pp.accuracy(pp.load(file), 10.0, duration=0.05, points=12, repeats=1, scenes=[FREE_RUN, DIE])
+    assert not measured.of(DIE)  # it has no slide
+    assert any(line.startswith("elastic die is skipped") for line in measured.skipped)
     assert [row.method for row in measured.of(INVERSE_DYNAMICS)] == ["pinocchio"]
     assert measured.certified_by[INVERSE_DYNAMICS] == "torque and forward dynamics under it"
     assert measured.certificates[INVERSE_DYNAMICS] < 1e-12
-    assert measured.certificates[SIMULATION] < 1e-10
-    assert all(row.error < 1e-11 for row in measured.of(SIMULATION, "reduced"))
+    assert measured.certificates[FREE_RUN] < 1e-10
+    assert all(row.error < 1e-11 for row in measured.of(FREE_RUN, "reduced"))
 
 
 @pytest.mark.exhaustive
 def test_loops_that_hold_each_other(alone):
     """Proximal settings are skipped with a line; all else is measured."""
-    measured = pp.accuracy(texts.shipped("jf75g_125_two_point"), 300 * pp.RPM, duration=0.05, points=12, repeats=1)
+    measured = pp.accuracy(texts.shipped("jf75g_125_two_point"), 300 * pp.RPM, duration=0.05, points=12, repeats=1, scenes=[FREE_RUN])
     assert not measured.of(PROXIMAL)
     assert PROXIMAL not in measured.certificates
     assert any("proximal settings are skipped" in line for line in measured.skipped)
-    assert measured.certificates[SIMULATION] < 1e-10
+    assert measured.certificates[FREE_RUN] < 1e-10
 
 
 @pytest.mark.parametrize(
@@ -239,6 +284,8 @@ def test_loops_that_hold_each_other(alone):
         ({"points": 2.5}, "points"),
         ({"repeats": 0}, "repeats"),
         ({"repeats": True}, "repeats"),
+        ({"scenes": ["dancing"]}, "scenes"),
+        ({"scenes": FREE_RUN}, "scenes"),
         ({"duration": -1.0}, "duration"),
         ({"flywheel": 500.0}, "flywheel"),
         ({"press": "zxn2_3000b"}, "press"),
@@ -277,17 +324,19 @@ def test_command(alone, capsys, tmp_path):
         "2.5",
         "--duration",
         "0.02",
+        "--scene",
+        "free run",
         "--out",
         str(out),
     ]
     assert main(["accuracy", *words]) == 0
     said = capsys.readouterr().out
-    assert "crank_slide: -300 r/min; free run of 0.02 s with a flywheel of 2.5 kg m2" in said
+    assert "crank_slide: -300 r/min; runs of 0.02 s with a flywheel of 2.5 kg m2" in said
     assert "some peer is skipped" in said
     assert f"wrote {out / 'accuracy.csv'} and {out / 'accuracy.png'}" in said
     assert (out / "accuracy.png").stat().st_size > 50_000
     with open(out / "accuracy.csv", newline="", encoding="utf-8") as file:
-        assert {row["group"] for row in csv.DictReader(file)} == set(GROUPS)
+        assert {row["group"] for row in csv.DictReader(file)} == set(GROUPS) - {CLUTCH, DIE, SPEED_LAW}
 
 
 def test_command_without_matplotlib(measured, capsys, tmp_path, monkeypatch):

@@ -81,7 +81,7 @@ def measured() -> str:
     lines = ["| program | one turn, all forces | torque error | force error | run to 1e-6 rad | loop gap |", "|---|---|---|---|---|---|"]
     for program, turning, running in programs:
         turn = [row for row in rows if row["group"] == "inverse dynamics" and row["method"] == turning]
-        runs = [row for row in rows if row["group"] == "simulation" and row["method"] == running and float(row["error"] or "inf") <= 1e-6]
+        runs = [row for row in rows if row["group"] == "free run" and row["method"] == running and float(row["error"] or "inf") <= 1e-6]
         cells = [_time(turn[0]), *(f"{float(turn[0][k]):.0e}" for k in ("error", "force_error"))] if turn else [""] * 3
         fastest = min(runs, key=lambda row: float(row["seconds [s]"]), default=None)
         cells += ["", ""] if fastest is None else [_time(fastest), f"{float(fastest['loop_gap [m]']):.0e} m"]

@@ -22,7 +22,8 @@ from hypothesis import assume, given
 from spatial_linkages import bennett, four_bar
 
 import pinpress as pp
-from pinpress import crank_alone, drives, loads, machine, methods, modes, simulation, turning
+from pinpress import accuracy_scenes, crank_alone, drives, loads, machine, methods, modes, simulation, turning
+from pinpress.measurements import SPEED_LAW
 
 REFERENCE = Path(__file__).parent / "reference"
 ZXN2 = json.loads((REFERENCE / "zxn2_3000b.json").read_text(encoding="utf-8"))["forward"]
@@ -1028,3 +1029,24 @@ def test_the_side_of_every_corner(corners):
     low, high = tuple(1 if c < 2.0 else -1 for c in corners), tuple(1 if c <= 2.0 else -1 for c in corners)
     assert sides(2.0 - 1e-12, low) == {1.0: 1, 2.0: 1, 4.0: -1}  # 2 passed upwards, whatever the rounding of the speed
     assert sides(2.0 + 1e-12, high) == {1.0: 1, 2.0: -1, 4.0: -1}  # and downwards
+
+
+def test_a_stiff_law_at_the_least_tolerance():
+    """Panels are not cut for the sake of rounding, which no cut makes less: a layer at the start, then as few as at looser tolerances."""
+    scene = accuracy_scenes.build(texts.shipped("zxn2_3000b"), SPEED_LAW, 7.0, 1360.0, 0.8)
+    loose, tight = (
+        pp.simulate(
+            texts.shipped("zxn2_3000b"), 0.8, scene.speed, drive=scene.drive, flywheel=scene.flywheel, tolerance=tolerance, points=2
+        )
+        for tolerance in (1e-11, 1e-13)
+    )
+    assert tight.stats.steps < 4 * loose.stats.steps
+    assert tight.stats.solvers == ("angle",)
+    assert tight.crank_angle[-1] == pytest.approx(loose.crank_angle[-1], abs=1e-13)
+
+
+def test_a_step_far_too_long_is_said():
+    """A die so stiff that the crank is thrown beyond all angles within a step."""
+    die = pp.loads.ElasticDie(0.002, 1e10)
+    with pytest.raises(pp.SimulationError, match="not finite"):
+        pp.simulate(texts.shipped("crank_slide"), 0.1, -31.4, flywheel=pp.Flywheel(2.5), loads=[die], step=0.0214)

@@ -6,11 +6,11 @@
 imported before it is called. All answers have pinpress's signs: see `pinpress.reactions`.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import partial
 from importlib import import_module
-from typing import Protocol
+from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 
@@ -18,6 +18,9 @@ from ..coordinates import Array
 from ..errors import PinpressError
 from ..linkage import Linkage
 from ..loading import load
+
+if TYPE_CHECKING:
+    from ..accuracy_scenes import Scene
 
 INSTALL = "not installed; pip install 'pinpress[peers]'"
 
@@ -41,16 +44,19 @@ class End:
 
     Attributes:
         crank_angle, crank_speed: of the driver joint, the angle unwrapped [rad, rad/s].
-        loop_gap: largest distance between the two sides of a bearing that the peer closes by an equation [m].
-        energy_error: kinetic and potential energy less that at the start, relative to the kinetic energy at the start [-].
+        loop_gap: largest distance between the two sides of a bearing that the peer closes by an equation [m]; None where it has none.
+        energy_error: kinetic and potential energy less that at the start, relative to the kinetic energy at the start [-]; None where it
+            is not kept.
         force: name of a joint or loop -> (3,), as of `Answer` [N].
+        evaluations: of the equation of motion, where they are counted.
     """
 
     crank_angle: float
     crank_speed: float
-    loop_gap: float
-    energy_error: float
+    loop_gap: float | None
+    energy_error: float | None
     force: dict[str, Array]
+    evaluations: int | None = None
 
 
 class Peer(Protocol):
@@ -86,6 +92,24 @@ class Peer(Protocol):
         Raises:
             PinpressError: the peer finds no answer, or cannot run.
         """
+
+
+class Solver(Protocol):
+    """An integrator of SciPy on a press's equation of motion in closed form, as an expert writes it for this one press.
+
+    Attributes:
+        name: of the integrator. tolerances: worth measuring. left_out: group of a scene that it is not for -> why.
+    """
+
+    @property
+    def name(self) -> str: ...
+    @property
+    def tolerances(self) -> tuple[float, ...]: ...
+    @property
+    def left_out(self) -> Mapping[str, str]: ...
+
+    def prepared(self, scene: "Scene") -> Callable[[float], End]:
+        """What finds the end of a scene to a tolerance; it raises a PinpressError where the integrator gives up."""
 
 
 class HandScript:
@@ -136,6 +160,18 @@ def find(press: Linkage) -> tuple[tuple[Peer, ...], tuple[str, ...]]:
         except PinpressError as error:
             skipped.append(f"{name} is skipped: {error}")
     return tuple(peers), tuple(skipped)
+
+
+def solvers(press: Linkage) -> tuple[tuple[Solver, ...], tuple[str, ...]]:
+    """The solvers that can treat a press, or a line that says why there are none."""
+    from .six_bar_equation import INTEGRATORS, SixBarEquation
+
+    try:
+        HandScript(press)
+    except PinpressError as error:
+        return (), (f"SciPy on the closed form is skipped: {error}",)
+    balanced = press.name.endswith("_balanced")
+    return tuple(SixBarEquation(integrator, balanced) for integrator in INTEGRATORS), ()
 
 
 def steps_of(duration: float, step: float) -> int:
