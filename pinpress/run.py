@@ -3,11 +3,13 @@
 import math
 import time as clock
 from dataclasses import dataclass, fields
+from typing import Any
 
 import numpy as np
 
 from . import laws, reduced
 from .coordinates import Array
+from .drive import Drive
 from .errors import PinpressError, SimulationError
 from .force_coordinates import JointAngle
 from .methods import Plan
@@ -20,6 +22,7 @@ MOST_POINTS = 1_000_000  # by default
 LOOSE = 1e3  # energy error, in tolerances, that is none
 BALANCED = 1e-6  # energy error of a run, steps by error, that is none; more where a large tolerance is asked for
 ROUNDED = 1e-6  # of the potential energy
+ROUNDINGS, EPS = 8.0, float(np.finfo(float).eps)  # of a stiff drive's angle and speed, that the energy may tell
 UNBALANCED = (
     "the energy does not balance: a torque or force changes too sharply for this tolerance; name the speeds at which the drive's torque is"
     " not smooth in its corners, or give a smaller tolerance"
@@ -109,10 +112,12 @@ def as_run(
     kinetic, potential = reduced.energies(press, motion)
     turning = speed[list(press.spatial.drivers)] if several else reading.own[None]
     kinetic = kinetic + 0.5 * plan.inertia @ turning**2
-    error = energy_error(kinetic, potential, *reading.ledgers[[DRIVE_WORK, LOAD_WORK, LOST]])
+    works = reading.ledgers[[DRIVE_WORK, LOAD_WORK, LOST]]
+    error = energy_error(kinetic, potential, *works)
     if not math.isfinite(float(error.max()) + float(acceleration.sum())):
         raise PinpressError(f"the motion of {press.name} is too fast for floating point: lower speeds and forces")
-    if allowed is not None and error.max() > allowed:
+    unknown = _rounding(plan, times, motion, reading.own) / energy_size(kinetic, potential, *works)
+    if allowed is not None and error.max() > allowed + unknown:
         worst = int(error.argmax())
         raise SimulationError(UNBALANCED, float(times[worst]), float(np.ravel(motion.crank_angle[worst])[0]))
     if several:
@@ -137,11 +142,27 @@ def energy_error(kinetic: Array, potential: Array, drive_work: Array, load_work:
     """What is missing of the energy, beside the largest of energy and works, at n states: arrays (n,), or (n, S) of scenarios [J]; the
     works are those since the first state."""
     missing = np.abs(kinetic + potential - (kinetic[0] + potential[0]) - (drive_work - load_work - lost))
+    return np.asarray(missing / energy_size(kinetic, potential, drive_work, load_work, lost))
+
+
+def energy_size(kinetic: Array, potential: Array, *works: Array) -> Any:
+    """The largest of energy and works (n,), or (n, S) of scenarios [J]."""
     size = kinetic.max(axis=0)
-    for work in (drive_work, load_work, lost):
+    for work in works:
         size = np.maximum(size, np.abs(work).max(axis=0))
     size = np.maximum(size, ROUNDED * np.abs(potential).max(axis=0))  # at rest all of it is the rounding of the potential energy
-    return np.asarray(missing / np.where(size > 0, size, 1.0))
+    return np.where(size > 0, size, 1.0)
+
+
+def _rounding(plan: Plan, times: Array, motion: Motion, own: Array) -> float:
+    """Work of a stiff drive that is not known, as rounding of its angle and speed (n,) makes its torque [J]."""
+    drive = plan.scene.drive
+    if not isinstance(drive, Drive) or drive.state:
+        return 0.0
+    torque = [
+        np.asarray(drive.torque(own * share, motion.crank_angle * share, times)) for share in (1 - ROUNDINGS * EPS, 1 + ROUNDINGS * EPS)
+    ]
+    return float(np.trapezoid(np.abs((torque[1] - torque[0]) * own), times))
 
 
 def _torques(plan: Plan, speed: Array) -> Array:

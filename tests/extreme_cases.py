@@ -20,13 +20,14 @@ import extreme_noise
 import extreme_redundancy
 import extreme_runs
 import extreme_sizes
+import extreme_stiff
 from extreme_case import Case, Outcome, short
 
 from pinpress import PinpressWarning
 
 CASES: list[Case] = [
     case
-    for module in (extreme_change_points, extreme_sizes, extreme_loads, extreme_redundancy, extreme_runs, extreme_noise)
+    for module in (extreme_change_points, extreme_sizes, extreme_loads, extreme_stiff, extreme_redundancy, extreme_runs, extreme_noise)
     for case in module.CASES
 ]
 PAGE = Path(__file__).resolve().parent.parent / "viz" / "extremes.md"

@@ -3,6 +3,7 @@
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import Any
 
 import mpmath
@@ -13,6 +14,7 @@ from scipy.integrate import quad, solve_ivp
 from scipy.optimize import brentq
 
 import pinpress as pp
+from pinpress.drive import Plain
 from pinpress.drives import ConstantTorque, ServoMotor
 from pinpress.loads import Stretch
 
@@ -24,7 +26,7 @@ ALLOWED = 1e-8  # rad at the end, of steps that err by 1e-11
 
 
 @dataclass(frozen=True)
-class SpeedLaw(pp.drives.Plain):
+class SpeedLaw(Plain):
     """Torque gain x (wanted speed - speed)."""
 
     gain: float
@@ -37,7 +39,7 @@ class SpeedLaw(pp.drives.Plain):
 
 
 @dataclass(frozen=True)
-class Rubbing(pp.drives.Plain):
+class Rubbing(Plain):
     """A torque less friction that passes through zero within the speed ``sharp``."""
 
     push: float
@@ -123,7 +125,8 @@ def swung(stiffness: float, speed: float) -> float:
     def stop(way: int) -> Any:
         if speed == 0.0 and (slope(MECHANISM.potential, START) > 0) == (way > 0):
             return begin
-        return mpmath.findroot(lambda q: (potential(q) - energy) / energy, (begin + way * size / 10, begin + 3 * way * size), solver="anderson")
+        ends = (begin + way * size / 10, begin + 3 * way * size)
+        return mpmath.findroot(lambda q: (potential(q) - energy) / energy, ends, solver="anderson")
 
     low, high = stop(-1), stop(1)
     middle, half = (low + high) / 2, (high - low) / 2
@@ -137,7 +140,7 @@ def swung(stiffness: float, speed: float) -> float:
 
     def taken(phi: Any) -> Any:
         """Time from the lower stop."""
-        return mpmath.quad(pace, [-mpmath.pi / 2, 0, phi], maxdegree=5) if phi > 0 else mpmath.quad(pace, [-mpmath.pi / 2, phi], maxdegree=5)
+        return mpmath.quad(pace, [-mpmath.pi / 2, *([0] if phi > 0 else []), phi], maxdegree=5)
 
     way_up = taken(mpmath.pi / 2)
     at_start = way_up if begin == high else taken(mpmath.asin((begin - middle) / half)) if begin != low else mpmath.mpf(0)
@@ -145,11 +148,6 @@ def swung(stiffness: float, speed: float) -> float:
     since = phase if phase <= way_up else 2 * way_up - phase
     phi = mpmath.findroot(lambda p: (taken(p) - since) / way_up, (since / way_up - mpmath.mpf(1) / 2) * mpmath.pi)
     return float(middle + half * mpmath.sin(phi))
-
-
-def rests() -> float:
-    """Where the weights compress a spring whose swings have died away: nearly where it is slack."""
-    return START
 
 
 def spring(stiffness: float, speed: float) -> Case:
@@ -224,8 +222,8 @@ def law(gain: float) -> Case:
             return SPEED - float(MECHANISM.torque(q, SPEED, 0.0)) / gain
 
         def late(q: float) -> float:
-            ends = np.linspace(START, q, 9)
-            return sum(quad(lambda x: 1 / lag(x), a, b, epsabs=0.0, epsrel=1e-13)[0] for a, b in zip(ends[:-1], ends[1:], strict=True)) - DURATION
+            parts = pairwise(np.linspace(START, q, 9).tolist())
+            return sum(quad(lambda x: 1 / lag(x), a, b, epsabs=0.0, epsrel=1e-13)[0] for a, b in parts) - DURATION
 
         return float(brentq(late, START + 0.9 * SPEED * DURATION, START + 1.1 * SPEED * DURATION, xtol=1e-14))
 
