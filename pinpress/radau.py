@@ -31,7 +31,7 @@ SAFETY = 0.9  # of a step beside the one that would meet the tolerance
 LEAST_CHANGE, MOST_CHANGE = 0.1, 8.0  # of the step's length at once
 FAILED = 0.25  # of the step's length, where Newton's method does not converge
 FURTHEST = 3.0  # step, beside the one before, up to which that one's polynomial is a good first guess
-BESIDE, STANDING = 1e-7, 1e-12  # change of an entry for a slope, beside itself, and beside its size where it is zero
+BESIDE, STANDING = 1e-7, 1e-12  # change of an entry for a slope, beside itself or its size, and beside its size where it is zero
 EPS = float(np.finfo(float).eps)
 
 
@@ -245,12 +245,12 @@ def _unresolved(series: Array, scale: Array) -> float:
 def slopes(fun: Callable[[float, Array], Array], time: float, y: Array, f: Array, sizes: Array) -> Array:
     """Derivatives (n, m) of rates by the first m entries of a vector, by differences; ``sizes`` (m,) of these.
 
-    An entry is changed beside itself, not beside its size: a law may be sharp about zero.
+    A small entry is changed beside itself, not beside its size: a law may be sharp about zero.
     """
     m = len(sizes)
     result, moved = np.empty((len(y), m)), y.copy()
     for k in range(m):
-        moved[k] = y[k] + (BESIDE * y[k] or STANDING * float(sizes[k]))
+        moved[k] = y[k] + (BESIDE * min(abs(float(y[k])), float(sizes[k])) or STANDING * float(sizes[k]))
         result[:, k] = (fun(time, moved) - f) / (moved[k] - y[k])
         moved[k] = y[k]
     return result
