@@ -1,4 +1,4 @@
-"""Arguments of public functions by their annotations: objects of the library, sequences, mappings, True or False."""
+"""Arguments of public functions by their annotations: objects of the library, sequences, mappings, functions, True or False."""
 
 import inspect
 import re
@@ -35,6 +35,7 @@ _OTHERS: dict[str, Callable[[Any], bool]] = {
     "Sequence": lambda value: isinstance(value, Iterable) and not isinstance(value, str | bytes | Mapping | type),
     "Mapping": lambda value: isinstance(value, Mapping),
     "bool": lambda value: isinstance(value, bool | np.bool_),
+    "Callable": lambda value: callable(value) and not isinstance(value, type),
 }
 _OTHERS["Iterable"] = _OTHERS["Sequence"]
 
@@ -90,6 +91,8 @@ def _check(name: str, value: object, kind: _Kind) -> None:
         raise PinpressError(f"{name} is {given}, no {kind.classes[0]}: give what {MAKERS[kind.classes[0]]} returns")
     if "bool" in kind.others:
         raise PinpressError(f"{name} is {shown(value)}: give True or False")
+    if "Callable" in kind.others:
+        raise PinpressError(f"{name} is {shown(value)}: give a function")
     if "Mapping" in kind.others:
         raise PinpressError(f"{name} is {given}: give a mapping, {name}={{...}}")
     raise PinpressError(f"{name} is one {type(value).__name__}: give a list, {name}=[...]")

@@ -12,7 +12,7 @@ from typing import Protocol
 import numpy as np
 
 from .coordinates import Array
-from .errors import PinpressError, UnknownNameError
+from .errors import PinpressError, UnknownNameError, shown
 from .linkage import Linkage
 from .single_numbers import finite_numbers
 
@@ -61,7 +61,7 @@ class Measure:
             raise PinpressError(f"{self.words}: a bearing force or moment needs bearing=, the other quantities have none")
         about = finite_numbers(self.about)
         if about is None or about.shape != (3,):
-            raise PinpressError(f"{type(self).__name__}: about is {self.about!r}; give a point, three numbers [m]")
+            raise PinpressError(f"{type(self).__name__}: about is {shown(self.about)}; give a point, three numbers [m]")
         if any(self.about) and self.quantity != "shaking_moment":
             raise PinpressError(f"{self.words}: about goes with a shaking moment")
         if self.quantity == "driving_torque" and self.axis is not None:
@@ -72,7 +72,7 @@ class Measure:
         for name, vector in (("axis", direction), ("about", self.about)):
             numbers = finite_numbers(vector)
             if numbers is None or numbers.shape != (3,) or (name == "axis" and not numbers.any()):
-                raise PinpressError(f"{self}: {name} is {getattr(self, name)!r}; give three numbers, or for an axis 'x', 'y' or 'z'")
+                raise PinpressError(f"{self}: {name} is {shown(getattr(self, name))}; give three numbers, or for an axis 'x', 'y' or 'z'")
 
     @property
     def unit(self) -> str:

@@ -9,7 +9,7 @@ import numpy as np
 from .balance_measures import Forces, Measure, Target, refuse_unknown
 from .conic import Rows
 from .coordinates import Array
-from .errors import PinpressError
+from .errors import PinpressError, shown
 from .inertia_responses import Case, Change, change, moving_mass
 from .linkage import Linkage
 from .reactions import Reactions, inverse_dynamics
@@ -124,7 +124,7 @@ def _layouts(press: Linkage, rooms: Sequence[Room], turning: bool, units: Sequen
     replaced = [room.joint for room in layouts if room.own is not None]
     for room in layouts:
         if room.own is not None and replaced.count(room.joint) > 1:
-            raise PinpressError(f"two rooms replace the mass of link {room.room.link!r}: let one of them add to it")
+            raise PinpressError(f"two rooms replace the mass of link {shown(room.room.link)}: let one of them add to it")
     return layouts
 
 

@@ -148,7 +148,7 @@ def checked(minimise: Target | Mapping[Target, float], limits: Mapping[Target, f
     for targets, what, words in ((objective, "weight", "minimise"), (limits, "limit", "limits")):
         for target, number in targets.items():
             if not isinstance(target, Measure | AddedMass):
-                raise PinpressError(f"{words}: {target!r} is no measure: give Range, Rms, Peak or AddedMass()")
+                raise PinpressError(f"{words}: {shown(target)} is no measure: give Range, Rms, Peak or AddedMass()")
             if not is_number(number) or number < 0:
                 raise PinpressError(
                     f"{words}: the {what} of the {target.words} is {shown(number)}: give a finite number that is not negative"
@@ -209,7 +209,7 @@ def _filled(problem: Problem, u: Array) -> list[pin.Inertia]:
         filling = room.body(own)
         if room.own is not None and filling.mass <= NOTHING * problem.moving:
             raise PinpressError(
-                f"it would be best to leave {room.room.link!r} without mass: give its room a least mass, mass=(least, most)"
+                f"it would be best to leave {shown(room.room.link)} without mass: give its room a least mass, mass=(least, most)"
             )
         bodies.append(filling)
     if problem.unlimited @ u > GROWN * LARGEST * problem.moving:

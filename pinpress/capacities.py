@@ -4,7 +4,7 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
-from .errors import PinpressError, UnknownNameError
+from .errors import PinpressError, UnknownNameError, shown
 from .frozen import Frozen, FrozenMapping
 from .linkage import Linkage
 from .single_numbers import positive
@@ -59,8 +59,8 @@ class Capacities(Frozen):
             if value is not None or name == "nominal_force":
                 object.__setattr__(self, name, positive(name, value, unit))
         if not isinstance(self.bearings, Mapping):
-            raise PinpressError(f"bearings is {self.bearings!r}: give a mapping of names to forces [N], e.g. {{'A': 2e6}}")
-        known = {name: positive(f"the capacity of bearing {name!r}", value, "N") for name, value in self.bearings.items()}
+            raise PinpressError(f"bearings is {shown(self.bearings)}: give a mapping of names to forces [N], e.g. {{'A': 2e6}}")
+        known = {name: positive(f"the capacity of bearing {shown(name)}", value, "N") for name, value in self.bearings.items()}
         object.__setattr__(self, "bearings", FrozenMapping(known))
         if self.torque is not None and self.nominal_height is not None:
             raise PinpressError("torque and nominal_height both state the torque capacity: leave one out")

@@ -9,7 +9,7 @@ import pinocchio as pin
 
 from .arguments import typed
 from .coordinates import Array
-from .errors import PinpressError, UnknownNameError
+from .errors import PinpressError, UnknownNameError, shown
 from .forces import place
 from .linkage import Linkage
 from .single_numbers import number
@@ -61,7 +61,7 @@ def carrier(press: Linkage, link: str, position: tuple[float, float, float], wha
     joint, point = place(press, link, position, what, "position")
     if joint == 0:
         moving = [name for name in press.links if press.model.frames[press.model.getFrameId(name, pin.BODY)].parentJoint]
-        raise PinpressError(f"{what}: {link!r} does not move, so no mass on it balances anything; moving links: {', '.join(moving)}")
+        raise PinpressError(f"{what}: {shown(link)} does not move, so no mass on it balances anything; moving links: {', '.join(moving)}")
     return joint, point
 
 
@@ -94,8 +94,8 @@ def spread(press: Linkage, joint: int) -> Array:
 def _added(press: Linkage, weight: Counterweight) -> tuple[int, pin.Inertia]:
     """The joint that carries a counterweight, and its inertia in that joint's frame."""
     if not isinstance(weight, Counterweight):
-        raise PinpressError(f"{weight!r} is no counterweight: give Counterweight(link, mass, position)")
-    what = f"counterweight on {weight.link!r}"
+        raise PinpressError(f"{shown(weight)} is no counterweight: give Counterweight(link, mass, position)")
+    what = f"counterweight on {shown(weight.link)}"
     if weight.link not in press.links:
         raise UnknownNameError("link", weight.link, press.links)
     joint, point = carrier(press, weight.link, weight.position, what)
@@ -110,10 +110,10 @@ def refuse_unphysical(press: Linkage, joint: int, inertia: pin.Inertia) -> None:
     """Raise where no body has an inertia that counterweights left on a joint."""
     name = press.model.names[joint]
     if not inertia.mass > 0:
-        raise PinpressError(f"counterweights leave the body on joint {name!r} a mass of {inertia.mass:g} kg: take less away")
+        raise PinpressError(f"counterweights leave the body on joint {shown(name)} a mass of {inertia.mass:g} kg: take less away")
     low, middle, high = np.linalg.eigvalsh(inertia.inertia)
     if not (math.isfinite(high) and low + middle >= (1 - PHYSICAL) * high):
         raise PinpressError(
-            f"counterweights leave the body on joint {name!r} principal moments of inertia of {low:g}, {middle:g} and {high:g} kg m2,"
+            f"counterweights leave the body on joint {shown(name)} principal moments of inertia of {low:g}, {middle:g} and {high:g} kg m2,"
             " which no body has: take less away, or nearer to its centre of mass"
         )

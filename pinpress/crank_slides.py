@@ -13,7 +13,7 @@ import numpy as np
 from .arguments import typed
 from .coordinates import Array
 from .counterweights import Counterweight
-from .errors import PinpressError
+from .errors import PinpressError, shown
 from .frozen import Frozen
 from .linkage import Linkage
 from .plane import Plane, flat, in_space
@@ -115,7 +115,7 @@ def crank_slide(press: Linkage) -> CrankSlide:
     pins = {frozenset((int(press.model.parents[j]), j)): at.position[j, 0] for j in range(1, len(press.joints) + 1)}
     pins |= {frozenset((loop.joint1, loop.joint2)): at.points(loop.joint1, loop.point1)[0] for loop in press.loops}
     if not {frozenset((crank, rod)), frozenset((rod, slide))} <= pins.keys():
-        raise _refusal(press, f"its third link, {link_of(press, rod)!r}, does not connect crank and slide")
+        raise _refusal(press, f"its third link, {shown(link_of(press, rod))}, does not connect crank and slide")
     crank_pin, slide_pin = pins[frozenset((crank, rod))], pins[frozenset((rod, slide))]
     shaft = at.position[crank, 0]
     shaft = shaft + ((crank_pin - shaft) @ plane.normal) * plane.normal  # its point at the crank pin's height
@@ -177,7 +177,9 @@ def harmonic_coefficients(ratio: float, orders: int = 6) -> Array:
     """
     ratio = positive("ratio of crank radius to rod length", ratio, "-")
     if not ratio <= LARGEST_RATIO:
-        raise PinpressError(f"ratio is {ratio!r}: for a full turn the crank must be shorter than the rod; give at most {LARGEST_RATIO!r}")
+        raise PinpressError(
+            f"ratio is {shown(ratio)}: for a full turn the crank must be shorter than the rod; give at most {LARGEST_RATIO!r}"
+        )
     orders = whole_number("orders", orders, 1, 10**5)
     root = ratio / (1 + np.sqrt((1 - ratio) * (1 + ratio)))
     base, terms = root**2, 2 + int(np.log(SMALLEST_TERM) / (4 * np.log(root)))
@@ -235,7 +237,7 @@ def approximate_balance(press: Linkage, radius: float, share: float = 0.5) -> Co
         PinpressError: no centred crank-slide (see `crank_slide`), a radius that is not positive, a share that is not from 0 to 1.
     """
     if not is_number(share) or not 0 <= share <= 1:
-        raise PinpressError(f"share is {share!r}: give the part of the reciprocating mass to be balanced, from 0 to 1")
+        raise PinpressError(f"share is {shown(share)}: give the part of the reciprocating mass to be balanced, from 0 to 1")
     main = crank_slide(press)
     return _on_crank(press, main, main.rotating_product + share * main.crank_radius * main.reciprocating_mass, radius)
 
@@ -262,7 +264,7 @@ def _bodies(press: Linkage) -> tuple[int, int, int]:
     crank = press.spatial.drivers[0] + 1
     guided = [j for j in range(1, 4) if parents[j] == 0 and not turns[j - 1]]
     if parents[crank] != 0:
-        raise _refusal(press, f"its driver {press.driver!r} does not turn on the frame")
+        raise _refusal(press, f"its driver {shown(press.driver)} does not turn on the frame")
     if len(guided) != 1 or not all(turns[j - 1] for j in range(1, 4) if j not in guided):
         raise _refusal(press, "it has not one guide, on the frame, and else pins")
     (rod,) = (j for j in range(1, 4) if j not in (crank, guided[0]))

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 from .drives import Drive, Flywheel
-from .errors import PinpressError
+from .errors import PinpressError, shown
 from .single_numbers import is_number
 
 OPEN, SLIPPING, HOLDING = "open", "slipping", "holding"
@@ -26,7 +26,9 @@ class At:
     def __post_init__(self) -> None:
         given = [value for value in (self.time, self.angle) if value is not None]
         if len(given) != 1 or not is_number(given[0]):
-            raise PinpressError(f"At: time is {self.time!r} and angle {self.angle!r}; give one of them, a finite number [s] or [rad]")
+            raise PinpressError(
+                f"At: time is {shown(self.time)} and angle {shown(self.angle)}; give one of them, a finite number [s] or [rad]"
+            )
 
 
 @dataclass(frozen=True)
@@ -70,10 +72,10 @@ def _check(friction: Clutch | Brake) -> None:
     for field, least in (("torque", "positive"), ("rise", "not negative")):
         value = getattr(friction, field)
         if not is_number(value) or value < 0 or (value == 0 and least == "positive"):
-            raise PinpressError(f"{name}: {field} is {value!r}; give a number that is {least} [{'N m' if field == 'torque' else 's'}]")
+            raise PinpressError(f"{name}: {field} is {shown(value)}; give a number that is {least} [{'N m' if field == 'torque' else 's'}]")
     for field in ("closes", "opens"):
         if not isinstance(getattr(friction, field), At | None):
-            raise PinpressError(f"{name}: {field} is {getattr(friction, field)!r}; give At(time=...) or At(angle=...)")
+            raise PinpressError(f"{name}: {field} is {shown(getattr(friction, field))}; give At(time=...) or At(angle=...)")
 
 
 class Grip(NamedTuple):

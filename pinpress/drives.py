@@ -14,7 +14,7 @@ import numpy as np
 
 from .drive import Drive, Plain, Values
 from .drive_checks import check
-from .errors import PinpressError
+from .errors import PinpressError, shown
 from .motors import InductionMotor, InverterMotor
 from .servo_motor import ServoMotor
 from .slip_clutch_motor import SlipClutchMotor
@@ -115,12 +115,12 @@ class Geared:
 
     def __post_init__(self) -> None:
         if isinstance(self.drive, type) or not isinstance(self.drive, Drive):
-            raise PinpressError(f"Geared: drive is {self.drive!r}; give one with a torque, e.g. an InductionMotor or ConstantTorque")
+            raise PinpressError(f"Geared: drive is {shown(self.drive)}; give one with a torque, e.g. an InductionMotor or ConstantTorque")
         check(self, "ratio", "other than zero", "-")
         check(self, "gear_inertia", "not negative", "kg m2", scenarios=True)
         check(self, "efficiency", "positive", "-")
         if self.efficiency > 1:
-            raise PinpressError(f"Geared: efficiency is {self.efficiency!r}; give a share of at most 1")
+            raise PinpressError(f"Geared: efficiency is {shown(self.efficiency)}; give a share of at most 1")
         if np.ndim(self.gear_inertia) and np.ndim(self.drive.inertia) and np.shape(self.gear_inertia) != np.shape(self.drive.inertia):
             raise PinpressError(
                 f"Geared: gear_inertia has shape {np.shape(self.gear_inertia)}, the drive's inertia {np.shape(self.drive.inertia)};"

@@ -13,7 +13,7 @@ import numpy as np
 import pinocchio as pin
 
 from .coordinates import Array
-from .errors import PinpressError, UnknownNameError
+from .errors import PinpressError, UnknownNameError, shown
 from .frozen import Frozen
 from .linkage import Linkage
 from .motion import Motion
@@ -96,17 +96,17 @@ def parts(press: Linkage, stiffness: Stiffness) -> tuple[Part, ...]:
         raise PinpressError(f"{press.name} has {len(press.drivers)} drivers: elastic deflection is that of a press with one, held fast")
     _ = press.slide_guide  # it has a slide
     found = [
-        Part(name, 1 / positive(f"stiffness of bearing {name!r}", value, "N/m"), "bearing", ((_bearing(press, name), 1.0),))
+        Part(name, 1 / positive(f"stiffness of bearing {shown(name)}", value, "N/m"), "bearing", ((_bearing(press, name), 1.0),))
         for name, value in _named("bearings", stiffness.bearings)
     ]
     for name, value in _named("moments", stiffness.moments):
         there = _bearing(press, name)
         if there >= len(press.joints) or press.spatial.axes[there].turns:
-            raise PinpressError(f"moments names {name!r}, which is no guide and holds no moment in the plane: leave it out")
-        compliance = 1 / positive(f"stiffness of guide {name!r} against turning", value, "N m/rad")
+            raise PinpressError(f"moments names {shown(name)}, which is no guide and holds no moment in the plane: leave it out")
+        compliance = 1 / positive(f"stiffness of guide {shown(name)} against turning", value, "N m/rad")
         found.append(Part(f"{name} turning", compliance, "moment", ((there, 1.0),)))
     if not isinstance(stiffness.rods, Sequence) or not all(isinstance(rod, Rod) for rod in stiffness.rods):
-        raise PinpressError(f"rods is {stiffness.rods!r}: give a list of Rod(link, (bearing, bearing), stiffness)")
+        raise PinpressError(f"rods is {shown(stiffness.rods)}: give a list of Rod(link, (bearing, bearing), stiffness)")
     found += [_rod(press, rod) for rod in stiffness.rods]
     if stiffness.shaft is not None:
         driver = press.bearings.index(press.driver)
@@ -160,7 +160,7 @@ def _along(press: Linkage, line: Array, force: Array, across: Array, name: str) 
     line = line @ across
     length = np.linalg.norm(line, axis=1)
     if not length.min() > MEET * press.spatial.size:
-        raise PinpressError(f"rod {name!r}: its bearings meet, and it has no direction there; name two that stay apart")
+        raise PinpressError(f"rod {shown(name)}: its bearings meet, and it has no direction there; name two that stay apart")
     return np.asarray((np.einsum("nk,nk->n", force, line) / length)[:, None])
 
 
@@ -182,7 +182,7 @@ def _rod(press: Linkage, rod: Rod) -> Part:
     if rod.link not in press.links or rod.link == press.root:
         raise UnknownNameError("moving link", rod.link, [link for link in press.links if link != press.root])
     if not isinstance(rod.between, tuple | list) or len(rod.between) != 2 or rod.between[0] == rod.between[1]:
-        raise PinpressError(f"rod of {rod.link!r}: between is {rod.between!r}; give the names of two of its bearings")
+        raise PinpressError(f"rod of {shown(rod.link)}: between is {shown(rod.between)}; give the names of two of its bearings")
     body = press.model.frames[press.model.getFrameId(rod.link, pin.BODY)].parentJoint
     signs = {}
     for k, (acted_on, other) in enumerate(zip(loaded_bodies(press), _acting_bodies(press), strict=True)):
@@ -192,8 +192,8 @@ def _rod(press: Linkage, rod: Rod) -> Part:
     for k in (one, another):
         if k not in signs:
             names = ", ".join(press.bearings[i] for i in signs)
-            raise PinpressError(f"rod of {rod.link!r}: bearing {press.bearings[k]!r} is not on that link; there are: {names}")
-    compliance = 1 / positive(f"stiffness of rod {rod.name!r}", rod.stiffness, "N/m")
+            raise PinpressError(f"rod of {shown(rod.link)}: bearing {shown(press.bearings[k])} is not on that link; there are: {names}")
+    compliance = 1 / positive(f"stiffness of rod {shown(rod.name)}", rod.stiffness, "N/m")
     loads = ((one, -0.5 * signs[one]), (another, 0.5 * signs[another])) if len(signs) == 2 else ((another, signs[another]),)
     return Part(rod.name, compliance, "rod", loads, (one, another))
 
@@ -217,5 +217,5 @@ def _bearing(press: Linkage, name: str) -> int:
 
 def _named(what: str, given: object) -> list[tuple[str, float]]:
     if not isinstance(given, Mapping):
-        raise PinpressError(f"{what} is {given!r}: give a mapping, name of a bearing: stiffness")
+        raise PinpressError(f"{what} is {shown(given)}: give a mapping, name of a bearing: stiffness")
     return list(given.items())

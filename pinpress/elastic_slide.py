@@ -21,7 +21,7 @@ from .compliance import Held, hold
 from .coordinates import Array
 from .dead_centres import dead_centres
 from .elastic_elements import Stiffness
-from .errors import PinpressError
+from .errors import PinpressError, shown
 from .forces import Load, PointForce, SpringDamper
 from .frozen import Frozen, FrozenMapping
 from .linkage import Linkage
@@ -237,4 +237,4 @@ def _refuse_dependent(loads: Sequence[PointForce | SpringDamper]) -> None:
     for load in loads if isinstance(loads, list | tuple) else [loads]:
         spring = isinstance(load, SpringDamper) and load.damping == 0.0
         if not spring and not (isinstance(load, PointForce) and not callable(load.force) and np.shape(load.force) == (3,)):
-            raise PinpressError(f"load {load!r} may depend on the speed: give constant PointForces and SpringDampers without damping")
+            raise PinpressError(f"load {shown(load)} may depend on the speed: give constant PointForces and SpringDampers without damping")

@@ -111,7 +111,7 @@ class UnknownScenarioError(PinpressError, IndexError):
 
     def __init__(self, number: object, count: int) -> None:
         self.number, self.count = number, count
-        super().__init__(f"there are {count} scenarios, 0 to {count - 1}, not {number!r}")
+        super().__init__(f"there are {count} scenarios, 0 to {count - 1}, not {shown(number)}")
 
 
 def suggestion(name: str, known: Iterable[str]) -> str:
@@ -135,6 +135,16 @@ def shown(value: object) -> str:
     return text if len(text) <= _LONGEST_SHOWN else f"{text[:_LONGEST_SHOWN]}..."
 
 
+def said(error: BaseException) -> str:
+    """What a caller's function has raised, as messages show it."""
+    try:
+        text = str(error)
+    except Exception:  # whatever a caller's own exception raises
+        text = "without a message"
+    kind = type(error).__name__
+    return f"{kind}: {text}" if text else kind
+
+
 def _degrees(angle: float) -> str:
     return f"{angle * 57.29577951308232:.6g} deg"
 
@@ -156,7 +166,7 @@ def _sendable(value: object) -> object:
     try:
         pickle.dumps(value)
     except Exception:  # whatever pickling says
-        return repr(value)
+        return shown(value)
     return value
 
 

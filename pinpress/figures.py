@@ -12,7 +12,7 @@ import numpy as np
 from . import files
 from .charts import Abscissa, Curve, abscissa
 from .coordinates import Array
-from .errors import PinpressError
+from .errors import PinpressError, shown
 from .harmonic_analysis import is_cycle
 from .motion import Motion
 
@@ -75,7 +75,7 @@ def save_plot(figure: "Figure", path: str | os.PathLike[str]) -> Path:
     if suffix not in FORMATS:
         raise PinpressError(f"a plot cannot be written as {path}: end its name in {', '.join(FORMATS)}")
     if not callable(getattr(figure, "savefig", None)):
-        raise PinpressError(f"{figure!r} is no figure: give what one of plot_slide, plot_torque, ... returns")
+        raise PinpressError(f"{shown(figure)} is no figure: give what one of plot_slide, plot_torque, ... returns")
     from matplotlib import style
 
     content = io.BytesIO()

@@ -13,8 +13,10 @@ from typing import TypeGuard
 import numpy as np
 
 from . import files
+from .arguments import typed
 from .browser import opened
-from .errors import PinpressError
+from .errors import PinpressError, shown
+from .regular_files import path_of
 from .single_numbers import number, whole_number
 
 NO_FFMPEG = "films need imageio-ffmpeg, which is not installed; pip install 'pinpress[video]'"
@@ -53,6 +55,7 @@ def still(page: str | os.PathLike[str], path: str | os.PathLike[str], time: floa
     return Path(path)
 
 
+@typed
 def film(
     page: str | os.PathLike[str],
     path: str | os.PathLike[str],
@@ -159,7 +162,7 @@ def _ffmpeg() -> str:
 
 
 def _suffix(path: str | os.PathLike[str], possible: Collection[str]) -> str:
-    suffix = Path(path).suffix.lower()
+    suffix = Path(path_of("path", path)).suffix.lower()
     if suffix not in possible:
         raise PinpressError(f"cannot write {os.fspath(path)}: the name of the file must end in {' or '.join(possible)}")
     return suffix
@@ -169,9 +172,9 @@ def _size(size: object, step: int = 1) -> tuple[int, int]:
     sides = list(size) if isinstance(size, tuple | list) else []
     if len(sides) != 2 or not all(_is_whole(side) and SMALLEST <= side <= LARGEST and side % step == 0 for side in sides):
         kind = "even" if step == 2 else "whole"
-        raise PinpressError(f"size is {size!r}: give width and height in pixels, two {kind} numbers from {SMALLEST} to {LARGEST}")
+        raise PinpressError(f"size is {shown(size)}: give width and height in pixels, two {kind} numbers from {SMALLEST} to {LARGEST}")
     return int(sides[0]), int(sides[1])
 
 
 def _is_whole(value: object) -> TypeGuard[int]:
-    return isinstance(value, int | np.integer) and not isinstance(value, bool)
+    return isinstance(value, int | np.integer) and not isinstance(value, bool | np.timedelta64)

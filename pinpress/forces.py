@@ -2,15 +2,16 @@
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 import pinocchio as pin
 from numpy.typing import ArrayLike
 
+from . import caller_laws
 from .coordinates import Array
-from .errors import PinpressError, UnknownNameError
+from .errors import PinpressError, UnknownNameError, shown
 from .friction import REST
 from .loads import ProcessLoad, Stretch, TimeForce, datum
 from .points import point_motion
@@ -77,6 +78,18 @@ class AppliedForce:
         return AppliedForce(self.joint, self.point, self.force[points])
 
 
+def asked(loads: Sequence[Load]) -> list[Load]:
+    """Loads of a motion: a caller's own functions to be asked with care, anything else as it is."""
+    return [
+        replace(load, force=caller_laws.ForceOfMotion(f"load on {shown(load.link)}: force", load.force, np.geterr()))
+        if isinstance(load, PointForce) and callable(load.force)
+        else load
+        if isinstance(load, PointForce | SpringDamper)  # looking whether something follows a protocol takes long
+        else caller_laws.asked_load(load)
+        for load in loads
+    ]
+
+
 def apply(loads: Sequence[Load], press: "Linkage", motion: "Motion") -> list[AppliedForce]:
     """Loads as arrays over the motion.
 
@@ -100,7 +113,9 @@ def apply(loads: Sequence[Load], press: "Linkage", motion: "Motion") -> list[App
         elif isinstance(load, ProcessLoad) and not isinstance(load, type):
             applied += _on_slide(load, press, _in_height(load, press, motion))
         else:
-            raise PinpressError(f"load {load!r} is none: give a PointForce, a SpringDamper, a process load (pinpress.loads) or a TimeForce")
+            raise PinpressError(
+                f"load {shown(load)} is none: give a PointForce, a SpringDamper, a process load (pinpress.loads) or a TimeForce"
+            )
     return applied
 
 
@@ -116,7 +131,7 @@ def _on_slide(load: "ProcessLoad | TimeForce", press: "Linkage", along: Array) -
 
 def _in_height(load: ProcessLoad, press: "Linkage", motion: "Motion") -> Array:
     """A process load over a motion, (n,) on the slide along the axis [N]."""
-    name, (guide, offset), force = type(load).__name__, press.slide_guide, np.zeros(len(motion.crank_angle))
+    name, (guide, offset), force = caller_laws.name(load), press.slide_guide, np.zeros(len(motion.crank_angle))
     stretches = [(downwards, stretch) for downwards in (True, False) for stretch in load.stretches(downwards)]
     if not stretches:  # an idle press needs no datum
         return force
@@ -149,7 +164,7 @@ def _in_time(load: TimeForce, motion: "Motion") -> Array:
 
 
 def _applied(load: PointForce, press: "Linkage", motion: "Motion") -> AppliedForce:
-    points, what = len(motion.crank_angle), f"load on {load.link!r}"
+    points, what = len(motion.crank_angle), f"load on {shown(load.link)}"
     joint, point = place(press, load.link, load.point, what, "point")
     force = numbers(f"{what}: force", load.force(motion) if callable(load.force) else load.force)
     if force.shape not in ((3,), (points, 3)):
@@ -178,12 +193,12 @@ def spring_ends(load: SpringDamper, press: "Linkage") -> tuple[tuple[int, Array]
     for quantity in ("stiffness", "damping", "free_length"):
         value = numbers(f"{what}: {quantity}", getattr(load, quantity))
         if value.ndim or value < 0:
-            raise PinpressError(f"{what}: {quantity} is {getattr(load, quantity)!r}; give one number that is not negative")
+            raise PinpressError(f"{what}: {quantity} is {shown(getattr(load, quantity))}; give one number that is not negative")
     return place(press, load.link1, load.point1, what, "point1"), place(press, load.link2, load.point2, what, "point2")
 
 
 def _of_spring(load: SpringDamper) -> str:
-    return f"spring between {load.link1!r} and {load.link2!r}"
+    return f"spring between {shown(load.link1)} and {shown(load.link2)}"
 
 
 def place(press: "Linkage", link: str, point: ArrayLike, what: str, name: str) -> tuple[int, Array]:

@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike
 from . import tables
 from .arguments import typed
 from .coordinates import Array
-from .errors import PinpressError
+from .errors import PinpressError, shown
 from .frame_modes import undamped
 from .frame_mounts import Frame, Mount, listed_mounts
 from .frame_response import solved
@@ -174,5 +174,5 @@ def _sag(system: MountedPress) -> float:
 def _between(name: str, given: object, upper: float, wanted: str) -> float:
     value = finite_numbers(given)
     if value is None or value.ndim or not 0 < value < upper:
-        raise PinpressError(f"{name} is {given!r}: give {wanted}")
+        raise PinpressError(f"{name} is {shown(given)}: give {wanted}")
     return float(value)

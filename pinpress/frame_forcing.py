@@ -5,7 +5,7 @@ import numpy as np
 from .arguments import typed
 from .coordinates import Array
 from .drives import Flywheel
-from .errors import PinpressError, expect
+from .errors import PinpressError, expect, shown
 from .harmonic_analysis import is_cycle
 from .linkage import Linkage
 from .motion import Motion
@@ -57,7 +57,9 @@ def flywheel_moment(press: Linkage, motion: Motion, flywheel: Flywheel) -> Array
         raise PinpressError("flywheel has the inertias of several scenarios: give one")
     driver = press.spatial.drivers[0]
     if press.model.parents[driver + 1] != 0:
-        raise PinpressError(f"the driver joint {press.driver!r} is not on the frame: the moment of its flywheel has no fixed axis there")
+        raise PinpressError(
+            f"the driver joint {shown(press.driver)} is not on the frame: the moment of its flywheel has no fixed axis there"
+        )
     if isinstance(motion, Run):
         difference = np.abs(motion.drive_speed - motion.crank_speed).max()
         if difference > SAME_SPEED * np.abs(motion.crank_speed).max():

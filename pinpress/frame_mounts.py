@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike
 from .arguments import typed
 from .coordinates import Array
 from .drive_checks import set_field
-from .errors import PinpressError
+from .errors import PinpressError, shown
 from .frozen import Frozen, read_only
 from .rubber_pads import RubberPad
 from .single_numbers import finite_numbers
@@ -35,7 +35,7 @@ class Frame(Frozen):
     def __post_init__(self) -> None:
         mass = _checked("Frame", "mass", self.mass, (), "one number [kg]")
         if mass < 0:
-            raise PinpressError(f"Frame: mass is {self.mass!r}; give one that is not negative [kg]")
+            raise PinpressError(f"Frame: mass is {shown(self.mass)}; give one that is not negative [kg]")
         _checked("Frame", "centre", self.centre, (3,), "x, y, z [m]")
         inertia = self.tensor
         if inertia.shape != (3, 3) or np.abs(inertia - inertia.T).max() > 1e-9 * np.abs(inertia).max(initial=1e-300):
@@ -52,7 +52,7 @@ class Frame(Frozen):
         """(3, 3) about the centre of mass [kg m2]."""
         given = finite_numbers(self.inertia)
         if given is None or given.shape not in ((3,), (3, 3)):
-            raise PinpressError(f"Frame: inertia is {self.inertia!r}; give (3, 3), or (3,) along x, y and z [kg m2]")
+            raise PinpressError(f"Frame: inertia is {shown(self.inertia)}; give (3, 3), or (3,) along x, y and z [kg m2]")
         return np.diag(given) if given.ndim == 1 else given
 
 
@@ -84,13 +84,13 @@ class Mount:
                 continue
             values = _checked("Mount", field, getattr(self, field), (3,), f"x, y, z [{unit}]")
             if field != "point" and values.min() < 0:
-                raise PinpressError(f"Mount: {field} is {getattr(self, field)!r}; give numbers that are not negative [{unit}]")
+                raise PinpressError(f"Mount: {field} is {shown(getattr(self, field))}; give numbers that are not negative [{unit}]")
             set_field(self, field, tuple(values.tolist()))
         for field in ("loss_factor", "area"):
             if getattr(self, field) is not None:
                 value = _checked("Mount", field, getattr(self, field), (), "one number")
                 if value < 0 or (field == "area" and value == 0):
-                    raise PinpressError(f"Mount: {field} is {getattr(self, field)!r}; give a positive number")
+                    raise PinpressError(f"Mount: {field} is {shown(getattr(self, field))}; give a positive number")
 
     @property
     def static(self) -> Vector:
@@ -102,7 +102,7 @@ class Mount:
 def pad_mount(point: Vector, pad: RubberPad) -> Mount:
     """The mount that a rubber pad is, its middle at a point [m]."""
     if not isinstance(pad, RubberPad):
-        raise PinpressError(f"pad is {pad!r}: give a RubberPad")
+        raise PinpressError(f"pad is {shown(pad)}: give a RubberPad")
     return Mount(point, pad.stiffness, loss_factor=pad.loss_factor, static_stiffness=pad.static_stiffness, area=pad.area)
 
 
@@ -113,12 +113,12 @@ def listed_mounts(mounts: object, what: str) -> tuple[Mount, ...]:
         PinpressError: there is none, or one is no `Mount`.
     """
     if not isinstance(mounts, Sequence) or not mounts or not all(isinstance(mount, Mount) for mount in mounts):
-        raise PinpressError(f"{what} is {mounts!r}: give a list of Mount, at least one")
+        raise PinpressError(f"{what} is {shown(mounts)}: give a list of Mount, at least one")
     return tuple(mounts)
 
 
 def _checked(kind: str, field: str, given: object, shape: tuple[int, ...], wanted: str) -> Array:
     values = finite_numbers(given)
     if values is None or values.shape != shape:
-        raise PinpressError(f"{kind}: {field} is {given!r}; give {wanted}, finite")
+        raise PinpressError(f"{kind}: {field} is {shown(given)}; give {wanted}, finite")
     return values

@@ -14,7 +14,7 @@ from . import frame_forcing
 from .arguments import typed
 from .coordinates import Array, ComplexArray
 from .drives import Flywheel
-from .errors import PinpressError, expect
+from .errors import PinpressError, expect, shown
 from .frame_matrices import rows_at
 from .frame_modes import quadrature, state_matrix
 from .frame_motion import FrameMotion
@@ -171,8 +171,8 @@ def named_points(system: MountedPress, points: Points) -> dict[str, Array]:
         part, place = (1, given[1]) if isinstance(given, tuple) and len(given) == 2 and given[0] == "crown" else (0, given)
         point = finite_numbers(place)
         if not isinstance(name, str) or point is None or point.shape != (3,):
-            raise PinpressError(f"point {name!r} is {given!r}: give x, y, z [m] under a name, or ('crown', (x, y, z))")
+            raise PinpressError(f"point {shown(name)} is {shown(given)}: give x, y, z [m] under a name, or ('crown', (x, y, z))")
         if part >= system.parts:
-            raise PinpressError(f"point {name!r} is one of the crown, but the frame is in one part: give x, y, z alone")
+            raise PinpressError(f"point {shown(name)} is one of the crown, but the frame is in one part: give x, y, z alone")
         rows[name] = rows_at(system.parts, part, point)
     return rows

@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike
 from . import tables
 from .arguments import typed
 from .coordinates import Array, ComplexArray
-from .errors import PinpressError
+from .errors import PinpressError, shown
 from .frame_forcing import forcing
 from .frame_matrices import rows_at
 from .frame_motion import NOTHING
@@ -81,7 +81,7 @@ class SpeedResponse(Frozen):
         """
         size = np.linalg.norm(self.rms[point], axis=1)
         if len(size) < 2 or not size.all():
-            raise PinpressError(f"the growth of {point!r} needs two speeds at which it vibrates")
+            raise PinpressError(f"the growth of {shown(point)} needs two speeds at which it vibrates")
         return np.asarray(np.gradient(np.log(size), np.log(self.speed)))
 
     def columns(self) -> dict[str, Array]:
@@ -140,7 +140,7 @@ def transmissibility(system: MountedPress, frequency: ArrayLike, axis: str = "z"
         PinpressError: frequencies or an axis that are none.
     """
     if not isinstance(axis, str) or axis not in AXES:
-        raise PinpressError(f"axis is {axis!r}: write 'x', 'y' or 'z'")
+        raise PinpressError(f"axis is {shown(axis)}: write 'x', 'y' or 'z'")
     w = rising("frequency", frequency)
     force = rows_at(system.parts, system.parts - 1, system.centre)[AXES[axis]]
     amplitude = solved(system, w, np.broadcast_to(force.astype(complex), (len(w), len(force))))
@@ -182,7 +182,7 @@ def rising(name: str, given: ArrayLike) -> Array:
     """
     values = finite_numbers(given)
     if values is None or values.ndim != 1 or not len(values) or values[0] <= 0 or (np.diff(values) <= 0).any():
-        raise PinpressError(f"{name} is {given!r}: give an array of positive numbers, rising [rad/s]")
+        raise PinpressError(f"{name} is {shown(given)}: give an array of positive numbers, rising [rad/s]")
     return values
 
 

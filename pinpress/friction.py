@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .coordinates import Array
-from .errors import PinpressError, UnknownNameError
+from .errors import PinpressError, UnknownNameError, shown
 from .single_numbers import is_number
 
 if TYPE_CHECKING:
@@ -108,20 +108,20 @@ def law(friction: Mapping[str, Friction], press: "Linkage") -> FrictionLaw | Non
         if name not in press.bearings:
             raise UnknownNameError("bearing", name, press.bearings)
         if not isinstance(given, Friction):
-            raise PinpressError(f"friction of {name!r} is {given!r}: give a Friction")
+            raise PinpressError(f"friction of {shown(name)} is {shown(given)}: give a Friction")
         index = press.bearings.index(name)
         if any(loop.name == name and loop.type == "fixed" for loop in press.loops):
-            raise PinpressError(f"friction of {name!r}: a fixed loop does not turn; leave it out")
+            raise PinpressError(f"friction of {shown(name)}: a fixed loop does not turn; leave it out")
         for quantity in ("coefficient", "radius", "viscous"):
             value = getattr(given, quantity)
             if value is None and quantity == "radius":
                 continue
             if not is_number(value) or float(value) < 0:
-                raise PinpressError(f"friction of {name!r}: {quantity} is {value!r}; give a finite number that is not negative")
+                raise PinpressError(f"friction of {shown(name)}: {quantity} is {shown(value)}; give a finite number that is not negative")
         if turns[index] and given.coefficient and given.radius is None:
-            raise PinpressError(f"friction of {name!r}: its radius is missing; give that of the bearing [m]")
+            raise PinpressError(f"friction of {shown(name)}: its radius is missing; give that of the bearing [m]")
         if not turns[index] and given.radius is not None:
-            raise PinpressError(f"friction of {name!r}: a guide has no radius; leave it out")
+            raise PinpressError(f"friction of {shown(name)}: a guide has no radius; leave it out")
         arm[index] = float(given.coefficient) * (1.0 if given.radius is None else float(given.radius))
         viscous[index] = float(given.viscous)
     return FrictionLaw(arm, viscous, np.array(turns), press.spatial.size) if arm.any() or viscous.any() else None

@@ -6,7 +6,7 @@ import numpy as np
 
 from .arguments import typed
 from .coordinates import Array
-from .errors import PinpressError, expect
+from .errors import PinpressError, expect, shown
 from .frozen import Frozen
 from .motion import Motion
 from .single_numbers import numbers
@@ -41,8 +41,8 @@ def harmonics(motion: Motion, force: Array, orders: int = 12) -> Harmonics | Non
     Raises:
         PinpressError: force of another shape or with a value that is not finite, orders that are no whole number from 0.
     """
-    if isinstance(orders, bool) or not isinstance(orders, int | np.integer) or orders < 0:
-        raise PinpressError(f"orders is {orders!r}: give a whole number from 0")
+    if isinstance(orders, bool | np.timedelta64) or not isinstance(orders, int | np.integer) or orders < 0:
+        raise PinpressError(f"orders is {shown(orders)}: give a whole number from 0")
     expect("motion", motion, Motion, "cycle or simulate")
     force = numbers("harmonics: force", force)
     if force.shape != (len(motion.crank_angle), 3):

@@ -1,12 +1,11 @@
-"""Drives and loads that a caller has written himself, asked so that what is wrong with them is said.
+"""Drives and loads that a caller has written himself, tried before a simulation, and once more after it.
 
 A law is a function of what it declares to depend on, and of nothing else: of a drive the torque by its shaft's speed, and where it is
 ``timed`` by angle, time and its own states too; of a load the force by height and velocity; of a `TimeForce` the force by time. Both
 methods of simulation rest on that, as they ask in different orders, one state at a time or many at once. So laws are tried before a run,
 and the torques of a run are asked for once more after it.
 
-What laws raise, and answers that are no finite numbers of the right shape, become a `SimulationError` that names the law and where it was
-asked; NumPy's warnings are those that the caller wants to see. The library's own drives and loads are asked as they are.
+How they are asked: see `caller_laws`. The library's own drives and loads are asked as they are.
 """
 
 import math
@@ -17,16 +16,14 @@ from typing import Any
 
 import numpy as np
 
-from . import loads as own_loads
+from .caller_laws import Asked, AskedLoad, Law, LawError, name
 from .coordinates import Array
 from .drive import Drive, Values
 from .drives import ConstantTorque, Geared, InductionMotor, InverterMotor, ServoMotor, SlipClutchMotor
-from .errors import PinpressError, SimulationError
-from .loads import ProcessLoad, Stretch, TimeForce
+from .errors import PinpressError, said, shown
 from .scenario_fields import lengths
 
 OWN_DRIVES = (ConstantTorque, InductionMotor, InverterMotor, ServoMotor, SlipClutchMotor)
-OWN_LOADS = (own_loads.Idle, own_loads.Piling, own_loads.Blanking, own_loads.DeepDrawing, own_loads.ForceStroke, own_loads.ElasticDie)
 SHARES = np.concatenate([np.linspace(-2.0, 2.0, 33), [1e-3, -1e-3]])  # of the run's speed, at which a drive is tried
 LEAST = 10.0  # speed taken for that of a run that begins more slowly [rad/s]
 ANGLES, TIMES = (0.7, 2.1, -4.0, 9.5), (0.01, 0.3, 2.0, 11.0)  # crank angles [rad] and times [s] at which it is tried
@@ -34,23 +31,6 @@ INSIDE = np.linspace(0.02, 0.98, 9)  # shares of a stretch
 VELOCITIES = (0.0, -1.0, -0.1, -1e-3, 1e-3, 0.1, 1.0)  # [m/s]
 SAME = 1e-9  # difference, beside the largest, that is rounding
 MOST_CONFIRMED = 100  # states of a run at which a torque is asked for once more
-
-
-class LawError(SimulationError):
-    """A caller's law has failed, or answers what is none."""
-
-    def __init__(self, problem: str, time: float | None = None, crank_angle: float | None = None) -> None:
-        self.problem = problem
-        super().__init__(problem, time, crank_angle)
-
-    def within(self, time: float, crank_angle: float) -> "LawError":
-        """The same with time and crank angle, which a law itself may not know."""
-        return LawError(self.problem, time, crank_angle)
-
-
-def name(part: object) -> str:
-    """Name of a drive's or load's class, as the caller wrote it."""
-    return type(part.part if isinstance(part, AskedDrive | AskedLoad) else part).__name__
 
 
 def asked_drive(drive: Any, speed: float) -> Any:
@@ -62,97 +42,19 @@ def asked_drive(drive: Any, speed: float) -> Any:
     return AskedDrive(drive, np.geterr(), max(abs(speed), LEAST))
 
 
-def asked_loads(loads: Sequence[Any]) -> list[Any]:
-    """Loads of a run: a caller's own ones to be asked with care, anything else as it is."""
-    return [_asked_load(load) for load in loads]
-
-
-def _asked_load(load: Any) -> Any:
-    if isinstance(load, TimeForce):
-        return load if isinstance(load.force, Law) else TimeForce(Law("TimeForce: force", OF_TIME, load.force, np.geterr()), load.edges)
-    if type(load) in OWN_LOADS or isinstance(load, type | AskedLoad) or not isinstance(load, ProcessLoad):
-        return load
-    return AskedLoad(load, np.geterr())
-
-
 def _own(drive: object) -> bool:
     return isinstance(drive, AskedDrive) or type(drive) in OWN_DRIVES or (isinstance(drive, Geared) and _own(drive.drive))
 
 
 # ------------------------------------------------------------------------------------------------------------------------------- asked
 
-OF_DRIVE, OF_LOAD, OF_TIME = (("speed", "rad/s"), ("angle", "rad"), ("time", "s")), (("height", "m"), ("velocity", "m/s")), (("time", "s"),)
-
-
-@dataclass(frozen=True)
-class Law:
-    """A caller's function of numbers, or arrays.
-
-    Attributes:
-        what: e.g. "Fan: torque". names: of its arguments, with their units. call: the function. errors: `numpy.geterr` of the caller.
-        scenarios: whether a number may be answered by (S,).
-    """
-
-    what: str
-    names: tuple[tuple[str, str], ...]
-    call: Callable[..., Any]
-    errors: Any
-    scenarios: int | None = None
-
-    def __call__(self, *at: Any) -> Any:
-        try:
-            with np.errstate(**self.errors):
-                value = self.call(*at)
-        except Exception as error:
-            raise LawError(f"{self._said(at)} cannot be worked out: {type(error).__name__}: {error}") from error
-        if isinstance(value, float) and math.isfinite(value):
-            return value
-        return self._checked(value, at)
-
-    def _checked(self, value: Any, at: tuple[Any, ...]) -> Any:
-        try:
-            numbers = np.asarray(value)
-        except ValueError:  # rows of different lengths
-            numbers = np.asarray(None)
-        if numbers.dtype.kind not in "iuf":
-            what = f"holds {value.dtype} values" if isinstance(value, np.ndarray) else f"is {value!r}"
-            raise LawError(f"{self._said(at)} {what}; give finite numbers")
-        shape = np.broadcast_shapes(*(np.shape(one) for one in at if not isinstance(one, tuple)))
-        wanted = shape or (() if self.scenarios is None or not numbers.ndim else (self.scenarios,))
-        if not _fits(numbers.shape, wanted):
-            raise LawError(f"{self._said(at)} has shape {numbers.shape}; give {wanted}, as many as it is asked for")
-        if not np.isfinite(numbers).all() and all(np.isfinite(one).all() for one in at if not isinstance(one, tuple)):
-            raise LawError(f"{self._said(at, np.isfinite(numbers))} is {_first(numbers)}; give finite numbers")
-        return value
-
-    def _said(self, at: tuple[Any, ...], good: Any = None) -> str:
-        """The law and the arguments at which it was asked; of arrays those of the first answer that is not good."""
-        parts = []
-        for (label, unit), one in zip(self.names, at, strict=False):
-            if isinstance(one, tuple) or (np.ndim(one) and good is None):
-                continue
-            value = one if not np.ndim(one) else np.broadcast_to(one, np.broadcast_shapes(np.shape(one), good.shape))[~good][0]
-            parts.append(f"{label} {float(value):.6g} {unit}")
-        return f"{self.what}{' at ' if parts else ''}{', '.join(parts)}"
-
-
-def _fits(shape: tuple[int, ...], wanted: tuple[int, ...]) -> bool:
-    try:
-        return np.broadcast_shapes(shape, wanted) == wanted
-    except ValueError:
-        return False
-
-
-def _first(numbers: Any) -> float:
-    return float(numbers[~np.isfinite(numbers)].flat[0])
+OF_DRIVE = ("speed", "rad/s"), ("angle", "rad"), ("time", "s")
 
 
 @dataclass(frozen=True, eq=False)
-class AskedDrive:
-    """A caller's own drive, or a `Geared` one; errors: `numpy.geterr` of the caller; about: speed of the run [rad/s]."""
+class AskedDrive(Asked):
+    """A caller's own drive, or a `Geared` one; about: speed of the run [rad/s]."""
 
-    part: Any
-    errors: Any
     about: float
 
     @property
@@ -201,35 +103,10 @@ class AskedDrive:
                 rates = self.part.rates(*at)
             numbers = np.asarray(list(rates), dtype=float)
         except Exception as error:
-            raise LawError(f"{name(self)}: rates cannot be worked out: {type(error).__name__}: {error}") from error
+            raise LawError(f"{name(self)}: rates cannot be worked out: {said(error)}") from error
         if numbers.shape != (len(self.state),) or not (np.isfinite(numbers).all() or not np.isfinite(at[0])):
-            raise LawError(f"{name(self)}: rates is {rates!r}; give a finite rate of each of {len(self.state)} states")
+            raise LawError(f"{name(self)}: rates is {shown(rates)}; give a finite rate of each of {len(self.state)} states")
         return list(map(float, numbers))
-
-
-@dataclass(frozen=True, eq=False)
-class AskedLoad:
-    """A caller's own process load; errors: `numpy.geterr` of the caller."""
-
-    part: Any
-    errors: Any
-
-    @property
-    def datum(self) -> float | None:
-        return self.part.datum  # type: ignore[no-any-return]
-
-    def stretches(self, downwards: bool) -> Any:
-        try:
-            with np.errstate(**self.errors):
-                found = self.part.stretches(downwards)
-        except Exception as error:
-            raise PinpressError(f"{name(self)}: stretches({downwards}) cannot be worked out: {type(error).__name__}: {error}") from error
-        if not isinstance(found, tuple | list) or not all(isinstance(s, Stretch) for s in found):
-            return found  # refused where it is checked
-        scenarios = next(iter(lengths(self.part).values()), None)
-        return tuple(
-            Stretch(s.upper, s.lower, Law(f"{name(self)}: force", OF_LOAD, s.force, self.errors, scenarios), s.one_sided) for s in found
-        )
 
 
 # ------------------------------------------------------------------------------------------------------------------------------- tried
@@ -239,7 +116,7 @@ def try_drive(drive: AskedDrive) -> None:
     """Raise PinpressError where a drive depends on more than it declares, or answers arrays otherwise than numbers."""
     what, speeds, states, timed = name(drive), drive.about * SHARES, tuple(map(float, drive.state)), drive.timed
     if timed and len(drive.corners):
-        raise PinpressError(f"{what}: corners is {drive.corners!r}; a drive that is timed has none: let corners be ()")
+        raise PinpressError(f"{what}: corners is {shown(drive.corners)}; a drive that is timed has none: let corners be ()")
     for law in ("torque", "motor_torque"):
         ask = getattr(drive, law)
         if timed:

@@ -12,7 +12,7 @@ from . import over_turn
 from .arguments import typed
 from .by_bearing import ByBearing
 from .coordinates import Array, ComplexArray
-from .errors import PinpressError
+from .errors import PinpressError, shown
 from .linkage import Linkage
 from .motion import Motion
 from .over_turn import CrankMotion, Curve, Numbers
@@ -51,7 +51,8 @@ def pressure_angle(motion: CrankMotion, driven: Numbers, other: Numbers, axis: A
     link = _line(motion, "driven", driven, "other", other)
     way = numbers("axis", axis)
     if way.shape != (3,) or not way.any():
-        raise PinpressError(f"axis is {axis!r}: give a direction (3,)")
+        raise PinpressError(f"axis is {shown(axis)}: give a direction (3,)")
+    way = way / np.abs(way).max()  # so that no square overflows, or is lost
     way = way / np.linalg.norm(way)
     along, across = link @ way, np.cross(link, way)
     squared_sine = _smooth("the pressure angle", _dot(across, across) / _dot(link, link), driven, other)

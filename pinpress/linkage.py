@@ -14,7 +14,7 @@ from .change_points import Gap
 from .closure import Close, Closure
 from .coordinates import Array
 from .derived import Model, derived
-from .errors import PinpressError
+from .errors import PinpressError, shown
 from .following import SMALLEST_MARGIN
 from .frozen import Frozen
 from .loops import Coupling, LoopJoint
@@ -343,7 +343,7 @@ class Linkage(Frozen):
             PinpressError: unknown engine, or "plane" for a linkage that is not planar.
         """
         if not isinstance(engine, str) or engine not in ("auto", "plane", "pinocchio"):
-            raise PinpressError(f"unknown engine {engine!r}: write 'auto', 'plane' or 'pinocchio'")
+            raise PinpressError(f"unknown engine {shown(engine)}: write 'auto', 'plane' or 'pinocchio'")
         if engine == "pinocchio":
             return None
         plane = self.plane

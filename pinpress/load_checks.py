@@ -53,7 +53,7 @@ def check_magnitude(load: object, name: str) -> None:
         raise PinpressError(f"{type(load).__name__}: {name} has shape {values.shape}; give one number, or (S,) for S scenarios")
     if np.any(values < 0):
         raise PinpressError(
-            f"{type(load).__name__}: {name} is {getattr(load, name)!r}; give it not negative (positive resists the slide's work)"
+            f"{type(load).__name__}: {name} is {shown(getattr(load, name))}; give it not negative (positive resists the slide's work)"
         )
     set_field(load, name, fixed(values) if values.ndim else float(values))
 

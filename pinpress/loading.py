@@ -171,7 +171,7 @@ def _slide(description: "urdf.Urdf", model: pin.Model, slide: str | None) -> str
             raise UnknownNameError("link", slide, description.links)
         if model.names[joint] not in guided.values():
             raise PinpressError(
-                f"link {slide!r} is not guided by the frame{suggestion(slide, guided)}; guided links: {', '.join(guided) or 'none'}"
+                f"link {shown(slide)} is not guided by the frame{suggestion(slide, guided)}; guided links: {', '.join(guided) or 'none'}"
             )
         return slide
     if "slide" in guided:

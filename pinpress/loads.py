@@ -20,7 +20,7 @@ from numpy.typing import ArrayLike
 
 from .coordinates import Array
 from .drive_checks import set_field
-from .errors import PinpressError
+from .errors import PinpressError, shown
 from .frozen import Frozen
 from .load_checks import check_datum, check_height, check_magnitude, check_scenarios, check_span, checked_numbers, fixed
 from .process_load import ProcessLoad, Stretch, datum
@@ -213,7 +213,7 @@ class ElasticDie:
         check_scenarios(self, "stiffness", "damping")
         check_datum(self)
         if not np.all(np.asarray(self.stiffness) > 0):
-            raise PinpressError(f"ElasticDie: stiffness is {self.stiffness!r}; give a positive one [N/m]")
+            raise PinpressError(f"ElasticDie: stiffness is {shown(self.stiffness)}; give a positive one [N/m]")
 
     def stretches(self, downwards: bool) -> tuple[Stretch, ...]:
         return (Stretch(self.height, -math.inf, partial(_contact, self.height, self.stiffness, self.damping), one_sided=True),)
@@ -235,7 +235,7 @@ class TimeForce:
 
     def __post_init__(self) -> None:
         if not callable(self.force):
-            raise PinpressError(f"TimeForce: force is {self.force!r}; give a function of time [s]")
+            raise PinpressError(f"TimeForce: force is {shown(self.force)}; give a function of time [s]")
         edges = checked_numbers(self, "edges")
         if edges.ndim != 1:
             raise PinpressError(f"TimeForce: edges has shape {edges.shape}; give a sequence of instants [s]")

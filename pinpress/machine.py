@@ -11,10 +11,10 @@ from typing import Any
 
 import numpy as np
 
+from .caller_laws import LawError
 from .coordinates import Array
 from .driveline import HOLDING, OPEN, SLIPPING, Brake, Clutch, Driveline, Grip, Mode
 from .errors import SimulationError
-from .laws import LawError
 from .modes import Dynamics, Modes, Place, Switch, place_of
 from .path import LEDGERS
 from .scene import Acting

@@ -20,7 +20,7 @@ import numpy as np
 from . import over_turn, slide_strokes
 from .arguments import typed
 from .coordinates import ComplexArray
-from .errors import PinpressError
+from .errors import PinpressError, shown
 from .even_speed import least_drop
 from .link_angles import bearing_positions, pressure_angle, transmission_angle
 from .over_turn import Curve, Numbers
@@ -157,5 +157,5 @@ def _within(stroke: complex, name: str, value: object) -> float:
     """A distance that is more than nothing and less than the stroke [m]."""
     distance = number(name, value) if is_number(value) else math.nan
     if not 0.0 < distance < stroke.real:
-        raise PinpressError(f"{name} is {value!r}: give a distance between 0 and the stroke of {stroke.real:.6g} m")
+        raise PinpressError(f"{name} is {shown(value)}: give a distance between 0 and the stroke of {stroke.real:.6g} m")
     return distance

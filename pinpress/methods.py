@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from . import reduced, resolution, scene, turned, turning
+from .caller_laws import LawError
 from .coordinates import Array
 from .driveline import Brake, Clutch, Driveline, Mode
 from .drives import Drive, Flywheel, PrescribedSpeed
@@ -183,7 +184,7 @@ def by_crank(
                 progress,
             )
         except SimulationError as error:
-            if least > 0:
+            if least > 0 or isinstance(error, LawError):
                 raise
             raise scene.not_positive(least, error.time, where if error.crank_angle is None else error.crank_angle) from error
         segments.append(stepped)

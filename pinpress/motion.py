@@ -136,7 +136,7 @@ class Motion(Frozen):
 @typed
 def cycle(
     press: Linkage,
-    speed: ArrayLike,
+    speed: ArrayLike | None = None,
     points: int | None = None,
     angle: ArrayLike | None = None,
     acceleration: ArrayLike | None = None,
@@ -149,8 +149,8 @@ def cycle(
     `Linkage.period_turns`: so peaks and extremes over it are those of all turns.
 
     Args:
-        speed: of the driver joint [rad/s]. One number, with ``points`` in all (default 360 a turn): one period from crank angle 0 in equal
-            steps, the end left out, backwards where it is negative. With ``angle``: (n,) or one number.
+        speed: of the driver joint [rad/s]; it must be given. One number, with ``points`` in all (default 360 a turn): one period from crank
+            angle 0 in equal steps, the end left out, backwards where it is negative. With ``angle``: (n,) or one number.
         angle, acceleration: (n,) of the driver joint, any angles up to 1e7 rad in any order [rad, rad/s2]; ``acceleration`` may be one
             number. A linkage with several drivers takes (n, drivers) of all three, in the order of `Linkage.drivers`; there the assembly
             is followed from the drawn pose to the first state and from state to state, on straight lines between the drivers' positions.
@@ -160,8 +160,8 @@ def cycle(
         engine: "plane" (all crank angles at once), "pinocchio" (any linkage), or "auto": the plane where the linkage is planar.
 
     Raises:
-        PinpressError: a number that is not finite, arrays of different lengths, fewer than two points, a period at speed zero, or of a
-            linkage that is not back after many turns.
+        PinpressError: no speed, a number that is not finite, arrays of different lengths, fewer than two points, a period at speed zero,
+            or of a linkage that is not back after many turns.
         SingularityError: the linkage locks within the motion.
         AssemblyError: the loops do not close.
 
@@ -170,6 +170,11 @@ def cycle(
             other's derivatives over the ``time`` given, speeds above 1000 rad/s.
     """
     press.planar(engine)  # refuses an engine that does not suit before anything is computed
+    if speed is None:
+        raise PinpressError(
+            "cycle needs the speed of the driver [rad/s]: give one number for a period, cycle(press, 7.0), or beside angle the speeds of"
+            " all states, e.g. speed=numpy.gradient(angle, time)"
+        )
     if angle is None:
         angles, speeds, accelerations, times = _period(press, press.branch, speed, points, acceleration, time)
     else:

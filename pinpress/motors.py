@@ -147,12 +147,13 @@ class InverterMotor(Plain):
         """
         given = finite_numbers(frequency)
         if given is None or not np.all(given > 0):
-            raise PinpressError(f"InverterMotor: frequency is {frequency!r}; give a positive number [Hz]")
+            raise PinpressError(f"InverterMotor: frequency is {shown(frequency)}; give a positive number [Hz]")
         if self.curve is not None:
             frequencies, torques = np.array(self.curve).T
             if not np.all((given >= frequencies[0]) & (given <= frequencies[-1])):
                 raise PinpressError(
-                    f"InverterMotor: frequency is {frequency!r}, off its curve, which spans {frequencies[0]:g} to {frequencies[-1]:g} Hz;"
+                    f"InverterMotor: frequency is {shown(frequency)}, off its curve, which spans {frequencies[0]:g} to"
+                    f" {frequencies[-1]:g} Hz;"
                     " give one on it, or a longer curve"
                 )
             torque = np.interp(given, frequencies, torques)
@@ -182,7 +183,7 @@ def _synchronous(frequency: float, poles: int) -> float:
 def _check_breakdown(drive: object, ratio: float) -> None:
     check(drive, "breakdown_ratio", "positive", "-")
     if not ratio > 1:
-        raise PinpressError(f"{type(drive).__name__}: breakdown_ratio is {ratio!r}; give breakdown by rated torque, above 1, e.g. 2.5")
+        raise PinpressError(f"{type(drive).__name__}: breakdown_ratio is {shown(ratio)}; give breakdown by rated torque, above 1, e.g. 2.5")
 
 
 def _check_rated_speed(drive: object, rated_speed: float, frequency: float, poles: object) -> None:
@@ -200,7 +201,7 @@ def _curve(drive: object, given: object) -> tuple[tuple[float, float], ...]:
     pairs = finite_numbers(given)
     if pairs is None or pairs.ndim != 2 or pairs.shape[1] != 2 or len(pairs) < 2 or not np.all(pairs > 0):
         raise PinpressError(
-            f"{type(drive).__name__}: curve is {given!r}; give two or more pairs (frequency [Hz], torque [N m]), all positive"
+            f"{type(drive).__name__}: curve is {shown(given)}; give two or more pairs (frequency [Hz], torque [N m]), all positive"
         )
     if not np.all(np.diff(pairs[:, 0]) > 0):
         raise PinpressError(f"{type(drive).__name__}: the frequencies of its curve are {pairs[:, 0].tolist()}; give them rising")

@@ -18,8 +18,8 @@ from numpy.typing import ArrayLike
 
 from .arguments import typed
 from .coordinates import Array
-from .errors import PinpressError
-from .forces import Load, PointForce, SpringDamper
+from .errors import PinpressError, shown
+from .forces import Load, PointForce, SpringDamper, asked
 from .linkage import Linkage
 from .loads import ProcessLoad, Stretch, TimeForce
 from .motion import Motion, cycle
@@ -75,8 +75,8 @@ def operating_points(
     if not (np.all(speed > 0) or np.all(speed < 0)):
         raise PinpressError("speeds: give them all positive or all negative, as loads depend on the direction of travel; none zero")
     if not isinstance(angles, bool):
-        raise PinpressError(f"angles is {angles!r}: give True or False")
-    units, constant = _listed("unit_load", unit_load), _listed("loads", loads)
+        raise PinpressError(f"angles is {shown(angles)}: give True or False")
+    units, constant = (asked(_listed(name, given)) for name, given in (("unit_load", unit_load), ("loads", loads)))
     if not units and force.any():
         raise PinpressError("forces are amplitudes of unit_load, and there is none: give e.g. pp.loads.DeepDrawing(force=1.0, start=0.010)")
     if any(isinstance(load, SpringDamper) for load in units):

@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike
 from . import forces
 from .appearance import Body
 from .coordinates import Array
-from .errors import PinpressError, expect
+from .errors import PinpressError, expect, shown
 from .keys import Keys
 from .linkage import Linkage
 from .motion import Motion
@@ -32,7 +32,7 @@ def bearings(press: Linkage, at: Poses, keys: Keys, reactions: Reactions | None)
             {
                 "name": name,
                 "place": place,
-                "force": None if reactions is None else packed(reactions.bearing_force[name][keys.states], f"bearing_force[{name!r}]"),
+                "force": None if reactions is None else packed(reactions.bearing_force[name][keys.states], f"bearing_force[{shown(name)}]"),
             }
             for name, place in zip(press.bearings, where, strict=True)
         ],
@@ -78,7 +78,7 @@ def traced(press: Linkage, chosen: Sequence[tuple[str, ArrayLike]]) -> list[Trac
         joint, origin = forces.place(press, press.slide, (0, 0, 0), "slide", "origin")
         found.append(Trace(press.slide, press.slide, joint, origin))
     for link, point in _listed(chosen):
-        joint, local = forces.place(press, link, point, f"trace of {link!r}", "point")
+        joint, local = forces.place(press, link, point, f"trace of {shown(link)}", "point")
         words = ", ".join(f"{value:g}" for value in np.asarray(point, dtype=float))
         found.append(Trace(f"{link} ({words})", link, joint, local))
     return found
@@ -134,5 +134,5 @@ def _packed_path(path: Array, what: str) -> str:
 
 def _listed(chosen: object) -> list[tuple[str, ArrayLike]]:
     if not isinstance(chosen, list | tuple) or not all(isinstance(trace, list | tuple) and len(trace) == 2 for trace in chosen):
-        raise PinpressError(f"traces is {chosen!r}: give a list of a link and a point in its frame, e.g. [('coupler', (0.6, 0, 0))]")
+        raise PinpressError(f"traces is {shown(chosen)}: give a list of a link and a point in its frame, e.g. [('coupler', (0.6, 0, 0))]")
     return list(chosen)

@@ -137,7 +137,7 @@ def ratings(
     known_bearings(capacities, press)
     rate = _speed(speed)
     if not isinstance(at_speed, bool | np.bool_):
-        raise PinpressError(f"at_speed is {at_speed!r}: give True or False")
+        raise PinpressError(f"at_speed is {shown(at_speed)}: give True or False")
     points = whole_number("points", points, 3, MOST_POINTS)
     if len(press.drivers) > 1:
         raise PinpressError(f"{press.name} has {len(press.drivers)} drivers: ratings are those of a press with one")

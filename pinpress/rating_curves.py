@@ -15,7 +15,7 @@ import pinocchio as pin
 
 from .capacities import Capacities, known_bearings
 from .coordinates import Array
-from .errors import PinpressError
+from .errors import PinpressError, shown
 from .linkage import Linkage
 from .loads import Piling
 from .motion import RPM, Motion, cycle
@@ -148,7 +148,7 @@ def refuse_overloaded_idle(rated: Rated) -> None:
     loads = {} if rated.torque is None else {"the driving torque": (np.abs(idle.driving_torque), rated.torque, "N m")}
     for name in rated.bearings:
         force = np.linalg.norm(idle.bearing_force[name], axis=1)
-        loads[f"the force in bearing {name!r}"] = force, rated.capacities.bearings[name], "N"
+        loads[f"the force in bearing {shown(name)}"] = force, rated.capacities.bearings[name], "N"
     for what, (size, capacity, unit) in loads.items():
         worst = int(size.argmax())
         if size[worst] > capacity:

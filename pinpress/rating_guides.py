@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from .arguments import typed
 from .coordinates import Array
-from .errors import PinpressError
+from .errors import PinpressError, shown
 from .forces import PointForce, place
 from .frozen import Frozen
 from .linkage import Linkage
@@ -54,7 +54,7 @@ class Guide:
         for name in ("length", "width"):
             object.__setattr__(self, name, positive(f"the guide's {name}", getattr(self, name), "m"))
         if not is_number(self.middle):
-            raise PinpressError(f"the guide's middle is {self.middle!r}: give a finite number [m]")
+            raise PinpressError(f"the guide's middle is {shown(self.middle)}: give a finite number [m]")
         if self.normal is not None:
             normal = _vector("the guide's normal", self.normal)
             if not normal.any():
@@ -246,5 +246,5 @@ def _largest_moment(guide: Guide, normal: Array, pressure: float) -> Array:
 def _vector(name: str, values: object) -> Array:
     vector = finite_numbers(values)
     if vector is None or vector.shape != (3,):
-        raise PinpressError(f"{name} is {values!r}: give three finite numbers, x, y, z")
+        raise PinpressError(f"{name} is {shown(values)}: give three finite numbers, x, y, z")
     return vector

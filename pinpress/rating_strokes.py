@@ -9,7 +9,7 @@ import numpy as np
 from .capacities import Capacities
 from .coordinates import Array
 from .dead_centres import dead_centres
-from .errors import PinpressError
+from .errors import PinpressError, shown
 from .linkage import Linkage
 from .rating_curves import Rated, permissible, under_unit_force, without_masses
 
@@ -56,7 +56,7 @@ def angle_at(rated: Rated, name: str, height: float) -> float:
 
     stroke = dead_centres(rated.press).stroke
     if not 0.0 < height < stroke:
-        raise PinpressError(f"{name} is {height!r}: give a height between 0 and the stroke of {stroke:.6g} m")
+        raise PinpressError(f"{name} is {shown(height)}: give a height between 0 and the stroke of {stroke:.6g} m")
 
     def above(angle: float) -> float:
         return float(rated.motion(np.array([angle])).slide_position[0]) - rated.bottom_position - height

@@ -21,7 +21,7 @@ from . import change_points, forces, plane_axial, plane_dynamics, plane_power, s
 from .arguments import typed
 from .by_bearing import ByBearing
 from .coordinates import Array, ComplexArray
-from .errors import PinpressError, SingularityError, UnknownNameError
+from .errors import PinpressError, SingularityError, UnknownNameError, shown
 from .forces import AppliedForce, Load
 from .freedom import own_axes
 from .friction import Friction, FrictionLaw
@@ -221,7 +221,8 @@ def inverse_dynamics(
             rounding.
 
     Raises:
-        PinpressError: a motion of a linkage with other joints, a load of wrong shape or with a value that is not finite, friction that
+        PinpressError: a motion of a linkage with other joints, a load of wrong shape, with a value that is not finite, or whose function
+            fails, friction that
             makes no sense or locks the linkage, a stiffness that is not positive, bearings that are no names.
         UnknownNameError: a bearing or link that the linkage does not have.
         AssemblyError: a motion of a linkage with other lengths.
@@ -235,8 +236,9 @@ def inverse_dynamics(
     wanted = _wanted(press, bearings)
     _refuse_change_points(press, motion)
     law, compliance = friction_law(friction, press), compliances(stiffness, press)
+    asked = forces.asked(loads)
     with np.errstate(all="ignore"):  # what overflows is refused
-        under = _Under(forces.apply(loads, press, motion), law, compliance, gears=bool(wanted) or law is not None)
+        under = _Under(forces.apply(asked, press, motion), law, compliance, gears=bool(wanted) or law is not None)
         wrenches = _solved(press, plane, motion, under, wanted)
     names, several = press.bearings, len(press.drivers) > 1
     kept = names if len(wanted) == len(names) else tuple(names[k] for k in wanted)
@@ -292,7 +294,7 @@ def _wanted(press: Linkage, bearings: Collection[str] | None) -> Sequence[int]:
         return range(len(press.bearings))
     if isinstance(bearings, str) or not isinstance(bearings, Collection):
         raise PinpressError(
-            f"bearings is {bearings!r}: give a list of names, e.g. [{press.bearings[0]!r}], or () for the driving torque alone"
+            f"bearings is {shown(bearings)}: give a list of names, e.g. [{shown(press.bearings[0])}], or () for the driving torque alone"
         )
     for name in bearings:
         if not isinstance(name, str) or name not in press.bearings:

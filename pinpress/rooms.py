@@ -16,7 +16,7 @@ import pinocchio as pin
 from .conic import AT_MOST, CONE, Rows
 from .coordinates import Array
 from .counterweights import body, carrier, spread
-from .errors import PinpressError, UnknownNameError
+from .errors import PinpressError, UnknownNameError, shown
 from .inertia_responses import PointMasses
 from .linkage import Linkage
 from .single_numbers import any_numbers, numbers
@@ -62,24 +62,28 @@ class Room:
         given = (self.at is not None) + (self.radius is not None) + bool(self.corners)
         if given > 1:
             raise PinpressError(f"{what}: give one of at, radius and corners")
+        if not isinstance(self.replaces, bool):
+            raise PinpressError(f"{what}: replaces is {shown(self.replaces)}: give True or False")
         if not given and not self.replaces:
             raise PinpressError(f"{what}: give its place: at, radius or corners (or replaces=True, for another mass of the link itself)")
         mass = any_numbers(f"{what}: mass", self.mass)
         low, high = map(float, mass) if mass.shape == (2,) else (math.nan, math.nan)
         if not -math.inf < low <= high:
-            raise PinpressError(f"{what}: mass is {self.mass!r}: give the least and the most, as (0, 500) [kg]; the most may be math.inf")
+            raise PinpressError(
+                f"{what}: mass is {shown(self.mass)}: give the least and the most, as (0, 500) [kg]; the most may be math.inf"
+            )
         if low < 0 and (self.at is None or self.replaces):
             raise PinpressError(f"{what}: its least mass is {low:g} kg, but only a hole at a point, at=..., has a negative one")
         for name, length in (("radius", self.radius), ("gyration", self.gyration)):
             if length is not None and not ((found := numbers(f"{what}: {name}", length)).ndim == 0 and found >= 0):
-                raise PinpressError(f"{what}: {name} is {length!r}: give a length that is not negative [m]")
+                raise PinpressError(f"{what}: {name} is {shown(length)}: give a length that is not negative [m]")
         if self.gyration and self.replaces and not given:
             raise PinpressError(f"{what}: the link keeps its own shape, and radius of gyration with it: leave gyration out")
 
     @property
     def words(self) -> str:
         """For messages."""
-        return f"room on {self.link!r}"
+        return f"room on {shown(self.link)}"
 
 
 @dataclass(frozen=True, eq=False, repr=False)

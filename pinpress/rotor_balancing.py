@@ -16,7 +16,7 @@ from numpy.typing import ArrayLike
 from .arguments import typed
 from .coordinates import Array
 from .counterweights import Counterweight
-from .errors import PinpressError, UnknownNameError
+from .errors import PinpressError, UnknownNameError, shown
 from .frozen import Frozen
 from .linkage import Linkage
 from .poses import link_of
@@ -50,7 +50,7 @@ class Correction(Frozen):
         return self._at(link, radius, -1.0)
 
     def _at(self, link: str, radius: float, sign: float) -> Counterweight:
-        radius, size = positive(f"radius of the counterweight on {link!r}", radius, "m"), float(np.linalg.norm(self.product))
+        radius, size = positive(f"radius of the counterweight on {shown(link)}", radius, "m"), float(np.linalg.norm(self.product))
         x, y, z = self.centre + (sign * radius * (self.product / size) if size else 0.0)
         return Counterweight(link, sign * size / radius, (float(x), float(y), float(z)))
 
@@ -87,7 +87,7 @@ class Unbalance(Frozen):
         """
         centres = self._centres(planes)
         if len(centres) != 2 or not np.ptp(planes) > 0:
-            raise PinpressError(f"planes is {planes!r}: give the places of two different planes along the shaft [m]")
+            raise PinpressError(f"planes is {shown(planes)}: give the places of two different planes along the shaft [m]")
         a, b = (float(place) for place in planes)
         with np.errstate(all="ignore"):  # what overflows is refused
             first, second = (b * self.static - self.couple) / (a - b), (self.couple - a * self.static) / (a - b)
@@ -96,7 +96,7 @@ class Unbalance(Frozen):
     def _centres(self, planes: Sequence[float]) -> Array:
         places = numbers("balancing of a rotor: planes", planes)
         if places.ndim != 1:
-            raise PinpressError(f"planes is {planes!r}: give places along the shaft, one number each [m]")
+            raise PinpressError(f"planes is {shown(planes)}: give places along the shaft, one number each [m]")
         return np.multiply.outer(places, self.axis)
 
 
@@ -145,7 +145,7 @@ def unbalance(press: Linkage, link: str) -> Unbalance:
         raise UnknownNameError("link", link, press.links)
     rotors = _rotors(press)
     if link not in rotors:
-        raise PinpressError(f"link {link!r} is no rotor; links that joints turn on the frame: {', '.join(rotors) or 'none'}")
+        raise PinpressError(f"link {shown(link)} is no rotor; links that joints turn on the frame: {', '.join(rotors) or 'none'}")
     joint = rotors[link]
     axis, body = press.spatial.axes[joint - 1].direction, press.model.inertias[joint]
     axis = axis * math.copysign(1.0, axis[np.abs(axis).argmax()])

@@ -10,7 +10,7 @@ from .arguments import typed
 from .coordinates import Array
 from .dead_centres import stroke_turns
 from .drives import PrescribedSpeed
-from .errors import PinpressError
+from .errors import PinpressError, shown
 from .path import DRIVE_WORK, LOAD_WORK, LOST, MOTOR_SQUARED, Reading
 from .run import Run
 from .single_numbers import is_number
@@ -64,7 +64,7 @@ def duty(run: Run, start: float = 0.0, end: float | None = None) -> Duty:
     until = last if end is None else end
     numbers = all(map(is_number, (start, until)))
     if not numbers or not 0.0 <= start < until <= last * ROUND:
-        raise PinpressError(f"start is {start!r} and end {end!r}: give times within the run, 0 to {last:g} s")
+        raise PinpressError(f"start is {shown(start)} and end {shown(end)}: give times within the run, 0 to {last:g} s")
     return _duties(run, np.array([start, min(until, last)]))[0]
 
 
@@ -106,7 +106,7 @@ def strokes(run: Run) -> tuple[Duty, ...]:
 def _check(run: Run) -> None:
     """Raise PinpressError where it is no run of one driver."""
     if not isinstance(run, Run):
-        raise PinpressError(f"run is {run!r}: give a Run, as simulate and steady_state return it (of scenarios one, runs[k])")
+        raise PinpressError(f"run is {shown(run)}: give a Run, as simulate and steady_state return it (of scenarios one, runs[k])")
     if len(run.drivers) > 1:
         raise PinpressError("duty and strokes are those of a press with one driver")
 

@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from .errors import PinpressError
+from .errors import PinpressError, shown
 
 
 def lengths(item: Any) -> dict[str, int]:
@@ -70,7 +70,8 @@ def _declared(item: Any) -> Mapping[str, int]:
     good = isinstance(declared, Mapping) and all(isinstance(axes, int) and axes >= 0 for axes in declared.values())
     if not good or not set(declared) <= {field.name for field in fields(item) if field.init}:
         raise PinpressError(
-            f"{type(item).__name__}: per_scenario is {declared!r}; give the fields that may be arrays of scenarios, each with the number of"
+            f"{type(item).__name__}: per_scenario is {shown(declared)}; give the fields that may be arrays of scenarios, each with"
+            " the number of"
             ' axes of its own: {"force": 0}'
         )
     return declared

@@ -14,11 +14,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from . import over_angle, panels, resolution, turned, turning
+from .caller_laws import LawError
 from .coordinates import Array
 from .drives import Drive
-from .errors import PinpressError, SimulationError, UnknownScenarioError
+from .errors import PinpressError, SimulationError, UnknownScenarioError, shown
 from .frozen import Frozen
-from .laws import LawError
 from .methods import Plan
 from .motion import carried
 from .over_angle import Flow
@@ -74,7 +74,7 @@ class Runs(Frozen):
 
     def __getitem__(self, k: int) -> Any:
         """Scenario k, simulated once more with all that a `Run` has. Raises what stopped it."""
-        if isinstance(k, bool) or not isinstance(k, int | np.integer) or not -len(self) <= k < len(self):
+        if isinstance(k, bool | np.timedelta64) or not isinstance(k, int | np.integer) or not -len(self) <= k < len(self):
             raise UnknownScenarioError(k, len(self))
         return self._alone(int(k) % len(self))
 
@@ -114,7 +114,7 @@ def _of_speed(speed: Any) -> int:
     except ValueError:
         array = np.array("x")
     if array.ndim != 1 or not array.size or array.dtype.kind not in "iuf":
-        raise PinpressError(f"speed is {speed!r}: give one number, or (S,) of them [rad/s]")
+        raise PinpressError(f"speed is {shown(speed)}: give one number, or (S,) of them [rad/s]")
     return len(array)
 
 

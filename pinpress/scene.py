@@ -12,10 +12,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from . import forces, laws
+from . import caller_laws, forces
 from .dead_centres import dead_centres
 from .drives import Drive, Flywheel, PrescribedSpeed
-from .errors import PinpressError, SimulationError
+from .errors import PinpressError, SimulationError, shown
 from .force_coordinates import Coordinate, Length, Path, SlidePosition
 from .forces import Load, PointForce, SpringDamper
 from .linkage import Linkage
@@ -99,7 +99,7 @@ def build(press: Linkage, drive: Drive | PrescribedSpeed | None, flywheel: Flywh
         elif isinstance(load, ProcessLoad) and not isinstance(load, type):
             coordinate, act = None, _process(press, load)
         else:
-            raise PinpressError(f"load {load!r} is none: give a PointForce, a SpringDamper or one of pinpress.loads")
+            raise PinpressError(f"load {shown(load)} is none: give a PointForce, a SpringDamper or one of pinpress.loads")
         if coordinate is not None:
             coordinates.append(coordinate)
         if act is not None:
@@ -115,7 +115,7 @@ def listed(loads: object) -> None:
     if isinstance(loads, Load) and not isinstance(loads, type):
         raise PinpressError(f"loads is one {type(loads).__name__}: give a list, loads=[...]")
     if not isinstance(loads, list | tuple):
-        raise PinpressError(f"loads is {loads!r}: give a list, loads=[...]")
+        raise PinpressError(f"loads is {shown(loads)}: give a list, loads=[...]")
 
 
 def driving(row: int, drive: Drive) -> Acting:
@@ -149,7 +149,7 @@ def _process(press: Linkage, load: ProcessLoad) -> Acting | None:
     for stretch in (*rising, *falling):
         if stretch.upper - stretch.lower < least:
             raise PinpressError(
-                f"{laws.name(load)}: a stretch of {stretch.upper - stretch.lower:g} m is thinner than a simulation resolves;"
+                f"{caller_laws.name(load)}: a stretch of {stretch.upper - stretch.lower:g} m is thinner than a simulation resolves;"
                 f" give at least {least:.2g} m"
             )
     rising, falling = tuple(rising), tuple(falling)
@@ -160,7 +160,7 @@ def _same(some: tuple[Stretch, ...], others: tuple[Stretch, ...]) -> bool:
     """Whether stretches are the same, so that the way the slide goes does not matter."""
 
     def key(stretch: Stretch) -> tuple[Any, ...]:
-        law = stretch.force.call if isinstance(stretch.force, laws.Law) else stretch.force
+        law = stretch.force.call if isinstance(stretch.force, caller_laws.Law) else stretch.force
         parts = (law.func, *map(id, law.args)) if isinstance(law, partial) else (law,)
         return stretch.upper, stretch.lower, stretch.one_sided, *parts
 
@@ -169,7 +169,7 @@ def _same(some: tuple[Stretch, ...], others: tuple[Stretch, ...]) -> bool:
 
 def _bottom(press: Linkage, load: ProcessLoad) -> float:
     """Slide position of bottom dead centre."""
-    name = laws.name(load)
+    name = caller_laws.name(load)
     if len(press.drivers) > 1 or press.passage.period is None:
         raise PinpressError(
             f"{name}: {press.name} does not turn fully with one driver, so that there is no bottom dead centre to measure heights from;"
@@ -186,7 +186,7 @@ def _bottom(press: Linkage, load: ProcessLoad) -> float:
 
 
 def _point(press: Linkage, load: PointForce, row: int) -> tuple[Coordinate | None, Acting | None]:
-    what = f"load on {load.link!r}"
+    what = f"load on {shown(load.link)}"
     joint, point = forces.place(press, load.link, load.point, what, "point")
     if callable(load.force) or np.ndim(load.force) != 1:
         raise PinpressError(

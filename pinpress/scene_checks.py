@@ -8,9 +8,9 @@ from typing import Any
 
 import numpy as np
 
-from . import laws
+from . import caller_laws, laws
 from .drives import Drive
-from .errors import PinpressError
+from .errors import PinpressError, shown
 from .loads import ProcessLoad, Stretch, TimeForce
 from .single_numbers import any_numbers, is_number
 
@@ -19,13 +19,13 @@ SPEEDS = np.array([-1.0, 0.5, 2.0])  # [rad/s]
 
 def check_drive(drive: Drive) -> None:
     """Raise PinpressError where a drive does not answer as the protocol says."""
-    name = laws.name(drive)
+    name = caller_laws.name(drive)
     inertia = _asked(f"{name}: inertia", lambda: drive.inertia)
     if inertia.ndim > 1 or not np.all(np.isfinite(inertia)) or np.any(inertia < 0):
-        raise PinpressError(f"{name}: inertia is {drive.inertia!r}; give a finite number that is not negative [kg m2]")
+        raise PinpressError(f"{name}: inertia is {shown(drive.inertia)}; give a finite number that is not negative [kg m2]")
     state = _asked(f"{name}: state", lambda: list(drive.state))
     if state.ndim != 1 or not np.all(np.isfinite(state)):
-        raise PinpressError(f"{name}: state is {drive.state!r}; give a tuple of finite numbers, () for none")
+        raise PinpressError(f"{name}: state is {shown(drive.state)}; give a tuple of finite numbers, () for none")
     if len(state) and not drive.timed:
         raise PinpressError(f"{name}: a drive with states is timed: let timed be True")
     states = tuple(state.tolist())
@@ -42,7 +42,7 @@ def check_drive(drive: Drive) -> None:
 
 def check_load(load: ProcessLoad | TimeForce) -> None:
     """Raise PinpressError where a load does not answer as the protocol says."""
-    name = laws.name(load)
+    name = caller_laws.name(load)
     if isinstance(load, TimeForce):
         value = _asked(f"{name}: force", lambda: load.force(np.array([0.0])))
         if value.size != 1 or not np.isfinite(value).all():
@@ -51,14 +51,14 @@ def check_load(load: ProcessLoad | TimeForce) -> None:
         return
     datum = load.datum
     if datum is not None and not is_number(datum):
-        raise PinpressError(f"{name}: datum is {datum!r}; give a slide position [m], or None for bottom dead centre")
+        raise PinpressError(f"{name}: datum is {shown(datum)}; give a slide position [m], or None for bottom dead centre")
     for downwards in (True, False):
         stretches = load.stretches(downwards)
         if not isinstance(stretches, tuple | list) or not all(isinstance(s, Stretch) for s in stretches):
-            raise PinpressError(f"{name}: stretches({downwards}) is {stretches!r}; give a tuple of Stretch, () for none")
+            raise PinpressError(f"{name}: stretches({downwards}) is {shown(stretches)}; give a tuple of Stretch, () for none")
         for stretch in stretches:
             if not stretch.lower < stretch.upper:
-                raise PinpressError(f"{name}: a stretch from {stretch.lower!r} to {stretch.upper!r} m; give lower < upper")
+                raise PinpressError(f"{name}: a stretch from {shown(stretch.lower)} to {shown(stretch.upper)} m; give lower < upper")
             inside = [end for end in (stretch.lower, stretch.upper) if math.isfinite(end)] or [0.0]
             height = sum(inside) / len(inside)
             _law(f"{name}: force", partial(_at_rest, stretch, height), False)
@@ -66,7 +66,7 @@ def check_load(load: ProcessLoad | TimeForce) -> None:
         for below, above in itertools.pairwise(ordered):
             if below.upper > above.lower:
                 raise PinpressError(f"{name}: its stretches overlap at {above.lower:g} m; write two loads, or stretches that do not")
-    if isinstance(load, laws.AskedLoad):
+    if isinstance(load, caller_laws.AskedLoad):
         laws.try_load(load)
 
 

@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from .coordinates import Array, ComplexArray
-from .errors import PinpressError
+from .errors import PinpressError, shown
 from .forces import AppliedForce, Load, PointForce, apply
 from .friction import REST
 from .linkage import Linkage
@@ -49,7 +49,7 @@ def refuse_unknown(loads: Sequence[Load]) -> None:
                 )
             continue
         raise PinpressError(
-            f"load {load!r}: exact derivatives are known of constant PointForces and of process loads with a datum: give these"
+            f"load {shown(load)}: exact derivatives are known of constant PointForces and of process loads with a datum: give these"
         )
 
 

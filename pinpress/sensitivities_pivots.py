@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike
 
 from .arguments import typed
 from .coordinates import Array
-from .errors import PinpressError, UnknownNameError
+from .errors import PinpressError, UnknownNameError, shown
 from .linkage import Linkage
 from .single_numbers import finite_numbers
 
@@ -78,10 +78,10 @@ def _vectors(pivots: Pivots) -> Iterator[tuple[tuple[str, str], Array]]:
         raise PinpressError("pivots is no mapping: give {(bearing, link): (x, y, z)}, in the links' own frames [m]")
     for key, values in pivots.items():
         if not (isinstance(key, tuple) and len(key) == 2):
-            raise PinpressError(f"pivots: {key!r} is no pair of names: write (bearing, link)")
+            raise PinpressError(f"pivots: {shown(key)} is no pair of names: write (bearing, link)")
         vector = finite_numbers(values)
         if vector is None or vector.shape != (3,):
-            raise PinpressError(f"pivots: {key!r} is {values!r}: give three finite numbers, in the link's own frame [m]")
+            raise PinpressError(f"pivots: {shown(key)} is {shown(values)}: give three finite numbers, in the link's own frame [m]")
         yield key, vector
 
 
@@ -99,9 +99,8 @@ def _pivot(press: Linkage, bearing: str, link: str) -> tuple[tuple[int, ...], Ar
         if body == index + 1:
             others = " or ".join(repr(key) for key in pivot_positions(press) if _body(press, key[1]) == body)
             raise PinpressError(
-                f"bearing {bearing!r} is the origin of link {link!r}'s frame and cannot be moved in it: move the link's other pivots"
-                + (f", {others}," if others else "")
-                + " instead"
+                f"bearing {shown(bearing)} is the origin of link {shown(link)}'s frame and cannot be moved in it: move the link's"
+                " other pivots" + (f", {others}," if others else "") + " instead"
             )
         ends = [parent, index + 1]
     else:
@@ -111,7 +110,7 @@ def _pivot(press: Linkage, bearing: str, link: str) -> tuple[tuple[int, ...], Ar
             side = ends.index(body)
             return (index - len(press.joints), side), (loop.point1, loop.point2)[side]
     joined = " and ".join(repr(_links(press, end)[0]) for end in ends)
-    raise PinpressError(f"bearing {bearing!r} is not on link {link!r}: it joins {joined}")
+    raise PinpressError(f"bearing {shown(bearing)} is not on link {shown(link)}: it joins {joined}")
 
 
 def _placement(press: Linkage, link: str) -> pin.SE3:

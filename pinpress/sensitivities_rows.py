@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from .coordinates import Array, ComplexArray
-from .errors import PinpressError
+from .errors import PinpressError, shown
 from .linkage import Linkage
 from .plane import Plane
 from .sensitivities_pivots import Displacements
@@ -69,5 +69,5 @@ def _across(plane: Plane, joint: int, displacement: Array, name: str) -> complex
     """A displacement in a body's frame, in the plane's axes of the drawn pose."""
     x, y, along = (plane.frames[joint] if joint >= 0 else np.array([*plane.axes, plane.normal])) @ displacement
     if abs(along) > IN_PLANE * max(plane.size, abs(x), abs(y)):
-        raise PinpressError(f"bearing {name!r} is moved {along:.3g} m out of the plane of the linkage: move it within the plane")
+        raise PinpressError(f"bearing {shown(name)} is moved {along:.3g} m out of the plane of the linkage: move it within the plane")
     return complex(x, y)

@@ -11,7 +11,7 @@ import numpy as np
 from .coordinates import Array
 from .drive import Plain, Values, between
 from .drive_checks import check, set_field
-from .errors import PinpressError
+from .errors import PinpressError, shown
 from .single_numbers import finite_numbers
 
 
@@ -42,7 +42,7 @@ class ServoMotor(Plain):
         for field, unit in (("times", "s"), ("angles", "rad")):
             values = finite_numbers(getattr(self, field))
             if values is None or values.ndim != 1 or len(values) < 2:
-                raise PinpressError(f"ServoMotor: {field} is {getattr(self, field)!r}; give two or more finite numbers [{unit}]")
+                raise PinpressError(f"ServoMotor: {field} is {shown(getattr(self, field))}; give two or more finite numbers [{unit}]")
             set_field(self, field, tuple(values.tolist()))
         if len(self.times) != len(self.angles):
             raise PinpressError(f"ServoMotor: {len(self.times)} times and {len(self.angles)} angles; give an angle at each time")

@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from .coordinates import Array
-from .errors import PinpressError, UnknownNameError
+from .errors import PinpressError, UnknownNameError, shown
 from .single_numbers import number
 
 if TYPE_CHECKING:
@@ -76,5 +76,5 @@ def compliances(stiffness: Mapping[str, float], press: "Linkage") -> Array | Non
     for name, value in stiffness.items():
         if name not in press.bearings:
             raise UnknownNameError("bearing", name, press.bearings)
-        result[press.bearings.index(name)] = 1 / number(f"stiffness of {name!r} [N/m]", value, positive=True)
+        result[press.bearings.index(name)] = 1 / number(f"stiffness of {shown(name)} [N/m]", value, positive=True)
     return result

@@ -19,7 +19,7 @@ from typing import Any, overload
 import numpy as np
 from numpy.typing import ArrayLike
 
-from . import laws, methods, plausibility, scenarios, scene, turning
+from . import caller_laws, laws, methods, plausibility, scenarios, scene, turning
 from .arguments import typed
 from .closing import refuse_far
 from .coordinates import Array
@@ -121,9 +121,9 @@ def simulate(
     """
     began = clock.perf_counter()
     if not isinstance(press, Linkage):
-        raise PinpressError(f"press is {press!r}: give a Linkage, as load returns it")
-    if method not in METHODS:
-        raise PinpressError(f"unknown method {method!r}: write {', '.join(map(repr, METHODS[:-1]))} or {METHODS[-1]!r}")
+        raise PinpressError(f"press is {shown(press)}: give a Linkage, as load returns it")
+    if not isinstance(method, str) or method not in METHODS:
+        raise PinpressError(f"unknown method {shown(method)}: write {', '.join(map(repr, METHODS[:-1]))} or {METHODS[-1]!r}")
     equations = ("reduced" if len(press.drivers) == 1 else "constraint") if method == "auto" else method
     until, tolerance = number("duration", duration, positive=True), tolerated(tolerance)
     fixed = None if step is None else number("step", step, positive=True)
@@ -131,8 +131,8 @@ def simulate(
         raise PinpressError(
             f"step is {fixed:g} s: with it the run takes more than {MOST_STEPS} steps; give a longer one, or a shorter duration"
         )
-    if progress is not None and not callable(progress):
-        raise PinpressError(f"progress is {progress!r}: give a function of the time reached [s]")
+    if progress is not None and (not callable(progress) or isinstance(progress, type)):
+        raise PinpressError(f"progress is {shown(progress)}: give a function of the time reached [s]")
     count_of(points, 0.0)
     scene.listed(loads)
     if len(press.drivers) == 1 and (count := scenarios.count(speed, angle, drive, flywheel, loads)) is not None:
@@ -140,7 +140,7 @@ def simulate(
             raise PinpressError("arrays of scenarios are for method='reduced' without clutch and brake: simulate these one by one")
         return _scenarios(press, count, until, speed, angle, drive, flywheel, loads, points, fixed, tolerance)
     angles, speeds = _start(press, "angle", angle), _start(press, "speed", speed)
-    drive, loads = laws.asked_drive(drive, float(np.abs(speeds).max())), laws.asked_loads(loads)
+    drive, loads = laws.asked_drive(drive, float(np.abs(speeds).max())), caller_laws.asked_loads(loads)
     refuse_far("angle", angles)
     _refuse_long(speeds, until, float(angles[0]))
     plausibility.speeds("speed", speeds)
@@ -203,7 +203,7 @@ def _scenarios(
     speeds = np.broadcast_to(given, (count,)).copy()
     start = number("angle", angle)
     refuse_far("angle", np.array(start))
-    drive, loads = laws.asked_drive(drive, float(np.abs(speeds).max())), laws.asked_loads(loads)
+    drive, loads = laws.asked_drive(drive, float(np.abs(speeds).max())), caller_laws.asked_loads(loads)
     times = np.linspace(0.0, until, count_of(points, 0.0))
     times.setflags(write=False)
 
@@ -254,10 +254,10 @@ def of_one(press: Linkage, drive: object, flywheel: object, loads: Sequence[Load
         PinpressError: an argument of the wrong kind, or one that does not go with another.
     """
     if drive is not None and not (isinstance(drive, Drive | PrescribedSpeed) and not isinstance(drive, type)):
-        raise PinpressError(f"drive is {drive!r}: give one of pinpress.drives, e.g. ConstantTorque(567.0) [N m]")
+        raise PinpressError(f"drive is {shown(drive)}: give one of pinpress.drives, e.g. ConstantTorque(567.0) [N m]")
     for name, value, kind in (("flywheel", flywheel, Flywheel), ("clutch", clutch, Clutch), ("brake", brake, Brake)):
         if value is not None and not isinstance(value, kind):
-            raise PinpressError(f"{name} is {value!r}: give a {kind.__name__}(...)")
+            raise PinpressError(f"{name} is {shown(value)}: give a {kind.__name__}(...)")
     if isinstance(drive, PrescribedSpeed) and (clutch is not None or brake is not None):
         raise PinpressError("a drive that prescribes the crank's speed leaves nothing to clutch and brake: leave them out")
     assert isinstance(flywheel, Flywheel | None)
@@ -281,9 +281,9 @@ def _of_several(press: Linkage, drive: object, flywheel: object, loads: Sequence
             if joint not in press.drivers:
                 raise UnknownNameError("driver", joint, press.drivers)
             if not isinstance(value, kind) or isinstance(value, type):
-                raise PinpressError(f"{name} of {joint!r} is {value!r}: give a {kind.__name__}")
+                raise PinpressError(f"{name} of {shown(joint)} is {shown(value)}: give a {kind.__name__}")
             if isinstance(value, Drive) and value.timed:
-                raise PinpressError(f"drive of {joint!r}: with several drivers only drives whose torque depends on speed alone")
+                raise PinpressError(f"drive of {shown(joint)}: with several drivers only drives whose torque depends on speed alone")
     return methods.plan_of_several(press, given["drive"], given["flywheel"], loads)  # type: ignore[arg-type]
 
 

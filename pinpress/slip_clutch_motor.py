@@ -8,7 +8,7 @@ from typing import ClassVar
 
 from .drive import Plain, Values, between
 from .drive_checks import check
-from .errors import PinpressError
+from .errors import PinpressError, shown
 from .motion import RPM
 
 
@@ -55,7 +55,9 @@ class SlipClutchMotor(Plain):
         check(self, "lag", "not negative", "s")
         check(self, "inertia", "not negative", "kg m2", scenarios=True)
         if not self.regulation < 1:
-            raise PinpressError(f"SlipClutchMotor: regulation is {self.regulation!r}; give a share of the set speed below 1, e.g. 0.025")
+            raise PinpressError(
+                f"SlipClutchMotor: regulation is {shown(self.regulation)}; give a share of the set speed below 1, e.g. 0.025"
+            )
         if not self.top_speed < self.primary_speed:
             raise PinpressError(
                 f"SlipClutchMotor: top_speed is {self.top_speed / RPM:.6g} r/min, primary_speed {self.primary_speed / RPM:.6g} r/min;"

@@ -9,19 +9,19 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from . import laws, over_angle, panels, plausibility, reduced, resolution, scenarios, turned
+from . import caller_laws, laws, over_angle, panels, plausibility, reduced, resolution, scenarios, turned
 from . import scene as scenes
 from .arguments import typed
+from .caller_laws import LawError
 from .closing import refuse_far
 from .coordinates import Array
 from .drives import Drive, Flywheel
-from .errors import PinpressError, SimulationError
+from .errors import PinpressError, SimulationError, shown
 from .forces import Load
-from .laws import LawError
 from .linkage import Linkage
 from .methods import Plan
 from .path import LEDGERS, Path
-from .run import Run, allowed_error, as_run
+from .run import Run, allowed_error, as_run, count_of
 from .simulation import of_one, tolerated
 from .single_numbers import LARGEST, number
 from .turned import State
@@ -57,6 +57,7 @@ def steady_state(
             speed, as a constant torque does.
     """
     began = clock.perf_counter()
+    count_of(points, 0.0)
     if not isinstance(press, Linkage) or len(press.drivers) > 1:
         raise PinpressError("a steady state is that of a press with one driver: give the Linkage that load returns")
     start, guess, tolerance = number("angle", angle), number("speed", speed), tolerated(tolerance)
@@ -69,10 +70,10 @@ def steady_state(
     if scenarios.count(speed, angle, drive, flywheel, loads) is not None:
         raise PinpressError("a steady state is found for one scenario at a time: give numbers, not arrays")
     scenes.listed(loads)
-    drive, loads = laws.asked_drive(drive, guess), laws.asked_loads(loads)
+    drive, loads = laws.asked_drive(drive, guess), caller_laws.asked_loads(loads)
     plan = of_one(press, drive, flywheel, loads, None, None)
     if drive is None or not isinstance(drive, Drive):
-        raise PinpressError(f"drive is {drive!r}: a steady state needs a motor, see pinpress.drives")
+        raise PinpressError(f"drive is {shown(drive)}: a steady state needs a motor, see pinpress.drives")
     if (drive.timed and not drive.state) or any(force.time is not None for force in plan.scene.forces):
         raise PinpressError("a drive or force that goes with time has no steady state: give motors and process loads that do not")
     if plan.table.period is None:

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from .errors import PinpressError
+from .errors import PinpressError, shown
 
 Scalar = float | int | bool | str
 """What a table can hold."""
@@ -70,11 +70,13 @@ def gridded(grid: object, paired: bool) -> Grid:
     axes, objects = {}, {}
     for name, values in grid.items():
         if not isinstance(name, str) or not name or name in RESERVED:
-            raise PinpressError(f"grid: {name!r} cannot be an axis; name an argument of the function, other than {', '.join(RESERVED)}")
+            raise PinpressError(
+                f"grid: {shown(name)} cannot be an axis; name an argument of the function, other than {', '.join(RESERVED)}"
+            )
         axes[name], objects[name] = _axis(name, values)
         if not paired and len(set(axes[name])) < len(axes[name]):
             twice = next(label for k, label in enumerate(axes[name]) if label in axes[name][:k])
-            raise PinpressError(f"grid: axis {name!r} has {twice!r} twice; give each value once")
+            raise PinpressError(f"grid: axis {shown(name)} has {shown(twice)} twice; give each value once")
     lengths = {name: len(labels) for name, labels in axes.items()}
     if paired and len(set(lengths.values())) > 1:
         raise PinpressError(f"grid: with paired=True all axes must be equally long, not {lengths}")
@@ -105,7 +107,7 @@ def scalar(value: object) -> Scalar:
 def differences(before: Mapping[str, object], now: Mapping[str, object]) -> Iterator[str]:
     """What tells two fingerprints apart, in words."""
     if before.get("function") != now["function"]:
-        yield f"its function is {before.get('function')!r}, not {now['function']!r}"
+        yield f"its function is {shown(before.get('function'))}, not {shown(now['function'])}"
     then, axes = before.get("axes"), now["axes"]
     assert isinstance(axes, dict)
     if not isinstance(then, dict) or list(then) != list(axes):
@@ -115,10 +117,10 @@ def differences(before: Mapping[str, object], now: Mapping[str, object]) -> Iter
         yield "its axes run side by side" if before.get("paired") else "its axes are those of a full grid"
     for name, labels in axes.items():
         if len(then[name]) != len(labels):
-            yield f"axis {name!r} has {len(then[name])} values, not {len(labels)}"
+            yield f"axis {shown(name)} has {len(then[name])} values, not {len(labels)}"
         for k, (old, new) in enumerate(zip(then[name], labels, strict=False)):
             if old != new or isinstance(old, bool) != isinstance(new, bool):
-                yield f"value {k} of axis {name!r} is {old!r}, not {new!r}"
+                yield f"value {k} of axis {shown(name)} is {shown(old)}, not {shown(new)}"
                 break
 
 
@@ -134,16 +136,16 @@ def _axis(name: str, values: object) -> tuple[tuple[Scalar, ...], tuple[object, 
     elif isinstance(values, Sequence | np.ndarray) and not isinstance(values, str | bytes) and _flat(values):
         labels, objects = list(values), ()
     else:
-        raise PinpressError(f"grid: axis {name!r} is {values!r}; give a sequence of values, or a mapping of labels to objects")
+        raise PinpressError(f"grid: axis {shown(name)} is {shown(values)}; give a sequence of values, or a mapping of labels to objects")
     if not labels:
-        raise PinpressError(f"grid: axis {name!r} has no values; give at least one")
+        raise PinpressError(f"grid: axis {shown(name)} has no values; give at least one")
     kept = []
     for k, label in enumerate(labels):
         try:
             kept.append(scalar(label))
         except ValueError as error:
             raise PinpressError(
-                f"grid: value {k} of axis {name!r} is {error}; give finite numbers or words, objects under labels: {{'label': object}}"
+                f"grid: value {k} of axis {shown(name)} is {error}; give finite numbers or words, objects under labels: {{'label': object}}"
             ) from None
     return tuple(kept), objects or tuple(kept)
 

@@ -9,6 +9,7 @@ from functools import partial
 from queue import Empty, SimpleQueue
 from typing import Any, NamedTuple
 
+from .errors import shown
 from .sweep_grid import LONGEST, RESERVED, Grid, Scalar, scalar
 
 Function = Callable[..., Mapping[str, object]]
@@ -171,12 +172,12 @@ def _checked(returned: object) -> dict[str, Scalar]:
     values = {}
     for name, value in returned.items():
         if not isinstance(name, str) or not name or name in RESERVED:
-            raise TypeError(f"the function returned a value under {name!r}; name it by a word other than {', '.join(RESERVED)}")
+            raise TypeError(f"the function returned a value under {shown(name)}; name it by a word other than {', '.join(RESERVED)}")
         try:
             scalar(name)
             values[name] = scalar(value)
         except ValueError as error:
-            raise ValueError(f"the function returned under {name!r} {error}") from None
+            raise ValueError(f"the function returned under {shown(name)} {error}") from None
     return values
 
 

@@ -7,7 +7,7 @@ from collections.abc import Callable, Mapping
 from concurrent.futures import Executor, ProcessPoolExecutor
 
 from .arguments import typed
-from .errors import PinpressError
+from .errors import PinpressError, shown
 from .sweep_grid import Grid, gridded
 from .sweep_run import Function, TaskError, in_parallel, serially
 from .sweep_store import Results, results
@@ -95,15 +95,16 @@ def _run(
 
 def _check_arguments(function: object, executor: object, in_flight: object, progress: object) -> None:
     if not callable(function):
-        raise PinpressError(f"function is {function!r}: give a function that takes the axes' names and returns a mapping")
+        raise PinpressError(f"function is {shown(function)}: give a function that takes the axes' names and returns a mapping")
     if executor is not None and not isinstance(executor, Executor):
         raise PinpressError(
-            f"executor is {executor!r}: give one of concurrent.futures, such as ProcessPoolExecutor(), or get_executor() of a Dask client"
+            f"executor is {shown(executor)}: give one of concurrent.futures, such as ProcessPoolExecutor(), or get_executor() of a"
+            " Dask client"
         )
     if isinstance(in_flight, bool) or not isinstance(in_flight, int) or in_flight < 1:
-        raise PinpressError(f"in_flight is {in_flight!r}: give a whole number of tasks, at least 1")
+        raise PinpressError(f"in_flight is {shown(in_flight)}: give a whole number of tasks, at least 1")
     if progress is not None and not callable(progress):
-        raise PinpressError(f"progress is {progress!r}: give a function of the share done")
+        raise PinpressError(f"progress is {shown(progress)}: give a function of the share done")
 
 
 def _check_call(function: Function, grid: Grid) -> None:
@@ -130,7 +131,7 @@ def _check_sendable(function: Function, grid: Grid) -> None:
             try:
                 pickle.dumps(value)
             except Exception as error:
-                raise PinpressError(f"{label!r} of axis {name!r} cannot be sent to other processes ({error})") from error
+                raise PinpressError(f"{shown(label)} of axis {shown(name)} cannot be sent to other processes ({error})") from error
 
 
 def _name(function: object) -> str:

@@ -26,7 +26,7 @@ from numpy.typing import NDArray
 from . import synthesis_tables, tables
 from .arguments import typed
 from .coordinates import Array
-from .errors import AssemblyError, PinpressError, SingularityError, UnknownNameError
+from .errors import AssemblyError, PinpressError, SingularityError, UnknownNameError, shown
 from .forces import Load
 from .frozen import Frozen, FrozenMapping
 from .geometry import reshaped
@@ -136,7 +136,7 @@ def synthesise(
             raise PinpressError(f"{name} is a {type(mapping).__name__}, no mapping from names")
     refuse_unknown(loads)
     if not isinstance(method, str) or method not in ("local", "global"):
-        raise PinpressError(f"unknown method {method!r}: write 'local' or 'global'")
+        raise PinpressError(f"unknown method {shown(method)}: write 'local' or 'global'")
     if geometry is not None and not callable(geometry):
         raise PinpressError(f"geometry is a {type(geometry).__name__}, no function of the variables that returns pivots")
     known = tuple(_variable(name, bounds) for name, bounds in variables.items())
@@ -224,23 +224,23 @@ def _fixed(values: NDArray[np.float64]) -> Array:
 
 
 def _variable(name: str, bounds: Any) -> Variable:
-    lower, start, upper = _numbers(f"variable {name!r}", bounds, 3, "(lower bound, start, upper bound)")
+    lower, start, upper = _numbers(f"variable {shown(name)}", bounds, 3, "(lower bound, start, upper bound)")
     if not all(map(math.isfinite, (lower, start, upper))):
-        raise PinpressError(f"variable {name!r} is {bounds!r}: give finite bounds, which scale it")
+        raise PinpressError(f"variable {shown(name)} is {shown(bounds)}: give finite bounds, which scale it")
     if lower > upper:
-        raise PinpressError(f"variable {name!r}: its lower bound {lower:g} is above its upper bound {upper:g}")
+        raise PinpressError(f"variable {shown(name)}: its lower bound {lower:g} is above its upper bound {upper:g}")
     if not lower <= start <= upper:
-        raise PinpressError(f"variable {name!r} starts at {start:g}, outside its bounds {lower:g} to {upper:g}")
+        raise PinpressError(f"variable {shown(name)} starts at {start:g}, outside its bounds {lower:g} to {upper:g}")
     return Variable(name, lower, start, upper)
 
 
 def _constraint(name: str, given: Any) -> Measure:
     if not isinstance(given, tuple | list) or len(given) != 3 or not callable(given[0]):
-        raise PinpressError(f"constraint {name!r} is {given!r}: give (function of a trial, lower bound, upper bound)")
+        raise PinpressError(f"constraint {shown(name)} is {shown(given)}: give (function of a trial, lower bound, upper bound)")
     open_bounds = [-math.inf if given[1] is None else given[1], math.inf if given[2] is None else given[2]]
-    lower, upper = _numbers(f"constraint {name!r}", open_bounds, 2, "a lower and an upper bound, None for none")
+    lower, upper = _numbers(f"constraint {shown(name)}", open_bounds, 2, "a lower and an upper bound, None for none")
     if math.isnan(lower) or math.isnan(upper) or lower > upper:
-        raise PinpressError(f"constraint {name!r}: its lower bound {lower:g} is above its upper bound {upper:g}")
+        raise PinpressError(f"constraint {shown(name)}: its lower bound {lower:g} is above its upper bound {upper:g}")
     return Measure(name, given[0], lower, upper)
 
 
@@ -250,7 +250,7 @@ def _numbers(what: str, values: Any, count: int, form: str) -> list[float]:
     except (TypeError, ValueError):
         numbers = []
     if len(numbers) != count:
-        raise PinpressError(f"{what} is {values!r}: give {form}")
+        raise PinpressError(f"{what} is {shown(values)}: give {form}")
     return numbers
 
 

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from .coordinates import Array
-from .errors import AssemblyError, PinpressError
+from .errors import AssemblyError, PinpressError, shown
 from .sensitivities import STEP
 from .sensitivities_pivots import Displacements, Pivots, directed, displaced
 from .synthesis_designs import Design
@@ -49,7 +49,7 @@ class Measure:
     @property
     def title(self) -> str:
         """What errors call it."""
-        return f"constraint {self.name!r}" if self.name else "the objective"
+        return f"constraint {shown(self.name)}" if self.name else "the objective"
 
     def of(self, trial: Trial) -> Array:
         """Its elements (m,), complex where the trial is.

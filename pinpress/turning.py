@@ -7,10 +7,10 @@ from typing import NamedTuple
 import numpy as np
 
 from . import over_angle, panels, resolution
+from .caller_laws import LawError
 from .coordinates import Array
 from .drives import PrescribedSpeed
 from .errors import SimulationError
-from .laws import LawError
 from .over_angle import Flow
 from .panels import STEADY, TO_REST, Grid
 from .path import Path, Segment

@@ -18,11 +18,11 @@ from .accuracy_scenes import Scene
 from .arguments import typed
 from .contestants import measured
 from .drives import Flywheel
-from .errors import PinpressError
+from .errors import PinpressError, shown
 from .linkage import Linkage
 from .measurements import SCENES, Accuracy
 from .motion import MOST_POINTS, RPM
-from .single_numbers import number
+from .single_numbers import number, whole_number
 
 TURNS = 2.0  # of the runs
 HEAVY = 4.0  # times the linkage's largest reduced inertia: a flywheel that carries it on
@@ -65,10 +65,9 @@ def accuracy(
     if speed == 0:
         raise PinpressError("speed is 0: give the speed of the crank [rad/s], e.g. 70 * pinpress.RPM")
     for name, value, most in (("points", points, MOST_POINTS), ("repeats", repeats, 1000)):
-        if isinstance(value, bool) or not isinstance(value, int) or not 1 < value + (name == "repeats") <= most:
-            raise PinpressError(f"{name} is {value!r}: give a whole number, at least {1 + (name == 'points')}")
+        whole_number(name, value, 1 + (name == "points"), most)
     if flywheel is not None and not isinstance(flywheel, Flywheel):
-        raise PinpressError(f"flywheel is {flywheel!r}: give a Flywheel(...)")
+        raise PinpressError(f"flywheel is {shown(flywheel)}: give a Flywheel(...)")
     inertia = (
         HEAVY * float(press.table.at(press.table.borders)[0][0].max())
         if flywheel is None

@@ -341,7 +341,7 @@ def test_linkage_that_locks(locking, engine, sign):
         ([1.0, 2.0], "speed is an array"),
         (np.array([7.0]), "speed is an array"),
         ("fast", "speed is not a number"),
-        (None, "speed is not a number"),
+        (None, "cycle needs the speed of the driver"),
         (1 + 2j, "speed is not a number"),
     ],
 )
@@ -456,12 +456,18 @@ def test_load_on_unknown_link(press, motion):
     assert (caught.value.name, caught.value.known) == ("slid", ("frame", "crank", "rod", "slide"))
 
 
-def test_exception_of_the_callers_own_load_is_passed_on(press, motion):
+def test_a_servo_motion_needs_its_speed(press):
+    with pytest.raises(pp.PinpressError, match=r"cycle needs the speed of the driver .*speed=numpy.gradient\(angle, time\)"):
+        pp.cycle(press, angle=[0.0, 0.1, 0.3], time=[0.0, 0.1, 0.2])
+
+
+def test_exception_of_the_callers_own_load_is_named(press, motion):
     def force(motion):
         raise ZeroDivisionError("mine")
 
-    with pytest.raises(ZeroDivisionError, match="mine"):
+    with pytest.raises(pp.PinpressError, match="load on 'slide': force cannot be worked out: ZeroDivisionError: mine") as caught:
         pp.inverse_dynamics(press, motion, loads=[pp.PointForce("slide", force)])
+    assert isinstance(caught.value.__cause__, ZeroDivisionError)
 
 
 def test_unknown_engine_of_reactions(press, motion):

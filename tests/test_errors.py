@@ -13,8 +13,8 @@ import pytest
 from time_limit import _limit  # noqa: F401
 
 import pinpress as pp
+from pinpress.caller_laws import LawError
 from pinpress.errors import UnknownScenarioError
-from pinpress.laws import LawError
 
 ARGUMENTS = {
     pp.PinpressError: ("speed is 'x': give a number",),

@@ -8,6 +8,7 @@ import pytest
 from hostile_arguments import calls, cases, judge
 
 import pinpress as pp
+from pinpress import errors
 
 SLOW = (
     "accuracy",
@@ -53,6 +54,15 @@ def test_what_was_wrong_once():
                 ("loads.Piling", "force", "masked"),
                 ("simulate", "points", "span"),
                 ("balance", "minimise", "[]"),
+                ("simulate", "progress", "library class"),
+                ("simulate", "method", "masked"),
+                ("Room", "replaces", "cube"),
+                ("film", "path", "nan"),
+                ("film", "slowdown", "beyond"),
+                ("film", "frames_per_second", "span"),
+                ("accuracy", "progress", "infs"),
+                ("arrangements.cancelled", "orders", "span"),
+                ("measures.pressure_angle", "axis", "huges"),
             ]
         )
         == []
@@ -79,3 +89,60 @@ def test_the_judge_notices(monkeypatch):
 @pytest.mark.parametrize("name", calls())
 def test_all(name):
     assert wrong(case for case in cases(name) if case[0] == name) == []
+
+
+def test_the_steady_state_that_is_tried_is_one():
+    """Arguments from which one is exchanged must be sound, or only the first check of all would be tried."""
+    made, arguments = calls()["steady_state"]
+    assert made(**arguments()).crank_speed.min() > 0.0
+
+
+class Unwritten:
+    """A value that cannot be printed."""
+
+    def __repr__(self):
+        raise RuntimeError("no words")
+
+
+@pytest.mark.parametrize("value", [10**5000, [10**5000], Unwritten(), (Unwritten(),)], ids=["digits", "in a list", "silent", "in a tuple"])
+@pytest.mark.parametrize(
+    ("name", "argument"),
+    [
+        ("simulate", "drive"),
+        ("simulate", "flywheel"),
+        ("simulate", "method"),
+        ("simulate", "loads"),
+        ("inverse_dynamics", "friction"),
+        ("inverse_dynamics", "bearings"),
+        ("inverse_dynamics", "engine"),
+        ("balance", "minimise"),
+        ("Stiffness", "rods"),
+        ("Brake", "closes"),
+        ("Geared", "drive"),
+        ("foundation.Mount", "area"),
+        ("PointForce", "link"),
+        ("loads.TimeForce", "force"),
+        ("Room", "radius"),
+        ("sweep", "function"),
+        ("with_counterweights", "counterweights"),
+        ("reshaped", "pivots"),
+        ("film", "size"),
+    ],
+)
+def test_values_that_cannot_be_printed(monkeypatch, name, argument, value):
+    if name == "PointForce":
+        press = hostile_arguments.press()
+        monkeypatch.setattr(hostile_arguments, "calls", lambda: {name: (of_link(press), lambda: {"link": "slide"})})
+    elif name == "Geared":
+        name = "drives.Geared"
+    monkeypatch.setitem(hostile_arguments.ODD, "odd", value)
+    assert judge(name, argument, "odd") is None
+
+
+def of_link(press):
+    return lambda link: pp.inverse_dynamics(press, hostile_arguments.motion(), [pp.PointForce(link, (0.0, 0.0, 1.0))])
+
+
+def test_an_error_that_cannot_be_printed_is_named():
+    assert errors.said(KeyError("a")) == "KeyError: 'a'"
+    assert errors.said(RuntimeError()) == "RuntimeError"

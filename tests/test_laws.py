@@ -5,9 +5,11 @@ import math
 import re
 import warnings
 
+import large_linkages
 import numpy as np
 import pytest
 import texts
+from test_massless import without_mass
 from time_limit import _limit  # noqa: F401 (a fixture)
 
 import pinpress as pp
@@ -292,3 +294,99 @@ def test_a_law_that_fails_is_not_taken_for_a_missing_steady_state(press):
     drive = Own(above(25.0, fails), timed=True, state=(0.0,), rates=lambda w, a, t, s: (1.0 - s[0],))
     with pytest.raises(pp.SimulationError, match=r"Own: torque at speed 2\d\.\d* rad/s.*cannot be worked out: ZeroDivisionError"):
         pp.steady_state(press, 8.0, drive, START["flywheel"])
+
+
+# ------------------------------------------------------------------------------------------------------------------- inverse dynamics
+
+
+class QuietError(Exception):
+    """Of a caller who has not thought of its message."""
+
+    def __str__(self):
+        raise ValueError("no message")
+
+
+@pytest.fixture(scope="module")
+def motion(press):
+    return pp.cycle(press, 8.0, points=12)
+
+
+def of_motion(law):
+    return [pp.PointForce("slide", lambda motion: law(np.ones((12, 3))))]
+
+
+def on_the_way_down(law):
+    return [Push(lambda h, v: law(np.asarray(h)))]
+
+
+def in_time(law):
+    return [loads.TimeForce(lambda time: law(np.asarray(time)))]
+
+
+KINDS = {
+    "load on 'slide': force": of_motion,
+    "Push: force": on_the_way_down,
+    "TimeForce: force": in_time,
+}
+
+
+def logarithm(x):
+    return np.where(x < math.inf, 1.0, np.log(0.0 * x))
+
+
+@pytest.mark.parametrize("what", KINDS)
+def test_a_load_that_fails_over_a_motion(press, motion, what):
+    for error, said in (
+        (ZeroDivisionError("a table ends here"), "a table ends here"),
+        (QuietError(), "without a message"),
+    ):
+
+        def law(x, error=error):
+            raise error
+
+        with pytest.raises(pp.PinpressError, match=f"{what}.* cannot be worked out: {type(error).__name__}: {said}") as caught:
+            pp.inverse_dynamics(press, motion, KINDS[what](law))
+        assert caught.value.__cause__ is error
+
+
+@pytest.mark.parametrize("what", KINDS)
+def test_a_load_that_answers_what_is_no_force(press, motion, what):
+    for answer in (None, "much", 1j, 10**5000, math.nan, np.ones(7)):
+        with pytest.raises(pp.PinpressError, match=what):
+            pp.inverse_dynamics(press, motion, KINDS[what](lambda x, answer=answer: answer))
+
+
+def test_a_load_without_stretches(press, motion):
+    class Broken(Push):
+        def stretches(self, downwards):
+            raise KeyError("no such table")
+
+    with pytest.raises(pp.PinpressError, match=r"Broken: stretches\(True\) cannot be worked out: KeyError: 'no such table'"):
+        pp.inverse_dynamics(press, motion, [Broken(None)])
+
+
+@pytest.mark.parametrize("what", KINDS)
+def test_warnings_of_a_load_over_a_motion_are_the_callers(press, motion, what):
+    with pytest.warns(RuntimeWarning, match="divide by zero"):
+        pp.inverse_dynamics(press, motion, KINDS[what](logarithm))
+    with warnings.catch_warnings(), np.errstate(divide="ignore"):
+        warnings.simplefilter("error")
+        pp.inverse_dynamics(press, motion, KINDS[what](logarithm))
+
+
+def test_warnings_of_a_load_over_many_speeds_are_the_callers(press):
+    """At operating points, where loads are multiplied, too."""
+    for make in (of_motion, on_the_way_down):
+        (unit,) = make(logarithm)
+        with pytest.warns(RuntimeWarning, match="divide by zero"):
+            pp.operating_points(press, [5.0, 6.0], [1.0, 2.0], unit, points=12)
+        with pytest.raises(pp.PinpressError, match=r"(slide'|Push): force.* cannot be worked out: ZeroDivisionError: a table ends here$"):
+            pp.operating_points(press, [5.0, 6.0], [1.0, 2.0], make(fails)[0], points=12)
+
+
+def test_a_law_that_fails_is_not_taken_for_missing_mass():
+    """A crank and a rod without mass leave no inertia at the dead centres; the load ends long before one of these is met."""
+    light = large_linkages.load(without_mass(texts.shipped("crank_slide").text.decode(), "crank", "rod"))
+    load = Push(lambda h, v: fails(h) if np.max(np.abs(v)) > 1.2 else 100.0 + 0.0 * h)
+    with pytest.raises(pp.SimulationError, match=r"Push: force at height 0\.15 m, .* cannot be worked out: ZeroDivisionError.*\(time"):
+        pp.simulate(light, 0.05, speed=20.0, angle=4.0, loads=[load])

@@ -516,9 +516,9 @@ def test_load_of_the_callers_own():
     height, slope = crank_slide(ANGLES)
     close(loaded - idle, np.where(height <= 0.002, -5e5 * slope, 0.0))
     for force, problem in (
-        (lambda h, v: np.ones(2), r"Cushion: its force has shape \(2,\), for scenarios"),
-        (lambda h, v: 0.0 * h + math.nan, "Cushion: force is not finite"),
-        (lambda h, v: 1.0 if np.ndim(h) == 0 else np.ones(3), "Cushion: force of .* heights has shape"),
+        (lambda h, v: np.ones(2), r"Cushion: force at height 0.002 m, velocity 0 m/s has shape \(2,\); give \(\)"),
+        (lambda h, v: 0.0 * h + math.nan, "Cushion: force at height .* is nan; give finite numbers"),
+        (lambda h, v: 1.0 if np.ndim(h) == 0 else np.ones(3), r"Cushion: force has shape \(3,\); give \(\d+,\), as many as"),
     ):
         with pytest.raises(pp.PinpressError, match=problem):
             pp.inverse_dynamics(press, motion, [Cushion(force)])
@@ -624,9 +624,9 @@ def test_bad_load_of_inverse_dynamics():
         pp.inverse_dynamics(press, standing, [TimeForce(piling)])
     with pytest.raises(pp.PinpressError, match=r"TimeForce: force has shape \(3,\); give \(6,\)"):
         pp.inverse_dynamics(press, motion, [TimeForce(lambda time: np.ones(3))])
-    with pytest.raises(pp.PinpressError, match="TimeForce: force is not finite"):
+    with pytest.raises(pp.PinpressError, match="TimeForce: force at time 0 s is nan; give finite numbers"):
         pp.inverse_dynamics(press, motion, [TimeForce(lambda time: np.full(6, NAN))])
-    with pytest.raises(pp.PinpressError, match="TimeForce: force is not a number or an array of numbers"):
+    with pytest.raises(pp.PinpressError, match="TimeForce: force is 'strong'; give finite numbers"):
         pp.inverse_dynamics(press, motion, [TimeForce(lambda time: "strong")])
     with pytest.raises(pp.PinpressError, match="give a PointForce, a SpringDamper, a process load"):
         pp.inverse_dynamics(press, motion, [Piling])
