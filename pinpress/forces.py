@@ -157,9 +157,10 @@ def _refuse_scenarios(name: str, stretch: Stretch) -> None:
 
 
 def _in_time(load: TimeForce, motion: "Motion") -> Array:
-    force = numbers("TimeForce: force", load.force(motion.time))
-    if force.shape not in ((), motion.time.shape):
-        raise PinpressError(f"TimeForce: force has shape {force.shape}; give {motion.time.shape}, as the time has")
+    for times in (motion.time[:1], motion.time):  # values that no time was asked for would pass where they are as many as the states
+        force = numbers("TimeForce: force", load.force(times))
+        if force.shape not in ((), times.shape):
+            raise PinpressError(f"TimeForce: force of {len(times)} times has shape {force.shape}; give {times.shape}, as the time has")
     return np.broadcast_to(force, motion.time.shape)
 
 

@@ -33,12 +33,15 @@ ValueAndSlope = Callable[[Numbers], tuple[ComplexArray, ComplexArray]]
 
 @runtime_checkable
 class CrankMotion(Protocol):
-    """What is needed to know of a crank: angle [rad] and speed [rad/s], (n,) each. A `Motion` is one."""
+    """What is needed to know of a crank: angle [rad] and speed [rad/s], (n,) each, and the turns of a period. A `Motion` is one."""
 
     @property
     def crank_angle(self) -> Numbers: ...
     @property
     def crank_speed(self) -> Numbers: ...
+    @property
+    def period_turns(self) -> int | None:
+        """Turns of the crank after which the linkage is where it was; None where it never is."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -101,8 +104,6 @@ def step_time(motion: CrankMotion) -> complex:
 def step_angle(motion: CrankMotion) -> float:
     """Crank angle from state to state [rad] of one period at constant speed, with its sign.
 
-    A `Motion` knows how many turns of the crank its linkage takes to be back; of other motions it is as many as there are.
-
     Raises:
         PinpressError: the motion is no such period.
     """
@@ -115,7 +116,9 @@ def step_angle(motion: CrankMotion) -> float:
     if len(angle) < 3 or not np.all(np.isfinite(angle) & np.isfinite(speed)):
         raise PinpressError(f"the motion has fewer than three states, or one that is not finite: {remedy}")
     made = float(angle[-1] - angle[0])
-    turns = getattr(motion, "period_turns", None) or max(1, round(abs(made) * len(angle) / (len(angle) - 1) / (2 * np.pi)))
+    turns = motion.period_turns
+    if turns is None:
+        raise PinpressError(f"the linkage of the motion has no period after which all is where it was: {remedy}")
     period = math.copysign(2 * np.pi * turns, made)
     if np.abs(np.diff(angle, append=angle[0] + period) - period / len(angle)).max() > UNEQUAL:
         whole = "one turn" if turns == 1 else f"a period, {turns} turns"

@@ -17,8 +17,8 @@ SAME = 1e-9  # of a range: values that differ by less differ by rounding
 
 @runtime_checkable
 class SlideMotion(CrankMotion, Protocol):
-    """What is needed to know of a motion: crank, and position [m], velocity [m/s] and acceleration [m/s2] of the slide along its guide's
-    axis, (n,) each. A `Motion` is one; the arrays may be complex."""
+    """What is needed to know of a motion: crank angle [rad] and speed [rad/s], (n,) each, the crank's turns in a period, and position [m],
+    velocity [m/s] and acceleration [m/s2] of the slide along its guide's axis, (n,) each. A `Motion` is one; the arrays may be complex."""
 
     @property
     def slide_position(self) -> Numbers: ...

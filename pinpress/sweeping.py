@@ -5,6 +5,7 @@ import os
 import pickle
 from collections.abc import Callable, Mapping
 from concurrent.futures import Executor, ProcessPoolExecutor
+from functools import partial
 
 from .arguments import typed
 from .errors import PinpressError, shown
@@ -136,5 +137,5 @@ def _check_sendable(function: Function, grid: Grid) -> None:
 
 def _name(function: object) -> str:
     """The function's own name, of a partial the name of what it calls."""
-    inner = getattr(function, "func", function)
+    inner = function.func if isinstance(function, partial) else function
     return str(getattr(inner, "__qualname__", type(inner).__qualname__))

@@ -14,6 +14,7 @@ class SlideTurn:
     slide_position: np.ndarray
     slide_velocity: np.ndarray
     slide_acceleration: np.ndarray
+    period_turns: int = 1
 
 
 def turn(states, points, speed, begin=0.0):

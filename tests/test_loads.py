@@ -459,6 +459,15 @@ def test_piling_of_the_thesis_as_a_function_of_time(engine):
     assert constant.bearing_force["P4"][:, 2] - idle.bearing_force["P4"][:, 2] == pytest.approx(-1250.0, abs=1e-7)
 
 
+@pytest.mark.parametrize("count", [2, 12, 24])
+def test_numbers_that_are_as_many_as_the_states_are_no_force_in_time(count):
+    """A function that does not look at the time has as many values for any states."""
+    press = shipped("crank_slide")
+    motion = pp.cycle(press, 7.0, 24)
+    with pytest.raises(pp.PinpressError, match="TimeForce: force"):
+        pp.inverse_dynamics(press, motion, [TimeForce(lambda time: 1e3 * np.arange(1.0, count + 1))])
+
+
 def test_edges_are_sorted():
     assert TimeForce(piling, [0.3, 0.1, 0.2, 0.1]).edges == (0.1, 0.2, 0.3)
     assert TimeForce(piling).edges == ()
@@ -622,7 +631,7 @@ def test_bad_load_of_inverse_dynamics():
     motion, standing = pp.cycle(press, SPEED, points=6), pp.cycle(press, [1.0, -1.0], angle=[0.0, 1.0], acceleration=0.0)
     with pytest.raises(pp.PinpressError, match="no motion in time"):
         pp.inverse_dynamics(press, standing, [TimeForce(piling)])
-    with pytest.raises(pp.PinpressError, match=r"TimeForce: force has shape \(3,\); give \(6,\)"):
+    with pytest.raises(pp.PinpressError, match=r"TimeForce: force of 1 times has shape \(3,\); give \(1,\)"):
         pp.inverse_dynamics(press, motion, [TimeForce(lambda time: np.ones(3))])
     with pytest.raises(pp.PinpressError, match="TimeForce: force at time 0 s is nan; give finite numbers"):
         pp.inverse_dynamics(press, motion, [TimeForce(lambda time: np.full(6, NAN))])

@@ -360,3 +360,11 @@ def test_a_linkage_that_locks_after_more_than_a_turn_has_no_cycle(folder):
     for ask in (pp.dead_centres, lambda press: pp.cycle(press, SPEED), lambda press: pp.cycle(press, -SPEED)):
         with pytest.raises(pp.SingularityError, match="the linkage locks"):
             ask(press)
+
+
+def test_a_turn_of_a_press_that_never_comes_back_is_not_measured(tmp_path):
+    """One turn of its crank ends where it began, the second is another one."""
+    press = period_presses.five_bar(0.5**0.5, tmp_path)
+    turn = pp.cycle(press, 1.0, angle=np.arange(360) * (2 * np.pi / 360))
+    with pytest.raises(pp.PinpressError, match="the linkage of the motion has no period after which all is where it was"):
+        pp.measures.stroke(turn)
