@@ -14,7 +14,7 @@ from .overlays import traced
 from .reactions import inverse_dynamics
 from .run import Run
 from .scene_words import DRIVES, LOADS, keys
-from .simulation import simulate
+from .simulation import METHODS, simulate
 from .simulation_summary import simulation_summary, stroke_columns
 from .steady import steady_state
 from .tables import write_csv
@@ -50,7 +50,7 @@ def add(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None
     add("--load", metavar="KIND:KEYS", action="append", default=[], help="process load, see below; may be given several times")
     add("--clutch", metavar="KEYS", help="between flywheel and crank, see below")
     add("--brake", metavar="KEYS", help="on the crank, see below")
-    add("--method", choices=("reduced", "constraint"), default="reduced", help="how to compute (default: the fast one)")
+    add("--method", choices=METHODS, default="auto", help="how to compute (default: %(default)s, the fast one)")
     add("--step", type=float, metavar="S", help="fixed step of integration, in s (default: steps by error)")
     add("--tolerance", type=float, default=1e-11, metavar="T", help="of the error of a step, relative (default: %(default)g)")
     add("--points", type=int, metavar="N", help="states in the results (default: 120 a turn, at least 120)")
@@ -138,7 +138,7 @@ def run(options: argparse.Namespace) -> int:
 
 
 def _refuse_beside_steady(options: argparse.Namespace) -> None:
-    for name, absent in (("clutch", None), ("brake", None), ("step", None), ("method", "reduced")):
+    for name, absent in (("clutch", None), ("brake", None), ("step", None), ("method", "auto")):
         if getattr(options, name) != absent:
             raise PinpressError(f"--{name} does not go with --steady: leave it out, or give --duration in place of --steady")
     if options.speed == 0:
