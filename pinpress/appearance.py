@@ -13,10 +13,11 @@ from .coordinates import Array
 from .errors import PinpressError
 from .linkage import Linkage
 from .plain_shapes import plain_parts
-from .shapes import Box, Cylinder, Part, Shape, Sphere, part
+from .shapes import Box, Cylinder, Mesh, Part, Shape, Sphere, part
 from .urdf import Element
 
 UNPAINTED = (0.62, 0.65, 0.69, 1.0)  # a visual without a colour
+MOST_SHAPES, MOST_TRIANGLES = 5000, 1_000_000  # of all links together: a page with more hardly opens in a browser
 SHAPES = "<mesh>, <box>, <cylinder> and <sphere>"
 
 
@@ -47,19 +48,38 @@ def bodies(press: Linkage, joint_position: Array) -> tuple[Body, ...]:
 
     Raises:
         PinpressError: joint positions of wrong shape or not finite; a visual that is not finite or of no size, or whose mesh cannot be
-            read.
+            read; more visuals or triangles than a page can show.
     """
     travel = _travel(press, joint_position)
     robot = urdf.tree(press.file, press.text.decode("utf-8-sig").encode())
     colours = _materials(robot)
-    drawn = {link.get("name"): tuple(_visuals(press.file, link, colours)) for link in robot.all("link")}
-    drawn = {name: parts for name, parts in drawn.items() if parts}
+    drawn = _drawn(press.file, robot, colours)
     made = plain_parts(press, travel, drawn.keys())
     return tuple(
         Body(name, press.model.getFrameId(name, pin.BODY), drawn.get(name) or made[name], name in drawn)
         for name in press.links
         if name in drawn or made.get(name)
     )
+
+
+def _drawn(file: str, robot: Element, colours: Mapping[str, Array]) -> dict[str, tuple[Part, ...]]:
+    """The visuals of the links that have any, by their names; counted as they are read, so that too many never are in memory."""
+    drawn, shapes, triangles = {}, 0, 0
+    for link in robot.all("link"):
+        parts = []
+        for each in _visuals(file, link, colours):
+            parts.append(each)
+            shapes += 1
+            triangles += len(each.shape.faces) if isinstance(each.shape, Mesh) else 0
+            for count, most, what in ((shapes, MOST_SHAPES, "visuals"), (triangles, MOST_TRIANGLES, "triangles")):
+                if count > most:
+                    name = link.get("name")
+                    raise PinpressError(
+                        f"link {name!r}: with it there are more than {most} {what} to be drawn; leave some out, or give coarser meshes"
+                    )
+        if parts:
+            drawn[link.get("name")] = tuple(parts)
+    return drawn
 
 
 def _travel(press: Linkage, joint_position: Array) -> Array:

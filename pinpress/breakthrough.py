@@ -171,7 +171,8 @@ def permissible_breakthrough(
         raise PinpressError("reverse_force, stiffness and mass are not numbers of one length: give (n,) or one number each") from None
     if given[0].ndim != 1:
         raise PinpressError(f"reverse_force, stiffness and mass have shape {given[0].shape} together: give (n,) or one number each")
-    more = (damping_ratio, break_time, clearance)
+    shared = {"damping_ratio": damping_ratio, "break_time": break_time, "clearance": clearance}
+    more = [number(name, value) for name, value in shared.items()]
     found = np.array([_permissible(float(r), float(k), float(m), *more) for r, k, m in zip(*given, strict=True)])
     found.setflags(write=False)
     return found
@@ -190,7 +191,7 @@ def _permissible(reverse: float, stiffness: float, mass: float, damping_ratio: f
 
     def excess(force: float) -> float:
         case = _case(force, stiffness, mass, damping_ratio, break_time, clearance)
-        return max(0.0, -case.stiffness * (_lowest(stretches(_resolved(case))) + case.clearance)) - reverse
+        return max(0.0, -case.stiffness * (_lowest(stretches(_resolved(case), pressed=False)) + case.clearance)) - reverse
 
     low = reverse / GROWTH  # without damping, and at once, the reverse load is the force; else it is less
     while excess(high := GROWTH * low) < 0.0:

@@ -26,7 +26,7 @@ from .forces import Load, PointForce, SpringDamper
 from .frozen import Frozen, FrozenMapping
 from .linkage import Linkage
 from .motion import RPM, Motion, cycle
-from .single_numbers import numbers
+from .single_numbers import LARGEST, numbers
 
 WINDOW = np.radians(6.0)  # on both sides of the rigid bottom dead centre, in which the elastic one is looked for [rad]
 NODES = 24  # of the polynomials in it
@@ -230,6 +230,8 @@ def _speeds(speed: ArrayLike) -> Array:
     speeds = np.atleast_1d(numbers("speed", speed))
     if speeds.ndim != 1 or not len(speeds):
         raise PinpressError(f"speed has shape {speeds.shape}: give (S,) speeds of the crank [rad/s]")
+    if not np.abs(speeds).max() <= LARGEST:
+        raise PinpressError(f"speed is {np.abs(speeds).max():g}: give rad/s, {LARGEST:g} at most")
     return speeds
 
 

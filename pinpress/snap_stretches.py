@@ -79,6 +79,17 @@ class Stretch:
             [carried + fade * (c * cos + d * sin), rate + fade * ((damped * d - decay * c) * cos - (damped * c + decay * d) * sin)]
         )
 
+    def pressed(self, span: float) -> float:
+        """For how long within the span x is positive whatever the phase of the vibration, in touch with a spring that is slack at 0."""
+        from scipy.optimize import brentq
+
+        decay, _, c, d = self._wave
+
+        def least(s: float) -> float:  # concave, so that it is positive up to a time, or to the end
+            return float(self._carried(s)[0] - math.hypot(c, d) * math.exp(-decay * s))
+
+        return span if least(span) > 0.0 else float(brentq(least, 0.0, span)) if least(0.0) > 0.0 else 0.0
+
     def acceleration(self, s: float) -> float:
         """x'' [m/s2]."""
         if self.slack is None:
@@ -98,14 +109,18 @@ class Stretch:
         return [float(s) for s in np.arange(first, span, np.pi / damped)]
 
 
-def stretches(case: Release) -> Iterator[tuple[Stretch, float]]:
+def stretches(case: Release, pressed: bool = True) -> Iterator[tuple[Stretch, float]]:
     """Stretches of at most half a period and how long they last, until the force is gone, the slide has turned round below and `PERIODS`
-    are over."""
+    are over; ``pressed``: from the start, or not before the slide might leave the spring, which most of a slow drop is before."""
     period = 2 * np.pi / case.frequency
     end, t, turned = case.break_time + PERIODS * period, 0.0, False
     x, v = case.force / case.stiffness, 0.0
     side = 1  # 1: pressed, 0: in flight, -1: pulled
     slope = -case.force / case.break_time if case.break_time else 0.0
+    if not pressed and case.break_time:
+        first = Stretch(case, 0.0, x, v, case.force, slope, 0.0)
+        t = 0.5 * period * max(0, int(first.pressed(case.break_time) / (0.5 * period)) - 1)  # one fewer, far from rounding
+        x, v = (float(number) for number in first.at(t))
     for _ in range(MOST):
         dropping = t < case.break_time
         a = case.force * (1 - t / case.break_time) if dropping else 0.0

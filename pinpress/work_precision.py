@@ -22,7 +22,7 @@ from .errors import PinpressError, shown
 from .linkage import Linkage
 from .measurements import SCENES, Accuracy
 from .motion import MOST_POINTS, RPM
-from .single_numbers import number, whole_number
+from .single_numbers import LARGEST, SMALLEST, number, positive, whole_number
 
 TURNS = 2.0  # of the runs
 HEAVY = 4.0  # times the linkage's largest reduced inertia: a flywheel that carries it on
@@ -62,8 +62,8 @@ def accuracy(
     if len(press.drivers) > 1:
         raise PinpressError(f"{press.name} has {len(press.drivers)} drivers: accuracy is measured of a linkage with one")
     speed = number("speed", speed)
-    if speed == 0:
-        raise PinpressError("speed is 0: give the speed of the crank [rad/s], e.g. 70 * pinpress.RPM")
+    if not SMALLEST <= abs(speed) <= LARGEST:
+        raise PinpressError(f"speed is {speed:g}: give the speed of the crank [rad/s], e.g. 70 * pinpress.RPM")
     for name, value, most in (("points", points, MOST_POINTS), ("repeats", repeats, 1000)):
         whole_number(name, value, 1 + (name == "points"), most)
     if flywheel is not None and not isinstance(flywheel, Flywheel):
@@ -73,9 +73,9 @@ def accuracy(
         if flywheel is None
         else number("the flywheel's inertia", flywheel.inertia)
     )
-    lasting = TURNS * 2 * np.pi / abs(speed) if duration is None else number("duration", duration, positive=True)
-    if isinstance(scenes, str) or not set(scenes) <= set(SCENES):
-        raise PinpressError(f"scenes are {scenes!r}: give some of {', '.join(map(repr, SCENES))}")
+    lasting = TURNS * 2 * np.pi / abs(speed) if duration is None else positive("duration", duration, "s")
+    if isinstance(scenes, str) or not all(isinstance(scene, str) and scene in SCENES for scene in scenes):
+        raise PinpressError(f"scenes are {shown(scenes)}: give some of {', '.join(map(repr, SCENES))}")
     found, skipped = peers.find(press)
     solvers, missing = peers.solvers(press)
     made, unmade = _scenes(press, scenes, speed, inertia, lasting)

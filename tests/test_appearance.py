@@ -22,6 +22,7 @@ from random_linkages import drawn, linkages
 from spatial_linkages import bennett, bricard, four_bar
 
 import pinpress as pp
+from pinpress import appearance
 from pinpress.appearance import bodies
 from pinpress.shapes import Box, Cylinder, Mesh, Sphere
 
@@ -288,6 +289,24 @@ def test_real_meshes_as_pinocchio_loads_them(suffix: str, tmp_path: Path, monkey
         press.model, press.text.decode(), pin.GeometryType.VISUAL, package_dirs=[str(share)]
     ).geometryObjects
     same_shape(part.shape, visual.geometry)
+
+
+def test_too_many_visuals_in_all(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    box = VISUAL.format('<box size="1 1 1"/>', "")
+    monkeypatch.setattr(appearance, "MOST_SHAPES", 3)
+    assert len(shown_rotor(rotor(tmp_path, 3 * box)).parts) == 3
+    with pytest.raises(pp.PinpressError, match="link 'rotor': with it there are more than 3 visuals to be drawn; leave some out"):
+        shown_rotor(rotor(tmp_path, 4 * box))
+
+
+def test_too_many_triangles_in_all(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Each mesh has few; what comes after the one that is too many is not read."""
+    (tmp_path / "m.stl").write_bytes(stl())
+    one, missing = (VISUAL.format(f'<mesh filename="{name}"/>', "") for name in ("m.stl", "missing.stl"))
+    monkeypatch.setattr(appearance, "MOST_TRIANGLES", 2 * len(SIDES))
+    assert len(shown_rotor(rotor(tmp_path, 2 * one)).parts) == 2
+    with pytest.raises(pp.PinpressError, match="more than 8 triangles to be drawn; leave some out, or give coarser meshes"):
+        shown_rotor(rotor(tmp_path, 3 * one + missing))
 
 
 BROKEN = {

@@ -8,7 +8,9 @@ from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 
 import pinpress as pp
+from pinpress import snap_stretches
 from pinpress.breakthrough import permissible_breakthrough, snap_through
+from pinpress.snap_stretches import Release, stretches
 
 F, K, M = 1.25e6, 6e8, 2600.0
 W = np.sqrt(K / M)
@@ -137,6 +139,34 @@ def test_permissible_force():
     force = permissible_breakthrough(1.5e5, K, M, 0.04, 2e-3, 3e-4)[0]
     assert snap_through(force, K, M, 0.04, 2e-3, 3e-4).reverse_force == pytest.approx(1.5e5, rel=1e-9)
     assert snap_through(0.9 * force, K, M, 0.04, 2e-3, 3e-4).reverse_force < 1.5e5
+
+
+@pytest.mark.parametrize("zeta", [0.0, 0.05, 0.9])
+@pytest.mark.parametrize("turns", [0.3, 2.3, 30.7])
+def test_what_is_passed_over_of_a_slow_drop_is_above_rest(zeta, turns):
+    """The slide stays pressed there, and what follows is the same."""
+    case = Release(F, K, M, zeta, turns * PERIOD, 1e-4)
+    every, some = (list(stretches(case, pressed=pressed)) for pressed in (True, False))
+    passed = len(every) - len(some)
+    assert passed >= 2 * turns - 3
+    for stretch, span in every[:passed]:
+        assert stretch.slack == 0.0
+        assert stretch.at(np.linspace(0.0, span, 50))[0].min() > 0.0
+    for (one, span), (other, same) in zip(every[passed:], some, strict=True):
+        # counts of roundings: of a phase of 30 turns, through edges that are met at a shallow angle
+        np.testing.assert_allclose(
+            (one.start + span, one.x, one.v / W), (other.start + same, other.x, other.v / W), rtol=1e-8, atol=1e-11 * F / K
+        )
+
+
+def test_a_slow_drop_is_not_followed_wave_by_wave(monkeypatch):
+    """Of 225 periods, with some 150 forces tried."""
+    looked = []
+    leaving = snap_stretches._leaving
+    monkeypatch.setattr(snap_stretches, "_leaving", lambda *given: looked.append(1) or leaving(*given))
+    force = permissible_breakthrough(1e4, 1e9, 500.0, 0.05, 1.0, 1e-4)[0]
+    assert 150 < len(looked) < 10_000
+    assert snap_through(force, 1e9, 500.0, 0.05, 1.0, 1e-4).reverse_force == pytest.approx(1e4, rel=1e-9)
 
 
 def test_tables(tmp_path):

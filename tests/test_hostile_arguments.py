@@ -62,6 +62,10 @@ def test_what_was_wrong_once():
                 ("film", "frames_per_second", "span"),
                 ("accuracy", "progress", "infs"),
                 ("arrangements.cancelled", "orders", "span"),
+                ("dead_centre_shift", "speed", "huges"),
+                ("permissible_breakthrough", "clearance", "cube"),
+                ("accuracy", "duration", "tiny"),
+                ("accuracy", "speed", "tiny"),
                 ("measures.pressure_angle", "axis", "huges"),
             ]
         )
