@@ -116,8 +116,8 @@ def as_run(
     error = energy_error(kinetic, potential, *works)
     if not math.isfinite(float(error.max()) + float(acceleration.sum())):
         raise PinpressError(f"the motion of {press.name} is too fast for floating point: lower speeds and forces")
-    unknown = _rounding(plan, times, motion, reading.own) / energy_size(kinetic, potential, *works)
-    if allowed is not None and error.max() > allowed + unknown:
+    size = energy_size(kinetic, potential, *works)
+    if allowed is not None and error.max() > allowed and error.max() > allowed + _rounding(plan, times, motion, reading.own) / size:
         worst = int(error.argmax())
         raise SimulationError(UNBALANCED, float(times[worst]), float(np.ravel(motion.crank_angle[worst])[0]))
     if several:
@@ -159,10 +159,11 @@ def _rounding(plan: Plan, times: Array, motion: Motion, own: Array) -> float:
     drive = plan.scene.drive
     if not isinstance(drive, Drive) or drive.state:
         return 0.0
-    torque = [
-        np.asarray(drive.torque(own * share, motion.crank_angle * share, times)) for share in (1 - ROUNDINGS * EPS, 1 + ROUNDINGS * EPS)
-    ]
-    return float(np.trapezoid(np.abs((torque[1] - torque[0]) * own), times))
+    changed = []
+    for at in zip(own.tolist(), motion.crank_angle.tolist(), times.tolist(), strict=True):
+        below, above = (drive.torque(at[0] * share, at[1] * share, at[2]) for share in (1 - ROUNDINGS * EPS, 1 + ROUNDINGS * EPS))
+        changed.append(abs(float(np.ravel(above - below)[0]) * at[0]))
+    return float(np.trapezoid(changed, times))
 
 
 def _torques(plan: Plan, speed: Array) -> Array:

@@ -233,7 +233,7 @@ def law(gain: float) -> Case:
         f"speed wanted less torque by gain, the time by quadrature, {ALLOWED:.0e} rad",
         lambda method: run(method, drive=SpeedLaw(gain, SPEED)),
         ends_at(expected),
-        ("auto", "implicit", "constraint") if gain < 1e11 else ("auto", "implicit"),
+        ("auto", "implicit", "constraint") if gain < 1e10 else ("auto", "implicit"),
         lambda method: run(method, drive=SpeedLaw(1e3, SPEED)),
     )
 

@@ -631,7 +631,7 @@ def test_bad_load_of_inverse_dynamics():
     motion, standing = pp.cycle(press, SPEED, points=6), pp.cycle(press, [1.0, -1.0], angle=[0.0, 1.0], acceleration=0.0)
     with pytest.raises(pp.PinpressError, match="no motion in time"):
         pp.inverse_dynamics(press, standing, [TimeForce(piling)])
-    with pytest.raises(pp.PinpressError, match=r"TimeForce: force of 1 times has shape \(3,\); give \(1,\)"):
+    with pytest.raises(pp.PinpressError, match=r"TimeForce: force has shape \(3,\); give \(1,\)"):
         pp.inverse_dynamics(press, motion, [TimeForce(lambda time: np.ones(3))])
     with pytest.raises(pp.PinpressError, match="TimeForce: force at time 0 s is nan; give finite numbers"):
         pp.inverse_dynamics(press, motion, [TimeForce(lambda time: np.full(6, NAN))])
