@@ -634,7 +634,7 @@ def test_bad_load_of_inverse_dynamics():
     with pytest.raises(pp.PinpressError, match=r"TimeForce: force has shape \(3,\); give \(1,\)"):
         pp.inverse_dynamics(press, motion, [TimeForce(lambda time: np.ones(3))])
     with pytest.raises(pp.PinpressError, match="TimeForce: force at time 0 s is nan; give finite numbers"):
-        pp.inverse_dynamics(press, motion, [TimeForce(lambda time: np.full(6, NAN))])
+        pp.inverse_dynamics(press, motion, [TimeForce(lambda time: NAN + 0.0 * time)])
     with pytest.raises(pp.PinpressError, match="TimeForce: force is 'strong'; give finite numbers"):
         pp.inverse_dynamics(press, motion, [TimeForce(lambda time: "strong")])
     with pytest.raises(pp.PinpressError, match="give a PointForce, a SpringDamper, a process load"):
