@@ -7,6 +7,7 @@ holds its speed so hard that it forgets a disturbance within microseconds.
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -19,7 +20,7 @@ from .linkage import Linkage
 from .loads import Blanking, ElasticDie
 from .measurements import CLUTCH, DIE, FREE_RUN, SPEED_LAW
 from .motion import RPM
-from .process_load import ProcessLoad
+from .process_load import ProcessLoad, Stretch
 from .reduced import COORDINATES
 
 RATED = 1485 * RPM  # speed of the motor [rad/s]
@@ -77,6 +78,28 @@ class Scene:
     clutch: Clutch | None = None
     loads: Sequence[ProcessLoad] = ()
     certifying: tuple[str, str] = ("constraint", "implicit")
+
+    @property
+    def inertia(self) -> float:
+        """Of flywheel and drive on the crank's shaft [kg m2]."""
+        return float(self.flywheel.inertia) + (0.0 if self.drive is None else float(self.drive.inertia))
+
+    def push(self, height: float, rate: float) -> float:
+        """Force of the loads on the slide, upwards [N], at a height above bottom dead centre [m] that rises at a rate [m/s]."""
+        force = 0.0
+        for stretch in self._falling if rate < 0 else self._rising:
+            if stretch.lower < height <= stretch.upper:
+                pushed = float(stretch.force(height, rate))
+                force += max(pushed, 0.0) if stretch.one_sided else pushed
+        return force
+
+    @cached_property
+    def _falling(self) -> tuple[Stretch, ...]:
+        return tuple(stretch for load in self.loads for stretch in load.stretches(True))
+
+    @cached_property
+    def _rising(self) -> tuple[Stretch, ...]:
+        return tuple(stretch for load in self.loads for stretch in load.stretches(False))
 
 
 def free_run(speed: float, flywheel: float, duration: float) -> Scene:

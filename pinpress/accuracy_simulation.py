@@ -84,15 +84,17 @@ def contest(press: Linkage, scene: Scene, peers: "Sequence[Peer]", solvers: "Seq
             for method in ("reduced", "constraint")
             for n in STEPS
         ]
-    for peer in peers if scene.group == FREE_RUN else ():
+    skipped = []
+    for peer in (peer for peer in peers if peer.steps):
+        if scene.group in peer.left_out:
+            skipped.append(f"{peer.name} is left out in the {scene.group}: {peer.left_out[scene.group]}")
+            continue
         for step in (step * turn / PACE for step in peer.steps):
-            work = partial(peer.free_run, scene.angle, scene.speed, float(scene.flywheel.inertia), scene.duration, step)
+            if scene.group == FREE_RUN:
+                work = partial(peer.free_run, scene.angle, scene.speed, float(scene.flywheel.inertia), scene.duration, step)
+            else:
+                work = partial(peer.run, scene, step)
             entries.append(Contestant(scene.group, peer.name, f"step {1e3 * step:.3g} ms", step, work, of_peer))
-    skipped = (
-        []
-        if scene.group == FREE_RUN
-        else [f"{peer.name} is left out in the {scene.group}: it runs freely alone" for peer in peers if peer.steps]
-    )
     for solver in solvers:
         if scene.group in solver.left_out:
             skipped.append(f"{solver.name} is left out in the {scene.group}: {solver.left_out[scene.group]}")

@@ -25,6 +25,9 @@ STARTS = 1e-9  # acceleration of a press that stands, beside that by the loads t
 AT_REST = 1e-9  # crank speed, beside the run's largest, at which a stop is one
 STALLED = "the press stalls: it comes to rest, and the load holds it there against the drive"
 
+Split = tuple[Any, float, tuple[float, ...]]
+"""The instant, speed of the drive's shaft, the drive's states."""
+
 
 @dataclass(frozen=True, eq=False)
 class Machine:
@@ -39,7 +42,7 @@ class Machine:
         """The vector at the start."""
         return np.concatenate([position, speed, states, ledgers])
 
-    def split(self, y: Array) -> tuple[Any, float, tuple[float, ...]]:
+    def split(self, y: Array) -> Split:
         """The instant, speed of the drive's shaft, the drive's states."""
         n = self.dynamics.size
         instant = self.dynamics.at(y[:n], y[n : 2 * n])
@@ -150,10 +153,10 @@ class Machine:
 
     def switches(self, modes: Modes, time: float, y: Array) -> dict[Switch, float]:
         """Switching functions: positive in these modes; where one falls below zero the modes change."""
-        instant, own, _ = self.split(y)
+        state = instant, own, _ = self.split(y)
         found: dict[Switch, float] = {}
         if modes.standing:
-            return found | self._starts(modes, time, y) | self._line_switches(modes, time, y)
+            return found | self._line_switches(modes, time, y, state) | self._starts(modes, time, y)
         for k, (force, place) in enumerate(zip(self.forces, modes.places, strict=True)):
             if place is None:
                 continue
@@ -169,11 +172,11 @@ class Machine:
                 found[Switch("contact", k)] = law if place.pushing else -law
         for k, (corner, side) in enumerate(zip(self.corners, modes.sides, strict=True)):
             found[Switch("corner", k)] = side * (own - corner)
-        return found | self._line_switches(modes, time, y)
+        return found | self._line_switches(modes, time, y, state)
 
-    def _line_switches(self, modes: Modes, time: float, y: Array) -> dict[Switch, float]:
-        """Switching functions of clutch and brake."""
-        instant, own, _ = self.split(y)
+    def _line_switches(self, modes: Modes, time: float, y: Array, state: Split) -> dict[Switch, float]:
+        """Switching functions of clutch and brake; ``state``: the vector, split."""
+        instant, own, _ = state
         found: dict[Switch, float] = {}
         for which, friction, grip, relative in (
             ("clutch", self.line.clutch, modes.line.clutch, own - instant.speed),
@@ -188,7 +191,7 @@ class Machine:
             if grip.state == SLIPPING:
                 found[Switch("grips", which)] = grip.sign * relative
             elif grip.state == HOLDING:
-                found[Switch("slips", which)] = grip.capacity(friction, time) - abs(self._held(modes, time, y, which))
+                found[Switch("slips", which)] = grip.capacity(friction, time) - abs(self._held(modes, time, y, which, state))
         return found
 
     def _starts(self, modes: Modes, time: float, y: Array) -> dict[Switch, float]:
@@ -197,29 +200,31 @@ class Machine:
             return {}
         n, free = self.dynamics.size, {}
         for way in (1, -1):
-            free[way] = self._accelerated(self._looking(modes, *self.dynamics.moved(y[:n], way * LITTLE), moving=False), time, y)[0]
+            free[way] = self._accelerated(
+                self._looking(modes, *self.dynamics.moved(y[:n], way * LITTLE), moving=False), time, self.split(y)
+            )[0]
         more = STARTS * abs(free[-1] - free[1])
         return {Switch("starts", 1): more - free[1], Switch("starts", -1): more + free[-1]}
 
-    def _held(self, modes: Modes, time: float, y: Array, which: str) -> float:
+    def _held(self, modes: Modes, time: float, y: Array, which: str, state: Split) -> float:
         """Torque that a holding clutch or brake transmits: the clutch to the crank along, the brake against the positive direction."""
-        instant, own, states = self.split(y)
+        instant, own, states = state
         torque = float(self.line.drive_torque(own, instant.angle, time, states))
         if which == "clutch":
-            free, _ = self._accelerated(modes, time, y)
+            free, _ = self._accelerated(modes, time, state)
             return torque if modes.line.brake.state == HOLDING else torque - self.line.inertia * free
         n, needed = self.dynamics.size, []
         ways = (1.0, -1.0) if any(force.rising is not force.falling for force in self.forces) else (0.0,)
         for way in ways:
             tried = self._looking(modes, *self.dynamics.moved(y[:n], way * LITTLE), moving=False) if way else modes
-            free, pushed = self._accelerated(tried, time, y)
+            free, pushed = self._accelerated(tried, time, self.split(y))  # anew: looking elsewhere has moved the linkage
             needed.append(free / (pushed - free))  # the torque that leaves the crank at rest
         # at rest a load of one direction takes anything up to its force: it is the least that the brake has to hold
         return 0.0 if min(needed) <= 0 <= max(needed) else min(needed, key=abs)
 
-    def _accelerated(self, modes: Modes, time: float, y: Array) -> tuple[float, float]:
+    def _accelerated(self, modes: Modes, time: float, state: Split) -> tuple[float, float]:
         """The crank's acceleration, and that under 1 N m more."""
-        instant, own, states = self.split(y)
+        instant, own, states = state
         forces = self._forces(modes, time, instant)[0]
         through, braking = self._transmitted(modes.line, time, instant.speed, own)
         rigid = modes.line.clutch.state == HOLDING
@@ -370,11 +375,11 @@ class Machine:
                 y[n : 2 * n] = 0.0
             grip = grip._replace(state=HOLDING)
         else:
-            held = self._held(modes, time, y, which)
+            held = self._held(modes, time, y, which, self.split(y))
             grip = grip._replace(state=SLIPPING, sign=1 if held > 0 else -1)
         modes = modes._replace(line=modes.line._replace(**{which: grip}))
         if switch.what == "grips":
-            held = self._held(modes, time, y, which)
+            held = self._held(modes, time, y, which, self.split(y))
             if abs(held) > grip.capacity(friction, time):  # it cannot hold: it slips on, the other way
                 grip = grip._replace(state=SLIPPING, sign=1 if held > 0 else -1)
                 modes = modes._replace(line=modes.line._replace(**{which: grip}))

@@ -11,7 +11,8 @@ import numpy as np
 import pytest
 
 import pinpress as pp
-from pinpress import peers
+from pinpress import accuracy_scenes, peers
+from pinpress.measurements import DIE, SPEED_LAW
 from pinpress.peers.six_bar_equation import reduced
 
 SPEED = 70 * pp.RPM  # [rad/s]
@@ -195,6 +196,30 @@ def test_a_step_too_long_is_said_or_seen(presses, made, kind, step, capfd, tmp_p
     made(kind, "zxn2_3000b").inverse_dynamics(turn(10), SPEED)
     assert capfd.readouterr().out == ""
     assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize(
+    ("kind", "group", "coarse", "bounds"),
+    [  # of angle [rad] and forces (of their peak) at a quarter of the step
+        ("Mujoco", DIE, 4e-3, (1e-5, 1e-5)),
+        ("Exudyn", DIE, 2e-3, (2e-5, 1e-5)),
+        ("Exudyn", SPEED_LAW, 4e-3, (1e-4, 1e-4)),
+    ],
+)
+def test_at_work(presses, made, kind, group, coarse, bounds):
+    """Under a motor and against a die, or under a stiff law; steps that run over the edges of a load lose their order there."""
+    press, peer = presses("zxn2_3000b"), made(kind, "zxn2_3000b")
+    scene = accuracy_scenes.build(press, group, SPEED, 1360.0, 1.0)
+    run = pp.simulate(press, 1.0, scene.speed, scene.angle, scene.drive, scene.flywheel, scene.loads)
+    reactions = pp.inverse_dynamics(press, run)
+    peak = max(np.linalg.norm(force[1:], axis=1).max() for force in reactions.bearing_force.values())
+    errors = []
+    for step in (coarse, coarse / 4):
+        end = peer.run(scene, step)
+        forces = max(np.abs(end.force[name] - reactions.bearing_force[name][-1]).max() for name in press.bearings)
+        errors.append((abs(end.crank_angle - run.crank_angle[-1]), forces / peak))
+    assert all(fine < bound for fine, bound in zip(errors[1], bounds, strict=True))
+    assert all(fine < rough / 2 for rough, fine in zip(*errors, strict=True))
 
 
 def program(name):

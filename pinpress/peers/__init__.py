@@ -10,7 +10,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import partial
 from importlib import import_module
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING, ClassVar, Protocol
 
 import numpy as np
 
@@ -65,12 +65,16 @@ class Peer(Protocol):
     Attributes:
         name: of the program, with its version.
         inverse: whether it has inverse dynamics of its own to be compared.
-        steps: fixed steps worth measuring in a free run of some turns at 70 strokes/min, largest first; none where it cannot run [s].
+        steps: fixed steps worth measuring in a run of some turns at 70 strokes/min, largest first; none where it cannot run [s].
+        left_out: group of a scene, beside the free run, that it is not for -> why.
     """
 
     name: str
     inverse: bool
     steps: tuple[float, ...]
+
+    @property
+    def left_out(self) -> Mapping[str, str]: ...
 
     def inverse_dynamics(self, angle: Array, speed: float) -> Answer:
         """One turn at constant speed, or a part of one, without process loads, weights included.
@@ -92,6 +96,9 @@ class Peer(Protocol):
         Raises:
             PinpressError: the peer finds no answer, or cannot run.
         """
+
+    def run(self, scene: "Scene", step: float) -> End:
+        """Let the press run through a scene that is not ``left_out``; as `free_run`."""
 
 
 class Solver(Protocol):
@@ -118,6 +125,7 @@ class HandScript:
     name = "hand script"
     inverse = True
     steps: tuple[float, ...] = ()
+    left_out: ClassVar[Mapping[str, str]] = {}
 
     def __init__(self, press: Linkage) -> None:
         """
@@ -140,6 +148,10 @@ class HandScript:
     def free_run(self, angle: float, speed: float, inertia: float, duration: float, step: float) -> End:
         """Not in the script: see `steps`."""
         raise PinpressError("the hand script has no free run: it has no steps")
+
+    def run(self, scene: "Scene", step: float) -> End:
+        """Not in the script: see `steps`."""
+        raise PinpressError("the hand script has no runs: it has no steps")
 
 
 def find(press: Linkage) -> tuple[tuple[Peer, ...], tuple[str, ...]]:

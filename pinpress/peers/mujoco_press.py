@@ -15,13 +15,21 @@ Bearing forces: of the open tree by `mj_rnePostConstraint` (``cfrc_int``), plus 
 squared loop forces, not pinpress's.
 """
 
+from collections.abc import Callable, Mapping
+from dataclasses import replace
+from typing import ClassVar
+
 import mujoco
 import numpy as np
 from mujoco import rollout
 
+from ..accuracy_scenes import Scene
 from ..coordinates import Array, ComplexArray
+from ..dead_centres import dead_centres
 from ..errors import PinpressError, SimulationError
 from ..linkage import Linkage
+from ..measurements import CLUTCH, DIE, SPEED_LAW
+from ..motion import cycle
 from ..sharing import RANK
 from . import Answer, End, steps_of
 from .mujoco_model import compiled
@@ -30,12 +38,22 @@ SAMPLES = 512  # of a turn, walked when the model is made: where Newton's method
 CLOSED = 1e-11  # [m, rad] largest last Newton step; the Jacobian is of the state before it
 MOST_NEWTON_STEPS = 12
 STATE = mujoco.mjtState.mjSTATE_FULLPHYSICS
+Effort = Callable[[Array, Array], Array | float]  # of joint coordinates and rates (nv,)
+
+
+def free(x: Array, v: Array) -> float:
+    """No effort."""
+    return 0.0
 
 
 class Mujoco:
     """A `pinpress.peers.Peer`; see the module."""
 
     inverse, how = True, " + NumPy"
+    left_out: ClassVar[Mapping[str, str]] = {
+        CLUTCH: "its steps do not end where a clutch grips",
+        SPEED_LAW: "its steps are stable only below the time in which the law forgets",
+    }
     steps: tuple[float, ...] = (2e-2, 1e-2, 5e-3, 2.5e-3, 1e-3, 5e-4)
 
     def __init__(self, press: Linkage) -> None:
@@ -75,23 +93,53 @@ class Mujoco:
 
     def free_run(self, angle: float, speed: float, inertia: float, duration: float, step: float) -> End:
         """See `Peer`; classical Runge-Kutta steps, the loops closed after each."""
+        return self._run(angle, speed, inertia, duration, step, free)
+
+    def run(self, scene: Scene, step: float) -> End:
+        """See `Peer`; the same steps, over the edges of loads too."""
+        return self._run(scene.angle, scene.speed, scene.inertia, scene.duration, step, self._working(scene))
+
+    def _run(self, angle: float, speed: float, inertia: float, duration: float, step: float, effort: Effort) -> End:
         x, v = self._start(angle, speed, inertia)
         begin, count = self._energies(x, v), steps_of(duration, step)
         h = duration / count
+
+        def acceleration(x: Array, v: Array) -> Array:
+            return self._acceleration(x, v, effort(x, v))
+
         for _ in range(count):
-            a1 = self._acceleration(x, v)
+            a1 = acceleration(x, v)
             v2 = v + 0.5 * h * a1
-            a2 = self._acceleration(x + 0.5 * h * v, v2)
+            a2 = acceleration(x + 0.5 * h * v, v2)
             v3 = v + 0.5 * h * a2
-            a3 = self._acceleration(x + 0.5 * h * v2, v3)
+            a3 = acceleration(x + 0.5 * h * v2, v3)
             v4 = v + h * a3
-            a4 = self._acceleration(x + h * v3, v4)
+            a4 = acceleration(x + h * v3, v4)
             x, v = x + h / 6 * (v + 2 * v2 + 2 * v3 + v4), v + h / 6 * (a1 + 2 * a2 + 2 * a3 + a4)
             if not np.isfinite(x).all():
                 raise SimulationError(f"{self.name} does not keep {self._press.name} together: give a shorter step")
             closed, columns = self._closed(x[[self._driver]], x[None])
             x, v = closed[0], self._rates(columns, np.zeros(columns.shape[:2]), v[self._driver])[0]
-        return self._end(x, v, begin)
+        end = self._end(x, v, begin, effort(x, v))
+        return end if effort is free else replace(end, energy_error=None)
+
+    def _working(self, scene: Scene) -> Effort:
+        """Efforts of the drive on its joint, and of the loads on that of the slide."""
+        press, states = self._press, cycle(self._press, points=2, speed=1.0)
+        joint = next(j for j in range(len(press.joints)) if not press.spatial.axes[j].turns)
+        (first, second), at = states.slide_position, states.joint_position[:, joint]
+        along = float(np.sign((second - first) / (at[1] - at[0])))
+        zero = float(first - along * at[0]) - dead_centres(press).bottom_position
+        drive = scene.drive
+
+        def effort(x: Array, v: Array) -> Array:
+            result = np.zeros(len(x))
+            if drive is not None:
+                result[self._driver] = float(drive.torque(float(v[self._driver])))
+            result[joint] = along * scene.push(zero + along * float(x[joint]), along * float(v[joint]))
+            return result
+
+        return effort
 
     def _start(self, angle: float, speed: float, inertia: float) -> tuple[Array, Array]:
         """Joint coordinates and rates (nv,) at the start of a free run, the flywheel put on."""
@@ -101,8 +149,8 @@ class Mujoco:
         x, columns = self._closed(at, self._predicted(at))
         return x[0], self._rates(columns, np.zeros(columns.shape[:2]), speed)[0]
 
-    def _end(self, x: Array, v: Array, begin: tuple[float, float]) -> End:
-        a, columns = self._acceleration(x, v), self._columns()
+    def _end(self, x: Array, v: Array, begin: tuple[float, float], effort: Array | float = 0.0) -> End:
+        a, columns = self._acceleration(x, v, effort), self._columns()
         gap = max((float(np.linalg.norm(self._data.site_xpos[i] - self._data.site_xpos[j])) for i, j in self._ends), default=0.0)
         kinetic, potential = self._energies(x, v)
         _, force = self._efforts(x[None], v[None], a[None], columns[None])
@@ -223,8 +271,8 @@ class Mujoco:
                     end = press.model.parents[end]
         return torque, force
 
-    def _acceleration(self, x: Array, v: Array) -> Array:
-        """(nv,) without torque, from the equations of motion and of the loops together."""
+    def _acceleration(self, x: Array, v: Array, effort: Array | float = 0.0) -> Array:
+        """(nv,) under efforts (nv,), from the equations of motion and of the loops together."""
         model, data = self._model, self._data
         self._load(x, v)
         sites = np.empty((1, len(self._sites), 6))
@@ -235,7 +283,7 @@ class Mujoco:
         mujoco.mj_rne(model, data, 0, bias)
         system[:nv, :nv] = self._inertia()
         system[nv:, :nv], system[:nv, nv:] = columns, columns.T
-        right = -np.concatenate([bias, drift])
+        right = np.concatenate([effort - bias, -drift])
         if self._square:
             return np.asarray(np.linalg.solve(system, right)[:nv])
         return np.asarray(np.linalg.lstsq(system, right, rcond=RANK)[0][:nv])
@@ -257,6 +305,7 @@ class MujocoSteps(Mujoco):
     """The same, its free runs by MuJoCo's own `mj_step` with RK4 and soft loops as stiff as the step allows."""
 
     inverse, how = False, ", mj_step"
+    left_out: ClassVar[Mapping[str, str]] = {**Mujoco.left_out, DIE: "its loops are softer than the die"}
     steps: tuple[float, ...] = (2e-3, 1e-3, 5e-4, 2e-4, 1e-4)
 
     def free_run(self, angle: float, speed: float, inertia: float, duration: float, step: float) -> End:
