@@ -9,7 +9,7 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import ArrayLike
 
-from . import caller_laws
+from . import caller_laws, plausibility
 from .coordinates import Array
 from .errors import PinpressError, UnknownNameError, shown
 from .friction import REST
@@ -135,17 +135,30 @@ def _in_height(load: ProcessLoad, press: "Linkage", motion: "Motion") -> Array:
     stretches = [(downwards, stretch) for downwards in (True, False) for stretch in load.stretches(downwards)]
     if not stretches:  # an idle press needs no datum
         return force
-    height, velocity = motion.joint_position[:, guide] + (offset - datum(load, press)), motion.v[:, guide]
+    zero = datum(load, press)
+    height, velocity = motion.joint_position[:, guide] + (offset - zero), motion.v[:, guide]
     # In a dead centre the speed is rounding, which must not decide.
     down = velocity < -REST * press.spatial.size * np.abs(motion.crank_speed).max()
+    acts = False
     for downwards, stretch in stretches:
         _refuse_scenarios(name, stretch)
         inside = np.flatnonzero((down == downwards) & (stretch.lower < height) & (height <= stretch.upper))
+        acts |= len(inside) > 0
         law = numbers(f"{name}: force", stretch.force(height[inside], velocity[inside]))
         if law.shape not in ((), inside.shape):
             raise PinpressError(f"{name}: force of {inside.shape} heights has shape {law.shape}; give the same")
         force[inside] = np.maximum(law, 0.0) if stretch.one_sided else law
+    low, high = (-math.inf, math.inf) if acts else _turning_points(press)
+    plausibility.heights(name, [stretch for _, stretch in stretches], low - zero, high - zero, press.spatial.size)
     return force
+
+
+def _turning_points(press: "Linkage") -> tuple[float, float]:
+    """Slide positions of bottom and top dead centre; no ends at all where there are none."""
+    try:
+        return press.dead_centres.bottom_position, press.dead_centres.top_position
+    except PinpressError:
+        return -math.inf, math.inf
 
 
 def _refuse_scenarios(name: str, stretch: Stretch) -> None:

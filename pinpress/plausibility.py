@@ -1,12 +1,17 @@
-"""Arguments that are legal, but hardly meant: speeds in another unit, columns of a servo motion that do not fit together."""
+"""Arguments that are legal, but hardly meant: speeds and heights in another unit, columns of a servo motion that do not fit together."""
+
+import math
+from collections.abc import Sequence
 
 import numpy as np
 
 from .coordinates import Array
 from .errors import caution
+from .process_load import Stretch
 
 FASTEST = 1000.0  # crank or motor of a press [rad/s], 9549 r/min
 AMISS = 0.05  # part of a motion by which its columns may miss each other
+FAR = 10.0  # lengths of the linkage: no process load reaches so high, or ends so deep
 RPM = 2 * np.pi / 60
 
 
@@ -15,6 +20,26 @@ def speeds(name: str, values: Array | float) -> None:
     fastest = float(np.abs(values).max(initial=0.0))
     if fastest > FASTEST:
         caution(f"{name} is {fastest:g} rad/s, {fastest / RPM:g} r/min: if r/min are meant, write {fastest:g} * pinpress.RPM")
+
+
+def heights(load: str, stretches: Sequence[Stretch], low: float, high: float, size: float) -> None:
+    """Warn of a process load that acts nowhere on the slide's stroke, or ends far off the linkage: its heights may be in mm.
+
+    Args:
+        load: its name. stretches: both ways. low, high: ends of the stroke, as heights above the load's datum [m]; infinite where they are
+            not known. size: length of the linkage [m].
+    """
+    if not stretches:
+        return
+    lowest, highest = min(stretch.lower for stretch in stretches), max(stretch.upper for stretch in stretches)
+    said = f"{load} acts from {lowest:g} to {highest:g} m above its datum"
+    remedy = "give heights and datum in m"
+    stroke = high - low
+    # that a die or stop lies a little too low for the slide to meet it may be meant
+    if math.isfinite(stroke) and all(stretch.lower >= high or stretch.upper < low - stroke for stretch in stretches):
+        caution(f"{said}, nowhere on the slide's stroke, which goes from {low:g} to {high:g} m: {remedy}")
+    elif math.isfinite(highest - lowest) and max(abs(lowest), abs(highest)) > FAR * size:  # without ends it acts everywhere, as is meant
+        caution(f"{said}, far off a linkage of {size:g} m: {remedy}")
 
 
 def servo_motion(angle: Array, speed: Array, acceleration: Array | None, time: Array | None) -> None:

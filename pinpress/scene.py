@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from . import caller_laws, forces
+from . import caller_laws, forces, plausibility
 from .dead_centres import dead_centres
 from .drives import Drive, Flywheel, PrescribedSpeed
 from .errors import PinpressError, SimulationError, shown
@@ -144,7 +144,9 @@ def _process(press: Linkage, load: ProcessLoad) -> Acting | None:
     row = _slide(press)
     if not rising and not falling:
         return None
-    datum = _bottom(press, load) if load.datum is None else load.datum
+    low, high = _turning_points(press, load)
+    datum = low if load.datum is None else load.datum
+    plausibility.heights(caller_laws.name(load), [*rising, *falling], low - datum, high - datum, press.spatial.size)
     least = THIN * press.spatial.size
     for stretch in (*rising, *falling):
         if stretch.upper - stretch.lower < least:
@@ -167,10 +169,16 @@ def _same(some: tuple[Stretch, ...], others: tuple[Stretch, ...]) -> bool:
     return [key(stretch) for stretch in some] == [key(stretch) for stretch in others]
 
 
-def _bottom(press: Linkage, load: ProcessLoad) -> float:
-    """Slide position of bottom dead centre."""
-    name = caller_laws.name(load)
+def _turning_points(press: Linkage, load: ProcessLoad) -> tuple[float, float]:
+    """Slide positions of bottom and top dead centre; of a slide without them, which a load with a datum does not need, no ends at all.
+
+    Raises:
+        PinpressError: there is no bottom dead centre to measure the load's heights from.
+    """
+    name, everywhere = caller_laws.name(load), (-math.inf, math.inf)
     if len(press.drivers) > 1 or press.passage.period is None:
+        if load.datum is not None:
+            return everywhere
         raise PinpressError(
             f"{name}: {press.name} does not turn fully with one driver, so that there is no bottom dead centre to measure heights from;"
             " give datum=, a slide position [m]"
@@ -178,11 +186,14 @@ def _bottom(press: Linkage, load: ProcessLoad) -> float:
     try:
         table, row = press.table, COORDINATES + _slide(press)
     except SimulationError:  # its shafts do not come back together: no table, but dead centres all the same
-        return dead_centres(press).bottom_position
+        return everywhere if load.datum is not None else (dead_centres(press).bottom_position, dead_centres(press).top_position)
     turns = roots(table, row, 0.0, slope=True)
+    if not len(turns) and load.datum is not None:
+        return everywhere
     if not len(turns):
         raise PinpressError(f"{name}: the slide of {press.name} does not turn back; give datum=, a slide position [m]")
-    return float(carried(press, turns, 1.0).slide_position.min())  # exact, for stiff dies
+    position = carried(press, turns, 1.0).slide_position  # exact, for stiff dies
+    return float(position.min()), float(position.max())
 
 
 def _point(press: Linkage, load: PointForce, row: int) -> tuple[Coordinate | None, Acting | None]:

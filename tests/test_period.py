@@ -133,11 +133,11 @@ def test_bottom_dead_centre_of_loads(press):
     """Heights of process loads, in simulations too, are above the lowest point of all turns."""
     from pinpress.loads import Piling
     from pinpress.process_load import datum
-    from pinpress.scene import _bottom
+    from pinpress.scene import _turning_points
 
     lowest = -peak(-everywhere(press).motion.slide_position)
     assert abs(datum(Piling(1.0, 0.1), press) - lowest) < PARABOLA
-    assert abs(_bottom(press, Piling(1.0, 0.1)) - lowest) < PARABOLA
+    assert abs(_turning_points(press, Piling(1.0, 0.1))[0] - lowest) < PARABOLA
 
 
 # What is read off the states

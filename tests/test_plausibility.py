@@ -6,11 +6,13 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import texts
 from exploring import examples
 from hypothesis import given
 from hypothesis import strategies as st
 
 import pinpress as pp
+from pinpress import loads
 
 URDF = Path(__file__).resolve().parent.parent / "urdf"
 CRANK_SLIDE = (URDF / "crank_slide.urdf").read_text(encoding="utf-8")
@@ -156,6 +158,50 @@ def test_sensible_presses_are_never_warned_of(tmp_path, stroke, ratio, strokes, 
         again = pp.cycle(press, turn.crank_speed, angle=turn.crank_angle, acceleration=0.0, time=turn.time)
         pp.inverse_dynamics(press, again)
         pp.simulate(press, 1e-3, strokes * pp.RPM, points=3)
+
+
+# Process loads
+
+
+IN_MM = {
+    "blanking": loads.Blanking(1e5, 10.0, 5.0),
+    "blanking, thin": loads.Blanking(1e5, 0.9, 0.4),
+    "table": loads.ForceStroke([0.0, 10.0, 20.0], [0.0, 1e5, 2e5]),
+    "piling, datum": loads.Piling(1e5, 0.008, datum=-500.0),
+    "datum": loads.DeepDrawing(1e5, 0.02, datum=-500.0),
+}
+
+
+@pytest.mark.parametrize("name", IN_MM)
+def test_heights_in_mm_are_warned_of(press, name):
+    said = f"{type(IN_MM[name]).__name__} acts from .* m above its datum, .*: give heights and datum in m"
+    for ask in (
+        lambda: pp.inverse_dynamics(press, pp.cycle(press, 7.0, 36), [IN_MM[name]]),
+        lambda: pp.simulate(press, 0.05, 7.0, flywheel=pp.Flywheel(1e4), loads=[IN_MM[name]]),
+    ):
+        with pytest.warns(pp.PinpressWarning, match=said) as caught:
+            ask()
+        assert {warning.filename for warning in caught} == {__file__}
+
+
+@examples(10)
+@given(height=st.floats(1e-5, 0.1999), thin=st.floats(0.01, 0.99), datum=st.booleans())
+def test_loads_on_the_stroke_are_never_warned_of(height, thin, datum):
+    """Nor is a stop beneath the slide's way, or one that is always pressed upon."""
+    press = texts.shipped("crank_slide")
+    place = press.dead_centres.bottom_position if datum else None
+    given = [
+        loads.Blanking(1e3, height, thin * height, datum=place),
+        loads.DeepDrawing(1e3, height, datum=place),
+        loads.Piling(1e3, height, datum=place),
+        loads.ElasticDie(-height, 1e3, datum=place),
+        loads.ElasticDie(50 * height, 1e3, datum=place),
+        loads.ForceStroke([thin * height, height], [0.0, 1e3], datum=place),
+    ]
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        pp.inverse_dynamics(press, pp.cycle(press, 7.0, 12), given)
+        pp.simulate(press, 1e-3, 7.0, flywheel=pp.Flywheel(1e4), loads=given, points=3)
 
 
 # Motions
