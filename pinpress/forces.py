@@ -222,5 +222,6 @@ def place(press: "Linkage", link: str, point: ArrayLike, what: str, name: str) -
     position = numbers(f"{what}: {name}", point)
     if position.shape != (3,):
         raise PinpressError(f"{what}: {name} has shape {position.shape}; give x, y, z in the link's frame [m]")
+    plausibility.point(f"{what}: {name}", position, press.spatial.size)
     frame = press.model.frames[press.model.getFrameId(link, pin.BODY)]
     return frame.parentJoint, frame.placement.act(position)

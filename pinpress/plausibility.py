@@ -11,7 +11,8 @@ from .process_load import Stretch
 
 FASTEST = 1000.0  # crank or motor of a press [rad/s], 9549 r/min
 AMISS = 0.05  # part of a motion by which its columns may miss each other
-FAR = 10.0  # lengths of the linkage: no process load reaches so high, or ends so deep
+FAR = 10.0  # lengths of the linkage: nothing of a press is so far off
+MILLI = 1e-3
 RPM = 2 * np.pi / 60
 
 
@@ -40,6 +41,13 @@ def heights(load: str, stretches: Sequence[Stretch], low: float, high: float, si
         caution(f"{said}, nowhere on the slide's stroke, which goes from {low:g} to {high:g} m: {remedy}")
     elif math.isfinite(highest - lowest) and max(abs(lowest), abs(highest)) > FAR * size:  # without ends it acts everywhere, as is meant
         caution(f"{said}, far off a linkage of {size:g} m: {remedy}")
+
+
+def point(name: str, position: Array, size: float) -> None:
+    """Warn of a point (3,) in a link's frame that is far off a linkage of that ``size`` [m], and in mm would be on it, or near."""
+    distance = float(np.abs(position).max())
+    if FAR * size < distance <= FAR * size / MILLI:
+        caution(f"{name} is {distance:g} m from its link's origin, far off a linkage of {size:g} m: give x, y, z in m")
 
 
 def servo_motion(angle: Array, speed: Array, acceleration: Array | None, time: Array | None) -> None:

@@ -184,6 +184,23 @@ def test_heights_in_mm_are_warned_of(press, name):
         assert {warning.filename for warning in caught} == {__file__}
 
 
+@pytest.mark.parametrize(
+    ("load", "said"),
+    [
+        (pp.PointForce("rod", (0.0, 0.0, 1e3), (200.0, 0.0, 0.0)), "load on 'rod': point is 200 m from its link's origin"),
+        (pp.SpringDamper("frame", "slide", 1e4, point1=(0.0, 0.0, 600.0)), "spring between 'frame' and 'slide': point1 is 600 m"),
+    ],
+)
+def test_points_in_mm_are_warned_of(press, load, said):
+    for ask in (
+        lambda: pp.inverse_dynamics(press, pp.cycle(press, 7.0, 36), [load]),
+        lambda: pp.simulate(press, 1e-3, 7.0, flywheel=pp.Flywheel(1e4), loads=[load]),
+    ):
+        with pytest.warns(pp.PinpressWarning, match=said) as caught:
+            ask()
+        assert {warning.filename for warning in caught} == {__file__}
+
+
 @examples(10)
 @given(height=st.floats(1e-5, 0.1999), thin=st.floats(0.01, 0.99), datum=st.booleans())
 def test_loads_on_the_stroke_are_never_warned_of(height, thin, datum):
