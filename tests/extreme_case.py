@@ -6,6 +6,7 @@ or method. "It did not crash" is none.
 
 import atexit
 import math
+import re
 import tempfile
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -80,6 +81,7 @@ def short(error: BaseException) -> str:
     angle = getattr(error, "crank_angle", None)
     at = "" if angle is None else f" at {math.degrees(angle):.6g} deg"
     said = error.problem if isinstance(error, pp.UrdfError) else str(error).split("; ")[0].split(" (")[0]
+    said = re.sub(r"\S*[/\\](?=\w+\.urdf)", "", said)  # where a text was written to is not what happens
     return f"{type(error).__name__}{at}: {said if len(said) < 60 else said[:57] + '...'}"
 
 
