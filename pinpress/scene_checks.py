@@ -10,7 +10,7 @@ import numpy as np
 
 from . import caller_laws, laws
 from .drives import Drive
-from .errors import PinpressError, shown
+from .errors import PinpressError, said, shown
 from .loads import ProcessLoad, Stretch, TimeForce
 from .single_numbers import any_numbers, is_number
 
@@ -98,4 +98,4 @@ def _asked(what: str, ask: Callable[[], Any]) -> Any:
     except PinpressError:
         raise
     except Exception as error:
-        raise PinpressError(f"{what} cannot be worked out: {type(error).__name__}: {error}") from error
+        raise PinpressError(f"{what} cannot be worked out: {said(error)}") from error

@@ -1,7 +1,8 @@
 """Loads on the links of a press whose geometry changes, and the derivatives of their forces.
 
 A constant force does not feel the geometry. A process load is a force over the slide's height and speed, which do: its law is
-differentiated by a complex step, exactly, as its stretches are smooth. No other load is known well enough.
+differentiated by a complex step, exactly, as its stretches are smooth; that of a caller's own load must be found to agree with its
+differences. No other load is known well enough.
 """
 
 from collections.abc import Sequence
@@ -9,15 +10,19 @@ from typing import NamedTuple
 
 import numpy as np
 
+from .caller_laws import OWN_LOADS, LawError
 from .coordinates import Array, ComplexArray
-from .errors import PinpressError, shown
-from .forces import AppliedForce, Load, PointForce, apply
+from .errors import PinpressError, said, shown
+from .forces import AppliedForce, Load, PointForce, apply, asked
 from .friction import REST
 from .linkage import Linkage
-from .loads import ProcessLoad
+from .loads import ProcessLoad, Stretch
 from .motion import Motion
 from .plane import Plane, flat
 from .sensitivities import STEP
+
+DIFFERENCE, ROUGHLY = 1e-5, 1e-3  # share of a range over which a law's slope is taken, and how near that must come
+ANALYTIC = "write it with NumPy's functions that are smooth in complex numbers, without abs, max, real or float"
 
 
 class Push(NamedTuple):
@@ -57,7 +62,7 @@ def pushes(plane: Plane, press: Linkage, motion: Motion, loads: Sequence[Load], 
     """The loads on moving links, where the slide's height and speed have these derivatives (n,)."""
     result = []
     for load in loads:
-        applied = apply([load], press, motion)
+        applied = apply(asked([load]), press, motion)
         braced = not isinstance(load, PointForce)
         for each in applied:
             if each.joint:
@@ -81,6 +86,27 @@ def _turned(load: ProcessLoad, press: Linkage, motion: Motion, height: Array, ve
     for downwards in (True, False):
         for stretch in load.stretches(downwards):
             inside = (down == downwards) & (stretch.lower < above) & (above <= stretch.upper)
-            law = stretch.force(above[inside] + 1j * STEP * height[inside], speed[inside] + 1j * STEP * velocity[inside])
+            at = above[inside], speed[inside]
+            try:
+                law = np.asarray(stretch.force(at[0] + 1j * STEP * height[inside], at[1] + 1j * STEP * velocity[inside]), dtype=complex)
+            except Exception as error:
+                raise LawError(
+                    f"{type(load).__name__}: force of complex numbers cannot be worked out: {said(error)}; {ANALYTIC}"
+                ) from error
+            if type(load) not in OWN_LOADS and inside.any():
+                _refuse_not_analytic(type(load).__name__, stretch, *at)
             result[inside] = np.imag(law) / STEP * ((np.real(law) > 0) if stretch.one_sided else 1.0)
     return result
+
+
+def _refuse_not_analytic(name: str, stretch: Stretch, height: Array, velocity: Array) -> None:
+    """Raise LawError where a caller's force of complex numbers is not that of its derivative: `abs`, say, loses the imaginary part."""
+    for of, a, b in (("height", 1.0, 0.0), ("velocity", 0.0, 1.0)):
+        size = DIFFERENCE * (max(float(np.ptp(height)), DIFFERENCE) if a else max(float(np.abs(velocity).max(initial=0.0)), DIFFERENCE))
+        exact = np.imag(stretch.force(height + 1j * STEP * a, velocity + 1j * STEP * b)) / STEP * np.ones_like(height)
+        above, below = (np.asarray(stretch.force(height + way * a * size, velocity + way * b * size), dtype=float) for way in (1, -1))
+        near = (above - below) / (2 * size)
+        least = DIFFERENCE * float(np.abs(above).max(initial=0.0)) / (size / DIFFERENCE)
+        wrong = np.abs(exact - near) > ROUGHLY * np.maximum(np.abs(exact), np.abs(near)) + least
+        if 2 * wrong.sum() > wrong.size:  # at a kink one or other may differ
+            raise LawError(f"{name}: force of complex numbers does not have its derivative by the {of}; {ANALYTIC}")

@@ -115,7 +115,7 @@ def _array(values: Any) -> Array | str:
         return "truth values, masked values or deeply nested lists"
     try:
         array = np.asarray(values)
-    except (TypeError, ValueError, OverflowError):
+    except Exception:  # whatever a caller's own object raises
         return "ragged lists or something else"
     if array.dtype.kind in _SORTS:
         return _SORTS[array.dtype.kind]

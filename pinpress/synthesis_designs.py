@@ -12,7 +12,7 @@ from .by_bearing import ByBearing
 from .constant_rows import product
 from .coordinates import Array, ComplexArray
 from .force_sensitivities import Balanced
-from .forces import Load, apply
+from .forces import Load, apply, asked
 from .geometry import redrawn
 from .linkage import Linkage
 from .motion import Motion, of_states
@@ -157,7 +157,7 @@ class Design:
 
     @cached_property
     def _wrenches(self) -> Wrenches:
-        applied, bearings = apply(self.start.loads, self.press, self.motion), range(len(self.start.press.bearings))
+        applied, bearings = apply(asked(self.start.loads), self.press, self.motion), range(len(self.start.press.bearings))
         return plane_dynamics.inverse_dynamics(
             self.plane,
             self._bodies,
@@ -180,7 +180,7 @@ class Design:
     def _reactions(self) -> TrialReactions:
         found, press = self._wrenches, self.press
         force, moment = (dict(enumerate(vectors)) for vectors in (found.force, found.moment))
-        shaken = shaking(press, self.motion, force, moment, apply(self.start.loads, press, self.motion))
+        shaken = shaking(press, self.motion, force, moment, apply(asked(self.start.loads), press, self.motion))
         names = press.bearings
         return TrialReactions(found.torque[0], shaken[0], ByBearing(names, found.force), ByBearing(names, found.moment), shaken[1])
 

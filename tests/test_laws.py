@@ -51,7 +51,7 @@ class Own:
 class Push:
     """A load by ``law`` (height, velocity) on a stretch, on the way down."""
 
-    datum = None
+    datum: float | None = None
 
     def __init__(self, law, upper=0.15, lower=0.05):
         self.law, self.upper, self.lower = law, upper, lower
@@ -199,7 +199,7 @@ def above(limit, otherwise):
     return law
 
 
-def fails(w):
+def fails(*_):
     raise ZeroDivisionError("a table ends here")
 
 
@@ -390,3 +390,44 @@ def test_a_law_that_fails_is_not_taken_for_missing_mass():
     load = Push(lambda h, v: fails(h) if np.max(np.abs(v)) > 1.2 else 100.0 + 0.0 * h)
     with pytest.raises(pp.SimulationError, match=r"Push: force at height 0\.15 m, .* cannot be worked out: ZeroDivisionError.*\(time"):
         pp.simulate(light, 0.05, speed=20.0, angle=4.0, loads=[load])
+
+
+# ------------------------------------------------------------------------------------------------------------------------- derivatives
+
+VARIABLES = {"P.crank.x": (0.05, 0.1, 0.2)}
+
+
+def peak(trial):
+    return (trial.reactions.driving_torque**2).sum() / 1e4
+
+
+def synthesised(press, law):
+    load = Push(law, upper=0.3, lower=-0.3)
+    load.datum = -0.4
+    return pp.synthesise(press, VARIABLES, minimise=peak, loads=[load], speed=8.0, points=12)
+
+
+@pytest.mark.parametrize("law", [lambda h, v: 500.0 * abs(h), lambda h, v: 500.0 * np.real(h), lambda h, v: 50.0 * np.abs(v) + 100.0 * h])
+def test_a_law_whose_derivative_is_lost_is_refused(press, law):
+    """Derivatives are taken by complex numbers, of which `abs` and `real` lose the part that tells them."""
+    with pytest.raises(
+        pp.PinpressError, match=r"Push: force of complex numbers does not have its derivative by the (height|velocity); write"
+    ):
+        synthesised(press, law)
+
+
+@pytest.mark.parametrize(
+    "law", [lambda h, v: 500.0 * h**2 - 20.0 * v, lambda h, v: 300.0, lambda h, v: np.where(h > 0.1, 0.0 * h, 9e3 * h)]
+)
+def test_a_law_with_its_derivative_is_taken(press, law):
+    found = synthesised(press, law)
+    assert found.value < found.start_value
+
+
+def test_a_law_that_fails_where_a_press_is_synthesised(press):
+    with pytest.raises(pp.PinpressError, match=r"Push: force at height .* cannot be worked out: ZeroDivisionError: a table ends here"):
+        synthesised(press, fails)
+    with pytest.raises(
+        pp.PinpressError, match=r"Push: force of complex numbers cannot be worked out: ZeroDivisionError: .*; write it with"
+    ):
+        synthesised(press, lambda h, v: fails(h) if np.iscomplexobj(h) else 1.0 * h)
