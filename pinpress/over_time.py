@@ -25,7 +25,7 @@ from .radau import RadauIIA, slopes
 
 EXPLICIT, IMPLICIT, FIXED, BY_STIFFNESS = "explicit", "implicit", "fixed step", "by stiffness"
 WINDOW = 5  # steps over which the pace of a method is measured, after as many in which it finds its step
-SWIFT, SLOW = 0.3, 10.0  # steps beside the shortest time constant, below and above which DOP853 and Radau IIA are the faster one for sure
+SWIFT, SLOW = 1.0, 10.0  # steps beside the shortest time constant, below and above which DOP853 and Radau IIA are the faster one for sure
 DEARER = 1.5  # an evaluation of the implicit method, with what it does between them, beside one of the explicit method
 ASIDE = 1e-3  # of a step from rest: there the crank moves
 LEAST_RELATIVE = 3e-14  # tolerance beside the value itself, the least that SciPy takes: angles grow, their errors must not

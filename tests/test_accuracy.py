@@ -147,6 +147,17 @@ def test_scenes_at_work(group):
     assert any("fixed steps are left out" in line for line in contest.skipped) == (group == SPEED_LAW)
 
 
+@pytest.mark.parametrize("tolerance", [1e-6, 1e-10])
+def test_a_clutch_is_not_stiff(tolerance):
+    """Implicit steps, tried where nothing is stiff, took up to twice the evaluations of the whole run."""
+    press = texts.shipped("zxn2_3000b")
+    scene = accuracy_scenes.build(press, CLUTCH, SPEED, 1360.0, 4 * math.pi / SPEED)
+    run = pp.simulate(
+        press, scene.duration, 0.0, scene.angle, scene.drive, scene.flywheel, scene.loads, clutch=scene.clutch, tolerance=tolerance
+    )
+    assert run.stats.solvers == ("explicit",)
+
+
 @pytest.mark.exhaustive
 @pytest.mark.parametrize("group", [CLUTCH, DIE, SPEED_LAW])
 def test_tolerances_of_scenes_at_work(alone, group):
