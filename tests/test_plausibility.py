@@ -285,6 +285,14 @@ def test_columns_of_several_drivers_are_looked_at_one_by_one(tmp_path):
         pp.cycle(press, **both)
 
 
+def test_a_coarse_motion_that_is_fastest_between_its_states_is_sensible(press):
+    """sin t before and after t = 0: the trapezoidal rule misses an eighth of the way, which the accelerations say it may."""
+    time = np.array([-0.6, 0.6])
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        pp.cycle(press, np.cos(time), angle=np.sin(time), acceleration=-np.sin(time), time=time)
+
+
 def test_an_acceleration_that_is_left_out_of_a_servo_motion_is_warned_of(press):
     motion = dwell(30)
     del motion["acceleration"]
