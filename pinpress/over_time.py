@@ -25,7 +25,8 @@ from .radau import RadauIIA, slopes
 
 EXPLICIT, IMPLICIT, FIXED, BY_STIFFNESS = "explicit", "implicit", "fixed step", "by stiffness"
 WINDOW = 5  # steps over which the pace of a method is measured, after as many in which it finds its step
-SWIFT, SLOW = 1.0, 10.0  # steps beside the shortest time constant, below and above which DOP853 and Radau IIA are the faster one for sure
+SWIFT, SLOW = 1.0, 10.0  # steps beside the shortest time constant, below and above which DOP853 and Radau IIA are hardly the slower one
+LONG, LESS_SWIFT = 200, 0.3  # steps after which a run is long enough to try Radau IIA at shorter ones too
 DEARER = 1.5  # an evaluation of the implicit method, with what it does between them, beside one of the explicit method
 ASIDE = 1e-3  # of a step from rest: there the crank moves
 LEAST_RELATIVE = 3e-14  # tolerance beside the value itself, the least that SciPy takes: angles grow, their errors must not
@@ -289,13 +290,13 @@ class Pacer:
     def __init__(self) -> None:
         self.using = EXPLICIT
         self.cost: dict[str, float] = {}  # evaluations a second of the run
-        self.taken, self.interval = 0, 4 * WINDOW
+        self.taken, self.interval, self.steps = 0, 4 * WINDOW, 0
         self.since: tuple[float, int] | None = None
 
     def changes(self, time: float, evaluations: int, swiftness: Callable[[], float]) -> bool:
         """Whether the other method is to go on after a step; ``evaluations``: of the method in use so far; ``swiftness``: the step beside
         the shortest time constant."""
-        self.taken += 1
+        self.taken, self.steps = self.taken + 1, self.steps + 1
         if self.taken == WINDOW:
             self.since = time, evaluations
         if self.taken == 2 * WINDOW and self.since is not None and time > self.since[0]:
@@ -307,8 +308,9 @@ class Pacer:
         if not self.cost.get(self.using, math.inf) > self.cost.get(other, math.inf):
             if self.taken < self.interval:
                 return False
-            self.interval *= 2
-            if (swiftness() < SWIFT) if self.using == EXPLICIT else (swiftness() > SLOW):
+            self.interval = max(2 * self.interval, self.taken) if self.steps >= LONG else self.interval + 4 * WINDOW
+            swift = SWIFT if self.steps < LONG else LESS_SWIFT
+            if (swiftness() < swift) if self.using == EXPLICIT else (swiftness() > SLOW):
                 return False
         self.using, self.taken, self.since = other, 0, None
         return True
