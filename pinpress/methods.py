@@ -141,9 +141,8 @@ def by_crank(
     if plan.line.clutch is None and plan.line.inertia < 0 and not least > 0:
         raise scene.not_positive(least, None, where)
     prescribed = isinstance(plan.scene.drive, PrescribedSpeed)
-    over_angle_too = (
-        not plan.timed and step is None and least > 0 and (prescribed or not implicit)
-    )  # without mass it may stay between dead centres
+    over_time_alone = plan.timed or step is not None or (implicit and not prescribed)
+    over_angle_too = not over_time_alone and least > 0  # without mass it may stay between dead centres
     segments: list[Segment] = []
     if over_angle_too:
         found, stop = turning.run(plan.scene, plan.table, plan.edges, state, until, 0.1 * tolerance, progress)
@@ -214,6 +213,8 @@ def _swinging(plan: Plan, machine: "Machine", stepped: "Stepped", mode: Mode, to
     begin, turn, again = stepped.stops()[-3:]
     reading = stepped.read(np.array([begin, turn]), whole=False)
     at, beyond = reading.position[0]
+    if at == beyond:  # it stands, but for rounding
+        return None
     y = machine.begin(reading.position[:, 0], np.zeros(1), (), reading.ledgers[:, 0])
     scale = _scale(plan, y)
     scale[:2] = abs(beyond - at), abs(beyond - at) * 2 * np.pi / (again - begin)

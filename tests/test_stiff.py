@@ -6,6 +6,7 @@ from extreme_stiff import CASES, FLYWHEEL, MECHANISM, SPEED, START, Rubbing, bet
 
 import pinpress as pp
 from pinpress.drives import ConstantTorque
+from pinpress.loads import ElasticDie
 from pinpress.radau import STAGES, RadauIIA, rule
 
 ALWAYS = ("undamped spring of 1e+13 N/m", "speed law of 1e+11 N m s", "friction of the guide sharp within 1e-09 m/s")
@@ -173,3 +174,17 @@ def test_the_reference_of_swings_is_right():
         return -1e7 * (float(MECHANISM.slide(q)) - slack) * float(MECHANISM.lever(q))
 
     assert swung(1e7, SPEED) == pytest.approx(MECHANISM.integrated(2.0, SPEED, START, FLYWHEEL, push)[0], abs=1e-8)
+
+
+@pytest.mark.parametrize(
+    ("start", "loads"),
+    [(1.3, [between(1e6, 0.0, 1.0)]), (0.6, [ElasticDie(0.02, 1e7)])],
+    ids=["a spring, over the angle", "thrown back by a die"],
+)
+def test_wide_swings_are_repeated_too(start, loads):
+    ours, other = (
+        pp.simulate(MECHANISM.press(), 2.0, 0.0, start, flywheel=pp.Flywheel(1.0), loads=loads, method=method, points=200)
+        for method in ("auto", "implicit")
+    )
+    assert ours.stats.solvers == ("angle", "repetition")
+    assert np.abs(ours.crank_angle - other.crank_angle).max() < 1e-8
