@@ -386,6 +386,7 @@ def test_run_that_swings_back_and_stops(tmp_path: Path) -> None:
     assert_allclose(data["crank"], np.degrees(np.interp(data["time"], run.time, run.crank_angle)), atol=0.05)
 
 
+@pytest.mark.filterwarnings("ignore::pinpress.PinpressWarning")  # such extremes are warned of
 @pytest.mark.exhaustive
 def test_small_and_fast_press_of_meshes(
     recording: Path, motion: Any, tmp_path: Path, view: Callable[..., Any], shared_view: Callable[..., Any]

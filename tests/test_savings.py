@@ -125,6 +125,7 @@ def test_bearings_of_shafts_that_are_geared_alone(tmp_path, ratio):
 # ------------------------------------------------------------------------------------------------------------------------- the same values
 
 
+@pytest.mark.filterwarnings("ignore::pinpress.PinpressWarning")  # such extremes are warned of
 @pytest.mark.parametrize("kind", SCENES)
 @pytest.mark.parametrize("name", NAMES)
 @pytest.mark.exhaustive

@@ -366,6 +366,7 @@ def test_a_pile_up_to_top_dead_centre_and_beyond(press, method, edge):
     same(result, reference(1.2, 10.0, 2.0, 50.0, law=pile(500.0), edge=1.0))
 
 
+@pytest.mark.filterwarnings("ignore::pinpress.PinpressWarning")  # such extremes are warned of
 @pytest.mark.parametrize(
     "load",
     [Blanking(5e3, 0.3, 0.25), Blanking(5e3, -0.1, -0.2), Blanking(5e3, 0.05, 0.02, datum=100.0), Piling(0.0, 0.05), loads.Idle()],
