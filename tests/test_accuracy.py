@@ -320,6 +320,7 @@ def test_measurements_are_plain_values(measured):
     assert set(measurements.UNITS) == set(GROUPS)
 
 
+@pytest.mark.exhaustive
 def test_command(alone, capsys, tmp_path):
     """What is asked for is measured and written."""
     out = tmp_path / "made" / "out"

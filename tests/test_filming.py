@@ -191,6 +191,7 @@ def frames(path: Path) -> tuple[dict[str, Any], list[Any]]:
     return about, [np.frombuffer(picture, np.uint8).reshape(height, width, 3).astype(float) for picture in pictures]
 
 
+@pytest.mark.exhaustive
 def test_film_shows_the_recording_at_the_times_of_its_frames(filmed: tuple[Path, list[float]], turn: list[Any]) -> None:
     out, told = filmed
     about, shown = frames(out)
@@ -221,6 +222,7 @@ def test_slow_enough(duration: float, slowdown: float) -> None:
 
 
 @pytest.mark.usefixtures("running")
+@pytest.mark.exhaustive
 def test_gif(tmp_path: Path) -> None:
     from PIL import Image
 

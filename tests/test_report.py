@@ -224,6 +224,7 @@ def floats(packed: str) -> Any:
     return np.frombuffer(base64.b64decode(packed), "<f4")
 
 
+@pytest.mark.exhaustive
 def test_before_and_after_backwards(press: Any, result: Any, view: Callable[..., Any], tmp_path: Path) -> None:
     """The plain press beside the balanced one, at another number of states. Time runs to the right, though the crank turns backwards."""
     plain = pp.inverse_dynamics(press, pp.cycle(press, speed=-SPEED, points=60))

@@ -166,6 +166,7 @@ def test_friction_sharp_about_standstill_counts_at_the_start():
     assert ours - float(run("auto", 0.0, drive=ConstantTorque(2000.0)).crank_angle[-1]) > 1e-5
 
 
+@pytest.mark.exhaustive
 def test_the_reference_of_swings_is_right():
     """The quadrature itself, against an integration of a spring so soft that it can be followed."""
     slack = float(MECHANISM.slide(START))

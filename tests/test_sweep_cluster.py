@@ -55,6 +55,7 @@ def cluster(tmp_path):
             process.wait()
 
 
+@pytest.mark.exhaustive
 def test_a_worker_is_killed_in_the_middle(cluster, tmp_path):
     client, (scheduler, *workers) = cluster
     file, log = tmp_path / "r.csv", tmp_path / "log"

@@ -32,7 +32,7 @@ def finished(path):
     return [f"{row[1]},{row[2]}" for row in csv.reader(lines[1:])] if lines else []
 
 
-@pytest.mark.parametrize("suffix", ["csv", "parquet"])
+@pytest.mark.parametrize("suffix", ["csv", pytest.param("parquet", marks=pytest.mark.exhaustive)])
 def test_killed_twice_and_resumed(tmp_path, suffix):
     file, log = tmp_path / f"r.{suffix}", tmp_path / "log"
     running = file if suffix == "csv" else tmp_path / "r.parquet.csv"
