@@ -61,9 +61,7 @@ class Apart(Executor):
 
     def _end(self, pool: ProcessPoolExecutor, future: "Future[Any]") -> None:
         if future.cancelled() or not isinstance(future.exception(), BrokenProcessPool):
-            self._idle.append(pool)
-        else:
-            pool.shutdown(wait=False)
+            self._idle.append(pool)  # one that broke has ended by itself, and from Python 3.13 on holds its lock while it says so
 
     def close(self) -> None:
         for pool in self._idle:
