@@ -2,7 +2,7 @@
 
 A stiff damper, speed law or servo forgets a disturbance within microseconds, and an explicit method must keep its steps shorter than that
 for ever after. Radau IIA is L-stable: where the solution is smooth its steps are as long as that allows. SciPy's Radau has three stages
-and an error estimate of order 3, which at the tolerances of a press run takes fifty times as many steps. Source: Hairer and Wanner,
+and an error estimate of order 3, which at the tolerances of a press run takes many times as many steps. Source: Hairer and Wanner,
 Solving Ordinary Differential Equations II, IV.5 and IV.8; the coefficients are worked out here from the conditions that define them.
 """
 
