@@ -21,8 +21,9 @@ from .forces import PointForce, SpringDamper
 from .friction import Friction
 from .linkage import Linkage
 from .loading import load, presses
-from .motion import RPM, Motion, cycle
+from .motion import Motion, cycle
 from .reactions import Reactions, inverse_dynamics
+from .units import RPM
 
 __all__ = [
     "RPM",

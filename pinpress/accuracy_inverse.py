@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from .arrays import Array
 from .contestants import Contest, Contestant, Errors, force_error, peak_force, peak_of
-from .coordinates import Array
 from .forward_dynamics import ForwardDynamics
 from .linkage import Linkage
 from .measurements import INVERSE_DYNAMICS

@@ -10,8 +10,8 @@ from functools import partial
 import numpy as np
 import pinocchio as pin
 
+from .arrays import Array
 from .contestants import Contest, Contestant, Errors, peak_of
-from .coordinates import Array
 from .forward_dynamics import ForwardDynamics
 from .linkage import Linkage
 from .measurements import PROXIMAL, PROXIMAL_STATES

@@ -19,9 +19,9 @@ from .errors import PinpressError
 from .linkage import Linkage
 from .loads import Blanking, ElasticDie
 from .measurements import CLUTCH, DIE, FREE_RUN, SPEED_LAW
-from .motion import RPM
 from .process_load import ProcessLoad, Stretch
 from .reduced import COORDINATES
+from .units import RPM
 
 RATED = 1485 * RPM  # speed of the motor [rad/s]
 PERIODS = 2.0  # turns in which the motor at its rated power gives the flywheel's energy

@@ -5,7 +5,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from .coordinates import Array
+from .arrays import Array
 from .errors import PinpressError, SimulationError
 from .force_coordinates import Coordinate
 from .forward_dynamics import ForwardDynamics

@@ -9,7 +9,7 @@ import numpy as np
 import pinocchio as pin
 
 from . import mesh_files, urdf
-from .coordinates import Array
+from .arrays import Array
 from .errors import PinpressError
 from .linkage import Linkage
 from .plain_shapes import plain_parts

@@ -11,7 +11,7 @@ import numpy as np
 import pinocchio as pin
 
 from . import findings, loading, urdf
-from .coordinates import Array
+from .arrays import Array
 from .counterweights import body as body_of
 from .counterweights import sum_of
 from .crank_slides import CrankSlide, reach

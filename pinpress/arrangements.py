@@ -24,7 +24,7 @@ import numpy as np
 
 from .arguments import typed
 from .arrangement_urdf import built, doubled, plan, with_auxiliary
-from .coordinates import Array
+from .arrays import Array
 from .crank_slides import CENTRED, CrankSlide, approximate_balance, complete_balance, crank_slide, harmonic_coefficients
 from .errors import PinpressError, expect
 from .harmonic_analysis import harmonics

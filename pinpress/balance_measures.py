@@ -11,7 +11,7 @@ from typing import Protocol
 
 import numpy as np
 
-from .coordinates import Array
+from .arrays import Array
 from .errors import PinpressError, UnknownNameError, shown
 from .linkage import Linkage
 from .single_numbers import finite_numbers

@@ -6,9 +6,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from .arrays import Array
 from .balance_measures import Forces, Measure, Target, refuse_unknown
 from .conic import Rows
-from .coordinates import Array
 from .errors import PinpressError, shown
 from .inertia_responses import Case, Change, change, moving_mass
 from .linkage import Linkage

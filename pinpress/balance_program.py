@@ -9,10 +9,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from .arrays import Array
 from .balance_measures import AddedMass, Range, Rms, Target
 from .balance_problem import Problem, Signal
 from .conic import AT_MOST, CONE, EQUAL, InfeasibleError, Optimum, Rows, least
-from .coordinates import Array
 from .errors import PinpressError
 
 Program = tuple[Array, tuple[Rows, ...]]  # cost and constraints

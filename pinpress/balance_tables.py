@@ -9,8 +9,8 @@ from .balance_measures import AddedMass, Measure, Peak, Range
 from .balance_program import limit_words
 from .inertia_responses import Case, moving_mass
 from .linkage import Linkage
-from .motion import RPM
 from .reactions import Reactions, inverse_dynamics
+from .units import RPM
 
 if TYPE_CHECKING:
     from .balance_result import Active, Balance, Outcome

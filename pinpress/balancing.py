@@ -12,13 +12,13 @@ import numpy as np
 import pinocchio as pin
 
 from .arguments import typed
+from .arrays import Array
 from .balance_measures import AddedMass, Measure, Target
 from .balance_problem import ROUNDING, Problem, build
 from .balance_program import LARGEST, Design, solve, value_of
 from .balance_result import Active, Balance, Outcome
 from .conic import CONE, InfeasibleError
 from .contradictions import contradiction
-from .coordinates import Array
 from .counterweights import Counterweight, refuse_unphysical, sum_of
 from .errors import PinpressError, shown
 from .forces import Load

@@ -13,9 +13,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from . import change_points
+from .arrays import Array
 from .change_points import ChangePoint, Gap
 from .closure import Close
-from .coordinates import Array
 from .errors import AssemblyError, PinpressError, SingularityError
 from .following import COARSE_STEP, FIRST_STEP, SMALLEST_MARGIN, Follower, Lock, Node, advance, hermite
 

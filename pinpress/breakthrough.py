@@ -22,7 +22,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from . import tables
-from .coordinates import Array
+from .arrays import Array
 from .errors import PinpressError
 from .frozen import Frozen
 from .single_numbers import number, numbers, positive

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from .coordinates import Array
+from .arrays import Array
 from .following import Follower, Node, advance, hermite_at
 
 WIDEST, NARROWEST = 0.3, 5e-3  # half widths of the stretch with polynomials [rad]

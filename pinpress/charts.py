@@ -12,13 +12,14 @@ from typing import NamedTuple
 import numpy as np
 
 from . import freedom
-from .coordinates import Array
+from .arrays import Array
 from .errors import PinpressError, UnknownNameError, expect
 from .linkage import Linkage
-from .motion import RPM, Motion
+from .motion import Motion
 from .poses import link_of, loaded_bodies, poses
 from .reactions import Reactions
 from .run import Run
+from .units import RPM
 
 AXES = ("x", "y", "z")
 ROUNDING = 1e-9  # of the largest force, and of a constant crank speed

@@ -5,9 +5,9 @@ from dataclasses import replace
 import numpy as np
 
 from . import spatial
+from .arrays import Array
 from .branch import LARGEST_CORRECTION, Branch, predict
 from .closure import Closure, joined
-from .coordinates import Array
 from .errors import AssemblyError, PinpressError, SingularityError
 from .following import Lock, follow
 from .linkage import ACCEPTED, Linkage

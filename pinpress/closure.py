@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from .coordinates import Array, ComplexArray
+from .arrays import Array, ComplexArray
 
 
 @dataclass(frozen=True, eq=False, repr=False)

@@ -5,10 +5,11 @@ import importlib.util
 from pathlib import Path
 
 from . import scene_words
-from .command_output import DRIVER, FILE, SLIDE, make, progress
+from .command_output import DRIVER, FILE, SLIDE, progress
+from .files import make_folder
 from .loading import load
 from .measurements import SCENES, Accuracy
-from .motion import RPM
+from .units import RPM
 
 EPILOG = """\
 every error is against a reference that two independent methods agree on; the table says how far. Times are the least of several rounds
@@ -55,7 +56,7 @@ def run(options: argparse.Namespace) -> int:
     flywheel = None if options.flywheel is None else scene_words.flywheel(options.flywheel)
     press = load(options.file, driver=options.driver, slide=options.slide)
     if options.out is not None:
-        make(options.out)
+        make_folder(options.out)
     scenes = options.scene or SCENES
     with progress(1.0, BAR) as told:
         measured = accuracy(press, options.speed * RPM, flywheel, options.duration, options.points, options.repeats, scenes, told)

@@ -4,14 +4,16 @@ import argparse
 import time
 from pathlib import Path
 
-from .command_output import DRIVER, FILE, SIGNS, SLIDE, TRACE, make, trace, write_pages
+from .command_output import DRIVER, FILE, SIGNS, SLIDE, TRACE, trace, write_pages
 from .errors import PinpressError
+from .files import make_folder
 from .linkage import Linkage
 from .loading import load
-from .motion import RPM, cycle
+from .motion import cycle
 from .overlays import traced
 from .reactions import Reactions, inverse_dynamics
 from .summary import summary
+from .units import RPM
 
 POINTS = 720  # of a turn
 
@@ -66,7 +68,7 @@ def run(options: argparse.Namespace) -> int:
     print(f"  {'time taken':26}{took[0]:12.1f} ms following the assembly once, {took[1]:.1f} ms motion, {took[2]:.1f} ms torque and forces")
     if options.out is not None:
         before = None if options.before is None else _before(options)
-        make(options.out)
+        make_folder(options.out)
         result.to_csv(options.out / "cycle.csv")
         write_pages(press, result, options.out, ["cycle.csv"], options.report, options.trace, before)
     return 0

@@ -11,15 +11,17 @@ from .balance_measures import AXES, FORCES, AddedMass, Peak, Range, Rms, Target
 from .balance_result import Balance
 from .balance_tables import counterweight_columns
 from .balancing import balance
-from .command_output import DRIVER, FILE, SLIDE, make
+from .command_output import DRIVER, FILE, SLIDE
 from .errors import PinpressError, suggestion
+from .files import make_folder
 from .inertia_responses import Case
 from .loading import load
-from .motion import RPM, cycle
+from .motion import cycle
 from .reactions import inverse_dynamics
 from .rooms import Room, Vector
 from .scene_words import LOADS, keys
 from .tables import write_csv
+from .units import RPM
 from .writing import write_urdf
 
 KINDS = {"range": Range, "rms": Rms, "peak": Peak}
@@ -101,7 +103,7 @@ def run(options: argparse.Namespace) -> int:
     cases = [Case(cycle(press, speed * RPM, options.points), loads) for speed in options.speed]
     result = balance(press, cases, rooms, minimise, limits)
     if options.out is not None:
-        make(options.out)
+        make_folder(options.out)
     print(result)
     if options.out is not None:
         _write(result, options.out, options.report)

@@ -6,7 +6,6 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-from .errors import PinpressError
 from .linkage import Linkage
 from .loading import presses
 from .reactions import Reactions
@@ -29,14 +28,6 @@ def trace(words: str) -> tuple[str, tuple[float, float, float]]:
     except ValueError:
         raise argparse.ArgumentTypeError(f"{words!r} is no point of a link; give the link and x, y, z in m, e.g. rod:0,0,0.4") from None
     return link, (x, y, z)
-
-
-def make(folder: Path) -> None:
-    """Make a folder if it is not there; raise PinpressError if that fails."""
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise PinpressError(f"cannot make the folder {folder}: {error.strerror}; choose another --out") from None
 
 
 def write_pages(

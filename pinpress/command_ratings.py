@@ -6,11 +6,12 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from .capacities import Capacities
-from .command_output import DRIVER, FILE, SLIDE, make
+from .command_output import DRIVER, FILE, SLIDE
 from .errors import PinpressError
+from .files import make_folder
 from .loading import load
-from .motion import RPM
 from .rating import Ratings, ratings
+from .units import RPM
 
 EPILOG = """\
 numbers are in SI units, heights above bottom dead centre in m, but the speed is in r/min.
@@ -72,7 +73,7 @@ def run(options: argparse.Namespace) -> int:
     press = load(options.file, driver=options.driver, slide=options.slide)
     found = ratings(press, options.speed * RPM, capacities, options.at_speed, options.points, **extra)
     if options.out is not None:
-        make(options.out)
+        make_folder(options.out)
     print(found)
     if options.out is not None:
         _write(found, options.out)

@@ -8,8 +8,9 @@ from pathlib import Path
 from .command_output import DRIVER, FILE, SIGNS, SLIDE, TRACE, progress, trace
 from .errors import PinpressError
 from .loading import load
-from .motion import RPM, cycle
+from .motion import cycle
 from .reactions import inverse_dynamics
+from .units import RPM
 
 EPILOG = f"""\
 {SIGNS}Films and pictures need Chromium and pip install 'pinpress[video]'.

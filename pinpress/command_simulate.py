@@ -6,10 +6,10 @@ import time
 from pathlib import Path
 
 from . import scene_words
-from .command_output import DRIVER, FILE, SIGNS, SLIDE, TRACE, make, progress, trace, write_pages
+from .command_output import DRIVER, FILE, SIGNS, SLIDE, TRACE, progress, trace, write_pages
 from .errors import PinpressError
+from .files import make_folder
 from .loading import load
-from .motion import RPM
 from .overlays import traced
 from .reactions import inverse_dynamics
 from .run import Run
@@ -18,6 +18,7 @@ from .simulation import METHODS, simulate
 from .simulation_summary import simulation_summary, stroke_columns
 from .steady import steady_state
 from .tables import write_csv
+from .units import RPM
 
 BAR = "{percentage:3.0f} % |{bar}| {n:.3f} of {total:.3f} s, {remaining} to go"
 
@@ -102,7 +103,7 @@ def run(options: argparse.Namespace) -> int:
     if len(press.drivers) > 1:
         raise PinpressError(f"{press.name} has {len(press.drivers)} drivers: the command takes one; simulate it in Python")
     if options.out is not None:
-        make(options.out)  # before a run that may be long
+        make_folder(options.out)  # before a run that may be long
     speed, angle, shared = options.speed * RPM, math.radians(options.angle), {"points": options.points, "tolerance": options.tolerance}
     done: Run
     if options.steady:

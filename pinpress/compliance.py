@@ -17,7 +17,7 @@ from numpy.typing import ArrayLike
 
 from . import tables
 from .arguments import typed
-from .coordinates import Array
+from .arrays import Array
 from .dead_centres import dead_centres
 from .elastic_elements import Part, Stiffness, internal_forces, parts, sharing
 from .errors import PinpressError

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from .coordinates import Array
+from .arrays import Array
 from .errors import PinpressError
 
 EQUAL, AT_MOST, CONE = "equal", "at most", "cone"

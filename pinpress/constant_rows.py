@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from .coordinates import Array, ComplexArray
+from .arrays import Array, ComplexArray
 
 LARGE = 33  # joints from which sparse matrices are the faster ones
 SERIAL = 65_536  # scalar multiplications up to which OpenBLAS makes a complex product in one thread

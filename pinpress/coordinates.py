@@ -8,12 +8,9 @@ from typing import NamedTuple
 
 import numpy as np
 import pinocchio as pin
-from numpy.typing import NDArray
 
+from .arrays import Array
 from .errors import PinpressError
-
-Array = NDArray[np.float64]
-ComplexArray = NDArray[np.complex128]
 
 MOST_JOINTS = 200  # `pin.Data` has 7 arrays of their cube: half a gigabyte
 

@@ -8,7 +8,7 @@ import numpy as np
 import pinocchio as pin
 
 from .arguments import typed
-from .coordinates import Array
+from .arrays import Array
 from .errors import PinpressError, UnknownNameError, shown
 from .forces import place
 from .linkage import Linkage

@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from .coordinates import Array
+from .arrays import Array
 from .reduced import COORDINATES, INERTIA, WEIGHT, Table, horner
 
 SLACK = 1e-6  # beyond the table, by rounding of many turns [rad]

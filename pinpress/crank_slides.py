@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from .arguments import typed
-from .coordinates import Array
+from .arrays import Array
 from .counterweights import Counterweight
 from .errors import PinpressError, shown
 from .frozen import Frozen

@@ -5,8 +5,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from .arguments import typed
+from .arrays import Array
 from .branch import beyond
-from .coordinates import Array
 from .errors import PinpressError
 from .linkage import Linkage
 from .motion import carried

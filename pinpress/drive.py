@@ -4,7 +4,7 @@ from typing import Protocol, runtime_checkable
 
 import numpy as np
 
-from .coordinates import Array
+from .arrays import Array
 
 Values = float | Array
 """A number, or an array of them: one of each scenario on the last axis."""

@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 import pinocchio as pin
 
-from .coordinates import Array
+from .arrays import Array
 from .errors import PinpressError, UnknownNameError, shown
 from .frozen import Frozen
 from .linkage import Linkage

@@ -11,7 +11,7 @@ from .compliance import Elasticity
 from .elastic_slide import DeadCentreShift
 from .errors import PinpressError
 from .figures import COLOURS, GREY, LINES, drawing, grid, legend, plain
-from .motion import RPM
+from .units import RPM
 
 if TYPE_CHECKING:
     from matplotlib.artist import Artist

@@ -17,16 +17,17 @@ from numpy.typing import ArrayLike
 
 from . import tables
 from .arguments import typed
+from .arrays import Array
 from .compliance import Held, hold
-from .coordinates import Array
 from .dead_centres import dead_centres
 from .elastic_elements import Stiffness
 from .errors import PinpressError, shown
 from .forces import Load, PointForce, SpringDamper
 from .frozen import Frozen, FrozenMapping
 from .linkage import Linkage
-from .motion import RPM, Motion, cycle
+from .motion import Motion, cycle
 from .single_numbers import LARGEST, numbers
+from .units import RPM
 
 WINDOW = np.radians(6.0)  # on both sides of the rigid bottom dead centre, in which the elastic one is looked for [rad]
 NODES = 24  # of the polynomials in it

@@ -173,6 +173,6 @@ def _sendable(value: object) -> object:
 def caution(message: str) -> None:
     """Issue a PinpressWarning that points at the caller of the library, however deep in it this is called."""
     frame, level = sys._getframe(), 1
-    while frame.f_back is not None and frame.f_globals.get("__name__", "").partition(".")[0] == __package__:
+    while frame.f_back is not None and frame.f_globals.get("__name__", "").partition(".")[0] == "pinpress":
         frame, level = frame.f_back, level + 1
     warnings.warn(message, PinpressWarning, stacklevel=level)

@@ -9,7 +9,7 @@ import itertools
 
 import numpy as np
 
-from .coordinates import Array, ComplexArray
+from .arrays import Array, ComplexArray
 from .errors import PinpressError
 from .over_turn import Numbers, zeros
 from .slide_strokes import Stroke

@@ -7,10 +7,11 @@ import numpy as np
 
 from . import charts
 from .arguments import typed
-from .coordinates import Array
-from .motion import RPM, Motion
+from .arrays import Array
+from .motion import Motion
 from .reactions import Reactions
 from .run import Run
+from .units import RPM
 
 NOTHING = 1e-12  # of the largest value: less is rounding
 

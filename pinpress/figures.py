@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from . import files
+from .arrays import Array
 from .charts import Abscissa, Curve, abscissa
-from .coordinates import Array
 from .errors import PinpressError, shown
 from .harmonic_analysis import is_cycle
 from .motion import Motion

@@ -161,3 +161,11 @@ def _send(stream: FileIO, content: bytes) -> None:
     left = memoryview(content)
     while left:
         left = left[stream.write(left) :]
+
+
+def make_folder(folder: Path) -> None:
+    """Make a folder if it is not there; raise PinpressError if that fails."""
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise PinpressError(f"cannot make the folder {folder}: {error.strerror}; choose another --out") from None

@@ -6,8 +6,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from .arrays import Array
 from .closure import Close, Closure
-from .coordinates import Array
 
 COARSE_STEP = 2 * np.pi / 64  # longest step of the walk, unless the linkage moves too fast for it [rad]
 FIRST_STEP = 1e-3  # of the walk, to learn how the margins change [rad]

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 
-from .coordinates import Array
+from .arrays import Array
 from .linkage import Linkage
 from .motion import Motion
 from .points import point_motion

@@ -16,8 +16,8 @@ from typing import NamedTuple
 import numpy as np
 
 from . import plane_statics
+from .arrays import Array, ComplexArray
 from .constant_rows import product
-from .coordinates import Array, ComplexArray
 from .plane_dynamics import Bodies
 from .sensitivities import Rates, States, Tangent
 from .sensitivities_loads import Push

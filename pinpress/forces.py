@@ -10,7 +10,7 @@ import pinocchio as pin
 from numpy.typing import ArrayLike
 
 from . import caller_laws, plausibility
-from .coordinates import Array
+from .arrays import Array
 from .errors import PinpressError, UnknownNameError, shown
 from .friction import REST
 from .loads import ProcessLoad, Stretch, TimeForce, datum
@@ -149,7 +149,7 @@ def _in_height(load: ProcessLoad, press: "Linkage", motion: "Motion") -> Array:
             raise PinpressError(f"{name}: force of {inside.shape} heights has shape {law.shape}; give the same")
         force[inside] = np.maximum(law, 0.0) if stretch.one_sided else law
     low, high = (-math.inf, math.inf) if acts else _turning_points(press)
-    plausibility.heights(name, [stretch for _, stretch in stretches], low - zero, high - zero, press.spatial.size)
+    plausibility.heights(name, [(stretch.lower, stretch.upper) for _, stretch in stretches], low - zero, high - zero, press.spatial.size)
     return force
 
 

@@ -25,7 +25,8 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
-from .coordinates import Array, Axis, data_of
+from .arrays import Array
+from .coordinates import Axis, data_of
 from .errors import AssemblyError, PinpressError, SingularityError
 from .following import SMALLEST_MARGIN
 from .linkage import ACCEPTED, Linkage

@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike
 
 from . import tables
 from .arguments import typed
-from .coordinates import Array
+from .arrays import Array
 from .errors import PinpressError, shown
 from .frame_modes import undamped
 from .frame_mounts import Frame, Mount, listed_mounts
@@ -21,9 +21,9 @@ from .frame_response import solved
 from .frame_speeds import floor_rms, rising, shaking_rms, spectra
 from .frozen import Frozen
 from .linkage import Linkage
-from .motion import RPM
 from .mounted_press import MountedPress, mounted, with_mounts
 from .single_numbers import finite_numbers
+from .units import RPM
 
 TRIALS = 97  # stiffnesses tried, evenly in their logarithm, from the stiffest down
 SOFTEST, STIFFEST = 0.01, 4.0  # lowest natural frequency beside the lowest and the highest speed, between which is looked

@@ -3,7 +3,7 @@
 import numpy as np
 
 from .arguments import typed
-from .coordinates import Array
+from .arrays import Array
 from .drives import Flywheel
 from .errors import PinpressError, expect, shown
 from .harmonic_analysis import is_cycle

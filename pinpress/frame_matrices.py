@@ -9,7 +9,7 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import ArrayLike
 
-from .coordinates import Array
+from .arrays import Array
 from .errors import PinpressError
 from .frame_mounts import Frame, Mount
 

@@ -7,7 +7,7 @@ import numpy as np
 
 from . import tables
 from .arguments import typed
-from .coordinates import Array, ComplexArray
+from .arrays import Array, ComplexArray
 from .errors import PinpressError
 from .frame_matrices import centre_of
 from .frozen import Frozen

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from . import frame_tables, tables
-from .coordinates import Array
+from .arrays import Array
 from .errors import PinpressError, UnknownNameError
 from .frozen import Frozen, FrozenMapping
 from .mounted_press import MountedPress

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from .arguments import typed
-from .coordinates import Array
+from .arrays import Array
 from .drive_checks import set_field
 from .errors import PinpressError, shown
 from .frozen import Frozen, read_only

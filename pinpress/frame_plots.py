@@ -6,13 +6,13 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from .arguments import typed
-from .coordinates import Array
+from .arrays import Array
 from .errors import PinpressError, UnknownNameError
 from .figures import COLOURS, drawing, grid, legend, plain
 from .frame_motion import FrameMotion
 from .frame_speeds import SpeedResponse
-from .motion import RPM
 from .single_numbers import number
+from .units import RPM
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 
 from . import frame_forcing
 from .arguments import typed
-from .coordinates import Array, ComplexArray
+from .arrays import Array, ComplexArray
 from .drives import Flywheel
 from .errors import PinpressError, expect, shown
 from .frame_matrices import rows_at

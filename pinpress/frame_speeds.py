@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike
 
 from . import tables
 from .arguments import typed
-from .coordinates import Array, ComplexArray
+from .arrays import Array, ComplexArray
 from .errors import PinpressError, shown
 from .frame_forcing import forcing
 from .frame_matrices import rows_at
@@ -21,10 +21,11 @@ from .frame_motion import NOTHING
 from .frame_response import Points, mount_forces, named_points, resolved, solved
 from .frozen import Frozen, FrozenMapping
 from .linkage import Linkage
-from .motion import RPM, cycle
+from .motion import cycle
 from .mounted_press import MountedPress
 from .reactions import Reactions, inverse_dynamics
 from .single_numbers import finite_numbers
+from .units import RPM
 
 STATES = 360  # of a turn: harmonics to order 179
 ROUNDED = 1e-14  # of the largest force: harmonics that are rounding, left out

@@ -8,7 +8,8 @@ from typing import NamedTuple
 import numpy as np
 
 from . import spatial
-from .coordinates import Array, drawn
+from .arrays import Array
+from .coordinates import drawn
 from .linkage import Linkage
 from .loops import Coupling, LoopJoint
 from .plane import PARALLEL

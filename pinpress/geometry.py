@@ -7,8 +7,8 @@ import pinocchio as pin
 
 from . import spatial
 from .arguments import typed
+from .arrays import Array
 from .closure import Closure
-from .coordinates import Array
 from .errors import SingularityError
 from .following import Lock, follow
 from .linkage import ACCEPTED, Linkage

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from .arguments import typed
-from .coordinates import Array
+from .arrays import Array
 from .errors import PinpressError, expect, shown
 from .frozen import Frozen
 from .motion import Motion

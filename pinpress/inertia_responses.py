@@ -10,8 +10,9 @@ from dataclasses import dataclass
 import numpy as np
 import pinocchio as pin
 
+from .arrays import Array
 from .constant_rows import product
-from .coordinates import Array, data_of
+from .coordinates import data_of
 from .forces import Load, PointForce, place
 from .frozen import Frozen
 from .linkage import Linkage

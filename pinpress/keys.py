@@ -5,8 +5,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from .arrays import Array
 from .branch import predict
-from .coordinates import Array, configuration
+from .coordinates import configuration
 from .errors import PinpressError, expect
 from .linkage import Linkage
 from .motion import Motion

@@ -16,8 +16,8 @@ from typing import Any
 
 import numpy as np
 
+from .arrays import Array
 from .caller_laws import Asked, AskedLoad, Law, LawError, name
-from .coordinates import Array
 from .drive import Drive, Values
 from .drives import ConstantTorque, Geared, InductionMotor, InverterMotor, ServoMotor, SlipClutchMotor
 from .errors import PinpressError, said, shown

@@ -10,8 +10,8 @@ from numpy.typing import ArrayLike
 
 from . import over_turn
 from .arguments import typed
+from .arrays import Array, ComplexArray
 from .by_bearing import ByBearing
-from .coordinates import Array, ComplexArray
 from .errors import PinpressError, shown
 from .linkage import Linkage
 from .motion import Motion

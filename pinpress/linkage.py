@@ -9,10 +9,10 @@ import numpy as np
 import pinocchio as pin
 
 from . import branch, plane, plane_dynamics, plane_kinematics, spatial, spatial_equations
+from .arrays import Array
 from .branch import Branch, Returning
 from .change_points import Gap
 from .closure import Close, Closure
-from .coordinates import Array
 from .derived import Model, derived
 from .errors import PinpressError, shown
 from .following import SMALLEST_MARGIN

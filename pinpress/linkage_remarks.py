@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from . import freedom, urdf_remarks
+from .arrays import Array
 from .branch import MOST_TURNS, Branch, predict
-from .coordinates import Array
 from .errors import PinpressError
 from .findings import Finding
 from .linkage import Linkage

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from .coordinates import Array
+from .arrays import Array
 from .drive_checks import set_field
 from .errors import PinpressError, shown
 from .process_load import ProcessLoad

@@ -10,7 +10,7 @@ import pinocchio as pin
 
 from . import findings
 from .arguments import typed
-from .coordinates import Array
+from .arrays import Array
 from .errors import PinpressError, UnknownNameError, UrdfError, caution, shown, suggestion
 from .linkage import Linkage
 from .loops import Coupling, LoopJoint

@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import numpy as np
 from numpy.typing import ArrayLike
 
-from .coordinates import Array
+from .arrays import Array
 from .drive_checks import set_field
 from .errors import PinpressError, shown
 from .frozen import Frozen

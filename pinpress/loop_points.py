@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 import pinocchio as pin
 
-from .coordinates import Array
+from .arrays import Array
 from .loops import LoopJoint
 
 End = tuple[int, pin.SE3, int, pin.SE3]

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from .coordinates import Array
+from .arrays import Array
 from .frozen import Frozen
 
 _HELD = {"spherical": 0, "revolute": 2, "fixed": 3}

@@ -11,8 +11,8 @@ from typing import Any
 
 import numpy as np
 
+from .arrays import Array
 from .caller_laws import LawError
-from .coordinates import Array
 from .driveline import HOLDING, OPEN, SLIPPING, Brake, Clutch, Driveline, Grip, Mode
 from .errors import SimulationError
 from .modes import Dynamics, Modes, Place, Switch, place_of

@@ -19,7 +19,7 @@ import numpy as np
 
 from . import over_turn, slide_strokes
 from .arguments import typed
-from .coordinates import ComplexArray
+from .arrays import ComplexArray
 from .errors import PinpressError, shown
 from .even_speed import least_drop
 from .link_angles import bearing_positions, pressure_angle, transmission_angle

@@ -8,7 +8,7 @@ import numpy as np
 import pinocchio as pin
 
 from .appearance import Body
-from .coordinates import Array
+from .arrays import Array
 from .errors import PinpressError
 from .linkage import Linkage
 from .pages import NO_MESHCAT

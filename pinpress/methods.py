@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from . import reduced, resolution, scene, turned, turning
+from .arrays import Array
 from .caller_laws import LawError
-from .coordinates import Array
 from .driveline import Brake, Clutch, Driveline, Mode
 from .drives import Drive, Flywheel, PrescribedSpeed
 from .errors import SimulationError

@@ -4,7 +4,7 @@ import math
 from collections.abc import Sequence
 from typing import Any, NamedTuple, Protocol
 
-from .coordinates import Array
+from .arrays import Array
 from .driveline import Mode
 from .loads import Stretch
 from .scene import Acting

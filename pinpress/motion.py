@@ -10,16 +10,16 @@ from numpy.typing import ArrayLike
 
 from . import plausibility, spatial, tables
 from .arguments import typed
+from .arrays import Array, ComplexArray
 from .branch import Branch, beyond
 from .closing import closed, followed, refuse_far
 from .closure import Closure
-from .coordinates import Array, ComplexArray, Slot, configuration
+from .coordinates import Slot, configuration
 from .errors import PinpressError
 from .frozen import Frozen
 from .linkage import Linkage
 from .single_numbers import numbers, whole_number
 
-RPM = 2 * np.pi / 60
 """One revolution per minute [rad/s]."""
 
 POINTS = 360  # of a turn

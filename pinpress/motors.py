@@ -11,8 +11,8 @@ import numpy as np
 from .drive import Plain, Values, between
 from .drive_checks import check, check_scenarios, set_field
 from .errors import PinpressError, shown
-from .motion import RPM
 from .single_numbers import finite_numbers
+from .units import RPM
 
 MOST_POLES = 1000
 

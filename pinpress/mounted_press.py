@@ -25,7 +25,8 @@ import pinocchio as pin
 
 from . import frame_tables, tables
 from .arguments import typed
-from .coordinates import Array, data_of
+from .arrays import Array
+from .coordinates import data_of
 from .errors import PinpressError, expect
 from .frame_matrices import (
     body_inertia,

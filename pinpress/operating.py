@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from .arguments import typed
-from .coordinates import Array
+from .arrays import Array
 from .errors import PinpressError, shown
 from .forces import Load, PointForce, SpringDamper, asked
 from .linkage import Linkage

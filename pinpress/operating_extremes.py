@@ -17,7 +17,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from .coordinates import Array
+from .arrays import Array
 
 TILES = 16  # along either axis: fewer leave more states over, more take longer to cut
 LEAST = 24  # points of a tile along either axis

@@ -7,10 +7,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from . import tables
-from .coordinates import Array
+from .arrays import Array
 from .errors import UnknownNameError
 from .frozen import Frozen
-from .motion import RPM
+from .units import RPM
 
 
 @dataclass(frozen=True, eq=False, repr=False)

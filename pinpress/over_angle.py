@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from .coordinates import Array
+from .arrays import Array
 from .drives import Drive, PrescribedSpeed
 from .panels import TO_REST, Grid, Indices, Push
 from .reduced import rule

@@ -16,7 +16,7 @@ import numpy as np
 from scipy.integrate import DOP853, DenseOutput, OdeSolver
 from scipy.optimize import brentq
 
-from .coordinates import Array
+from .arrays import Array
 from .errors import PinpressError, SimulationError
 from .machine import Machine
 from .modes import Modes, Switch

@@ -17,7 +17,7 @@ from typing import Protocol, runtime_checkable
 import numpy as np
 from numpy.typing import NDArray
 
-from .coordinates import Array, ComplexArray
+from .arrays import Array, ComplexArray
 from .errors import PinpressError
 
 MISSED = 1e-5  # of the quantity's range: what the end-corrected trapezoidal rule may miss the next state by; measures err by less

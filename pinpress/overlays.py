@@ -8,7 +8,7 @@ from numpy.typing import ArrayLike
 
 from . import forces
 from .appearance import Body
-from .coordinates import Array
+from .arrays import Array
 from .errors import PinpressError, expect, shown
 from .keys import Keys
 from .linkage import Linkage

@@ -16,7 +16,7 @@ from typing import Any
 
 import numpy as np
 
-from .coordinates import Array
+from .arrays import Array
 from .errors import PinpressError
 
 NO_MESHCAT = "recordings need Meshcat, which is not installed; pip install 'pinpress[recording]'"

@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from .coordinates import Array
+from .arrays import Array
 from .loads import Stretch
 from .reduced import COORDINATES, INERTIA, POTENTIAL, WEIGHT, Table, rule
 from .scene import Scene

@@ -6,7 +6,7 @@ from typing import NamedTuple, Protocol
 
 import numpy as np
 
-from .coordinates import Array
+from .arrays import Array
 
 LEDGERS = ("drive_work", "load_work", "motor_squared", "lost")
 """What is summed up: work of the drive on the crank [J], work against the loads [J], motor torque squared over time [N2 m2 s], energy lost

@@ -5,7 +5,7 @@ from collections.abc import Collection, Iterator
 import numpy as np
 
 from . import layered_shapes, rod_shapes
-from .coordinates import Array
+from .arrays import Array
 from .linkage import Linkage
 from .shapes import Part, part
 from .skeleton import skeleton

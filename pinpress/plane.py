@@ -20,9 +20,10 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
+from .arrays import Array, ComplexArray
 from .constant_rows import Entries, Matrix, matrix, plain
-from .coordinates import Array, ComplexArray, drawn
 from .coordinates import axes as joint_axes
+from .coordinates import drawn
 from .loops import Coupling, LoopJoint, between
 from .plane_blocks import Block, ordered
 

@@ -14,8 +14,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from .arrays import Array, ComplexArray
 from .constant_rows import Matrix, matrix, plain, product, stacked
-from .coordinates import Array, ComplexArray
 from .forces import AppliedForce
 from .plane import Plane, flat, in_space
 from .plane_kinematics import basis

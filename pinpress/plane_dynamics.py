@@ -16,8 +16,8 @@ import numpy as np
 import pinocchio as pin
 
 from . import plane_axial, plane_statics, plane_torque, plane_vectors
+from .arrays import Array, ComplexArray
 from .constant_rows import Matrix, compressed, product, stacked, weighted, with_column
-from .coordinates import Array, ComplexArray
 from .errors import AssemblyError
 from .forces import AppliedForce
 from .friction import FrictionLaw

@@ -14,9 +14,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from .arrays import Array, ComplexArray
 from .closure import Closure
 from .constant_rows import product
-from .coordinates import Array, ComplexArray
 from .plane import Plane, in_space
 from .plane_blocks import Block
 from .sharing import RANK

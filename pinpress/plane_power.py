@@ -4,8 +4,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from .arrays import Array, ComplexArray
 from .constant_rows import product
-from .coordinates import Array, ComplexArray
 from .forces import AppliedForce
 from .plane import Plane, flat
 from .plane_dynamics import PIECE, Bodies

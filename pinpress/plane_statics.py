@@ -14,8 +14,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from .arrays import Array, ComplexArray
 from .constant_rows import Matrix, product
-from .coordinates import Array, ComplexArray
 from .plane import Plane
 from .plane_blocks import Block
 from .plane_kinematics import block_matrix, dyad_columns

@@ -12,8 +12,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from . import plane_statics
+from .arrays import Array, ComplexArray
 from .constant_rows import product
-from .coordinates import Array, ComplexArray
 from .forces import AppliedForce
 from .plane import Plane, flat
 from .plane_kinematics import basis_acceleration

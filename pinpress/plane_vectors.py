@@ -5,7 +5,7 @@ Most presses stand in a coordinate plane: zeros cost nothing.
 
 import numpy as np
 
-from .coordinates import Array, ComplexArray
+from .arrays import Array, ComplexArray
 from .plane import Plane
 
 

@@ -5,15 +5,14 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from .coordinates import Array
+from .arrays import Array
 from .errors import caution
-from .process_load import Stretch
+from .units import RPM
 
 FASTEST = 1000.0  # crank or motor of a press [rad/s], 9549 r/min
 AMISS = 0.05  # part of a motion by which its columns may miss each other
 FAR = 10.0  # lengths of the linkage: nothing of a press is so far off
 MILLI = 1e-3
-RPM = 2 * np.pi / 60
 
 
 def speeds(name: str, values: Array | float) -> None:
@@ -23,21 +22,21 @@ def speeds(name: str, values: Array | float) -> None:
         caution(f"{name} is {fastest:g} rad/s, {fastest / RPM:g} r/min: if r/min are meant, write {fastest:g} * pinpress.RPM")
 
 
-def heights(load: str, stretches: Sequence[Stretch], low: float, high: float, size: float) -> None:
+def heights(load: str, stretches: Sequence[tuple[float, float]], low: float, high: float, size: float) -> None:
     """Warn of a process load that acts nowhere on the slide's stroke, or ends far off the linkage: its heights may be in mm.
 
     Args:
-        load: its name. stretches: both ways. low, high: ends of the stroke, as heights above the load's datum [m]; infinite where they are
+        load: its name. stretches: lower and upper ends [m], both ways. low, high: ends of the stroke, as heights above the load's datum [m]; infinite where they are
             not known. size: length of the linkage [m].
     """
     if not stretches:
         return
-    lowest, highest = min(stretch.lower for stretch in stretches), max(stretch.upper for stretch in stretches)
+    lowest, highest = min(lower for lower, _ in stretches), max(upper for _, upper in stretches)
     said = f"{load} acts from {lowest:g} to {highest:g} m above its datum"
     remedy = "give heights and datum in m"
     stroke = high - low
     # that a die or stop lies a little too low for the slide to meet it may be meant
-    if math.isfinite(stroke) and all(stretch.lower >= high or stretch.upper < low - stroke for stretch in stretches):
+    if math.isfinite(stroke) and all(lower >= high or upper < low - stroke for lower, upper in stretches):
         caution(f"{said}, nowhere on the slide's stroke, which goes from {low:g} to {high:g} m: {remedy}")
     elif math.isfinite(highest - lowest) and max(abs(lowest), abs(highest)) > FAR * size:  # without ends it acts everywhere, as is meant
         caution(f"{said}, far off a linkage of {size:g} m: {remedy}")

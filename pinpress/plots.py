@@ -12,8 +12,8 @@ import numpy as np
 
 from . import charts
 from .arguments import typed
+from .arrays import Array
 from .charts import Chart, Curve
-from .coordinates import Array
 from .errors import PinpressError
 from .figures import COLOURS, GREY, SMALL, Over, above, draw, drawing, grid, legend, plain, save_plot
 from .harmonic_analysis import harmonics

@@ -5,7 +5,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 import pinocchio as pin
 
-from .coordinates import Array, data_of
+from .arrays import Array
+from .coordinates import data_of
 from .plane import Plane, in_space
 from .plane_kinematics import basis, basis_velocity
 

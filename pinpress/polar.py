@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from .arrays import Array
 from .charts import Locus
-from .coordinates import Array
 from .figures import COLOURS, GREY, LIGHT, LINE, SMALL, THIN, WIDTH, Over, brief, drawing, legend, plain
 from .harmonic_analysis import last_period
 from .motion import Motion

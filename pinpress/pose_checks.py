@@ -6,7 +6,8 @@ import numpy as np
 import pinocchio as pin
 
 from . import freedom, spatial
-from .coordinates import Array, configuration, data_of
+from .arrays import Array
+from .coordinates import configuration, data_of
 from .errors import AssemblyError, SingularityError, UrdfError
 from .findings import Finding
 from .linkage import ACCEPTED, Linkage

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 import pinocchio as pin
 
-from .coordinates import Array
+from .arrays import Array
 from .linkage import Linkage
 
 

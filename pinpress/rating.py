@@ -9,8 +9,8 @@ import numpy as np
 
 from . import measures, rating_tables, tables
 from .arguments import typed
+from .arrays import Array
 from .capacities import Capacities, known_bearings
-from .coordinates import Array
 from .errors import PinpressError, shown
 from .frozen import Frozen, FrozenMapping
 from .linkage import Linkage

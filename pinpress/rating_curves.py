@@ -13,13 +13,14 @@ from functools import cached_property
 import numpy as np
 import pinocchio as pin
 
+from .arrays import Array
 from .capacities import Capacities, known_bearings
-from .coordinates import Array
 from .errors import PinpressError, shown
 from .linkage import Linkage
 from .loads import Piling
-from .motion import RPM, Motion, cycle
+from .motion import Motion, cycle
 from .reactions import Reactions, inverse_dynamics
+from .units import RPM
 
 NOMINAL, TORQUE, BEARING = "nominal force", "torque", "bearing "
 TURN = 360  # states of a turn in which the idle press is looked at

@@ -16,7 +16,7 @@ import pinocchio as pin
 from numpy.typing import NDArray
 
 from .arguments import typed
-from .coordinates import Array
+from .arrays import Array
 from .errors import PinpressError, shown
 from .forces import PointForce, place
 from .frozen import Frozen

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from .arguments import typed
-from .coordinates import Array
+from .arrays import Array
 from .figures import COLOURS, GREY, LINES, SMALL, drawing, grid, legend, plain
 from .rating import Ratings
 from .rating_curves import NOMINAL

@@ -13,17 +13,18 @@ from typing import NamedTuple
 import numpy as np
 
 from .arguments import typed
+from .arrays import Array
 from .capacities import Capacities, known_bearings
-from .coordinates import Array
 from .dead_centres import stroke_turns
 from .errors import PinpressError
 from .forces import Load
 from .linkage import Linkage
 from .loads import ProcessLoad
-from .motion import RPM, Motion, cycle
+from .motion import Motion, cycle
 from .rating_curves import BEARING, TORQUE, largest_factor, without_masses
 from .reactions import Reactions, inverse_dynamics
 from .single_numbers import positive
+from .units import RPM
 
 SHAKING, ACCELERATION = "shaking force", "slide acceleration"
 STATES = 360  # of a turn

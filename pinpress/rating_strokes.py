@@ -6,8 +6,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from .arrays import Array
 from .capacities import Capacities
-from .coordinates import Array
 from .dead_centres import dead_centres
 from .errors import PinpressError, shown
 from .linkage import Linkage

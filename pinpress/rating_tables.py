@@ -4,8 +4,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from .coordinates import Array
-from .motion import RPM
+from .arrays import Array
+from .units import RPM
 
 if TYPE_CHECKING:
     from .rating import Ratings

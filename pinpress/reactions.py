@@ -19,8 +19,8 @@ from numpy.typing import NDArray
 
 from . import change_points, forces, plane_axial, plane_dynamics, plane_power, spatial_dynamics, tables
 from .arguments import typed
+from .arrays import Array, ComplexArray
 from .by_bearing import ByBearing
-from .coordinates import Array, ComplexArray
 from .errors import PinpressError, SingularityError, UnknownNameError, shown
 from .forces import AppliedForce, Load
 from .freedom import own_axes

@@ -16,7 +16,7 @@ from numpy.typing import ArrayLike
 from . import files, meshcat_scene, overlays, pages
 from .appearance import Body, bodies
 from .arguments import typed
-from .coordinates import Array
+from .arrays import Array
 from .keys import Keys, keys
 from .linkage import Linkage
 from .motion import Motion

@@ -17,8 +17,9 @@ from typing import NamedTuple
 import numpy as np
 import pinocchio as pin
 
+from .arrays import Array
 from .branch import MOST_TURNS, periods_until_back
-from .coordinates import Array, configuration, data_of
+from .coordinates import configuration, data_of
 from .errors import SimulationError
 from .linkage import Linkage
 from .motion import Motion, carried

@@ -17,11 +17,12 @@ from .extreme_values import Extreme, extremes
 from .harmonic_analysis import Harmonics, harmonics
 from .keys import Keys, keys
 from .linkage import Linkage
-from .motion import RPM, Motion
+from .motion import Motion
 from .pages import packed
 from .reactions import Reactions, inverse_dynamics
 from .recording import scene
 from .run import Run
+from .units import RPM
 
 
 @typed

@@ -9,7 +9,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from .coordinates import Array
+from .arrays import Array
 from .over_angle import FLOOR, Flow
 from .panels import FROM_REST, SAME, STEADY, TO_REST, Grid, Indices, Push, travelled
 from .reduced import horner, root, rule

@@ -5,7 +5,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from .coordinates import Array
+from .arrays import Array
 from .shapes import Box, Cylinder, Shape, Solid, Sphere
 from .skeleton import Bearing, Skeleton, tree
 

@@ -13,8 +13,8 @@ from typing import NamedTuple
 import numpy as np
 import pinocchio as pin
 
+from .arrays import Array
 from .conic import AT_MOST, CONE, Rows
-from .coordinates import Array
 from .counterweights import body, carrier, spread
 from .errors import PinpressError, UnknownNameError, shown
 from .inertia_responses import PointMasses

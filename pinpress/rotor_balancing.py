@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from .arguments import typed
-from .coordinates import Array
+from .arrays import Array
 from .counterweights import Counterweight
 from .errors import PinpressError, UnknownNameError, shown
 from .frozen import Frozen

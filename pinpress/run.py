@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from . import laws, reduced
-from .coordinates import Array
+from .arrays import Array
 from .drive import Drive
 from .errors import PinpressError, SimulationError
 from .force_coordinates import JointAngle

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from .arguments import typed
-from .coordinates import Array
+from .arrays import Array
 from .dead_centres import stroke_turns
 from .drives import PrescribedSpeed
 from .errors import PinpressError, shown

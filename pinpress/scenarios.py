@@ -14,8 +14,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from . import over_angle, panels, resolution, turned, turning
+from .arrays import Array
 from .caller_laws import LawError
-from .coordinates import Array
 from .drives import Drive
 from .errors import PinpressError, SimulationError, UnknownScenarioError, shown
 from .frozen import Frozen

@@ -146,7 +146,13 @@ def _process(press: Linkage, load: ProcessLoad) -> Acting | None:
         return None
     low, high = _turning_points(press, load)
     datum = low if load.datum is None else load.datum
-    plausibility.heights(caller_laws.name(load), [*rising, *falling], low - datum, high - datum, press.spatial.size)
+    plausibility.heights(
+        caller_laws.name(load),
+        [(stretch.lower, stretch.upper) for stretch in (*rising, *falling)],
+        low - datum,
+        high - datum,
+        press.spatial.size,
+    )
     least = THIN * press.spatial.size
     for stretch in (*rising, *falling):
         if stretch.upper - stretch.lower < least:

@@ -17,7 +17,7 @@ from .driveline import At, Brake, Clutch
 from .drives import ConstantTorque, Drive, Flywheel, Geared, InductionMotor, InverterMotor, PrescribedSpeed, ServoMotor, SlipClutchMotor
 from .errors import PinpressError, suggestion
 from .loads import Blanking, DeepDrawing, ElasticDie, ForceStroke, Idle, Piling, ProcessLoad
-from .motion import RPM
+from .units import RPM
 
 __all__ = ["DRIVES", "LOADS", "brake", "clutch", "drive", "flywheel", "keys", "load"]
 

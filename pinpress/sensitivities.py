@@ -17,8 +17,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from .arguments import typed
+from .arrays import Array, ComplexArray
 from .constant_rows import product
-from .coordinates import Array, ComplexArray
 from .errors import PinpressError
 from .frozen import Frozen
 from .linkage import Linkage

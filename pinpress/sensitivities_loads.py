@@ -10,8 +10,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from .arrays import Array, ComplexArray
 from .caller_laws import OWN_LOADS, LawError
-from .coordinates import Array, ComplexArray
 from .errors import PinpressError, said, shown
 from .forces import AppliedForce, Load, PointForce, apply, asked
 from .friction import REST

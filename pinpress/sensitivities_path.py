@@ -9,8 +9,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from .arrays import Array
 from .closure import Closure
-from .coordinates import Array
 from .errors import AssemblyError, SingularityError
 from .linkage import ACCEPTED
 from .plane import Plane

@@ -8,7 +8,7 @@ import pinocchio as pin
 from numpy.typing import ArrayLike
 
 from .arguments import typed
-from .coordinates import Array
+from .arrays import Array
 from .errors import PinpressError, UnknownNameError, shown
 from .linkage import Linkage
 from .single_numbers import finite_numbers

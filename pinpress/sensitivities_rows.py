@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from .coordinates import Array, ComplexArray
+from .arrays import Array, ComplexArray
 from .errors import PinpressError, shown
 from .linkage import Linkage
 from .plane import Plane

@@ -8,7 +8,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from .coordinates import Array
+from .arrays import Array
 from .drive import Plain, Values, between
 from .drive_checks import check, set_field
 from .errors import PinpressError, shown

@@ -4,7 +4,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from .coordinates import Array
+from .arrays import Array
 from .forces import AppliedForce
 from .linkage import Linkage
 from .motion import Motion

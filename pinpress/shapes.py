@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from .coordinates import Array
+from .arrays import Array
 
 
 @dataclass(frozen=True)

@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from .coordinates import Array
+from .arrays import Array
 from .errors import PinpressError, UnknownNameError, shown
 from .single_numbers import number
 

@@ -21,8 +21,8 @@ from numpy.typing import ArrayLike
 
 from . import caller_laws, laws, methods, plausibility, scenarios, scene, turning
 from .arguments import typed
+from .arrays import Array
 from .closing import refuse_far
-from .coordinates import Array
 from .driveline import Brake, Clutch
 from .drives import Drive, Flywheel, PrescribedSpeed
 from .errors import PinpressError, SimulationError, UnknownNameError, caution, shown

@@ -5,14 +5,14 @@ from dataclasses import fields
 
 import numpy as np
 
-from .coordinates import Array
+from .arrays import Array
 from .dead_centres import stroke_turns
 from .linkage import Linkage
-from .motion import RPM
 from .reactions import Reactions
 from .run import Run
 from .run_duty import Duty, duty, strokes
 from .summary import _bearings
+from .units import RPM
 
 MOST_STROKES = 8  # listed in full
 FIRST_STROKES = 5  # listed of more, with the last one

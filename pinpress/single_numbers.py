@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from .coordinates import Array
+from .arrays import Array
 from .errors import PinpressError, shown
 
 SMALLEST, LARGEST = 1e-12, 1e12  # of a size, in SI units: squares of what is smaller or larger lose meaning

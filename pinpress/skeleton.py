@@ -8,7 +8,8 @@ import numpy as np
 import pinocchio as pin
 
 from . import urdf
-from .coordinates import Array, data_of
+from .arrays import Array
+from .coordinates import data_of
 from .errors import PinpressError
 from .linkage import Linkage
 

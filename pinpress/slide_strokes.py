@@ -8,7 +8,7 @@ from typing import Protocol, runtime_checkable
 import numpy as np
 
 from . import over_turn
-from .coordinates import Array, ComplexArray
+from .arrays import Array, ComplexArray
 from .errors import PinpressError
 from .over_turn import CrankMotion, Curve, Numbers
 

@@ -9,7 +9,7 @@ from typing import ClassVar
 from .drive import Plain, Values, between
 from .drive_checks import check
 from .errors import PinpressError, shown
-from .motion import RPM
+from .units import RPM
 
 
 @dataclass(frozen=True)

@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from .coordinates import Array
+from .arrays import Array
 from .errors import PinpressError
 
 STEPS = 32  # into which half a period is divided to look for what happens in it

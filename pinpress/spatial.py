@@ -12,8 +12,9 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
+from .arrays import Array
 from .closure import Closure
-from .coordinates import Array, Axis, Slot, axes, slots
+from .coordinates import Axis, Slot, axes, slots
 from .loops import Coupling, LoopJoint, between
 from .sharing import RANK
 from .spatial_equations import Equations, Rows, crossed, extent

@@ -13,7 +13,8 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
-from .coordinates import Array, configuration, data_of
+from .arrays import Array
+from .coordinates import configuration, data_of
 from .errors import AssemblyError
 from .forces import AppliedForce
 from .friction import FrictionLaw

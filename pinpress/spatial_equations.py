@@ -10,7 +10,8 @@ from dataclasses import dataclass
 import numpy as np
 import pinocchio as pin
 
-from .coordinates import Array, axes, configuration, data_of, drawn, slots
+from .arrays import Array
+from .coordinates import axes, configuration, data_of, drawn, slots
 from .loops import Coupling, LoopJoint
 
 PARALLEL = 1e-14  # sine of an angle: axes of one direction are off by so much in rounding, which is no equation of its own

@@ -12,9 +12,9 @@ import numpy as np
 from . import caller_laws, laws, over_angle, panels, plausibility, reduced, resolution, scenarios, turned
 from . import scene as scenes
 from .arguments import typed
+from .arrays import Array
 from .caller_laws import LawError
 from .closing import refuse_far
-from .coordinates import Array
 from .drives import Drive, Flywheel
 from .errors import PinpressError, SimulationError, shown
 from .forces import Load

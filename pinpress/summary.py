@@ -4,11 +4,12 @@ from collections.abc import Callable
 
 import numpy as np
 
-from .coordinates import Array
+from .arrays import Array
 from .dead_centres import dead_centres
 from .linkage import Linkage
-from .motion import RPM, Motion
+from .motion import Motion
 from .reactions import Reactions
+from .units import RPM
 
 AXES = "xyz"
 

@@ -25,7 +25,7 @@ from numpy.typing import NDArray
 
 from . import synthesis_tables, tables
 from .arguments import typed
-from .coordinates import Array
+from .arrays import Array
 from .errors import AssemblyError, PinpressError, SingularityError, UnknownNameError, shown
 from .forces import Load
 from .frozen import Frozen, FrozenMapping

@@ -8,9 +8,9 @@ from typing import cast
 import numpy as np
 
 from . import force_sensitivities, plane_dynamics
+from .arrays import Array, ComplexArray
 from .by_bearing import ByBearing
 from .constant_rows import product
-from .coordinates import Array, ComplexArray
 from .force_sensitivities import Balanced
 from .forces import Load, apply, asked
 from .geometry import redrawn

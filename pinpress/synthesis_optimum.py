@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from .coordinates import Array
+from .arrays import Array
 from .synthesis_problem import Point
 
 TOUCHED = 1e-6  # scaled distance from a bound at which it counts as met

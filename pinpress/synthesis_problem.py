@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from .coordinates import Array
+from .arrays import Array
 from .errors import AssemblyError, PinpressError, shown
 from .sensitivities import STEP
 from .sensitivities_pivots import Displacements, Pivots, directed, displaced

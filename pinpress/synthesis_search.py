@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from .coordinates import Array
+from .arrays import Array
 from .errors import PinpressError
 from .synthesis_optimum import optimum
 from .synthesis_problem import Limit, Point, Problem, missed

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, TypeAlias
 import numpy as np
 
 from . import files
-from .coordinates import Array
+from .arrays import Array
 from .errors import PinpressError
 
 if TYPE_CHECKING:

@@ -7,11 +7,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from .arguments import typed
+from .arrays import Array
 from .balance_measures import AddedMass, Measure, Target
 from .balance_problem import build
 from .balance_result import Balance
 from .balancing import balanced, checked
-from .coordinates import Array
 from .errors import PinpressError, shown
 from .forces import Load
 from .frozen import Frozen

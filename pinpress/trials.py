@@ -10,7 +10,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
-from .coordinates import Array
+from .arrays import Array
 from .errors import PinpressError, UnknownNameError
 from .frozen import Frozen, read_only
 from .linkage import Linkage

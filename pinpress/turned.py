@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from . import panels
-from .coordinates import Array
+from .arrays import Array
 from .drives import Drive, PrescribedSpeed
 from .over_angle import Flow
 from .panels import Grid, Indices

@@ -7,8 +7,8 @@ from typing import NamedTuple
 import numpy as np
 
 from . import over_angle, panels, resolution
+from .arrays import Array
 from .caller_laws import LawError
-from .coordinates import Array
 from .drives import PrescribedSpeed
 from .errors import SimulationError
 from .over_angle import Flow

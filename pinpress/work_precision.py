@@ -21,8 +21,9 @@ from .drives import Flywheel
 from .errors import PinpressError, shown
 from .linkage import Linkage
 from .measurements import SCENES, Accuracy
-from .motion import MOST_POINTS, RPM
+from .motion import MOST_POINTS
 from .single_numbers import LARGEST, SMALLEST, number, positive, whole_number
+from .units import RPM
 
 TURNS = 2.0  # of the runs
 HEAVY = 4.0  # times the linkage's largest reduced inertia: a flywheel that carries it on

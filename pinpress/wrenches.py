@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from .coordinates import Array
+from .arrays import Array
 
 
 @dataclass(frozen=True, eq=False, repr=False)

@@ -14,7 +14,8 @@ import pinocchio as pin
 
 from . import files, loading, pose_checks, urdf
 from .arguments import typed
-from .coordinates import Array, axes
+from .arrays import Array
+from .coordinates import axes
 from .errors import PinpressError
 from .findings import Finding
 from .linkage import Linkage

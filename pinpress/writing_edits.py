@@ -11,7 +11,8 @@ import numpy as np
 import pinocchio as pin
 
 from . import urdf
-from .coordinates import Array, Axis, Slot, axes, slots
+from .arrays import Array
+from .coordinates import Axis, Slot, axes, slots
 from .linkage import Linkage
 from .loops import LoopJoint
 from .urdf import Element

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, ClassVar, Protocol
 
 import numpy as np
 
-from ..coordinates import Array
+from ..arrays import Array
 from ..errors import PinpressError
 from ..linkage import Linkage
 from ..loading import load

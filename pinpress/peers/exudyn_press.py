@@ -22,7 +22,7 @@ import pinocchio as pin
 from exudyn import itemInterface as items  # noqa: N813
 
 from ..accuracy_scenes import Scene, SpeedLaw
-from ..coordinates import Array
+from ..arrays import Array
 from ..dead_centres import dead_centres
 from ..errors import PinpressError, SimulationError
 from ..linkage import Linkage

@@ -24,7 +24,7 @@ import numpy as np
 from mujoco import rollout
 
 from ..accuracy_scenes import Scene
-from ..coordinates import Array, ComplexArray
+from ..arrays import Array, ComplexArray
 from ..dead_centres import dead_centres
 from ..errors import PinpressError, SimulationError
 from ..linkage import Linkage

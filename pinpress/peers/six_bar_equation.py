@@ -19,7 +19,7 @@ from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
 from ..accuracy_scenes import Scene
-from ..coordinates import Array
+from ..arrays import Array
 from ..errors import SimulationError
 from ..measurements import SPEED_LAW
 from ..process_load import ProcessLoad

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..coordinates import Array
+from ..arrays import Array
 from ..dead_centres import dead_centres
 from ..geometry import reshaped
 from ..linkage import Linkage

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..coordinates import Array
+from ..arrays import Array
 from ..figures import COLOURS, GREY, LINES, above, drawing, grid, plain
 
 if TYPE_CHECKING:

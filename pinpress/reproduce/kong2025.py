@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..coordinates import Array
+from ..arrays import Array
 from ..counterweights import Counterweight, with_counterweights
 from ..dead_centres import dead_centres
 from ..drives import Flywheel, InverterMotor
@@ -20,9 +20,10 @@ from ..forces import PointForce
 from ..linkage import Linkage
 from ..loading import load
 from ..measures import dwell_time
-from ..motion import RPM, Motion, cycle
+from ..motion import Motion, cycle
 from ..reactions import Reactions, inverse_dynamics
 from ..simulation import simulate
+from ..units import RPM
 from .drawings import Panel, draw
 from .kong2025_errata import ERRATA
 from .pages import BEYOND, DATA, NO_RESULT, NOT, PARTLY, REPRODUCED, Entry, Page, Row

@@ -7,10 +7,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from ..command_output import make
 from ..errors import PinpressError
 from ..figures import STYLE
-from ..files import write
+from ..files import make_folder, write
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -182,7 +181,7 @@ class Page:
             PinpressError: Matplotlib is not installed, or a file cannot be written.
         """
         folder = Path(out)
-        make(folder / "figures")
+        make_folder(folder / "figures")
         written = [write(folder / f"{self.name}.md", self.markdown().encode())]
         for entry in self.entries:
             if entry.draw is not None:

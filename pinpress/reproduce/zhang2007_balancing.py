@@ -5,12 +5,13 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ..arrays import Array
 from ..balance_measures import Measure, Range, Rms
 from ..balancing import balance
-from ..coordinates import Array
 from ..linkage import Linkage
-from ..motion import RPM, cycle
+from ..motion import cycle
 from ..rooms import Room
+from ..units import RPM
 from .drawings import Panel, draw
 from .pages import CURVES, NOT, Entry, Row
 from .zhang2007_presses import FLYWHEEL_MASS, GRAVITY, POINTS, SPEED, clean, turning, weight, with_masses

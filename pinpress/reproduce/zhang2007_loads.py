@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..coordinates import Array
+from ..arrays import Array
 from ..drives import ConstantTorque, Flywheel
 from ..linkage import Linkage
 from ..loads import Blanking, DeepDrawing, Piling, ProcessLoad, step

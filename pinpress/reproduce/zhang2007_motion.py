@@ -8,9 +8,9 @@ import numpy as np
 from ..drives import ConstantTorque, Flywheel, Geared, SlipClutchMotor
 from ..linkage import Linkage
 from ..loads import Blanking
-from ..motion import RPM
 from ..simulation import simulate
 from ..steady import steady_state
+from ..units import RPM
 from .drawings import Panel, draw
 from .pages import CURVES, DATA, NO_RESULT, Entry, Row
 from .zhang2007_presses import FLYWHEEL_INERTIA, SPEED, START, TORQUE, figures

@@ -5,8 +5,9 @@ import numpy as np
 from ..counterweights import Counterweight, with_counterweights
 from ..linkage import Linkage
 from ..loading import load
-from ..motion import RPM, cycle
+from ..motion import cycle
 from ..reactions import Reactions, inverse_dynamics
+from ..units import RPM
 
 SPEED = 300 * RPM
 GRAVITY = 9.80665

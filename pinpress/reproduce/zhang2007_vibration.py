@@ -12,16 +12,17 @@ import numpy as np
 import pinocchio as pin
 
 from .. import foundation, loads
-from ..coordinates import Array
+from ..arrays import Array
 from ..drives import Flywheel
 from ..errors import PinpressError
 from ..forces import PointForce
 from ..foundation import Frame, FrameMotion, Mount, MountedPress, RubberPad, SpeedResponse
 from ..linkage import Linkage
 from ..loading import load
-from ..motion import RPM, Motion, cycle
+from ..motion import Motion, cycle
 from ..reactions import inverse_dynamics
 from ..simulation import simulate
+from ..units import RPM
 from .drawings import Panel, draw
 
 if TYPE_CHECKING:

@@ -1,0 +1,5 @@
+"""Units beside the SI units."""
+
+import numpy as np
+
+RPM = 2 * np.pi / 60  # one revolution a minute [rad/s]
