@@ -1,4 +1,4 @@
-"""Balancing the ZXN2-3000(B) written out by hand: a peer of `pinpress.balance` that shares no code with it.
+"""Balancing the ZXN2-3000(B) written out by hand: a peer of `pinpress.balancing.balance` that shares no code with it.
 
 Kinematics are Kong et al. 2025's in closed form, accelerations the second derivative of the Fourier series of the positions, the shaking
 force is sum m (g - a), and the best counterweights are bracketed by two linear programs: circles as polygons around and inside them.

@@ -19,14 +19,14 @@ import numpy as np
 
 sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
 import pinpress as pp
-from pinpress.timing import least_seconds
+from pinpress.accuracy.timing import least_seconds
 
 DURATION = 0.05  # [s]
 WANTED = 1e-7  # relative
 TOLERANCES = (1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10, 1e-11)
 STEPS = (1e-4, 5e-5, 2e-5, 1e-5, 5e-6, 2.5e-6, 1.25e-6, 1e-6)  # [s]
 (X, Z), (X3, Z3) = andrews.ANCHOR, andrews.ON_K3
-SPRING = pp.SpringDamper("frame", "K3", point1=(X, 0.0, Z), point2=(X3, 0.0, Z3), **andrews.SPRING)
+SPRING = pp.loads.SpringDamper("frame", "K3", point1=(X, 0.0, Z), point2=(X3, 0.0, Z3), **andrews.SPRING)
 
 Array = Any
 Contestant = tuple[str, Callable[[], Array]]
@@ -45,7 +45,7 @@ def mechanism() -> pp.Linkage:
 def pinpress(press: pp.Linkage, method: str, tolerance: float) -> Array:
     """(7,) joint coordinates at the end; the table of the reduced inertia is made anew."""
     press.__dict__.pop("table", None)
-    run = pp.simulate(press, DURATION, drive=pp.ConstantTorque(andrews.TORQUE), loads=[SPRING], method=method, tolerance=tolerance)
+    run = pp.simulate(press, DURATION, drive=pp.drives.ConstantTorque(andrews.TORQUE), loads=[SPRING], method=method, tolerance=tolerance)
     return run.joint_position[-1]
 
 
@@ -56,7 +56,7 @@ def exudyn_runs(press: pp.Linkage) -> list[Contestant]:
     except ModuleNotFoundError:
         print("Exudyn is left out: not installed; pip install 'pinpress[peers]'")
         return []
-    from pinpress.peers import exudyn_press
+    from pinpress.accuracy.peers import exudyn_press
 
     system = exudyn_press.build(press)
     mbs, driver, k3 = system.mbs, press.spatial.drivers[0] + 1, press.joints.index("gamma") + 1
@@ -90,7 +90,7 @@ def against_80_bit(press: pp.Linkage) -> None:
     order = [press.joints.index(name) for name in andrews.NAMES]
     for method in ("reduced", "constraint"):
         for time, (expected, *_) in andrews.REFERENCE.items():
-            drive = pp.ConstantTorque(andrews.TORQUE)
+            drive = pp.drives.ConstantTorque(andrews.TORQUE)
             run = pp.simulate(press, time, drive=drive, loads=[SPRING], method=method, tolerance=1e-13)
             error = np.abs(run.joint_position[-1, order] + start - expected).max() / np.abs(expected).max()
             print(f"  {method:10} positions at {time} s: {error:.1e} of the largest, energy {run.stats.energy_error:.1e}")

@@ -1,4 +1,5 @@
-"""Solvers of balancing problems on one machine in one run: Clarabel, which `pinpress.balance` uses, HiGHS, and a step-by-step search.
+"""Solvers of balancing problems on one machine in one run: Clarabel, which `pinpress.balancing.balance` uses, HiGHS, and a step-by-step
+search.
 
 python tests/benchmark_balancing.py
 
@@ -13,26 +14,26 @@ import numpy as np
 from scipy.optimize import linprog, minimize
 
 import pinpress as pp
-from pinpress.balance_problem import Problem, build
-from pinpress.balance_program import solve, value_of
-from pinpress.conic import AT_MOST, CONE
-from pinpress.timing import least_seconds
+from pinpress.accuracy.timing import least_seconds
+from pinpress.balancing.problem import Problem, build
+from pinpress.balancing.program import solve, value_of
+from pinpress.common.conic_program import AT_MOST, CONE
 
 SIDES = 64  # of a circle
 REPEATED = 7
 
 
-def problems() -> dict[str, tuple[Problem, pp.Range]]:
-    vertical, horizontal = pp.Range("shaking_force", "z"), pp.Range("shaking_force", "x")
+def problems() -> dict[str, tuple[Problem, pp.balancing.Range]]:
+    vertical, horizontal = pp.balancing.Range("shaking_force", "z"), pp.balancing.Range("shaking_force", "x")
     crank_press, six_bar = pp.load("jf75g_125"), pp.load("zxn2_3000b")
     fast, slow = pp.cycle(crank_press, 300 * pp.RPM, points=720), pp.cycle(six_bar, 70 * pp.RPM, points=720)
-    masses = [pp.Room("auxiliary_rod", replaces=True), pp.Room("counterweight", replaces=True)]
-    points = [pp.Room("crank", at=(-0.1428, 0, 0), mass=(0, 700)), pp.Room("rod", at=(-0.0456, 0, 0), mass=(0, 700))]
-    circles = [pp.Room("crank", radius=0.1428, mass=(0, 700)), pp.Room("rod", radius=0.0456, mass=(0, 700))]
+    masses = [pp.balancing.Room("auxiliary_rod", replaces=True), pp.balancing.Room("counterweight", replaces=True)]
+    points = [pp.balancing.Room("crank", at=(-0.1428, 0, 0), mass=(0, 700)), pp.balancing.Room("rod", at=(-0.0456, 0, 0), mass=(0, 700))]
+    circles = [pp.balancing.Room("crank", radius=0.1428, mass=(0, 700)), pp.balancing.Room("rod", radius=0.0456, mass=(0, 700))]
     return {
-        "JF75G-125, two masses": (build(crank_press, [pp.Case(fast)], masses, [vertical])[0], vertical),
-        "ZXN2, two points": (build(six_bar, [pp.Case(slow)], points, [horizontal])[0], horizontal),
-        "ZXN2, two circles": (build(six_bar, [pp.Case(slow)], circles, [horizontal])[0], horizontal),
+        "JF75G-125, two masses": (build(crank_press, [pp.balancing.Case(fast)], masses, [vertical])[0], vertical),
+        "ZXN2, two points": (build(six_bar, [pp.balancing.Case(slow)], points, [horizontal])[0], horizontal),
+        "ZXN2, two circles": (build(six_bar, [pp.balancing.Case(slow)], circles, [horizontal])[0], horizontal),
     }
 
 

@@ -27,7 +27,7 @@ from pinocchio_loop import PinocchioLoop, inverse_dynamics
 
 ROOT = Path(__file__).resolve().parent.parent
 sys.path.insert(0, str(ROOT))
-from pinpress.peers.six_bar_script import Array, six_bar, world_forces  # noqa: E402
+from pinpress.accuracy.peers.six_bar_script import Array, six_bar, world_forces  # noqa: E402
 
 SPEED = 70 * 2 * np.pi / 60  # [rad/s]
 TURN = 0.02  # seconds
@@ -155,8 +155,8 @@ def print_presses(n: int, repeats: int) -> None:
     presses = {name: pp.load(name) for name in pp.presses()}
     entries: list[Contestant] = [(name, n, lambda press=press: scene(press), lambda r: r) for name, press in presses.items()]
     six, pair = presses["zxn2_3000b"], presses["jf75g_125_symmetric"]
-    spring = [pp.SpringDamper("frame", "slide", stiffness=1e5, damping=1e3, free_length=0.2, point1=(0.0, 0.0, 1.0))]
-    rubbing = {name: pp.Friction(0.06, None if "guide" in name else 0.06) for name in six.bearings}
+    spring = [pp.loads.SpringDamper("frame", "slide", stiffness=1e5, damping=1e3, free_length=0.2, point1=(0.0, 0.0, 1.0))]
+    rubbing = {name: pp.loads.Friction(0.06, None if "guide" in name else 0.06) for name in six.bearings}
     shares = dict.fromkeys(pair.bearings, 1e9)
     entries += [
         ("zxn2_3000b, a spring to the slide", n, lambda: scene(six, loads=spring), lambda r: r),

@@ -13,7 +13,7 @@ import n_four_bar
 
 sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
 import pinpress as pp
-from pinpress.timing import least_seconds
+from pinpress.accuracy.timing import least_seconds
 
 
 def main() -> None:

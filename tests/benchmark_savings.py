@@ -26,7 +26,7 @@ import pinocchio as pin
 
 sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
 import pinpress as pp
-from pinpress.timing import least_seconds
+from pinpress.accuracy.timing import least_seconds
 
 ROOT = Path(__file__).resolve().parent.parent
 SPEED = 70 * pp.RPM
@@ -103,8 +103,8 @@ def scenes(n: int) -> Contestants:
     press = pp.load("zxn2_3000b")
     weightless = pp.load("zxn2_3000b", gravity=(0.0, 0.0, 0.0))
     motion, floating = (pp.cycle(each, speed=SPEED, points=n) for each in (press, weightless))
-    spring = pp.SpringDamper("frame", "slide", stiffness=1e5, damping=1e3, free_length=0.2, point1=(0.0, 0.0, 1.0))
-    rubbing = {name: pp.Friction(0.06, None if "guide" in name else 0.06) for name in press.bearings}
+    spring = pp.loads.SpringDamper("frame", "slide", stiffness=1e5, damping=1e3, free_length=0.2, point1=(0.0, 0.0, 1.0))
+    rubbing = {name: pp.loads.Friction(0.06, None if "guide" in name else 0.06) for name in press.bearings}
 
     def solve(**more: Any) -> Work:
         return lambda: pp.inverse_dynamics(press, motion, **more)
@@ -112,9 +112,9 @@ def scenes(n: int) -> Contestants:
     return {
         "nothing but weights": solve(),
         "no weights either": lambda: pp.inverse_dynamics(weightless, floating),
-        "a force in the plane": solve(loads=[pp.PointForce("slide", (0.0, 0.0, 1e6))]),
-        "a force across the plane": solve(loads=[pp.PointForce("slide", (0.0, 1e3, 1e6))]),
-        "a force across the plane, torque alone": solve(loads=[pp.PointForce("slide", (0.0, 1e3, 1e6))], bearings=()),
+        "a force in the plane": solve(loads=[pp.loads.PointForce("slide", (0.0, 0.0, 1e6))]),
+        "a force across the plane": solve(loads=[pp.loads.PointForce("slide", (0.0, 1e3, 1e6))]),
+        "a force across the plane, torque alone": solve(loads=[pp.loads.PointForce("slide", (0.0, 1e3, 1e6))], bearings=()),
         "a process load": solve(loads=[pp.loads.DeepDrawing(force=1e6, start=0.010)]),
         "a spring to the slide": solve(loads=[spring]),
         "a spring to the slide, torque alone": solve(loads=[spring], bearings=()),
@@ -159,7 +159,7 @@ def kept() -> Contestants:
         _ = press.table
 
     def run() -> pp.Run:
-        return pp.simulate(press, 2.0, speed=SPEED, flywheel=pp.Flywheel(500.0))
+        return pp.simulate(press, 2.0, speed=SPEED, flywheel=pp.drives.Flywheel(500.0))
 
     def first_run() -> pp.Run:
         press.__dict__.pop("table", None)
@@ -217,10 +217,10 @@ def scenarios() -> Contestants:
     """Forward dynamics of 50 scenarios together, and each alone."""
     press = pp.load("zxn2_3000b")
     inertias = np.linspace(1000.0, 3000.0, 50)
-    drive = pp.ConstantTorque(500.0)
+    drive = pp.drives.ConstantTorque(500.0)
 
     def run(inertia: Any) -> Any:
-        return pp.simulate(press, 2.0, speed=SPEED, flywheel=pp.Flywheel(inertia), drive=drive, points=121)
+        return pp.simulate(press, 2.0, speed=SPEED, flywheel=pp.drives.Flywheel(inertia), drive=drive, points=121)
 
     return {
         "one": lambda: run(inertias[0]),
@@ -239,10 +239,10 @@ INTERPRETERS = {
     "`import pinpress`": IMPORT,
     "and `load`": LOAD,
     "`load`, `cycle`, `inverse_dynamics`": SOLVE,
-    "`load`, `simulate`": f"{LOAD}; pp.simulate(press, 2.0, speed=7.33, flywheel=pp.Flywheel(500.0))",
+    "`load`, `simulate`": f"{LOAD}; pp.simulate(press, 2.0, speed=7.33, flywheel=pp.drives.Flywheel(500.0))",
     "`load` to `inverse_dynamics`, `record`": f'{SOLVE}; pp.record(press, motion, folder + "/press.html", result)',
     "`load` to `inverse_dynamics`, `report`": f'{SOLVE}; pp.report(press, motion, folder + "/report.html", result)',
-    "`load` to `inverse_dynamics`, `plot_torque`": f"{SOLVE}; pp.plot_torque(result)",
+    "`load` to `inverse_dynamics`, `plot_torque`": f"{SOLVE}; pp.plots.plot_torque(result)",
 }
 SEEN = """
 import sys

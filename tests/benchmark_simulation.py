@@ -20,10 +20,10 @@ sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
 from pinocchio_run import free_run
 
 import pinpress as pp
-from pinpress.timing import least_seconds
+from pinpress.accuracy.timing import least_seconds
 
 ANGLE, SPEED, DURATION = np.radians(154.0), 70 * pp.RPM, 2.0
-FLYWHEEL = pp.Flywheel(inertia=500.0)
+FLYWHEEL = pp.drives.Flywheel(inertia=500.0)
 WANTED = 1e-6  # [rad]
 TOLERANCES = (1e-3, 1e-4, 1e-5, 1e-6, 3e-7, 1e-7, 3e-8, 1e-8, 1e-9, 1e-10, 1e-11, 1e-12)
 STEPS = (1e-2, 5e-3, 2e-3, 1e-3, 5e-4, 2e-4)
@@ -94,14 +94,19 @@ def scenarios(repeats: int) -> None:
 
     cases: list[tuple[str, Callable[[Any], dict[str, Any]]]] = [
         ("free run: speeds, flywheels", lambda s: {}),
-        ("567 N m and blanking: speeds, flywheels, forces", lambda s: {"drive": pp.ConstantTorque(567.0), "loads": blanking(force[s])}),
+        (
+            "567 N m and blanking: speeds, flywheels, forces",
+            lambda s: {"drive": pp.drives.ConstantTorque(567.0), "loads": blanking(force[s])},
+        ),
         ("motor and blanking: speeds, flywheels, powers, forces", lambda s: {"drive": motor(power[s]), "loads": blanking(0.2 * force[s])}),
     ]
     print("\nJF75G-125, 2 s (10 strokes), 121 states: 1000 scenarios together against one")
     for name, more in cases:
 
         def run(which: Any, more: Callable[[Any], dict[str, Any]] = more) -> Any:
-            return pp.simulate(press, 2.0, speed=speed[which], flywheel=pp.Flywheel(inertia[which]), points=121, **more(which)).crank_angle
+            return pp.simulate(
+                press, 2.0, speed=speed[which], flywheel=pp.drives.Flywheel(inertia[which]), points=121, **more(which)
+            ).crank_angle
 
         one: Contestant = ("one", lambda run=run: float(run(0)[-1]))
         many: Contestant = ("many", lambda run=run: float(run(slice(None))[-1, 0]))
@@ -112,7 +117,7 @@ def scenarios(repeats: int) -> None:
 def long_runs(repeats: int) -> None:
     """A minute under the slip clutch, its steady state found directly, and energies of very long free runs."""
     press = pp.load("jf75g_125", gravity=(0, 0, -9.80665))
-    flywheel, loads = pp.Flywheel(136.0), [pp.loads.Blanking(1250e3, 0.010, 0.005)]
+    flywheel, loads = pp.drives.Flywheel(136.0), [pp.loads.Blanking(1250e3, 0.010, 0.005)]
     drive = pp.drives.Geared(pp.drives.SlipClutchMotor(189.0, 1470 * pp.RPM, 1320 * pp.RPM, 900 * pp.RPM), 3.0)
     runs: dict[str, Any] = {}
 
@@ -125,7 +130,7 @@ def long_runs(repeats: int) -> None:
         return 0.0
 
     (_, _, long), (_, _, direct) = least([("minute", minute), ("steady", steady)], repeats)
-    last, period = pp.strokes(runs["minute"])[-1], pp.duty(runs["steady"])
+    last, period = pp.measures.strokes(runs["minute"])[-1], pp.measures.duty(runs["steady"])
     apart, slower = abs(last.duration - period.duration), abs(last.lowest_speed - period.lowest_speed)
     print("\nJF75G-125, slip-clutch motor, 1250 kN blanking, 300 strokes/min")
     print(f"  60 s, {len(runs['minute'].time)} states: {long:.2f} s, energy error {runs['minute'].stats.energy_error:.1e}")
@@ -140,7 +145,7 @@ def long_runs(repeats: int) -> None:
     left = closed.stats
     print(f"  {_turns(closed)} turns free, constraint: energy error {left.energy_error:.1e}, gap {left.closure_error:.0e} m,")
     print(f"  {end - middle:.1f} s")
-    six = pp.simulate(pp.load("zxn2_3000b"), 8571.0, speed=70 * pp.RPM, flywheel=pp.Flywheel(2000.0), points=1000)
+    six = pp.simulate(pp.load("zxn2_3000b"), 8571.0, speed=70 * pp.RPM, flywheel=pp.drives.Flywheel(2000.0), points=1000)
     print(f"  ZXN2-3000(B) from 70 strokes/min, {_turns(six)} turns free, reduced: energy error {six.stats.energy_error:.1e}")
 
 

@@ -20,7 +20,7 @@ import numpy as np
 
 sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
 import pinpress as pp
-from pinpress.timing import least_seconds
+from pinpress.accuracy.timing import least_seconds
 
 KINDS: dict[str, Callable[[int], str]] = {"dyads": n_four_bar.urdf, "gear pairs": large_linkages.gear_train}
 SIZES = {"plane": (25, 50, 100, 200, 400), "pinocchio": (5, 10, 20, 40, 80)}

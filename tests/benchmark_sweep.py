@@ -20,8 +20,8 @@ sys.path.insert(0, str(Path(__file__).resolve().parent))
 from sweep_points import product
 
 import pinpress as pp
-from pinpress.operating import operating_points
-from pinpress.sweeping import sweep
+from pinpress.sweeps.operating_points import operating_points
+from pinpress.sweeps.sweeping import sweep
 
 START = 0.020  # m above bottom dead centre
 SPEEDS, FORCES = np.linspace(10, 100, 1000) * pp.RPM, np.linspace(0, 3e6, 1000)

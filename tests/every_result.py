@@ -8,18 +8,21 @@ import numpy as np
 from sweep_points import fails_at_odd
 
 import pinpress as pp
-from pinpress import arrangements, drives, foundation, loads
-from pinpress.measures import stroke
+from pinpress import foundation
+from pinpress.balancing.classical import arrangements
+from pinpress.drives import transmission as drives
+from pinpress.kinematics.measures import stroke
+from pinpress.loads import process as loads
 
 SPEED = 7.0
 DEEP = loads.DeepDrawing(force=1e4, start=0.05)
-X, Z = pp.Range("shaking_force", "x"), pp.Range("shaking_force", "z")
-STIFFNESS = pp.Stiffness({"W": 1e9, "P": 2e9, "O": 4e9}, {}, [pp.Rod("rod", ("P", "W"), 5e8)], frame=8e9)
-CAPACITIES = pp.Capacities(1e5, nominal_height=0.01, bearings={"W": 2e5}, flywheel_inertia=100.0, speed_drop=0.1, motor_power=2e4)
+X, Z = pp.balancing.Range("shaking_force", "x"), pp.balancing.Range("shaking_force", "z")
+STIFFNESS = pp.elasticity.Stiffness({"W": 1e9, "P": 2e9, "O": 4e9}, {}, [pp.elasticity.Rod("rod", ("P", "W"), 5e8)], frame=8e9)
+CAPACITIES = pp.ratings.Capacities(1e5, nominal_height=0.01, bearings={"W": 2e5}, flywheel_inertia=100.0, speed_drop=0.1, motor_power=2e4)
 MOUNTS = [foundation.Mount((x, y, -0.5), (1e6, 1e6, 2e6), (1e3, 1e3, 2e3)) for x in (-1.0, 1.0) for y in (-0.5, 0.5)]
 FRAME = foundation.Frame(6000.0, (0.0, 0.0, 0.2), np.diag([900.0, 1100.0, 700.0]))
-MEASUREMENT = pp.Measurement("table", "reduced", "64 samples", 64.0, 1e-3, 1e-12)
-ACCURACY = pp.Accuracy(
+MEASUREMENT = pp.accuracy.Measurement("table", "reduced", "64 samples", 64.0, 1e-3, 1e-12)
+ACCURACY = pp.accuracy.Accuracy(
     "crank_slide", "a turn", "a machine", {"free run": "a scene"}, {"table": 1e-14}, {"table": "two methods"}, (MEASUREMENT,), ()
 )
 TRIALS = []  # seen by the synthesis
@@ -46,41 +49,43 @@ def motion():
 
 @cache
 def reactions():
-    return pp.inverse_dynamics(press(), motion(), [DEEP, pp.PointForce("slide", push)], {"W": pp.Friction(coefficient=0.1, radius=0.05)})
+    return pp.inverse_dynamics(
+        press(), motion(), [DEEP, pp.loads.PointForce("slide", push)], {"W": pp.loads.Friction(coefficient=0.1, radius=0.05)}
+    )
 
 
 @cache
 def run():
-    return pp.simulate(press(), 0.3, SPEED, drive=pp.ConstantTorque(50.0), flywheel=pp.Flywheel(20.0), loads=[DEEP])
+    return pp.simulate(press(), 0.3, SPEED, drive=pp.drives.ConstantTorque(50.0), flywheel=pp.drives.Flywheel(20.0), loads=[DEEP])
 
 
 @cache
 def run_over_joints():
-    clutch = pp.Clutch(torque=500.0, closes=pp.At(time=0.01), rise=0.01)
-    return pp.simulate(press(), 0.05, SPEED, flywheel=pp.Flywheel(20.0), clutch=clutch, method="constraint", points=10)
+    clutch = pp.drives.Clutch(torque=500.0, closes=pp.drives.At(time=0.01), rise=0.01)
+    return pp.simulate(press(), 0.05, SPEED, flywheel=pp.drives.Flywheel(20.0), clutch=clutch, method="constraint", points=10)
 
 
 @cache
 def runs():
     """The last one stalls."""
     load = loads.ForceStroke([0.0, 1.0], [3e4, 3e4])
-    return pp.simulate(press(), 0.3, np.array([SPEED, 20.0, 0.1]), flywheel=pp.Flywheel(20.0), loads=[load], points=5)
+    return pp.simulate(press(), 0.3, np.array([SPEED, 20.0, 0.1]), flywheel=pp.drives.Flywheel(20.0), loads=[load], points=5)
 
 
 @cache
 def sweep():
-    return pp.sweep(fails_at_odd, {"a": [1, 2, 3]})
+    return pp.sweeps.sweep(fails_at_odd, {"a": [1, 2, 3]})
 
 
 @cache
 def balance():
-    return pp.balance(press(), motion(), [pp.Room("crank", radius=0.2, mass=(0, 50))], Z, {X: 1e5})
+    return pp.balancing.balance(press(), motion(), [pp.balancing.Room("crank", radius=0.2, mass=(0, 50))], Z, {X: 1e5})
 
 
 @cache
 def synthesis():
     limits = {"stroke": (long_stroke, None, 0.3)}
-    return pp.synthesise(press(), {"radius": (0.05, 0.1, 0.2)}, shortest, limits, crank, speed=SPEED, points=24)
+    return pp.synthesis.synthesise(press(), {"radius": (0.05, 0.1, 0.2)}, shortest, limits, crank, speed=SPEED, points=24)
 
 
 def shortest(trial):
@@ -108,7 +113,9 @@ def response():
 
 @cache
 def trade_off():
-    return pp.trade_off(press(), motion(), [pp.Room("crank", radius=0.2, mass=(0, 50))], X, pp.AddedMass(), points=2)
+    return pp.balancing.trade_off(
+        press(), motion(), [pp.balancing.Room("crank", radius=0.2, mass=(0, 50))], X, pp.balancing.AddedMass(), points=2
+    )
 
 
 @cache
@@ -121,21 +128,51 @@ def made():
     """One of each."""
     found = [
         *(press(), motion(), reactions(), run(), run_over_joints(), runs(), sweep(), *sweep().failed, run().stats),
-        *(pp.dead_centres(press()), pp.duty(run()), pp.check(press().file), *pp.check(press().file).findings),
+        *(pp.dead_centres(press()), pp.measures.duty(run()), pp.check(press().file), *pp.check(press().file).findings),
         *(balance(), *balance().outcomes, *balance().active, *balance().counterweights, trade_off(), synthesis()),
         *TRIALS[:1],
-        *(X, pp.Peak("shaking_force"), pp.Rms("driving_torque"), pp.AddedMass(), pp.Room("crank", radius=0.2)),
-        *(pp.Case(motion()), pp.Friction(0.1, 0.02), pp.SpringDamper("frame", "slide", 1e4), pp.PointForce("slide", (0.0, 0.0, 1.0))),
-        *(STIFFNESS, *STIFFNESS.rods, pp.elasticity(press(), STIFFNESS, [0.1, 0.5]), pp.slide_deflection(press(), motion(), STIFFNESS)),
-        *(pp.dead_centre_shift(press(), STIFFNESS, [1.0, SPEED]), pp.snap_through(1e6, 6e8, 2600.0)),
-        *(CAPACITIES, pp.ratings(press(), SPEED, CAPACITIES, points=9), pp.speed_limit(press(), CAPACITIES), pp.Guide(0.3, 0.1)),
-        pp.eccentric_load(press(), pp.cycle(press(), 0.0, angle=[0.1]), 1e5, (0.02, 0.0, 0.0), pp.Guide(0.3, 0.1)),
-        *(pp.operating_points(press(), [5.0, SPEED], [0.0, 1e3], DEEP, points=8, angles=True), pp.harmonics(motion(), motion().v)),
-        *(pp.extremes(reactions())[0], *pp.motion_derivatives(press(), motion(), [{("P", "crank"): (1, 0, 0)}])),
-        *(pp.Flywheel(2.0), pp.ConstantTorque(3.0), pp.At(time=0.1), pp.Brake(10.0, pp.At(time=0.1)), pp.Clutch(10.0)),
+        *(
+            X,
+            pp.balancing.Peak("shaking_force"),
+            pp.balancing.Rms("driving_torque"),
+            pp.balancing.AddedMass(),
+            pp.balancing.Room("crank", radius=0.2),
+        ),
+        *(
+            pp.balancing.Case(motion()),
+            pp.loads.Friction(0.1, 0.02),
+            pp.loads.SpringDamper("frame", "slide", 1e4),
+            pp.loads.PointForce("slide", (0.0, 0.0, 1.0)),
+        ),
+        *(
+            STIFFNESS,
+            *STIFFNESS.rods,
+            pp.elasticity.elasticity(press(), STIFFNESS, [0.1, 0.5]),
+            pp.elasticity.slide_deflection(press(), motion(), STIFFNESS),
+        ),
+        *(pp.elasticity.dead_centre_shift(press(), STIFFNESS, [1.0, SPEED]), pp.elasticity.snap_through(1e6, 6e8, 2600.0)),
+        *(
+            CAPACITIES,
+            pp.ratings.ratings(press(), SPEED, CAPACITIES, points=9),
+            pp.ratings.speed_limit(press(), CAPACITIES),
+            pp.ratings.Guide(0.3, 0.1),
+        ),
+        pp.ratings.eccentric_load(press(), pp.cycle(press(), 0.0, angle=[0.1]), 1e5, (0.02, 0.0, 0.0), pp.ratings.Guide(0.3, 0.1)),
+        *(
+            pp.sweeps.operating_points(press(), [5.0, SPEED], [0.0, 1e3], DEEP, points=8, angles=True),
+            pp.measures.harmonics(motion(), motion().v),
+        ),
+        *(pp.measures.extremes(reactions())[0], *pp.derivatives.motion_derivatives(press(), motion(), [{("P", "crank"): (1, 0, 0)}])),
+        *(
+            pp.drives.Flywheel(2.0),
+            pp.drives.ConstantTorque(3.0),
+            pp.drives.At(time=0.1),
+            pp.drives.Brake(10.0, pp.drives.At(time=0.1)),
+            pp.drives.Clutch(10.0),
+        ),
         *(drives.InductionMotor(11e3, 150.0), drives.InverterMotor(70.0, 150.0, 30.0, curve=[(10.0, 70.0), (50.0, 60.0)])),
         *(drives.ServoMotor([0.0, 1.0], [0.0, 7.0], 1e3, 1e2, 500.0), drives.SlipClutchMotor(70.0, 160.0, 150.0, 100.0)),
-        *(drives.PrescribedSpeed(7.0), drives.Geared(pp.ConstantTorque(3.0), 4.0)),
+        *(drives.PrescribedSpeed(7.0), drives.Geared(pp.drives.ConstantTorque(3.0), 4.0)),
         *(FRAME, *MOUNTS[:1], mounted(), response(), foundation.modes(mounted()), foundation.RubberPad(0.1, 0.1, 0.01, hardness=50)),
         foundation.over_speeds(mounted(), [5.0, SPEED], {"head": (0.0, 0.0, 1.0)}),
         foundation.isolate(press(), FRAME, MOUNTS, [50.0, 60.0], 0.5),
@@ -153,6 +190,6 @@ def made():
 
 def public():
     """All public classes of data."""
-    rooms = (pp, arrangements, drives, foundation, loads)
-    named = {getattr(room, name) for room in rooms for name in (room.__all__ if hasattr(room, "__all__") else vars(room)) if name[0] != "_"}
+    rooms = [pp, *filter(inspect.ismodule, (getattr(pp, name) for name in dir(pp))), arrangements]
+    named = [getattr(room, name) for room in rooms for name in dir(room)]
     return {kind for kind in named if inspect.isclass(kind) and dataclasses.is_dataclass(kind)}

@@ -10,11 +10,11 @@ from random_linkages import four_bar
 from scipy.optimize import brentq
 
 import pinpress as pp
-from pinpress.loads import Blanking
+from pinpress.loads.process import Blanking
 
 QUARTER = 0.5 * math.pi
 ORDINARY = CrankSlide()
-FLYWHEEL = pp.Flywheel(50.0)
+FLYWHEEL = pp.drives.Flywheel(50.0)
 SAME = 2e-14  # lengths that differ by less, some ten roundings with all that is added to them, count as equal
 
 
@@ -66,7 +66,7 @@ def crossing(name: str, one_less: float, speed: float, duration: float, flywheel
     corners = [place + share * near for place in (QUARTER, 3 * QUARTER) for share in (-100, -10, -3, 0, 3, 10, 100)] if one_less else []
 
     def scene(method: str, mechanism: CrankSlide = mechanism) -> pp.Run:
-        return pp.simulate(mechanism.press(), duration, speed=speed, flywheel=pp.Flywheel(flywheel), method=method)
+        return pp.simulate(mechanism.press(), duration, speed=speed, flywheel=pp.drives.Flywheel(flywheel), method=method)
 
     told_apart = same or one_less > 5e-12
     judged = (CrankSlide(rod=0.1) if same else mechanism).free_run(flywheel, at=[] if same else corners)
@@ -125,7 +125,7 @@ NONE = "Where mathematics has no answer"
 LOCKING = (1.0, 0.8, 0.3, 0.7, 0.9)  # ground, crank, coupler, rocker, drawn angle: at its locks coupler and rocker are in one line
 LOCKS = math.acos((1.0 + 0.64 - 1.0) / 1.6) - 0.9, math.acos((1.0 + 0.64 - 0.16) / 1.6) - 0.9
 SHORT = CrankSlide(rod=0.09)
-BLANK = {"speed": 5.0, "angle": 3.0, "flywheel": pp.Flywheel(5.0)}
+BLANK = {"speed": 5.0, "angle": 3.0, "flywheel": pp.drives.Flywheel(5.0)}
 
 
 def through_locks() -> Case:
@@ -191,10 +191,10 @@ def run_into(name: str, linkage: Any, angle: float, speed: float, ordinary: Any)
         NONE,
         name,
         "SimulationError at the lock (1e-3 rad)",
-        lambda method: pp.simulate(linkage(), 2.0, speed=speed, flywheel=pp.Flywheel(5.0), method=method),
+        lambda method: pp.simulate(linkage(), 2.0, speed=speed, flywheel=pp.drives.Flywheel(5.0), method=method),
         refusal(pp.SimulationError, [math.copysign(angle, speed)], 1e-3),
         ("reduced",),
-        lambda method: pp.simulate(ordinary(), 2.0, speed=speed, flywheel=pp.Flywheel(5.0), method=method),
+        lambda method: pp.simulate(ordinary(), 2.0, speed=speed, flywheel=pp.drives.Flywheel(5.0), method=method),
         refused=True,
     )
 

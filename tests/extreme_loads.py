@@ -13,7 +13,7 @@ from scipy.integrate import quad
 from scipy.optimize import brentq
 
 import pinpress as pp
-from pinpress.loads import ElasticDie, Piling, TimeForce
+from pinpress.loads.process import ElasticDie, Piling, TimeForce
 
 MECHANISM = CrankSlide()
 BOTTOM = -MECHANISM.crank - MECHANISM.rod
@@ -96,7 +96,7 @@ def met(name: str, load: Any, store: Store, ordinary: Any) -> Case:
     """A load met at full speed. Behind an edge an error grows by tens, in a bounce by about four."""
 
     def scene(method: str, load: Any = load) -> pp.Run:
-        flywheel = pp.Flywheel(FLYWHEEL)
+        flywheel = pp.drives.Flywheel(FLYWHEEL)
         return pp.simulate(MECHANISM.press(), duration(store), SPEED, START, flywheel=flywheel, loads=[load], method=method)
 
     thrown = store.deepest() is not None
@@ -118,7 +118,7 @@ def pulse(force: float, width: float) -> Case:
     slow = TimeForce(lambda t: np.where(np.asarray(t) < begin, 0.0, 1e3), (begin,))
 
     def scene(method: str, load: Any = load) -> pp.Run:
-        flywheel = pp.Flywheel(FLYWHEEL)
+        flywheel = pp.drives.Flywheel(FLYWHEEL)
         return pp.simulate(MECHANISM.press(), 0.2, SPEED, 2.0, flywheel=flywheel, loads=[load], method=method)
 
     @cache
@@ -146,8 +146,8 @@ def pulse(force: float, width: float) -> Case:
 SIX = "zxn2_3000b"
 
 
-def on(link: str, force: float) -> pp.PointForce:
-    return pp.PointForce(link, (0.3 * force, 0.0, force), (0.1, 0.0, 0.05))
+def on(link: str, force: float) -> pp.loads.PointForce:
+    return pp.loads.PointForce(link, (0.3 * force, 0.0, force), (0.1, 0.0, 0.05))
 
 
 def superposed(first: float, second: float) -> Case:
@@ -184,7 +184,7 @@ def moments(one: pp.Reactions) -> Any:
 
 def by_virtual_work(force: float) -> Case:
     def scene(engine: str, force: float = force) -> pp.Reactions:
-        return spinning(MECHANISM.press(), engine, ROUND, loads=[pp.PointForce("slide", (0.0, 0.0, force))])
+        return spinning(MECHANISM.press(), engine, ROUND, loads=[pp.loads.PointForce("slide", (0.0, 0.0, force))])
 
     def judge(result: pp.Reactions) -> Outcome:
         q, w, a = result.motion.crank_angle, result.motion.crank_speed, result.motion.crank_acceleration

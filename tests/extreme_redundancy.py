@@ -137,7 +137,7 @@ def leaning(name: str, rpy: str) -> Case:
 def rotated_run(name: str, rpy: str) -> Case:
     def scene(method: str, upright: bool = False) -> pp.Run:
         press = shipped(name) if upright else askew(name, rpy, turned_gravity(rpy))
-        return pp.simulate(press, 0.5, speed=8.0, flywheel=pp.Flywheel(500.0), method=method, points=60)
+        return pp.simulate(press, 0.5, speed=8.0, flywheel=pp.drives.Flywheel(500.0), method=method, points=60)
 
     def judge(run: pp.Run) -> Outcome:
         expected = scene("reduced", upright=True)

@@ -35,7 +35,7 @@ def proportion(ratio: float) -> list[Case]:
     )
 
     def free(method: str, mechanism: CrankSlide = mechanism) -> pp.Run:
-        return pp.simulate(mechanism.press(), 0.8, speed=8.0, flywheel=pp.Flywheel(50.0), method=method)
+        return pp.simulate(mechanism.press(), 0.8, speed=8.0, flywheel=pp.drives.Flywheel(50.0), method=method)
 
     corners = [place + share * math.sqrt(2 * (1 - ratio)) for place in (0.5 * math.pi, 1.5 * math.pi) for share in (-10, -3, 3, 10)]
     at = corners if ratio > 0.99 else ()
@@ -144,7 +144,7 @@ def fast(rate: float) -> Case:
     flywheel = max(1.0, 2e3 / w**2)
 
     def free(method: str, w: float = w, flywheel: float = flywheel) -> pp.Run:
-        return pp.simulate(ORDINARY.press(), 12.0 / w, speed=w, flywheel=pp.Flywheel(flywheel), method=method)
+        return pp.simulate(ORDINARY.press(), 12.0 / w, speed=w, flywheel=pp.drives.Flywheel(flywheel), method=method)
 
     return Case(
         "From 1 to 20 000 strokes/min: runs",
@@ -176,9 +176,9 @@ def of_size(size: float, mass: int) -> pp.Linkage:
     return loaded(scaled(shipped(SIX).text.decode(), size, mass), (0.0, 0.0, -9.81 * size))
 
 
-def spring(size: float, mass: int) -> pp.SpringDamper:
+def spring(size: float, mass: int) -> pp.loads.SpringDamper:
     k, length = 2e5 * size**mass, 0.4 * size
-    return pp.SpringDamper("frame", "slide", stiffness=k, damping=500 * size**mass, free_length=length, point1=(0.0, 0.0, 0.5 * size))
+    return pp.loads.SpringDamper("frame", "slide", stiffness=k, damping=500 * size**mass, free_length=length, point1=(0.0, 0.0, 0.5 * size))
 
 
 def stacked(by_bearing: Any) -> Any:
@@ -203,7 +203,7 @@ def same_but_larger(name: str, size: float, mass: int) -> list[Case]:
         return Outcome(worst(grown), 1e-13)
 
     def free(method: str, size: float = size) -> pp.Run:
-        flywheel, loads = pp.Flywheel(500 * size ** (mass + 2)), [spring(size, mass)]
+        flywheel, loads = pp.drives.Flywheel(500 * size ** (mass + 2)), [spring(size, mass)]
         return pp.simulate(of_size(size, mass), 0.5, speed=8.0, flywheel=flywheel, loads=loads, method=method, points=60)
 
     def judge_run(run: pp.Run) -> Outcome:

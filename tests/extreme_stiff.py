@@ -14,9 +14,9 @@ from scipy.integrate import quad, solve_ivp
 from scipy.optimize import brentq
 
 import pinpress as pp
-from pinpress.drive import Plain
-from pinpress.drives import ConstantTorque, ServoMotor
-from pinpress.loads import Stretch
+from pinpress.drives.protocol import Plain
+from pinpress.drives.transmission import ConstantTorque, ServoMotor
+from pinpress.loads.process import Stretch
 
 MECHANISM = CrankSlide()
 GROUP = "Stiff forces for 2 s: runs"
@@ -67,14 +67,14 @@ class GuideFriction:
         return -self.friction * np.tanh(velocity / self.sharp) + 0.0 * height
 
 
-def between(stiffness: float, damping: float, start: float = START) -> pp.SpringDamper:
+def between(stiffness: float, damping: float, start: float = START) -> pp.loads.SpringDamper:
     """A spring and damper below the slide, slack at the start."""
     slack = float(MECHANISM.slide(start)) - BASE
-    return pp.SpringDamper("frame", "slide", stiffness, damping, slack, point1=(0.0, 0.0, BASE))
+    return pp.loads.SpringDamper("frame", "slide", stiffness, damping, slack, point1=(0.0, 0.0, BASE))
 
 
 def run(method: str, speed: float = SPEED, **scene: Any) -> pp.Run:
-    found = pp.simulate(MECHANISM.press(), DURATION, speed, START, flywheel=pp.Flywheel(FLYWHEEL), method=method, **scene)
+    found = pp.simulate(MECHANISM.press(), DURATION, speed, START, flywheel=pp.drives.Flywheel(FLYWHEEL), method=method, **scene)
     assert isinstance(found, pp.Run)
     return found
 

@@ -43,7 +43,7 @@ def harmonic_force(press, amplitude, orders=(1,)):
     def force(motion):
         return np.outer(sum(np.cos(k * motion.crank_angle) for k in orders), [0.0, 0.0, amplitude])
 
-    return pp.PointForce(press.root, force)
+    return pp.loads.PointForce(press.root, force)
 
 
 def turns(press, speed, count, states):

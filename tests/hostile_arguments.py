@@ -21,7 +21,11 @@ import numpy as np
 from time_limit import within
 
 import pinpress as pp
-from pinpress import arrangements, drives, foundation, loads, measures
+from pinpress import foundation
+from pinpress.balancing.classical import arrangements
+from pinpress.drives import transmission as drives
+from pinpress.kinematics import measures
+from pinpress.loads import process as loads
 
 SECONDS = 30.0  # that a call may take, on a machine with much else to do; most take milliseconds
 FOLDER = Path("/nowhere")  # nothing is written
@@ -96,12 +100,12 @@ def reactions() -> pp.Reactions:
 
 @cache
 def run() -> pp.Run:
-    return pp.simulate(press(), 1.0, 7.0, drive=pp.ConstantTorque(1.0))
+    return pp.simulate(press(), 1.0, 7.0, drive=pp.drives.ConstantTorque(1.0))
 
 
 @cache
-def stiffness() -> pp.Stiffness:
-    return pp.Stiffness(bearings={"O": 1e9, "P": 1e9, "W": 1e9})
+def stiffness() -> pp.elasticity.Stiffness:
+    return pp.elasticity.Stiffness(bearings={"O": 1e9, "P": 1e9, "W": 1e9})
 
 
 @cache
@@ -115,13 +119,13 @@ def mount(x: float, y: float) -> foundation.Mount:
 
 
 @cache
-def elastic() -> pp.Elasticity:
-    return pp.elasticity(press(), stiffness())
+def elastic() -> pp.elasticity.Elasticity:
+    return pp.elasticity.elasticity(press(), stiffness())
 
 
 @cache
-def curve() -> pp.TradeOff:
-    return pp.trade_off(press(), motion(), ROOMS, X, pp.AddedMass(), points=3)
+def curve() -> pp.balancing.TradeOff:
+    return pp.balancing.trade_off(press(), motion(), ROOMS, X, pp.balancing.AddedMass(), points=3)
 
 
 @cache
@@ -135,21 +139,21 @@ def vibration() -> foundation.FrameMotion:
 
 
 @cache
-def rated() -> pp.Ratings:
-    return pp.ratings(press(), 7.0, pp.Capacities(1e5), points=9)
+def rated() -> pp.ratings.Ratings:
+    return pp.ratings.ratings(press(), 7.0, pp.ratings.Capacities(1e5), points=9)
 
 
 @cache
-def shift() -> pp.DeadCentreShift:
-    return pp.dead_centre_shift(press(), stiffness(), [5.0, 6.0])
+def shift() -> pp.elasticity.DeadCentreShift:
+    return pp.elasticity.dead_centre_shift(press(), stiffness(), [5.0, 6.0])
 
 
 def swept(x: float) -> dict[str, float]:
     return {"y": x}
 
 
-X = pp.Range("shaking_force", "z")
-ROOMS = [pp.Room("crank", radius=0.3, mass=(0.0, 50.0))]
+X = pp.balancing.Range("shaking_force", "z")
+ROOMS = [pp.balancing.Room("crank", radius=0.3, mass=(0.0, 50.0))]
 PATH = FOLDER / "written"
 LENGTHS = {("W", "rod"): (0.41, 0.0, 0.0)}
 POINTS = {"top": (0.0, 0.0, 1.0)}
@@ -169,13 +173,21 @@ def calls() -> dict[str, Call]:
     measured = {"quantity": "bearing_force", "axis": "x", "bearing": "O", "about": (0.0, 0.0, 0.0)}
     kinds: list[tuple[str, Callable[..., Any], Callable[[], dict[str, Any]]]] = [
         # descriptions
-        ("At", pp.At, lambda: {"time": 1.0}),
-        ("At", pp.At, lambda: {"angle": 1.0}),
-        ("Brake", pp.Brake, lambda: {"torque": 100.0, "closes": pp.At(time=1.0), "opens": pp.At(time=2.0), "rise": 0.1}),
-        ("Clutch", pp.Clutch, lambda: {"torque": 100.0, "closes": pp.At(time=1.0), "opens": pp.At(time=2.0), "rise": 0.1}),
+        ("At", pp.drives.At, lambda: {"time": 1.0}),
+        ("At", pp.drives.At, lambda: {"angle": 1.0}),
+        (
+            "Brake",
+            pp.drives.Brake,
+            lambda: {"torque": 100.0, "closes": pp.drives.At(time=1.0), "opens": pp.drives.At(time=2.0), "rise": 0.1},
+        ),
+        (
+            "Clutch",
+            pp.drives.Clutch,
+            lambda: {"torque": 100.0, "closes": pp.drives.At(time=1.0), "opens": pp.drives.At(time=2.0), "rise": 0.1},
+        ),
         (
             "Capacities",
-            pp.Capacities,
+            pp.ratings.Capacities,
             lambda: {
                 "nominal_force": 1e5,
                 "torque": 1e3,
@@ -187,27 +199,27 @@ def calls() -> dict[str, Call]:
                 "shaking_force": 1e4,
             },
         ),
-        ("Case", pp.Case, lambda: {"motion": motion(), "loads": []}),
-        ("ConstantTorque", pp.ConstantTorque, lambda: {"value": 1.0}),
-        ("Counterweight", pp.Counterweight, lambda: {"link": "crank", "mass": 1.0, "position": (0.1, 0.0, 0.0), "inertia": 0.1}),
-        ("Flywheel", pp.Flywheel, lambda: {"inertia": 1.0, "speed": 7.0}),
-        ("Friction", pp.Friction, lambda: {"coefficient": 0.1, "radius": 0.02, "viscous": 0.1}),
-        ("Guide", pp.Guide, lambda: {"length": 0.5, "width": 0.1, "normal": (1.0, 0.0, 0.0), "middle": 0.1, "one_sided": False}),
-        ("Peak", pp.Peak, lambda: measured),
-        ("Range", pp.Range, lambda: measured),
-        ("Rms", pp.Rms, lambda: measured),
-        ("PointForce", pp.PointForce, lambda: {"link": "slide", "force": (0.0, 0.0, 1.0), "point": (0.0, 0.0, 0.0)}),
-        ("Rod", pp.Rod, lambda: {"link": "rod", "between": ("P", "W"), "stiffness": 1e9}),
+        ("Case", pp.balancing.Case, lambda: {"motion": motion(), "loads": []}),
+        ("ConstantTorque", pp.drives.ConstantTorque, lambda: {"value": 1.0}),
+        ("Counterweight", pp.balancing.Counterweight, lambda: {"link": "crank", "mass": 1.0, "position": (0.1, 0.0, 0.0), "inertia": 0.1}),
+        ("Flywheel", pp.drives.Flywheel, lambda: {"inertia": 1.0, "speed": 7.0}),
+        ("Friction", pp.loads.Friction, lambda: {"coefficient": 0.1, "radius": 0.02, "viscous": 0.1}),
+        ("Guide", pp.ratings.Guide, lambda: {"length": 0.5, "width": 0.1, "normal": (1.0, 0.0, 0.0), "middle": 0.1, "one_sided": False}),
+        ("Peak", pp.balancing.Peak, lambda: measured),
+        ("Range", pp.balancing.Range, lambda: measured),
+        ("Rms", pp.balancing.Rms, lambda: measured),
+        ("PointForce", pp.loads.PointForce, lambda: {"link": "slide", "force": (0.0, 0.0, 1.0), "point": (0.0, 0.0, 0.0)}),
+        ("Rod", pp.elasticity.Rod, lambda: {"link": "rod", "between": ("P", "W"), "stiffness": 1e9}),
         (
             "Room",
-            pp.Room,
+            pp.balancing.Room,
             lambda: {"link": "crank", "mass": (0.0, 10.0), "radius": 0.3, "centre": (0.0, 0.0, 0.0), "gyration": 0.1, "replaces": False},
         ),
-        ("Room", pp.Room, lambda: {"link": "crank", "at": (0.1, 0.0, 0.0)}),
-        ("Room", pp.Room, lambda: {"link": "crank", "corners": ((0.0, 0.0, 0.0), (0.1, 0.0, 0.0), (0.0, 0.0, 0.1))}),
+        ("Room", pp.balancing.Room, lambda: {"link": "crank", "at": (0.1, 0.0, 0.0)}),
+        ("Room", pp.balancing.Room, lambda: {"link": "crank", "corners": ((0.0, 0.0, 0.0), (0.1, 0.0, 0.0), (0.0, 0.0, 0.1))}),
         (
             "SpringDamper",
-            pp.SpringDamper,
+            pp.loads.SpringDamper,
             lambda: {
                 "link1": "frame",
                 "link2": "slide",
@@ -218,7 +230,7 @@ def calls() -> dict[str, Call]:
                 "point2": (0.0, 0.0, 0.0),
             },
         ),
-        ("Stiffness", pp.Stiffness, lambda: bare),
+        ("Stiffness", pp.elasticity.Stiffness, lambda: bare),
         ("loads.Blanking", loads.Blanking, lambda: {"force": 1e3, "start": 0.01, "end": 0.005, "stripping": 10.0, "datum": 0.0}),
         ("loads.DeepDrawing", loads.DeepDrawing, lambda: {"force": 1e3, "start": 0.01, "end": 0.0, "datum": 0.0}),
         ("loads.ElasticDie", loads.ElasticDie, lambda: {"height": 0.01, "stiffness": 1e5, "damping": 10.0, "datum": 0.0}),
@@ -228,7 +240,11 @@ def calls() -> dict[str, Call]:
         ("loads.TimeForce", loads.TimeForce, lambda: {"force": lambda t: 10.0 + 0.0 * t}),
         ("loads.datum", loads.datum, lambda: {"load": loads.Piling(1e3, 0.01), "press": press()}),
         ("loads.step", loads.step, lambda: {"x": [0.0, 0.5, 1.0], "x0": 0.0, "h0": 0.0, "x1": 1.0, "h1": 2.0}),
-        ("drives.Geared", drives.Geared, lambda: {"drive": pp.ConstantTorque(1.0), "ratio": 3.0, "gear_inertia": 0.1, "efficiency": 0.9}),
+        (
+            "drives.Geared",
+            drives.Geared,
+            lambda: {"drive": pp.drives.ConstantTorque(1.0), "ratio": 3.0, "gear_inertia": 0.1, "efficiency": 0.9},
+        ),
         (
             "drives.InductionMotor",
             drives.InductionMotor,
@@ -324,7 +340,7 @@ def calls() -> dict[str, Call]:
                 "press": press(),
                 "motion": motion(),
                 "loads": [],
-                "friction": {"O": pp.Friction(0.1, 0.02)},
+                "friction": {"O": pp.loads.Friction(0.1, 0.02)},
                 "stiffness": {},
                 "engine": "auto",
                 "bearings": ("O",),
@@ -338,8 +354,8 @@ def calls() -> dict[str, Call]:
                 "duration": 0.2,
                 "speed": 7.0,
                 "angle": 0.0,
-                "drive": pp.ConstantTorque(1.0),
-                "flywheel": pp.Flywheel(1.0),
+                "drive": pp.drives.ConstantTorque(1.0),
+                "flywheel": pp.drives.Flywheel(1.0),
                 "loads": [],
                 "method": "reduced",
                 "points": 11,
@@ -357,21 +373,21 @@ def calls() -> dict[str, Call]:
                 "press": press(),
                 "speed": 7.0,
                 "drive": drives.Geared(drives.InductionMotor(1e4, 150.0), 20.0),
-                "flywheel": pp.Flywheel(100.0),
+                "flywheel": pp.drives.Flywheel(100.0),
                 "loads": [loads.Piling(1e3, 0.01)],
                 "angle": 0.0,
                 "points": 11,
                 "tolerance": 1e-6,
             },
         ),
-        ("duty", pp.duty, lambda: {"run": run(), "start": 0.0, "end": 0.5}),
-        ("duty", pp.duty, lambda: {"run": run(), "end": 0.5}),
-        ("strokes", pp.strokes, lambda: {"run": run()}),
-        ("extremes", pp.extremes, lambda: {"reactions": reactions()}),
-        ("harmonics", pp.harmonics, lambda: {"motion": motion(), "force": reactions().shaking_force, "orders": 3}),
+        ("duty", pp.measures.duty, lambda: {"run": run(), "start": 0.0, "end": 0.5}),
+        ("duty", pp.measures.duty, lambda: {"run": run(), "end": 0.5}),
+        ("strokes", pp.measures.strokes, lambda: {"run": run()}),
+        ("extremes", pp.measures.extremes, lambda: {"reactions": reactions()}),
+        ("harmonics", pp.measures.harmonics, lambda: {"motion": motion(), "force": reactions().shaking_force, "orders": 3}),
         (
             "operating_points",
-            pp.operating_points,
+            pp.sweeps.operating_points,
             lambda: {
                 "press": press(),
                 "speeds": [5.0, 6.0],
@@ -385,11 +401,11 @@ def calls() -> dict[str, Call]:
         ),
         (
             "ratings",
-            pp.ratings,
+            pp.ratings.ratings,
             lambda: {
                 "press": press(),
                 "speed": 7.0,
-                "capacities": pp.Capacities(1e5, torque=1e3),
+                "capacities": pp.ratings.Capacities(1e5, torque=1e3),
                 "at_speed": False,
                 "points": 9,
                 "contact_height": 0.01,
@@ -399,34 +415,40 @@ def calls() -> dict[str, Call]:
         ),
         (
             "speed_limit",
-            pp.speed_limit,
-            lambda: {"press": press(), "capacities": pp.Capacities(1e5, bearings={"O": 1e5}), "torque": 1e3, "loads": [], "engine": "auto"},
+            pp.ratings.speed_limit,
+            lambda: {
+                "press": press(),
+                "capacities": pp.ratings.Capacities(1e5, bearings={"O": 1e5}),
+                "torque": 1e3,
+                "loads": [],
+                "engine": "auto",
+            },
         ),
         (
             "eccentric_load",
-            pp.eccentric_load,
-            lambda: {"press": press(), "motion": motion(), "force": 1e3, "offset": (0.01, 0.0, 0.0), "guide": pp.Guide(0.5, 0.1)},
+            pp.ratings.eccentric_load,
+            lambda: {"press": press(), "motion": motion(), "force": 1e3, "offset": (0.01, 0.0, 0.0), "guide": pp.ratings.Guide(0.5, 0.1)},
         ),
         (
             "permissible_eccentricity",
-            pp.permissible_eccentricity,
-            lambda: {"press": press(), "motion": motion(), "force": 1e3, "guide": pp.Guide(0.5, 0.1), "pressure": 1e6},
+            pp.ratings.permissible_eccentricity,
+            lambda: {"press": press(), "motion": motion(), "force": 1e3, "guide": pp.ratings.Guide(0.5, 0.1), "pressure": 1e6},
         ),
-        ("elasticity", pp.elasticity, lambda: {"press": press(), "stiffness": stiffness(), "angle": [0.1, 0.2]}),
+        ("elasticity", pp.elasticity.elasticity, lambda: {"press": press(), "stiffness": stiffness(), "angle": [0.1, 0.2]}),
         (
             "slide_deflection",
-            pp.slide_deflection,
+            pp.elasticity.slide_deflection,
             lambda: {"press": press(), "motion": motion(), "stiffness": stiffness(), "loads": []},
         ),
-        ("dead_centre_shift", pp.dead_centre_shift, lambda: {"press": press(), "stiffness": stiffness(), "speed": [5.0, 6.0]}),
+        ("dead_centre_shift", pp.elasticity.dead_centre_shift, lambda: {"press": press(), "stiffness": stiffness(), "speed": [5.0, 6.0]}),
         (
             "snap_through",
-            pp.snap_through,
+            pp.elasticity.snap_through,
             lambda: {"force": 1e5, "stiffness": 1e9, "mass": 500.0, "damping_ratio": 0.05, "break_time": 1e-3, "clearance": 1e-4},
         ),
         (
             "permissible_breakthrough",
-            pp.permissible_breakthrough,
+            pp.elasticity.permissible_breakthrough,
             lambda: {
                 "reverse_force": 1e4,
                 "stiffness": 1e9,
@@ -436,24 +458,36 @@ def calls() -> dict[str, Call]:
                 "clearance": 1e-4,
             },
         ),
-        ("motion_derivatives", pp.motion_derivatives, lambda: {"press": press(), "motion": motion(), "directions": [LENGTHS]}),
-        ("pivot_positions", pp.pivot_positions, lambda: {"press": press()}),
-        ("reshaped", pp.reshaped, lambda: {"press": press(), "pivots": LENGTHS}),
-        ("with_counterweights", pp.with_counterweights, lambda: {"press": press(), "counterweights": [pp.Counterweight("crank", 1.0)]}),
+        ("motion_derivatives", pp.derivatives.motion_derivatives, lambda: {"press": press(), "motion": motion(), "directions": [LENGTHS]}),
+        ("pivot_positions", pp.derivatives.pivot_positions, lambda: {"press": press()}),
+        ("reshaped", pp.derivatives.reshaped, lambda: {"press": press(), "pivots": LENGTHS}),
+        (
+            "with_counterweights",
+            pp.balancing.with_counterweights,
+            lambda: {"press": press(), "counterweights": [pp.balancing.Counterweight("crank", 1.0)]},
+        ),
         ("write_urdf", pp.write_urdf, lambda: {"press": press(), "path": PATH}),
         (
             "balance",
-            pp.balance,
-            lambda: {"press": press(), "motion": motion(), "rooms": ROOMS, "minimise": X, "limits": {pp.AddedMass(): 20.0}},
+            pp.balancing.balance,
+            lambda: {"press": press(), "motion": motion(), "rooms": ROOMS, "minimise": X, "limits": {pp.balancing.AddedMass(): 20.0}},
         ),
         (
             "trade_off",
-            pp.trade_off,
-            lambda: {"press": press(), "motion": motion(), "rooms": ROOMS, "first": X, "second": pp.AddedMass(), "limits": {}, "points": 3},
+            pp.balancing.trade_off,
+            lambda: {
+                "press": press(),
+                "motion": motion(),
+                "rooms": ROOMS,
+                "first": X,
+                "second": pp.balancing.AddedMass(),
+                "limits": {},
+                "points": 3,
+            },
         ),
         (
             "accuracy",
-            pp.accuracy,
+            pp.accuracy.accuracy,
             lambda: {
                 "press": press(),
                 "speed": 7.0,
@@ -467,7 +501,7 @@ def calls() -> dict[str, Call]:
         ),
         (
             "synthesise",
-            pp.synthesise,
+            pp.synthesis.synthesise,
             lambda: {
                 "press": press(),
                 "variables": {"P.crank.x": (0.05, 0.06, 0.2)},
@@ -483,7 +517,7 @@ def calls() -> dict[str, Call]:
         ),
         (
             "sweep",
-            pp.sweep,
+            pp.sweeps.sweep,
             lambda: {"function": swept, "grid": {"x": [1.0, 2.0]}, "executor": Inline(), "paired": False, "in_flight": 2},
         ),
         (
@@ -494,23 +528,31 @@ def calls() -> dict[str, Call]:
         ("report", pp.report, lambda: {"press": press(), "motion": motion(), "path": PATH, "reactions": reactions(), "traces": []}),
         (
             "film",
-            pp.film,
+            pp.video.film,
             lambda: {"page": "none.html", "path": FOLDER / "film.gif", "size": (320, 200), "frames_per_second": 2, "slowdown": 1.0},
         ),
-        ("still", pp.still, lambda: {"page": "none.html", "path": FOLDER / "still.png", "time": 0.0, "size": (320, 200)}),
-        ("save_plot", pp.save_plot, lambda: {"figure": pp.plot_slide(motion()), "path": FOLDER / "plot.svg"}),
-        ("plot_accuracy", pp.plot_accuracy, lambda: {"measured": pp.Accuracy("press", "scene", "machine", {}, {}, {}, (), ())}),
-        ("plot_bearings", pp.plot_bearings, lambda: {"reactions": reactions()}),
-        ("plot_comparison", pp.plot_comparison, lambda: {"before": reactions(), "after": reactions()}),
-        ("plot_dead_centre_shift", pp.plot_dead_centre_shift, lambda: {"shifts": {"press": shift()}}),
-        ("plot_elasticity", pp.plot_elasticity, lambda: {"elasticity": elastic()}),
-        ("plot_polar", lambda reactions, bearing: pp.plot_polar(reactions, bearing), lambda: {"reactions": reactions(), "bearing": "O"}),
-        ("plot_ratings", pp.plot_ratings, lambda: {"ratings": rated()}),
-        ("plot_shaking", pp.plot_shaking, lambda: {"reactions": reactions()}),
-        ("plot_slide", pp.plot_slide, lambda: {"motion": motion()}),
-        ("plot_snap_through", pp.plot_snap_through, lambda: {"responses": {"one": pp.snap_through(1e5, 1e9, 500.0)}}),
-        ("plot_torque", pp.plot_torque, lambda: {"reactions": reactions()}),
-        ("plot_trade_offs", pp.plot_trade_offs, lambda: {"curves": {"one": curve()}}),
+        ("still", pp.video.still, lambda: {"page": "none.html", "path": FOLDER / "still.png", "time": 0.0, "size": (320, 200)}),
+        ("save_plot", pp.plots.save_plot, lambda: {"figure": pp.plots.plot_slide(motion()), "path": FOLDER / "plot.svg"}),
+        (
+            "plot_accuracy",
+            pp.accuracy.plot_accuracy,
+            lambda: {"measured": pp.accuracy.Accuracy("press", "scene", "machine", {}, {}, {}, (), ())},
+        ),
+        ("plot_bearings", pp.plots.plot_bearings, lambda: {"reactions": reactions()}),
+        ("plot_comparison", pp.plots.plot_comparison, lambda: {"before": reactions(), "after": reactions()}),
+        ("plot_dead_centre_shift", pp.plots.plot_dead_centre_shift, lambda: {"shifts": {"press": shift()}}),
+        ("plot_elasticity", pp.plots.plot_elasticity, lambda: {"elasticity": elastic()}),
+        (
+            "plot_polar",
+            lambda reactions, bearing: pp.plots.plot_polar(reactions, bearing),
+            lambda: {"reactions": reactions(), "bearing": "O"},
+        ),
+        ("plot_ratings", pp.plots.plot_ratings, lambda: {"ratings": rated()}),
+        ("plot_shaking", pp.plots.plot_shaking, lambda: {"reactions": reactions()}),
+        ("plot_slide", pp.plots.plot_slide, lambda: {"motion": motion()}),
+        ("plot_snap_through", pp.plots.plot_snap_through, lambda: {"responses": {"one": pp.elasticity.snap_through(1e5, 1e9, 500.0)}}),
+        ("plot_torque", pp.plots.plot_torque, lambda: {"reactions": reactions()}),
+        ("plot_trade_offs", pp.plots.plot_trade_offs, lambda: {"curves": {"one": curve()}}),
         ("measures.bearing_positions", measures.bearing_positions, lambda: {"press": press(), "motion": motion()}),
         ("measures.dwell_angle", measures.dwell_angle, lambda: {"motion": motion(), "tolerance": 1e-3}),
         ("measures.dwell_time", measures.dwell_time, lambda: {"motion": motion(), "tolerance": 1e-3}),
@@ -541,7 +583,7 @@ def calls() -> dict[str, Call]:
         (
             "foundation.flywheel_moment",
             foundation.flywheel_moment,
-            lambda: {"press": press(), "motion": motion(), "flywheel": pp.Flywheel(1.0)},
+            lambda: {"press": press(), "motion": motion(), "flywheel": pp.drives.Flywheel(1.0)},
         ),
         (
             "foundation.logarithmic_decrement",
@@ -552,16 +594,16 @@ def calls() -> dict[str, Call]:
         (
             "foundation.steady_response",
             foundation.steady_response,
-            lambda: {"system": system(), "result": reactions(), "points": POINTS, "flywheel": pp.Flywheel(1.0)},
+            lambda: {"system": system(), "result": reactions(), "points": POINTS, "flywheel": pp.drives.Flywheel(1.0)},
         ),
         (
             "foundation.time_response",
             foundation.time_response,
-            lambda: {"system": system(), "result": reactions(), "points": POINTS, "flywheel": pp.Flywheel(1.0)},
+            lambda: {"system": system(), "result": reactions(), "points": POINTS, "flywheel": pp.drives.Flywheel(1.0)},
         ),
         ("foundation.transmissibility", foundation.transmissibility, lambda: {"system": system(), "frequency": [5.0, 6.0]}),
-        ("foundation.plot_speeds", foundation.plot_speeds, lambda: {"responses": {"one": response()}, "point": "top"}),
-        ("foundation.plot_vibration", foundation.plot_vibration, lambda: {"motions": {"one": vibration()}, "axis": "z", "last": 1.0}),
+        ("pp.plots.plot_speeds", pp.plots.plot_speeds, lambda: {"responses": {"one": response()}, "point": "top"}),
+        ("pp.plots.plot_vibration", pp.plots.plot_vibration, lambda: {"motions": {"one": vibration()}, "axis": "z", "last": 1.0}),
         (
             "foundation.isolate",
             foundation.isolate,

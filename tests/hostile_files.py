@@ -12,7 +12,7 @@ JUDGE = """
 import resource, sys
 import numpy as np
 import pinpress as pp
-from pinpress.appearance import bodies
+from pinpress.visual.shapes.appearance import bodies
 for file in sys.argv[1:]:
     try:
         press = pp.load(file)

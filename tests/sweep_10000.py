@@ -13,8 +13,8 @@ from functools import lru_cache, partial
 import numpy as np
 
 import pinpress as pp
-from pinpress import sweep_run
-from pinpress.sweeping import sweep
+from pinpress.sweeps import execution as sweep_run
+from pinpress.sweeps.sweeping import sweep
 
 PRESS = pp.load("crank_slide")
 INERTIAS = np.linspace(5.0, 50.0, 25)
@@ -32,7 +32,7 @@ def stroke(speed, inertia, log):
 
 @lru_cache(maxsize=1)
 def strokes(speed):
-    return pp.simulate(PRESS, DURATION, speed=speed, flywheel=pp.Flywheel(INERTIAS), points=2)
+    return pp.simulate(PRESS, DURATION, speed=speed, flywheel=pp.drives.Flywheel(INERTIAS), points=2)
 
 
 def grid(speeds):

@@ -16,12 +16,14 @@ import spatial_linkages
 import texts
 
 import pinpress as pp
-from pinpress import accuracy_scenes, accuracy_simulation, measurements, peers, work_precision
-from pinpress.__main__ import main
-from pinpress.contestants import Contestant, Errors
-from pinpress.contestants import measured as measured_of
-from pinpress.measurements import CLUTCH, DIE, FREE_RUN, GROUPS, INVERSE_DYNAMICS, PROXIMAL, SPEED_LAW, TABLE
-from pinpress.peers.six_bar_equation import INTEGRATORS, SixBarEquation
+from pinpress.accuracy import measurements, peers, work_precision
+from pinpress.accuracy import scenes as accuracy_scenes
+from pinpress.accuracy import simulation as accuracy_simulation
+from pinpress.accuracy.contestants import Contestant, Errors
+from pinpress.accuracy.contestants import measured as measured_of
+from pinpress.accuracy.measurements import CLUTCH, DIE, FREE_RUN, GROUPS, INVERSE_DYNAMICS, PROXIMAL, SPEED_LAW, TABLE
+from pinpress.accuracy.peers.six_bar_equation import INTEGRATORS, SixBarEquation
+from pinpress.cli.main import main
 
 SPEED = 70 * pp.RPM
 PUBLISHED = Path(__file__).resolve().parent.parent / "viz" / "accuracy.csv"
@@ -43,7 +45,7 @@ def told():
 
 @pytest.fixture(scope="module")
 def measured(alone, told):
-    return pp.accuracy(texts.shipped("zxn2_3000b"), SPEED, points=36, repeats=1, scenes=[FREE_RUN], progress=told.append)
+    return pp.accuracy.accuracy(texts.shipped("zxn2_3000b"), SPEED, points=36, repeats=1, scenes=[FREE_RUN], progress=told.append)
 
 
 def test_all_groups_are_measured(measured, told):
@@ -162,7 +164,7 @@ def test_a_clutch_is_not_stiff(tolerance):
 @pytest.mark.parametrize("group", [CLUTCH, DIE, SPEED_LAW])
 def test_tolerances_of_scenes_at_work(alone, group):
     press = texts.shipped("zxn2_3000b")
-    measured = pp.accuracy(press, SPEED, points=12, repeats=1, scenes=[group])
+    measured = pp.accuracy.accuracy(press, SPEED, points=12, repeats=1, scenes=[group])
     for row in measured.of(group):
         assert row.error is not None, (row.method, row.setting, row.problem)
         if row.setting.startswith("tolerance"):
@@ -230,7 +232,7 @@ def test_csv_and_frame(measured, tmp_path):
 
 def test_plot(measured):
     pytest.importorskip("matplotlib")
-    figure = pp.plot_accuracy(measured)
+    figure = pp.accuracy.plot_accuracy(measured)
     inverse, angle, clutch, die, law, gap, proximal, table = figure.axes
     assert len(angle.lines) == len({m.method for m in measured.of(FREE_RUN)}) + 1  # what the reference is known to
     constraint = measured.of(FREE_RUN, "constraint")
@@ -240,7 +242,7 @@ def test_plot(measured):
     for axes in (inverse, angle, gap, proximal, table):
         assert axes.get_xscale() == axes.get_yscale() == "log"
     with pytest.raises(pp.PinpressError, match="accuracy"):
-        pp.plot_accuracy(None)
+        pp.accuracy.plot_accuracy(None)
 
 
 def test_a_problem_is_said():
@@ -266,7 +268,7 @@ def test_a_spatial_linkage(alone, tmp_path):
     """One engine alone: its torque gives the accelerations back under forward dynamics. Bennett's linkage has redundant rows in space."""
     file = tmp_path / "bennett.urdf"
     file.write_text(spatial_linkages.bennett(), encoding="utf-8")
-    measured = pp.accuracy(pp.load(file), 10.0, duration=0.05, points=12, repeats=1, scenes=[FREE_RUN, DIE])
+    measured = pp.accuracy.accuracy(pp.load(file), 10.0, duration=0.05, points=12, repeats=1, scenes=[FREE_RUN, DIE])
     assert not measured.of(DIE)  # it has no slide
     assert any(line.startswith("elastic die is skipped") for line in measured.skipped)
     assert [row.method for row in measured.of(INVERSE_DYNAMICS)] == ["pinocchio"]
@@ -279,7 +281,9 @@ def test_a_spatial_linkage(alone, tmp_path):
 @pytest.mark.exhaustive
 def test_loops_that_hold_each_other(alone):
     """Proximal settings are skipped with a line; all else is measured."""
-    measured = pp.accuracy(texts.shipped("jf75g_125_two_point"), 300 * pp.RPM, duration=0.05, points=12, repeats=1, scenes=[FREE_RUN])
+    measured = pp.accuracy.accuracy(
+        texts.shipped("jf75g_125_two_point"), 300 * pp.RPM, duration=0.05, points=12, repeats=1, scenes=[FREE_RUN]
+    )
     assert not measured.of(PROXIMAL)
     assert PROXIMAL not in measured.certificates
     assert any("proximal settings are skipped" in line for line in measured.skipped)
@@ -305,12 +309,12 @@ def test_loops_that_hold_each_other(alone):
 def test_wrong_arguments(alone, arguments, problem):
     given = {"press": texts.shipped("crank_slide"), "speed": SPEED} | arguments
     with pytest.raises(pp.PinpressError, match=problem):
-        pp.accuracy(**given)
+        pp.accuracy.accuracy(**given)
 
 
 def test_several_drivers(tmp_path):
     with pytest.raises(pp.PinpressError, match="2 drivers"):
-        pp.accuracy(small_linkages.two_cranks(tmp_path), SPEED)
+        pp.accuracy.accuracy(small_linkages.two_cranks(tmp_path), SPEED)
 
 
 def test_measurements_are_plain_values(measured):

@@ -32,7 +32,7 @@ def press(tmp_path_factory):
 
 def spring():
     (x, z), (x3, z3) = andrews.ANCHOR, andrews.ON_K3
-    return pp.SpringDamper("frame", "K3", point1=(x, 0.0, z), point2=(x3, 0.0, z3), **andrews.SPRING)
+    return pp.loads.SpringDamper("frame", "K3", point1=(x, 0.0, z), point2=(x3, 0.0, z3), **andrews.SPRING)
 
 
 @pytest.fixture(scope="module")
@@ -41,7 +41,7 @@ def simulated(press):
 
     def simulate(method, duration):
         if (method, duration) not in kept:
-            drive = pp.ConstantTorque(andrews.TORQUE)
+            drive = pp.drives.ConstantTorque(andrews.TORQUE)
             kept[method, duration] = pp.simulate(press, duration, drive=drive, loads=[spring()], method=method, tolerance=1e-13)
         return kept[method, duration]
 

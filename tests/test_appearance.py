@@ -22,9 +22,9 @@ from random_linkages import drawn, linkages
 from spatial_linkages import bennett, bricard, four_bar
 
 import pinpress as pp
-from pinpress import appearance
-from pinpress.appearance import bodies
-from pinpress.shapes import Box, Cylinder, Mesh, Sphere
+from pinpress.visual.shapes import appearance
+from pinpress.visual.shapes.appearance import bodies
+from pinpress.visual.shapes.solids import Box, Cylinder, Mesh, Sphere
 
 STATES = 24
 STEEL = (0.90, 0.91, 0.92, 1.0)

@@ -19,9 +19,9 @@ from hypothesis import strategies as st
 from random_linkages import Drawing, four_bar
 
 import pinpress as pp
-from pinpress import arrangements
-from pinpress.arrangements import opposed, symmetric
-from pinpress.counterweights import with_counterweights
+from pinpress.balancing.classical import arrangements
+from pinpress.balancing.classical.arrangements import opposed, symmetric
+from pinpress.balancing.counterweights import with_counterweights
 
 ROOT = Path(__file__).resolve().parent.parent
 ROUNDING = 1e-12  # of the forces of the press before: sums of forces that cancel
@@ -267,7 +267,7 @@ def test_approximate_balance_leaves_what_it_says(folder, seed, share):
 def test_approximate_balance_halves_the_first_order_of_the_jf75g_125():
     press = texts.shipped("jf75g_125_plain")
     result = turn(with_counterweights(press, [arrangements.approximate_balance(press, 0.15)]))
-    first = pp.harmonics(result.motion, result.shaking_force).amplitude[1]
+    first = pp.measures.harmonics(result.motion, result.shaking_force).amplitude[1]
     expected = 0.5 * (2200 + 77.49 / 2) * 0.015 * W**2
     np.testing.assert_allclose(first[[0, 2]], expected, rtol=1e-12)
 
@@ -331,7 +331,7 @@ def test_opposed_with_another_ratio_leaves_the_even_orders(folder):
     """m_C r1 w^2 |A_k(lambda1) - A_k(lambda2)| along the line, nothing across it."""
     press = texts.shipped("jf75g_125_plain", gravity=(0, 0, 0))
     result = turn(opposed(press, crank_radius=0.0297, rod_length=0.45), points=64)
-    found = pp.harmonics(result.motion, result.shaking_force).amplitude
+    found = pp.measures.harmonics(result.motion, result.shaking_force).amplitude
     one, other = (arrangements.harmonic_coefficients(ratio, 12) for ratio in (0.05, 0.0297 / 0.45))
     expected = (2200 + 77.49 / 2) * 0.015 * W**2 * np.abs(one - other)
     np.testing.assert_allclose(found[:, 2], expected, atol=ROUNDING * 35e3)
@@ -526,6 +526,6 @@ def test_a_press_whose_centre_of_mass_rests_runs_as_without_weight() -> None:
     runs = []
     for gravity in ((0.0, 0.0, -9.81), (0.0, 0.0, 0.0)):
         plain = pp.load("jf75g_125_plain", gravity=gravity)
-        balanced = pp.with_counterweights(plain, arrangements.complete_balance(plain, rod_radius=0.3, crank_radius=0.15))
+        balanced = pp.balancing.with_counterweights(plain, arrangements.complete_balance(plain, rod_radius=0.3, crank_radius=0.15))
         runs.append(pp.simulate(balanced, 0.2, speed=30.0))
     assert runs[0].crank_angle[-1] == pytest.approx(runs[1].crank_angle[-1], abs=1e-9)

@@ -433,16 +433,16 @@ def test_slide_of_a_linkage_without_one(locking):
 @pytest.mark.parametrize(
     ("load", "problem"),
     [
-        (pp.PointForce("slide", (0.0, 1.0)), r"load on 'slide': force has shape \(2,\); give \(3,\) or \(12, 3\)"),
-        (pp.PointForce("slide", np.zeros((11, 3))), r"force has shape \(11, 3\)"),
-        (pp.PointForce("slide", 5.0), r"force has shape \(\)"),
-        (pp.PointForce("slide", (0.0, math.nan, 0.0)), "load on 'slide': force is not finite"),
-        (pp.PointForce("slide", "up"), "load on 'slide': force is not a number or an array of numbers"),
-        (pp.PointForce("slide", lambda motion: np.zeros((3, 12))), r"force has shape \(3, 12\)"),
-        (pp.PointForce("slide", lambda motion: None), "force is not"),  # type: ignore[return-value]
-        (pp.PointForce("slide", (0.0, 0.0, 1.0), point=(0.0, 0.0)), r"load on 'slide': point has shape \(2,\)"),
-        (pp.PointForce("slide", (0.0, 0.0, 1.0), point=(0.0, 0.0, math.inf)), "load on 'slide': point is not finite"),
-        (pp.PointForce("slide", (0.0, 0.0, 1.0), point="tip"), "load on 'slide': point is not a number or an array of numbers"),
+        (pp.loads.PointForce("slide", (0.0, 1.0)), r"load on 'slide': force has shape \(2,\); give \(3,\) or \(12, 3\)"),
+        (pp.loads.PointForce("slide", np.zeros((11, 3))), r"force has shape \(11, 3\)"),
+        (pp.loads.PointForce("slide", 5.0), r"force has shape \(\)"),
+        (pp.loads.PointForce("slide", (0.0, math.nan, 0.0)), "load on 'slide': force is not finite"),
+        (pp.loads.PointForce("slide", "up"), "load on 'slide': force is not a number or an array of numbers"),
+        (pp.loads.PointForce("slide", lambda motion: np.zeros((3, 12))), r"force has shape \(3, 12\)"),
+        (pp.loads.PointForce("slide", lambda motion: None), "force is not"),  # type: ignore[return-value]
+        (pp.loads.PointForce("slide", (0.0, 0.0, 1.0), point=(0.0, 0.0)), r"load on 'slide': point has shape \(2,\)"),
+        (pp.loads.PointForce("slide", (0.0, 0.0, 1.0), point=(0.0, 0.0, math.inf)), "load on 'slide': point is not finite"),
+        (pp.loads.PointForce("slide", (0.0, 0.0, 1.0), point="tip"), "load on 'slide': point is not a number or an array of numbers"),
     ],
 )
 def test_load(press, motion, engine, load, problem):
@@ -452,7 +452,7 @@ def test_load(press, motion, engine, load, problem):
 
 def test_load_on_unknown_link(press, motion):
     with pytest.raises(pp.UnknownNameError, match="no link 'slid', did you mean 'slide'") as caught:
-        pp.inverse_dynamics(press, motion, loads=[pp.PointForce("slid", (0.0, 0.0, 1.0))])
+        pp.inverse_dynamics(press, motion, loads=[pp.loads.PointForce("slid", (0.0, 0.0, 1.0))])
     assert (caught.value.name, caught.value.known) == ("slid", ("frame", "crank", "rod", "slide"))
 
 
@@ -466,7 +466,7 @@ def test_exception_of_the_callers_own_load_is_named(press, motion):
         raise ZeroDivisionError("mine")
 
     with pytest.raises(pp.PinpressError, match="load on 'slide': force cannot be worked out: ZeroDivisionError: mine") as caught:
-        pp.inverse_dynamics(press, motion, loads=[pp.PointForce("slide", force)])
+        pp.inverse_dynamics(press, motion, loads=[pp.loads.PointForce("slide", force)])
     assert isinstance(caught.value.__cause__, ZeroDivisionError)
 
 
@@ -645,8 +645,8 @@ FAR = (1e5, 1e5, 1e5)
 @pytest.mark.parametrize(
     "load",
     [
-        pytest.param(pp.PointForce("slide", HUGE, FAR), id="slide"),
-        pytest.param(pp.PointForce("frame", HUGE, FAR), id="frame"),
+        pytest.param(pp.loads.PointForce("slide", HUGE, FAR), id="slide"),
+        pytest.param(pp.loads.PointForce("frame", HUGE, FAR), id="frame"),
     ],
 )
 def test_load_out_of_range(press, motion, engine, load):
@@ -657,7 +657,7 @@ def test_load_out_of_range(press, motion, engine, load):
 @pytest.mark.parametrize("engine", ["plane", "pinocchio"])
 def test_load_out_of_range_is_refused_without_warnings(press, motion, engine):
     with pytest.raises(pp.PinpressError, match="not finite"):
-        pp.inverse_dynamics(press, motion, loads=[pp.PointForce("slide", HUGE, FAR)], engine=engine)
+        pp.inverse_dynamics(press, motion, loads=[pp.loads.PointForce("slide", HUGE, FAR)], engine=engine)
 
 
 @pytest.mark.parametrize("engine", ["plane", "pinocchio"])
@@ -673,7 +673,7 @@ def test_power_out_of_range_is_not_balanced(press, engine):
 
 
 def test_loads_from_a_generator_stay_in_the_power_balance(press, motion):
-    result = pp.inverse_dynamics(press, motion, loads=(pp.PointForce("slide", (0.0, 0.0, force)) for force in (-1e6,)))
+    result = pp.inverse_dynamics(press, motion, loads=(pp.loads.PointForce("slide", (0.0, 0.0, force)) for force in (-1e6,)))
     assert np.abs(result.power_residual).max() < 1e-9
 
 
@@ -696,7 +696,7 @@ def test_path_that_no_file_can_have(motion, write):
 
 def test_load_that_is_not_in_a_list(press, motion):
     with pytest.raises(pp.PinpressError):
-        pp.inverse_dynamics(press, motion, loads=pp.PointForce("slide", (0.0, 0.0, 1.0)))
+        pp.inverse_dynamics(press, motion, loads=pp.loads.PointForce("slide", (0.0, 0.0, 1.0)))
 
 
 def test_driver_locked_beside_a_link_that_hangs_free(tmp_path):

@@ -12,14 +12,15 @@ from in_browser import data_in
 from texts import shipped
 
 import pinpress as pp
-from pinpress import balance_measures, command_balance
-from pinpress.__main__ import main
-from pinpress.scene_words import LOADS
+from pinpress.balancing import objectives as balance_measures
+from pinpress.cli import balance as command_balance
+from pinpress.cli.main import main
+from pinpress.cli.part_specs import LOADS
 
 ROOT = Path(__file__).resolve().parent.parent
 ROOMS = ["--room", "crank:radius=0.3", "--room", "rod:radius=0.3,most=200"]
 ASKED = ["--minimise", "range:shaking_force:z", "--limit", "range:shaking_force:x=1000", "--limit", "added_mass=400"]
-X, Z = pp.Range("shaking_force", "x"), pp.Range("shaking_force", "z")
+X, Z = pp.balancing.Range("shaking_force", "x"), pp.balancing.Range("shaking_force", "z")
 
 
 def printed(capsys: pytest.CaptureFixture[str], *arguments: object) -> str:
@@ -39,12 +40,12 @@ def refused(capsys: pytest.CaptureFixture[str], *arguments: object) -> str:
     return err
 
 
-def six_bar(*speeds: float, points: int = 120) -> pp.Balance:
+def six_bar(*speeds: float, points: int = 120) -> pp.balancing.Balance:
     """What the command is asked for, by the library."""
     press = shipped("zxn2_3000b")
-    cases = [pp.Case(pp.cycle(press, speed * pp.RPM, points)) for speed in speeds]
-    rooms = [pp.Room("crank", radius=0.3), pp.Room("rod", (0, 200), radius=0.3)]
-    return pp.balance(press, cases, rooms, Z, {X: 1000.0, pp.AddedMass(): 400.0})
+    cases = [pp.balancing.Case(pp.cycle(press, speed * pp.RPM, points)) for speed in speeds]
+    rooms = [pp.balancing.Room("crank", radius=0.3), pp.balancing.Room("rod", (0, 200), radius=0.3)]
+    return pp.balancing.balance(press, cases, rooms, Z, {X: 1000.0, pp.balancing.AddedMass(): 400.0})
 
 
 def test_it_prints_the_balance_and_writes_nothing(
@@ -105,9 +106,18 @@ def test_several_speeds_are_cases(capsys: pytest.CaptureFixture[str], tmp_path: 
 def test_under_a_load(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
     """The peak of the driving torque while drawing, which counts the load; the report shows it too."""
     press, load = shipped("zxn2_3000b"), pp.loads.DeepDrawing(force=1e6, start=0.010)
-    target = pp.Peak("driving_torque")
-    expected = pp.balance(press, pp.cycle(press, 70 * pp.RPM, 120), [pp.Room("crank", radius=0.3)], target, {pp.AddedMass(): 300.0}, [load])
-    idle = pp.balance(press, pp.cycle(press, 70 * pp.RPM, 120), [pp.Room("crank", radius=0.3)], target, {pp.AddedMass(): 300.0})
+    target = pp.balancing.Peak("driving_torque")
+    expected = pp.balancing.balance(
+        press,
+        pp.cycle(press, 70 * pp.RPM, 120),
+        [pp.balancing.Room("crank", radius=0.3)],
+        target,
+        {pp.balancing.AddedMass(): 300.0},
+        [load],
+    )
+    idle = pp.balancing.balance(
+        press, pp.cycle(press, 70 * pp.RPM, 120), [pp.balancing.Room("crank", radius=0.3)], target, {pp.balancing.AddedMass(): 300.0}
+    )
     words = ["--load", "drawing:force=1e6,start=0.010", "--room", "crank:radius=0.3", "--minimise", "peak:driving_torque"]
     rest = ["--limit", "added_mass=300", "--points", 120, "--out", tmp_path, "--report"]
     assert printed(capsys, "zxn2_3000b", "--speed", 70, *words, *rest).startswith(f"{expected}\n")
@@ -139,16 +149,16 @@ def asked(monkeypatch: pytest.MonkeyPatch, *arguments: str) -> dict[str, Any]:
 @pytest.mark.parametrize(
     ("words", "room"),
     [
-        ("crank:at=-0.1428/0/0", pp.Room("crank", at=(-0.1428, 0.0, 0.0))),
-        ("crank:at=0/0/0,least=-20,most=0", pp.Room("crank", (-20.0, 0.0), at=(0.0, 0.0, 0.0))),
-        ("crank:radius=0.3,centre=0.1/0/-0.2,least=5", pp.Room("crank", (5.0, math.inf), radius=0.3, centre=(0.1, 0.0, -0.2))),
-        ("rod:corner=0/0/0,corner=1/0/0,gyration=0.1", pp.Room("rod", corners=((0.0, 0.0, 0.0), (1.0, 0.0, 0.0)), gyration=0.1)),
-        ("auxiliary_rod:replaces", pp.Room("auxiliary_rod", replaces=True)),
-        ("rod:radius=0.3,most=200,replaces", pp.Room("rod", (0.0, 200.0), radius=0.3, replaces=True)),
-        ("left:rod:at=1/2/3", pp.Room("left:rod", at=(1.0, 2.0, 3.0))),
+        ("crank:at=-0.1428/0/0", pp.balancing.Room("crank", at=(-0.1428, 0.0, 0.0))),
+        ("crank:at=0/0/0,least=-20,most=0", pp.balancing.Room("crank", (-20.0, 0.0), at=(0.0, 0.0, 0.0))),
+        ("crank:radius=0.3,centre=0.1/0/-0.2,least=5", pp.balancing.Room("crank", (5.0, math.inf), radius=0.3, centre=(0.1, 0.0, -0.2))),
+        ("rod:corner=0/0/0,corner=1/0/0,gyration=0.1", pp.balancing.Room("rod", corners=((0.0, 0.0, 0.0), (1.0, 0.0, 0.0)), gyration=0.1)),
+        ("auxiliary_rod:replaces", pp.balancing.Room("auxiliary_rod", replaces=True)),
+        ("rod:radius=0.3,most=200,replaces", pp.balancing.Room("rod", (0.0, 200.0), radius=0.3, replaces=True)),
+        ("left:rod:at=1/2/3", pp.balancing.Room("left:rod", at=(1.0, 2.0, 3.0))),
     ],
 )
-def test_rooms(monkeypatch: pytest.MonkeyPatch, words: str, room: pp.Room) -> None:
+def test_rooms(monkeypatch: pytest.MonkeyPatch, words: str, room: pp.balancing.Room) -> None:
     assert asked(monkeypatch, "--room", words, "--minimise", "added_mass")["rooms"] == [room]
 
 
@@ -156,14 +166,14 @@ def test_rooms(monkeypatch: pytest.MonkeyPatch, words: str, room: pp.Room) -> No
     ("words", "minimise"),
     [
         (["range:shaking_force:z"], Z),
-        (["rms:driving_torque"], pp.Rms("driving_torque")),
-        (["peak:shaking_force"], pp.Peak("shaking_force")),
-        (["peak:bearing_force:A"], pp.Peak("bearing_force", bearing="A")),
-        (["range:bearing_moment:slide_guide:y"], pp.Range("bearing_moment", "y", "slide_guide")),
-        (["peak:bearing_force:left:A"], pp.Peak("bearing_force", bearing="left:A")),
-        (["added_mass"], pp.AddedMass()),
+        (["rms:driving_torque"], pp.balancing.Rms("driving_torque")),
+        (["peak:shaking_force"], pp.balancing.Peak("shaking_force")),
+        (["peak:bearing_force:A"], pp.balancing.Peak("bearing_force", bearing="A")),
+        (["range:bearing_moment:slide_guide:y"], pp.balancing.Range("bearing_moment", "y", "slide_guide")),
+        (["peak:bearing_force:left:A"], pp.balancing.Peak("bearing_force", bearing="left:A")),
+        (["added_mass"], pp.balancing.AddedMass()),
         (["range:shaking_force:z=2"], {Z: 2.0}),
-        (["range:shaking_force:z", "added_mass=0.5"], {Z: 1.0, pp.AddedMass(): 0.5}),
+        (["range:shaking_force:z", "added_mass=0.5"], {Z: 1.0, pp.balancing.AddedMass(): 0.5}),
     ],
 )
 def test_objectives(monkeypatch: pytest.MonkeyPatch, words: list[str], minimise: Any) -> None:
@@ -173,7 +183,7 @@ def test_objectives(monkeypatch: pytest.MonkeyPatch, words: list[str], minimise:
 
 def test_limits(monkeypatch: pytest.MonkeyPatch) -> None:
     words = ["--limit", "range:shaking_force:x=1e3", "--limit", "peak:bearing_force:A:z=0", "--limit", "added_mass=661"]
-    expected = {X: 1000.0, pp.Peak("bearing_force", "z", "A"): 0.0, pp.AddedMass(): 661.0}
+    expected = {X: 1000.0, pp.balancing.Peak("bearing_force", "z", "A"): 0.0, pp.balancing.AddedMass(): 661.0}
     assert asked(monkeypatch, "--room", "crank:radius=0.1", "--minimise", "added_mass", *words)["limits"] == expected
 
 

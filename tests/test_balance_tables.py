@@ -10,10 +10,10 @@ import pytest
 from texts import shipped
 
 import pinpress as pp
-from pinpress.balance_tables import counterweight_columns, effects
-from pinpress.tables import write_csv
+from pinpress.balancing.tables import counterweight_columns, effects
+from pinpress.common.tables import write_csv
 
-X, Z, TORQUE = pp.Range("shaking_force", "x"), pp.Range("shaking_force", "z"), pp.Rms("driving_torque")
+X, Z, TORQUE = pp.balancing.Range("shaking_force", "x"), pp.balancing.Range("shaking_force", "z"), pp.balancing.Rms("driving_torque")
 MOST_ON_ROCKER, MOST_X, MOST_ADDED = 250.0, 1000.0, 600.0
 DIGITS = 1e-5  # the text has six digits, prices three
 ARMS = """<robot name="arms"><link name="base"/><link name="one"><inertial><mass value="1"/><inertia ixx="1" iyy="1" izz="1"
@@ -24,29 +24,33 @@ izz="1" ixy="0" ixz="0" iyz="0"/></inertial></link><joint name="J" type="continu
 </robot>"""
 
 
-def cases(*speeds: float) -> list[pp.Case]:
-    return [pp.Case(pp.cycle(shipped("zxn2_3000b"), speed * pp.RPM, points=90)) for speed in speeds]
+def cases(*speeds: float) -> list[pp.balancing.Case]:
+    return [pp.balancing.Case(pp.cycle(shipped("zxn2_3000b"), speed * pp.RPM, points=90)) for speed in speeds]
 
 
 @cache
-def pressed(rocker: float = MOST_ON_ROCKER, x: float = MOST_X, added: float = MOST_ADDED) -> pp.Balance:
+def pressed(rocker: float = MOST_ON_ROCKER, x: float = MOST_X, added: float = MOST_ADDED) -> pp.balancing.Balance:
     """The six-bar under limits that all hold it back."""
-    rooms = [pp.Room("crank", radius=0.3), pp.Room("rocker", (0, rocker), radius=0.6), pp.Room("rod", radius=0.3)]
-    return pp.balance(shipped("zxn2_3000b"), cases(70), rooms, Z, {X: x, pp.AddedMass(): added})
+    rooms = [
+        pp.balancing.Room("crank", radius=0.3),
+        pp.balancing.Room("rocker", (0, rocker), radius=0.6),
+        pp.balancing.Room("rod", radius=0.3),
+    ]
+    return pp.balancing.balance(shipped("zxn2_3000b"), cases(70), rooms, Z, {X: x, pp.balancing.AddedMass(): added})
 
 
 @cache
-def at_two_speeds() -> pp.Balance:
-    rooms = [pp.Room("crank", radius=0.3), pp.Room("rocker", radius=0.6)]
-    return pp.balance(shipped("zxn2_3000b"), cases(70, 40), rooms, {Z: 1.0, TORQUE: 0.5}, {pp.AddedMass(): MOST_ADDED})
+def at_two_speeds() -> pp.balancing.Balance:
+    rooms = [pp.balancing.Room("crank", radius=0.3), pp.balancing.Room("rocker", radius=0.6)]
+    return pp.balancing.balance(shipped("zxn2_3000b"), cases(70, 40), rooms, {Z: 1.0, TORQUE: 0.5}, {pp.balancing.AddedMass(): MOST_ADDED})
 
 
 @cache
-def tilted() -> pp.Balance:
+def tilted() -> pp.balancing.Balance:
     """A symmetric press with a mass on one side: what was zero is not."""
     press = shipped("jf75g_125_symmetric")
-    room = pp.Room("crank_left", (5, 50), at=(0.1, 0, 0.05))
-    return pp.balance(press, pp.cycle(press, 300 * pp.RPM, points=90), [room], Z)
+    room = pp.balancing.Room("crank_left", (5, 50), at=(0.1, 0, 0.05))
+    return pp.balancing.balance(press, pp.cycle(press, 300 * pp.RPM, points=90), [room], Z)
 
 
 def row(text: str, name: str) -> list[str]:
@@ -133,7 +137,7 @@ def test_cases_are_told_apart() -> None:
 def test_effects_are_those_of_the_counterweights_alone() -> None:
     """Fitted to the press anew, and all forces from the definitions."""
     balance = pressed()
-    fitted = pp.with_counterweights(shipped("zxn2_3000b"), balance.counterweights)
+    fitted = pp.balancing.with_counterweights(shipped("zxn2_3000b"), balance.counterweights)
     before, after = (pp.inverse_dynamics(press, pp.cycle(press, 70 * pp.RPM, points=90)) for press in (shipped("zxn2_3000b"), fitted))
     expected = {"range of the driving torque": [np.ptp(some.driving_torque) for some in (before, after)]}
     for name in before.bearing_force:
@@ -193,7 +197,7 @@ def test_limits_stand_beside_their_measures() -> None:
 def test_counterweights_as_columns() -> None:
     balance = pressed()
     links, *numbers = counterweight_columns(balance).values()
-    made = [pp.Counterweight(link, m, (x, y, z), j) for link, m, x, y, z, j in zip(links, *numbers, strict=True)]
+    made = [pp.balancing.Counterweight(link, m, (x, y, z), j) for link, m, x, y, z, j in zip(links, *numbers, strict=True)]
     assert made == list(balance.counterweights)
     assert list(counterweight_columns(balance)) == ["link", "mass [kg]", "x [m]", "y [m]", "z [m]", "inertia [kg m2]"]
 
@@ -205,7 +209,7 @@ def test_a_file_that_cannot_be_written_is_named(tmp_path: Path) -> None:
 
 def test_the_least_mass_is_an_objective_too() -> None:
     press = shipped("zxn2_3000b")
-    balance = pp.balance(press, cases(70), [pp.Room("crank", radius=0.3)], pp.AddedMass(), {X: 4000.0})
+    balance = pp.balancing.balance(press, cases(70), [pp.balancing.Room("crank", radius=0.3)], pp.balancing.AddedMass(), {X: 4000.0})
     objective = section(str(balance), "Objective: added mass")
     assert row(objective, "before") == ["0", "kg"]
     assert row(objective, "reached") == [f"{balance.added_mass:.6g}", "kg"]
@@ -214,11 +218,11 @@ def test_the_least_mass_is_an_objective_too() -> None:
 
 def test_loads_count_in_the_effects() -> None:
     press = shipped("zxn2_3000b")
-    down, up = pp.PointForce("slide", (0, 0, -1e5)), pp.PointForce("frame", (0, 0, 1e5))
+    down, up = pp.loads.PointForce("slide", (0, 0, -1e5)), pp.loads.PointForce("frame", (0, 0, 1e5))
     (case,) = cases(70)
-    balance = pp.balance(press, case.motion, [pp.Room("crank", radius=0.3, mass=(0, 100))], X, loads=[down, up])
+    balance = pp.balancing.balance(press, case.motion, [pp.balancing.Room("crank", radius=0.3, mass=(0, 100))], X, loads=[down, up])
     loaded = pp.inverse_dynamics(balance.press, balance.after[0].motion, loads=[down, up])
-    (torque,) = (effect for effect in effects(balance) if effect.measure == pp.Range("driving_torque"))
+    (torque,) = (effect for effect in effects(balance) if effect.measure == pp.balancing.Range("driving_torque"))
     assert torque.after == pytest.approx(np.ptp(loaded.driving_torque), rel=1e-12)
     assert "90 states, 2 loads\n" in str(balance)
 
@@ -229,9 +233,9 @@ def test_several_drivers_and_uneven_motion(tmp_path: Path) -> None:
     arms = pp.load(tmp_path / "arms.urdf")
     angle = np.linspace(0, 1, 20)
     motion = pp.cycle(arms, angle=np.stack([angle, 2 * angle], axis=1), speed=np.tile([1.0, 2.0], (20, 1)))
-    balance = pp.balance(arms, motion, [pp.Room("two", at=(-0.3, 0, 0), mass=(0, 0.5))], Z)
+    balance = pp.balancing.balance(arms, motion, [pp.balancing.Room("two", at=(-0.3, 0, 0), mass=(0, 0.5))], Z)
     (torque,) = (effect for effect in effects(balance) if effect.measure.quantity == "driving_torque")
     before = pp.inverse_dynamics(arms, motion).driving_torque
-    assert torque.measure == pp.Peak("driving_torque")
+    assert torque.measure == pp.balancing.Peak("driving_torque")
     assert torque.before == pytest.approx(np.linalg.norm(before, axis=1).max(), rel=1e-12)
     assert str(balance).startswith("arms, balanced: a motion of 20 states\n")

@@ -10,8 +10,8 @@ from random_linkages import Group, Spec, drawn, four_bar
 from spatial_linkages import bennett
 
 import pinpress as pp
-from pinpress.branch import predict
-from pinpress.coordinates import configuration
+from pinpress.engines.branch import predict
+from pinpress.engines.coordinates import configuration
 
 ENGINES = ("plane", "pinocchio")
 STROKE = (-0.9596, -0.6582)  # the ZXN2-3000(B)'s slide, rounded outwards (Kong 2025) [m]
@@ -375,7 +375,7 @@ def test_angles_whose_rounding_would_be_seen_are_refused(angle):
         lambda: pp.cycle(press, angle=[angle], speed=1.0, engine="pinocchio"),
         lambda: pp.simulate(press, 0.1, 1.0, angle),
         lambda: pp.simulate(press, 0.1, 1.0, angle, method="constraint"),
-        lambda: pp.simulate(press, 0.1, [1.0, 2.0], angle, drive=pp.ConstantTorque(1.0)),
+        lambda: pp.simulate(press, 0.1, [1.0, 2.0], angle, drive=pp.drives.ConstantTorque(1.0)),
         lambda: pp.steady_state(press, 5.0, pp.drives.InductionMotor(1e3, 5.0), angle=angle),
     ):
         with pytest.raises(pp.PinpressError, match=FAR):

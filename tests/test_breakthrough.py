@@ -8,9 +8,9 @@ from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 
 import pinpress as pp
-from pinpress import snap_stretches
-from pinpress.breakthrough import permissible_breakthrough, snap_through
-from pinpress.snap_stretches import Release, stretches
+from pinpress.elasticity import snap_segments as snap_stretches
+from pinpress.elasticity.breakthrough import permissible_breakthrough, snap_through
+from pinpress.elasticity.snap_segments import Release, stretches
 
 F, K, M = 1.25e6, 6e8, 2600.0
 W = np.sqrt(K / M)

@@ -17,7 +17,7 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 
 import pinpress as pp
-from pinpress.motion import carried
+from pinpress.kinematics.motion import carried
 
 METHODS = ("reduced", "constraint")
 TEXT = (Path(__file__).parents[1] / "urdf" / "crank_slide.urdf").read_text(encoding="utf-8")
@@ -57,7 +57,7 @@ def energy(angle, speed, flywheel):
 @pytest.mark.parametrize("speed", [8.0, -30.0])
 def test_rod_as_long_as_the_crank(equal, method, speed):
     """At 90 degrees the slide might stay on the crankshaft: in motion it goes on. Closed form of position and energy."""
-    run = pp.simulate(equal, 4.0, speed=speed, flywheel=pp.Flywheel(50.0), method=method, points=2001)
+    run = pp.simulate(equal, 4.0, speed=speed, flywheel=pp.drives.Flywheel(50.0), method=method, points=2001)
     assert abs(run.crank_angle[-1]) > 8 * math.pi
     np.testing.assert_allclose(run.slide_position, -2 * R * np.cos(run.crank_angle), atol=1e-14)
     np.testing.assert_allclose(run.slide_velocity, 2 * R * np.sin(run.crank_angle) * run.crank_speed, atol=1e-12 * abs(speed))
@@ -77,7 +77,7 @@ def test_between_change_points_none_is_looked_for(loaded):
 
 
 def test_both_methods_under_drive_and_load(equal):
-    options = {"speed": 8.0, "flywheel": pp.Flywheel(50.0), "drive": pp.ConstantTorque(100.0), "points": 201}
+    options = {"speed": 8.0, "flywheel": pp.drives.Flywheel(50.0), "drive": pp.drives.ConstantTorque(100.0), "points": 201}
     first, second = (pp.simulate(equal, 3.0, method=m, loads=[pp.loads.Blanking(5e3, 0.03, 0.01)], **options) for m in METHODS)
     np.testing.assert_allclose(first.crank_angle, second.crank_angle, atol=1e-8)
     assert first.load_work[-1] > 0
@@ -97,7 +97,7 @@ def test_both_methods_under_drive_and_load(equal):
 def test_a_swing_that_turns_back_at_the_change_point(equal, method):
     """Released at rest 1e-4 rad and 0.3 rad beyond the change point: it falls through it. Closed form of the energy."""
     for start in (math.pi / 2 + 1e-4, math.pi / 2 + 0.3):
-        run = pp.simulate(equal, 1.0, angle=start, flywheel=pp.Flywheel(5.0), method=method)
+        run = pp.simulate(equal, 1.0, angle=start, flywheel=pp.drives.Flywheel(5.0), method=method)
         assert run.crank_angle.min() < -math.pi / 2
         total = energy(run.crank_angle, run.crank_speed, 5.0)
         np.testing.assert_allclose(total, total[0], atol=1e-8 * np.ptp(energy(run.crank_angle, 0.0, 0.0)))
@@ -115,11 +115,11 @@ def test_a_prescribed_turn_is_refused_there(equal):
 
 def test_forces_at_the_change_point(equal):
     """Beside it they balance; at the point itself they have no value, and the error says at which crank angle."""
-    run = pp.simulate(equal, 0.5, speed=8.0, flywheel=pp.Flywheel(50.0), points=501)
+    run = pp.simulate(equal, 0.5, speed=8.0, flywheel=pp.drives.Flywheel(50.0), points=501)
     result = pp.inverse_dynamics(equal, run)
     assert np.abs(result.power_residual).max() < 1e-10  # rounding of accelerations beside the point grows as 1 / distance^2
     start = math.pi / 2 - 1e-9
-    still = pp.simulate(equal, 1e-12, angle=start, speed=8.0, flywheel=pp.Flywheel(50.0), points=2)
+    still = pp.simulate(equal, 1e-12, angle=start, speed=8.0, flywheel=pp.drives.Flywheel(50.0), points=2)
     for engine in ("plane", "pinocchio"):
         with pytest.raises(pp.SingularityError, match="no value") as caught:
             pp.inverse_dynamics(equal, still, engine=engine)
@@ -137,7 +137,7 @@ def test_check_says_so(equal):
 def test_parallelograms(loaded, method, drawn):
     """Drawn anywhere, 0.02 rad beside a change point too."""
     press = loaded(random_linkages.four_bar(1.0, 0.3, 1.0, 0.3, drawn, 1 if drawn > 0 else -1, bounded=False).urdf("O"))
-    run = pp.simulate(press, 1.5, speed=9.0, flywheel=pp.Flywheel(20.0), method=method)
+    run = pp.simulate(press, 1.5, speed=9.0, flywheel=pp.drives.Flywheel(20.0), method=method)
     assert run.crank_angle[-1] > 4 * math.pi
     columns = {name: run.joint_position[:, run.joints.index(name)] for name in ("O", "B", "D")}
     np.testing.assert_allclose(columns["D"], columns["O"], atol=1e-12)
@@ -150,7 +150,7 @@ def test_a_kite(loaded, method):
     """Ground and crank alike, coupler and rocker alike: where the crank lies on the ground line, pins meet and the rocker may stand still
     or go on; it goes on, and is back after two turns of the crank."""
     press = loaded(random_linkages.four_bar(0.3, 0.3, 0.8, 0.8, 1.2, bounded=False).urdf("O"))
-    run = pp.simulate(press, 3.0, speed=9.0, flywheel=pp.Flywheel(20.0), method=method, points=1001)
+    run = pp.simulate(press, 3.0, speed=9.0, flywheel=pp.drives.Flywheel(20.0), method=method, points=1001)
     assert run.crank_angle[-1] > 8 * math.pi
     assert run.stats.energy_error < 1e-9
     # the triangle O B D is isosceles, so D-B stands at (pi + crank) / 2 to the ground; C is off its middle by a right angle
@@ -182,7 +182,7 @@ def test_all_parallelograms(loaded, ground, share, drawn, way):
     """Of any lengths, drawn anywhere but at a change point, either way round: carried through both, the rocker turns as the crank."""
     assume(min(drawn, math.pi - drawn) > 0.02)
     press = loaded(random_linkages.four_bar(ground, share * ground, ground, share * ground, drawn, bounded=False).urdf("O"))
-    run = pp.simulate(press, 1.0, speed=7.0 * way, flywheel=pp.Flywheel(100.0 * ground**2), points=61)
+    run = pp.simulate(press, 1.0, speed=7.0 * way, flywheel=pp.drives.Flywheel(100.0 * ground**2), points=61)
     rocker = run.joint_position[:, run.joints.index("D")]
     np.testing.assert_allclose(rocker, run.crank_angle, atol=1e-11)
     assert len(press.passage.change_points) == 2

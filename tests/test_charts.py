@@ -14,9 +14,9 @@ from small_linkages import bolted
 from spatial_linkages import bennett
 
 import pinpress as pp
-from pinpress import charts
-from pinpress.extreme_values import extremes
-from pinpress.harmonic_analysis import harmonics, is_cycle, last_period
+from pinpress.dynamics.harmonics import harmonics, is_cycle, last_period
+from pinpress.visual import charts
+from pinpress.visual.extremes import extremes
 
 MASS, RADIUS, SPEED = 3.0, 0.2, 31.0
 ROTOR = f"""
@@ -59,7 +59,7 @@ def turn(name, speed=70.0, **more):
 
 BLANKING = {
     "drive": pp.drives.InductionMotor(30e3, 295 * pp.RPM),
-    "flywheel": pp.Flywheel(20.0),
+    "flywheel": pp.drives.Flywheel(20.0),
     "loads": [pp.loads.Blanking(force=2e5, start=0.004, end=0.002)],
 }
 
@@ -310,7 +310,7 @@ def test_values_are_those_of_the_arrays():
 @pytest.mark.parametrize(("size", "unit"), [(0.0, "N"), (5e4, "kN"), (1e8, "MN")])
 def test_units_by_size(size, unit):
     press = texts.shipped("crank_slide")
-    load = pp.PointForce("slide", (0.0, 0.0, 900.0 - size))  # it almost bears the slide of 981 N
+    load = pp.loads.PointForce("slide", (0.0, 0.0, 900.0 - size))  # it almost bears the slide of 981 N
     result = pp.inverse_dynamics(press, pp.cycle(press, 0.1, points=12), loads=[load])
     chart = charts.components(result, "W")
     assert chart.unit == unit
@@ -328,7 +328,7 @@ def test_a_run_has_its_drive_and_speed():
 
 
 def test_several_drivers(legs):
-    run = pp.simulate(legs, 0.01, points=5, method="constraint", drive={legs.drivers[3]: pp.ConstantTorque(2.0)})
+    run = pp.simulate(legs, 0.01, points=5, method="constraint", drive={legs.drivers[3]: pp.drives.ConstantTorque(2.0)})
     result = pp.inverse_dynamics(legs, run)
     shown = raw(charts.torque(result))
     assert list(shown) == [*legs.drivers, *(f"drive of {name}" for name in legs.drivers)]
@@ -360,12 +360,12 @@ def test_held_moments():
     press = texts.shipped("crank_slide")
     motion = pp.cycle(press, 7.0)
     assert charts.bearing_moment(pp.inverse_dynamics(press, motion)) is None
-    result = pp.inverse_dynamics(press, motion, loads=[pp.PointForce("slide", (0.0, 0.0, -5e5), (0.03, 0.0, 0.0))])
+    result = pp.inverse_dynamics(press, motion, loads=[pp.loads.PointForce("slide", (0.0, 0.0, -5e5), (0.03, 0.0, 0.0))])
     assert np.abs(result.bearing_moment["O"]).max() > 1e4
     chart = charts.bearing_moment(result)
     assert [curve.name for curve in chart.curves] == ["slide_guide"]
     np.testing.assert_allclose(raw(chart)["slide_guide"], 5e5 * 0.03, rtol=1e-9)
-    result = pp.inverse_dynamics(press, motion, loads=[pp.PointForce("slide", (0.0, 0.0, -5e5), (0.0, 0.02, 0.0))])
+    result = pp.inverse_dynamics(press, motion, loads=[pp.loads.PointForce("slide", (0.0, 0.0, -5e5), (0.0, 0.02, 0.0))])
     held = charts.held_moments(result)  # beside the plane: about x, and nowhere about the axes that turn
     np.testing.assert_allclose(np.abs(sum(held.values())).max(axis=0) > 1.0, [True, False, False])
 

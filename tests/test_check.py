@@ -33,7 +33,7 @@ from malformed_urdf import INERTIAL
 from spatial_linkages import bennett, four_bar
 
 import pinpress as pp
-from pinpress.__main__ import main
+from pinpress.cli.main import main
 
 URDF = Path(__file__).resolve().parent.parent / "urdf"
 ZXN2, SYMMETRIC = ((URDF / f"{name}.urdf").read_text(encoding="utf-8") for name in ("zxn2_3000b", "jf75g_125_symmetric"))

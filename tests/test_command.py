@@ -11,7 +11,7 @@ import texts
 from in_browser import data_in
 
 import pinpress as pp
-from pinpress.__main__ import main
+from pinpress.cli.main import main
 
 ROOT = Path(__file__).resolve().parent.parent
 

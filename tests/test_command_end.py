@@ -10,8 +10,8 @@ from time_limit import _limit  # noqa: F401
 
 COMMANDS = {
     "module": ["-m", "pinpress"],
-    "script": ["-c", "import sys; sys.argv[0] = '/usr/bin/pinpress'; from pinpress.__main__ import main; sys.exit(main())"],
-    "reproduce": ["-m", "pinpress.reproduce"],
+    "script": ["-c", "import sys; sys.argv[0] = '/usr/bin/pinpress'; from pinpress.cli.main import main; sys.exit(main())"],
+    "reproduce": ["-m", "pinpress.papers"],
 }
 AT_IMPORT = """
 import os, signal, sys
@@ -48,10 +48,10 @@ def test_output_that_nobody_reads(unbuffered):
     ("command", "module"),
     [
         ("module", "numpy"),
-        ("module", "pinpress.command_record"),
-        ("module", "pinpress.recording"),
+        ("module", "pinpress.cli.record"),
+        ("module", "pinpress.visual.recording"),
         ("script", "numpy"),
-        ("reproduce", "pinpress.reproduce.chen2002"),
+        ("reproduce", "pinpress.papers.chen2002"),
     ],
 )
 def test_interrupted(tmp_path, command, module):
@@ -61,7 +61,7 @@ def test_interrupted(tmp_path, command, module):
     arguments = ["chen2002"] if command == "reproduce" else ["analyse", "crank_slide", "--speed", "60", "--out", str(tmp_path / "out")]
     ended = run(command, *arguments, stdout=subprocess.DEVNULL, env={"PYTHONPATH": path, "INTERRUPTED_AT": module}, cwd=tmp_path)
     assert ended.returncode == 130
-    program = "pinpress.reproduce" if command == "reproduce" else "pinpress"
+    program = "pinpress.papers" if command == "reproduce" else "pinpress"
     assert ended.stderr.split(" ... ")[-1] == f"{program}: interrupted\n"
     assert "Traceback" not in ended.stderr
 

@@ -9,10 +9,10 @@ import texts
 from scipy.optimize import fsolve
 
 import pinpress as pp
-from pinpress.compliance import _moving_mass, elasticity, hold
-from pinpress.crank_slides import crank_slide
-from pinpress.elastic_elements import Rod, Stiffness
-from pinpress.elastic_slide import slide_deflection
+from pinpress.balancing.classical.crank_slider import crank_slide
+from pinpress.elasticity.compliance import _moving_mass, elasticity, hold
+from pinpress.elasticity.slide_under_load import slide_deflection
+from pinpress.elasticity.springs import Rod, Stiffness
 
 ANGLES = np.array([0.0, 0.4, 1.3, 2.2, 3.6, 5.1])
 RNG = np.random.default_rng(7)
@@ -67,7 +67,7 @@ def test_castigliano(name):
     axis = press.model.jointPlacements[guide + 1].rotation @ press.spatial.axes[guide].direction
 
     def energy(force):
-        load = pp.PointForce(press.slide, force * axis)
+        load = pp.loads.PointForce(press.slide, force * axis)
         found = pp.inverse_dynamics(press, motion, [load], stiffness=stiffness.bearings)
         total = found.driving_torque**2 / (2 * stiffness.shaft)
         crown = 0.0
@@ -82,7 +82,7 @@ def test_castigliano(name):
 
     force = 1e5
     slope = (energy(force + 1e5) - energy(force - 1e5)) / 2e5
-    expected = slide_deflection(press, motion, stiffness, [pp.PointForce(press.slide, force * axis)]).deflection
+    expected = slide_deflection(press, motion, stiffness, [pp.loads.PointForce(press.slide, force * axis)]).deflection
     np.testing.assert_allclose(slope, expected, rtol=1e-9, atol=1e-9 * np.abs(expected).max())
 
 
@@ -96,7 +96,7 @@ def test_displaced_pins_of_the_six_bar():
     names = ("A", "B", "C", "D", "E", "F", "slide_guide")
     stiff = {name: 1e9 * (1 + 0.2 * i) for i, name in enumerate(names)}
     rods = [Rod("coupler", ("B", "C"), 8e8), Rod("rod", ("E", "F"), 9e8), Rod("rocker", ("D", "E"), 2e9)]
-    angle, load = 5.2, pp.PointForce("slide", (0, 0, 2e6))
+    angle, load = 5.2, pp.loads.PointForce("slide", (0, 0, 2e6))
     motion = pp.cycle(press, 7.33, angle=[angle])
     found = pp.inverse_dynamics(press, motion, [load])
     force = {name: complex(*found.bearing_force[name][0, [0, 2]]) for name in names}

@@ -7,10 +7,10 @@ import texts
 from random_linkages import Group, Spec, drawn, momentum_balance
 
 import pinpress as pp
-from pinpress.counterweights import body as inertia_of
-from pinpress.counterweights import refuse_unphysical
+from pinpress.balancing.counterweights import body as inertia_of
+from pinpress.balancing.counterweights import refuse_unphysical
 
-PAPER = [pp.Counterweight(link, mass, (at, 0.0, 0.0)) for link, mass, at in by_hand.PAPER]
+PAPER = [pp.balancing.Counterweight(link, mass, (at, 0.0, 0.0)) for link, mass, at in by_hand.PAPER]
 
 
 @pytest.fixture(scope="module")
@@ -28,14 +28,14 @@ def body(press, link):
 
 
 def test_the_papers_counterweights_shake_as_written_out_by_hand(six_bar, turn):
-    force = pp.inverse_dynamics(pp.with_counterweights(six_bar, PAPER), turn).shaking_force
+    force = pp.inverse_dynamics(pp.balancing.with_counterweights(six_bar, PAPER), turn).shaking_force
     expected = by_hand.shaking_force(by_hand.PAPER)
     assert np.abs(force[:, 0] + 1j * force[:, 2] - expected).max() < 1e-9 * np.abs(expected).max()
 
 
 def test_the_paper_rounds_the_centres_of_mass_that_result(six_bar):
     """Kong 2025 prints -0.0181 and 0.1924 m; with these the horizontal range falls by 47.418 %, with its counterweights by 47.389 %."""
-    turn, heavy = pp.cycle(six_bar, by_hand.SPEED, points=3600), pp.with_counterweights(six_bar, PAPER)
+    turn, heavy = pp.cycle(six_bar, by_hand.SPEED, points=3600), pp.balancing.with_counterweights(six_bar, PAPER)
     for link, mass, centre in (("crank", 1614.656, -0.0181), ("rod", 333.216, 0.1924)):
         assert body(heavy, link).mass == pytest.approx(mass, abs=1e-9)
         assert body(heavy, link).lever[0] == pytest.approx(centre, abs=5.1e-5)
@@ -51,8 +51,8 @@ def test_a_counterweight_is_a_body_more_by_the_law_of_momentum(tmp_path):
     press = texts.load(drawn(Spec(groups, 11, tilted=True, stacked=True, solid=True, extra=True)).urdf("crank"), tmp_path)
     links = [link for link in press.links if press.model.frames[press.model.getFrameId(link)].parentJoint]
     rng = np.random.default_rng(1)
-    weights = [pp.Counterweight(link, rng.uniform(1, 5), tuple(rng.normal(size=3)), rng.uniform(0, 2)) for link in links]
-    made = pp.with_counterweights(press, weights)
+    weights = [pp.balancing.Counterweight(link, rng.uniform(1, 5), tuple(rng.normal(size=3)), rng.uniform(0, 2)) for link in links]
+    made = pp.balancing.with_counterweights(press, weights)
     assert sum(i.mass for i in made.model.inertias) == pytest.approx(
         sum(i.mass for i in press.model.inertias) + sum(w.mass for w in weights)
     )
@@ -65,16 +65,16 @@ def test_a_counterweight_is_a_body_more_by_the_law_of_momentum(tmp_path):
 
 
 def test_a_mass_and_a_hole_of_it_cancel(six_bar, turn):
-    weight = pp.Counterweight("rocker", 120.0, (0.2, 0.0, -0.1), 4.0)
-    hole = pp.Counterweight("rocker", -120.0, (0.2, 0.0, -0.1), -4.0)
-    same = pp.inverse_dynamics(pp.with_counterweights(six_bar, [weight, hole]), turn)
+    weight = pp.balancing.Counterweight("rocker", 120.0, (0.2, 0.0, -0.1), 4.0)
+    hole = pp.balancing.Counterweight("rocker", -120.0, (0.2, 0.0, -0.1), -4.0)
+    same = pp.inverse_dynamics(pp.balancing.with_counterweights(six_bar, [weight, hole]), turn)
     before = pp.inverse_dynamics(six_bar, turn)
     np.testing.assert_allclose(same.driving_torque, before.driving_torque, atol=1e-9 * np.abs(before.driving_torque).max())
 
 
 def test_inertia_is_about_the_counterweights_own_centre_and_the_order_does_not_count(six_bar):
-    weights = [pp.Counterweight("rod", 30.0, (0.1, 0.0, 0.2), 1.5), pp.Counterweight("rod", 10.0, (-0.2, 0.0, 0.0))]
-    one, other = pp.with_counterweights(six_bar, weights), pp.with_counterweights(six_bar, weights[::-1])
+    weights = [pp.balancing.Counterweight("rod", 30.0, (0.1, 0.0, 0.2), 1.5), pp.balancing.Counterweight("rod", 10.0, (-0.2, 0.0, 0.0))]
+    one, other = pp.balancing.with_counterweights(six_bar, weights), pp.balancing.with_counterweights(six_bar, weights[::-1])
     np.testing.assert_allclose(body(one, "rod").toPseudoInertia().toMatrix(), body(other, "rod").toPseudoInertia().toMatrix(), atol=1e-12)
     point = [(277.68, 5.33, 0.24), (30.0, 1.5, 0.1 + 0.2j), (10.0, 0.0, -0.2)]
     centre = sum(m * at for m, _, at in point) / sum(m for m, _, _ in point)
@@ -85,7 +85,7 @@ def test_inertia_is_about_the_counterweights_own_centre_and_the_order_does_not_c
 
 def test_the_original_stays_and_the_new_press_is_written(six_bar, turn, tmp_path):
     mass = body(six_bar, "crank").mass
-    made = pp.with_counterweights(six_bar, PAPER)
+    made = pp.balancing.with_counterweights(six_bar, PAPER)
     assert body(six_bar, "crank").mass == mass == 1009.16
     again = pp.load(pp.write_urdf(made, tmp_path / "made.urdf"))
     old, new = (pp.inverse_dynamics(press, turn) for press in (made, again))
@@ -96,24 +96,24 @@ def test_the_original_stays_and_the_new_press_is_written(six_bar, turn, tmp_path
 @pytest.mark.parametrize(
     ("weight", "said"),
     [
-        (pp.Counterweight("crnk", 1.0), ["crnk", "crank"]),
-        (pp.Counterweight("frame", 1.0), ["'frame'", "does not move", "rocker"]),
-        (pp.Counterweight("crank", float("nan")), ["'crank'", "mass", "nan", "finite"]),
-        (pp.Counterweight("crank", 1.0, (0.0, float("inf"), 0.0)), ["'crank'", "position"]),
-        (pp.Counterweight("crank", 1.0, (0.0, 0.0)), ["'crank'", "position"]),
-        (pp.Counterweight("crank", 1.0, (0.0, 0.0, 0.0), float("inf")), ["'crank'", "inertia", "finite"]),
-        (pp.Counterweight("crank", "heavy"), ["'crank'", "mass", "'heavy'"]),
-        (pp.Counterweight("crank", 1.0, (0.0, 0.0, 0.0), -1.0), ["'crank'", "inertia", "no body"]),
-        (pp.Counterweight("crank", 0.0, (0.0, 0.0, 0.0), 1.0), ["'crank'", "0 kg", "no body"]),
-        (pp.Counterweight("rod", -277.68), ["'E'", "mass of 0 kg", "take less away"]),
-        (pp.Counterweight("rod", -300.0), ["'E'", "mass of -22.32 kg"]),
-        (pp.Counterweight("rod", -100.0, (1.5, 0.0, 0.0)), ["'E'", "principal moments", "no body"]),
+        (pp.balancing.Counterweight("crnk", 1.0), ["crnk", "crank"]),
+        (pp.balancing.Counterweight("frame", 1.0), ["'frame'", "does not move", "rocker"]),
+        (pp.balancing.Counterweight("crank", float("nan")), ["'crank'", "mass", "nan", "finite"]),
+        (pp.balancing.Counterweight("crank", 1.0, (0.0, float("inf"), 0.0)), ["'crank'", "position"]),
+        (pp.balancing.Counterweight("crank", 1.0, (0.0, 0.0)), ["'crank'", "position"]),
+        (pp.balancing.Counterweight("crank", 1.0, (0.0, 0.0, 0.0), float("inf")), ["'crank'", "inertia", "finite"]),
+        (pp.balancing.Counterweight("crank", "heavy"), ["'crank'", "mass", "'heavy'"]),
+        (pp.balancing.Counterweight("crank", 1.0, (0.0, 0.0, 0.0), -1.0), ["'crank'", "inertia", "no body"]),
+        (pp.balancing.Counterweight("crank", 0.0, (0.0, 0.0, 0.0), 1.0), ["'crank'", "0 kg", "no body"]),
+        (pp.balancing.Counterweight("rod", -277.68), ["'E'", "mass of 0 kg", "take less away"]),
+        (pp.balancing.Counterweight("rod", -300.0), ["'E'", "mass of -22.32 kg"]),
+        (pp.balancing.Counterweight("rod", -100.0, (1.5, 0.0, 0.0)), ["'E'", "principal moments", "no body"]),
         (("rod", 5.0), ["Counterweight(link, mass, position)"]),
     ],
 )
 def test_what_cannot_be_is_refused_by_name(six_bar, weight, said):
     with pytest.raises(pp.PinpressError) as refusal:
-        pp.with_counterweights(six_bar, [weight])
+        pp.balancing.with_counterweights(six_bar, [weight])
     assert [word for word in said if word not in str(refusal.value)] == []
 
 

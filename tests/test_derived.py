@@ -52,7 +52,7 @@ ASKED: dict[str, Callable[[pp.Linkage, pp.Motion], object]] = {
     "closed pose": lambda press, motion: press.closed,
     "inertias": lambda press, motion: press.with_inertias([pin.Inertia.Zero()] * 4),
     "model": lambda press, motion: press.model,
-    "operating points": lambda press, motion: pp.operating_points(press, [7.0]),
+    "operating points": lambda press, motion: pp.sweeps.operating_points(press, [7.0]),
 }
 
 
@@ -134,15 +134,17 @@ def test_ends_of_loops_and_all_that_follows_from_a_model_are_read_only():
 def test_a_force_changed_afterwards_does_not_change_a_result():
     press = pp.load("crank_slide")
     motion, force = pp.cycle(press, speed=7.0, points=12), np.tile([0.0, 0.0, 500.0], (12, 1))
-    result = pp.inverse_dynamics(press, motion, [pp.PointForce("slide", force)])
+    result = pp.inverse_dynamics(press, motion, [pp.loads.PointForce("slide", force)])
     force *= 100.0
     assert np.abs(result.power_residual).max() < 1e-12
 
 
 def test_the_motion_of_a_balanced_press_is_no_run_of_the_old_one():
     press = pp.load("crank_slide")
-    run = pp.simulate(press, 0.1, 40.0, flywheel=pp.Flywheel(5.0), points=13)
-    found = pp.balance(press, run, [pp.Room("crank", radius=0.1, mass=(0.0, 20.0))], pp.Range("shaking_force", axis="z"))
+    run = pp.simulate(press, 0.1, 40.0, flywheel=pp.drives.Flywheel(5.0), points=13)
+    found = pp.balancing.balance(
+        press, run, [pp.balancing.Room("crank", radius=0.1, mass=(0.0, 20.0))], pp.balancing.Range("shaking_force", axis="z")
+    )
     (after,) = found.after
     assert type(after.motion) is pp.Motion
     assert after.motion.linkage == found.press.name

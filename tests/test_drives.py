@@ -17,7 +17,7 @@ from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
 import pinpress as pp
-from pinpress.drives import (
+from pinpress.drives.transmission import (
     ConstantTorque,
     Drive,
     Flywheel,

@@ -50,13 +50,13 @@ def test_a_load_may_be_constant_array_or_function(zxn2, motion, engine):
     force = np.array([2e4, 0.0, 1e6])
     tiled = np.tile(force, (len(motion.crank_angle), 1))
     written = (force, tiled, lambda m: np.tile(force, (len(m.crank_angle), 1)), lambda m: tuple(force))
-    results = [pp.inverse_dynamics(zxn2, motion, [pp.PointForce("slide", each, (0.1, 0.2, -0.7))], engine=engine) for each in written]
+    results = [pp.inverse_dynamics(zxn2, motion, [pp.loads.PointForce("slide", each, (0.1, 0.2, -0.7))], engine=engine) for each in written]
     for other in results[1:]:
         same(results[0], other, 0.0)
     bare = pp.inverse_dynamics(zxn2, motion, engine=engine)
     assert np.abs(results[0].driving_torque - bare.driving_torque).max() > 1e4
     # over the motion: a function that follows the slide
-    press_fit = pp.PointForce("slide", lambda m: np.outer(np.maximum(0, -0.9 - m.slide_position), [0, 0, 1e8]))
+    press_fit = pp.loads.PointForce("slide", lambda m: np.outer(np.maximum(0, -0.9 - m.slide_position), [0, 0, 1e8]))
     pressed = pp.inverse_dynamics(zxn2, motion, [press_fit], engine=engine)
     changed = np.abs(pressed.driving_torque - bare.driving_torque) > 1.0
     assert 0 < changed.sum() < len(changed)
@@ -72,14 +72,14 @@ def test_virtual_work(zxn2, motion, engine):
     unit = pp.cycle(zxn2, angle=motion.crank_angle, speed=1.0)
     bare = pp.inverse_dynamics(zxn2, motion, engine=engine)
     force = np.linspace(-3e6, 2e6, len(motion.crank_angle))
-    load = pp.PointForce("slide", force[:, None] * np.array([0.0, 0.0, 1.0]), (0.3, -0.1, -0.7))
+    load = pp.loads.PointForce("slide", force[:, None] * np.array([0.0, 0.0, 1.0]), (0.3, -0.1, -0.7))
     change = pp.inverse_dynamics(zxn2, motion, [load], engine=engine).driving_torque - bare.driving_torque
     expected = -force * unit.slide_velocity
     assert np.abs(change - expected).max() <= 1e-10 * np.abs(expected).max()
     # on the rocker's pin E, 0.48 m from D: velocity = rate of D times the arm turned by 90 degrees
     angle = 0.850905189263493 - 0.75 * np.pi + motion.q[:, zxn2.model.joints[zxn2.joints.index("D") + 1].idx_q]
     velocity = 1j * unit.v[:, zxn2.joints.index("D")] * 0.48 * np.exp(1j * angle)
-    on_e = pp.PointForce("rocker", (7e4, 3e4, -5e4), (-0.33941125496954277, 0.0, -0.33941125496954283))
+    on_e = pp.loads.PointForce("rocker", (7e4, 3e4, -5e4), (-0.33941125496954277, 0.0, -0.33941125496954283))
     change = pp.inverse_dynamics(zxn2, motion, [on_e], engine=engine).driving_torque - bare.driving_torque
     expected = -(7e4 * velocity.real - 5e4 * velocity.imag)
     assert np.abs(change - expected).max() <= 1e-10 * np.abs(expected).max()
@@ -90,7 +90,7 @@ def test_a_force_on_the_frame_goes_to_the_foundation(zxn2, motion, engine):
     """It changes the shaking force by itself, the shaking moment by its arm, and nothing else, bit by bit."""
     force, point = np.array([1e4, -2e4, 5e4]), np.array([0.3, 0.1, -1.9])
     bare = pp.inverse_dynamics(zxn2, motion, engine=engine)
-    loaded = pp.inverse_dynamics(zxn2, motion, [pp.PointForce("frame", force, tuple(point))], engine=engine)
+    loaded = pp.inverse_dynamics(zxn2, motion, [pp.loads.PointForce("frame", force, tuple(point))], engine=engine)
     np.testing.assert_array_equal(loaded.driving_torque, bare.driving_torque)
     for name in zxn2.bearings:
         np.testing.assert_array_equal(loaded.bearing_force[name], bare.bearing_force[name])
@@ -105,7 +105,7 @@ def test_a_force_on_the_frame_goes_to_the_foundation(zxn2, motion, engine):
 def test_a_forming_force_inside_the_machine_does_not_shake_it(zxn2, motion, engine):
     """Load on the slide and its reaction on the frame, on one line x = 0: nothing reaches the foundation. 1e-12 of the load: rounding."""
     up = np.array([0.0, 0.0, 3e6])
-    pair = [pp.PointForce("slide", up, (0, 0, -0.7)), pp.PointForce("frame", -up, (0, 0, -1.88))]
+    pair = [pp.loads.PointForce("slide", up, (0, 0, -0.7)), pp.loads.PointForce("frame", -up, (0, 0, -1.88))]
     bare, loaded = (pp.inverse_dynamics(zxn2, motion, loads, engine=engine) for loads in ([], pair))
     assert np.abs(loaded.shaking_force - bare.shaking_force).max() <= 1e-12 * 3e6
     assert np.abs(loaded.shaking_moment - bare.shaking_moment).max() <= 1e-12 * 3e6
@@ -122,7 +122,7 @@ def test_torque_and_forces_are_affine(zxn2, engine):
     angle = np.linspace(0.1, 6.0, 7)
 
     def at(speed, acceleration, load):
-        loads = [pp.PointForce("rod", load * np.array([1e5, 2e4, 7e5]), (0.2, 0.05, 0.1))]
+        loads = [pp.loads.PointForce("rod", load * np.array([1e5, 2e4, 7e5]), (0.2, 0.05, 0.1))]
         return numbers(pp.inverse_dynamics(zxn2, pp.cycle(zxn2, angle=angle, speed=speed, acceleration=acceleration), loads, engine=engine))
 
     weight, fast, sped_up, loaded = at(0, 0, 0), at(2.0, 0, 0), at(0, 3.0, 0), at(0, 0, 0.5)
@@ -182,7 +182,7 @@ def test_scale(zxn2, tmp_path, length, mass, engine):
         assert np.abs(one - two / weight).max() <= 1e-12 * np.abs(one).max()
     force, point = np.array([1e5, 2e5, -8e5]), np.array([0.1, 0.2, -0.7])
     results = [
-        pp.inverse_dynamics(p, m, [pp.PointForce("slide", force * f, tuple(point * s))], engine=engine)
+        pp.inverse_dynamics(p, m, [pp.loads.PointForce("slide", force * f, tuple(point * s))], engine=engine)
         for p, m, f, s in zip((zxn2, other), motions, (1.0, mass * length), (1.0, length), strict=True)
     ]
     units = (mass * length, mass * length**2)
@@ -199,7 +199,7 @@ def test_scale(zxn2, tmp_path, length, mass, engine):
 @pytest.mark.parametrize("engine", ENGINES)
 def test_power_balance(zxn2, motion, engine):
     """With loads, through standstill and at rest throughout: finite, and rounding (1e-13)."""
-    loads = [pp.PointForce("rod", (3e5, 1e4, -2e5), (0.2, 0.1, 0.0)), pp.PointForce("crank", (0, 1e4, 1e5), (0.1, 0.0, 0.2))]
+    loads = [pp.loads.PointForce("rod", (3e5, 1e4, -2e5), (0.2, 0.1, 0.0)), pp.loads.PointForce("crank", (0, 1e4, 1e5), (0.1, 0.0, 0.2))]
     residual = pp.inverse_dynamics(zxn2, motion, loads, engine=engine).power_residual
     assert residual.shape == (23,)
     assert np.abs(residual).max() < 1e-13
@@ -299,9 +299,9 @@ def test_a_motion_of_another_linkage_is_refused(zxn2, motion, tmp_path, engine):
 @pytest.mark.parametrize(
     ("load", "named"),
     [
-        (pp.PointForce("slide", (0.0, 1.7e308, 0.0)), "bearing force"),  # across the plane, where no drive feels it
-        (pp.PointForce("slide", (0.0, 1e10, 0.0), (1e300, 0.0, 0.0)), "bearing moment"),
-        (pp.PointForce("slide", (0.0, 0.0, 1.7e308)), "driving torque"),
+        (pp.loads.PointForce("slide", (0.0, 1.7e308, 0.0)), "bearing force"),  # across the plane, where no drive feels it
+        (pp.loads.PointForce("slide", (0.0, 1e10, 0.0), (1e300, 0.0, 0.0)), "bearing moment"),
+        (pp.loads.PointForce("slide", (0.0, 0.0, 1.7e308)), "driving torque"),
     ],
 )
 def test_what_is_not_finite_is_named_with_its_angle(load, named):
@@ -311,7 +311,7 @@ def test_what_is_not_finite_is_named_with_its_angle(load, named):
     force = np.zeros((5, 3))
     force[3] = load.force
     with pytest.raises(pp.PinpressError, match=f"^the {named} of zxn2_3000b is not finite at crank angle 40 deg"):
-        pp.inverse_dynamics(press, motion, loads=[pp.PointForce(load.link, force, load.point)] * 2)
+        pp.inverse_dynamics(press, motion, loads=[pp.loads.PointForce(load.link, force, load.point)] * 2)
 
 
 HORIZONTAL = """<robot name="disc"><link name="frame"/><link name="disc"><inertial><origin xyz="0.2 0 0.1"/><mass value="40"/>

@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 
 import pinpress as pp
-from pinpress.breakthrough import snap_through
-from pinpress.compliance import elasticity
-from pinpress.elastic_elements import Stiffness
-from pinpress.elastic_plots import plot_dead_centre_shift, plot_elasticity, plot_snap_through
-from pinpress.elastic_slide import dead_centre_shift
+from pinpress.elasticity.breakthrough import snap_through
+from pinpress.elasticity.compliance import elasticity
+from pinpress.elasticity.slide_under_load import dead_centre_shift
+from pinpress.elasticity.springs import Stiffness
+from pinpress.plots.elasticity import plot_dead_centre_shift, plot_elasticity, plot_snap_through
 
 PRESS = pp.load("zxn2_3000b")
 STIFFNESS = Stiffness(dict.fromkeys("ABCDEF", 2000000000.0), shaft=3e7, frame=4e9)

@@ -5,11 +5,11 @@ import pytest
 from scipy.optimize import minimize_scalar
 
 import pinpress as pp
-from pinpress import loads
-from pinpress.compliance import elasticity
-from pinpress.crank_slides import crank_slide
-from pinpress.elastic_elements import Rod, Stiffness
-from pinpress.elastic_slide import dead_centre_shift, slide_deflection
+from pinpress.balancing.classical.crank_slider import crank_slide
+from pinpress.elasticity.compliance import elasticity
+from pinpress.elasticity.slide_under_load import dead_centre_shift, slide_deflection
+from pinpress.elasticity.springs import Rod, Stiffness
+from pinpress.loads import process as loads
 
 
 def stiffness_of(press):
@@ -90,7 +90,7 @@ def test_weight_balanced_by_a_constant_force():
     press = pp.load("crank_slide", gravity=(0.0, 0.0, -9.81))
     slide = press.model.inertias[press.model.getJointId("slide_guide")].mass
     stiffness = Stiffness({"W": 1e9})
-    balanced = dead_centre_shift(press, stiffness, 15.0, [pp.PointForce("slide", (0.0, 0.0, slide * 9.81))])
+    balanced = dead_centre_shift(press, stiffness, 15.0, [pp.loads.PointForce("slide", (0.0, 0.0, slide * 9.81))])
     plain = dead_centre_shift(press, stiffness, 15.0)
     assert balanced.constant == pytest.approx(0.0, abs=1e-12 * abs(plain.by_squared_speed) + 1e-18)
     assert plain.constant == pytest.approx(-slide * 9.81 / 1e9, rel=1e-9)
@@ -120,8 +120,8 @@ def test_refusals():
             dead_centre_shift(press, stiffness, speed)
     for load in (
         loads.ElasticDie(0.0, 1e9),
-        pp.PointForce("slide", lambda motion: (0, 0, 1.0)),
-        pp.SpringDamper("frame", "slide", 1.0, 2.0),
+        pp.loads.PointForce("slide", lambda motion: (0, 0, 1.0)),
+        pp.loads.SpringDamper("frame", "slide", 1.0, 2.0),
     ):
         with pytest.raises(pp.PinpressError, match="may depend on the speed"):
             dead_centre_shift(press, stiffness, 1.0, [load])

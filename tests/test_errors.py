@@ -13,8 +13,8 @@ import pytest
 from time_limit import _limit  # noqa: F401
 
 import pinpress as pp
-from pinpress.caller_laws import LawError
-from pinpress.errors import UnknownScenarioError
+from pinpress.common.errors import UnknownScenarioError
+from pinpress.loads.caller_laws import LawError
 
 ARGUMENTS = {
     pp.PinpressError: ("speed is 'x': give a number",),
@@ -43,7 +43,7 @@ def unknown_urdf(_=None):
 
 def not_assembled(_=None):
     press = pp.load("crank_slide")
-    pp.inverse_dynamics(pp.reshaped(press, {("P", "crank"): (0.13, 0, 0)}), pp.cycle(press, 1.0, points=4))
+    pp.inverse_dynamics(pp.derivatives.reshaped(press, {("P", "crank"): (0.13, 0, 0)}), pp.cycle(press, 1.0, points=4))
 
 
 def locked(_=None):
@@ -52,7 +52,9 @@ def locked(_=None):
 
 
 def stalled(_=None):
-    pp.simulate(pp.load("crank_slide"), 1.0, 1.0, drive=pp.ConstantTorque(-1.0), loads=[pp.loads.ForceStroke([0.0, 1.0], [1e9, 1e9])])
+    pp.simulate(
+        pp.load("crank_slide"), 1.0, 1.0, drive=pp.drives.ConstantTorque(-1.0), loads=[pp.loads.ForceStroke([0.0, 1.0], [1e9, 1e9])]
+    )
 
 
 def unknown_bearing(name="Q"):

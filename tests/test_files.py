@@ -15,7 +15,7 @@ from full_disk import full_disk
 from time_limit import _limit  # noqa: F401
 
 import pinpress as pp
-from pinpress import files
+from pinpress.common import files
 
 OLD, NEW = b"old content", b"new content, longer than the old one"
 
@@ -112,7 +112,7 @@ def test_pipes_and_devices_are_written_through(tmp_path):
 @pytest.mark.parametrize("kind", ["file", "pipe"])
 def test_output_is_written_through(tmp_path, kind):
     """After what was printed, also where the output was sent into a file, which stays the one that is open."""
-    words = "from pinpress import files; print('before', flush=True); files.write('/dev/stdout', b'content\\n'); print('after')"
+    words = "from pinpress.common import files; print('before', flush=True); files.write('/dev/stdout', b'content\\n'); print('after')"
     with open(tmp_path / "out", "w+b") as out:
         run = subprocess.run([sys.executable, "-c", words], stdout=out if kind == "file" else subprocess.PIPE, check=True)
         out.seek(0)
@@ -133,7 +133,7 @@ def test_a_full_disk_leaves_what_there_was(file, names):
 def test_places_without_permission():
     """Nobody may, where the tests are root's."""
     words = (
-        "import os, sys; from pinpress import PinpressError, files\n"
+        "import os, sys; from pinpress import PinpressError; from pinpress.common import files\n"
         "if os.geteuid() == 0: os.setuid(65534)\n"
         "for path in sys.argv[1:]:\n"
         "    try: files.write(path, b'new')\n"
@@ -179,7 +179,7 @@ def test_where_files_have_names_from_the_beginning(file, monkeypatch, by):
 def test_a_kill_leaves_nothing(file):
     """When all is written, but not yet under the file's name."""
     words = (
-        "import os, signal, sys; from pinpress import files\n"
+        "import os, signal, sys; from pinpress.common import files\n"
         "os.fsync = lambda _: os.kill(os.getpid(), signal.SIGKILL)\n"
         "files.write(sys.argv[1], bytes(1_000_000))"
     )

@@ -25,9 +25,10 @@ import numpy as np
 import pytest
 
 import pinpress as pp
-from pinpress import browser, command_record
-from pinpress.browser import Screen
-from pinpress.filming import film, slow_enough, still
+from pinpress.cli import record as command_record
+from pinpress.visual import browser
+from pinpress.visual.browser import Screen
+from pinpress.visual.film import film, slow_enough, still
 
 SPEED = 70 * pp.RPM
 DURATION = 2 * np.pi / SPEED
@@ -77,7 +78,7 @@ def fake_screen(monkeypatch: pytest.MonkeyPatch) -> Callable[[float], None]:
             Image.new("L", (64, 64), round(GREY * time / duration) if duration else 0).save(out, "PNG")
             return out.getvalue()
 
-        monkeypatch.setattr("pinpress.filming.opened", lambda *_: contextlib.nullcontext(Screen(duration, picture)))
+        monkeypatch.setattr("pinpress.visual.film.opened", lambda *_: contextlib.nullcontext(Screen(duration, picture)))
 
     return fake
 
@@ -307,7 +308,7 @@ def test_path_that_cannot_be_written_is_found_first(make: Any, name: str, page: 
         if not Path("/proc/self").is_dir():
             pytest.skip("no folder in which not even root can write")
         name = "/proc/self/out"
-    monkeypatch.setattr("pinpress.filming.opened", lambda *_: pytest.fail("a browser was opened"))
+    monkeypatch.setattr("pinpress.visual.film.opened", lambda *_: pytest.fail("a browser was opened"))
     with pytest.raises(pp.PinpressError, match=r"(?s)cannot write .*; give a file in a directory you can write to"):
         make(page, tmp_path, path=f"{tmp_path / name}{suffix}")
     assert {p.name for p in tmp_path.rglob("*")} == {f"directory{suffix}", "file"}
@@ -414,13 +415,14 @@ def test_without_packages(package: str, page: Path, tmp_path: Path, monkeypatch:
 
 
 def test_import_is_light() -> None:
-    code = "import sys, pinpress.filming; sys.exit(any(name in sys.modules for name in ('playwright', 'imageio_ffmpeg', 'asyncio', 'PIL')))"
+    large = ("playwright", "imageio_ffmpeg", "asyncio", "PIL")
+    code = f"import sys, pinpress.visual.film; sys.exit(any(name in sys.modules for name in {large}))"
     assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
 
 
 def test_film_that_ffmpeg_gives_up(fake_screen: Callable[[float], None], tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     fake_screen(1)
-    monkeypatch.setitem(importlib.import_module("pinpress.filming").ENCODING, ".mp4", ("-c:v", "no_such_codec"))
+    monkeypatch.setitem(importlib.import_module("pinpress.visual.film").ENCODING, ".mp4", ("-c:v", "no_such_codec"))
     with pytest.raises(pp.PinpressError, match=r"ffmpeg cannot make the film: .*no_such_codec"):
         film(tmp_path / "page.html", tmp_path / "out.mp4", (64, 64), 1)
     assert list(tmp_path.iterdir()) == []
@@ -439,11 +441,11 @@ def short_path() -> Iterator[Path]:
 def test_interrupted(when: str, tmp_path: Path, short_path: Path) -> None:
     """Ctrl-C, which a terminal sends to all processes at once."""
     code = f"""if True:
-        import sys, pinpress.filming, pinpress.browser
+        import sys, pinpress.visual.film, pinpress.visual.browser
         if {when!r} == 'opening':
-            load = pinpress.browser._Tab.load
-            pinpress.browser._Tab.load = lambda *given: (print('now', flush=True), load(*given))
-        pinpress.filming.film(sys.argv[1], 'out.mp4', (64, 64), progress=lambda done: print('now', flush=True))"""
+            load = pinpress.visual.browser._Tab.load
+            pinpress.visual.browser._Tab.load = lambda *given: (print('now', flush=True), load(*given))
+        pinpress.visual.film.film(sys.argv[1], 'out.mp4', (64, 64), progress=lambda done: print('now', flush=True))"""
     mark = uuid.uuid4().hex
     folder = tmp_path / "folder"
     folder.mkdir()
@@ -515,7 +517,7 @@ def test_command(
 
     fake_screen(DURATION)
     for make in (still, film):
-        monkeypatch.setattr(f"pinpress.filming.{make.__name__}", watched(make))
+        monkeypatch.setattr(f"pinpress.visual.film.{make.__name__}", watched(make))
     names = html, png, mp4 = [tmp_path / name for name in ("out.html", "out.png", "out.mp4")]
     asked = ["--out", html, "--png", png, "--video", mp4, "--at", 90, "--size", "160x120", "--fps", 1, "--trace", "rod:0,0,-0.1"]
     assert command("crank_slide", "--speed", -70, "--slowdown", 2, "--repeats", 2, *asked) == 0
@@ -535,7 +537,7 @@ def test_command(
 
 def test_command_without_forces_and_with_a_picture_alone(tmp_path: Path, press: Any, monkeypatch: pytest.MonkeyPatch) -> None:
     asked: list[Any] = []
-    monkeypatch.setattr("pinpress.filming.still", lambda page, *more, **size: asked.extend((page.read_bytes(), *more, size)))
+    monkeypatch.setattr("pinpress.visual.film.still", lambda page, *more, **size: asked.extend((page.read_bytes(), *more, size)))
     out = tmp_path / "out.png"
     assert command("crank_slide", "--speed", 70, "--png", out, "--no-forces", "--at", -270, "--points", 90, "--size", "64x64") == 0
     page = pp.record(press, pp.cycle(press, SPEED, 90), tmp_path / "same.html")

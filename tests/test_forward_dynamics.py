@@ -15,8 +15,8 @@ from random_linkages import Group, Spec
 from spatial_linkages import Loops, bennett, bricard, four_bar, null_space
 
 import pinpress as pp
-from pinpress import forward_dynamics
-from pinpress.forward_dynamics import ForwardDynamics
+from pinpress.engines.spatial import forward_dynamics
+from pinpress.engines.spatial.forward_dynamics import ForwardDynamics
 
 TIMES = np.linspace(0.0, 2.0, 7)
 
@@ -144,7 +144,7 @@ def test_inverse_dynamics(case):
     """The motion's own accelerations under the torque that inverse dynamics says, with a load on a link; 1e-9 of the peak."""
     press, motion = case.press, case.motion
     link, point, force = press.links[-1], (0.02, -0.05, 0.01), (30.0, -40.0, 20.0)
-    result = pp.inverse_dynamics(press, motion, [pp.PointForce(link, force, point)])
+    result = pp.inverse_dynamics(press, motion, [pp.loads.PointForce(link, force, point)])
     efforts = driving(press, result) + case.armature * motion.a
     frame = press.model.frames[press.model.getFrameId(link, pin.BODY)]
     at = frame.placement.act(np.array(point))

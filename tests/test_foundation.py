@@ -12,7 +12,7 @@ from scipy.spatial.transform import Rotation
 
 import pinpress as pp
 from pinpress import PinpressError, foundation
-from pinpress.frame_modes import state_matrix
+from pinpress.foundation.vibration_modes import state_matrix
 
 GRAVITY = 9.81
 FIXED = examples(5)

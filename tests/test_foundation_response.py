@@ -7,7 +7,7 @@ from frames import harmonic_force, loaded, on_four, turns, uneven, weightless
 
 import pinpress as pp
 from pinpress import PinpressError, UnknownNameError, foundation
-from pinpress.frame_response import resolved
+from pinpress.foundation.response import resolved
 
 POINTS = {"top": (0.3, 0.2, 1.5), "bed": (-0.2, 0.1, -1.0)}
 SPEED = 20.0
@@ -255,13 +255,13 @@ def test_responses_are_written(tmp_path):
 def test_plots_have_a_curve_a_point():
     system, result = shaken()
     response = foundation.steady_response(system, result, POINTS)
-    figure = foundation.plot_vibration({"idle": response, "again": response}, axis="x", last=0.1)
+    figure = pp.plots.plot_vibration({"idle": response, "again": response}, axis="x", last=0.1)
     assert [len(axes.lines) for axes in figure.axes] == [2, 2]
     np.testing.assert_array_equal(
         figure.axes[0].lines[0].get_ydata(), response.acceleration["top"][response.time >= response.time[-1] - 0.1, 0]
     )
     over = foundation.over_speeds(system, [20.0, 30.0], POINTS)
-    figure = foundation.plot_speeds({"one": over}, "top")
+    figure = pp.plots.plot_speeds({"one": over}, "top")
     np.testing.assert_array_equal(figure.axes[1].lines[0].get_ydata(), over.transmitted)
 
 
@@ -284,14 +284,14 @@ def test_mounts_that_lift_off_are_named():
         (lambda s, r: foundation.steady_response(s, None, {}), PinpressError, "result is a NoneType"),
         (lambda s, r: foundation.steady_response(s, r, POINTS).rms("tip"), UnknownNameError, "no point 'tip', did you mean 'top'"),
         (lambda s, r: foundation.steady_response(s, r, {}, flywheel=136.0), PinpressError, "flywheel is a float"),
-        (lambda s, r: foundation.steady_response(s, r, {}, flywheel=pp.Flywheel([1.0, 2.0])), PinpressError, "several scenarios"),
+        (lambda s, r: foundation.steady_response(s, r, {}, flywheel=pp.drives.Flywheel([1.0, 2.0])), PinpressError, "several scenarios"),
         (lambda s, r: foundation.over_speeds(s, [3.0, 2.0], {}), PinpressError, "speeds is"),
         (lambda s, r: foundation.over_speeds(s, 3.0, {}), PinpressError, "speeds is 3.0"),
         (lambda s, r: foundation.transmissibility(s, [1.0], "up"), PinpressError, "axis is 'up'"),
         (lambda s, r: foundation.transmissibility(s, [1.0], {}), PinpressError, "axis is {}"),
         (lambda s, r: foundation.over_speeds(s, [3.0], POINTS).growth("top"), PinpressError, "needs two speeds"),
-        (lambda s, r: foundation.plot_vibration({}), PinpressError, "nothing to draw"),
-        (lambda s, r: foundation.plot_speeds({"a": foundation.over_speeds(s, [3.0], {})}, "top"), UnknownNameError, "no point 'top'"),
+        (lambda s, r: pp.plots.plot_vibration({}), PinpressError, "nothing to draw"),
+        (lambda s, r: pp.plots.plot_speeds({"a": foundation.over_speeds(s, [3.0], {})}, "top"), UnknownNameError, "no point 'top'"),
     ],
 )
 def test_what_makes_no_sense_is_named(call, error, says):
@@ -310,7 +310,7 @@ def test_motions_that_do_not_fit_are_refused():
         foundation.steady_response(system, swinging, {})
     with pytest.raises(PinpressError, match="equal intervals"):
         foundation.time_response(system, swinging, {})
-    jumping = pp.PointForce("frame", lambda m: np.outer(m.crank_angle > 3.0, [0, 0, 1e5]))
+    jumping = pp.loads.PointForce("frame", lambda m: np.outer(m.crank_angle > 3.0, [0, 0, 1e5]))
     with pytest.raises(PinpressError, match="no damping"):
         one_mass(np.sqrt(4 * KZ / MASS), damping=0.0)
     with pytest.raises(PinpressError, match="do not resolve"):

@@ -10,7 +10,7 @@ from frames import loaded, on_four, turns, uneven
 import pinpress as pp
 from pinpress import PinpressError, foundation
 
-FLYWHEEL = pp.Flywheel(136.0)
+FLYWHEEL = pp.drives.Flywheel(136.0)
 PILING = pp.loads.Piling(force=1e5, height=4.86e-5)
 BED, CROWN = foundation.Frame(8000, (0, 0, -1.0), (3000, 2500, 3000)), foundation.Frame(7000, (0, 0.1, 0.4), (2500, 2000, 2500))
 MOUNTS = on_four((1e7, 1e7, 1e9), height=-1.3, loss_factor=0.15)
@@ -59,7 +59,12 @@ def test_flywheel_rocks_the_frame_only_where_the_speed_changes():
 def test_flywheel_behind_a_slipping_clutch_is_refused():
     press = loaded("jf75g_125")
     run = pp.simulate(
-        press, 0.02, 0.0, flywheel=pp.Flywheel(136.0, speed=30.0), clutch=pp.Clutch(torque=2000.0, closes=pp.At(time=0.0)), points=21
+        press,
+        0.02,
+        0.0,
+        flywheel=pp.drives.Flywheel(136.0, speed=30.0),
+        clutch=pp.drives.Clutch(torque=2000.0, closes=pp.drives.At(time=0.0)),
+        points=21,
     )
     system = foundation.mounted(press, *uneven())
     with pytest.raises(PinpressError, match="clutch slips"):
@@ -152,8 +157,8 @@ def test_a_period_of_a_steady_run_is_what_time_comes_to():
     system = foundation.mounted(press, frame, damped)
     loads = [pp.loads.DeepDrawing(1e5, start=0.01)]
     motor = pp.drives.Geared(pp.drives.InductionMotor(rated_power=30e3, rated_speed=1485 * pp.RPM), ratio=4.95)
-    steady = pp.steady_state(press, 300 * pp.RPM, motor, pp.Flywheel(20.0), loads, points=361)
-    response = foundation.steady_response(system, pp.inverse_dynamics(press, steady, loads), {"O": (0, 0, 0)}, pp.Flywheel(20.0))
+    steady = pp.steady_state(press, 300 * pp.RPM, motor, pp.drives.Flywheel(20.0), loads, points=361)
+    response = foundation.steady_response(system, pp.inverse_dynamics(press, steady, loads), {"O": (0, 0, 0)}, pp.drives.Flywheel(20.0))
     one = np.s_[:-1]
     angle = np.concatenate([steady.crank_angle[one] + 2 * np.pi * k for k in range(16)])
     motion = pp.cycle(
@@ -163,7 +168,7 @@ def test_a_period_of_a_steady_run_is_what_time_comes_to():
         acceleration=np.tile(steady.crank_acceleration[one], 16),
         time=np.arange(len(angle)) * (steady.time[1] - steady.time[0]),
     )
-    time = foundation.time_response(system, pp.inverse_dynamics(press, motion, loads), {"O": (0, 0, 0)}, pp.Flywheel(20.0))
+    time = foundation.time_response(system, pp.inverse_dynamics(press, motion, loads), {"O": (0, 0, 0)}, pp.drives.Flywheel(20.0))
     size = np.abs(response.coordinates).max(axis=0)
     np.testing.assert_allclose(time.coordinates[-360:] / size, response.coordinates / size, atol=1e-3)
 

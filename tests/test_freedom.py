@@ -7,8 +7,8 @@ import texts
 from malformed_linkages import AXIS, GEAR, PENDULUM, STAYS, changed, pinned, with_element
 
 import pinpress as pp
-from pinpress import freedom
-from pinpress.loops import Coupling
+from pinpress.engines.joints import Coupling
+from pinpress.linkage import mobility as freedom
 
 SECOND_GEAR = '<mimic joint="G" multiplier="0.1"/>'
 

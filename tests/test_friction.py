@@ -47,7 +47,7 @@ def everywhere(press, seed=0, most=0.15, viscous=300.0):
     """Friction of all bearings, at random."""
     rng = np.random.default_rng(seed)
     return {
-        name: pp.Friction(rng.uniform(0.02, most), None if name in slides(press) else rng.uniform(0.03, 0.1), rng.uniform(0, viscous))
+        name: pp.loads.Friction(rng.uniform(0.02, most), None if name in slides(press) else rng.uniform(0.03, 0.1), rng.uniform(0, viscous))
         for name in press.bearings
         if not any(loop.name == name and loop.type == "fixed" for loop in press.loops)
     }
@@ -130,7 +130,7 @@ def lawful(press, result, friction, rest=1e-9):
     """Efforts (n,) that the law of friction names for the bearing forces that are returned: -(c w + mu r F sign w)."""
     turning, expected = Turning(press, result.motion), {}
     for k, name in enumerate(press.bearings):
-        rubbing, speed = friction.get(name, pp.Friction()), turning.speed[k]
+        rubbing, speed = friction.get(name, pp.loads.Friction()), turning.speed[k]
         across = np.linalg.norm(np.cross(result.bearing_force[name], turning.axis[k]), axis=1)
         sign = np.where(np.abs(speed) <= rest * np.abs(speed).max(), 0.0, np.sign(speed))
         arm = rubbing.coefficient * (1.0 if rubbing.radius is None else rubbing.radius)
@@ -180,7 +180,7 @@ def test_hand_script(name, rubs, engine):
     """Torque and all forces of a servo motion with a forming force, 1e-12 of the peaks. Friction changes all of them."""
     press, friction, rubbing, smooth = by_hand(name)
     motion = pp.cycle(press, **SERVO, engine=engine)
-    loads = [pp.PointForce("slide", np.outer(LIFT, UP))]
+    loads = [pp.loads.PointForce("slide", np.outer(LIFT, UP))]
     result = pp.inverse_dynamics(press, motion, loads, friction=friction if rubs else {}, engine=engine)
     expected = rubbing if rubs else smooth
     assert np.abs(result.driving_torque - expected["torque"]).max() <= 1e-12 * np.abs(expected["torque"]).max()
@@ -204,7 +204,7 @@ def test_viscous_friction_adds_its_power(name, engine):
     press = shipped(name)
     motion = pp.cycle(press, speed=7.0, points=24, engine=engine)
     rng = np.random.default_rng(1)
-    friction = {bearing: pp.Friction(viscous=rng.uniform(50, 300)) for bearing in press.bearings}
+    friction = {bearing: pp.loads.Friction(viscous=rng.uniform(50, 300)) for bearing in press.bearings}
     bare, result = (pp.inverse_dynamics(press, motion, friction=each, engine=engine) for each in ({}, friction))
     speeds = dict(zip(press.bearings, Turning(press, motion).speed, strict=True))
     added = sum(each.viscous * speeds[bearing] ** 2 for bearing, each in friction.items()) / 7.0
@@ -221,7 +221,7 @@ def test_the_drivers_bearing(direction, engine):
     """Friction there alone leaves all forces as they are, bit by bit, and adds mu r F to the torque, against the turning."""
     press = shipped("zxn2_3000b")
     motion = pp.cycle(press, speed=direction * 7.0, points=24, engine=engine)
-    friction = {"A": pp.Friction(coefficient=0.1, radius=0.07)}
+    friction = {"A": pp.loads.Friction(coefficient=0.1, radius=0.07)}
     bare, result = (pp.inverse_dynamics(press, motion, friction=each, engine=engine) for each in ({}, friction))
     for bearing in press.bearings:
         np.testing.assert_array_equal(result.bearing_force[bearing], bare.bearing_force[bearing])
@@ -257,7 +257,7 @@ def test_a_slide_that_rubs_in_its_guide(folder, along, direction, engine):
     press = load(text, folder)
     motion = pp.cycle(press, speed=direction * 5.0, points=25, engine=engine)
     mu = 0.3
-    result = pp.inverse_dynamics(press, motion, friction={"guide": pp.Friction(mu)}, engine=engine)
+    result = pp.inverse_dynamics(press, motion, friction={"guide": pp.loads.Friction(mu)}, engine=engine)
     turned = crank * np.exp(1j * motion.crank_angle)
     rod = end + along * motion.joint_position[:, press.joints.index("guide")] - turned
     slope = (np.conj(along) * rod).imag / (np.conj(along) * rod).real
@@ -283,7 +283,7 @@ def test_a_slide_that_rubs_in_its_guide(folder, along, direction, engine):
 def test_backwards_is_the_mirror_in_time(engine):
     """Coulomb friction: at the same angles, the mean torque changes its sign with the direction of the turn; forces differ by friction."""
     press = shipped("zxn2_3000b")
-    friction = {bearing: pp.Friction(0.1, None if bearing == "slide_guide" else 0.06) for bearing in press.bearings}
+    friction = {bearing: pp.loads.Friction(0.1, None if bearing == "slide_guide" else 0.06) for bearing in press.bearings}
     angle = np.linspace(0.05, 6.2, 20)
     forward, backward = (
         pp.inverse_dynamics(press, pp.cycle(press, angle=angle, speed=sign * 7.0, engine=engine), friction=friction, engine=engine)
@@ -323,7 +323,7 @@ def test_a_slide_in_its_dead_centre_does_not_rub(angle, engine):
     """Its speed there is rounding: no Coulomb friction, whether or not the motion has other states; and nothing is NaN."""
     press = shipped("crank_slide")
     motion = pp.cycle(press, angle=angle, speed=5.0, engine=engine)
-    friction = {bearing: pp.Friction(0.1, None if bearing == "slide_guide" else 0.05) for bearing in press.bearings}
+    friction = {bearing: pp.loads.Friction(0.1, None if bearing == "slide_guide" else 0.05) for bearing in press.bearings}
     result = pp.inverse_dynamics(press, motion, friction=friction, engine=engine)
     still = np.isin(np.mod(np.round(np.degrees(motion.crank_angle)), 180), 0)
     weight_and_inertia = 100.0 * (motion.slide_acceleration + 9.81)
@@ -342,7 +342,7 @@ def test_dead_centres_as_they_are_found(name, engine):
     press = shipped(name)
     ends = pp.dead_centres(press)
     motion = pp.cycle(press, angle=[ends.bottom_angle, ends.top_angle], speed=7.0, engine=engine)
-    result = pp.inverse_dynamics(press, motion, friction={"slide_guide": pp.Friction(0.2)}, engine=engine)
+    result = pp.inverse_dynamics(press, motion, friction={"slide_guide": pp.loads.Friction(0.2)}, engine=engine)
     peak = np.abs(result.bearing_force["slide_guide"]).max()
     assert np.abs(result.bearing_force["slide_guide"][:, 2]).max() <= 1e-12 * peak
 
@@ -373,7 +373,7 @@ def test_a_pin_that_never_turns_does_not_rub(folder, engine):
     """Its speed is rounding throughout, and none of it may count."""
     press = load(carried_table(), folder)
     motion = pp.cycle(press, speed=5.0, points=12, engine=engine)
-    friction = {"N": pp.Friction(0.1, 0.05)}
+    friction = {"N": pp.loads.Friction(0.1, 0.05)}
     bare, result = (pp.inverse_dynamics(press, motion, friction=each, engine=engine) for each in ({}, friction))
     assert not result.bearing_moment["N"][:, 1].any()
     np.testing.assert_array_equal(result.driving_torque, bare.driving_torque)
@@ -388,7 +388,7 @@ def test_a_guide_without_a_force(guide, coefficient, engine):
     """The symmetric press does not press on its guides: rounding there is neither friction nor does it lock the press."""
     press = shipped("jf75g_125_symmetric")
     motion = pp.cycle(press, speed=30.0, points=72, engine=engine)
-    bare, result = (pp.inverse_dynamics(press, motion, friction=f, engine=engine) for f in ({}, {guide: pp.Friction(coefficient)}))
+    bare, result = (pp.inverse_dynamics(press, motion, friction=f, engine=engine) for f in ({}, {guide: pp.loads.Friction(coefficient)}))
     assert np.abs(result.driving_torque - bare.driving_torque).max() <= 1e-12 * np.abs(bare.driving_torque).max()
 
 
@@ -402,7 +402,7 @@ def test_where_the_thrust_changes_sides(coefficient, engine):
         thrust = pp.inverse_dynamics(press, pp.cycle(press, angle=[middle], speed=5.0)).bearing_force["slide_guide"][0, 0]
         low, high = (middle, high) if thrust < 0 else (low, middle)
     angle = (low + high) / 2 + 1e-15 * np.arange(-30, 31, 3)
-    friction = {"slide_guide": pp.Friction(coefficient)}
+    friction = {"slide_guide": pp.loads.Friction(coefficient)}
     result = pp.inverse_dynamics(press, pp.cycle(press, angle=angle, speed=5.0, engine=engine), friction=friction, engine=engine)
     assert np.abs(result.bearing_force["slide_guide"]).max() <= 1e-9 * np.abs(result.bearing_force["W"]).max()
 
@@ -424,7 +424,7 @@ def test_near_self_locking(share, engine):
     """The crank-slide's guide locks when mu is the cotangent of the rod's largest slope. Well below, forces are found; near and beyond they
     are lawful, or an error names the crank angle: nothing else comes back."""
     coefficient = share * np.sqrt(0.4**2 - 0.1**2) / 0.1
-    message = refused(shipped("crank_slide"), {"slide_guide": pp.Friction(coefficient)}, 5.0, engine)
+    message = refused(shipped("crank_slide"), {"slide_guide": pp.loads.Friction(coefficient)}, 5.0, engine)
     if share <= 0.75:
         assert message is None
     else:
@@ -436,7 +436,7 @@ def test_near_self_locking(share, engine):
 def test_bearings_out_of_all_proportion(radius, engine):
     """Friction circles as large as the links: lawful, or refused."""
     press = shipped("zxn2_3000b")
-    friction = {bearing: pp.Friction(0.3, radius) for bearing in press.bearings if bearing != "slide_guide"}
+    friction = {bearing: pp.loads.Friction(0.3, radius) for bearing in press.bearings if bearing != "slide_guide"}
     message = refused(press, friction, 7.0, engine)
     assert message is None if radius <= 0.3 else message is None or "crank angle" in message
 
@@ -482,7 +482,7 @@ def test_all_laws_of_other_linkages(folder, name, engine):
         states = np.stack([states, -0.5 * states], axis=1)
     motion = pp.cycle(press, angle=states, speed=7 * np.cos(9 * states), acceleration=30 * np.sin(8 * states), engine=engine)
     friction = everywhere(press, seed=11, viscous=5.0)
-    loads = [pp.PointForce(link, (50.0, -80.0, 300.0), (0.1, 0.0, -0.1)) for link in press.links[1:3]]
+    loads = [pp.loads.PointForce(link, (50.0, -80.0, 300.0), (0.1, 0.0, -0.1)) for link in press.links[1:3]]
     stiffness = {"W0": 2e9, "W1": 1e9} if name == "rods" else {}
     result = pp.inverse_dynamics(press, motion, loads, friction=friction, stiffness=stiffness, engine=engine)
     check(press, result, friction, loads)
@@ -494,7 +494,7 @@ def test_friction_of_a_spherical_loop_is_in_its_moment(folder):
     for text, loop in ((SPATIAL, "W"), (rods(1), "W0")):
         press = load(text, folder)
         motion = pp.cycle(press, angle=[0.1, 0.4], speed=5.0)
-        friction = {loop: pp.Friction(0.1, 0.05)}
+        friction = {loop: pp.loads.Friction(0.1, 0.05)}
         result = pp.inverse_dynamics(press, motion, friction=friction)
         axis = Turning(press, motion).axis[press.bearings.index(loop)]
         across = np.linalg.norm(np.cross(result.bearing_force[loop], axis), axis=1)
@@ -516,10 +516,10 @@ def test_random_linkages(tmp_path, spec):
     low, high = (-np.inf, np.inf) if press.branch.period else press.branch.angles[[0, -1]]
     angle = rng.uniform(max(-0.05, 0.5 * low), min(0.05, 0.5 * high), 3)
     motion = pp.cycle(press, angle=angle, speed=rng.uniform(3, 10, 3), acceleration=rng.uniform(-50, 50, 3))
-    loads = [pp.PointForce(str(rng.choice(press.links)), 100 * rng.normal(size=3), tuple(rng.normal(size=3)))]
+    loads = [pp.loads.PointForce(str(rng.choice(press.links)), 100 * rng.normal(size=3), tuple(rng.normal(size=3)))]
     size = press.spatial.size
     friction = {
-        name: pp.Friction(rng.uniform(0, 0.2), None if name in slides(press) else 0.05 * size * rng.uniform(), rng.uniform(0, 0.1))
+        name: pp.loads.Friction(rng.uniform(0, 0.2), None if name in slides(press) else 0.05 * size * rng.uniform(), rng.uniform(0, 0.1))
         for name in press.bearings
         if rng.integers(4)
     }
@@ -538,7 +538,9 @@ def test_random_linkages(tmp_path, spec):
 # -------------------------------------------------------------------------------------------------------------- none, and bad input
 
 
-@pytest.mark.parametrize("friction", [{}, {"A": pp.Friction()}, {"A": pp.Friction(0.0, 0.06, 0.0), "slide_guide": pp.Friction(0)}])
+@pytest.mark.parametrize(
+    "friction", [{}, {"A": pp.loads.Friction()}, {"A": pp.loads.Friction(0.0, 0.06, 0.0), "slide_guide": pp.loads.Friction(0)}]
+)
 def test_no_friction_is_no_friction(friction, engine):
     """The same bytes as without the argument."""
     press = shipped("zxn2_3000b")
@@ -555,22 +557,22 @@ def test_no_friction_is_no_friction(friction, engine):
 @pytest.mark.parametrize(
     ("friction", "message"),
     [
-        ({"A": pp.Friction(-0.1, 0.06)}, "'A': coefficient is -0.1"),
-        ({"A": pp.Friction(np.nan, 0.06)}, "'A': coefficient is nan"),
-        ({"A": pp.Friction(np.inf, 0.06)}, "'A': coefficient is inf"),
-        ({"A": pp.Friction("0.1", 0.06)}, "'A': coefficient is '0.1'"),
-        ({"A": pp.Friction(None, 0.06)}, "'A': coefficient is None"),
-        ({"A": pp.Friction(np.array([0.1, 0.2]), 0.06)}, "'A': coefficient is"),
-        ({"A": pp.Friction(0.1, -0.06)}, "'A': radius is -0.06"),
-        ({"A": pp.Friction(0.1, np.nan)}, "'A': radius is nan"),
-        ({"A": pp.Friction(0.1, 0.06, -3.0)}, "'A': viscous is -3.0"),
-        ({"A": pp.Friction(viscous=np.inf)}, "'A': viscous is inf"),
-        ({"A": pp.Friction(0.1)}, "'A': its radius is missing"),
-        ({"C": pp.Friction(0.1)}, "'C': its radius is missing"),
-        ({"slide_guide": pp.Friction(0.1, 0.06)}, "'slide_guide': a guide has no radius"),
+        ({"A": pp.loads.Friction(-0.1, 0.06)}, "'A': coefficient is -0.1"),
+        ({"A": pp.loads.Friction(np.nan, 0.06)}, "'A': coefficient is nan"),
+        ({"A": pp.loads.Friction(np.inf, 0.06)}, "'A': coefficient is inf"),
+        ({"A": pp.loads.Friction("0.1", 0.06)}, "'A': coefficient is '0.1'"),
+        ({"A": pp.loads.Friction(None, 0.06)}, "'A': coefficient is None"),
+        ({"A": pp.loads.Friction(np.array([0.1, 0.2]), 0.06)}, "'A': coefficient is"),
+        ({"A": pp.loads.Friction(0.1, -0.06)}, "'A': radius is -0.06"),
+        ({"A": pp.loads.Friction(0.1, np.nan)}, "'A': radius is nan"),
+        ({"A": pp.loads.Friction(0.1, 0.06, -3.0)}, "'A': viscous is -3.0"),
+        ({"A": pp.loads.Friction(viscous=np.inf)}, "'A': viscous is inf"),
+        ({"A": pp.loads.Friction(0.1)}, "'A': its radius is missing"),
+        ({"C": pp.loads.Friction(0.1)}, "'C': its radius is missing"),
+        ({"slide_guide": pp.loads.Friction(0.1, 0.06)}, "'slide_guide': a guide has no radius"),
         ({"slide_guide": 0.1}, "'slide_guide' is 0.1: give a Friction"),
-        ({"A": pp.Friction(0.1, 0.06), "B": None}, "'B' is None"),
-        ([pp.Friction(0.1, 0.06)], "mapping"),
+        ({"A": pp.loads.Friction(0.1, 0.06), "B": None}, "'B' is None"),
+        ([pp.loads.Friction(0.1, 0.06)], "mapping"),
     ],
 )
 def test_friction_that_makes_no_sense_is_refused(friction, message, engine):
@@ -582,7 +584,7 @@ def test_friction_that_makes_no_sense_is_refused(friction, message, engine):
 def test_friction_of_an_unknown_bearing_is_refused(engine):
     press = shipped("zxn2_3000b")
     with pytest.raises(pp.UnknownNameError, match="no bearing 'guide', did you mean 'slide_guide'"):
-        pp.inverse_dynamics(press, pp.cycle(press, speed=7.0, points=3), friction={"guide": pp.Friction(0.1)}, engine=engine)
+        pp.inverse_dynamics(press, pp.cycle(press, speed=7.0, points=3), friction={"guide": pp.loads.Friction(0.1)}, engine=engine)
 
 
 def test_friction_of_a_fixed_loop_is_refused(folder):
@@ -596,4 +598,4 @@ def test_friction_of_a_fixed_loop_is_refused(folder):
         drawing.body(link, 1.0, 0.5 + 0.2j)
     press = load(drawing.urdf("O").replace("spherical", "fixed"), folder)
     with pytest.raises(pp.PinpressError, match="'W': a fixed loop does not turn"):
-        pp.inverse_dynamics(press, pp.cycle(press, angle=[0.1], speed=1.0), friction={"W": pp.Friction(0.1, 0.05)})
+        pp.inverse_dynamics(press, pp.cycle(press, angle=[0.1], speed=1.0), friction={"W": pp.loads.Friction(0.1, 0.05)})

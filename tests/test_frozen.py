@@ -16,7 +16,7 @@ import pytest
 from time_limit import _limit  # noqa: F401
 
 import pinpress as pp
-from pinpress.derived import derived
+from pinpress.linkage.memo import derived
 
 KEPT = (functools.cached_property, derived)
 WAYS = {"pickle": lambda value: pickle.loads(pickle.dumps(value)), "copy": copy.copy, "deepcopy": copy.deepcopy}
@@ -126,11 +126,11 @@ def computed(press):
     return (
         motion,
         pp.inverse_dynamics(press, motion, [every_result.DEEP]),
-        pp.simulate(press, 0.1, 2.0, flywheel=pp.Flywheel(20.0)).joint_position,
+        pp.simulate(press, 0.1, 2.0, flywheel=pp.drives.Flywheel(20.0)).joint_position,
         pp.simulate(press, 0.02, 2.0, method="constraint", points=3).joint_position,
         pp.simulate(press, 0.1, np.array([2.0, 3.0]), points=3).crank_angle,
         pp.dead_centres(press),
-        pp.operating_points(press, [5.0, 7.0], [0.0, 1e3], every_result.DEEP, points=8),
+        pp.sweeps.operating_points(press, [5.0, 7.0], [0.0, 1e3], every_result.DEEP, points=8),
     )
 
 

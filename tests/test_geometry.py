@@ -8,8 +8,8 @@ from small_linkages import bolted, geared
 from spatial_linkages import bennett
 
 import pinpress as pp
-from pinpress.geometry import reshaped
-from pinpress.sensitivities_pivots import pivot_positions
+from pinpress.derivatives.pivots import pivot_positions
+from pinpress.derivatives.reshape import reshaped
 
 SPEED = 7.0
 ROUNDING = 1e-13  # of lengths near 1 m that pass through placements, sines and Newton's method

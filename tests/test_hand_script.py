@@ -7,8 +7,8 @@ import numpy as np
 import pinocchio_loop
 import pytest
 
-from pinpress.peers import six_bar_script as hand_script
-from pinpress.peers.six_bar_script import six_bar, world_forces
+from pinpress.accuracy.peers import six_bar_script as hand_script
+from pinpress.accuracy.peers.six_bar_script import six_bar, world_forces
 
 REFERENCE = json.loads((Path(__file__).parent / "reference" / "zxn2_3000b.json").read_text(encoding="utf-8"))
 TABLE = REFERENCE["table"]

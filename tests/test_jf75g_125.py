@@ -362,7 +362,7 @@ def load_case(request):
 @pytest.fixture
 def two_point(engine, stiffness, load_case):
     force, y = LOADS[load_case]
-    pressed = [pp.PointForce("slide", force * UPRIGHT, (0.0, y, -0.5))]
+    pressed = [pp.loads.PointForce("slide", force * UPRIGHT, (0.0, y, -0.5))]
     return solved(load("jf75g_125_two_point"), engine, loads=pressed, stiffness=STIFFNESS[stiffness])
 
 

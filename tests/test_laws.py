@@ -13,11 +13,12 @@ from test_massless import without_mass
 from time_limit import _limit  # noqa: F401 (a fixture)
 
 import pinpress as pp
-from pinpress import drives, loads
-from pinpress.loads import Stretch
+from pinpress.drives import transmission as drives
+from pinpress.loads import process as loads
+from pinpress.loads.process import Stretch
 
 METHODS = ("reduced", "constraint")
-START = {"speed": 8.0, "angle": 1.0, "flywheel": pp.Flywheel(20.0)}
+START = {"speed": 8.0, "angle": 1.0, "flywheel": pp.drives.Flywheel(20.0)}
 
 
 @pytest.fixture(scope="module")
@@ -312,7 +313,7 @@ def motion(press):
 
 
 def of_motion(law):
-    return [pp.PointForce("slide", lambda motion: law(np.ones((12, 3))))]
+    return [pp.loads.PointForce("slide", lambda motion: law(np.ones((12, 3))))]
 
 
 def on_the_way_down(law):
@@ -379,9 +380,9 @@ def test_warnings_of_a_load_over_many_speeds_are_the_callers(press):
     for make in (of_motion, on_the_way_down):
         (unit,) = make(logarithm)
         with pytest.warns(RuntimeWarning, match="divide by zero"):
-            pp.operating_points(press, [5.0, 6.0], [1.0, 2.0], unit, points=12)
+            pp.sweeps.operating_points(press, [5.0, 6.0], [1.0, 2.0], unit, points=12)
         with pytest.raises(pp.PinpressError, match=r"(slide'|Push): force.* cannot be worked out: ZeroDivisionError: a table ends here$"):
-            pp.operating_points(press, [5.0, 6.0], [1.0, 2.0], make(fails)[0], points=12)
+            pp.sweeps.operating_points(press, [5.0, 6.0], [1.0, 2.0], make(fails)[0], points=12)
 
 
 def test_a_law_that_fails_is_not_taken_for_missing_mass():
@@ -404,7 +405,7 @@ def peak(trial):
 def synthesised(press, law):
     load = Push(law, upper=0.3, lower=-0.3)
     load.datum = -0.4
-    return pp.synthesise(press, VARIABLES, minimise=peak, loads=[load], speed=8.0, points=12)
+    return pp.synthesis.synthesise(press, VARIABLES, minimise=peak, loads=[load], speed=8.0, points=12)
 
 
 @pytest.mark.parametrize("law", [lambda h, v: 500.0 * abs(h), lambda h, v: 500.0 * np.real(h), lambda h, v: 50.0 * np.abs(v) + 100.0 * h])

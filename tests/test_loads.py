@@ -16,8 +16,8 @@ from random_linkages import Drawing, four_bar, momentum_balance
 from texts import load, shipped
 
 import pinpress as pp
-from pinpress import loads
-from pinpress.loads import Blanking, DeepDrawing, ElasticDie, ForceStroke, Idle, Piling, Stretch, TimeForce, step
+from pinpress.loads import process as loads
+from pinpress.loads.process import Blanking, DeepDrawing, ElasticDie, ForceStroke, Idle, Piling, Stretch, TimeForce, step
 
 ENGINES = ("plane", "pinocchio")
 SPEED = 300 * pp.RPM
@@ -261,7 +261,7 @@ def test_same_as_a_pair_of_point_forces(engine):
     motion = pp.cycle(press, 70 * pp.RPM, points=90)
     height = motion.slide_position - pp.dead_centres(press).bottom_position
     force = np.outer(np.where((motion.slide_velocity < 0) & (height <= 0.05), 3e6 * np.sin(np.pi * (0.05 - height) / 0.05), 0.0), [0, 0, 1])
-    pair = pp.inverse_dynamics(press, motion, [pp.PointForce("slide", force), pp.PointForce("frame", -force)], engine=engine)
+    pair = pp.inverse_dynamics(press, motion, [pp.loads.PointForce("slide", force), pp.loads.PointForce("frame", -force)], engine=engine)
     ours = pp.inverse_dynamics(press, motion, [DeepDrawing(3e6, 0.05)], engine=engine)
     close(ours.driving_torque, pair.driving_torque, 1e-12)
     close(np.array(list(ours.bearing_force.values())), np.array(list(pair.bearing_force.values())), 1e-12)

@@ -7,7 +7,7 @@ from malformed_linkages import DEAD, DRIVERS, GOES, MOBILITIES, NEARLY_PARALLEL,
 from malformed_urdf import ELEMENTS, FILES
 
 import pinpress as pp
-from pinpress.__main__ import main
+from pinpress.cli.main import main
 
 CORPUS = [
     *(

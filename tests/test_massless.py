@@ -93,7 +93,9 @@ def test_runs_with_a_rod_without_mass(method):
     weightless, nearly = (
         large_linkages.load(one) for one in (without_mass(text, "rod"), without_mass(text, "rod").replace(NOTHING, light))
     )
-    runs = [pp.simulate(press, 0.5, speed=9.0, flywheel=pp.Flywheel(20.0), method=method, points=20) for press in (weightless, nearly)]
+    runs = [
+        pp.simulate(press, 0.5, speed=9.0, flywheel=pp.drives.Flywheel(20.0), method=method, points=20) for press in (weightless, nearly)
+    ]
     np.testing.assert_allclose(runs[0].crank_angle, runs[1].crank_angle, atol=1e-9)
 
 

@@ -7,8 +7,8 @@ from numpy.polynomial.chebyshev import chebvander
 from scipy.integrate import solve_ivp
 
 import pinpress as pp
-from pinpress.change_points import INNER, PLACES, _fitted
-from pinpress.motion import carried
+from pinpress.engines.change_points import INNER, PLACES, _fitted
+from pinpress.kinematics.motion import carried
 
 # Of the state after 10 s, relative to its angle. `reduced` is at rounding that the falls make grow; of `constraint` every step may be off
 # by 1e-11.

@@ -8,8 +8,11 @@ import numpy as np
 import pytest
 
 import pinpress as pp
-from pinpress import drives, foundation, loads, measures
-from pinpress.drive import Plain
+from pinpress import foundation
+from pinpress.drives import transmission as drives
+from pinpress.drives.protocol import Plain
+from pinpress.kinematics import measures
+from pinpress.loads import process as loads
 
 ODD = {
     "masked": np.ma.masked_array([1.0, 2.0, 3.0], mask=[0, 1, 0]),
@@ -45,7 +48,7 @@ def under(load: Any) -> pp.Reactions:
     return pp.inverse_dynamics(press(), turn(), [load])
 
 
-SPRINGS = pp.Stiffness(bearings={"O": 1e9, "P": 1e9, "W": 1e9})
+SPRINGS = pp.elasticity.Stiffness(bearings={"O": 1e9, "P": 1e9, "W": 1e9})
 ENTRIES: dict[str, Callable[[Any], object]] = {
     "angle of a motion": lambda v: pp.cycle(press(), 1.0, angle=v),
     "speed of a motion": lambda v: pp.cycle(press(), v, angle=[0.0, 1.0, 2.0]),
@@ -53,12 +56,12 @@ ENTRIES: dict[str, Callable[[Any], object]] = {
     "acceleration": lambda v: pp.cycle(press(), 1.0, angle=[0.0, 1.0, 2.0], acceleration=v),
     "time": lambda v: pp.cycle(press(), 1.0, angle=[0.0, 1.0, 2.0], time=v),
     "gravity": lambda v: pp.load("crank_slide", gravity=v),
-    "force": lambda v: under(pp.PointForce("slide", v)),
-    "force of a function": lambda v: under(pp.PointForce("slide", lambda motion: v)),
-    "point of a force": lambda v: under(pp.PointForce("slide", (0.0, 0.0, 1.0), v)),
-    "spring": lambda v: under(pp.SpringDamper("slide", "frame", stiffness=v)),
-    "end of a spring": lambda v: under(pp.SpringDamper("slide", "frame", 1.0, point2=v)),
-    "friction": lambda v: pp.inverse_dynamics(press(), turn(), friction={"P": pp.Friction(v, 0.1)}),
+    "force": lambda v: under(pp.loads.PointForce("slide", v)),
+    "force of a function": lambda v: under(pp.loads.PointForce("slide", lambda motion: v)),
+    "point of a force": lambda v: under(pp.loads.PointForce("slide", (0.0, 0.0, 1.0), v)),
+    "spring": lambda v: under(pp.loads.SpringDamper("slide", "frame", stiffness=v)),
+    "end of a spring": lambda v: under(pp.loads.SpringDamper("slide", "frame", 1.0, point2=v)),
+    "friction": lambda v: pp.inverse_dynamics(press(), turn(), friction={"P": pp.loads.Friction(v, 0.1)}),
     "stiffness": lambda v: pp.inverse_dynamics(press(), turn(), stiffness={"P": v}),
     "load": lambda v: loads.Piling(v, 0.01),
     "height of a load": lambda v: loads.Piling(1.0, v),
@@ -72,35 +75,35 @@ ENTRIES: dict[str, Callable[[Any], object]] = {
     "speed at the start": lambda v: pp.simulate(press(), 0.01, v),
     "angle at the start": lambda v: pp.simulate(press(), 0.01, 1.0, v),
     "steady state": lambda v: pp.steady_state(press(), v, drives.InductionMotor(1e4, 95 * pp.RPM)),
-    "flywheel": lambda v: pp.Flywheel(v),
-    "torque": lambda v: pp.ConstantTorque(v),
-    "gear": lambda v: drives.Geared(pp.ConstantTorque(1.0), v),
-    "switch": lambda v: pp.At(time=v),
-    "clutch": lambda v: pp.Clutch(v),
-    "speeds of operating points": lambda v: pp.operating_points(press(), v),
-    "forces of operating points": lambda v: pp.operating_points(press(), [1.0], v, unit_load=[loads.DeepDrawing(1.0, 0.01)]),
-    "unit load": lambda v: pp.operating_points(press(), [1.0], [1.0], unit_load=[pp.PointForce("slide", v)]),
-    "capacity": lambda v: pp.Capacities(nominal_force=v),
-    "capacity of a bearing": lambda v: pp.Capacities(nominal_force=1e5, bearings={"P": v}),
-    "length of a guide": lambda v: pp.Guide(v, 0.1),
-    "normal of a guide": lambda v: pp.Guide(0.1, 0.1, normal=v),
-    "mass of a room": lambda v: pp.Room("crank", radius=0.1, mass=v),
-    "radius of a room": lambda v: pp.Room("crank", radius=v),
-    "place of a room": lambda v: pp.Room("crank", at=v),
-    "corners of a room": lambda v: pp.Room("crank", corners=v),
-    "axis of a measure": lambda v: pp.Range("shaking_force", axis=v),
-    "point of a measure": lambda v: pp.Rms("shaking_moment", about=v),
-    "counterweight": lambda v: pp.with_counterweights(press(), [pp.Counterweight("crank", v, (0.0, 0.0, 0.0))]),
-    "place of a counterweight": lambda v: pp.with_counterweights(press(), [pp.Counterweight("crank", 1.0, v)]),
-    "break-through": lambda v: pp.permissible_breakthrough(v, 1e9, 500.0),
-    "snap-through": lambda v: pp.snap_through(v, 1e9, 500.0),
-    "spring of a bearing": lambda v: pp.elasticity(press(), pp.Stiffness(bearings={"P": v})),
-    "angles of elasticity": lambda v: pp.elasticity(press(), SPRINGS, angle=v),
+    "flywheel": lambda v: pp.drives.Flywheel(v),
+    "torque": lambda v: pp.drives.ConstantTorque(v),
+    "gear": lambda v: drives.Geared(pp.drives.ConstantTorque(1.0), v),
+    "switch": lambda v: pp.drives.At(time=v),
+    "clutch": lambda v: pp.drives.Clutch(v),
+    "speeds of operating points": lambda v: pp.sweeps.operating_points(press(), v),
+    "forces of operating points": lambda v: pp.sweeps.operating_points(press(), [1.0], v, unit_load=[loads.DeepDrawing(1.0, 0.01)]),
+    "unit load": lambda v: pp.sweeps.operating_points(press(), [1.0], [1.0], unit_load=[pp.loads.PointForce("slide", v)]),
+    "capacity": lambda v: pp.ratings.Capacities(nominal_force=v),
+    "capacity of a bearing": lambda v: pp.ratings.Capacities(nominal_force=1e5, bearings={"P": v}),
+    "length of a guide": lambda v: pp.ratings.Guide(v, 0.1),
+    "normal of a guide": lambda v: pp.ratings.Guide(0.1, 0.1, normal=v),
+    "mass of a room": lambda v: pp.balancing.Room("crank", radius=0.1, mass=v),
+    "radius of a room": lambda v: pp.balancing.Room("crank", radius=v),
+    "place of a room": lambda v: pp.balancing.Room("crank", at=v),
+    "corners of a room": lambda v: pp.balancing.Room("crank", corners=v),
+    "axis of a measure": lambda v: pp.balancing.Range("shaking_force", axis=v),
+    "point of a measure": lambda v: pp.balancing.Rms("shaking_moment", about=v),
+    "counterweight": lambda v: pp.balancing.with_counterweights(press(), [pp.balancing.Counterweight("crank", v, (0.0, 0.0, 0.0))]),
+    "place of a counterweight": lambda v: pp.balancing.with_counterweights(press(), [pp.balancing.Counterweight("crank", 1.0, v)]),
+    "break-through": lambda v: pp.elasticity.permissible_breakthrough(v, 1e9, 500.0),
+    "snap-through": lambda v: pp.elasticity.snap_through(v, 1e9, 500.0),
+    "spring of a bearing": lambda v: pp.elasticity.elasticity(press(), pp.elasticity.Stiffness(bearings={"P": v})),
+    "angles of elasticity": lambda v: pp.elasticity.elasticity(press(), SPRINGS, angle=v),
     "mounts": lambda v: foundation.Mount((0.0, 0.0, 0.0), v),
-    "values of a sweep": lambda v: pp.operating_points(press(), [1.0], v),
+    "values of a sweep": lambda v: pp.sweeps.operating_points(press(), [1.0], v),
     "height of a speed": lambda v: measures.speed_at(turn(), v),
-    "pivots": lambda v: pp.motion_derivatives(press(), turn(), {("P", "crank"): v}),
-    "reshaped": lambda v: pp.reshaped(press(), {("P", "crank"): v}),
+    "pivots": lambda v: pp.derivatives.motion_derivatives(press(), turn(), {("P", "crank"): v}),
+    "reshaped": lambda v: pp.derivatives.reshaped(press(), {("P", "crank"): v}),
 }
 
 

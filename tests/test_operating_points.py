@@ -10,8 +10,8 @@ from hypothesis import strategies as st
 from small_linkages import two_cranks
 
 import pinpress as pp
-from pinpress.operating import operating_points
-from pinpress.operating_extremes import Affine, largest
+from pinpress.sweeps.affine_extremes import Affine, largest
+from pinpress.sweeps.operating_points import operating_points
 
 SIX_BAR = pp.load("zxn2_3000b")
 SPEEDS = np.linspace(20.0, 100.0, 60) * pp.RPM
@@ -57,7 +57,7 @@ def found():
     return operating_points(SIX_BAR, SPEEDS, FORCES, unit_loads(1.0), loads=[SPRING], angles=True)
 
 
-SPRING = pp.SpringDamper("frame", "slide", stiffness=2e5, free_length=0.4, point1=(0, 0, 0.5))
+SPRING = pp.loads.SpringDamper("frame", "slide", stiffness=2e5, free_length=0.4, point1=(0, 0, 0.5))
 
 
 def blow(motion):
@@ -66,8 +66,8 @@ def blow(motion):
 
 def unit_loads(amplitude):
     return [
-        pp.PointForce("slide", lambda motion: amplitude * blow(motion)),
-        pp.PointForce("coupler", (0.2 * amplitude, 0.0, 0.0), (0.5, 0, 0)),
+        pp.loads.PointForce("slide", lambda motion: amplitude * blow(motion)),
+        pp.loads.PointForce("coupler", (0.2 * amplitude, 0.0, 0.0), (0.5, 0, 0)),
     ]
 
 
@@ -148,11 +148,11 @@ def depends_on_speed(motion):
         ({"unit_load": ()}, "there is none"),
         ({"unit_load": SPRING}, "no amplitude"),
         ({"unit_load": pp.loads.TimeForce(lambda time: 1.0)}, "depends on time"),
-        ({"unit_load": pp.PointForce("slide", depends_on_speed)}, "does not go with the square of the speed"),
+        ({"unit_load": pp.loads.PointForce("slide", depends_on_speed)}, "does not go with the square of the speed"),
         ({"unit_load": pp.loads.ElasticDie(0.02, 1.0, damping=0.1)}, "does not go with the square of the speed"),
         ({"unit_load": pp.loads.ElasticDie(0.02, 1.0), "forces": [-1e8, 1e8]}, "otherwise than in proportion"),
         ({"unit_load": 5}, "load 5 is none"),
-        ({"loads": [pp.SpringDamper("frame", "slide", damping=1e4, point1=(0, 0, 0.5))]}, "does not go with the square of the speed"),
+        ({"loads": [pp.loads.SpringDamper("frame", "slide", damping=1e4, point1=(0, 0, 0.5))]}, "does not go with the square of the speed"),
         ({"loads": SPRING}, "give a list"),
         ({"bearings": ["Z"]}, "no bearing 'Z'"),
         ({"points": 1}, "points"),

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import pinpress as pp
-from pinpress import pages
+from pinpress.visual import pages
 
 URDF = Path(__file__).resolve().parent.parent / "urdf"
 BOX = '<box size="0.46 0.03 1.02"/>'

@@ -11,9 +11,10 @@ import numpy as np
 import pytest
 
 import pinpress as pp
-from pinpress import accuracy_scenes, peers
-from pinpress.measurements import DIE, SPEED_LAW
-from pinpress.peers.six_bar_equation import reduced
+from pinpress.accuracy import peers
+from pinpress.accuracy import scenes as accuracy_scenes
+from pinpress.accuracy.measurements import DIE, SPEED_LAW
+from pinpress.accuracy.peers.six_bar_equation import reduced
 
 SPEED = 70 * pp.RPM  # [rad/s]
 # The same equations solved otherwise, 1e-14 of the peak; where loops hold each other, by singular values, 5e-12.
@@ -46,7 +47,7 @@ def made(presses):
         module = {"Mujoco": "mujoco", "MujocoSteps": "mujoco", "Exudyn": "exudyn"}[kind]
         pytest.importorskip(module)
         if (kind, press) not in kept:
-            kept[kind, press] = getattr(import_module(f"pinpress.peers.{module}_press"), kind)(presses(press))
+            kept[kind, press] = getattr(import_module(f"pinpress.accuracy.peers.{module}_press"), kind)(presses(press))
         return kept[kind, press]
 
     return make
@@ -128,7 +129,7 @@ def test_the_equation_in_closed_form(presses, name):
 
 def ends(press, peer, steps, angle=ANGLE, speed=SPEED):
     """Errors (steps,) of the crank angle and of forces relative to their largest, and the ends."""
-    run = pp.simulate(press, DURATION, speed=speed, angle=angle, flywheel=pp.Flywheel(FLYWHEEL), tolerance=1e-13)
+    run = pp.simulate(press, DURATION, speed=speed, angle=angle, flywheel=pp.drives.Flywheel(FLYWHEEL), tolerance=1e-13)
     last = pp.inverse_dynamics(press, run).bearing_force
     peak = max(np.abs(force[-1]).max() for force in last.values())
     found = [peer.free_run(angle, speed, FLYWHEEL, DURATION, step) for step in steps]
@@ -236,7 +237,7 @@ def test_the_published_errors_are_still_so(presses, made, kind, step):
     row = rows[program(peer.name), f"step {step}"]
     inertia = 4 * float(press.table.at(press.table.borders)[0][0].max())
     duration = 4 * np.pi / SPEED
-    truth = pp.simulate(press, duration, speed=SPEED, flywheel=pp.Flywheel(inertia), tolerance=1e-13, points=2)
+    truth = pp.simulate(press, duration, speed=SPEED, flywheel=pp.drives.Flywheel(inertia), tolerance=1e-13, points=2)
     end = peer.free_run(0.0, SPEED, inertia, duration, float(row["number"]))
     assert 1 / 3 < abs(end.crank_angle - truth.crank_angle[-1]) / float(row["error"]) < 3
 
@@ -287,5 +288,5 @@ def test_what_exudyn_is_not_compared_on(presses):
 
 
 def test_nothing_is_imported_before():
-    code = "import sys, pinpress.peers; sys.exit(any(name in sys.modules for name in ('mujoco', 'exudyn')))"
+    code = "import sys, pinpress.accuracy.peers; sys.exit(any(name in sys.modules for name in ('mujoco', 'exudyn')))"
     assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0

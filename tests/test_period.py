@@ -10,8 +10,8 @@ import texts
 from period_presses import TURNS
 
 import pinpress as pp
-from pinpress import measures
-from pinpress.summary import summary
+from pinpress.dynamics.summary import summary
+from pinpress.kinematics import measures
 
 SPEED = 31.0
 FINE = 3600  # states of a turn
@@ -71,8 +71,8 @@ def at(press, angle, speed=SPEED):
 def test_turns_of_a_period(press, name):
     assert press.period_turns == period_turns(press) == TURNS[name]
     assert pp.cycle(press, SPEED).period_turns == TURNS[name]
-    assert pp.simulate(press, 0.05, SPEED, flywheel=pp.Flywheel(1.0)).period_turns == TURNS[name]
-    assert pp.simulate(press, 0.05, SPEED, flywheel=pp.Flywheel(1.0), method="constraint").period_turns == TURNS[name]
+    assert pp.simulate(press, 0.05, SPEED, flywheel=pp.drives.Flywheel(1.0)).period_turns == TURNS[name]
+    assert pp.simulate(press, 0.05, SPEED, flywheel=pp.drives.Flywheel(1.0), method="constraint").period_turns == TURNS[name]
 
 
 @pytest.mark.parametrize("way", [1.0, -1.0])
@@ -131,9 +131,9 @@ def test_of_equal_dead_centres_the_first(folder):
 
 def test_bottom_dead_centre_of_loads(press):
     """Heights of process loads, in simulations too, are above the lowest point of all turns."""
-    from pinpress.loads import Piling
-    from pinpress.process_load import datum
-    from pinpress.scene import _turning_points
+    from pinpress.loads.process import Piling
+    from pinpress.loads.protocol import datum
+    from pinpress.simulation.system import _turning_points
 
     lowest = -peak(-everywhere(press).motion.slide_position)
     assert abs(datum(Piling(1.0, 0.1), press) - lowest) < PARABOLA
@@ -144,7 +144,7 @@ def test_bottom_dead_centre_of_loads(press):
 
 
 def test_extremes_and_peaks(press):
-    from pinpress.extreme_values import extremes
+    from pinpress.visual.extremes import extremes
 
     whole = 360.0 * period_turns(press)
     some = {one.quantity: one for one in extremes(pp.inverse_dynamics(press, pp.cycle(press, SPEED)))}
@@ -180,13 +180,15 @@ def test_the_summary_says_where(press, name):
 def test_harmonics(press, name):
     """They are the force, all over the period."""
     motion = pp.cycle(press, SPEED, angle=np.linspace(1.0, 1.0 + 2 * np.pi * TURNS[name], 400, endpoint=False))
-    found = pp.harmonics(motion, pp.inverse_dynamics(press, motion).shaking_force, orders=60)
+    found = pp.measures.harmonics(motion, pp.inverse_dynamics(press, motion).shaking_force, orders=60)
     np.testing.assert_allclose(found.orders, np.arange(len(found.orders)) / TURNS[name], rtol=1e-15)
     truth = everywhere(press)
     phases = found.orders[:, None, None] * truth.motion.crank_angle[None, ::50, None] + found.phase[:, None, :]
     force = np.sum(found.amplitude[:, None, :] * np.cos(phases), axis=0)
     assert np.abs(force - truth.shaking_force[::50]).max() < 1e-9 * np.abs(truth.shaking_force).max()
-    assert pp.harmonics(pp.cycle(press, SPEED, angle=np.linspace(0.0, 2 * np.pi, 90)), np.zeros((90, 3))) is None  # one turn of several
+    assert (
+        pp.measures.harmonics(pp.cycle(press, SPEED, angle=np.linspace(0.0, 2 * np.pi, 90)), np.zeros((90, 3))) is None
+    )  # one turn of several
 
 
 # Measures
@@ -266,8 +268,8 @@ def largest(press, item, speed=SPEED):
 @pytest.mark.parametrize("item", ["torque", "slide acceleration", "bearing O", "bearing guide"])
 def test_speed_limit(press, item):
     """The capacity is what the item comes to at some speed, in whatever turn: that speed is found."""
-    from pinpress.capacities import Capacities
-    from pinpress.rating_speed import speed_limit
+    from pinpress.ratings.capacities import Capacities
+    from pinpress.ratings.speed_limits import speed_limit
 
     if press.name == "crank_slide":
         item = item.replace("guide", "slide_guide")
@@ -287,8 +289,8 @@ def test_speed_limit(press, item):
 
 def test_ratings_of_a_press_that_is_geared_down(driven):
     """Its motor turns three times as fast as the crank, with a third of the torque."""
-    from pinpress.capacities import Capacities
-    from pinpress.rating import ratings
+    from pinpress.ratings.capacities import Capacities
+    from pinpress.ratings.rating import ratings
 
     alone = texts.shipped("crank_slide")
     given = {"bearings": {"W": 2e5}, "flywheel_inertia": 8.0, "speed_drop": 0.1, "motor_power": 2e3}
@@ -311,9 +313,9 @@ def test_ratings_of_a_press_that_is_geared_down(driven):
 
 def test_ratings_of_a_stroke_over_two_turns(folder):
     """Forces all the way down against inverse dynamics: what is permitted there just reaches a capacity."""
-    from pinpress.capacities import Capacities
-    from pinpress.loads import Piling
-    from pinpress.rating import ratings
+    from pinpress.loads.process import Piling
+    from pinpress.ratings.capacities import Capacities
+    from pinpress.ratings.rating import ratings
 
     press = period_presses.repeating("half", folder)
     found = ratings(press, SPEED, Capacities(1e6, torque=800.0, bearings={"S": 5e5}), at_speed=True, points=21)
@@ -329,8 +331,8 @@ def test_ratings_of_a_stroke_over_two_turns(folder):
 
 def test_an_overload_in_any_turn_is_refused(folder):
     """Of a slow press, on the return stroke in the second turn: more than ever else."""
-    from pinpress.capacities import Capacities
-    from pinpress.rating import ratings
+    from pinpress.ratings.capacities import Capacities
+    from pinpress.ratings.rating import ratings
 
     press, slow = period_presses.repeating("half", folder), 3.0
     result = everywhere(press, slow)
@@ -345,7 +347,7 @@ def test_an_overload_in_any_turn_is_refused(folder):
 
 
 def test_operating_points(press):
-    points = pp.operating_points(press, [0.5 * SPEED, SPEED], angles=True)
+    points = pp.sweeps.operating_points(press, [0.5 * SPEED, SPEED], angles=True)
     for k, speed in enumerate((0.5 * SPEED, SPEED)):
         for bearing in press.bearings:
             truth = largest(press, f"bearing {bearing}", speed)
@@ -361,9 +363,9 @@ def test_operating_points(press):
 
 
 def test_elasticity(press):
-    from pinpress.compliance import elasticity
-    from pinpress.elastic_elements import Stiffness
-    from pinpress.elastic_slide import dead_centre_shift
+    from pinpress.elasticity.compliance import elasticity
+    from pinpress.elasticity.slide_under_load import dead_centre_shift
+    from pinpress.elasticity.springs import Stiffness
 
     rods = ("A", "B", "C", "S") if press.name == "geared_five_bar" else ("P", "W")
     stiffness = Stiffness(dict.fromkeys(rods, 1e8), shaft=1e6)

@@ -13,7 +13,8 @@ from in_browser import data_in
 from period_presses import TURNS
 
 import pinpress as pp
-from pinpress import foundation, measures
+from pinpress import foundation
+from pinpress.kinematics import measures
 
 SPEED = 31.0
 LATER = ("third", "one_and_a_half")  # as the others
@@ -100,7 +101,7 @@ def test_vibration_of_a_run_that_is_steady(name, folder):
     press = period_presses.repeating(name, folder)
     drive = pp.drives.InductionMotor(5e3, 40.0)
     loads = [pp.loads.Piling(2e3, 0.02)]
-    run = pp.steady_state(press, 39.5, drive=drive, flywheel=pp.Flywheel(30.0), loads=loads, points=721)
+    run = pp.steady_state(press, 39.5, drive=drive, flywheel=pp.drives.Flywheel(30.0), loads=loads, points=721)
     assert abs(abs(run.crank_angle[-1] - run.crank_angle[0]) - 2 * np.pi * TURNS[name]) < 1e-9
     system = foundation.mounted(press, *uneven())
     response = foundation.steady_response(system, pp.inverse_dynamics(press, run, loads), {"top": (0.3, 0.2, 1.5)})
@@ -111,8 +112,8 @@ def test_vibration_of_a_run_that_is_steady(name, folder):
 
 
 def test_strokes_are_periods(press, name):
-    run = pp.simulate(press, 1.7, SPEED, drive=pp.drives.InductionMotor(5e3, 40.0), flywheel=pp.Flywheel(30.0), points=20_001)
-    strokes = pp.strokes(run)
+    run = pp.simulate(press, 1.7, SPEED, drive=pp.drives.InductionMotor(5e3, 40.0), flywheel=pp.drives.Flywheel(30.0), points=20_001)
+    strokes = pp.measures.strokes(run)
     assert len(strokes) == int((run.crank_angle[-1] - run.crank_angle[0]) / (2 * np.pi * TURNS[name])) > 1
     for k, stroke in enumerate(strokes):
         for time, turns in ((stroke.start, k * TURNS[name]), (stroke.start + stroke.duration, (k + 1) * TURNS[name])):
@@ -120,7 +121,7 @@ def test_strokes_are_periods(press, name):
         during = (run.time >= stroke.start) & (run.time <= stroke.start + stroke.duration)
         assert abs(stroke.lowest_speed / run.crank_speed[during].min() - 1) < 1e-4
         assert abs(stroke.highest_speed / run.crank_speed[during].max() - 1) < 1e-4
-    assert len(pp.strokes(pp.simulate(press, 1.0, 0.5, flywheel=pp.Flywheel(1e4)))) == 0
+    assert len(pp.measures.strokes(pp.simulate(press, 1.0, 0.5, flywheel=pp.drives.Flywheel(1e4)))) == 0
 
 
 # A slide that is back before other links
@@ -146,15 +147,15 @@ def test_measures_of_a_slide_that_is_back_before_other_links(with_cam, alone):
         (measures.dwell_time, (0.001,)),
     ):
         assert measure(mine, *given) == pytest.approx(measure(theirs, *given), rel=1e-9)
-    run = pp.simulate(with_cam, 1.0, SPEED, flywheel=pp.Flywheel(50.0))
-    assert len(pp.strokes(run)) == int(run.crank_angle[-1] / (2 * np.pi)) > 3
+    run = pp.simulate(with_cam, 1.0, SPEED, flywheel=pp.drives.Flywheel(50.0))
+    assert len(pp.measures.strokes(run)) == int(run.crank_angle[-1] / (2 * np.pi)) > 3
 
 
 @pytest.mark.parametrize("speed", [SPEED, -SPEED])
 def test_ratings_of_a_slide_that_is_back_before_other_links(with_cam, alone, speed):
     """The process force alone does not know of the shaft; at speed the worse of two strokes counts."""
-    from pinpress.capacities import Capacities
-    from pinpress.rating import ratings
+    from pinpress.ratings.capacities import Capacities
+    from pinpress.ratings.rating import ratings
 
     capacities = Capacities(1e5, torque=900.0, motor_power=1e3)
     mine, theirs = ratings(with_cam, speed, capacities), ratings(alone, speed, capacities)
@@ -177,7 +178,7 @@ def test_ratings_of_a_slide_that_is_back_before_other_links(with_cam, alone, spe
 
 def test_bottom_dead_centre_that_each_stroke_moves_otherwise_is_refused(with_cam):
     with pytest.raises(pp.PinpressError, match="is back after 1 turns, all that moves with it only after 2"):
-        pp.dead_centre_shift(with_cam, pp.Stiffness({"W": 1e9}), [SPEED])
+        pp.elasticity.dead_centre_shift(with_cam, pp.elasticity.Stiffness({"W": 1e9}), [SPEED])
 
 
 # Pictures
@@ -207,8 +208,8 @@ def test_a_balanced_shaft_does_not_count_but_is_seen(folder, tmp_path):
 
 
 def test_plots_over_the_period(press, name):
-    from pinpress.figures import Over
-    from pinpress.polar import _quarters
+    from pinpress.plots.polar import _quarters
+    from pinpress.plots.style import Over
 
     turns = TURNS[name]
     for way in (1.0, -1.0):
@@ -226,9 +227,9 @@ def test_plots_over_the_period(press, name):
 
 
 def test_bars_of_fractional_orders(press, name):
-    figure = pp.plot_shaking(pp.inverse_dynamics(press, pp.cycle(press, SPEED)))
+    figure = pp.plots.plot_shaking(pp.inverse_dynamics(press, pp.cycle(press, SPEED)))
     bars: list[Any] = list(figure.axes[1].patches)
-    found = pp.harmonics(pp.cycle(press, SPEED), pp.inverse_dynamics(press, pp.cycle(press, SPEED)).shaking_force)
+    found = pp.measures.harmonics(pp.cycle(press, SPEED), pp.inverse_dynamics(press, pp.cycle(press, SPEED)).shaking_force)
     assert len(bars) == 2 * (len(found.orders) - 1)
     middles = sorted(bar.get_x() + 0.5 * bar.get_width() for bar in bars)
     np.testing.assert_allclose(np.mean(np.reshape(middles, (-1, 2)), axis=1), found.orders[1:], atol=1e-12)
@@ -241,9 +242,9 @@ def test_a_report_beside_a_press_with_another_period(press, alone, tmp_path):
     for first, second in ((mine, theirs), (theirs, mine)):
         page = pp.report(first._press, first.motion, tmp_path / "report.html", first, before=second)
         drawn = data_in(page)["report"]["harmonics"]
-        assert drawn["orders"] == pytest.approx(sorted({*pp.harmonics(mine.motion, mine.shaking_force).orders[1:], *range(1, 13)}))
+        assert drawn["orders"] == pytest.approx(sorted({*pp.measures.harmonics(mine.motion, mine.shaking_force).orders[1:], *range(1, 13)}))
         for shown, result in ((drawn["amplitude"], first), (drawn["before"], second)):
-            found = pp.harmonics(result.motion, result.shaking_force)
+            found = pp.measures.harmonics(result.motion, result.shaking_force)
             known = dict(zip(found.orders, found.amplitude[:, 2], strict=True))
             scale = max(shown["z"]) / found.amplitude[1:, 2].max()
             np.testing.assert_allclose(
@@ -269,12 +270,12 @@ def test_a_balanced_shaft_that_carries_another_counts(folder):
 
 
 def test_what_an_arrangement_does_to_fractional_orders(press, name):
-    from pinpress.arrangements import cancelled
+    from pinpress.balancing.classical.arrangements import cancelled
 
     before = pp.inverse_dynamics(press, pp.cycle(press, SPEED))
     heavier = press.with_inertias([pin.Inertia(2 * body.mass, body.lever, 2 * body.inertia) for body in press.model.inertias])
     after = pp.inverse_dynamics(heavier, pp.cycle(heavier, SPEED))
-    found = pp.harmonics(before.motion, before.shaking_force, orders=6)
+    found = pp.measures.harmonics(before.motion, before.shaking_force, orders=6)
     vertical = [change for change in cancelled(before, after) if change.quantity == "force along the slide"]
     assert [change.order for change in vertical] == pytest.approx(list(found.orders[1:]))
     np.testing.assert_allclose([change.before for change in vertical], found.amplitude[1:, 2], rtol=1e-9, atol=1e-8)
@@ -285,11 +286,11 @@ def test_what_an_arrangement_does_to_fractional_orders(press, name):
 
 def test_synthesis_judges_all_turns(folder):
     """The largest stroke of the slide's rod length within bounds is that of brute force at the bounds, over both turns."""
-    from pinpress.synthesis import synthesise
+    from pinpress.synthesis.synthesis import synthesise
 
     press = period_presses.repeating("half", folder)
     found = synthesise(press, {"P.frame.z": (-0.02, 0.0, 0.02)}, lambda trial: -measures.stroke(trial.motion), speed=SPEED, points=360)
-    strokes = [pp.dead_centres(pp.reshaped(press, {("P", "frame"): np.array([0.15, 0.0, z])})).stroke for z in (-0.02, 0.02)]
+    strokes = [pp.dead_centres(pp.derivatives.reshaped(press, {("P", "frame"): np.array([0.15, 0.0, z])})).stroke for z in (-0.02, 0.02)]
     assert found.value == pytest.approx(-max(strokes), rel=1e-6)
     assert pp.dead_centres(found.press).stroke == pytest.approx(max(strokes), rel=1e-6)
     assert found.press.period_turns == 2
@@ -298,13 +299,17 @@ def test_synthesis_judges_all_turns(folder):
 def test_a_counterweight_that_is_back_later_is_refused_on_a_motion_that_is_shorter(folder):
     """Over one turn it could seem to do good, and harm in the next; over two turns it does no good, and stays away."""
     press = cam_shaft(folder, 0.0)
-    rooms = [pp.Room("cam", (0.0, 50.0), radius=0.2)]
+    rooms = [pp.balancing.Room("cam", (0.0, 50.0), radius=0.2)]
     with pytest.raises(pp.PinpressError, match=r"counterweight on a geared shaft that was balanced .* only after 2 turns"):
-        pp.balance(press, pp.cycle(press, SPEED, points=90), rooms, pp.Range("shaking_force", "x"))
+        pp.balancing.balance(press, pp.cycle(press, SPEED, points=90), rooms, pp.balancing.Range("shaking_force", "x"))
     both = pp.cycle(press, SPEED, angle=2 * np.pi * np.arange(180) / 90)
-    result = pp.balance(press, both, [*rooms, pp.Room("crank", (0.0, 50.0), radius=0.2)], pp.Range("shaking_force", "x"))
+    result = pp.balancing.balance(
+        press, both, [*rooms, pp.balancing.Room("crank", (0.0, 50.0), radius=0.2)], pp.balancing.Range("shaking_force", "x")
+    )
     assert result.after[0].motion.period_turns == result.press.period_turns
-    given = pp.balance(press, both, [pp.Room("cam", (5.0, 5.0), at=(0.1, 0.0, 0.0))], pp.Range("shaking_force", "x"))
+    given = pp.balancing.balance(
+        press, both, [pp.balancing.Room("cam", (5.0, 5.0), at=(0.1, 0.0, 0.0))], pp.balancing.Range("shaking_force", "x")
+    )
     assert given.after[0].motion.period_turns == given.press.period_turns == 2
 
 
@@ -318,7 +323,7 @@ def written(press, folder):
 
 
 def test_commands(press, name, folder, tmp_path, capsys):
-    from pinpress.__main__ import main
+    from pinpress.cli.main import main
 
     file = written(press, folder)
     assert main(["analyse", file, "--speed", "60", "--out", str(tmp_path / "out")]) == 0
@@ -332,7 +337,7 @@ def test_commands(press, name, folder, tmp_path, capsys):
     ("degrees", "speed", "turns", "time"), [(400, 60, 1, 1 / 9), (400, 60, 2, 10 / 9), (-10, 60, 3, 3 - 1 / 36), (-400, -120, 2, 5 / 9)]
 )
 def test_time_of_a_picture(degrees, speed, turns, time):
-    from pinpress.command_record import _time
+    from pinpress.cli.record import _time
 
     assert _time(degrees, speed, turns) == pytest.approx(time, rel=1e-12)
 

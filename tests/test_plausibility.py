@@ -12,7 +12,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import pinpress as pp
-from pinpress import loads
+from pinpress.loads import process as loads
 
 URDF = Path(__file__).resolve().parent.parent / "urdf"
 CRANK_SLIDE = (URDF / "crank_slide.urdf").read_text(encoding="utf-8")
@@ -177,7 +177,7 @@ def test_heights_in_mm_are_warned_of(press, name):
     said = f"{type(IN_MM[name]).__name__} acts from .* m above its datum, .*: give heights and datum in m"
     for ask in (
         lambda: pp.inverse_dynamics(press, pp.cycle(press, 7.0, 36), [IN_MM[name]]),
-        lambda: pp.simulate(press, 0.05, 7.0, flywheel=pp.Flywheel(1e4), loads=[IN_MM[name]]),
+        lambda: pp.simulate(press, 0.05, 7.0, flywheel=pp.drives.Flywheel(1e4), loads=[IN_MM[name]]),
     ):
         with pytest.warns(pp.PinpressWarning, match=said) as caught:
             ask()
@@ -187,14 +187,14 @@ def test_heights_in_mm_are_warned_of(press, name):
 @pytest.mark.parametrize(
     ("load", "said"),
     [
-        (pp.PointForce("rod", (0.0, 0.0, 1e3), (200.0, 0.0, 0.0)), "load on 'rod': point is 200 m from its link's origin"),
-        (pp.SpringDamper("frame", "slide", 1e4, point1=(0.0, 0.0, 600.0)), "spring between 'frame' and 'slide': point1 is 600 m"),
+        (pp.loads.PointForce("rod", (0.0, 0.0, 1e3), (200.0, 0.0, 0.0)), "load on 'rod': point is 200 m from its link's origin"),
+        (pp.loads.SpringDamper("frame", "slide", 1e4, point1=(0.0, 0.0, 600.0)), "spring between 'frame' and 'slide': point1 is 600 m"),
     ],
 )
 def test_points_in_mm_are_warned_of(press, load, said):
     for ask in (
         lambda: pp.inverse_dynamics(press, pp.cycle(press, 7.0, 36), [load]),
-        lambda: pp.simulate(press, 1e-3, 7.0, flywheel=pp.Flywheel(1e4), loads=[load]),
+        lambda: pp.simulate(press, 1e-3, 7.0, flywheel=pp.drives.Flywheel(1e4), loads=[load]),
     ):
         with pytest.warns(pp.PinpressWarning, match=said) as caught:
             ask()
@@ -218,7 +218,7 @@ def test_loads_on_the_stroke_are_never_warned_of(height, thin, datum):
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         pp.inverse_dynamics(press, pp.cycle(press, 7.0, 12), given)
-        pp.simulate(press, 1e-3, 7.0, flywheel=pp.Flywheel(1e4), loads=given, points=3)
+        pp.simulate(press, 1e-3, 7.0, flywheel=pp.drives.Flywheel(1e4), loads=given, points=3)
 
 
 # Motions
@@ -310,9 +310,9 @@ SPEEDS = {
     "servo motion": lambda press, speed: pp.cycle(press, [speed, speed], angle=[0.0, 1.0]),
     "simulate": lambda press, speed: pp.simulate(press, 1e-3, speed, points=2),
     "scenarios": lambda press, speed: pp.simulate(press, 1e-3, [speed, 5.0], points=2),
-    "operating points": lambda press, speed: pp.operating_points(press, [speed]),
+    "operating points": lambda press, speed: pp.sweeps.operating_points(press, [speed]),
     "drive": lambda press, speed: pp.drives.PrescribedSpeed(speed),
-    "flywheel": lambda press, speed: pp.Flywheel(1.0, speed),
+    "flywheel": lambda press, speed: pp.drives.Flywheel(1.0, speed),
 }
 
 

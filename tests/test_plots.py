@@ -20,8 +20,9 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg  # noqa: E402
 from matplotlib.colors import to_rgb  # noqa: E402
 from PIL import Image  # noqa: E402
 
-from pinpress import charts, plots  # noqa: E402
-from pinpress.harmonic_analysis import harmonics  # noqa: E402
+from pinpress.dynamics.harmonics import harmonics  # noqa: E402
+from pinpress.plots import reactions as plots  # noqa: E402
+from pinpress.visual import charts  # noqa: E402
 
 NAMES = ("_P", "a$b_c^{$", "<W & co>")  # of bearings: left out of legends, broken mathematics, markup
 ALL = [plots.plot_torque, plots.plot_bearings, plots.plot_polar, plots.plot_shaking]
@@ -53,7 +54,7 @@ def run():
     press = texts.shipped("crank_slide")
     loads = [pp.loads.DeepDrawing(force=2e4, start=0.05)]
     motor = pp.drives.InductionMotor(10e3, 95 * pp.RPM)
-    motion = pp.simulate(press, 2.0, speed=90 * pp.RPM, drive=motor, flywheel=pp.Flywheel(20.0), loads=loads)
+    motion = pp.simulate(press, 2.0, speed=90 * pp.RPM, drive=motor, flywheel=pp.drives.Flywheel(20.0), loads=loads)
     return pp.inverse_dynamics(press, motion, loads=loads)
 
 
@@ -401,7 +402,9 @@ def test_no_global_state(tmp_path):
     code = """
 import sys
 import pinpress as pp
-from pinpress import charts, extreme_values, harmonic_analysis, plots
+from pinpress.dynamics import harmonics
+from pinpress.plots import reactions as plots
+from pinpress.visual import charts, extremes
 assert "matplotlib" not in sys.modules
 import matplotlib
 def style():  # but for the backend, as asking for it imports pyplot

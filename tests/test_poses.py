@@ -7,7 +7,7 @@ import texts
 from spatial_linkages import bennett
 
 import pinpress as pp
-from pinpress.poses import bearing_points, link_of, loaded_bodies, poses
+from pinpress.kinematics.poses import bearing_points, link_of, loaded_bodies, poses
 
 
 @pytest.fixture(params=[*pp.presses(), "bennett"])

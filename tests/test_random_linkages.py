@@ -41,7 +41,7 @@ def random_loads(press, rng, count, in_plane):
     for _ in range(count):
         force = 100 * rng.normal(size=(STATES, 3))
         force -= (1 - across) * (force @ normal)[:, None] * normal
-        loads.append(pp.PointForce(str(rng.choice(press.links)), force, tuple(press.spatial.size * rng.normal(size=3))))
+        loads.append(pp.loads.PointForce(str(rng.choice(press.links)), force, tuple(press.spatial.size * rng.normal(size=3))))
     return loads
 
 

@@ -8,7 +8,7 @@ from small_linkages import bolted
 from texts import shipped
 
 import pinpress as pp
-from pinpress.rating_guides import Guide, eccentric_load, permissible_eccentricity
+from pinpress.ratings.eccentric_loads import Guide, eccentric_load, permissible_eccentricity
 
 FORCE = 1e5
 LAM = 0.25  # crank_slide

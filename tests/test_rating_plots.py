@@ -7,9 +7,9 @@ import pytest
 from texts import shipped
 
 import pinpress as pp
-from pinpress.capacities import Capacities
-from pinpress.rating import ratings
-from pinpress.rating_plots import GOVERNING, plot_ratings
+from pinpress.plots.ratings import GOVERNING, plot_ratings
+from pinpress.ratings.capacities import Capacities
+from pinpress.ratings.rating import ratings
 
 
 @pytest.fixture(scope="module")

@@ -5,9 +5,9 @@ import pytest
 from texts import shipped
 
 import pinpress as pp
-from pinpress.capacities import Capacities
-from pinpress.loads import Blanking, Piling
-from pinpress.rating_speed import speed_limit
+from pinpress.loads.process import Blanking, Piling
+from pinpress.ratings.capacities import Capacities
+from pinpress.ratings.speed_limits import speed_limit
 
 FINE = 1800  # states of a turn
 CLOSER = 4  # times the worst crank angle is looked for between the states beside it

@@ -12,10 +12,10 @@ from scipy.optimize import brentq
 from texts import shipped
 
 import pinpress as pp
-from pinpress.capacities import Capacities
-from pinpress.loads import Piling
-from pinpress.rating import ratings
-from pinpress.rating_curves import largest_factor
+from pinpress.loads.process import Piling
+from pinpress.ratings.capacities import Capacities
+from pinpress.ratings.limits import largest_factor
+from pinpress.ratings.rating import ratings
 
 SPEED = 90 * pp.RPM
 R, L = 0.1, 0.4  # crank_slide

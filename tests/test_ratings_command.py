@@ -7,9 +7,9 @@ import pytest
 from texts import shipped
 
 import pinpress as pp
-from pinpress.__main__ import main
-from pinpress.capacities import Capacities
-from pinpress.rating import ratings
+from pinpress.cli.main import main
+from pinpress.ratings.capacities import Capacities
+from pinpress.ratings.rating import ratings
 
 ASKED = ["zxn2_3000b", "--speed", "70", "--nominal-force", "3000e3", "--nominal-height", "0.013", "--points", "31"]
 MORE = ["--flywheel", "2000", "--speed-drop", "0.2", "--bearing", "A=2e6", "--bearing", "slide_guide=1e6", "--motor-power", "75e3"]

@@ -26,7 +26,7 @@ def test_python_example_runs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) ->
     pressing, result, best = names["pressing"], names["result"], names["best"]
     assert isinstance(pressing, pp.Reactions)
     assert isinstance(result, pp.Reactions)
-    assert isinstance(best, pp.Balance)
+    assert isinstance(best, pp.balancing.Balance)
     assert pressing.driving_torque.max() > result.driving_torque.max()
     assert best.outcomes[0].after < best.outcomes[0].before
     assert pp.load("balanced.urdf").bearings == pp.load("zxn2_3000b").bearings

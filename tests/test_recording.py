@@ -579,7 +579,7 @@ def test_without_meshcat(press: Any, motion: Any, tmp_path: Path, monkeypatch: p
 
 
 def test_import_leaves_meshcat_alone() -> None:
-    code = "import sys, pinpress.recording; sys.exit('meshcat' in sys.modules or 'umsgpack' in sys.modules)"
+    code = "import sys, pinpress.visual.recording; sys.exit('meshcat' in sys.modules or 'umsgpack' in sys.modules)"
     assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
 
 

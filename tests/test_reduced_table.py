@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from texts import shipped
 
-from pinpress.reduced import POTENTIAL, roots
+from pinpress.simulation.reduced_model import POTENTIAL, roots
 
 GRID = np.linspace(0.0, 2 * np.pi, 40_001)
 

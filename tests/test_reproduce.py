@@ -13,9 +13,9 @@ import pytest
 from scipy.optimize import brentq
 
 import pinpress as pp
-from pinpress.peers import six_bar_script
-from pinpress.reproduce import DOCUMENTS, __main__, kong2025, pages, reproduced, zhang2007_balancing, zhang2007_loads, zhang2007_presses
-from pinpress.reproduce.pages import BEYOND, CURVES, DATA, FINDINGS, FORMULAS, KINDS, NO_RESULT, NOT, PARTLY, REPRODUCED, Entry, Page, Row
+from pinpress.accuracy.peers import six_bar_script
+from pinpress.papers import DOCUMENTS, __main__, kong2025, pages, reproduced, zhang2007_balancing, zhang2007_loads, zhang2007_presses
+from pinpress.papers.pages import BEYOND, CURVES, DATA, FINDINGS, FORMULAS, KINDS, NO_RESULT, NOT, PARTLY, REPRODUCED, Entry, Page, Row
 
 ROOT = Path(__file__).resolve().parent.parent
 DOCS = ROOT / "docs"

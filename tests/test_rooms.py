@@ -9,8 +9,8 @@ from random_linkages import Drawing
 
 import pinpress as pp
 
-TORQUE, MASS = pp.Range("driving_torque"), pp.AddedMass()
-HEAVY = pp.Rms("shaking_moment", "y")
+TORQUE, MASS = pp.balancing.Range("driving_torque"), pp.balancing.AddedMass()
+HEAVY = pp.balancing.Rms("shaking_moment", "y")
 IN = 1e-6  # of a room's size: what the solver's 1e-8 of the forces may be in a place of a light counterweight
 
 
@@ -25,7 +25,7 @@ def turn(six_bar):
 
 
 def balanced(six_bar, turn, room, measure=TORQUE, most=200.0):
-    return pp.balance(six_bar, turn, [room], measure, {MASS: most})
+    return pp.balancing.balance(six_bar, turn, [room], measure, {MASS: most})
 
 
 @pytest.mark.parametrize("link", ["crank", "coupler", "rocker", "rod"])
@@ -33,7 +33,7 @@ def balanced(six_bar, turn, room, measure=TORQUE, most=200.0):
 @pytest.mark.parametrize("measure", [TORQUE, HEAVY], ids=lambda m: m.words)
 def test_what_fills_a_disc_is_a_body_within_it(six_bar, turn, link, gyration, measure):
     """Its moment of inertia about the disc's centre is that of material within the radius, and of the gyration that is asked for."""
-    room = pp.Room(link, radius=0.4, centre=(0.1, 0.3, -0.2), gyration=gyration)
+    room = pp.balancing.Room(link, radius=0.4, centre=(0.1, 0.3, -0.2), gyration=gyration)
     for weight in balanced(six_bar, turn, room, measure).counterweights:
         arm = np.subtract(weight.position, room.centre)
         assert weight.position[1] == pytest.approx(0.3, abs=1e-12)  # in the plane of the centre
@@ -42,12 +42,12 @@ def test_what_fills_a_disc_is_a_body_within_it(six_bar, turn, link, gyration, me
         assert -IN <= own <= 0.4**2 - arm @ arm + IN
 
 
-@pytest.mark.parametrize("measure", [TORQUE, HEAVY, pp.Range("shaking_force", "x")], ids=lambda m: m.words)
+@pytest.mark.parametrize("measure", [TORQUE, HEAVY, pp.balancing.Range("shaking_force", "x")], ids=lambda m: m.words)
 def test_what_fills_a_polygon_is_in_its_hull(six_bar, turn, measure):
     corners = ((-0.3, 0.0, 0.1), (-0.1, 0.0, 0.4), (0.3, 0.0, 0.1), (0.0, 0.0, 0.2), (0.05, 0.0, -0.35))  # not in order, one inside
     edges = ((0, 1), (1, 2), (2, 4), (4, 0))
     for link in ("crank", "rocker"):
-        for weight in balanced(six_bar, turn, pp.Room(link, corners=corners), measure).counterweights:
+        for weight in balanced(six_bar, turn, pp.balancing.Room(link, corners=corners), measure).counterweights:
             x, y, z = weight.position
             assert abs(y) <= 1e-12
             for i, j in edges:  # clockwise: the inside is on the right
@@ -58,14 +58,14 @@ def test_what_fills_a_polygon_is_in_its_hull(six_bar, turn, measure):
 
 def test_a_disc_is_between_polygons_inside_and_around_it(six_bar, turn):
     """Torque and moment count the spread of the material too."""
-    for measure in (TORQUE, HEAVY, pp.Peak("bearing_force", bearing="A")):
+    for measure in (TORQUE, HEAVY, pp.balancing.Peak("bearing_force", bearing="A")):
         corners = [np.array([np.cos(a), 0.0, np.sin(a)]) for a in np.arange(32) * 2 * np.pi / 32]
         disc, inner, outer = (
             balanced(six_bar, turn, room, measure)
             for room in (
-                pp.Room("rod", radius=0.3),
-                pp.Room("rod", corners=tuple(tuple(0.3 * c) for c in corners)),
-                pp.Room("rod", corners=tuple(tuple(0.3 * c / np.cos(np.pi / 32)) for c in corners)),
+                pp.balancing.Room("rod", radius=0.3),
+                pp.balancing.Room("rod", corners=tuple(tuple(0.3 * c) for c in corners)),
+                pp.balancing.Room("rod", corners=tuple(tuple(0.3 * c / np.cos(np.pi / 32)) for c in corners)),
             )
         )
         before = disc.outcomes[0].before
@@ -83,8 +83,10 @@ def test_more_room_is_never_worse(six_bar, turn):
         {"radius": 0.25, "centre": (-0.03, 0.0, 0.04)},
         {"radius": 0.25, "centre": (-0.03, 0.0, 0.04), "mass": (0.0, 300.0)},
     ]
-    for measure in (TORQUE, pp.Range("shaking_force", "x")):
-        found = [pp.balance(six_bar, turn, [pp.Room("rod", **({"mass": (0.0, 80.0)} | room))], measure) for room in rooms]
+    for measure in (TORQUE, pp.balancing.Range("shaking_force", "x")):
+        found = [
+            pp.balancing.balance(six_bar, turn, [pp.balancing.Room("rod", **({"mass": (0.0, 80.0)} | room))], measure) for room in rooms
+        ]
         for less, more in pairwise(found):
             assert more.bound <= less.value + 1e-9 * less.outcomes[0].before
         assert found[-1].value < found[0].value
@@ -102,9 +104,13 @@ def test_the_lightest_flywheel_is_a_rim(tmp_path, gyration):
     acceleration = 30 * np.cos(2 * angle) + 5
     servo = pp.cycle(press, angle=angle, speed=4.0, acceleration=acceleration)
     force = needed * acceleration[:, None] * np.stack([-np.sin(angle), 0 * angle, np.cos(angle)], axis=1)  # on arms of half a metre
-    loads = [pp.PointForce("rotor", sign * force, (0.5 * sign, 0.0, 0.0)) for sign in (1, -1)]
-    b = pp.balance(
-        press, servo, [pp.Room("rotor", radius=radius, gyration=gyration, mass=(0.0, 100.0))], pp.Peak("driving_torque"), loads=loads
+    loads = [pp.loads.PointForce("rotor", sign * force, (0.5 * sign, 0.0, 0.0)) for sign in (1, -1)]
+    b = pp.balancing.balance(
+        press,
+        servo,
+        [pp.balancing.Room("rotor", radius=radius, gyration=gyration, mass=(0.0, 100.0))],
+        pp.balancing.Peak("driving_torque"),
+        loads=loads,
     )
     (rim,) = b.counterweights
     assert b.outcomes[0].before == pytest.approx((needed - 0.2) * 35)
@@ -116,12 +122,14 @@ def test_the_lightest_flywheel_is_a_rim(tmp_path, gyration):
 
 def test_a_room_in_place_of_the_links_own_mass(six_bar, turn):
     """The counterweight is all of the link; without a place it keeps the link's shape, centre and inertia in proportion."""
-    b = pp.balance(six_bar, turn, [pp.Room("rod", mass=(400.0, 400.0), replaces=True)], TORQUE)
+    b = pp.balancing.balance(six_bar, turn, [pp.balancing.Room("rod", mass=(400.0, 400.0), replaces=True)], TORQUE)
     (rod,) = b.counterweights
     assert (rod.mass, rod.inertia) == (pytest.approx(400.0), pytest.approx(5.33 * 400 / 277.68))
     assert rod.position == pytest.approx((0.24, 0.0, 0.0), abs=1e-9)
     assert b.added_mass == pytest.approx(400 - 277.68)
-    placed = pp.balance(six_bar, turn, [pp.Room("rod", mass=(300.0, 300.0), at=(0.2, 0.0, 0.0), gyration=0.1, replaces=True)], TORQUE)
+    placed = pp.balancing.balance(
+        six_bar, turn, [pp.balancing.Room("rod", mass=(300.0, 300.0), at=(0.2, 0.0, 0.0), gyration=0.1, replaces=True)], TORQUE
+    )
     (rod,) = placed.counterweights
     assert (rod.mass, rod.inertia) == (pytest.approx(300.0), pytest.approx(3.0))
     joint = placed.press.model.getJointId("E")
@@ -130,8 +138,8 @@ def test_a_room_in_place_of_the_links_own_mass(six_bar, turn):
 
 
 def test_another_room_adds_to_a_link_that_is_replaced(six_bar, turn):
-    rooms = [pp.Room("rod", mass=(300.0, 300.0), replaces=True), pp.Room("rod", mass=(50.0, 50.0), at=(-0.1, 0.0, 0.0))]
-    b = pp.balance(six_bar, turn, rooms, TORQUE)
+    rooms = [pp.balancing.Room("rod", mass=(300.0, 300.0), replaces=True), pp.balancing.Room("rod", mass=(50.0, 50.0), at=(-0.1, 0.0, 0.0))]
+    b = pp.balancing.balance(six_bar, turn, rooms, TORQUE)
     assert [weight.mass for weight in b.counterweights] == pytest.approx([300.0, 50.0])
     assert b.press.model.inertias[six_bar.model.getJointId("E")].mass == pytest.approx(350.0)
     assert b.added_mass == pytest.approx(350 - 277.68)
@@ -139,21 +147,21 @@ def test_another_room_adds_to_a_link_that_is_replaced(six_bar, turn):
 
 def test_holes_take_mass_away(six_bar, turn):
     """Lightening holes in the rocker, and what is heavier elsewhere."""
-    vertical = pp.Range("shaking_force", "z")
-    hole = pp.Room("rod", at=(0.3, 0.0, 0.0), mass=(-60.0, 0.0), gyration=0.05)
-    b = pp.balance(six_bar, turn, [hole], vertical)
+    vertical = pp.balancing.Range("shaking_force", "z")
+    hole = pp.balancing.Room("rod", at=(0.3, 0.0, 0.0), mass=(-60.0, 0.0), gyration=0.05)
+    b = pp.balancing.balance(six_bar, turn, [hole], vertical)
     (weight,) = b.counterweights
     assert weight.mass == pytest.approx(-60.0)
     assert weight.inertia == pytest.approx(-60 * 0.05**2)
     assert b.press.model.inertias[six_bar.model.getJointId("E")].mass == pytest.approx(277.68 - 60)
-    again = pp.inverse_dynamics(pp.with_counterweights(six_bar, b.counterweights), turn)
+    again = pp.inverse_dynamics(pp.balancing.with_counterweights(six_bar, b.counterweights), turn)
     assert vertical.value(again) == pytest.approx(b.value, rel=1e-9)
     assert b.value < b.outcomes[0].before
 
 
 def test_least_masses_are_kept_and_most_not_exceeded(six_bar, turn):
-    rooms = [pp.Room("crank", radius=0.3, mass=(20.0, 50.0)), pp.Room("coupler", radius=0.3, mass=(7.0, 9.0))]
-    b = pp.balance(six_bar, turn, rooms, pp.Range("shaking_force", "x"))
+    rooms = [pp.balancing.Room("crank", radius=0.3, mass=(20.0, 50.0)), pp.balancing.Room("coupler", radius=0.3, mass=(7.0, 9.0))]
+    b = pp.balancing.balance(six_bar, turn, rooms, pp.balancing.Range("shaking_force", "x"))
     crank, coupler = (weight.mass for weight in b.counterweights)
     assert 20 - 1e-6 <= crank <= 50 + 1e-6
     assert 7 - 1e-6 <= coupler <= 9 + 1e-6
@@ -179,6 +187,6 @@ def test_rooms_on_links_that_are_welded_together_are_in_their_own_frames(tmp_pat
         for link, frame in (("crank", crank), ("plate", plate)):
             inside = [tuple(float(x) for x in frame.actInv(corner)) for corner in corners]
             place = {"radius": 0.1, "centre": inside[0]} if shape == "disc" else {"corners": tuple(inside)}
-            b = pp.balance(press, motion, [pp.Room(link, mass=(0.0, 3.0), **place)], pp.Rms("shaking_force"))
+            b = pp.balancing.balance(press, motion, [pp.balancing.Room(link, mass=(0.0, 3.0), **place)], pp.balancing.Rms("shaking_force"))
             found.append((b.value, *frame.act(np.array(b.counterweights[0].position))))
         np.testing.assert_allclose(*found, rtol=1e-6, atol=1e-7)

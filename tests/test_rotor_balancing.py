@@ -13,8 +13,8 @@ from hypothesis import strategies as st
 from random_linkages import Drawing
 
 import pinpress as pp
-from pinpress import arrangements
-from pinpress.counterweights import Counterweight, with_counterweights
+from pinpress.balancing.classical import arrangements
+from pinpress.balancing.counterweights import Counterweight, with_counterweights
 
 ROUNDING = 1e-12  # of what there was before: sums of some ten terms
 SPEED = 30.0

@@ -28,7 +28,12 @@ from texts import load as read
 from texts import shipped
 
 import pinpress as pp
-from pinpress import friction, plane_axial, plane_dynamics, plane_statics, reactions, spatial_dynamics
+from pinpress.dynamics import inverse_dynamics as reactions
+from pinpress.engines import friction
+from pinpress.engines.planar import inverse_dynamics as plane_dynamics
+from pinpress.engines.planar import out_of_plane as plane_axial
+from pinpress.engines.planar import statics as plane_statics
+from pinpress.engines.spatial import inverse_dynamics as spatial_dynamics
 
 ENGINES = ("plane", "pinocchio")
 SAME = 1e-12
@@ -75,10 +80,12 @@ def scene(kind, press):
     flat = np.array([100.0, 0.0, -700.0]) - (normal @ [100.0, 0.0, -700.0]) * normal
     return {
         "bare": {},
-        "loads": {"loads": [pp.PointForce(link, k * flat) for k, link in enumerate((press.root, *links), 1)]},  # a flat press stays flat
-        "across": {"loads": [pp.PointForce(link, (100.0, -300.0, 900.0), (0.05, 0.1, -0.1)) for link in links[:2]]},
+        "loads": {
+            "loads": [pp.loads.PointForce(link, k * flat) for k, link in enumerate((press.root, *links), 1)]
+        },  # a flat press stays flat
+        "across": {"loads": [pp.loads.PointForce(link, (100.0, -300.0, 900.0), (0.05, 0.1, -0.1)) for link in links[:2]]},
         "spring": {
-            "loads": [pp.SpringDamper(press.root, links[-1], stiffness=3e3, damping=50.0, free_length=0.1, point1=(0.3, -2.0, 3.0))]
+            "loads": [pp.loads.SpringDamper(press.root, links[-1], stiffness=3e3, damping=50.0, free_length=0.1, point1=(0.3, -2.0, 3.0))]
         },
         "friction": {"friction": everywhere(press, most=0.05)},
         "stiffness": {"stiffness": {name: 1e8 * (1 + 7 * k % 5) for k, name in enumerate(press.bearings)}},
@@ -211,7 +218,7 @@ def test_at_rest(six_bar, engine):
 
 def test_a_run_with_fewer_bearings(six_bar):
     """Its states are no cycle's, and their basis is made anew."""
-    run = pp.simulate(six_bar, 0.5, speed=7.0, flywheel=pp.Flywheel(2000.0), points=40)
+    run = pp.simulate(six_bar, 0.5, speed=7.0, flywheel=pp.drives.Flywheel(2000.0), points=40)
     agree(pp.inverse_dynamics(six_bar, run, bearings=["C"]), pp.inverse_dynamics(six_bar, run))
 
 
@@ -284,7 +291,9 @@ def test_pages_need_all_bearings(six_bar, turn, tmp_path):
 
 
 @pytest.mark.parametrize("bearings", [(), ("A",)], ids=["none", "one"])
-@pytest.mark.parametrize("read", [pp.extremes, pp.plot_bearings, pp.plot_polar, lambda some: pp.plot_comparison(some, some)])
+@pytest.mark.parametrize(
+    "read", [pp.measures.extremes, pp.plots.plot_bearings, pp.plots.plot_polar, lambda some: pp.plots.plot_comparison(some, some)]
+)
 def test_charts_need_all_bearings(six_bar, turn, read, bearings):
     """They tell what is rounding by the largest force."""
     with pytest.raises(pp.PinpressError, match="left out"):
@@ -292,13 +301,15 @@ def test_charts_need_all_bearings(six_bar, turn, read, bearings):
 
 
 def test_harmonics_of_the_shaking_force(six_bar, turn):
-    full, some = (pp.harmonics(turn, pp.inverse_dynamics(six_bar, turn, bearings=names).shaking_force).amplitude for names in (None, ()))
+    full, some = (
+        pp.measures.harmonics(turn, pp.inverse_dynamics(six_bar, turn, bearings=names).shaking_force).amplitude for names in (None, ())
+    )
     assert np.abs(full - some).max() <= SAME * np.abs(full).max()
 
 
 @pytest.mark.parametrize("bearings", [(), ("C",), None])
 def test_what_overflows_is_refused(six_bar, turn, engine, bearings):
-    heavy = pp.PointForce("slide", (0.0, 0.0, 1e308))
+    heavy = pp.loads.PointForce("slide", (0.0, 0.0, 1e308))
     with pytest.raises(pp.PinpressError, match="not finite"):
         pp.inverse_dynamics(six_bar, turn, [heavy, heavy], engine=engine, bearings=bearings)
 
@@ -335,8 +346,8 @@ def calls(monkeypatch, owner, name, *arguments, **more):
 
 def test_a_flat_press_computes_nothing_across_its_plane(monkeypatch, folder, six_bar, turn):
     stacked = case("two_point", folder)
-    along, across = (pp.PointForce("slide", force) for force in ((0.0, 0.0, 1e5), (0.0, 10.0, 0.0)))
-    on_frame = pp.PointForce("frame", (0.0, 10.0, 0.0))
+    along, across = (pp.loads.PointForce("slide", force) for force in ((0.0, 0.0, 1e5), (0.0, 10.0, 0.0)))
+    on_frame = pp.loads.PointForce("frame", (0.0, 10.0, 0.0))
     for function in ("forces", "add"):
         assert not calls(monkeypatch, plane_axial, function, six_bar, turn, [along, on_frame])
         assert calls(monkeypatch, plane_axial, function, six_bar, turn, [across])
@@ -346,7 +357,7 @@ def test_a_flat_press_computes_nothing_across_its_plane(monkeypatch, folder, six
 
 def test_torque_alone_needs_no_forces_from_link_to_link(monkeypatch, folder, six_bar, turn):
     """Nor do the pins; guides do, and what all bearings share."""
-    rubbing = {"A": pp.Friction(0.1, 0.1)}
+    rubbing = {"A": pp.loads.Friction(0.1, 0.1)}
     for bearings, more, walked in (
         ((), {}, False),
         (("A", "C"), {}, False),
@@ -386,9 +397,11 @@ def test_what_is_not_redundant_shares_nothing(monkeypatch, folder, six_bar, turn
 
 
 def test_no_friction_is_no_iteration(monkeypatch, six_bar, turn, engine):
-    rubbing = {"A": pp.Friction(0.1, 0.1)}
+    rubbing = {"A": pp.loads.Friction(0.1, 0.1)}
     assert not calls(monkeypatch, friction.FrictionLaw, "efforts", six_bar, turn, engine=engine)
-    assert not calls(monkeypatch, friction.FrictionLaw, "efforts", six_bar, turn, engine=engine, friction={"A": pp.Friction(0.0, 0.1)})
+    assert not calls(
+        monkeypatch, friction.FrictionLaw, "efforts", six_bar, turn, engine=engine, friction={"A": pp.loads.Friction(0.0, 0.1)}
+    )
     assert calls(monkeypatch, friction.FrictionLaw, "efforts", six_bar, turn, engine=engine, friction=rubbing)
 
 
@@ -431,7 +444,8 @@ import sys
 import pinpress as pp
 press = pp.load("zxn2_3000b")
 motion = pp.cycle(press, speed=7.0)
-pp.inverse_dynamics(press, motion, [pp.SpringDamper("frame", "slide", 1e4, point1=(0, 0, 2))], {"A": pp.Friction(0.1, 0.1)}).shaking_force
+spring = pp.loads.SpringDamper("frame", "slide", 1e4, point1=(0, 0, 2))
+pp.inverse_dynamics(press, motion, [spring], {"A": pp.loads.Friction(0.1, 0.1)}).shaking_force
 print(*sys.modules)
 pp.simulate, pp.record
 print(*sys.modules)
@@ -442,4 +456,4 @@ print(*sys.modules)
     assert {name.split(".")[0] for name in before} & set(unwanted.split()) == set()
     later = {f"pinpress.{name}" for name in ("simulation", "recording", "reporting", "charts", "reduced", "writing", "drives")}
     assert before & later == set()
-    assert {"pinpress.simulation", "pinpress.recording"} <= after
+    assert {"pinpress.simulation.simulate", "pinpress.visual.recording"} <= after

@@ -15,7 +15,13 @@ import pytest
 from extreme_sizes import scaled
 
 import pinpress as pp
-from pinpress import driveline, drives, forces, friction, loads
+from pinpress.drives import driveline
+from pinpress.drives import transmission as drives
+from pinpress.dynamics import applied_loads as forces
+from pinpress.engines import forces as engine_forces
+from pinpress.engines import friction as engine_friction
+from pinpress.loads import friction, link
+from pinpress.loads import process as loads
 
 pytestmark = pytest.mark.filterwarnings("ignore::pinpress.PinpressWarning")  # that no press is as large, dense or fast
 
@@ -41,8 +47,8 @@ FORCE, TORQUE, INERTIA, POWER, RATE = (1, 1, -2), (2, 1, -2), (2, 1, 0), (2, 1, 
 LENGTH, TIME, PLAIN = (1, 0, 0), (0, 0, 1), (0, 0, 0)
 INSIDE = None  # an object with units of its own
 DIMENSIONS: dict[type, dict[str, tuple[int, int, int] | None]] = {
-    forces.PointForce: {"link": PLAIN, "force": FORCE, "point": LENGTH},
-    forces.SpringDamper: {
+    link.PointForce: {"link": PLAIN, "force": FORCE, "point": LENGTH},
+    link.SpringDamper: {
         "link1": PLAIN,
         "link2": PLAIN,
         "stiffness": (0, 1, -2),
@@ -108,8 +114,8 @@ DIMENSIONS: dict[type, dict[str, tuple[int, int, int] | None]] = {
 
 def test_no_field_is_left_out():
     """Of any load, drive, clutch or friction of the library."""
-    public = {cls for room in (loads, drives, driveline, forces, friction) for cls in vars(room).values() if dataclasses.is_dataclass(cls)}
-    inner = {loads.Stretch, forces.AppliedForce, friction.FrictionLaw, driveline.Driveline}
+    public = {cls for room in (loads, drives, driveline, link, friction) for cls in vars(room).values() if dataclasses.is_dataclass(cls)}
+    inner = {loads.Stretch, engine_forces.AppliedForce, engine_friction.FrictionLaw, driveline.Driveline}
     assert {cls for cls in public if cls.__module__.startswith("pinpress.") and cls not in inner} == set(DIMENSIONS)
     for cls, dimensions in DIMENSIONS.items():
         assert [field.name for field in fields(cls)] == list(dimensions)
@@ -143,9 +149,9 @@ def press(units):
     return large_linkages.load(text, gravity=(0.0, 0.0, -gravity))
 
 
-SPRING = pp.SpringDamper("frame", "slide", stiffness=2e5, damping=500.0, free_length=0.4, point1=(0.0, 0.0, 0.5))
+SPRING = pp.loads.SpringDamper("frame", "slide", stiffness=2e5, damping=500.0, free_length=0.4, point1=(0.0, 0.0, 0.5))
 LOADS = {
-    "point force": pp.PointForce("coupler", (100.0, 0.0, -50.0), (0.1, 0.0, 0.2)),
+    "point force": pp.loads.PointForce("coupler", (100.0, 0.0, -50.0), (0.1, 0.0, 0.2)),
     "spring": SPRING,
     "piling": loads.Piling(1e4, 0.05),
     "blanking": loads.Blanking(3e4, 0.04, -0.01, stripping=5e3),
@@ -154,7 +160,7 @@ LOADS = {
     "die": loads.ElasticDie(0.02, 1e6, 1e3),
     "in time": loads.TimeForce(lambda time: 1e3 * np.sin(20.0 * time)),
 }
-RUBBING = {"A": pp.Friction(0.1, 0.05, 2.0), "C": pp.Friction(0.1, 0.05)}
+RUBBING = {"A": pp.loads.Friction(0.1, 0.05, 2.0), "C": pp.loads.Friction(0.1, 0.05)}
 
 
 @cache
@@ -163,7 +169,7 @@ def at_rest():
     linkage = press(SI)
     bottom = pp.dead_centres(linkage).bottom_angle
     bend = float(pp.cycle(linkage, angle=[bottom], speed=1.0).slide_acceleration[0])
-    step = friction.REST * linkage.spatial.size / bend
+    step = engine_friction.REST * linkage.spatial.size / bend
     return bottom + step * np.array([-40.0, -4.0, -0.25, 0.25, 4.0])
 
 
@@ -210,7 +216,7 @@ def test_ends_of_a_spring_meet_at_a_share_of_the_press(units):
     linkage = press(units)
     size, motion = linkage.spatial.size, pp.cycle(press(units), angle=[1.0], speed=SPEED * units.of(*RATE))
     there = (0.0, 0.0, float(motion.slide_position[0]))
-    stretched = pp.SpringDamper("frame", "slide", stiffness=1.0, free_length=0.1 * units.length, point1=there)
+    stretched = pp.loads.SpringDamper("frame", "slide", stiffness=1.0, free_length=0.1 * units.length, point1=there)
     joint, along = linkage.slide_guide[0], np.array([0.0, 0.0, 1.0])
     aside = linkage.model.jointPlacements[joint + 1].translation * (1 - along)
     for share, meets in ((0.5e-12, True), (4e-12, False)):

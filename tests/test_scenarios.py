@@ -18,10 +18,13 @@ from hypothesis import strategies as st
 from time_limit import _limit, within  # noqa: F401 (a fixture)
 
 import pinpress as pp
-from pinpress import drives, loads, over_angle
+from pinpress.drives import transmission as drives
+from pinpress.loads import process as loads
+from pinpress.simulation import collocation as over_angle
+from pinpress.simulation.batch import Runs
 
 RPM = pp.RPM
-WHEEL = pp.Flywheel(136.0)  # Zhang 2007, 4.3
+WHEEL = pp.drives.Flywheel(136.0)  # Zhang 2007, 4.3
 BLANK = loads.Blanking(1.25e6, 0.010, 0.005)
 BOUND = 1e-9
 
@@ -41,7 +44,7 @@ def alike(linkage, duration, build, values, which=None, **options):
     (S,) by name. Where a single run raises, the scenario must have its error, and rest where it stopped."""
     runs = pp.simulate(linkage, duration, **build(**{name: np.asarray(v, dtype=float) for name, v in values.items()}), **options)
     size = len(next(iter(values.values())))
-    assert isinstance(runs, pp.Runs)
+    assert isinstance(runs, Runs)
     assert len(runs) == len(runs.errors) == size
     n = len(runs.time)
     assert runs.crank_angle.shape == runs.crank_speed.shape == (n, size)
@@ -86,13 +89,13 @@ def rests_where_it_stalled(runs, k, error):
 
 
 def blanked(press, **change):
-    return {"speed": 31.0, "flywheel": WHEEL, "drive": pp.ConstantTorque(567.0), "loads": [BLANK]} | change
+    return {"speed": 31.0, "flywheel": WHEEL, "drive": pp.drives.ConstantTorque(567.0), "loads": [BLANK]} | change
 
 
 BUILDS = {
     "speeds": (lambda speed: blanked(None, speed=speed), {"speed": [20.0, 25.0, 31.4, 40.0, 55.0]}),
-    "flywheels": (lambda j: blanked(None, flywheel=pp.Flywheel(j)), {"j": [60.0, 136.0, 400.0, 2000.0]}),
-    "torques": (lambda m: blanked(None, drive=pp.ConstantTorque(m)), {"m": [-300.0, 0.0, 567.0, 2000.0]}),
+    "flywheels": (lambda j: blanked(None, flywheel=pp.drives.Flywheel(j)), {"j": [60.0, 136.0, 400.0, 2000.0]}),
+    "torques": (lambda m: blanked(None, drive=pp.drives.ConstantTorque(m)), {"m": [-300.0, 0.0, 567.0, 2000.0]}),
     "motors": (
         lambda power, j: blanked(None, speed=29.0, drive=drives.Geared(drives.InductionMotor(power, 1465 * RPM, inertia=j), 5.0, 1.0)),
         {"power": [5e3, 1e4, 3e4, 9e4], "j": [0.05, 0.1, 0.2, 0.8]},
@@ -115,7 +118,7 @@ BUILDS = {
     "slip clutches with a lag": (
         lambda j: blanked(
             None,
-            flywheel=pp.Flywheel(j),
+            flywheel=pp.drives.Flywheel(j),
             drive=drives.Geared(drives.SlipClutchMotor(189.0, 1470 * RPM, 1320 * RPM, 900 * RPM, lag=0.1), 3.0),
         ),
         {"j": [100.0, 200.0]},
@@ -136,14 +139,14 @@ BUILDS = {
     "all at once": (
         lambda speed, j, m, f: {
             "speed": speed,
-            "flywheel": pp.Flywheel(j),
-            "drive": drives.Geared(pp.ConstantTorque(m), 2.0, efficiency=0.95),
+            "flywheel": pp.drives.Flywheel(j),
+            "drive": drives.Geared(pp.drives.ConstantTorque(m), 2.0, efficiency=0.95),
             "loads": [loads.Blanking(f, 0.010, 0.005)],
         },
         {"speed": [30.0, 25.0, 40.0], "j": [100.0, 136.0, 80.0], "m": [100.0, 300.0, 0.0], "f": [1e6, 1e5, 5e5]},
     ),
     "a force in time": (
-        lambda j: blanked(None, flywheel=pp.Flywheel(j), loads=[loads.TimeForce(lambda t: 1e5 * np.sin(30 * t))]),
+        lambda j: blanked(None, flywheel=pp.drives.Flywheel(j), loads=[loads.TimeForce(lambda t: 1e5 * np.sin(30 * t))]),
         {"j": [50.0, 136.0]},
     ),
 }
@@ -173,15 +176,15 @@ def test_tables_of_force(press, size):
     "change",
     [
         {"speed": [31.0]},
-        {"flywheel": pp.Flywheel(np.array([136.0]))},
-        {"drive": pp.ConstantTorque(np.array([567.0]))},
+        {"flywheel": pp.drives.Flywheel(np.array([136.0]))},
+        {"drive": pp.drives.ConstantTorque(np.array([567.0]))},
         {"loads": [loads.Blanking(np.array([1.25e6]), 0.010, 0.005)]},
     ],
     ids=["speed", "flywheel", "drive", "load"],
 )
 def test_one_scenario_is_still_an_array(press, change):
     runs = pp.simulate(press, 0.5, **blanked(press) | change)
-    assert isinstance(runs, pp.Runs)
+    assert isinstance(runs, Runs)
     assert runs.crank_angle.shape == (121, 1)
     same(runs, 0, pp.simulate(press, 0.5, points=121, **blanked(press)))
 
@@ -196,8 +199,8 @@ def test_other_presses(name):
         lambda speed, f: {
             "speed": speed,
             "angle": 0.4,
-            "flywheel": pp.Flywheel(1000.0),
-            "drive": pp.ConstantTorque(500.0),
+            "flywheel": pp.drives.Flywheel(1000.0),
+            "drive": pp.drives.ConstantTorque(500.0),
             "loads": [loads.Piling(f, 0.004)],
         },
         {"speed": [fast, 1.1 * fast, -fast], "f": [1e4, 1e5, 3e4]},
@@ -209,7 +212,7 @@ def test_more_than_fit_at_once(press):
     rng = np.random.default_rng(3)
     values = {"speed": rng.uniform(25, 40, 130), "j": rng.uniform(100, 300, 130), "f": rng.uniform(0, 1.5e6, 130)}
     values["speed"][::3] *= -1
-    build = lambda speed, j, f: blanked(None, speed=speed, flywheel=pp.Flywheel(j), loads=[loads.Blanking(f, 0.010, 0.005)])  # noqa: E731
+    build = lambda speed, j, f: blanked(None, speed=speed, flywheel=pp.drives.Flywheel(j), loads=[loads.Blanking(f, 0.010, 0.005)])  # noqa: E731
     runs = alike(press, 0.4, build, values, which=[*range(0, 130, 16), 63, 64, 127, 129])
     np.testing.assert_allclose(runs.crank_speed[0], values["speed"], rtol=1e-11)
     np.testing.assert_array_equal(np.sign(runs.crank_angle[-1]), np.sign(values["speed"]))
@@ -253,8 +256,8 @@ def test_energy_in_plain_formulas(press):
         press,
         1.0,
         speed,
-        drive=pp.ConstantTorque(torque),
-        flywheel=pp.Flywheel(wheel),
+        drive=pp.drives.ConstantTorque(torque),
+        flywheel=pp.drives.Flywheel(wheel),
         loads=[loads.Blanking(force, 0.010, 0.005)],
         points=51,
     )
@@ -272,7 +275,7 @@ def test_energy_in_plain_formulas(press):
     np.testing.assert_allclose(runs.drive_work, torque * angle[-1], rtol=0, atol=1e-9 * fastest.max())
     np.testing.assert_allclose(runs.load_work, work[-1], rtol=0, atol=1e-9 * fastest.max())
     # and time: a path whose rate is its speed, by Simpson's rule over 2000 intervals (its error 1e-9)
-    fine = pp.simulate(press, 1.0, speed, drive=pp.ConstantTorque(torque), flywheel=pp.Flywheel(wheel), points=2001)
+    fine = pp.simulate(press, 1.0, speed, drive=pp.drives.ConstantTorque(torque), flywheel=pp.drives.Flywheel(wheel), points=2001)
     w = fine.crank_speed
     travelled = (w[0] + w[-1] + 4 * w[1:-1:2].sum(axis=0) + 2 * w[2:-1:2].sum(axis=0)) / 6000
     np.testing.assert_allclose(travelled, fine.crank_angle[-1], rtol=1e-8)
@@ -283,7 +286,7 @@ def test_energy_in_plain_formulas(press):
 
 def test_both_ways_and_from_rest(press):
     """The JF75G-125 is its own mirror image, and from rest the torque alone decides."""
-    build = lambda speed, m: blanked(None, speed=speed, drive=pp.ConstantTorque(m), loads=[])  # noqa: E731
+    build = lambda speed, m: blanked(None, speed=speed, drive=pp.drives.ConstantTorque(m), loads=[])  # noqa: E731
     values = {"speed": [30.0, -30.0, 0.0, 0.0, 25.0, -25.0], "m": [567.0, -567.0, 567.0, -567.0, 0.0, 0.0]}
     runs = alike(press, 0.7, build, values)
     np.testing.assert_allclose(runs.crank_angle[:, 1::2], -runs.crank_angle[:, ::2], rtol=0, atol=BOUND)
@@ -294,7 +297,7 @@ def test_some_swing_back(textbook):
     inertia = 0.1 + 20 * 0.03**2 + 15 * 0.05**2 + 0.2 * 0.25**2 + 4.0  # crank, rod's middle at half the pin's speed, its turning, flywheel
     least = math.sqrt(2 * 9.80665 * (20 * 0.06 + 15 * 0.2 + 100 * 0.2) / inertia)
     speed = least * np.array([0.05, 0.3, -0.9, 0.99, 1.01, -1.1, 2.0])
-    runs = alike(textbook, 1.5, lambda speed: {"speed": speed, "flywheel": pp.Flywheel(4.0)}, {"speed": speed})
+    runs = alike(textbook, 1.5, lambda speed: {"speed": speed, "flywheel": pp.drives.Flywheel(4.0)}, {"speed": speed})
     np.testing.assert_array_equal(np.abs(runs.crank_angle).max(axis=0) > math.pi, np.abs(speed) > least)
     assert np.all((runs.crank_speed[:, :4].min(axis=0) < 0) & (runs.crank_speed[:, :4].max(axis=0) > 0))
 
@@ -303,8 +306,8 @@ def test_some_stall(press):
     """Their errors are those of their own runs; they rest where they stopped, with the works done up to there; the others go on."""
     build = lambda speed, m: {  # noqa: E731
         "speed": speed,
-        "flywheel": pp.Flywheel(50.0),
-        "drive": pp.ConstantTorque(m),
+        "flywheel": pp.drives.Flywheel(50.0),
+        "drive": pp.drives.ConstantTorque(m),
         "loads": [BLANK],
     }
     values = {"speed": [3.0, 31.0, 10.0, -4.0], "m": [100.0, 200.0, 300.0, -100.0]}
@@ -328,7 +331,7 @@ def test_some_stall(press):
 
 def test_before_a_stall_it_is_the_run(press):
     """The states before it are those of a run that ends before it."""
-    options = {"flywheel": pp.Flywheel(50.0), "drive": pp.ConstantTorque(300.0), "loads": [BLANK]}
+    options = {"flywheel": pp.drives.Flywheel(50.0), "drive": pp.drives.ConstantTorque(300.0), "loads": [BLANK]}
     runs = pp.simulate(press, 2.0, speed=np.array([10.0, 31.0]), points=201, **options)
     assert runs.errors[0].time > 1.5
     run = pp.simulate(press, 1.5, speed=10.0, points=151, **options)
@@ -350,7 +353,7 @@ def sets(draw):
 def test_random_sets(press, values, angle):
     def build(speed, j, m, f, s):
         load = loads.Blanking(f, 0.010, 0.005, stripping=s)
-        return {"speed": speed, "angle": angle, "flywheel": pp.Flywheel(j), "drive": pp.ConstantTorque(m), "loads": [load]}
+        return {"speed": speed, "angle": angle, "flywheel": pp.drives.Flywheel(j), "drive": pp.drives.ConstantTorque(m), "loads": [load]}
 
     alike(press, 0.4, build, values, points=31)
 
@@ -373,7 +376,7 @@ def test_a_scenario_is_a_full_run(press, three):
         np.testing.assert_array_equal(run.drive_work, single.drive_work)
         same(three, int(k) % 3, run)
     assert run.stats.energy_error < 1e-9
-    assert pp.duty(run).drive_work == pytest.approx(run.drive_work[-1], rel=1e-12)
+    assert pp.measures.duty(run).drive_work == pytest.approx(run.drive_work[-1], rel=1e-12)
     assert pp.inverse_dynamics(press, run).driving_torque.shape == (41,)
 
 
@@ -381,7 +384,7 @@ def test_a_scenario_keeps_its_own_values(press):
     """Of drive, flywheel and load, also inside a gear."""
     power, wheel, force = np.array([1e4, 3e4]), np.array([100.0, 200.0]), np.array([1e5, 5e5])
     drive = drives.Geared(drives.InductionMotor(power, 1465 * RPM), 5.0)
-    runs = pp.simulate(press, 0.3, speed=29.0, drive=drive, flywheel=pp.Flywheel(wheel), loads=[loads.Blanking(force, 0.010, 0.005)])
+    runs = pp.simulate(press, 0.3, speed=29.0, drive=drive, flywheel=pp.drives.Flywheel(wheel), loads=[loads.Blanking(force, 0.010, 0.005)])
     for k in range(2):
         run = runs[k]
         assert run.plan.line.inertia == wheel[k]
@@ -424,7 +427,7 @@ def test_a_press_without_a_slide(tmp_path):
         encoding="utf-8",
     )
     torque, speed = np.array([-2.0, 0.0, 5.0]), np.array([4.0, 5.0, 6.0])
-    runs = pp.simulate(pp.load(file), 2.0, speed=speed, drive=pp.ConstantTorque(torque), flywheel=pp.Flywheel(2.0), points=21)
+    runs = pp.simulate(pp.load(file), 2.0, speed=speed, drive=pp.drives.ConstantTorque(torque), flywheel=pp.drives.Flywheel(2.0), points=21)
     assert runs.slide_position is None
     time = runs.time[:, None]
     np.testing.assert_allclose(runs.crank_speed, speed + torque / 5 * time, rtol=1e-10)
@@ -434,18 +437,18 @@ def test_a_press_without_a_slide(tmp_path):
 # ----------------------------------------------------------------------------------------------------------------------- bad arguments
 
 BAD = {
-    "lengths": ({"speed": [30.0, 31.0], "flywheel": pp.Flywheel(np.array([1.0, 2.0, 3.0]))}, "speed 2.*inertia 3"),
-    "one and three": ({"speed": [30.0], "flywheel": pp.Flywheel(np.array([1.0, 2.0, 3.0]))}, "speed 1.*inertia 3"),
+    "lengths": ({"speed": [30.0, 31.0], "flywheel": pp.drives.Flywheel(np.array([1.0, 2.0, 3.0]))}, "speed 2.*inertia 3"),
+    "one and three": ({"speed": [30.0], "flywheel": pp.drives.Flywheel(np.array([1.0, 2.0, 3.0]))}, "speed 1.*inertia 3"),
     "lengths of loads": (
-        {"drive": pp.ConstantTorque(np.ones(2)), "loads": [loads.Piling(np.ones(3), 0.01)]},
+        {"drive": pp.drives.ConstantTorque(np.ones(2)), "loads": [loads.Piling(np.ones(3), 0.01)]},
         "value 2.*force 3",
     ),
     "angles": ({"speed": 30.0, "angle": [0.0, 1.0]}, "angle is an array"),
     "one angle in an array": ({"angle": np.array([0.0])}, "angle is an array"),
     "angle": ({"angle": math.nan}, "angle is nan"),
     "constraint": ({"method": "constraint"}, "reduced"),
-    "clutch": ({"clutch": pp.Clutch(1e3)}, "clutch"),
-    "brake": ({"brake": pp.Brake(1e3)}, "brake"),
+    "clutch": ({"clutch": pp.drives.Clutch(1e3)}, "clutch"),
+    "brake": ({"brake": pp.drives.Brake(1e3)}, "brake"),
     "step": ({"step": 1e-3}, "step"),
     "NaN": ({"speed": [30.0, math.nan]}, "speed is"),
     "infinite": ({"speed": [30.0, math.inf]}, "speed is"),
@@ -493,12 +496,12 @@ def test_bad_values_in_an_array():
         with pytest.raises(pp.PinpressError, match="rated_power"):
             drives.InductionMotor(np.array([1.0, wrong]), 150.0)
     with pytest.raises(pp.PinpressError, match="inertia"):
-        pp.Flywheel(np.array([1.0, math.nan]))
+        pp.drives.Flywheel(np.array([1.0, math.nan]))
 
 
 def test_no_inertia_in_one(press):
     """Only that one has an error."""
-    runs = pp.simulate(press, 0.2, speed=30.0, flywheel=pp.Flywheel(np.array([100.0, -100.0])))
+    runs = pp.simulate(press, 0.2, speed=30.0, flywheel=pp.drives.Flywheel(np.array([100.0, -100.0])))
     assert runs.errors[0] is None  # type: ignore[attr-defined]
     assert "inertia" in str(runs.errors[1])  # type: ignore[attr-defined]
 
@@ -506,8 +509,8 @@ def test_no_inertia_in_one(press):
 def test_arrays_that_are_no_scenarios(press):
     """Vectors of forces and points, curves and programs are one value, however they are written."""
     point = np.array([0.0, 0.0, -0.1])
-    spring = pp.SpringDamper("frame", "slide", stiffness=1e4, damping=10.0, free_length=0.4, point1=point)
-    for load in (pp.PointForce("slide", np.array([0.0, 0.0, -100.0]), point=point), spring):
+    spring = pp.loads.SpringDamper("frame", "slide", stiffness=1e4, damping=10.0, free_length=0.4, point1=point)
+    for load in (pp.loads.PointForce("slide", np.array([0.0, 0.0, -100.0]), point=point), spring):
         run = pp.simulate(press, 0.1, speed=30.0, flywheel=WHEEL, loads=[load])
         assert isinstance(run, pp.Run)
     table = loads.ForceStroke(np.array([0.0, 0.01]), np.array([1e3, 0.0]))
@@ -610,7 +613,7 @@ def test_only_a_dataclass_declares_scenarios(press):
 
 def test_every_scenario_keeps_its_energy(press):
     """Of those solved together, and of those that stall, which run alone, up to there."""
-    options = {"flywheel": pp.Flywheel(50.0), "drive": pp.ConstantTorque(np.array([300.0, 200.0, -300.0])), "loads": [BLANK]}
+    options = {"flywheel": pp.drives.Flywheel(50.0), "drive": pp.drives.ConstantTorque(np.array([300.0, 200.0, -300.0])), "loads": [BLANK]}
     runs = pp.simulate(press, 1.8, speed=[10.0, 31.0, 4.0], **options)
     assert [error is None for error in runs.errors] == [False, True, False]
     assert runs.energy_error.shape == (3,)

@@ -10,10 +10,10 @@ from hypothesis import assume, given
 from random_linkages import drawn, linkages
 
 import pinpress as pp
-from pinpress.geometry import reshaped
-from pinpress.sensitivities import STEP, motion_derivatives
-from pinpress.sensitivities_pivots import Displacements, directed, nowhere, pivot_positions
-from pinpress.synthesis_designs import Design, Start
+from pinpress.derivatives.motion import STEP, motion_derivatives
+from pinpress.derivatives.pivots import Displacements, directed, nowhere, pivot_positions
+from pinpress.derivatives.reshape import reshaped
+from pinpress.synthesis.design import Design, Start
 
 SPEED = 7.0
 MOTION = ("joint_position", "v", "a", "slide_position", "slide_velocity", "slide_acceleration")
@@ -141,7 +141,7 @@ def check_trials(press, motion, along, loads=()):
 def test_reaction_derivatives_are_those_of_changed_presses(name):
     """With a constant force on a link."""
     press = texts.shipped(name)
-    load = pp.PointForce(press.links[1], (2e3, 0.0, -5e3), (0.1, 0.0, 0.05))
+    load = pp.loads.PointForce(press.links[1], (2e3, 0.0, -5e3), (0.1, 0.0, 0.05))
     check_trials(press, pp.cycle(press, SPEED, 24), direction(press, np.random.default_rng(4)), [load])
 
 
@@ -156,7 +156,7 @@ def test_a_process_load_follows_the_slide():
 def test_a_trial_shows_the_motion_and_reactions_of_its_press(name):
     press = texts.shipped(name)
     motion = pp.cycle(press, SPEED, 24)
-    load = pp.PointForce(press.links[1], (2e3, 0.0, -5e3), (0.1, 0.0, 0.05))
+    load = pp.loads.PointForce(press.links[1], (2e3, 0.0, -5e3), (0.1, 0.0, 0.05))
     design = start(press, motion, direction(press, np.random.default_rng(6)), [load])
     slope = design.slopes[0]
     trial = design.next({"s": 0.01}, Displacements(0.01 * slope.joints, 0.01 * slope.ends), [slope]).trial()

@@ -15,7 +15,8 @@ from test_simulation_extremes import acceleration, inertia, potential
 from time_limit import _limit  # noqa: F401 (a fixture)
 
 import pinpress as pp
-from pinpress import drives, loads
+from pinpress.drives import transmission as drives
+from pinpress.loads import process as loads
 
 METHODS = ("reduced", "constraint")
 
@@ -75,15 +76,15 @@ CLEAR = {
     "over the top": {"angle": math.pi, "speed": 0.5},
     "at rest at the bottom": {},
     "swinging": {"speed": 2.0},
-    "with a flywheel": {"speed": 20.0, "flywheel": pp.Flywheel(20.0)},
-    "started from the top by a motor": {"angle": math.pi, "drive": pp.ConstantTorque(300.0), "flywheel": pp.Flywheel(20.0)},
+    "with a flywheel": {"speed": 20.0, "flywheel": pp.drives.Flywheel(20.0)},
+    "started from the top by a motor": {"angle": math.pi, "drive": pp.drives.ConstantTorque(300.0), "flywheel": pp.drives.Flywheel(20.0)},
     "held at the top by a servo": {
         "angle": math.pi,
         "drive": drives.ServoMotor((0.0, 0.2, 0.4), (math.pi, math.pi, 4.0), 1e4, 1e3, 1e4, inertia=1.0),
     },
-    "held at the top by a brake": {"angle": math.pi, "brake": pp.Brake(500.0)},
-    "stopped by a brake": {"speed": 8.0, "flywheel": pp.Flywheel(5.0), "brake": pp.Brake(2000.0, pp.At(time=0.05))},
-    "on a die": {"speed": 8.0, "flywheel": pp.Flywheel(5.0), "loads": [loads.ElasticDie(0.02, 1e5)]},
+    "held at the top by a brake": {"angle": math.pi, "brake": pp.drives.Brake(500.0)},
+    "stopped by a brake": {"speed": 8.0, "flywheel": pp.drives.Flywheel(5.0), "brake": pp.drives.Brake(2000.0, pp.drives.At(time=0.05))},
+    "on a die": {"speed": 8.0, "flywheel": pp.drives.Flywheel(5.0), "loads": [loads.ElasticDie(0.02, 1e5)]},
 }
 
 

@@ -62,7 +62,7 @@ def test_drives_and_flywheels(legs):
     """Two drives and a flywheel by the names of their joints: the torques that the motion needs are those, less the flywheel's."""
     first, second = legs.drivers[0], legs.drivers[5]
     motor = pp.drives.Geared(pp.drives.InductionMotor(100.0, 1440 * pp.RPM, inertia=1e-4), 50.0)
-    drive, flywheel = {first: pp.ConstantTorque(2.0), second: motor}, {first: pp.Flywheel(0.1)}
+    drive, flywheel = {first: pp.drives.ConstantTorque(2.0), second: motor}, {first: pp.drives.Flywheel(0.1)}
     run = pp.simulate(legs, 0.05, method="constraint", drive=drive, flywheel=flywheel)
     needed = np.zeros_like(run.drive_torque)
     needed[:, 0] = 2.0 - 0.1 * run.crank_acceleration[:, 0]
@@ -77,12 +77,12 @@ def test_drives_and_flywheels(legs):
     ("arguments", "message"),
     [
         ({"method": "reduced"}, "method='constraint' simulates it"),
-        ({"drive": pp.ConstantTorque(1.0)}, r"give drive as \{joint: Drive\}"),
-        ({"drive": {"elbow": pp.ConstantTorque(1.0)}}, "no driver 'elbow'"),
+        ({"drive": pp.drives.ConstantTorque(1.0)}, r"give drive as \{joint: Drive\}"),
+        ({"drive": {"elbow": pp.drives.ConstantTorque(1.0)}}, "no driver 'elbow'"),
         ({"drive": {"left-roll-op": 5.0}}, "drive of 'left-roll-op' is 5.0"),
         ({"drive": {"left-roll-op": pp.drives.ServoMotor([0, 1], [0, 1], 1.0, 1.0, 1.0)}}, "torque depends on speed alone"),
         ({"speed": [1.0, 2.0]}, "one of each of the 12 drivers"),
-        ({"brake": pp.Brake(5.0)}, "clutch and brake are for one"),
+        ({"brake": pp.drives.Brake(5.0)}, "clutch and brake are for one"),
     ],
 )
 def test_wrong_arguments(legs, arguments, message):

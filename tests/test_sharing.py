@@ -139,7 +139,7 @@ def folder(tmp_path_factory):
 def case(name, folder):
     made = LINKAGES[name]()
     press = made if isinstance(made, pp.Linkage) else load(made, folder)
-    loads = [pp.PointForce(link, (100.0, -300.0, 900.0), (0.05, 0.1, -0.1)) for link in press.links[1:3]]
+    loads = [pp.loads.PointForce(link, (100.0, -300.0, 900.0), (0.05, 0.1, -0.1)) for link in press.links[1:3]]
     return Case(press, pp.cycle(press, **SERVO), loads)
 
 
@@ -333,7 +333,7 @@ def test_a_stiffness_that_idle_forces_do_not_reach(folder, name, bearing, engine
 def test_a_soft_rod_carries_nothing_but_itself(folder, engine):
     """A millionth of the others' stiffness: what is left along it is a millionth, and what its own mass needs."""
     press, motion, _ = case("three_rods", folder)
-    heavy = [pp.PointForce("slide", (0.0, 0.0, 1e6))]
+    heavy = [pp.loads.PointForce("slide", (0.0, 0.0, 1e6))]
     stiffness = {"W0": 1e9, "W1": 1e3, "W2": 1e9}
     loaded, idle = (pp.inverse_dynamics(press, motion, loads, stiffness=stiffness, engine=engine) for loads in (heavy, []))
     share = {name: np.abs(loaded.bearing_force[name] - idle.bearing_force[name]).max() for name in stiffness}
@@ -422,7 +422,7 @@ def test_links_side_by_side(tmp_path, spec, count, soft):
     low, high = (-np.inf, np.inf) if press.branch.period else press.branch.angles[[0, -1]]
     angle = rng.uniform(max(-0.05, 0.5 * low), min(0.05, 0.5 * high), 2)
     motion = pp.cycle(press, angle=angle, speed=rng.uniform(-10, 10, 2), acceleration=rng.uniform(-50, 50, 2))
-    loads = [pp.PointForce(str(rng.choice(press.links)), 100 * rng.normal(size=3), tuple(rng.normal(size=3)))]
+    loads = [pp.loads.PointForce(str(rng.choice(press.links)), 100 * rng.normal(size=3), tuple(rng.normal(size=3)))]
     stiffness = {name: 10 ** rng.uniform(8, 9) for name in press.bearings if soft and rng.integers(2)}
     states = [cut_free(press, motion, i, loads, stiffness) for i in range(2)]
     reached = np.any([state.open for state in states], axis=0)

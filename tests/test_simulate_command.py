@@ -16,10 +16,13 @@ import pytest
 import texts
 
 import pinpress as pp
-from pinpress import __main__, command_output, command_simulate, scene_words
-from pinpress.drives import Geared, InductionMotor, InverterMotor, PrescribedSpeed, ServoMotor, SlipClutchMotor
-from pinpress.loads import Blanking, DeepDrawing, ElasticDie, ForceStroke, Idle, Piling
-from pinpress.simulation_summary import FIRST_STROKES, MOST_STROKES
+from pinpress.cli import main as __main__
+from pinpress.cli import options as command_output
+from pinpress.cli import part_specs as scene_words
+from pinpress.cli import simulate as command_simulate
+from pinpress.drives.transmission import Geared, InductionMotor, InverterMotor, PrescribedSpeed, ServoMotor, SlipClutchMotor
+from pinpress.loads.process import Blanking, DeepDrawing, ElasticDie, ForceStroke, Idle, Piling
+from pinpress.simulation.summary import FIRST_STROKES, MOST_STROKES
 
 ROOT = Path(__file__).resolve().parent.parent
 MOTOR = "induction:rated_power=75e3,rated_speed=1400,inertia=1.2,ratio=20.7,efficiency=0.95"
@@ -58,7 +61,7 @@ def value(text: str, section: str, name: str) -> float:
 
 def agree(text: str, press: pp.Linkage, run: pp.Run, loads: list[Any]) -> None:
     """Every number of the summary is the library's."""
-    whole, result = pp.duty(run), pp.inverse_dynamics(press, run, loads=loads)
+    whole, result = pp.measures.duty(run), pp.inverse_dynamics(press, run, loads=loads)
     expected = {
         ("At the end", "crank angle"): np.degrees(run.crank_angle[-1]),
         ("At the end", "crank speed"): run.crank_speed[-1] / pp.RPM,
@@ -82,7 +85,7 @@ def agree(text: str, press: pp.Linkage, run: pp.Run, loads: list[Any]) -> None:
         assert value(text, section, name) == pytest.approx(number, rel=DIGITS, abs=6e-4), (section, name)  # or three decimals
     for name, force in result.bearing_force.items():
         assert value(text, "Bearings", name) == pytest.approx(np.linalg.norm(force, axis=1).max(), rel=DIGITS, abs=0.5)
-    strokes = pp.strokes(run)
+    strokes = pp.measures.strokes(run)
     rows = [line.split() for line in text.split("\n\n") if line.startswith("Strokes") for line in line.split("\n")[2:]]
     kept = [k for k in range(len(strokes)) if len(strokes) <= MOST_STROKES or k < FIRST_STROKES or k == len(strokes) - 1]
     assert [row for row in rows if row[0] != "..."] == [
@@ -102,7 +105,7 @@ def agree(text: str, press: pp.Linkage, run: pp.Run, loads: list[Any]) -> None:
 def test_prints_what_the_library_gives(capsys: pytest.CaptureFixture[str]) -> None:
     text = printed(capsys, *PRESSING, "--duration", 2)
     press, load = texts.shipped("zxn2_3000b"), Blanking(2e6, 0.006, 0.002)
-    run = pp.simulate(press, 2.0, 70 * pp.RPM, drive=motor(), flywheel=pp.Flywheel(2000.0), loads=[load])
+    run = pp.simulate(press, 2.0, 70 * pp.RPM, drive=motor(), flywheel=pp.drives.Flywheel(2000.0), loads=[load])
     agree(text, press, run, [load])
     assert f"\n  {'drive':26}{MOTOR}\n" in text
     assert f"\n  {'load':26}{BLANKING}\n" in text
@@ -139,7 +142,7 @@ def test_files(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
     text = printed(capsys, *PRESSING, "--duration", 2, "--points", 200, "--out", out)
     assert all(str(out / name) in text for name in ("simulation.csv", "strokes.csv", "recording.html"))
     press, load = texts.shipped("zxn2_3000b"), Blanking(2e6, 0.006, 0.002)
-    run = pp.simulate(press, 2.0, 70 * pp.RPM, drive=motor(), flywheel=pp.Flywheel(2000.0), loads=[load], points=200)
+    run = pp.simulate(press, 2.0, 70 * pp.RPM, drive=motor(), flywheel=pp.drives.Flywheel(2000.0), loads=[load], points=200)
     result = pp.inverse_dynamics(press, run, loads=[load])
     simulation = read(out / "simulation.csv")
     assert len(simulation["time [s]"]) == 200
@@ -152,8 +155,8 @@ def test_files(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
         "force_E_z [N]": result.bearing_force["E"][:, 2],
     }.items():
         np.testing.assert_array_equal(simulation[name], values)
-    strokes, found = read(out / "strokes.csv"), pp.strokes(run)
-    assert [name.partition(" [")[0] for name in strokes] == [field.name for field in dataclasses.fields(pp.Duty)]
+    strokes, found = read(out / "strokes.csv"), pp.measures.strokes(run)
+    assert [name.partition(" [")[0] for name in strokes] == [field.name for field in dataclasses.fields(pp.measures.Duty)]
     for name, column in strokes.items():
         assert column.tolist() == [getattr(stroke, name.partition(" [")[0]) for stroke in found]
     page = (out / "recording.html").read_text(encoding="utf-8")
@@ -180,11 +183,11 @@ def read(path: Path) -> dict[str, np.ndarray[Any, Any]]:
 def test_steady(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
     text = printed(capsys, *PRESSING, "--steady", "--angle", 30, "--out", tmp_path)
     press, load = texts.shipped("zxn2_3000b"), Blanking(2e6, 0.006, 0.002)
-    run = pp.steady_state(press, 70 * pp.RPM, motor(), pp.Flywheel(2000.0), [load], angle=np.radians(30))
+    run = pp.steady_state(press, 70 * pp.RPM, motor(), pp.drives.Flywheel(2000.0), [load], angle=np.radians(30))
     agree(text, press, run, [load])
     assert "steady state" in text.splitlines()[0]
     assert value(text, "At the end, as at the start", "crank angle") == 390
-    assert value(text, "Crank speed", "from lowest to highest") == pytest.approx(pp.duty(run).recovery_time, rel=DIGITS)
+    assert value(text, "Crank speed", "from lowest to highest") == pytest.approx(pp.measures.duty(run).recovery_time, rel=DIGITS)
     assert value(text, "Work", "drive") == pytest.approx(value(text, "Work", "loads"), rel=DIGITS)  # or it were not steady
     assert len(read(tmp_path / "strokes.csv")["start [s]"]) == 1
 
@@ -201,9 +204,9 @@ def test_clutch_and_brake(capsys: pytest.CaptureFixture[str]) -> None:
         press,
         1.5,
         drive=motor(),
-        flywheel=pp.Flywheel(2000.0, speed=70 * pp.RPM),
-        clutch=pp.Clutch(6e4, pp.At(time=0.2), pp.At(angle=angle), rise=0.1),
-        brake=pp.Brake(4e4, pp.At(angle=angle)),
+        flywheel=pp.drives.Flywheel(2000.0, speed=70 * pp.RPM),
+        clutch=pp.drives.Clutch(6e4, pp.drives.At(time=0.2), pp.drives.At(angle=angle), rise=0.1),
+        brake=pp.drives.Brake(4e4, pp.drives.At(angle=angle)),
     )
     agree(text, press, run, [])
     assert value(text, "Work", "lost") > 1000
@@ -233,7 +236,7 @@ def test_every_option_reaches_the_simulation(capsys: pytest.CaptureFixture[str],
         "speed": 120 * pp.RPM,
         "angle": np.radians(90),
         "drive": None,
-        "flywheel": pp.Flywheel(10.0),
+        "flywheel": pp.drives.Flywheel(10.0),
         "method": "constraint",
         "clutch": None,
         "brake": None,
@@ -248,7 +251,7 @@ def test_driver_and_slide(capsys: pytest.CaptureFixture[str]) -> None:
     """Driven at the rocker's pivot the six-bar is another machine."""
     text = printed(capsys, "zxn2_3000b", "--driver", "D", "--slide", "slide", "--duration", 0.05, "--flywheel", 5000, "--speed", 3)
     press = pp.load("zxn2_3000b", driver="D")
-    agree(text, press, pp.simulate(press, 0.05, 3 * pp.RPM, flywheel=pp.Flywheel(5000.0)), [])
+    agree(text, press, pp.simulate(press, 0.05, 3 * pp.RPM, flywheel=pp.drives.Flywheel(5000.0)), [])
     assert "no moving joint 'Q'" in refused(capsys, "zxn2_3000b", "--driver", "Q", "--duration", 1)
     assert "'rod' is not guided" in refused(capsys, "zxn2_3000b", "--slide", "rod", "--duration", 1)
 
@@ -269,8 +272,8 @@ def files(tmp_path: Path) -> dict[str, Path]:
 def test_every_kind_of_drive(files: dict[str, Path]) -> None:
     rpm = pp.RPM
     cases = {
-        "constant:value=-567": pp.ConstantTorque(-567.0),
-        "constant:value=567,ratio=3,gear_inertia=2,efficiency=0.9": Geared(pp.ConstantTorque(567.0), 3.0, 2.0, 0.9),
+        "constant:value=-567": pp.drives.ConstantTorque(-567.0),
+        "constant:value=567,ratio=3,gear_inertia=2,efficiency=0.9": Geared(pp.drives.ConstantTorque(567.0), 3.0, 2.0, 0.9),
         "induction:rated_power=75e3,rated_speed=985,poles=6": InductionMotor(75e3, 985 * rpm, poles=6),
         MOTOR: motor(),
         f"inverter:rated_torque=482,rated_speed=1485,frequency=40,curve={files['curve']}": InverterMotor(

@@ -22,8 +22,16 @@ from hypothesis import assume, given
 from spatial_linkages import bennett, four_bar
 
 import pinpress as pp
-from pinpress import accuracy_scenes, crank_alone, drives, loads, machine, methods, modes, simulation, turning
-from pinpress.measurements import SPEED_LAW
+from pinpress.accuracy import scenes as accuracy_scenes
+from pinpress.accuracy.measurements import SPEED_LAW
+from pinpress.drives import transmission as drives
+from pinpress.loads import process as loads
+from pinpress.simulation import angle_solver as turning
+from pinpress.simulation import hybrid_system as machine
+from pinpress.simulation import modes
+from pinpress.simulation import reduced_dynamics as crank_alone
+from pinpress.simulation import simulate as simulation
+from pinpress.simulation import solvers as methods
 
 REFERENCE = Path(__file__).parent / "reference"
 ZXN2 = json.loads((REFERENCE / "zxn2_3000b.json").read_text(encoding="utf-8"))["forward"]
@@ -70,7 +78,7 @@ def disc(loaded):
 
 def zhang(press, duration, **options):
     """Zhang's run, or with what the options change."""
-    settings = {"speed": W0, "drive": pp.ConstantTorque(M0), "flywheel": pp.Flywheel(J0)} | options
+    settings = {"speed": W0, "drive": pp.drives.ConstantTorque(M0), "flywheel": pp.drives.Flywheel(J0)} | options
     return pp.simulate(press, duration, **settings)
 
 
@@ -95,7 +103,7 @@ def same(run, solution, bound=1e-8, work=1e-8):
 @pytest.mark.parametrize("inertia", [2000, 500])
 def test_zxn2_runs_free(inertia, method):
     """With 500 kg m2 it cannot climb to top dead centre, and swings back."""
-    run = pp.simulate(texts.shipped("zxn2_3000b"), 2.0, speed=70 * pp.RPM, flywheel=pp.Flywheel(float(inertia)), method=method)
+    run = pp.simulate(texts.shipped("zxn2_3000b"), 2.0, speed=70 * pp.RPM, flywheel=pp.drives.Flywheel(float(inertia)), method=method)
     expected = ZXN2[f"J0_{inertia}_before_gravity"]
     assert run.time[-1] == 2.0
     assert abs(run.crank_angle[-1] - expected["theta_2s"]) < 1e-9
@@ -225,7 +233,7 @@ def test_the_fixed_step_with_loads(press, method, name):
 
 def test_energy_over_a_thousand_turns(press):
     """From an angle at which the inertia changes: what a period begins with is what the one before ended with, or it would grow."""
-    run = pp.simulate(press, 200.0, speed=300 * pp.RPM, angle=1.0, flywheel=pp.Flywheel(J0), points=501)
+    run = pp.simulate(press, 200.0, speed=300 * pp.RPM, angle=1.0, flywheel=pp.drives.Flywheel(J0), points=501)
     assert run.crank_angle[-1] > 1000 * 2 * math.pi * 0.99
     assert run.stats.energy_error < 3e-12
     assert run.stats.closure_error < 1e-10
@@ -233,7 +241,7 @@ def test_energy_over_a_thousand_turns(press):
 
 
 def test_energy_of_the_constraint_method(press):
-    run = pp.simulate(press, 8.0, speed=300 * pp.RPM, flywheel=pp.Flywheel(J0), method="constraint", points=800)
+    run = pp.simulate(press, 8.0, speed=300 * pp.RPM, flywheel=pp.drives.Flywheel(J0), method="constraint", points=800)
     assert run.crank_angle[-1] > 40 * 2 * math.pi * 0.99
     assert run.stats.energy_error < 4e-8
     assert run.stats.closure_error < 1e-10
@@ -360,7 +368,7 @@ def test_a_start_anywhere(press, method, start):
 @pytest.mark.parametrize("name", ["blanking", "stripping", "table", "damped_die"])
 def test_backwards(press, method, name):
     """A crank that turns the other way works the same strokes."""
-    run = zhang(press, 0.3, speed=-W0, drive=pp.ConstantTorque(-M0), loads=[CASES[name][0]], points=31, method=method)
+    run = zhang(press, 0.3, speed=-W0, drive=pp.drives.ConstantTorque(-M0), loads=[CASES[name][0]], points=31, method=method)
     same(run, pressed(name, 0.3, 31, way=-1))
 
 
@@ -384,7 +392,7 @@ def test_swings_from_rest(press, method):
         Window(0.05, -1.0, 0, lambda h, v: 2000.0),
         Window(0.020, 0.012, -1, lambda h, v: 400 * math.sin(math.pi * (0.020 - h) / 0.008)),
     ]
-    run = zhang(press, 8.0, speed=0.0, angle=1.0, drive=None, flywheel=pp.Flywheel(20.0), loads=acting, points=81, method=method)
+    run = zhang(press, 8.0, speed=0.0, angle=1.0, drive=None, flywheel=pp.drives.Flywheel(20.0), loads=acting, points=81, method=method)
     solution = equation.solve(run.time, 0.0, 20.0, angle=1.0, windows=windows)
     assert sum(speed == 0 for _, _, speed in solution.crossings) >= 2
     same(run, solution)
@@ -403,7 +411,7 @@ def test_a_stroke_it_cannot_finish(press, method):
 
 def test_a_drive_that_pulls_back(press, method):
     """The load resists the way down alone: a drive the other way takes the stalled press back."""
-    run = zhang(press, 1.2, speed=9.0, drive=pp.ConstantTorque(-500.0), loads=[LOADS["blanking_1250kN"]], points=61, method=method)
+    run = zhang(press, 1.2, speed=9.0, drive=pp.drives.ConstantTorque(-500.0), loads=[LOADS["blanking_1250kN"]], points=61, method=method)
     solution = equation.solve(run.time, 9.0, J0, torque=lambda *_: -500.0, windows=[BLANK])
     assert run.crank_speed.min() < 0 < run.crank_speed.max()
     same(run, solution)
@@ -499,7 +507,7 @@ def servo_motor():
 
 
 DRIVES = {
-    "constant": lambda: Driven(pp.ConstantTorque(M0), W0, 0.45, 0.0, {"torque": constant}),
+    "constant": lambda: Driven(pp.drives.ConstantTorque(M0), W0, 0.45, 0.0, {"torque": constant}),
     "induction": lambda: Driven(
         drives.InductionMotor(3e4, 30.5, poles=20, inertia=6.0),
         30.0,
@@ -543,7 +551,7 @@ def test_a_drive(press, method, name, load):
 @pytest.mark.parametrize("name", ["geared", "lossy_induction", "slip_clutch", "inverter"])
 def test_a_drive_through_standstill(press, method, name):
     """Braked and turned round by its drive, or brought forward; with losses in the gears its torque jumps there."""
-    geared = Driven(drives.Geared(pp.ConstantTorque(-400.0), 1.0, 0.0, 0.9), 3.0, 1.5, 0.0, {})
+    geared = Driven(drives.Geared(pp.drives.ConstantTorque(-400.0), 1.0, 0.0, 0.9), 3.0, 1.5, 0.0, {})
     geared.options["torque"] = lambda t, q, w, s: -400.0 * (0.9 if w <= 0 else 1 / 0.9)
     case = geared if name == "geared" else DRIVES[name]()
     speed = 3.0 if name == "geared" else -4.0
@@ -569,7 +577,7 @@ def test_swings_through_both_limits_of_a_drive():
     progress goes forward, and the motion that the other method finds."""
     press, told = texts.shipped("crank_slide"), []
     motor = drives.Geared(drives.InverterMotor(0.0147, 1440 * pp.RPM, 50.0), 72.455)
-    options = {"speed": -2.07, "angle": 7.3377, "flywheel": pp.Flywheel(1.846), "drive": motor, "points": 31}
+    options = {"speed": -2.07, "angle": 7.3377, "flywheel": pp.drives.Flywheel(1.846), "drive": motor, "points": 31}
     run, other = pp.simulate(press, 1.147, progress=told.append, **options), pp.simulate(press, 1.147, method="constraint", **options)
     assert told == sorted(told)
     assert run.stats.energy_error < 1e-9
@@ -580,7 +588,7 @@ def test_swings_through_both_limits_of_a_drive():
 def test_a_prescribed_speed(press, speed):
     """The torque that it takes, in closed form, whatever the flywheel; for the drive's work the slide's is added to what is stored."""
     load, windows = CASES["stripping"]
-    run = pp.simulate(press, 0.5, drive=drives.PrescribedSpeed(speed), flywheel=pp.Flywheel(J0), loads=[load], points=101, angle=0.3)
+    run = pp.simulate(press, 0.5, drive=drives.PrescribedSpeed(speed), flywheel=pp.drives.Flywheel(J0), loads=[load], points=101, angle=0.3)
     np.testing.assert_allclose(run.crank_angle, 0.3 + speed * run.time, rtol=0, atol=1e-9)
     np.testing.assert_allclose(run.crank_speed, speed, rtol=1e-12)
     np.testing.assert_allclose(run.crank_acceleration, 0, atol=1e-6)
@@ -622,8 +630,8 @@ def close(run, angle, speed, lost=None, own=None):
 def test_a_clutch_joins_two_inertias(disc, method, second, rise):
     """J1 at 20 rad/s, J2 at another speed: 1/2 J1 J2 / (J1 + J2) dw^2 are lost, whatever the torque does on the way."""
     j1, first, torque, at = 5.0, 20.0, 90.0, 0.1
-    clutch = pp.Clutch(torque, closes=pp.At(time=at), rise=rise)
-    run = spin(disc, method, 1.0, speed=second, flywheel=pp.Flywheel(j1, speed=first), clutch=clutch)
+    clutch = pp.drives.Clutch(torque, closes=pp.drives.At(time=at), rise=rise)
+    run = spin(disc, method, 1.0, speed=second, flywheel=pp.drives.Flywheel(j1, speed=first), clutch=clutch)
     both, difference = j1 * J2 / (j1 + J2), first - second
     sign, end = math.copysign(1, difference), (j1 * first + J2 * second) / (j1 + J2)
     joined = at + both * abs(difference) / torque + rise / 2  # longer than the rise
@@ -650,14 +658,18 @@ def test_a_clutch_joins_two_inertias(disc, method, second, rise):
 
 def test_a_clutch_that_is_overloaded(disc, method):
     """The drive gives more than the closed clutch can pass on to the disc: it slips from the start."""
-    run = spin(disc, method, 0.5, speed=3.0, drive=pp.ConstantTorque(100.0), flywheel=pp.Flywheel(1.0), clutch=pp.Clutch(50.0))
+    run = spin(
+        disc, method, 0.5, speed=3.0, drive=pp.drives.ConstantTorque(100.0), flywheel=pp.drives.Flywheel(1.0), clutch=pp.drives.Clutch(50.0)
+    )
     assert 100.0 * J2 / (1.0 + J2) > 50.0
     close(run, lambda t: 3 * t + 50 / J2 * t * t / 2, lambda t: 3 + 50 / J2 * t, own=lambda t: 3 + 50 * t)
 
 
 def test_a_clutch_that_holds(disc, method):
     """As long as the torque through it stays below its own."""
-    run = spin(disc, method, 0.5, speed=3.0, drive=pp.ConstantTorque(100.0), flywheel=pp.Flywheel(1.0), clutch=pp.Clutch(80.0))
+    run = spin(
+        disc, method, 0.5, speed=3.0, drive=pp.drives.ConstantTorque(100.0), flywheel=pp.drives.Flywheel(1.0), clutch=pp.drives.Clutch(80.0)
+    )
     close(run, lambda t: 3 * t + 12.5 * t * t, lambda t: 3 + 25 * t, lost=lambda t: 0 * t, own=lambda t: 3 + 25 * t)
 
 
@@ -667,9 +679,9 @@ def test_a_clutch_opens(disc, method):
         method,
         0.6,
         speed=3.0,
-        drive=pp.ConstantTorque(100.0),
-        flywheel=pp.Flywheel(1.0),
-        clutch=pp.Clutch(80.0, opens=pp.At(time=0.2)),
+        drive=pp.drives.ConstantTorque(100.0),
+        flywheel=pp.drives.Flywheel(1.0),
+        clutch=pp.drives.Clutch(80.0, opens=pp.drives.At(time=0.2)),
     )
     speed = lambda t: 3 + 25 * np.minimum(t, 0.2)  # noqa: E731
     angle = lambda t: 3 * t + 12.5 * np.minimum(t, 0.2) ** 2 + 5 * np.clip(t - 0.2, 0, None)  # noqa: E731
@@ -681,7 +693,7 @@ def test_a_clutch_opens(disc, method):
 def test_a_brake(disc, method, speed, rise):
     """It stops the disc in closed form, and holds it."""
     torque, at = 60.0, 0.15
-    run = spin(disc, method, 1.5, speed=speed, brake=pp.Brake(torque, closes=pp.At(time=at), rise=rise))
+    run = spin(disc, method, 1.5, speed=speed, brake=pp.drives.Brake(torque, closes=pp.drives.At(time=at), rise=rise))
     stop = at + J2 * abs(speed) / torque + rise / 2  # longer than the rise
     assert at + rise < stop < 1.4
 
@@ -704,13 +716,13 @@ def test_a_brake(disc, method, speed, rise):
 @pytest.mark.parametrize(("torque", "holds"), [(40.0, True), (70.0, False)])
 def test_a_brake_against_a_drive(disc, method, torque, holds):
     """Closed from the start, at rest: up to its torque of 60 N m it holds the drive."""
-    run = spin(disc, method, 0.4, drive=pp.ConstantTorque(torque), brake=pp.Brake(60.0))
+    run = spin(disc, method, 0.4, drive=pp.drives.ConstantTorque(torque), brake=pp.drives.Brake(60.0))
     close(run, lambda t: (0 if holds else 10 / J2) * t * t / 2, lambda t: (0 if holds else 10 / J2) * t)
     np.testing.assert_allclose(run.lost, 60.0 * run.crank_angle, rtol=0, atol=1e-7)
 
 
 def test_a_brake_opens(disc, method):
-    run = spin(disc, method, 0.5, drive=pp.ConstantTorque(40.0), brake=pp.Brake(60.0, opens=pp.At(time=0.2)))
+    run = spin(disc, method, 0.5, drive=pp.drives.ConstantTorque(40.0), brake=pp.drives.Brake(60.0, opens=pp.drives.At(time=0.2)))
     since = lambda t: np.clip(t - 0.2, 0, None)  # noqa: E731
     close(run, lambda t: 40 / J2 * since(t) ** 2 / 2, lambda t: 40 / J2 * since(t), lost=lambda t: 0 * t)
 
@@ -718,9 +730,15 @@ def test_a_brake_opens(disc, method):
 def test_a_single_stroke(disc, method):
     """The clutch takes the disc along, opens after a turn, and the brake stops it there; the flywheel turns on."""
     j1, first, torque, turn = 50.0, 20.0, 600.0, 2 * math.pi
-    clutch = pp.Clutch(torque, closes=pp.At(time=0.05), opens=pp.At(angle=turn))
+    clutch = pp.drives.Clutch(torque, closes=pp.drives.At(time=0.05), opens=pp.drives.At(angle=turn))
     run = spin(
-        disc, method, 1.0, flywheel=pp.Flywheel(j1, speed=first), clutch=clutch, brake=pp.Brake(300.0, closes=pp.At(angle=turn)), points=101
+        disc,
+        method,
+        1.0,
+        flywheel=pp.drives.Flywheel(j1, speed=first),
+        clutch=clutch,
+        brake=pp.drives.Brake(300.0, closes=pp.drives.At(angle=turn)),
+        points=101,
     )
     both = j1 * J2 / (j1 + J2)
     slips = both * first / torque
@@ -739,7 +757,7 @@ def test_a_single_stroke(disc, method):
 def test_braking_a_press(press, method):
     """The JF75G-125 in the exact equation: while it slips, a brake is a constant torque against the motion."""
     at, torque = 0.1, 20_000.0
-    run = zhang(press, 0.5, brake=pp.Brake(torque, closes=pp.At(time=at)), points=101, method=method)
+    run = zhang(press, 0.5, brake=pp.drives.Brake(torque, closes=pp.drives.At(time=at)), points=101, method=method)
     solution = equation.solve(run.time, W0, J0, torque=lambda t, q, w, s: M0 - (torque if t > at else 0.0), instants=[at])
     stop, angle = next((time, angle) for time, angle, speed in solution.crossings if speed == 0)
     moving = run.time < stop
@@ -756,7 +774,9 @@ def test_braking_a_press(press, method):
 def test_engaging_a_press(press, method):
     """The clutch takes the standing JF75G-125 along: a constant torque on either side, then one mass."""
     torque = 2000.0
-    run = zhang(press, 0.2, speed=0.0, flywheel=pp.Flywheel(J0, speed=W0), clutch=pp.Clutch(torque), points=801, method=method)
+    run = zhang(
+        press, 0.2, speed=0.0, flywheel=pp.drives.Flywheel(J0, speed=W0), clutch=pp.drives.Clutch(torque), points=801, method=method
+    )
     solution = equation.solve(run.time, 0.0, 0.0, torque=lambda *_: torque)
     own = W0 + (M0 - torque) / J0 * run.time
     end = int(np.argmax(solution.speed >= own))
@@ -775,7 +795,7 @@ def test_engaging_a_press(press, method):
 
 def test_a_clutch_that_slips_again(press):
     """200 N m take the crank along, but not through the changes of its inertia at full speed, 700 N m: it slips to and fro."""
-    options = {"speed": 0.0, "flywheel": pp.Flywheel(J0, speed=W0), "clutch": pp.Clutch(200.0), "points": 201}
+    options = {"speed": 0.0, "flywheel": pp.drives.Flywheel(J0, speed=W0), "clutch": pp.drives.Clutch(200.0), "points": 201}
     runs = [zhang(press, 0.8, method=method, **options) for method in METHODS]
     relative = runs[0].drive_speed - runs[0].crank_speed
     assert relative.min() < -1
@@ -805,7 +825,7 @@ def test_inverse_dynamics_gives_the_torque_back(press, method, name):
 
 def test_works_are_integrals(press, method):
     """Of the torques and forces in the states returned, by Simpson's rule over a smooth run."""
-    case, cushion = DRIVES["induction"](), pp.SpringDamper("frame", "slide", 2e6, 3e3, 0.3, point1=(0, 0, -1.0))
+    case, cushion = DRIVES["induction"](), pp.loads.SpringDamper("frame", "slide", 2e6, 3e3, 0.3, point1=(0, 0, -1.0))
     run = zhang(press, 0.4, speed=30.0, drive=case.drive, loads=[cushion], points=2001, method=method)
     weights = np.tile([2.0, 4.0], 1001)[1:-1]
     simpson = np.concatenate([[1.0], weights[:1999], [1.0]]) * (run.time[1] / 3)
@@ -816,7 +836,7 @@ def test_works_are_integrals(press, method):
     assert abs(simpson @ ((sprung - unloaded) * run.crank_speed) - run.load_work[-1]) < 1e-7 * np.abs(run.load_work).max()
 
 
-@pytest.mark.parametrize("options", [{}, {"step": 1e-3}, {"method": "constraint"}, {"clutch": pp.Clutch(5000.0)}])
+@pytest.mark.parametrize("options", [{}, {"step": 1e-3}, {"method": "constraint"}, {"clutch": pp.drives.Clutch(5000.0)}])
 def test_a_run_is_reproducible(press, options):
     """Bit by bit, with the press read again too."""
     runs = [
@@ -867,7 +887,7 @@ def test_a_run_is_a_motion(press, method, tmp_path):
 
 def test_progress_is_told(press, method):
     told = []
-    zhang(press, 0.4, loads=[CASES["blanking"][0]], method=method, step=None, clutch=pp.Clutch(1e5), progress=told.append)
+    zhang(press, 0.4, loads=[CASES["blanking"][0]], method=method, step=None, clutch=pp.drives.Clutch(1e5), progress=told.append)
     assert told
     assert told == sorted(told)
     assert told[-1] == 0.4
@@ -899,9 +919,13 @@ def test_both_methods_on_the_presses(name):
     heavy = name.startswith("zxn2")
     ends = pp.dead_centres(press)
     work = loads.Blanking(3e4 if heavy else 4e3, 0.3 * ends.stroke, 0.1 * ends.stroke, stripping=500.0)
-    spring = pp.SpringDamper("frame", press.slide, 2e4, 300.0, 0.2, point1=(0.1, 0.0, -1.5))
-    push = pp.PointForce(press.slide, (30.0, 0.0, -200.0), (0.05, 0.0, 0.1))
-    options = {"drive": pp.ConstantTorque(200.0), "flywheel": pp.Flywheel(2000.0 if heavy else 100.0), "loads": [work, spring, push]}
+    spring = pp.loads.SpringDamper("frame", press.slide, 2e4, 300.0, 0.2, point1=(0.1, 0.0, -1.5))
+    push = pp.loads.PointForce(press.slide, (30.0, 0.0, -200.0), (0.05, 0.0, 0.1))
+    options = {
+        "drive": pp.drives.ConstantTorque(200.0),
+        "flywheel": pp.drives.Flywheel(2000.0 if heavy else 100.0),
+        "loads": [work, spring, push],
+    }
     one, _ = both(press, 2.0 if heavy else 0.8, speed=7.0 if heavy else 12.0, **options)
     assert abs(one.crank_angle[-1]) > 2 * math.pi
     assert np.abs(one.load_work).max() > 1
@@ -910,23 +934,25 @@ def test_both_methods_on_the_presses(name):
 @pytest.mark.parametrize("closing", ["spherical", "revolute", "fixed"])
 def test_both_methods_on_spatial_loops(loaded, closing):
     press = loaded(four_bar(closing))
-    spring = pp.SpringDamper("frame", "rocker", 400.0, 20.0, 0.2, (0.3, 0.1, -0.4), (0.1, 0.02, 0.05))
-    push = pp.PointForce("front", (3.0, -2.0, 5.0), (0.05, 0.02, 0.0))
-    both(press, 1.5, speed=6.0, drive=pp.ConstantTorque(1.0), flywheel=pp.Flywheel(2.0), loads=[spring, push])
+    spring = pp.loads.SpringDamper("frame", "rocker", 400.0, 20.0, 0.2, (0.3, 0.1, -0.4), (0.1, 0.02, 0.05))
+    push = pp.loads.PointForce("front", (3.0, -2.0, 5.0), (0.05, 0.02, 0.0))
+    both(press, 1.5, speed=6.0, drive=pp.drives.ConstantTorque(1.0), flywheel=pp.drives.Flywheel(2.0), loads=[spring, push])
 
 
 def test_both_methods_on_an_overclosed_loop(loaded):
     """Bennett's linkage: five equations of rank two."""
     press = loaded(bennett())
-    one, _ = both(press, 1.0, speed=8.0, flywheel=pp.Flywheel(4.0), loads=[pp.PointForce("link2", (3.0, -2.0, 5.0), (0.05, 0.1, 0.0))])
+    one, _ = both(
+        press, 1.0, speed=8.0, flywheel=pp.drives.Flywheel(4.0), loads=[pp.loads.PointForce("link2", (3.0, -2.0, 5.0), (0.05, 0.1, 0.0))]
+    )
     assert one.crank_angle[-1] > math.pi
 
 
 def test_both_methods_on_a_spring_that_stops_the_crank(press):
     """A spring strong enough to swing the crank back, without and with a damper."""
     for damping in (0.0, 2e4):
-        spring = pp.SpringDamper("frame", "slide", 4e6, damping, 0.68, point1=(0.0, 0.0, -1.0))
-        one, _ = both(press, 1.5, speed=1.0, flywheel=pp.Flywheel(J0), loads=[spring])
+        spring = pp.loads.SpringDamper("frame", "slide", 4e6, damping, 0.68, point1=(0.0, 0.0, -1.0))
+        one, _ = both(press, 1.5, speed=1.0, flywheel=pp.drives.Flywheel(J0), loads=[spring])
         assert one.crank_speed.min() < 0 < one.crank_speed.max()
 
 
@@ -946,10 +972,14 @@ def test_both_methods_on_random_linkages(tmp_path, spec):
     # so heavy a flywheel that nothing turns the crank much further than its speed does, and everything shows
     flywheel = 5 * inertia + abs(torques[0]) / reach
     last = press.links[-1]
-    push = pp.PointForce(last, tuple(0.1 * abs(torques[0]) / press.spatial.size * np.array([1.0, 0.5, -0.7])), (0.1, 0.2, 0.0))
+    push = pp.loads.PointForce(last, tuple(0.1 * abs(torques[0]) / press.spatial.size * np.array([1.0, 0.5, -0.7])), (0.1, 0.2, 0.0))
     stiffness = 0.1 * flywheel / press.spatial.size**2
-    spring = pp.SpringDamper("frame", last, stiffness, stiffness, 0.1, point1=tuple(3 * press.spatial.size * np.array([1.0, 0.3, 1.0])))
-    both(press, 0.5, speed=reach, drive=pp.ConstantTorque(0.1 * inertia), flywheel=pp.Flywheel(flywheel), loads=[push, spring])
+    spring = pp.loads.SpringDamper(
+        "frame", last, stiffness, stiffness, 0.1, point1=tuple(3 * press.spatial.size * np.array([1.0, 0.3, 1.0]))
+    )
+    both(
+        press, 0.5, speed=reach, drive=pp.drives.ConstantTorque(0.1 * inertia), flywheel=pp.drives.Flywheel(flywheel), loads=[push, spring]
+    )
 
 
 # ------------------------------------------------------------------------------------------------------------- small and large runs
@@ -963,7 +993,7 @@ def test_a_run_at_rest(disc, method):
 
 
 def test_a_disc_under_constant_torque(disc, method):
-    run = spin(disc, method, 2.0, speed=-5.0, angle=1.0, drive=pp.ConstantTorque(12.0), flywheel=pp.Flywheel(1.0))
+    run = spin(disc, method, 2.0, speed=-5.0, angle=1.0, drive=pp.drives.ConstantTorque(12.0), flywheel=pp.drives.Flywheel(1.0))
     close(run, lambda t: 1 - 5 * t + 1.5 * t * t, lambda t: -5 + 3 * t, lost=lambda t: 0 * t)
     np.testing.assert_allclose(run.drive_work, 12 * (run.crank_angle - 1), rtol=0, atol=1e-7)
 
@@ -1003,7 +1033,7 @@ def test_a_run_of_more_turns_than_are_kept_is_refused_before_it_begins():
 def test_states_are_counted_by_the_way_that_the_crank_makes(speed):
     """120 a turn, either way, there and back: of a turning press, and of one that swings."""
     press = texts.shipped("crank_slide")
-    run = pp.simulate(press, 3.0, speed, 3.0, flywheel=pp.Flywheel(0.0 if speed == 0 else 5.0), step=2e-3)
+    run = pp.simulate(press, 3.0, speed, 3.0, flywheel=pp.drives.Flywheel(0.0 if speed == 0 else 5.0), step=2e-3)
     turns = np.abs(np.diff(run.crank_angle)).sum() / (2 * math.pi)
     assert turns > 2
     assert abs(len(run.time) - 1 - 120 * turns) < 3
@@ -1049,4 +1079,4 @@ def test_a_step_far_too_long_is_said():
     """A die so stiff that the crank is thrown beyond all angles within a step."""
     die = pp.loads.ElasticDie(0.002, 1e10)
     with pytest.raises(pp.SimulationError, match="not finite"):
-        pp.simulate(texts.shipped("crank_slide"), 0.1, -31.4, flywheel=pp.Flywheel(2.5), loads=[die], step=0.0214)
+        pp.simulate(texts.shipped("crank_slide"), 0.1, -31.4, flywheel=pp.drives.Flywheel(2.5), loads=[die], step=0.0214)

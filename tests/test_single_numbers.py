@@ -9,7 +9,7 @@ import pytest
 import texts
 
 import pinpress as pp
-from pinpress.single_numbers import number, numbers, positive, whole_number
+from pinpress.common.checks import number, numbers, positive, whole_number
 
 NESTED: list = []
 NESTED.append(NESTED)
@@ -64,11 +64,11 @@ def test_a_number_of_any_honest_kind(value):
 @pytest.mark.parametrize(
     "use",
     [
-        lambda press, motion, x: pp.inverse_dynamics(press, motion, friction={"O": pp.Friction(x, 0.05)}),
-        lambda press, motion, x: pp.inverse_dynamics(press, motion, friction={"O": pp.Friction(0.1, x)}),
-        lambda press, motion, x: pp.inverse_dynamics(press, motion, friction={"O": pp.Friction(0.1, 0.05, x)}),
+        lambda press, motion, x: pp.inverse_dynamics(press, motion, friction={"O": pp.loads.Friction(x, 0.05)}),
+        lambda press, motion, x: pp.inverse_dynamics(press, motion, friction={"O": pp.loads.Friction(0.1, x)}),
+        lambda press, motion, x: pp.inverse_dynamics(press, motion, friction={"O": pp.loads.Friction(0.1, 0.05, x)}),
         lambda press, motion, x: pp.inverse_dynamics(press, motion, stiffness={"O": x}),
-        lambda press, motion, x: pp.with_counterweights(press, pp.Counterweight("crank", x, (0.1, 0.0, 0.0))),
+        lambda press, motion, x: pp.balancing.with_counterweights(press, pp.balancing.Counterweight("crank", x, (0.1, 0.0, 0.0))),
         lambda press, motion, x: pp.measures.flatness(motion, x),
     ],
     ids=["coefficient", "radius", "viscous", "stiffness", "mass", "length"],

@@ -16,9 +16,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import pinpress as pp
-from pinpress import constant_rows, plane_blocks
-from pinpress.loops import Coupling
-from pinpress.plane_blocks import ordered
+from pinpress.engines import constant_rows
+from pinpress.engines.joints import Coupling
+from pinpress.engines.planar import blocks as plane_blocks
+from pinpress.engines.planar.blocks import ordered
 
 MOVED = np.array([1e-3, 0.0, 2e-3])
 ANGLES = np.linspace(0.05, 1.2, 7)
@@ -114,14 +115,14 @@ def test_gear_train_in_closed_form():
 @pytest.mark.parametrize("name", pp.presses())
 def test_sparse_matrices_give_what_plain_ones_do(monkeypatch, name):
     """Of every shipped press: with friction, loads in the plane and out of it, all bearings and few."""
-    load = pp.SpringDamper("frame", pp.load(name).slide, stiffness=1e5, damping=1e3, free_length=0.2, point1=(0.1, 0.0, 1.0))
-    aside = pp.SpringDamper("frame", load.link2, stiffness=1e5, damping=1e3, free_length=0.2, point1=(0.1, 0.3, 1.0))
+    load = pp.loads.SpringDamper("frame", pp.load(name).slide, stiffness=1e5, damping=1e3, free_length=0.2, point1=(0.1, 0.0, 1.0))
+    aside = pp.loads.SpringDamper("frame", load.link2, stiffness=1e5, damping=1e3, free_length=0.2, point1=(0.1, 0.3, 1.0))
 
     def results():
         press = pp.load(name)
         motion = pp.cycle(press, speed=7.0, points=9)
         guide = press.joints[press.slide_guide[0]]
-        scenes = [{}, {"loads": [load]}, {"loads": [aside]}, {"friction": {guide: pp.Friction(0.1)}}]
+        scenes = [{}, {"loads": [load]}, {"loads": [aside]}, {"friction": {guide: pp.loads.Friction(0.1)}}]
         found = [pp.inverse_dynamics(press, motion, **scene) for scene in scenes]
         found += [pp.inverse_dynamics(press, motion, bearings=some) for some in ((), press.bearings[-1:], press.bearings[:1])]
         vectors = [

@@ -13,8 +13,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import pinpress as pp
-from pinpress import measures
-from pinpress.slide_strokes import slide_path
+from pinpress.kinematics import measures
+from pinpress.kinematics.slide_path import slide_path
 
 SPEED = 7.54
 RADIUS, ROD, OFFSET = 0.1, 0.4, 0.02

@@ -189,8 +189,11 @@ def test_forces(spatial):
     """
     states = np.linspace(0, 6, 15)
     motion = pp.cycle(spatial, angle=states, speed=SPEED * np.cos(states), acceleration=30 * np.sin(3 * states))
-    loads = [pp.PointForce("slide", (50.0, -80.0, 3000.0), (0.1, 0.0, -0.1)), pp.PointForce("rod", (7.0, 90.0, -60.0), (0.0, 0.1, -0.2))]
-    loads.append(pp.PointForce("frame", (1.0, 2.0, -3000.0), (0.0, 0.0, -0.9)))
+    loads = [
+        pp.loads.PointForce("slide", (50.0, -80.0, 3000.0), (0.1, 0.0, -0.1)),
+        pp.loads.PointForce("rod", (7.0, 90.0, -60.0), (0.0, 0.1, -0.2)),
+    ]
+    loads.append(pp.loads.PointForce("frame", (1.0, 2.0, -3000.0), (0.0, 0.0, -0.9)))
     result = pp.inverse_dynamics(spatial, motion, loads)
     force_peak = max(np.abs(f).max() for f in result.bearing_force.values())
     moment_peak = force_peak * spatial.spatial.size

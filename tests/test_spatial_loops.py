@@ -78,7 +78,7 @@ def case(request, load):
     press = load(text)
     motion = swinging(press, request.param, TIMES)
     link = press.links[-1]
-    loads = [pp.PointForce(link, (30.0, -40.0, 20.0), (0.02, -0.05, 0.01))]
+    loads = [pp.loads.PointForce(link, (30.0, -40.0, 20.0), (0.02, -0.05, 0.01))]
     result = pp.inverse_dynamics(press, motion, loads, engine="pinocchio")
     force, moment = (max(np.abs(f).max() for f in part.values()) for part in (result.bearing_force, result.bearing_moment))
     balance = [cut_free(press, motion, i, loads) for i in range(len(TIMES))]

@@ -87,7 +87,10 @@ def pulled(press, motion, between, stiffness=0.0, damping=0.0, free_length=0.0):
     """The pair of forces that a spring and damper make."""
     length, rate, direction = stretch(press, motion, **between)
     force = (stiffness * (length - free_length) + damping * rate)[:, None] * direction
-    return [pp.PointForce(between["link1"], force, between["point1"]), pp.PointForce(between["link2"], -force, between["point2"])]
+    return [
+        pp.loads.PointForce(between["link1"], force, between["point1"]),
+        pp.loads.PointForce(between["link2"], -force, between["point2"]),
+    ]
 
 
 def same(one, other, bound):
@@ -111,7 +114,7 @@ def test_a_spring_is_the_pair_of_its_forces(folder, name, spring, engine):
     """Everything as with the two forces on its links, 1e-12 of the peaks; and it changes something."""
     press, between = made(name, folder)
     motion = pp.cycle(press, **SERVO, engine=engine)
-    sprung = pp.inverse_dynamics(press, motion, [pp.SpringDamper(**between, **SPRINGS[spring])], engine=engine)
+    sprung = pp.inverse_dynamics(press, motion, [pp.loads.SpringDamper(**between, **SPRINGS[spring])], engine=engine)
     same(sprung, pp.inverse_dynamics(press, motion, pulled(press, motion, between, **SPRINGS[spring]), engine=engine), 1e-12)
     bare = pp.inverse_dynamics(press, motion, engine=engine)
     assert np.abs(sprung.driving_torque - bare.driving_torque).max() > 1.0
@@ -124,7 +127,7 @@ def test_ends_may_be_swapped(folder, name, engine):
     swapped = {key: between[key[:-1] + {"1": "2", "2": "1"}[key[-1]]] for key in between}
     motion = pp.cycle(press, **SERVO, engine=engine)
     one, two = (
-        pp.inverse_dynamics(press, motion, [pp.SpringDamper(**ends, **SPRINGS["both"])], engine=engine) for ends in (between, swapped)
+        pp.inverse_dynamics(press, motion, [pp.loads.SpringDamper(**ends, **SPRINGS["both"])], engine=engine) for ends in (between, swapped)
     )
     same(one, two, 1e-13)
 
@@ -134,7 +137,7 @@ def test_a_spring_does_not_shake_the_foundation(folder, name, engine):
     """Both its ends are on the machine, also where one is on the frame: what shakes is the rate of momentum alone; 1e-12 of the peaks."""
     press, between = made(name, folder)
     motion = pp.cycle(press, **SERVO, engine=engine)
-    result = pp.inverse_dynamics(press, motion, [pp.SpringDamper(**between, **SPRINGS["both"])], engine=engine)
+    result = pp.inverse_dynamics(press, motion, [pp.loads.SpringDamper(**between, **SPRINGS["both"])], engine=engine)
     force, moment = momentum_balance(press, motion, [])
     peak = max(np.abs(values).max() for values in result.bearing_force.values())
     assert np.abs(result.shaking_force - force).max() <= 1e-12 * peak
@@ -145,7 +148,7 @@ def test_a_balance_spring_in_closed_form(engine):
     """From the slide's pin straight up to the crankshaft: it pulls with k (L - L0) + c dL/dt, L the height of the slide below the shaft."""
     press = shipped("crank_slide")
     motion = pp.cycle(press, speed=5.0, points=24, engine=engine)
-    spring = pp.SpringDamper("slide", "frame", stiffness=4e3, damping=300.0, free_length=0.25)
+    spring = pp.loads.SpringDamper("slide", "frame", stiffness=4e3, damping=300.0, free_length=0.25)
     bare, result = (pp.inverse_dynamics(press, motion, loads, engine=engine) for loads in ([], [spring]))
     lift = 4e3 * (-motion.slide_position - 0.25) - 300.0 * motion.slide_velocity
     change = result.bearing_force["W"] - bare.bearing_force["W"]
@@ -159,7 +162,7 @@ def test_a_spring_within_a_link_does_nothing(engine):
     """Its two forces are on one line of one body: 1e-13 of what they are themselves."""
     press = shipped("zxn2_3000b")
     motion = pp.cycle(press, **SERVO, engine=engine)
-    spring = pp.SpringDamper("rod", "rod", 1e6, 1e4, 0.1, (0.1, 0.2, 0.0), (0.3, -0.1, 0.1))
+    spring = pp.loads.SpringDamper("rod", "rod", 1e6, 1e4, 0.1, (0.1, 0.2, 0.0), (0.3, -0.1, 0.1))
     held, free = (pp.inverse_dynamics(press, motion, loads, engine=engine) for loads in ([spring], []))
     same(held, free, 1e-13)
 
@@ -170,7 +173,7 @@ def test_springs_of_linkages_with_several_drivers(folder):
     angle = np.stack([ANGLE, -0.5 * ANGLE], axis=1)
     motion = pp.cycle(press, angle=angle, speed=3.0, acceleration=-5.0)
     between = {"link1": "rocker", "link2": "frame", "point1": (0.1, 0.2, 0.0), "point2": (0.3, 0.1, 0.9)}
-    sprung = pp.inverse_dynamics(press, motion, [pp.SpringDamper(**between, **SPRINGS["both"])])
+    sprung = pp.inverse_dynamics(press, motion, [pp.loads.SpringDamper(**between, **SPRINGS["both"])])
     same(sprung, pp.inverse_dynamics(press, motion, pulled(press, motion, between, **SPRINGS["both"])), 1e-12)
     assert sprung.driving_torque.shape == (7, 2)
     assert np.abs(sprung.power_residual).max() <= 1e-12
@@ -181,10 +184,10 @@ def test_springs_and_friction_together(engine):
     press = shipped("zxn2_3000b")
     motion = pp.cycle(press, **SERVO, engine=engine)
     between = {"link1": "rocker", "link2": "frame", "point1": (0.1, 0.0, 0.2), "point2": (1.0, 0.0, 0.9)}
-    friction = {name: pp.Friction(0.1, None if name == "slide_guide" else 0.05, 20.0) for name in press.bearings}
+    friction = {name: pp.loads.Friction(0.1, None if name == "slide_guide" else 0.05, 20.0) for name in press.bearings}
     results = [
         pp.inverse_dynamics(press, motion, loads, friction=friction, engine=engine)
-        for loads in ([pp.SpringDamper(**between, **SPRINGS["both"])], pulled(press, motion, between, **SPRINGS["both"]))
+        for loads in ([pp.loads.SpringDamper(**between, **SPRINGS["both"])], pulled(press, motion, between, **SPRINGS["both"]))
     ]
     same(results[0], results[1], 1e-12)
     assert np.abs(results[0].power_residual).max() <= 1e-12
@@ -203,7 +206,7 @@ def test_energy_over_a_turn(folder, name, engine):
     bare = pp.inverse_dynamics(press, motion, engine=engine).driving_torque
     taken = {"spring": 3e4 * (length - 0.2) * rate, "damper": 800.0 * rate**2}
     for spring, power in taken.items():
-        sprung = pp.inverse_dynamics(press, motion, [pp.SpringDamper(**between, **SPRINGS[spring])], engine=engine).driving_torque
+        sprung = pp.inverse_dynamics(press, motion, [pp.loads.SpringDamper(**between, **SPRINGS[spring])], engine=engine).driving_torque
         peak = max(np.abs(bare).max(), np.abs(sprung).max())
         assert np.abs(7.0 * (sprung - bare) - power).max() <= 1e-12 * 7.0 * peak
         mean = (sprung - bare).mean()
@@ -218,7 +221,7 @@ def test_work_on_a_spring_is_its_energy(engine):
     press = shipped("zxn2_3000b")
     nodes, weights = np.polynomial.legendre.leggauss(60)
     between = {"link1": "rocker", "link2": "frame", "point1": (0.1, 0.0, 0.2), "point2": (1.0, 0.3, 0.9)}
-    spring = pp.SpringDamper(**between, stiffness=5e5, free_length=0.4)
+    spring = pp.loads.SpringDamper(**between, stiffness=5e5, free_length=0.4)
     motion = pp.cycle(press, angle=0.4 + 2.7 * (nodes + 1) / 2, speed=7.0, engine=engine)
     sprung, bare = (pp.inverse_dynamics(press, motion, loads, engine=engine).driving_torque for loads in ([spring], []))
     work = ((sprung - bare) @ weights) * 2.7 / 2
@@ -236,7 +239,7 @@ def test_ends_may_meet_where_a_spring_has_no_free_length(engine):
     """Its force is k times the distance, also in direction: zero there, and finite."""
     press = shipped("crank_slide")
     motion = pp.cycle(press, speed=5.0, points=8, engine=engine)
-    spring = pp.SpringDamper(**MEETING, stiffness=1e5)
+    spring = pp.loads.SpringDamper(**MEETING, stiffness=1e5)
     bare, result = (pp.inverse_dynamics(press, motion, loads, engine=engine) for loads in ([], [spring]))
     change = result.bearing_force["W"][:, 2] - bare.bearing_force["W"][:, 2]
     peak = np.abs(result.bearing_force["W"]).max()
@@ -250,9 +253,9 @@ def test_ends_that_meet_are_refused(values, engine):
     press = shipped("crank_slide")
     motion = pp.cycle(press, angle=[-0.3, 0.0, 0.3], speed=5.0, engine=engine)
     with pytest.raises(pp.PinpressError, match=r"'slide' and 'frame': its ends meet at crank angle -?0 deg"):
-        pp.inverse_dynamics(press, motion, [pp.SpringDamper(**MEETING, **values)], engine=engine)
+        pp.inverse_dynamics(press, motion, [pp.loads.SpringDamper(**MEETING, **values)], engine=engine)
     others = pp.cycle(press, angle=[-0.3, 0.3], speed=5.0, engine=engine)
-    assert np.isfinite(pp.inverse_dynamics(press, others, [pp.SpringDamper(**MEETING, **values)], engine=engine).driving_torque).all()
+    assert np.isfinite(pp.inverse_dynamics(press, others, [pp.loads.SpringDamper(**MEETING, **values)], engine=engine).driving_torque).all()
 
 
 @pytest.mark.parametrize(
@@ -275,17 +278,17 @@ def test_a_spring_that_makes_no_sense_is_refused(values, message, engine):
     press = shipped("crank_slide")
     motion = pp.cycle(press, speed=5.0, points=3, engine=engine)
     with pytest.raises(pp.PinpressError, match=f"spring between 'slide' and 'frame': .*{message}"):
-        pp.inverse_dynamics(press, motion, [pp.SpringDamper("slide", "frame", **values)], engine=engine)
+        pp.inverse_dynamics(press, motion, [pp.loads.SpringDamper("slide", "frame", **values)], engine=engine)
 
 
 @pytest.mark.parametrize("links", [("slid", "frame"), ("frame", "slid")])
 def test_a_spring_to_an_unknown_link_is_refused(links):
     press = shipped("crank_slide")
     with pytest.raises(pp.UnknownNameError, match="no link 'slid', did you mean 'slide'"):
-        pp.inverse_dynamics(press, pp.cycle(press, speed=5.0, points=3), [pp.SpringDamper(*links, stiffness=1.0)])
+        pp.inverse_dynamics(press, pp.cycle(press, speed=5.0, points=3), [pp.loads.SpringDamper(*links, stiffness=1.0)])
 
 
-@pytest.mark.parametrize("loads", [pp.SpringDamper("slide", "frame"), [("slide", "frame")], ["slide"], [None]])
+@pytest.mark.parametrize("loads", [pp.loads.SpringDamper("slide", "frame"), [("slide", "frame")], ["slide"], [None]])
 def test_loads_that_are_none_are_refused(loads):
     press = shipped("crank_slide")
     with pytest.raises(pp.PinpressError, match="load"):
@@ -298,4 +301,4 @@ def test_a_spring_too_strong_for_floating_point_is_refused(values, engine):
     press = shipped("crank_slide")
     motion = pp.cycle(press, angle=[0.5, 1.0], speed=1e10, engine=engine)
     with pytest.raises(pp.PinpressError, match="floating point"):
-        pp.inverse_dynamics(press, motion, [pp.SpringDamper("slide", "frame", **values)], engine=engine).power_residual  # noqa: B018
+        pp.inverse_dynamics(press, motion, [pp.loads.SpringDamper("slide", "frame", **values)], engine=engine).power_residual  # noqa: B018

@@ -17,8 +17,9 @@ from test_simulation_extremes import acceleration, lever, potential, slope
 from time_limit import _limit  # noqa: F401 (a fixture)
 
 import pinpress as pp
-from pinpress import drives, loads
-from pinpress.loads import Stretch
+from pinpress.drives import transmission as drives
+from pinpress.loads import process as loads
+from pinpress.loads.process import Stretch
 
 METHODS = ("reduced", "constraint")
 FRICTION, FLYWHEEL, ANGLE = 500.0, 20.0, 1.0
@@ -98,7 +99,9 @@ def reference(times):
 
 
 def test_stick_and_slip(press, method):
-    run = pp.simulate(press, 2.0, angle=ANGLE, drive=Rocking(), flywheel=pp.Flywheel(FLYWHEEL), loads=[Guide()], points=401, method=method)
+    run = pp.simulate(
+        press, 2.0, angle=ANGLE, drive=Rocking(), flywheel=pp.drives.Flywheel(FLYWHEEL), loads=[Guide()], points=401, method=method
+    )
     angle, speed, events = reference(run.time)
     assert len(events) > 4  # it starts and stops several times, both ways
     assert speed.min() < 0 < speed.max()
@@ -122,7 +125,7 @@ def test_a_servo_press_that_dwells_on_its_work(knuckle, method):
     aim = pp.dead_centres(knuckle).bottom_angle - 0.2
     servo = drives.ServoMotor((0.0, 0.6, 2.2, 2.8), (0.0, aim, aim, 2 * np.pi), 1e5, 5e3, 2e5, inertia=50.0)
     coining = loads.ForceStroke(HEIGHTS, FORCES)
-    run = pp.simulate(knuckle, 1.1, drive=servo, flywheel=pp.Flywheel(10.0), loads=[coining], points=551, method=method)
+    run = pp.simulate(knuckle, 1.1, drive=servo, flywheel=pp.drives.Flywheel(10.0), loads=[coining], points=551, method=method)
     still = np.flatnonzero((run.crank_speed == 0.0) & (run.time > 0.1))
     assert len(still) > 20
     assert run.stats.energy_error < 1e-9
@@ -142,7 +145,7 @@ def test_a_press_that_stands_to_the_end_says_so(press, method):
     servo = drives.ServoMotor([0.0, 1.0], [3.0, 9.0], 1e4, 1e2, 5e3, inertia=2.0)
     with pytest.warns(pp.PinpressWarning, match=r"the press stands from 0\.\d+ s to the end, at crank angle .* deg"):
         run = pp.simulate(
-            press, 1.0, 5.0, 3.0, drive=servo, flywheel=pp.Flywheel(5.0), loads=[loads.Blanking(1e6, 0.05, 0.02)], method=method
+            press, 1.0, 5.0, 3.0, drive=servo, flywheel=pp.drives.Flywheel(5.0), loads=[loads.Blanking(1e6, 0.05, 0.02)], method=method
         )
     assert run.crank_speed[-1] == 0.0
     assert np.ptp(run.crank_angle[run.time > 0.9]) == 0.0

@@ -20,11 +20,12 @@ from scipy.optimize import brentq
 from time_limit import LIMIT, _limit, within  # noqa: F401 (a fixture)
 
 import pinpress as pp
-from pinpress import drives, loads
+from pinpress.drives import transmission as drives
+from pinpress.loads import process as loads
 
 RPM = pp.RPM
 J0, SPEED = 136.0, 300 * RPM  # Zhang 2007, 4.3: flywheel and speed of the JF75G-125
-WHEEL = pp.Flywheel(J0)
+WHEEL = pp.drives.Flywheel(J0)
 BLANK = loads.Blanking(1.25e6, 0.010, 0.005)
 WORK = 2 / math.pi * 1.25e6 * 0.005  # of a quarter sine
 ENERGY = 0.5 * J0 * SPEED**2
@@ -77,7 +78,7 @@ def comes_back(run, work=0.0, turn=2 * math.pi):
 @pytest.fixture(scope="module")
 def strokes(long_run):
     with within(2 * LIMIT):
-        return pp.strokes(long_run)
+        return pp.measures.strokes(long_run)
 
 
 # ------------------------------------------------------------------------------------------ the exact equation of the JF75G-125
@@ -221,7 +222,7 @@ def test_power_balances_in_a_long_run(long_run, strokes):
 def test_a_long_run_ends_in_it_to_the_tolerance(press, steady):
     """Where the speed passes a corner of the drive's torque a little beside where it did the stroke before."""
     run = pp.simulate(press, 8.0, speed=SPEED, drive=slip_clutch(), flywheel=WHEEL, loads=[BLANK])
-    last = pp.strokes(run)[-1]
+    last = pp.measures.strokes(run)[-1]
     assert last.duration == pytest.approx(steady.time[-1], rel=2e-10)
     assert float(run.path.read(np.array([last.start])).speed[0, 0]) == pytest.approx(steady.crank_speed[0], rel=2e-10)
 
@@ -231,7 +232,7 @@ def test_a_long_run_with_a_lag(press):
     """A stroke is four time constants: the press settles in 2 s."""
     run = pp.simulate(press, 2.5, speed=30.0, drive=slip_clutch(0.05), flywheel=WHEEL, loads=[BLANK])
     found = pp.steady_state(press, 30.0, slip_clutch(0.05), WHEEL, [BLANK])
-    last = pp.strokes(run)[-1]
+    last = pp.measures.strokes(run)[-1]
     assert last.duration == pytest.approx(found.time[-1], rel=1e-9)
     assert float(run.path.read(np.array([last.start])).speed[0, 0]) == pytest.approx(found.crank_speed[0], rel=1e-9)
 
@@ -243,7 +244,7 @@ def test_a_run_of_stiff_motors(press, name):
     drive = CASES[name]().drive
     run = pp.simulate(press, 9.0, speed=29.0, drive=drive, flywheel=WHEEL, loads=[BLANK])
     found = pp.steady_state(press, SPEED, drive, WHEEL, [BLANK])
-    last = pp.strokes(run)[-1]
+    last = pp.measures.strokes(run)[-1]
     assert last.duration == pytest.approx(found.time[-1], rel=1e-8)
     assert float(run.path.read(np.array([last.start])).speed[0, 0]) == pytest.approx(found.crank_speed[0], rel=1e-8)
 
@@ -265,7 +266,7 @@ PRESSES = {
 def test_other_presses_by_the_constraint_method(name):
     """Pinocchio's constraint dynamics, which share no equation with the reduced ones, come back to the steady state too."""
     speed, drive, inertia, load, work = PRESSES[name]
-    linkage, wheel = texts.shipped(name), pp.Flywheel(inertia)
+    linkage, wheel = texts.shipped(name), pp.drives.Flywheel(inertia)
     run = pp.steady_state(linkage, speed, drive, wheel, [load], points=41)
     comes_back(run, work)
     period, first = float(run.time[-1]), float(run.crank_speed[0])
@@ -278,8 +279,8 @@ def test_other_presses_by_the_constraint_method(name):
 
 def test_a_spring_that_is_damped(textbook):
     """The drive makes up for what the damper takes: c v^2, by quadrature over the states."""
-    spring = pp.SpringDamper("frame", "slide", stiffness=2e3, damping=400, free_length=0.4, point1=(0, 0, -1.0))
-    run = pp.steady_state(textbook, 75 * RPM, induction(7.5e3, 20.0, 0.02), pp.Flywheel(20.0), [spring], points=2001)
+    spring = pp.loads.SpringDamper("frame", "slide", stiffness=2e3, damping=400, free_length=0.4, point1=(0, 0, -1.0))
+    run = pp.steady_state(textbook, 75 * RPM, induction(7.5e3, 20.0, 0.02), pp.drives.Flywheel(20.0), [spring], points=2001)
     comes_back(run)
     taken = simpson(400 * run.slide_velocity**2, x=run.time)
     assert taken > 50
@@ -331,10 +332,10 @@ def test_backwards_is_another_orbit_of_a_press_with_quick_return():
     for way in (1, -1):
         turned = drives.Geared(drive.drive, way * 20.0)
         linkage = texts.shipped("thin_wall")
-        run = pp.steady_state(linkage, way * speed, turned, pp.Flywheel(inertia), [load])
+        run = pp.steady_state(linkage, way * speed, turned, pp.drives.Flywheel(inertia), [load])
         comes_back(run)
-        long = pp.simulate(linkage, 16.0, speed=way * 7.5, drive=turned, flywheel=pp.Flywheel(inertia), loads=[load])
-        assert pp.strokes(long)[-1].duration == pytest.approx(run.time[-1], rel=1e-8)
+        long = pp.simulate(linkage, 16.0, speed=way * 7.5, drive=turned, flywheel=pp.drives.Flywheel(inertia), loads=[load])
+        assert pp.measures.strokes(long)[-1].duration == pytest.approx(run.time[-1], rel=1e-8)
         periods.append(float(run.time[-1]))
     assert abs(periods[1] / periods[0] - 1) > 1e-7
 
@@ -342,7 +343,9 @@ def test_backwards_is_another_orbit_of_a_press_with_quick_return():
 def test_a_coarser_tolerance_is_kept(textbook):
     """With fewer panels, the errors stay below it."""
     fine, coarse = (
-        pp.steady_state(textbook, 75 * RPM, TEXTBOOK_MOTOR, pp.Flywheel(50.0), [loads.Blanking(2e4, 0.05, 0.02)], tolerance=tolerance)
+        pp.steady_state(
+            textbook, 75 * RPM, TEXTBOOK_MOTOR, pp.drives.Flywheel(50.0), [loads.Blanking(2e4, 0.05, 0.02)], tolerance=tolerance
+        )
         for tolerance in (1e-11, 1e-5)
     )
     np.testing.assert_allclose(coarse.crank_speed, fine.crank_speed, rtol=1e-5)
@@ -353,7 +356,7 @@ def test_it_is_a_run(press, steady):
     """120 states by default; a `Motion` for inverse dynamics, whose torque is that of drive and inertia."""
     assert len(steady.time) == 121
     assert steady.stats.method == "reduced"
-    assert len(pp.strokes(steady)) == 1
+    assert len(pp.measures.strokes(steady)) == 1
     motion = pp.cycle(press, angle=steady.crank_angle, speed=steady.crank_speed, acceleration=steady.crank_acceleration)
     acting = pp.inverse_dynamics(press, motion)
     idle = np.array([loads_of(steady, k) for k in range(121)])
@@ -421,7 +424,7 @@ def disc(tmp_path):
 
 def test_constant_inertia_and_a_linear_drive(disc):
     """w = a / b, and nothing else."""
-    run = pp.steady_state(disc(0.0), 10.0, Own(60.0, 5.0), pp.Flywheel(4.0))
+    run = pp.steady_state(disc(0.0), 10.0, Own(60.0, 5.0), pp.drives.Flywheel(4.0))
     np.testing.assert_allclose(run.crank_speed, 12.0, rtol=1e-11)
     assert run.time[-1] == pytest.approx(2 * math.pi / 12, rel=1e-11)
     assert abs(run.drive_work[-1]) < 1e-8
@@ -433,7 +436,7 @@ def test_an_eccentric_disc_and_a_quadratic_drive(disc, angle):
     W = a / k - m g e (k cos q + sin q) / (1 + k^2)."""
     e, a, c = 0.12, 400.0, 1.5
     inertia = 3.0 + 40 * e**2 + 2.0
-    run = pp.steady_state(disc(e), 15.0, Own(a, 0.0, c), pp.Flywheel(2.0), angle=angle, points=61)
+    run = pp.steady_state(disc(e), 15.0, Own(a, 0.0, c), pp.drives.Flywheel(2.0), angle=angle, points=61)
     k, q = 2 * c / inertia, run.crank_angle
     energy = a / k - 40 * 9.81 * e * (k * np.cos(q) + np.sin(q)) / (1 + k * k)
     np.testing.assert_allclose(0.5 * inertia * run.crank_speed**2, energy, rtol=1e-10)
@@ -482,7 +485,7 @@ def test_a_period_map_of_ones_own(textbook):
 
     speed = brentq(lambda w: turn(w)[0] - w, 8.0, 12.0, xtol=1e-13, rtol=1e-14)
     _, period, work, squared = turn(speed)
-    run = pp.steady_state(textbook, 10.0, Own(a, b), pp.Flywheel(wheel), [loads.Blanking(force, 0.05, 0.02)])
+    run = pp.steady_state(textbook, 10.0, Own(a, b), pp.drives.Flywheel(wheel), [loads.Blanking(force, 0.05, 0.02)])
     comes_back(run, 2 / math.pi * force * 0.03)
     assert run.crank_speed[0] == pytest.approx(speed, rel=1e-10)
     assert run.time[-1] == pytest.approx(period, rel=1e-10)
@@ -494,9 +497,9 @@ def test_a_period_map_of_ones_own(textbook):
 # ------------------------------------------------------------------------------------------------------------------ no steady state
 
 NONE = {
-    "constant_torque": (pp.ConstantTorque(567.0), BLANK),
-    "no_torque": (pp.ConstantTorque(0.0), BLANK),
-    "brakes": (pp.ConstantTorque(-50.0), loads.Idle()),
+    "constant_torque": (pp.drives.ConstantTorque(567.0), BLANK),
+    "no_torque": (pp.drives.ConstantTorque(0.0), BLANK),
+    "brakes": (pp.drives.ConstantTorque(-50.0), loads.Idle()),
     "weak_motor": (induction(1.5e3), BLANK),
     "beyond_breakdown": (induction(), loads.Blanking(1.25e7, 0.010, 0.005)),
     "far_beyond": (inverter(), loads.Blanking(1.25e8, 0.010, 0.005)),
@@ -533,14 +536,14 @@ BAD = {
     "one load": ({"loads": BLANK}, "give a list"),
     "a force in time": ({"loads": [loads.TimeForce(lambda t: 0 * t)]}, "time"),
     "no linkage": ({"press": None}, "Linkage"),
-    "negative inertia": ({"flywheel": pp.Flywheel(-1e3)}, "inertia"),
+    "negative inertia": ({"flywheel": pp.drives.Flywheel(-1e3)}, "inertia"),
 }
 
 
 @pytest.mark.parametrize("name", BAD)
 def test_bad_arguments(textbook, name):
     change, message = BAD[name]
-    good = {"press": textbook, "speed": 7.8, "drive": induction(7.5e3, 20.0), "flywheel": pp.Flywheel(50.0), "loads": []}
+    good = {"press": textbook, "speed": 7.8, "drive": induction(7.5e3, 20.0), "flywheel": pp.drives.Flywheel(50.0), "loads": []}
     with pytest.raises(pp.PinpressError, match=message):
         pp.steady_state(**good | change)
 
@@ -550,14 +553,14 @@ def test_a_crank_that_only_swings(tmp_path):
     file = tmp_path / "rocker.urdf"
     file.write_text(four_bar(1.0, 0.8, 0.3, 0.7, 0.9).urdf("O"), encoding="utf-8")
     with pytest.raises(pp.PinpressError, match="does not turn fully"):
-        pp.steady_state(pp.load(file), 3.0, Own(10.0, 1.0), pp.Flywheel(1.0))
+        pp.steady_state(pp.load(file), 3.0, Own(10.0, 1.0), pp.drives.Flywheel(1.0))
 
 
 def test_several_drivers_have_none(tmp_path):
     press = pp.load(two_discs(tmp_path))
     assert len(press.drivers) == 2
     with pytest.raises(pp.PinpressError, match="one driver"):
-        pp.steady_state(press, 3.0, Own(10.0, 1.0), pp.Flywheel(1.0))
+        pp.steady_state(press, 3.0, Own(10.0, 1.0), pp.drives.Flywheel(1.0))
 
 
 def two_discs(tmp_path):
@@ -579,7 +582,7 @@ def test_duty_of_a_stroke(press, name):
     case = CASES[name]()
     run = pp.steady_state(press, SPEED, case.drive, WHEEL, [BLANK], points=721)
     fine = pp.steady_state(press, SPEED, case.drive, WHEEL, [BLANK], points=40001)
-    duty, ratio = pp.duty(run), case.drive.ratio
+    duty, ratio = pp.measures.duty(run), case.drive.ratio
     assert (duty.start, duty.duration) == (0.0, run.time[-1])
     speed, motor = run.crank_speed, np.abs(case.drive.motor_torque(run.crank_speed))
     assert duty.mean_speed == pytest.approx(2 * math.pi / run.time[-1], rel=1e-12)
@@ -605,9 +608,9 @@ def test_duty_of_a_stroke(press, name):
 
 def test_duty_of_a_constant_torque(press):
     """Its rms and its peak are the torque, whatever the part of the run; rms and work have closed forms."""
-    run = pp.simulate(press, 1.0, speed=29.0, drive=drives.Geared(pp.ConstantTorque(-100.0), -5.0), flywheel=WHEEL, loads=[BLANK])
+    run = pp.simulate(press, 1.0, speed=29.0, drive=drives.Geared(pp.drives.ConstantTorque(-100.0), -5.0), flywheel=WHEEL, loads=[BLANK])
     for start, end in ((0.0, None), (0.3, 0.35), (0.123, 0.987)):
-        duty = pp.duty(run, start, end)
+        duty = pp.measures.duty(run, start, end)
         assert duty.motor_rms == pytest.approx(100.0, rel=1e-9)
         assert duty.motor_peak == pytest.approx(100.0, rel=1e-12)
         assert duty.utilisation is None
@@ -621,13 +624,13 @@ def test_strokes_make_up_the_run(long_run, strokes):
     ends = np.array([stroke.start + stroke.duration for stroke in strokes])
     np.testing.assert_allclose([stroke.start for stroke in strokes[1:]], ends[:-1], rtol=1e-14)
     np.testing.assert_allclose(long_run.path.read(ends).position[0], 2 * math.pi * np.arange(1, len(ends) + 1), rtol=0, atol=1e-9)
-    rest = pp.duty(long_run, float(ends[-1]))
+    rest = pp.measures.duty(long_run, float(ends[-1]))
     parts = [*strokes, rest]
     assert sum(part.duration for part in parts) == pytest.approx(long_run.time[-1], rel=1e-12)
     assert sum(part.drive_work for part in parts) == pytest.approx(long_run.drive_work[-1], rel=1e-11)
     assert sum(part.load_work for part in parts) == pytest.approx(long_run.load_work[-1], rel=1e-11)
     assert sum(part.motor_rms**2 * part.duration for part in parts) == pytest.approx(long_run.motor_squared[-1], rel=1e-10)
-    whole = pp.duty(long_run)
+    whole = pp.measures.duty(long_run)
     assert whole.drive_work == pytest.approx(long_run.drive_work[-1], rel=1e-12)
     assert whole.motor_rms == pytest.approx(math.sqrt(long_run.motor_squared[-1] / long_run.time[-1]), rel=1e-12)
     assert whole.highest_speed >= max(stroke.highest_speed for stroke in strokes) * (1 - 1e-5)  # 720 states a turn, shifted
@@ -640,7 +643,7 @@ def test_strokes_of_both_methods(press, drive):
         pp.simulate(press, 0.7, speed=29.0, angle=0.7, drive=drive, flywheel=WHEEL, loads=[BLANK], method=method)
         for method in ("reduced", "constraint")
     ]
-    reduced, constraint = (pp.strokes(run) for run in runs)
+    reduced, constraint = (pp.measures.strokes(run) for run in runs)
     assert len(reduced) == len(constraint) == 3
     for one, other in zip(reduced, constraint, strict=True):
         for field in dataclasses.fields(one):
@@ -657,7 +660,7 @@ def test_strokes_backwards(press):
         pp.simulate(press, 0.7, speed=way * 29.0, drive=slip_clutch(ratio=way * 3.0), flywheel=WHEEL, loads=[BLANK], angle=way * 0.4)
         for way in (1, -1)
     ]
-    for one, other in zip(*map(pp.strokes, runs), strict=True):
+    for one, other in zip(*map(pp.measures.strokes, runs), strict=True):
         assert one.mean_speed > 0
         for field in dataclasses.fields(one):
             assert getattr(one, field.name) == pytest.approx(getattr(other, field.name), rel=1e-8)
@@ -665,7 +668,9 @@ def test_strokes_backwards(press):
 
 @pytest.mark.parametrize("points", [2, 7, 500])
 def test_strokes_do_not_depend_on_the_states_returned(press, points):
-    strokes = [pp.strokes(pp.simulate(press, 1.0, speed=29.0, drive=slip_clutch(), flywheel=WHEEL, points=n)) for n in (points, 5000)]
+    strokes = [
+        pp.measures.strokes(pp.simulate(press, 1.0, speed=29.0, drive=slip_clutch(), flywheel=WHEEL, points=n)) for n in (points, 5000)
+    ]
     assert len(strokes[0]) == len(strokes[1]) == 4
     for one, other in zip(*strokes, strict=True):
         assert one.start == pytest.approx(other.start, rel=1e-11, abs=1e-12)
@@ -676,20 +681,22 @@ def test_a_run_that_swings_has_no_strokes(textbook):
     run = pp.simulate(textbook, 3.0, speed=5.0)
     assert run.crank_speed.min() < 0 < run.crank_speed.max()
     assert np.ptp(run.crank_angle) < 2 * math.pi
-    assert pp.strokes(run) == ()
+    assert pp.measures.strokes(run) == ()
 
 
 def test_a_run_that_stands_still(textbook):
     run = pp.simulate(textbook, 1.0, angle=0.0)
-    duty = pp.duty(run)
-    assert pp.strokes(run) == ()
+    duty = pp.measures.duty(run)
+    assert pp.measures.strokes(run) == ()
     assert (duty.mean_speed, duty.speed_drop, duty.flywheel_work, duty.drive_work, duty.motor_rms) == (0.0, 0.0, 0.0, 0.0, 0.0)
 
 
 def test_duty_of_a_brake_and_a_clutch(press):
     """What a clutch loses as it joins flywheel and press stands in the duty of that part."""
-    run = pp.simulate(press, 1.0, flywheel=pp.Flywheel(J0, speed=30.0), clutch=pp.Clutch(4e3, closes=pp.At(time=0.2)), points=401)
-    before, after = pp.duty(run, 0.0, 0.2), pp.duty(run, 0.2)
+    run = pp.simulate(
+        press, 1.0, flywheel=pp.drives.Flywheel(J0, speed=30.0), clutch=pp.drives.Clutch(4e3, closes=pp.drives.At(time=0.2)), points=401
+    )
+    before, after = pp.measures.duty(run, 0.0, 0.2), pp.measures.duty(run, 0.2)
     assert before.lost == 0.0
     assert after.lost == pytest.approx(run.lost[-1], rel=1e-12)
     assert run.lost[-1] > 100
@@ -703,13 +710,13 @@ def test_duty_of_a_brake_and_a_clutch(press):
 def test_duty_of_no_part(press, part):
     run = pp.simulate(press, 1.0, speed=29.0, flywheel=WHEEL)
     with pytest.raises(pp.PinpressError, match="times within the run"):
-        pp.duty(run, *part)
+        pp.measures.duty(run, *part)
 
 
 def test_duty_of_several_drivers(tmp_path):
     press = pp.load(two_discs(tmp_path))
     run = pp.simulate(press, 0.5, speed=np.array([3.0, 4.0]), method="constraint")
-    for function in (pp.duty, pp.strokes):
+    for function in (pp.measures.duty, pp.measures.strokes):
         with pytest.raises(pp.PinpressError, match="one driver"):
             function(run)
 
@@ -729,7 +736,7 @@ def test_duty_of_several_drivers(tmp_path):
 def test_stiff_motors_and_little_inertia(name, drive, flywheel, load, period):
     """Periods are those of the last strokes of runs of 20 s, to their nine digits."""
     press = texts.shipped(name, gravity=(0, 0, -9.80665))
-    found = pp.steady_state(press, SPEED if name == "jf75g_125" else 72 * RPM, drive, flywheel and pp.Flywheel(flywheel), [load])
+    found = pp.steady_state(press, SPEED if name == "jf75g_125" else 72 * RPM, drive, flywheel and pp.drives.Flywheel(flywheel), [load])
     comes_back(found)
     assert period is None or found.time[-1] == pytest.approx(period, rel=1e-8)
 
@@ -753,19 +760,19 @@ def test_a_lag_from_further_off(press, way, load, period):
 @pytest.mark.parametrize("tolerance", [1e-30, 1e5])
 def test_tolerances_out_of_range(textbook, tolerance):
     with within(2.0), pytest.raises(pp.PinpressError, match="tolerance"):
-        pp.steady_state(textbook, 7.8, TEXTBOOK_MOTOR, pp.Flywheel(50.0), tolerance=tolerance)
+        pp.steady_state(textbook, 7.8, TEXTBOOK_MOTOR, pp.drives.Flywheel(50.0), tolerance=tolerance)
 
 
 def test_a_program_in_time_has_none(textbook):
     with within(2.0), pytest.raises(pp.PinpressError, match="time") as raised:
-        pp.steady_state(textbook, 7.8, drives.ServoMotor([0, 1.0], [0, 6.0], 1e5, 1e3, 1e4), pp.Flywheel(50.0))
+        pp.steady_state(textbook, 7.8, drives.ServoMotor([0, 1.0], [0, 6.0], 1e5, 1e3, 1e4), pp.drives.Flywheel(50.0))
     assert not isinstance(raised.value, pp.SimulationError)
 
 
 @pytest.mark.parametrize(
     "change",
     [
-        {"flywheel": pp.Flywheel(np.array([50.0, 60.0]))},
+        {"flywheel": pp.drives.Flywheel(np.array([50.0, 60.0]))},
         {"drive": induction(np.array([7.5e3, 8e3]), 20.0)},
         {"loads": [loads.Blanking(np.array([1e3, 2e3]), 0.05, 0.02)]},
         {"loads": 3},
@@ -773,17 +780,17 @@ def test_a_program_in_time_has_none(textbook):
     ids=["flywheel", "drive", "load", "no list"],
 )
 def test_scenarios_and_what_is_no_load_are_refused(textbook, change):
-    good = {"press": textbook, "speed": 7.8, "drive": TEXTBOOK_MOTOR, "flywheel": pp.Flywheel(50.0), "loads": []}
+    good = {"press": textbook, "speed": 7.8, "drive": TEXTBOOK_MOTOR, "flywheel": pp.drives.Flywheel(50.0), "loads": []}
     with pytest.raises(pp.PinpressError):
         pp.steady_state(**good | change)
 
 
 def test_strokes_of_a_run_that_turns_back(press):
     """4.9 turns forwards, then 18 back, past the start: each stroke is a turn long, no two overlap."""
-    run = pp.simulate(press, 6.0, speed=30.0, flywheel=WHEEL, drive=pp.ConstantTorque(-2000.0), points=2001)
+    run = pp.simulate(press, 6.0, speed=30.0, flywheel=WHEEL, drive=pp.drives.ConstantTorque(-2000.0), points=2001)
     assert 4 < run.crank_angle.max() / (2 * math.pi) < 5
     assert run.crank_angle[-1] < -12 * 2 * math.pi
-    strokes = pp.strokes(run)
+    strokes = pp.measures.strokes(run)
     assert len(strokes) >= 4
     for one in strokes:
         start, end = run.path.read(np.array([one.start, one.start + one.duration])).position[0]
@@ -795,10 +802,10 @@ def test_strokes_of_a_run_that_turns_back(press):
 def test_duty_of_nonsense(press, part):
     run = pp.simulate(press, 1.0, speed=29.0, flywheel=WHEEL)
     with pytest.raises(pp.PinpressError):
-        pp.duty(run, part)
+        pp.measures.duty(run, part)
 
 
-@pytest.mark.parametrize("function", [pp.duty, pp.strokes])
+@pytest.mark.parametrize("function", [pp.measures.duty, pp.measures.strokes])
 @pytest.mark.parametrize("what", [None, 3.0])
 def test_duty_of_no_run(function, what):
     with pytest.raises(pp.PinpressError):

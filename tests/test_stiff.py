@@ -5,9 +5,9 @@ import pytest
 from extreme_stiff import CASES, FLYWHEEL, MECHANISM, SPEED, START, Rubbing, between, run, swung
 
 import pinpress as pp
-from pinpress.drives import ConstantTorque
-from pinpress.loads import ElasticDie
-from pinpress.radau import STAGES, RadauIIA, rule
+from pinpress.drives.transmission import ConstantTorque
+from pinpress.loads.process import ElasticDie
+from pinpress.simulation.radau import STAGES, RadauIIA, rule
 
 ALWAYS = ("undamped spring of 1e+13 N/m", "speed law of 1e+11 N m s", "friction of the guide sharp within 1e-09 m/s")
 
@@ -154,7 +154,7 @@ def test_a_swing_under_a_steady_torque_pays_its_motor():
 
 @pytest.mark.parametrize("scene", [{"loads": [between(1e10, 1.0)]}, {"drive": Rubbing(0.0, 1e-3, 1e-6), "loads": [between(1e10, 0.0)]}])
 def test_what_is_damped_ever_so_little_is_not_repeated(scene):
-    found = pp.simulate(MECHANISM.press(), 0.05, SPEED, START, flywheel=pp.Flywheel(FLYWHEEL), **scene)
+    found = pp.simulate(MECHANISM.press(), 0.05, SPEED, START, flywheel=pp.drives.Flywheel(FLYWHEEL), **scene)
     assert "repetition" not in found.stats.solvers
 
 
@@ -184,7 +184,7 @@ def test_the_reference_of_swings_is_right():
 )
 def test_wide_swings_are_repeated_too(start, loads):
     ours, other = (
-        pp.simulate(MECHANISM.press(), 2.0, 0.0, start, flywheel=pp.Flywheel(1.0), loads=loads, method=method, points=200)
+        pp.simulate(MECHANISM.press(), 2.0, 0.0, start, flywheel=pp.drives.Flywheel(1.0), loads=loads, method=method, points=200)
         for method in ("auto", "implicit")
     )
     assert ours.stats.solvers == ("angle", "repetition")

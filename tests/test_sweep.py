@@ -19,7 +19,7 @@ from sweep_points import dies, doubled, fails_at_odd, logged, product, raises_at
 from time_limit import _limit, within  # noqa: F401
 
 import pinpress as pp
-from pinpress.sweeping import sweep
+from pinpress.sweeps.sweeping import sweep
 
 GRID = {"a": [3, 1, 2], "b": np.array([0.5, 4.0])}
 FORMATS = ["csv", "parquet"]
@@ -569,7 +569,7 @@ def test_one_at_a_time(tmp_path):
     assert held == [1]
     other = tmp_path / "other.csv"
     words = (
-        "from functools import partial; from sweep_points import logged; from pinpress.sweeping import sweep;"
+        "from functools import partial; from sweep_points import logged; from pinpress.sweeps.sweeping import sweep;"
         f" sweep(partial(logged, log={str(log)!r}, pause=30), {{'a': [1]}}, to={str(other)!r})"
     )
     holder = subprocess.Popen([sys.executable, "-c", words], cwd=os.path.dirname(__file__))

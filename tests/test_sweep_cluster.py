@@ -15,7 +15,7 @@ from sweep_points import fails_at_odd, logged
 from time_limit import within
 
 import pinpress as pp
-from pinpress.sweeping import sweep
+from pinpress.sweeps.sweeping import sweep
 
 distributed = pytest.importorskip("distributed")
 HERE = Path(__file__).resolve().parent

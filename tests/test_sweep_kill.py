@@ -17,7 +17,7 @@ from sweep_10000 import DURATION, INERTIAS, PRESS, grid, stroke
 from time_limit import within
 
 import pinpress as pp
-from pinpress.sweeping import sweep
+from pinpress.sweeps.sweeping import sweep
 
 SPEEDS = {"csv": 400, "parquet": 16}  # what differs from CSV is the end
 
@@ -82,5 +82,5 @@ def test_killed_twice_and_resumed(tmp_path, suffix):
         speed, inertia = (float(found.columns[name][number]) for name in ("speed", "inertia"))
         again = stroke(speed, inertia, log=os.devnull)
         assert {name: found.columns[name][number] for name in again} == again
-        alone = pp.simulate(PRESS, DURATION, speed=speed, flywheel=pp.Flywheel(inertia), points=2)
+        alone = pp.simulate(PRESS, DURATION, speed=speed, flywheel=pp.drives.Flywheel(inertia), points=2)
         np.testing.assert_allclose([again["angle"], again["speed_after"]], [alone.crank_angle[-1], alone.crank_speed[-1]], rtol=1e-12)

@@ -9,9 +9,9 @@ import pytest
 import texts
 
 import pinpress as pp
-from pinpress.measures import flatness, pressure_angle, quick_return_ratio, stroke
-from pinpress.synthesis import synthesise
-from pinpress.synthesis_search import Search
+from pinpress.kinematics.measures import flatness, pressure_angle, quick_return_ratio, stroke
+from pinpress.synthesis.search import Search
+from pinpress.synthesis.synthesis import synthesise
 
 SPEED = 70 * pp.RPM
 CONVERGED = 1e-6  # of the optimum's conditions, which is what `synthesise` promises
@@ -308,9 +308,9 @@ def test_geometries_that_fail_are_refused():
 
 
 def test_what_is_not_known_exactly_is_refused():
-    refused("constant PointForces", loads=[pp.SpringDamper("frame", "slide", stiffness=1e3)])
+    refused("constant PointForces", loads=[pp.loads.SpringDamper("frame", "slide", stiffness=1e3)])
     refused("give datum=", loads=[pp.loads.Piling(1e3, 0.01)])
-    refused("give a list", loads=pp.PointForce("slide", (0, 0, 1)))
+    refused("give a list", loads=pp.loads.PointForce("slide", (0, 0, 1)))
     refused("unknown method", method="best")
     two_point = texts.shipped("jf75g_125_two_point")
     both = {"l": (0.25, 0.3, 0.4)}

@@ -9,7 +9,7 @@ import texts
 from scipy.io import loadmat
 
 import pinpress as pp
-from pinpress import tables
+from pinpress.common import tables
 
 MOTION = [
     "time [s]",
@@ -33,7 +33,7 @@ def motion():
 
 @pytest.fixture(scope="module")
 def result(motion):
-    load = pp.PointForce("slide", lambda motion: np.outer(np.sin(motion.crank_angle), (0.0, 0.0, 1e6)))
+    load = pp.loads.PointForce("slide", lambda motion: np.outer(np.sin(motion.crank_angle), (0.0, 0.0, 1e6)))
     return pp.inverse_dynamics(texts.shipped("crank_slide"), motion, loads=[load])
 
 
@@ -72,8 +72,8 @@ def test_torques_of_gear_pairs_and_powers_of_friction_have_columns(engine):
     """Of a pair the torque on the joint that follows; of bearings those with friction."""
     press = texts.shipped("jf75g_125_symmetric")
     motion = pp.cycle(press, speed=30.0, points=12)
-    load = pp.PointForce("slide", (0.0, 0.0, 1e5))
-    friction = {"O_left": pp.Friction(0.02, 0.08)}
+    load = pp.loads.PointForce("slide", (0.0, 0.0, 1e5))
+    friction = {"O_left": pp.loads.Friction(0.02, 0.08)}
     result = pp.inverse_dynamics(press, motion, loads=[load], friction=friction, engine=engine)
     columns, bearings = result.columns(), len(press.bearings)
     for name, torque in result.coupling_torque.items():

@@ -271,7 +271,7 @@ def test_power_balance(press, engine, speed):
     """With a drawing force on the ram: 1e-12 of the flow at every angle, and over the turn the drive gives what the force takes."""
     motion = pp.cycle(press, speed, engine=engine)
     drawing = 20e3 * np.sin(motion.crank_angle) ** 2  # smooth, so that the sum over a turn is exact
-    load = pp.PointForce("slide", np.outer(drawing, [1.0, 0.0, 0.0]))
+    load = pp.loads.PointForce("slide", np.outer(drawing, [1.0, 0.0, 0.0]))
     result = pp.inverse_dynamics(press, motion, loads=[load], engine=engine)
     assert np.abs(result.power_residual).max() <= 1e-12
     given, taken = result.driving_torque * motion.crank_speed, -drawing * motion.slide_velocity

@@ -27,8 +27,8 @@ from malformed_urdf import (
 )
 
 import pinpress as pp
-from pinpress import urdf
-from pinpress.errors import UrdfError
+from pinpress.common.errors import UrdfError
+from pinpress.linkage.urdf import reader as urdf
 
 SHIPPED = Path(__file__).parent.parent / "urdf"
 

@@ -17,7 +17,7 @@ from random_linkages import drawn, linkages
 from spatial_linkages import bennett, four_bar
 
 import pinpress as pp
-from pinpress import urdf
+from pinpress.linkage.urdf import reader as urdf
 
 EPS = np.finfo(float).eps
 LEVER = 1.0  # centre of mass [ulp of its largest component]: Pinocchio reads (m c) (1 / m)
@@ -792,7 +792,6 @@ def test_written_over_the_file_that_was_read(press, file):
 
 
 def test_import_of_pinpress_leaves_it_out():
-    code = (
-        "import sys, pinpress; assert 'pinpress.writing' not in sys.modules; pinpress.write_urdf; assert 'pinpress.writing' in sys.modules"
-    )
+    writing = "'pinpress.linkage.writing' in sys.modules"
+    code = f"import sys, pinpress; assert not {writing}; pinpress.write_urdf; assert {writing}"
     subprocess.run([sys.executable, "-c", code], check=True)

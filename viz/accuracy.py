@@ -102,7 +102,7 @@ def _times(ratio: float) -> str:
 
 
 if __name__ == "__main__":
-    measured = pp.accuracy(pp.load("zxn2_3000b"), speed=70 * pp.RPM, repeats=4)
+    measured = pp.accuracy.accuracy(pp.load("zxn2_3000b"), speed=70 * pp.RPM, repeats=4)
     measured.to_csv(HERE / "accuracy.csv")
-    pp.save_plot(pp.plot_accuracy(measured), HERE / "accuracy.png")
+    pp.plots.save_plot(pp.accuracy.plot_accuracy(measured), HERE / "accuracy.png")
     print(f"{measured}\n\n{table()}")

@@ -8,8 +8,8 @@ from pathlib import Path
 import numpy as np
 
 import pinpress as pp
-from pinpress import arrangements
-from pinpress.counterweights import with_counterweights
+from pinpress.balancing.classical import arrangements
+from pinpress.balancing.counterweights import with_counterweights
 
 PAGE = Path(__file__).with_suffix(".md")
 SPEED = 300 * pp.RPM

@@ -7,11 +7,11 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pinpress as pp
-from pinpress.timing import least_seconds
+from pinpress.accuracy.timing import least_seconds
 
 HERE = Path(__file__).parent
-VERTICAL, HORIZONTAL = pp.Range("shaking_force", "z"), pp.Range("shaking_force", "x")
-ADDED = pp.AddedMass()
+VERTICAL, HORIZONTAL = pp.balancing.Range("shaking_force", "z"), pp.balancing.Range("shaking_force", "x")
+ADDED = pp.balancing.AddedMass()
 POINTS = 720
 REPEATED = 5  # of which the least time counts
 
@@ -19,34 +19,39 @@ REPEATED = 5  # of which the least time counts
 PATH = {"start of the thesis": (100.0, 1000.0, 2887.80), "after its 17 steps": (113.31, 1045.0, 139.07)}
 
 # Kong 2025: counterweights, and the changes of the ranges of the shaking force that its reference [20] claims for them
-PAPER = (pp.Counterweight("crank", 605.496, (-0.1428, 0, 0)), pp.Counterweight("rod", 55.536, (-0.0456, 0, 0)))
-SAME_PLACES = [pp.Room("crank", radius=0.1428), pp.Room("rod", radius=0.0456)]
-THREE_LINKS = [pp.Room("crank", radius=0.3), pp.Room("rocker", radius=0.6), pp.Room("rod", radius=0.3)]
+PAPER = (pp.balancing.Counterweight("crank", 605.496, (-0.1428, 0, 0)), pp.balancing.Counterweight("rod", 55.536, (-0.0456, 0, 0)))
+SAME_PLACES = [pp.balancing.Room("crank", radius=0.1428), pp.balancing.Room("rod", radius=0.0456)]
+THREE_LINKS = [pp.balancing.Room("crank", radius=0.3), pp.balancing.Room("rocker", radius=0.6), pp.balancing.Room("rod", radius=0.3)]
 TOTAL = sum(weight.mass for weight in PAPER)
 
 
-def jf75g() -> dict[str, Callable[[], pp.Balance]]:
+def jf75g() -> dict[str, Callable[[], pp.balancing.Balance]]:
     """The thesis' problem at 300 strokes/min."""
     press = pp.load("jf75g_125")
     motion = pp.cycle(press, speed=300 * pp.RPM, points=POINTS)
-    counterweight = pp.Room("counterweight", replaces=True)
-    shape_kept = [pp.Room("auxiliary_rod", replaces=True), counterweight]
+    counterweight = pp.balancing.Room("counterweight", replaces=True)
+    shape_kept = [pp.balancing.Room("auxiliary_rod", replaces=True), counterweight]
     # (5-15): centre of mass of the auxiliary rod 300 to 400 mm from its crank pin
-    placed = [pp.Room("auxiliary_rod", corners=((0.3, 0, 0), (0.4, 0, 0)), mass=(50, 200), replaces=True), counterweight]
+    placed = [pp.balancing.Room("auxiliary_rod", corners=((0.3, 0, 0), (0.4, 0, 0)), mass=(50, 200), replaces=True), counterweight]
     return {
-        "optimum": lambda: pp.balance(press, motion, shape_kept, VERTICAL),
-        "optimum with a rod of 50 kg or more, its centre of mass within (5-15)": lambda: pp.balance(press, motion, placed, VERTICAL),
+        "optimum": lambda: pp.balancing.balance(press, motion, shape_kept, VERTICAL),
+        "optimum with a rod of 50 kg or more, its centre of mass within (5-15)": lambda: pp.balancing.balance(
+            press, motion, placed, VERTICAL
+        ),
     }
 
 
 def on_the_way(rod: float, counterweight: float) -> float:
     """Range [N] with other masses [kg] of auxiliary rod and counterweight, of the same shape."""
     press = pp.load("jf75g_125")
-    fixed = [pp.Room("auxiliary_rod", replaces=True, mass=(rod, rod)), pp.Room("counterweight", replaces=True, mass=(counterweight,) * 2)]
-    return pp.balance(press, pp.cycle(press, speed=300 * pp.RPM, points=POINTS), fixed, VERTICAL).outcomes[0].after
+    fixed = [
+        pp.balancing.Room("auxiliary_rod", replaces=True, mass=(rod, rod)),
+        pp.balancing.Room("counterweight", replaces=True, mass=(counterweight,) * 2),
+    ]
+    return pp.balancing.balance(press, pp.cycle(press, speed=300 * pp.RPM, points=POINTS), fixed, VERTICAL).outcomes[0].after
 
 
-def zxn2() -> dict[str, Callable[[], pp.Balance]]:
+def zxn2() -> dict[str, Callable[[], pp.balancing.Balance]]:
     """Optima at 70 strokes/min."""
     press = pp.load("zxn2_3000b")
     motion = pp.cycle(press, speed=70 * pp.RPM, points=POINTS)
@@ -54,10 +59,14 @@ def zxn2() -> dict[str, Callable[[], pp.Balance]]:
     newtons = {HORIZONTAL: HORIZONTAL.value(before), VERTICAL: VERTICAL.value(before)}  # a newton of either counts the same
     within = {ADDED: TOTAL}
     return {
-        "least horizontal range, the paper's links and radii": lambda: pp.balance(press, motion, SAME_PLACES, HORIZONTAL, within),
-        "horizontal range zero, then least vertical": lambda: pp.balance(press, motion, THREE_LINKS, VERTICAL, {HORIZONTAL: 0.0} | within),
-        "least sum of both ranges": lambda: pp.balance(press, motion, THREE_LINKS, newtons, within),
-        "least range of the driving torque": lambda: pp.balance(press, motion, THREE_LINKS, pp.Range("driving_torque"), within),
+        "least horizontal range, the paper's links and radii": lambda: pp.balancing.balance(press, motion, SAME_PLACES, HORIZONTAL, within),
+        "horizontal range zero, then least vertical": lambda: pp.balancing.balance(
+            press, motion, THREE_LINKS, VERTICAL, {HORIZONTAL: 0.0} | within
+        ),
+        "least sum of both ranges": lambda: pp.balancing.balance(press, motion, THREE_LINKS, newtons, within),
+        "least range of the driving torque": lambda: pp.balancing.balance(
+            press, motion, THREE_LINKS, pp.balancing.Range("driving_torque"), within
+        ),
     }
 
 
@@ -83,12 +92,12 @@ def zxn2_table() -> str:
     quantities = {
         "horizontal": HORIZONTAL,
         "vertical": VERTICAL,
-        "moment about D": pp.Range("shaking_moment", "y"),
-        "driving torque": pp.Range("driving_torque"),
-        **{f"peak in {name}": pp.Peak("bearing_force", bearing=name) for name in ("A", "B", "D", "F")},
-        "guide": pp.Peak("bearing_force", bearing="slide_guide"),
+        "moment about D": pp.balancing.Range("shaking_moment", "y"),
+        "driving torque": pp.balancing.Range("driving_torque"),
+        **{f"peak in {name}": pp.balancing.Peak("bearing_force", bearing=name) for name in ("A", "B", "D", "F")},
+        "guide": pp.balancing.Peak("bearing_force", bearing="slide_guide"),
     }
-    balanced = {"the paper's counterweights": (pp.with_counterweights(press, PAPER), TOTAL)}
+    balanced = {"the paper's counterweights": (pp.balancing.with_counterweights(press, PAPER), TOTAL)}
     for what, solve in zxn2().items():
         best = solve()
         balanced[what] = best.press, best.added_mass
@@ -102,16 +111,16 @@ def zxn2_table() -> str:
     return "\n".join(lines)
 
 
-def curves() -> dict[str, pp.TradeOff]:
+def curves() -> dict[str, pp.balancing.TradeOff]:
     """Horizontal against vertical range for some added masses, and both against added mass."""
     press = pp.load("zxn2_3000b")
     motion = pp.cycle(press, speed=70 * pp.RPM, points=POINTS)
     found = {
-        f"{mass:.0f} kg added": pp.trade_off(press, motion, THREE_LINKS, HORIZONTAL, VERTICAL, {ADDED: mass}, points=25)
+        f"{mass:.0f} kg added": pp.balancing.trade_off(press, motion, THREE_LINKS, HORIZONTAL, VERTICAL, {ADDED: mass}, points=25)
         for mass in (350.0, TOTAL, 1000.0)
     }
-    found["horizontal"] = pp.trade_off(press, motion, THREE_LINKS, HORIZONTAL, ADDED, points=25)
-    found["vertical"] = pp.trade_off(press, motion, THREE_LINKS, VERTICAL, ADDED, {ADDED: 1000.0}, points=25)
+    found["horizontal"] = pp.balancing.trade_off(press, motion, THREE_LINKS, HORIZONTAL, ADDED, points=25)
+    found["vertical"] = pp.balancing.trade_off(press, motion, THREE_LINKS, VERTICAL, ADDED, {ADDED: 1000.0}, points=25)
     return found
 
 
@@ -120,4 +129,4 @@ if __name__ == "__main__":
     print("\nOne call of balance, with the reactions before and after:")
     for what, solve in {**jf75g(), **zxn2()}.items():
         print(f"  {what}: {1e3 * least_seconds([solve], REPEATED)[0]:.0f} ms")
-    print(pp.save_plot(pp.plot_trade_offs(curves()), HERE / "balancing.png"))
+    print(pp.plots.save_plot(pp.plots.plot_trade_offs(curves()), HERE / "balancing.png"))

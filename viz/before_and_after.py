@@ -23,19 +23,19 @@ def main() -> None:
     page = pp.report(balanced, after.motion, out / "before_and_after.html", after, before=before)
     print(page, picture(page, HERE / "report.png"))
     for name, figure in (
-        ("comparison", pp.plot_comparison(before, after)),
-        ("polar", pp.plot_polar(before)),
-        ("slide", pp.plot_slide(before.motion)),
-        ("torque", pp.plot_torque(before)),
-        ("bearings", pp.plot_bearings(before)),
-        ("shaking", pp.plot_shaking(before)),
+        ("comparison", pp.plots.plot_comparison(before, after)),
+        ("polar", pp.plots.plot_polar(before)),
+        ("slide", pp.plots.plot_slide(before.motion)),
+        ("torque", pp.plots.plot_torque(before)),
+        ("bearings", pp.plots.plot_bearings(before)),
+        ("shaking", pp.plots.plot_shaking(before)),
     ):
-        print(*(pp.save_plot(figure, out / f"zxn2_3000b_{name}.{suffix}") for suffix in ("svg", "png")))
-    print(pp.save_plot(pp.plot_comparison(before, after), HERE / "comparison.png"))
+        print(*(pp.plots.save_plot(figure, out / f"zxn2_3000b_{name}.{suffix}") for suffix in ("svg", "png")))
+    print(pp.plots.save_plot(pp.plots.plot_comparison(before, after), HERE / "comparison.png"))
 
 
 def picture(page: Path, target: Path) -> Path:
-    """A report in a window as wide as a desk's screen, scrolled to the bearings. (`pp.still` pictures the press.)"""
+    """A report in a window as wide as a desk's screen, scrolled to the bearings. (`pp.video.still` pictures the press.)"""
     from playwright.sync_api import sync_playwright
 
     executable = os.environ.get("CHROMIUM") or shutil.which("chromium")

@@ -15,27 +15,27 @@ import numpy as np
 from matplotlib.figure import Figure
 
 import pinpress as pp
-from pinpress import figures
-from pinpress.elastic_plots import draw_dead_centre_shift, draw_elasticity, draw_snap_through
+from pinpress.plots import style as figures
+from pinpress.plots.elasticity import draw_dead_centre_shift, draw_elasticity, draw_snap_through
 
 PICTURE = Path(__file__).with_suffix(".png")
 STEEL = 2.1e11  # modulus of elasticity [Pa]
 
 # assumed: sections of links, radial stiffness of journal bearings with their shafts, frame, shaft from crank to gear
 SPRINGS = {
-    "zxn2_3000b": pp.Stiffness(
+    "zxn2_3000b": pp.elasticity.Stiffness(
         bearings={"A": 3e9, "B": 4e9, "C": 4e9, "D": 5e9, "E": 6e9, "F": 6e9, "slide_guide": 2e9},
         rods=[
-            pp.Rod("coupler", ("B", "C"), STEEL * 0.030 / 1.243),
-            pp.Rod("rocker", ("D", "E"), STEEL * 0.060 / 0.480),
-            pp.Rod("rod", ("E", "F"), STEEL * 0.060 / 0.480),
+            pp.elasticity.Rod("coupler", ("B", "C"), STEEL * 0.030 / 1.243),
+            pp.elasticity.Rod("rocker", ("D", "E"), STEEL * 0.060 / 0.480),
+            pp.elasticity.Rod("rod", ("E", "F"), STEEL * 0.060 / 0.480),
         ],
         shaft=3e7,
         frame=4e9,
     ),
-    "jf75g_125": pp.Stiffness(
+    "jf75g_125": pp.elasticity.Stiffness(
         bearings={"O": 3e9, "P2": 4e9, "P4": 4e9, "P3": 2e9, "P5": 2e9, "slide_guide": 2e9},
-        rods=[pp.Rod("main_rod", ("P2", "P4"), STEEL * 0.030 / 0.300)],
+        rods=[pp.elasticity.Rod("main_rod", ("P2", "P4"), STEEL * 0.030 / 0.300)],
         shaft=1e7,
         frame=3e9,
     ),
@@ -58,37 +58,37 @@ def table() -> str:
 def tables(name: str) -> str:
     press = pp.load(name)
     found = elastic(press, name)
-    shift = pp.dead_centre_shift(press, SPRINGS[name], np.array(SPEEDS[name]) * pp.RPM)
+    shift = pp.elasticity.dead_centre_shift(press, SPRINGS[name], np.array(SPEEDS[name]) * pp.RPM)
     shown = compliance_table(name, found), shift_table(name, shift), snap_table(name, snaps(press, name))
     return "\n\n".join([*shown, permissible_table(press, name)])
 
 
-def elastic(press: pp.Linkage, name: str) -> pp.Elasticity:
+def elastic(press: pp.Linkage, name: str) -> pp.elasticity.Elasticity:
     """About bottom dead centre."""
-    return pp.elasticity(press, SPRINGS[name], pp.dead_centres(press).bottom_angle + np.radians(np.arange(-60.0, 60.1, 0.25)))
+    return pp.elasticity.elasticity(press, SPRINGS[name], pp.dead_centres(press).bottom_angle + np.radians(np.arange(-60.0, 60.1, 0.25)))
 
 
-def at_heights(press: pp.Linkage, name: str, heights: Sequence[float]) -> pp.Elasticity:
+def at_heights(press: pp.Linkage, name: str, heights: Sequence[float]) -> pp.elasticity.Elasticity:
     """On the way down, at heights above bottom dead centre [m]."""
     ends = pp.dead_centres(press)
     angle = ends.bottom_angle - np.radians(np.linspace(0.0, 90.0, 3601))
     above = pp.cycle(press, 1.0, angle=angle).slide_position - ends.bottom_position
-    return pp.elasticity(press, SPRINGS[name], np.interp(heights, above, angle))
+    return pp.elasticity.elasticity(press, SPRINGS[name], np.interp(heights, above, angle))
 
 
-def snaps(press: pp.Linkage, name: str) -> dict[str, pp.SnapThrough]:
+def snaps(press: pp.Linkage, name: str) -> dict[str, pp.elasticity.SnapThrough]:
     """At nominal force, with more and more in it."""
     found = at_heights(press, name, [HEIGHT])
     case = FORCE[name], 1 / found.compliance[0], found.effective_mass[0] + DIE[name]
     return {
-        "at once, undamped": pp.snap_through(*case),
-        f"damping ratio {DAMPING:g}": pp.snap_through(*case, DAMPING),
-        f"within {1e3 * BREAK_TIME:g} ms": pp.snap_through(*case, DAMPING, BREAK_TIME),
-        f"clearance {1e3 * CLEARANCE:g} mm": pp.snap_through(*case, DAMPING, BREAK_TIME, CLEARANCE),
+        "at once, undamped": pp.elasticity.snap_through(*case),
+        f"damping ratio {DAMPING:g}": pp.elasticity.snap_through(*case, DAMPING),
+        f"within {1e3 * BREAK_TIME:g} ms": pp.elasticity.snap_through(*case, DAMPING, BREAK_TIME),
+        f"clearance {1e3 * CLEARANCE:g} mm": pp.elasticity.snap_through(*case, DAMPING, BREAK_TIME, CLEARANCE),
     }
 
 
-def compliance_table(name: str, found: pp.Elasticity) -> str:
+def compliance_table(name: str, found: pp.elasticity.Elasticity) -> str:
     """Shares of the parts at bottom dead centre, the largest first."""
     shares = sorted(found.bottom_shares.items(), key=lambda item: -round(item[1], 9))  # equal ones differ by rounding
     rows = [f"| {part} | {100 * share:.1f} % |" for part, share in shares if share > 5e-4]
@@ -96,7 +96,7 @@ def compliance_table(name: str, found: pp.Elasticity) -> str:
     return "\n".join([heading, "", "| part | share of the deflection |", "|---|---:|", *rows])
 
 
-def shift_table(name: str, shift: pp.DeadCentreShift) -> str:
+def shift_table(name: str, shift: pp.elasticity.DeadCentreShift) -> str:
     """Depth over speed."""
     rows = [
         f"| {round(w / pp.RPM)} | {1e6 * inertia:+.1f} | {1e6 * true:+.1f} |"
@@ -107,7 +107,7 @@ def shift_table(name: str, shift: pp.DeadCentreShift) -> str:
     return "\n".join([heading, "", "| strokes/min | inertia at the rigid angle [µm] | true shift [µm] |", "|---:|---:|---:|", *rows])
 
 
-def snap_table(name: str, cases: dict[str, pp.SnapThrough]) -> str:
+def snap_table(name: str, cases: dict[str, pp.elasticity.SnapThrough]) -> str:
     """Reverse load, overshoot, acceleration, frequency."""
     rows = [
         f"| {what} | {1e-3 * s.reverse_force:.0f} kN, {100 * s.reverse_ratio:.1f} % | {1e3 * s.overshoot:.3f} | {s.peak_acceleration:.0f} |"
@@ -126,7 +126,7 @@ def permissible_table(press: pp.Linkage, name: str) -> str:
     """Force at break-through that a reverse load of `PERMITTED` allows, over height."""
     found = at_heights(press, name, HEIGHTS)
     stiffness, mass, permitted = 1 / found.compliance, found.effective_mass, PERMITTED * FORCE[name]
-    forces = pp.permissible_breakthrough(permitted, stiffness, mass + DIE[name], DAMPING, BREAK_TIME)
+    forces = pp.elasticity.permissible_breakthrough(permitted, stiffness, mass + DIE[name], DAMPING, BREAK_TIME)
     heading = f"`{name}`: reverse load of {1e-3 * permitted:g} kN permitted"
     titles = "| height [mm] | stiffness [kN/mm] | effective mass without die [kg] | permissible break-through force [kN] |"
     rows = [
@@ -145,7 +145,7 @@ def picture() -> Figure:
             found = elastic(press, name)
             draw_elasticity(places[0, column], found)
             places[0, column].set_title(name, loc="left")
-            curve = pp.dead_centre_shift(press, SPRINGS[name], np.linspace(0.0, CURVE[name], 40) * pp.RPM)
+            curve = pp.elasticity.dead_centre_shift(press, SPRINGS[name], np.linspace(0.0, CURVE[name], 40) * pp.RPM)
             draw_dead_centre_shift(places[1, column], {"true bottom dead centre": curve})
             cases = snaps(press, name)
             draw_snap_through(places[2, column], {what: cases[what] for what in list(cases)[1::2]})

@@ -10,8 +10,9 @@ import numpy as np
 from matplotlib.figure import Figure
 
 import pinpress as pp
-from pinpress import figures, foundation
-from pinpress.reproduce import zhang2007_vibration as vibration
+from pinpress import foundation
+from pinpress.papers import zhang2007_vibration as vibration
+from pinpress.plots import style as figures
 
 PAGE = Path(__file__).with_suffix(".md")
 PICTURE = Path(__file__).with_suffix(".png")

@@ -33,18 +33,18 @@ ASSUMED = {
     },
     "jf75g_125": {"nominal_height": 0.003, "speed_drop": 0.15, "bearings": {"O": 1.4e6, "P4": 1.4e6}},
 }
-GUIDES = {"zxn2_3000b": pp.Guide(length=1.2, width=0.3), "jf75g_125": pp.Guide(length=0.6, width=0.2)}
+GUIDES = {"zxn2_3000b": pp.ratings.Guide(length=1.2, width=0.3), "jf75g_125": pp.ratings.Guide(length=0.6, width=0.2)}
 PRESSURE = 6e6  # permissible on the gibs [Pa]
 
 
-def capacities(name: str) -> pp.Capacities:
+def capacities(name: str) -> pp.ratings.Capacities:
     """What is printed and assumed."""
-    return pp.Capacities(**PRINTED[name] | ASSUMED[name])
+    return pp.ratings.Capacities(**PRINTED[name] | ASSUMED[name])
 
 
 @cache
-def rated(name: str, at_speed: bool = False) -> pp.Ratings:
-    return pp.ratings(pp.load(name), SPEEDS[name], capacities(name), at_speed, POINTS)
+def rated(name: str, at_speed: bool = False) -> pp.ratings.Ratings:
+    return pp.ratings.ratings(pp.load(name), SPEEDS[name], capacities(name), at_speed, POINTS)
 
 
 def table() -> str:
@@ -94,7 +94,7 @@ def main_data() -> str:
     return head + "\n".join(f"| {what} | {' | '.join(cells)} |" for what, cells in rows)
 
 
-def above(one: pp.Ratings) -> str:
+def above(one: pp.ratings.Ratings) -> str:
     """The limit that governs above the heights at which the nominal force is permissible."""
     at = int(np.flatnonzero(one.height == one.changes[-1])[0])
     return one.limited_by[at - 1]
@@ -106,8 +106,8 @@ def eccentricity(name: str) -> str:
     assert one.capacities.nominal_height is not None
     motion = pp.cycle(press, speed=0.0, angle=one.crank_angle[one.height <= one.capacities.nominal_height + 1e-12])
     force = one.capacities.nominal_force
-    left, right = pp.permissible_eccentricity(press, motion, force, GUIDES[name], PRESSURE)
-    central = pp.eccentric_load(press, motion, force, (0.0, 0.0, 0.0), GUIDES[name]).pressure.max()
+    left, right = pp.ratings.permissible_eccentricity(press, motion, force, GUIDES[name], PRESSURE)
+    central = pp.ratings.eccentric_load(press, motion, force, (0.0, 0.0, 0.0), GUIDES[name]).pressure.max()
     return f"{1e3 * left:.1f} to {1e3 * right:+.1f} mm (centred: {central / 1e6:.2f} MPa)"
 
 
@@ -134,11 +134,11 @@ def forces(name: str) -> str:
     return "\n".join(lines)
 
 
-def at(one: pp.Ratings, values: np.ndarray, height: float) -> float:
+def at(one: pp.ratings.Ratings, values: np.ndarray, height: float) -> float:
     """A quantity between the states, linear in the height."""
     return float(np.interp(height, one.height[::-1], values[::-1]))
 
 
 if __name__ == "__main__":
     print(table())
-    print(pp.save_plot(pp.plot_ratings(rated("zxn2_3000b")), HERE / "ratings.png"))
+    print(pp.plots.save_plot(pp.plots.plot_ratings(rated("zxn2_3000b")), HERE / "ratings.png"))

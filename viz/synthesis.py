@@ -6,15 +6,15 @@ python viz/synthesis.py
 import numpy as np
 
 import pinpress as pp
-from pinpress.measures import flatness, quick_return_ratio, speed_ratio, stroke
-from pinpress.reproduce.chen2002 import DRAWN, SPEED, as_the_paper_asks, even_speed, largest_pressure
+from pinpress.kinematics.measures import flatness, quick_return_ratio, speed_ratio, stroke
+from pinpress.papers.chen2002 import DRAWN, SPEED, as_the_paper_asks, even_speed, largest_pressure
 
 CREST = 0.3012  # stroke of the ZXN2-3000(B) [m]
 
 
-def less_torque() -> pp.Synthesis:
+def less_torque() -> pp.synthesis.Synthesis:
     """The six-bar, running empty, with a lower peak of driving torque: the same stroke, no less time on the way down than up."""
-    return pp.synthesise(
+    return pp.synthesis.synthesise(
         pp.load("zxn2_3000b"),
         {"x": (1.1, 1.25, 1.4), "z": (-0.35, -0.2, -0.05), "l1": (0.12, 0.143, 0.17), "l2": (1.1, 1.243, 1.4), "l31": (0.33, 0.375, 0.42)},
         minimise=lambda trial: np.concatenate([trial.reactions.driving_torque, -trial.reactions.driving_torque]),
@@ -51,7 +51,7 @@ def table() -> str:
     return "\n".join(lines)
 
 
-def row(what: str, found: pp.Synthesis) -> str:
+def row(what: str, found: pp.synthesis.Synthesis) -> str:
     held = [f"{active.name}, {active.side} bound" for active in found.active] + [f"{name} has no influence" for name in found.idle]
     return thin_wall_row(what, found.press, "; ".join(held))
 

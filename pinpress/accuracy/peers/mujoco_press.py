@@ -1,0 +1,330 @@
+"""A press in MuJoCo (see `mujoco_model`): its motion, forces and free runs.
+
+MuJoCo's constraints are soft, and what it computes by itself is therefore no answer here. `mj_inverse` finds no force in loops that are
+exactly closed, and gives the torque of the open tree. So its expert takes Jacobians, mass matrix, bias and accelerations from MuJoCo and
+solves the exact equations of the loops in NumPy, of all crank angles at once where that can be.
+
+Free runs in two ways. `MujocoSteps` has `mj_step` with RK4 and the stiffest equalities that are stable: omega = 0.5 / step, critically
+damped (0.2 and 1 err more; Euler and implicitfast fail; a higher impedance changes nothing, more than two iterations of the Newton solver
+only take time). The loops' stiffness goes with the step, so that its error falls with the square of the step even by RK4, and the loops
+stay open. `Mujoco` has the classical RK4 with projection on MuJoCo's own terms: slower a step, but of order 4 and on the loops. `pinpress
+accuracy` shows where they cross.
+
+Bearing forces: of the open tree by `mj_rnePostConstraint` (``cfrc_int``), plus what the loops add. Letting MuJoCo add these from
+``efc_force`` gives the same to rounding. Where loops hold each other, the forces that this leaves open are those with the least sum of
+squared loop forces, not pinpress's.
+"""
+
+from collections.abc import Callable, Mapping
+from dataclasses import replace
+from typing import ClassVar
+
+import mujoco
+import numpy as np
+from mujoco import rollout
+
+from ...common.arrays import Array, ComplexArray
+from ...common.errors import PinpressError, SimulationError
+from ...engines.load_sharing import RANK
+from ...kinematics.dead_centres import dead_centres
+from ...kinematics.motion import cycle
+from ...linkage.linkage import Linkage
+from ..measurements import CLUTCH, DIE, SPEED_LAW
+from ..scenes import Scene
+from . import Answer, End, steps_of
+from .mujoco_model import compiled
+
+SAMPLES = 512  # of a turn, walked when the model is made: where Newton's method starts later
+CLOSED = 1e-11  # [m, rad] largest last Newton step; the Jacobian is of the state before it
+MOST_NEWTON_STEPS = 12
+STATE = mujoco.mjtState.mjSTATE_FULLPHYSICS
+Effort = Callable[[Array, Array], Array | float]  # of joint coordinates and rates (nv,)
+
+
+def free(x: Array, v: Array) -> float:
+    """No effort."""
+    return 0.0
+
+
+class Mujoco:
+    """A `pinpress.accuracy.peers.Peer`; see the module."""
+
+    inverse, how = True, " + NumPy"
+    left_out: ClassVar[Mapping[str, str]] = {
+        CLUTCH: "its steps do not end where a clutch grips",
+        SPEED_LAW: "its steps are stable only below the time in which the law forgets",
+    }
+    steps: tuple[float, ...] = (2e-2, 1e-2, 5e-3, 2.5e-3, 1e-3, 5e-4)
+
+    def __init__(self, press: Linkage) -> None:
+        """
+        Raises:
+            PinpressError: several drivers, no loops or one that holds rotations, a body that MuJoCo refuses, a crank that does not turn
+                fully.
+        """
+        if len(press.drivers) > 1:
+            raise PinpressError(f"it is compared on one driver, {press.name} has {len(press.drivers)}")
+        if not press.loops:
+            raise PinpressError(f"{press.name} has no loops, and needs nothing but its tree")
+        for loop in press.loops:
+            if loop.type != "spherical":
+                raise PinpressError(f"it has no loop joint of type {loop.type} ({loop.name})")
+        self.name = f"MuJoCo {mujoco.__version__}{self.how}"
+        self._press = press
+        self._model = compiled(press)
+        self._data = mujoco.MjData(self._model)
+        self._driver = press.spatial.drivers[0]
+        self._passive = [j for j in range(self._model.nv) if j != self._driver]
+        self._ends = [(self._model.site(f"{loop.name}/1").id, self._model.site(f"{loop.name}/2").id) for loop in press.loops]
+        self._sites = [site for pair in self._ends for site in pair]
+        self._load(press.closed)
+        rows = self._data.efc_J.reshape(-1, self._model.nv)
+        self._kept = np.flatnonzero(np.abs(rows).max(axis=1) > RANK)  # no equation in the plane sees the pins' third one
+        self._square = len(self._kept) == len(self._passive)
+        self._turns, self._series = self._walked()
+
+    def inverse_dynamics(self, angle: Array, speed: float) -> Answer:
+        """See `Peer`."""
+        angle = np.asarray(angle, dtype=float)
+        x, columns = self._closed(angle, self._predicted(angle))
+        v = self._rates(columns, np.zeros(columns.shape[:2]), speed)
+        a = self._rates(columns, self._drifts(x, v), 0.0)
+        return Answer(*self._efforts(x, v, a, columns))
+
+    def free_run(self, angle: float, speed: float, inertia: float, duration: float, step: float) -> End:
+        """See `Peer`; classical Runge-Kutta steps, the loops closed after each."""
+        return self._run(angle, speed, inertia, duration, step, free)
+
+    def run(self, scene: Scene, step: float) -> End:
+        """See `Peer`; the same steps, over the edges of loads too."""
+        return self._run(scene.angle, scene.speed, scene.inertia, scene.duration, step, self._working(scene))
+
+    def _run(self, angle: float, speed: float, inertia: float, duration: float, step: float, effort: Effort) -> End:
+        x, v = self._start(angle, speed, inertia)
+        begin, count = self._energies(x, v), steps_of(duration, step)
+        h = duration / count
+
+        def acceleration(x: Array, v: Array) -> Array:
+            return self._acceleration(x, v, effort(x, v))
+
+        for _ in range(count):
+            a1 = acceleration(x, v)
+            v2 = v + 0.5 * h * a1
+            a2 = acceleration(x + 0.5 * h * v, v2)
+            v3 = v + 0.5 * h * a2
+            a3 = acceleration(x + 0.5 * h * v2, v3)
+            v4 = v + h * a3
+            a4 = acceleration(x + h * v3, v4)
+            x, v = x + h / 6 * (v + 2 * v2 + 2 * v3 + v4), v + h / 6 * (a1 + 2 * a2 + 2 * a3 + a4)
+            if not np.isfinite(x).all():
+                raise SimulationError(f"{self.name} does not keep {self._press.name} together: give a shorter step")
+            closed, columns = self._closed(x[[self._driver]], x[None])
+            x, v = closed[0], self._rates(columns, np.zeros(columns.shape[:2]), v[self._driver])[0]
+        end = self._end(x, v, begin, effort(x, v))
+        return end if effort is free else replace(end, energy_error=None)
+
+    def _working(self, scene: Scene) -> Effort:
+        """Efforts of the drive on its joint, and of the loads on that of the slide."""
+        press, states = self._press, cycle(self._press, points=2, speed=1.0)
+        joint = next(j for j in range(len(press.joints)) if not press.spatial.axes[j].turns)
+        (first, second), at = states.slide_position, states.joint_position[:, joint]
+        along = float(np.sign((second - first) / (at[1] - at[0])))
+        zero = float(first - along * at[0]) - dead_centres(press).bottom_position
+        drive = scene.drive
+
+        def effort(x: Array, v: Array) -> Array:
+            result = np.zeros(len(x))
+            if drive is not None:
+                result[self._driver] = float(drive.torque(float(v[self._driver])))
+            result[joint] = along * scene.push(zero + along * float(x[joint]), along * float(v[joint]))
+            return result
+
+        return effort
+
+    def _start(self, angle: float, speed: float, inertia: float) -> tuple[Array, Array]:
+        """Joint coordinates and rates (nv,) at the start of a free run, the flywheel put on."""
+        self._model.dof_armature[self._driver] = inertia
+        mujoco.mj_setConst(self._model, self._data)
+        at = np.array([float(angle)])
+        x, columns = self._closed(at, self._predicted(at))
+        return x[0], self._rates(columns, np.zeros(columns.shape[:2]), speed)[0]
+
+    def _end(self, x: Array, v: Array, begin: tuple[float, float], effort: Array | float = 0.0) -> End:
+        a, columns = self._acceleration(x, v, effort), self._columns()
+        gap = max((float(np.linalg.norm(self._data.site_xpos[i] - self._data.site_xpos[j])) for i, j in self._ends), default=0.0)
+        kinetic, potential = self._energies(x, v)
+        _, force = self._efforts(x[None], v[None], a[None], columns[None])
+        error = (kinetic + potential - sum(begin)) / begin[0]
+        return End(float(x[self._driver]), float(v[self._driver]), gap, error, {name: f[0] for name, f in force.items()})
+
+    def _load(self, x: Array, v: Array | None = None) -> None:
+        """Where all bodies are, the mass matrix and the loops' Jacobian, and rates, at joint coordinates (nv,) and rates (nv,)."""
+        data = self._data
+        data.qpos[:] = x
+        mujoco.mj_fwdPosition(self._model, data)
+        data.efc_force[:] = 0.0  # else `mj_rnePostConstraint` counts what is left there
+        if v is not None:
+            data.qvel[:] = v
+            mujoco.mj_comVel(self._model, data)
+
+    def _columns(self) -> Array:
+        """(rows, nv) Jacobian of the loops' gaps, then of gear pairs, of the loaded state."""
+        return np.asarray(self._data.efc_J.reshape(-1, self._model.nv)[self._kept])
+
+    def _site_accelerations(self, into: Array) -> None:
+        """(2 loops, 6) of the ends at zero joint accelerations, of the loaded state."""
+        model, data = self._model, self._data
+        data.qacc[:] = 0.0
+        mujoco.mj_rnePostConstraint(model, data)
+        for site, row in zip(self._sites, into, strict=True):
+            mujoco.mj_objectAcceleration(model, data, mujoco.mjtObj.mjOBJ_SITE, site, row, 0)
+
+    def _drift(self, sites: Array) -> Array:
+        """(n, rows) accelerations of the gaps, from those (n, 2 loops, 6) of the ends."""
+        apart = sites[:, ::2, 3:] - sites[:, 1::2, 3:]
+        rows = np.zeros((len(sites), 3 * len(self._ends) + len(self._press.couplings)))
+        rows[:, : 3 * len(self._ends)] = apart.reshape(len(sites), -1)
+        return rows[:, self._kept]
+
+    def _drifts(self, x: Array, v: Array) -> Array:
+        sites = np.empty((len(x), len(self._sites), 6))
+        for k in range(len(x)):
+            self._load(x[k], v[k])
+            self._site_accelerations(sites[k])
+        return self._drift(sites)
+
+    def _solve(self, matrix: Array, right: Array) -> Array:
+        """(n, m) from (n, k, m) and (n, k); least squares where loops hold each other."""
+        if self._square:
+            return np.asarray(np.linalg.solve(matrix, right[..., None])[..., 0])
+        return np.asarray((np.linalg.pinv(matrix) @ right[..., None])[..., 0])
+
+    def _rates(self, columns: Array, drift: Array, driver: float) -> Array:
+        """(n, nv) joint rates, or accelerations with the drift (n, rows), with this one of the driver."""
+        rates = np.full((len(columns), self._model.nv), float(driver))
+        rates[:, self._passive] = self._solve(columns[:, :, self._passive], -columns[:, :, self._driver] * driver - drift)
+        return rates
+
+    def _closed(self, angle: Array, guess: Array) -> tuple[Array, Array]:
+        """Closed joint coordinates (n, nv) at crank angles (n,) and the Jacobians there (n, rows, nv), from guesses (n, nv)."""
+        x = guess.copy()
+        x[:, self._driver] = angle
+        model, data, last = self._model, self._data, np.inf
+        count = 3 * len(self._ends) + len(self._press.couplings)
+        jacobians, positions = np.empty((len(x), count * model.nv)), np.empty((len(x), count))
+        for _ in range(MOST_NEWTON_STEPS):
+            for k in range(len(x)):
+                data.qpos[:] = x[k]
+                mujoco.mj_fwdPosition(model, data)
+                jacobians[k], positions[k] = data.efc_J, data.efc_pos
+            columns, gaps = jacobians.reshape(len(x), count, -1)[:, self._kept], positions[:, self._kept]
+            change = self._solve(columns[:, :, self._passive], gaps)
+            x[:, self._passive] -= change
+            last = float(np.abs(change).max(initial=0.0))
+            if last < CLOSED:
+                return x, columns
+        raise SimulationError(f"{self.name} does not close the loops of {self._press.name}: its last Newton step is {last:.3g}")
+
+    def _walked(self) -> tuple[Array, ComplexArray]:
+        """Whole turns of each joint in one of the crank (nv,), and the Fourier series (harmonics, nv) of the rest."""
+        angles = 2 * np.pi * np.arange(SAMPLES + 1) / SAMPLES
+        states = [self._press.closed.copy()]
+        for k, angle in enumerate(angles):
+            guess = states[-1] if k < 3 else 3 * states[-1] - 3 * states[-2] + states[-3]
+            states.append(self._closed(np.array([angle]), guess[None])[0][0])
+        walked = np.array(states[1:])
+        turns = (walked[-1] - walked[0]) / (2 * np.pi)
+        if np.abs(turns - turns.round()).max() > CLOSED:
+            raise PinpressError(f"it needs a crank that turns fully and comes back, unlike that of {self._press.name}")
+        series = np.fft.rfft(walked[:-1] - angles[:-1, None] * turns.round(), axis=0) / SAMPLES
+        series[1:] *= 2
+        seen = np.flatnonzero(np.abs(series).max(axis=1) > 1e-14)
+        return turns.round(), series[: seen[-1] + 1]
+
+    def _predicted(self, angle: Array) -> Array:
+        """(n, nv) joint coordinates at crank angles (n,), by the series of the walked turn."""
+        powers = np.ones((len(angle), len(self._series)), dtype=complex)
+        np.cumprod(np.broadcast_to(np.exp(1j * angle)[:, None], powers[:, 1:].shape), axis=1, out=powers[:, 1:])
+        return np.asarray((powers @ self._series).real + angle[:, None] * self._turns)
+
+    def _efforts(self, x: Array, v: Array, a: Array, columns: Array) -> tuple[Array, dict[str, Array]]:
+        """Driving torque (n,) and bearing forces (n, 3) of a motion (n, nv), with the Jacobians (n, rows, nv)."""
+        model, data, press = self._model, self._data, self._press
+        tree, wrench = np.empty_like(x), np.empty((len(x), model.nbody, 6))
+        for k in range(len(x)):
+            self._load(x[k], v[k])
+            data.qacc[:] = a[k]
+            mujoco.mj_rne(model, data, 1, tree[k])
+            mujoco.mj_rnePostConstraint(model, data)
+            wrench[k] = data.cfrc_int
+        multipliers = self._solve(columns[:, :, self._passive].swapaxes(1, 2), tree[:, self._passive])
+        torque = tree[:, self._driver] - np.einsum("nr,nr->n", columns[:, :, self._driver], multipliers)
+        rows = np.zeros((len(x), 3 * len(press.loops) + len(press.couplings)))
+        rows[:, self._kept] = multipliers
+        on1 = rows[:, : 3 * len(press.loops)].reshape(len(x), -1, 3)  # by link2 on link1
+        force = {name: wrench[:, j + 1, 3:].copy() for j, name in enumerate(press.joints)}
+        for k, loop in enumerate(press.loops):
+            force[loop.name] = -on1[:, k]
+            for end, sign in ((loop.joint1, -1.0), (loop.joint2, 1.0)):
+                while end:  # all joints between the end and the frame carry it
+                    force[press.joints[end - 1]] += sign * on1[:, k]
+                    end = press.model.parents[end]
+        return torque, force
+
+    def _acceleration(self, x: Array, v: Array, effort: Array | float = 0.0) -> Array:
+        """(nv,) under efforts (nv,), from the equations of motion and of the loops together."""
+        model, data = self._model, self._data
+        self._load(x, v)
+        sites = np.empty((1, len(self._sites), 6))
+        self._site_accelerations(sites[0])
+        columns, drift = self._columns(), self._drift(sites)[0]
+        nv, rows = columns.shape[1], columns.shape[0]
+        bias, system = np.empty(nv), np.zeros((nv + rows, nv + rows))
+        mujoco.mj_rne(model, data, 0, bias)
+        system[:nv, :nv] = self._inertia()
+        system[nv:, :nv], system[:nv, nv:] = columns, columns.T
+        right = np.concatenate([effort - bias, -drift])
+        if self._square:
+            return np.asarray(np.linalg.solve(system, right)[:nv])
+        return np.asarray(np.linalg.lstsq(system, right, rcond=RANK)[0][:nv])
+
+    def _inertia(self) -> Array:
+        """(nv, nv) mass matrix of the loaded state."""
+        inertia = np.empty((self._model.nv, self._model.nv))
+        mujoco.mj_fullM(self._model, self._data, inertia)
+        return inertia
+
+    def _energies(self, x: Array, v: Array) -> tuple[float, float]:
+        """Kinetic and potential energy [J]."""
+        self._load(x, v)
+        heights = self._data.xipos @ self._model.opt.gravity
+        return float(0.5 * v @ self._inertia() @ v), float(-self._model.body_mass @ heights)
+
+
+class MujocoSteps(Mujoco):
+    """The same, its free runs by MuJoCo's own `mj_step` with RK4 and soft loops as stiff as the step allows."""
+
+    inverse, how = False, ", mj_step"
+    left_out: ClassVar[Mapping[str, str]] = {**Mujoco.left_out, DIE: "its loops are softer than the die"}
+    steps: tuple[float, ...] = (2e-3, 1e-3, 5e-4, 2e-4, 1e-4)
+
+    def free_run(self, angle: float, speed: float, inertia: float, duration: float, step: float) -> End:
+        """See `Peer`; the steps are taken in one call of `mujoco.rollout`."""
+        x, v = self._start(angle, speed, inertia)
+        begin, count = self._energies(x, v), steps_of(duration, step)
+        model, data, stiffness = self._model, mujoco.MjData(self._model), (0.5 * count / duration) ** 2
+        model.opt.timestep = duration / count
+        model.eq_solref[:] = -stiffness, -2 * np.sqrt(stiffness)
+        data.qpos[:], data.qvel[:] = x, v
+        first = np.empty(mujoco.mj_stateSize(model, STATE))
+        mujoco.mj_getState(model, data, first, STATE)
+        before = mujoco.get_mju_user_warning()
+        mujoco.set_mju_user_warning(lambda message: None)  # it would print it, and write a log; the error below says it
+        try:
+            states, _ = rollout.rollout(model, data, first[None], nstep=count)
+        finally:
+            mujoco.set_mju_user_warning(before)
+        mujoco.mj_setState(model, data, states[0, -1].copy(), STATE)
+        if not (np.isfinite(states).all() and abs(data.time - duration) < 0.5 * duration / count):  # MuJoCo starts anew where it fails
+            raise SimulationError(f"{self.name} does not keep {self._press.name} together: give a shorter step")
+        return self._end(data.qpos.copy(), data.qvel.copy(), begin)

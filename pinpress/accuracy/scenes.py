@@ -1,0 +1,153 @@
+"""Scenes of `accuracy`: what a press runs through in simulations, made for any press from a speed, a flywheel and a duration.
+
+A free run is smooth, and everything is easy there. A press at work is not: a clutch slips and grips, a blank breaks, a die is met, a drive
+holds its speed so hard that it forgets a disturbance within microseconds.
+"""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from ..common.errors import PinpressError
+from ..common.units import RPM
+from ..drives.driveline import At, Clutch
+from ..drives.protocol import Drive, Plain, Values
+from ..drives.transmission import Flywheel, Geared, InductionMotor
+from ..kinematics.dead_centres import dead_centres
+from ..linkage.linkage import Linkage
+from ..loads.process import Blanking, ElasticDie
+from ..loads.protocol import ProcessLoad, Stretch
+from ..simulation.reduced_model import COORDINATES
+from .measurements import CLUTCH, DIE, FREE_RUN, SPEED_LAW
+
+RATED = 1485 * RPM  # speed of the motor [rad/s]
+PERIODS = 2.0  # turns in which the motor at its rated power gives the flywheel's energy
+BLANKED = 0.2  # share of the flywheel's energy that the blank takes
+HEIGHTS = (0.03, 0.01)  # in strokes above bottom dead centre: between these the blank is cut
+RISE = 0.1  # of a turn: in which the clutch builds up its torque
+STRONGER = 2.0  # torque of the clutch, beside the largest of the blank
+DIE_STIFFNESS = 1e10  # [N/m]
+COMPRESSED = 0.02  # share of the flywheel's energy that the die takes up, and gives back
+FORGETS = 1e-6  # of a turn: time constant of the stiff speed law, nearly
+SLOWER = 0.99  # speed at which that begins, beside the one it holds
+
+
+@dataclass(frozen=True)
+class SpeedLaw(Plain):
+    """A drive that holds a speed: torque ``gain`` times the difference. It has no inertia.
+
+    Attributes:
+        gain: [N m s/rad]. speed: that it holds [rad/s].
+    """
+
+    gain: float
+    speed: float
+
+    @property
+    def inertia(self) -> Values:
+        return 0.0
+
+    @property
+    def rated_torque(self) -> Values | None:
+        return None
+
+    def torque(self, speed: Values, angle: Values = 0.0, time: Values = 0.0, state: tuple[Values, ...] = ()) -> Values:
+        return self.gain * (self.speed - speed)
+
+
+@dataclass(frozen=True, eq=False)
+class Scene:
+    """A run from a crank angle [rad] and speed [rad/s] over a duration [s].
+
+    Attributes:
+        group: one of `measurements.SCENES`. words: what happens. turn: about how long a turn takes [s]. certifying: the two
+            methods of simulation that make the reference.
+    """
+
+    group: str
+    words: str
+    turn: float
+    duration: float
+    angle: float
+    speed: float
+    flywheel: Flywheel
+    drive: Drive | None = None
+    clutch: Clutch | None = None
+    loads: Sequence[ProcessLoad] = ()
+    certifying: tuple[str, str] = ("constraint", "implicit")
+
+    @property
+    def inertia(self) -> float:
+        """Of flywheel and drive on the crank's shaft [kg m2]."""
+        return float(self.flywheel.inertia) + (0.0 if self.drive is None else float(self.drive.inertia))
+
+    def push(self, height: float, rate: float) -> float:
+        """Force of the loads on the slide, upwards [N], at a height above bottom dead centre [m] that rises at a rate [m/s]."""
+        force = 0.0
+        for stretch in self._falling if rate < 0 else self._rising:
+            if stretch.lower < height <= stretch.upper:
+                pushed = float(stretch.force(height, rate))
+                force += max(pushed, 0.0) if stretch.one_sided else pushed
+        return force
+
+    @cached_property
+    def _falling(self) -> tuple[Stretch, ...]:
+        return tuple(stretch for load in self.loads for stretch in load.stretches(True))
+
+    @cached_property
+    def _rising(self) -> tuple[Stretch, ...]:
+        return tuple(stretch for load in self.loads for stretch in load.stretches(False))
+
+
+def free_run(speed: float, flywheel: float, duration: float) -> Scene:
+    """Without torque, weights on, from crank angle 0."""
+    words = f"from {speed / RPM:g} r/min with a flywheel of {flywheel:.4g} kg m2, {duration:.4g} s"
+    return Scene(FREE_RUN, words, 2 * math.pi / abs(speed), duration, 0.0, speed, Flywheel(flywheel), certifying=("constraint", "reduced"))
+
+
+def build(press: Linkage, group: str, speed: float, flywheel: float, duration: float) -> Scene:
+    """The scene of a group.
+
+    Raises:
+        PinpressError: a press without slide, or whose slide has no dead centres, has no such scene.
+    """
+    if group == FREE_RUN:
+        return free_run(speed, flywheel, duration)
+    wheel, turn, energy = Flywheel(flywheel), 2 * math.pi / abs(speed), 0.5 * flywheel * speed**2
+    if group == SPEED_LAW:
+        gain = 10.0 ** round(math.log10(flywheel / (FORGETS * turn)))
+        words = f"torque {gain:.0e} N m s/rad times what the crank lags behind {speed / RPM:g} r/min, from {1 - SLOWER:.0%} below"
+        return Scene(group, words, turn, duration, 0.0, SLOWER * speed, wheel, SpeedLaw(gain, speed))
+    found = dead_centres(press)
+    stroke, power = found.top_position - found.bottom_position, energy / (PERIODS * turn)
+    motor = Geared(InductionMotor(rated_power=power, rated_speed=RATED), ratio=RATED / speed)
+    driven = f"a motor of {power / 1e3:.3g} kW"
+    if group == DIE:
+        height = math.sqrt(2 * COMPRESSED * energy / DIE_STIFFNESS)
+        words = f"{driven} and a die of {DIE_STIFFNESS:.0e} N/m, {1e3 * height:.3g} mm above bottom dead centre"
+        return Scene(group, words, turn, duration, 0.0, speed, wheel, motor, loads=(ElasticDie(height, DIE_STIFFNESS),))
+    assert group == CLUTCH
+    start, end = (height * stroke for height in HEIGHTS)
+    force = BLANKED * energy * 0.5 * math.pi / (start - end)
+    torque = STRONGER * force * _lever(press, start)
+    words = (
+        f"{driven}; a clutch of {torque / 1e3:.3g} kN m starts the press at top dead centre; it blanks with {force / 1e3:.3g} kN from"
+        f" {1e3 * start:.3g} to {1e3 * end:.3g} mm"
+    )
+    turning = Flywheel(flywheel, speed=speed)
+    clutch = Clutch(torque, closes=At(time=0.0), rise=RISE * turn)
+    return Scene(group, words, turn, duration, float(found.top_angle), 0.0, turning, motor, clutch, (Blanking(force, start, end),))
+
+
+def _lever(press: Linkage, height: float) -> float:
+    """Slide travel by crank angle, the largest below a height above bottom dead centre [m]."""
+    table, bottom = press.table, dead_centres(press).bottom_position
+    angles = np.linspace(table.borders[0], table.borders[-1], 721)
+    values, slopes = table.at(angles)
+    below = values[COORDINATES] - bottom <= height
+    if not below.any():
+        raise PinpressError(f"the slide of {press.name} is never below {height:g} m above bottom dead centre")
+    return float(np.abs(slopes[COORDINATES][below]).max())

@@ -1,0 +1,15 @@
+from . import classical as classical
+from .counterweights import Counterweight as Counterweight
+from .counterweights import with_counterweights as with_counterweights
+from .mass_response import Case as Case
+from .objectives import AddedMass as AddedMass
+from .objectives import Peak as Peak
+from .objectives import Range as Range
+from .objectives import Rms as Rms
+from .optimum import balance as balance
+from .regions import Room as Room
+from .result import Active as Active
+from .result import Balance as Balance
+from .result import Outcome as Outcome
+from .trade_offs import TradeOff as TradeOff
+from .trade_offs import trade_off as trade_off

@@ -1,0 +1,14 @@
+from .arrangements import HarmonicChange as HarmonicChange
+from .arrangements import cancelled as cancelled
+from .arrangements import opposed as opposed
+from .arrangements import symmetric as symmetric
+from .crank_slider import CrankSlide as CrankSlide
+from .crank_slider import approximate_balance as approximate_balance
+from .crank_slider import complete_balance as complete_balance
+from .crank_slider import crank_slide as crank_slide
+from .crank_slider import harmonic_coefficients as harmonic_coefficients
+from .rotor import Correction as Correction
+from .rotor import Unbalance as Unbalance
+from .rotor import static_balance as static_balance
+from .rotor import two_plane_balance as two_plane_balance
+from .rotor import unbalance as unbalance

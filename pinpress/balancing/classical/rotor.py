@@ -1,0 +1,180 @@
+"""Balancing of rigid rotors: cranks, crankshafts, flywheels, gears. Zhang 2007, 3.1.1.
+
+A mass m at a radius r on a shaft that turns at the speed w pulls it outwards with m w^2 r. All such forces vanish together where the sum of
+m r does (static balance, eq. 3.1.5), and their couples too where the sum of a m r does, a being the mass's place along the shaft (dynamic
+balance). One correction is enough for the first, two in different planes for both. A correction that is a mass stands opposite the
+unbalance, a hole on its side.
+"""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ...common.arguments import typed
+from ...common.arrays import Array
+from ...common.checks import numbers, positive
+from ...common.errors import PinpressError, UnknownNameError, shown
+from ...common.frozen import Frozen
+from ...kinematics.poses import link_of
+from ...linkage.linkage import Linkage
+from ..counterweights import Counterweight
+
+ALONG_Y = np.array([0.0, 1.0, 0.0])  # the shaft's axis in the frames of our presses' cranks
+
+
+@dataclass(frozen=True, eq=False)
+class Correction(Frozen):
+    """What balances a rotor in one plane across its axis.
+
+    Attributes:
+        product: (3,) mass times radius of the mass to be added, in the rotor's frame [kg m].
+        centre: (3,) where the plane meets the axis, in the rotor's frame [m].
+    """
+
+    product: Array
+    centre: Array
+
+    def counterweight(self, link: str, radius: float) -> Counterweight:
+        """The mass that gives this product at a radius [m], on a link that has the rotor's frame.
+
+        Raises:
+            PinpressError: a radius that is not positive.
+        """
+        return self._at(link, radius, 1.0)
+
+    def hole(self, link: str, radius: float) -> Counterweight:
+        """The same as a mass taken away, at a radius [m] on the other side. Raises as `counterweight`."""
+        return self._at(link, radius, -1.0)
+
+    def _at(self, link: str, radius: float, sign: float) -> Counterweight:
+        radius, size = positive(f"radius of the counterweight on {shown(link)}", radius, "m"), float(np.linalg.norm(self.product))
+        x, y, z = self.centre + (sign * radius * (self.product / size) if size else 0.0)
+        return Counterweight(link, sign * size / radius, (float(x), float(y), float(z)))
+
+
+@dataclass(frozen=True, eq=False)
+class Unbalance(Frozen):
+    """The unbalance of a rotor whose axis passes through the origin of its frame. Vectors are in that frame.
+
+    Turning at the speed w, the rotor pulls at its bearings with the force w^2 x static and, about the origin, the moment
+    w^2 x (axis x couple).
+
+    Attributes:
+        axis: (3,) unit vector along the shaft; places along it are measured from the origin.
+        static: (3,) sum of m r, across the axis [kg m].
+        couple: (3,) sum of a m r, a being the place along the axis [kg m2].
+    """
+
+    axis: Array
+    static: Array
+    couple: Array
+
+    def static_balance(self, plane: float = 0.0) -> Correction:
+        """The correction in the plane at this place along the axis [m] with which the rotor rests at any angle."""
+        (centre,) = self._centres([plane])
+        return _correction(-self.static, centre)
+
+    def two_plane_balance(self, planes: Sequence[float]) -> tuple[Correction, Correction]:
+        """The corrections that leave neither force nor couple, in the planes at these two places along the axis [m].
+
+        With u_a + u_b = -static and a u_a + b u_b = -couple: u_a = (b static - couple) / (a - b), u_b = (couple - a static) / (a - b).
+
+        Raises:
+            PinpressError: places that are not two, or the same.
+        """
+        centres = self._centres(planes)
+        if len(centres) != 2 or not np.ptp(planes) > 0:
+            raise PinpressError(f"planes is {shown(planes)}: give the places of two different planes along the shaft [m]")
+        a, b = (float(place) for place in planes)
+        with np.errstate(all="ignore"):  # what overflows is refused
+            first, second = (b * self.static - self.couple) / (a - b), (self.couple - a * self.static) / (a - b)
+        return _correction(first, centres[0]), _correction(second, centres[1])
+
+    def _centres(self, planes: Sequence[float]) -> Array:
+        places = numbers("balancing of a rotor: planes", planes)
+        if places.ndim != 1:
+            raise PinpressError(f"planes is {shown(planes)}: give places along the shaft, one number each [m]")
+        return np.multiply.outer(places, self.axis)
+
+
+def static_balance(masses: ArrayLike, positions: ArrayLike) -> Correction:
+    """The mass-radius product that puts a rotor's centre of mass on its axis: minus the sum of m r. Zhang 2007, eq. 3.1.5.
+
+    Args:
+        masses: (k,) that the balanced rotor has in addition, negative for holes [kg].
+        positions: (k, 3) in the rotor's frame, whose y axis is the shaft's [m].
+
+    Raises:
+        PinpressError: arrays of other shapes, or with values that are not finite.
+    """
+    return _of_masses(masses, positions).static_balance()
+
+
+@typed
+def two_plane_balance(masses: ArrayLike, positions: ArrayLike, planes: Sequence[float]) -> tuple[Correction, Correction]:
+    """The two corrections that leave a rotor neither force nor couple. Zhang 2007, 3.1.1 (2).
+
+    Every mass is shared between the planes a and b like a force on a beam, m (b - y) / (b - a) and m (y - a) / (b - a), and each share is
+    balanced in its plane.
+
+    Args:
+        masses: (k,) as of `static_balance`. positions: (k, 3) in the rotor's frame, whose y axis is the shaft's [m].
+        planes: places of the two planes along y [m].
+
+    Raises:
+        PinpressError: as of `static_balance`; planes that are not two, or the same.
+    """
+    return _of_masses(masses, positions).two_plane_balance(planes)
+
+
+@typed
+def unbalance(press: Linkage, link: str) -> Unbalance:
+    """The unbalance of a link that turns on the frame, with all that is welded to it, from its inertia in the model.
+
+    static = m c across the axis; couple = minus the products of inertia about the link's origin with the axis, those of m c included. The
+    axis points to positive coordinates of the link's frame: along y in the presses shipped, whichever way the joint turns.
+
+    Raises:
+        UnknownNameError: a link that the press does not have.
+        PinpressError: a link that no joint turns on the frame.
+    """
+    if not isinstance(link, str) or link not in press.links:
+        raise UnknownNameError("link", link, press.links)
+    rotors = _rotors(press)
+    if link not in rotors:
+        raise PinpressError(f"link {shown(link)} is no rotor; links that joints turn on the frame: {', '.join(rotors) or 'none'}")
+    joint = rotors[link]
+    axis, body = press.spatial.axes[joint - 1].direction, press.model.inertias[joint]
+    axis = axis * math.copysign(1.0, axis[np.abs(axis).argmax()])
+    across = np.eye(3) - np.outer(axis, axis)
+    about_origin = body.inertia @ axis - body.mass * (body.lever @ axis) * body.lever  # but for what is along the axis
+    return Unbalance(_fixed(axis + 0.0), _fixed(body.mass * across @ body.lever), _fixed(-across @ about_origin))
+
+
+def _of_masses(masses: ArrayLike, positions: ArrayLike) -> Unbalance:
+    mass, position = numbers("balancing of a rotor: masses", masses), numbers("balancing of a rotor: positions", positions)
+    if mass.ndim != 1 or position.shape != (len(mass), 3):
+        raise PinpressError(f"masses has shape {mass.shape}, positions {position.shape}: give (k,) masses and (k, 3) positions")
+    radii = position * (1.0 - ALONG_Y)
+    with np.errstate(all="ignore"):  # a correction that is not finite is refused
+        return Unbalance(_fixed(ALONG_Y.copy()), _fixed(mass @ radii), _fixed((mass * position[:, 1]) @ radii))
+
+
+def _rotors(press: Linkage) -> dict[str, int]:
+    """The links that joints turn on the frame, and those joints. Links welded to these, whose frames are others, are not among them."""
+    turning = [j for j, axis in enumerate(press.spatial.axes, 1) if axis.turns and press.model.parents[j] == 0]
+    return {link_of(press, joint): joint for joint in turning}
+
+
+def _correction(product: Array, centre: Array) -> Correction:
+    if not np.isfinite(product).all():
+        raise PinpressError("the correction of a rotor is not finite: its masses are too large, or its planes too close together")
+    return Correction(_fixed(product + 0.0), _fixed(centre + 0.0))  # + 0.0: no -0.0
+
+
+def _fixed(array: Array) -> Array:
+    array.setflags(write=False)
+    return array

@@ -1,0 +1,80 @@
+"""`pinpress accuracy`: error against run time of all methods, and of other programs."""
+
+import argparse
+import importlib.util
+from pathlib import Path
+
+from ..accuracy.measurements import SCENES, Accuracy
+from ..common.files import make_folder
+from ..common.units import RPM
+from ..linkage.loading import load
+from . import part_specs as scene_words
+from .options import DRIVER, FILE, SLIDE, progress
+
+EPILOG = """\
+every error is against a reference that two independent methods agree on; the table says how far. Times are the least of several rounds
+in which all take turns. MuJoCo and Exudyn take part where pip install 'pinpress[peers]' has put them; the plot needs 'pinpress[plots]'.
+e.g. pinpress accuracy zxn2_3000b --speed 70 --out out
+"""
+BAR = "{percentage:3.0f} % |{bar}| {remaining} to go"
+
+
+def add(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
+    """Put `accuracy` among the subcommands; parsed options have ``run``, see `run`."""
+    parser = commands.add_parser(
+        "accuracy",
+        help="error against run time of everything offered for a press, and of other programs",
+        description="Measure a press: inverse dynamics by both engines, simulations by all methods over tolerances and\n"
+        "steps (freely, with clutch and blank, on a stiff die, under a stiff drive), proximal settings of constraint dynamics, samples\n"
+        "of the reduced table, and the same press in other programs. Prints\n"
+        "tables; with --out also writes accuracy.csv and accuracy.png.",
+        epilog=EPILOG,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    option = parser.add_argument
+    option("file", metavar="FILE", help=FILE)
+    option("--speed", type=float, required=True, metavar="RPM", help="of the crank, in the turn and in the runs, in r/min")
+    option("--flywheel", metavar="J", help="its inertia at the driver joint, in kg m2 (default: 4 times the linkage's own)")
+    option("--duration", type=float, metavar="S", help="of each run, in s (default: two turns at that speed)")
+    option("--points", type=int, default=360, metavar="N", help="crank angles in the period (default: %(default)s)")
+    option("--repeats", type=int, default=3, metavar="N", help="rounds of timing (default: %(default)s)")
+    option("--scene", action="append", choices=SCENES, metavar="SCENE", help=f"simulate this one of: {', '.join(SCENES)} (default: all)")
+    option("--driver", metavar="JOINT", help=DRIVER)
+    option("--slide", metavar="LINK", help=SLIDE)
+    option("--out", type=Path, metavar="DIR", help="folder for accuracy.csv and accuracy.png; made if it is not there")
+    parser.set_defaults(run=run)
+
+
+def run(options: argparse.Namespace) -> int:
+    """Print the tables and write the files.
+
+    Raises:
+        PinpressError: whatever `load`, `accuracy` and writing raise.
+    """
+    from ..accuracy.work_precision import accuracy
+
+    flywheel = None if options.flywheel is None else scene_words.flywheel(options.flywheel)
+    press = load(options.file, driver=options.driver, slide=options.slide)
+    if options.out is not None:
+        make_folder(options.out)
+    scenes = options.scene or SCENES
+    with progress(1.0, BAR) as told:
+        measured = accuracy(press, options.speed * RPM, flywheel, options.duration, options.points, options.repeats, scenes, told)
+    print(measured)
+    if options.out is not None:
+        _write(measured, options.out)
+    return 0
+
+
+def _write(measured: Accuracy, folder: Path) -> None:
+    """Write the files and say so; a minute's measurements are not lost where Matplotlib is missing."""
+    from ..accuracy.plots import plot_accuracy
+    from ..plots.style import NOT_INSTALLED, save_plot
+
+    table, plot = folder / "accuracy.csv", folder / "accuracy.png"
+    measured.to_csv(table)
+    if importlib.util.find_spec("matplotlib") is None:
+        print(f"\nwrote {table}; {plot} is left out: {NOT_INSTALLED}")
+        return
+    save_plot(plot_accuracy(measured), plot)
+    print(f"\nwrote {table} and {plot}")

@@ -1,0 +1,242 @@
+"""`pinpress balance`: the best counterweights of a press."""
+
+import argparse
+import math
+from collections.abc import Callable, Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from ..balancing.mass_response import Case
+from ..balancing.objectives import AXES, FORCES, AddedMass, Peak, Range, Rms, Target
+from ..balancing.optimum import balance
+from ..balancing.regions import Room, Vector
+from ..balancing.result import Balance
+from ..balancing.tables import counterweight_columns
+from ..common.errors import PinpressError, suggestion
+from ..common.files import make_folder
+from ..common.tables import write_csv
+from ..common.units import RPM
+from ..dynamics.inverse_dynamics import inverse_dynamics
+from ..kinematics.motion import cycle
+from ..linkage.loading import load
+from ..linkage.writing import write_urdf
+from . import part_specs as scene_words
+from .options import DRIVER, FILE, SLIDE
+from .part_specs import LOADS, keys
+
+KINDS = {"range": Range, "rms": Rms, "peak": Peak}
+MASS = "added_mass"
+ROOM = "LINK:at=X/Y/Z, LINK:radius=R[,centre=X/Y/Z], LINK:corner=X/Y/Z,corner=X/Y/Z,... or LINK:replaces"
+MEASURE = f"{'|'.join(KINDS)}:QUANTITY[:BEARING][:AXIS] or {MASS}"
+EPILOG = f"""\
+rooms: {ROOM}
+  a point; a circle in the plane of motion; a segment or polygon of corners; or the link itself, with more or less mass in its own shape.
+  In m, in the link's own frame. All take ,least=KG ,most=KG (without them: 0 and more) and ,gyration=R, the radius of gyration of the
+  counterweight's material. ,replaces behind a place: the counterweight takes the place of the link's own mass.
+measures: {MEASURE}
+  quantities: {", ".join(FORCES)}; the last two need a bearing; axes: {", ".join(AXES)}.
+  Range and rms leave the constant part out, peaks count it.
+loads, heights are slide positions above bottom dead centre, or above the slide position datum=:
+{chr(10).join(f"  {name + ':':13}{keys(kind)}" for name, kind in LOADS.items())}
+e.g. pinpress balance zxn2_3000b --speed 70 --room crank:radius=0.3 --room rod:radius=0.3,most=200 --minimise range:shaking_force:z
+     --limit range:shaking_force:x=1000 --limit added_mass=661 --out out --report
+"""
+
+
+def add(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
+    """Put `balance` among the subcommands; parsed options have ``run``, see `run`."""
+    parser = commands.add_parser(
+        "balance",
+        help="the counterweights that make shaking forces, torque or bearing forces least",
+        description="Find the best counterweights of a press that turns at constant speed, and prove that none are better. Prints them,\n"
+        "what holds them back, and all forces before and after; with --out also writes balanced.urdf, balance.csv (forces before and\n"
+        "after, SI units) and counterweights.csv; with --report also report.html, the balanced press with its curves, dashed before.",
+        epilog=EPILOG,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    option = parser.add_argument
+    option("file", metavar="FILE", help=FILE)
+    option(
+        "--speed",
+        type=float,
+        action="append",
+        required=True,
+        metavar="RPM",
+        help="of the crank, in r/min; of several, each given so, the worst counts for every measure",
+    )
+    option("--room", action="append", required=True, metavar="LINK:KEYS", help="for a counterweight, see below; may be given several times")
+    option(
+        "--minimise",
+        action="append",
+        required=True,
+        metavar="MEASURE[=WEIGHT]",
+        help="see below; may be given several times: each then counts relative to before, times its weight (default: 1)",
+    )
+    option(
+        "--limit",
+        action="append",
+        default=[],
+        metavar="MEASURE=MOST",
+        help="what a measure may be at most, in its SI unit; may be given several times",
+    )
+    option("--load", metavar="KIND:KEYS", action="append", default=[], help="process load, see below; may be given several times")
+    option("--points", type=int, metavar="N", help="crank angles, in all (default: 360 a turn)")
+    option("--driver", metavar="JOINT", help=DRIVER)
+    option("--slide", metavar="LINK", help=SLIDE)
+    option("--out", type=Path, metavar="DIR", help="folder for the files; made if it is not there")
+    option("--report", action="store_true", help="also write report.html, at the first of the speeds")
+    parser.set_defaults(run=run)
+
+
+def run(options: argparse.Namespace) -> int:
+    """Print the counterweights with what they do, and write the files.
+
+    Raises:
+        PinpressError: words that mean no room or measure, --report without --out, and whatever computing and writing raise.
+    """
+    if options.out is None and options.report:
+        raise PinpressError("--report needs a folder to write into: give --out DIR too")
+    rooms = [_room(words) for words in options.room]
+    minimise, limits = _objective(options.minimise), _by_target("--limit", options.limit, "")
+    loads = [scene_words.load(words) for words in options.load]
+    press = load(options.file, driver=options.driver, slide=options.slide)
+    cases = [Case(cycle(press, speed * RPM, options.points), loads) for speed in options.speed]
+    result = balance(press, cases, rooms, minimise, limits)
+    if options.out is not None:
+        make_folder(options.out)
+    print(result)
+    if options.out is not None:
+        _write(result, options.out, options.report)
+    return 0
+
+
+def _write(result: Balance, folder: Path, with_report: bool) -> None:
+    """Write the files and say so."""
+    write_urdf(result.press, folder / "balanced.urdf")
+    result.to_csv(folder / "balance.csv")
+    write_csv(folder / "counterweights.csv", counterweight_columns(result))
+    written = ["balanced.urdf", "balance.csv", "counterweights.csv"]
+    if with_report:
+        from ..visual.report import report
+
+        # with all bearings, of which balancing computes only those that are asked for
+        loads = result.cases[0].loads
+        before = inverse_dynamics(result.original, result.before[0].motion, loads)
+        after = inverse_dynamics(result.press, result.after[0].motion, loads)
+        report(result.press, after.motion, folder / "report.html", after, before=before)
+        written.append("report.html")
+    *first, last = (str(folder / name) for name in written)
+    print(f"\nwrote {', '.join(first)} and {last}")
+
+
+def _room(words: str) -> Room:
+    """The room that words such as ``rod:radius=0.3,most=200`` mean."""
+
+    def wrong(problem: str) -> PinpressError:
+        return PinpressError(f"--room {words}: {problem}; it takes {ROOM}; write e.g. --room crank:radius=0.3,most=200")
+
+    link, _, keys = words.rpartition(":")  # a link's name may have a colon in it
+    if not link:
+        raise wrong("it does not say where on which link")
+    given: dict[str, list[Any]] = {}
+    for word in keys.split(","):
+        name, _, text = word.partition("=")
+        if name not in KEYS:
+            raise wrong(f"no key {name!r}{suggestion(name, KEYS)}")
+        if name in given and name != "corner":
+            raise wrong(f"{name} is given twice")
+        try:
+            given.setdefault(name, []).append(KEYS[name](text))
+        except ValueError as error:
+            raise wrong(f"{name} is {text!r}, {error}") from None
+    corners = tuple(given.pop("corner", ()))
+    fields = {name: value for name, (value,) in given.items()}
+    try:
+        return Room(link, (fields.pop("least", 0.0), fields.pop("most", math.inf)), corners=corners, **fields)
+    except PinpressError as error:
+        raise wrong(str(error)) from None
+
+
+def _objective(specs: Sequence[str]) -> Target | Mapping[Target, float]:
+    """What ``range:shaking_force:z`` means, or with weights ``range:shaking_force:z=1`` and ``rms:driving_torque=0.5``."""
+    if len(specs) == 1 and "=" not in specs[0]:
+        return _target("--minimise", specs[0], specs[0])
+    return _by_target("--minimise", specs, "1")
+
+
+def _by_target(option: str, specs: Sequence[str], default: str) -> Mapping[Target, float]:
+    """Numbers of measures; ``default``: the number where there is none, empty where there must be one."""
+    found: dict[Target, float] = {}
+    for spec in specs:
+        words, equals, text = spec.rpartition("=")
+        target = _target(option, spec, words if equals else spec)
+        if target in found:
+            raise _wrong(option, spec, f"the {target.words} is given twice")
+        if not equals and not default:
+            raise _wrong(option, spec, "it does not say how much")
+        try:
+            found[target] = _number(text if equals else default)
+        except ValueError as error:
+            raise _wrong(option, spec, f"{text!r} is {error}") from None
+    return found
+
+
+def _target(option: str, spec: str, words: str) -> Target:
+    if words == MASS:
+        return AddedMass()
+    kind, _, rest = words.partition(":")
+    quantity, _, rest = rest.partition(":")
+    for name, known, what in ((kind, [*KINDS, MASS], "measure"), (quantity, list(FORCES), "quantity")):
+        if name not in known:
+            raise _wrong(option, spec, f"no {what} {name!r}{suggestion(name, known)}; there are: {', '.join(known)}")
+    bearing, axis = None, rest or None
+    if quantity.startswith("bearing"):
+        first, _, last = rest.rpartition(":")  # a bearing's name may have a colon in it
+        bearing, axis = (first, last) if first and last in AXES else (rest, None)
+        if not bearing:
+            raise _wrong(option, spec, "it names no bearing")
+    if axis is not None and axis not in AXES:
+        raise _wrong(option, spec, f"no axis {axis!r}; there are: {', '.join(AXES)}")
+    try:
+        return KINDS[kind](quantity, axis, bearing)
+    except PinpressError as error:
+        raise _wrong(option, spec, str(error)) from None
+
+
+def _wrong(option: str, spec: str, problem: str) -> PinpressError:
+    number = {"--minimise": "[=WEIGHT]", "--limit": "=MOST"}[option]
+    example = {"--minimise": "range:shaking_force:z", "--limit": "peak:bearing_force:A=1e5"}[option]
+    return PinpressError(f"{option} {spec}: {problem}; it takes {MEASURE}, with {number}; write e.g. {option} {example}")
+
+
+def _number(text: str) -> float:
+    try:
+        return float(text)
+    except ValueError:
+        raise ValueError("no number") from None
+
+
+def _point(text: str) -> Vector:
+    try:
+        x, y, z = map(float, text.split("/"))
+    except ValueError:
+        raise ValueError("not x, y, z as 0.1/0/-0.2") from None
+    return x, y, z
+
+
+def _alone(text: str) -> bool:
+    if text:
+        raise ValueError("but takes no value")
+    return True
+
+
+KEYS: Mapping[str, Callable[[str], Any]] = {
+    "at": _point,
+    "radius": _number,
+    "centre": _point,
+    "corner": _point,
+    "least": _number,
+    "most": _number,
+    "gyration": _number,
+    "replaces": _alone,
+}

@@ -1,0 +1,295 @@
+"""What is to be simulated, in words of the command line: ``induction:rated_power=75e3,rated_speed=1485,ratio=20.7``.
+
+Keys are the fields of the classes of `drives`, `loads` and `driveline`. Values are in SI units, but speeds are in r/min, and when a clutch
+or brake is switched is a time, ``0.1s``, or a crank angle, ``180deg``. Sequences of numbers come from CSV files of two columns.
+"""
+
+import csv
+import math
+import typing
+from collections.abc import Callable, Mapping
+from dataclasses import MISSING, Field, dataclass, fields
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+from ..common.errors import PinpressError, suggestion
+from ..common.units import RPM
+from ..drives.driveline import At, Brake, Clutch
+from ..drives.transmission import (
+    ConstantTorque,
+    Drive,
+    Flywheel,
+    Geared,
+    InductionMotor,
+    InverterMotor,
+    PrescribedSpeed,
+    ServoMotor,
+    SlipClutchMotor,
+)
+from ..loads.process import Blanking, DeepDrawing, ElasticDie, ForceStroke, Idle, Piling, ProcessLoad
+
+__all__ = ["DRIVES", "LOADS", "brake", "clutch", "drive", "flywheel", "keys", "load"]
+
+
+@dataclass(frozen=True)
+class Table:
+    """A CSV file of two columns in place of fields.
+
+    Attributes:
+        key: under which its path is given. columns: what stands in them. into: the field that takes the pairs, or one field for each
+            column. unit: of the second column, in the field's.
+    """
+
+    key: str
+    columns: tuple[str, str]
+    into: tuple[str, ...]
+    unit: float = 1.0
+
+
+@dataclass(frozen=True)
+class Kind:
+    """A kind of drive, load or other part.
+
+    Attributes:
+        made: its class. example: words behind the kind's name that make one. table: what it takes from a file.
+        geared: whether the keys of a `Geared` may stand with its own.
+    """
+
+    made: type
+    example: str
+    table: Table | None = None
+    geared: bool = False
+
+
+DRIVES: Mapping[str, Kind] = {
+    "constant": Kind(ConstantTorque, "value=567", geared=True),
+    "induction": Kind(InductionMotor, "rated_power=75e3,rated_speed=1485,inertia=1.2,ratio=20.7,efficiency=0.95", geared=True),
+    "inverter": Kind(
+        InverterMotor,
+        "rated_torque=482,rated_speed=1485,frequency=40,ratio=20.7",
+        Table("curve", ("frequency [Hz]", "torque [N m]"), ("curve",)),
+        geared=True,
+    ),
+    "slip-clutch": Kind(SlipClutchMotor, "rated_torque=189,primary_speed=1470,top_speed=1320,set_speed=900,ratio=3", geared=True),
+    "servo": Kind(
+        ServoMotor,
+        "program=motion.csv,stiffness=2e4,damping=900,peak_torque=5e3,ratio=10",
+        Table("program", ("time [s]", "angle [deg]"), ("times", "angles"), math.radians(1.0)),
+        geared=True,
+    ),
+    "prescribed": Kind(PrescribedSpeed, "speed=70"),
+}
+
+LOADS: Mapping[str, Kind] = {
+    "idle": Kind(Idle, ""),
+    "piling": Kind(Piling, "force=1e6,height=0.0005"),
+    "blanking": Kind(Blanking, "force=1e6,start=0.006,end=0.002"),
+    "drawing": Kind(DeepDrawing, "force=5e5,start=0.05"),
+    "table": Kind(ForceStroke, "file=stroke.csv", Table("file", ("height [m]", "force [N]"), ("heights", "forces"))),
+    "die": Kind(ElasticDie, "height=0.001,stiffness=1e9"),
+}
+
+FLYWHEEL, CLUTCH, BRAKE = (
+    Kind(Flywheel, "inertia=2000"),
+    Kind(Clutch, "torque=6e4,rise=0.1,closes=0.2s"),
+    Kind(Brake, "torque=4e4,closes=350deg"),
+)
+
+
+def drive(words: str) -> Drive | PrescribedSpeed:
+    """The drive that words such as ``constant:value=567`` mean.
+
+    Raises:
+        PinpressError: an unknown kind or key, one that is missing, a value that is none: it lists what there is, with an example.
+    """
+    made: Drive | PrescribedSpeed = _named("--drive", DRIVES, words)
+    return made
+
+
+def load(words: str) -> ProcessLoad:
+    """The process load that words such as ``die:height=0.001,stiffness=1e9`` mean. Raises as `drive`."""
+    made: ProcessLoad = _named("--load", LOADS, words)
+    return made
+
+
+def flywheel(words: str) -> Flywheel:
+    """The flywheel that words such as ``2000`` (its inertia) or ``inertia=2000,speed=70`` mean. Raises as `drive`."""
+    given = f"inertia={words}" if words and "=" not in words and "," not in words else words
+    made: Flywheel = _made("--flywheel ", FLYWHEEL, given)
+    return made
+
+
+def clutch(words: str) -> Clutch:
+    """The clutch that words such as ``torque=6e4,closes=0.2s`` mean. Raises as `drive`."""
+    made: Clutch = _made("--clutch ", CLUTCH, words)
+    return made
+
+
+def brake(words: str) -> Brake:
+    """The brake that words such as ``torque=4e4,closes=350deg`` mean. Raises as `drive`."""
+    made: Brake = _made("--brake ", BRAKE, words)
+    return made
+
+
+def keys(kind: Kind) -> str:
+    """The keys that a kind takes, those that may be left out in brackets."""
+    return " ".join(str(key) for key in _keys(kind).values()) or "(no keys)"
+
+
+@dataclass(frozen=True)
+class _Key:
+    """Name of a key, how it is shown beside its name, whether it may be left out, and what makes a value of a text."""
+
+    name: str
+    note: str
+    optional: bool
+    read: Callable[[str], Any]
+
+    def __str__(self) -> str:
+        return f"[{self.name}{self.note}]" if self.optional else f"{self.name}{self.note}"
+
+
+def _named(option: str, kinds: Mapping[str, Kind], words: str) -> Any:
+    name, _, rest = words.partition(":")
+    if name not in kinds:
+        example = next(f"{option} {known}:{kind.example}" for known, kind in kinds.items() if kind.example)
+        raise PinpressError(
+            f"{option} {words}: no kind {name!r}{suggestion(name, kinds)}; there are: {', '.join(kinds)}; write e.g. {example}"
+        )
+    return _made(f"{option} {name}:", kinds[name], rest)
+
+
+def _made(option: str, kind: Kind, words: str) -> Any:
+    """One of a kind. ``option`` is what stands before the words on the command line."""
+
+    def line(words: str) -> str:
+        return f"{option}{words}".rstrip(": ")
+
+    def wrong(problem: str) -> PinpressError:
+        speeds = ", speeds in r/min" if any(_is_speed(key) for key in known) else ""
+        return PinpressError(f"{line(words)}: {problem}; it takes {keys(kind)}, SI units{speeds}; write e.g. {line(kind.example)}")
+
+    known = _keys(kind)
+    values: dict[str, Any] = {}
+    for word in words.split(",") if words else ():
+        name, equals, text = word.partition("=")
+        if not equals:
+            raise wrong(f"{word!r} is not key=value")
+        if name not in known:
+            raise wrong(f"no key {name!r}{suggestion(name, known)}")
+        if name in values:
+            raise wrong(f"{name} is given twice")
+        try:
+            values[name] = known[name].read(text)
+        except ValueError as error:
+            raise wrong(f"{name} is {text!r}, {error}") from None
+    missing = [key.name for key in known.values() if not key.optional and key.name not in values]
+    gear = {name: values.pop(name) for name in _GEAR if kind.geared and name in values}
+    if gear and "ratio" not in gear:
+        missing.append("ratio")
+    if missing:
+        raise wrong(f"{' and '.join(missing)} {'is' if len(missing) == 1 else 'are'} missing")
+    if kind.table is not None and kind.table.key in values:
+        values |= _fields_of(kind.table, values.pop(kind.table.key))
+    try:
+        made = kind.made(**values)
+        return Geared(made, **gear) if gear else made
+    except PinpressError as error:
+        raise wrong(str(error)) from None
+
+
+def _keys(kind: Kind) -> dict[str, _Key]:
+    """The keys of a kind, in the order of the fields of its class."""
+    table = kind.table
+    found = []
+    for field in fields(kind.made):
+        optional = field.default is not MISSING
+        if table is None or field.name not in table.into:
+            found.append(_Key(field.name, _note(field), optional, _reader(field)))
+        elif field.name == table.into[0]:
+            found.append(_Key(table.key, "=FILE", optional, partial(_pairs, columns=table.columns)))
+    return {key.name: key for key in found} | (_GEAR if kind.geared else {})
+
+
+def _note(field: Field[Any]) -> str:
+    if _is_speed(field.name):
+        return "=RPM"
+    if _is_at(field):
+        return "=0.1s|180deg"
+    return "" if field.default is MISSING or field.default is None else f"={field.default:g}"
+
+
+def _reader(field: Field[Any]) -> Callable[[str], Any]:
+    if _is_at(field):
+        return _at
+    if field.type is int:
+        return _whole
+    return _speed if _is_speed(field.name) else _number
+
+
+def _is_speed(name: str) -> bool:
+    return name == "speed" or name.endswith("_speed")
+
+
+def _is_at(field: Field[Any]) -> bool:
+    return At in typing.get_args(field.type)
+
+
+def _number(text: str) -> float:
+    try:
+        return float(text)
+    except ValueError:
+        raise ValueError("no number") from None
+
+
+def _speed(text: str) -> float:
+    return _number(text) * RPM
+
+
+def _whole(text: str) -> int:
+    try:
+        return int(text)
+    except ValueError:
+        raise ValueError("no whole number") from None
+
+
+def _at(text: str) -> At:
+    try:
+        if text.endswith("deg"):
+            return At(angle=math.radians(float(text.removesuffix("deg"))))
+        if text.endswith("s"):
+            return At(time=float(text.removesuffix("s")))
+    except (ValueError, PinpressError):
+        pass
+    raise ValueError("neither a time as 0.1s nor a crank angle as 180deg")
+
+
+def _pairs(path: str, columns: tuple[str, str]) -> list[tuple[float, float]]:
+    """The rows of a CSV file of two columns; a first line that is no numbers is its header."""
+    wanted = f"a CSV file of two columns, {columns[0]} and {columns[1]}"
+    try:
+        rows = [row for row in csv.reader(Path(path).read_text("utf-8-sig").splitlines()) if any(cell.strip() for cell in row)]
+    except (OSError, UnicodeDecodeError, csv.Error, ValueError) as error:
+        reason = error.strerror if isinstance(error, OSError) else "it is no text"
+        raise ValueError(f"which cannot be read ({reason}): give {wanted}") from None
+    pairs = []
+    for number, row in enumerate(rows, 1):
+        try:
+            first, second = map(float, row)
+        except ValueError:
+            if number > 1:
+                raise ValueError(f"whose row {number} is {','.join(row)!r}: give {wanted}") from None
+        else:
+            pairs.append((first, second))
+    return pairs
+
+
+def _fields_of(table: Table, pairs: list[tuple[float, float]]) -> dict[str, Any]:
+    scaled = [(first, second * table.unit) for first, second in pairs]
+    if len(table.into) == 1:
+        return {table.into[0]: scaled}
+    return {name: [pair[i] for pair in scaled] for i, name in enumerate(table.into)}
+
+
+_GEAR = {field.name: _Key(field.name, _note(field), True, _reader(field)) for field in fields(Geared) if field.name != "drive"}

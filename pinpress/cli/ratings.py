@@ -1,0 +1,110 @@
+"""`pinpress ratings`: the force, energy and speed that a press may be used with."""
+
+import argparse
+import importlib.util
+from collections.abc import Sequence
+from pathlib import Path
+
+from ..common.errors import PinpressError
+from ..common.files import make_folder
+from ..common.units import RPM
+from ..linkage.loading import load
+from ..ratings.capacities import Capacities
+from ..ratings.rating import Ratings, ratings
+from .options import DRIVER, FILE, SLIDE
+
+EPILOG = """\
+numbers are in SI units, heights above bottom dead centre in m, but the speed is in r/min.
+e.g. pinpress ratings zxn2_3000b --speed 70 --nominal-force 3000e3 --nominal-height 0.013 --flywheel 2000 --speed-drop 0.2 --bearing A=2e6
+     --out out
+"""
+NUMBERS = {
+    "nominal-height": ("H", "height from which down the crank's torque lets the nominal force act"),
+    "torque": ("NM", "torque capacity at the driver joint, in place of --nominal-height"),
+    "flywheel": ("KGM2", "inertia of the flywheel, reduced to the driver joint; goes with --speed-drop"),
+    "speed-drop": ("D", "largest drop of the flywheel's speed in a stroke, a fraction, e.g. 0.2"),
+    "motor-power": ("W", "that restores the energy in continuous use; leave it out for single strokes"),
+    "slide-acceleration": ("A", "largest that tool and feed allow"),
+    "shaking-force": ("N", "largest on the foundation, the weight left out"),
+    "contact-height": ("H", "where the tool meets the work; default: the nominal height"),
+    "dwell-tolerance": ("H", "distance from bottom dead centre that counts as dwell; default: a hundredth of the stroke"),
+}
+CAPACITIES = {"flywheel": "flywheel_inertia"}
+NOT_CAPACITIES = ("contact_height", "dwell_tolerance")
+
+
+def add(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
+    """Put `ratings` among the subcommands; parsed options have ``run``, see `run`."""
+    parser = commands.add_parser(
+        "ratings",
+        help="permissible force over the slide's height, energy, and highest speed",
+        description="Print what force a press may exert at which height, limited by torque, bearings and energy, and how fast it may run.\n"
+        "With --out also writes ratings.csv (SI units) and, where Matplotlib is installed, ratings.png.",
+        epilog=EPILOG,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    option = parser.add_argument
+    option("file", metavar="FILE", help=FILE)
+    option("--speed", type=float, required=True, metavar="RPM", help="of the crank, in r/min; negative: backwards")
+    option("--nominal-force", type=float, required=True, metavar="N", help="largest process force at any height")
+    for name, (value, words) in NUMBERS.items():
+        option(f"--{name}", type=float, metavar=value, help=words)
+    option(
+        "--bearing", action="append", default=[], metavar="NAME=N", help="largest force in a bearing or guide; may be given several times"
+    )
+    option("--at-speed", action="store_true", help="count weights and inertia forces at this speed; else the process force alone")
+    option("--points", type=int, default=181, metavar="N", help="crank angles in the working stroke (default: %(default)s)")
+    option("--driver", metavar="JOINT", help=DRIVER)
+    option("--slide", metavar="LINK", help=SLIDE)
+    option("--out", type=Path, metavar="DIR", help="folder for the files; made if it is not there")
+    parser.set_defaults(run=run)
+
+
+def run(options: argparse.Namespace) -> int:
+    """Print the ratings, and write the files.
+
+    Raises:
+        PinpressError: a bearing's capacity that is none, and whatever computing and writing raise.
+    """
+    given = {name.replace("-", "_"): getattr(options, name.replace("-", "_")) for name in NUMBERS}
+    extra = {name: given.pop(name) for name in NOT_CAPACITIES}
+    numbers = {CAPACITIES.get(name, name): value for name, value in given.items()}
+    capacities = Capacities(options.nominal_force, bearings=_bearings(options.bearing), **numbers)
+    press = load(options.file, driver=options.driver, slide=options.slide)
+    found = ratings(press, options.speed * RPM, capacities, options.at_speed, options.points, **extra)
+    if options.out is not None:
+        make_folder(options.out)
+    print(found)
+    if options.out is not None:
+        _write(found, options.out)
+    return 0
+
+
+def _write(found: Ratings, folder: Path) -> None:
+    """Write the files and say so."""
+    found.to_csv(folder / "ratings.csv")
+    if importlib.util.find_spec("matplotlib") is None:
+        print(f"\nwrote {folder / 'ratings.csv'}; for the diagram: pip install 'pinpress[plots]'")
+        return
+    from ..plots.ratings import plot_ratings
+    from ..plots.style import save_plot
+
+    save_plot(plot_ratings(found), folder / "ratings.png")
+    print(f"\nwrote {folder / 'ratings.csv'} and {folder / 'ratings.png'}")
+
+
+def _bearings(specs: Sequence[str]) -> dict[str, float]:
+    """Capacities of bearings from words such as ``A=2e6``."""
+    found: dict[str, float] = {}
+    for spec in specs:
+        name, equals, text = spec.rpartition("=")  # a bearing's name may have an equals sign in it
+        try:
+            number = float(text)
+        except ValueError:
+            number = float("nan")
+        if not equals or not name or not number > 0:
+            raise PinpressError(f"--bearing {spec}: it takes NAME=N, a positive force [N]; write e.g. --bearing A=2e6")
+        if name in found:
+            raise PinpressError(f"--bearing {spec}: the capacity of {name} is given twice")
+        found[name] = number
+    return found

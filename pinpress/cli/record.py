@@ -1,0 +1,98 @@
+"""`pinpress record`: one period of a press as a page, a film, a picture."""
+
+import argparse
+import math
+import tempfile
+from pathlib import Path
+
+from ..common.errors import PinpressError
+from ..common.units import RPM
+from ..dynamics.inverse_dynamics import inverse_dynamics
+from ..kinematics.motion import cycle
+from ..linkage.loading import load
+from .options import DRIVER, FILE, SIGNS, SLIDE, TRACE, progress, trace
+
+EPILOG = f"""\
+{SIGNS}Films and pictures need Chromium and pip install 'pinpress[video]'.
+e.g. pinpress record zxn2_3000b --speed 70 --out press.html --video press.mp4 --png press.png --at 150
+"""
+
+
+def add(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
+    """Put `record` among the subcommands; parsed options have ``run``, see `run`."""
+    parser = commands.add_parser(
+        "record",
+        help="a page, film or picture of a press turning, with its forces",
+        description="Turn a press through one period at constant speed, without process loads, and write what it looks like: a page to\n"
+        "open by double click (--out), a film (--video), a picture (--png); bearing forces and shaking force are drawn as arrows.",
+        epilog=EPILOG,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    option = parser.add_argument
+    option("file", metavar="FILE", help=FILE)
+    option("--speed", type=float, required=True, metavar="RPM", help="of the crank, in r/min; negative turns it backwards")
+    option("--out", type=Path, metavar="HTML", help="the page")
+    option("--video", type=Path, metavar="MP4", help="the film: .mp4, or .gif")
+    option("--png", type=Path, metavar="PNG", help="the picture")
+    option("--at", type=float, default=0.0, metavar="DEG", help="crank angle of the picture (default: 0, as the URDF draws it)")
+    option("--size", type=_size, metavar="WxH", help="of film and picture, in pixels (default: 1280x720 and 1280x960)")
+    option("--fps", type=int, default=30, metavar="N", help="frames per second of the film (default: %(default)s)")
+    option(
+        "--slowdown",
+        type=float,
+        metavar="X",
+        help="times slower than the press; 1: real time (default: such that a period takes 4 s or more)",
+    )
+    option("--repeats", type=int, default=1, metavar="N", help="periods in the film (default: %(default)s)")
+    option("--trace", type=trace, action="append", default=[], metavar="LINK:X,Y,Z", help=TRACE)
+    option("--no-forces", dest="forces", action="store_false", help="leave the forces out")
+    option("--points", type=int, metavar="N", help="crank angles, in all (default: 360 a turn)")
+    option("--driver", metavar="JOINT", help=DRIVER)
+    option("--slide", metavar="LINK", help=SLIDE)
+    parser.set_defaults(run=run)
+
+
+def run(options: argparse.Namespace) -> int:
+    """Write what was asked for, and say so on stdout.
+
+    Raises:
+        PinpressError: nothing asked for, and whatever `load`, `cycle`, `inverse_dynamics`, `record`, `film` and `still` raise.
+    """
+    if options.out is options.video is options.png is None:
+        raise PinpressError("nothing to write: give --out page.html, --video film.mp4 or --png picture.png")
+    if not math.isfinite(options.at):
+        raise PinpressError(f"--at is {options.at}: give a crank angle in degrees")
+    paths = [path.absolute() for path in (options.out, options.video, options.png) if path is not None]
+    if len(set(paths)) < len(paths):
+        raise PinpressError("--out, --video and --png name one file: give each its own")
+    from ..visual.film import film, still
+    from ..visual.recording import record
+
+    press = load(options.file, driver=options.driver, slide=options.slide)
+    motion = cycle(press, speed=options.speed * RPM, points=options.points)
+    reactions = inverse_dynamics(press, motion) if options.forces else None
+    with tempfile.TemporaryDirectory() as folder:
+        page = options.out or Path(folder, "recording.html")
+        record(press, motion, page, reactions=reactions, traces=options.trace)
+        size = {} if options.size is None else {"size": options.size}
+        if options.png is not None:
+            still(page, options.png, _time(options.at, options.speed, press.period_turns), **size)
+        if options.video is not None:
+            shown = {"frames_per_second": options.fps, "slowdown": options.slowdown, "repeats": options.repeats}
+            with progress(1.0, "{percentage:3.0f} % |{bar}| {remaining} to go") as tell:
+                film(page, options.video, **shown, **size, progress=tell)
+    written = [str(path) for path in (options.out, options.png, options.video) if path is not None]
+    print(f"wrote {', '.join(written)}")
+    return 0
+
+
+def _time(degrees: float, speed: float, turns: int) -> float:
+    """When [s] a crank at constant speed [r/min] is at an angle, from 0 on within a period of so many turns."""
+    return (degrees if speed > 0 else -degrees) / 360 % turns * 60 / abs(speed)
+
+
+def _size(words: str) -> tuple[int, int]:
+    width, by, height = words.partition("x")
+    if not (by and width.isdecimal() and height.isdecimal()):
+        raise argparse.ArgumentTypeError(f"{words!r} is no size; give width and height in pixels, e.g. 1280x720")
+    return int(width), int(height)

@@ -1,0 +1,158 @@
+"""`pinpress simulate`: a press under drive, flywheel and process loads."""
+
+import argparse
+import math
+import time
+from pathlib import Path
+
+from ..common.errors import PinpressError
+from ..common.files import make_folder
+from ..common.tables import write_csv
+from ..common.units import RPM
+from ..dynamics.inverse_dynamics import inverse_dynamics
+from ..linkage.loading import load
+from ..simulation.run import Run
+from ..simulation.simulate import METHODS, simulate
+from ..simulation.steady_state import steady_state
+from ..simulation.summary import simulation_summary, stroke_columns
+from ..visual.overlays import traced
+from . import part_specs as scene_words
+from .options import DRIVER, FILE, SIGNS, SLIDE, TRACE, progress, trace, write_pages
+from .part_specs import DRIVES, LOADS, keys
+
+BAR = "{percentage:3.0f} % |{bar}| {n:.3f} of {total:.3f} s, {remaining} to go"
+
+
+def add(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
+    """Put `simulate` among the subcommands; parsed options have ``run``, see `run`."""
+    simulated = commands.add_parser(
+        "simulate",
+        help="let a press run under motor, flywheel and process load",
+        description="Let a press run under drive, flywheel and process loads, or find its steady state. Prints speeds, energies, the\n"
+        "motor's torque, the strokes and the peak force of every bearing; with --out also writes simulation.csv (every quantity at every\n"
+        "instant), strokes.csv (one line a stroke, SI units) and recording.html (the press turning with its forces, a page to open by\n"
+        "double click).",
+        epilog=_scene_help(),
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    add = simulated.add_argument
+    add("file", metavar="FILE", help=FILE)
+    add("--speed", type=float, default=0.0, metavar="RPM", help="of the crank at the start, or about that of the steady state, in r/min")
+    add("--angle", type=float, default=0.0, metavar="DEG", help="of the crank at the start (default: 0, as the URDF draws it)")
+    until = simulated.add_mutually_exclusive_group(required=True)
+    until.add_argument("--duration", type=float, metavar="S", help="how long it runs, in s")
+    until.add_argument("--steady", action="store_true", help="a period of the steady state near --speed")
+    add("--drive", metavar="KIND:KEYS", help="what turns the crank, see below (default: nothing)")
+    add(
+        "--flywheel",
+        metavar="J",
+        help="its inertia at the driver joint, in kg m2; inertia=J,speed=RPM where it turns before a clutch closes",
+    )
+    add("--load", metavar="KIND:KEYS", action="append", default=[], help="process load, see below; may be given several times")
+    add("--clutch", metavar="KEYS", help="between flywheel and crank, see below")
+    add("--brake", metavar="KEYS", help="on the crank, see below")
+    add("--method", choices=METHODS, default="auto", help="how to compute (default: %(default)s, the fast one)")
+    add("--step", type=float, metavar="S", help="fixed step of integration, in s (default: steps by error)")
+    add("--tolerance", type=float, default=1e-11, metavar="T", help="of the error of a step, relative (default: %(default)g)")
+    add("--points", type=int, metavar="N", help="states in the results (default: 120 a turn, at least 120)")
+    add("--gravity", type=float, default=9.81, metavar="G", help="downwards, in m/s2 (default: %(default)s)")
+    add("--driver", metavar="JOINT", help=DRIVER)
+    add("--slide", metavar="LINK", help=SLIDE)
+    add("--out", type=Path, metavar="DIR", help="folder for the three files; made if it is not there")
+    add("--report", action="store_true", help="also write report.html: the recording and charts that follow it")
+    add("--trace", type=trace, action="append", default=[], metavar="LINK:X,Y,Z", help=TRACE)
+    simulated.set_defaults(run=run)
+
+
+def _scene_help() -> str:
+    kinds = [f"  {name + ':':13}{keys(kind)}" for name, kind in (*DRIVES.items(), *LOADS.items())]
+    split = len(DRIVES)
+    return "\n".join(
+        [
+            "drives, keys in brackets may be left out; SI units, but speeds in r/min; with ratio= they act on the crank through gears:",
+            *kinds[:split],
+            "loads, heights are slide positions above bottom dead centre, or above the slide position datum=:",
+            *kinds[split:],
+            "clutch and brake, switched at a time or a crank angle:",
+            f"  {keys(scene_words.CLUTCH)}",
+            "e.g. --flywheel 2000 --load blanking:" + LOADS["blanking"].example,
+            "     --drive induction:" + DRIVES["induction"].example,
+            "files are CSV, two columns: "
+            + "; ".join(f"{name} {', '.join(kind.table.columns)}" for name, kind in (*DRIVES.items(), *LOADS.items()) if kind.table),
+            "",
+            SIGNS,
+        ]
+    )
+
+
+def run(options: argparse.Namespace) -> int:
+    """Print the summary and write the files.
+
+    Raises:
+        PinpressError: options that do not go together, and whatever computing and writing raise.
+    """
+    if options.out is None and (options.report or options.trace):
+        raise PinpressError(f"--{'report' if options.report else 'trace'} needs a folder to write into: give --out DIR too")
+    drive = None if options.drive is None else scene_words.drive(options.drive)
+    flywheel = None if options.flywheel is None else scene_words.flywheel(options.flywheel)
+    loads = [scene_words.load(words) for words in options.load]
+    clutch = None if options.clutch is None else scene_words.clutch(options.clutch)
+    brake = None if options.brake is None else scene_words.brake(options.brake)
+    press = load(options.file, driver=options.driver, slide=options.slide, gravity=(0.0, 0.0, -options.gravity))
+    _ = traced(press, options.trace)  # a wrong one is found before the work
+    if len(press.drivers) > 1:
+        raise PinpressError(f"{press.name} has {len(press.drivers)} drivers: the command takes one; simulate it in Python")
+    if options.out is not None:
+        make_folder(options.out)  # before a run that may be long
+    speed, angle, shared = options.speed * RPM, math.radians(options.angle), {"points": options.points, "tolerance": options.tolerance}
+    done: Run
+    if options.steady:
+        _refuse_beside_steady(options)
+        done = steady_state(press, speed, drive, flywheel, loads, angle, **shared)  # type: ignore[arg-type]  # it refuses what has none
+    else:
+        with progress(options.duration, BAR) as told:
+            done = simulate(
+                press,
+                options.duration,
+                speed,
+                angle,
+                drive,
+                flywheel,
+                loads,
+                options.method,
+                clutch,
+                brake,
+                step=options.step,
+                progress=told,
+                **shared,
+            )
+    began = time.perf_counter()
+    result = inverse_dynamics(press, done, loads=loads)
+    took = time.perf_counter() - began
+    print(simulation_summary(press, done, result, _scene(options, done), options.steady))
+    print(f"  {'time taken':26}{1e3 * done.stats.wall_time:12.1f} ms simulation, {1e3 * took:.1f} ms torque and forces")
+    if options.out is not None:
+        result.to_csv(options.out / "simulation.csv")
+        write_csv(options.out / "strokes.csv", stroke_columns(done))
+        write_pages(press, result, options.out, ["simulation.csv", "strokes.csv"], options.report, options.trace)
+    return 0
+
+
+def _refuse_beside_steady(options: argparse.Namespace) -> None:
+    for name, absent in (("clutch", None), ("brake", None), ("step", None), ("method", "auto")):
+        if getattr(options, name) != absent:
+            raise PinpressError(f"--{name} does not go with --steady: leave it out, or give --duration in place of --steady")
+    if options.speed == 0:
+        raise PinpressError("--steady needs a --speed other than 0, about which the press runs, e.g. --speed 70")
+
+
+def _scene(options: argparse.Namespace, run: Run) -> list[tuple[str, str]]:
+    """What was asked for, in the words in which it was."""
+    angle = f"crank angle {options.angle:g} deg"
+    if options.steady:
+        begin = ("looked for near", f"{options.speed:g} r/min, from {angle} on")
+    else:  # a drive may have prescribed the speed
+        begin = ("from", f"{angle}, {run.crank_speed[0] / RPM:g} r/min")
+    asked = [("drive", options.drive), ("flywheel", options.flywheel), *(("load", words) for words in options.load)]
+    asked += [("clutch", options.clutch), ("brake", options.brake)]
+    return [begin, *((name, words) for name, words in asked if words is not None)]

@@ -1,0 +1,5 @@
+"""What turns the crank: motors, flywheel, gears, clutch and brake. They know no press."""
+
+import lazy_loader
+
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

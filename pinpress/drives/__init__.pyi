@@ -1,0 +1,12 @@
+from .driveline import At as At
+from .driveline import Brake as Brake
+from .driveline import Clutch as Clutch
+from .induction import InductionMotor as InductionMotor
+from .induction import InverterMotor as InverterMotor
+from .protocol import Drive as Drive
+from .servo import ServoMotor as ServoMotor
+from .slip_clutch import SlipClutchMotor as SlipClutchMotor
+from .transmission import ConstantTorque as ConstantTorque
+from .transmission import Flywheel as Flywheel
+from .transmission import Geared as Geared
+from .transmission import PrescribedSpeed as PrescribedSpeed

@@ -1,0 +1,94 @@
+"""What drives a press: the protocol that all drives follow, those of `drives` and a caller's own."""
+
+from typing import Protocol, runtime_checkable
+
+import numpy as np
+
+from ..common.arrays import Array
+
+Values = float | Array
+"""A number, or an array of them: one of each scenario on the last axis."""
+
+
+@runtime_checkable
+class Drive(Protocol):
+    """What acts on a shaft with a torque that depends on its speed, and where it is ``timed`` on angle, time and states of its own too.
+
+    Any class with these members can drive a press. Its torque is a function: the same arguments give the same torque whenever they are
+    asked, of an array element by element. What it remembers (an excitation, a hysteresis) it keeps in ``state`` with its ``rates``, not in
+    itself. `simulate` and `steady_state` try a caller's own drive before a run, and ask for the run's torques once more after it.
+
+    Attributes:
+        inertia: of what turns with the shaft [kg m2]; (S,) where it differs between scenarios.
+        state: values at the start of the drive's own states; () for most.
+        timed: whether the torque depends on angle, time or states; where it is False, on the speed alone.
+        rated_torque: of the motor, at its own shaft, bearable without end [N m]; (S,) where it differs; None where it is not known.
+        corners: speeds of the shaft at which the torque is not a smooth function of speed [rad/s], in no order; () where ``timed``.
+    """
+
+    @property
+    def inertia(self) -> Values: ...
+    @property
+    def state(self) -> tuple[float, ...]: ...
+    @property
+    def timed(self) -> bool: ...
+    @property
+    def rated_torque(self) -> Values | None: ...
+    @property
+    def corners(self) -> tuple[Values, ...]: ...
+
+    def torque(self, speed: Values, angle: Values = 0.0, time: Values = 0.0, state: tuple[Values, ...] = ()) -> Values:
+        """Torque on the shaft [N m], finite for every finite speed of either direction.
+
+        Args:
+            speed: of the shaft [rad/s], (...) or (..., S); (..., S) where a parameter is (S,). The result has its shape, or broadcasts it.
+            angle: of the shaft [rad], time: [s], state: the drive's states; each broadcasts with the speed.
+        """
+        ...
+
+    def rates(self, speed: Values, angle: Values = 0.0, time: Values = 0.0, state: tuple[Values, ...] = ()) -> tuple[Values, ...]:
+        """Rates of the states [1/s]."""
+        ...
+
+    def motor_speed(self, speed: Values) -> Values:
+        """Speed of the motor's own shaft [rad/s]."""
+        ...
+
+    def motor_torque(self, speed: Values, angle: Values = 0.0, time: Values = 0.0, state: tuple[Values, ...] = ()) -> Values:
+        """Torque of the motor at its own shaft [N m], that which accelerates its rotor included."""
+        ...
+
+
+class Plain:
+    """What most drives have in common: torque by speed alone and smooth, no states, a shaft that is the motor's own."""
+
+    @property
+    def state(self) -> tuple[float, ...]:
+        return ()
+
+    @property
+    def timed(self) -> bool:
+        return False
+
+    @property
+    def corners(self) -> tuple[Values, ...]:
+        return ()
+
+    def torque(self, speed: Values, angle: Values = 0.0, time: Values = 0.0, state: tuple[Values, ...] = ()) -> Values:
+        raise NotImplementedError
+
+    def rates(self, speed: Values, angle: Values = 0.0, time: Values = 0.0, state: tuple[Values, ...] = ()) -> tuple[Values, ...]:
+        return ()
+
+    def motor_speed(self, speed: Values) -> Values:
+        return speed
+
+    def motor_torque(self, speed: Values, angle: Values = 0.0, time: Values = 0.0, state: tuple[Values, ...] = ()) -> Values:
+        return self.torque(speed, angle, time, state)
+
+
+def between(lowest: float, value: Values, highest: float) -> Values:
+    """Value limited to a range. Python's own min and max take a tenth of the time of NumPy's on one number."""
+    if isinstance(value, float):
+        return min(max(value, lowest), highest)
+    return np.minimum(np.maximum(value, lowest), highest)

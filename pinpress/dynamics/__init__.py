@@ -1,0 +1,1 @@
+"""Loads on a motion, and the `Reactions` to it."""

@@ -1,0 +1,174 @@
+"""Forces that act on the links from outside, and springs, dampers and process loads between them."""
+
+import math
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+import pinocchio as pin
+from numpy.typing import ArrayLike
+
+from ..common import plausibility
+from ..common.arrays import Array
+from ..common.checks import numbers
+from ..common.errors import PinpressError, UnknownNameError, shown
+from ..engines.forces import AppliedForce
+from ..engines.friction import REST
+from ..kinematics.point_motion import point_motion
+from ..loads import caller_laws
+from ..loads.link import Load, PointForce, SpringDamper
+from ..loads.process import ProcessLoad, Stretch, TimeForce, datum
+
+if TYPE_CHECKING:
+    from ..kinematics.motion import Motion
+    from ..linkage.linkage import Linkage
+
+
+def asked(loads: Sequence[Load]) -> list[Load]:
+    """Loads of a motion: a caller's own functions to be asked with care, anything else as it is."""
+    return [
+        replace(load, force=caller_laws.ForceOfMotion(f"load on {shown(load.link)}: force", load.force, np.geterr()))
+        if isinstance(load, PointForce) and callable(load.force)
+        else load
+        if isinstance(load, PointForce | SpringDamper)  # looking whether something follows a protocol takes long
+        else caller_laws.asked_load(load)
+        for load in loads
+    ]
+
+
+def apply(loads: Sequence[Load], press: "Linkage", motion: "Motion") -> list[AppliedForce]:
+    """Loads as arrays over the motion.
+
+    A process load acts with its stretches downwards where the slide moves against its guide's axis, else with those upwards. Where the
+    slide rests its direction of travel is undecided; there it is upwards, so that a load of the working stroke has ended at bottom dead
+    centre.
+
+    Raises:
+        UnknownNameError: a load on a link that the linkage does not have.
+        PinpressError: a force of the wrong shape, a value that is not finite, a spring whose ends meet, a process load on a linkage without
+            a slide or with no datum, or for several scenarios, a force in time with states that are not in time.
+    """
+    applied: list[AppliedForce] = []
+    for load in loads:
+        if isinstance(load, SpringDamper):
+            applied += _stretched(load, press, motion)
+        elif isinstance(load, PointForce):
+            applied.append(_applied(load, press, motion))
+        elif isinstance(load, TimeForce):
+            applied += _on_slide(load, press, _in_time(load, motion))
+        elif isinstance(load, ProcessLoad) and not isinstance(load, type):
+            applied += _on_slide(load, press, _in_height(load, press, motion))
+        else:
+            raise PinpressError(
+                f"load {shown(load)} is none: give a PointForce, a SpringDamper, a process load (pinpress.loads) or a TimeForce"
+            )
+    return applied
+
+
+def _on_slide(load: "ProcessLoad | TimeForce", press: "Linkage", along: Array) -> list[AppliedForce]:
+    """A force (n,) along the guide's axis at the slide's origin, and the opposite one on the frame in the same line."""
+    guide, _ = press.slide_guide
+    place = press.model.jointPlacements[guide + 1]  # in the world, as the frame carries the guide
+    origin = press.model.frames[press.model.getFrameId(press.slide, pin.BODY)].placement.translation
+    force = along[:, None] * (place.rotation @ press.spatial.axes[guide].direction)
+    # The slide's origin moves along the axis: where it was drawn is a point of the frame in its line of action.
+    return [AppliedForce(guide + 1, origin, force), AppliedForce(0, place.act(origin), -force)]
+
+
+def _in_height(load: ProcessLoad, press: "Linkage", motion: "Motion") -> Array:
+    """A process load over a motion, (n,) on the slide along the axis [N]."""
+    name, (guide, offset), force = caller_laws.name(load), press.slide_guide, np.zeros(len(motion.crank_angle))
+    stretches = [(downwards, stretch) for downwards in (True, False) for stretch in load.stretches(downwards)]
+    if not stretches:  # an idle press needs no datum
+        return force
+    zero = datum(load, press)
+    height, velocity = motion.joint_position[:, guide] + (offset - zero), motion.v[:, guide]
+    # In a dead centre the speed is rounding, which must not decide.
+    down = velocity < -REST * press.spatial.size * np.abs(motion.crank_speed).max()
+    acts = False
+    for downwards, stretch in stretches:
+        _refuse_scenarios(name, stretch)
+        inside = np.flatnonzero((down == downwards) & (stretch.lower < height) & (height <= stretch.upper))
+        acts |= len(inside) > 0
+        law = numbers(f"{name}: force", stretch.force(height[inside], velocity[inside]))
+        if law.shape not in ((), inside.shape):
+            raise PinpressError(f"{name}: force of {inside.shape} heights has shape {law.shape}; give the same")
+        force[inside] = np.maximum(law, 0.0) if stretch.one_sided else law
+    low, high = (-math.inf, math.inf) if acts else _turning_points(press)
+    plausibility.heights(name, [(stretch.lower, stretch.upper) for _, stretch in stretches], low - zero, high - zero, press.spatial.size)
+    return force
+
+
+def _turning_points(press: "Linkage") -> tuple[float, float]:
+    """Slide positions of bottom and top dead centre; no ends at all where there are none."""
+    try:
+        return press.dead_centres.bottom_position, press.dead_centres.top_position
+    except PinpressError:
+        return -math.inf, math.inf
+
+
+def _refuse_scenarios(name: str, stretch: Stretch) -> None:
+    """Raise where a load's magnitude is an array: over as many states it would pass for one number a state."""
+    somewhere = next((height for height in (stretch.upper, stretch.lower) if math.isfinite(height)), 0.0)
+    shape = np.shape(stretch.force(somewhere, 0.0))
+    if shape:
+        raise PinpressError(f"{name}: its force has shape {shape}, for scenarios; give one number, as a motion is one scenario")
+
+
+def _in_time(load: TimeForce, motion: "Motion") -> Array:
+    for times in (motion.time[:1], motion.time):  # values that no time was asked for would pass where they are as many as the states
+        force = numbers("TimeForce: force", load.force(times))
+        if force.shape not in ((), times.shape):
+            raise PinpressError(f"TimeForce: force of {len(times)} times has shape {force.shape}; give {times.shape}, as the time has")
+    return np.broadcast_to(force, motion.time.shape)
+
+
+def _applied(load: PointForce, press: "Linkage", motion: "Motion") -> AppliedForce:
+    points, what = len(motion.crank_angle), f"load on {shown(load.link)}"
+    joint, point = place(press, load.link, load.point, what, "point")
+    force = numbers(f"{what}: force", load.force(motion) if callable(load.force) else load.force)
+    if force.shape not in ((3,), (points, 3)):
+        raise PinpressError(f"{what}: force has shape {force.shape}; give (3,) or ({points}, 3), in world axes [N]")
+    return AppliedForce(joint, point, np.broadcast_to(force, (points, 3)))
+
+
+def _stretched(load: SpringDamper, press: "Linkage", motion: "Motion") -> list[AppliedForce]:
+    """The forces of a spring and damper on its two links."""
+    ends, what = spring_ends(load, press), _of_spring(load)
+    (position1, velocity1), (position2, velocity2) = (point_motion(press, motion, *end) for end in ends)
+    between, rate = position2 - position1, velocity2 - velocity1
+    length = np.linalg.norm(between, axis=1)
+    if (load.free_length or load.damping) and not length.min() > 1e-12 * press.spatial.size:
+        angle = np.degrees(np.ravel(motion.crank_angle[int(length.argmin())])[0])
+        raise PinpressError(f"{what}: its ends meet at crank angle {angle:.6g} deg, where it has no direction; move a point")
+    direction = between / np.where(length == 0.0, 1.0, length)[:, None]
+    tension = load.stiffness * (length - load.free_length) + load.damping * np.einsum("nk,nk->n", rate, direction)
+    force = tension[:, None] * direction
+    return [AppliedForce(*ends[0], force), AppliedForce(*ends[1], -force)]
+
+
+def spring_ends(load: SpringDamper, press: "Linkage") -> tuple[tuple[int, Array], tuple[int, Array]]:
+    """The ends of a spring: each the joint whose body it is on, and the point in that joint's frame [m]."""
+    what = _of_spring(load)
+    for quantity in ("stiffness", "damping", "free_length"):
+        value = numbers(f"{what}: {quantity}", getattr(load, quantity))
+        if value.ndim or value < 0:
+            raise PinpressError(f"{what}: {quantity} is {shown(getattr(load, quantity))}; give one number that is not negative")
+    return place(press, load.link1, load.point1, what, "point1"), place(press, load.link2, load.point2, what, "point2")
+
+
+def _of_spring(load: SpringDamper) -> str:
+    return f"spring between {shown(load.link1)} and {shown(load.link2)}"
+
+
+def place(press: "Linkage", link: str, point: ArrayLike, what: str, name: str) -> tuple[int, Array]:
+    """The joint whose body a link belongs to, and a point of the link in that joint's frame."""
+    if link not in press.links:
+        raise UnknownNameError("link", link, press.links)
+    position = numbers(f"{what}: {name}", point)
+    if position.shape != (3,):
+        raise PinpressError(f"{what}: {name} has shape {position.shape}; give x, y, z in the link's frame [m]")
+    plausibility.point(f"{what}: {name}", position, press.spatial.size)
+    frame = press.model.frames[press.model.getFrameId(link, pin.BODY)]
+    return frame.parentJoint, frame.placement.act(position)

@@ -1,0 +1,95 @@
+"""Harmonics of a force over one period of the crank's motion."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..common.arguments import typed
+from ..common.arrays import Array
+from ..common.checks import numbers
+from ..common.errors import PinpressError, expect, shown
+from ..common.frozen import Frozen
+from ..kinematics.motion import Motion
+
+EQUAL = 1e-9  # difference of the steps of the crank angle [rad] that is none
+FINER = 8  # times as many angles as states that unequal ones are interpolated at
+
+
+@dataclass(frozen=True, eq=False)
+class Harmonics(Frozen):
+    """A force over one period as a sum of amplitude cos(order x crank angle + phase) over the orders.
+
+    Attributes:
+        orders: (k + 1,) of the crank's speed, from 0: whole numbers, and fractions between them where the linkage repeats only after
+            several turns (`Linkage.period_turns`).
+        amplitude: (k + 1, 3) along the world's axes [N]; of order 0 the mean, with its sign.
+        phase: (k + 1, 3) [rad], -pi to pi; of order 0 zero.
+    """
+
+    orders: Array
+    amplitude: Array
+    phase: Array
+
+
+@typed
+def harmonics(motion: Motion, force: Array, orders: int = 12) -> Harmonics | None:
+    """Harmonics of a force (n, 3) [N] over the last full period, up to order ``orders``, or as far as the states carry.
+
+    The states of a `cycle` of one period are equally spaced, and their sums exact; other motions, runs among them, are interpolated by
+    cubic splines over the crank angle. None where the motion has no full period one way, the linkage none, or there are several drivers.
+
+    Raises:
+        PinpressError: force of another shape or with a value that is not finite, orders that are no whole number from 0.
+    """
+    if isinstance(orders, bool | np.timedelta64) or not isinstance(orders, int | np.integer) or orders < 0:
+        raise PinpressError(f"orders is {shown(orders)}: give a whole number from 0")
+    expect("motion", motion, Motion, "cycle or simulate")
+    force = numbers("harmonics: force", force)
+    if force.shape != (len(motion.crank_angle), 3):
+        raise PinpressError(f"force has shape {force.shape}: give one of ({len(motion.crank_angle)}, 3), a state a row")
+    start, turns = last_period(motion), motion.period_turns
+    if start is None or turns is None:
+        return None
+    angle, states = motion.crank_angle, len(motion.crank_angle) - start
+    if is_cycle(motion):
+        angles, values = angle, force
+    else:
+        from scipy.interpolate import CubicSpline  # slow to import
+
+        period = np.copysign(2 * np.pi * turns, angle[-1] - angle[0])
+        angles = angle[-1] - period * np.arange(FINER * states, 0, -1) / (FINER * states)
+        rising = np.argsort(angle)
+        values = CubicSpline(angle[rising], force[rising])(angles)
+    order = np.arange(min(orders * turns, (states - 1) // 2) + 1) / turns
+    sums = np.exp(-1j * np.multiply.outer(order, angles)) @ values / len(angles)
+    sums[1:] *= 2
+    amplitude, phase = np.abs(sums), np.angle(sums)
+    amplitude[0], phase[0] = sums[0].real, 0.0
+    result = Harmonics(order, amplitude, phase)
+    for array in (result.orders, result.amplitude, result.phase):
+        array.setflags(write=False)
+    return result
+
+
+def last_period(motion: Motion) -> int | None:
+    """Index of the first state of the last full period, which ends with the last state, or a step after it in a motion of one period
+    without its end. None as of `harmonics`."""
+    angle = motion.crank_angle
+    if motion.period_turns is None or len(angle) < 3 or not motion.crank_speed.all():
+        return None
+    steps, period = np.diff(angle), 2 * np.pi * motion.period_turns
+    if not (np.all(steps > 0) or np.all(steps < 0)):
+        return None
+    travel = np.abs(angle - angle[-1])
+    if travel[0] < period - EQUAL and not is_cycle(motion):
+        return None
+    return int(np.argmax(travel < period - EQUAL))  # a state a period before the last one is that one again
+
+
+def is_cycle(motion: Motion) -> bool:
+    """Whether the states are one period of a single crank in equal steps, its end left out."""
+    angle = motion.crank_angle
+    if motion.period_turns is None or len(angle) < 3:
+        return False
+    period = float(np.copysign(2 * np.pi * motion.period_turns, angle[-1] - angle[0]))
+    return bool(np.allclose(np.diff(angle, append=angle[0] + period), period / len(angle), rtol=0.0, atol=EQUAL))

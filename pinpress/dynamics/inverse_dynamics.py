@@ -1,0 +1,352 @@
+"""Inverse dynamics: the driving torque and every bearing and guide force of a motion.
+
+Signs, in one place: forces and moments of a joint are the action of parent on child, of a loop the action of link1 on link2, in world
+axes, moments about the origin of the child's joint frame (a loop's about its point; a spherical one transmits none but friction). The
+driving torque is positive along the driver's axis; it is part of the driver's bearing moment, as those of gear pairs and friction are of
+their bearings'. Shaking force and moment are the action of the machine on its foundation, its weight
+included.
+"""
+
+import math
+import os
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..common import tables
+from ..common.arguments import typed
+from ..common.arrays import Array, ComplexArray
+from ..common.errors import PinpressError, SingularityError, UnknownNameError, shown
+from ..common.frozen import Frozen, FrozenMapping
+from ..common.named_arrays import ByBearing
+from ..engines import change_points
+from ..engines.forces import AppliedForce, Wrenches
+from ..engines.friction import FrictionLaw
+from ..engines.load_sharing import compliances
+from ..engines.planar import inverse_dynamics as plane_dynamics
+from ..engines.planar import out_of_plane as plane_axial
+from ..engines.planar import power_balance as plane_power
+from ..engines.planar.model import Plane
+from ..engines.spatial import inverse_dynamics as spatial_dynamics
+from ..kinematics.motion import Motion
+from ..linkage.linkage import Linkage
+from ..linkage.mobility import own_axes
+from ..loads.friction import Friction
+from ..loads.friction import law as friction_law
+from ..loads.link import Load
+from . import applied_loads as forces
+from .shaking import on_frame, shaking
+
+NOTHING: Mapping[str, Any] = FrozenMapping({})
+ROUNDED = 1e-6  # of forces times velocities: powers beside which rounding is small
+DENORMAL = 1e-290  # [W]; numbers below have fewer digits
+CLEAR = 1e-3  # distance from the end of a branch at which no change point can be met any more [rad]
+STATES_LOOKED_AT = 256  # of a motion, to find what is indeterminate: the rank is the same all along it
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Reactions(Frozen):
+    """Torque and forces over a motion of n states. All arrays are read-only; signs: see the module.
+
+    Attributes:
+        motion: the motion. engine: "plane" or "pinocchio".
+        driving_torque: (n,) on the driver joint, along its axis [N m]; (n, drivers) where there are several.
+        coupling_torque: name of a joint with a ``<mimic>`` -> (n, 2): the torque of the gear pair on it, and on the joint it mimics, along
+            their axes [N m; N on one that slides]. A pair alone: the tooth force across the shafts' bearings is not in their forces. Beside
+            a driving torque alone computed when it is first asked for: what gears share with bearings depends on all of them.
+        bearing_force, bearing_moment: name of a joint or loop -> (n, 3) [N, N m], of those that were asked for.
+        left_out: names of those that were not.
+        friction_power: name of a joint or loop, each of them -> (n,) power lost there [W].
+        shaking_force: (n, 3) [N]; shaking_moment: (n, 3) about the world origin [N m]. Computed when they are first asked for, from the
+            bearings on the frame, also where these were left out.
+        indeterminate: name -> (6,) bool: components of force and moment, three each, that rigid mechanics leaves open because a loop closes
+            more than it must; shared as `sharing` says, by default with the least sum of squared bearing forces. In a planar press whose
+            equations in the plane are all needed they are the forces along the normal and the moments that tilt.
+        indeterminate_axes: (3, 3) the directions of these components, as rows: world x, y, z; of a planar linkage whose plane is inclined
+            against all of these the horizontal in the plane, the normal, and the way up in the plane.
+        indeterminate_coupling: name of a joint with a ``<mimic>`` -> bool: the same of the gear pair's torque.
+    """
+
+    motion: Motion
+    engine: str
+    driving_torque: Array
+    bearing_force: ByBearing[np.float64]
+    bearing_moment: ByBearing[np.float64]
+    friction_power: ByBearing[np.float64]
+    left_out: tuple[str, ...]
+    _wrenches: Wrenches
+    _press: Linkage
+    _under: "_Under"
+
+    def __repr__(self) -> str:
+        return (
+            f"<Reactions of {self._press.name}: {len(self.driving_torque)} states, bearings {', '.join(self.bearing_force) or 'left out'}>"
+        )
+
+    @cached_property
+    def coupling_torque(self) -> ByBearing[np.float64]:
+        press, found = self._press, self._wrenches
+        if not self._under.gears and press.couplings:
+            with np.errstate(all="ignore"):  # what overflows is refused
+                found = _solved(press, press.planar(self.engine), self.motion, self._under._replace(gears=True), ())
+        pairs = [np.stack([torque, -c.multiplier * torque], axis=1) for c, torque in zip(press.couplings, found.coupling, strict=True)]
+        return ByBearing(tuple(c.name for c in press.couplings), np.array(pairs))
+
+    @cached_property
+    def power_residual(self) -> Array:
+        """(n,) power of drive and loads less d/dt (kinetic + potential energy), relative to the motion's largest sum of absolute powers.
+
+        Where these are next to nothing beside forces times velocities (a balanced disc, a press kept in its dead centre), so that all of
+        them is rounding, it is relative to a millionth of the latter.
+
+        Computed when it is first asked for, from the bodies' velocities and accelerations, independently of the torque's own recursion.
+        """
+        with np.errstate(all="ignore"):  # what overflows is refused below
+            balance, total, apparent = self._power_balance()
+        largest = max(total.max(), ROUNDED * apparent.max(), DENORMAL)
+        if not np.isfinite(largest):
+            raise PinpressError(f"the powers of {self._press.name} are too large for floating point: lower speed or loads")
+        residual = balance / largest
+        residual.setflags(write=False)
+        return np.asarray(residual)
+
+    @property
+    def indeterminate(self) -> ByBearing[np.bool_]:
+        return ByBearing(self._press.bearings, self._indeterminate[0])
+
+    @property
+    def indeterminate_coupling(self) -> ByBearing[np.bool_]:
+        return ByBearing(tuple(c.name for c in self._press.couplings), self._indeterminate[1])
+
+    @cached_property
+    def indeterminate_axes(self) -> Array:
+        axes = own_axes(self._press)
+        axes.setflags(write=False)
+        return axes
+
+    @cached_property
+    def _indeterminate(self) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
+        positions, press = self.motion.joint_position.T, self._press
+        some = positions[:, :: max(1, positions.shape[1] // STATES_LOOKED_AT)]
+        if self.engine == "plane" and press.plane is not None and not press.plane.redundant:
+            marks = plane_axial.indeterminate(press.plane, some, self.indeterminate_axes)
+            return marks, np.zeros(len(press.couplings), dtype=bool)
+        return spatial_dynamics.indeterminate(press.spatial, some, self.indeterminate_axes)
+
+    @property
+    def shaking_force(self) -> Array:
+        return self._shaking[0]
+
+    @property
+    def shaking_moment(self) -> Array:
+        return self._shaking[1]
+
+    @cached_property
+    def _shaking(self) -> tuple[Array, Array]:
+        press, found = self._press, self._wrenches
+        there = [press.bearings.index(name) for name in self.bearing_force]
+        with np.errstate(all="ignore"):  # what overflows is refused below
+            if not set(on_frame(press)) <= set(there):
+                there = sorted(on_frame(press))
+                found = _solved(press, press.planar(self.engine), self.motion, self._under, there)
+            forces, moments = (dict(zip(there, vectors, strict=True)) for vectors in (found.force, found.moment))
+            force, moment = shaking(press, self.motion, forces, moments, self._under.loads)
+            if not math.isfinite(force.sum() + moment.sum()):
+                raise PinpressError(f"the shaking moment of {self._press.name} is not finite: a load is too large for floating point")
+        for array in (force, moment):
+            array.setflags(write=False)
+        return force, moment
+
+    def _power_balance(self) -> tuple[Array, Array, Array]:
+        press, motion = self._press, self.motion
+        if self.engine == "plane" and press.plane is not None and press.bodies is not None:
+            at = _basis(press, press.plane, motion)
+            balance, total, apparent = plane_power.power_balance(press.plane, press.bodies, at, motion.v.T, motion.a.T, self._under.loads)
+        else:
+            balance, total, apparent = spatial_dynamics.power_balance(
+                press.spatial, motion.joint_position.T, motion.v.T, motion.a.T, self._under.loads
+            )
+        torque = self.driving_torque.reshape(len(motion.crank_angle), -1).T
+        driving, lost = torque * motion.v.T[list(press.spatial.drivers)], self._wrenches.friction.sum(axis=0)
+        return balance + driving.sum(axis=0) - lost, total + np.abs(driving).sum(axis=0) + lost, apparent
+
+    def columns(self) -> dict[str, Array]:
+        """The motion's columns, then torque, shaking force and moment and the bearings', under their names with units."""
+        columns = self.motion.columns()
+        columns |= tables.by_driver("driving_torque", "N m", self.driving_torque, self.motion.drivers)
+        for name, torque in self.coupling_torque.items():
+            columns[f"coupling_torque_{name} [N m]"] = torque[:, 0]
+        vectors: list[tuple[str, str, Array]] = [("shaking_force", "N", self.shaking_force), ("shaking_moment", "N m", self.shaking_moment)]
+        for name in self.bearing_force:
+            vectors += [(f"force_{name}", "N", self.bearing_force[name]), (f"moment_{name}", "N m", self.bearing_moment[name])]
+        for name, unit, vector in vectors:
+            columns |= {f"{name}_{axis} [{unit}]": vector[:, i] for i, axis in enumerate("xyz")}
+        for name, power in self.friction_power.items():
+            if power.any():
+                columns[f"friction_power_{name} [W]"] = power
+        return columns
+
+    def to_csv(self, path: str | os.PathLike[str]) -> None:
+        """Write the columns, one state a line, full precision, units in the header."""
+        tables.write_csv(path, self.columns())
+
+    def to_frame(self) -> "tables.DataFrame":
+        """The columns as a pandas DataFrame."""
+        return tables.frame(self.columns())
+
+    def to_mat(self, path: str | os.PathLike[str]) -> None:
+        """Write a MATLAB file with one vector a column; names without units."""
+        tables.write_mat(path, self.columns())
+
+
+@typed
+def inverse_dynamics(
+    press: Linkage,
+    motion: Motion,
+    loads: Sequence[Load] = (),
+    friction: Mapping[str, Friction] = NOTHING,
+    stiffness: Mapping[str, float] = NOTHING,
+    engine: str = "auto",
+    bearings: Collection[str] | None = None,
+) -> Reactions:
+    """Driving torque, bearing and guide forces and shaking force of a motion.
+
+    Args:
+        loads: forces on links from outside, springs and dampers between links.
+        friction: of bearings and guides, by their names.
+        stiffness: of bearings and guides, by their names [N/m]: where rigid mechanics leaves open how several share a force, it is shared
+            with the least elastic energy (bearings without a stiffness count as rigid), instead of the least sum of squared forces.
+        engine: "plane" (all crank angles at once), "pinocchio" (any linkage, one configuration at a time), or "auto": the plane where the
+            linkage is planar.
+        bearings: names of the bearings and guides whose force and moment are wanted: by default all, ``()`` for none. Torques, friction's
+            power and shaking force are there in any case. What is left out saves time but where it is needed to find the rest: with
+            friction, where several bearings share a force, and beside a guide little but its memory. Values are those of all bearings to
+            rounding.
+
+    Raises:
+        PinpressError: a motion of a linkage with other joints, a load of wrong shape, with a value that is not finite, or whose function
+            fails, friction that
+            makes no sense or locks the linkage, a stiffness that is not positive, bearings that are no names.
+        UnknownNameError: a bearing or link that the linkage does not have.
+        AssemblyError: a motion of a linkage with other lengths.
+        SingularityError: a state of a run at a change point.
+    """
+    if motion.joints != press.joints or motion.drivers != press.drivers:
+        raise PinpressError(f"the motion is of {motion.linkage} with other joints than {press.name}: make it with cycle(press, ...)")
+    plane = press.planar(engine)
+    if not isinstance(loads, list | tuple) and isinstance(loads, Load):  # looking whether something follows a protocol takes long
+        raise PinpressError(f"loads is one {type(loads).__name__}: give a list, loads=[...]")
+    wanted = _wanted(press, bearings)
+    _refuse_change_points(press, motion)
+    law, compliance = friction_law(friction, press), compliances(stiffness, press)
+    asked = forces.asked(loads)
+    with np.errstate(all="ignore"):  # what overflows is refused
+        under = _Under(forces.apply(asked, press, motion), law, compliance, gears=bool(wanted) or law is not None)
+        wrenches = _solved(press, plane, motion, under, wanted)
+    names, several = press.bearings, len(press.drivers) > 1
+    kept = names if len(wanted) == len(names) else tuple(names[k] for k in wanted)
+    left_out = tuple(name for name in names if name not in kept) if len(kept) < len(names) else ()
+    wrenches.torque.setflags(write=False)
+    return Reactions(
+        motion=motion,
+        engine="pinocchio" if plane is None else "plane",
+        driving_torque=wrenches.torque.T if several else wrenches.torque[0],
+        bearing_force=ByBearing(kept, wrenches.force, left_out),
+        bearing_moment=ByBearing(kept, wrenches.moment, left_out),
+        friction_power=ByBearing(names, wrenches.friction),
+        left_out=left_out,
+        _wrenches=wrenches,
+        _press=press,
+        _under=under,
+    )
+
+
+class _Under(NamedTuple):
+    """What acts on the linkage: loads, the friction of its bearings, their compliances; whether the torques of gear pairs are wanted."""
+
+    loads: list[AppliedForce]
+    law: FrictionLaw | None
+    compliance: Array | None
+    gears: bool
+
+
+def _refuse_change_points(press: Linkage, motion: Motion) -> None:
+    """Raise where a run's state is at a change point: rigid links carry forces there that grow without bounds on the way."""
+    if len(press.drivers) > 1 or _between_locks(press, motion) or not press.passage.change_points:
+        return
+    at = change_points.met(press.passage.change_points, press.passage.period, motion.crank_angle)
+    if at is not None:
+        angle = float(motion.crank_angle[at])
+        raise SingularityError(
+            f"bearing forces have no value at the change point of {motion.linkage}, where they grow without bounds: leave this state out",
+            angle,
+            0.0,
+        )
+
+
+def _between_locks(press: Linkage, motion: Motion) -> bool:
+    """Whether a motion stays where the linkage was followed without a change point, and clear of the ends: then none need be looked for,
+    which takes as long as following it did."""
+    angles, crank = press.branch.angles, motion.crank_angle
+    return bool(angles[0] + CLEAR < crank.min() and crank.max() < angles[-1] - CLEAR)
+
+
+def _wanted(press: Linkage, bearings: Collection[str] | None) -> Sequence[int]:
+    """Indices of bearings in `Linkage.bearings`, rising."""
+    if bearings is None:
+        return range(len(press.bearings))
+    if isinstance(bearings, str) or not isinstance(bearings, Collection):
+        raise PinpressError(
+            f"bearings is {shown(bearings)}: give a list of names, e.g. [{shown(press.bearings[0])}], or () for the driving torque alone"
+        )
+    for name in bearings:
+        if not isinstance(name, str) or name not in press.bearings:
+            raise UnknownNameError("bearing", name, press.bearings)
+    return [k for k, name in enumerate(press.bearings) if name in bearings]
+
+
+def _solved(press: Linkage, plane: Plane | None, motion: Motion, under: _Under, wanted: Sequence[int]) -> Wrenches:
+    """Torques, and the wrenches of wanted bearings, by the engine that goes with ``plane``, or its absence."""
+    bodies = None if plane is None else press.bodies
+    if plane is not None and bodies is not None:
+        at = _basis(press, plane, motion)
+        found = plane_dynamics.inverse_dynamics(plane, bodies, at, motion.v.T, motion.a.T, *under, motion.crank_angle, wanted)
+    else:
+        found = spatial_dynamics.inverse_dynamics(press.spatial, motion.joint_position.T, motion.v.T, motion.a.T, *under, wanted)
+    _refuse_not_finite(motion, found)
+    return found
+
+
+def _basis(press: Linkage, plane: Plane, motion: Motion) -> ComplexArray:
+    at = motion.basis(press)
+    return plane_dynamics.closed_basis(plane, motion.joint_position.T) if at is None else at
+
+
+def _refuse_not_finite(motion: Motion, wrenches: Wrenches) -> None:
+    """Raise where anything is not finite. A sum is not where a term is not, and costs a pass less than looking at each."""
+    total = 0.0
+    if len(wrenches.force):
+        total += wrenches.force.sum() + wrenches.moment.sum()
+    if len(wrenches.force) < len(wrenches.friction):  # else the torques are among the moments
+        total += wrenches.torque.sum() + wrenches.coupling.sum()
+    if math.isfinite(total):
+        return
+    arrays = {
+        "driving torque": wrenches.torque,
+        "torque of a gear pair": wrenches.coupling,
+        "bearing force": wrenches.force,
+        "bearing moment": wrenches.moment,
+    }
+    for name, array in arrays.items():
+        if not np.isfinite(array).all():
+            states = np.moveaxis(array, 1, 0)
+            at = int(np.argmin(np.isfinite(states.reshape(len(states), -1)).all(axis=1)))
+            angle = np.degrees(np.ravel(motion.crank_angle[at])[0])
+            raise PinpressError(
+                f"the {name} of {motion.linkage} is not finite at crank angle {angle:.6g} deg:"
+                " the motion or a load is too large for floating point"
+            )

@@ -1,0 +1,231 @@
+"""Snap-through after break-through in blanking: the press, loaded and sprung, is let go and swings through into reverse load.
+
+The slide, of effective mass m, hangs on the spring k of the press with the damping ratio zeta. Its displacement x counts along the guide's
+axis (upwards) from where it would be without force. A force F on the slide holds it at F / k; as the blank breaks it falls linearly to
+zero within a break-through time tau, or at once. Then m x'' + c x' + k x = F(t), x(0) = F / k, x'(0) = 0, c = 2 zeta sqrt(k m). While x < 0
+the linkage is pulled: k |x| is its reverse load, and |x| the overshoot of the slide, by which the punch goes too deep. The slide's weight
+is taken for balanced, the crank for held, its travel within the snap for small.
+
+With a clearance g in the bearings the spring is in touch for x > 0 and for x < -g; between them the slide flies freely, and is damped no
+more. Every stretch is solved in closed form; where it ends is found to rounding.
+
+Closed forms, without clearance: at once, reverse load F exp(-zeta pi / sqrt(1 - zeta^2)); within tau, undamped,
+F |sin(w tau / 2) / (w tau / 2)|, w = sqrt(k / m) (a linear drop of force on a linear oscillator; any textbook of vibrations).
+"""
+
+import math
+import os
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ..common import tables
+from ..common.arrays import Array
+from ..common.checks import number, numbers, positive
+from ..common.errors import PinpressError
+from ..common.frozen import Frozen
+from .snap_segments import STEPS, Release, Stretch, stretches, turning
+
+WEAKEST = 1e-6  # ratio of reverse load and force, below which no force counts as permitted
+GROWTH = 1.05  # of the force, in the search for one with clearance
+AT_ONCE = 1e-9  # w tau: the reverse load differs by (w tau)^2 / 24
+NO_CLEARANCE = 1e-13  # of the deflection F / k
+LONGEST = 1e3  # periods that a break-through may take
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class SnapThrough(Frozen):
+    """Response of the slide and the sprung press to break-through. All arrays are read-only.
+
+    Attributes:
+        force: F [N]. stiffness: k [N/m]. mass: m [kg]. damping_ratio: zeta. break_time: tau [s]. clearance: g [m].
+        energy: F^2 / (2 k), elastic energy stored at break-through [J].
+        reverse_force: largest pull of the spring k |x| [N]. overshoot: of the slide beyond its unloaded position, clearance included [m].
+        peak_acceleration: largest magnitude [m/s2].
+        frequency: of the vibration after it, w sqrt(1 - zeta^2) [rad/s]; without the flights through a clearance, which slow it.
+        time, displacement, velocity: (n,) [s, m, m/s], x and x', in unequal steps, closest where stretches meet.
+        spring_force: (n,) of the spring on the linkage, positive where it is pressed [N].
+    """
+
+    force: float
+    stiffness: float
+    mass: float
+    damping_ratio: float
+    break_time: float
+    clearance: float
+    energy: float
+    reverse_force: float
+    overshoot: float
+    peak_acceleration: float
+    frequency: float
+    time: Array
+    displacement: Array
+    velocity: Array
+    spring_force: Array
+
+    @property
+    def reverse_ratio(self) -> float:
+        """Reverse load beside the force at break-through [-]."""
+        return self.reverse_force / self.force
+
+    def __repr__(self) -> str:
+        return f"<SnapThrough: reverse load {self.reverse_force:.4g} N after {self.force:.4g} N>"
+
+    def __str__(self) -> str:
+        return (
+            f"break-through at {1e-3 * self.force:.5g} kN: reverse load {1e-3 * self.reverse_force:.5g} kN"
+            f" ({100 * self.reverse_ratio:.4g} %), overshoot {1e3 * self.overshoot:.4g} mm, peak acceleration"
+            f" {self.peak_acceleration:.4g} m/s2, {self.frequency / (2 * np.pi):.4g} Hz after it, stored energy {self.energy:.4g} J"
+        )
+
+    def columns(self) -> dict[str, Array]:
+        """The response as (n,) columns under their names with units."""
+        return {
+            "time [s]": self.time,
+            "displacement [m]": self.displacement,
+            "velocity [m/s]": self.velocity,
+            "spring_force [N]": self.spring_force,
+        }
+
+    def to_csv(self, path: str | os.PathLike[str]) -> None:
+        """Write the columns, one instant a line, full precision, units in the header."""
+        tables.write_csv(path, self.columns())
+
+    def to_frame(self) -> "tables.DataFrame":
+        """The columns as a pandas DataFrame."""
+        return tables.frame(self.columns())
+
+
+def snap_through(
+    force: float, stiffness: float, mass: float, damping_ratio: float = 0.0, break_time: float = 0.0, clearance: float = 0.0
+) -> SnapThrough:
+    """Reverse load, overshoot and vibration of a press after break-through.
+
+    Args:
+        force: of blanking as the blank breaks through [N]. stiffness: of the press at that height, 1 / `Elasticity.compliance` [N/m].
+        mass: of the slide and what yields with it, with the upper die: `Elasticity.effective_mass` and the die's [kg].
+        damping_ratio: zeta, from 0 to below 1. break_time: in which the force falls to zero [s]. clearance: of the bearings in the line
+            of force, together [m].
+
+    Raises:
+        PinpressError: an argument out of range, a break-through longer than 1000 periods.
+    """
+    case = _case(force, stiffness, mass, damping_ratio, break_time, clearance)
+    parts = list(stretches(_resolved(case)))
+    lowest, overload = _lowest(parts), 0.0
+    time, displacement, velocity = [], [], []
+    for stretch, span in parts:
+        inside = np.linspace(0.0, span, STEPS + 1)
+        if span > 0.0:
+            time.append(stretch.start + inside[:-1])
+            states = stretch.at(inside[:-1])
+            displacement.append(states[0])
+            velocity.append(states[1])
+        overload = max([overload, *(abs(stretch.acceleration(s)) for s in (0.0, *stretch.jerk_zeros(span), span))])
+    last, span = parts[-1]
+    end = last.at(span)
+    x = np.append(np.concatenate(displacement), end[0])
+    arrays = [np.append(np.concatenate(time), last.start + span), x, np.append(np.concatenate(velocity), end[1]), _spring(case, x)]
+    for array in arrays:
+        array.setflags(write=False)
+    return SnapThrough(
+        *case,
+        energy=0.5 * case.force**2 / case.stiffness,
+        reverse_force=max(0.0, -case.stiffness * (lowest + case.clearance)),
+        overshoot=-lowest,
+        peak_acceleration=overload,
+        frequency=case.frequency * math.sqrt(1 - case.damping_ratio**2),
+        time=arrays[0],
+        displacement=arrays[1],
+        velocity=arrays[2],
+        spring_force=arrays[3],
+    )
+
+
+def permissible_breakthrough(
+    reverse_force: ArrayLike,
+    stiffness: ArrayLike,
+    mass: ArrayLike,
+    damping_ratio: float = 0.0,
+    break_time: float = 0.0,
+    clearance: float = 0.0,
+) -> Array:
+    """Force (n,) at break-through after which the reverse load is just what is permitted [N]; the least, where a clearance gives several
+    that are more than a twentieth apart.
+
+    Args:
+        reverse_force: permitted; builders often name 10 to 20 % of the nominal force [N]. stiffness, mass: of the press, over height:
+            1 / `Elasticity.compliance` and `Elasticity.effective_mass` with the upper die [N/m, kg]. (n,) each, or one number.
+        damping_ratio, break_time, clearance: as of `snap_through`.
+
+    Raises:
+        PinpressError: arrays of different lengths, an argument out of range, a break-through so slow that no force brings the reverse load
+            about.
+    """
+    asked = {"reverse_force": reverse_force, "stiffness": stiffness, "mass": mass}
+    try:
+        given = np.broadcast_arrays(*(np.atleast_1d(numbers(name, values)) for name, values in asked.items()))
+    except ValueError:
+        raise PinpressError("reverse_force, stiffness and mass are not numbers of one length: give (n,) or one number each") from None
+    if given[0].ndim != 1:
+        raise PinpressError(f"reverse_force, stiffness and mass have shape {given[0].shape} together: give (n,) or one number each")
+    shared = {"damping_ratio": damping_ratio, "break_time": break_time, "clearance": clearance}
+    more = [number(name, value) for name, value in shared.items()]
+    found = np.array([_permissible(float(r), float(k), float(m), *more) for r, k, m in zip(*given, strict=True)])
+    found.setflags(write=False)
+    return found
+
+
+def _permissible(reverse: float, stiffness: float, mass: float, damping_ratio: float, break_time: float, clearance: float) -> float:
+    positive("reverse_force", reverse, "N")
+    linear = snap_through(reverse, stiffness, mass, damping_ratio, break_time).reverse_ratio
+    if linear < WEAKEST:
+        raise PinpressError(
+            f"after a break-through of {break_time:g} s the reverse load is below 1e-6 of the force: it permits any force; shorten the time"
+        )
+    if clearance == 0.0:
+        return reverse / linear
+    from scipy.optimize import brentq
+
+    def excess(force: float) -> float:
+        case = _case(force, stiffness, mass, damping_ratio, break_time, clearance)
+        return max(0.0, -case.stiffness * (_lowest(stretches(_resolved(case), pressed=False)) + case.clearance)) - reverse
+
+    low = reverse / GROWTH  # without damping, and at once, the reverse load is the force; else it is less
+    while excess(high := GROWTH * low) < 0.0:
+        low = high
+        if low > reverse / WEAKEST:
+            raise PinpressError(f"no force brings about a reverse load of {reverse:g} N within a break-through of {break_time:g} s")
+    return float(brentq(excess, low, high, xtol=1e-12 * high, rtol=1e-14))
+
+
+def _lowest(parts: Iterable[tuple[Stretch, float]]) -> float:
+    """The lowest place of the slide in these stretches [m], 0 where it stays above."""
+    return min(0.0, *(float(stretch.at(s)[0]) for stretch, span in parts for s in (0.0, *turning(stretch, span), span)))
+
+
+def _case(force: float, stiffness: float, mass: float, damping_ratio: float, break_time: float, clearance: float) -> Release:
+    sizes = positive("force", force, "N"), positive("stiffness", stiffness, "N/m"), positive("mass", mass, "kg")
+    zeta, tau, gap = number("damping_ratio", damping_ratio), number("break_time", break_time), number("clearance", clearance)
+    if not 0.0 <= zeta < 1.0:
+        raise PinpressError(f"damping_ratio is {zeta:g}: give one from 0 to below 1, of structures 0.01 to 0.1")
+    for name, value in (("break_time", tau), ("clearance", gap)):
+        if value < 0.0:
+            raise PinpressError(f"{name} is {value:g}: it cannot be negative")
+    case = Release(*sizes, zeta, tau, gap)
+    if tau * case.frequency > 2 * np.pi * LONGEST:
+        raise PinpressError(f"break_time is {tau:g} s, more than 1000 periods of the press: nothing snaps through; give a shorter one")
+    return case
+
+
+def _resolved(case: Release) -> Release:
+    """The same, at once where the break-through is so short, or without clearance where it is so small, that only rounding could tell."""
+    at_once = case.break_time * case.frequency < AT_ONCE
+    none = case.clearance * case.stiffness < NO_CLEARANCE * case.force
+    return case._replace(break_time=0.0 if at_once else case.break_time, clearance=0.0 if none else case.clearance)
+
+
+def _spring(case: Release, x: Array) -> Array:
+    return case.stiffness * (np.maximum(x, 0.0) + np.minimum(x + case.clearance, 0.0))

@@ -1,0 +1,221 @@
+"""The springs of a press: which of its parts yield, and the internal force in each of them over a motion.
+
+Every part is a linear spring in series with the rigid linkage. Its internal force N is found by rigid inverse dynamics, so that all of this
+is of first order in the deflections. By virtual work a part with compliance c moves the slide by c N . n, where n is the internal force
+under a unit force on the slide (unit-load method); the sign of N cancels, as n has the same.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import NamedTuple
+
+import numpy as np
+import pinocchio as pin
+
+from ..common.arrays import Array
+from ..common.checks import positive
+from ..common.errors import PinpressError, UnknownNameError, shown
+from ..common.frozen import Frozen
+from ..dynamics.inverse_dynamics import Reactions
+from ..dynamics.shaking import on_frame
+from ..kinematics.motion import Motion
+from ..kinematics.poses import bearing_points, loaded_bodies, poses
+from ..linkage.linkage import Linkage
+
+SHAFT, FRAME = "shaft", "frame"  # names of these parts
+MEET = 1e-9  # of the linkage's size: two bearings that are closer have no line between them
+
+
+@dataclass(frozen=True)
+class Rod:
+    """A link, or an arm of one, that stretches along the line of two of its bearings.
+
+    Its force is the mean of what the two bearings pull along their line: exact for a rod whose mass is spread evenly about its middle. On a
+    link with more bearings it is an arm, which begins at the first of the two where the others meet it, and is loaded by the second alone.
+
+    Attributes:
+        link: its name.
+        between: names of two of its bearings.
+        stiffness: E A / l of what lies between them [N/m].
+    """
+
+    link: str
+    between: tuple[str, str]
+    stiffness: float
+
+    @property
+    def name(self) -> str:
+        """What the part is called in tables."""
+        return f"{self.link} {self.between[0]}-{self.between[1]}"
+
+
+@dataclass(frozen=True, eq=False)
+class Stiffness(Frozen):
+    """What yields in a press; all that is not named is rigid, gear pairs are. `stiffness` of `inverse_dynamics` means the same bearings.
+
+    Attributes:
+        bearings: radial stiffness of bearings [N/m], of guides that across them, by their names.
+        moments: stiffness of guides against turning, by their names [N m/rad]; moments are about the origin of the sliding link's joint
+            frame (`Reactions`).
+        rods: stretching links and arms.
+        shaft: torsional stiffness between the driver's crank and where the drive holds it [N m/rad]; None: rigid.
+        frame: stiffness of the columns, between the bearings in the crown, all on the frame, and the table [N/m]; None: rigid. The table
+            stands on the floor: what presses the crown down, weight and inertia forces, loads the columns too.
+    """
+
+    bearings: Mapping[str, float] = field(default_factory=dict)
+    moments: Mapping[str, float] = field(default_factory=dict)
+    rods: Sequence[Rod] = ()
+    shaft: float | None = None
+    frame: float | None = None
+
+
+class Part(NamedTuple):
+    """One spring: its name, its compliance [m/N, rad/(N m)], and how its internal force is read: what ("bearing", "moment", "rod", "shaft"
+    or "frame"), from which bearings with which weights, between which two."""
+
+    name: str
+    compliance: float
+    kind: str
+    bearings: tuple[tuple[int, float], ...] = ()
+    line: tuple[int, int] = (0, 0)
+
+
+def parts(press: Linkage, stiffness: Stiffness) -> tuple[Part, ...]:
+    """The springs of a press.
+
+    Raises:
+        UnknownNameError: a bearing or link that the linkage does not have.
+        PinpressError: several drivers, no slide, no spring, one that is not positive, a rod that is none.
+    """
+    if not isinstance(press, Linkage):
+        raise PinpressError(f"press is a {type(press).__name__}, no Linkage: give what load returns")
+    if not isinstance(stiffness, Stiffness):
+        raise PinpressError(f"stiffness is a {type(stiffness).__name__}: give a Stiffness(bearings={{...}}, rods=[...], ...)")
+    if len(press.drivers) > 1:
+        raise PinpressError(f"{press.name} has {len(press.drivers)} drivers: elastic deflection is that of a press with one, held fast")
+    _ = press.slide_guide  # it has a slide
+    found = [
+        Part(name, 1 / positive(f"stiffness of bearing {shown(name)}", value, "N/m"), "bearing", ((_bearing(press, name), 1.0),))
+        for name, value in _named("bearings", stiffness.bearings)
+    ]
+    for name, value in _named("moments", stiffness.moments):
+        there = _bearing(press, name)
+        if there >= len(press.joints) or press.spatial.axes[there].turns:
+            raise PinpressError(f"moments names {shown(name)}, which is no guide and holds no moment in the plane: leave it out")
+        compliance = 1 / positive(f"stiffness of guide {shown(name)} against turning", value, "N m/rad")
+        found.append(Part(f"{name} turning", compliance, "moment", ((there, 1.0),)))
+    if not isinstance(stiffness.rods, Sequence) or not all(isinstance(rod, Rod) for rod in stiffness.rods):
+        raise PinpressError(f"rods is {shown(stiffness.rods)}: give a list of Rod(link, (bearing, bearing), stiffness)")
+    found += [_rod(press, rod) for rod in stiffness.rods]
+    if stiffness.shaft is not None:
+        driver = press.bearings.index(press.driver)
+        found.append(Part(SHAFT, 1 / positive("stiffness of the shaft", stiffness.shaft, "N m/rad"), "shaft", ((driver, 1.0),)))
+    if stiffness.frame is not None:
+        found.append(Part(FRAME, 1 / positive("stiffness of the frame", stiffness.frame, "N/m"), "frame", tuple(_on_crown(press))))
+    if not found:
+        raise PinpressError(f"no part of {press.name} yields: give Stiffness the stiffness of at least one")
+    names = [part.name for part in found]
+    if len(set(names)) < len(names):
+        raise PinpressError(f"parts of one name, {', '.join(sorted({n for n in names if names.count(n) > 1}))}: give each once")
+    return tuple(found)
+
+
+def sharing(press: Linkage, springs: Sequence[Part]) -> dict[str, float]:
+    """`stiffness` for `inverse_dynamics`, by which bearings share what rigid mechanics leaves open: those that yield, each with half of the
+    compliance of the rods that end there. So the idle forces of rods side by side do no work on their total deflection."""
+    compliance = dict.fromkeys(range(len(press.bearings)), 0.0)
+    for part in springs:
+        for bearing, _ in part.bearings if part.kind in ("bearing", "rod") else ():
+            compliance[bearing] += part.compliance / len(part.bearings)
+    return {press.bearings[bearing]: 1 / value for bearing, value in compliance.items() if value}
+
+
+def internal_forces(press: Linkage, springs: Sequence[Part], motion: Motion, reactions: Reactions) -> list[Array]:
+    """The internal force of every part over a motion, (n, 3) of bearings, (n, 1) of the others [N, N m]. A rod's is positive where it is
+    pulled, the frame's where the columns are."""
+    lines = bearing_points(press, poses(press, motion.joint_position)) if any(part.kind == "rod" for part in springs) else np.empty(0)
+    across = _in_plane(press)
+    guide = press.slide_guide[0]
+    axis = press.model.jointPlacements[guide + 1].rotation @ press.spatial.axes[guide].direction
+    found = []
+    for part in springs:
+        if part.kind == "shaft":
+            found.append(reactions.driving_torque[:, None])
+        elif part.kind == "moment":
+            moment = reactions.bearing_moment[press.bearings[part.bearings[0][0]]]
+            found.append(moment if press.plane is None else (moment @ press.plane.normal)[:, None])
+        else:
+            force = sum((weight * reactions.bearing_force[press.bearings[k]] for k, weight in part.bearings), np.zeros(3))
+            if part.kind == "bearing":
+                found.append(_without_travel(press, motion, part.bearings[0][0], force @ across))
+            elif part.kind == "frame":
+                found.append((force @ axis)[:, None])
+            else:
+                found.append(_along(press, lines[part.line[1]] - lines[part.line[0]], force @ across, across, part.name))
+    return found
+
+
+def _along(press: Linkage, line: Array, force: Array, across: Array, name: str) -> Array:
+    line = line @ across
+    length = np.linalg.norm(line, axis=1)
+    if not length.min() > MEET * press.spatial.size:
+        raise PinpressError(f"rod {shown(name)}: its bearings meet, and it has no direction there; name two that stay apart")
+    return np.asarray((np.einsum("nk,nk->n", force, line) / length)[:, None])
+
+
+def _in_plane(press: Linkage) -> Array:
+    """(3, 3) projector on the plane of a planar press, whose forces across it rigid mechanics leaves open."""
+    return np.eye(3) if press.plane is None else np.asarray(press.plane.axes.T @ press.plane.axes)
+
+
+def _without_travel(press: Linkage, motion: Motion, bearing: int, force: Array) -> Array:
+    """The force (n, 3) without what a slide carries along its travel, where it is free."""
+    if bearing >= len(press.joints) or press.spatial.axes[bearing].turns:
+        return force
+    rotation = poses(press, motion.joint_position).rotation[bearing + 1]
+    along = rotation @ press.spatial.axes[bearing].direction
+    return np.asarray(force - np.einsum("nk,nk->n", force, along)[:, None] * along)
+
+
+def _rod(press: Linkage, rod: Rod) -> Part:
+    if rod.link not in press.links or rod.link == press.root:
+        raise UnknownNameError("moving link", rod.link, [link for link in press.links if link != press.root])
+    if not isinstance(rod.between, tuple | list) or len(rod.between) != 2 or rod.between[0] == rod.between[1]:
+        raise PinpressError(f"rod of {shown(rod.link)}: between is {shown(rod.between)}; give the names of two of its bearings")
+    body = press.model.frames[press.model.getFrameId(rod.link, pin.BODY)].parentJoint
+    signs = {}
+    for k, (acted_on, other) in enumerate(zip(loaded_bodies(press), _acting_bodies(press), strict=True)):
+        if body in (acted_on, other):
+            signs[k] = 1.0 if body == acted_on else -1.0
+    one, another = (_bearing(press, name) for name in rod.between)
+    for k in (one, another):
+        if k not in signs:
+            names = ", ".join(press.bearings[i] for i in signs)
+            raise PinpressError(f"rod of {shown(rod.link)}: bearing {shown(press.bearings[k])} is not on that link; there are: {names}")
+    compliance = 1 / positive(f"stiffness of rod {shown(rod.name)}", rod.stiffness, "N/m")
+    loads = ((one, -0.5 * signs[one]), (another, 0.5 * signs[another])) if len(signs) == 2 else ((another, signs[another]),)
+    return Part(rod.name, compliance, "rod", loads, (one, another))
+
+
+def _acting_bodies(press: Linkage) -> tuple[int, ...]:
+    """Parents of joints, link1 of loops."""
+    return (*map(int, list(press.model.parents)[1:]), *(loop.joint1 for loop in press.loops))
+
+
+def _on_crown(press: Linkage) -> list[tuple[int, float]]:
+    """Bearings on the frame, and the sign of their forces' action on it."""
+    count = len(press.joints)
+    return [(k, 1.0 if k >= count and press.loops[k - count].joint2 == 0 else -1.0) for k in on_frame(press)]
+
+
+def _bearing(press: Linkage, name: str) -> int:
+    if name not in press.bearings:
+        raise UnknownNameError("bearing", name, press.bearings)
+    return press.bearings.index(name)
+
+
+def _named(what: str, given: object) -> list[tuple[str, float]]:
+    if not isinstance(given, Mapping):
+        raise PinpressError(f"{what} is {shown(given)}: give a mapping, name of a bearing: stiffness")
+    return list(given.items())

@@ -1,0 +1,60 @@
+"""What either engine takes and returns, as arrays: forces on the links; efforts of drives, gear pairs and friction; the force and moment in
+every joint and loop."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..common.arrays import Array
+
+
+@dataclass(frozen=True)
+class AppliedForce:
+    """A load worked out for one motion: on the body of Pinocchio joint ``joint`` (0: the frame), ``point`` (3,) in that joint's
+    frame [m], ``force`` (n, 3) in world axes [N]."""
+
+    joint: int
+    point: Array
+    force: Array
+
+    def part(self, points: slice) -> "AppliedForce":
+        """The same over a part of the motion."""
+        return AppliedForce(self.joint, self.point, self.force[points])
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Wrenches:
+    """Joints in Pinocchio's order, then loops as declared; all in world axes, parent on child (link1 on link2), at the joint. Forces and
+    moments are of the bearings that were wanted, in the same order.
+
+    Attributes:
+        torque: (drivers, n) on the driver joints, positive along their axes [N m].
+        coupling: (couplings, n) torque on the follower of each, positive along its axis [N m, or N where it slides].
+        friction: (bearings, n) power lost in each [W].
+        force: (wanted bearings, n, 3) [N].
+        moment: (wanted bearings, n, 3) about the origin of the child's joint frame [N m], of a loop about its point; along the axis in
+            which a joint is free it is the effort of drive, gear pairs and friction.
+    """
+
+    torque: Array
+    coupling: Array
+    friction: Array
+    force: Array
+    moment: Array
+
+    @staticmethod
+    def zeros(drivers: int, couplings: int, bearings: int, n: int, wanted: int) -> "Wrenches":
+        """To be filled in; counts of each, ``wanted`` of the bearings."""
+        return Wrenches(
+            torque=np.zeros((drivers, n)),
+            coupling=np.zeros((couplings, n)),
+            friction=np.zeros((bearings, n)),
+            force=np.zeros((wanted, n, 3)),
+            moment=np.zeros((wanted, n, 3)),
+        )
+
+    def part(self, points: slice) -> "Wrenches":
+        """Views of a part of the motion."""
+        return Wrenches(
+            self.torque[:, points], self.coupling[:, points], self.friction[:, points], self.force[:, points], self.moment[:, points]
+        )

@@ -1,0 +1,1 @@
+"""The batched engine for planar linkages."""

@@ -1,0 +1,340 @@
+"""Inverse dynamics of a planar linkage at all crank angles at once.
+
+Newton-Euler from the tips of the tree to the frame, the loops open; then the forces of loops and gear pairs (`plane_statics`); then every
+joint's force and moment. A lever arm r and a force f, both complex, make the moment Im(conj(r) f) about the normal. What acts out of the
+plane is computed in `plane_axial`, and only where there is something.
+
+Signs: forces and moments of a joint are the action of parent on child, of a loop the action of link1 on link2.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import NamedTuple
+
+import numpy as np
+import pinocchio as pin
+
+from ...common.arrays import Array, ComplexArray
+from ...common.errors import AssemblyError
+from ..constant_rows import Matrix, compressed, product, stacked, weighted, with_column
+from ..forces import AppliedForce, Wrenches
+from ..friction import FrictionLaw
+from . import out_of_plane as plane_axial
+from . import statics as plane_statics
+from . import torque_only as plane_torque
+from . import vectors as plane_vectors
+from .kinematics import basis, basis_acceleration, gaps
+from .model import Plane, flat
+
+PIECE = 2048  # crank angles worked through at a time: what is in flight stays in the cache
+ROUNDING = 1e-13  # relative size below which an offset from the plane is rounding
+LOOSEST = 1e-6  # gap, in lengths of the linkage, beyond which a motion is another linkage's
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Bodies:
+    """Inertial constants of a planar linkage, and the rows that give forces and arms from the basis.
+
+    Attributes:
+        axial_weight: (nv,) m g along the normal [N].
+        inertia: (nv, nv) d/dt of the angular momentum about every centre of mass from joint accelerations.
+        products: (nv,) products of inertia with the normal, I_1n + i I_2n, in the drawn pose [kg m2].
+        uncrossed: (nv, nl) minus `Plane.crossed`, what the joints are relieved of by the loop forces.
+        forces: (2 nv, nb) on the second derivative of the basis: inertia force m a less weight of every body, then of all that hang on a
+            joint. The first column is the weight; the basis' own first row does not move, so 1 is put there.
+        reduced: (nb - 1, nb) on the same: work of all inertia forces less weights on every function of the basis but the first.
+        spins: (nv, nv) joint accelerations to the effort of the links' inertia against turning in every joint.
+        arms: on the basis: centres of mass from their joints; `Plane.closure`, its columns times i, alone in ``closure``;
+            ``inner`` joints from their parents; directions of the prismatic joints; ``guided`` loops from the joint.
+        inner: joints whose parent is not the frame, tips first.
+        guided: (prismatic joint, loop) pairs: the loop's force turns the joint's link.
+        geared: joints that turn and are coupled.
+        flat: everything moves and acts in one plane.
+    """
+
+    plane: Plane
+    axial_weight: Array
+    inertia: Matrix
+    products: ComplexArray
+    uncrossed: Matrix
+    forces: Matrix
+    reduced: Matrix
+    spins: Matrix
+    arms: Matrix
+    closure: Matrix
+    inner: tuple[int, ...]
+    guided: tuple[tuple[int, int], ...]
+    geared: frozenset[int]
+    flat: bool
+
+    @cached_property
+    def spread_force(self) -> plane_axial.Spread:
+        """How bearings share forces along the normal, without compliances."""
+        return plane_axial.spread_forces(self.plane, None)
+
+    @cached_property
+    def spread_moment(self) -> plane_axial.Spread:
+        """How they share tilting moments."""
+        return plane_axial.spread_moments(self.plane)
+
+
+def build(plane: Plane, model: pin.Model) -> Bodies:
+    """Inertial constants of a linkage, read once from the Pinocchio model."""
+    count, loops = model.nv, len(plane.loop_heights)
+    inertias = [model.inertias[j + 1] for j in range(count)]
+    gravity = model.gravity.linear
+    mass = np.array([y.mass for y in inertias])
+    tensors = np.array([f @ y.inertia @ f.T for f, y in zip(plane.frames, inertias, strict=True)])
+    products = tensors[:, 0, 2] + 1j * tensors[:, 1, 2]
+    products[np.abs(products) <= ROUNDING * np.abs(tensors).max(axis=(1, 2))] = 0.0
+    axial_weight = mass * float(gravity @ plane.normal)
+    centers = plane.origins + plane.centers
+    body_forces = with_column(weighted(centers, mass), 0, -mass * complex(*(plane.axes @ gravity)))
+    inner = tuple(j for j in reversed(range(count)) if plane.parents[j] >= 0)
+    guided = tuple((j, k) for j in plane.prismatic for k in plane.round_loops[j])
+    arms = stacked(
+        [
+            plane.centers,
+            plane.closure[:loops],
+            1j * plane.closure[loops:],
+            plane.origins[list(inner)] - plane.origins[[plane.parents[j] for j in inner]],
+            plane.directions,
+            plane.loop_points[[k for _, k in guided]] - plane.origins[[j for j, _ in guided]],
+        ]
+    )
+    heights = np.concatenate([plane.heights, plane.center_heights, plane.loop_heights])
+    inertia = weighted(plane.spin, tensors[:, 2, 2])
+    return Bodies(
+        plane=plane,
+        axial_weight=axial_weight,
+        inertia=inertia,
+        products=products,
+        uncrossed=-plane.crossed.astype(complex),
+        forces=stacked([body_forces, compressed(plane.carried @ body_forces)]),
+        reduced=compressed(centers.conj().T)[1:] @ body_forces,
+        spins=compressed(plane.spin.T @ inertia),
+        arms=arms,
+        closure=arms[count : count + plane.closure.shape[0]],
+        inner=inner,
+        guided=guided,
+        geared=frozenset(j for gear in plane.gears for j in gear if plane.sense[j]),
+        flat=bool(
+            np.all(np.ptp(heights) <= ROUNDING * np.abs(plane.origins).max())
+            and not products.any()
+            and np.all(np.abs(axial_weight) <= ROUNDING * mass * np.linalg.norm(gravity))
+        ),
+    )
+
+
+def inverse_dynamics(
+    plane: Plane,
+    bodies: Bodies,
+    at: ComplexArray,
+    v: Array,
+    a: Array,
+    loads: Sequence[AppliedForce],
+    law: FrictionLaw | None,
+    compliance: Array | None,
+    gears: bool,
+    angle: Array,
+    wanted: Sequence[int],
+) -> Wrenches:
+    """Driving torque and the wrenches of joints and loops.
+
+    Args:
+        at: (nb, n) basis of the closed configurations.
+        v, a: (nv, n) joint rates and accelerations.
+        loads: forces on links. law: friction of the bearings. compliance: (bearings,) of the bearings [m/N].
+        gears: whether the torques of gear pairs are wanted; if not, they are one of several that balance.
+        angle: (n,) crank angles.
+        wanted: the bearings whose wrenches are wanted, rising. Friction, and what is shared, needs all of them first.
+    """
+    n = v.shape[1]
+    result = Wrenches.zeros(1, len(plane.offsets), len(plane.parents) + len(plane.loop_heights), n, len(wanted))
+    some = len(wanted) < len(result.friction)
+    few = some and law is None and plane_torque.suffices(plane, wanted, gears)
+    speeds = None if law is None else law.moving(np.concatenate([v, plane.crossed.T @ (plane.sense[:, None] * v)]))
+    for start in range(0, n, PIECE):
+        s = slice(None) if n <= PIECE else slice(start, start + PIECE)
+        rubbing = None if law is None or speeds is None else Rubbing(law, speeds[:, s], angle[s])
+        part = [load.part(s) for load in loads]
+        if few and not (wanted and _across(plane, bodies, part)):
+            plane_torque.fill(plane, bodies, at[:, s], v[:, s], a[:, s], part, wanted, result.part(s))
+        else:
+            _piece(plane, bodies, at[:, s], v[:, s], a[:, s], part, rubbing, compliance, wanted, result.part(s))
+    return result
+
+
+class Rubbing(NamedTuple):
+    """Friction of a piece: the law, the speeds (bearings, n) and the crank angles (n,)."""
+
+    law: FrictionLaw
+    speeds: Array
+    angle: Array
+
+
+def closed_basis(plane: Plane, position: Array) -> ComplexArray:
+    """The basis (nb, n) of joint coordinates (nv, n).
+
+    Raises:
+        AssemblyError: they do not close the loops of this linkage.
+    """
+    at = basis(plane, position)
+    widest = gaps(plane, position, at)
+    if not widest.max() <= LOOSEST * plane.size:
+        worst = int(widest.argmax())
+        angle = float(position[plane.driver, worst])
+        raise AssemblyError("the motion leaves the loops of this linkage open: it is another one's", angle, float(widest[worst]), 0)
+    return at
+
+
+class OpenTree(NamedTuple):
+    """The tree with all loops open, at n configurations.
+
+    Attributes:
+        own: (nv, n) inertia force less weight of every body. carried: of all that hang on a joint, loads taken off.
+        centers: (nv, n) arms of the centres of mass from their joints. closure: `plane_statics.Statics.closure`.
+        passive: (nv, n) efforts that the joints would have to transmit.
+        turning: for every prismatic joint the moment (n,) that it would have to transmit about the normal.
+        guided: arms (n,) of the ``guided`` loops of `Bodies`.
+    """
+
+    own: ComplexArray
+    carried: ComplexArray
+    centers: ComplexArray
+    closure: ComplexArray
+    passive: Array
+    turning: dict[int, Array]
+    guided: ComplexArray
+
+
+def _piece(
+    plane: Plane,
+    bodies: Bodies,
+    at: ComplexArray,
+    v: Array,
+    a: Array,
+    loads: Sequence[AppliedForce],
+    rubbing: Rubbing | None,
+    compliance: Array | None,
+    wanted: Sequence[int],
+    result: Wrenches,
+) -> None:
+    """Fill in the result of a piece of the motion."""
+    tree = _open_tree(plane, bodies, at, v, a, loads)
+    across = plane_axial.forces(plane, bodies, loads, compliance, v.shape[1]) if _across(plane, bodies, loads) else None
+    statics = plane_statics.build(plane, tree.closure, tree.carried, bodies.uncrossed, at, compliance)
+    efforts, passive = None, tree.passive
+    if rubbing is not None:
+        efforts = _friction(plane, statics, rubbing, passive, at, across)
+        result.friction[:] = -efforts * rubbing.speeds
+        passive -= _resisted(plane, efforts)
+    count, gears = len(plane.parents), result.coupling
+    bearings = np.empty((count + len(plane.loop_heights), v.shape[1]), complex)
+    plane_statics.balance(statics, passive, gears, bearings)
+    result.torque[0] = passive[plane.driver]
+    if wanted:
+        plane_vectors.put(plane, bearings if len(wanted) == len(bearings) else bearings[list(wanted)], result.force)
+        places = {bearing: place for place, bearing in enumerate(wanted)}
+        for bearing, moment in _about_normal(plane, bodies, tree, bearings[count:], passive[plane.driver], gears, efforts).items():
+            if bearing in places:
+                plane_vectors.put_normal(plane, moment, result.moment[places[bearing]])
+        if across is not None:
+            plane_axial.add(plane, bodies, at, v, a, tree, bearings[count:], loads, across, wanted, result)
+    plane_statics.torques(plane, gears)
+
+
+def _across(plane: Plane, bodies: Bodies, loads: Sequence[AppliedForce]) -> bool:
+    """Whether anything acts out of the plane."""
+    return not (bodies.flat and all(plane_axial.is_flat(plane, load) for load in loads))
+
+
+def _open_tree(plane: Plane, bodies: Bodies, at: ComplexArray, v: Array, a: Array, loads: Sequence[AppliedForce]) -> OpenTree:
+    """Newton's and Euler's equations from the tips to the frame."""
+    count = len(plane.parents)
+    second = basis_acceleration(plane, at, v, a)
+    second[0] = 1.0
+    forces = product(bodies.forces, second)
+    own, carried = forces[:count], forces[count:]
+    arms = product(bodies.arms, at)
+    closure, row = arms[count : count + plane.closure.shape[0]], count + plane.closure.shape[0]
+
+    moment = (arms[:count].conj() * own).imag
+    moment += bodies.inertia @ a
+    for load in loads:
+        if load.joint:
+            _take_load(plane, at, carried, moment, load)
+    for j in bodies.inner:
+        moment[plane.parents[j]] += moment[j] + (arms[row].conj() * carried[j]).imag
+        row += 1
+    turning = {j: moment[j].copy() for j in plane.prismatic}
+    passive = moment  # from here on: efforts
+    for j in plane.prismatic:
+        passive[j] = (arms[row].conj() * carried[j]).real
+        row += 1
+    for j in plane.revolute:
+        if plane.sense[j] < 0:
+            np.negative(passive[j], out=passive[j])
+    return OpenTree(own, carried, arms[:count], closure, passive, turning, arms[row:])
+
+
+def _about_normal(
+    plane: Plane, bodies: Bodies, tree: OpenTree, pins: ComplexArray, torque: Array, gears: Array, efforts: Array | None
+) -> dict[int, Array]:
+    """Moments (n,) about the normal of the bearings that transmit one: guides, the driver, geared joints, all that have friction.
+
+    ``torque`` (n,) of the driver; ``gears`` (nc, n) multipliers of the couplings; ``efforts`` (bearings, n) of friction.
+    """
+    moments = tree.turning
+    for (j, k), arm in zip(bodies.guided, tree.guided, strict=True):
+        moments[j] -= plane.round_loops[j][k] * (arm.conj() * pins[k]).imag
+    moments[plane.driver] = plane.sense[plane.driver] * torque
+    if bodies.geared:
+        meshed = plane.coupled.T @ gears
+        for j in bodies.geared:
+            moments[j] = moments.get(j, 0.0) + plane.sense[j] * meshed[j]
+    if efforts is not None:
+        count = len(plane.parents)
+        of_loops = plane.crossed @ efforts[count:]
+        for j in range(count):
+            rubbing = plane.sense[j] * efforts[j] if plane.sense[j] else -of_loops[j]
+            moments[j] = moments.get(j, 0.0) + rubbing
+        moments |= dict(enumerate(efforts[count:], count))
+    return moments
+
+
+def _take_load(plane: Plane, at: ComplexArray, carried: ComplexArray, moment: Array, load: AppliedForce) -> None:
+    """Relieve the joints that carry the loaded link; its own joint of the moment too, the others get theirs in the recursion."""
+    joint = load.joint - 1
+    force = flat(plane, load.force)
+    arm = complex(*(plane.frames[joint] @ load.point)[:2]) * at[plane.rotor(joint)]
+    moment[joint] -= (arm.conj() * force).imag
+    carried[plane.carriers(joint)] -= force
+
+
+def _friction(
+    plane: Plane, statics: plane_statics.Statics, rubbing: Rubbing, passive: Array, at: ComplexArray, across: Array | None
+) -> Array:
+    """Efforts (bearings, n) of friction: of joints along their axes, of loops about the normal."""
+    count = len(plane.parents)
+    bearings = np.empty((count + len(plane.loop_heights), passive.shape[1]), complex)
+    gears = np.zeros((len(plane.offsets), passive.shape[1]))
+    slides = product(plane.directions, at).conj()
+
+    def radial(efforts: Array) -> Array:
+        plane_statics.balance(statics, passive - _resisted(plane, efforts), gears, bearings)
+        sizes = np.abs(bearings)
+        for joint, direction in zip(plane.prismatic, slides, strict=True):
+            sizes[joint] = np.abs((direction * bearings[joint]).imag)
+            if across is not None:
+                sizes[joint] = np.hypot(sizes[joint], across[joint])
+        return sizes
+
+    return rubbing.law.efforts(rubbing.speeds, radial, rubbing.angle)
+
+
+def _resisted(plane: Plane, efforts: Array) -> Array:
+    """What friction (bearings, n) takes over of the efforts (nv, n) of the joints."""
+    count = len(plane.parents)
+    return np.asarray(efforts[:count] + plane.sense[:, None] * (plane.crossed @ efforts[count:]))

@@ -1,0 +1,258 @@
+"""Closing a planar linkage at all crank angles at once, with the exact influence coefficients of every joint.
+
+A loop's gap and the columns of its Jacobian are rows of one matrix product with the basis (see `plane`). Blocks are solved in the order in
+which they depend on each other; a dyad's 2x2 system a x + b y = c, complex a, b, c and real x, y, has the closed solution
+
+    x = -Im(conj(b) c) / D,   y = Im(conj(a) c) / D,   D = Im(conj(a) b)
+
+Where there are more equations than joints (a second rod to the same slide) their least-squares solution is the solution: the equations that
+say nothing new agree with the others, or the gap shows that they do not.
+"""
+
+from collections.abc import Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ...common.arrays import Array, ComplexArray
+from ..closure import Closure
+from ..constant_rows import product
+from ..load_sharing import RANK
+from .blocks import Block
+from .model import Plane, in_space
+
+MOST_NEWTON_STEPS = 12
+NO_SLIPS = np.empty((0, 1))
+
+
+def close(plane: Plane, angle: Array, guess: Array, with_margins: bool = False) -> Closure:
+    """Close all loops at crank angles (n,) by Newton's method from guesses (nv, n), to rounding.
+
+    Where it fails, the gap of that configuration is large or not finite: the caller judges.
+    """
+    x = guess.copy()
+    x[plane.driver] = angle
+    count = len(plane.loop_heights)
+    worst, steps = np.inf, 0
+    with np.errstate(all="ignore"):  # a failed closure shows in its gap
+        while True:
+            at = basis(plane, x)
+            rows = product(plane.closure, at)
+            gaps = rows[:count]
+            gap = np.sqrt((gaps.real**2 + gaps.imag**2).max(axis=0, initial=0.0))
+            slips = plane.coupled @ x - plane.offsets[:, None] if len(plane.offsets) else NO_SLIPS
+            if len(slips):
+                gap = np.maximum(gap, np.abs(slips).max(axis=0))
+            before, worst = worst, float(gap.max())
+            # Rounding can leave a gap slightly above the tolerance: stop where another step no longer halves it.
+            stalled = worst > 0.5 * before and worst < 1e3 * plane.tolerance
+            if worst <= plane.tolerance or stalled or steps == MOST_NEWTON_STEPS or not np.isfinite(worst):
+                break
+            step = np.zeros_like(x)
+            solve(plane, rows, factored(plane, rows), [*-gaps, *-slips], step)
+            x += step
+            steps += 1
+        factors = factored(plane, rows)
+        first = np.empty_like(x)
+        first[plane.driver] = 1.0
+        driven = [None if row is None else -rows[row] for row in plane.driven]
+        driven += [np.full(len(angle), -gear.get(plane.driver, 0.0)) for gear in plane.gears]
+        solve(plane, rows, factors, driven, first)
+        second = np.empty_like(x)
+        second[plane.driver] = 0.0
+        curvature = basis_acceleration(plane, at, first, None)
+        solve(plane, rows, factors, [*-product(plane.closure[:count], curvature), *[None] * len(slips)], second)
+        margins = _margins(plane, rows) if with_margins else None
+    return Closure(x, first, second, gap, worst, steps, margins, at)
+
+
+def moves(plane: Plane, drawn: Closure) -> bool:
+    """Whether the driver moves a closed linkage with as many equations as its joints need, or with more that agree."""
+    if not plane.redundant:
+        return True
+    rate = basis_velocity(plane, basis(plane, drawn.position), drawn.first)
+    opened = product(plane.closure[: len(plane.loop_heights)], rate), plane.coupled @ drawn.first
+    return all(np.abs(each).max(initial=0.0) <= RANK * plane.size for each in opened)
+
+
+def basis(plane: Plane, x: Array) -> ComplexArray:
+    """The basis (nb, n) of joint coordinates (nv, n)."""
+    turning = len(plane.revolute)
+    at = np.empty((1 + len(x), x.shape[1]), complex)
+    at[0] = 1.0
+    absolute = plane.turn @ x
+    np.cos(absolute, out=at.real[1 : 1 + turning])
+    np.sin(absolute, out=at.imag[1 : 1 + turning])
+    for row, (joint, rotor) in enumerate(zip(plane.prismatic, plane.guide_rotors, strict=True), 1 + turning):
+        at[row] = x[joint] * at[rotor] if rotor else x[joint]
+    return at
+
+
+def openings(plane: Plane, x: Array) -> Array:
+    """Distances (nl, 3) of the two sides of the loops at joint coordinates (nv,), point 2 less point 1 in world axes [m]."""
+    return in_space(plane, product(plane.closure[: len(plane.loop_heights)], basis(plane, x[:, None]))[:, 0])
+
+
+def gaps(plane: Plane, x: Array, at: ComplexArray) -> Array:
+    """Largest distance (n,) between the two sides of a loop at joint coordinates (nv, n) with their basis [m], slips of couplings too."""
+    widest: Array = np.abs(product(plane.closure[: len(plane.loop_heights)], at)).max(axis=0, initial=0.0)
+    return np.asarray(np.maximum(widest, np.abs(plane.coupled @ x - plane.offsets[:, None]).max(axis=0, initial=0.0)))
+
+
+def basis_velocity(plane: Plane, at: ComplexArray, v: Array) -> ComplexArray:
+    """First time derivative of the basis at joint rates (nv, n)."""
+    turning = len(plane.revolute)
+    rate = np.empty_like(at)
+    rate[0] = 0.0
+    spin = plane.turn @ v
+    np.multiply(at[1 : 1 + turning], 1j * spin, out=rate[1 : 1 + turning])
+    for row, (joint, rotor) in enumerate(zip(plane.prismatic, plane.guide_rotors, strict=True), 1 + turning):
+        rate[row] = v[joint] * at[rotor] + 1j * spin[rotor - 1] * at[row] if rotor else v[joint]
+    return rate
+
+
+def basis_acceleration(plane: Plane, at: ComplexArray, v: Array, a: Array | None) -> ComplexArray:
+    """Second time derivative of the basis at joint rates and accelerations (nv, n); ``a`` None: the centripetal and Coriolis part alone."""
+    turning = len(plane.revolute)
+    result = np.empty_like(at)
+    result[0] = 0.0
+    spin = plane.turn @ v
+    factor: Array | ComplexArray = spin * -spin
+    if a is not None:
+        inward, factor = factor, np.empty(spin.shape, complex)
+        factor.real, factor.imag = inward, plane.turn @ a
+    np.multiply(at[1 : 1 + turning], factor, out=result[1 : 1 + turning])
+    for row, (joint, rotor) in enumerate(zip(plane.prismatic, plane.guide_rotors, strict=True), 1 + turning):
+        along = 0.0 if a is None else a[joint]
+        if rotor:
+            result[row] = (along + 2j * spin[rotor - 1] * v[joint]) * at[rotor] + factor[rotor - 1] * at[row]
+        else:
+            result[row] = along
+    return result
+
+
+class Dyad(NamedTuple):
+    """conj(a) / D and -conj(b) / D of a 2x2 block; their products with c have y and x as imaginary parts."""
+
+    a: ComplexArray
+    b: ComplexArray
+
+
+def dyad_columns(block: Block, rows: ComplexArray) -> tuple[ComplexArray, ComplexArray]:
+    """The two columns (n,) of a 2x2 block's joints."""
+    (_, a), (_, b) = block.own[0]
+    return rows[a], rows[b]
+
+
+def block_matrix(plane: Plane, block: Block, rows: ComplexArray) -> Array:
+    """Jacobian (n, equations, joints) of a block: real and imaginary part of every loop, then the couplings."""
+    loops = 2 * len(block.loops)
+    matrix = np.zeros((rows.shape[1], loops + len(block.couplings), len(block.joints)))
+    for k, columns in enumerate(block.own):
+        for joint, row in columns:
+            j = block.joints.index(joint)
+            matrix[:, 2 * k, j], matrix[:, 2 * k + 1, j] = rows[row].real, rows[row].imag
+    for row, k in enumerate(block.couplings, loops):
+        matrix[:, row] = [plane.gears[k].get(joint, 0.0) for joint in block.joints]
+    return matrix
+
+
+Factor = Any  # see `factored`
+
+
+def factored(plane: Plane, rows: ComplexArray) -> list[Factor]:
+    """Per block: a dyad's; conj(a) / |a|^2 of a lever; a coupling's coefficient; the matrix of a dense block."""
+    result: list[Factor] = []
+    for block in plane.blocks:
+        if block.kind == "dyad":
+            a, b = dyad_columns(block, rows)
+            a = a.conj()
+            scale = 1.0 / (a * b).imag
+            result.append(Dyad(a * scale, b.conj() * -scale))
+        elif block.kind == "lever":
+            a = rows[block.own[0][0][1]]
+            result.append(a.conj() / (a.real**2 + a.imag**2))
+        elif block.kind == "gear":
+            result.append(plane.gears[block.couplings[0]][block.joints[0]])
+        else:
+            result.append(block_matrix(plane, block, rows))
+    return result
+
+
+def solve(
+    plane: Plane,
+    rows: ComplexArray,
+    factors: list[Factor],
+    target: Sequence[ComplexArray | Array | None],
+    x: Array,
+) -> None:
+    """Fill the passive rows of joint rates x (nv, n), so that they move every loop, then coupling, by ``target``, (n,) each, None for 0."""
+    for block, factor in zip(plane.blocks, factors, strict=True):
+        sides = []
+        for loop, columns in zip(block.loops, block.known, strict=True):
+            side = target[loop]
+            for joint, row in columns:
+                moved = rows[row] * x[joint]
+                side = -moved if side is None else side - moved
+            sides.append(np.zeros(rows.shape[1], complex) if side is None else side)
+        if block.kind == "dyad":
+            x[block.joints[0]] = (factor.b * sides[0]).imag
+            x[block.joints[1]] = (factor.a * sides[0]).imag
+        elif block.kind == "lever":
+            x[block.joints[0]] = (factor * sides[0]).real
+        else:
+            parts = [part for side in sides for part in (side.real, side.imag)]
+            parts += [_slip(plane, block, k, target[len(plane.loop_heights) + k], x) for k in block.couplings]
+            if block.kind == "gear":
+                x[block.joints[0]] = parts[0] / factor
+            elif block.joints:
+                x[list(block.joints)] = _solve_dense(factor, np.stack(parts, axis=1)).T
+
+
+def _slip(plane: Plane, block: Block, coupling: int, target: Array | ComplexArray | None, x: Array) -> Array:
+    """What the joints of a block have to move a coupling by (n,), once the joints known before and the driver have done their part."""
+    side = np.zeros(x.shape[1]) if target is None else target.real
+    for joint, by in plane.gears[coupling].items():
+        if joint not in block.joints and joint != plane.driver:
+            side = side - by * x[joint]
+    return side
+
+
+def _solve_dense(matrix: Array, right: Array) -> Array:
+    """Solutions (n, m) of a stack of systems, by least squares where there are more equations; NaN where one of them is singular."""
+    try:
+        if matrix.shape[1] > matrix.shape[2]:
+            across, matrix = np.linalg.qr(matrix)
+            right = (across.transpose(0, 2, 1) @ right[:, :, None])[:, :, 0]
+        return np.asarray(np.linalg.solve(matrix, right[:, :, None])[:, :, 0], dtype=np.float64)
+    except np.linalg.LinAlgError:
+        return np.full((len(matrix), matrix.shape[2]), np.nan)
+
+
+def _margins(plane: Plane, rows: ComplexArray) -> Array:
+    """`Closure.margins` of every block; one with redundant equations has no determinant and so no sign."""
+    margins = []
+    for block in plane.blocks:
+        if block.kind == "dyad":
+            margins.append(_dyad_margin(*dyad_columns(block, rows)))
+            continue
+        matrix = block_matrix(plane, block, rows)
+        if not np.all(np.isfinite(matrix)):
+            return np.full((len(plane.blocks), rows.shape[1]), np.nan)
+        if not block.joints:
+            margins.append(np.ones(rows.shape[1]))
+            continue
+        lengths = np.linalg.norm(matrix, axis=1, keepdims=True)
+        matrix = matrix / np.where(lengths == 0.0, 1.0, lengths)
+        sign = np.ones(rows.shape[1]) if block.redundant else np.sign(np.linalg.det(matrix))
+        margins.append(sign * np.linalg.svd(matrix, compute_uv=False)[:, -1])
+    return np.array(margins).reshape(-1, rows.shape[1])
+
+
+def _dyad_margin(a: ComplexArray, b: ComplexArray) -> Array:
+    """The same of a 2x2 block with columns (n,). Of columns of unit length, at an angle with the cosine c, the singular values are the
+    roots of 1 + |c| and 1 - |c|, and their product is the determinant: so the smaller one keeps its digits."""
+    between = a.conj() * b
+    length = np.abs(between)
+    length[length == 0.0] = 1.0
+    return np.asarray(between.imag / length / np.sqrt(1.0 + np.abs(between.real) / length))

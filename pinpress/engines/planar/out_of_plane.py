@@ -1,0 +1,172 @@
+"""What a planar linkage carries out of its plane: forces along the normal, and moments that tilt the links.
+
+They come from links in parallel planes, products of inertia, gravity or loads across the plane. How the loops share a force along the
+normal, or where several bearings of a link hold it upright its tilting moment, is not decided by rigid mechanics: it is shared as `sharing`
+says, and `Reactions.indeterminate` names it.
+
+With the axes of `Plane`, normal x f is i f and r x normal is -i r for complex f and r.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...common.arrays import Array, ComplexArray
+from ..constant_rows import Matrix, matrix, plain, product, stacked
+from ..forces import AppliedForce, Wrenches
+from ..load_sharing import RANK, Objective, least
+from .kinematics import basis
+from .model import Plane, flat, in_space
+
+if TYPE_CHECKING:
+    from .inverse_dynamics import Bodies, OpenTree
+
+
+def is_flat(plane: Plane, load: AppliedForce) -> bool:
+    """Whether a load stays in the plane of the linkage, or acts on the frame, where it reaches no bearing."""
+    if load.joint == 0:
+        return True
+    height = (plane.frames[load.joint - 1] @ load.point)[2]  # over the plane of its link
+    return bool(height == 0.0 and not np.any(load.force @ plane.normal))
+
+
+def forces(plane: Plane, bodies: "Bodies", loads: Sequence[AppliedForce], compliance: Array | None, n: int) -> Array:
+    """Forces (bearings, n) of all bearings along the normal."""
+    axial = np.zeros((len(plane.parents), n)) - bodies.axial_weight[:, None]
+    for load in loads:
+        if load.joint:
+            axial[load.joint - 1] -= load.force @ plane.normal
+    spread = bodies.spread_force if compliance is None else spread_forces(plane, compliance)
+    return np.asarray(spread.carried(plane.carried @ axial, slice(None)))
+
+
+def add(
+    plane: Plane,
+    bodies: "Bodies",
+    at: ComplexArray,
+    v: Array,
+    a: Array,
+    tree: "OpenTree",
+    pins: ComplexArray,
+    loads: Sequence[AppliedForce],
+    axial: Array,
+    wanted: Sequence[int],
+    result: Wrenches,
+) -> None:
+    """Add the axial forces and tilting moments of the wanted bearings to a result that has the plane's.
+
+    Args:
+        at: basis; v, a: joint rates and accelerations; tree: with its loops open; pins: loop forces; axial: what `forces` returned.
+    """
+    count = len(plane.parents)
+    spin, acceleration = plane.spin @ v, plane.spin @ a
+    rotors = at[list(plane.rotors)]
+    weight = -bodies.axial_weight[:, None]
+    tilt = (acceleration + 1j * spin**2) * bodies.products[:, None] * rotors
+    tilt += 1j * (plane.center_heights - plane.heights)[:, None] * tree.own - 1j * tree.centers * weight
+    for load in loads:
+        if load.joint:
+            joint = load.joint - 1
+            x, y, height = plane.frames[joint] @ load.point
+            tilt[joint] -= 1j * height * flat(plane, load.force) - 1j * complex(x, y) * rotors[joint] * (load.force @ plane.normal)
+    hanging = axial[:count] + plane.crossed @ axial[count:]
+    origins = plane.origins @ at
+    for j in reversed(range(count)):
+        p = plane.parents[j]
+        if p >= 0:
+            tilt[p] += tilt[j] + 1j * (plane.heights[j] - plane.heights[p]) * tree.carried[j] - 1j * (origins[j] - origins[p]) * hanging[j]
+    points = plane.loop_points @ at
+    for j in range(count):
+        for k, sign in plane.round_loops[j].items():
+            arm = points[k] - origins[j]
+            tilt[j] -= sign * (1j * (plane.loop_heights[k] - plane.heights[j]) * pins[k] - 1j * arm * axial[count + k])
+    kept = slice(None) if len(wanted) == len(axial) else list(wanted)
+    tilting, axial = bodies.spread_moment.carried(tilt, kept), axial[kept]
+    for i, (along, first, second) in enumerate(zip(plane.normal, *plane.axes, strict=True)):
+        # most presses stand in a coordinate plane: zeros cost nothing
+        if along:
+            result.force[..., i] += along * axial
+        if first:
+            result.moment[..., i] += first * tilting.real
+        if second:
+            result.moment[..., i] += second * tilting.imag
+
+
+def indeterminate(plane: Plane, position: Array, axes: Array) -> NDArray[np.bool_]:
+    """Components of bearings (bearings, 6) along ``axes`` (3, 3), its rows, that idle forces reach in any of the positions (nv, n); see
+    `Reactions.indeterminate`. Where all equations in the plane are needed, every loop can carry any force along the normal, and if it
+    holds its links upright any tilting moment: the joints of the tree do without."""
+    count = len(plane.parents)
+    at = basis(plane, position)
+    origins, points = product(plane.origins, at), product(plane.loop_points, at)
+    along = [np.abs(axes @ each) > RANK for each in (plane.normal, *plane.axes)]
+    tilting = along[1] | along[2]
+    marks = np.zeros((count + len(plane.loop_heights), 6), dtype=bool)
+    marks[count:, :3] = along[0]
+    marks[count:, 3:] = plane.holding[:, None] & tilting
+    for joint, loops in enumerate(plane.round_loops):
+        for loop in loops:
+            marks[joint, :3] |= along[0]
+            if plane.holding[loop]:
+                marks[joint, 3:] |= tilting
+            else:
+                moments = in_space(plane, -1j * (points[loop] - origins[joint])) @ axes.T
+                marks[joint, 3:] |= np.abs(moments).max(axis=0) > RANK * plane.size
+    return marks
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Spread:
+    """What all bearings carry of what joints do with all loops open, some of the loops sharing in it. Configurations do not matter.
+
+    Attributes:
+        alone: (bearings, nv) what joints would carry with all loops open. response: (bearings, shares) what a unit of each share adds.
+        every: (bearings, nv) both together, worked out; None of a large linkage, where its entries would be too many.
+    """
+
+    alone: Matrix
+    response: Matrix
+    every: Array | None
+
+    def carried(self, own: Any, kept: slice | list[int]) -> Any:
+        """Of ``own`` (nv, n) of the joints with all loops open, what the ``kept`` bearings carry (kept, n): the least squares of all."""
+        if self.every is not None:
+            return product(self.every[kept].astype(own.dtype), own)
+        from scipy.sparse.linalg import splu
+
+        squares = splu((self.response.T @ self.response).tocsc())
+        carried = self.alone @ own
+        across = self.response.T @ carried
+        parts = [across.real, across.imag] if np.iscomplexobj(across) else [across]
+        shares = [squares.solve(np.ascontiguousarray(part)) for part in parts]
+        return (carried - self.response @ (shares[0] + 1j * shares[1] if len(shares) > 1 else shares[0]))[kept]
+
+
+def spread_forces(plane: Plane, compliance: Array | None) -> Spread:
+    """Of forces along the normal, in which all loops share."""
+    return _spread(plane, list(range(len(plane.loop_heights))), compliance)
+
+
+def spread_moments(plane: Plane) -> Spread:
+    """Of tilting moments, in which the loops that hold their links upright share."""
+    return _spread(plane, [int(k) for k in np.flatnonzero(plane.holding)], None)
+
+
+def _spread(plane: Plane, sharing: list[int], compliance: Array | None) -> Spread:
+    count, loops = len(plane.parents), len(plane.loop_heights)
+    large = not isinstance(plane.crossed, np.ndarray)
+    size = count if large else 0
+    alone = matrix([{k: 1.0} if k < count else {} for k in range(count + loops)], count, size, float)
+    response = stacked([-plane.crossed, matrix([{k: 1.0} for k in range(loops)], loops, size, float)])[:, sharing]
+    if large and compliance is None:
+        return Spread(alone, response, None)
+    alone, response, every = plain(alone), plain(response), np.eye(count + loops)  # the shares of a unit of each
+    objectives = [Objective(response, every, 1.0)]
+    if compliance is not None:
+        weights = np.sqrt(compliance)
+        objectives.insert(0, Objective(weights[:, None] * response, weights * every, float(weights.max())))
+    found = alone + response @ least(objectives).T @ alone if sharing else alone
+    return Spread(alone, response, found)

@@ -1,0 +1,171 @@
+"""Forces in the loops and gear pairs of a planar linkage, so that no passive joint transmits more than its friction.
+
+Blocks are worked through against the order in which they close. A column c of the loop Jacobian and the force p of the pin do Re(conj(c) p)
+of work per unit rate of the joint; for a dyad with columns a, b:
+
+    Re(conj(a) p) = s,  Re(conj(b) p) = t    have the solution    p = i (t a - s b) / Im(conj(a) b)
+
+The redundant equations of a block leave idle forces open: the block can hold them, and the earlier blocks answer. Of all their multiples
+those are added that `sharing` names.
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from ...common.arrays import Array, ComplexArray
+from ..constant_rows import Matrix, product
+from ..load_sharing import Objective, least
+from .blocks import Block
+from .kinematics import block_matrix, dyad_columns
+from .model import Plane
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Statics:
+    """The equations at n configurations, ready to be balanced.
+
+    Attributes:
+        closure: rows of `Plane.closure`, its columns times i: that spares a factor, and Re(conj(c) p) is -Im(conj(i c) p).
+        carried: (nv, n) forces of the joints of the open tree. uncrossed: (nv, nl) what pin forces relieve them of.
+        idle: forces that move nothing: of pins (nl, n), multipliers of couplings (nc, n) each.
+        responses: the forces (bearings, n) that these add to all bearings.
+        compliance: (bearings,) or None, see `sharing.compliances`. slides: directions (n,) of the coupled prismatic joints. Both only where
+            there are idle forces to be shared.
+    """
+
+    plane: Plane
+    closure: ComplexArray
+    carried: ComplexArray
+    uncrossed: Matrix
+    idle: list[tuple[ComplexArray, Array]]
+    responses: list[ComplexArray]
+    compliance: Array | None
+    slides: dict[int, ComplexArray]
+
+
+def build(
+    plane: Plane, closure: ComplexArray, carried: ComplexArray, uncrossed: Matrix, at: ComplexArray, compliance: Array | None
+) -> Statics:
+    """The equations at configurations with basis ``at``."""
+    if not plane.redundant:
+        return Statics(plane, closure, carried, uncrossed, [], [], None, {})
+    idle = list(_idle(plane, closure))
+    responses = [np.concatenate([product(uncrossed, pins), pins]) for pins, _ in idle]
+    coupled = set().union(*plane.gears)
+    slides = {j: product(plane.directions[[k]], at)[0] for k, j in enumerate(plane.prismatic) if j in coupled}
+    return Statics(plane, closure, carried, uncrossed, idle, responses, compliance, slides)
+
+
+def balance(statics: Statics, passive: Array, gears: Array, bearings: ComplexArray) -> None:
+    """Fill in the multipliers of the couplings (nc, n) and the forces of all bearings (bearings, n), joints first.
+
+    ``passive`` (nv, n): efforts that loops and couplings have to bring about; it is left with the driver's.
+    """
+    count = len(statics.carried)
+    pins = bearings[count:]
+    transmit(statics.plane, statics.closure, passive, pins, gears)
+    np.add(product(statics.uncrossed, pins), statics.carried, out=bearings[:count])
+    if statics.idle:
+        for share, (_, idle_gears), response in zip(_shares(statics, bearings), statics.idle, statics.responses, strict=True):
+            bearings += share * response
+            gears += share * idle_gears
+
+
+def transmit(plane: Plane, closure: ComplexArray, passive: Array, pins: ComplexArray, gears: Array) -> None:
+    """Fill in forces of the pins (nl, n) and multipliers of the couplings (nc, n) alone, the idle forces not yet shared: without those of
+    the joints, on which that depends. ``passive`` as in `balance`."""
+    _balance(plane, closure, passive, pins, gears, len(plane.blocks))
+
+
+def torques(plane: Plane, multipliers: Array) -> None:
+    """Turn multipliers of the couplings (nc, n) into torques on their followers."""
+    if len(multipliers):
+        multipliers *= np.array([gear[j] for gear, j in zip(plane.gears, plane.followers, strict=True)])[:, None]
+
+
+def _balance(plane: Plane, closure: ComplexArray, passive: Array, pins: ComplexArray, gears: Array, blocks: int) -> None:
+    """Fill in the forces of the first ``blocks`` blocks."""
+    for block in reversed(plane.blocks[:blocks]):
+        if block.kind == "dyad":
+            a, b = dyad_columns(block, closure)
+            s, t = passive[block.joints[0]], passive[block.joints[1]]
+            scale = 1.0 / (a.conj() * b).imag
+            pins[block.loops[0]] = a * (t * scale) - b * (s * scale)
+        elif block.kind == "lever":
+            a = closure[block.own[0][0][1]]
+            pins[block.loops[0]] = a * (-1j * passive[block.joints[0]] / (a.real**2 + a.imag**2))
+        elif block.kind == "gear":
+            gears[block.couplings[0]] = passive[block.joints[0]] / plane.gears[block.couplings[0]][block.joints[0]]
+        elif block.joints:
+            _spread(block, _dense(block_matrix(plane, block, -1j * closure), passive[list(block.joints)].T), pins, gears)
+        _pass_on(plane, block, closure, pins, gears, passive)
+
+
+def _dense(matrix: Array, effort: Array) -> Array:
+    """Multipliers (n, equations) of efforts (n, joints), the least where there are more equations."""
+    if matrix.shape[1] == matrix.shape[2]:
+        return np.asarray(np.linalg.solve(matrix.transpose(0, 2, 1), effort[:, :, None])[:, :, 0])
+    across, triangle = np.linalg.qr(matrix)
+    return np.asarray((across @ np.linalg.solve(triangle.transpose(0, 2, 1), effort[:, :, None]))[:, :, 0])
+
+
+def _spread(block: Block, multipliers: Array, pins: ComplexArray, gears: Array) -> None:
+    """Multipliers (n, equations) of a block to its loops and couplings."""
+    loops = 2 * len(block.loops)
+    pins[list(block.loops)] = multipliers[:, 0:loops:2].T + 1j * multipliers[:, 1:loops:2].T
+    gears[list(block.couplings)] = multipliers[:, loops:].T
+
+
+def _pass_on(plane: Plane, block: Block, closure: ComplexArray, pins: ComplexArray, gears: Array, passive: Array) -> None:
+    """Relieve the driver and the joints of earlier blocks of what a block's forces do there."""
+    for loop, columns in zip(block.loops, block.known, strict=True):
+        for joint, row in columns:
+            passive[joint] += (closure[row].conj() * pins[loop]).imag
+        driven = plane.driven[loop]
+        if driven is not None:
+            passive[plane.driver] += (closure[driven].conj() * pins[loop]).imag
+    for coupling in block.couplings:
+        for joint, by in plane.gears[coupling].items():
+            if joint not in block.joints:
+                passive[joint] -= by * gears[coupling]
+
+
+def _idle(plane: Plane, closure: ComplexArray) -> Iterator[tuple[ComplexArray, Array]]:
+    """`Statics.idle`: of every redundant block what it can hold by itself, and the answer of the earlier blocks to it."""
+    n = closure.shape[1]
+    for place, block in enumerate(plane.blocks):
+        if not block.redundant:
+            continue
+        if block.kind == "lever":
+            a = closure[block.own[0][0][1]]
+            own = np.stack([(a / np.abs(a)).real, (a / np.abs(a)).imag], axis=1)[:, :, None]
+        else:
+            matrix = block_matrix(plane, block, -1j * closure)
+            own = np.linalg.qr(matrix, mode="complete")[0][:, :, len(block.joints) :]
+        for k in range(block.redundant):
+            pins, gears = np.zeros((len(plane.loop_heights), n), complex), np.zeros((len(plane.offsets), n))
+            passive = np.zeros((len(plane.parents), n))
+            _spread(block, own[:, :, k], pins, gears)
+            _pass_on(plane, block, closure, pins, gears, passive)
+            _balance(plane, closure, passive, pins, gears, place)
+            yield pins, gears
+
+
+def _shares(statics: Statics, bearings: ComplexArray) -> Array:
+    """How much of every idle force (k, n) there is, beside the forces of all bearings (bearings, n) without them."""
+    parts = np.array([*statics.responses, bearings])
+    for joint, direction in statics.slides.items():  # what a gear pair does along its slide has no weight
+        parts[:, joint] = 1j * direction * (direction.conj() * parts[:, joint]).imag
+    if statics.compliance is not None:
+        forces = np.concatenate([parts.real, parts.imag], axis=1).transpose(2, 1, 0)  # (n, 2 bearings, k + 1)
+        weights = np.tile(np.sqrt(statics.compliance), 2)[:, None]
+        objectives = ((weights * forces, float(weights.max())), (forces, 1.0))
+        return np.asarray(least(Objective(parts[:, :, :-1], parts[:, :, -1], scale) for parts, scale in objectives).T)
+    # The normal equations serve: among the squares are those of the idle forces' own pins, so their matrix is far from singular.
+    count = len(statics.idle)
+    products = np.array([[(a.conj() * b).real.sum(axis=0) for b in parts] for a in parts[:count]])
+    if count == 1:
+        return np.asarray(-products[0, 1] / products[0, 0])[None, :]
+    return np.asarray(-np.linalg.solve(products[:, :count].transpose(2, 0, 1), products[:, count].T[:, :, None])[:, :, 0].T)

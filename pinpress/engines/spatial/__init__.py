@@ -1,0 +1,1 @@
+"""The general engine: Pinocchio, one configuration at a time."""

@@ -1,0 +1,349 @@
+"""Forward dynamics of any linkage, one state at a time: accelerations under given joint efforts, and states kept on the loops.
+
+Loops are held at points: a spherical one at its point, a revolute one at two points of its axis, a fixed one at three, the further ones as
+far away as the linkage is long, so that every gap is a length. Three rows a point, one a coupling.
+
+In general, their Jacobian, columns scaled so that all joints move in lengths, is factorised in every state by QR with column pivoting (of
+its transpose: the pivots are rows). As many pivot rows as the closed linkage has independent equations determine all others; the rest of
+the orthogonal factor is a basis N of the motions that the loops allow, and with any a0 that the rows need
+
+    a = a0 + N (N' M N)^-1 N' (efforts - h - M a0),
+
+which makes Gauss's constraint (a - a_free)' M (a - a_free) least (Gauss 1829). This has no multipliers, so that redundant rows do no
+harm, nor those which are redundant in closed states only, nor bodies without mass on joints that others move.
+
+Pinocchio's `constraintDynamics` does the same with multipliers (the proximal iterations of Carpentier, Budhiraja and Mansard, Proximal and
+sparse resolution of constrained dynamic equations, 2021) in a third of the time. It has the first go where it suits: no couplings (it has
+none), and no rows that become independent when a loop opens a little (it would hold them, and lock the linkage). Its pivots are looked at
+each time, and where one of them is near zero that should not be, the general way decides.
+"""
+
+import math
+from typing import Any, NamedTuple
+
+import numpy as np
+import pinocchio as pin
+from numpy.typing import NDArray
+
+from ...common.arrays import Array
+from ...common.errors import AssemblyError, PinpressError, SingularityError
+from ...linkage.linkage import Linkage
+from ..closure import ACCEPTED
+from ..continuation import SMALLEST_MARGIN
+from ..coordinates import Axis, data_of
+from .constraints import crossed
+from .contact_points import End, contact_rows, contacts, ends_of
+from .model import MOST_NEWTON_STEPS
+
+MASSLESS = 1e-13  # share of the largest inertia below which what resists a motion is rounding
+CLEAR = 1e-6  # share of the largest pivot (of an inertia's own size) above which pivots of the quick way count as well away from zero
+PROXIMAL = 1e-10  # its damping, as a share of the largest pivot: each iteration leaves at most 1e-4 of the error (PROXIMAL / CLEAR)
+SETTLED = 1e-13  # change of a multiplier after which it stays [N], of its weight where the linkage weighs less than 1 N
+ITERATIONS = 6  # of these, most: redundant multipliers never settle, though the accelerations have
+OPENED = 1e-2  # how far joints are moved to see whether rows become independent [lengths of the linkage]
+
+
+class ForwardDynamics:
+    """Forward dynamics of one linkage, within one call of the caller: it holds Pinocchio's data, which a copy or a pickle makes anew.
+
+    States are joint coordinates x (nv,) (see `coordinates`: angles unwrapped [rad], travels [m]) and rates v (nv,) [rad/s, m/s], efforts
+    (nv,) act along the joints, positive as v [N m, N]. Arrays are float64 of that shape; this is not checked. Results are fresh arrays.
+    NumPy may warn of what is not finite before it is refused: call under ``np.errstate``.
+    """
+
+    def __init__(self, press: Linkage, armature: Array) -> None:
+        """``armature`` (nv,): inertia of what turns with the joints, of flywheel or motor [kg m2; kg at one that slides], added to what
+        the model has; the model itself is left alone.
+
+        Raises:
+            PinpressError: an armature of another shape, or not finite.
+        """
+        # its import takes long; NumPy's own QR has no pivoting, and an overhead of 10 us
+        from scipy.linalg import lapack
+
+        self._made_of = press, armature
+        self.geqp3, self.orgqr, self.trtrs, self.posv = lapack.dgeqp3, lapack.dorgqr, lapack.dtrtrs, lapack.dposv
+
+        general, self.name, self.joints = press.spatial, press.name, press.joints
+        count = int(press.model.nv)
+        armature = np.asarray(armature, dtype=float)
+        if armature.shape != (count,) or not np.isfinite(armature).all():
+            raise PinpressError(f"armature is {armature}: give {count} finite inertias [kg m2]")
+        self.driver, self.rank = general.drivers[0], press.rank
+        self.size, self.tolerance = general.size, general.tolerance
+        self.model = _bounded(press.model, general.axes)
+        self.model.armature = self.armature = np.array(press.model.armature) + armature
+        self.data = data_of(self.model)
+        self.placements = self.data.oMi  # live: fetching it costs more than the algorithm that fills it
+
+        pin.forwardKinematics(self.model, self.data, press.closed)
+        by_loop = [ends_of(loop, self.data, self.size) for loop in press.loops]
+        ends = [end for held in by_loop for end in held]
+        self.points, self.data_of_points = pin.StdVec_ConstraintModel(), pin.StdVec_ConstraintData()
+        for end in ends:
+            anchor = pin.PointAnchorConstraintModel(self.model, *end)
+            self.points.append(pin.ConstraintModel(anchor))
+            self.data_of_points.append(pin.ConstraintData(anchor.createData()))
+        # Pinocchio's vectors are complete and will not move: what is fetched from them stays live
+        self.anchors = [(self.points[k], self.data_of_points[k]) for k in range(len(ends))]
+        inner = [datum.extract() for _, datum in self.anchors]
+        self.gaps = [datum.constraint_position_error for datum in inner]
+        self.drifts = [datum.constraint_acceleration_error for datum in inner]
+
+        self.units = np.array([self.size if axis.turns else 1.0 for axis in general.axes])
+        self.per_unit, self.back_per_unit, self.column = 1 / self.units, -1 / self.units, (1 / self.units)[:, None]
+        self.held = 3 * len(ends)
+        # a joint that carries both ends moves them by rounding, and by an open gap
+        moving = np.repeat(crossed(press.model, press.loops).T != 0, [3 * len(held) for held in by_loop], axis=0)
+        self.weights = moving * self.per_unit
+        equations, couplings = general.equations(), len(press.couplings)
+        self.coupled, self.offsets = equations.coupled, equations.offsets
+        # zero rows at the end, so that there are as many as joints at least and the orthogonal factor comes whole
+        self.rows = np.zeros((max(self.held + couplings, count), count))
+        self.rows[self.held : self.held + couplings] = self.coupled * self.per_unit
+        # LAPACK counts pivots from 1: one number stands before those of the rows
+        self.none, self.uncoupled, self.still = np.zeros(1), np.zeros(couplings), np.zeros(count)
+        mass = pin.crba(self.model, self.data, press.closed)
+        self.least = math.sqrt(MASSLESS * float((mass.diagonal() * self.per_unit**2).max()))
+        self.quick = None if couplings else self._quick(press.closed, ends, mass)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return ForwardDynamics, self._made_of
+
+    def acceleration(self, x: Array, v: Array, efforts: Array) -> Array:
+        """Joint accelerations (nv,) of a closed state under efforts (nv,) [rad/s2, m/s2].
+
+        Raises:
+            SingularityError: the loops lose equations here: two assemblies meet, and mechanics does not say which way it goes.
+            PinpressError: a motion that no mass resists, or a state or effort that is not finite.
+        """
+        if self.quick is not None:
+            _, data, points, data_of_points, settings, pivots, bounds = self.quick
+            result: Array = pin.constraintDynamics(self.model, data, x, v, efforts, points, data_of_points, settings)
+            if np.count_nonzero(np.abs(pivots) > bounds) == self.quick.clear and math.isfinite(result.dot(result)):
+                return result
+        return self.acceleration_in_null_space(x, v, efforts)
+
+    def answer_by(self, settings: pin.ProximalSettings, x: Array, v: Array, efforts: Array) -> tuple[Array, Array]:
+        """What `constraintDynamics` answers with proximal settings of one's own, where it has the quick way; unchecked: accelerations (nv,)
+        and the forces (points, 3) at the loops' points, link1 on link2, world axes [N]."""
+        assert self.quick is not None
+        data, points, data_of_points = self.quick.data, self.quick.points, self.quick.data_of_points
+        result = np.array(pin.constraintDynamics(self.model, data, x, v, efforts, points, data_of_points, settings))
+        turned = [data.oMi[point.joint1_id].rotation @ point.joint1_placement.rotation for point in points]
+        return result, np.array([-r @ each.contact_force.linear for r, each in zip(turned, data_of_points, strict=True)])
+
+    def acceleration_along(self, x: Array, first: Array, second: Array, speed: float, efforts: Array) -> Array:
+        """Joint accelerations (nv,) where all joints are known to move with the driver, by its speed [rad/s] and influence coefficients,
+        see `Closure`: at a change point they say what the equations of the loops do not. Raises as `acceleration`."""
+        v, drift = first * speed, second * speed**2
+        mass = pin.crba(self.model, self.data, x, pin.Convention.WORLD)
+        left = first.dot(efforts - pin.rnea(self.model, self.data, x, v, drift))
+        result = drift + first * (left / first.dot(mass.dot(first)))
+        if not math.isfinite(result.dot(result)):
+            raise self._trouble(x, v, efforts, self._overflow(x))
+        return np.asarray(result)
+
+    def project(self, x: Array, v: Array) -> tuple[Array, Array, float]:
+        """The closed state near a state that is nearly closed: positions and rates (nv,), and the gap left [m].
+
+        Newton's method with the shortest steps, all joints in lengths (an angle counts as the arc at the linkage's length), the velocity
+        by the shortest change. No joint is privileged: the driver may be at a dead point of the linkage; and masses do not enter, because
+        links may have none and a flywheel would leave all the correction to the light ones. A closed state is returned as it is.
+
+        Raises:
+            SingularityError: the loops lose equations here, see `acceleration`.
+            AssemblyError: Newton's method does not close the loops from here.
+            PinpressError: a state that is not finite.
+        """
+        rank, at, gap, steps = self.rank, x, math.inf, 0
+        while True:
+            pin.computeJointJacobians(self.model, self.data, at)
+            factor, pivots, orthogonal = self._factorised(at)
+            before, gap = gap, self._widest(at)
+            if gap <= self.tolerance or (gap > 0.5 * before and gap <= self._floor(at)):
+                break
+            if steps == MOST_NEWTON_STEPS:
+                raise AssemblyError(f"the loops of {self.name} do not close near this state", float(x[self.driver]), gap, steps)
+            at = at + self._needed(factor, pivots, orthogonal, np.concatenate((self.none, *self.gaps, self.coupled.dot(at) - self.offsets)))
+            steps += 1
+        free = orthogonal[:, rank:]
+        rates = free.dot(free.T.dot(v * self.units))
+        rates *= self.per_unit
+        if not math.isfinite(rates.dot(rates)):
+            raise self._trouble(x, v, rates, self._overflow(x))
+        return at.copy(), rates, gap
+
+    def gap(self, x: Array) -> float:
+        """The largest distance between the two sides of a loop [m], at the further points too of one that is not spherical (see the
+        module), a coupling counted in lengths of the linkage.
+
+        Raises:
+            PinpressError: a state that is not finite.
+        """
+        pin.forwardKinematics(self.model, self.data, x)
+        for point, datum in self.anchors:
+            point.calc(self.model, self.data, datum)
+        return self._widest(x)
+
+    def energy(self, x: Array, v: Array) -> tuple[float, float]:
+        """Kinetic energy, armature included, and potential energy, zero with all centres of mass at the world origin [J]."""
+        kinetic = pin.computeKineticEnergy(self.model, self.data, x, v) + 0.5 * float(self.armature.dot(v * v))
+        return kinetic, float(pin.computePotentialEnergy(self.model, self.data, x))
+
+    def point(self, x: Array, v: Array, joint: int, point: Array) -> tuple[Array, Array]:
+        """World position [m] and velocity [m/s], (3,) each, of a point (3,) fixed to the body of a Pinocchio joint, in that joint's frame
+        (0: the frame)."""
+        if joint == 0:
+            return np.array(point, dtype=float), np.zeros(3)
+        pin.forwardKinematics(self.model, self.data, x, v)
+        place, velocity = self.placements[joint], self.data.v[joint]
+        return place.act(point), place.rotation.dot(velocity.linear - pin.skew(point).dot(velocity.angular))
+
+    def point_efforts(self, x: Array, joint: int, point: Array, force: Array) -> Array:
+        """Joint efforts (nv,) of a world force (3,) [N] at a point (3,) of the body of a Pinocchio joint, in that joint's frame (0: the
+        frame, where there are none)."""
+        if joint == 0:
+            return np.zeros(self.model.nv)
+        pin.computeJointJacobians(self.model, self.data, x)
+        columns = pin.getJointJacobian(self.model, self.data, joint, pin.LOCAL).reshape(6, -1)
+        local = self.placements[joint].rotation.T.dot(force)
+        return np.asarray(local.dot(columns[:3]) + pin.skew(point).dot(local).dot(columns[3:]))
+
+    def acceleration_in_null_space(self, x: Array, v: Array, efforts: Array) -> Array:
+        """As `acceleration`, the general way."""
+        model, data, rank = self.model, self.data, self.rank
+        pin.forwardKinematics(model, data, x, v, self.still)
+        mass = pin.crba(model, data, x, pin.Convention.WORLD)  # fills the Jacobian too
+        factor, pivots, orthogonal = self._factorised(x)
+        result = self._needed(factor, pivots, orthogonal, np.concatenate((self.none, *self.drifts, self.uncoupled)))
+        free = orthogonal[:, rank:] * self.column
+        left = free.T.dot(efforts - pin.rnea(model, data, x, v, result))
+        root, rates, failed = self.posv(free.T.dot(mass.dot(free)), left)
+        if failed or not min(root.diagonal().tolist()) > self.least:
+            problem = f"no mass resists a motion of {self.name} at crank angle {np.degrees(x[self.driver]):.6g} deg"
+            raise self._trouble(
+                x, v, efforts, PinpressError(f"{problem}: give mass to the links that move there, or inertia to the driver")
+            )
+        result += free.dot(rates)
+        if not math.isfinite(result.dot(result)):
+            raise self._trouble(x, v, efforts, self._overflow(x))
+        return result
+
+    def _factorised(self, x: Array) -> tuple[Array, NDArray[np.int32], Array]:
+        """R, places of the pivot rows, counted from 1, and Q of the scaled rows, where ``data`` has placements and Jacobian; points are
+        worked out too.
+
+        Raises:
+            SingularityError, PinpressError: see `acceleration`.
+        """
+        for point, datum in self.anchors:
+            point.calc(self.model, self.data, datum)
+        if self.held:
+            jacobian = pin.getConstraintsJacobian(self.model, self.data, self.points, self.data_of_points).reshape(self.held, -1)
+            np.multiply(jacobian, self.weights, out=self.rows[: self.held])
+        factor, pivots, scales, _, _ = self.geqp3(self.rows.T)
+        rank = self.rank
+        if rank and not abs(factor[rank - 1, rank - 1]) > SMALLEST_MARGIN * abs(factor[0, 0]):
+            smallest = float(abs(factor[rank - 1, rank - 1])) / (float(abs(factor[0, 0])) or 1.0)
+            locked = SingularityError(f"the loops of {self.name} lose equations: two assemblies meet", float(x[self.driver]), smallest)
+            raise self._trouble(x, self.still, self.still, locked)
+        return factor, pivots, self.orgqr(factor[:, : len(x)], scales)[0]
+
+    def _needed(self, factor: Array, pivots: NDArray[np.int32], orthogonal: Array, rows: Array) -> Array:
+        """The shortest joint step (nv,) that takes off the rows (1 + rows,) what they have."""
+        rank = self.rank
+        if not rank:
+            return np.zeros(len(orthogonal))
+        result: Array = orthogonal[:, :rank].dot(self.trtrs(factor[:rank, :rank], rows.take(pivots[:rank]), trans=1)[0])
+        result *= self.back_per_unit
+        return result
+
+    def _widest(self, x: Array) -> float:
+        """`gap` where the points are worked out."""
+        sizes = [math.sqrt(gap.dot(gap)) for gap in self.gaps]
+        if len(self.offsets):
+            sizes += np.abs(self.coupled.dot(x) - self.offsets).tolist()
+        if not math.isfinite(sum(sizes)):
+            raise self._trouble(x, self.still, self.still, self._overflow(x))
+        return max(sizes, default=0.0)
+
+    def _floor(self, x: Array) -> float:
+        """Gap that rounding may leave: more where a joint has made many turns."""
+        return ACCEPTED * self.tolerance + 8 * float(np.finfo(float).eps * np.abs(x * self.units).max())
+
+    def _trouble(self, x: Array, v: Array, efforts: Array, otherwise: PinpressError) -> PinpressError:
+        """The error that says what is not finite among these; ``otherwise`` where all is."""
+        for what, values in (("position", x), ("speed", v), ("effort", efforts)):
+            if not np.isfinite(values).all():
+                joint = self.joints[int(np.argmin(np.isfinite(values)))]
+                return PinpressError(f"the {what} of joint {joint} of {self.name} is not finite: lower speeds, efforts or the time step")
+        return otherwise
+
+    def _overflow(self, x: Array) -> PinpressError:
+        where = f"at crank angle {np.degrees(x[self.driver]):.6g} deg"
+        return PinpressError(f"the motion of {self.name} {where} is too fast for floating point: lower speeds or efforts")
+
+    def _weight(self) -> float:
+        """Of all links [N]; without gravity what accelerates them at 1 rad/s2."""
+        mass = sum(float(inertia.mass) for inertia in self.model.inertias)
+        return mass * (float(np.linalg.norm(self.model.gravity.linear)) or self.size)
+
+    def _quick(self, closed: Array, ends: list[End], mass: Array) -> "_Quick | None":
+        """What the quick way needs, None where it does not suit."""
+        if not ends or not ((mass.diagonal() * self.per_unit**2).min() > self.least**2):
+            return None
+        data, (points, data_of_points) = data_of(self.model), contacts(self.model, ends)
+        opened = closed + OPENED * self.size * self.per_unit * np.random.default_rng(0).uniform(-1, 1, len(closed))
+        rows, opened_rows = (contact_rows(self.model, data, points, data_of_points, x) for x in (closed, opened))
+        values = np.linalg.svd(opened_rows * self.per_unit, compute_uv=False)
+        if values[self.rank :].max(initial=0.0) > SMALLEST_MARGIN * values[0]:
+            return None
+        try:
+            largest = float((rows @ np.linalg.solve(mass, rows.T)).diagonal().max())
+        except np.linalg.LinAlgError:
+            return None
+        if not 0 < largest < math.inf:
+            return None
+        # Its pivots come in the order of the rows. Each point's frame is turned so that the direction in which it moves least, in the plane
+        # none, comes last: else a row may be a combination of others with large coefficients, and its pivot seem to be none of rounding.
+        lefts = np.linalg.svd(rows.reshape(-1, 3, len(closed)))[0]
+        turned = [pin.SE3(left * np.linalg.det(left), end[1].translation) for left, end in zip(lefts, ends, strict=True)]
+        points, data_of_points = contacts(self.model, [(end[0], place, *end[2:]) for place, end in zip(turned, ends, strict=True)])
+        pin.initConstraintDynamics(self.model, data, points, data_of_points)
+        return _Quick(
+            clear=self.rank + len(closed),
+            data=data,
+            points=points,
+            data_of_points=data_of_points,
+            settings=pin.ProximalSettings(0.0, SETTLED * min(1.0, self._weight()), PROXIMAL * largest, ITERATIONS),
+            pivots=data.constraint_chol.D,
+            bounds=CLEAR * np.concatenate([np.full(self.held, largest), mass.diagonal()]),
+        )
+
+
+class _Quick(NamedTuple):
+    """`constraintDynamics` and what it works on.
+
+    ``pivots`` (held + nv,), live, are those of its factorisation: of the points' rows, in 1 / kg, then of the inertias of the open tree.
+    They count as away from zero above the ``bounds``, and ``clear`` of them should.
+    """
+
+    clear: int
+    data: pin.Data
+    points: pin.StdVec_RigidConstraintModel
+    data_of_points: pin.StdVec_RigidConstraintData
+    settings: pin.ProximalSettings
+    pivots: Array
+    bounds: Array
+
+
+def _bounded(model: pin.Model, axes: tuple[Axis, ...]) -> pin.Model:
+    """The same tree with joints whose configuration is the joint coordinate itself, unbounded ones too."""
+    result = pin.Model()
+    result.gravity = model.gravity
+    for j, axis in enumerate(axes, 1):
+        kind = pin.JointModelRevoluteUnaligned if axis.turns else pin.JointModelPrismaticUnaligned
+        result.addJoint(model.parents[j], kind(axis.direction), model.jointPlacements[j], model.names[j])
+        result.appendBodyToJoint(j, model.inertias[j], pin.SE3.Identity())
+    return result

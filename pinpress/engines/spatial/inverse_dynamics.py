@@ -1,0 +1,253 @@
+"""Inverse dynamics of any linkage, one configuration at a time, by Pinocchio's recursive Newton-Euler algorithm.
+
+The open tree's efforts and wrenches first; then the multipliers of the equations that leave the passive joints to their friction; what is
+open among them is shared as `sharing` says; then the tree once more, under the wrenches of the loops.
+
+Signs: forces and moments of a joint are the action of parent on child, of a loop the action of link1 on link2.
+"""
+
+import math
+from collections.abc import Iterator, Sequence
+
+import numpy as np
+import pinocchio as pin
+from numpy.typing import NDArray
+
+from ...common.arrays import Array
+from ...common.errors import AssemblyError
+from ..coordinates import configuration, data_of
+from ..forces import AppliedForce, Wrenches
+from ..friction import FrictionLaw
+from ..load_sharing import RANK, Objective, least
+from .constraints import Equations, Rows, cross
+from .model import Passive, Spatial
+
+Wrench = tuple[int, Array, Array, Array]
+"""Joint, point in its frame [m], force and couple in world axes [N, N m]."""
+
+LOOSEST = 1e-6  # gap, in lengths of the linkage, beyond which a motion is another linkage's
+
+
+def inverse_dynamics(
+    spatial: Spatial,
+    position: Array,
+    v: Array,
+    a: Array,
+    loads: Sequence[AppliedForce],
+    law: FrictionLaw | None,
+    compliance: Array | None,
+    gears: bool,
+    wanted: Sequence[int],
+) -> Wrenches:
+    """Driving torque and the wrenches of joints and loops; arguments as `plane_dynamics.inverse_dynamics`."""
+    n, count = v.shape[1], spatial.model.nv
+    result = Wrenches.zeros(len(spatial.drivers), len(spatial.couplings), count + len(spatial.loops), n, len(wanted))
+    shared = bool(wanted or (gears and spatial.couplings))  # how idle forces are shared changes no driving torque
+    equations = spatial.equations()
+    spins = None if law is None else _loop_spins(spatial, equations, position, v)
+    speeds = None if law is None or spins is None else law.moving(np.concatenate([v, np.linalg.norm(spins, axis=2)]))
+    for i in range(n):
+        x = position[:, i]
+        applied = [(load.joint, load.point, load.force[i], np.zeros(3)) for load in loads]
+        state = _State(spatial, equations, x, v[:, i].copy(), a[:, i].copy(), applied)
+        efforts, couples = np.zeros(count), np.zeros((len(spatial.loops), 3))
+        if law is None or spins is None or speeds is None:
+            multipliers = state.multipliers(efforts, couples, compliance, shared)
+        else:
+            multipliers, efforts, couples, lost = state.with_friction(law, speeds[:, i], spins[:, i], compliance)
+            result.friction[:, i] = lost
+        state.fill(result, i, multipliers, efforts, couples, wanted)
+    return result
+
+
+def indeterminate(spatial: Spatial, position: Array, axes: Array) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
+    """Components of bearings (bearings, 6) along ``axes`` (3, 3), its rows, and torques of couplings (nc,), that idle forces reach in any
+    of the positions (nv, n); see `Reactions.indeterminate`."""
+    equations = spatial.equations()
+    marks, gears = np.zeros((spatial.model.nv + len(spatial.loops), 6), dtype=bool), np.zeros(len(spatial.couplings), dtype=bool)
+    for x in position.T:
+        rows = equations.at(x)
+        idle = Passive(rows.columns, spatial).idle
+        if idle.shape[1]:
+            forces, moments, _ = _parts(spatial, rows, idle)
+            moments = _moments(spatial, equations.placements, forces, moments)
+            carried = spatial.share @ idle[: 3 * len(spatial.loops)]
+            for place, vectors, unit in ((0, carried, 1.0), (3, moments, spatial.size)):
+                along = axes @ vectors.reshape(len(marks), 3, -1)
+                marks[:, place : place + 3] |= np.abs(along).max(axis=2) > RANK * unit
+            gears |= np.abs(idle[len(idle) - len(gears) :]).max(axis=1) > RANK
+    return marks, gears
+
+
+def power_balance(spatial: Spatial, position: Array, v: Array, a: Array, loads: Sequence[AppliedForce]) -> tuple[Array, Array, Array]:
+    """Power of the loads less the rate of kinetic and potential energy, and what it is small beside, both (n,) [W]: the sum of the absolute
+    powers, and of those that there would be were all forces along the velocities.
+
+    Body by body from Pinocchio's forward kinematics.
+    """
+    model, data = spatial.model, data_of(spatial.model)
+    gravity, q = model.gravity.linear, configuration(spatial.slots, position)
+    balance, total, apparent = np.empty(v.shape[1]), np.empty(v.shape[1]), np.zeros(v.shape[1])
+    for i in range(v.shape[1]):
+        pin.forwardKinematics(model, data, np.ascontiguousarray(q[:, i]), v[:, i].copy(), a[:, i].copy())
+        powers = []
+        for j in range(1, model.njoints):
+            inertia, velocity = model.inertias[j], data.v[j]
+            momentum_rate = inertia * data.a[j] + velocity.cross(inertia * velocity)
+            lifted = data.oMi[j].rotation @ (velocity.linear + cross(velocity.angular, inertia.lever))
+            powers += [inertia.mass * float(gravity @ lifted), -momentum_rate.dot(velocity)]
+            pairs = ((inertia.mass * gravity, lifted), (momentum_rate.linear, velocity.linear), (momentum_rate.angular, velocity.angular))
+            apparent[i] += sum(math.sqrt((force @ force) * (moved @ moved)) for force, moved in pairs)
+        for load in loads:
+            if load.joint:
+                velocity = data.v[load.joint]
+                moved = data.oMi[load.joint].rotation @ (velocity.linear + np.cross(velocity.angular, load.point))
+                powers.append(float(load.force[i] @ moved))
+                apparent[i] += math.sqrt((load.force[i] @ load.force[i]) * (moved @ moved))
+        balance[i], total[i] = np.sum(powers), np.sum(np.abs(powers))
+    return balance, total, apparent
+
+
+class _State:
+    """One configuration under its loads: the open tree's efforts, and what the equations answer to them."""
+
+    def __init__(self, spatial: Spatial, equations: Equations, x: Array, v: Array, a: Array, applied: list[Wrench]) -> None:
+        self.spatial, self.equations, self.applied = spatial, equations, applied
+        self.x, self.v, self.a = x, v, a
+        self.rows = equations.at(x)
+        if not np.abs(self.rows.gaps).max(initial=0.0) <= LOOSEST * spatial.size:
+            angle, gap = float(x[spatial.drivers[0]]), equations.widest(self.rows.gaps)
+            raise AssemblyError("the motion leaves the loops of this linkage open: it is another one's", angle, gap, 0)
+        self.passive = Passive(self.rows.columns, spatial)
+        self.placements, self.wrenches = equations.placements, equations.wrenches
+        self.rotations = [placement.rotation for placement in self.placements]
+        self.effort = pin.rnea(spatial.model, equations.data, self.rows.q, v, a, self._external(applied)).copy()
+
+    def multipliers(self, efforts: Array, couples: Array, compliance: Array | None, shared: bool = True) -> Array:
+        """Multipliers (rows,) of the equations under friction efforts (nv,) of the joints and couples (nl, 3) of the loops;
+        the least, where what is open need not be ``shared``."""
+        found, idle = self.passive.multipliers(self._needed(efforts, couples)), self.passive.idle
+        return found + idle @ least(self._objectives(found, idle, couples, compliance)) if shared and idle.shape[1] else found
+
+    def with_friction(self, law: FrictionLaw, speeds: Array, spins: Array, compliance: Array | None) -> tuple[Array, Array, Array, Array]:
+        """Multipliers (rows,), friction efforts (nv,) of the joints and couples (nl, 3) of the loops, and the power lost (bearings,).
+
+        ``speeds`` (bearings,), those of loops are the lengths of their ``spins`` (nl, 3).
+        """
+        count = len(self.effort)
+        sizes = speeds[count:]
+        axes = [self.rotations[j + 1] @ axis.direction for j, axis in enumerate(self.spatial.axes)]
+        directions = np.concatenate([np.array(axes), spins / np.where(sizes == 0, 1.0, sizes)[:, None]])
+
+        def multipliers(efforts: Array) -> Array:
+            return self.multipliers(efforts[:count], efforts[count:, None] * directions[count:], compliance)
+
+        def radial(efforts: Array) -> Array:
+            forces = self.spatial.share @ multipliers(efforts[:, 0])[: 3 * len(self.spatial.loops)]
+            forces[: 3 * count] += self._carried()
+            return np.asarray(np.linalg.norm(np.cross(forces.reshape(-1, 3), directions), axis=1)[:, None])
+
+        efforts = law.efforts(speeds[:, None], radial, self.x[self.spatial.drivers[0]][None])[:, 0]
+        return multipliers(efforts), efforts[:count], efforts[count:, None] * directions[count:], -efforts * speeds
+
+    def fill(self, result: Wrenches, i: int, multipliers: Array, efforts: Array, couples: Array, wanted: Sequence[int]) -> None:
+        """Put this configuration into the result, as its state i."""
+        spatial, count = self.spatial, len(self.effort)
+        forces, moments, torques = _parts(spatial, self.rows, multipliers)
+        moments = moments + couples
+        driving = self._needed(efforts, couples) - self.rows.columns.T @ multipliers
+        result.torque[:, i] = driving[list(spatial.drivers)]
+        result.coupling[:, i] = torques
+        joints, loops = [j for j in wanted if j < count], [k - count for k in wanted if k >= count]
+        result.force[len(joints) :, i], result.moment[len(joints) :, i] = forces[loops], moments[loops]
+        if not joints:
+            return
+        on2 = [(loop.joint2, loop.point2, forces[k], moments[k]) for k, loop in enumerate(spatial.loops)]
+        on1 = [(loop.joint1, loop.point1, -forces[k], -moments[k]) for k, loop in enumerate(spatial.loops)]
+        pin.rnea(spatial.model, self.equations.data, self.rows.q, self.v, self.a, self._external(on2 + on1 + self.applied))
+        for place, j in enumerate(joints):
+            wrench = self.wrenches[j + 1]
+            result.force[place, i] = self.rotations[j + 1] @ wrench.linear
+            result.moment[place, i] = self.rotations[j + 1] @ wrench.angular
+
+    def _needed(self, efforts: Array, couples: Array) -> Array:
+        """Efforts (nv,) that equations and drives have to bring about."""
+        needed: Array = self.effort - efforts
+        if couples.any():
+            turning = self.equations.data.J.reshape(6, -1)[3:]
+            for couple, crossed in zip(couples, self.spatial.crossed.T, strict=True):
+                needed -= (turning * crossed).T @ couple
+        return needed
+
+    def _carried(self) -> Array:
+        """Forces (3 nv,) of the joints of the open tree."""
+        forces: list[Array] = [self.rotations[j + 1] @ self.wrenches[j + 1].linear for j in range(len(self.effort))]
+        return np.concatenate(forces)
+
+    def _objectives(self, found: Array, idle: Array, couples: Array, compliance: Array | None) -> Iterator[Objective]:
+        """What `sharing` makes least; the next is only worked out where the ones before leave something open."""
+        spatial, count, k = self.spatial, 3 * len(self.spatial.loops), idle.shape[1]
+        forces = spatial.share @ np.concatenate([idle[:count], found[:count, None]], axis=1)
+        forces[: 3 * len(self.effort), k] += self._carried()
+        self._across(forces, turning=False)
+        if compliance is not None:
+            weights = np.repeat(np.sqrt(compliance), 3)[:, None]
+            yield Objective(weights * forces[:, :k], weights[:, 0] * forces[:, k], float(weights.max()))
+        yield Objective(forces[:, :k], forces[:, k], 1.0)
+        loop_forces, loop_moments, _ = _parts(spatial, self.rows, np.concatenate([idle, found[:, None]], axis=1))
+        loop_moments[:, :, k] += couples
+        moments = _moments(spatial, self.placements, loop_forces, loop_moments)
+        for j in range(len(self.effort)):
+            moments[3 * j : 3 * j + 3, k] += self.rotations[j + 1] @ self.wrenches[j + 1].angular
+        self._across(moments, turning=True)
+        yield Objective(moments[:, :k], moments[:, k], spatial.size)
+
+    def _across(self, vectors: Array, turning: bool) -> None:
+        """Take off vectors (3 bearings, ...) what is along the axis of the joints that turn, or that slide."""
+        for j, axis in enumerate(self.spatial.axes):
+            if axis.turns == turning:
+                direction, own = self.rotations[j + 1] @ axis.direction, vectors[3 * j : 3 * j + 3]
+                own -= np.outer(direction, direction @ own)
+
+    def _external(self, wrenches: Sequence[Wrench]) -> pin.StdVec_Force:
+        """Wrenches on joints' bodies as Pinocchio's external forces in joint frames."""
+        totals = [np.zeros(6) for _ in self.rotations]
+        for joint, point, force, couple in wrenches:
+            local = self.rotations[joint].T @ force
+            totals[joint][:3] += local
+            totals[joint][3:] += pin.skew(point) @ local + self.rotations[joint].T @ couple
+        return pin.StdVec_Force([pin.Force(w) for w in totals])
+
+
+def _parts(spatial: Spatial, rows: Rows, multipliers: Array) -> tuple[Array, Array, Array]:
+    """Forces and moments (nl, 3) of the loops and torques (nc,) of the couplings; of multipliers (rows, k) all with k behind."""
+    loops, behind = len(spatial.loops), multipliers.shape[1:]
+    forces, moments = multipliers[: 3 * loops].reshape(loops, 3, *behind), np.zeros((loops, 3, *behind))
+    row = 3 * loops
+    for k, loop in enumerate(spatial.loops):
+        if loop.held:
+            moments[k] = spatial.size * rows.held[k] @ multipliers[row : row + loop.held]
+            row += loop.held
+    units = np.array([spatial.size if spatial.axes[c.follower].turns else 1.0 for c in spatial.couplings])
+    return forces, moments, units.reshape(-1, *[1] * len(behind)) * multipliers[row:]
+
+
+def _moments(spatial: Spatial, placements: pin.StdVec_SE3, forces: Array, moments: Array) -> Array:
+    """What forces and moments (nl, 3, k) of the loops add to the moments (3 bearings, k) of all bearings."""
+    count, k = spatial.model.nv, forces.shape[2]
+    joints = np.zeros((count, 3, k))
+    for loop, crossed, force, moment in zip(spatial.loops, spatial.crossed.T, forces, moments, strict=True):
+        point = placements[loop.joint1].act(loop.point1)
+        for j in map(int, np.flatnonzero(crossed)):
+            joints[j] -= crossed[j] * (moment + pin.skew(point - placements[j + 1].translation) @ force)
+    return np.concatenate([joints, moments]).reshape(-1, k)
+
+
+def _loop_spins(spatial: Spatial, equations: Equations, position: Array, v: Array) -> Array:
+    """Angular velocities (nl, n, 3) of body 2 against body 1 of the loops, world axes."""
+    result = np.zeros((len(spatial.loops), v.shape[1], 3))
+    q = configuration(spatial.slots, position)
+    for i in range(v.shape[1]):
+        turning = pin.computeJointJacobians(spatial.model, equations.data, np.ascontiguousarray(q[:, i]))[3:]
+        result[:, i] = (turning @ (spatial.crossed * v[:, i, None])).T
+    return result

@@ -1,0 +1,151 @@
+"""The vibration of a frame over time: of its points, and the force on the floor."""
+
+import os
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..common import tables
+from ..common.arrays import Array
+from ..common.errors import PinpressError, UnknownNameError
+from ..common.frozen import Frozen, FrozenMapping
+from . import tables as frame_tables
+from .mounted_press import MountedPress
+
+NOTHING = 1e-9  # of the weight: a shaking force that is rounding
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class FrameMotion(Frozen):
+    """Vibration about the static position at n states. All arrays are read-only.
+
+    Attributes:
+        system: the press on its mounts. time: (n,) [s]. period: [s] where the motion is one period, its end left out; else None.
+        displacement, velocity, acceleration: name of a point -> (n, 3), world axes [m, m/s, m/s2].
+        coordinates: (n, coordinates) of the frame's parts, see `mounted_press` [m, rad].
+        mount_force: (n, mounts, 3) what each mount exerts on the frame beside its static load [N].
+        floor_force: (n, 3) what the mounts exert on the floor beside the weight [N]; floor_moment: (n, 3) about the world origin [N m].
+        shaking_force: (n, 3) of the machine beside its weight [N].
+    """
+
+    system: MountedPress
+    time: Array
+    period: float | None
+    displacement: Mapping[str, Array]
+    velocity: Mapping[str, Array]
+    acceleration: Mapping[str, Array]
+    coordinates: Array
+    mount_force: Array
+    floor_force: Array
+    floor_moment: Array
+    shaking_force: Array
+
+    def __repr__(self) -> str:
+        return f"<FrameMotion of {self.system.press.name}: {len(self.time)} states, points {', '.join(self.displacement) or 'none'}>"
+
+    def __str__(self) -> str:
+        return frame_tables.motion_text(self)
+
+    @classmethod
+    def of(
+        cls,
+        system: MountedPress,
+        time: Array,
+        points: Mapping[str, Array],
+        motion: tuple[Array, Array, Array],
+        mount_force: Array,
+        forcing: Array,
+        period: float | None,
+    ) -> "FrameMotion":
+        """From displacements, velocities and accelerations of the coordinates, (n, coordinates) each, and rows (3, coordinates)."""
+        moved = [{name: _fixed(values @ rows.T) for name, rows in points.items()} for values in motion]
+        places = np.array([mount.point for mount in system.mounts])
+        shaking = sum(forcing[:, 6 * part : 6 * part + 3] for part in range(system.parts))
+        return cls(
+            system=system,
+            time=_fixed(time),
+            period=period,
+            displacement=FrozenMapping(moved[0]),
+            velocity=FrozenMapping(moved[1]),
+            acceleration=FrozenMapping(moved[2]),
+            coordinates=_fixed(motion[0]),
+            mount_force=_fixed(mount_force),
+            floor_force=_fixed(-mount_force.sum(axis=1)),
+            floor_moment=_fixed(-np.cross(places, mount_force).sum(axis=1)),
+            shaking_force=_fixed(np.asarray(shaking)),
+        )
+
+    @property
+    def transmitted(self) -> float:
+        """Force on the floor by shaking force, both as roots of the mean of their squares about their means [-].
+
+        Raises:
+            PinpressError: nothing shakes.
+        """
+        shaking = spread(self.shaking_force)
+        if shaking <= NOTHING * np.abs(self.system.weight[:3]).max():
+            raise PinpressError(f"no force of {self.system.press.name} shakes the frame: there is nothing to transmit")
+        return spread(self.floor_force) / shaking
+
+    @property
+    def least_load(self) -> Array:
+        """(mounts,) smallest load on each mount, static one included [N]; negative: one that is not bolted down lifts off, and the linear
+        model does not hold."""
+        least: Array = (self.system.mount_load[:, 2] + self.mount_force[:, :, 2]).min(axis=0)
+        return least
+
+    def rms(self, point: str) -> Array:
+        """(3,) root mean square of a point's acceleration about its mean [m/s2]. Raises as `peak`."""
+        return np.asarray(self._of(point).std(axis=0))
+
+    def peak(self, point: str) -> Array:
+        """(3,) largest absolute acceleration of a point [m/s2].
+
+        Raises:
+            UnknownNameError: no such point.
+        """
+        return np.asarray(np.abs(self._of(point)).max(axis=0))
+
+    def _of(self, point: str) -> Array:
+        if point not in self.acceleration:
+            raise UnknownNameError("point", point, self.acceleration)
+        return self.acceleration[point]
+
+    def columns(self) -> dict[str, Array]:
+        """Time, the points' displacement, velocity and acceleration, and floor and shaking force, as columns with units."""
+        columns = {"time [s]": self.time}
+        quantities = (
+            ("displacement", "m", self.displacement),
+            ("velocity", "m/s", self.velocity),
+            ("acceleration", "m/s2", self.acceleration),
+        )
+        for quantity, unit, by_point in quantities:
+            for point, values in by_point.items():
+                columns |= {f"{quantity}_{point}_{axis} [{unit}]": values[:, i] for i, axis in enumerate("xyz")}
+        for name, unit, values in (
+            ("floor_force", "N", self.floor_force),
+            ("floor_moment", "N m", self.floor_moment),
+            ("shaking_force", "N", self.shaking_force),
+        ):
+            columns |= {f"{name}_{axis} [{unit}]": values[:, i] for i, axis in enumerate("xyz")}
+        return columns
+
+    def to_csv(self, path: str | os.PathLike[str]) -> None:
+        """Write the columns, one state a line, full precision, units in the header."""
+        tables.write_csv(path, self.columns())
+
+    def to_frame(self) -> "tables.DataFrame":
+        """The columns as a pandas DataFrame."""
+        return tables.frame(self.columns())
+
+
+def spread(force: Array) -> float:
+    """Root of the mean square of a vector (n, 3) about its mean."""
+    return float(np.sqrt((force.std(axis=0) ** 2).sum()))
+
+
+def _fixed(array: Array) -> Array:
+    array = np.array(array)
+    array.setflags(write=False)
+    return array

@@ -1,0 +1,210 @@
+"""An idle press on its mounts over its range of speeds, and what its mounts pass on.
+
+Idle and at constant speed the shaking wrench is a part that the weights of the moving links give, the same at all speeds, and one that
+grows with the speed squared; both are found from two cycles, and with them every speed at once.
+"""
+
+import os
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ..common import tables
+from ..common.arguments import typed
+from ..common.arrays import Array, ComplexArray
+from ..common.checks import finite_numbers
+from ..common.errors import PinpressError, shown
+from ..common.frozen import Frozen, FrozenMapping
+from ..common.units import RPM
+from ..dynamics.inverse_dynamics import Reactions, inverse_dynamics
+from ..kinematics.motion import cycle
+from ..linkage.linkage import Linkage
+from .excitation import forcing
+from .frame_motion import NOTHING
+from .matrices import rows_at
+from .mounted_press import MountedPress
+from .response import Points, mount_forces, named_points, resolved, solved
+
+STATES = 360  # of a turn: harmonics to order 179
+ROUNDED = 1e-14  # of the largest force: harmonics that are rounding, left out
+AXES = {"x": 0, "y": 1, "z": 2}
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class SpeedResponse(Frozen):
+    """Steady vibration of an idle press at each of (s,) speeds. All arrays are read-only.
+
+    Attributes:
+        speed: (s,) of the crank [rad/s].
+        rms, peak: name of a point -> (s, 3) acceleration [m/s2]; displacement: name -> (s, 3) largest displacement [m].
+        shaking_force, floor_force: (s,) root of the mean of the squares, all components together, beside the weight [N].
+    """
+
+    press: str
+    speed: Array
+    rms: Mapping[str, Array]
+    peak: Mapping[str, Array]
+    displacement: Mapping[str, Array]
+    shaking_force: Array
+    floor_force: Array
+
+    def __repr__(self) -> str:
+        return f"<SpeedResponse of {self.press}: {len(self.speed)} speeds>"
+
+    def __str__(self) -> str:
+        head = "".join(f"{point + ' [m/s2]':>20}" for point in self.rms)
+        lines = [
+            f"{self.press} idle on its mounts: root mean square of the acceleration, all directions",
+            f"  {'speed':>14}{head}{'shaking':>14}{'floor':>14}",
+        ]
+        for k, speed in enumerate(self.speed):
+            size = "".join(f"{np.linalg.norm(values[k]):20.4g}" for values in self.rms.values())
+            lines.append(f"  {speed / RPM:6.4g} per min{size}{self.shaking_force[k]:12.4g} N{self.floor_force[k]:12.4g} N")
+        return "\n".join(lines)
+
+    @property
+    def transmitted(self) -> Array:
+        """(s,) force on the floor by shaking force [-].
+
+        Raises:
+            PinpressError: nothing shakes at one of the speeds.
+        """
+        if not self.shaking_force.all():
+            raise PinpressError(f"no force of {self.press} shakes the frame: there is nothing to transmit")
+        return self.floor_force / self.shaking_force
+
+    def growth(self, point: str) -> Array:
+        """(s,) exponent p with which a point's acceleration, all directions, grows as speed^p, from speed to speed.
+
+        2 on mounts far stiffer than the speed; more towards a resonance. Needs two speeds, and a point that vibrates.
+        """
+        size = np.linalg.norm(self.rms[point], axis=1)
+        if len(size) < 2 or not size.all():
+            raise PinpressError(f"the growth of {shown(point)} needs two speeds at which it vibrates")
+        return np.asarray(np.gradient(np.log(size), np.log(self.speed)))
+
+    def columns(self) -> dict[str, Array]:
+        """Speed, accelerations and displacements of the points, and the forces, as columns with units."""
+        columns = {"speed [rad/s]": self.speed}
+        for quantity, unit, by_point in (("rms", "m/s2", self.rms), ("peak", "m/s2", self.peak), ("displacement", "m", self.displacement)):
+            for point, values in by_point.items():
+                columns |= {f"{quantity}_{point}_{axis} [{unit}]": values[:, i] for axis, i in AXES.items()}
+        return columns | {"shaking_force [N]": self.shaking_force, "floor_force [N]": self.floor_force}
+
+    def to_csv(self, path: str | os.PathLike[str]) -> None:
+        """Write the columns, one speed a line, full precision, units in the header."""
+        tables.write_csv(path, self.columns())
+
+    def to_frame(self) -> "tables.DataFrame":
+        """The columns as a pandas DataFrame."""
+        return tables.frame(self.columns())
+
+
+@typed
+def over_speeds(system: MountedPress, speeds: ArrayLike, points: Points) -> SpeedResponse:
+    """The steady vibration of the idle press at many speeds.
+
+    Args:
+        speeds: (s,) of the crank, rising, positive [rad/s]. points: as of `frame_response.steady_response`.
+
+    Raises:
+        PinpressError: speeds that are none, points that are none.
+    """
+    speed, rows = rising("speeds", speeds), named_points(system, points)
+    frequency, harmonics = spectra(system, speed)
+    amplitude = solved(system, frequency, harmonics)
+    amplitude[:, 0] = 0.0  # what does not vibrate: rounding of the weight
+    states = _states(system)
+    by_point = {name: np.einsum("ij,skj->ski", at, amplitude) for name, at in rows.items()}
+    acceleration = {name: -(frequency[..., None] ** 2) * values for name, values in by_point.items()}
+    return SpeedResponse(
+        press=system.press.name,
+        speed=_fixed(speed),
+        rms=FrozenMapping({name: _fixed(_rms(values, states)) for name, values in acceleration.items()}),
+        peak=FrozenMapping({name: _fixed(_largest(values, states)) for name, values in acceleration.items()}),
+        displacement=FrozenMapping({name: _fixed(_largest(values, states)) for name, values in by_point.items()}),
+        shaking_force=_fixed(shaking_rms(system, harmonics)),
+        floor_force=_fixed(floor_rms(system, frequency, amplitude)),
+    )
+
+
+@typed
+def transmissibility(system: MountedPress, frequency: ArrayLike, axis: str = "z") -> Array:
+    """(f,) force on the floor along an axis by that of a harmonic force along it, through the mean centre of mass [-].
+
+    Args:
+        frequency: (f,) angular frequencies, rising, positive [rad/s]. axis: "x", "y" or "z".
+
+    Raises:
+        PinpressError: frequencies or an axis that are none.
+    """
+    if not isinstance(axis, str) or axis not in AXES:
+        raise PinpressError(f"axis is {shown(axis)}: write 'x', 'y' or 'z'")
+    w = rising("frequency", frequency)
+    force = rows_at(system.parts, system.parts - 1, system.centre)[AXES[axis]]
+    amplitude = solved(system, w, np.broadcast_to(force.astype(complex), (len(w), len(force))))
+    return np.asarray(np.abs(mount_forces(system, w, amplitude).sum(axis=1)[:, AXES[axis]]))
+
+
+def spectra(system: MountedPress, speed: Array) -> tuple[Array, ComplexArray]:
+    """Angular frequencies (s, k) and one-sided harmonics (s, k, n) of the wrench on the frame, as `numpy.fft.rfft` has them over the
+    states of a period. The last ones, that are rounding, are left out."""
+    press, fast = system.press, float(speed[-1])
+    one, two = (forcing(system, _idle(press, some), None) for some in (fast, 2 * fast))
+    growing = (two - one) / (3 * fast**2)
+    size = max(np.abs(one).max(), np.abs(system.weight[:3]).max())
+    states = _states(system)
+    constant, squared = (resolved(np.fft.rfft(part, axis=0), states, size) for part in (one - fast**2 * growing, fast**2 * growing))
+    there = np.flatnonzero(np.maximum(np.abs(constant), np.abs(squared)).max(axis=1) > ROUNDED * states * size)
+    orders = int(there[-1]) + 1 if len(there) else 1
+    harmonics = constant[:orders] + (speed[:, None, None] / fast) ** 2 * squared[:orders]
+    return speed[:, None] * (np.arange(harmonics.shape[1]) / press.period_turns), harmonics
+
+
+def shaking_rms(system: MountedPress, harmonics: ComplexArray) -> Array:
+    """(s,) of the shaking force [N], zero where it is rounding."""
+    force = sum(harmonics[..., 6 * part : 6 * part + 3] for part in range(system.parts))
+    size = np.sqrt((_rms(np.asarray(force), _states(system)) ** 2).sum(axis=1))
+    return np.asarray(np.where(size > NOTHING * np.abs(system.weight[:3]).max(), size, 0.0))
+
+
+def floor_rms(system: MountedPress, frequency: Array, amplitude: ComplexArray) -> Array:
+    """(s,) of the force on the floor [N]."""
+    return np.asarray(np.sqrt((_rms(mount_forces(system, frequency, amplitude).sum(axis=-2), _states(system)) ** 2).sum(axis=1)))
+
+
+def rising(name: str, given: ArrayLike) -> Array:
+    """An array (s,) of positive, rising numbers, at least one.
+
+    Raises:
+        PinpressError: it is none.
+    """
+    values = finite_numbers(given)
+    if values is None or values.ndim != 1 or not len(values) or values[0] <= 0 or (np.diff(values) <= 0).any():
+        raise PinpressError(f"{name} is {shown(given)}: give an array of positive numbers, rising [rad/s]")
+    return values
+
+
+def _idle(press: Linkage, speed: float) -> Reactions:
+    return inverse_dynamics(press, cycle(press, speed, STATES * press.period_turns), bearings=())
+
+
+def _states(system: MountedPress) -> int:
+    """States of a period."""
+    return STATES * system.press.period_turns
+
+
+def _rms(harmonics: ComplexArray, states: int) -> Array:
+    """Root mean square (s, ...) of what has these harmonics (s, k, ...), about its mean."""
+    return np.asarray(np.sqrt(2 * (np.abs(harmonics[:, 1:]) ** 2).sum(axis=1)) / states)
+
+
+def _largest(harmonics: ComplexArray, states: int) -> Array:
+    return np.asarray(np.abs(np.fft.irfft(harmonics, states, axis=1)).max(axis=1))
+
+
+def _fixed(array: Array) -> Array:
+    array.setflags(write=False)
+    return array

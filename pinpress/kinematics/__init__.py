@@ -1,0 +1,1 @@
+"""The `Motion` of a linkage, and what is read off it."""

@@ -1,0 +1,121 @@
+"""Closed configurations of a linkage at any positions of its drivers, on the assembly that was drawn."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from ..common.arrays import Array
+from ..common.errors import AssemblyError, PinpressError, SingularityError
+from ..engines.branch import LARGEST_CORRECTION, Branch, predict
+from ..engines.closure import ACCEPTED, Closure, joined
+from ..engines.continuation import Lock, follow
+from ..engines.planar.inverse_dynamics import PIECE
+from ..engines.spatial import model as spatial
+from ..linkage.linkage import Linkage
+
+MANY_PERIODS = 1000  # beyond which a crank angle's rounding is seen in the gaps of loops
+FARTHEST = 1e7  # beyond which the rounding of a crank angle exceeds 1e-9, and the slide is no longer where the angle says [rad]
+
+
+def refuse_far(name: str, angles: Array) -> None:
+    """Raise PinpressError where crank angles of any shape [rad] are so large that their rounding would be seen in the results."""
+    worst = float(angles.flat[int(np.abs(angles).argmax())])
+    if abs(worst) > FARTHEST:
+        raise PinpressError(
+            f"{name} is {worst:.6g} rad, {abs(worst) / (2 * np.pi):.3g} turns away: numbers as large are {np.spacing(abs(worst)):.1g} rad"
+            f" apart, and the slide would be somewhere else; stay within {FARTHEST:g} rad, take whole turns off"
+        )
+
+
+def closed(press: Linkage, branch: Branch, angles: Array, engine: str) -> Closure:
+    """Closed configurations at crank angles (n,) on a branch, in pieces that stay in the cache; ``engine`` as of `cycle`.
+
+    Raises:
+        SingularityError: the linkage locks before it gets there.
+        AssemblyError: the loops do not close.
+    """
+    if branch.change_points:
+        return _through(press, branch, angles, engine)
+    if branch.period is not None and np.abs(angles).max() > MANY_PERIODS * branch.period:
+        return _far(press, branch, angles, engine)
+    if len(angles) <= PIECE:
+        return _piece(press, angles, predict(branch, angles), engine)
+    parts = [angles[start : start + PIECE] for start in range(0, len(angles), PIECE)]
+    return joined([_piece(press, part, predict(branch, part), engine) for part in parts])
+
+
+def _far(press: Linkage, branch: Branch, angles: Array, engine: str) -> Closure:
+    """Closed configurations many periods away: closed within one period, as the rounding of large angles is a gap, and moved on."""
+    assert branch.period is not None
+    turns = np.floor(angles / branch.period)
+    closure = closed(press, branch, angles - turns * branch.period, engine)
+    position = closure.position + branch.advance[:, None] * turns
+    position[press.spatial.drivers[0]] = angles
+    return replace(closure, position=position)
+
+
+def _through(press: Linkage, branch: Branch, angles: Array, engine: str) -> Closure:
+    """Closed configurations of a branch with change points, beside which its polynomials stand for the equations."""
+    turns = np.zeros(len(angles)) if branch.period is None else np.floor((angles - branch.angles[0]) / branch.period)
+    local = angles - turns * (branch.period or 0.0)
+    position, first, second = (np.empty((press.model.nv, len(angles))) for _ in range(3))
+    regular = np.ones(len(angles), dtype=bool)
+    for point in branch.change_points:
+        beside = np.abs(local - point.angle) < point.inner
+        position[:, beside], first[:, beside], second[:, beside] = point.at(local[beside])
+        regular &= ~beside
+    if regular.any():
+        closure = closed(press, replace(branch, change_points=()), local[regular], engine)
+        position[:, regular], first[:, regular], second[:, regular] = closure.position, closure.first, closure.second
+    gap = press.gaps(position)
+    if not gap.max() <= ACCEPTED * press.spatial.tolerance:
+        raise AssemblyError("the loops do not close", float(angles[int(gap.argmax())]), float(gap.max()), 0)
+    position += branch.advance[:, None] * turns
+    position[press.spatial.drivers[0]] = angles
+    return Closure(position, first, second, gap, float(gap.max()), 0)
+
+
+def followed(press: Linkage, angles: Array) -> Array:
+    """Closed positions (nv, n) of a linkage with several drivers at positions (n, drivers), each followed from the one before.
+
+    Raises:
+        SingularityError: the linkage locks on the way.
+    """
+    equations, tolerance = press.spatial.equations(), ACCEPTED * press.spatial.tolerance
+    position, before, positions = press.closed, np.zeros(len(press.drivers)), []
+    for after in angles:
+        distance = float(np.linalg.norm(after - before))
+        along = (after - before) / distance if distance else np.zeros_like(after)
+
+        def close(at: Array, guess: Array, before: Array = before, along: Array = along) -> Closure:
+            drivers = before[:, None] + np.multiply.outer(along, at)
+            return spatial.close(press.spatial, equations, drivers, list(along), guess)
+
+        end = follow(close, position, distance, press.spatial.size, tolerance)
+        if isinstance(end, Lock):
+            raise SingularityError(
+                f"{press.name} locks between driver positions {np.degrees(before).round(3)} and {np.degrees(after).round(3)} deg",
+                float((before + end.angle * along)[0]),
+                end.margin,
+            )
+        positions.append(end)
+        position, before = end, after
+    return np.array(positions).T
+
+
+def _piece(press: Linkage, angles: Array, guess: Array, engine: str) -> Closure:
+    closure = press.close(angles, guess, engine)
+    tolerance = ACCEPTED * (press.planar(engine) or press.spatial).tolerance
+    near = LARGEST_CORRECTION * (1 + press.spatial.size)  # another assembly would be far from the prediction
+    if closure.widest <= tolerance and closure.iterations == 0:
+        return closure
+    moved = np.abs(closure.position - guess).max(axis=0)
+    if not (closure.widest <= tolerance and moved.max() <= near):
+        worst = int(np.argmin((closure.gap <= tolerance) & (moved <= near)))
+        raise AssemblyError(
+            f"the loops of {press.name} do not close on the drawn branch",
+            float(angles[worst]),
+            float(closure.gap[worst]),
+            closure.iterations,
+        )
+    return closure

@@ -1,0 +1,102 @@
+"""Where the slide turns back."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..common.arguments import typed
+from ..common.arrays import Array
+from ..common.errors import PinpressError
+from ..engines.branch import beyond
+from ..linkage.linkage import Linkage
+from .motion import carried
+
+ROUNDING = 4 * float(np.finfo(float).eps)  # of a crank angle [rad]
+MOST_STEPS = 60  # halve half a degree down to that
+SAMPLES = 720  # per turn; two dead centres closer than half a degree would be taken for none
+EQUAL = 1e-9  # of the stroke: slide positions that differ by less differ by rounding
+
+
+@dataclass(frozen=True)
+class DeadCentres:
+    """Outermost turning points of the slide along its guide's axis over one period; of equal ones the first.
+
+    Attributes:
+        turns: of the driver, after which the slide is where it was; all that moves with it may be back only later
+            (`Linkage.period_turns`).
+        top_angle, bottom_angle: of the driver joint, from 0 to the end of these turns [rad]. top: the far end along the axis, upwards in an
+            upright press.
+        top_position, bottom_position: of the slide [m].
+    """
+
+    top_angle: float
+    top_position: float
+    bottom_angle: float
+    bottom_position: float
+    turns: int
+
+    @property
+    def stroke(self) -> float:
+        """Distance between the dead centres [m]."""
+        return self.top_position - self.bottom_position
+
+
+@typed
+def dead_centres(press: Linkage) -> DeadCentres:
+    """Dead centres of a press whose crank turns fully, to rounding: zeros of the slide's speed, found once and kept with the press.
+
+    Raises:
+        PinpressError: the linkage has no slide, its slide never turns back, or it is not back after many turns.
+        SingularityError: the linkage locks within the period.
+    """
+    return press.dead_centres
+
+
+def stroke_turns(press: Linkage) -> int | None:
+    """Turns of the driver from stroke to stroke; of a linkage without dead centres those of its period, None where it has none."""
+    try:
+        return dead_centres(press).turns
+    except PinpressError:
+        return press.turns_until_back
+
+
+def found(press: Linkage) -> DeadCentres:
+    """The same, worked out."""
+    _ = press.slide_guide  # it has a slide
+    period = press.passage.period
+    if period is None:
+        raise beyond(press.passage, upwards=press.passage.locks[True] is not None)
+
+    def slide(angle: Array) -> tuple[Array, Array, Array]:
+        motion = carried(press, angle, 1.0)
+        return motion.slide_position, motion.slide_velocity, motion.slide_acceleration
+
+    # A press is often drawn at a dead centre: a grid that starts off the drawn pose has no sample on it.
+    samples = np.linspace(0.0, period, round(SAMPLES * period / (2 * np.pi)) + 1) - 0.38 * np.pi / SAMPLES
+    way, speeds, _ = slide(samples)
+    turning = np.flatnonzero(np.signbit(speeds[:-1]) != np.signbit(speeds[1:]))
+    if len(turning) < 2:
+        raise PinpressError(f"the slide of {press.name} does not turn back within its period: it has no dead centres")
+    low, high = samples[turning], samples[turning + 1]
+    before, angles = np.signbit(speeds[turning]), 0.5 * (low + high)
+    for _ in range(MOST_STEPS):
+        _, velocity, acceleration = slide(angles)
+        same = np.signbit(velocity) == before
+        low, high = np.where(same, angles, low), np.where(same, high, angles)
+        with np.errstate(all="ignore"):  # Newton's method, fenced in: where it leads out, or nowhere, halves
+            closer = angles - velocity / acceleration
+        last, angles = angles, np.where((closer >= low) & (closer <= high), closer, 0.5 * (low + high))
+        if np.abs(angles - last).max() <= ROUNDING:
+            break
+    positions = slide(angles)[0]
+    angles = np.where(np.abs(angles) < 1e-12, 0.0, angles % period)  # not 360 degrees for one drawn there
+    top, bottom = (int(np.argmax(sign * positions >= (sign * positions).max() - EQUAL * np.ptp(positions))) for sign in (1, -1))
+    turns = _turns(way[:-1], round(period / (2 * np.pi)))
+    return DeadCentres(float(angles[top]), float(positions[top]), float(angles[bottom]), float(positions[bottom]), turns)
+
+
+def _turns(positions: Array, turns: int) -> int:
+    """Turns after which positions (n,) of the slide, equally spaced over so many turns, come again."""
+    by_turn = positions.reshape(turns, -1)
+    least = EQUAL * float(np.ptp(positions))
+    return next(t for t in range(1, turns + 1) if np.abs(np.roll(by_turn, t, axis=0) - by_turn).max() <= least)

@@ -1,0 +1,316 @@
+"""The motion of a linkage: every configuration closed, with exact rates, from the motion of its driver."""
+
+import math
+import os
+from dataclasses import dataclass, field, fields
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ..common import plausibility, tables
+from ..common.arguments import typed
+from ..common.arrays import Array, ComplexArray
+from ..common.checks import numbers, whole_number
+from ..common.errors import PinpressError
+from ..common.frozen import Frozen
+from ..engines.branch import Branch, beyond
+from ..engines.closure import Closure
+from ..engines.coordinates import Slot, configuration
+from ..engines.spatial import model as spatial
+from ..linkage.linkage import Linkage
+from .configurations import closed, followed, refuse_far
+
+"""One revolution per minute [rad/s]."""
+
+POINTS = 360  # of a turn
+MOST_POINTS = 10**7  # states of one period: half a gigabyte for every quantity of a six-bar press
+KEPT = 1e6  # roundings of time that a step must have, for its length to be known
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Motion(Frozen):
+    """States of a linkage, n of them, closed. All arrays are read-only.
+
+    Attributes:
+        linkage: its name. drivers: its driver joints. joints: names in the order of v.
+        crank_angle, crank_speed, crank_acceleration: (n,) of the driver joint, the angle unwrapped [rad, rad/s, rad/s2]; (n, drivers)
+            where there are several.
+        joint_position: (n, nv) joint coordinates, zero in the drawn pose, angles unwrapped [rad or m].
+        v, a: (n, nv) in Pinocchio's order [rad/s or m/s, rad/s2 or m/s2]. q: (n, nq) the configurations.
+        closure_error: (n,) largest distance between the two sides of a loop [m].
+        time: (n,) [s]. See `cycle` for states that are not in time.
+        slide_position, slide_velocity, slide_acceleration: (n,) of the slide link's origin along its guide's axis in world coordinates,
+            positive along the axis (upwards) [m, m/s, m/s2].
+        period_turns: as of `Linkage`; None where the linkage has no period, or several drivers.
+    """
+
+    linkage: str
+    drivers: tuple[str, ...]
+    joints: tuple[str, ...]
+    crank_angle: Array
+    crank_speed: Array
+    crank_acceleration: Array
+    joint_position: Array
+    v: Array
+    a: Array
+    closure_error: Array
+    _time: Array | None
+    _slots: tuple[Slot, ...]
+    _guide: tuple[int, float] | None
+    period_turns: int | None
+    # Not taken over by dataclasses.replace: a motion with other positions must not keep the basis of this one.
+    _closed_as: tuple[Linkage, ComplexArray] | None = field(default=None, init=False)
+
+    def __repr__(self) -> str:
+        return f"<Motion of {self.linkage}: {len(self.crank_angle)} states>"
+
+    def basis(self, press: Linkage) -> ComplexArray | None:
+        """The planar engine's basis of these states (see `plane`), where it closed them for this same linkage; else None."""
+        return self._closed_as[1] if self._closed_as is not None and self._closed_as[0] is press else None
+
+    @property
+    def time(self) -> Array:
+        if self._time is None:
+            raise PinpressError("these states are no motion in time (angle and speed do not fit together): pass time= to cycle")
+        return self._time
+
+    @cached_property
+    def q(self) -> Array:
+        return _fixed(configuration(self._slots, self.joint_position.T).T)
+
+    @cached_property
+    def slide_position(self) -> Array:
+        guide, offset = self._slide()
+        return _fixed(self.joint_position[:, guide] + offset)
+
+    @property
+    def crank_degrees(self) -> Array:
+        """(n,) crank angle within one period, of several drivers that of the first [deg]: 0 to 360, or to as many turns as the period has;
+        unwrapped where there is none."""
+        degrees = np.degrees(self.crank_angle.reshape(len(self.crank_angle), -1)[:, 0])
+        return degrees if self.period_turns is None else np.asarray(degrees % (360.0 * self.period_turns))
+
+    @property
+    def slide_velocity(self) -> Array:
+        return self.v[:, self._slide()[0]]
+
+    @property
+    def slide_acceleration(self) -> Array:
+        return self.a[:, self._slide()[0]]
+
+    def columns(self) -> dict[str, Array]:
+        """All quantities as (n,) columns under their names with units, as `to_csv` writes them."""
+        columns = {} if self._time is None else {"time [s]": self._time}
+        for name, unit, values in (
+            ("crank_angle", "rad", self.crank_angle),
+            ("crank_speed", "rad/s", self.crank_speed),
+            ("crank_acceleration", "rad/s2", self.crank_acceleration),
+        ):
+            columns |= tables.by_driver(name, unit, values, self.drivers)
+        if self._guide is not None:
+            columns |= {
+                "slide_position [m]": self.slide_position,
+                "slide_velocity [m/s]": self.slide_velocity,
+                "slide_acceleration [m/s2]": self.slide_acceleration,
+            }
+        return columns | {"closure_error [m]": self.closure_error}
+
+    def to_csv(self, path: str | os.PathLike[str]) -> None:
+        """Write the columns, one state a line, full precision, units in the header."""
+        tables.write_csv(path, self.columns())
+
+    def to_frame(self) -> "tables.DataFrame":
+        """The columns as a pandas DataFrame."""
+        return tables.frame(self.columns())
+
+    def to_mat(self, path: str | os.PathLike[str]) -> None:
+        """Write a MATLAB file with one vector a column (names without units) and the matrices q, v, a."""
+        tables.write_mat(path, self.columns() | {"q": self.q, "v": self.v, "a": self.a})
+
+    def _slide(self) -> tuple[int, float]:
+        if self._guide is None:
+            raise PinpressError(f"{self.linkage} has no slide: name a link that the frame guides, load(..., slide=...)")
+        return self._guide
+
+
+@typed
+def cycle(
+    press: Linkage,
+    speed: ArrayLike | None = None,
+    points: int | None = None,
+    angle: ArrayLike | None = None,
+    acceleration: ArrayLike | None = None,
+    time: ArrayLike | None = None,
+    engine: str = "auto",
+) -> Motion:
+    """The motion of a press: one period at constant speed, or a servo motion.
+
+    The period is one turn of the crank. Only where gear ratios bring the linkage back later is it several turns, see
+    `Linkage.period_turns`: so peaks and extremes over it are those of all turns.
+
+    Args:
+        speed: of the driver joint [rad/s]; it must be given. One number, with ``points`` in all (default 360 a turn): one period from crank
+            angle 0 in equal steps, the end left out, backwards where it is negative. With ``angle``: (n,) or one number.
+        angle, acceleration: (n,) of the driver joint, any angles up to 1e7 rad in any order [rad, rad/s2]; ``acceleration`` may be one
+            number. A linkage with several drivers takes (n, drivers) of all three, in the order of `Linkage.drivers`; there the assembly
+            is followed from the drawn pose to the first state and from state to state, on straight lines between the drivers' positions.
+            An acceleration that is not given is 0.
+        time: (n,) of a servo motion, rising [s]. By default it is found from angle and speed by the trapezoidal rule; states in which
+            these do not fit together have no time, and `Motion.time` says so.
+        engine: "plane" (all crank angles at once), "pinocchio" (any linkage), or "auto": the plane where the linkage is planar.
+
+    Raises:
+        PinpressError: no speed, a number that is not finite, arrays of different lengths, fewer than two points, a period at speed zero,
+            or of a linkage that is not back after many turns.
+        SingularityError: the linkage locks within the motion.
+        AssemblyError: the loops do not close.
+
+    Warns:
+        PinpressWarning: what is hardly meant: a speed that varies without an acceleration, angle, speed and acceleration that are not each
+            other's derivatives over the ``time`` given, speeds above 1000 rad/s.
+    """
+    press.planar(engine)  # refuses an engine that does not suit before anything is computed
+    if speed is None:
+        raise PinpressError(
+            "cycle needs the speed of the driver [rad/s]: give one number for a period, cycle(press, 7.0), or beside angle the speeds of"
+            " all states, e.g. speed=numpy.gradient(angle, time)"
+        )
+    if angle is None:
+        angles, speeds, accelerations, times = _period(press, press.branch, speed, points, acceleration, time)
+    else:
+        if points is not None:
+            raise PinpressError("points goes with one period at constant speed: leave it out where angle is given")
+        angles, speeds, accelerations, times = _servo(angle, speed, 0.0 if acceleration is None else acceleration, time, len(press.drivers))
+        given = None if acceleration is None else accelerations, None if time is None else times
+        plausibility.servo_motion(angles, speeds, *given)
+    plausibility.speeds("speed", speeds)
+    branch = None if len(press.drivers) > 1 else press.branch
+    return _states(press, branch, angles, speeds, accelerations, times, engine)
+
+
+def carried(press: Linkage, angle: Array, speed: Array | float, acceleration: Array | float = 0.0, time: Array | None = None) -> Motion:
+    """As `cycle` of a linkage with one driver and states (n,), but through change points (`Linkage.passage`), where momentum decides."""
+    angles, speeds, accelerations, times = _servo(angle, speed, acceleration, time, 1)
+    return _states(press, press.passage, angles, speeds, accelerations, times, "auto")
+
+
+def _states(
+    press: Linkage, branch: Branch | None, angles: Array, speeds: Array, accelerations: Array, times: Array | None, engine: str
+) -> Motion:
+    """The motion with these driver angles, speeds and accelerations (n,), (n, drivers) where there is no one branch."""
+    closure = None if branch is None else closed(press, branch, angles, engine)
+    with np.errstate(all="ignore"):  # what overflows is refused below
+        if closure is None:
+            position = followed(press, angles)
+            v, a, gap = spatial.rates(press.spatial, position, speeds.T, accelerations.T)
+        else:
+            position, gap = closure.position, closure.gap
+            even = not accelerations.any() and np.all(speeds == speeds[0])
+            v, a = _rates(closure, speeds[0] if even else speeds, None if even else accelerations)
+        finite = math.isfinite(a.sum())  # the accelerations have the squares of the speeds in them
+    if not finite:
+        raise PinpressError(f"the motion of {press.name} is too fast for floating point: lower speed and acceleration")
+    motion = of_states(press, position, v, a, gap, times, None if branch is None or branch.period is None else press.turns_until_back)
+    if closure is not None and closure.basis is not None:
+        object.__setattr__(motion, "_closed_as", (press, closure.basis))
+    return motion
+
+
+def as_prescribed(motion: Motion, press: Linkage) -> Motion:
+    """The same states, prescribed to a linkage that moves alike. A run belongs to the press that was simulated: of it, the motion alone."""
+    kept = {each.name: getattr(motion, each.name) for each in fields(Motion) if each.init}
+    return Motion(**(kept | {"linkage": press.name, "period_turns": press.turns_until_back}))
+
+
+def of_states(
+    press: Linkage, position: Array, v: Array, a: Array, gap: Array, times: Array | None, period_turns: int | None = None
+) -> Motion:
+    """The motion with these closed states: joint coordinates, rates and accelerations (nv, n), gaps (n,) and times (n,)."""
+    general = press.spatial
+    drivers = general.drivers[0] if len(press.drivers) == 1 else list(general.drivers)
+    return Motion(
+        linkage=press.name,
+        drivers=press.drivers,
+        joints=press.joints,
+        crank_angle=_fixed(position.T[:, drivers].copy()),
+        crank_speed=_fixed(v.T[:, drivers].copy()),
+        crank_acceleration=_fixed(a.T[:, drivers].copy()),
+        joint_position=_fixed(position.T),
+        v=_fixed(v.T),
+        a=_fixed(a.T),
+        closure_error=_fixed(gap),
+        _time=None if times is None else _fixed(times),
+        _slots=general.slots,
+        _guide=None if press.slide is None else press.slide_guide,
+        period_turns=period_turns,
+    )
+
+
+def _rates(closure: Closure, speed: Array | np.float64, acceleration: Array | None) -> tuple[Array, Array]:
+    """Joint rates and accelerations (nv, n) from those of the driver, (n,) or one number; acceleration None for none."""
+    a = closure.second * (speed * speed)
+    if acceleration is not None:
+        a += closure.first * acceleration
+    return closure.first * speed, a
+
+
+def _period(
+    press: Linkage, branch: Branch, speed: ArrayLike, points: int | None, acceleration: ArrayLike | None, time: ArrayLike | None
+) -> tuple[Array, Array, Array, Array | None]:
+    given = numbers("speed", speed)
+    if given.ndim:
+        raise PinpressError("speed is an array, but a turn at constant speed takes one number: give angle too, for a servo motion")
+    rate = float(given)
+    if branch.period is None:  # a prescribed turn does not go through change points
+        raise beyond(branch, upwards=rate > 0)
+    turns = press.period_turns
+    period = 2 * np.pi * turns
+    if not (rate and math.isfinite(period / rate)):
+        raise PinpressError(f"speed is {abs(rate):g}: a turn never ends; give a speed [rad/s], e.g. 70 * pinpress.RPM")
+    if time is not None or not (acceleration is None or (np.isscalar(acceleration) and acceleration == 0.0)):
+        raise PinpressError("time and acceleration belong to a servo motion: give angle too")
+    count = POINTS * turns if points is None else whole_number("points", points, 2, MOST_POINTS)
+    angles: Array = np.arange(count, dtype=float) * (math.copysign(period, rate) / count)
+    return angles, np.full(count, rate), np.zeros(count), angles / rate
+
+
+def _servo(
+    angle: ArrayLike, speed: ArrayLike, acceleration: ArrayLike, time: ArrayLike | None, drivers: int
+) -> tuple[Array, Array, Array, Array | None]:
+    given = {"angle": angle, "speed": speed, "acceleration": acceleration} | ({} if time is None else {"time": time})
+    arrays = {name: numbers(name, values) for name, values in given.items()}
+    angles = arrays["angle"]
+    if drivers == 1 and (angles.ndim != 1 or len(angles) == 0):
+        raise PinpressError(f"angle has shape {angles.shape}: give (n,) crank angles [rad]")
+    if drivers > 1 and (angles.ndim != 2 or len(angles) == 0 or angles.shape[1] != drivers):
+        raise PinpressError(f"angle has shape {angles.shape}: give (n, {drivers}), the angles of all drivers [rad]")
+    for name, values in arrays.items():
+        shape = angles.shape[:1] if name == "time" else angles.shape
+        if values.shape != shape and not (values.ndim == 0 and name in ("speed", "acceleration")):
+            raise PinpressError(f"{name} has shape {values.shape}, but angle has {angles.shape}")
+    refuse_far("angle", angles)
+    speeds, accelerations = (np.broadcast_to(arrays[name], angles.shape).copy() for name in ("speed", "acceleration"))
+    if "time" not in arrays:
+        return angles, speeds, accelerations, _times(angles if drivers == 1 else angles[:, 0], speeds if drivers == 1 else speeds[:, 0])
+    steps = np.diff(arrays["time"])
+    if np.any(steps <= 0):
+        raise PinpressError("time does not rise throughout")
+    if len(steps) and steps.min() < KEPT * np.spacing(np.abs(arrays["time"]).max()):
+        latest = np.abs(arrays["time"]).max()
+        raise PinpressError(f"time is up to {latest:g} s, where its steps are lost in rounding: count it from where the motion begins")
+    return angles, speeds, accelerations, arrays["time"]
+
+
+def _times(angles: Array, speeds: Array) -> Array | None:
+    """Time (n,) from 0 by the trapezoidal rule, None where angles and speeds do not belong together."""
+    with np.errstate(all="ignore"):
+        steps = 2 * np.diff(angles) / (speeds[1:] + speeds[:-1])
+    if not np.all(np.isfinite(steps) & (steps > 0)):
+        return None
+    return np.concatenate([[0.0], np.cumsum(steps)])
+
+
+def _fixed(array: Array) -> Array:
+    array.setflags(write=False)
+    return array

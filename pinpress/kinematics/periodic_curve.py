@@ -1,0 +1,169 @@
+"""A quantity over one period at constant speed of the crank, between the states as smooth as they let it be.
+
+A *place* is a number of states since the first one, a fraction included: the period of n states goes from place 0 to n and begins again
+there. From state to state the quantity is the quintic with its value, slope and curvature at both: it misses a smooth motion by the sixth
+power of the step.
+
+Everything is analytic in the quantity, so that derivatives by the complex-step method pass through: numbers may have imaginary parts, the
+tiny changes with a parameter, while all decisions are made on real parts.
+"""
+
+import cmath
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Protocol, runtime_checkable
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..common.arrays import Array, ComplexArray
+from ..common.errors import PinpressError
+
+MISSED = 1e-5  # of the quantity's range: what the end-corrected trapezoidal rule may miss the next state by; measures err by less
+UNEQUAL = 1e-9  # difference of steps of the crank angle [rad], or of crank speeds beside them, that is none
+ROUNDING = 4 * float(np.finfo(float).eps)  # of a place
+MOST_STEPS = 60  # halve a step down to that
+
+Numbers = NDArray[np.float64] | NDArray[np.complex128]
+
+ValueAndSlope = Callable[[Numbers], tuple[ComplexArray, ComplexArray]]
+"""Places (m,) -> a quantity there and its derivative by the place, (m,) each."""
+
+
+@runtime_checkable
+class CrankMotion(Protocol):
+    """What is needed to know of a crank: angle [rad] and speed [rad/s], (n,) each, and the turns of a period. A `Motion` is one."""
+
+    @property
+    def crank_angle(self) -> Numbers: ...
+    @property
+    def crank_speed(self) -> Numbers: ...
+    @property
+    def period_turns(self) -> int | None:
+        """Turns of the crank after which the linkage is where it was; None where it never is."""
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Curve:
+    """A quantity over a period of n states.
+
+    Attributes:
+        coefficients: (6, n) of the quintics, of rising powers of the place since a state.
+        real: whether it was given by real numbers.
+    """
+
+    coefficients: ComplexArray
+    real: bool
+
+    @property
+    def states(self) -> int:
+        return int(self.coefficients.shape[1])
+
+    def at(self, place: Numbers) -> tuple[ComplexArray, ComplexArray, ComplexArray, ComplexArray]:
+        """The quantity and its first three derivatives by the place, (m,) each, at places (m,)."""
+        before = np.floor(place.real)
+        since = place - before
+        highest, next_highest, *others = self.coefficients[::-1, before.astype(int) % self.states]
+        value, first = highest * since + next_highest, highest
+        second = third = np.zeros(place.shape, complex)
+        for coefficient in others:
+            third = third * since + 3 * second
+            second = second * since + 2 * first
+            first = first * since + value
+            value = value * since + coefficient
+        return value, first, second, third
+
+    def turning_places(self) -> ComplexArray:
+        """Places (m,), from 0 to n, at which the quantity turns back. Two within one step are taken for none."""
+        backwards = np.signbit(self.coefficients[1].real)
+        before = np.flatnonzero(backwards != np.roll(backwards, -1)).astype(float)
+        return zeros(lambda place: self.at(place)[1:3], before, before + 1)
+
+    def extremes(self) -> tuple[complex, complex]:
+        """The smallest and the largest value."""
+        values = np.concatenate([self.coefficients[0], self.at(self.turning_places())[0]])
+        return complex(values[values.real.argmin()]), complex(values[values.real.argmax()])
+
+    def number(self, value: complex) -> float:
+        """A result as it is returned: a plain number, complex where the quantity was.
+
+        Raises:
+            PinpressError: it is not finite.
+        """
+        if not cmath.isfinite(value):
+            raise PinpressError("the measure is not finite, or has no derivative by the parameter here: change the parameter a little")
+        return float(value.real) if self.real else complex(value)  # type: ignore[return-value]  # said in `measures`
+
+
+def step_time(motion: CrankMotion) -> complex:
+    """Time from state to state [s] of one period at constant speed. Raises as `step_angle`."""
+    return complex(step_angle(motion) / np.asarray(motion.crank_speed)[0])
+
+
+def step_angle(motion: CrankMotion) -> float:
+    """Crank angle from state to state [rad] of one period at constant speed, with its sign.
+
+    Raises:
+        PinpressError: the motion is no such period.
+    """
+    if not isinstance(motion, CrankMotion):
+        raise PinpressError(f"motion is a {type(motion).__name__}, no Motion: give what cycle returns")
+    angle, speed = np.asarray(motion.crank_angle).real, np.asarray(motion.crank_speed)
+    remedy = "give the motion of one period at constant speed, cycle(press, speed=...)"
+    if angle.ndim > 1:
+        raise PinpressError(f"the linkage has {angle.shape[1]} drivers, and no one crank to turn: measures are those of a press with one")
+    if len(angle) < 3 or not np.all(np.isfinite(angle) & np.isfinite(speed)):
+        raise PinpressError(f"the motion has fewer than three states, or one that is not finite: {remedy}")
+    made = float(angle[-1] - angle[0])
+    turns = motion.period_turns
+    if turns is None:
+        raise PinpressError(f"the linkage of the motion has no period after which all is where it was: {remedy}")
+    period = math.copysign(2 * np.pi * turns, made)
+    if np.abs(np.diff(angle, append=angle[0] + period) - period / len(angle)).max() > UNEQUAL:
+        whole = "one turn" if turns == 1 else f"a period, {turns} turns"
+        raise PinpressError(f"the motion is not {whole} of the crank in equal steps, its end left out: {remedy}")
+    if np.ptp(speed.real) > UNEQUAL * abs(speed[0]) or speed[0].real * period <= 0:
+        raise PinpressError(f"the crank does not turn at constant speed: {remedy}")
+    return period / len(angle)
+
+
+def curve(what: str, value: Numbers, first: Numbers, second: Numbers, real: bool) -> Curve:
+    """The curve through values (n,) with derivatives by the place (n,).
+
+    Raises:
+        PinpressError: a number that is not finite, or states too far apart, or another value after the period than at its start.
+    """
+    x, v, a = (np.asarray(values, dtype=complex) for values in (value, first, second))
+    if not np.all(np.isfinite(x + v + a)):
+        raise PinpressError(f"{what} is not finite: give a motion that cycle returned")
+    x_next, v_next, a_next = (np.roll(values, -1) for values in (x, v, a))
+    missed = np.abs((x_next - x - 0.5 * (v + v_next) - (a - a_next) / 12).real).max()
+    if missed > MISSED * np.ptp(x.real):
+        raise PinpressError(
+            f"{len(x)} states do not resolve {what} over the period, or it is elsewhere after it: give cycle more points; of a linkage that"
+            " repeats itself only after several turns give all of them"
+        )
+    distance, speeding, bending = x_next - x - v - 0.5 * a, v_next - v - a, a_next - a
+    third = 10 * distance - 4 * speeding + 0.5 * bending
+    fourth = -15 * distance + 7 * speeding - bending
+    fifth = 6 * distance - 3 * speeding + 0.5 * bending
+    return Curve(np.array([x, v, 0.5 * a, third, fourth, fifth]), real)
+
+
+def zeros(function: ValueAndSlope, low: Array, high: Array) -> ComplexArray:
+    """Places (m,) at which a quantity changes sign, one in each of the stretches from ``low`` to ``high``, to rounding."""
+    before, place = np.signbit(function(low)[0].real), 0.5 * (low + high)
+    for _ in range(MOST_STEPS):
+        value, slope = function(place)
+        same = np.signbit(value.real) == before
+        low, high = np.where(same, place, low), np.where(same, high, place)
+        with np.errstate(all="ignore"):  # Newton's method, fenced in: where it leads out, or nowhere, halves
+            closer = place - value.real / slope.real
+        last, place = place, np.where((closer >= low) & (closer <= high), closer, 0.5 * (low + high))
+        if np.all(np.abs(place - last) <= ROUNDING * np.abs(place)):
+            break
+    value, slope = function(place)
+    with np.errstate(all="ignore"):  # the same step for the imaginary part, which one step makes exact: it is tiny
+        moved = np.divide(value.imag, slope.real, out=np.zeros_like(place), where=value.imag != 0)
+    return place - 1j * moved

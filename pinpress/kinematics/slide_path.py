@@ -1,0 +1,135 @@
+"""The slide's path over a period, and its working stroke."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Protocol, runtime_checkable
+
+import numpy as np
+
+from ..common.arrays import Array, ComplexArray
+from ..common.errors import PinpressError
+from . import periodic_curve as over_turn
+from .periodic_curve import CrankMotion, Curve, Numbers
+
+SAME = 1e-9  # of a range: values that differ by less differ by rounding
+
+
+@runtime_checkable
+class SlideMotion(CrankMotion, Protocol):
+    """What is needed to know of a motion: crank angle [rad] and speed [rad/s], (n,) each, the crank's turns in a period, and position [m],
+    velocity [m/s] and acceleration [m/s2] of the slide along its guide's axis, (n,) each. A `Motion` is one; the arrays may be complex."""
+
+    @property
+    def slide_position(self) -> Numbers: ...
+    @property
+    def slide_velocity(self) -> Numbers: ...
+    @property
+    def slide_acceleration(self) -> Numbers: ...
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Stroke:
+    """The way of a slide from one dead centre to the other, travel counted from the start. Speeds are metres a step.
+
+    Attributes:
+        path: slide position, along the stroke rising [m].
+        start, end: places of the dead centres, the end behind the start.
+    """
+
+    path: Curve
+    start: complex
+    end: complex
+
+    @cached_property
+    def nodes(self) -> Array:
+        """Places (m,) from start to end: both, the states and the extremes of speed between them. The speed is monotonic from one to the
+        next."""
+        return np.unique(np.concatenate([self._states, self.speed_extremes.real]))
+
+    @cached_property
+    def speed_extremes(self) -> ComplexArray:
+        """Places (k,) at which the speed is at a local extreme, dead centres left out."""
+        backwards = np.signbit(self.path.at(self._states)[2].real)
+        before = np.flatnonzero(backwards[1:] != backwards[:-1])
+        return over_turn.zeros(lambda place: self.path.at(place)[2:4], self._states[before], self._states[before + 1])
+
+    @property
+    def _states(self) -> Array:
+        start, end = self.start.real, self.end.real
+        return np.concatenate([[start], np.arange(np.floor(start) + 1, np.ceil(end)), [end]])
+
+    @cached_property
+    def length(self) -> complex:
+        return complex(self.travel(np.array([self.end]))[0])
+
+    def travel(self, place: Numbers) -> ComplexArray:
+        """Distance from the start (m,) [m]."""
+        return np.asarray(self.path.at(place)[0] - self._begin)
+
+    def speed(self, place: Numbers) -> ComplexArray:
+        return self.path.at(place)[1]
+
+    def place_at(self, travel: Numbers) -> ComplexArray:
+        """Places (m,) at which the slide has come so far, from nothing to the length of the stroke [m]."""
+        after = np.clip(np.searchsorted(self._travelled, travel.real), 1, len(self.nodes) - 1)
+
+        def ahead(place: Numbers) -> tuple[ComplexArray, ComplexArray]:
+            position, speed, _, _ = self.path.at(place)
+            return position - (self._begin + travel), speed
+
+        return over_turn.zeros(ahead, self.nodes[after - 1], self.nodes[after])
+
+    @cached_property
+    def _begin(self) -> complex:
+        return complex(self.path.at(np.array([self.start]))[0][0])
+
+    @cached_property
+    def _travelled(self) -> Array:
+        return self.travel(self.nodes).real
+
+
+def slide_path(motion: SlideMotion) -> Curve:
+    """Slide position over the period [m], or the part of it after which the slide is back, and other links are not.
+
+    Raises:
+        PinpressError: not one period at constant crank speed, no slide, one that does not turn back, or states too far apart.
+    """
+    time = over_turn.step_time(motion)
+    if not isinstance(motion, SlideMotion):
+        raise PinpressError(f"motion is a {type(motion).__name__} without the slide's position, velocity and acceleration: give a Motion")
+    position, velocity, acceleration = motion.slide_position, motion.slide_velocity, motion.slide_acceleration
+    real = not any(map(np.iscomplexobj, (position, velocity, acceleration, motion.crank_speed)))
+    scaled = [np.asarray(values * scale) for values, scale in ((position, 1.0), (velocity, time), (acceleration, time**2))]
+    states = _until_back(scaled, round(abs(over_turn.step_angle(motion)) * len(position) / (2 * np.pi)))
+    path = over_turn.curve("the slide's position", scaled[0][:states], scaled[1][:states], scaled[2][:states], real)
+    if len(path.turning_places()) < 2:
+        raise PinpressError("the slide does not turn back within the period: it has no dead centres, and no stroke to measure")
+    return path
+
+
+def _until_back(scaled: Sequence[Numbers], turns: int) -> int:
+    """States after which position, velocity and acceleration (n,), over so many turns, come again with a whole turn."""
+    count = len(scaled[0])
+    for part in range(1, turns):
+        states, left = divmod(count * part, turns)
+        if not left and all(np.abs(np.roll(x, states) - x).max() <= SAME * np.ptp(x.real) for x in scaled):
+            return states
+    return count
+
+
+def working_stroke(motion: SlideMotion, downwards: bool = True) -> Stroke:
+    """The stroke against the guide's axis, or along it.
+
+    Raises:
+        PinpressError: as of `slide_path`; the slide turns back more than twice in the period.
+    """
+    path = slide_path(motion)
+    places = path.turning_places()
+    if len(places) > 2:
+        raise PinpressError(
+            f"the slide turns back {len(places)} times a period and has no one working stroke: stroke and dwell can be measured, not this"
+        )
+    along = Curve(-path.coefficients if downwards else path.coefficients, path.real)
+    start, end = (complex(place) for place in places[np.argsort(along.at(places)[0].real)])
+    return Stroke(along, start, end if end.real > start.real else end + path.states)

@@ -1,0 +1,1 @@
+"""From a URDF to a checked `Linkage`, and back."""

@@ -1,0 +1,211 @@
+"""Everything that is wrong with a URDF, odd in it, or worth knowing about the linkage it describes."""
+
+import os
+import textwrap
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ..common.errors import UrdfError
+from ..engines.joints import LoopJoint
+from .assembly_checks import short
+from .loading import assembled, located
+from .urdf.findings import SEVERITIES, Finding
+
+if TYPE_CHECKING:
+    from . import mobility as freedom
+    from .linkage import Linkage
+    from .urdf import reader as urdf
+
+
+WIDTH = 120  # of a line of text
+
+
+@dataclass(frozen=True)
+class Closing:
+    """A loop or gear pair of a linkage.
+
+    Attributes:
+        name: of the loop; of a gear pair, of the joint with the ``<mimic>``. type: "spherical", "revolute", "fixed" or "gear pair".
+        between: names of the links, of a gear pair of the joints.
+        gap: between its two sides as drawn [m]. misalignment: of its axes or links as drawn [rad].
+        joints: names of the joints whose coordinates it determines, where the linkage is planar; else, of those it closes a loop of.
+    """
+
+    name: str
+    type: str
+    between: tuple[str, str]
+    gap: float
+    misalignment: float
+    joints: tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class Facts:
+    """What the elements of a URDF make, put together.
+
+    Attributes:
+        drivers, slide: names. joints: names of those that move.
+        equations, rank: of loops and gear pairs in the drawn pose. mobility: degrees of freedom.
+        engine: that computes it, "plane" or "pinocchio"; None where it cannot be loaded.
+        closings: loops, then gear pairs. Those of a planar linkage close in the order of the joints that they determine.
+    """
+
+    drivers: tuple[str, ...]
+    slide: str | None
+    joints: tuple[str, ...]
+    equations: int
+    rank: int
+    engine: str | None
+    closings: tuple[Closing, ...]
+
+    @property
+    def mobility(self) -> int:
+        return len(self.joints) - self.rank
+
+
+@dataclass(frozen=True)
+class Report:
+    """What `check` found; as text, a page to read.
+
+    Attributes:
+        file: path of the URDF. findings: errors first, the one that `load` raises in front, then warnings, then notes.
+        facts: None where the errors leave open what the elements make.
+    """
+
+    file: str
+    findings: tuple[Finding, ...]
+    facts: Facts | None
+
+    @property
+    def errors(self) -> tuple[Finding, ...]:
+        return tuple(finding for finding in self.findings if finding.severity == "error")
+
+    @property
+    def warnings(self) -> tuple[Finding, ...]:
+        return tuple(finding for finding in self.findings if finding.severity == "warning")
+
+    @property
+    def notes(self) -> tuple[Finding, ...]:
+        return tuple(finding for finding in self.findings if finding.severity == "note")
+
+    def __str__(self) -> str:
+        lines = [f"{self.file}: {_counted(self)}"]
+        if self.facts is not None:
+            lines += ["", *_described(self.facts)]
+        for severity in SEVERITIES:
+            found = [finding for finding in self.findings if finding.severity == severity]
+            lines += [""] * bool(found) + [line for finding in found for line in _said(self.file, finding)]
+        return "\n".join(lines)
+
+
+def check(path: str | os.PathLike[str], driver: str | Sequence[str] | None = None, slide: str | None = None) -> Report:
+    """Find all errors of a URDF, of which `load` raises the first, and whatever else is odd in it or worth knowing.
+
+    Args:
+        path, driver, slide: as of `load`.
+
+    Raises:
+        UrdfError: there is no such file.
+        UnknownNameError: no such driver or slide.
+        PinpressError: the slide is not guided by the frame, or a driver is named twice.
+    """
+    from .urdf import reader as urdf  # see `load`
+    from .urdf import remarks as urdf_remarks
+
+    file = os.fspath(located(path))
+    findings, facts = [], None
+    try:
+        document = urdf.parse(file)
+        findings += [*urdf.errors(document), *urdf_remarks.remarks(document.robot)]
+        if all(finding.error is None for finding in findings):
+            found, facts = _put_together(document, driver, slide)
+            findings += found
+    except UrdfError as error:
+        if not os.path.exists(file):
+            raise
+        findings.append(Finding.of(error))
+    return Report(file, tuple(sorted(findings, key=lambda finding: SEVERITIES.index(finding.severity))), facts)
+
+
+def _put_together(document: "urdf.Document", driver: str | Sequence[str] | None, slide: str | None) -> tuple[list[Finding], Facts]:
+    """Findings and facts of the linkage that the elements make; raises the errors of `assembled`."""
+    from ..engines.spatial import model as spatial
+    from . import assembly_checks as pose_checks
+    from . import mobility as freedom
+    from . import remarks as linkage_remarks
+    from .urdf import reader as urdf
+
+    description = urdf.describe(document)
+    press = assembled(description, driver, slide)
+    errors = list(pose_checks.errors(press))
+    findings = errors or list(linkage_remarks.remarks(press, document.robot))
+    rank = spatial.rank(press.equations(press.as_drawn).columns) if errors else press.rank
+    between = [(loop.link1.link, loop.link2.link) for loop in description.loops]
+    between += [(press.joints[pair.follower], press.joints[pair.leader]) for pair in press.couplings]
+    closings = tuple(
+        Closing(
+            each.by.name,
+            each.by.type if isinstance(each.by, LoopJoint) else "gear pair",
+            between[k],
+            *freedom.opening(press, each, press.drawn_gaps),
+            joints,
+        )
+        for k, each, joints in _in_order(press, freedom.held(press))
+    )
+    engine = None if errors else "pinocchio" if press.plane is None else "plane"
+    return findings, Facts(press.drivers, press.slide, press.joints, len(press.drawn_gaps), rank, engine, closings)
+
+
+def _in_order(press: "Linkage", owners: "list[freedom.Held]") -> "Iterator[tuple[int, freedom.Held, tuple[str, ...]]]":
+    """Index of every loop and gear pair, itself, and names of its joints: see `Closing`."""
+    count = len(press.loops)
+    if press.plane is not None:
+        for block in press.plane.blocks:
+            for k in (*block.loops, *(count + coupling for coupling in block.couplings)):
+                yield k, owners[k], tuple(press.joints[joint] for joint in block.joints)
+        return
+    for k, each in enumerate(owners):
+        around = np.flatnonzero(press.spatial.crossed[:, k]) if isinstance(each.by, LoopJoint) else (each.by.follower, each.by.leader)
+        yield k, each, tuple(press.joints[joint] for joint in around)
+
+
+def _counted(report: Report) -> str:
+    numbers = [
+        f"{len(found) or 'no'} {word}{'' if len(found) == 1 else 's'}"
+        for found, word in ((report.errors, "error"), (report.warnings, "warning"), (report.notes, "note"))
+    ]
+    return ", ".join(numbers)
+
+
+def _described(facts: Facts) -> list[str]:
+    independent = f"{facts.rank} of {facts.equations}" if facts.rank < facts.equations else f"{facts.rank}"
+    lines = [
+        f"  {'driver':12}{', '.join(facts.drivers)}",
+        f"  {'slide':12}{facts.slide or 'none'}",
+        f"  {'mobility':12}{facts.mobility}: {len(facts.joints)} joints, {independent} equations are independent",
+        *([f"  {'engine':12}{facts.engine}"] if facts.engine else []),
+    ]
+    if not facts.closings:
+        return lines
+    rows = [("", "", "", "gap as drawn", "determines" if facts.engine == "plane" else "joints")]
+    before: dict[tuple[str, ...], str] = {}
+    for each in facts.closings:
+        gaps = [f"{short(1e3 * each.gap)} mm"] * (each.type != "gear pair" or each.gap > 0)
+        gaps += [f"{short(np.degrees(each.misalignment))} deg"] * (each.type != "spherical")
+        together = before.setdefault(each.joints, each.name)
+        joints = ", ".join(each.joints) if together == each.name else f"(with {together})"
+        rows.append((each.name, each.type, " - ".join(each.between), ", ".join(gaps), joints or "nothing new"))
+    widths = [max(len(row[k]) for row in rows) for k in range(5)]
+    return [*lines, "", *(("  " + "   ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True))).rstrip() for row in rows)]
+
+
+def _said(file: str, finding: Finding) -> list[str]:
+    place = "" if finding.line is None else f"{file}:{finding.line}: "
+    element = "" if finding.element is None or finding.element.startswith("<robot") else f"{finding.element}: "
+    wrapper = textwrap.TextWrapper(WIDTH, subsequent_indent="    ", break_long_words=False, break_on_hyphens=False)
+    lines = wrapper.wrap(f"{place}{finding.severity}: {element}{finding.problem}")
+    wrapper.initial_indent = "    "
+    return lines + wrapper.wrap(finding.remedy)

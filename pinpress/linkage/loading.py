@@ -1,0 +1,183 @@
+"""From a URDF file to a `Linkage`: read, closed in its drawn pose, and found to be moved by its driver alone."""
+
+import os
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+import pinocchio as pin
+
+from ..common.arguments import typed
+from ..common.arrays import Array
+from ..common.checks import LARGEST, numbers
+from ..common.errors import PinpressError, UnknownNameError, UrdfError, caution, shown, suggestion
+from ..common.regular_files import path_of
+from ..engines.joints import Coupling, LoopJoint
+from .linkage import Linkage
+from .urdf import findings
+
+if TYPE_CHECKING:
+    from .urdf import reader as urdf
+
+
+def presses() -> tuple[str, ...]:
+    """Names of the presses that come with pinpress; `load` takes them in place of a path."""
+    return tuple(sorted(path.stem for path in _library().glob("*.urdf")))
+
+
+@typed
+def load(
+    path: str | os.PathLike[str],
+    driver: str | Sequence[str] | None = None,
+    slide: str | None = None,
+    gravity: Sequence[float] = (0.0, 0.0, -9.81),
+) -> Linkage:
+    """Read a linkage from a URDF with ``<loop_joint>`` elements, close its drawn pose exactly and check that its driver determines it.
+
+    Args:
+        path: of the URDF file, or the name of a shipped press (`presses`).
+        driver: name of the driven joint, or names of as many as the linkage has degrees of freedom; default: those in the file's
+            ``<transmission>`` elements.
+        slide: name of the slide link, which a prismatic joint guides on the frame; default: the link "slide", or the child of the joint
+            "slide_guide", or the only link so guided.
+        gravity: in world axes [m/s2].
+
+    Raises:
+        UrdfError: the file cannot be read, or makes no sense; no driver, or more or fewer drivers than degrees of freedom.
+        AssemblyError: the loops do not close near the drawn pose.
+        SingularityError: the driver does not determine the drawn pose.
+
+    Warns:
+        PinpressWarning: a linkage that is hardly meant: a loop drawn far open, lengths or inertias that are not in SI units, a slide's axis
+            that points down. `check` says more.
+    """
+    from . import remarks as linkage_remarks  # only reading needs it, and it is a tenth of the package's import
+    from .urdf import reader as urdf  # only reading needs it, and it is a tenth of the package's import
+
+    document = urdf.checked(located(path))
+    press = assembled(urdf.describe(document), driver, slide, gravity)
+    check_drawn_pose(press, findings.command(press.file, () if driver is None else press.drivers, slide))
+    for finding in linkage_remarks.severe(press, document.robot):
+        caution(finding.message(press.file))
+    return press
+
+
+def check_drawn_pose(press: Linkage, command: str | None = None) -> None:
+    """Raise the first of the errors that `pose_checks` finds in a linkage; ``command`` lists all of them."""
+    from . import assembly_checks as pose_checks
+
+    findings.refuse(pose_checks.errors(press), command or findings.command(press.file))
+
+
+def located(path: str | os.PathLike[str]) -> str | os.PathLike[str]:
+    """The path of a URDF file, given itself or the name of a shipped press; raises UrdfError where there is neither."""
+    file = path_of("path", path)
+    if os.path.exists(file):
+        return path
+    if file in presses():
+        return _library() / f"{file}.urdf"
+    if file.endswith((".urdf", ".xml")) or "\0" in file:
+        return path  # reading it says what is wrong with it
+    raise UrdfError(file, None, None, "no such file", f"name a URDF file or a shipped press ({', '.join(presses())})")
+
+
+def assembled(
+    description: "urdf.Urdf",
+    driver: str | Sequence[str] | None,
+    slide: str | None,
+    gravity: Sequence[float] = (0.0, 0.0, -9.81),
+) -> Linkage:
+    """The linkage of a URDF without problems, not yet closed; arguments and errors as of `load`."""
+    drivers = _drivers(description, driver)
+    try:
+        model = pin.buildModelFromXML(description.text.decode())
+    except (ValueError, RuntimeError) as error:  # nothing is known that passes the checks and ends here
+        raise UrdfError(description.file, None, None, f"Pinocchio cannot read it: {error}", "simplify the file") from error
+    model.gravity.linear = numbers("gravity", gravity, (3,))
+    if np.abs(model.gravity.linear).max() > LARGEST:
+        raise PinpressError(f"gravity is {shown(gravity)}: give m/s2, {LARGEST:g} at most")
+    places = {name: place for place, name in enumerate(tuple(model.names)[1:])}
+    for name in drivers:
+        if not model.joints[places[name] + 1].shortname().startswith("JointModelR"):
+            raise UrdfError(
+                description.file, f'<joint name="{name}">', _line(description, name), "the driver does not turn", "drive a crank"
+            )
+    return Linkage(
+        name=description.name,
+        file=description.file,
+        text=description.text,
+        model=model,
+        links=description.links,
+        root=description.root,
+        loops=tuple(_loop_joint(model, loop) for loop in description.loops),
+        couplings=tuple(
+            Coupling(j.name, places[j.name], places[j.mimic.leader], j.mimic.multiplier, j.mimic.offset, j.mimic.line)
+            for j in description.joints
+            if j.mimic
+        ),
+        drivers=drivers,
+        slide=_slide(description, model, slide),
+    )
+
+
+def _library() -> Path:
+    """Folder of the shipped URDF files: in the package where it was installed from a wheel, beside it in a checkout."""
+    here = Path(__file__).resolve().parents[1]
+    return next(folder for folder in (here / "urdf", here.parent / "urdf") if folder.is_dir())
+
+
+def _line(description: "urdf.Urdf", joint: str) -> int:
+    return next(j.line for j in description.joints if j.name == joint)
+
+
+def _drivers(description: "urdf.Urdf", driver: str | Sequence[str] | None) -> tuple[str, ...]:
+    moving = [joint.name for joint in description.joints if joint.type != "fixed"]
+    given: tuple[str, ...] = description.drivers
+    if driver is not None:
+        given = tuple(driver) if isinstance(driver, list | tuple) else (driver,)  # type: ignore[assignment]
+    for name in given:
+        if not isinstance(name, str) or name not in moving:
+            raise UnknownNameError("moving joint", name, moving)
+    if len(set(given)) < len(given):
+        raise PinpressError(f"driver names a joint twice: {', '.join(given)}")
+    if not given:
+        raise UrdfError(
+            description.file,
+            f'<robot name="{description.name}">',
+            None,
+            "no driver",
+            'add <transmission name="drive"><joint name="..."/></transmission>, or load(..., driver=...)',
+        )
+    return given
+
+
+def _loop_joint(model: pin.Model, loop: "urdf.Loop") -> LoopJoint:
+    ends: list[tuple[int, Array, Array]] = []
+    turned = pin.Quaternion.FromTwoVectors(np.array([1.0, 0.0, 0.0]), np.array(loop.axis)).matrix()  # the first axis to the loop's
+    for end in (loop.link1, loop.link2):
+        frame = model.frames[model.getFrameId(end.link, pin.BODY)]
+        place = frame.placement * pin.SE3(pin.rpy.rpyToMatrix(np.array(end.rpy)), np.array(end.xyz))
+        ends.append((int(frame.parentJoint), place.translation, place.rotation @ turned))
+    return LoopJoint(loop.name, loop.type, *ends[0], *ends[1], loop.line)
+
+
+def _slide(description: "urdf.Urdf", model: pin.Model, slide: str | None) -> str | None:
+    guided = {j.child: j.name for j in description.joints if j.type == "prismatic" and model.parents[model.getJointId(j.name)] == 0}
+    if slide is not None:
+        if not isinstance(slide, str):
+            raise UnknownNameError("link", slide, description.links)
+        joint = model.frames[model.getFrameId(slide, pin.BODY)].parentJoint if slide in description.links else 0
+        if slide not in description.links:
+            raise UnknownNameError("link", slide, description.links)
+        if model.names[joint] not in guided.values():
+            raise PinpressError(
+                f"link {shown(slide)} is not guided by the frame{suggestion(slide, guided)}; guided links: {', '.join(guided) or 'none'}"
+            )
+        return slide
+    if "slide" in guided:
+        return "slide"
+    by_joint = {joint: link for link, joint in guided.items()}
+    if "slide_guide" in by_joint:
+        return by_joint["slide_guide"]
+    return next(iter(guided)) if len(guided) == 1 else None

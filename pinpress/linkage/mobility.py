@@ -1,0 +1,169 @@
+"""What the equations of a linkage leave free, which of them say nothing new, and which loop or gear pair is one too many.
+
+All of one configuration, from its `Rows`. A joint or an equation takes part where its share of the null vectors is above rounding.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from ..common.arrays import Array
+from ..engines.coordinates import drawn
+from ..engines.joints import Coupling, LoopJoint
+from ..engines.planar.model import PARALLEL
+from ..engines.spatial import model as spatial
+from ..engines.spatial.constraints import Rows
+from .linkage import Linkage
+
+TAKES_PART = 1e-6  # of a unit null vector
+UPRIGHT = 1e-9  # a plane whose normal is a world axis but for as little has the world's axes
+
+
+class Held(NamedTuple):
+    """A loop or gear pair and its equations: indices of those that hold points, and of those that hold rotations or couple joints."""
+
+    by: LoopJoint | Coupling
+    points: tuple[int, ...]
+    turns: tuple[int, ...]
+
+    @property
+    def title(self) -> str:
+        return f"loop {self.by.name!r}" if isinstance(self.by, LoopJoint) else f"gear pair of joint {self.by.name!r}"
+
+    @property
+    def element(self) -> str:
+        """In the URDF."""
+        return f'<loop_joint name="{self.by.name}">' if isinstance(self.by, LoopJoint) else f'<mimic> of <joint name="{self.by.name}">'
+
+    def gap(self, gaps: Array) -> float:
+        """How far it is from being closed [m], a rotation or a coupling counted in lengths of the linkage."""
+        return max(float(np.linalg.norm(gaps[list(self.points)])), float(np.abs(gaps[list(self.turns)]).max(initial=0.0)))
+
+
+class Redundancy(NamedTuple):
+    """Equations that say nothing new.
+
+    Attributes:
+        across: those across the plane of a planar linkage, which parallel axes fulfil anyway.
+        further: all others, in the plane or in space. among: the loops and gear pairs that take part in these.
+    """
+
+    across: int
+    further: int
+    among: tuple[Held, ...]
+
+
+def held(press: Linkage) -> list[Held]:
+    """All loops, then couplings, with their rows (see `spatial_equations`)."""
+    result, row = [], 3 * len(press.loops)
+    for k, loop in enumerate(press.loops):
+        result.append(Held(loop, (3 * k, 3 * k + 1, 3 * k + 2), tuple(range(row, row + loop.held))))
+        row += loop.held
+    return result + [Held(coupling, (), (row + k,)) for k, coupling in enumerate(press.couplings)]
+
+
+def opening(press: Linkage, each: Held, gaps: Array) -> tuple[float, float]:
+    """How far a loop or gear pair is from being closed: distance [m] and angle [rad]."""
+    distance, turned = float(np.linalg.norm(gaps[list(each.points)])), float(np.linalg.norm(gaps[list(each.turns)]))
+    if isinstance(each.by, Coupling) and not press.spatial.axes[each.by.follower].turns:
+        return turned, 0.0
+    angle = turned / press.spatial.size
+    return distance, float(np.arcsin(min(angle, 1.0))) if isinstance(each.by, LoopJoint) and each.by.type == "revolute" else angle
+
+
+def undetermined(press: Linkage, rows: Rows) -> list[str]:
+    """Names of the joints that can still move when the drivers are held still."""
+    passive = spatial.Passive(rows.columns, press.spatial)
+    shares = np.linalg.norm(passive.right[passive.rank :], axis=0)
+    return [press.joints[j] for j, share in zip(passive.joints, shares, strict=True) if share > TAKES_PART]
+
+
+def too_many(press: Linkage, rows: Rows) -> list[Held]:
+    """The loops and gear pairs without any one of which the drivers would move the linkage, and determine it."""
+    wanted = len(press.drivers)
+    return [each for each, columns in _without_one(press, rows) if _freedom(press, columns) == (wanted, wanted)]
+
+
+def holding(press: Linkage, rows: Rows) -> list[Held]:
+    """The loops and gear pairs of a linkage that cannot move, without any one of which some of the drivers could."""
+    return [each for each, columns in _without_one(press, rows) if _freedom(press, columns)[1] > 0]
+
+
+def _without_one(press: Linkage, rows: Rows) -> list[tuple[Held, Array]]:
+    """All loops and gear pairs, with the columns of the equations of the others."""
+    return [(each, np.delete(rows.columns, each.points + each.turns, axis=0)) for each in held(press)]
+
+
+def _freedom(press: Linkage, columns: Array) -> tuple[int, int]:
+    """Degrees of freedom, and how many of them are the drivers'."""
+    passive = columns[:, press.spatial.passive]
+    mobility = int(columns.shape[1]) - spatial.rank(columns)
+    return mobility, mobility - (int(passive.shape[1]) - spatial.rank(passive))
+
+
+def redundancy(press: Linkage, x: Array) -> Redundancy:
+    """How many equations say nothing new at closed joint coordinates (nv,), and of which loops and gear pairs."""
+    if press.plane is not None and not press.plane.redundant:
+        return Redundancy(sum(1 + loop.held for loop in press.loops), 0, ())
+    rows = press.closed_rows if x is press.closed else press.equations(x)
+    single = np.eye(len(rows.gaps))
+    parts, owners = [], []
+    for k, each in enumerate(held(press)):
+        part = single[[*each.points, *each.turns]]
+        if each.points and lies_in_plane(press):
+            normal = _normal(press)
+            part = np.linalg.svd(normal[None])[2][1:] @ single[list(each.points)]
+            if len(each.turns) == 3:  # a weld holds its links in the plane too, a pin across it alone
+                part = np.vstack([part, normal @ rows.held[k] @ single[list(each.turns)]])
+        parts.append(part)
+        owners += [each] * len(part)
+    equations = np.vstack(parts) if parts else single
+    idle = spatial.Passive(equations @ rows.columns, press.spatial).idle
+    taking = [each for each, share in zip(owners, np.linalg.norm(idle, axis=1), strict=True) if share > TAKES_PART]
+    return Redundancy(len(single) - len(equations), idle.shape[1], tuple(each for each in held(press) if each in taking))
+
+
+def lies_in_plane(press: Linkage) -> bool:
+    """Whether all axes, those of pins at loops too, are parallel to the driver's, and all guides across it."""
+    return all(off <= PARALLEL for off in [*joints_off_plane(press), *loops_off_plane(press)])
+
+
+def own_axes(press: Linkage) -> Array:
+    """(3, 3) directions, as rows, in which what a linkage can move, and what it only carries, are told apart: of a planar linkage whose
+    plane is inclined against all world axes the horizontal in the plane, the normal, and the way up in the plane; else the world's."""
+    normal = _normal(press)
+    if np.abs(normal).max() >= 1 - UPRIGHT or not lies_in_plane(press):
+        return np.eye(3)
+    along = np.cross((0.0, 0.0, 1.0), normal)
+    along *= (1.0 if along[np.argmax(np.abs(along))] > 0 else -1.0) / np.linalg.norm(along)
+    upwards = np.cross(normal, along)
+    upwards *= 1.0 if upwards[2] > 0 else -1.0
+    return np.array([along, np.cross(upwards, along), upwards])
+
+
+def joints_off_plane(press: Linkage) -> list[float]:
+    """For every joint, the angle [rad] by which its axis misses the direction of the first driver's, or its guide the plane across that."""
+    normal, turned = _normal(press), _drawn_rotations(press)
+    angles = (_angle(turned[j + 1] @ axis.direction, normal) for j, axis in enumerate(press.spatial.axes))
+    return [angle if axis.turns else np.pi / 2 - angle for angle, axis in zip(angles, press.spatial.axes, strict=True)]
+
+
+def loops_off_plane(press: Linkage) -> list[float]:
+    """For every loop, the angle [rad] by which its axis misses the direction of the first driver's at either end; 0 without an axis."""
+    normal, turned = _normal(press), _drawn_rotations(press)
+    ends = [((loop.joint1, loop.rotation1), (loop.joint2, loop.rotation2)) if loop.type == "revolute" else () for loop in press.loops]
+    return [max((_angle(turned[joint] @ rotation[:, 0], normal) for joint, rotation in pair), default=0.0) for pair in ends]
+
+
+def _angle(direction: Array, other: Array) -> float:
+    """Between two lines [rad]."""
+    return float(np.arctan2(np.linalg.norm(np.cross(direction, other)), abs(direction @ other)))
+
+
+def _normal(press: Linkage) -> Array:
+    driver = press.spatial.drivers[0]
+    return np.asarray(_drawn_rotations(press)[driver + 1] @ press.spatial.axes[driver].direction)
+
+
+def _drawn_rotations(press: Linkage) -> list[Array]:
+    return [place.rotation.copy() for place in drawn(press.model)]

@@ -1,0 +1,261 @@
+"""What can be wrong with the elements of a URDF, from the single number to the gear pairs; `body_checks` has what they make together.
+
+Every check yields the elements at fault and goes on, so that a file's problems can be listed together; none may therefore rely on another
+having passed.
+"""
+
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from typing import TYPE_CHECKING
+
+from ...common.errors import shown, suggestion
+
+if TYPE_CHECKING:
+    from .reader import Element
+
+LOOP_TYPES = ("spherical", "revolute", "fixed")
+_JOINT_TYPES = ("revolute", "continuous", "prismatic", "fixed")
+_UNSUPPORTED_JOINT_TYPES = {
+    "planar": "write two prismatic joints and a revolute one, with links between them",
+    "floating": "write the joints that guide the link, or close it with <loop_joint>",
+}
+
+# What may stand in each element: one, "?" for at most one, "*" for any number. Anything else is a misspelling. An element without an entry
+# is not looked into.
+_CHILDREN = {
+    "robot": "link* joint* loop_joint* material* transmission*",
+    "link": "inertial? visual* collision*",
+    "inertial": "origin? mass inertia",
+    "visual": "origin? geometry material?",
+    "collision": "origin? geometry",
+    "geometry": "box? cylinder? sphere? mesh?",
+    "material": "color? texture?",
+    "joint": "origin? parent child axis? limit? dynamics? calibration? safety_controller? mimic?",
+    "loop_joint": "link1 link2 axis?",
+}
+# The same of attributes.
+_ATTRIBUTES = {
+    "origin": "xyz? rpy?",
+    "parent": "link",
+    "child": "link",
+    "link1": "link xyz? rpy?",
+    "link2": "link xyz? rpy?",
+    "axis": "xyz",
+    "mass": "value",
+    "inertia": "ixx ixy ixz iyy iyz izz",
+    "limit": "lower? upper? effort velocity",
+    "mimic": "joint multiplier? offset?",
+    "dynamics": "damping? friction?",
+    "calibration": "rising? falling? reference_position?",
+    "safety_controller": "k_velocity k_position? soft_lower_limit? soft_upper_limit?",
+    "box": "size",
+    "cylinder": "radius length",
+    "sphere": "radius",
+    "mesh": "filename scale?",
+    "color": "rgba",
+    "texture": "filename",
+}
+# What other programs (ROS, Gazebo, Bullet, MuJoCo) write and Pinocchio does not read; so is all that has a namespace prefix.
+_FOREIGN = {
+    "robot": "gazebo ros2_control mujoco sensor fixed_frame",
+    "link": "sensor self_collision_checking verbose velocity contact audio_source",
+    "collision": "verbose contact_coefficients",
+    "joint": "joint_properties sensor",
+    "limit": "acceleration deceleration jerk",
+}
+_QUANTITIES = ("xyz", "rpy", "value", "ixx", "ixy", "ixz", "iyy", "iyz", "izz", "multiplier", "offset")  # what is computed with, and
+_LARGEST = 1e12  # may have powers and products in floating point
+_LEAST_RATIO = 1e-7  # of a gear pair, or of a rack [m/rad]
+_OPEN_TO_ATTRIBUTES = ("dynamics", "calibration", "safety_controller", "mesh", "color", "texture")  # nothing here enters the mechanics
+
+Problem = tuple["Element", str, str]
+"""The element at fault, what is wrong, what to write."""
+
+
+def problems(robot: "Element") -> Iterator[Problem]:
+    """All problems of a URDF."""
+    if not robot.get("name"):
+        yield robot, "has no name", 'write <robot name="press">'
+    if robot.attributes.get("version", "1.0") not in ("1.0", "1.1"):
+        yield robot, f"unknown URDF version {robot.get('version')!r}", 'write version="1.0", or no version'
+    yield from _content_problems(robot)
+    yield from _name_problems(robot)
+    for joint in robot.all("joint"):
+        yield from _type_problems(joint, "joint", _JOINT_TYPES, _UNSUPPORTED_JOINT_TYPES)
+        yield from _joint_problems(joint)
+    for loop in robot.all("loop_joint"):
+        yield from _type_problems(loop, "loop", LOOP_TYPES, {})
+        if loop.get("type") == "revolute":
+            yield from _axis_problems(loop)
+        elif loop.all("axis"):
+            yield loop.all("axis")[0], f"a {loop.get('type')} loop has no axis", 'remove <axis>, or write type="revolute"'
+    yield from _mimic_problems(robot)
+    yield from _transmission_problems(robot)
+
+
+def _content_problems(element: "Element") -> Iterator[Problem]:
+    """Elements and attributes that are unknown, missing, twice there, or not the numbers they should be."""
+    tag = element.tag
+    if tag in _ATTRIBUTES:
+        yield from _attribute_problems(element)
+    if tag not in _CHILDREN:
+        return
+    words = _CHILDREN[tag].split()
+    known, foreign = [word.rstrip("?*") for word in words], _FOREIGN.get(tag, "").split()
+    for child in element.children:
+        if child.tag in known:
+            yield from _content_problems(child)
+        elif ":" not in child.tag and child.tag not in foreign:
+            yield child, f"unknown element <{child.tag}>{suggestion(child.tag, known)}", f"in <{tag}> write one of: {', '.join(known)}"
+    for name, word in zip(known, words, strict=True):
+        found = element.all(name)
+        if len(found) > 1 and not word.endswith("*"):
+            yield found[1], f"a second <{name}> in one <{tag}>", "keep one of them"
+        if not found and name == word:
+            yield element, f"has no <{name}>", f"write <{name}> in this <{tag}>"
+    if tag == "geometry" and len(element.all(*known)) != 1:
+        yield element, f"has {len(element.all(*known))} shapes", f"write just one of: {', '.join(known)}"
+    if tag == "material" and "name" not in element.attributes:
+        yield element, "has no name", 'write <material name="...">'
+
+
+def _attribute_problems(element: "Element") -> Iterator[Problem]:
+    tag = element.tag
+    words = _ATTRIBUTES[tag].split()
+    known, foreign = [word.rstrip("?") for word in words], _FOREIGN.get(tag, "").split()
+    for name, text in element.attributes.items():
+        if name not in known:
+            if name not in foreign and tag not in _OPEN_TO_ATTRIBUTES and ":" not in name and name != "xmlns":
+                yield element, f"unknown attribute {name!r}{suggestion(name, known)}", f"in <{tag}> write: {', '.join(known)}"
+        elif fault := element.fault(name):
+            yield element, f"{name}={shown(text)}: {fault}", "write plain numbers, decimals after a point, spaces in between"
+        elif name in _QUANTITIES and tag != "axis" and max(map(abs, element.numbers(name))) > _LARGEST:
+            yield element, f"{name}={shown(text)} is out of range", f"write SI units; {_LARGEST:g} is the largest number"
+        elif name in ("size", "radius", "length") and min(element.numbers(name)) <= 0:
+            yield element, f"{name}={shown(text)} is not positive", "write the size in metres"
+        elif name == "rgba" and not all(0 <= part <= 1 for part in element.numbers(name)):
+            yield element, f"rgba={text!r} is not from 0 to 1", 'write, for example, rgba="0.5 0.5 0.5 1"'
+    for name, word in zip(known, words, strict=True):
+        if name == word and not element.get(name):
+            yield element, f"has no {name}", f'write <{tag} {name}="..."/>'
+    if tag == "dynamics" and not {"damping", "friction"} & element.attributes.keys():
+        yield element, "has neither damping nor friction", "write one of them, or remove <dynamics>"
+
+
+def _name_problems(robot: "Element") -> Iterator[Problem]:
+    joints = set(names(robot, "joint"))
+    for tag in ("link", "joint", "loop_joint", "material"):
+        first: dict[str, Element] = {}
+        for element in robot.all(tag):
+            name = element.get("name")
+            if not name and tag != "material":
+                yield element, "has no name", f'write <{tag} name="...">'
+            elif name in first:
+                yield element, f"the name is already that of the <{tag}> on line {first[name].line}", f"give each <{tag}> its own name"
+            elif tag == "loop_joint" and name in joints:
+                yield element, "the name is already that of a <joint>", "give each bearing, joint or loop, its own name"
+            elif tag == "joint" and name == "universe":
+                yield element, "the name 'universe' is Pinocchio's own, for the world", "give the joint another name"
+            elif tag == "material" and not element.all("color", "texture"):
+                yield element, "has neither a colour nor a texture", 'write <color rgba="0.5 0.5 0.5 1"/> in it'
+            first.setdefault(name, element)
+
+
+def _type_problems(element: "Element", word: str, types: Sequence[str], unsupported: Mapping[str, str]) -> Iterator[Problem]:
+    kind, remedy = element.get("type"), f"write one of: {', '.join(types)}"
+    if not kind:
+        yield element, "has no type", remedy
+    elif kind in unsupported:
+        yield element, f"{word} type {kind!r} is not supported yet", unsupported[kind]
+    elif kind not in types:
+        yield element, f"unknown {word} type {kind!r}{suggestion(kind, types)}", remedy
+
+
+def _joint_problems(joint: "Element") -> Iterator[Problem]:
+    kind, limits = joint.get("type"), joint.all("limit")
+    if kind in ("revolute", "prismatic") and not limits:
+        remedy = 'write <limit lower="..." upper="..." effort="..." velocity="..."/>'
+        yield joint, f"a {kind} joint needs a <limit>", f'{remedy} or type="continuous"' if kind == "revolute" else remedy
+    for limit in limits:
+        for name in ("effort", "velocity"):
+            if any(value < 0 for value in limit.numbers(name)):
+                yield limit, f"{name} is negative", "write how large it may be, in SI units"
+        lower, upper = limit.numbers("lower") or (0.0,), limit.numbers("upper") or (0.0,)
+        if kind in ("revolute", "prismatic") and lower > upper:
+            yield limit, f"lower ({lower[0]!r}) is above upper ({upper[0]!r})", "exchange them (either is 0 where it is missing)"
+    if kind != "fixed":
+        yield from _axis_problems(joint)
+
+
+def _axis_problems(joint: "Element") -> Iterator[Problem]:
+    for element in joint.all("axis"):
+        axis = element.numbers("xyz")
+        length = math.hypot(*axis)
+        if axis and length == 0:
+            yield element, "the axis is zero", 'write its direction, for example xyz="0 -1 0"'
+        elif axis and abs(length - 1) > 1e-6:
+            unit = " ".join(repr(part / length + 0.0) for part in axis)  # + 0.0: no "-0.0"
+            yield element, f"the axis has length {length:.9g}, not 1", f'write xyz="{unit}"'
+
+
+def _mimic_problems(robot: "Element") -> Iterator[Problem]:
+    types = {joint.get("name"): joint.get("type") for joint in robot.all("joint")}
+    for joint in robot.all("joint"):
+        for mimic in joint.all("mimic"):
+            leader = mimic.get("joint")
+            if joint.get("type") == "fixed":
+                yield mimic, "the joint is fixed and cannot follow another", "remove <mimic>, or let the joint move"
+            if leader and leader not in types:
+                yield mimic, f"no joint {leader!r}{suggestion(leader, types)}", "name a <joint> of this file"
+            elif leader and leader == joint.get("name"):
+                yield mimic, "the joint mimics itself", "name the joint that it is geared to"
+            elif leader and types[leader] == "fixed":
+                yield mimic, f"joint {leader!r} is fixed: nothing to follow", "name a joint that moves"
+            for ratio in map(abs, mimic.numbers("multiplier")):
+                if ratio < _LEAST_RATIO:  # one this small would count as rounding, in the rank of the equations
+                    size = "0" if ratio == 0 else f"{ratio:g}, as good as 0"
+                    yield mimic, f"multiplier is {size}, which locks the joint", 'write the ratio of the gear pair, or type="fixed"'
+                elif 1 / _LEAST_RATIO < ratio <= _LARGEST:
+                    yield mimic, f"multiplier is {ratio:g}, which locks joint {leader!r}", "write the ratio of the gear pair"
+    yield from _gear_ring_problems(robot)
+
+
+def _gear_ring_problems(robot: "Element") -> Iterator[Problem]:
+    """Of joints that mimic each other in a ring: what one turns by must come back to it unchanged."""
+    leaders = {joint.get("name"): (mimic.get("joint"), mimic) for joint in robot.all("joint") for mimic in joint.all("mimic")[:1]}
+    seen: set[str] = set()
+    for name in leaders:
+        path: list[str] = []
+        while name in leaders and name not in seen and name not in path:
+            path.append(name)
+            name = leaders[name][0]
+        seen.update(path)
+        ring = path[path.index(name) :] if name in path else []
+        if len(ring) < 2:
+            continue  # one that mimics itself has been said to
+        multiplier, offset = 1.0, 0.0
+        for follower in reversed(ring):  # in the end, the first one = multiplier x itself + offset
+            (ratio,), (shift,) = (leaders[follower][1].numbers(word) or (start,) for word, start in (("multiplier", 1.0), ("offset", 0.0)))
+            multiplier, offset = ratio * multiplier, ratio * offset + shift
+        if abs(multiplier - 1) > 1e-9 or abs(offset) > 1e-9:
+            problem = f"a ring of gear pairs that locks: {' mimics '.join([*ring, ring[0]])}; one turn comes back as {multiplier:.9g}"
+            yield leaders[ring[0]][1], f"{problem} turns, {offset:.9g} further", "remove one <mimic> of the ring"
+
+
+def _transmission_problems(robot: "Element") -> Iterator[Problem]:
+    types = {joint.get("name"): joint.get("type") for joint in robot.all("joint")}
+    for transmission in robot.all("transmission"):
+        if not transmission.all("joint"):
+            yield transmission, "names no <joint>", 'write <joint name="..."/> in it, the driver'
+        for joint in transmission.all("joint"):
+            name = joint.get("name")
+            if not name:
+                yield joint, "has no name", 'write <joint name="..."/>, the driver'
+            elif name not in types:
+                yield joint, f"no joint {name!r}{suggestion(name, types)}", "name a <joint> of this file"
+            elif types[name] == "fixed":
+                yield joint, f"joint {name!r} is fixed and cannot drive", "name a revolute, continuous or prismatic joint"
+
+
+def names(robot: "Element", tag: str) -> list[str]:
+    return [name for element in robot.all(tag) if (name := element.get("name"))]

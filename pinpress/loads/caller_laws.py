@@ -1,0 +1,169 @@
+"""Functions that a caller has written himself, asked so that what is wrong with them is said.
+
+What they raise, and answers that are no finite numbers of the right shape, become a `LawError` that names the law and where it was asked;
+NumPy's warnings are those that the caller wants to see, whatever the library does not want to see around them. The library's own loads
+are asked as they are.
+"""
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from ..common.errors import PinpressError, SimulationError, said, shown
+from ..common.scenario_fields import lengths
+from . import process as own_loads
+from .process import ProcessLoad, Stretch, TimeForce
+
+OWN_LOADS = (own_loads.Idle, own_loads.Piling, own_loads.Blanking, own_loads.DeepDrawing, own_loads.ForceStroke, own_loads.ElasticDie)
+OF_LOAD, OF_TIME = (("height", "m"), ("velocity", "m/s")), (("time", "s"),)
+
+
+class LawError(SimulationError):
+    """A caller's law has failed, or answers what is none."""
+
+    def __init__(self, problem: str, time: float | None = None, crank_angle: float | None = None) -> None:
+        self.problem = problem
+        super().__init__(problem, time, crank_angle)
+
+    def within(self, time: float, crank_angle: float) -> "LawError":
+        """The same with time and crank angle, which a law itself may not know."""
+        return LawError(self.problem, time, crank_angle)
+
+
+@dataclass(frozen=True, eq=False)
+class Asked:
+    """A caller's own drive or load; errors: `numpy.geterr` of the caller."""
+
+    part: Any
+    errors: Any
+
+
+def name(part: object) -> str:
+    """Name of a drive's or load's class, as the caller wrote it."""
+    return type(part.part if isinstance(part, Asked) else part).__name__
+
+
+def asked_loads(loads: Sequence[Any]) -> list[Any]:
+    """Loads of a run: a caller's own ones to be asked with care, anything else as it is."""
+    return [asked_load(load) for load in loads]
+
+
+def asked_load(load: Any) -> Any:
+    """A process load or a force in time, as of `asked_loads`."""
+    if isinstance(load, TimeForce):
+        return load if isinstance(load.force, Law) else TimeForce(Law("TimeForce: force", OF_TIME, load.force, np.geterr()), load.edges)
+    if type(load) in OWN_LOADS or isinstance(load, type | AskedLoad) or not isinstance(load, ProcessLoad):
+        return load
+    return AskedLoad(load, np.geterr())
+
+
+@dataclass(frozen=True)
+class ForceOfMotion:
+    """A caller's function of a motion; what: e.g. "load on 'slide': force"; errors: `numpy.geterr` of the caller. What it returns is
+    checked where it is used."""
+
+    what: str
+    call: Callable[[Any], Any]
+    errors: Any
+
+    def __call__(self, motion: Any) -> Any:
+        try:
+            with np.errstate(**self.errors):
+                return self.call(motion)
+        except LawError:  # another law, within this one, has said what is wrong
+            raise
+        except Exception as error:
+            raise LawError(f"{self.what} cannot be worked out: {said(error)}") from error
+
+
+@dataclass(frozen=True)
+class Law:
+    """A caller's function of numbers, or arrays.
+
+    Attributes:
+        what: e.g. "Fan: torque". names: of its arguments, with their units. call: the function. errors: `numpy.geterr` of the caller.
+        scenarios: whether a number may be answered by (S,).
+    """
+
+    what: str
+    names: tuple[tuple[str, str], ...]
+    call: Callable[..., Any]
+    errors: Any
+    scenarios: int | None = None
+
+    def __call__(self, *at: Any) -> Any:
+        try:
+            with np.errstate(**self.errors):
+                value = self.call(*at)
+        except LawError:  # another law, within this one, has said what is wrong
+            raise
+        except Exception as error:
+            raise LawError(f"{self._said(at)} cannot be worked out: {said(error)}") from error
+        if isinstance(value, float) and math.isfinite(value):
+            return value
+        return self._checked(value, at)
+
+    def _checked(self, value: Any, at: tuple[Any, ...]) -> Any:
+        try:
+            numbers = np.asarray(value)
+        except ValueError:  # rows of different lengths
+            numbers = np.asarray(None)
+        if numbers.dtype.kind not in "iuf":
+            what = f"holds {value.dtype} values" if isinstance(value, np.ndarray) else f"is {shown(value)}"
+            raise LawError(f"{self._said(at)} {what}; give finite numbers")
+        shape = np.broadcast_shapes(*(np.shape(one) for one in at if not isinstance(one, tuple)))
+        wanted = shape or (() if self.scenarios is None or not numbers.ndim else (self.scenarios,))
+        if not _fits(numbers.shape, wanted):
+            raise LawError(f"{self._said(at)} has shape {numbers.shape}; give {wanted}, as many as it is asked for")
+        if not np.isfinite(numbers).all() and all(np.isfinite(one).all() for one in at if not isinstance(one, tuple)):
+            raise LawError(f"{self._said(at, np.isfinite(numbers))} is {_first(numbers)}; give finite numbers")
+        return value
+
+    def _said(self, at: tuple[Any, ...], good: Any = None) -> str:
+        """The law and the arguments at which it was asked; of arrays those of the first answer that is not good."""
+        parts = []
+        for (label, unit), one in zip(self.names, at, strict=False):
+            if isinstance(one, tuple) or (np.ndim(one) and good is None):
+                continue
+            value = one
+            if np.ndim(one):
+                shape = np.broadcast_shapes(np.shape(one), good.shape)
+                value = np.broadcast_to(one, shape)[~np.broadcast_to(good, shape)][0]
+            parts.append(f"{label} {float(value):.6g} {unit}")
+        return f"{self.what}{' at ' if parts else ''}{', '.join(parts)}"
+
+
+def _fits(shape: tuple[int, ...], wanted: tuple[int, ...]) -> bool:
+    try:
+        return np.broadcast_shapes(shape, wanted) == wanted
+    except ValueError:
+        return False
+
+
+def _first(numbers: Any) -> float:
+    return float(numbers[~np.isfinite(numbers)].flat[0])
+
+
+@dataclass(frozen=True, eq=False)
+class AskedLoad(Asked):
+    """A caller's own process load."""
+
+    @property
+    def datum(self) -> float | None:
+        return self.part.datum  # type: ignore[no-any-return]
+
+    def stretches(self, downwards: bool) -> Any:
+        try:
+            with np.errstate(**self.errors):
+                found = self.part.stretches(downwards)
+        except Exception as error:
+            raise PinpressError(f"{name(self)}: stretches({downwards}) cannot be worked out: {said(error)}") from error
+        if not isinstance(found, tuple | list) or not all(isinstance(s, Stretch) for s in found):
+            return found  # refused where it is checked
+        scenarios = next(iter(lengths(self.part).values()), None)
+        return tuple(
+            Stretch(s.upper, s.lower, Law(f"{name(self)}: force", OF_LOAD, s.force, self.errors, scenarios), s.one_sided) for s in found
+        )

@@ -1,0 +1,30 @@
+"""The documents from which the shipped presses come, and what pinpress makes of every table and figure in them.
+
+    python -m pinpress.papers                        # all three, as text
+    python -m pinpress.papers kong2025               # one
+    python -m pinpress.papers --out docs             # pages with figures
+
+Each document is a module with a function `page`; what a page is made of stands in `pages`.
+"""
+
+from importlib import import_module
+
+from .pages import Page
+
+__all__ = ["DOCUMENTS", "Page", "reproduced"]
+
+DOCUMENTS = ("kong2025", "zhang2007", "chen2002")
+
+
+def reproduced(document: str) -> Page:
+    """The page of a document, worked out.
+
+    Raises:
+        UnknownNameError: there is no such document.
+    """
+    from ..common.errors import UnknownNameError
+
+    if document not in DOCUMENTS:
+        raise UnknownNameError("document", document, DOCUMENTS)
+    page: Page = import_module(f".{document}", __name__).page()
+    return page

@@ -1,0 +1,244 @@
+"""Chen Y., Su S. 2002, Modern Manufacturing Engineering 2002(7), 42-44: a press for thin-walled parts, with an oscillating guide bar.
+
+Angles of the crank are those of the paper, counter-clockwise from the direction of the ram's way back; the ram works towards -x.
+"""
+
+import math
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ..common.arrays import Array
+from ..derivatives.reshape import reshaped
+from ..kinematics.dead_centres import dead_centres
+from ..kinematics.measures import bearing_positions, flatness, pressure_angle, quick_return_ratio, speed_ratio, stroke
+from ..kinematics.motion import Motion, cycle
+from ..linkage.linkage import Linkage
+from ..linkage.loading import load
+from ..synthesis.synthesis import Synthesis, synthesise
+from ..synthesis.trial import Trial
+from .drawings import Panel, draw
+from .pages import BEYOND, CURVES, FORMULAS, NO_RESULT, NOT, PARTLY, Entry, Erratum, Page, Row
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+SPEED = 7.54  # of the crank [rad/s]
+POINTS = 720
+DRAWN = 0.120  # that are to be drawn at even speed [m]
+STROKE, RATIO = 0.400, 1.5  # as asked for [m, -]
+HALF = math.pi / 2 * (RATIO - 1) / (RATIO + 1)  # half of the angle between the bar's ends, (11)
+FORMULA, SOLVER = "formula", "independent solver"
+AXIS = (1.0, 0.0, 0.0)  # of the ram's guide
+
+ERRATA = (
+    Erratum("(22), (23)", "l1 and l4 as variables of an objective", "l1 has no influence, and l4 no optimum: see below"),
+    Erratum("constraints (3)", "bounds of the variables left out", "the optimum of l4 is its upper bound, so that it is the result"),
+    Erratum("example", "h = 630 mm, l3 = 648 mm", "(19) and (21) give 631.4 mm and 647.2 mm"),
+    Erratum("Fig. 3", "nearly uniform from 60 to 120 deg", "over these 157 mm the speed differs by 7.1 %; over the best 120 mm by 3.7 %"),
+)
+
+
+def page() -> Page:
+    """All figures of the paper (it has no tables), and what its text claims."""
+    press = load("thin_wall")
+    motion = cycle(press, SPEED, POINTS)
+    even = [even_speed(press, degrees) for degrees in (40, 10)]
+    return Page(
+        "chen2002",
+        "Chen 2002: a press for thin-walled parts",
+        "Chen Y., Su S. 2002, Modern Manufacturing Engineering 2002(7), 42-44 (in Chinese): lengths of an oscillating guide bar with a"
+        " rocker-slide behind it, so that the ram works at an even speed and returns quickly. `thin_wall`, at 7.54 rad/s. The paper has"
+        " no tables. Written by `python -m pinpress.papers chen2002`.",
+        (
+            Entry(("Fig. 1",), "scheme of the press", NO_RESULT),
+            _ends(press),
+            _speeds(press, motion, even[0].press),
+            _example(press, motion),
+            _uniform(press, motion),
+            _objective(press, motion),
+            _even(motion, even),
+        ),
+        ERRATA,
+    )
+
+
+def design_rules(l1: Any, l4: Any) -> Mapping[tuple[str, str], Any]:
+    """All lengths from crank and coupler [m], by (19) to (21)."""
+    bar = STROKE / (2 * np.sin(HALF))
+    return {
+        ("A", "frame"): (0, 0, l1 / np.sin(HALF)),
+        ("B", "crank"): (l1, 0, 0),
+        ("D", "bar"): (bar, 0, 0),
+        ("E", "coupler"): (l4, 0, 0),
+        ("slide_guide", "frame"): (0, 0, 0.5 * bar * (1 + np.cos(HALF))),
+    }
+
+
+def as_the_paper_asks(press: Linkage, longest: float) -> Synthesis:
+    """Least v_max / v_mean of the working stroke, with a bound of the coupler's length [m], which the paper leaves out."""
+    return synthesise(
+        press,
+        {"l1": (0.080, 0.108, 0.140), "l4": (0.150, 0.200, longest)},
+        minimise=lambda trial: speed_ratio(trial.motion),
+        subject_to={"pressure angle": (_pressure, None, math.radians(40))},
+        geometry=design_rules,
+        speed=SPEED,
+    )
+
+
+def even_speed(press: Linkage, degrees: float) -> Synthesis:
+    """Least drop of speed over 120 mm, with a largest pressure angle [deg]; coupler and height of the ram are free."""
+    return synthesise(
+        press,
+        {"l4": (0.050, 0.220, 0.600), "h": (0.600, 0.630, 0.700)},
+        minimise=lambda trial: flatness(trial.motion, DRAWN),
+        subject_to={"pressure angle": (_pressure, None, math.radians(degrees))},
+        geometry=lambda l4, h: {("E", "coupler"): (l4, 0, 0), ("slide_guide", "frame"): (0, 0, h)},
+        speed=SPEED,
+    )
+
+
+def _pressure(trial: Trial) -> float:
+    return pressure_angle(trial.motion, trial.positions["E"], trial.positions["D"], AXIS)
+
+
+def largest_pressure(press: Linkage, motion: Motion) -> float:
+    """Between coupler and guide, over the turn [deg]."""
+    at = bearing_positions(press, motion)
+    return math.degrees(pressure_angle(motion, at["E"], at["D"], AXIS))
+
+
+def _ends(press: Linkage) -> Entry:
+    ends = dead_centres(press)
+    start, end = math.degrees(ends.top_angle) - 360.0, math.degrees(ends.bottom_angle)
+    half = math.degrees(HALF)
+    rows = (
+        Row("crank angle at the start of the working stroke [deg]", f"{-half:.3f}", start, 0.5, None, FORMULA),
+        Row("crank angle at its end [deg]", f"{180 + half:.3f}", end, 0.5, None, FORMULA),
+        Row("start of the working stroke, printed lengths [deg]", "-17.973159", start, 1e-5, None, SOLVER),
+        Row("its end, printed lengths [deg]", "197.973159", end, 1e-5, None, SOLVER),
+    )
+    reason = "(11) for K = 1.5; ours are those of the lengths, which are rounded to millimetres, the crank's by up to 0.5 %."
+    return Entry(("Fig. 2",), "crank angles at the ends of the stroke", FORMULAS, rows, reason)
+
+
+def _working(motion: Motion) -> tuple[Array, Array]:
+    """Crank angle [deg] and speed towards the work [mm/s], (n,)."""
+    return np.degrees(motion.crank_angle), -1e3 * motion.slide_velocity
+
+
+def _speeds(press: Linkage, motion: Motion, even: Linkage) -> Entry:
+    def down(degrees: float) -> float:
+        return -1e3 * float(cycle(press, SPEED, angle=[math.radians(degrees)]).slide_velocity[0])
+
+    fine = cycle(press, SPEED, 72000)  # extremes to 1e-9
+    fastest = int(fine.slide_velocity.argmin())
+    ends = dead_centres(press)
+    mean = 1e3 * ends.stroke / ((ends.bottom_angle - ends.top_angle + 2 * np.pi) / SPEED)
+    rows = (
+        Row("speed of the ram at 0 deg [mm/s]", "399.728925", down(0.0), 1e-6, None, SOLVER),
+        Row("speed of the ram at 60 deg [mm/s]", "1086.607425", down(60.0), 1e-6, None, SOLVER),
+        Row("mean speed of the working stroke [mm/s]", "800.034815", mean, 1e-6, None, SOLVER),
+        Row("largest speed of the working stroke [mm/s]", "1152.606", -1e3 * float(fine.slide_velocity.min()), 1e-4, None, SOLVER),
+        Row("crank angle there [deg]", "87.60", math.degrees(fine.crank_angle[fastest]), 0.02, None, SOLVER),
+        Row("largest speed of the return stroke [mm/s]", "2181", 1e3 * float(fine.slide_velocity.max()), 0.05, None, SOLVER),
+    )
+
+    def shown() -> "Figure":
+        curves = {"printed lengths": _working(motion), "even speed, ours, up to 40 deg": _working(cycle(even, SPEED, POINTS))}
+        return draw("crank angle [deg]", [Panel("speed of the ram [mm/s]", curves)], 6.5)
+
+    reason = "No number is printed in the figure; what the text says of it follows below."
+    caption = "Towards the work is positive."
+    return Entry(("Fig. 3",), "speed of the ram over the crank angle", CURVES, rows, reason, "chen2002_speed", shown, caption)
+
+
+def _example(press: Linkage, motion: Motion) -> Entry:
+    bar = STROKE / (2 * math.sin(HALF))
+    rows = (
+        Row("time ratio K", "1.5", quick_return_ratio(motion), 0.5, 5),
+        Row("stroke [mm]", "400", 1e3 * stroke(motion), 0.5, 3),
+        Row("crank l1 by (20) from l6 = 350 mm [mm]", "108", 350 * math.sin(HALF), 0.5, 2),
+        Row("bar l3 by (21) [mm]", "648", 1e3 * bar, None, 2),
+        Row("height h by (19) [mm]", "630", 500 * bar * (1 + math.cos(HALF)), None, 2),
+        Row(
+            "largest pressure angle, (18) [deg]",
+            f"{math.degrees(math.asin((648 - 630) / 220)):.4f}",
+            largest_pressure(press, motion),
+            1e-3,
+            None,
+            FORMULA,
+        ),
+    )
+    reason = (
+        "l1 = 108, l3 = 648, l4 = 220, l6 = 350, h = 630 mm. Time ratio and stroke are those of these lengths, to what rounding to"
+        " millimetres leaves (0.5 % of the crank); bar and height are not the rounded ones of the paper's own rules. l4 is discussed below."
+    )
+    return Entry(("Example",), "lengths, time ratio, stroke, pressure angle", PARTLY, rows, reason)
+
+
+def _uniform(press: Linkage, motion: Motion) -> Entry:
+    part = cycle(press, SPEED, angle=np.radians(np.linspace(60.0, 120.0, 601)))
+    travel = 1e3 * float(part.slide_position[0] - part.slide_position[-1])
+    speed = -part.slide_velocity
+    rows = (
+        Row("travel from 60 to 120 deg [mm]", "more than 120", travel, places=2),
+        Row("the same [mm]", "156.63", travel, 0.01, None, SOLVER),
+        Row("drop of speed within it [%]", "", 100 * float(1 - speed.min() / speed.max()), places=2),
+        Row("least drop of speed over any 120 mm [%]", "3.69", 100 * flatness(motion, DRAWN), 0.2, None, SOLVER),
+    )
+    reason = (
+        "The paper claims at least 120 mm at a nearly uniform speed, from 60 to 120 deg. The travel is so; how uniform it is is not said."
+    )
+    return Entry(("Uniform section",), "travel at even speed", CURVES, rows, reason)
+
+
+def _objective(press: Linkage, motion: Motion) -> Entry:
+    def value(l1: float, l4: float) -> float:
+        return speed_ratio(cycle(reshaped(press, design_rules(l1, l4)), SPEED, 360))
+
+    limit = (math.pi + 2 * HALF) / (2 * (1 + math.sin(HALF)))
+    found = as_the_paper_asks(press, 0.220)
+    lengths = (0.150, 0.220, 0.400, 1.0, 3.0)
+    rows = (
+        Row("f = v_max / v_mean, printed lengths", "1.440695", speed_ratio(motion), 1e-4, None, SOLVER),
+        Row("f by (19) to (21), l4 = 220 mm", "1.44043159", value(0.108, 0.220), 1e-6, None, SOLVER),
+        *(Row(f"f, l4 = {1e3 * l4:g} mm", "", value(0.108, l4), places=6) for l4 in lengths),
+        *(Row(f"f, l4 = 220 mm, l1 = {1e3 * l1:g} mm", "", value(l1, 0.220), places=6) for l1 in (0.080, 0.140)),
+        Row(
+            "f, l4 = 100 m; without end (pi + 2 d) / (2 (1 + sin d)), d = 18 deg", f"{limit:.6f}", value(0.108, 100.0), 1e-3, None, FORMULA
+        ),
+        Row("l4 that the search within 150 to 220 mm ends at [mm]", "", 1e3 * found.variables["l4"], places=2),
+    )
+
+    def shown() -> "Figure":
+        coupler = np.geomspace(0.15, 3.0, 13)
+        ours = np.array([value(0.108, l4) for l4 in coupler.tolist()])
+        return draw("l4 [mm]", [Panel("v_max / v_mean", {"": (1e3 * coupler, ours)}, (limit,), ((220.0, value(0.108, 0.220)),))], 5.5)
+
+    reason = (
+        "The objective is degenerate: stroke and K fix the mean speed, l1 only scales crank and centre distance together, and f falls"
+        " with l4 without"
+        " end. Any solver stops at the upper bound of l4, which the paper leaves out; 220 mm is an optimum only if it was that bound."
+        " From bound to"
+        " infinity f falls by 0.03 %."
+    )
+    caption = "Cross: l4 as printed; dashes: the limit."
+    return Entry(("(22), (23)",), "objective and its optimum", NOT, rows, reason, "chen2002_objective", shown, caption)
+
+
+def _even(motion: Motion, found: list[Synthesis]) -> Entry:
+    rows = [Row("drop of speed over 120 mm, printed lengths [%]", "3.69", 100 * flatness(motion, DRAWN), 0.2, None, SOLVER)]
+    for degrees, theirs, best in zip((40, 10), ("3.39", "3.64"), found, strict=True):
+        rows += [
+            Row(f"least drop, pressure angle up to {degrees} deg [%]", theirs, 100 * best.value, 0.3, None, SOLVER),
+            Row(f"its l4, up to {degrees} deg [mm]", "", 1e3 * best.variables["l4"], places=0),
+            Row(f"its h, up to {degrees} deg [mm]", "", 1e3 * best.variables["h"], places=0),
+        ]
+    reason = (
+        "What the press is for: speed as even as may be over the 120 mm that are drawn, with free l4 and h under a limit of the pressure"
+        " angle. It has an optimum of its own, little better than the paper's lengths: the guide bar decides."
+    )
+    return Entry(("Even speed",), "objective with an optimum", BEYOND, tuple(rows), reason)

@@ -1,0 +1,206 @@
+"""What a page of results is made of, and how it is written: a document's numbers, ours beside them, and the reason where they differ."""
+
+import io
+import os
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from ..common.errors import PinpressError
+from ..common.files import make_folder, write
+from ..plots.style import STYLE
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+REPRODUCED = "reproduced"  # every printed number, within the tolerance beside it
+FORMULAS = "formulas confirmed, no printed numbers"  # ours beside what the document's formulas give
+CURVES = "no printed numbers"  # ours instead, beside independent solvers where there are any
+PARTLY = "partly reproduced"  # those with a tolerance
+NOT = "not reproducible"  # for the reason given
+DATA = "data"  # numbers that the model takes over: no result
+FINDINGS = "findings only"  # words, no numbers
+BEYOND = "not in the document"
+NO_RESULT = "not a result"  # a photograph, a scheme, a drawing, a screenshot
+KINDS = (REPRODUCED, FORMULAS, CURVES, PARTLY, NOT, DATA, FINDINGS, BEYOND, NO_RESULT)
+DOTS = 110  # per inch of the pages' figures
+
+
+@dataclass(frozen=True)
+class Row:
+    """One number of a document, and ours.
+
+    Attributes:
+        quantity: what it is, with its unit. theirs: as it is printed; empty where nothing is. ours: None where it is not defined.
+        within: largest deviation [%] that counts as reproduced, 0 where theirs is zero and ours must be; None where the number is not
+            claimed to be reproduced.
+        places: decimals of ours; None: as many as are printed.
+        source: whose number theirs is, where it is not the document's: "formula", "independent solver".
+    """
+
+    quantity: str
+    theirs: str
+    ours: float | str | None
+    within: float | None = None
+    places: int | None = None
+    source: str = ""
+
+    def __post_init__(self) -> None:
+        if self.within is not None and (
+            self.number is None or not isinstance(self.ours, float) or (self.number == 0) != (self.within == 0)
+        ):
+            raise PinpressError(f"{self.quantity}: a tolerance needs a number on both sides; it is 0 where theirs is zero, and only there")
+
+    @property
+    def number(self) -> float | None:
+        """Theirs; None where it is none."""
+        try:
+            return float(self.theirs.replace(" ", ""))
+        except ValueError:
+            return None
+
+    @property
+    def deviation(self) -> float | None:
+        """Of ours from theirs, in percent of theirs."""
+        if self.number is None or self.number == 0.0 or self.ours is None or isinstance(self.ours, str):
+            return None
+        return 100 * (self.ours - self.number) / abs(self.number)
+
+    @property
+    def holds(self) -> bool | None:
+        """Whether the deviation is within the tolerance; None without one."""
+        if self.within is None:
+            return None
+        return self.ours == 0.0 if self.deviation is None else abs(self.deviation) <= self.within
+
+    def cells(self) -> tuple[str, str, str, str, str]:
+        """Quantity, theirs, ours, deviation, tolerance."""
+        theirs = f"{self.theirs} ({self.source})" if self.source else self.theirs
+        deviation = "" if self.deviation is None else f"{round(self.deviation, 2) + 0.0:+.2f} %".replace("+0.00", "0.00")
+        return (
+            self.quantity,
+            theirs,
+            self._ours(),
+            deviation,
+            "" if self.within is None else f"{self.within:g} %" if self.within else "rounding",
+        )
+
+    def _ours(self) -> str:
+        if self.ours is None or isinstance(self.ours, str):
+            return self.ours or ""
+        places = len(self.theirs.partition(".")[2]) if self.places is None else self.places
+        return f"{round(self.ours, places) + 0.0:.{places}f}"
+
+
+@dataclass(frozen=True)
+class Entry:
+    """One table or figure of a document, several of one kind, or a claim of its text.
+
+    Attributes:
+        numbers: as the document numbers them, e.g. "Table 2". title: what they show. kind: one of `KINDS`.
+        rows: its numbers. reason: why it is not reproduced, or what is to be said of it.
+        figure: name of ours, drawn by ``draw``. caption: below it.
+    """
+
+    numbers: tuple[str, ...]
+    title: str
+    kind: str
+    rows: tuple[Row, ...] = ()
+    reason: str = ""
+    figure: str = ""
+    draw: "Callable[[], Figure] | None" = None
+    caption: str = ""
+
+    @property
+    def label(self) -> str:
+        """Its numbers in one line."""
+        return ", ".join(self.numbers)
+
+    def markdown(self, folder: str) -> str:
+        """Heading, reason, table and figure; ``folder``: of the figures."""
+        parts = [f"### {self.label}: {self.title}", f"{self.kind[0].upper()}{self.kind[1:]}. {self.reason}".strip()]
+        if self.rows:
+            parts.append(table(("", "document", "pinpress", "deviation", "tolerance"), (row.cells() for row in self.rows)))
+        if self.draw is not None:
+            parts.append(f"![{self.label}]({folder}/{self.figure}.png)\n\n{self.caption}".strip())
+        return "\n\n".join(parts)
+
+
+@dataclass(frozen=True)
+class Erratum:
+    """A mistake of a document: the equation or place, what is wrong, what is right."""
+
+    place: str
+    wrong: str
+    right: str
+
+
+@dataclass(frozen=True)
+class Page:
+    """All of a document."""
+
+    name: str
+    title: str
+    introduction: str
+    entries: tuple[Entry, ...]
+    errata: tuple[Erratum, ...]
+
+    @property
+    def rows(self) -> tuple[Row, ...]:
+        """Of all entries."""
+        return tuple(row for entry in self.entries for row in entry.rows)
+
+    def markdown(self, folder: str = "figures") -> str:
+        """The page as Markdown; ``folder``: of the figures, from the page."""
+        shown = [entry for entry in self.entries if entry.kind != NO_RESULT]
+        held = [row for row in self.rows if row.holds]
+        printed = sum(not row.source for row in held)
+        count = (
+            f"Reproduced within the tolerance beside them: {printed} printed numbers, and {len(held) - printed} that are marked as those"
+            " of a formula or of an independent solver, a program that shares no code with pinpress and was given the same data. What has"
+            " no tolerance is not claimed to be reproduced."
+        )
+        parts = [
+            f"# {self.title}",
+            self.introduction,
+            count,
+            "## All tables and figures",
+            table(("number", "what it shows", ""), ((entry.label, entry.title, entry.kind) for entry in self.entries)),
+            "## One by one",
+            *(entry.markdown(folder) for entry in shown),
+            "## Errata of the document",
+            table(("place", "what is printed", "what is right"), ((e.place, e.wrong, e.right) for e in self.errata)),
+        ]
+        return "\n\n".join(parts) + "\n"
+
+    def write(self, out: str | os.PathLike[str]) -> tuple[Path, ...]:
+        """Write the page and its figures into a folder; the files written.
+
+        Raises:
+            PinpressError: Matplotlib is not installed, or a file cannot be written.
+        """
+        folder = Path(out)
+        make_folder(folder / "figures")
+        written = [write(folder / f"{self.name}.md", self.markdown().encode())]
+        for entry in self.entries:
+            if entry.draw is not None:
+                written.append(write(folder / "figures" / f"{entry.figure}.png", _small(entry.draw())))
+        return tuple(written)
+
+
+def _small(figure: "Figure") -> bytes:
+    """A figure as PNG for a page on a screen, where those of `save_plot` are for print. The same figure gives the same bytes."""
+    from matplotlib import style
+
+    content = io.BytesIO()
+    with style.context(["default", STYLE]):
+        figure.savefig(content, format="png", dpi=DOTS, metadata={"Software": None})
+    return content.getvalue()
+
+
+def table(head: tuple[str, ...], rows: Iterable[tuple[str, ...]]) -> str:
+    """A table in Markdown."""
+    lines = [f"| {' | '.join(head)} |", "|---" * len(head) + "|"]
+    lines += [f"| {' | '.join(cell.replace('|', chr(92) + '|') for cell in row)} |" for row in rows]
+    return "\n".join(lines)

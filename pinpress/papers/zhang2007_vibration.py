@@ -1,0 +1,198 @@
+"""Chapter 2 of Zhang 2007: vibration of the frame on 10 mm of rubber, its findings in words beside those of a model.
+
+The thesis prints no data of the frame. All of it is assumed here (ours): what can be compared is what it found.
+"""
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+import pinocchio as pin
+
+from .. import foundation
+from ..common.arrays import Array
+from ..common.errors import PinpressError
+from ..common.units import RPM
+from ..drives.transmission import Flywheel
+from ..dynamics.inverse_dynamics import inverse_dynamics
+from ..foundation import Frame, FrameMotion, Mount, MountedPress, RubberPad, SpeedResponse
+from ..kinematics.motion import Motion, cycle
+from ..linkage.linkage import Linkage
+from ..linkage.loading import load
+from ..loads import process as loads
+from ..loads.link import PointForce
+from ..simulation.simulate import simulate
+from .drawings import Panel, draw
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+BED = Frame(mass=8000, centre=(0, 0, -1.0), inertia=(3000, 2500, 3000))
+CROWN = Frame(mass=7000, centre=(0, 0.2, 0.4), inertia=(2500, 2000, 2500))  # with flywheel and motor, behind the crank
+PAD = RubberPad(length=0.2, width=0.2, thickness=0.01, hardness=65, loss_factor=0.15, stiffening=1.3)
+FEET = tuple((x, y, -1.3) for x in (-0.55, 0.55) for y in (-0.5, 0.6))
+# four columns, together 2.4 GN/m: 0.5 mm under 1250 kN
+COLUMNS = tuple(Mount((x, y, -0.3), (1e8, 1e8, 6e8), loss_factor=0.02) for x in (-0.55, 0.55) for y in (-0.4, 0.5))
+WHOLE = Frame(16000, (0, 0, -0.4), (11e3, 10e3, 5500))  # in one part, for the choice of springs
+SPRINGS = tuple(Mount(foot, (1e6, 1e6, 1e6), loss_factor=0.05) for foot in FEET)
+UNBALANCE = 940 * 0.04e-3  # of the flywheel, 940 kg of grade G 1.6 at 400 per min: 40 um eccentric [kg m]
+FLYWHEEL = Flywheel(136)
+# With 1250 kN, and with 100 kN, feet lift off, where the linear model ends. Vibration is proportional to the force, its decay the same.
+PILING = loads.Piling(force=50e3, height=4.86e-5)
+POINTS = {"top beam": ("crown", (0, 0, 0.9)), "column": ("crown", (-0.6, 0.5, 0.1)), "lower beam": (0, 0, -1.1)}
+SPEEDS = np.linspace(150, 450, 121) * RPM
+WORKING = slice(20, 101)  # of these, 200 to 400 per min
+PRESSES = {"plain": "jf75g_125_plain", "with its counterweight": "jf75g_125", "symmetric": "jf75g_125_symmetric"}
+REAL = "with its counterweight"
+AT = 350 * RPM  # of the thesis's signals
+STEP = 1e-4  # of a run under piling [s]: a sixtieth of the stretching's period
+
+
+class Finding(NamedTuple):
+    """Where the thesis says what, what the model gives, and whether that agrees."""
+
+    place: str
+    says: str
+    gives: str
+    agrees: str
+
+
+@dataclass(frozen=True, eq=False)
+class Vibration:
+    """The presses of the thesis on their mounts, and how they vibrate; computed when first asked for."""
+
+    @cached_property
+    def machines(self) -> dict[str, MountedPress]:
+        return {name: standing(load(file)) for name, file in PRESSES.items()}
+
+    @cached_property
+    def over(self) -> dict[str, SpeedResponse]:
+        """Idle, over the range of speeds."""
+        return {name: foundation.over_speeds(system, SPEEDS, POINTS) for name, system in self.machines.items()}
+
+    @cached_property
+    def idle(self) -> FrameMotion:
+        """One turn of the real press without load."""
+        system = self.machines[REAL]
+        return foundation.steady_response(system, inverse_dynamics(system.press, cycle(system.press, AT)), POINTS)
+
+    @cached_property
+    def struck(self) -> FrameMotion:
+        """Seven strokes of piling, from rest."""
+        system, duration = self.machines[REAL], 1.2
+        run = simulate(system.press, duration, AT, flywheel=FLYWHEEL, loads=[PILING], points=round(duration / STEP) + 1)
+        motion = foundation.time_response(system, inverse_dynamics(system.press, run, loads=[PILING]), POINTS, FLYWHEEL)
+        if not motion.least_load.min() > 0:
+            raise PinpressError("a foot lifts off: the linear model does not hold")
+        return motion
+
+    def top_beam(self, name: str) -> Array:
+        """Acceleration of the top beam, rms, at `SPEEDS` [m/s2]."""
+        return np.asarray(np.linalg.norm(self.over[name].rms["top beam"], axis=1))
+
+    def findings(self) -> tuple[Finding, ...]:
+        """Those of chapter 2."""
+        system, modes = self.machines[REAL], foundation.modes(self.machines[REAL])
+        alone, moving = _size(flywheel_alone(system)), _size(self.idle.rms("top beam"))
+        two, three, most = np.interp((200, 300, 350), SPEEDS / RPM, self.top_beam(REAL))
+        across = self.idle.rms("top beam")[0] / moving
+        ends = ", ".join(f"{point} {_size(self.idle.rms(point)):.3f}" for point in POINTS)
+        seen, damped = _decay(system, self.struck)
+        lowest, stretching = (modes.natural_frequency[k] / (2 * np.pi) for k in (0, modes.motion.index("stretching")))
+        soft = foundation.isolate(self.machines["plain"].press, WHOLE, SPRINGS, SPEEDS[WORKING], 0.6)
+        through = self.over["plain"].transmitted[: WORKING.stop].max()
+        return (
+            Finding(
+                "Fig. 2-7",
+                "flywheel alone, 350 per min: vibration very small",
+                f"{alone:.2g} m/s² rms on the top beam, {moving / alone:.0f} times less than with the slide",
+                "yes",
+            ),
+            Finding(
+                "Figs. 2-8 to 2-15",
+                "idle, to 300 per min: not yet marked; 350: strong",
+                f"{three / two:.1f} times from 200 to 300 (square of the speed: 2.25), {most / three:.1f} times from 300 to 350 (1.36)",
+                "yes, with these pads",
+            ),
+            Finding(
+                "Figs. 2-12 to 2-15",
+                "idle: signals like a sine, the machine sways",
+                f"higher harmonics {100 * _distortion(self.idle):.2g} % of the first on the top beam; {across:.3f} of it along x, across"
+                " the machine",
+                "yes",
+            ),
+            Finding("Figs. 2-12 to 2-15", "the top beam moves more than columns and lower beam", f"{ends} m/s²", "yes, a little"),
+            Finding("Figs. 2-8 to 2-11", "the motor's side moves more", "the same on both sides: no motor stands aside in our frame", "no"),
+            Finding(
+                "Figs. 2-17, 2-18",
+                "piling: dies away after every stroke",
+                f"logarithmic decrement of the stretching {seen:.3f}, of the mode's damping {damped:.3f}",
+                "yes",
+            ),
+            Finding(
+                "2.3.4",
+                "so the speed is far from the natural frequencies",
+                f"lowest {lowest:.2f} Hz, {60 * lowest:.0f} per min",
+                f"no: what rings is the stretching, at {stretching:.0f} Hz",
+            ),
+            Finding(
+                "2.3.4",
+                "rubber or springs below keep it from the floor",
+                f"rubber of 10 mm: {through:.2f} of the shaking force of the plain press comes through at most; for 0.6 between 200 and 400"
+                f" per min: {soft.stiffness[2] / 1e6:.2f} MN/m together, {1e3 * soft.sag:.0f} mm of sag",
+                "springs yes, this rubber no",
+            ),
+        )
+
+    def draw(self) -> "Figure":
+        """Acceleration of the top beam over the speed, idle."""
+        curves = {name: (SPEEDS / RPM, self.top_beam(name)) for name in PRESSES}
+        return draw("strokes per minute", [Panel("top beam, rms [m/s²]", curves, logarithmic=True)], high=6.0)
+
+
+def standing(press: Linkage, pad: RubberPad = PAD) -> MountedPress:
+    """A press in the assumed frame, on four pads."""
+    return foundation.mounted(press, BED, [foundation.pad_mount(foot, pad) for foot in FEET], CROWN, COLUMNS)
+
+
+def flywheel_alone(system: MountedPress) -> Array:
+    """Acceleration (3,), rms, of the top beam by the flywheel's unbalance, a force that turns in the x-z plane, on a press that stands."""
+    still = system.press.with_inertias([pin.Inertia.Zero() for _ in system.press.model.inertias])
+
+    def force(motion: Motion) -> Array:
+        angle = motion.crank_angle
+        return UNBALANCE * AT**2 * np.stack([np.cos(angle), 0 * angle, np.sin(angle)], axis=1)
+
+    # on the crank, whose bearing hands it to the crown
+    result = inverse_dynamics(still, cycle(still, AT, 90), loads=[PointForce("crank", force)])
+    return foundation.steady_response(standing(still), result, POINTS).rms("top beam")
+
+
+def table(rows: Iterable[Finding]) -> str:
+    """Findings in Markdown."""
+    lines = ["| Zhang 2007 says | pinpress gives | agrees |", "|---|---|---|"]
+    return "\n".join(lines + [f"| {row.says} | {row.gives} | {row.agrees} |" for row in rows])
+
+
+def _distortion(motion: FrameMotion) -> float:
+    """Root of the sum of squares of the higher harmonics of the top beam's acceleration along x by the first."""
+    harmonics = np.abs(np.fft.rfft(motion.acceleration["top beam"][:, 0]))
+    return float(np.sqrt((harmonics[2:] ** 2).sum()) / harmonics[1])
+
+
+def _decay(system: MountedPress, motion: FrameMotion) -> tuple[float, float]:
+    """Logarithmic decrement of the stretching in the five periods after a blow, seen in the signal and of the mode's damping ratio."""
+    modes = foundation.modes(system)
+    place = modes.motion.index("stretching")
+    modal = motion.coordinates @ (system.mass @ modes.shapes[:, place])
+    blow = np.abs(motion.acceleration["top beam"][:, 2])
+    begin = int(blow[: len(blow) // 2].argmax()) + round(2.5e-3 / STEP)
+    ringing = modal[begin : begin + int(5 * 2 * np.pi / modes.natural_frequency[place] / STEP)]
+    ratio = float(modes.damping_ratio[place])
+    return foundation.logarithmic_decrement(ringing - ringing.mean()), 2 * np.pi * ratio / np.sqrt(1 - ratio**2)
+
+
+def _size(vector: Array) -> float:
+    return float(np.linalg.norm(vector))

@@ -1,0 +1,14 @@
+from .balancing import plot_trade_offs as plot_trade_offs
+from .elasticity import plot_dead_centre_shift as plot_dead_centre_shift
+from .elasticity import plot_elasticity as plot_elasticity
+from .elasticity import plot_snap_through as plot_snap_through
+from .foundation import plot_speeds as plot_speeds
+from .foundation import plot_vibration as plot_vibration
+from .ratings import plot_ratings as plot_ratings
+from .reactions import plot_bearings as plot_bearings
+from .reactions import plot_comparison as plot_comparison
+from .reactions import plot_polar as plot_polar
+from .reactions import plot_shaking as plot_shaking
+from .reactions import plot_slide as plot_slide
+from .reactions import plot_torque as plot_torque
+from .style import save_plot as save_plot

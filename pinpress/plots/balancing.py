@@ -1,0 +1,69 @@
+"""Trade-offs between measures as a static chart; see `plots`."""
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING
+
+from ..balancing.objectives import AddedMass, Target
+from ..balancing.trade_offs import TradeOff
+from ..common.arguments import typed
+from ..common.errors import PinpressError
+from .style import COLOURS, GREY, drawing, grid, legend, plain
+
+if TYPE_CHECKING:
+    from matplotlib.artist import Artist
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+HIGH = 6.5  # of a panel [cm]
+
+
+@typed
+def plot_trade_offs(curves: Mapping[str, TradeOff]) -> "Figure":
+    """Curves of `trade_off` under their names, the first measure over the second; those of the same two measures in one panel. A grey cross
+    is the press before balancing.
+
+    Raises:
+        PinpressError: Matplotlib is not installed, or there is no curve.
+    """
+    if not isinstance(curves, Mapping) or not curves or not all(isinstance(curve, TradeOff) for curve in curves.values()):
+        raise PinpressError("there is no curve to draw: give what trade_off returns, under a name")
+    panels: dict[tuple[Target, Target], dict[str, TradeOff]] = {}
+    for name, curve in curves.items():
+        panels.setdefault((curve.first, curve.second), {})[name] = curve
+    rows = (len(panels) + 1) // 2
+    with drawing(HIGH * rows) as figure:
+        places = figure.add_gridspec(rows, 2 if len(panels) > 1 else 1)
+        for k, shown in enumerate(panels.values()):
+            alone = k == 0 and len(panels) % 2 == 1  # so that none is left alone in its row
+            place = k + len(panels) % 2
+            _panel(figure.add_subplot(places[0, :] if alone else places[place // 2, place % 2]), shown)
+    return figure
+
+
+def _panel(axes: "Axes", curves: Mapping[str, TradeOff]) -> None:
+    some = next(iter(curves.values()))
+    (across, x_label), (up, y_label) = _scaled(some.second), _scaled(some.first)
+    lines: list[Artist] = []
+    for i, curve in enumerate(curves.values()):
+        y, x = curve.values.T
+        lines += axes.plot(across * x, up * y, color=COLOURS[i % len(COLOURS)], marker="o", markersize=2.5)
+    grid(axes, y_label)
+    plain(axes.set_xlabel(x_label))
+    x, y = across * _before(some, some.second), up * _before(some, some.first)
+    axes.plot([x], [y], color=GREY, marker="x", markersize=5.0, linestyle="none")
+    axes.margins(x=0.04)
+    if len(curves) > 1:
+        legend(axes, lines, list(curves), loc="best")
+
+
+def _before(curve: TradeOff, target: Target) -> float:
+    if isinstance(target, AddedMass):
+        return 0.0
+    return next(outcome.before for outcome in curve.designs[0].outcomes if outcome.measure == target)
+
+
+def _scaled(target: Target) -> tuple[float, str]:
+    """Factor and label of an axis."""
+    if isinstance(target, AddedMass):
+        return 1.0, f"{target.words} [kg]"
+    return 1e-3, f"{target.words} [k{target.unit}]"

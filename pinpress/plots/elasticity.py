@@ -1,0 +1,118 @@
+"""Elastic presses as static charts: compliance by parts, bottom dead centre over speed, snap-through; see `plots`."""
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ..common.arguments import typed
+from ..common.errors import PinpressError
+from ..common.units import RPM
+from ..elasticity.breakthrough import SnapThrough
+from ..elasticity.compliance import Elasticity
+from ..elasticity.slide_under_load import DeadCentreShift
+from .style import COLOURS, GREY, LINES, drawing, grid, legend, plain
+
+if TYPE_CHECKING:
+    from matplotlib.artist import Artist
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+HIGH = 7.0  # of a chart [cm]
+SMALLEST = 5e-3  # of the largest compliance: parts that never give as much are drawn together
+
+
+@typed
+def plot_elasticity(elasticity: Elasticity) -> "Figure":
+    """Compliance at the slide over the crank angle, the shares of the parts stacked on each other; the largest lowest.
+
+    Raises:
+        PinpressError: Matplotlib is not installed.
+    """
+    with drawing(HIGH) as figure:
+        draw_elasticity(figure.subplots(), elasticity)
+    return figure
+
+
+@typed
+def plot_dead_centre_shift(shifts: Mapping[str, DeadCentreShift]) -> "Figure":
+    """How much deeper the slides of presses go at speed than at standstill, under their names.
+
+    Raises:
+        PinpressError: Matplotlib is not installed, or there is no press.
+    """
+    with drawing(HIGH) as figure:
+        draw_dead_centre_shift(figure.subplots(), shifts)
+    return figure
+
+
+@typed
+def plot_snap_through(responses: Mapping[str, SnapThrough]) -> "Figure":
+    """Force of the sprung press beside that at break-through over time, under the names of the cases; below zero the linkage is pulled.
+
+    Raises:
+        PinpressError: Matplotlib is not installed, or there is no case.
+    """
+    with drawing(HIGH) as figure:
+        draw_snap_through(figure.subplots(), responses)
+    return figure
+
+
+def draw_elasticity(axes: "Axes", elasticity: Elasticity) -> None:
+    """The chart of `plot_elasticity` on given axes."""
+    from matplotlib.ticker import MaxNLocator
+
+    order = np.argsort(elasticity.crank_angle)
+    largest = float(elasticity.compliance.max())
+    parts = sorted(elasticity.parts.items(), key=lambda item: -round(float(item[1].mean()) / largest, 9))  # equal ones differ by rounding
+    shown = [(name, part) for name, part in parts if part.max() >= SMALLEST * largest][: len(COLOURS)]
+    rest = elasticity.compliance - np.sum([part for _, part in shown], axis=0)
+    names, curves = [name for name, _ in shown], [part for _, part in shown]
+    if rest.max() >= SMALLEST * largest:
+        names, curves = [*names, "others"], [*curves, np.maximum(rest, 0.0)]
+    grid(axes, "compliance [µm/kN]")
+    colours = [*COLOURS[: len(shown)], GREY]
+    areas: list[Artist] = list(
+        axes.stackplot(
+            np.degrees(elasticity.crank_angle[order]), [1e9 * curve[order] for curve in curves], colors=colours, alpha=0.75, linewidth=0
+        )
+    )
+    plain(axes.set_xlabel("crank angle [deg]"))
+    axes.set_ylim(0.0, 1.45e9 * largest)  # room for the names
+    axes.xaxis.set_major_locator(MaxNLocator(6, steps=[1, 1.5, 3, 4.5, 9, 10]))
+    legend(axes, areas[::-1], names[::-1], loc="upper center", ncols=3, columnspacing=1.0, borderaxespad=0.1)
+
+
+def draw_dead_centre_shift(axes: "Axes", shifts: Mapping[str, DeadCentreShift]) -> None:
+    """The chart of `plot_dead_centre_shift` on given axes."""
+    _refuse_none(shifts, "dead_centre_shift", DeadCentreShift)
+    grid(axes, "shift of bottom dead centre [µm]")
+    lines: list[Artist] = []
+    for i, shift in enumerate(shifts.values()):
+        order = np.argsort(shift.speed)
+        lines += axes.plot(shift.speed[order] / RPM, 1e6 * shift.shift[order], color=COLOURS[i % len(COLOURS)], linestyle=_line(i))
+    plain(axes.set_xlabel("strokes/min"))
+    legend(axes, lines, list(shifts), loc="lower left")
+
+
+def draw_snap_through(axes: "Axes", responses: Mapping[str, SnapThrough]) -> None:
+    """The chart of `plot_snap_through` on given axes."""
+    _refuse_none(responses, "snap_through", SnapThrough)
+    grid(axes, "force by that at break-through [-]")
+    axes.axhline(0.0, color=GREY, linewidth=0.6)
+    lines: list[Artist] = []
+    for i, response in enumerate(responses.values()):
+        share = response.spring_force / response.force
+        lines += axes.plot(1e3 * response.time, share, color=COLOURS[i % len(COLOURS)], linestyle=_line(i))
+    plain(axes.set_xlabel("time [ms]"))
+    legend(axes, lines, list(responses), loc="upper right")
+
+
+def _line(i: int) -> Any:
+    """Solid, dashed, dotted, ... so that curves that coincide are told apart."""
+    return LINES[i % len(LINES)]
+
+
+def _refuse_none(given: Mapping[str, object], maker: str, kind: type) -> None:
+    if not isinstance(given, Mapping) or not given or not all(isinstance(each, kind) for each in given.values()):
+        raise PinpressError(f"there is no curve to draw: give what {maker} returns, under a name")

@@ -1,0 +1,79 @@
+"""Vibration of a press on its mounts, drawn: accelerations in time, acceleration and force on the floor over speed."""
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ..common.arguments import typed
+from ..common.arrays import Array
+from ..common.checks import number
+from ..common.errors import PinpressError, UnknownNameError
+from ..common.units import RPM
+from ..foundation.frame_motion import FrameMotion
+from ..foundation.speed_response import SpeedResponse
+from .style import COLOURS, drawing, grid, legend, plain
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+HIGH = 5.0  # of one panel [cm]
+
+
+@typed
+def plot_vibration(motions: Mapping[str, FrameMotion], axis: str = "z", last: float | None = None) -> "Figure":
+    """Acceleration of all points along an axis over time, one panel a motion under its name.
+
+    Args:
+        axis: "x", "y" or "z". last: only so many seconds at the end of each [s].
+
+    Raises:
+        PinpressError: Matplotlib is not installed, there is no motion, or no such axis.
+    """
+    named = isinstance(motions, Mapping) and all(isinstance(motion, FrameMotion) for motion in motions.values())
+    if not named or not motions or not isinstance(axis, str) or axis not in ("x", "y", "z"):
+        raise PinpressError("there is nothing to draw: give motions, each under a name, and an axis 'x', 'y' or 'z'")
+    with drawing(HIGH * len(motions)) as figure:
+        for panel, (name, motion) in zip(figure.subplots(len(motions), 1, squeeze=False)[:, 0], motions.items(), strict=True):
+            shown = motion.time >= motion.time[-1] - (np.inf if last is None else number("last", last, positive=True))
+            lines = []
+            for k, values in enumerate(motion.acceleration.values()):
+                lines += panel.plot(motion.time[shown], values[shown, "xyz".index(axis)], color=COLOURS[k % len(COLOURS)], linewidth=0.9)
+            grid(panel, f"acceleration {axis} [m/s²]")
+            plain(panel.set_title(name, loc="left"))
+            legend(panel, lines, list(motion.acceleration), loc="upper right", ncols=len(lines))
+        plain(panel.set_xlabel("time [s]"))
+    return figure
+
+
+@typed
+def plot_speeds(responses: Mapping[str, SpeedResponse], point: str) -> "Figure":
+    """Acceleration of a point, root mean square of all directions, and force on the floor by shaking force, over the speed; a curve a
+    response, under its name.
+
+    Raises:
+        PinpressError: Matplotlib is not installed, or there is no response.
+        UnknownNameError: a response without this point.
+    """
+    if not isinstance(responses, Mapping) or not responses or not all(isinstance(each, SpeedResponse) for each in responses.values()):
+        raise PinpressError("there is nothing to draw: give what over_speeds returns, under a name")
+    for response in responses.values():
+        if not isinstance(point, str) or point not in response.rms:
+            raise UnknownNameError("point", point, response.rms)
+    with drawing(1.4 * HIGH) as figure:
+        left, right = figure.subplots(1, 2)
+        lines = []
+        for k, response in enumerate(responses.values()):
+            colour, speed = COLOURS[k % len(COLOURS)], response.speed / RPM
+            lines += left.plot(speed, _size(response.rms[point]), color=colour)
+            right.plot(speed, response.transmitted, color=colour)
+        for panel, label in ((left, f"acceleration of {point}, rms [m/s²]"), (right, "force on the floor / shaking force [-]")):
+            panel.set_yscale("log")
+            grid(panel, label)
+            plain(panel.set_xlabel("strokes per minute"))
+        legend(left, lines, list(responses), loc="best")
+    return figure
+
+
+def _size(vectors: Array) -> Array:
+    return np.asarray(np.linalg.norm(vectors, axis=1))

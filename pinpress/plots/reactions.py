@@ -1,0 +1,274 @@
+"""Static charts for papers: Matplotlib figures of 16 cm, made from `charts`, which has their signs and axes.
+
+Every function returns a `matplotlib.figure.Figure`; `save_plot` writes it. They raise `PinpressError` where Matplotlib is not installed
+(``pip install 'pinpress[plots]'``) or a value is not finite.
+"""
+
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+from ..common.arguments import typed
+from ..common.arrays import Array
+from ..common.errors import PinpressError
+from ..dynamics.harmonics import harmonics
+from ..dynamics.inverse_dynamics import Reactions
+from ..kinematics.motion import Motion
+from ..visual import charts
+from ..visual.charts import Chart, Curve
+from .polar import draw_loci
+from .style import COLOURS, GREY, SMALL, Over, above, draw, drawing, grid, legend, plain, save_plot
+
+if TYPE_CHECKING:
+    from matplotlib.artist import Artist
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+__all__ = ["plot_bearings", "plot_comparison", "plot_polar", "plot_shaking", "plot_slide", "plot_torque", "save_plot"]
+
+SAME = 1e-6  # of the largest value: curves that differ by less are one
+INTERPOLATED = 1e-6  # of the largest value: a mean below it is the error of interpolation
+ROW = 0.45  # of a legend [cm]
+MOST_ABOVE = 4  # names of curves that go into one line above the axes
+BEFORE, PALE, AFTER = GREY, "#b0b0b0", COLOURS[0]
+
+
+@typed
+def plot_slide(motion: Motion) -> "Figure":
+    """Position, velocity and acceleration of the slide, and the speed of the crank where it is not constant.
+
+    Raises:
+        PinpressError: the linkage has no slide.
+    """
+    shown = [*charts.slide(motion)]
+    if not shown:
+        raise PinpressError(f"{motion.linkage} has no slide: name a link that the frame guides, load(..., slide=...)")
+    speed = charts.crank_speed(motion)
+    return _stacked(motion, shown if speed is None else [*shown, speed], 4.2)
+
+
+@typed
+def plot_torque(reactions: Reactions) -> "Figure":
+    """Driving torque of every driver; of a run beside the torque of its drive."""
+    return _stacked(reactions.motion, [charts.torque(reactions)], 6.0)
+
+
+@typed
+def plot_bearings(reactions: Reactions) -> "Figure":
+    """Magnitudes of all bearing and guide forces, and of the moments they hold, where one does. Curves that coincide are drawn once."""
+    moments = charts.bearing_moment(reactions)
+    shown = [_merged(chart) for chart in (charts.bearing(reactions), moments) if chart is not None]
+    return _stacked(reactions.motion, shown, 7.5, 4.5)
+
+
+@typed
+def plot_polar(reactions: Reactions, *bearings: str) -> "Figure":
+    """Polar diagrams of bearing forces, by default of all: path of the force vector's tip in world axes (solid) and in axes that turn with
+    the link it acts on (dashed), with dots at every quarter turn of the crank in the last period. Circles are of constant force.
+
+    Raises:
+        UnknownNameError: there is no such bearing.
+    """
+    names = bearings or reactions._press.bearings
+    return draw_loci(reactions.motion, [charts.locus(reactions, name) for name in names])
+
+
+@typed
+def plot_shaking(reactions: Reactions) -> "Figure":
+    """World components of the shaking force, and the amplitudes of its harmonics in the last full period, where there is one."""
+    motion, chart = reactions.motion, charts.shaking(reactions)
+    found = harmonics(motion, reactions.shaking_force)
+    if found is None or len(found.orders) < 2:
+        return _stacked(motion, [chart], 6.0)
+    with drawing(12.0) as figure:
+        top, bottom = figure.subplots(2, 1, height_ratios=(1.2, 1.0))
+        _panel(top, Over(motion), chart)
+        factor = charts.factor(chart.quantity, chart.unit)
+        apart = float(found.orders[1])
+        width, bars, names = 0.8 * apart / len(chart.curves), [], []
+        for i, curve in enumerate(chart.curves):
+            axis = charts.AXES.index(curve.name)
+            place = found.orders[1:] + (i - 0.5 * (len(chart.curves) - 1)) * width
+            bars.append(bottom.bar(place, factor * found.amplitude[1:, axis], width, color=COLOURS[i]).patches[0])
+            mean = factor * found.amplitude[0, axis]
+            negligible = abs(mean) < INTERPOLATED * np.abs(curve.values).max()
+            names.append(f"{curve.name} (mean {_number(0.0 if negligible else mean)} {chart.unit})")
+        grid(bottom, f"amplitude [{chart.unit}]")
+        bottom.grid(False, axis="x")
+        bottom.set_xlim(0.4 * apart, found.orders[-1] + 0.6 * apart)
+        bottom.set_xticks(np.arange(1.0, found.orders[-1] + 1.0) if found.orders[-1] >= 1 else found.orders[1:])
+        bottom.set_xlabel("order of the crank's speed")
+        above(bottom, bars, names)
+        figure.align_ylabels()
+    return figure
+
+
+@typed
+def plot_comparison(before: Reactions, after: Reactions) -> "Figure":
+    """Two presses, or two operating points of one: driving torque, shaking force, peaks of the forces in the bearings they
+    both have, and by how much each changes.
+
+    Raises:
+        PinpressError: no bearing of one name in both, or two motions that are not drawn over the same quantity, one way.
+    """
+    peaks = _pairs(charts.bearing(before), charts.bearing(after))
+    if not peaks:
+        raise PinpressError(f"{before.motion.linkage} and {after.motion.linkage} have no bearing of one name: there is nothing to compare")
+    overs = Over(before.motion), Over(after.motion)
+    kinds = [over.abscissa.quantity for over in overs]
+    if _backwards(overs[0]) != _backwards(overs[1]):
+        raise PinpressError("one motion turns forwards, the other backwards: compare two that turn the same way")
+    if kinds[0] != kinds[1]:
+        raise PinpressError(f"one motion is drawn over {kinds[0]}, the other over {kinds[1]}: compare two cycles, or two runs")
+    pairs = _torques(before, after) + _shaking(before, after)
+    rows = (len(pairs) + 1) // 2
+    high = 0.62 * len(peaks) + 1.2
+    with drawing(1.2 + 4.8 * rows + high) as figure:
+        places = figure.add_gridspec(rows + 1, 2, height_ratios=[4.8] * rows + [high])
+        lines = []
+        for k, pair in enumerate(pairs):
+            wide = k == 0 and len(pairs) % 2 == 1  # so that none is left alone in its row
+            place = k + len(pairs) % 2
+            axes = figure.add_subplot(places[0, :] if wide else places[place // 2, place % 2])
+            lines = _compare(axes, overs, pair, wide)
+        _bars(figure.add_subplot(places[rows, :]), peaks)
+        names = [f"before: {before.motion.linkage}", f"after: {after.motion.linkage}"]
+        legend(figure, lines, names, loc="outside upper center", ncols=2)
+    return figure
+
+
+def _backwards(over: Over) -> bool:
+    return bool(over.x[-1] < over.x[0])
+
+
+def _stacked(motion: Motion, shown: Sequence[Chart], *least: float) -> "Figure":
+    """Charts one below the other over one abscissa, as high as their names need, at least ``least``, the last for all others [cm]."""
+    lines = [sum(1 + curve.name.count("\n") for curve in chart.curves) for chart in shown]
+    heights = [max(least[min(i, len(least) - 1)], 0.5 + ROW * count) for i, count in enumerate(lines)]
+    with drawing(1.0 + sum(heights)) as figure:
+        over = Over(motion)
+        column = figure.subplots(len(shown), 1, sharex=True, squeeze=False, height_ratios=heights)[:, 0]
+        for axes, chart in zip(column, shown, strict=True):
+            _panel(axes, over, chart)
+        for axes in column[:-1]:
+            axes.set_xlabel("")
+        figure.align_ylabels()
+    return figure
+
+
+def _panel(axes: "Axes", over: Over, chart: Chart) -> None:
+    grid(axes, f"{_words(chart)} [{chart.unit}]")
+    lines, names = draw(axes, over, chart.curves), [curve.name for curve in chart.curves]
+    over.label(axes)
+    if len(names) == 1 and f" {chart.title.lower()}".endswith(f" {names[0]}"):
+        return  # named by the axis
+    if len(names) <= MOST_ABOVE:
+        above(axes, lines, names)
+    else:
+        legend(axes, lines, names, loc="upper left", bbox_to_anchor=(1.0, 1.02), borderaxespad=0.3)
+
+
+def _words(chart: Chart) -> str:
+    """What stands at the upright axis."""
+    return {"Bearing forces": "bearing force", "Moments in bearings and guides": "moment held"}.get(chart.title, chart.title.lower())
+
+
+def _merged(chart: Chart) -> Chart:
+    """The chart with curves that coincide made one, under both names: the two halves of a symmetric press."""
+    least = SAME * max(float(np.abs(curve.values).max()) for curve in chart.curves)
+    merged: list[Curve] = []
+    for curve in chart.curves:
+        twin = next((k for k, other in enumerate(merged) if np.abs(curve.values - other.values).max() <= least), None)
+        if twin is None:
+            merged.append(curve)
+        else:
+            merged[twin] = replace(merged[twin], name=f"{merged[twin].name},\n{curve.name}")
+    return replace(chart, curves=tuple(merged))
+
+
+class _Pair(NamedTuple):
+    """One quantity before and after, (n,) and (m,), in one unit."""
+
+    title: str
+    quantity: str
+    unit: str
+    before: Array
+    after: Array
+
+
+def _torques(before: Reactions, after: Reactions) -> list[_Pair]:
+    """Driving torques of the drivers that both have."""
+    first, second = (_without_drive(reactions) for reactions in (before, after))
+    several = len(first.curves) > 1
+    return [pair._replace(title=f"{first.title} {pair.title}" if several else first.title) for pair in _pairs(first, second)]
+
+
+def _without_drive(reactions: Reactions) -> Chart:
+    chart = charts.torque(reactions)
+    return replace(chart, curves=chart.curves[: len(reactions.motion.drivers)])
+
+
+def _shaking(before: Reactions, after: Reactions) -> list[_Pair]:
+    """Components of the shaking force; one that only one of them has is zero in the other."""
+    pair = charts.shaking(before), charts.shaking(after)
+    names = sorted({curve.name for chart in pair for curve in chart.curves if curve.values.any()}) or list(charts.AXES)
+    first, second = (_with_components(chart, names) for chart in pair)
+    return [pair._replace(title=f"{first.title} {pair.title}") for pair in _pairs(first, second)]
+
+
+def _with_components(chart: Chart, names: Sequence[str]) -> Chart:
+    known = {curve.name: curve.values for curve in chart.curves}
+    zero = np.zeros_like(chart.curves[0].values)
+    return replace(chart, curves=tuple(Curve(name, known.get(name, zero)) for name in names))
+
+
+def _pairs(before: Chart, after: Chart) -> list[_Pair]:
+    """Curves of one name, in the larger of the charts' units."""
+    quantity = before.quantity
+    unit = min(before.unit, after.unit, key=lambda unit: charts.factor(quantity, unit))
+    scale = [charts.factor(quantity, unit) / charts.factor(quantity, chart.unit) for chart in (before, after)]
+    known = {curve.name: curve.values for curve in after.curves}
+    common = [curve for curve in before.curves if curve.name in known]
+    return [_Pair(curve.name, quantity, unit, scale[0] * curve.values, scale[1] * known[curve.name]) for curve in common]
+
+
+def _compare(axes: "Axes", overs: tuple[Over, Over], pair: _Pair, wide: bool) -> "list[Artist]":
+    grid(axes, f"{pair.quantity} [{pair.unit}]")
+    old = axes.plot(overs[0].x, overs[0].along(pair.before), color=BEFORE, linestyle=(0, (4, 1.5)))
+    new = axes.plot(overs[1].x, overs[1].along(pair.after), color=AFTER)
+    max(overs, key=lambda over: float(np.ptp(over.x))).label(axes, wide)
+    plain(axes.set_title(f"{pair.title}, range {_change(np.ptp(pair.before), np.ptp(pair.after))}", loc="left"))
+    return [*old, *new]
+
+
+def _bars(axes: "Axes", peaks: Sequence[_Pair]) -> None:
+    """Peaks of the bearings' forces, with their changes."""
+    rows = np.arange(len(peaks), dtype=float)
+    sizes = np.array([(pair.before.max(), pair.after.max()) for pair in peaks])
+    grid(axes, "")
+    axes.grid(False, axis="y")
+    axes.barh(rows - 0.19, sizes[:, 0], 0.34, color=PALE, linewidth=0)
+    axes.barh(rows + 0.19, sizes[:, 1], 0.34, color=AFTER, linewidth=0)
+    for row, (old, new) in zip(rows, sizes, strict=True):
+        plain(axes.annotate(_change(old, new), (max(old, new), row), (4, 0), textcoords="offset points", va="center", fontsize=SMALL))
+    axes.set_yticks(rows)
+    for text in axes.set_yticklabels([pair.title for pair in peaks]):
+        text.set_parse_math(False)
+    axes.set_ylim(len(peaks) - 0.4, -0.6)  # the first at the top
+    axes.set_xlim(0.0, 1.12 * float(sizes.max()) or 1.0)
+    axes.set_xlabel(f"peak bearing force [{peaks[0].unit}]")
+
+
+def _change(before: float, after: float) -> str:
+    """The change of a size, in percent where there was one."""
+    if before == 0.0:
+        return "0 as before" if after == 0.0 else "0 before"
+    change = round(100 * (after / before - 1), 1) + 0.0  # no "-0.0"
+    return f"{change:+.1f} %".replace("-", "−") if change else "±0.0 %"
+
+
+def _number(value: float) -> str:
+    """Three figures, with a minus sign that is one."""
+    return f"{value + 0.0:.3g}".replace("-", "−")

@@ -1,0 +1,157 @@
+"""The paper a plot is drawn on: its size, its style, its axes and legends, and the file it is saved to. Matplotlib without pyplot."""
+
+import io
+import os
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ..common import files
+from ..common.arrays import Array
+from ..common.errors import PinpressError, shown
+from ..dynamics.harmonics import is_cycle
+from ..kinematics.motion import Motion
+from ..visual.charts import Abscissa, Curve, abscissa
+
+if TYPE_CHECKING:
+    from matplotlib.artist import Artist
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+    from matplotlib.text import Text
+
+NOT_INSTALLED = "plots need Matplotlib, which is not installed: pip install 'pinpress[plots]'"
+CENTIMETRE = 1 / 2.54  # in inches
+WIDTH = 16.0  # of a text column [cm]
+COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000")  # Okabe and Ito; its yellow is too light for lines
+LINES = ("-", (0, (5, 1.5)), (0, (1.2, 1.2)), (0, (5, 1.5, 1.2, 1.5)))
+GREY, LIGHT = "#7a7a7a", "#dddddd"
+SMALL, NORMAL = 8.0, 9.0  # of letters [pt]
+LONGEST = 40  # letters of a name
+LINE, THIN = 1.3, 0.6  # widths [pt]
+STYLE = {
+    "font.size": NORMAL,
+    "axes.titlesize": NORMAL,
+    "axes.labelsize": NORMAL,
+    "legend.fontsize": SMALL,
+    "axes.linewidth": THIN,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "lines.linewidth": LINE,
+    "lines.solid_joinstyle": "round",
+}
+FORMATS: dict[str, dict[str, str | None]] = {".svg": {"Date": None}, ".png": {"Software": None}, ".pdf": {"CreationDate": None}}
+DOTS = 300  # per inch
+
+
+@contextmanager
+def drawing(height: float) -> "Iterator[Figure]":
+    """A figure to draw on, `WIDTH` wide and ``height`` high [cm], in a style that does not depend on the caller's, laid out at the end.
+
+    Raises:
+        PinpressError: Matplotlib is not installed.
+    """
+    try:
+        from matplotlib import style
+        from matplotlib.figure import Figure
+    except ImportError:
+        raise PinpressError(NOT_INSTALLED) from None
+    with style.context(["default", STYLE]):
+        figure = Figure(figsize=(WIDTH * CENTIMETRE, height * CENTIMETRE), dpi=DOTS, layout="constrained")
+        yield figure
+        figure.draw_without_rendering()
+        figure.set_layout_engine("none")  # it would move everything a little each time that the figure is drawn
+
+
+def save_plot(figure: "Figure", path: str | os.PathLike[str]) -> Path:
+    """Write a plot to an SVG, PNG or PDF file, as its suffix says, and return the path. The same plot gives the same bytes.
+
+    Raises:
+        PinpressError: another suffix, or a path that cannot be written.
+    """
+    suffix = Path(path).suffix.lower() if isinstance(path, str | os.PathLike) else ""
+    if suffix not in FORMATS:
+        raise PinpressError(f"a plot cannot be written as {path}: end its name in {', '.join(FORMATS)}")
+    if not callable(getattr(figure, "savefig", None)):
+        raise PinpressError(f"{shown(figure)} is no figure: give what one of plot_slide, plot_torque, ... returns")
+    from matplotlib import style
+
+    content = io.BytesIO()
+    with style.context(["default", STYLE, {"svg.hashsalt": "pinpress", "svg.fonttype": "path"}]):
+        figure.savefig(content, format=suffix[1:], metadata=FORMATS[suffix])
+    return files.write(path, content.getvalue())
+
+
+class Over:
+    """What curves are drawn over. One period without its end is closed by its first state."""
+
+    def __init__(self, motion: Motion) -> None:
+        self.abscissa: Abscissa = abscissa(motion)
+        self._closes = self.abscissa.unit == "deg" and is_cycle(motion)
+        x = self.abscissa.values
+        self._turns = motion.period_turns or 1
+        self.x: Array = np.append(x, x[0] + np.copysign(360.0 * self._turns, x[-1])) if self._closes else x
+
+    def along(self, values: Array) -> Array:
+        """Values (n, ...) at `x`."""
+        return np.concatenate([values, values[:1]]) if self._closes else values
+
+    def label(self, axes: "Axes", wide: bool = True) -> None:
+        """Give the last of a column of axes its lower axis: label, limits, ticks; others share it."""
+        from matplotlib.ticker import MaxNLocator, MultipleLocator
+
+        plain(axes.set_xlabel(f"{self.abscissa.quantity} [{self.abscissa.unit}]" if self.abscissa.unit else self.abscissa.quantity))
+        first, last = float(self.x[0]), float(self.x[-1])
+        if first != last:
+            axes.set_xlim(first, last)  # backwards too: time runs to the right
+        if self.abscissa.unit == "deg":
+            turned = abs(last - first)
+            whole = MultipleLocator((45 if wide else 90) * self._turns)
+            axes.xaxis.set_major_locator(whole if turned >= 270 else MaxNLocator(9 if wide else 5, steps=[1, 1.5, 3, 4.5, 6, 9, 10]))
+
+
+def grid(axes: "Axes", label: str) -> None:
+    """The look of a chart's axes, and the label of its upright one."""
+    # said of these axes, as ticks are made when they are drawn, when the style is not in force any more
+    axes.grid(True, color=LIGHT, linewidth=THIN)
+    axes.set_axisbelow(True)
+    axes.tick_params(labelsize=SMALL, width=THIN, length=3.0)
+    axes.margins(x=0.0)
+    plain(axes.set_ylabel(label))
+
+
+def draw(axes: "Axes", over: Over, curves: Sequence[Curve]) -> "list[Artist]":
+    """Curves in colours that the colour-blind can tell, then in other kinds of lines; the lines drawn."""
+    lines: list[Artist] = []
+    for i, curve in enumerate(curves):
+        look: dict[str, Any] = {"color": COLOURS[i % len(COLOURS)], "linestyle": LINES[i // len(COLOURS) % len(LINES)]}
+        if len(over.x) == 1:
+            look |= {"marker": "o", "markersize": 3.0}
+        lines += axes.plot(over.x, over.along(curve.values), **look)
+    return lines
+
+
+def legend(owner: "Axes | Figure", handles: "Sequence[Artist]", names: Sequence[str], **where: Any) -> None:
+    """A legend of any names: Matplotlib would leave out one that begins with "_", and typeset what is between two "$"."""
+    texts = owner.legend(list(handles), ["-"] * len(names), frameon=False, handlelength=1.8, **where).get_texts()
+    for text, name in zip(texts, names, strict=True):
+        plain(text).set_text("\n".join(brief(line) for line in name.split("\n")))
+
+
+def above(axes: "Axes", handles: "Sequence[Artist]", names: Sequence[str]) -> None:
+    """A legend in one line above the axes, clear of the curves."""
+    where = {"loc": "lower left", "bbox_to_anchor": (-0.01, 0.98), "borderaxespad": 0.2, "columnspacing": 1.4}
+    legend(axes, handles, names, ncols=len(names), **where)
+
+
+def brief(name: str) -> str:
+    """A name that fits, however long it is."""
+    return name if len(name) <= LONGEST else name[: LONGEST - 1] + "…"
+
+
+def plain(text: "Text") -> "Text":
+    """The text as it is, without mathematics."""
+    text.set_parse_math(False)
+    return text

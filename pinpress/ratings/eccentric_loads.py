@@ -1,0 +1,251 @@
+"""Eccentric process forces: tilting moment of the slide, reaction of its guide, and the pressure on the gibs.
+
+A gib of length L along the guide's axis and width b that carries a normal force N and a tilting moment M has the pressure p = N / (L b)
++ 6 M / (L^2 b) at its end, spread linearly (Navier). A slide between two gibs without clearance has it also where the eccentricity M / N is
+more than L / 6: what one gib would have to pull, the opposite one pushes. A single gib only pushes: beyond L / 6 it lifts off, contact
+remains over 3 (L / 2 - M / N), and the pressure rises to 2 N / (3 b (L / 2 - M / N)); beyond L / 2 the slide tips.
+"""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+import pinocchio as pin
+from numpy.typing import NDArray
+
+from ..common.arguments import typed
+from ..common.arrays import Array
+from ..common.checks import finite_numbers, is_number, positive
+from ..common.errors import PinpressError, shown
+from ..common.frozen import Frozen
+from ..dynamics.applied_loads import place
+from ..dynamics.inverse_dynamics import inverse_dynamics
+from ..kinematics.motion import Motion
+from ..linkage.linkage import Linkage
+from ..loads.link import PointForce
+from .limits import largest_factor, without_masses
+
+DIRECTION = 1e-9  # component along the guide that a gib's normal may have
+ROUNDING = 1e-12  # of the process force: a force that is none
+
+
+@dataclass(frozen=True)
+class Guide:
+    """Gibs of a slide that face one way and the opposite one.
+
+    Attributes:
+        length: along the guide's axis [m]. width: across it [m].
+        normal: (3,) direction in which the gibs face, in world axes; None: the one across the guide in the plane of a planar press.
+        middle: of the gibs' length, above the slide link's origin along the guide's axis [m]; the gibs' length moves with the slide.
+        one_sided: gibs with clearance: only one of them is in contact, and may lift off. Else two without clearance.
+
+    Raises:
+        PinpressError: a length or width that is not positive, a normal that is no direction, a middle that is not finite.
+    """
+
+    length: float
+    width: float
+    normal: tuple[float, float, float] | None = None
+    middle: float = 0.0
+    one_sided: bool = False
+
+    def __post_init__(self) -> None:
+        for name in ("length", "width"):
+            object.__setattr__(self, name, positive(f"the guide's {name}", getattr(self, name), "m"))
+        if not is_number(self.middle):
+            raise PinpressError(f"the guide's middle is {shown(self.middle)}: give a finite number [m]")
+        if self.normal is not None:
+            normal = _vector("the guide's normal", self.normal)
+            if not normal.any():
+                raise PinpressError("the guide's normal is zero: give a direction, e.g. (1, 0, 0)")
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class EccentricLoad(Frozen):
+    """What a process force beside the slide's axis does, at n states. All arrays are read-only; signs as in `reactions`, world axes.
+
+    Attributes:
+        guide: name of the slide's bearing in its guide.
+        tilting_moment: (3,) of the process force on the slide, about the slide link's origin [N m].
+        force: (n, 3) of the guide on the slide [N]. moment: (n, 3), about the middle of the gibs [N m].
+        normal_force: (n,) along the gibs' normal [N]. tilting: (n,) moment that tilts the slide between these gibs, about the middle [N m].
+        pressure: (n,) largest on a gib [Pa]. contact: (n,) share of the gibs' length that is in contact.
+        indeterminate: whether rigid mechanics leaves the tilting moment open: rods beside one another may share it with the guide.
+    """
+
+    guide: str
+    tilting_moment: Array
+    force: Array
+    moment: Array
+    normal_force: Array
+    tilting: Array
+    pressure: Array
+    contact: Array
+    indeterminate: bool
+
+
+@typed
+def eccentric_load(
+    press: Linkage, motion: Motion, force: float, offset: Sequence[float], guide: Guide, engine: str = "auto"
+) -> EccentricLoad:
+    """Guide reaction and gib pressure under a process force beside the slide's axis, without weights and inertia forces.
+
+    Args:
+        motion: at whose states the force acts, e.g. ``cycle(press, speed=0.0, angle=[...])``.
+        force: on the slide along the guide's axis, against the working stroke [N].
+        offset: (3,) point at which it acts, in the slide link's own frame [m]; along the guide's axis it makes no difference.
+
+    Raises:
+        PinpressError: arguments that make no sense, a linkage without a slide, a gib normal along the guide, a single gib that would have
+            to pull: the slide tips.
+    """
+    newtons = positive("force", force, "N")
+    point = _vector("offset", offset)
+    across = _across(press, guide)
+    name, axis = _slide_guide(press)
+    found = _reacting(press, motion, newtons * axis, point, guide, engine)
+    normal, tilting = found.force @ across[0], found.moment @ across[1]
+    pressure, contact = _pressure(guide, normal, tilting, motion)
+    result = EccentricLoad(
+        guide=name,
+        tilting_moment=np.cross(_rotation(press) @ point, newtons * axis),
+        force=found.force,
+        moment=found.moment,
+        normal_force=normal,
+        tilting=tilting,
+        pressure=pressure,
+        contact=contact,
+        indeterminate=bool(np.any(found.indeterminate & (np.abs(found.axes @ across[1]) > DIRECTION))),
+    )
+    for array in (result.tilting_moment, found.force, found.moment, normal, tilting, pressure, contact):
+        array.setflags(write=False)
+    return result
+
+
+@typed
+def permissible_eccentricity(
+    press: Linkage, motion: Motion, force: float, guide: Guide, pressure: float, engine: str = "auto"
+) -> tuple[float, float]:
+    """How far beside the slide's origin a process force may act before a gib's pressure is reached at a state of the motion [m].
+
+    Args:
+        force: as in `eccentric_load`. pressure: permissible on the gibs [Pa].
+
+    Returns:
+        Least and largest coordinate along the gibs' normal, the first not positive: both may differ, as the guide carries the lateral force
+        of the rod too.
+
+    Raises:
+        PinpressError: as `eccentric_load`; also where the central force alone is too much, which names the crank angle.
+    """
+    newtons, allowed = positive("force", force, "N"), positive("pressure", pressure, "Pa")
+    normal, about = _across(press, guide)
+    _, axis = _slide_guide(press)
+    local = _rotation(press).T @ normal  # 1 m beside the origin
+    central = _reacting(press, motion, newtons * axis, np.zeros(3), guide, engine)
+    beside = _reacting(press, motion, newtons * axis, local, guide, engine)
+    across = central.force @ normal
+    most = _largest_moment(guide, np.where(np.abs(across) > ROUNDING * newtons, across, 0.0), allowed)
+    constant, slope = central.moment @ about, (beside.moment - central.moment) @ about
+    worst = int(np.argmax(np.abs(constant) - most))
+    if most[worst] <= 0 or abs(constant[worst]) > most[worst]:
+        raise PinpressError(
+            f"at crank angle {motion.crank_degrees[worst]:.6g} deg the gibs bear no eccentricity of a force of {newtons:.6g} N: a central"
+            " one reaches the pressure already, or does not press on a single gib; give larger gibs, less force, or two gibs without"
+            " clearance"
+        )
+    right, left = (float(largest_factor(constant[:, None], way * slope[:, None], most).min()) for way in (1.0, -1.0))
+    if not (math.isfinite(right) and math.isfinite(left)):
+        raise PinpressError("the guide carries none of the tilting moment: eccentricity is not limited by its gibs")
+    return -left, right
+
+
+def _slide_guide(press: Linkage) -> tuple[str, Array]:
+    """Name of the slide's bearing, and the guide's axis in the world."""
+    guide, _ = press.slide_guide
+    return press.joints[guide], press.model.jointPlacements[guide + 1].rotation @ press.spatial.axes[guide].direction
+
+
+def _rotation(press: Linkage) -> Array:
+    """The slide link's own axes in the world: it does not turn, as the frame carries its guide."""
+    frame = press.model.frames[press.model.getFrameId(press.slide, pin.BODY)]
+    return np.asarray(press.model.jointPlacements[frame.parentJoint].rotation @ frame.placement.rotation)
+
+
+def _across(press: Linkage, guide: Guide) -> tuple[Array, Array]:
+    """The gibs' normal, and the axis about which the slide tilts between them, unit vectors in the world."""
+    _, axis = _slide_guide(press)
+    if guide.normal is not None:
+        normal = np.array(guide.normal, dtype=float)
+    elif press.plane is not None:
+        normal = np.cross(press.plane.normal, axis)
+        normal *= np.sign(normal[np.abs(normal).argmax()])
+    else:
+        raise PinpressError(f"{press.name} is not planar: say which way the gibs face, Guide(..., normal=(x, y, z))")
+    normal = normal / np.abs(normal).max()  # so that nothing overflows
+    normal = normal / np.linalg.norm(normal)
+    if abs(normal @ axis) > DIRECTION:
+        raise PinpressError(f"the guide's normal {normal.tolist()} is not across the guide's axis {axis.tolist()}: gibs face across it")
+    return normal, np.cross(axis, normal)
+
+
+class _Reaction(NamedTuple):
+    """Force (n, 3) of the guide on the slide and its moment (n, 3) about the middle of the gibs; the components (3,) of this moment along
+    ``axes`` (3, 3) that are indeterminate."""
+
+    force: Array
+    moment: Array
+    indeterminate: NDArray[np.bool_]
+    axes: Array
+
+
+def _reacting(press: Linkage, motion: Motion, force: Array, point: Array, guide: Guide, engine: str) -> _Reaction:
+    """What the guide does under a force (3,) at a point (3,) of the slide, in its own frame."""
+    slide = str(press.slide)
+    joint, _ = place(press, slide, point, "the process force", "offset")
+    name, axis = _slide_guide(press)
+    load = PointForce(slide, force, (float(point[0]), float(point[1]), float(point[2])))
+    found = inverse_dynamics(without_masses(press), motion, [load], engine=engine, bearings=(name,))
+    # The moment is about the joint frame's origin, which moves with the slide.
+    frame = press.model.frames[press.model.getFrameId(slide, pin.BODY)]
+    middle = press.model.jointPlacements[joint].rotation @ frame.placement.translation + guide.middle * axis
+    reaction = np.array(found.bearing_force[name])
+    moment = found.bearing_moment[name] - np.cross(middle, reaction)
+    return _Reaction(reaction, moment, found.indeterminate[name][3:], found.indeterminate_axes)
+
+
+def _pressure(guide: Guide, normal: Array, tilting: Array, motion: Motion) -> tuple[Array, Array]:
+    """Largest pressure on a gib (n,) [Pa], and share of the length in contact (n,)."""
+    n, m, area = np.abs(normal), np.abs(tilting), guide.length * guide.width
+    linear = n / area + 6 * m / (area * guide.length)
+    if not guide.one_sided:
+        return linear, np.ones_like(n)
+    tips = m >= 0.5 * guide.length * n
+    if np.any(tips & (m > 0)):
+        angle = motion.crank_degrees[int(np.argmax(tips & (m > 0)))]
+        raise PinpressError(
+            f"the slide tips at crank angle {angle:.6g} deg: the force on the gib acts beyond its end; give longer gibs, less eccentricity,"
+            " or two gibs without clearance (one_sided=False)"
+        )
+    lifted = m > n * guide.length / 6
+    held = np.where(lifted, 3 * (0.5 * guide.length * n - m), guide.length * n)  # contact length times force
+    with np.errstate(all="ignore"):  # no force, no pressure
+        return np.where(lifted, 2 * n**2 / (guide.width * held), linear), np.where(n > 0, held / (n * guide.length), 1.0)
+
+
+def _largest_moment(guide: Guide, normal: Array, pressure: float) -> Array:
+    """Tilting moment (n,) at which a gib has this pressure under normal forces (n,); negative where these are too much alone [N m]."""
+    n, area = np.abs(normal), guide.length * guide.width
+    linear = (pressure - n / area) * area * guide.length / 6
+    if not guide.one_sided:
+        return linear
+    return np.where(linear > n * guide.length / 6, n * (0.5 * guide.length - 2 * n / (3 * guide.width * pressure)), linear)
+
+
+def _vector(name: str, values: object) -> Array:
+    vector = finite_numbers(values)
+    if vector is None or vector.shape != (3,):
+        raise PinpressError(f"{name} is {shown(values)}: give three finite numbers, x, y, z")
+    return vector

@@ -1,0 +1,159 @@
+"""Permissible process force over the crank angle, by everything that limits it.
+
+At a given angle and speed the driving torque and every bearing force are affine in the process force F: R = R0 + F R1. R0 are the reactions
+of the idle press, R1 those of its links without mass under a force of 1 N, so that neither is a difference of large numbers. What may be at
+most C then lets F grow until |R0 + F R1| = C, a quadratic equation.
+"""
+
+import functools
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+import pinocchio as pin
+
+from ..common.arrays import Array
+from ..common.errors import PinpressError, shown
+from ..common.units import RPM
+from ..dynamics.inverse_dynamics import Reactions, inverse_dynamics
+from ..kinematics.motion import Motion, cycle
+from ..linkage.linkage import Linkage
+from ..loads.process import Piling
+from .capacities import Capacities, known_bearings
+
+NOMINAL, TORQUE, BEARING = "nominal force", "torque", "bearing "
+TURN = 360  # states of a turn in which the idle press is looked at
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Rated:
+    """A press that is rated.
+
+    Attributes:
+        press: with one driver, and a slide that turns back twice in a period. speed: of the driver joint, with its sign [rad/s].
+        torque: capacity at the driver joint [N m], None where it limits nothing.
+        at_speed: whether weights and inertia forces count. engine: as in `cycle`.
+        top, bottom: crank angles of the dead centres between which the working stroke is, in the order of the turn, unwrapped [rad].
+        turns: from stroke to stroke. All of the press may be back only after several strokes, in which forces are not the same.
+        bottom_position: of the slide [m].
+    """
+
+    press: Linkage
+    capacities: Capacities
+    speed: float
+    torque: float | None
+    at_speed: bool
+    engine: str
+    top: float
+    bottom: float
+    bottom_position: float
+    turns: int
+
+    @cached_property
+    def bearings(self) -> tuple[str, ...]:
+        return known_bearings(self.capacities, self.press)
+
+    @cached_property
+    def energies(self) -> Mapping[str, float]:
+        return self.capacities.energies(self.speed, self.turns)
+
+    @cached_property
+    def massless(self) -> Linkage:
+        return without_masses(self.press)
+
+    def motion(self, angle: Array) -> Motion:
+        """The motion at crank angles (n,)."""
+        return cycle(self.press, speed=self.speed, angle=angle, engine=self.engine)
+
+    def height(self, motion: Motion) -> Array:
+        """Heights (n,) above bottom dead centre, not below it by rounding [m]."""
+        return np.maximum(motion.slide_position - self.bottom_position, 0.0)
+
+
+def without_masses(press: Linkage) -> Linkage:
+    """The press with links that weigh nothing: its reactions are those of the loads alone."""
+    return press.with_inertias([pin.Inertia.Zero()] * press.model.njoints)
+
+
+def under_unit_force(massless: Linkage, motion: Motion, bottom: float, bearings: tuple[str, ...] | None, engine: str) -> Reactions:
+    """Reactions to a process force of 1 N at every height of a motion, without weights and inertia forces.
+
+    Args:
+        bottom: slide position of bottom dead centre [m]. bearings: as in `inverse_dynamics`.
+    """
+    above = 2 * max(float(np.ptp(motion.slide_position)), float(np.abs(motion.slide_position - bottom).max()), massless.spatial.size)
+    return inverse_dynamics(massless, motion, [Piling(1.0, above, bottom)], engine=engine, bearings=bearings)
+
+
+def largest_factor(constant: Array, slope: Array, capacity: Array | float) -> Array:
+    """Largest factors f (n,) up to which |constant + f slope| <= capacity, of vectors (n, k); infinite where no factor is too large.
+
+    With k, s the vectors over the capacity: f^2 s.s + 2 f k.s + k.k - 1 = 0; its root >= 0, in the form that cancels nothing.
+    ``constant`` must be within the capacity.
+    """
+    scale = np.reshape(capacity, (-1, 1))
+    unit = np.abs(slope).max(axis=1, keepdims=True)
+    unit = np.where(unit > 0, unit, 1.0)  # squares of small numbers underflow
+    k, s = constant / scale, slope / unit
+    square, half, free = np.sum(s * s, axis=1), np.sum(k * s, axis=1), np.maximum(1.0 - np.sum(k * k, axis=1), 0.0)
+    root = np.sqrt(half**2 + square * free)
+    with np.errstate(all="ignore"):  # of the two forms the other one is not taken; free / 0: nothing is in the way
+        outwards = np.where((half + root > 0) | (free > 0), free / (half + root), np.inf)
+        return np.where(half >= 0, outwards, (root - half) / square) * (scale / unit)[:, 0]
+
+
+def permissible(rated: Rated, motion: Motion, energy: bool = True) -> dict[str, Array]:
+    """Name of a limit -> process force (n,) that it permits [N], infinite where it permits any: the nominal force first.
+
+    Args:
+        energy: also the forces that, constant from here to bottom dead centre, take all usable energy.
+    """
+    strokes = (_permissible(rated, again) for again in _in_every_stroke(rated, motion))
+    found = functools.reduce(lambda some, others: {name: np.minimum(force, others[name]) for name, force in some.items()}, strokes)
+    if energy:
+        height = rated.height(motion)
+        with np.errstate(divide="ignore", over="ignore"):  # no way, no work
+            found |= {name: usable / height for name, usable in rated.energies.items()}
+    return found
+
+
+def _in_every_stroke(rated: Rated, motion: Motion) -> Iterator[Motion]:
+    """The motion, and the same way of the slide in the other strokes of the period."""
+    yield motion
+    for stroke in range(1, rated.press.period_turns // rated.turns):
+        yield rated.motion(motion.crank_angle + 2 * np.pi * rated.turns * stroke)
+
+
+def _permissible(rated: Rated, motion: Motion) -> dict[str, Array]:
+    """What torque, bearings and the nominal force permit in one stroke; see `permissible`."""
+    capacities, count = rated.capacities, len(motion.crank_angle)
+    found = {NOMINAL: np.full(count, capacities.nominal_force)}
+    unit = under_unit_force(rated.massless, motion, rated.bottom_position, rated.bearings, rated.engine)
+    idle = inverse_dynamics(rated.press, motion, engine=rated.engine, bearings=rated.bearings) if rated.at_speed else None
+    if rated.torque is not None:
+        before = np.zeros((count, 1)) if idle is None else idle.driving_torque[:, None]
+        found[TORQUE] = largest_factor(before, unit.driving_torque[:, None], rated.torque)
+    for name in rated.bearings:
+        before = np.zeros((count, 3)) if idle is None else idle.bearing_force[name]
+        found[BEARING + name] = largest_factor(before, unit.bearing_force[name], capacities.bearings[name])
+    return found
+
+
+def refuse_overloaded_idle(rated: Rated) -> None:
+    """Raise where the idle press at its speed is beyond a capacity of torque or bearings, anywhere in a period."""
+    whole = rated.top + np.arange(TURN * rated.press.period_turns) * (2 * np.pi / TURN)
+    stroke = np.linspace(rated.top, rated.bottom, TURN)
+    motion = rated.motion(np.concatenate([whole, stroke]))
+    idle = inverse_dynamics(rated.press, motion, engine=rated.engine, bearings=rated.bearings)
+    loads = {} if rated.torque is None else {"the driving torque": (np.abs(idle.driving_torque), rated.torque, "N m")}
+    for name in rated.bearings:
+        force = np.linalg.norm(idle.bearing_force[name], axis=1)
+        loads[f"the force in bearing {shown(name)}"] = force, rated.capacities.bearings[name], "N"
+    for what, (size, capacity, unit) in loads.items():
+        worst = int(size.argmax())
+        if size[worst] > capacity:
+            raise PinpressError(
+                f"{what} of the idle press is {size[worst]:.6g} {unit} at crank angle {motion.crank_degrees[worst]:.6g} deg"
+                f" and {abs(rated.speed) / RPM:.6g} r/min, its capacity {capacity:.6g} {unit}: lower speed, or more capacity"
+            )

@@ -1,0 +1,192 @@
+"""Ratings: what force a press may exert at which height, limited by torque, bearings and energy, as its builder prints it."""
+
+import math
+import os
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..common import tables
+from ..common.arguments import typed
+from ..common.arrays import Array
+from ..common.checks import is_number, positive, whole_number
+from ..common.errors import PinpressError, shown
+from ..common.frozen import Frozen, FrozenMapping
+from ..kinematics import measures
+from ..kinematics.motion import cycle
+from ..linkage.linkage import Linkage
+from . import tables as rating_tables
+from .capacities import Capacities, known_bearings
+from .limits import refuse_overloaded_idle
+from .speed_limits import SpeedLimit, limiting_speed
+from .working_stroke import limited, rated, work
+
+DWELL = 0.01  # of the stroke
+MOST_POINTS = 10**5
+SLOWEST, FASTEST = 1e-12, 1e12  # speeds [rad/s] whose squares, and turns at which, have meaning in floating point
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Ratings(Frozen):
+    """What a press may do over its working stroke, n heights from top to bottom dead centre. All arrays are read-only.
+
+    Attributes:
+        press: its name. capacities: as given. speed: of the driver joint [rad/s]; negative: backwards.
+        at_speed: whether weights and inertia forces at this speed are in the forces (False: the process force alone, as catalogues print).
+        torque_capacity: at the driver joint [N m], given or found from nominal force and height; None where there is none.
+        crank_angle: (n,) of the driver joint, unwrapped [rad]. height: (n,) of the slide above bottom dead centre, falling to 0 [m].
+        travel_per_angle: (n,) ds/dtheta of the slide along its guide's axis [m/rad]. Its magnitude is the driving torque that a process
+            force of 1 N needs without losses [N m/N], its inverse the mechanical advantage, which has no bounds at the dead centres.
+        slide_velocity: (n,) along the guide's axis [m/s].
+        force: (n,) permissible process force, the smallest of all limits [N].
+        limits: name of a limit -> (n,) force that it permits alone, the nominal force where that is more [N]: "nominal force", "torque",
+            "bearing NAME", "flywheel energy", "motor energy". An energy E permits E / height: a constant force from there to bottom dead
+            centre.
+        limited_by: (n,) name of the limit that governs.
+        changes: heights at which another limit begins to govern, falling, found to rounding [m]; they are among ``height``.
+        work: (n,) that the permissible force but for energy takes from there to bottom dead centre [J]; more than an energy where that
+            ends before the stroke does.
+        energies: name of a source -> work that a stroke may take of it [J]: "flywheel energy", "motor energy".
+        stroke: [m]. quick_return_ratio: time of the working stroke beside that of the return stroke.
+        contact_height, contact_speed, contact_advantage: where the tool meets the work [m], the slide's speed there [m/s], and the
+            mechanical advantage [1/m], force on the slide for each N m on the crank; None without a height.
+        dwell_tolerance, dwell_time: distance from bottom dead centre [m], and how long the slide stays within it [s].
+        speed_limit: at which the idle press reaches a capacity; None where no speed does.
+        turns: of the driver joint from stroke to stroke.
+    """
+
+    press: str
+    capacities: Capacities
+    speed: float
+    at_speed: bool
+    torque_capacity: float | None
+    crank_angle: Array
+    height: Array
+    travel_per_angle: Array
+    slide_velocity: Array
+    force: Array
+    limits: Mapping[str, Array]
+    limited_by: tuple[str, ...]
+    changes: tuple[float, ...]
+    work: Array
+    energies: Mapping[str, float]
+    stroke: float
+    quick_return_ratio: float
+    contact_height: float | None
+    contact_speed: float | None
+    contact_advantage: float | None
+    dwell_tolerance: float
+    dwell_time: float
+    speed_limit: SpeedLimit | None
+    turns: int
+
+    def __repr__(self) -> str:
+        return f"<Ratings of {self.press}: {len(self.height)} heights, nominal force {self.capacities.nominal_force:.6g} N>"
+
+    def __str__(self) -> str:
+        return rating_tables.text(self)
+
+    def columns(self) -> dict[str, Array | list[str]]:
+        """All quantities over the height as columns under their names with units, as `to_csv` writes them."""
+        return rating_tables.columns(self)
+
+    def to_csv(self, path: str | os.PathLike[str]) -> None:
+        """Write the columns, one height a line, full precision, units in the header."""
+        tables.write_csv(path, self.columns())
+
+    def to_frame(self) -> "tables.DataFrame":
+        """The columns as a pandas DataFrame."""
+        return tables.frame(self.columns())
+
+
+@typed
+def ratings(
+    press: Linkage,
+    speed: float,
+    capacities: Capacities,
+    at_speed: bool = False,
+    points: int = 181,
+    contact_height: float | None = None,
+    dwell_tolerance: float | None = None,
+    engine: str = "auto",
+) -> Ratings:
+    """What force a press may exert over its working stroke, and how fast it may run.
+
+    F_perm = min(F_N, C / |ds/dtheta|, bearings, E / h). A nominal height h_N stands for the torque C = F_N |ds/dtheta| at h_N. The working
+    stroke is the one against the guide's axis, downwards in an upright press. Friction is left out: with it forces are not affine in the
+    process force.
+
+    Args:
+        press: with one driver, and a slide that turns back twice in a period.
+        speed: of the driver joint in operation [rad/s]; negative: backwards.
+        at_speed: False: torque and bearings carry the process force alone, as catalogues print ratings; True: weights and inertia forces
+            at this speed too, which is what they carry in operation. The torque capacity of a nominal height is the same in both, so
+            that at speed the force at this height differs from the nominal one.
+        points: crank angles in equal steps, from top to bottom dead centre; the nominal height and those at which the governing limit
+            changes come to them.
+        contact_height: above bottom dead centre, where the tool meets the work [m]; by default the nominal height.
+        dwell_tolerance: distance from bottom dead centre that counts as dwell [m]; by default a hundredth of the stroke.
+        engine: as in `cycle`.
+
+    Raises:
+        PinpressError: arguments that make no sense; a slide that turns back more than twice in a period; a height that is not within the
+            stroke; an idle press that is beyond a capacity at its speed (where ``at_speed``), or by its weight alone: it names what, at
+            which crank angle and speed.
+        UnknownNameError: a bearing that the press does not have.
+        SingularityError: the linkage locks within the period.
+    """
+    known_bearings(capacities, press)
+    rate = _speed(speed)
+    if not isinstance(at_speed, bool | np.bool_):
+        raise PinpressError(f"at_speed is {shown(at_speed)}: give True or False")
+    points = whole_number("points", points, 3, MOST_POINTS)
+    if len(press.drivers) > 1:
+        raise PinpressError(f"{press.name} has {len(press.drivers)} drivers: ratings are those of a press with one")
+    period = cycle(press, rate, engine=engine)
+    quick_return = measures.quick_return_ratio(period)  # refuses what has no one working stroke
+    scene = rated(press, capacities, rate, bool(at_speed), engine)
+    if at_speed:
+        refuse_overloaded_idle(scene)
+    found = limited(scene, points)
+    contact = capacities.nominal_height if contact_height is None else contact_height
+    tolerance = DWELL * measures.stroke(period) if dwell_tolerance is None else positive("dwell_tolerance", dwell_tolerance, "m")
+    motion = scene.motion(found.angle)
+    height = scene.height(motion)
+    arrays = {
+        "crank_angle": found.angle,
+        "height": height,
+        "travel_per_angle": motion.slide_velocity / rate,
+        "slide_velocity": motion.slide_velocity,
+        "force": np.min(list(found.forces.values()), axis=0),
+        "work": work(scene, found.angle),
+    }
+    for array in (*arrays.values(), *found.forces.values()):
+        array.setflags(write=False)
+    return Ratings(
+        press=press.name,
+        capacities=capacities,
+        speed=rate,
+        at_speed=bool(at_speed),
+        torque_capacity=scene.torque,
+        limits=FrozenMapping(found.forces),
+        limited_by=found.names,
+        changes=tuple(float(height[k]) for k in found.changes),
+        energies=FrozenMapping(dict(scene.energies)),
+        stroke=measures.stroke(period),
+        quick_return_ratio=quick_return,
+        contact_height=None if contact is None else positive("contact_height", contact, "m"),
+        contact_speed=None if contact is None else measures.speed_at(period, contact),
+        contact_advantage=None if contact is None else measures.mechanical_advantage(period, contact),
+        dwell_tolerance=tolerance,
+        dwell_time=measures.dwell_time(period, tolerance),
+        speed_limit=limiting_speed(press, capacities, scene.torque, math.copysign(1.0, rate), engine=engine),
+        turns=scene.turns,
+        **arrays,
+    )
+
+
+def _speed(speed: float) -> float:
+    if not is_number(speed) or not SLOWEST <= abs(speed) <= FASTEST:
+        raise PinpressError(f"speed is {shown(speed)}: give one number that is not zero [rad/s], e.g. 70 * pinpress.RPM")
+    return float(speed)

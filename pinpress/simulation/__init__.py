@@ -1,0 +1,1 @@
+"""Motion found from drives and loads."""

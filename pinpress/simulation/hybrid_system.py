@@ -1,0 +1,388 @@
+"""A press with its driveline and forces as equations over time: right-hand sides, and the functions whose zeros switch them.
+
+Between switchings everything is smooth: each force keeps to its stretch, clutch and brake to their mode, also where an integrator looks
+beyond.
+"""
+
+import math
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from ..common.arrays import Array
+from ..common.errors import SimulationError
+from ..drives.driveline import HOLDING, OPEN, SLIPPING, Brake, Clutch, Driveline, Grip, Mode
+from ..loads.caller_laws import LawError
+from .modes import Dynamics, Modes, Place, Switch, place_of
+from .system import Acting
+from .trajectory import LEDGERS
+
+AHEAD = 1e-9  # time looked ahead, where there are several drivers [s]
+LITTLE = 1e-7  # of a turn of the crank, looked ahead to see into which stretch a force goes [rad]
+STARTS = 1e-9  # acceleration of a press that stands, beside that by the loads that hold it, with which it starts
+AT_REST = 1e-9  # crank speed, beside the run's largest, at which a stop is one
+STALLED = "the press stalls: it comes to rest, and the load holds it there against the drive"
+
+Split = tuple[Any, float, tuple[float, ...]]
+"""The instant, speed of the drive's shaft, the drive's states."""
+
+
+@dataclass(frozen=True, eq=False)
+class Machine:
+    """The integrated vector holds positions (size,), speeds (size,), the drive's states, the speed of a clutch's driving side where there
+    is a clutch, and the ledgers (4,)."""
+
+    dynamics: Dynamics
+    line: Driveline
+    forces: tuple[Acting, ...]
+
+    def begin(self, position: Array, speed: Array, states: tuple[float, ...], ledgers: Array) -> Array:
+        """The vector at the start."""
+        return np.concatenate([position, speed, states, ledgers])
+
+    def split(self, y: Array) -> Split:
+        """The instant, speed of the drive's shaft, the drive's states."""
+        n = self.dynamics.size
+        instant = self.dynamics.at(y[:n], y[n : 2 * n])
+        states = tuple(y[2 * n : -len(LEDGERS)].tolist())
+        return (instant, instant.speed, states) if self.line.clutch is None else (instant, states[-1], states[:-1])
+
+    def driving(self, times: Array, columns: Array) -> tuple[Array, Array, Array]:
+        """Torque of the drive, and of its motor at its own shaft [N m], and the speed of the drive's side of the clutch [rad/s], (n,) each,
+        of vectors (len(y), n) at times (n,)."""
+        n, drive, crank = self.dynamics.size, self.line.drive, self.dynamics.crank
+        own = columns[n + crank] if self.line.clutch is None else columns[-len(LEDGERS) - 1]
+        if drive is None:
+            return np.zeros(len(times)), np.zeros(len(times)), own
+        states = columns[2 * n : -len(LEDGERS) - (self.line.clutch is not None)].T.tolist()
+        at = list(zip(own.tolist(), columns[crank].tolist(), times.tolist(), map(tuple, states), strict=True))
+        torque, motor = (np.array([float(np.ravel(law(*one))[0]) for one in at]) for law in (drive.torque, drive.motor_torque))
+        return torque, motor, own
+
+    def rates(self, modes: Modes, time: float, y: Array) -> Array:
+        """dy/dt (len(y),)."""
+        try:
+            return self._rates(modes, time, y)
+        except LawError as error:
+            raise error.within(time, float(self.split(y)[0].angle)) from error.__cause__
+
+    def _rates(self, modes: Modes, time: float, y: Array) -> Array:
+        n, line = self.dynamics.size, self.line
+        if self.free:
+            return self._coasting(y)
+        instant, own, states = self.split(y)
+        torque = line.drive_torque(own, instant.angle, time, states)
+        forces, taken, driven, squared = self._forces(modes, time, instant)
+        through, braking = self._transmitted(modes.line, time, instant.speed, own)
+        result, accelerated = np.zeros(len(y)), 0.0
+        if modes.line.brake.state != HOLDING and not modes.standing:
+            rigid = modes.line.clutch.state == HOLDING
+            on_crank, inertia = (torque, line.inertia) if rigid else (through, 0.0)
+            result[:n] = y[n : 2 * n]
+            result[n : 2 * n] = accelerations = self.dynamics.accelerations(instant, on_crank - braking, forces, inertia)
+            accelerated = self.dynamics.of_crank(accelerations)
+        if line.drive is not None and states:
+            result[2 * n : 2 * n + len(states)] = line.drive.rates(own, instant.angle, time, states)
+        if line.clutch is not None:
+            result[2 * n + len(states)] = accelerated if modes.line.clutch.state == HOLDING else (torque - through) / line.inertia
+        motor = 0.0 if line.drive is None else line.drive.motor_torque(own, instant.angle, time, states)
+        lost = through * (own - instant.speed) + braking * instant.speed
+        result[-len(LEDGERS) :] = (torque * own + driven, taken, motor * motor + squared, lost)
+        return result
+
+    @cached_property
+    def free(self) -> bool:
+        """Whether there are no forces but inertia and weight."""
+        line = self.line
+        return line.drive is None and line.clutch is None and line.brake is None and not self.forces
+
+    def _coasting(self, y: Array) -> Array:
+        n = self.dynamics.size
+        result = np.zeros(len(y))
+        result[:n] = speed = y[n : 2 * n]
+        instant = self.dynamics.at(y[:n], speed)
+        result[n : 2 * n] = self.dynamics.accelerations(instant, 0.0, (), self.line.inertia)
+        return result
+
+    def _forces(self, modes: Modes, time: float, instant: Any) -> tuple[list[float], float, float, float]:
+        """The forces along every coordinate, the power that they take, that of further drives, and the square of these motors' torque."""
+        forces, taken, driven, squared = [0.0] * len(instant.coordinates), 0.0, 0.0, 0.0
+        for force, place in zip(self.forces, modes.places, strict=True):
+            value, rate = instant.coordinates[force.row]
+            if force.time is not None:
+                size = float(force.time(time))
+            elif place is None or place.stretch is None or not place.pushing:
+                size = 0.0
+            else:
+                size = float(place.stretch.force(value - force.datum, rate))
+            forces[force.row] += size
+            if force.drive is None:
+                taken -= size * rate
+            else:
+                driven += size * rate
+                squared += float(force.drive.motor_torque(rate)) ** 2
+        return forces, taken, driven, squared
+
+    def heeds_speed(self, modes: Modes, time: float, y: Array) -> bool:
+        """Whether anything but angle and speed of the crank counts, or forces in this state depend on its speed or way."""
+        n, line = self.dynamics.size, self.line
+        if n > 1 or len(y) > 2 + len(LEDGERS) or line.clutch is not None or line.brake is not None:
+            return True
+        if any(force.time is not None or force.rising is not force.falling for force in self.forces):
+            return True
+        found = []
+        for share in (1.0, 0.5, 0.0, -1.0):
+            instant = self.dynamics.at(y[:n], share * y[n : 2 * n])
+            found.append(
+                (*self._forces(modes, time, instant)[0], float(np.ravel(line.drive_torque(instant.speed, instant.angle, time, ()))[0]))
+            )
+        return found.count(found[0]) < len(found)
+
+    def _transmitted(self, mode: Mode, time: float, speed: float, own: float) -> tuple[float, float]:
+        """Friction torques on the crank of a slipping clutch, along, and of a slipping brake, against the positive direction."""
+        through = braking = 0.0
+        if self.line.clutch is not None and mode.clutch.state == SLIPPING:
+            through = mode.clutch.sign * mode.clutch.capacity(self.line.clutch, time)
+        if self.line.brake is not None and mode.brake.state == SLIPPING:
+            braking = mode.brake.sign * mode.brake.capacity(self.line.brake, time)
+        return through, braking
+
+    # Switching
+
+    def switches(self, modes: Modes, time: float, y: Array) -> dict[Switch, float]:
+        """Switching functions: positive in these modes; where one falls below zero the modes change."""
+        state = instant, own, _ = self.split(y)
+        found: dict[Switch, float] = {}
+        if modes.standing:
+            return found | self._line_switches(modes, time, y, state) | self._starts(modes, time, y)
+        for k, (force, place) in enumerate(zip(self.forces, modes.places, strict=True)):
+            if place is None:
+                continue
+            value, rate = instant.coordinates[force.row]
+            if math.isfinite(place.low):
+                found[Switch("low", k)] = value - place.low
+            if math.isfinite(place.high):
+                found[Switch("high", k)] = place.high - value
+            if force.rising is not force.falling:
+                found[Switch("turn", k)] = rate if place.rising else -rate
+            if place.stretch is not None and place.stretch.one_sided:
+                law = float(place.stretch.force(value - force.datum, rate))
+                found[Switch("contact", k)] = law if place.pushing else -law
+        for k, (corner, side) in enumerate(zip(self.corners, modes.sides, strict=True)):
+            found[Switch("corner", k)] = side * (own - corner)
+        return found | self._line_switches(modes, time, y, state)
+
+    def _line_switches(self, modes: Modes, time: float, y: Array, state: Split) -> dict[Switch, float]:
+        """Switching functions of clutch and brake; ``state``: the vector, split."""
+        instant, own, _ = state
+        found: dict[Switch, float] = {}
+        for which, friction, grip, relative in (
+            ("clutch", self.line.clutch, modes.line.clutch, own - instant.speed),
+            ("brake", self.line.brake, modes.line.brake, instant.speed),
+        ):
+            if friction is None:
+                continue
+            at = friction.closes if grip.state == OPEN and not grip.spent else friction.opens if grip.state != OPEN else None
+            if at is not None:
+                along = time - at.time if at.time is not None else (instant.angle - (at.angle or 0.0)) * grip.way
+                found[Switch("closes" if grip.state == OPEN else "opens", which)] = -along
+            if grip.state == SLIPPING:
+                found[Switch("grips", which)] = grip.sign * relative
+            elif grip.state == HOLDING:
+                found[Switch("slips", which)] = grip.capacity(friction, time) - abs(self._held(modes, time, y, which, state))
+        return found
+
+    def _starts(self, modes: Modes, time: float, y: Array) -> dict[Switch, float]:
+        """Switching functions of a press that stands: it starts either way once the drive overcomes what resists that way."""
+        if modes.line.brake.state == HOLDING:
+            return {}
+        n, free = self.dynamics.size, {}
+        for way in (1, -1):
+            free[way] = self._accelerated(
+                self._looking(modes, *self.dynamics.moved(y[:n], way * LITTLE), moving=False), time, self.split(y)
+            )[0]
+        more = STARTS * abs(free[-1] - free[1])
+        return {Switch("starts", 1): more - free[1], Switch("starts", -1): more + free[-1]}
+
+    def _held(self, modes: Modes, time: float, y: Array, which: str, state: Split) -> float:
+        """Torque that a holding clutch or brake transmits: the clutch to the crank along, the brake against the positive direction."""
+        instant, own, states = state
+        torque = float(self.line.drive_torque(own, instant.angle, time, states))
+        if which == "clutch":
+            free, _ = self._accelerated(modes, time, state)
+            return torque if modes.line.brake.state == HOLDING else torque - self.line.inertia * free
+        n, needed = self.dynamics.size, []
+        ways = (1.0, -1.0) if any(force.rising is not force.falling for force in self.forces) else (0.0,)
+        for way in ways:
+            tried = self._looking(modes, *self.dynamics.moved(y[:n], way * LITTLE), moving=False) if way else modes
+            free, pushed = self._accelerated(tried, time, self.split(y))  # anew: looking elsewhere has moved the linkage
+            needed.append(free / (pushed - free))  # the torque that leaves the crank at rest
+        # at rest a load of one direction takes anything up to its force: it is the least that the brake has to hold
+        return 0.0 if min(needed) <= 0 <= max(needed) else min(needed, key=abs)
+
+    def _accelerated(self, modes: Modes, time: float, state: Split) -> tuple[float, float]:
+        """The crank's acceleration, and that under 1 N m more."""
+        instant, own, states = state
+        forces = self._forces(modes, time, instant)[0]
+        through, braking = self._transmitted(modes.line, time, instant.speed, own)
+        rigid = modes.line.clutch.state == HOLDING
+        torque = self.line.drive_torque(own, instant.angle, time, states)
+        on_crank, inertia = (torque, self.line.inertia) if rigid else (through, 0.0)
+        both = [self.dynamics.accelerations(instant, on_crank - braking + more, forces, inertia) for more in (0.0, 1.0)]
+        return self.dynamics.of_crank(both[0]), self.dynamics.of_crank(both[1])
+
+    def initial(self, time: float, y: Array, line: Mode) -> Modes:
+        """Modes of a state, at the start of a run or after a standstill."""
+        places = tuple(None if force.time is not None else Place(-math.inf, math.inf, True, None) for force in self.forces)
+        return self.placed(self.past_corner(Modes(line, places), y), time, y)
+
+    @cached_property
+    def corners(self) -> tuple[float, ...]:
+        """Speeds at which the drive's torque is not smooth."""
+        drive = self.line.drive
+        return () if drive is None or drive.timed else tuple(float(np.ravel(corner)[0]) for corner in drive.corners)
+
+    def past_corner(self, modes: Modes, y: Array) -> Modes:
+        """The modes with the drive on the side of every corner to which its speed tends."""
+        if not self.corners:
+            return modes
+        own = self.split(y)[1]
+        sides = modes.sides or (0,) * len(self.corners)
+        near = min(range(len(self.corners)), key=lambda k: abs(own - self.corners[k]))
+        return modes._replace(
+            sides=tuple(
+                -side if side and k == near else side or (1 if own >= corner else -1)
+                for k, (corner, side) in enumerate(zip(self.corners, sides, strict=True))
+            )
+        )
+
+    def placed(self, modes: Modes, time: float, y: Array) -> Modes:
+        """The modes with every force put where it is; at rest the way is that in which the crank starts.
+
+        Raises:
+            SimulationError: the loads hold the press from both sides, and nothing that depends on time can change that.
+        """
+        modes = modes._replace(standing=False)
+        n = self.dynamics.size
+        speed = y[n : 2 * n]
+        instant = self.dynamics.at(y[:n], speed)
+        if not self.forces or all(place is None for place in modes.places):
+            return modes
+        if not self.dynamics.alone:  # the first crank's rest is not the linkage's
+            return self._looking(modes, y[:n] + AHEAD * speed, speed, moving=True)
+        if instant.speed:
+            return self._looking(modes, y[:n] + LITTLE / abs(instant.speed) * speed, speed, moving=True)
+        still: Modes | None = None
+        for way in (1.0, -1.0):
+            ahead = self.dynamics.moved(y[:n], way * LITTLE)
+            tried = self._looking(modes, *ahead, moving=False)
+            result = self.rates(tried, time, y)
+            acceleration = self.dynamics.of_crank(result[n : 2 * n])
+            if acceleration * way > 0 or modes.line.brake.state == HOLDING:
+                return tried
+            still = tried if acceleration == 0.0 else still
+        if still is not None:
+            return still
+        if self.waits:
+            return modes._replace(standing=True)
+        raise SimulationError(STALLED, time, instant.angle)
+
+    @cached_property
+    def waits(self) -> bool:
+        """Whether a press at rest may be started later: by the drive, a force in time, clutch or brake."""
+        line = self.line
+        drives = (line.drive is not None and line.drive.timed) or line.clutch is not None or line.brake is not None
+        return drives or any(force.time is not None for force in self.forces)
+
+    def _looking(self, modes: Modes, position: Array, speed: Array, moving: bool) -> Modes:
+        """The modes with every force put where it is at a state a little ahead."""
+        instant = self.dynamics.at(position, speed)
+        places = []
+        for force, place in zip(self.forces, modes.places, strict=True):
+            value, rate = instant.coordinates[force.row]
+            places.append(None if place is None else place_of(force, value, rate > 0, value, rate if moving else 0.0))
+        return modes._replace(places=tuple(places))
+
+    def after(self, switch: Switch, modes: Modes, time: float, y: Array, fastest: float) -> tuple[Modes, Array]:
+        """Modes and vector after a switching.
+
+        Raises:
+            SimulationError: the press stalls.
+        """
+        if switch.what == "corner":
+            sides = tuple(-side if k == switch.of else side for k, side in enumerate(modes.sides))
+            return modes._replace(sides=sides), y
+        instant = self.split(y)[0]
+        stops = switch.what == "turn" and abs(instant.speed) <= AT_REST * fastest and self.dynamics.alone
+        if stops and modes.line.brake.state == SLIPPING:  # what happens at rest is for the brake to decide
+            return self._line_switched(Switch("grips", "brake"), "brake", modes, time, y)
+        n = self.dynamics.size
+        if switch.what == "starts":
+            way = float(switch.of)
+            return self._looking(modes, *self.dynamics.moved(y[:n], way * LITTLE), moving=False)._replace(standing=False), y
+        if isinstance(switch.of, int):
+            modes = self._force_switched(switch, switch.of, modes, time, y, fastest)
+            if modes.standing:
+                y = y.copy()
+                y[n : 2 * n] = 0.0
+            return modes, y
+        return self._line_switched(switch, str(switch.of), modes, time, y)
+
+    def _force_switched(self, switch: Switch, k: int, modes: Modes, time: float, y: Array, fastest: float) -> Modes:
+        place, force = modes.places[k], self.forces[k]
+        assert place is not None
+        instant, _, _ = self.split(y)
+        value, rate = instant.coordinates[force.row]
+        if switch.what == "contact":
+            place = place._replace(pushing=not place.pushing)
+        elif switch.what == "turn":
+            if abs(instant.speed) <= AT_REST * fastest and self.dynamics.alone:  # not a dead centre: the crank itself stops
+                n = self.dynamics.size
+                rest = y.copy()
+                rest[n : 2 * n] = 0.0
+                return self.placed(modes, time, rest)
+            inside = 0.5 * (max(place.low, value - 1.0) + min(place.high, value + 1.0))
+            place = place_of(force, inside, not place.rising, value, rate)
+        else:
+            border = place.low if switch.what == "low" else place.high
+            if switch.what == "low":
+                following = max((b for b in force.borders() if b < border), default=border - 1.0)
+            else:
+                following = min((b for b in force.borders() if b > border), default=border + 1.0)
+            place = place_of(force, 0.5 * (border + following), place.rising, border, rate)
+        return modes._replace(places=(*modes.places[:k], place, *modes.places[k + 1 :]))
+
+    def _line_switched(self, switch: Switch, which: str, modes: Modes, time: float, y: Array) -> tuple[Modes, Array]:
+        n = self.dynamics.size
+        instant, own, _ = self.split(y)
+        relative = own - instant.speed if which == "clutch" else instant.speed
+        friction: Clutch | Brake | None = self.line.clutch if which == "clutch" else self.line.brake
+        assert friction is not None
+        grip: Grip = getattr(modes.line, which)
+        if switch.what == "opens":
+            grip = Grip(OPEN, spent=True)
+        elif switch.what == "closes":
+            way = 1 if friction.opens is None or friction.opens.angle is None or friction.opens.angle > instant.angle else -1
+            grip = Grip(SLIPPING, 1 if relative > 0 else -1, time, way=way) if relative else Grip(HOLDING, 0, time, way=way)
+        elif switch.what == "grips":
+            y = y.copy()
+            if which == "clutch":
+                y[2 * n + len(y[2 * n : -len(LEDGERS)]) - 1] = instant.speed
+            else:
+                self.dynamics.stands(instant, time)
+                y[n : 2 * n] = 0.0
+            grip = grip._replace(state=HOLDING)
+        else:
+            held = self._held(modes, time, y, which, self.split(y))
+            grip = grip._replace(state=SLIPPING, sign=1 if held > 0 else -1)
+        modes = modes._replace(line=modes.line._replace(**{which: grip}))
+        if switch.what == "grips":
+            held = self._held(modes, time, y, which, self.split(y))
+            if abs(held) > grip.capacity(friction, time):  # it cannot hold: it slips on, the other way
+                grip = grip._replace(state=SLIPPING, sign=1 if held > 0 else -1)
+                modes = modes._replace(line=modes.line._replace(**{which: grip}))
+        if which == "brake" and switch.what in ("opens", "slips") and not instant.speed:
+            modes = self.placed(modes, time, y)
+        return modes, y

@@ -1,0 +1,190 @@
+"""Drives and loads that a caller has written himself, tried before a simulation, and once more after it.
+
+A law is a function of what it declares to depend on, and of nothing else: of a drive the torque by its shaft's speed, and where it is
+``timed`` by angle, time and its own states too; of a load the force by height and velocity; of a `TimeForce` the force by time. Both
+methods of simulation rest on that, as they ask in different orders, one state at a time or many at once. So laws are tried before a run,
+and the torques of a run are asked for once more after it.
+
+How they are asked: see `caller_laws`. The library's own drives and loads are asked as they are.
+"""
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from ..common.arrays import Array
+from ..common.errors import PinpressError, said, shown
+from ..common.scenario_fields import lengths
+from ..drives.protocol import Drive, Values
+from ..drives.transmission import ConstantTorque, Geared, InductionMotor, InverterMotor, ServoMotor, SlipClutchMotor
+from ..loads.caller_laws import Asked, AskedLoad, Law, LawError, name
+
+OWN_DRIVES = (ConstantTorque, InductionMotor, InverterMotor, ServoMotor, SlipClutchMotor)
+SHARES = np.concatenate([np.linspace(-2.0, 2.0, 33), [1e-3, -1e-3]])  # of the run's speed, at which a drive is tried
+LEAST = 10.0  # speed taken for that of a run that begins more slowly [rad/s]
+ANGLES, TIMES = (0.7, 2.1, -4.0, 9.5), (0.01, 0.3, 2.0, 11.0)  # crank angles [rad] and times [s] at which it is tried
+INSIDE = np.linspace(0.02, 0.98, 9)  # shares of a stretch
+VELOCITIES = (0.0, -1.0, -0.1, -1e-3, 1e-3, 0.1, 1.0)  # [m/s]
+SAME = 1e-9  # difference, beside the largest, that is rounding
+MOST_CONFIRMED = 100  # states of a run at which a torque is asked for once more
+
+
+def asked_drive(drive: Any, speed: float) -> Any:
+    """A drive of a run that begins with about this crank speed: a caller's own one to be asked with care, anything else as it is."""
+    if isinstance(drive, Mapping):
+        return {joint: asked_drive(one, speed) for joint, one in drive.items()}
+    if _own(drive) or isinstance(drive, type) or not isinstance(drive, Drive):
+        return drive
+    return AskedDrive(drive, np.geterr(), max(abs(speed), LEAST))
+
+
+def _own(drive: object) -> bool:
+    return isinstance(drive, AskedDrive) or type(drive) in OWN_DRIVES or (isinstance(drive, Geared) and _own(drive.drive))
+
+
+# ------------------------------------------------------------------------------------------------------------------------------- asked
+
+OF_DRIVE = ("speed", "rad/s"), ("angle", "rad"), ("time", "s")
+
+
+@dataclass(frozen=True, eq=False)
+class AskedDrive(Asked):
+    """A caller's own drive, or a `Geared` one; about: speed of the run [rad/s]."""
+
+    about: float
+
+    @property
+    def inertia(self) -> Values:
+        return self.part.inertia  # type: ignore[no-any-return]
+
+    @property
+    def state(self) -> tuple[float, ...]:
+        return self.part.state  # type: ignore[no-any-return]
+
+    @property
+    def timed(self) -> bool:
+        return self.part.timed  # type: ignore[no-any-return]
+
+    @property
+    def rated_torque(self) -> Values | None:
+        return self.part.rated_torque  # type: ignore[no-any-return]
+
+    @property
+    def corners(self) -> tuple[Values, ...]:
+        return self.part.corners  # type: ignore[no-any-return]
+
+    def torque(self, speed: Values, angle: Values = 0.0, time: Values = 0.0, state: tuple[Values, ...] = ()) -> Values:
+        return self._laws["torque"](speed, angle, time, state)  # type: ignore[no-any-return]
+
+    def motor_torque(self, speed: Values, angle: Values = 0.0, time: Values = 0.0, state: tuple[Values, ...] = ()) -> Values:
+        return self._laws["motor_torque"](speed, angle, time, state)  # type: ignore[no-any-return]
+
+    def rates(self, speed: Values, angle: Values = 0.0, time: Values = 0.0, state: tuple[Values, ...] = ()) -> tuple[Values, ...]:
+        return tuple(self._rates(speed, angle, time, state))
+
+    def motor_speed(self, speed: Values) -> Values:
+        return self._laws["motor_speed"](speed)  # type: ignore[no-any-return]
+
+    @cached_property
+    def _laws(self) -> dict[str, Law]:
+        scenarios = next(iter(lengths(self.part).values()), None)
+        return {
+            law: Law(f"{name(self)}: {law}", OF_DRIVE, getattr(self.part, law), self.errors, scenarios)
+            for law in ("torque", "motor_torque", "motor_speed")
+        }
+
+    def _rates(self, *at: Any) -> list[float]:
+        try:
+            with np.errstate(**self.errors):
+                rates = self.part.rates(*at)
+            numbers = np.asarray(list(rates), dtype=float)
+        except Exception as error:
+            raise LawError(f"{name(self)}: rates cannot be worked out: {said(error)}") from error
+        if numbers.shape != (len(self.state),) or not (np.isfinite(numbers).all() or not np.isfinite(at[0])):
+            raise LawError(f"{name(self)}: rates is {shown(rates)}; give a finite rate of each of {len(self.state)} states")
+        return list(map(float, numbers))
+
+
+# ------------------------------------------------------------------------------------------------------------------------------- tried
+
+
+def try_drive(drive: AskedDrive) -> None:
+    """Raise PinpressError where a drive depends on more than it declares, or answers arrays otherwise than numbers."""
+    what, speeds, states, timed = name(drive), drive.about * SHARES, tuple(map(float, drive.state)), drive.timed
+    if timed and len(drive.corners):
+        raise PinpressError(f"{what}: corners is {shown(drive.corners)}; a drive that is timed has none: let corners be ()")
+    for law in ("torque", "motor_torque"):
+        ask = getattr(drive, law)
+        if timed:
+            at = [(w, ANGLES[k % 4], TIMES[k % 3], states) for k, w in enumerate(speeds.tolist())]
+            _in_turn(f"{what}: {law}", ask, at, "keep it in `state` and `rates`")
+            continue
+        at = [(w, 0.0, 0.0, ()) for w in speeds.tolist()]
+        first = _in_turn(f"{what}: {law}", ask, at, "keep it in `state` and `rates`, and let `timed` be True")
+        for of, places in (("angle of the shaft", [(a, 0.0) for a in ANGLES]), ("time", [(0.0, t) for t in TIMES])):
+            for angle, time in places:
+                if _differ(first[::4], [ask(w, angle, time, ()) for w, *_ in at[::4]]):
+                    raise PinpressError(f"{what}: {law} depends on the {of}, but timed is False; let timed be True")
+        given = np.broadcast_to(speeds[:, None], first.shape) if first.ndim > 1 else speeds
+        _as_numbers(f"{what}: {law}", first, ask(given, 0.0, 0.0, ()))
+    if states:
+        at = [(w, ANGLES[k % 4], TIMES[k % 3], states) for k, w in enumerate(speeds.tolist())]
+        _in_turn(f"{what}: rates", drive.rates, at, "keep it in `state`")
+
+
+def try_load(load: AskedLoad) -> None:
+    """Raise PinpressError where a load depends on more than height, velocity and direction, or answers arrays otherwise than numbers."""
+    for downwards in (True, False):
+        once, again = load.stretches(downwards), load.stretches(downwards)
+        if [(s.upper, s.lower, s.one_sided) for s in once] != [(s.upper, s.lower, s.one_sided) for s in again]:
+            raise PinpressError(f"{name(load)}: stretches({downwards}) differ from one call to the next; let them stay the same")
+        for stretch in once:
+            upper = stretch.upper if math.isfinite(stretch.upper) else max(stretch.lower, -1.0) + 1.0
+            lower = stretch.lower if math.isfinite(stretch.lower) else upper - 1.0
+            at = [(h, v) for h in (lower + (upper - lower) * INSIDE).tolist() for v in VELOCITIES]
+            remedy = "let it depend on height and velocity alone, forces in time are a TimeForce"
+            first = _in_turn(f"{name(load)}: force", stretch.force, at, remedy)
+            heights, velocities = (np.broadcast_to(np.array(one), first.T.shape).T for one in zip(*at, strict=True))
+            _as_numbers(f"{name(load)}: force", first, stretch.force(heights, velocities))
+
+
+def try_in_time(force: Callable[..., Any]) -> None:
+    """Raise PinpressError where a force in time depends on more than the time, or answers arrays otherwise than numbers."""
+    first = _in_turn("TimeForce: force", force, [(t,) for t in (0.0, *TIMES)], "let it depend on the time alone")
+    _as_numbers("TimeForce: force", first, force(np.array([0.0, *TIMES])))
+
+
+def confirm(drive: object, times: Array, angles: Array, speeds: Array, torques: Array) -> None:
+    """Raise PinpressError where the torques (n,) of a caller's drive in a run are not those that it gives for the same states (n,), one
+    after the other and backwards: what it depends on showed only there."""
+    if not isinstance(drive, AskedDrive) or drive.timed:
+        return
+    some = np.unique(np.linspace(0, len(times) - 1, MOST_CONFIRMED).astype(int))[::-1]
+    again = [drive.torque(float(speeds[k]), float(angles[k]), float(times[k])) for k in some]
+    by_speed = [drive.torque(float(speeds[k])) for k in some]
+    if _differ(torques[some], np.array([again, by_speed]).reshape(2, -1)):
+        raise PinpressError(
+            f"{name(drive)}: torque depends on more than the speed, but timed is False: asked again at the states of the run it gives other"
+            " torques; let timed be True, and keep what it remembers in `state` and `rates`"
+        )
+
+
+def _in_turn(what: str, ask: Callable[..., Any], at: Sequence[tuple[Any, ...]], remedy: str) -> Array:
+    """Answers of a law, which must be the same when it is asked in another order."""
+    first = np.array([ask(*one) for one in at], dtype=float)
+    if _differ(first, [ask(*one) for one in reversed(at)][::-1]):
+        raise PinpressError(f"{what} depends on what it was asked before: the same arguments give other values; {remedy}")
+    return first
+
+
+def _as_numbers(what: str, numbers: Array, array: Any) -> None:
+    if _differ(numbers, array):
+        raise PinpressError(f"{what} of an array differs from that of its numbers; let it work element by element, as NumPy's functions do")
+
+
+def _differ(some: Array, others: Any) -> bool:
+    return bool(np.abs(some - np.asarray(others, dtype=float)).max() > SAME * np.abs(some).max())

@@ -1,0 +1,256 @@
+"""The implicit Runge-Kutta method Radau IIA with seven stages, for motions under stiff forces.
+
+A stiff damper, speed law or servo forgets a disturbance within microseconds, and an explicit method must keep its steps shorter than that
+for ever after. Radau IIA is L-stable: where the solution is smooth its steps are as long as that allows. SciPy's Radau has three stages
+and an error estimate of order 3, which at the tolerances of a press run takes many times as many steps. Source: Hairer and Wanner,
+Solving Ordinary Differential Equations II, IV.5 and IV.8; the coefficients are worked out here from the conditions that define them.
+"""
+
+import math
+from collections.abc import Callable
+from functools import cache
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.polynomial import legendre
+from scipy.integrate import DenseOutput, OdeSolver
+from scipy.linalg import lapack
+from scipy.special import roots_jacobi
+
+from ..common.arrays import Array
+
+STAGES = 7
+ROUNDS = 12  # of Newton's method in a step
+SETTLED = 1e-2  # error left by Newton's method, beside the tolerance
+LOOSER = 100.0  # times the tolerance, for integrals along the motion
+ROUNDED = 0.5  # correction, beside the tolerance, that may be rounding
+ASIDE = (-7e-14, 3e-14)  # shares by which a state is changed to see how rates round off
+ROUNDINGS = 10.0  # that stiff forces pass on: no step is shortened for so many
+SLOWEST = 0.9  # share of a correction that the next one may have
+SAFETY = 0.9  # of a step beside the one that would meet the tolerance
+LEAST_CHANGE, MOST_CHANGE = 0.1, 8.0  # of the step's length at once
+FAILED = 0.25  # of the step's length, where Newton's method does not converge
+FURTHEST = 3.0  # step, beside the one before, up to which that one's polynomial is a good first guess
+BESIDE, STANDING = 1e-7, 1e-12  # change of an entry for a slope, beside itself or its size, and beside its size where it is zero
+EPS = float(np.finfo(float).eps)
+
+
+class Rule(NamedTuple):
+    """Radau IIA of `STAGES` stages.
+
+    Attributes:
+        nodes: (s,) of a step, from 0 to 1, the last one at its end.
+        matrix: (s, s) integral over the step up to a node, from rates at the nodes. inverse: (s, s) its inverse.
+        embedded: (s,) difference of the embedded formula's weights and the method's. start: weight of the rate at the start in it.
+        series: (s + 1, s) Legendre series over the step of the polynomial through changes at the nodes, and none at the start.
+        integral: (s + 1, s) Legendre series over the step, of the integral of the polynomial through values at the nodes.
+    """
+
+    nodes: Array
+    matrix: Array
+    inverse: Array
+    embedded: Array
+    start: float
+    series: Array
+    integral: Array
+
+
+@cache
+def rule() -> Rule:
+    """The method's coefficients."""
+    inner = np.sort(roots_jacobi(STAGES - 1, 1.0, 0.0)[0])
+    x = np.append(inner, 1.0)  # on -1..1
+    through = np.linalg.inv(legendre.legvander(x, STAGES - 1))  # Legendre series of the polynomial through values at the nodes
+    integral = 0.5 * np.asarray(legendre.legint(through, lbnd=-1, axis=0), dtype=np.float64)
+    matrix = legendre.legvander(x, STAGES) @ integral
+    inverse = np.linalg.inv(matrix).astype(np.float64)
+    # The embedded formula of order s takes the rate at the start with the weight that makes its error, filtered by the linear equation
+    # of that weight, fit the method's own: the inverse of the real eigenvalue of the inverse matrix.
+    values = np.linalg.eigvals(inverse)
+    start = 1.0 / float(values[np.abs(values.imag).argmin()].real)
+    conditions = legendre.legvander(x, STAGES - 1).T
+    wanted = np.zeros(STAGES)
+    wanted[0] = 1.0  # integral of the Legendre polynomials over a step of length 1
+    wanted -= start * legendre.legvander(np.array([-1.0]), STAGES - 1)[0]
+    embedded = np.linalg.solve(conditions, wanted) - matrix[-1]
+    return Rule(0.5 * (x + 1), matrix, inverse, embedded, start, integral @ inverse, integral)
+
+
+class RadauIIA(OdeSolver):  # type: ignore[misc]
+    """Radau IIA of seven stages, order 13, with steps by error.
+
+    The last ``integrals`` entries of the vector act on no rate: they are integrals along the motion, worked out behind each step, to
+    `LOOSER` tolerances. Steps whose stages do not converge, or reach a state without finite rates, are tried again at a quarter.
+    """
+
+    t: float
+    y: Array
+
+    def __init__(
+        self,
+        fun: Callable[[float, Array], Array],
+        t0: float,
+        y0: Array,
+        t_bound: float,
+        atol: Array,
+        rtol: float,
+        integrals: int,
+        sizes: Array,
+        first_step: float | None = None,
+    ) -> None:
+        """``atol`` (n,) and ``rtol`` as of SciPy's methods; ``sizes`` (n,) of the entries, for slopes where one is zero."""
+        super().__init__(fun, t0, y0, t_bound, vectorized=False)
+        self.count = len(y0) - integrals
+        self.atol, self.rtol, self.sizes = atol.copy(), rtol, sizes[: self.count]
+        self.atol[self.count :] *= LOOSER
+        self.f = self.fun(self.t, self.y)
+        span = t_bound - t0
+        self.h_abs = min(span, first_step or self._first_step(span))
+        self.before: tuple[float, Array] | None = None  # length of the last step and its stages' changes (s, m)
+        self.error_before: tuple[float, float] | None = None  # its length and error
+        self.noise = np.zeros(len(y0))
+        self.stage_rates = np.empty((STAGES, len(y0)))
+
+    def _first_step(self, span: float) -> float:
+        """A step over which no entry changes by more than a small part of its size."""
+        rate = float(np.max(np.abs(self.f[: self.count]) / self.sizes))
+        return min(1e-3 * span, 1e-3 / rate) if rate > 0 and math.isfinite(rate) else 1e-6 * span
+
+    def _rounding(self, slope: Array) -> Array:
+        """Errors (n,) of the rates by rounding, which stiff forces make large: how far they are off a straight line beside this state."""
+        m, result = self.count, EPS * (np.abs(slope) @ np.abs(self.y[: self.count]))
+        for share in ASIDE:
+            moved = self.y.copy()
+            moved[:m] *= 1 + share
+            result = np.maximum(result, np.abs(self.fun(self.t, moved) - self.f - slope @ (moved - self.y)[:m]))
+        return np.asarray(result)
+
+    def _step_impl(self) -> tuple[bool, str | None]:
+        r, m, t, y = rule(), self.count, self.t, self.y
+        slope = slopes(self.fun, t, y, self.f, self.sizes)
+        if not np.isfinite(slope).all():
+            return False, "the rates beside this state are not finite"
+        self.noise, jacobian = np.maximum(0.5 * self.noise, self._rounding(slope)), slope[:m]
+        identity, tolerated, rejected = np.eye(m), self.atol[:m] + self.rtol * np.abs(y[:m]), False
+        shortest = 10 * abs(np.nextafter(t, np.inf) - t)
+        while True:
+            h = min(self.h_abs, self.t_bound - t)
+            if self.t_bound - t - h < 0.05 * h:
+                h = self.t_bound - t
+            if h < min(shortest, self.t_bound - t):
+                return False, self.TOO_SMALL_STEP
+            smoothing = np.linalg.inv(identity - h * r.start * jacobian)
+            scale = np.maximum(tolerated, ROUNDINGS * h * r.start * (np.abs(smoothing) @ self.noise[:m]))
+            stages = self._stages(h, jacobian, scale)
+            if stages is None:
+                self.h_abs, self.before, rejected = FAILED * h, None, True
+                continue
+            rates = r.inverse @ stages / h
+            change = h * (r.start * self.f[:m] + (r.embedded + r.matrix[-1]) @ rates) - stages[-1]
+            filtered = smoothing @ change
+            error = float(np.abs(filtered / scale).max())
+            if error > 1 and (self.error_before is None or rejected):  # a start beside the solution: its rate counts too much
+                moved = self.fun(t, np.append(y[:m] + filtered, y[m:]))[:m]
+                change += h * r.start * (moved - self.f[:m])
+                filtered = smoothing @ change
+                error = float(np.abs(filtered / scale).max())
+            summed = np.maximum(self.atol[m:], ROUNDINGS * h * self.noise[m:])
+            error = max(error, _unresolved(r.series @ stages, scale), _unresolved(h * (r.integral @ self.stage_rates[:, m:]), summed))
+            factor = SAFETY * error ** (-1 / (STAGES + 1)) if error > 0 else MOST_CHANGE
+            if error > 1:
+                self.h_abs, rejected = max(LEAST_CHANGE, factor) * h, True
+                continue
+            break
+        if self.error_before is not None and error > 0:  # Gustafsson: as the errors of two steps foretell
+            length, previous = self.error_before
+            factor = min(factor, factor * h / length * (previous / error) ** (1 / (STAGES + 1)))
+        self.error_before = h, max(error, 1e-2)
+        after = y.copy()
+        after[:m] += stages[-1]
+        after[m:] += h * (r.matrix[-1] @ self.stage_rates[:, m:])
+        self.before, self.stage_changes = (h, stages), stages
+        self.start = y
+        self.t = self.t_bound if h == self.t_bound - t else t + h
+        self.h_abs = h * min(MOST_CHANGE, max(LEAST_CHANGE, factor if not rejected else min(factor, 1.0)))
+        self.y = after
+        self.f = self.fun(self.t, after)
+        return True, None
+
+    def _stages(self, h: float, jacobian: Array, scale: Array) -> Array | None:
+        """Changes (s, m) of the entries up to the nodes, by Newton's method; None where it does not converge."""
+        r, m, t, y = rule(), self.count, self.t, self.y
+        matrix = np.eye(STAGES * m) - h * np.kron(r.matrix, jacobian)
+        factors, pivots, info = lapack.dgetrf(matrix)
+        if info:
+            return None
+        stages = self._guess(h)
+        trial, before = y.copy(), math.inf
+        settled = False
+        for _ in range(ROUNDS):
+            for k in range(STAGES):
+                trial[:m] = y[:m] + stages[k]
+                self.stage_rates[k] = self.fun(t + r.nodes[k] * h, trial)
+            if settled:  # the integrals have the rates of the very motion
+                return stages
+            residual = h * (r.matrix @ self.stage_rates[:, :m]) - stages
+            if not np.isfinite(residual).all():
+                return None
+            step = lapack.dgetrs(factors, pivots, residual.ravel())[0].reshape(STAGES, m)
+            stages = stages + step
+            size = float(np.abs(step / scale).max())
+            share = size / before
+            settled = size <= SETTLED * min(1.0, (1 - share) / share if 0 < share < 1 else 1.0)
+            settled |= ROUNDED > size > SLOWEST * before  # no less: the rounding of stiff forces
+            if not settled and share > SLOWEST and before < math.inf:
+                return None
+            before = size
+        return None
+
+    def _guess(self, h: float) -> Array:
+        """Changes up to the nodes by the polynomial of the step before."""
+        if self.before is None or h > FURTHEST * self.before[0]:
+            return np.zeros((STAGES, self.count))
+        r, (length, stages) = rule(), self.before
+        rates = r.inverse @ stages / length
+        series = length * (r.integral @ rates)
+        beyond = legendre.legvander(1 + 2 * r.nodes * h / length, STAGES)
+        return np.asarray(beyond @ series - stages[-1])
+
+    def _dense_output_impl(self) -> DenseOutput:
+        r, h = rule(), self.t - self.t_old
+        rates = np.concatenate([r.inverse @ self.stage_changes / h, self.stage_rates[:, self.count :]], axis=1)
+        return Collocated(self.t_old, self.t, self.start, h * (r.integral @ rates))
+
+
+class Collocated(DenseOutput):  # type: ignore[misc]
+    """The polynomial of a step."""
+
+    def __init__(self, t_old: float, t: float, y0: Array, series: Array) -> None:
+        super().__init__(t_old, t)
+        self.y0, self.series = y0, series
+
+    def _call_impl(self, t: Any) -> Array:
+        x = 2 * (np.asarray(t) - self.t_old) / (self.t - self.t_old) - 1
+        change = legendre.legval(x, self.series)
+        return np.asarray((change.T + self.y0).T if np.ndim(t) else change + self.y0)
+
+
+def _unresolved(series: Array, scale: Array) -> float:
+    """What a step's polynomials miss between its nodes, beside the tolerance: the term behind the last of their Legendre series (s + 1, k),
+    as these fall off. Under stiff forces the embedded formula knows of the end of the step alone."""
+    last, before = np.abs(series[-1]), np.maximum(np.abs(series[-3]), np.finfo(float).tiny)
+    return float((last * np.minimum(1.0, np.sqrt(last / before)) / scale).max(initial=0.0))
+
+
+def slopes(fun: Callable[[float, Array], Array], time: float, y: Array, f: Array, sizes: Array) -> Array:
+    """Derivatives (n, m) of rates by the first m entries of a vector, by differences; ``sizes`` (m,) of these.
+
+    A small entry is changed beside itself, not beside its size: a law may be sharp about zero.
+    """
+    m = len(sizes)
+    result, moved = np.empty((len(y), m)), y.copy()
+    for k in range(m):
+        moved[k] = y[k] + (BESIDE * min(abs(float(y[k])), float(sizes[k])) or STANDING * float(sizes[k]))
+        result[:, k] = (fun(time, moved) - f) / (moved[k] - y[k])
+        moved[k] = y[k]
+    return result

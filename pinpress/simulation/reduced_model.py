@@ -1,0 +1,305 @@
+"""The one-degree-of-freedom reduction: what a linkage with one driver is to its crank, over the crank angle.
+
+    (I + J) w' + I' w^2 / 2 + V' = torque + sum F c'
+
+with the reduced inertia I(angle), the potential energy V(angle) of the weights, the inertia J of flywheel and drive on the crank, and
+forces F along coordinates c(angle): the slide's position, the length of a spring. All are smooth functions of the crank angle. They are
+sampled where Gauss's quadrature wants them and kept as polynomials, panel by panel; a panel on which a polynomial does not resolve them to
+rounding is halved. Source: Zhang 2007, 4.2 (for any linkage, and without its linearisations); Kong 2025 for the six-bar press.
+"""
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import cache, cached_property
+from typing import NamedTuple
+
+import numpy as np
+import pinocchio as pin
+
+from ..common.arrays import Array
+from ..common.errors import SimulationError
+from ..engines.branch import MOST_TURNS, periods_until_back
+from ..engines.coordinates import configuration, data_of
+from ..engines.planar.kinematics import basis, basis_velocity
+from ..kinematics.motion import Motion, carried
+from ..linkage.linkage import Linkage
+
+NODES = 14  # a panel; degree of its polynomials is one less
+PANELS = 16  # a turn to begin with
+RESOLVED = 1e-11  # size of a polynomial's last terms beside the function
+NOISE, GAIN = 1e-8, 10.0  # below this size last terms that halving does not make less by this factor are rounding, near change points say
+SLACK = 1e-9  # beyond the range of a table, by rounding [rad]
+FLAT = 1e-13  # range of the potential energy, beside its size, that is rounding
+HEIGHT = 1e-3  # of the potential energy: what its range, and its slope, are taken for at least
+NARROWEST = 1e-7  # panel [rad]: what it does not resolve lies at a lock
+INERTIA, POTENTIAL, WEIGHT, COORDINATES = 0, 1, 2, 3  # rows of a table
+
+Coordinate = Callable[[Motion], Array]
+"""A length (n,) or displacement [m] of the states of a motion."""
+
+
+class Rule(NamedTuple):
+    """Gauss-Legendre quadrature on -1..1 and the polynomial through its nodes.
+
+    Powers are found from values by way of Legendre polynomials, in two products: the product of the two matrices has entries so large that
+    their rounding would be a hundred times that of the values.
+
+    Attributes:
+        nodes, weights: (q,). cumulative: (q, q) integrals from -1 to the nodes, of values at them.
+        legendre: (q, q) coefficients in Legendre polynomials from values.
+        powers, integrals: (q, q) and (q + 1, q) coefficients in rising powers of the Legendre polynomials and of their integrals from -1.
+    """
+
+    nodes: Array
+    weights: Array
+    cumulative: Array
+    legendre: Array
+    powers: Array
+    integrals: Array
+
+    def polynomial(self, values: Array) -> Array:
+        """Coefficients (q, n) in rising powers of the polynomials through values (q, n) at the nodes."""
+        return np.asarray(self.powers @ (self.legendre @ values))
+
+    def integral(self, values: Array) -> Array:
+        """Coefficients (q + 1, n) in rising powers of their integrals from -1."""
+        return np.asarray(self.integrals @ (self.legendre @ values))
+
+
+@cache
+def rule() -> Rule:
+    """The rule of `NODES` nodes."""
+    legendre = np.polynomial.legendre
+    nodes, weights = legendre.leggauss(NODES)
+    degrees = np.arange(NODES)
+    to_legendre = (degrees[:, None] + 0.5) * legendre.legvander(nodes, NODES - 1).T * weights
+    powers, integrals, cumulative = np.zeros((NODES, NODES)), np.zeros((NODES + 1, NODES)), np.zeros((NODES, NODES))
+    for k in degrees:
+        column, summed = legendre.leg2poly(np.eye(NODES)[k]), legendre.legint(np.eye(NODES)[k], lbnd=-1)
+        powers[: len(column), k] = column
+        integral = legendre.leg2poly(summed)
+        integrals[: len(integral), k] = integral
+        cumulative[:, k] = legendre.legval(nodes, summed)
+    return Rule(nodes, weights, cumulative @ to_legendre, to_legendre, powers, integrals)
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Table:
+    """Reduced inertia, potential energy and coordinates over the crank angle.
+
+    Attributes:
+        borders: (p + 1,) of the panels, rising [rad].
+        coefficients: (p, rows, q) of powers of x, from -1 to 1 over a panel: inertia [kg m2], potential energy about the middle of its
+            range [J], coordinates [m].
+        period: crank angle after which all comes again [rad]; None where the crank cannot turn so far.
+        evaluations: states of the linkage that were worked out.
+    """
+
+    borders: Array
+    coefficients: Array
+    period: float | None
+    evaluations: int
+
+    @cached_property
+    def lightest(self) -> tuple[float, float]:
+        """The least reduced inertia at borders and middles of the panels [kg m2], and its crank angle [rad]."""
+        angles = np.append(0.5 * (self.borders[1:] + self.borders[:-1]), self.borders[:-1])
+        inertia = np.append(self.coefficients[:, INERTIA, 0], self.at(self.borders[:-1])[0][INERTIA])
+        return float(inertia.min()), float(angles[int(inertia.argmin())])
+
+    def local(self, angle: Array) -> Array:
+        """Crank angles brought into the table's range.
+
+        Raises:
+            SimulationError: the crank cannot turn as far.
+        """
+        first = self.borders[0]
+        if self.period is not None:
+            return np.asarray(angle - np.floor((angle - first) / self.period) * self.period)
+        outside = (angle < first - SLACK) | (angle > self.borders[-1] + SLACK)
+        if outside.any():
+            raise beyond(self, float(np.ravel(angle)[int(np.argmax(outside))]))
+        return np.clip(angle, first, self.borders[-1])
+
+    def at(self, angle: Array, derivative: bool = True) -> tuple[Array, Array]:
+        """Rows (rows, ...) at crank angles (...) and their derivatives by the crank angle."""
+        local = self.local(angle)
+        panel = np.clip(self.borders.searchsorted(local, side="right") - 1, 0, len(self.borders) - 2)
+        half = 0.5 * (self.borders[panel + 1] - self.borders[panel])
+        x = (local - self.borders[panel]) / half - 1.0
+        picked = np.moveaxis(self.coefficients[panel], (-2, -1), (0, 1))  # (rows, q, ...)
+        value = picked[:, -1].copy()
+        slope = np.zeros_like(value)
+        for k in range(picked.shape[1] - 2, -1, -1):
+            if derivative:
+                slope *= x
+                slope += value
+            value *= x
+            value += picked[:, k]
+        return value, slope / half
+
+
+def beyond(table: Table, angle: float, time: float | None = None) -> SimulationError:
+    """Why a motion leaves a table without a period."""
+    low, high = np.degrees([table.borders[0], table.borders[-1]])
+    return SimulationError(f"the linkage locks: its crank turns only from {low:.6g} to {high:.6g} deg, and runs against that", time, angle)
+
+
+def build(press: Linkage, coordinates: Sequence[Coordinate], panels: int | None = None) -> Table:
+    """The table of a linkage with one driver.
+
+    Args:
+        panels: how many of equal width, whether these resolve it or not; by default as many as do.
+
+    Raises:
+        SingularityError, AssemblyError: see `Linkage.branch`.
+    """
+    branch = press.passage
+    period = None if branch.period is None else branch.period * _periods(press, branch.advance)
+    low, high = (0.0, period) if period is not None else (float(branch.angles[0]), float(branch.angles[-1]))
+    count = panels or max(2, math.ceil(PANELS * (high - low) / (2 * np.pi) - 1e-9))
+    borders, points = np.linspace(low, high, count + 1), 0
+    starts, ends = borders[:-1], borders[1:]
+    done: list[tuple[Array, Array, Array]] = []
+    scale = np.zeros(COORDINATES + len(coordinates))
+    lowest, highest = np.inf, -np.inf
+    last_terms, coarser = rule().legendre[-2:], np.full(count, np.inf)
+    while len(starts):
+        half = 0.5 * (ends - starts)
+        angles = (starts + half)[:, None] + half[:, None] * rule().nodes
+        values = sampled(press, angles.ravel(), coordinates).reshape(-1, *angles.shape)
+        points += angles.size
+        scale = np.maximum(scale, np.abs(values).max(axis=(1, 2)))
+        lowest, highest = np.minimum(lowest, values[POTENTIAL].min()), np.maximum(highest, values[POTENTIAL].max())
+        # Of a balanced press the potential energy is constant, and its slope rounding of the links' shares in it.
+        least = HEIGHT * float(max(abs(lowest), abs(highest)))
+        scale[WEIGHT], scale[POTENTIAL] = max(float(scale[WEIGHT]), least), max(float(highest - lowest), least)
+        tail = np.abs(values @ last_terms.T).max(axis=2)
+        local = np.abs(values[INERTIA]).max(axis=1)  # near a lock the inertia has no bounds
+        sizes = np.where(scale > 0, scale, 1.0)
+        missed = np.maximum((tail / sizes[:, None]).max(axis=0), tail[INERTIA] / np.where(local > 0, local, 1.0))
+        rounding = (missed <= NOISE) & (missed > coarser / GAIN)  # halving a panel that is nearly resolved divides this by thousands
+        settled = (missed <= RESOLVED) | rounding | (half < NARROWEST) | (panels is not None)
+        done.append((starts[settled], ends[settled], np.moveaxis(values[:, settled], 0, 1) @ rule().legendre.T @ rule().powers.T))
+        left, right = starts[~settled], ends[~settled]
+        middle = 0.5 * (left + right)
+        starts, ends = np.concatenate([left, middle]), np.concatenate([middle, right])
+        coarser = np.tile(missed[~settled], 2)
+    values = np.concatenate([d[2][:, POTENTIAL, 0] for d in done])
+    middle, flat = 0.5 * float(values.min() + values.max()), bool(np.ptp(values) <= FLAT * np.abs(values).max())
+    for _, _, polynomials in done:
+        polynomials[:, POTENTIAL, 0] -= middle  # its zero means nothing; this way no digits are lost to it
+        if flat:
+            polynomials[:, [POTENTIAL, WEIGHT]] = 0.0
+    order = np.argsort(np.concatenate([d[0] for d in done]))
+    all_borders = np.append(np.concatenate([d[0] for d in done])[order], high)
+    return Table(all_borders, np.concatenate([d[2] for d in done])[order], period, points)
+
+
+def _periods(press: Linkage, advance: Array) -> int:
+    """Periods of the loops after which all is as before: a geared shaft on no loop may come back later, and its weight with it.
+
+    Raises:
+        SimulationError: it does not within `MOST_TURNS`.
+    """
+    count = periods_until_back(advance[[axis.turns for axis in press.spatial.axes]])
+    if count is not None:
+        return count
+    raise SimulationError(
+        f"a shaft of {press.name} comes back only after more than {MOST_TURNS} turns, so that there is no period to tabulate:"
+        " use method='constraint', or another gear ratio"
+    )
+
+
+def sampled(press: Linkage, angles: Array, coordinates: Sequence[Coordinate]) -> Array:
+    """Rows (rows, n) at crank angles (n,)."""
+    motion = carried(press, angles, 1.0)  # at unit speed rates are derivatives by the crank angle
+    kinetic, potential, weight = _energies(press, motion)
+    return np.array([2 * kinetic, potential, weight, *(coordinate(motion) for coordinate in coordinates)])
+
+
+def energies(press: Linkage, motion: Motion) -> tuple[Array, Array]:
+    """Kinetic energy and potential energy of the weights (n,) of the states of a motion, without flywheel and drive [J]."""
+    return _energies(press, motion)[:2]
+
+
+def _energies(press: Linkage, motion: Motion) -> tuple[Array, Array, Array]:
+    """The same, and the rate of the potential energy [W]."""
+    plane, bodies = press.plane, press.bodies
+    if plane is None or bodies is None:
+        return _spatial_energies(press, motion)
+    at = motion.basis(press)
+    if at is None:
+        at = basis(plane, motion.joint_position.T)
+    v = motion.v.T
+    rows = plane.origins + plane.centers
+    mass = np.array([y.mass for y in press.model.inertias[1:]])
+    rate = basis_velocity(plane, at, v)
+    velocity = rows @ rate
+    kinetic = 0.5 * (mass @ (velocity.real**2 + velocity.imag**2) + ((bodies.inertia @ v) * (plane.spin @ v)).sum(axis=0))
+    lifted = -(mass @ rows) * complex(*(plane.axes @ press.model.gravity.linear)).conjugate()
+    return kinetic, (lifted @ at).real, (lifted @ rate).real
+
+
+def _spatial_energies(press: Linkage, motion: Motion) -> tuple[Array, Array, Array]:
+    model, data = press.model, data_of(press.model)
+    q = configuration(press.spatial.slots, motion.joint_position.T)
+    found = np.empty((3, len(motion.v)))
+    for i in range(len(motion.v)):
+        at, v = np.ascontiguousarray(q[:, i]), motion.v[i].copy()
+        found[0, i], found[1, i] = pin.computeKineticEnergy(model, data, at, v), pin.computePotentialEnergy(model, data, at)
+        found[2, i] = float(pin.computeGeneralizedGravity(model, data, at) @ v)
+    return found[0], found[1], found[2]
+
+
+def roots(table: Table, row: int, level: float, slope: bool = False) -> Array:
+    """Crank angles in the table's range at which a row, or its ``slope``, passes through a level."""
+    coefficients = table.coefficients[:, row]
+    if slope:
+        coefficients = coefficients[:, 1:] * np.arange(1, coefficients.shape[1])
+    samples = np.linspace(-1.0, 1.0, 2 * NODES)
+    above = coefficients @ np.vander(samples, coefficients.shape[1], increasing=True).T >= level
+    panels, places = np.nonzero(above[:, 1:] != above[:, :-1])
+    found = []
+    for panel, place in zip(panels.tolist(), places.tolist(), strict=True):
+        polynomial = coefficients[panel].tolist()
+        polynomial[0] -= level
+        x = root(polynomial, float(samples[place]), float(samples[place + 1]))
+        found.append(table.borders[panel] + 0.5 * (1 + x) * (table.borders[panel + 1] - table.borders[panel]))
+    # one that lies on a border between panels may show in neither
+    ends = np.flatnonzero(above[:-1, -1] != above[1:, 0]) + 1
+    if table.period is not None and above[-1, -1] != above[0, 0]:
+        ends = np.append(ends, 0)
+    return np.concatenate([np.array(found), table.borders[ends]])
+
+
+def root(polynomial: list[float], low: float, high: float) -> float:
+    """The root of a polynomial, coefficients of rising powers, between two points where its signs differ: Newton's method, fenced in."""
+    rising = polynomial[::-1]
+    falling = horner(rising, low) > 0
+    x = 0.5 * (low + high)
+    for _ in range(100):
+        value = slope = 0.0
+        for coefficient in rising:
+            slope = slope * x + value
+            value = value * x + coefficient
+        if (value > 0) == falling:
+            low = x
+        else:
+            high = x
+        step = value / slope if slope else math.inf
+        before, x = x, x - step
+        if not low < x < high:
+            x = 0.5 * (low + high)
+        if abs(x - before) <= 1e-16 or x in (low, high):
+            break
+    return x
+
+
+def horner(falling: Sequence[float], x: float) -> float:
+    """Value of a polynomial, coefficients of falling powers."""
+    value = 0.0
+    for coefficient in falling:
+        value = value * x + coefficient
+    return value

@@ -1,0 +1,201 @@
+"""A simulated motion: its states, and how good they are."""
+
+import math
+import time as clock
+from dataclasses import dataclass, fields
+from typing import Any
+
+import numpy as np
+
+from ..common.arrays import Array
+from ..common.checks import whole_number
+from ..common.errors import PinpressError, SimulationError
+from ..drives.protocol import Drive
+from ..kinematics.motion import Motion, carried, of_states
+from . import law_trials as laws
+from . import reduced_model as reduced
+from .force_coordinates import JointAngle
+from .solvers import Plan
+from .trajectory import DRIVE_WORK, LEDGERS, LOAD_WORK, LOST, Path, Reading
+
+POINTS = 120  # states returned per turn of the crank, and at least
+MOST_POINTS = 1_000_000  # by default
+LOOSE = 1e3  # energy error, in tolerances, that is none
+BALANCED = 1e-6  # energy error of a run, steps by error, that is none; more where a large tolerance is asked for
+ROUNDED = 1e-6  # of the potential energy
+ROUNDINGS, EPS = 8.0, float(np.finfo(float).eps)  # of a stiff drive's angle and speed, that the energy may tell
+UNBALANCED = (
+    "the energy does not balance: a torque or force changes too sharply for this tolerance; name the speeds at which the drive's torque is"
+    " not smooth in its corners, or give a smaller tolerance"
+)
+
+
+@dataclass(frozen=True)
+class Stats:
+    """What a run took, and how good it is.
+
+    Attributes:
+        method: the equations solved, "reduced" or "constraint". solvers: what solved them, in the order in which they came: over the crank
+            "angle"; over time "explicit" (DOP853), "implicit" (Radau IIA) or by a "fixed step"; "repetition" of a swing; "standstill".
+        steps: of integration: panels over the crank angle, steps over time.
+        evaluations: of the equation of motion. wall_time: of the whole call [s].
+        closure_error: largest gap of a loop in the states returned [m].
+        sensitivity: by how much more the crank angle goes astray than the start is moved, by an angle, or by a speed times the time, where
+            the run passes close to an unstable rest; None where it does not.
+        energy_error: largest difference of kinetic and potential energy, worked out body by body from the states returned, and what drive
+            and loads have put in, as a part of the largest of the kinetic energy, the works and 1e-6 of the potential energy.
+    """
+
+    method: str
+    solvers: tuple[str, ...]
+    steps: int
+    evaluations: int
+    wall_time: float
+    closure_error: float
+    energy_error: float
+    sensitivity: float | None = None
+
+
+@dataclass(frozen=True, eq=False, repr=False, kw_only=True)
+class Run(Motion):
+    """A simulated motion: a `Motion` of n states at equal intervals of time, both ends included, and what happened besides.
+
+    Attributes:
+        stats: see `Stats`.
+        drive_torque: (n,) of the drive, at the driver joint [N m]; positive along its axis. drive_speed: (n,) of the shaft it acts on,
+            before the clutch if there is one, at the driver joint [rad/s]. Both (n, drivers) where there are several drivers.
+        drive_work: (n,) work of the drive since the start [J]. load_work: (n,) work against the loads. lost: (n,) energy lost in clutch and
+            brake.
+        motor_squared: (n,) motor torque squared, summed up over time [N2 m2 s].
+        plan, path: what was simulated, and the whole of its solution, which can be read at any time.
+    """
+
+    stats: Stats
+    drive_torque: Array
+    drive_speed: Array
+    drive_work: Array
+    load_work: Array
+    lost: Array
+    motor_squared: Array
+    plan: Plan
+    path: Path
+
+    def __repr__(self) -> str:
+        return f"<Run of {self.linkage}: {len(self.crank_angle)} states, {self.time[-1]:.6g} s, {self.stats.method}>"
+
+    def columns(self) -> dict[str, Array]:
+        """The motion's columns, then torque and speed of the drive, its work, that of the loads, and what clutch and brake have lost."""
+        columns = super().columns()
+        columns |= {"drive_torque [N m]": self.drive_torque, "drive_speed [rad/s]": self.drive_speed}
+        columns |= {"drive_work [J]": self.drive_work, "load_work [J]": self.load_work}
+        return columns | ({"lost [J]": self.lost} if self.lost.any() else {})
+
+
+def as_run(
+    plan: Plan,
+    path: Path,
+    method: str,
+    until: float,
+    points: int | None,
+    began: float,
+    allowed: float | None,
+    sensitivity: float | None = None,
+) -> Run:
+    """The states of a path, closed and checked; ``allowed``: energy error, None for any."""
+    press, several = plan.scene.press, len(plan.inertia) > 1
+    times = np.linspace(0.0, until, count_of(points, path.turns))
+    reading = path.read(times)
+    position, speed, acceleration = reading.position, reading.speed, reading.acceleration
+    if len(position) == 1:
+        motion = carried(press, position[0], speed[0], acceleration[0], times)
+    else:
+        motion = of_states(press, position, speed, acceleration, press.gaps(position), times, press.turns_until_back)
+    kinetic, potential = reduced.energies(press, motion)
+    turning = speed[list(press.spatial.drivers)] if several else reading.own[None]
+    kinetic = kinetic + 0.5 * plan.inertia @ turning**2
+    works = reading.ledgers[[DRIVE_WORK, LOAD_WORK, LOST]]
+    error = energy_error(kinetic, potential, *works)
+    if not math.isfinite(float(error.max()) + float(acceleration.sum())):
+        raise PinpressError(f"the motion of {press.name} is too fast for floating point: lower speeds and forces")
+    size = energy_size(kinetic, potential, *works)
+    if allowed is not None and error.max() > allowed and error.max() > allowed + _rounding(plan, times, motion, reading.own) / size:
+        worst = int(error.argmax())
+        raise SimulationError(UNBALANCED, float(times[worst]), float(np.ravel(motion.crank_angle[worst])[0]))
+    if several:
+        torque = _torques(plan, turning)
+        reading = reading._replace(torque=torque.T.copy(), own=turning.T.copy())
+    else:
+        laws.confirm(plan.scene.drive, times, motion.crank_angle, reading.own, reading.torque)
+    stats = Stats(
+        method=method,
+        solvers=path.solvers,
+        steps=path.steps,
+        evaluations=path.evaluations,
+        wall_time=clock.perf_counter() - began,
+        closure_error=float(motion.closure_error.max()),
+        energy_error=float(error.max()),
+        sensitivity=sensitivity,
+    )
+    return _with(plan, path, motion, stats, reading)
+
+
+def energy_error(kinetic: Array, potential: Array, drive_work: Array, load_work: Array, lost: Array) -> Array:
+    """What is missing of the energy, beside the largest of energy and works, at n states: arrays (n,), or (n, S) of scenarios [J]; the
+    works are those since the first state."""
+    missing = np.abs(kinetic + potential - (kinetic[0] + potential[0]) - (drive_work - load_work - lost))
+    return np.asarray(missing / energy_size(kinetic, potential, drive_work, load_work, lost))
+
+
+def energy_size(kinetic: Array, potential: Array, *works: Array) -> Any:
+    """The largest of energy and works (n,), or (n, S) of scenarios [J]."""
+    size = kinetic.max(axis=0)
+    for work in works:
+        size = np.maximum(size, np.abs(work).max(axis=0))
+    size = np.maximum(size, ROUNDED * np.abs(potential).max(axis=0))  # at rest all of it is the rounding of the potential energy
+    return np.where(size > 0, size, 1.0)
+
+
+def _rounding(plan: Plan, times: Array, motion: Motion, own: Array) -> float:
+    """Work of a stiff drive that is not known, as rounding of its angle and speed (n,) makes its torque [J]."""
+    drive = plan.scene.drive
+    if not isinstance(drive, Drive) or drive.state:
+        return 0.0
+    changed = []
+    for at in zip(own.tolist(), motion.crank_angle.tolist(), times.tolist(), strict=True):
+        below, above = (drive.torque(at[0] * share, at[1] * share, at[2]) for share in (1 - ROUNDINGS * EPS, 1 + ROUNDINGS * EPS))
+        changed.append(abs(float(np.ravel(above - below)[0]) * at[0]))
+    return float(np.trapezoid(changed, times))
+
+
+def _torques(plan: Plan, speed: Array) -> Array:
+    """Torques (drivers, n) of several drives at the drivers' speeds (drivers, n)."""
+    press, torque = plan.scene.press, np.zeros_like(speed)
+    rows = {joint: k for k, joint in enumerate(press.spatial.drivers)}
+    for force in plan.scene.forces:
+        coordinate = plan.scene.coordinates[force.row]
+        if force.drive is not None and isinstance(coordinate, JointAngle):
+            k = rows[coordinate.joint]
+            torque[k] = force.drive.torque(speed[k])
+    return torque
+
+
+def _with(plan: Plan, path: Path, motion: Motion, stats: Stats, reading: Reading) -> Run:
+    kept = {field.name: getattr(motion, field.name) for field in fields(Motion) if field.init}
+    ledgers = dict(zip(LEDGERS, reading.ledgers, strict=True))
+    for array in (reading.torque, reading.own, *ledgers.values()):
+        array.setflags(write=False)
+    run = Run(**kept, stats=stats, drive_torque=reading.torque, drive_speed=reading.own, **ledgers, plan=plan, path=path)
+    object.__setattr__(run, "_closed_as", motion._closed_as)
+    return run
+
+
+def allowed_error(tolerance: float) -> float:
+    """Energy error of a run with steps by error that is none."""
+    return max(BALANCED, LOOSE * tolerance)
+
+
+def count_of(points: int | None, turns: float) -> int:
+    """States to return, from those asked for or from the turns."""
+    if points is None:
+        return int(min(MOST_POINTS, max(POINTS, math.ceil(POINTS * turns)))) + 1
+    return whole_number("points", points, 2, 10**7)

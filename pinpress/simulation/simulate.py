@@ -1,0 +1,311 @@
+"""Forward dynamics: a press under motor, flywheel and process load.
+
+    run = pp.simulate(press, duration=2.0, speed=70 * pp.RPM, flywheel=pp.drives.Flywheel(inertia=2000.0))
+
+Two sets of equations give the same run. ``"reduced"`` integrates the one-degree-of-freedom equation (see `reduced`): over the crank angle,
+all of a period at once, while the crank turns, and over time where it may stop, or where a clutch, a drive's own states or forces in time
+demand it. ``"implicit"`` integrates the same equation over time alone, by Radau IIA.
+``"constraint"`` integrates all joints, with the loops closed again after every step: any linkage. Its accelerations are those of
+Pinocchio's constraint dynamics, but not with gear pairs, links without mass or loops that hold each other: see `forward_dynamics`.
+``"auto"`` is the first where there is one driver, else the last. Over time each of them takes explicit steps, or implicit ones where forces
+are so stiff that these get on faster: `Stats.solvers` says which.
+"""
+
+import time as clock
+from collections.abc import Callable, Mapping, Sequence
+from functools import partial
+from typing import Any, overload
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ..common import plausibility
+from ..common.arguments import typed
+from ..common.arrays import Array
+from ..common.checks import finite_numbers, number
+from ..common.errors import PinpressError, SimulationError, UnknownNameError, caution, shown
+from ..common.scenario_fields import pick
+from ..drives.driveline import Brake, Clutch
+from ..drives.transmission import Drive, Flywheel, PrescribedSpeed
+from ..kinematics.configurations import refuse_far
+from ..linkage.linkage import Linkage
+from ..loads import caller_laws
+from ..loads.link import Load
+from . import angle_solver as turning
+from . import batch as scenarios
+from . import law_trials as laws
+from . import solvers as methods
+from . import system as scene
+from .angle_segments import State
+from .batch import Runs
+from .mesh import Indices
+from .run import Run, allowed_error, as_run, count_of
+from .solvers import Plan
+from .start_sensitivity import of_run
+from .trajectory import LEDGERS, Path
+
+METHODS = ("auto", "reduced", "implicit", "constraint")
+MOST_STEPS = 1_000_000  # of the Runge-Kutta method
+LEAST_TOLERANCE = 1e-13
+
+
+@overload
+def simulate(
+    press: Linkage,
+    duration: float,
+    speed: float = ...,
+    angle: ArrayLike = ...,
+    drive: "Drive | PrescribedSpeed | Mapping[str, Drive] | None" = ...,
+    flywheel: "Flywheel | Mapping[str, Flywheel] | None" = ...,
+    loads: Sequence[Load] = ...,
+    method: str = ...,
+    clutch: Clutch | None = ...,
+    brake: Brake | None = ...,
+    points: int | None = ...,
+    step: float | None = ...,
+    tolerance: float = ...,
+    progress: Callable[[float], None] | None = ...,
+) -> "Run": ...
+@overload
+def simulate(
+    press: Linkage,
+    duration: float,
+    speed: ArrayLike = ...,
+    angle: ArrayLike = ...,
+    drive: "Drive | PrescribedSpeed | Mapping[str, Drive] | None" = ...,
+    flywheel: "Flywheel | Mapping[str, Flywheel] | None" = ...,
+    loads: Sequence[Load] = ...,
+    method: str = ...,
+    clutch: Clutch | None = ...,
+    brake: Brake | None = ...,
+    points: int | None = ...,
+    step: float | None = ...,
+    tolerance: float = ...,
+    progress: Callable[[float], None] | None = ...,
+) -> "Run | Runs": ...
+@typed
+def simulate(
+    press: Linkage,
+    duration: float,
+    speed: ArrayLike = 0.0,
+    angle: ArrayLike = 0.0,
+    drive: "Drive | PrescribedSpeed | Mapping[str, Drive] | None" = None,
+    flywheel: "Flywheel | Mapping[str, Flywheel] | None" = None,
+    loads: Sequence[Load] = (),
+    method: str = "auto",
+    clutch: Clutch | None = None,
+    brake: Brake | None = None,
+    points: int | None = None,
+    step: float | None = None,
+    tolerance: float = 1e-11,
+    progress: Callable[[float], None] | None = None,
+) -> "Run | Runs":
+    """Let a press run.
+
+    Args:
+        duration: [s]. speed, angle: of the crank at the start [rad/s, rad].
+        drive: what turns the crank, see `pinpress.drives`; None: nothing. flywheel: its inertia at the driver joint.
+        loads: process loads of `pinpress.loads`, constant forces on links, springs and dampers.
+        method: "auto", "reduced", "implicit" or "constraint", see the module. Where a linkage locks the first three end, "constraint" runs
+            on through the lock.
+        clutch: between flywheel and crank; brake: on the crank.
+        points: number of states returned; by default 120 a turn, and at least 120.
+        step: fixed step of the classical Runge-Kutta method over time [s]; None: steps by error.
+        tolerance: of the error of a step, beside 1 rad and the speeds of the crank.
+        progress: called with the time reached [s], now and then; not for arrays of scenarios.
+
+    Scenarios at once: ``speed`` and the parameters of drive, flywheel and loads that their classes declare ``per_scenario`` may be arrays
+    (S,); `Runs` come back.
+
+    A linkage with several drivers takes (drivers,) of ``speed`` and ``angle``, and drives (of torque by speed alone) and flywheels by the
+    names of the drivers' joints; its method is "auto" or "constraint".
+
+    Raises:
+        PinpressError: an argument that makes no sense.
+        SimulationError: the press stalls, runs against a lock, or has no inertia, or the energy does not balance: the error says when and
+            where.
+    """
+    began = clock.perf_counter()
+    if not isinstance(press, Linkage):
+        raise PinpressError(f"press is {shown(press)}: give a Linkage, as load returns it")
+    if not isinstance(method, str) or method not in METHODS:
+        raise PinpressError(f"unknown method {shown(method)}: write {', '.join(map(repr, METHODS[:-1]))} or {METHODS[-1]!r}")
+    equations = ("reduced" if len(press.drivers) == 1 else "constraint") if method == "auto" else method
+    until, tolerance = number("duration", duration, positive=True), tolerated(tolerance)
+    fixed = None if step is None else number("step", step, positive=True)
+    if fixed is not None and fixed < until / MOST_STEPS:
+        raise PinpressError(
+            f"step is {fixed:g} s: with it the run takes more than {MOST_STEPS} steps; give a longer one, or a shorter duration"
+        )
+    if progress is not None and (not callable(progress) or isinstance(progress, type)):
+        raise PinpressError(f"progress is {shown(progress)}: give a function of the time reached [s]")
+    count_of(points, 0.0)
+    scene.listed(loads)
+    if len(press.drivers) == 1 and (count := scenarios.count(speed, angle, drive, flywheel, loads)) is not None:
+        if equations != "reduced" or clutch is not None or brake is not None:
+            raise PinpressError("arrays of scenarios are for method='reduced' without clutch and brake: simulate these one by one")
+        return _scenarios(press, count, until, speed, angle, drive, flywheel, loads, points, fixed, tolerance)
+    angles, speeds = _start(press, "angle", angle), _start(press, "speed", speed)
+    drive, loads = laws.asked_drive(drive, float(np.abs(speeds).max())), caller_laws.asked_loads(loads)
+    refuse_far("angle", angles)
+    _refuse_long(speeds, until, float(angles[0]))
+    plausibility.speeds("speed", speeds)
+    with np.errstate(all="ignore"):  # what is not finite is refused where it arises
+        if len(press.drivers) > 1:
+            if equations != "constraint":
+                raise PinpressError(f"{press.name} has {len(press.drivers)} drivers: method='constraint' simulates it")
+            plan = _of_several(press, drive, flywheel, loads, clutch, brake)
+        else:
+            plan = of_one(press, drive, flywheel, loads, clutch, brake)
+        if isinstance(plan.scene.drive, PrescribedSpeed):
+            if fixed is not None or any(force.time is not None for force in plan.scene.forces):
+                raise PinpressError(
+                    "a drive that prescribes the speed leaves nothing to integrate: leave step out; for forces in time use cycle and"
+                    " inverse_dynamics"
+                )
+            if speeds[0] not in (0.0, plan.scene.drive.speed):
+                raise PinpressError(f"speed is {speeds[0]:g}, but the drive prescribes {plan.scene.drive.speed:g} rad/s: leave speed out")
+            speeds = np.array([plan.scene.drive.speed])
+            equations = "reduced"
+        if method == "implicit" and fixed is not None:
+            raise PinpressError("step is of the classical Runge-Kutta method: leave it out with method='implicit'")
+
+        def moved(angle: float = 0.0, speed: float = 0.0, progress: Callable[[float], None] | None = None) -> Path:
+            if equations == "constraint":
+                return methods.by_joints(plan, angles + angle, speeds + speed, until, tolerance, fixed, progress)
+            state = State(0.0, float(angles[0]) + angle, float(speeds[0]) + speed, np.zeros(len(LEDGERS)))
+            return methods.by_crank(plan, state, until, tolerance, fixed, progress, implicit=equations == "implicit")
+
+        path = moved(progress=progress)
+        allowed = None if fixed is not None else allowed_error(tolerance)
+        sensitivity = of_run(plan, path, until, tolerance, moved)
+        solved = "constraint" if equations == "constraint" else "reduced"
+        run = as_run(plan, path, solved, until, points, began, allowed, sensitivity)
+    if (since := path.standing) is not None:
+        caution(
+            f"the press stands from {since:.6g} s to the end, at crank angle {np.degrees(run.crank_angle[-1]):.6g} deg: the load holds it"
+            " there against the drive"
+        )
+    return run
+
+
+def _scenarios(
+    press: Linkage,
+    count: int,
+    until: float,
+    speed: ArrayLike,
+    angle: ArrayLike,
+    drive: Any,
+    flywheel: Any,
+    loads: Sequence[Load],
+    points: int | None,
+    step: float | None,
+    tolerance: float,
+) -> Runs:
+    """Many scenarios; arguments as of `simulate`."""
+    given = finite_numbers(speed)
+    if given is None or given.shape not in ((), (count,)):
+        raise PinpressError(f"speed is {shown(speed)}: give one finite number, or (S,) of them [rad/s]")
+    speeds = np.broadcast_to(given, (count,)).copy()
+    start = number("angle", angle)
+    refuse_far("angle", np.array(start))
+    drive, loads = laws.asked_drive(drive, float(np.abs(speeds).max())), caller_laws.asked_loads(loads)
+    times = np.linspace(0.0, until, count_of(points, 0.0))
+    times.setflags(write=False)
+
+    def plan(some: Indices) -> Plan:
+        parts = [pick(item, some) for item in (drive, flywheel, *loads)]
+        return of_one(press, parts[0], parts[1], parts[2:], None, None)
+
+    if step is not None:
+        raise PinpressError("step is for one scenario: arrays are solved over the crank angle")
+    if isinstance(drive, PrescribedSpeed):
+        raise PinpressError("a drive that prescribes the speed has one scenario: leave the arrays out")
+    _refuse_long(speeds, until, start)
+    plausibility.speeds("speed", speeds)
+    alone = partial(_alone, press, until, len(times), speeds, start, (drive, flywheel, *loads), tolerance)
+    with np.errstate(all="ignore"):
+        return scenarios.simulate(speeds, start, times, 0.1 * tolerance, plan, alone, allowed_error(tolerance))
+
+
+def _alone(
+    press: Linkage,
+    until: float,
+    points: int,
+    speeds: Array,
+    start: float,
+    parts: Sequence[Any],
+    tolerance: float,
+    k: int,
+    end: float | None = None,
+) -> Run:
+    """Scenario k as a run, up to a time or, as the others, with all its states."""
+    drive, flywheel, *loads = (pick(item, k) for item in parts)
+    lasting, states = (until, points) if end is None else (end, 2)
+    run = simulate(press, lasting, float(speeds[k]), start, drive, flywheel, loads, points=states, tolerance=tolerance)
+    assert isinstance(run, Run)
+    return run
+
+
+def _refuse_long(speeds: Array, until: float, angle: float) -> None:
+    """Raise SimulationError where the run would be too long to be kept."""
+    if not float(np.abs(speeds).max()) * until <= 2 * np.pi * turning.MOST_PERIODS:
+        raise SimulationError(f"at this speed the crank makes more than {turning.MOST_PERIODS} turns: simulate in parts", 0.0, angle)
+
+
+def of_one(press: Linkage, drive: object, flywheel: object, loads: Sequence[Load], clutch: object, brake: object) -> Plan:
+    """The plan of a press with one driver.
+
+    Raises:
+        PinpressError: an argument of the wrong kind, or one that does not go with another.
+    """
+    if drive is not None and not (isinstance(drive, Drive | PrescribedSpeed) and not isinstance(drive, type)):
+        raise PinpressError(f"drive is {shown(drive)}: give one of pinpress.drives, e.g. ConstantTorque(567.0) [N m]")
+    for name, value, kind in (("flywheel", flywheel, Flywheel), ("clutch", clutch, Clutch), ("brake", brake, Brake)):
+        if value is not None and not isinstance(value, kind):
+            raise PinpressError(f"{name} is {shown(value)}: give a {kind.__name__}(...)")
+    if isinstance(drive, PrescribedSpeed) and (clutch is not None or brake is not None):
+        raise PinpressError("a drive that prescribes the crank's speed leaves nothing to clutch and brake: leave them out")
+    assert isinstance(flywheel, Flywheel | None)
+    assert isinstance(clutch, Clutch | None)
+    assert isinstance(brake, Brake | None)
+    plan = methods.plan(press, drive, flywheel, loads, clutch, brake)
+    if clutch is not None and not float(plan.line.inertia) > 0:
+        raise PinpressError("a clutch needs an inertia on its driving side: give a flywheel, or a drive with inertia")
+    return plan
+
+
+def _of_several(press: Linkage, drive: object, flywheel: object, loads: Sequence[Load], clutch: object, brake: object) -> Plan:
+    """The plan of a linkage with several drivers. Raises as `_of_one`."""
+    if clutch is not None or brake is not None:
+        raise PinpressError(f"{press.name} has {len(press.drivers)} drivers: clutch and brake are for one")
+    given = {"drive": {} if drive is None else drive, "flywheel": {} if flywheel is None else flywheel}
+    for name, by_joint, kind in (("drive", given["drive"], Drive), ("flywheel", given["flywheel"], Flywheel)):
+        if not isinstance(by_joint, Mapping):
+            raise PinpressError(f"{press.name} has {len(press.drivers)} drivers: give {name} as {{joint: {kind.__name__}}}")
+        for joint, value in by_joint.items():
+            if joint not in press.drivers:
+                raise UnknownNameError("driver", joint, press.drivers)
+            if not isinstance(value, kind) or isinstance(value, type):
+                raise PinpressError(f"{name} of {shown(joint)} is {shown(value)}: give a {kind.__name__}")
+            if isinstance(value, Drive) and value.timed:
+                raise PinpressError(f"drive of {shown(joint)}: with several drivers only drives whose torque depends on speed alone")
+    return methods.plan_of_several(press, given["drive"], given["flywheel"], loads)  # type: ignore[arg-type]
+
+
+def _start(press: Linkage, name: str, value: ArrayLike) -> Array:
+    """(drivers,) numbers."""
+    if len(press.drivers) == 1:
+        return np.array([number(name, value)])
+    given = finite_numbers(value)
+    if given is None or given.shape not in ((), (len(press.drivers),)):
+        raise PinpressError(f"{name} is {shown(value)}: give finite numbers, one of each of the {len(press.drivers)} drivers")
+    return np.broadcast_to(given, (len(press.drivers),)).copy()
+
+
+def tolerated(tolerance: float) -> float:
+    """A tolerance, if it is one that can be kept."""
+    value = number("tolerance", tolerance, positive=True)
+    if not LEAST_TOLERANCE <= value <= 1e-2:
+        raise PinpressError(f"tolerance is {value:g}: give one from {LEAST_TOLERANCE:g} to 0.01")
+    return value

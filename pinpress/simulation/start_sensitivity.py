@@ -1,0 +1,115 @@
+"""Whether a run is determined by its start: beside an unstable rest, such as a dead centre at the top, errors grow without bounds.
+
+A crank that comes nearly to rest there, with next to no force on it, goes on or turns back by what is lost in rounding; its energy tells
+nothing of that. A run that passes such a place is made again from starts moved by its tolerance, and the difference is what can be said.
+"""
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+
+from ..common.arrays import Array
+from ..common.errors import SimulationError, caution
+from ..drives.driveline import HOLDING
+from ..drives.transmission import PrescribedSpeed
+from ..linkage.linkage import Linkage
+from .angle_segments import NEAR, Repeated, Resting, Turned, slow
+from .reduced_model import INERTIA, POTENTIAL, WEIGHT, Table
+from .solvers import Plan
+from .trajectory import Path
+
+MOVED = 1e-6  # angle to both sides of a rest, at which it is seen whether it is stable [rad]
+PUSHED, CREEPING = 1e-4, 1e-9  # angle [rad] and speed [rad/s] of a press at rest that is pushed
+LOOKS = 240  # at the difference
+ASTRAY = 1e3  # times the tolerance that a run may go astray
+LOST = np.pi  # difference of a run that ends in an error, where the other does not [rad]
+
+
+def of_run(plan: Plan, path: Path, until: float, tolerance: float, again: Callable[[float, float], Path]) -> float | None:
+    """By how much more the crank angle goes astray in a run than its start is moved; None where it keeps clear of an unstable rest.
+
+    Args:
+        again: the path from a start whose angle and speed are moved by so much.
+    """
+    press = plan.scene.press
+    if len(press.drivers) > 1 or press.passage.period is None or isinstance(plan.scene.drive, PrescribedSpeed):
+        return None
+    try:
+        span = float(np.ptp(press.table.coefficients[:, POTENTIAL, 0]))
+    except SimulationError:  # its shafts do not come back together: no table
+        return None
+    rest = next((segment for segment in path.segments if isinstance(segment, Resting)), None)
+    if rest is not None and _falls(plan, rest.at.angle):
+        caution(
+            f"the press rests at an unstable equilibrium from {rest.start:.6g} s on, at crank angle {np.degrees(rest.at.angle):.6g} deg:"
+            " it stays there as nothing pushes it, but the least push would send it down"
+        )
+        return None
+    if not any(_beside_rest(press, segment, span) for segment in path.segments):
+        return None
+    times = np.linspace(0.0, until, LOOKS + 1)
+    angle, inertia = _angles(press, path, times), float(press.table.at(path.read(times[:1]).position[_row(press, path)])[0][INERTIA, 0])
+    speed = max(float(np.abs(np.gradient(angle, times)).max()), float(np.sqrt(2 * span / (inertia + plan.line.inertia))))
+    astray = 0.0
+    for by in ((tolerance, 0.0), (0.0, tolerance * speed)):
+        try:
+            astray = max(astray, float(np.abs(_angles(press, again(*by), times) - angle).max()))
+        except SimulationError:
+            astray = max(astray, LOST)
+    found = astray / (tolerance * (1.0 + speed * until))
+    if found > ASTRAY:
+        caution(
+            "the run is not determined to its tolerance: it passes an unstable rest so closely that a start moved by"
+            f" {tolerance:.3g} of its sizes leads {astray:.3g} rad astray; start it farther from the rest, or with another speed"
+        )
+    return found
+
+
+def _beside_rest(press: Linkage, segment: Any, span: float) -> bool:
+    """Whether the crank comes close to an unstable rest."""
+    if isinstance(segment, Turned):
+        return bool((_bend(press.table, segment.slow) < 0).any())
+    if isinstance(segment, Resting | Repeated):
+        return False
+    machine, n = segment.machine, segment.machine.dynamics.size
+    own = 0.0 if machine.line.clutch is not None else machine.line.inertia
+    least = float(press.table.coefficients[:, INERTIA, 0].min()) + own
+    speeds = np.abs(segment.speeds)
+    slowly = np.flatnonzero(0.5 * least * speeds**2 < NEAR * span)
+    for stretch in np.split(slowly, np.flatnonzero(np.diff(slowly) > 1) + 1) if len(slowly) else []:
+        k = int(stretch[speeds[stretch].argmin()])  # the slowest of states one after the other
+        modes, time = segment.modes[max(k - 1, 0)], segment.start if k == 0 else segment.times[k - 1]
+        if modes.line.brake.state == HOLDING or modes.standing:
+            continue
+        y = segment.pieces[max(k - 1, 0)](time)
+        rate = {}
+        for by in (-MOVED, 0.0, MOVED):
+            moved = y.copy()
+            moved[:n] = machine.dynamics.moved(y[:n], by)[0] if by else y[:n]
+            rate[by] = machine.dynamics.of_crank(machine.rates(modes, time, moved)[n : 2 * n])
+        inertia = float(press.table.at(y[[machine.dynamics.crank]])[0][INERTIA, 0]) + own
+        if rate[MOVED] > rate[-MOVED] and slow(np.array(0.5 * inertia * speeds[k] ** 2), np.array(inertia * rate[0.0]), span):
+            return True
+    return False
+
+
+def _falls(plan: Plan, angle: float) -> bool:
+    """Whether a press at rest goes on by itself when it is pushed a little, whichever way."""
+    drive, weight = plan.scene.drive, plan.table.at(angle + np.array([-PUSHED, PUSHED]))[0][WEIGHT]
+    torques = [0.0 if drive is None else float(np.ravel(drive.torque(w))[0]) for w in (-CREEPING, CREEPING)]  # type: ignore[union-attr]
+    return bool(torques[0] < weight[0] and torques[1] > weight[1])
+
+
+def _bend(table: Table, angle: Array) -> Array:
+    """Second derivative (n,) of the potential energy by the crank angle (n,): negative where a rest is unstable [N m]."""
+    return np.asarray(table.at(angle)[1][WEIGHT])
+
+
+def _row(press: Linkage, path: Path) -> int:
+    return press.spatial.drivers[0] if path.read(np.zeros(1), False).position.shape[0] > 1 else 0
+
+
+def _angles(press: Linkage, path: Path, times: Array) -> Array:
+    angles: Array = path.read(times, False).position[_row(press, path)]
+    return angles

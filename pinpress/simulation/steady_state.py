@@ -1,0 +1,186 @@
+"""The steady state of a loaded press: the periodic motion, found directly.
+
+Where all depends on crank angle and speed, the kinetic energy over a period is solved for with the condition that it ends as it began (see
+`over_angle.flow`). A drive with states of its own is followed over periods, and Newton's method finds the speed and states that come back.
+"""
+
+import time as clock
+from collections.abc import Sequence
+
+import numpy as np
+
+from ..common import plausibility
+from ..common.arguments import typed
+from ..common.arrays import Array
+from ..common.checks import LARGEST, number
+from ..common.errors import PinpressError, SimulationError, shown
+from ..drives.transmission import Drive, Flywheel
+from ..kinematics.configurations import refuse_far
+from ..linkage.linkage import Linkage
+from ..loads import caller_laws
+from ..loads.caller_laws import LawError
+from ..loads.link import Load
+from . import angle_segments as turned
+from . import batch as scenarios
+from . import collocation as over_angle
+from . import law_trials as laws
+from . import mesh as panels
+from . import mesh_refinement as resolution
+from . import reduced_model as reduced
+from . import system as scenes
+from .angle_segments import State
+from .run import Run, allowed_error, as_run, count_of
+from .simulate import of_one, tolerated
+from .solvers import Plan
+from .trajectory import LEDGERS, Path
+
+MOST_CUTS = 30
+PERIODS, MOST_PERIODS = 3, 60  # that a drive with states of its own is given to come near, and in all
+BESIDE = 1e-6  # share of speed and states by which they are changed, to see what a period makes of it
+SHARES = np.geomspace(0.25, 4.0, 33)  # of the speed given, that are tried first
+CLOSER = 3  # times that the range of speeds is narrowed, 32 times each
+COMES_BACK = 1e-10  # difference of the crank's speed, beside itself, after a period of a steady state
+
+
+@typed
+def steady_state(
+    press: Linkage,
+    speed: float,
+    drive: Drive,
+    flywheel: Flywheel | None = None,
+    loads: Sequence[Load] = (),
+    angle: float = 0.0,
+    points: int | None = None,
+    tolerance: float = 1e-11,
+) -> Run:
+    """One period of the steady state of a press: from crank angle ``angle`` on, until angle and speed are the same again.
+
+    Args:
+        speed: about which the steady state is looked for [rad/s]; its sign is the direction.
+        drive, flywheel, loads, points, tolerance: as of `simulate`; nothing may depend on time.
+
+    Raises:
+        PinpressError: an argument that makes no sense.
+        SimulationError: there is no steady state near this speed: the drive is too weak for the load, or gives more than it takes at any
+            speed, as a constant torque does.
+    """
+    began = clock.perf_counter()
+    count_of(points, 0.0)
+    if not isinstance(press, Linkage) or len(press.drivers) > 1:
+        raise PinpressError("a steady state is that of a press with one driver: give the Linkage that load returns")
+    start, guess, tolerance = number("angle", angle), number("speed", speed), tolerated(tolerance)
+    refuse_far("angle", np.array(start))
+    plausibility.speeds("speed", guess)
+    if not abs(guess) <= LARGEST:
+        raise PinpressError(f"speed is {guess:g}: give rad/s, {LARGEST:g} at most")
+    if guess == 0.0:
+        raise PinpressError("speed is 0: give the speed about which the press runs [rad/s]")
+    if scenarios.count(speed, angle, drive, flywheel, loads) is not None:
+        raise PinpressError("a steady state is found for one scenario at a time: give numbers, not arrays")
+    scenes.listed(loads)
+    drive, loads = laws.asked_drive(drive, guess), caller_laws.asked_loads(loads)
+    plan = of_one(press, drive, flywheel, loads, None, None)
+    if drive is None or not isinstance(drive, Drive):
+        raise PinpressError(f"drive is {shown(drive)}: a steady state needs a motor, see pinpress.drives")
+    if (drive.timed and not drive.state) or any(force.time is not None for force in plan.scene.forces):
+        raise PinpressError("a drive or force that goes with time has no steady state: give motors and process loads that do not")
+    if plan.table.period is None:
+        raise PinpressError(f"the crank of {press.name} does not turn fully: it has no steady state")
+    with np.errstate(all="ignore"):
+        path = None if plan.timed else _over_angle(plan, start, guess, tolerance)
+        if path is None:
+            path = _over_time(plan, start, guess, tolerance)
+        return as_run(plan, path, "reduced", path.segments[-1].end, points, began, allowed_error(tolerance))
+
+
+def _over_angle(plan: Plan, angle: float, speed: float, tolerance: float) -> Path | None:
+    """The periodic solution over the crank angle, None where it is not found so: the drive may be too stiff, or there may be none."""
+    table, scene = plan.table, plan.scene
+    assert table.period is not None
+    direction = 1 if speed > 0 else -1
+    inertia = float(table.at(np.array([angle]))[0][reduced.INERTIA, 0]) + plan.line.inertia
+    ends = panels.borders(table, plan.edges, angle, direction, table.period)
+    near = _near(plan, ends, angle, speed)
+    if near is None:
+        return None
+    energy = np.array([0.5 * inertia * near**2])
+    corners = () if scene.drive is None else tuple(float(np.ravel(corner)[0]) for corner in scene.drive.corners)  # type: ignore[union-attr]
+    flow, guess = None, None
+    for _ in range(MOST_CUTS):
+        grid = panels.grid(scene, table, angle, direction, ends)
+        guess = None if flow is None else resolution.carried(flow, grid)
+        if guess is None:  # the course of the speed matters: a drive may have no slope at the mean
+            guess = over_angle.flow(scene, grid, energy).energy
+        flow = over_angle.flow(scene, grid, energy, guess, periodic=True)
+        if resolution.stopping(flow).any() or not flow.ends[0, 0] > 0:
+            return None
+        energy = flow.ends[0]
+        cuts = resolution.unresolved(flow, len(grid.kinds), 0.1 * tolerance, corners)
+        if not len(cuts):
+            change = abs(float(flow.ends[-1, 0] - flow.ends[0, 0])) / float(flow.ends.max())
+            if not change < COMES_BACK:
+                return None
+            state = State(0.0, angle, float(direction * np.sqrt(2 * energy[0] / inertia)), np.zeros(len(LEDGERS)))
+            return Path([turned.turned(scene, table, flow, len(grid.kinds), state)])
+        ends = np.sort(np.concatenate([ends, cuts]))
+    return None
+
+
+def _near(plan: Plan, ends: Array, angle: float, speed: float) -> float | None:
+    """A speed close to the steady state's next to the one given: between one from which a period speeds the press up, and a higher one from
+    which it slows down; None where there is none.
+
+    Raises:
+        SimulationError: nothing depends on the speed.
+    """
+    speeds = speed * SHARES
+    for _ in range(CLOSER):
+        grid = panels.grid(plan.scene, plan.table, angle, 1 if speed > 0 else -1, ends)
+        energies = 0.5 * (grid.inertia_ends[0] + plan.line.inertia) * speeds**2
+        flow = over_angle.flow(plan.scene, grid, energies)
+        if flow.held:  # nothing depends on the speed: no speed is better than another
+            raise _none(speed)
+        good = np.flatnonzero(~resolution.stopping(flow).any(axis=0))
+        gained = (flow.ends[-1] - energies)[good]
+        found = np.flatnonzero((gained[:-1] > 0) & (gained[1:] <= 0))
+        if not len(found):
+            return None
+        low = int(found[np.abs(np.log(speeds[good[found]] / speed)).argmin()])
+        speeds = np.linspace(speeds[good[low]], speeds[good[low + 1]], len(SHARES))
+    return float(speeds[len(speeds) // 2])
+
+
+def _over_time(plan: Plan, angle: float, speed: float, tolerance: float) -> Path:
+    """The periodic solution of speed and the drive's states over time: a few periods to come near, then Newton's method on what a period
+    makes of them."""
+    from .solvers import one_period  # imports SciPy's integrators
+
+    _, states = plan.line.begin(angle, speed)
+    at = np.array([speed, *states])
+    try:
+        before = np.inf
+        for period in range(MOST_PERIODS):
+            path, after = one_period(plan, angle, at, tolerance)
+            change = float(np.max(np.abs(after - at) / np.maximum(np.abs(at), COMES_BACK)))
+            if change <= COMES_BACK:
+                return path
+            # a plain period wherever Newton's method has led away: corners of the drive are not for it
+            if period < PERIODS or change > 0.5 * before:
+                at, before = after, np.inf if period < PERIODS else 2.1 * change
+                continue
+            before, steps = change, BESIDE * np.maximum(np.abs(at), BESIDE)
+            columns = [(one_period(plan, angle, at + step, tolerance)[1] - after) / step[k] for k, step in enumerate(np.diag(steps))]
+            found = at + np.linalg.solve(np.eye(len(at)) - np.array(columns).T, after - at)
+            at = found if np.isfinite(found).all() and 0.8 < found[0] / at[0] < 1.25 else after
+    except LawError:  # of the caller, whatever steady state there is
+        raise
+    except (SimulationError, np.linalg.LinAlgError) as error:
+        raise _none(speed) from error
+    raise _none(speed)
+
+
+def _none(speed: float) -> SimulationError:
+    return SimulationError(
+        f"no steady state is found near {speed:g} rad/s: the drive is too weak for the loads, or gives as much or more at every speed there"
+        " (a constant torque has none); try another speed, or let the press run with simulate"
+    )

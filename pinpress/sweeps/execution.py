@@ -1,0 +1,201 @@
+"""The work of a sweep: the function at point after point, here or by the workers of an executor."""
+
+import time
+from collections import deque
+from collections.abc import Callable, Generator, Iterator, Mapping, Sequence
+from concurrent.futures import Executor, Future, ProcessPoolExecutor, wait
+from concurrent.futures.process import BrokenProcessPool
+from functools import partial
+from queue import Empty, SimpleQueue
+from typing import Any, NamedTuple
+
+from ..common.errors import shown
+from .grid import LONGEST, RESERVED, Grid, Scalar, scalar
+
+Function = Callable[..., Mapping[str, object]]
+
+TASK = 0.1  # work that is sent at once [s]: a task costs a tenth of a millisecond with processes, some with a cluster
+LONGEST_TASK = 2 * TASK
+LEAVE_TIME = 1.0  # for finished tasks to arrive after one has failed [s]
+
+
+class Outcome(NamedTuple):
+    """What the function returned at a point; of one that failed no values, and the exception's type and text."""
+
+    number: int
+    values: dict[str, Scalar]
+    error: str
+
+
+Task = Future[tuple[list[Outcome], float]]
+
+KILLS = (
+    "BrokenProcessPool: the function ends the process that it runs in, by os._exit, a crash of compiled code, or because it takes too much"
+    " memory"
+)
+
+
+class TaskError(Exception):
+    """A task that the executor could not carry out; the cause is its exception."""
+
+
+class Apart(Executor):
+    """Pools of one process each, as many as a pool has that broke: of these a death ends the task of that process alone."""
+
+    def __init__(self, broken: ProcessPoolExecutor) -> None:
+        # What it was made with; it does not say so otherwise.
+        self._pool = partial(ProcessPoolExecutor, 1, broken._mp_context, broken._initializer, broken._initargs)
+        self.workers: int = broken._max_workers  # type: ignore[attr-defined]
+        self._idle: list[ProcessPoolExecutor] = []
+
+    def submit(self, function: Callable[..., Any], /, *arguments: Any, **named: Any) -> "Future[Any]":
+        """Of at most ``workers`` tasks at a time. Raises BrokenProcessPool where no process can be started."""
+        if self._idle:
+            pool = self._idle.pop()
+        else:
+            pool = self._pool()
+            pool.submit(int).result()
+        future = pool.submit(function, *arguments, **named)
+        future.add_done_callback(partial(self._end, pool))
+        return future
+
+    def _end(self, pool: ProcessPoolExecutor, future: "Future[Any]") -> None:
+        if future.cancelled() or not isinstance(future.exception(), BrokenProcessPool):
+            self._idle.append(pool)  # one that broke has ended by itself, and from Python 3.13 on holds its lock while it says so
+
+    def close(self) -> None:
+        for pool in self._idle:
+            pool.shutdown(wait=False)
+
+
+def serially(function: Function, grid: Grid, numbers: Sequence[int]) -> Generator[list[Outcome], None, None]:
+    """Outcomes of points, one after the other in this process."""
+    for number in numbers:
+        yield [outcome(function, number, grid.point(number))]
+
+
+def in_parallel(
+    executor: Executor, function: Function, grid: Grid, numbers: Sequence[int], in_flight: int
+) -> Generator[list[Outcome], None, None]:
+    """Outcomes of points as they come, of tasks submitted to an executor, so many at a time.
+
+    A task has as many points as take about `TASK`, at first one, and at most doubling from task to task. One that takes longer leaves
+    points undone, which are submitted again. Where a worker dies, the points of all tasks that may have killed it are done one by one; one
+    that kills its worker then has failed. A process pool, which such a death breaks, is left, and its work done by pools of one process.
+
+    Raises:
+        TaskError: a task was not carried out; after what others had finished has been given.
+    """
+    finished: SimpleQueue[Task] = SimpleQueue()
+    pending: dict[Task, list[int]] = {}
+    waiting, alone, size = deque(numbers), deque[int](), 1
+    apart: Apart | None = None
+    try:
+        while pending or waiting or alone:
+            some: list[int] = []
+            given = False
+            try:
+                while (waiting or alone) and len(pending) < in_flight:
+                    some = [alone.popleft()] if alone else [waiting.popleft() for _ in range(min(size, len(waiting)))]
+                    future = executor.submit(outcomes, function, [(number, grid.point(number)) for number in some])
+                    pending[future] = some
+                    future.add_done_callback(finished.put)
+                future = finished.get()
+                some, given = pending.pop(future), True
+                found, seconds = future.result()
+            except Exception as error:  # a pool that is broken or shut down, a cluster that is gone, a function that cannot be sent
+                if type(executor) is ProcessPoolExecutor and isinstance(error, BrokenProcessPool):
+                    wait(pending, timeout=LEAVE_TIME)
+                    for future, others in pending.items():
+                        good = future.done() and not future.cancelled() and future.exception() is None
+                        found = future.result()[0] if good else []
+                        alone.extend(others[len(found) :])
+                        yield from [found] if good else []
+                    alone.extend(some)
+                    pending, finished = {}, SimpleQueue()
+                    executor = apart = Apart(executor)
+                    in_flight = min(in_flight, apart.workers)
+                elif given and _killed(error) and len(some) == 1:
+                    yield [Outcome(some[0], {}, KILLS)]
+                elif given and _killed(error):
+                    alone.extend(some)
+                else:
+                    yield from _left(finished, len(pending))
+                    raise TaskError from error
+                continue
+            waiting.extendleft(reversed(some[len(found) :]))
+            size = max(1, min(2 * size, int(TASK * len(found) / max(seconds, 1e-9))))
+            yield found
+    finally:
+        for future in pending:
+            future.cancel()
+        if apart is not None:
+            apart.close()
+
+
+def outcomes(function: Function, points: Sequence[tuple[int, Mapping[str, object]]]) -> tuple[list[Outcome], float]:
+    """One task: the outcomes of numbered points, of the first few where they take long, and how long they took [s]."""
+    found, start = [], time.perf_counter()
+    for number, point in points:
+        found.append(outcome(function, number, point))
+        if (seconds := time.perf_counter() - start) > LONGEST_TASK:
+            break
+    return found, seconds
+
+
+def outcome(function: Function, number: int, point: Mapping[str, object]) -> Outcome:
+    """The function at one point."""
+    try:
+        return Outcome(number, _checked(function(**point)), "")
+    except KeyboardInterrupt:
+        raise
+    except BaseException as error:  # whatever it is, SystemExit too, the other points go on
+        return Outcome(number, {}, _described(error))
+
+
+def _described(error: BaseException) -> str:
+    """Type and text of an exception, as a table takes them."""
+    try:
+        said = str(error)
+    except Exception as other:
+        said = f"its text cannot be had ({type(other).__name__})"
+    text = f"{type(error).__name__}: {said}".encode("utf-8", "backslashreplace").decode().replace("\0", "\\0")
+    return text[:LONGEST]
+
+
+def _checked(returned: object) -> dict[str, Scalar]:
+    """What the function returned, as a table takes it."""
+    if not isinstance(returned, Mapping) or not returned:
+        raise TypeError(f"the function returned {_short(returned)}; return a mapping of names to numbers, {{'peak_torque': 1.0}}")
+    values = {}
+    for name, value in returned.items():
+        if not isinstance(name, str) or not name or name in RESERVED:
+            raise TypeError(f"the function returned a value under {shown(name)}; name it by a word other than {', '.join(RESERVED)}")
+        try:
+            scalar(name)
+            values[name] = scalar(value)
+        except ValueError as error:
+            raise ValueError(f"the function returned under {shown(name)} {error}") from None
+    return values
+
+
+def _left(finished: "SimpleQueue[Task]", count: int) -> Iterator[list[Outcome]]:
+    """What tasks have finished beside one that failed; those of a broken pool fail at once, too."""
+    until = time.monotonic() + LEAVE_TIME
+    for _ in range(count):
+        try:
+            future = finished.get(timeout=max(0.0, until - time.monotonic()))
+        except Empty:
+            return
+        if not future.cancelled() and future.exception() is None:
+            yield future.result()[0]
+
+
+def _killed(error: Exception) -> bool:
+    """Whether a task has ended its worker, of a pool or of a Dask cluster, which gives it up after it has ended several."""
+    return isinstance(error, BrokenProcessPool) or type(error).__name__ == "KilledWorker"
+
+
+def _short(value: object) -> str:
+    text = repr(value)
+    return text if len(text) <= 80 else f"{text[:77]}..."

@@ -1,0 +1,162 @@
+"""The points of a sweep: axes of labelled values, every combination of them or side by side, and what tells one sweep from another."""
+
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..common.errors import PinpressError, shown
+
+Scalar = float | int | bool | str
+"""What a table can hold."""
+
+RESERVED = ("point", "error", "checksum")  # columns of every table
+LONGEST = 10_000  # characters of a word in a table
+LARGEST = 2**53  # whole number that a float holds exactly
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Grid:
+    """Points of a sweep, numbered from 0 with the last axis fastest.
+
+    Attributes:
+        axes: name -> labels, numbers or words. objects: name -> what is passed to the function, the labels themselves but where the axis
+            was given as a mapping. paired: the axes run side by side, as columns of equal length.
+    """
+
+    axes: Mapping[str, tuple[Scalar, ...]]
+    objects: Mapping[str, tuple[object, ...]]
+    paired: bool
+
+    def __len__(self) -> int:
+        return math.prod(self.shape)
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """Lengths of the axes; (n,) where they run side by side."""
+        lengths = tuple(len(labels) for labels in self.axes.values())
+        return lengths[:1] if self.paired else lengths
+
+    def labels(self, number: int) -> tuple[Scalar, ...]:
+        """The labels of a point, in the order of the axes."""
+        return tuple(labels[k] for labels, k in zip(self.axes.values(), self._places(number), strict=True))
+
+    def point(self, number: int) -> dict[str, object]:
+        """The arguments of the function at a point."""
+        return {name: objects[k] for (name, objects), k in zip(self.objects.items(), self._places(number), strict=True)}
+
+    def columns(self) -> dict[str, list[Scalar]]:
+        """The labels of all points, name -> (n,)."""
+        if self.paired:
+            return {name: list(labels) for name, labels in self.axes.items()}
+        places = np.unravel_index(np.arange(len(self)), self.shape)
+        return {name: [labels[k] for k in where.tolist()] for (name, labels), where in zip(self.axes.items(), places, strict=True)}
+
+    def _places(self, number: int) -> list[int]:
+        if self.paired:
+            return [number] * len(self.axes)
+        places = []
+        for length in reversed(self.shape):
+            number, place = divmod(number, length)
+            places.append(place)
+        return places[::-1]
+
+
+def gridded(grid: object, paired: bool) -> Grid:
+    """The grid that a caller means; see `pinpress.sweeps.sweep`."""
+    if not isinstance(grid, Mapping) or not grid:
+        raise PinpressError("grid: give a mapping of at least one argument's name to its values, {'speed': [...], 'force': [...]}")
+    axes, objects = {}, {}
+    for name, values in grid.items():
+        if not isinstance(name, str) or not name or name in RESERVED:
+            raise PinpressError(
+                f"grid: {shown(name)} cannot be an axis; name an argument of the function, other than {', '.join(RESERVED)}"
+            )
+        axes[name], objects[name] = _axis(name, values)
+        if not paired and len(set(axes[name])) < len(axes[name]):
+            twice = next(label for k, label in enumerate(axes[name]) if label in axes[name][:k])
+            raise PinpressError(f"grid: axis {shown(name)} has {shown(twice)} twice; give each value once")
+    lengths = {name: len(labels) for name, labels in axes.items()}
+    if paired and len(set(lengths.values())) > 1:
+        raise PinpressError(f"grid: with paired=True all axes must be equally long, not {lengths}")
+    return Grid(axes, objects, paired)
+
+
+def scalar(value: object) -> Scalar:
+    """A number or word as Python's own; raises ValueError, which says what is wrong, where it is none that a table can hold."""
+    if isinstance(value, np.generic) or (isinstance(value, np.ndarray) and value.ndim == 0):
+        value = value.item()
+    if isinstance(value, bool):
+        return value
+    if isinstance(value, str):
+        if len(value) > LONGEST or "\0" in value or not _encodes(value):
+            raise ValueError(f"a word of {len(value)} characters; a table takes {LONGEST} of UTF-8, none of them a null character")
+        return str(value)
+    if isinstance(value, int):
+        if abs(value) > LARGEST:
+            raise ValueError(f"{value:.3g}, a whole number too large to be kept exactly; give a float")
+        return int(value)
+    if isinstance(value, float):
+        if not math.isfinite(value):
+            raise ValueError(f"{value}, which is not finite")
+        return float(value)
+    raise ValueError(f"a {type(value).__name__}, no number, word or bool")
+
+
+def differences(before: Mapping[str, object], now: Mapping[str, object]) -> Iterator[str]:
+    """What tells two fingerprints apart, in words."""
+    if before.get("function") != now["function"]:
+        yield f"its function is {shown(before.get('function'))}, not {shown(now['function'])}"
+    then, axes = before.get("axes"), now["axes"]
+    assert isinstance(axes, dict)
+    if not isinstance(then, dict) or list(then) != list(axes):
+        yield f"its axes are {', '.join(then) if isinstance(then, dict) else then}, not {', '.join(axes)}"
+        return
+    if before.get("paired") != now["paired"]:
+        yield "its axes run side by side" if before.get("paired") else "its axes are those of a full grid"
+    for name, labels in axes.items():
+        if len(then[name]) != len(labels):
+            yield f"axis {shown(name)} has {len(then[name])} values, not {len(labels)}"
+        for k, (old, new) in enumerate(zip(then[name], labels, strict=False)):
+            if old != new or isinstance(old, bool) != isinstance(new, bool):
+                yield f"value {k} of axis {shown(name)} is {shown(old)}, not {shown(new)}"
+                break
+
+
+def fingerprint(grid: Grid, function: str) -> dict[str, object]:
+    """What two runs of one sweep have in common, as JSON takes it."""
+    return {"function": function, "axes": {name: list(labels) for name, labels in grid.axes.items()}, "paired": grid.paired}
+
+
+def _axis(name: str, values: object) -> tuple[tuple[Scalar, ...], tuple[object, ...]]:
+    """Labels and objects of one axis."""
+    if isinstance(values, Mapping):
+        labels, objects = list(values), tuple(values.values())
+    elif isinstance(values, Sequence | np.ndarray) and not isinstance(values, str | bytes) and _flat(values):
+        labels, objects = list(values), ()
+    else:
+        raise PinpressError(f"grid: axis {shown(name)} is {shown(values)}; give a sequence of values, or a mapping of labels to objects")
+    if not labels:
+        raise PinpressError(f"grid: axis {shown(name)} has no values; give at least one")
+    kept = []
+    for k, label in enumerate(labels):
+        try:
+            kept.append(scalar(label))
+        except ValueError as error:
+            raise PinpressError(
+                f"grid: value {k} of axis {shown(name)} is {error}; give finite numbers or words, objects under labels: {{'label': object}}"
+            ) from None
+    return tuple(kept), objects or tuple(kept)
+
+
+def _flat(values: Sequence[object] | np.ndarray) -> bool:
+    return not isinstance(values, np.ndarray) or values.ndim == 1
+
+
+def _encodes(word: str) -> bool:
+    try:
+        word.encode()
+    except UnicodeEncodeError:
+        return False
+    return True

@@ -1,0 +1,239 @@
+"""Operating points of a press: torque and forces at every speed and every amplitude of its load, without a loop over them.
+
+At a given crank angle and a constant speed w torque and every reaction are affine in w^2 and in the amplitude F of a load,
+
+    a(angle) w^2 + c(angle) + d(angle) F
+
+(a: inertia, c: weight, springs and constant loads, d: the load of amplitude one), as the equations of motion are linear in the
+accelerations, which go with w^2, and in the forces. Three calls of inverse dynamics give a, c and d; two or three more confirm them.
+"""
+
+from collections.abc import Callable, Collection, Iterator, Sequence
+from dataclasses import dataclass, replace
+from functools import partial
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ..common.arguments import typed
+from ..common.arrays import Array
+from ..common.checks import numbers
+from ..common.errors import PinpressError, shown
+from ..dynamics.applied_loads import asked
+from ..dynamics.inverse_dynamics import Reactions, inverse_dynamics
+from ..kinematics.motion import Motion, cycle
+from ..linkage.linkage import Linkage
+from ..loads.link import Load, PointForce, SpringDamper
+from ..loads.process import ProcessLoad, Stretch, TimeForce
+from .affine_extremes import Affine, largest
+from .operating_result import OperatingPoints
+
+SLOW = 1e-9  # of the highest speed: inertia is below rounding, and the slide still has its direction of travel
+BETWEEN = 0.37  # of highest speed and amplitude: where the coefficients are tried
+AFFINE = 1e-9  # of the largest value: what differs by more is not affine
+NOTHING = 1e-13  # of the largest component: less is rounding
+
+Quantities = dict[str, Array]
+"""Name -> (k, s): components, states."""
+
+
+@typed
+def operating_points(
+    press: Linkage,
+    speeds: ArrayLike,
+    forces: ArrayLike = (0.0,),
+    unit_load: Load | Sequence[Load] = (),
+    *,
+    loads: Sequence[Load] = (),
+    bearings: Collection[str] | None = None,
+    points: int | None = None,
+    angles: bool = False,
+) -> OperatingPoints:
+    """Extremes of torque and forces over a period at constant speed, at every speed and every amplitude of a load.
+
+    They are those of `inverse_dynamics` of `cycle`, exactly but for rounding, at a million points a second.
+
+    Args:
+        press: with one driver that turns fully.
+        speeds: of the driver (n,), all positive or all negative [rad/s].
+        forces: amplitudes (m,) that ``unit_load`` is multiplied by: [N] where it is a load of 1 N.
+        unit_load: one or several process loads or point forces, such as ``DeepDrawing(force=1.0, start=0.010)``.
+        loads: what acts at every point the same, such as springs.
+        bearings: names of those whose peaks are wanted; by default all.
+        points: crank angles of the period, in equal steps from 0; by default 360 a turn.
+        angles: the crank angles of extreme torques and peaks too; takes longer.
+
+    Raises:
+        PinpressError: an argument that makes no sense; loads that depend on the speed or on time, as dampers do, or not in proportion on
+            the amplitude, by 1e-9 of the largest value at the highest speed and the ends of the amplitudes, or between: of these `sweep`
+            does each point by itself.
+        UnknownNameError, SingularityError, AssemblyError: as `cycle` and `inverse_dynamics`.
+    """
+    if len(press.drivers) > 1:
+        raise PinpressError(f"{press.name} has {len(press.drivers)} drivers: operating points are of a press with one")
+    speed, force = _axis("speeds", speeds, "rad/s"), _axis("forces", forces, "N")
+    if not (np.all(speed > 0) or np.all(speed < 0)):
+        raise PinpressError("speeds: give them all positive or all negative, as loads depend on the direction of travel; none zero")
+    if not isinstance(angles, bool):
+        raise PinpressError(f"angles is {shown(angles)}: give True or False")
+    units, constant = (asked(_listed(name, given)) for name, given in (("unit_load", unit_load), ("loads", loads)))
+    if not units and force.any():
+        raise PinpressError("forces are amplitudes of unit_load, and there is none: give e.g. pp.loads.DeepDrawing(force=1.0, start=0.010)")
+    if any(isinstance(load, SpringDamper) for load in units):
+        raise PinpressError("unit_load has a spring or damper, which has no amplitude: give it in loads")
+    if any(isinstance(load, TimeForce) for load in (*units, *constant)):
+        raise PinpressError("a TimeForce depends on time, and so on the speed: sweep does such points each by itself")
+
+    at = partial(_cycle, press, units, constant, bearings, points)
+    fastest, most = float(speed[np.abs(speed).argmax()]), float(force[np.abs(force).argmax()])
+    with np.errstate(all="ignore"):  # what overflows is refused
+        motion, affine = _coefficients(at, fastest, most)
+        ends = {(fastest, float(force.min())), (fastest, float(force.max()))}
+        _confirm(at, affine, ends | {(BETWEEN * fastest, BETWEEN * most)})
+        results, states = _extremes(affine, speed, force, angles)
+    for name, values in results.items():
+        if not np.isfinite(values).all():
+            raise PinpressError(f"{name} of {press.name} is too large for floating point: lower speeds or forces")
+    crank_angles = {name: motion.crank_angle[state] for name, state in states.items()}
+    return OperatingPoints(press.name, speed, force, results, crank_angles)
+
+
+@dataclass(frozen=True)
+class _Multiplied:
+    """A process load of another amplitude."""
+
+    load: ProcessLoad
+    factor: float
+
+    @property
+    def datum(self) -> float | None:
+        return self.load.datum
+
+    def stretches(self, downwards: bool) -> tuple[Stretch, ...]:
+        return tuple(replace(part, force=partial(_times, self.factor, part.force)) for part in self.load.stretches(downwards))
+
+
+def _times(factor: float, law: Callable[..., Any], *arguments: Any) -> Any:
+    return factor * np.asarray(law(*arguments), dtype=float)
+
+
+def _multiplied(load: Load, factor: float) -> Load:
+    if isinstance(load, PointForce):
+        law = partial(_times, factor, load.force) if callable(load.force) else factor * numbers("unit_load: force", load.force)
+        return replace(load, force=law)
+    if isinstance(load, ProcessLoad) and not isinstance(load, type):
+        return _Multiplied(load, factor)
+    return load  # inverse dynamics says that it is none
+
+
+Cycle = Callable[[float, float | None], tuple[Motion, Quantities]]
+
+
+def _cycle(
+    press: Linkage,
+    units: Sequence[Load],
+    loads: Sequence[Load],
+    bearings: Collection[str] | None,
+    points: int | None,
+    speed: float,
+    force: float | None,
+) -> tuple[Motion, Quantities]:
+    """One period at a speed and an amplitude; None: without the load."""
+    motion = cycle(press, speed, points=points)
+    acting = [*loads, *(_multiplied(load, force) for load in units)] if force is not None else list(loads)
+    return motion, _quantities(inverse_dynamics(press, motion, acting, bearings=bearings))
+
+
+def _quantities(found: Reactions) -> Quantities:
+    named = {"driving_torque": found.driving_torque[None]}
+    named |= {f"force_{name}": force.T for name, force in found.bearing_force.items()}
+    return named | {f"shaking_force_{axis}": found.shaking_force.T[k : k + 1] for k, axis in enumerate("xyz")}
+
+
+def _coefficients(at: Cycle, fastest: float, most: float) -> tuple[Motion, dict[str, Affine]]:
+    """The period, and the coefficients of all quantities; what cancels between calls is small beside what is computed with them."""
+    _, still = at(SLOW * fastest, None)
+    motion, fast = at(fastest, None)
+    loaded = at(SLOW * fastest, most)[1] if most else still
+    affine = {}
+    for name, c in still.items():
+        d = (loaded[name] - c) / most if most else np.zeros_like(c)
+        affine[name] = Affine((fast[name] - c) / fastest**2, c, d)
+    return motion, affine
+
+
+def _confirm(at: Cycle, affine: dict[str, Affine], tried: set[tuple[float, float]]) -> None:
+    """Raise where a quantity is not affine at other speeds and amplitudes."""
+    for speed, force in sorted(tried):
+        for name, values in at(speed, force)[1].items():
+            a, c, d = affine[name]
+            terms = max(float(np.abs(part).max()) for part in (a * speed**2, c, d * force, values))
+            if not np.abs(a * speed**2 + c + d * force - values).max() <= AFFINE * _scale(name, affine, speed, force, terms):
+                raise PinpressError(
+                    f"{name} does not go with the square of the speed and with the amplitude of the load: a load depends on the speed, as"
+                    " a damper does, or changes otherwise than in proportion. sweep does such points each by itself"
+                )
+
+
+def _scale(name: str, affine: dict[str, Affine], speed: float, force: float, own: float) -> float:
+    """What a quantity is measured by: the largest force, as a force that is zero but for rounding is beside others."""
+    if name == "driving_torque":
+        return own
+    others = (part for other, part in affine.items() if other != "driving_torque")
+    return max(own, *(float(np.abs(a * speed**2).max() + np.abs(c).max() + np.abs(d * force).max()) for a, c, d in others))
+
+
+def _extremes(affine: dict[str, Affine], speeds: Array, forces: Array, angles: bool) -> tuple[dict[str, Array], dict[str, Any]]:
+    """Results (n, m), and the states of those that have one."""
+    across, along = np.argsort(speeds**2), np.argsort(forces)
+    squares, amplitudes = speeds[across] ** 2, forces[along]
+    back = np.ix_(np.argsort(across), np.argsort(along))
+    sorted_already = np.all(np.diff(across) > 0) and np.all(np.diff(along) > 0)
+    results, states = {}, {}
+    for name, quantity in affine.items():
+        for result, (values, state) in _of(name, quantity, squares, amplitudes, angles):
+            results[result] = values if sorted_already else values[back]
+            if state is not None:
+                states[result] = state if sorted_already else state[back]
+    return results, states
+
+
+def _of(name: str, quantity: Affine, squares: Array, forces: Array, angles: bool) -> Iterator[tuple[str, tuple[Array, Any]]]:
+    """The results of one quantity, by name."""
+    if name.startswith("force_"):
+        yield f"peak_{name}", largest(_without_nothing(quantity, squares, forces), squares, forces, True, angles)
+        return
+    wanted = angles and name == "driving_torque"
+    high, where_high = largest(quantity, squares, forces, False, wanted)
+    low, where_low = largest(Affine(*(-part for part in quantity)), squares, forces, False, wanted)
+    if name == "driving_torque":
+        yield "largest_driving_torque", (high, where_high)
+        yield "smallest_driving_torque", (np.negative(low, out=low), where_low)
+    else:
+        yield f"range_{name}", (np.add(high, low, out=high), None)
+
+
+def _without_nothing(vector: Affine, squares: Array, forces: Array) -> Affine:
+    """A vector without the components that are zero but for rounding; with one at least."""
+    a, c, d = vector
+    size = np.abs(a).max(axis=1) * squares[-1] + np.abs(c).max(axis=1) + np.abs(d).max(axis=1) * np.abs(forces).max()
+    kept = size > NOTHING * size.max()
+    kept[0] |= not kept.any()
+    return Affine(a[kept], c[kept], d[kept])
+
+
+def _axis(name: str, values: ArrayLike, unit: str) -> Array:
+    array = np.atleast_1d(numbers(name, values))
+    if array.ndim != 1 or not array.size:
+        raise PinpressError(f"{name} must be a sequence of finite numbers [{unit}], at least one")
+    array.setflags(write=False)
+    return array
+
+
+def _listed(name: str, loads: Any) -> list[Load]:
+    if isinstance(loads, list | tuple):
+        return list(loads)
+    if name == "loads":
+        raise PinpressError(f"loads is one {type(loads).__name__}: give a list, loads=[...]")
+    return [loads]

@@ -1,0 +1,141 @@
+"""Sweeps: a function of a press at every point of a grid, on one machine or a cluster, resumed where it was stopped."""
+
+import inspect
+import os
+import pickle
+from collections.abc import Callable, Mapping
+from concurrent.futures import Executor, ProcessPoolExecutor
+from functools import partial
+
+from ..common.arguments import typed
+from ..common.errors import PinpressError, shown
+from .execution import Function, TaskError, in_parallel, serially
+from .grid import Grid, gridded
+from .result import Sweep, table
+from .store import Results, results
+
+
+@typed
+def sweep(
+    function: Function,
+    grid: Mapping[str, object],
+    *,
+    to: str | os.PathLike[str] | None = None,
+    executor: Executor | None = None,
+    paired: bool = False,
+    retry_failed: bool = False,
+    in_flight: int = 64,
+    progress: Callable[[float], None] | None = None,
+) -> Sweep:
+    """A function at every point of a grid.
+
+    Args:
+        function: takes the axes' names as keyword arguments and returns a mapping of names to numbers, words or bools: the same names with
+            values of the same kind at every point. Where it raises (but KeyboardInterrupt), returns what is not finite, or ends the process
+            of an executor that it runs in, the point has failed, and the sweep goes on.
+        grid: name -> sequence of numbers or words, or mapping of labels (numbers or words) to any objects, such as loads: labels stand in
+            the results, and tell points apart. All combinations, the last axis fastest.
+        to: file of results, ``.csv`` or (with pyarrow) ``.parquet``. Every finished point is kept there at once: the same call, after
+            Ctrl-C, a crash or a kill, does the points that are missing; after the end, it reads the file. Beside it stands ``.sweep``,
+            which says of what sweep it is: names and labels are compared, not what the function does. A sweep to Parquet appends to
+            ``.parquet.csv`` as long as it runs. Checksums, in a CSV a last column, tell what was changed or damaged, which is refused.
+        executor: any of `concurrent.futures`, such as ``ProcessPoolExecutor()``, or ``distributed.Client(...).get_executor()`` of a Dask
+            cluster; it stays open. None: point by point in this process. A process pool whose worker dies is broken: the sweep goes on with
+            pools of one process each, made as it was.
+        paired: the axes are columns of equal length, point k has value k of each.
+        retry_failed: do points again that have failed in an earlier run; else they stay as they are.
+        in_flight: how many tasks are submitted at once; on a cluster at least twice its threads. A task has one or more points, those
+            that take a tenth of a second, which is what a killed worker or program loses of each.
+        progress: called with the share of points done, 0 to 1, those of earlier runs among them.
+
+    Raises:
+        PinpressError: an argument that makes no sense; a function that cannot be sent to other processes; a file that is of another sweep,
+            damaged, cannot be written or is being written by another sweep; results of other names than before; an executor that is gone.
+            All that was finished is in the file.
+    """
+    _check_arguments(function, executor, in_flight, progress)
+    points = gridded(grid, paired)
+    _check_call(function, points)
+    if isinstance(executor, ProcessPoolExecutor):
+        _check_sendable(function, points)
+    name = _name(function)
+    with results(points, name, to, retry_failed) as kept:
+        _run(function, points, kept, executor, in_flight, progress, to)
+        kept.finish()
+        return table(name, points, kept.kinds, kept.known)
+
+
+def _run(
+    function: Function,
+    grid: Grid,
+    kept: Results,
+    executor: Executor | None,
+    in_flight: int,
+    progress: Callable[[float], None] | None,
+    to: str | os.PathLike[str] | None,
+) -> None:
+    """Do the points that are missing."""
+    numbers = [number for number in range(len(grid)) if number not in kept.known]
+    work = serially(function, grid, numbers) if executor is None else in_parallel(executor, function, grid, numbers, in_flight)
+    try:
+        for found in work:
+            kept.add(found)
+            if progress is not None:
+                progress(len(kept.known) / len(grid))
+    except TaskError as error:
+        cause = error.__cause__
+        where = "which are lost: give to=, a file that keeps them" if to is None else f"which are in {os.fspath(to)}"
+        again = "" if to is None else "; call the same sweep again, with a new executor, to do the others"
+        raise PinpressError(
+            f"the executor could not do its work ({type(cause).__name__}: {cause}) after {len(kept.known)} of {len(grid)} points,"
+            f" {where}{again}"
+        ) from cause
+    finally:
+        work.close()  # nothing more is begun
+
+
+def _check_arguments(function: object, executor: object, in_flight: object, progress: object) -> None:
+    if not callable(function):
+        raise PinpressError(f"function is {shown(function)}: give a function that takes the axes' names and returns a mapping")
+    if executor is not None and not isinstance(executor, Executor):
+        raise PinpressError(
+            f"executor is {shown(executor)}: give one of concurrent.futures, such as ProcessPoolExecutor(), or get_executor() of a"
+            " Dask client"
+        )
+    if isinstance(in_flight, bool) or not isinstance(in_flight, int) or in_flight < 1:
+        raise PinpressError(f"in_flight is {shown(in_flight)}: give a whole number of tasks, at least 1")
+    if progress is not None and not callable(progress):
+        raise PinpressError(f"progress is {shown(progress)}: give a function of the share done")
+
+
+def _check_call(function: Function, grid: Grid) -> None:
+    """Refuse a function that does not take the axes, before it fails at every point."""
+    try:
+        signature = inspect.signature(function)
+    except (TypeError, ValueError):  # of some functions written in C nothing is known
+        return
+    try:
+        signature.bind(**grid.point(0))
+    except TypeError as error:
+        raise PinpressError(f"{_name(function)} does not take the axes {', '.join(grid.axes)}: {error}") from None
+
+
+def _check_sendable(function: Function, grid: Grid) -> None:
+    try:
+        pickle.dumps(function)
+    except Exception as error:  # whatever pickling says
+        raise PinpressError(
+            f"{_name(function)} cannot be sent to other processes ({error}): define it with def at the top level of a module"
+        ) from error
+    for name, objects in grid.objects.items():
+        for label, value in zip(grid.axes[name], objects, strict=True):
+            try:
+                pickle.dumps(value)
+            except Exception as error:
+                raise PinpressError(f"{shown(label)} of axis {shown(name)} cannot be sent to other processes ({error})") from error
+
+
+def _name(function: object) -> str:
+    """The function's own name, of a partial the name of what it calls."""
+    inner = function.func if isinstance(function, partial) else function
+    return str(getattr(inner, "__qualname__", type(inner).__qualname__))

@@ -1,0 +1,3 @@
+from .synthesis import Synthesis as Synthesis
+from .synthesis import synthesise as synthesise
+from .trial import Trial as Trial

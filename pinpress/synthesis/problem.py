@@ -1,0 +1,232 @@
+"""A synthesis as numbers: objective and limits over scaled variables, with their exact gradients.
+
+Variables are scaled to 0 at the lower and 1 at the upper bound, the objective and every constraint by their size at the start.
+"""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ..common.arrays import Array
+from ..common.errors import AssemblyError, PinpressError, shown
+from ..derivatives.motion import STEP
+from ..derivatives.pivots import Displacements, Pivots, directed, displaced
+from .design import Design
+from .trial import Trial
+
+Function = Callable[[Trial], ArrayLike]
+
+
+@dataclass(frozen=True)
+class Variable:
+    """A design variable and its bounds [SI]."""
+
+    name: str
+    lower: float
+    start: float
+    upper: float
+
+    @property
+    def range(self) -> float:
+        """What it is scaled by."""
+        return (self.upper - self.lower) or 1.0
+
+
+@dataclass(frozen=True, eq=False)
+class Measure:
+    """A function of a trial: the objective, which has no name and no bounds, or a constraint; ``scale``: its size."""
+
+    name: str
+    function: Function
+    lower: float = -np.inf
+    upper: float = np.inf
+    scale: float = 1.0
+
+    @property
+    def title(self) -> str:
+        """What errors call it."""
+        return f"constraint {shown(self.name)}" if self.name else "the objective"
+
+    def of(self, trial: Trial) -> Array:
+        """Its elements (m,), complex where the trial is.
+
+        Raises:
+            PinpressError: it returns no numbers, or none that are finite.
+        """
+        try:
+            values = np.atleast_1d(np.asarray(self.function(trial)))
+        except TypeError as error:
+            raise PinpressError(f"{self.title} cannot be worked out: {error}; see `Trial` for how it is to be written") from error
+        if values.ndim != 1 or not values.size or values.dtype.kind not in "fciu":
+            raise PinpressError(f"{self.title} returns {values.dtype} of shape {values.shape}: return a number, or (m,) of them")
+        if not np.isfinite(values).all():
+            raise PinpressError(f"{self.title} is not finite with {_listed(trial.variables)}")
+        return values
+
+
+@dataclass(frozen=True)
+class Limit:
+    """A bound of a constraint: ``side`` "lower", "upper" or "equal"; ``measure`` counts the constraints from 1."""
+
+    measure: int
+    side: str
+    bound: float
+
+    @property
+    def sign(self) -> float:
+        """Of the value less the bound where it is kept."""
+        return -1.0 if self.side == "upper" else 1.0
+
+
+@dataclass(frozen=True, eq=False)
+class Problem:
+    """What is searched. ``measures``: the objective, then the constraints."""
+
+    variables: tuple[Variable, ...]
+    geometry: Callable[..., Pivots]
+    measures: tuple[Measure, ...]
+
+    @cached_property
+    def limits(self) -> tuple[Limit, ...]:
+        """All bounds of all constraints."""
+        found = []
+        for k, measure in enumerate(self.measures[1:], 1):
+            if measure.lower == measure.upper:
+                found.append(Limit(k, "equal", measure.lower))
+                continue
+            found += [Limit(k, "lower", measure.lower)] * bool(np.isfinite(measure.lower))
+            found += [Limit(k, "upper", measure.upper)] * bool(np.isfinite(measure.upper))
+        return tuple(found)
+
+    def values(self, z: Array) -> dict[str, float]:
+        """The variables at scaled ones (k,)."""
+        return {v.name: float(v.lower * (1.0 - share) + v.upper * share) for v, share in zip(self.variables, z, strict=True)}
+
+    def scaled(self, values: Mapping[str, float]) -> Array:
+        """The reverse."""
+        return np.array([(values[v.name] - v.lower) / v.range for v in self.variables])
+
+    def at(self, z: Array, near: Design) -> "Point":
+        """Objective and constraints at scaled variables (k,), the assembly carried over from a design nearby.
+
+        Raises as `sensitivities_path.carried`; AssemblyError where the geometry is not a number, PinpressError where functions fail.
+        """
+        values = self.values(z)
+        press = near.start.press
+        pivots = self.pivots(values)
+        if any(np.asarray(position).dtype.kind == "f" and np.isnan(position).any() for position in pivots.values()):
+            raise AssemblyError("the geometry has no numbers for these variables", 0.0, np.inf, 0)  # the root of a negative number, say
+        moved = displaced(press, pivots)
+        design = near.next(values, moved, [self._slope(near, values, v.name) for v in self.variables])
+        trial = design.trial()
+        return Point(self, z.copy(), design, tuple(np.real(measure.of(trial)).astype(float) for measure in self.measures))
+
+    def _slope(self, near: Design, values: dict[str, float], name: str) -> Displacements:
+        """Derivative of the displacements by a variable."""
+        pivots = self.pivots(values | {name: values[name] + 1j * STEP})
+        return directed(near.start.press, {key: np.imag(np.asarray(position, dtype=complex)) / STEP for key, position in pivots.items()})
+
+    def pivots(self, values: Mapping[str, Any]) -> Pivots:
+        try:
+            pivots = self.geometry(**values)
+        except TypeError as error:
+            raise PinpressError(f"geometry cannot be called with {', '.join(values)}: {error}; write it with NumPy's functions") from error
+        if not isinstance(pivots, Mapping):
+            raise PinpressError("geometry returns no mapping: return {(bearing, link): (x, y, z)}, in the links' own frames [m]")
+        return pivots
+
+
+@dataclass(frozen=True, eq=False)
+class Point:
+    """A problem at one set of scaled variables ``z`` (k,); ``values``: elements (m,) of every measure."""
+
+    problem: Problem
+    z: Array
+    design: Design
+    values: tuple[Array, ...]
+
+    @cached_property
+    def slopes(self) -> tuple[Array, ...]:
+        """Derivatives (m, k) of every measure by the scaled variables."""
+        variables = self.problem.variables
+        trials = [self.design.trial_towards(place, variable.range) for place, variable in enumerate(variables)]
+        result = []
+        for measure, values in zip(self.problem.measures, self.values, strict=True):
+            columns = [np.imag(measure.of(trial)) / STEP for trial in trials]
+            if any(column.shape != values.shape for column in columns):
+                raise PinpressError(f"{measure.title} returns another number of elements for complex numbers; see `Trial`")
+            result.append(np.stack(columns, axis=1))
+        return tuple(result)
+
+    @property
+    def objective(self) -> float:
+        """What is minimised: the largest element."""
+        return float(self.values[0].max())
+
+    def slacks(self, limit: Limit) -> Array:
+        """(m,) how far a bound is kept, scaled; negative where it is not, of an equality the difference."""
+        return np.asarray(limit.sign * (self.values[limit.measure] - limit.bound) / self.problem.measures[limit.measure].scale)
+
+    def slack_slopes(self, limit: Limit) -> Array:
+        """(m, k) their derivatives."""
+        return np.asarray(limit.sign * self.slopes[limit.measure] / self.problem.measures[limit.measure].scale)
+
+    def violation(self, limit: Limit) -> float:
+        """By how much a bound is missed, scaled."""
+        slacks = self.slacks(limit)
+        return float(np.abs(slacks).max() if limit.side == "equal" else max(0.0, -slacks.min()))
+
+    @property
+    def widest_violation(self) -> float:
+        """The largest of all."""
+        return max((self.violation(limit) for limit in self.problem.limits), default=0.0)
+
+
+def missed(point: Point) -> str:
+    """The constraints whose bounds are missed, worst first, in words."""
+    problem = point.problem
+    found = sorted(((point.violation(limit), limit) for limit in problem.limits), key=lambda each: -each[0])
+    return ", ".join(
+        f"{problem.measures[limit.measure].title} misses its {'value' if limit.side == 'equal' else f'{limit.side} bound'} {limit.bound:g}"
+        f" by {violation * problem.measures[limit.measure].scale:.4g}"
+        for violation, limit in found
+        if violation > 0
+    )
+
+
+def _listed(variables: Mapping[str, float]) -> str:
+    return ", ".join(f"{name} = {np.real(value):.6g}" for name, value in variables.items())
+
+
+# --------------------------------------------------------------------------------------------------------------------- gradients verified
+
+STEPS = (1e-6, 1e-5, 1e-7)  # of the scaled variables; the second and third where a kink is met with the first
+SAME = 1e-3  # share in which a gradient may differ from a difference of values
+NOISE = 1e-6  # of the value: rounding of that, divided by the smallest step but one
+
+
+def verify_gradients(point: Point, directions: Sequence[Array]) -> None:
+    """Raise PinpressError where the gradient of a function is not that of its values, along directions (k,) of the scaled variables."""
+    problem = point.problem
+    for direction in directions:
+        wrong = list(range(len(problem.measures)))
+        for step in STEPS:
+            ahead, back = (problem.at(point.z + sign * step * direction, point.design) for sign in (1.0, -1.0))
+            wrong = [k for k in wrong if not _agrees(point, k, direction, (ahead.values[k] - back.values[k]) / (2 * step))]
+            if not wrong:
+                break
+        else:
+            raise PinpressError(
+                f"{problem.measures[wrong[0]].title} has a gradient that is not that of its values: it drops the imaginary part of complex"
+                " numbers, or jumps at the start; see `Trial` for how it is to be written"
+            )
+
+
+def _agrees(point: Point, measure: int, direction: Array, difference: Array) -> bool:
+    exact, values = point.slopes[measure] @ direction, point.values[measure]
+    size = max(np.abs(exact).max(), np.abs(difference).max())
+    return bool(np.abs(exact - difference).max() <= SAME * size + NOISE * np.abs(values).max())

@@ -1,0 +1,199 @@
+"""Search for an optimum: from one design by sequential quadratic programming (SciPy's SLSQP), or from many.
+
+The largest of several elements is minimised as one more variable that is above all of them, which is smooth where a maximum is not.
+"""
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from ..common.arrays import Array
+from ..common.errors import PinpressError
+from .optimality import optimum
+from .problem import Limit, Point, Problem, missed
+
+CONVERGED = 1e-6  # residual of the optimum's conditions, scaled
+DESCENTS = 12  # of SLSQP, which forgets its curvatures each time
+ROUNDS = 100  # of one
+MOST_LOST = 10  # designs that cannot be assembled, after which a descent gives up: it creeps along where they begin
+ALL_LOST = 30  # of them, after which the search does
+NARROWED = 0.2  # share of its reach that the next one is left with, where it came no further
+SHORTEST_REACH = 1e-3  # with which the search gives up then
+PRECISION = 1e-15  # of the scaled objective, at which it stops
+ROUNDING = 1e-12  # with which SLSQP keeps the bounds of scaled variables
+NO_WAY = 1e6  # scaled objective of a design that cannot be assembled: the line search steps back from it
+STARTS = 16  # of a global search beside the given one, a power of two as Sobol's sequence likes it
+
+
+class Search:
+    """Counts designs as it goes: ``evaluations`` those that were judged, ``infeasible`` those that could not be, ``why`` not the last."""
+
+    def __init__(self, problem: Problem) -> None:
+        self.problem = problem
+        self.evaluations = self.infeasible = 0
+        self.why: PinpressError | None = None
+
+    def local(self, start: Point) -> Point:
+        """The optimum that SLSQP comes to from a design.
+
+        Raises:
+            PinpressError: it finds none: no design keeps the constraints, or it does not converge.
+        """
+        point, reach, lost = start, 1.0, 0
+        for _ in range(DESCENTS):
+            descent = _Descent(self, point, reach)
+            end = descent.end()
+            lost += descent.lost
+            if optimum(end).residual <= CONVERGED:
+                return end
+            if _better(end, point):
+                point, reach = end, min(1.0, 2.0 * reach)
+            else:
+                reach *= NARROWED
+            if reach < SHORTEST_REACH or lost > ALL_LOST:
+                break
+        if point.widest_violation > CONVERGED:
+            raise PinpressError(
+                f"no design keeps the constraints: {missed(point)}; loosen them, widen the variables' bounds, or start elsewhere"
+            )
+        if lost:
+            raise PinpressError(
+                f"the search ends at {_listed(point)}, beside designs that cannot be assembled, or not be judged: {self.why}; keep away"
+                " from them by a constraint, on a transmission or pressure angle, or by narrower bounds"
+            ) from self.why
+        raise PinpressError(
+            f"the search does not converge: residual {optimum(point).residual:.2g} of the optimum's conditions, more than {CONVERGED:g};"
+            " functions of a trial must be smooth (return an array, of which the largest element is minimised, instead of its maximum), or"
+            " start elsewhere"
+        )
+
+    def best(self, start: Point, seed: int) -> Point:
+        """The best of the optima that are found from a design and from others spread over the bounds.
+
+        Raises as `local` where there is none.
+        """
+        from scipy.stats import qmc
+
+        spread = qmc.Sobol(len(start.z), seed=seed).random(STARTS)
+        found: list[Point] = []
+        failure: PinpressError | None = None
+        for z in [start.z, *spread]:
+            near = self.at(z, start)
+            if near is None:
+                continue
+            try:
+                found.append(self.local(near))
+            except PinpressError as error:
+                failure = failure or error
+        if not found:
+            assert failure is not None
+            raise failure
+        return min(found, key=lambda point: point.objective)
+
+    def at(self, z: Array, near: Point) -> Point | None:
+        """The problem at scaled variables, None where the linkage cannot be assembled there, or a function cannot judge it: what is wrong
+        with all designs was wrong with the start."""
+        try:
+            point = self.problem.at(z, near.design)
+        except PinpressError as error:
+            self.infeasible, self.why = self.infeasible + 1, error
+            return None
+        self.evaluations += 1
+        return point
+
+
+def _better(point: Point, before: Point) -> bool:
+    """Whether a descent has come further: nearer to the constraints, or to a lower value."""
+    if max(point.widest_violation, before.widest_violation) > CONVERGED:
+        return point.widest_violation < before.widest_violation
+    return point.objective < before.objective
+
+
+def _listed(point: Point) -> str:
+    return ", ".join(f"{name} = {value:.6g}" for name, value in point.problem.values(point.z).items())
+
+
+class _CreepingError(Exception):
+    """A descent meets ever more designs that cannot be assembled."""
+
+
+class _Descent:
+    """One run of SLSQP, in its variables x: the scaled ones, no further than ``reach`` from the start, and after them the level above all
+    elements of the objective. ``lost`` counts designs that could not be assembled."""
+
+    def __init__(self, search: Search, start: Point, reach: float) -> None:
+        self.search, self.here, self.last = search, start, start
+        self.tried: Array = start.z
+        self.failed, self.lost = False, 0
+        self.reach = reach
+        self.scale = start.problem.measures[0].scale
+        self.level = len(start.values[0]) > 1
+        self.limits = start.problem.limits
+
+    def end(self) -> Point:
+        """The design at which it stops."""
+        from scipy.optimize import minimize
+
+        start = self.here
+        bounds: list[tuple[float | None, float | None]] = [(max(0.0, z - self.reach), min(1.0, z + self.reach)) for z in start.z.tolist()]
+        x = start.z
+        if self.level:
+            bounds, x = [*bounds, (None, None)], np.append(x, start.objective / self.scale)
+        equal = [limit for limit in self.limits if limit.side == "equal"]
+        others = [limit for limit in self.limits if limit.side != "equal"]
+        constraints = [self._constraint("eq", equal, False)] if equal else []
+        if others or self.level:
+            constraints.append(self._constraint("ineq", others, self.level))
+        options = {"maxiter": ROUNDS, "ftol": PRECISION}
+        try:
+            found = minimize(self._value, x, jac=self._slope, bounds=bounds, constraints=constraints, method="SLSQP", options=options)
+            self._at(found.x)
+        except _CreepingError:
+            return self.here
+        return self.here if self.failed else self.last
+
+    def _constraint(self, kind: str, limits: Sequence[Limit], below: bool) -> dict[str, Any]:
+        """As SciPy has it; ``below``: that all elements of the objective stay below the level."""
+        return {"type": kind, "fun": lambda x: self._slacks(x, limits, below), "jac": lambda x: self._slack_slopes(x, limits, below)}
+
+    def _at(self, x: Array) -> Point:
+        """The problem at x; where it cannot be assembled there, that of the last design which could."""
+        z = x[: len(self.here.z)]
+        z = np.where(z < ROUNDING, 0.0, np.where(z > 1.0 - ROUNDING, 1.0, z))
+        if not np.array_equal(z, self.tried):
+            self.tried = z
+            point = self.search.at(z, self.here)
+            self.failed = point is None
+            if point is not None:
+                self.last = point
+                return point
+            self.lost += 1
+            if self.lost > MOST_LOST:
+                raise _CreepingError
+        return self.last
+
+    def _value(self, x: Array) -> float:
+        point = self._at(x)
+        if self.failed:
+            return NO_WAY
+        return float(x[-1]) if self.level else point.objective / self.scale
+
+    def _slope(self, x: Array) -> Array:
+        self.here = self._at(x)
+        return np.asarray(np.eye(len(x))[-1] if self.level else self.here.slopes[0][0] / self.scale)
+
+    def _slacks(self, x: Array, limits: Sequence[Limit], below: bool) -> Array:
+        point = self._at(x)
+        above = [x[-1] - point.values[0] / self.scale] if below else []
+        return np.concatenate([*(point.slacks(limit) for limit in limits), *above])
+
+    def _slack_slopes(self, x: Array, limits: Sequence[Limit], below: bool) -> Array:
+        point = self._at(x)
+        rows = [point.slack_slopes(limit) for limit in limits]
+        if self.level:
+            rows = [np.column_stack([row, np.zeros(len(row))]) for row in rows]
+        if below:
+            slopes = -point.slopes[0] / self.scale
+            rows.append(np.column_stack([slopes, np.ones(len(slopes))]))
+        return np.concatenate(rows)

@@ -1,0 +1,2 @@
+from .visual.film import film as film
+from .visual.film import still as still

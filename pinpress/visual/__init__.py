@@ -1,0 +1,1 @@
+"""Everything one looks at in a browser: charts, recordings, reports, films."""

@@ -1,0 +1,312 @@
+"""What charts show of a motion and its reactions, in the units they show it in, apart from any drawing library.
+
+Signs and axes as in `reactions`. Values that are rounding beside the largest bearing force of the motion (and, for moments, beside that
+force times the linkage's size) are zero here. Everything raises `PinpressError` for values that are not finite.
+"""
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+
+from ..common.arrays import Array
+from ..common.errors import PinpressError, UnknownNameError, expect
+from ..common.units import RPM
+from ..dynamics.inverse_dynamics import Reactions
+from ..kinematics.motion import Motion
+from ..kinematics.poses import link_of, loaded_bodies, poses
+from ..linkage import mobility as freedom
+from ..linkage.linkage import Linkage
+from ..simulation.run import Run
+
+AXES = ("x", "y", "z")
+ROUNDING = 1e-9  # of the largest force, and of a constant crank speed
+UNITS = {  # quantity -> (up to which largest value, unit, how many of it an SI unit is)
+    "position": ((1e-4, "µm", 1e6), (10.0, "mm", 1e3), (math.inf, "m", 1.0)),
+    "velocity": ((1e-2, "mm/s", 1e3), (math.inf, "m/s", 1.0)),
+    "acceleration": ((1e-2, "mm/s²", 1e3), (math.inf, "m/s²", 1.0)),
+    "speed": ((math.inf, "r/min", 1 / RPM),),
+    "force": ((1e3, "N", 1.0), (1e7, "kN", 1e-3), (math.inf, "MN", 1e-6)),
+    "torque": ((1e3, "N m", 1.0), (1e7, "kN m", 1e-3), (math.inf, "MN m", 1e-6)),
+    "moment": ((1e3, "N m", 1.0), (1e7, "kN m", 1e-3), (math.inf, "MN m", 1e-6)),
+}
+
+
+@dataclass(frozen=True, eq=False)
+class Curve:
+    """One line of a chart: its name and its values (n,) in the chart's unit."""
+
+    name: str
+    values: Array
+
+
+@dataclass(frozen=True, eq=False)
+class Chart:
+    """Curves of one quantity, in one unit."""
+
+    title: str
+    quantity: str
+    unit: str
+    curves: tuple[Curve, ...]
+
+
+@dataclass(frozen=True, eq=False)
+class Abscissa:
+    """What the states (n,) are drawn over. ``unit`` is empty for their numbers."""
+
+    quantity: str
+    unit: str
+    values: Array
+
+
+@dataclass(frozen=True, eq=False)
+class Locus:
+    """Polar diagram of a bearing's force: the path of its vector's tip.
+
+    Attributes:
+        bearing: its name. link: the link on which the force acts, `Linkage.bearings`' child or link2.
+        axes: names of the two axes, e.g. ("x", "z"), see `locus`.
+        frame: (n, 2) components in world axes. own: (n, 2) in axes fixed to the link that are the world's in the drawn pose.
+    """
+
+    bearing: str
+    link: str
+    axes: tuple[str, str]
+    unit: str
+    frame: Array
+    own: Array
+
+
+def abscissa(motion: Motion) -> Abscissa:
+    """Crank angle [deg], unwrapped, of at most one period one way at constant speed; else time [s]. States that are not in time: crank
+    angle where it only rises or only falls, else the number of the state, from 0."""
+    expect("motion", motion, Motion, "cycle or simulate")
+    angle, speed = finite("crank angle", motion.crank_angle), finite("crank speed", motion.crank_speed)
+    one_way = angle.ndim == 1 and _one_way(angle)
+    if one_way and np.ptp(angle) <= 2 * np.pi * (motion.period_turns or 1) * (1 + ROUNDING) and _constant(speed):
+        return Abscissa("crank angle", "deg", _fixed(np.degrees(angle)))
+    try:
+        return Abscissa("time", "s", _fixed(finite("time", motion.time)))
+    except PinpressError:
+        if motion._time is not None:
+            raise
+    if one_way:
+        return Abscissa("crank angle", "deg", _fixed(np.degrees(angle)))
+    return Abscissa("state", "", _fixed(np.arange(len(angle), dtype=float)))
+
+
+def slide(motion: Motion) -> tuple[Chart, ...]:
+    """Position, velocity and acceleration of the slide along its guide's axis; none of a linkage without a slide."""
+    expect("motion", motion, Motion, "cycle or simulate")
+    if motion._guide is None:
+        return ()
+    series = (("position", motion.slide_position), ("velocity", motion.slide_velocity), ("acceleration", motion.slide_acceleration))
+    return tuple(_chart(f"Slide {quantity}", quantity, {quantity: values}) for quantity, values in series)
+
+
+def crank_speed(motion: Motion) -> Chart | None:
+    """Speed of every driver, where one is not constant; else None."""
+    curves = _by_driver("crank speed", motion, motion.crank_speed)
+    if all(_constant(finite("crank speed", values)) for values in curves.values()):
+        return None
+    return _chart("Crank speed", "speed", curves)
+
+
+def torque(reactions: Reactions) -> Chart:
+    """Driving torque, a curve a driver; of a `Run` also its drive's torque, which turns the flywheel too."""
+    motion = driven(reactions)
+    curves = _by_driver("driving torque", motion, clean_torque(reactions))
+    if isinstance(motion, Run):
+        drives = _by_driver("drive", motion, motion.drive_torque)
+        curves |= {name if name == "drive" else f"drive of {name}": values for name, values in drives.items()}
+    return _chart("Driving torque", "torque", curves)
+
+
+def driven(reactions: Reactions) -> Motion:
+    """The motion of reactions."""
+    expect("reactions", reactions, Reactions, "inverse_dynamics")
+    return reactions.motion
+
+
+def clean_torque(reactions: Reactions) -> Array:
+    """Driving torque (n,) or (n, drivers), zero where it is rounding throughout [N m]."""
+    torque = finite("driving torque", reactions.driving_torque)
+    return np.where(np.abs(torque).max(axis=0) > rounding(reactions).force * reactions._press.spatial.size, torque, 0.0)
+
+
+def bearing(reactions: Reactions) -> Chart:
+    """Magnitude of the force in every bearing and guide."""
+    least = rounding(reactions).force
+    return _chart("Bearing forces", "force", {name: np.linalg.norm(_clean(f, least), axis=1) for name, f in _forces(reactions).items()})
+
+
+def components(reactions: Reactions, name: str) -> Chart:
+    """World components of the force in a bearing or guide; those that are zero throughout are left out, unless all are.
+
+    Raises:
+        UnknownNameError: there is no such bearing.
+    """
+    return _components(f"Force in {name}", "force", f"force in {name}", reactions.bearing_force[name], rounding(reactions).force)
+
+
+def bearing_moment(reactions: Reactions) -> Chart | None:
+    """Magnitudes of the moments that bearings and guides hold, see `held_moments`; None where none does."""
+    least = rounding(reactions).moment
+    sizes = {name: np.linalg.norm(_clean(moment, least), axis=1) for name, moment in held_moments(reactions).items()}
+    holding = {name: size for name, size in sizes.items() if size.any()}
+    return _chart("Moments in bearings and guides", "moment", holding) if holding else None
+
+
+def shaking(reactions: Reactions) -> Chart:
+    """World components of the shaking force; those that are zero throughout are left out, unless all are."""
+    return _components("Shaking force", "force", "shaking force", reactions.shaking_force, rounding(reactions).force)
+
+
+def shaking_moment(reactions: Reactions) -> Chart:
+    """World components of the shaking moment about the world origin; those that are zero throughout are left out, unless all are."""
+    return _components("Shaking moment", "moment", "shaking moment", reactions.shaking_moment, rounding(reactions).moment)
+
+
+def locus(reactions: Reactions, name: str) -> Locus:
+    """Polar diagram of a bearing's force in a planar press's plane: in its two world axes, or where it is tilted, in its horizontal ("h")
+    and the direction up it ("u"). In space the projection on the two world axes in which the force ranges most.
+
+    Raises:
+        UnknownNameError: there is no such bearing.
+    """
+    motion, press = driven(reactions), reactions._press
+    if not isinstance(name, str) or name not in press.bearings:
+        raise UnknownNameError("bearing", name, press.bearings)
+    least = rounding(reactions).force
+    force = _clean(finite(f"force in {name}", reactions.bearing_force[name]), least)
+    body = loaded_bodies(press)[press.bearings.index(name)]
+    drawn = poses(press, np.zeros((1, press.model.nv))).rotation[body, 0]
+    turned = poses(press, motion.joint_position).rotation[body] @ drawn.T
+    own = np.einsum("nji,nj->ni", turned, force)
+    axes, directions = _directions(press, force, least)
+    unit, factor = _unit("force", float(np.abs(force).max(initial=0.0)))
+    frame, own = factor * force @ directions.T, factor * own @ directions.T
+    return Locus(name, link_of(press, body), axes, unit, _fixed(frame), _fixed(own))
+
+
+def _directions(press: Linkage, force: Array, least: float) -> tuple[tuple[str, str], Array]:
+    """Names and world directions (2, 3) of a polar diagram's axes; forces (n, 3) below ``least`` are rounding."""
+    normal = None if press.plane is None else press.plane.normal
+    if normal is not None and np.abs(normal).max() < 1 - freedom.UPRIGHT:
+        return ("h", "u"), freedom.own_axes(press)[[0, 2]]
+    across = _least_moved(force, least) if normal is None else int(np.abs(normal).argmax())
+    first, second = (axis for axis in range(3) if axis != across)
+    return (AXES[first], AXES[second]), np.eye(3)[[first, second]]
+
+
+def _least_moved(force: Array, least: float) -> int:
+    """The axis along which a force (n, 3) ranges least; of those alike but for rounding the one along which it is smaller, then y, for most
+    presses stand in the x-z plane."""
+    left = [1, 0, 2]
+    for sizes in (np.ptp(force, axis=0), np.abs(force).max(axis=0)):
+        left = [axis for axis in left if sizes[axis] <= min(sizes[left]) + least]
+    return left[0]
+
+
+def held_moments(reactions: Reactions) -> dict[str, Array]:
+    """(n, 3) moments [N m] that hold links against turning, by bearing: about a turning joint's own axis there is but the torque of drive,
+    gear pair and friction, which is left out, and a spherical loop holds none."""
+    press, moments = reactions._press, {}
+    rotation = poses(press, reactions.motion.joint_position).rotation
+    joints = enumerate(zip(press.joints, press.spatial.axes, strict=True), 1)
+    turning = {name: (body, axis.direction) for body, (name, axis) in joints if axis.turns}
+    turning |= {loop.name: (loop.joint1, loop.rotation1[:, 0]) for loop in press.loops if loop.type == "revolute"}
+    spherical = {loop.name for loop in press.loops if loop.type == "spherical"}
+    for name, moment in reactions.bearing_moment.items():
+        held = finite(f"moment in {name}", moment)
+        if name in turning:
+            body, direction = turning[name]
+            axis = rotation[body] @ direction
+            held = held - np.sum(held * axis, axis=1, keepdims=True) * axis
+        moments[name] = np.zeros_like(held) if name in spherical else held
+    return moments
+
+
+class Rounding(NamedTuple):
+    """Force [N] and moment [N m] below which a component is rounding."""
+
+    force: float
+    moment: float
+
+
+def rounding(reactions: Reactions) -> Rounding:
+    """Of a motion's forces, and of its moments and torques."""
+    expect("reactions", reactions, Reactions, "inverse_dynamics")
+    largest = max((float(np.abs(force).max(initial=0.0)) for force in _forces(reactions).values()), default=0.0)
+    torque = float(np.abs(finite("driving torque", reactions.driving_torque)).max(initial=0.0))
+    return Rounding(ROUNDING * largest, ROUNDING * max(torque, largest * reactions._press.spatial.size))
+
+
+def finite(quantity: str, values: Array) -> Array:
+    """The values (n, ...) themselves.
+
+    Raises:
+        PinpressError: there is none, or one is not finite.
+    """
+    if not len(values):
+        raise PinpressError(f"{quantity} has no states: give a motion of at least one")
+    if not np.isfinite(values).all():
+        at = int(np.argwhere(~np.isfinite(values))[0][0])
+        raise PinpressError(f"{quantity} is not finite at index {at}: give what cycle, simulate and inverse_dynamics return")
+    return values
+
+
+def factor(quantity: str, unit: str) -> float:
+    """How many of a chart's unit an SI unit of the quantity is."""
+    return next(factor for _, known, factor in UNITS[quantity] if known == unit)
+
+
+def _forces(reactions: Reactions) -> dict[str, Array]:
+    if reactions.left_out:  # the largest force tells what is rounding
+        raise PinpressError(
+            f"charts need all bearings, and {', '.join(reactions.left_out)} were left out: make the reactions without bearings=..."
+        )
+    return {name: finite(f"force in {name}", force) for name, force in reactions.bearing_force.items()}
+
+
+def _components(title: str, quantity: str, name: str, vector: Array, least: float) -> Chart:
+    clean = _clean(finite(name, vector), least)
+    shown = [i for i in range(3) if clean[:, i].any()] or range(3)
+    return _chart(title, quantity, {AXES[i]: clean[:, i] for i in shown})
+
+
+def _clean(vector: Array, least: float) -> Array:
+    """The vector (n, 3) with those components zero that nowhere exceed rounding."""
+    return np.where(np.abs(vector).max(axis=0) > least, vector, 0.0)
+
+
+def _by_driver(name: str, motion: Motion, values: Array) -> dict[str, Array]:
+    """Curve (n,) under its name; of several drivers (n, drivers), under theirs."""
+    return {name: values} if values.ndim == 1 else {driver: values[:, i] for i, driver in enumerate(motion.drivers)}
+
+
+def _chart(title: str, quantity: str, series: Mapping[str, Array]) -> Chart:
+    for name, values in series.items():
+        finite(title if len(series) == 1 else f"{title}, {name},", values)
+    unit, factor = _unit(quantity, max(float(np.abs(values).max()) for values in series.values()))
+    return Chart(title, quantity, unit, tuple(Curve(name, _fixed(factor * values)) for name, values in series.items()))
+
+
+def _unit(quantity: str, largest: float) -> tuple[str, float]:
+    return next((unit, factor) for limit, unit, factor in UNITS[quantity] if largest < limit)
+
+
+def _constant(speed: Array) -> bool:
+    return bool(np.all(np.ptp(speed, axis=0) <= ROUNDING * np.abs(speed).max(axis=0)))
+
+
+def _one_way(angle: Array) -> bool:
+    steps = np.diff(angle)
+    return bool(np.all(steps > 0) or np.all(steps < 0))
+
+
+def _fixed(values: Array) -> Array:
+    values.setflags(write=False)
+    return values

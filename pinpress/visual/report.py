@@ -1,0 +1,243 @@
+"""A report: one web page with the recording of a press, and charts of its motion, torque and forces that follow it."""
+
+import itertools
+import os
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ..common import files
+from ..common.arguments import typed
+from ..common.errors import PinpressError, expect
+from ..common.units import RPM
+from ..dynamics.harmonics import Harmonics, harmonics
+from ..dynamics.inverse_dynamics import Reactions, inverse_dynamics
+from ..kinematics.motion import Motion
+from ..linkage.linkage import Linkage
+from ..simulation.run import Run
+from . import charts, pages
+from .charts import Chart
+from .extremes import Extreme, extremes
+from .key_frames import Keys, keys
+from .pages import packed
+from .recording import scene
+
+
+@typed
+def report(
+    press: Linkage,
+    motion: Motion,
+    path: str | os.PathLike[str],
+    reactions: Reactions | None = None,
+    traces: Sequence[tuple[str, ArrayLike]] = (),
+    before: Reactions | None = None,
+) -> Path:
+    """Write a self-contained page with the recording (see `record`) and interactive charts whose cursor follows it; return its path.
+
+    Charts: slide position, velocity and acceleration; driving torque, crank speed where it is not constant; every bearing and guide force,
+    its magnitude, components, and polar diagrams in the world's axes and in those of the link on which it acts; moments in guides;
+    shaking force with its harmonics, shaking moment; and a table of extremes over all states. Curves have the recording's key
+    frames, at most 360 a turn.
+
+    Args:
+        press, motion, traces: as in `record`.
+        reactions: of this motion; by default those without loads and friction, for a motion without.
+        before: reactions of another press, or of this one at another operating point, drawn beside these as dashed curves, and whose
+            ranges stand beside these in the table.
+
+    Raises:
+        PinpressError: as `record`; a run under loads without its reactions; Plotly not installed; ``before`` over time where the motion is
+            over crank angles, or vice versa, or turning the other way.
+    """
+    frames = keys(press, motion)
+    if reactions is None and isinstance(motion, Run) and any(force.drive is None for force in motion.plan.scene.forces):
+        raise PinpressError("the run has loads: give its reactions with them, inverse_dynamics(press, run, loads=[...])")
+    result = inverse_dynamics(press, motion) if reactions is None else reactions
+    if before is not None:
+        expect("before", before, Reactions, "inverse_dynamics")
+    data = scene(press, motion, frames, result, traces) | {"report": _report(press, result, frames, before)}
+    content = pages.page("report.html", press.name, data, pages.meshcat() | pages.plotly())
+    return files.write(path, content)
+
+
+def _report(press: Linkage, result: Reactions, frames: Keys, before: Reactions | None) -> dict[str, Any]:
+    over = charts.abscissa(result.motion).quantity
+    other = None if before is None else _other(before, result.motion, over)
+    values = extremes(result)
+    return {
+        "subtitle": _subtitle(result, other),
+        "cards": _cards(values),
+        "over": {"quantity": over, "unit": {"crank angle": "deg", "time": "s"}[over]},
+        "before": None if other is None else other["x"],
+        "sections": [
+            {"title": title, "charts": [_chart(chart, frames, matching) for chart, matching in _paired(all_charts, other, title)]}
+            for title, all_charts in _sections(result)
+        ],
+        "bearings": [_bearing(result, name, frames, before, other) for name in press.bearings],
+        "harmonics": _harmonics(result, before),
+        "table": _table(values, None if before is None else extremes(before)),
+    }
+
+
+def _sections(result: Reactions) -> list[tuple[str, list[Chart]]]:
+    speed, moments = charts.crank_speed(result.motion), charts.bearing_moment(result)
+    sections = [
+        ("Slide", list(charts.slide(result.motion))),
+        ("Drive", [charts.torque(result), *([] if speed is None else [speed])]),
+        ("Bearings and guides", [charts.bearing(result), *([] if moments is None else [moments])]),
+        ("Foundation", [charts.shaking(result), charts.shaking_moment(result)]),
+    ]
+    return [(title, some) for title, some in sections if some]
+
+
+def _other(before: Reactions, motion: Motion, over: str) -> dict[str, Any]:
+    """What is drawn beside: its key frames, abscissas and charts."""
+    its = charts.abscissa(before.motion).quantity
+    if its != over:
+        raise PinpressError(f"before is over {its}, the motion over {over}: compare a cycle with a cycle, or a run with a run")
+    frames = keys(before._press, before.motion)
+    if over == "crank angle" and (motion.crank_angle[-1] > motion.crank_angle[0]) != (frames.crank[-1] > frames.crank[0]):
+        raise PinpressError("before turns the other way than the motion: compare two that turn the same way")
+    x = np.degrees(frames.crank) if over == "crank angle" else frames.time
+    words = f"{before._press.name}, {_words(before.motion)}"
+    return {"words": words, "frames": frames, "x": packed(x, "before"), "sections": dict(_sections(before))}
+
+
+def _paired(some: list[Chart], other: dict[str, Any] | None, title: str) -> list[tuple[Chart, tuple[Chart, Keys] | None]]:
+    """Charts with those of the same title that are drawn beside, if there are."""
+    beside = {} if other is None else {chart.title: (chart, other["frames"]) for chart in other["sections"].get(title, ())}
+    return [(chart, beside.get(chart.title)) for chart in some]
+
+
+def _chart(chart: Chart, frames: Keys, beside: tuple[Chart, Keys] | None = None) -> dict[str, Any]:
+    before: dict[str, str] = {}
+    if beside is not None:
+        other, its = beside
+        factor = charts.factor(chart.quantity, chart.unit) / charts.factor(other.quantity, other.unit)
+        before = {curve.name: packed(factor * curve.values[its.states], chart.title) for curve in other.curves}
+    curves = [
+        {"name": curve.name, "values": packed(curve.values[frames.states], chart.title), "before": before.get(curve.name)}
+        for curve in chart.curves
+    ]
+    return {"title": chart.title, "unit": chart.unit, "curves": curves}
+
+
+def _bearing(result: Reactions, name: str, frames: Keys, before: Reactions | None, other: dict[str, Any] | None) -> dict[str, Any]:
+    locus, beside = charts.locus(result, name), None
+    bearing: dict[str, Any] = {"name": name, "link": locus.link, "axes": locus.axes, "unit": locus.unit, "before": None}
+    bearing |= {key: packed(getattr(locus, key)[frames.states], name) for key in ("frame", "own")}
+    if before is not None and other is not None and name in before.bearing_force:
+        its, old = other["frames"], charts.locus(before, name)
+        beside = (charts.components(before, name), its)
+        if old.axes == locus.axes:
+            factor = charts.factor("force", locus.unit) / charts.factor("force", old.unit)
+            bearing["before"] = {key: packed(factor * getattr(old, key)[its.states], name) for key in ("frame", "own")}
+    return bearing | {"open": _left_open(result, name), "components": _chart(charts.components(result, name), frames, beside)}
+
+
+def _left_open(result: Reactions, name: str) -> str:
+    """What rigid mechanics does not decide of a bearing, and is not zero, in words; empty where there is nothing."""
+    least = charts.rounding(result)
+    axes = result.indeterminate_axes.T
+    sizes = [np.abs(vector @ axes).max(axis=0) for vector in (result.bearing_force[name], result.bearing_moment[name])]
+    shown = np.concatenate([sizes[0] > least.force, sizes[1] > least.moment]) & result.indeterminate[name]
+    names = charts.AXES if np.array_equal(axes, np.eye(3)) else ("h", "across the plane", "u")
+    components = [f"{kind} {axis}" for kind in ("force", "moment") for axis in names]
+    return ", ".join(itertools.compress(components, shown))
+
+
+def _harmonics(result: Reactions, before: Reactions | None) -> dict[str, Any] | None:
+    """Amplitudes of the shaking force by axis, those that are not zero; None where the motion has no full period."""
+    found = harmonics(result.motion, result.shaking_force)
+    if found is None:
+        return None
+    other = None if before is None else harmonics(before.motion, before.shaking_force)
+    chart = charts.shaking(result)
+    factor = charts.factor(chart.quantity, chart.unit)
+
+    every = sorted({*found.orders[1:], *([] if other is None else other.orders[1:])})  # one may repeat itself after more turns
+
+    def bars(shown: Harmonics) -> dict[str, list[float]]:
+        amplitude = dict(zip(shown.orders, factor * shown.amplitude, strict=True))
+        none = np.zeros(3)
+        return {curve.name: [float(amplitude.get(order, none)[charts.AXES.index(curve.name)]) for order in every] for curve in chart.curves}
+
+    return {
+        "unit": chart.unit,
+        "orders": [int(order) if order.is_integer() else float(order) for order in every],
+        "amplitude": bars(found),
+        "before": None if other is None else bars(other),
+    }
+
+
+def _subtitle(result: Reactions, other: dict[str, Any] | None) -> str:
+    count = len(result.motion.crank_angle)
+    beside = "" if other is None else f"; dashed: {other['words']}"
+    return f"{_words(result.motion)}, {count} {'states' if count > 1 else 'state'}{beside}"
+
+
+def _words(motion: Motion) -> str:
+    """What the motion is."""
+    if isinstance(motion, Run):
+        return f"simulated run of {motion.time[-1]:.6g} s"
+    if motion.crank_speed.ndim == 1 and charts.crank_speed(motion) is None:
+        return f"crank at {motion.crank_speed[0] / RPM:.6g} r/min".replace("-", "\u2212")
+    return "prescribed motion"
+
+
+def _cards(values: Sequence[Extreme]) -> list[dict[str, str]]:
+    """What is looked for first."""
+    by_name = {value.quantity: value for value in values}
+    cards = []
+    if travel := by_name.get("slide position"):
+        cards.append({"name": "slide travel", "value": _with_prefix(1e-3 * travel.range, "m"), "at": ""})
+    torques = [value for value in values if value.quantity.startswith("driving torque")]
+    forces = [value for value in values if value.quantity.startswith("force in ") and value.quantity.endswith(", magnitude")]
+    for name, some in (("largest driving torque", torques), ("largest bearing force", forces)):
+        if some:
+            most = max(some, key=lambda value: max(abs(value.smallest), abs(value.largest)))
+            size, at = max((abs(most.smallest), most.smallest_at), (abs(most.largest), most.largest_at))
+            where = most.quantity.removeprefix("force in ").removesuffix(", magnitude") + ", " if "bearing" in name else ""
+            cards.append({"name": name, "value": _with_prefix(size, most.unit), "at": f"{where}at {at:.1f}°"})
+    for axis in "xyz":
+        if value := by_name.get(f"shaking force, {axis}"):
+            cards.append({"name": f"shaking force {axis}, range", "value": _with_prefix(value.range, value.unit), "at": ""})
+    return cards
+
+
+def _with_prefix(value: float, unit: str) -> str:
+    if value == 0.0:
+        return f"0 {unit}"
+    power = min(max(3 * int(np.floor(np.log10(abs(value)) / 3)), -9), 9)
+    prefix = {-9: "n", -6: "µ", -3: "m", 0: "", 3: "k", 6: "M", 9: "G"}[power]
+    return f"{value / 10.0**power:.4g} {prefix}{unit}"
+
+
+def _table(values: Sequence[Extreme], before: Sequence[Extreme] | None) -> dict[str, Any]:
+    head = ["", "unit", "smallest", "at [deg]", "largest", "at [deg]", "range", "rms"]
+    if before is None:
+        return {"head": head, "rows": [_row(value) for value in values]}
+    known, rows = {value.quantity: value for value in before}, []
+    for value in values:
+        other, (*row, rms) = known.get(value.quantity), _row(value)
+        if other is None:
+            beside = ["", ""]
+        else:
+            beside = [_five(other.range), f"{100 * (value.range / other.range - 1):+.2f} %" if other.range else ""]
+        rows.append([*row, *beside, rms])
+    return {"head": [*head[:-1], "before", "changes by", "rms"], "rows": rows}
+
+
+def _row(value: Extreme) -> list[str]:
+    at = (f"{value.smallest_at:.1f}", f"{value.largest_at:.1f}")
+    return [value.quantity, value.unit, _five(value.smallest), at[0], _five(value.largest), at[1], _five(value.range), _five(value.rms)]
+
+
+def _five(value: float) -> str:
+    """Five significant digits, without an exponent where that is readable."""
+    if not 1e-4 <= abs(value) < 1e8:
+        return f"{value:.5g}"
+    return f"{value:.{max(0, 4 - int(np.floor(np.log10(abs(value)))))}f}"

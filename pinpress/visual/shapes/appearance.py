@@ -1,0 +1,158 @@
+"""What a press looks like: the `<visual>` shapes of its links, and plain shapes for links without any."""
+
+import itertools
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from functools import partial
+
+import numpy as np
+import pinocchio as pin
+
+from ...common.arrays import Array
+from ...common.errors import PinpressError
+from ...linkage.linkage import Linkage
+from ...linkage.urdf import reader as urdf
+from ...linkage.urdf.reader import Element
+from . import meshes as mesh_files
+from .solids import Box, Cylinder, Mesh, Part, Shape, Sphere, part
+from .stand_ins import plain_parts
+
+UNPAINTED = (0.62, 0.65, 0.69, 1.0)  # a visual without a colour
+MOST_SHAPES, MOST_TRIANGLES = 5000, 1_000_000  # of all links together: a page with more hardly opens in a browser
+SHAPES = "<mesh>, <box>, <cylinder> and <sphere>"
+
+
+@dataclass(frozen=True, eq=False)
+class Body:
+    """A link that is shown.
+
+    Attributes:
+        name: of the link. frame: its index in the frames of the model.
+        parts: its solids, in the link's frame; at least one.
+        drawn: True: they are the URDF's visuals. False: they are made up from the link's bearings.
+    """
+
+    name: str
+    frame: int
+    parts: tuple[Part, ...]
+    drawn: bool
+
+
+def bodies(press: Linkage, joint_position: Array) -> tuple[Body, ...]:
+    """The links of a press as solids, in document order.
+
+    A link without `<visual>` is shown as bars between its bearings, a slide as a block, the frame as pedestals and rails. Links that
+    are fixed to others without having a bearing of their own are left out.
+
+    Args:
+        joint_position: (n, nv) of a motion [rad or m]: rails are as long as these travels.
+
+    Raises:
+        PinpressError: joint positions of wrong shape or not finite; a visual that is not finite or of no size, or whose mesh cannot be
+            read; more visuals or triangles than a page can show.
+    """
+    travel = _travel(press, joint_position)
+    robot = urdf.tree(press.file, press.text.decode("utf-8-sig").encode())
+    colours = _materials(robot)
+    drawn = _drawn(press.file, robot, colours)
+    made = plain_parts(press, travel, drawn.keys())
+    return tuple(
+        Body(name, press.model.getFrameId(name, pin.BODY), drawn.get(name) or made[name], name in drawn)
+        for name in press.links
+        if name in drawn or made.get(name)
+    )
+
+
+def _drawn(file: str, robot: Element, colours: Mapping[str, Array]) -> dict[str, tuple[Part, ...]]:
+    """The visuals of the links that have any, by their names; counted as they are read, so that too many never are in memory."""
+    drawn, shapes, triangles = {}, 0, 0
+    for link in robot.all("link"):
+        parts = []
+        for each in _visuals(file, link, colours):
+            parts.append(each)
+            shapes += 1
+            triangles += len(each.shape.faces) if isinstance(each.shape, Mesh) else 0
+            for count, most, what in ((shapes, MOST_SHAPES, "visuals"), (triangles, MOST_TRIANGLES, "triangles")):
+                if count > most:
+                    name = link.get("name")
+                    raise PinpressError(
+                        f"link {name!r}: with it there are more than {most} {what} to be drawn; leave some out, or give coarser meshes"
+                    )
+        if parts:
+            drawn[link.get("name")] = tuple(parts)
+    return drawn
+
+
+def _travel(press: Linkage, joint_position: Array) -> Array:
+    """(2, nv) lowest and highest positions of the joints [rad or m]."""
+    position = np.asarray(joint_position, dtype=float)
+    count = len(press.joints)
+    if position.ndim != 2 or position.shape[1] != count or len(position) == 0:
+        raise PinpressError(f"joint_position has shape {position.shape}: give (n, {count}), those of a motion of {press.name}")
+    if not np.isfinite(position).all():
+        raise PinpressError(f"joint_position is not finite in state {int(np.argmin(np.isfinite(position).all(axis=1)))}")
+    return np.array([position.min(axis=0), position.max(axis=0)])
+
+
+def _materials(robot: Element) -> dict[str, Array]:
+    """Colours by the names of materials: global ones first, then those that a visual brings along, as in Pinocchio."""
+    inside = (visual.all("material") for link in robot.all("link") for visual in link.all("visual"))
+    colours: dict[str, Array] = {}
+    for material in itertools.chain(robot.all("material"), *inside):
+        colour = _colour(material)
+        if material.get("name") and colour is not None:
+            colours.setdefault(material.get("name"), colour)
+    return colours
+
+
+def _colour(material: Element) -> Array | None:
+    for colour in material.all("color"):
+        if rgba := colour.numbers("rgba"):
+            return np.clip(rgba, 0.0, 1.0)
+    return None
+
+
+def _visuals(file: str, link: Element, colours: Mapping[str, Array]) -> Iterator[Part]:
+    for visual in link.all("visual"):
+        rgba = next((colours.get(m.get("name"), _colour(m)) for m in visual.all("material")), None)
+        placement = _placement(link.get("name"), visual)
+        for geometry in visual.all("geometry"):
+            for element in geometry.children:
+                yield part(_shape(file, link.get("name"), element), placement, UNPAINTED if rgba is None else rgba)
+
+
+def _placement(link: str, visual: Element) -> Array:
+    xyz, rpy = np.zeros(3), np.zeros(3)
+    for origin in visual.all("origin"):
+        xyz, rpy = (np.array(_numbers(link, origin, name, "0 0 0")) for name in ("xyz", "rpy"))
+    return np.array(pin.SE3(pin.rpy.rpyToMatrix(rpy), xyz).homogeneous)
+
+
+def _shape(file: str, link: str, element: Element) -> Shape:
+    sizes = partial(_sizes, link, element)
+    if element.tag == "box":
+        x, y, z = sizes("size")
+        return Box((x, y, z))
+    if element.tag == "cylinder":
+        return Cylinder(*sizes("radius"), *sizes("length"))
+    if element.tag == "sphere":
+        return Sphere(*sizes("radius"))
+    if element.tag == "mesh":
+        return mesh_files.read(file, link, element.get("filename"), _numbers(link, element, "scale", "1 1 1"))
+    raise PinpressError(f"link {link!r}: <{element.tag}> cannot be drawn; use {SHAPES}")
+
+
+def _sizes(link: str, element: Element, name: str) -> tuple[float, ...]:
+    numbers = _numbers(link, element, name)
+    if min(numbers) <= 0:
+        raise PinpressError(f"link {link!r}: <{element.tag}> has {name}={element.get(name)!r}; give sizes greater than 0, in metres")
+    return numbers
+
+
+def _numbers(link: str, element: Element, name: str, default: str | None = None) -> tuple[float, ...]:
+    if default is not None and name not in element.attributes:
+        return tuple(map(float, default.split()))
+    numbers = element.numbers(name)
+    if not numbers:
+        raise PinpressError(f"link {link!r}: <{element.tag}> has {name}={element.get(name)!r}; give finite numbers")
+    return numbers

@@ -1,0 +1,219 @@
+"""The skeleton of a linkage: where the links' bearings are in the drawn pose, for links to be drawn from."""
+
+from collections.abc import Callable, Collection, Mapping
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+import pinocchio as pin
+
+from ...common.arrays import Array
+from ...common.errors import PinpressError
+from ...engines.coordinates import data_of
+from ...linkage.linkage import Linkage
+from ...linkage.urdf import reader as urdf
+
+PARALLEL = 1e-6  # axes closer than this [rad] are drawn as parallel
+SAME = 1e-6  # of the size: points closer than this are drawn as one
+TOWARDS = np.array([0.1, -1.0, 0.5])  # from where one looks
+WIDTH, LEAST_WIDTH = 0.042, 0.03  # of a bar, of the size
+SLIDE = 0.15  # of the size: how far a slide reaches at most for its centre of mass
+SHORTEST = 0.5  # of the shortest link: the width of a bar, if that is between these
+
+
+@dataclass(frozen=True, eq=False)
+class Bearing:
+    """A joint or a cut loop in the drawn pose, world axes. Side 0 is the parent's or link1's, side 1 the child's or link2's.
+
+    Attributes:
+        kind: "pin", "ball" (in space alone: it turns about all axes), "guide" (it slides) or "weld".
+        links: that need plain shapes; None for a side whose link does not.
+        on_frame: whether a side is fixed to the frame.
+        points: (2, 3) [m]. axis: (3,) unit vector; of a ball and a weld in space it means nothing.
+        travel: lowest and highest position of a guide [m].
+    """
+
+    kind: str
+    links: tuple[str | None, str | None]
+    on_frame: tuple[bool, bool]
+    points: Array
+    axis: Array
+    travel: tuple[float, float]
+
+
+@dataclass(frozen=True, eq=False)
+class Skeleton:
+    """Bearings in the drawn pose, world axes.
+
+    Attributes:
+        links: that need plain shapes, in document order.
+        on_frame: those of them that are the frame, or fixed to it.
+        placements: link -> (4, 4) its frame.
+        normal: (3,) of a planar linkage, towards one who looks at it; None of one in space.
+        welded: link -> origin (3,) [m], at which it is welded to others, of links whose body has visuals that are not theirs.
+        masses: link -> centre of mass (3,) [m] and radii of gyration as a tensor (3, 3) [m2], of links with a mass.
+        size: of the linkage [m].
+    """
+
+    links: tuple[str, ...]
+    on_frame: frozenset[str]
+    placements: Mapping[str, Array]
+    bearings: tuple[Bearing, ...]
+    normal: Array | None
+    welded: Mapping[str, Array]
+    masses: Mapping[str, tuple[Array, Array]]
+    size: float
+
+    def ends(self, link: str) -> list[tuple[Bearing, int]]:
+        """The bearings of a link, and its side of them."""
+        return [(bearing, side) for bearing in self.bearings for side in (0, 1) if bearing.links[side] == link]
+
+    def nodes(self, link: str) -> Array:
+        """(k, 3) places that a link joins, flat in the plane of a planar linkage, each once; more than one if there is any other to go to.
+
+        A link all of whose bearings are in one place reaches for its centre of mass, a slide in that direction.
+        """
+        points = [bearing.points[side] for bearing, side in self.ends(link)] + ([self.welded[link]] if link in self.welded else [])
+        nodes = self._distinct(points)
+        if len(nodes) == 1 and link in self.masses:
+            away = self.flat(self.masses[link][0] - nodes[0])
+            distance = float(np.linalg.norm(away))
+            slides = any(bearing.kind == "guide" and side == 1 for bearing, side in self.ends(link))
+            if 0.02 * self.size < distance < 2 * self.size:
+                nodes = self._distinct([nodes[0], nodes[0] + away * min(1.0, SLIDE * self.size / distance if slides else 1.0)])
+        return nodes
+
+    def flat(self, points: Array) -> Array:
+        """Points without their heights along the normal."""
+        return points if self.normal is None else points - np.multiply.outer(points @ self.normal, self.normal)
+
+    def _distinct(self, points: list[Array]) -> Array:
+        kept: list[Array] = []
+        for point in map(self.flat, points):
+            if all(np.linalg.norm(point - other) > SAME * self.size for other in kept):
+                kept.append(point)
+        return np.array(kept).reshape(-1, 3)
+
+    @cached_property
+    def width(self) -> float:
+        """Of a bar [m]: in proportion to the size, less where links are short."""
+        lengths = [np.linalg.norm(b - a) for link in self.links if link not in self.on_frame for a, b in tree(self.nodes(link))]
+        return float(np.clip(SHORTEST * min(lengths, default=np.inf), LEAST_WIDTH * self.size, WIDTH * self.size))
+
+
+def tree(nodes: Array) -> list[tuple[Array, Array]]:
+    """The shortest set of lines between nodes (k, 3) that connects them all."""
+    found, reached, left = [], [0], list(range(1, len(nodes)))
+    while left:
+        i, j = min(((i, j) for i in reached for j in left), key=lambda pair: float(np.linalg.norm(nodes[pair[1]] - nodes[pair[0]])))
+        found.append((nodes[i], nodes[j]))
+        reached.append(j)
+        left.remove(j)
+    return found
+
+
+def skeleton(press: Linkage, travel: Array, drawn: Collection[str]) -> Skeleton:
+    """The skeleton of a press.
+
+    Links that are welded together are drawn as one, the first of them, unless one of them has visuals.
+
+    Args:
+        travel: (2, nv) lowest and highest positions of the joints [rad or m].
+        drawn: links that have visuals.
+
+    Raises:
+        PinpressError: the drawn pose is not finite.
+    """
+    model, data = press.model, data_of(press.model)
+    pin.framesForwardKinematics(model, data, pin.neutral(model))
+    frames = {link: model.getFrameId(link, pin.BODY) for link in press.links}
+    joint = {link: model.frames[frame].parentJoint for link, frame in frames.items()}
+    mixed = {joint[link] for link in press.links if link in drawn}
+    first: dict[int, str] = {}
+    for frame in model.frames:  # in the order of the tree
+        if frame.type == pin.BODY:
+            first.setdefault(frame.parentJoint, frame.name)
+
+    def owner(link: str) -> str | None:
+        if joint[link] not in mixed:
+            return first[joint[link]]
+        return None if link in drawn else link
+
+    bearings = _bearings(press, data, travel, owner, joint)
+    normal = _normal(bearings)
+    if normal is not None:
+        bearings = [
+            b if b.kind in ("pin", "guide") else replace(b, kind="pin" if b.kind == "ball" else b.kind, axis=normal) for b in bearings
+        ]
+    links = tuple(link for link in press.links if owner(link) == link)
+    placements = {link: np.array(data.oMf[frames[link]].homogeneous) for link in links}
+    welded = {link: placements[link][:3, 3] for link in links if joint[link] in mixed and link != press.root}
+    found = _masses(press, data, {link: joint[link] for link in links if joint[link] not in mixed | {0}})
+    points = np.concatenate([b.points for b in bearings])
+    if not np.isfinite(points).all():
+        raise PinpressError(f"the drawn pose of {press.name} is not finite: its model's joints have no place; load it again")
+    size = float(np.linalg.norm(np.ptp(points, axis=0)))
+    if size == 0:
+        reaches = (float(np.linalg.norm(centre - points[0]) + np.sqrt(np.trace(gyration) / 2)) for centre, gyration in found.values())
+        size = 4 * max(reaches, default=0.0) or 1.0
+    on_frame = frozenset(link for link in links if joint[link] == 0)
+    return _without_stubs(Skeleton(links, on_frame, placements, tuple(bearings), normal, welded, found, size))
+
+
+def _without_stubs(skeleton: Skeleton) -> Skeleton:
+    """Without links that are welded to one with visuals and go nowhere from there: that one stands for them."""
+    stubs = {link for link in skeleton.welded if len(skeleton.nodes(link)) < 2}
+
+    def kept(link: str | None) -> str | None:
+        return None if link in stubs else link
+
+    bearings = tuple(replace(bearing, links=(kept(bearing.links[0]), kept(bearing.links[1]))) for bearing in skeleton.bearings)
+    return replace(skeleton, links=tuple(link for link in skeleton.links if link not in stubs), bearings=bearings)
+
+
+def _bearings(press: Linkage, data: pin.Data, travel: Array, owner: Callable[[str], str | None], joint: Mapping[str, int]) -> list[Bearing]:
+    robot = urdf.tree(press.file, press.text.decode("utf-8-sig").encode())
+    description = urdf.describe(urdf.Document(press.file, press.text, robot))
+    between = {j.name: (j.parent, j.child) for j in description.joints}
+    between |= {loop.name: (loop.link1.link, loop.link2.link) for loop in description.loops}
+
+    def bearing(name: str, kind: str, points: list[Array], axis: Array, low: float, high: float) -> Bearing:
+        one, other = between[name]
+        return Bearing(kind, (owner(one), owner(other)), (joint[one] == 0, joint[other] == 0), np.array(points), axis, (low, high))
+
+    found = []
+    for j, name in enumerate(press.joints):
+        direction, turns = press.spatial.axes[j]
+        place, (low, high) = data.oMi[j + 1], travel[:, j].tolist()
+        found.append(bearing(name, "pin" if turns else "guide", [place.translation] * 2, place.rotation @ direction, low, high))
+    kinds = {"revolute": "pin", "spherical": "ball", "fixed": "weld"}
+    for loop in press.loops:
+        points = [data.oMi[loop.joint1].act(loop.point1), data.oMi[loop.joint2].act(loop.point2)]
+        found.append(bearing(loop.name, kinds[loop.type], points, data.oMi[loop.joint1].rotation @ loop.rotation1[:, 0], 0.0, 0.0))
+    return found
+
+
+def _normal(bearings: list[Bearing]) -> Array | None:
+    """Of the plane in which a linkage moves: its pins are parallel and its guides across."""
+    axes = {kind: [bearing.axis for bearing in bearings if bearing.kind == kind] for kind in ("pin", "guide")}
+    if not axes["pin"]:
+        return None
+    normal = axes["pin"][0]
+    if any(np.linalg.norm(np.cross(normal, axis)) > PARALLEL for axis in axes["pin"]):
+        return None
+    if any(abs(normal @ axis) > PARALLEL for axis in axes["guide"]):
+        return None
+    return -normal if normal @ TOWARDS < 0 else normal
+
+
+def _masses(press: Linkage, data: pin.Data, joint: Mapping[str, int]) -> dict[str, tuple[Array, Array]]:
+    found = {}
+    for link, j in joint.items():
+        body = press.model.inertias[j]
+        if body.mass > 0:
+            turned = data.oMi[j].rotation
+            with np.errstate(all="ignore"):
+                gyration = turned @ body.inertia @ turned.T / body.mass
+            if np.isfinite(gyration).all():  # a mass next to nothing
+                found[link] = (data.oMi[j].act(body.lever), gyration)
+    return found

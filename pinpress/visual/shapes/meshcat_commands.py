@@ -1,0 +1,138 @@
+"""Bodies and their motion as the commands that Meshcat's viewer takes."""
+
+import base64
+from collections.abc import Iterable, Iterator
+from typing import Any
+
+import numpy as np
+import pinocchio as pin
+
+from ...common.arrays import Array
+from ...common.errors import PinpressError
+from ...kinematics.poses import Poses
+from ...linkage.linkage import Linkage
+from ..pages import NO_MESHCAT
+from .appearance import Body
+from .solids import Box, Cylinder, Mesh, Shape
+
+LARGEST = float(np.finfo(np.float32).max)
+FLOATS, WHOLE_NUMBERS = 0x17, 0x16  # Meshcat's extension types of MessagePack: arrays of float32 and of uint32
+UPRIGHT = np.array([[1.0, 0, 0, 0], [0, 0, -1, 0], [0, 1, 0, 0], [0, 0, 0, 1]])  # three.js's cylinders lie along y, ours along z
+MOVES = 1e-9  # m, or of a quaternion: less is rest
+
+
+def body_poses(press: Linkage, at: Poses, frame: int) -> Array:
+    """Pose of a frame over the keys, (k, 7): position [m] and quaternion x, y, z, w in world axes."""
+    joint, placement = press.model.frames[frame].parentJoint, press.model.frames[frame].placement
+    poses = np.empty((at.position.shape[1], 7))
+    poses[:, :3] = at.points(joint, placement.translation)
+    for pose, rotation in zip(poses, at.rotation[joint] @ placement.rotation, strict=True):
+        pose[3:] = pin.Quaternion(rotation).coeffs()
+    # q and -q are one rotation, but interpolating between them would turn the link the long way round
+    flips = np.where(np.sum(poses[1:, 3:] * poses[:-1, 3:], axis=1) < 0, -1.0, 1.0)
+    poses[1:, 3:] *= np.cumprod(flips)[:, None]
+    return poses
+
+
+def moves(poses: Array) -> bool:
+    """Whether poses (k, 7) differ."""
+    return bool(np.any(np.ptp(poses, axis=0) > MOVES))
+
+
+def commands(bodies: Iterable[Body], poses: dict[str, Array], time: Array) -> Iterator[dict[str, Any]]:
+    """In the order in which the page handles them: the animation refers to groups, so it comes last.
+
+    Args:
+        poses: name of a body -> (k, 7), see `body_poses`. time: (k,) of the keys [s].
+
+    Raises:
+        PinpressError: a shape too large for single precision.
+    """
+    clips = []
+    for i, body in enumerate(bodies):
+        path, pose = f"/press/{i}", poses[body.name]  # by index: a link may have any name
+        yield _transform(path, pin.XYZQUATToSE3(pose[0]).homogeneous)
+        for j, part in enumerate(body.parts):
+            shape, turned = _geometry(part.shape)
+            _refuse_unseen([shape, part.placement], f"a visual of link {body.name!r}")
+            yield _object(f"{path}/{j}", shape, part.rgba)
+            yield _transform(f"{path}/{j}", part.placement @ turned)
+        if moves(pose):
+            tracks = [_track("position", "vector3", time, pose[:, :3]), _track("quaternion", "quaternion", time, pose[:, 3:])]
+            clips.append({"path": path, "clip": {"name": "default", "fps": 1, "tracks": tracks}})
+    yield {"type": "set_animation", "path": "", "animations": clips, "options": {"play": False, "repetitions": 1}}
+
+
+def pack(commands: Iterable[dict[str, Any]]) -> list[str]:
+    """Commands as the viewer takes them: MessagePack, in base64 for the page.
+
+    Raises:
+        PinpressError: Meshcat is not installed; a number beyond single precision, in which the viewer computes; times that it cannot tell
+            apart.
+    """
+    try:
+        import umsgpack
+    except ImportError as error:
+        raise PinpressError(NO_MESHCAT) from error
+
+    def extended(array: Array) -> Any:
+        if array.dtype.kind == "f":
+            with np.errstate(all="ignore"):  # what overflows was refused
+                return umsgpack.Ext(FLOATS, array.astype("<f4").tobytes())
+        return umsgpack.Ext(WHOLE_NUMBERS, array.astype("<u4").tobytes())
+
+    handlers, packed = {np.ndarray: extended}, []
+    for command in commands:
+        _refuse_unseen(command, command["path"] or "the motion")
+        packed.append(umsgpack.packb(command, force_float_precision="single", ext_handlers=handlers))
+    return [base64.b64encode(command).decode("ascii") for command in packed]
+
+
+def _refuse_unseen(value: Any, what: str) -> None:
+    """Raise PinpressError where a number of a command is none in single precision, or times of a motion are the same there."""
+    if isinstance(value, dict):
+        for name, part in value.items():
+            _refuse_unseen(part, {"times": "the time of the motion", "values": "a pose of the motion"}.get(name, what))
+        if "times" in value and not (np.diff(value["times"].astype("<f4")) > 0).all():
+            raise PinpressError(f"the times of the motion, up to {value['times'].max():g} s, are too near to each other to be shown")
+    elif isinstance(value, list):
+        for part in value:
+            _refuse_unseen(part, what)
+    elif isinstance(value, float | np.ndarray) and not (largest := float(np.abs(value).max(initial=0.0))) <= LARGEST:
+        raise PinpressError(f"{what} is {largest:g} large: a page shows numbers up to {LARGEST:.1g}; give smaller ones")
+
+
+def hexadecimal(rgba: Array) -> str:
+    """Red, green and blue as six hexadecimal digits."""
+    return "".join(f"{round(255 * c):02x}" for c in np.clip(rgba[:3], 0, 1).tolist())
+
+
+def _transform(path: str, matrix: Array) -> dict[str, Any]:
+    return {"type": "set_transform", "path": path, "matrix": matrix.T.ravel().tolist()}  # three.js stores columns
+
+
+def _track(name: str, kind: str, time: Array, values: Array) -> dict[str, Any]:
+    return {"name": f".{name}", "type": kind, "times": time, "values": values.ravel()}
+
+
+def _object(path: str, shape: dict[str, Any], rgba: Array) -> dict[str, Any]:
+    colour, alpha = int(hexadecimal(rgba), 16), float(rgba[3])
+    material = {"uuid": "m", "type": "MeshPhongMaterial", "color": colour, "opacity": alpha, "transparent": alpha < 1}
+    material |= {"specular": 0x303030, "shininess": 25, "flatShading": shape["type"] == "BufferGeometry"}
+    mesh = {"uuid": "o", "type": "Mesh", "geometry": "g", "material": "m"}
+    body = {"metadata": {"version": 4.5, "type": "Object"}, "geometries": [shape | {"uuid": "g"}], "materials": [material], "object": mesh}
+    return {"type": "set_object", "path": path, "object": body}
+
+
+def _geometry(shape: Shape) -> tuple[dict[str, Any], Array]:
+    """A shape for three.js, and the rotation from three.js's axes to ours."""
+    if isinstance(shape, Box):
+        return dict(zip(("type", "width", "height", "depth"), ("BoxGeometry", *shape.size), strict=True)), np.eye(4)
+    if isinstance(shape, Mesh):
+        attributes = {"position": {"itemSize": 3, "type": "Float32Array", "array": shape.vertices.ravel(), "normalized": False}}
+        index = {"itemSize": 1, "type": "Uint32Array", "array": shape.faces.ravel(), "normalized": False}
+        return {"type": "BufferGeometry", "data": {"attributes": attributes, "index": index}}, np.eye(4)
+    if isinstance(shape, Cylinder):
+        body = {"type": "CylinderGeometry", "radiusTop": shape.radius, "radiusBottom": shape.radius, "height": shape.length}
+        return body | {"radialSegments": 64}, UPRIGHT
+    return {"type": "SphereGeometry", "radius": shape.radius, "widthSegments": 48, "heightSegments": 32}, np.eye(4)

@@ -1,0 +1,75 @@
+"""The solids that links are drawn with."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...common.arrays import Array
+
+
+@dataclass(frozen=True)
+class Box:
+    """A box about its own origin; size along x, y, z [m]."""
+
+    size: tuple[float, float, float]
+
+
+@dataclass(frozen=True)
+class Cylinder:
+    """A cylinder about its own origin, along z [m]."""
+
+    radius: float
+    length: float
+
+
+@dataclass(frozen=True)
+class Sphere:
+    """A sphere about its own origin [m]."""
+
+    radius: float
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Mesh:
+    """Triangles: vertices (n, 3) [m], and faces (m, 3), whose corners are vertices, anticlockwise seen from outside. Read-only."""
+
+    vertices: Array
+    faces: NDArray[np.int64]
+
+    def __repr__(self) -> str:
+        return f"<Mesh: {len(self.vertices)} vertices, {len(self.faces)} faces>"
+
+
+Shape = Box | Cylinder | Sphere | Mesh
+
+
+@dataclass(frozen=True, eq=False)
+class Part:
+    """A solid on a link, in a colour. Arrays are read-only.
+
+    Attributes:
+        placement: (4, 4) of the solid in the link's frame [m].
+        rgba: (4,) red, green, blue and opacity, from 0 to 1.
+    """
+
+    shape: Shape
+    placement: Array
+    rgba: Array
+
+
+def part(shape: Shape, placement: Array, rgba: Array | tuple[float, ...]) -> Part:
+    """A part with arrays of its own."""
+    arrays = np.array(placement, dtype=float), np.array(rgba, dtype=float)
+    for array in arrays:
+        array.setflags(write=False)
+    return Part(shape, *arrays)
+
+
+@dataclass(frozen=True, eq=False)
+class Solid:
+    """A solid of a link that is made up, in world axes in the drawn pose: placement (4, 4) [m], and whether it is a pin, not the link."""
+
+    shape: Shape
+    placement: Array
+    steel: bool = False
