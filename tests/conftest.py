@@ -11,9 +11,9 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from exploring import EXPLORE, FIXED
 from hypothesis import settings
-from in_browser import FLAGS, wait
+from support.exploring import EXPLORE, FIXED
+from support.in_browser import FLAGS, wait
 
 settings.load_profile(FIXED)
 

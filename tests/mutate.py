@@ -29,7 +29,7 @@ from typing import Any
 
 import pytest
 
-ROOT = Path(__file__).resolve().parent.parent
+ROOT = Path(__file__).resolve().parents[1]
 KEPT = ROOT / "out" / "mutation"
 CORE = [
     *("angles", "branch", "closing", "closure", "constraints", "coordinates", "dead_centres", "dynamics", "forces", "freedom", "linkage"),
@@ -244,7 +244,7 @@ def measured() -> Reach:
 
 
 def files_of_tests() -> list[str]:
-    return [str(path.relative_to(ROOT)) for path in sorted(ROOT.glob("tests/test_*.py")) if path.stem[5:] not in LEFT_OUT]
+    return [str(path.relative_to(ROOT)) for path in sorted(ROOT.glob("tests/*/test_*.py")) if path.stem[5:] not in LEFT_OUT]
 
 
 def measure(to: Path) -> None:

@@ -1,0 +1,383 @@
+"""What `accuracy` measures: errors that fall as their methods' orders say, references that are what they claim, problems said as such.
+
+Times are not judged: they are the machine's.
+"""
+
+import csv
+import dataclasses
+import importlib.util
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+from support import texts
+from support.generators import small_linkages, spatial_linkages
+
+import pinpress as pp
+from pinpress.accuracy import measurements, peers, work_precision
+from pinpress.accuracy import scenes as accuracy_scenes
+from pinpress.accuracy import simulation as accuracy_simulation
+from pinpress.accuracy.contestants import Contestant, Errors
+from pinpress.accuracy.contestants import measured as measured_of
+from pinpress.accuracy.measurements import CLUTCH, DIE, FREE_RUN, GROUPS, INVERSE_DYNAMICS, PROXIMAL, SPEED_LAW, TABLE
+from pinpress.accuracy.peers.six_bar_equation import INTEGRATORS, SixBarEquation
+from pinpress.cli.main import main
+
+SPEED = 70 * pp.RPM
+PUBLISHED = Path(__file__).resolve().parents[2] / "viz" / "accuracy.csv"
+
+
+@pytest.fixture(scope="module")
+def alone():
+    """Without peers: they have their own tests, and take longer than all else."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(peers, "find", lambda press: ((), ("some peer is skipped: not installed",)))
+        patch.setattr(peers, "solvers", lambda press: ((), ()))
+        yield
+
+
+@pytest.fixture(scope="module")
+def told():
+    return []
+
+
+@pytest.fixture(scope="module")
+def measured(alone, told):
+    return pp.accuracy.accuracy(texts.shipped("zxn2_3000b"), SPEED, points=36, repeats=1, scenes=[FREE_RUN], progress=told.append)
+
+
+def test_all_groups_are_measured(measured, told):
+    assert tuple(dict.fromkeys(m.group for m in measured.measurements)) == (INVERSE_DYNAMICS, FREE_RUN, PROXIMAL, TABLE)
+    assert measured.skipped == ("some peer is skipped: not installed",)
+    assert all(m.seconds > 0 for m in measured.measurements)
+    assert told == sorted(told)
+    assert told[-1] == pytest.approx(1.0)
+
+
+def test_references_are_certified(measured):
+    """Two independent methods each: the engines, constraint and reduced dynamics, null space and reduced equation, table and linkage."""
+    assert set(measured.certificates) == set(measured.certified_by) == {INVERSE_DYNAMICS, FREE_RUN, PROXIMAL, TABLE}
+    bounds = {INVERSE_DYNAMICS: 1e-13, FREE_RUN: 1e-11, PROXIMAL: 1e-10, TABLE: 1e-13}  # three times and more what is found
+    for group, bound in bounds.items():
+        assert 0 < measured.certificates[group] < bound
+    for m in measured.measurements:  # nothing is said to be known better than that
+        assert m.group not in (FREE_RUN, PROXIMAL) or m.error is None or m.error >= measured.certificates[m.group]
+
+
+def test_inverse_dynamics(measured):
+    rows = measured.of(INVERSE_DYNAMICS)
+    assert [row.method for row in rows] == ["plane", "pinocchio"]
+    for row in rows:
+        assert row.error < 1e-13
+        assert row.force_error < 1e-13
+        assert row.loop_gap < 1e-14
+        assert row.energy_error < 1e-14
+        assert row.evaluations == 36
+
+
+def test_the_published_errors_are_still_so(measured):
+    """Those of `viz/accuracy.csv`, of which tables and picture of docs/accuracy.md are made: within a factor of three, but for rounding."""
+    with open(PUBLISHED, newline="", encoding="utf-8") as file:
+        published = {(row["method"], row["setting"]): row for row in csv.DictReader(file) if row["group"] in (FREE_RUN, TABLE)}
+    rounding = {"error": 1e-11, "force_error": 1e-11}
+    for group in (FREE_RUN, TABLE):
+        for m in measured.of(group):
+            row = published[m.method, m.setting]
+            for name, least in rounding.items():
+                found, said = getattr(m, name), row[name]
+                if found is not None and max(found, float(said)) > least:
+                    assert 1 / 3 < found / float(said) < 3, (m.method, m.setting, name)
+
+
+@pytest.mark.parametrize("method", ["reduced", "constraint"])
+def test_fixed_steps_converge_with_order_four(measured, method):
+    rows = measured.of(FREE_RUN, f"{method}, Runge-Kutta 4")
+    for quantity in ("error", "force_error", "energy_error"):
+        errors = np.array([getattr(row, quantity) for row in rows[:3]])
+        orders = np.log2(errors[:-1] / errors[1:])
+        assert (orders > 3.5).all(), quantity
+        assert orders.mean() < 7.0, quantity  # of `reduced` errors change their sign on the way
+    assert rows[0].number == pytest.approx(2 * rows[1].number)
+    assert rows[1].evaluations == pytest.approx(2 * rows[0].evaluations, rel=0.01)
+
+
+def test_tolerances_are_kept(measured):
+    """The error falls with the tolerance, and is at most a thousand tolerances."""
+    for method in ("reduced", "constraint"):
+        rows = measured.of(FREE_RUN, method)
+        assert all(row.error <= max(1e3 * row.number, measured.certificates[FREE_RUN]) for row in rows)
+    rows = measured.of(FREE_RUN, "constraint")
+    assert rows[0].error > 1e4 * rows[-1].error
+    assert rows[0].evaluations < rows[-1].evaluations
+    assert all(row.loop_gap < 1e-14 for row in measured.of(FREE_RUN))
+
+
+def test_the_default_is_as_exact_as_any(measured):
+    """That it is the fastest of these too is what `pinpress accuracy` prints; a time is no thing to assert."""
+    default = measured.of(FREE_RUN, "reduced")[0]
+    others = [row for row in measured.of(FREE_RUN) if row.method.startswith("constraint")]
+    assert default.error <= min(row.error for row in others)
+    assert default.error <= 1e-12
+
+
+def test_a_tolerance_that_changes_nothing_is_one_row(measured):
+    """Over the crank angle the table's panels resolve a free run to rounding: the loosest tolerance and the tightest are the same run."""
+    (row,) = measured.of(FREE_RUN, "reduced")
+    assert row.setting == "any tolerance"
+    assert row.error <= 1e-12
+
+
+@pytest.mark.parametrize("group", [CLUTCH, DIE, pytest.param(SPEED_LAW, marks=pytest.mark.exhaustive)])
+def test_scenes_at_work(group):
+    """All joints and the reduced equation agree on the end, and so does SciPy on the closed form, which shares no code with them."""
+    press = texts.shipped("zxn2_3000b")
+    scene = accuracy_scenes.build(press, group, SPEED, 1360.0, 4 * math.pi / SPEED)
+    contest = accuracy_simulation.contest(press, scene, (), [SixBarEquation(name, balanced=False) for name in INTEGRATORS])
+    assert contest.group == group
+    assert contest.certificate < 1e-11
+    works = {(entry.method, entry.setting): entry for entry in contest.contestants}
+    integrator = "LSODA" if group == SPEED_LAW else "DOP853"
+    for method, setting, bound in (
+        ("reduced", "tolerance 1e-11", 1e-10),
+        (f"SciPy {integrator}, closed form", "tolerance 1e-10", 5e-9),
+    ):
+        errors = works[method, setting].errors(works[method, setting].work())
+        assert errors.error < bound
+        assert errors.force_error < bound
+    assert any("fixed steps are left out" in line for line in contest.skipped) == (group == SPEED_LAW)
+
+
+@pytest.mark.parametrize("tolerance", [1e-6, 1e-10])
+def test_a_clutch_is_not_stiff(tolerance):
+    """Implicit steps, tried where nothing is stiff, took up to twice the evaluations of the whole run."""
+    press = texts.shipped("zxn2_3000b")
+    scene = accuracy_scenes.build(press, CLUTCH, SPEED, 1360.0, 4 * math.pi / SPEED)
+    run = pp.simulate(
+        press, scene.duration, 0.0, scene.angle, scene.drive, scene.flywheel, scene.loads, clutch=scene.clutch, tolerance=tolerance
+    )
+    assert run.stats.solvers == ("explicit",)
+
+
+@pytest.mark.exhaustive
+@pytest.mark.parametrize("group", [CLUTCH, DIE, SPEED_LAW])
+def test_tolerances_of_scenes_at_work(alone, group):
+    press = texts.shipped("zxn2_3000b")
+    measured = pp.accuracy.accuracy(press, SPEED, points=12, repeats=1, scenes=[group])
+    for row in measured.of(group):
+        assert row.error is not None, (row.method, row.setting, row.problem)
+        if row.setting.startswith("tolerance"):
+            assert row.error <= max(1e4 * row.number, measured.certificates[group]), (row.method, row.setting)
+    default = next(row for row in measured.of(group, "reduced") if row.number == 1e-11)
+    assert default.error < 1e-10
+
+
+def test_proximal_settings(measured):
+    """Without mu nothing finite; with one iteration an error that grows as mu; the setting of method constraint as exact as any."""
+    by = {(m.method, m.number): m for m in measured.of(PROXIMAL)}
+    assert by["1 iteration", 0.0].error is None
+    assert by["1 iteration", 0.0].problem == "not finite"
+    assert by["1 iteration", 1e-8].error == pytest.approx(10 * by["1 iteration", 1e-9].error, rel=0.02)
+    assert by["1 iteration", 1e-8].force_error == pytest.approx(10 * by["1 iteration", 1e-9].force_error, rel=0.02)
+    assert by["5 iterations", 1e-2].error > 0.1
+    (chosen,) = measured.of(PROXIMAL, "as chosen")
+    assert chosen.error == measured.certificates[PROXIMAL]
+    assert chosen.force_error < 1e-13
+
+
+def test_the_table_converges_faster_than_any_power(measured):
+    rows = measured.of(TABLE, "reduced")
+    errors = {row.evaluations: row.error for row in rows}
+    assert errors[14] > 0.01
+    assert errors[56] < 1e-6
+    assert errors[224] < 1e-13
+    (chosen,) = measured.of(TABLE, "reduced, as many as resolve it")
+    assert chosen.error < 1e-13
+
+
+def test_fastest(measured):
+    rows = measured.fastest(FREE_RUN, 1e-6)
+    assert [row.seconds for row in rows] == sorted(row.seconds for row in rows)
+    assert len({row.method for row in rows}) == len(rows)
+    assert all(row.error <= 1e-6 for row in rows)
+    assert measured.fastest(FREE_RUN, 0.0) == ()
+
+
+def test_text(measured):
+    text = str(measured)
+    assert all(m.method in text for m in measured.measurements)
+    assert "not finite" in text
+    assert "some peer is skipped" in text
+    assert "null-space accelerations and the reduced equation agree to" in text
+    assert max(map(len, text.split("\n"))) <= 140
+
+
+def test_csv_and_frame(measured, tmp_path):
+    measured.to_csv(tmp_path / "accuracy.csv")
+    with open(tmp_path / "accuracy.csv", newline="", encoding="utf-8") as file:
+        rows = list(csv.DictReader(file))
+    assert len(rows) == len(measured.measurements)
+    for row, m in zip(rows, measured.measurements, strict=True):
+        assert float(row["seconds [s]"]) == m.seconds
+        assert (float(row["error"]) if row["error"] else None) == m.error
+        assert row["method"] == m.method
+    pytest.importorskip("pandas")
+    frame = measured.to_frame()
+    assert list(frame.columns) == list(measured.columns())
+    assert len(frame) == len(rows)
+    with pytest.raises(pp.PinpressError, match=r"accuracy\.csv"):
+        measured.to_csv(tmp_path / "none" / "accuracy.csv")
+
+
+def test_plot(measured):
+    pytest.importorskip("matplotlib")
+    figure = pp.accuracy.plot_accuracy(measured)
+    inverse, angle, clutch, die, law, gap, proximal, table = figure.axes
+    assert len(angle.lines) == len({m.method for m in measured.of(FREE_RUN)}) + 1  # what the reference is known to
+    constraint = measured.of(FREE_RUN, "constraint")
+    assert any(np.array_equal(line.get_ydata(), [m.error for m in constraint]) for line in angle.lines)
+    assert any(np.array_equal(line.get_ydata(), [m.loop_gap for m in constraint]) for line in gap.lines)
+    assert not any(axes.lines for axes in (clutch, die, law))  # not asked for
+    for axes in (inverse, angle, gap, proximal, table):
+        assert axes.get_xscale() == axes.get_yscale() == "log"
+    with pytest.raises(pp.PinpressError, match="accuracy"):
+        pp.accuracy.plot_accuracy(None)
+
+
+def test_a_problem_is_said():
+    """A contestant that raises, or whose answer is not finite, is timed, and has a problem in place of an error."""
+
+    def fails():
+        raise pp.SimulationError("the press stalls: it comes to rest", 0.1, 0.2)
+
+    entries = [
+        Contestant(FREE_RUN, "raises", "", None, fails, lambda answer: Errors(0.0)),
+        Contestant(FREE_RUN, "is not finite", "", None, lambda: math.nan, lambda answer: Errors(answer, math.inf, 1.0)),
+        Contestant(FREE_RUN, "is right", "", None, lambda: 0.0, lambda answer: Errors(answer)),
+    ]
+    raised, wild, right = measured_of(entries, repeats=1, done=lambda: None)
+    assert (raised.error, raised.problem) == (None, "the press stalls")
+    assert (wild.error, wild.force_error, wild.loop_gap, wild.problem) == (None, None, 1.0, "not finite")
+    assert (right.error, right.problem) == (0.0, "")
+    assert min(raised.seconds, wild.seconds, right.seconds) > 0
+
+
+@pytest.mark.exhaustive
+def test_a_spatial_linkage(alone, tmp_path):
+    """One engine alone: its torque gives the accelerations back under forward dynamics. Bennett's linkage has redundant rows in space."""
+    file = tmp_path / "bennett.urdf"
+    file.write_text(spatial_linkages.bennett(), encoding="utf-8")
+    measured = pp.accuracy.accuracy(pp.load(file), 10.0, duration=0.05, points=12, repeats=1, scenes=[FREE_RUN, DIE])
+    assert not measured.of(DIE)  # it has no slide
+    assert any(line.startswith("elastic die is skipped") for line in measured.skipped)
+    assert [row.method for row in measured.of(INVERSE_DYNAMICS)] == ["pinocchio"]
+    assert measured.certified_by[INVERSE_DYNAMICS] == "torque and forward dynamics under it"
+    assert measured.certificates[INVERSE_DYNAMICS] < 1e-12
+    assert measured.certificates[FREE_RUN] < 1e-10
+    assert all(row.error < 1e-11 for row in measured.of(FREE_RUN, "reduced"))
+
+
+@pytest.mark.exhaustive
+def test_loops_that_hold_each_other(alone):
+    """Proximal settings are skipped with a line; all else is measured."""
+    measured = pp.accuracy.accuracy(
+        texts.shipped("jf75g_125_two_point"), 300 * pp.RPM, duration=0.05, points=12, repeats=1, scenes=[FREE_RUN]
+    )
+    assert not measured.of(PROXIMAL)
+    assert PROXIMAL not in measured.certificates
+    assert any("proximal settings are skipped" in line for line in measured.skipped)
+    assert measured.certificates[FREE_RUN] < 1e-10
+
+
+@pytest.mark.parametrize(
+    ("arguments", "problem"),
+    [
+        ({"speed": 0.0}, "speed is 0"),
+        ({"speed": math.nan}, "speed"),
+        ({"points": 1}, "points"),
+        ({"points": 2.5}, "points"),
+        ({"repeats": 0}, "repeats"),
+        ({"repeats": True}, "repeats"),
+        ({"scenes": ["dancing"]}, "scenes"),
+        ({"scenes": FREE_RUN}, "scenes"),
+        ({"duration": -1.0}, "duration"),
+        ({"flywheel": 500.0}, "flywheel"),
+        ({"press": "zxn2_3000b"}, "press"),
+    ],
+)
+def test_wrong_arguments(alone, arguments, problem):
+    given = {"press": texts.shipped("crank_slide"), "speed": SPEED} | arguments
+    with pytest.raises(pp.PinpressError, match=problem):
+        pp.accuracy.accuracy(**given)
+
+
+def test_several_drivers(tmp_path):
+    with pytest.raises(pp.PinpressError, match="2 drivers"):
+        pp.accuracy.accuracy(small_linkages.two_cranks(tmp_path), SPEED)
+
+
+def test_measurements_are_plain_values(measured):
+    for m in measured.measurements:
+        for field in dataclasses.fields(m):
+            assert isinstance(getattr(m, field.name), str | float | int | None), field.name
+    assert set(measurements.UNITS) == set(GROUPS)
+
+
+@pytest.mark.exhaustive
+def test_command(alone, capsys, tmp_path):
+    """What is asked for is measured and written."""
+    out = tmp_path / "made" / "out"
+    words = [
+        "crank_slide",
+        "--speed",
+        "-300",
+        "--points",
+        "12",
+        "--repeats",
+        "1",
+        "--flywheel",
+        "2.5",
+        "--duration",
+        "0.02",
+        "--scene",
+        "free run",
+        "--out",
+        str(out),
+    ]
+    assert main(["accuracy", *words]) == 0
+    said = capsys.readouterr().out
+    assert "crank_slide: -300 r/min; runs of 0.02 s with a flywheel of 2.5 kg m2" in said
+    assert "some peer is skipped" in said
+    assert f"wrote {out / 'accuracy.csv'} and {out / 'accuracy.png'}" in said
+    assert (out / "accuracy.png").stat().st_size > 50_000
+    with open(out / "accuracy.csv", newline="", encoding="utf-8") as file:
+        assert {row["group"] for row in csv.DictReader(file)} == set(GROUPS) - {CLUTCH, DIE, SPEED_LAW}
+
+
+def test_command_without_matplotlib(measured, capsys, tmp_path, monkeypatch):
+    """The table is written all the same; `test_command` is the one that measures."""
+    monkeypatch.setattr(work_precision, "accuracy", lambda *given: measured)
+    find = importlib.util.find_spec
+    monkeypatch.setattr(importlib.util, "find_spec", lambda name, *more: None if name == "matplotlib" else find(name, *more))
+    words = ["crank_slide", "--speed", "300", "--points", "12", "--repeats", "1", "--duration", "0.02", "--out", str(tmp_path)]
+    assert main(["accuracy", *words]) == 0
+    assert "accuracy.png is left out: plots need Matplotlib" in capsys.readouterr().out
+    assert [path.name for path in tmp_path.iterdir()] == ["accuracy.csv"]
+
+
+@pytest.mark.parametrize(
+    ("words", "says"),
+    [
+        (["zxn2", "--speed", "70"], "zxn2_3000b"),
+        (["zxn2_3000b", "--speed", "0"], "speed is 0"),
+        (["zxn2_3000b", "--speed", "70", "--repeats", "0"], "repeats is 0"),
+        (["zxn2_3000b", "--speed", "70", "--flywheel", "much"], "much"),
+        (["zxn2_3000b", "--speed", "70", "--out", "README.md"], "README.md"),
+    ],
+)
+def test_command_refuses(alone, capsys, words, says):
+    assert main(["accuracy", *words]) == 2
+    error = capsys.readouterr().err
+    assert says in error
+    assert error.startswith("pinpress: ")
+    assert error.count("\n") == 1

@@ -1,0 +1,83 @@
+"""Curves between two measures: their ends, their shape, and their picture."""
+
+import numpy as np
+import pytest
+from support import texts
+
+import pinpress as pp
+
+X, Z, MASS = pp.balancing.Range("shaking_force", "x"), pp.balancing.Range("shaking_force", "z"), pp.balancing.AddedMass()
+ROOMS = [pp.balancing.Room("crank", radius=0.3), pp.balancing.Room("rocker", radius=0.6), pp.balancing.Room("rod", radius=0.3)]
+PRESS = texts.shipped("zxn2_3000b")
+MOTION = pp.cycle(PRESS, speed=70 * pp.RPM, points=90)
+
+
+@pytest.fixture(scope="module")
+def forces():
+    return pp.balancing.trade_off(PRESS, MOTION, ROOMS, X, Z, {MASS: 661.0}, points=7)
+
+
+@pytest.fixture(scope="module")
+def weight():
+    return pp.balancing.trade_off(PRESS, MOTION, ROOMS, X, MASS, points=5)
+
+
+def test_ends_are_the_best_of_either_measure(forces):
+    before = np.array([measure.value(pp.inverse_dynamics(PRESS, MOTION, bearings=())) for measure in (X, Z)])
+    for end, measure, k in ((0, X, 0), (-1, Z, 1)):
+        best = pp.balancing.balance(PRESS, MOTION, ROOMS, measure, {MASS: 661.0})
+        assert forces.values[end, k] == pytest.approx(best.value, abs=3e-7 * before[k])  # 1e-7 is given for the other, 1e-6 a moving mass
+
+
+def test_no_design_is_better_in_both_and_the_curve_is_convex(forces, weight):
+    """The measures are convex, so that between two designs a mixture of both is at least as good."""
+    for curve in (forces, weight):
+        first, second = curve.values.T
+        assert np.all(np.diff(first) > 0)
+        assert np.all(np.diff(second) < 0)
+        slopes = np.diff(first) / np.diff(second)
+        assert np.all(np.diff(slopes) <= 1e-6 * np.abs(slopes).max())
+
+
+def test_designs_are_presses_with_those_values(forces, weight):
+    for curve, design, value in ((forces, forces.designs[3], forces.values[3]), (weight, weight.designs[1], weight.values[1])):
+        shaking = pp.inverse_dynamics(design.press, MOTION, bearings=())
+        assert X.value(shaking) == pytest.approx(value[0], rel=1e-9)
+        assert (design.added_mass if curve is weight else Z.value(shaking)) == pytest.approx(value[1], rel=1e-9)
+
+
+def test_the_lightest_end_is_the_press_as_it_is(weight):
+    assert weight.values[-1, 1] == 0.0
+    assert weight.designs[-1].counterweights == ()
+
+
+def test_limits_hold_along_the_curve():
+    torque = pp.balancing.Range("driving_torque")
+    limit = 1.0 * torque.value(pp.inverse_dynamics(PRESS, MOTION, bearings=()))
+    curve = pp.balancing.trade_off(PRESS, MOTION, ROOMS[:2], Z, MASS, {torque: limit, MASS: 300.0}, points=3)
+    for design in curve.designs:
+        outcome = next(outcome for outcome in design.outcomes if outcome.measure == torque)
+        assert outcome.after <= limit * (1 + 1e-9)
+
+
+def test_curves_of_the_same_measures_share_a_panel(forces, weight):
+    figure = pp.plots.plot_trade_offs({"661 kg": forces, "again": forces, "light": weight})
+    shared, alone = figure.axes
+    assert len(shared.lines) == 3  # and the press before balancing
+    assert [text.get_text() for text in shared.get_legend().get_texts()] == ["661 kg", "again"]
+    assert shared.get_xlabel() == "range of the shaking force, z [kN]"
+    assert alone.get_xlabel() == "added mass [kg]"
+    np.testing.assert_allclose(alone.lines[0].get_xdata(), weight.values[:, 1])
+    np.testing.assert_allclose(alone.lines[0].get_ydata(), 1e-3 * weight.values[:, 0])
+    assert alone.lines[1].get_ydata()[0] == pytest.approx(1e-3 * weight.designs[0].outcomes[0].before)
+
+
+def test_what_is_no_curve_is_refused():
+    with pytest.raises(pp.PinpressError, match="both measures are the range of the shaking force, x: give two"):
+        pp.balancing.trade_off(PRESS, MOTION, ROOMS, X, X)
+    with pytest.raises(pp.PinpressError, match="whole number from 2"):
+        pp.balancing.trade_off(PRESS, MOTION, ROOMS, X, Z, points=1)
+    with pytest.raises(pp.PinpressError, match="no measure"):
+        pp.balancing.trade_off(PRESS, MOTION, ROOMS, X, "z")
+    with pytest.raises(pp.PinpressError, match="no curve"):
+        pp.plots.plot_trade_offs({})

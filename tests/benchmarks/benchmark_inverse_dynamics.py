@@ -1,0 +1,247 @@
+"""Inverse dynamics of the ZXN2-3000(B) press at 70 r/min: pinpress beside a hand-written script and a plain Pinocchio loop; then of every
+shipped press, and of scenes with springs and friction.
+
+Run `python tests/benchmarks/benchmark_inverse_dynamics.py`; `--quick` for a fifth of the repeats. pytest does not collect this file.
+Every contestant starts from crank angles and the loaded press and ends with the driving torque and the force of every pin and
+guide as arrays. Contestants take turns within each repeat, so that whatever else the machine does meets all of them.
+"""
+
+from __future__ import annotations
+
+import argparse
+import ctypes
+import gc
+import os
+import platform
+import statistics
+import subprocess
+import sys
+import time
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pinocchio as pin
+from support.oracles.pinocchio_loop import PinocchioLoop, inverse_dynamics
+
+ROOT = Path(__file__).resolve().parents[2]
+sys.path.insert(0, str(ROOT))
+from pinpress.accuracy.peers.six_bar_script import Array, six_bar, world_forces  # noqa: E402
+
+SPEED = 70 * 2 * np.pi / 60  # [rad/s]
+TURN = 0.02  # seconds
+SUBSET = 720  # angles that the per-angle loop is timed on where the whole turn has more
+REPEATS = {360: 60, 36000: 15}
+
+Forces = dict[str, Array]
+# Name, number of angles timed, the work, and what takes torque and forces out of the work's result.
+Contestant = tuple[str, int, Callable[[], Any], Callable[[Any], tuple[Array, Forces]]]
+
+
+def contestants(n: int) -> list[Contestant]:
+    """Everything that is timed at n crank angles of one turn at constant speed."""
+    theta1 = 2 * np.pi * np.arange(n) / n
+    some = theta1[:SUBSET]
+    loop = PinocchioLoop()
+    found: list[Contestant] = [
+        ("(a) hand script, NumPy", n, lambda: six_bar(theta1, SPEED, 0.0), lambda r: (r["tau"], world_forces(r))),
+        (
+            "(b) Pinocchio loop" + (f", first {SUBSET} angles" if n > SUBSET else ""),
+            some.size,
+            lambda: inverse_dynamics(some, SPEED, 0.0, loop),
+            lambda r: (r["tau"], {name: force for name, force in r.items() if name != "tau"}),
+        ),
+    ]
+    try:
+        import pinpress as pp
+
+        load, cycle, solve, rpm = pp.load, pp.cycle, pp.inverse_dynamics, pp.RPM
+    except (ImportError, AttributeError) as error:
+        print(f"pinpress is left out: {error}")
+        return found
+    press = load(ROOT / "urdf" / "zxn2_3000b.urdf")
+
+    def pinpress(engine: str, where: dict[str, str]) -> tuple[Array, Forces, Forces]:
+        motion = cycle(press, speed=70 * rpm, points=n, **where)
+        result = solve(press, motion, engine=engine)
+        forces = {name: result.bearing_force[name] for name in press.bearings}
+        moments = {name: result.bearing_moment[name] for name in press.bearings}
+        return result.driving_torque, forces, moments
+
+    found.append(("(c) pinpress, plane", n, lambda: pinpress("plane", {}), lambda r: r[:2]))
+    if n <= SUBSET:
+        found.append(("(d) pinpress, pinocchio", n, lambda: pinpress("pinocchio", {"engine": "pinocchio"}), lambda r: r[:2]))
+    return found
+
+
+def timed(entries: list[Contestant], repeats: int) -> list[list[float]]:
+    """Seconds per call of every contestant in turn, again and again, with the garbage collector off.
+
+    A turn is as many calls as fill about `TURN` seconds: the first call after another contestant finds its data and code evicted.
+    """
+    calls = []
+    for _, _, work, _ in entries:
+        work()
+        start = time.perf_counter()
+        work()
+        calls.append(max(1, round(TURN / (time.perf_counter() - start))))
+    seconds: list[list[float]] = [[] for _ in entries]
+    gc.collect()
+    gc.disable()
+    try:
+        for _ in range(repeats):
+            for (_, _, work, _), count, row in zip(entries, calls, seconds, strict=True):
+                start = time.perf_counter()
+                for _ in range(count):
+                    work()
+                row.append((time.perf_counter() - start) / count)
+    finally:
+        gc.enable()
+    return seconds
+
+
+def errors(entries: list[Contestant]) -> list[tuple[float, float]]:
+    """Largest error of the torque and of any bearing force against the first contestant, each relative to its own peak.
+
+    A bearing's error is the length of the difference of the force vectors at the same angle, its peak its largest force.
+    """
+    answers = [answer(work()) for _, _, work, answer in entries]
+    torque0, forces0 = answers[0]
+    found = []
+    for torque, forces in answers:
+        if set(forces) != set(forces0):
+            raise SystemExit(f"bearings differ: {sorted(forces)} and {sorted(forces0)}")
+        torque_error = np.abs(torque - torque0[: torque.size]).max() / np.abs(torque0).max()
+        force_errors = [
+            np.linalg.norm(force - forces0[name][: len(force)], axis=1).max() / np.linalg.norm(forces0[name], axis=1).max()
+            for name, force in forces.items()
+        ]
+        found.append((float(torque_error), float(max(force_errors))))
+    return found
+
+
+def print_speed(n: int, repeats: int) -> None:
+    """Time all contestants at n crank angles and print the table."""
+    entries = contestants(n)
+    seconds = timed(entries, repeats)
+    found = errors(entries)
+    per_point = [min(row) / size * 1e6 for row, (_, size, _, _) in zip(seconds, entries, strict=True)]
+    medians = [statistics.median(row) / size * 1e6 for row, (_, size, _, _) in zip(seconds, entries, strict=True)]
+    print(
+        f"\n{n} crank angles, {repeats} repeats; ratios are of the best times, above 1 is slower; errors against (a), relative to the peak"
+    )
+    print(
+        f"{'':34}{'us/point':>10}{'us/point':>10}{'ms':>10}{'ms':>10}{'ratio':>9}{'ratio':>9}{'torque':>10}{'force':>10}\n"
+        f"{'':34}{'best':>10}{'median':>10}{'best':>10}{'median':>10}{'to (a)':>9}{'to (b)':>9}{'error':>10}{'error':>10}"
+    )
+    for (name, size, _, _), best, median, (torque, force) in zip(entries, per_point, medians, found, strict=True):
+        scaled = "*" if size < n else " "
+        print(
+            f"{name:34}{best:10.3f}{median:10.3f}{best * n / 1e3:9.2f}{scaled}{median * n / 1e3:9.2f}{scaled}"
+            f"{best / per_point[0]:9.3f}{best / per_point[1]:9.4f}{torque:10.1e}{force:10.1e}"
+        )
+    if any(size < n for _, size, _, _ in entries):
+        print(f"* timed and checked on {SUBSET} consecutive angles at the same spacing, and scaled to {n} points")
+
+
+def print_presses(n: int, repeats: int) -> None:
+    """Time every shipped press at n crank angles, each beside the six-bar, and what springs, friction and stiffnesses add."""
+    import pinpress as pp
+
+    def scene(press: pp.Linkage, engine: str = "auto", **more: Any) -> pp.Reactions:
+        return pp.inverse_dynamics(press, pp.cycle(press, speed=70 * pp.RPM, points=n, engine=engine), engine=engine, **more)
+
+    presses = {name: pp.load(name) for name in pp.presses()}
+    entries: list[Contestant] = [(name, n, lambda press=press: scene(press), lambda r: r) for name, press in presses.items()]
+    six, pair = presses["zxn2_3000b"], presses["jf75g_125_symmetric"]
+    spring = [pp.loads.SpringDamper("frame", "slide", stiffness=1e5, damping=1e3, free_length=0.2, point1=(0.0, 0.0, 1.0))]
+    rubbing = {name: pp.loads.Friction(0.06, None if "guide" in name else 0.06) for name in six.bearings}
+    shares = dict.fromkeys(pair.bearings, 1e9)
+    entries += [
+        ("zxn2_3000b, a spring to the slide", n, lambda: scene(six, loads=spring), lambda r: r),
+        ("zxn2_3000b, friction everywhere", n, lambda: scene(six, friction=rubbing), lambda r: r),
+        ("jf75g_125_symmetric, stiffnesses", n, lambda: scene(pair, stiffness=shares), lambda r: r),
+    ]
+    best = {name: min(row) / n * 1e6 for (name, _, _, _), row in zip(entries, timed(entries, repeats), strict=True)}
+    base = best["zxn2_3000b"] / len(six.bearings)
+    print(
+        f"\nEvery shipped press, {n} crank angles, {repeats} repeats, best times; errors against engine 'pinocchio', relative to the peak"
+    )
+    print(f"{'':36}{'bearings':>10}{'us/point':>10}{'us/point':>12}{'ratio to':>12}{'torque':>10}{'force':>10}")
+    print(f"{'':36}{'':>10}{'':>10}{'and bearing':>12}{'zxn2_3000b':>12}{'error':>10}{'error':>10}")
+    for name, took in best.items():
+        press = presses[name.split(",")[0]]
+        each = took / len(press.bearings)
+        line = f"{name:36}{len(press.bearings):10}{took:10.3f}{each:12.3f}{each / base:12.2f}"
+        if name in presses:
+            plane, judge = scene(press), scene(press, "pinocchio")
+            torque = np.abs(plane.driving_torque - judge.driving_torque).max() / np.abs(judge.driving_torque).max()
+            peak = max(np.abs(force).max() for force in judge.bearing_force.values())
+            force = max(np.abs(plane.bearing_force[b] - judge.bearing_force[b]).max() for b in press.bearings) / peak
+            line += f"{torque:10.1e}{force:10.1e}"
+        print(line)
+
+
+def print_cold_start(repeats: int) -> None:
+    """Wall time of fresh interpreters, taking turns."""
+    statements = [
+        "pass",
+        "import numpy",
+        "import pinocchio",
+        "import pinpress",
+        'import pinpress; pinpress.load("zxn2_3000b")',
+    ]
+    # An interpreter that cannot run a statement would be timed for failing: leave it out, and say so.
+    kept = []
+    for statement in statements:
+        trial = subprocess.run([sys.executable, "-c", statement], cwd=ROOT, capture_output=True, text=True, check=False)
+        if trial.returncode == 0:
+            kept.append(statement)
+        else:
+            print(f"left out: {statement}: {trial.stderr.strip().splitlines()[-1]}")
+    seconds: dict[str, list[float]] = {statement: [] for statement in kept}
+    for _ in range(repeats):
+        for statement, row in seconds.items():
+            start = time.perf_counter()
+            subprocess.run([sys.executable, "-c", statement], cwd=ROOT, check=True)
+            row.append(time.perf_counter() - start)
+    base = statistics.median(seconds["import pinocchio"])
+    print(f"\nCold start: wall time of a fresh process, median of {repeats}, files in the disk cache")
+    print(f"{'':50}{'ms':>9}{'ratio to import pinocchio':>28}")
+    for statement, row in seconds.items():
+        median = statistics.median(row)
+        print(f"{statement:50}{median * 1e3:9.0f}{median / base:28.3f}")
+
+
+def blas_threads() -> str:
+    """How many threads each OpenBLAS of this process would use, as the library itself says."""
+    try:
+        maps = Path("/proc/self/maps").read_text(encoding="utf-8")
+    except OSError:
+        return "unknown on this platform"
+    libraries = sorted({line.split(maxsplit=5)[5] for line in maps.splitlines() if "blas" in line.rsplit("/", 1)[-1].lower()})
+    said = []
+    for library in libraries:
+        handle = ctypes.CDLL(library)
+        for symbol in ("scipy_openblas_get_num_threads64_", "scipy_openblas_get_num_threads", "openblas_get_num_threads"):
+            if hasattr(handle, symbol):
+                said.append(f"{Path(library).name}: {getattr(handle, symbol)()}")
+                break
+    return ", ".join(said) or "no OpenBLAS found"
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description="Inverse dynamics of the ZXN2-3000(B) press, pinpress and its peers, and of every press")
+    parser.add_argument("--quick", action="store_true", help="a fifth of the repeats")
+    quick = parser.parse_args().quick
+    print(f"Python {platform.python_version()}, NumPy {np.__version__}, Pinocchio {pin.__version__}, {os.cpu_count()} cores")
+    print(f"OPENBLAS_NUM_THREADS={os.environ.get('OPENBLAS_NUM_THREADS', '(not set)')}; BLAS threads in use: {blas_threads()}")
+    for n, repeats in REPEATS.items():
+        print_speed(n, max(3, repeats // 5) if quick else repeats)
+    print_presses(360, 5 if quick else 30)
+    print_cold_start(3 if quick else 7)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,276 @@
+"""`pinpress balance`: what it prints and writes is what the library gives; every word it takes; what it says of wrong ones."""
+
+import csv
+import math
+import re
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from support.in_browser import data_in
+from support.texts import shipped
+
+import pinpress as pp
+from pinpress.balancing import objectives as balance_measures
+from pinpress.cli import balance as command_balance
+from pinpress.cli.main import main
+from pinpress.cli.part_specs import LOADS
+
+ROOT = Path(__file__).resolve().parents[2]
+ROOMS = ["--room", "crank:radius=0.3", "--room", "rod:radius=0.3,most=200"]
+ASKED = ["--minimise", "range:shaking_force:z", "--limit", "range:shaking_force:x=1000", "--limit", "added_mass=400"]
+X, Z = pp.balancing.Range("shaking_force", "x"), pp.balancing.Range("shaking_force", "z")
+
+
+def printed(capsys: pytest.CaptureFixture[str], *arguments: object) -> str:
+    assert main(["balance", *map(str, arguments)]) == 0
+    out, err = capsys.readouterr()
+    assert err == ""
+    return out
+
+
+def refused(capsys: pytest.CaptureFixture[str], *arguments: object) -> str:
+    """The one line on stderr of a command that is refused."""
+    assert main(["balance", *map(str, arguments)]) == 2
+    out, err = capsys.readouterr()
+    assert out == ""
+    assert err.startswith("pinpress: ")
+    assert err.count("\n") == 1
+    return err
+
+
+def six_bar(*speeds: float, points: int = 120) -> pp.balancing.Balance:
+    """What the command is asked for, by the library."""
+    press = shipped("zxn2_3000b")
+    cases = [pp.balancing.Case(pp.cycle(press, speed * pp.RPM, points)) for speed in speeds]
+    rooms = [pp.balancing.Room("crank", radius=0.3), pp.balancing.Room("rod", (0, 200), radius=0.3)]
+    return pp.balancing.balance(press, cases, rooms, Z, {X: 1000.0, pp.balancing.AddedMass(): 400.0})
+
+
+def test_it_prints_the_balance_and_writes_nothing(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    assert printed(capsys, "zxn2_3000b", "--speed", 70, "--points", 120, *ROOMS, *ASKED) == f"{six_bar(70)}\n"
+    assert not list(tmp_path.iterdir())
+
+
+def test_files(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    out = tmp_path / "made" / "out"
+    text = printed(capsys, "zxn2_3000b", "--speed", 70, "--points", 120, *ROOMS, *ASKED, "--out", out, "--report")
+    files = ["balanced.urdf", "balance.csv", "counterweights.csv", "report.html"]
+    expected = six_bar(70)
+    assert text == f"{expected}\n\nwrote {', '.join(str(out / name) for name in files[:-1])} and {out / files[-1]}\n"
+    assert sorted(path.name for path in out.iterdir()) == sorted(files)
+    assert read(out / "balance.csv")["after"] == [repr(value) for value in expected.columns()["after"]]
+    weights = read(out / "counterweights.csv")
+    assert weights["link"] == [weight.link for weight in expected.counterweights]
+    assert [float(mass) for mass in weights["mass [kg]"]] == [weight.mass for weight in expected.counterweights]
+    data = data_in(out / "report.html")
+    assert "dashed: zxn2_3000b, crank at 70 r/min" in data["report"]["subtitle"]
+    assert [bearing["name"] for bearing in data["report"]["bearings"] if bearing["before"]] == list(shipped("zxn2_3000b").bearings)
+
+
+def read(path: Path) -> dict[str, list[str]]:
+    with path.open(encoding="utf-8", newline="") as file:
+        header, *rows = csv.reader(file)
+    return {name: list(column) for name, column in zip(header, zip(*rows, strict=True), strict=True)}
+
+
+def test_the_balanced_press_does_what_is_printed(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    text = printed(capsys, "zxn2_3000b", "--speed", 70, "--points", 120, *ROOMS, *ASKED, "--out", tmp_path)
+    press = pp.load(tmp_path / "balanced.urdf")
+    result = pp.inverse_dynamics(press, pp.cycle(press, 70 * pp.RPM, 120))
+    table = read(tmp_path / "balance.csv")
+    after = dict(zip(table["measure"], map(float, table["after"]), strict=True))
+    expected = {
+        "range of the shaking force, z": np.ptp(result.shaking_force[:, 2]),
+        "range of the shaking force, x": np.ptp(result.shaking_force[:, 0]),
+        "range of the shaking moment, y": np.ptp(result.shaking_moment[:, 1]),
+        "range of the driving torque": np.ptp(result.driving_torque),
+    } | {f"peak of the bearing force of {name}": np.linalg.norm(force, axis=1).max() for name, force in result.bearing_force.items()}
+    assert after == pytest.approx(expected, rel=1e-10)  # masses are written to the last bit; differences of large forces round
+    for name, value in expected.items():
+        (number,) = re.findall(rf"^  {re.escape(name)} \[N(?: m)?\] +\S+ +(\S+)", text, flags=re.MULTILINE)
+        assert float(number) == pytest.approx(value, rel=1e-5)  # six digits
+
+
+def test_several_speeds_are_cases(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    text = printed(capsys, "zxn2_3000b", "--speed", 70, "--speed", -50, "--points", 120, *ROOMS, *ASKED, "--out", tmp_path)
+    assert text.startswith(f"{six_bar(70, -50)}\n")
+    assert "case 1: -50 r/min of joint A" in text
+    assert read(tmp_path / "balance.csv")["case"][:4] == ["0", "1", "0", "1"]
+
+
+def test_under_a_load(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    """The peak of the driving torque while drawing, which counts the load; the report shows it too."""
+    press, load = shipped("zxn2_3000b"), pp.loads.DeepDrawing(force=1e6, start=0.010)
+    target = pp.balancing.Peak("driving_torque")
+    expected = pp.balancing.balance(
+        press,
+        pp.cycle(press, 70 * pp.RPM, 120),
+        [pp.balancing.Room("crank", radius=0.3)],
+        target,
+        {pp.balancing.AddedMass(): 300.0},
+        [load],
+    )
+    idle = pp.balancing.balance(
+        press, pp.cycle(press, 70 * pp.RPM, 120), [pp.balancing.Room("crank", radius=0.3)], target, {pp.balancing.AddedMass(): 300.0}
+    )
+    words = ["--load", "drawing:force=1e6,start=0.010", "--room", "crank:radius=0.3", "--minimise", "peak:driving_torque"]
+    rest = ["--limit", "added_mass=300", "--points", 120, "--out", tmp_path, "--report"]
+    assert printed(capsys, "zxn2_3000b", "--speed", 70, *words, *rest).startswith(f"{expected}\n")
+    assert str(expected) != str(idle)
+    motion = pp.cycle(expected.press, 70 * pp.RPM, 120)
+    largest = max(
+        np.linalg.norm(force, axis=1).max() for force in pp.inverse_dynamics(expected.press, motion, [load]).bearing_force.values()
+    )
+    assert data_in(tmp_path / "report.html")["peak"] == pytest.approx(largest, rel=1e-9)
+
+
+class Asked(pp.PinpressError):
+    """In place of balancing."""
+
+
+def asked(monkeypatch: pytest.MonkeyPatch, *arguments: str) -> dict[str, Any]:
+    """What the command hands over to `balance`."""
+    taken: dict[str, Any] = {}
+
+    def spy(press: pp.Linkage, cases: Any, rooms: Any, minimise: Any, limits: Any) -> None:
+        taken.update(rooms=rooms, minimise=minimise, limits=limits)
+        raise Asked("taken")
+
+    monkeypatch.setattr(command_balance, "balance", spy)
+    assert main(["balance", "crank_slide", "--speed", "60", "--points", "8", *arguments]) == 2
+    return taken
+
+
+@pytest.mark.parametrize(
+    ("words", "room"),
+    [
+        ("crank:at=-0.1428/0/0", pp.balancing.Room("crank", at=(-0.1428, 0.0, 0.0))),
+        ("crank:at=0/0/0,least=-20,most=0", pp.balancing.Room("crank", (-20.0, 0.0), at=(0.0, 0.0, 0.0))),
+        ("crank:radius=0.3,centre=0.1/0/-0.2,least=5", pp.balancing.Room("crank", (5.0, math.inf), radius=0.3, centre=(0.1, 0.0, -0.2))),
+        ("rod:corner=0/0/0,corner=1/0/0,gyration=0.1", pp.balancing.Room("rod", corners=((0.0, 0.0, 0.0), (1.0, 0.0, 0.0)), gyration=0.1)),
+        ("auxiliary_rod:replaces", pp.balancing.Room("auxiliary_rod", replaces=True)),
+        ("rod:radius=0.3,most=200,replaces", pp.balancing.Room("rod", (0.0, 200.0), radius=0.3, replaces=True)),
+        ("left:rod:at=1/2/3", pp.balancing.Room("left:rod", at=(1.0, 2.0, 3.0))),
+    ],
+)
+def test_rooms(monkeypatch: pytest.MonkeyPatch, words: str, room: pp.balancing.Room) -> None:
+    assert asked(monkeypatch, "--room", words, "--minimise", "added_mass")["rooms"] == [room]
+
+
+@pytest.mark.parametrize(
+    ("words", "minimise"),
+    [
+        (["range:shaking_force:z"], Z),
+        (["rms:driving_torque"], pp.balancing.Rms("driving_torque")),
+        (["peak:shaking_force"], pp.balancing.Peak("shaking_force")),
+        (["peak:bearing_force:A"], pp.balancing.Peak("bearing_force", bearing="A")),
+        (["range:bearing_moment:slide_guide:y"], pp.balancing.Range("bearing_moment", "y", "slide_guide")),
+        (["peak:bearing_force:left:A"], pp.balancing.Peak("bearing_force", bearing="left:A")),
+        (["added_mass"], pp.balancing.AddedMass()),
+        (["range:shaking_force:z=2"], {Z: 2.0}),
+        (["range:shaking_force:z", "added_mass=0.5"], {Z: 1.0, pp.balancing.AddedMass(): 0.5}),
+    ],
+)
+def test_objectives(monkeypatch: pytest.MonkeyPatch, words: list[str], minimise: Any) -> None:
+    options = [option for word in words for option in ("--minimise", word)]
+    assert asked(monkeypatch, "--room", "crank:radius=0.1", *options)["minimise"] == minimise
+
+
+def test_limits(monkeypatch: pytest.MonkeyPatch) -> None:
+    words = ["--limit", "range:shaking_force:x=1e3", "--limit", "peak:bearing_force:A:z=0", "--limit", "added_mass=661"]
+    expected = {X: 1000.0, pp.balancing.Peak("bearing_force", "z", "A"): 0.0, pp.balancing.AddedMass(): 661.0}
+    assert asked(monkeypatch, "--room", "crank:radius=0.1", "--minimise", "added_mass", *words)["limits"] == expected
+
+
+@pytest.mark.parametrize(
+    ("arguments", "says"),
+    [
+        (["--room", "crank"], ["--room crank: it does not say where on which link", "LINK:radius=R", "--room crank:radius=0.3"]),
+        (["--room", ":radius=1"], ["it does not say where on which link"]),
+        (["--room", "crank:"], ["no key ''"]),
+        (["--room", "crank:raduis=1"], ["no key 'raduis', did you mean 'radius'?"]),
+        (["--room", "crank:radius"], ["radius is '', no number"]),
+        (["--room", "crank:radius=0,3"], ["no key '3'"]),
+        (["--room", "crank:radius=nan"], ["--room crank:radius=nan: room on 'crank': radius is not finite"]),
+        (["--room", "crank:at=1/2"], ["at is '1/2', not x, y, z as 0.1/0/-0.2"]),
+        (["--room", "crank:at=1/2/high"], ["at is '1/2/high', not x, y, z"]),
+        (["--room", "crank:radius=1,radius=2"], ["radius is given twice"]),
+        (["--room", "crank:replaces=yes"], ["replaces is 'yes', but takes no value"]),
+        (["--room", "crank:most=5"], ["give its place"]),
+        (["--room", "crank:radius=1,least=-5"], ["only a hole at a point"]),
+        (["--room", "cranck:radius=1"], ["no link 'cranck', did you mean 'crank'?"]),
+        (["--room", "frame:at=0/0/0"], ["'frame' does not move"]),
+        (["--minimise", "shaking"], ["--minimise shaking: no measure 'shaking'", "there are: range, rms, peak, added_mass", "[=WEIGHT]"]),
+        (["--minimise", "rnage:shaking_force:z"], ["did you mean 'range'?", "--minimise range:shaking_force:z"]),
+        (["--minimise", "range:shaking:z"], ["no quantity 'shaking', did you mean 'shaking_", "driving_torque"]),
+        (["--minimise", "range:shaking_force:up"], ["no axis 'up'; there are: x, y, z"]),
+        (["--minimise", "range:shaking_force"], ["a vector has no range: name an axis"]),
+        (["--minimise", "rms:driving_torque:z"], ["the driving torque has no axis"]),
+        (["--minimise", "peak:bearing_force"], ["it names no bearing", "QUANTITY[:BEARING][:AXIS]"]),
+        (["--minimise", "peak:bearing_force:Q"], ["no bearing 'Q'"]),
+        (["--minimise", "added_mass=much"], ["'much' is no number"]),
+        (["--minimise", "added_mass=-1"], ["the weight of the added mass is -1.0"]),
+        (["--minimise", "range:shaking_force:z"], ["--minimise range:shaking_force:z: the range of the shaking force, z is given twice"]),
+        (["--limit", "added_mass"], ["--limit added_mass: it does not say how much", "with =MOST", "--limit peak:bearing_force:A=1e5"]),
+        (["--limit", "added_mass="], ["'' is no number"]),
+        (["--limit", "added_mass=nan"], ["the limit of the added mass is nan"]),
+        (["--limit", "mass=5"], ["no measure 'mass'; there are: range, rms, peak, added_mass"]),
+        (
+            ["--limit", "range:shaking_force:z=1"],
+            ["no counterweights in these rooms fulfil the limit of the range of the shaking force, z, 1 N"],
+        ),
+        (["--load", "sawing:force=1"], ["no kind 'sawing'"]),
+        (["--speed", "0"], ["speed is 0"]),
+        (["--points", "1"], ["points is 1"]),
+        (["--driver", "Q"], ["no moving joint 'Q'"]),
+        (["--report"], ["--report needs a folder to write into: give --out DIR too"]),
+        (["--out", "README.md"], ["README.md"]),
+    ],
+)
+def test_errors_name_the_part_and_the_form(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, arguments: list[str], says: list[str]
+) -> None:
+    monkeypatch.chdir(ROOT)
+    usual = ["--speed", "60", "--points", "24", "--room", "crank:radius=0.1", "--minimise", "range:shaking_force:z"]
+    error = refused(capsys, "crank_slide", *usual, *arguments)
+    for words in says:
+        assert words in error
+
+
+@pytest.mark.parametrize("left_out", ["--speed", "--room", "--minimise"])
+def test_usage_errors_exit_with_2(capsys: pytest.CaptureFixture[str], left_out: str) -> None:
+    words = {"--speed": "60", "--room": "crank:radius=0.1", "--minimise": "added_mass"}
+    with pytest.raises(SystemExit) as stop:
+        main(["balance", "crank_slide", *(part for option, word in words.items() if option != left_out for part in (option, word))])
+    assert stop.value.code == 2
+    assert f"required: {left_out}" in capsys.readouterr().err
+
+
+def test_help_lists_every_word(capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(SystemExit) as stop:
+        main(["balance", "--help"])
+    assert stop.value.code == 0
+    text = capsys.readouterr().out
+    for word in (
+        *command_balance.KEYS,
+        *command_balance.KINDS,
+        *balance_measures.FORCES,
+        *LOADS,
+        "added_mass",
+        "r/min",
+        "balanced.urdf",
+        "report.html",
+    ):
+        assert word in text
+
+
+def test_the_example_of_the_help_runs(capsys: pytest.CaptureFixture[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    example = command_balance.EPILOG.partition("e.g. pinpress balance ")[2].split()
+    printed(capsys, *example)
+    assert (tmp_path / "out" / "report.html").exists()

@@ -1,0 +1,142 @@
+"""The command line, run as a user runs it."""
+
+import csv
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+from support import texts
+from support.in_browser import data_in
+
+import pinpress as pp
+from pinpress.cli.main import main
+
+ROOT = Path(__file__).resolve().parents[2]
+
+
+def run(*arguments: object) -> subprocess.CompletedProcess[str]:
+    return subprocess.run([sys.executable, "-m", "pinpress", *map(str, arguments)], capture_output=True, text=True, cwd=ROOT, timeout=60)
+
+
+def test_analyse_prints_a_summary_and_writes_both_files(tmp_path: Path) -> None:
+    out = tmp_path / "made" / "out"
+    done = run("analyse", "urdf/zxn2_3000b.urdf", "--speed", 70, "--out", out)
+    assert (done.returncode, done.stderr) == (0, "")
+    for line in (
+        "  stroke                         301.261 mm",
+        "  top dead centre               -658.292 mm     at  155.497 deg, 0.370231 s",
+        "  bottom dead centre            -959.553 mm     at  334.525 deg, 0.796488 s",
+    ):
+        assert line in done.stdout
+    for word in ("Driving torque", "rms", "Shaking force", "largest loop gap", "largest power residual", "time taken", "slide_guide"):
+        assert word in done.stdout
+    with (out / "cycle.csv").open(encoding="utf-8", newline="") as file:
+        header, *rows = csv.reader(file)
+    assert header[:2] == ["time [s]", "crank_angle [rad]"]
+    assert len(rows) == 720
+    press = texts.shipped("zxn2_3000b")
+    motion = pp.cycle(press, speed=70 * pp.RPM, points=720)
+    result = pp.inverse_dynamics(press, motion)
+    table = np.array(rows, dtype=float)
+    for name, values in {
+        "slide_position [m]": motion.slide_position,
+        "driving_torque [N m]": result.driving_torque,
+        "force_slide_guide_x [N]": result.bearing_force["slide_guide"][:, 0],
+        "moment_A_y [N m]": result.bearing_moment["A"][:, 1],
+    }.items():
+        np.testing.assert_array_equal(table[:, header.index(name)], values)
+    page = (out / "recording.html").read_text(encoding="utf-8")
+    assert 500_000 < len(page) < 2_000_000
+    assert 'type="range"' in page
+
+
+def test_report_of_two_presses(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    out = tmp_path / "out"
+    words = ["analyse", "zxn2_3000b_balanced", "--speed", "70", "--points", "90", "--out", str(out), "--report", "--before", "zxn2_3000b"]
+    assert main([*words, "--trace", "coupler:0.6,0,0.1"]) == 0
+    assert {path.name for path in out.iterdir()} == {"cycle.csv", "recording.html", "report.html"}
+    assert f"wrote {out / 'cycle.csv'}, {out / 'recording.html'} and {out / 'report.html'}" in capsys.readouterr().out
+    data = data_in(out / "report.html")
+    assert [trace["name"] for trace in data["traces"]] == ["slide", "coupler (0.6, 0, 0.1)"]
+    assert "dashed: zxn2_3000b" in data["report"]["subtitle"]
+    assert data["peak"] == pytest.approx(209375, rel=1e-3)  # N, in D
+
+
+def test_summary_peaks(capsys: pytest.CaptureFixture[str]) -> None:
+    """Peaks of the summary against the quantities themselves, in the words around them."""
+    assert main(["analyse", "crank_slide", "--speed", "60", "--points", "360", "--engine", "pinocchio"]) == 0
+    text = capsys.readouterr().out
+    press = texts.shipped("crank_slide")
+    result = pp.inverse_dynamics(press, pp.cycle(press, speed=60 * pp.RPM, points=360, engine="pinocchio"), engine="pinocchio")
+    assert "engine 'pinocchio'" in text
+    assert f"{'  stroke':28}{200:12.3f} mm" in text
+    torque = result.driving_torque
+    assert f"{'  largest':28}{torque.max():12.6g} N m    at {int(torque.argmax()):8.3f} deg" in text
+    for name, force in result.bearing_force.items():
+        size = np.linalg.norm(force, axis=1)
+        row = next(line for line in text.splitlines() if line.startswith(f"  {name} "))
+        assert row.split()[1:3] == [f"{size.max():.0f}", f"{int(size.argmax()):.2f}"]
+
+
+def test_backwards_and_without_slide(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    assert main(["analyse", "zxn2_3000b", "--speed", "-70"]) == 0
+    assert "bottom dead centre            -959.553 mm     at  334.525 deg, 0.060655 s" in capsys.readouterr().out
+    assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize(
+    ("arguments", "says"),
+    [
+        (["missing.urdf", "--speed", "70"], "missing.urdf"),
+        (["zxn2", "--speed", "70"], "zxn2_3000b"),
+        (["zxn2_3000b", "--speed", "0"], "speed is 0"),
+        (["zxn2_3000b", "--speed", "nan"], "speed is not finite"),
+        (["zxn2_3000b", "--speed", "70", "--points", "1"], "points is 1"),
+        (["zxn2_3000b", "--speed", "70", "--driver", "Q"], "no moving joint 'Q'"),
+        (["zxn2_3000b", "--speed", "70", "--slide", "rod"], "'rod' is not guided"),
+        (["zxn2_3000b", "--speed", "70", "--out", "README.md"], "README.md"),
+        (["zxn2_3000b", "--speed", "70", "--report"], "--report needs a folder to write into: give --out DIR too"),
+        (["zxn2_3000b", "--speed", "70", "--trace", "rod:0,0,0"], "--trace needs a folder to write into"),
+        (["zxn2_3000b", "--speed", "70", "--out", "nowhere", "--trace", "rodd:0,0,0"], "no link 'rodd', did you mean 'rod'?"),
+        (["zxn2_3000b", "--speed", "70", "--before", "zxn2_3000b_balanced"], "give --report too"),
+    ],
+)
+def test_error_is_one_line_and_exit_code_2(
+    arguments: list[str], says: str, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(ROOT)
+    assert main(["analyse", *arguments]) == 2
+    error = capsys.readouterr().err
+    assert says in error
+    assert error.startswith("pinpress: ")
+    assert error.count("\n") == 1
+    assert not (ROOT / "nowhere").exists()
+
+
+@pytest.mark.parametrize("arguments", [[], ["analyse"], ["analyse", "zxn2_3000b", "--speed", "fast"], ["analyze", "zxn2_3000b"]])
+def test_usage_errors_exit_with_2(arguments: list[str], capsys: pytest.CaptureFixture[str]) -> None:
+    """As the process of `test_check.test_wrong_usage_is_the_status_of_the_process` does."""
+    with pytest.raises(SystemExit) as ended:
+        main(arguments)
+    assert ended.value.code == 2
+    out, err = capsys.readouterr()
+    assert out == ""
+    assert err
+
+
+def test_help_names_units_and_presses() -> None:
+    done = run("analyse", "--help")
+    assert done.returncode == 0
+    for word in ("r/min", "zxn2_3000b", "cycle.csv", "recording.html", "report.html", "--points", "world axes"):
+        assert word in done.stdout
+
+
+def test_installed_command() -> None:
+    """The script that pip puts on the path is the same command."""
+    command = Path(sys.executable).with_name("pinpress")
+    done = subprocess.run([command, "--help"], capture_output=True, text=True, timeout=60)
+    assert done.returncode == 0
+    assert "analyse" in done.stdout
+    assert "check" in done.stdout

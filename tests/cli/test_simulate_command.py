@@ -1,0 +1,489 @@
+"""`pinpress simulate`: what it prints and writes is what the library gives; every word it takes; what it says of wrong ones."""
+
+import csv
+import dataclasses
+import inspect
+import io
+import re
+import subprocess
+import sys
+import time
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from support import texts
+
+import pinpress as pp
+from pinpress.cli import main as __main__
+from pinpress.cli import options as command_output
+from pinpress.cli import part_specs as scene_words
+from pinpress.cli import simulate as command_simulate
+from pinpress.drives.transmission import Geared, InductionMotor, InverterMotor, PrescribedSpeed, ServoMotor, SlipClutchMotor
+from pinpress.loads.process import Blanking, DeepDrawing, ElasticDie, ForceStroke, Idle, Piling
+from pinpress.simulation.summary import FIRST_STROKES, MOST_STROKES
+
+ROOT = Path(__file__).resolve().parents[2]
+MOTOR = "induction:rated_power=75e3,rated_speed=1400,inertia=1.2,ratio=20.7,efficiency=0.95"
+BLANKING = "blanking:force=2e6,start=0.006,end=0.002"
+PRESSING = ["zxn2_3000b", "--speed", "70", "--flywheel", "2000", "--drive", MOTOR, "--load", BLANKING]
+DIGITS = 2e-5  # the summary prints six digits
+
+
+def motor() -> Geared:
+    return Geared(InductionMotor(75e3, 1400 * pp.RPM, inertia=1.2), 20.7, efficiency=0.95)
+
+
+def printed(capsys: pytest.CaptureFixture[str], *arguments: object) -> str:
+    assert __main__.main(["simulate", *map(str, arguments)]) == 0
+    out, err = capsys.readouterr()
+    assert err == ""
+    return out
+
+
+def refused(capsys: pytest.CaptureFixture[str], *arguments: object) -> str:
+    """The one line on stderr of a command that is refused."""
+    assert __main__.main(["simulate", *map(str, arguments)]) == 2
+    out, err = capsys.readouterr()
+    assert out == ""
+    assert err.startswith("pinpress: ")
+    assert err.count("\n") == 1
+    return err
+
+
+def value(text: str, section: str, name: str) -> float:
+    """The number behind a name in a section of the summary."""
+    body = text[text.index(f"\n{section}") :].split("\n\n")[0]
+    (number,) = re.findall(rf"^  {re.escape(name)} +(\S+)", body, flags=re.MULTILINE)
+    return float(number)
+
+
+def agree(text: str, press: pp.Linkage, run: pp.Run, loads: list[Any]) -> None:
+    """Every number of the summary is the library's."""
+    whole, result = pp.measures.duty(run), pp.inverse_dynamics(press, run, loads=loads)
+    expected = {
+        ("At the end", "crank angle"): np.degrees(run.crank_angle[-1]),
+        ("At the end", "crank speed"): run.crank_speed[-1] / pp.RPM,
+        ("Crank speed", "mean"): whole.mean_speed / pp.RPM,
+        ("Crank speed", "highest"): whole.highest_speed / pp.RPM,
+        ("Crank speed", "lowest"): whole.lowest_speed / pp.RPM,
+        ("Crank speed", "speed drop"): 100 * whole.speed_drop,
+        ("Work", "drive"): whole.drive_work,
+        ("Work", "loads"): whole.load_work,
+        ("Work", "flywheel"): whole.flywheel_work,
+        ("Work", "lost"): whole.lost,
+        ("Torque at the crank", "largest"): result.driving_torque.max(),
+        ("Torque at the crank", "smallest"): result.driving_torque.min(),
+        ("Checks", "steps"): run.stats.steps,
+    }
+    if run.plan.scene.drive is not None:
+        expected |= {("Motor", "rms"): whole.motor_rms, ("Motor", "peak"): whole.motor_peak}
+    if whole.utilisation is not None:
+        expected[("Motor", "utilisation")] = 100 * whole.utilisation
+    for (section, name), number in expected.items():
+        assert value(text, section, name) == pytest.approx(number, rel=DIGITS, abs=6e-4), (section, name)  # or three decimals
+    for name, force in result.bearing_force.items():
+        assert value(text, "Bearings", name) == pytest.approx(np.linalg.norm(force, axis=1).max(), rel=DIGITS, abs=0.5)
+    strokes = pp.measures.strokes(run)
+    rows = [line.split() for line in text.split("\n\n") if line.startswith("Strokes") for line in line.split("\n")[2:]]
+    kept = [k for k in range(len(strokes)) if len(strokes) <= MOST_STROKES or k < FIRST_STROKES or k == len(strokes) - 1]
+    assert [row for row in rows if row[0] != "..."] == [
+        [
+            str(k + 1),
+            f"{strokes[k].start:.6g}",
+            f"{strokes[k].duration:.6g}",
+            f"{strokes[k].mean_speed / pp.RPM:.6g}",
+            f"{strokes[k].lowest_speed / pp.RPM:.6g}",
+            f"{strokes[k].drive_work:.6g}",
+            f"{strokes[k].load_work:.6g}",
+        ]
+        for k in kept
+    ]
+
+
+def test_prints_what_the_library_gives(capsys: pytest.CaptureFixture[str]) -> None:
+    text = printed(capsys, *PRESSING, "--duration", 2)
+    press, load = texts.shipped("zxn2_3000b"), Blanking(2e6, 0.006, 0.002)
+    run = pp.simulate(press, 2.0, 70 * pp.RPM, drive=motor(), flywheel=pp.drives.Flywheel(2000.0), loads=[load])
+    agree(text, press, run, [load])
+    assert f"\n  {'drive':26}{MOTOR}\n" in text
+    assert f"\n  {'load':26}{BLANKING}\n" in text
+    assert "time taken" in text
+    # a quarter sine of 2 MN over 4 mm takes 2 / pi x 2 MN x 4 mm a stroke
+    assert value(text, "Work", "loads") == pytest.approx(2 * 2 / np.pi * 2e6 * 0.004, rel=DIGITS)
+
+
+def test_flywheel_alone_against_a_separate_integration(capsys: pytest.CaptureFixture[str]) -> None:
+    """2000 kg m2 on the crank, 70 r/min, 2 s: by a solver that shares no code with this one 13.0853886242 rad, 7.1703212858 rad/s."""
+    text = printed(capsys, "zxn2_3000b", "--speed", 70, "--flywheel", 2000, "--duration", 2)
+    assert value(text, "At the end", "crank angle") == pytest.approx(np.degrees(13.0853886242), abs=6e-4)  # three decimals
+    assert value(text, "At the end", "crank speed") == pytest.approx(7.1703212858 / pp.RPM, rel=DIGITS)
+    assert "Motor" not in text
+
+
+def test_many_strokes_are_listed_in_part(capsys: pytest.CaptureFixture[str]) -> None:
+    text = printed(capsys, "crank_slide", "--duration", 12, "--drive", "prescribed:speed=60", "--points", 100)
+    press = texts.shipped("crank_slide")
+    agree(text, press, pp.simulate(press, 12.0, drive=PrescribedSpeed(60 * pp.RPM), points=100), [])
+    assert "\n     ...\n      12 " in text
+    assert "crank angle 0 deg, 60 r/min" in text  # the drive's, as no other was given
+
+
+def test_few_strokes_or_none(capsys: pytest.CaptureFixture[str]) -> None:
+    text = printed(capsys, "crank_slide", "--duration", 8, "--drive", "prescribed:speed=60", "--points", 100)
+    assert "..." not in text
+    assert "\n       8 " in text
+    assert "does not get through a period" in printed(capsys, "crank_slide", "--duration", 0.5, "--speed", 60, "--flywheel", 50)
+
+
+def test_files(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    out = tmp_path / "made" / "out"
+    text = printed(capsys, *PRESSING, "--duration", 2, "--points", 200, "--out", out)
+    assert all(str(out / name) in text for name in ("simulation.csv", "strokes.csv", "recording.html"))
+    press, load = texts.shipped("zxn2_3000b"), Blanking(2e6, 0.006, 0.002)
+    run = pp.simulate(press, 2.0, 70 * pp.RPM, drive=motor(), flywheel=pp.drives.Flywheel(2000.0), loads=[load], points=200)
+    result = pp.inverse_dynamics(press, run, loads=[load])
+    simulation = read(out / "simulation.csv")
+    assert len(simulation["time [s]"]) == 200
+    for name, values in {
+        "time [s]": run.time,
+        "crank_speed [rad/s]": run.crank_speed,
+        "drive_torque [N m]": run.drive_torque,
+        "load_work [J]": run.load_work,
+        "driving_torque [N m]": result.driving_torque,
+        "force_E_z [N]": result.bearing_force["E"][:, 2],
+    }.items():
+        np.testing.assert_array_equal(simulation[name], values)
+    strokes, found = read(out / "strokes.csv"), pp.measures.strokes(run)
+    assert [name.partition(" [")[0] for name in strokes] == [field.name for field in dataclasses.fields(pp.measures.Duty)]
+    for name, column in strokes.items():
+        assert column.tolist() == [getattr(stroke, name.partition(" [")[0]) for stroke in found]
+    page = (out / "recording.html").read_text(encoding="utf-8")
+    assert 500_000 < len(page) < 2_000_000
+
+
+def test_strokes_without_rated_torque(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    """There is no utilisation then, neither in the summary nor in the file; and of no stroke there is the header."""
+    text = printed(capsys, "crank_slide", "--duration", 0.1, "--drive", "prescribed:speed=60", "--out", tmp_path)
+    assert "utilisation" not in text
+    assert len((tmp_path / "strokes.csv").read_text().splitlines()) == 1
+    printed(capsys, "crank_slide", "--duration", 1.1, "--drive", "prescribed:speed=60", "--out", tmp_path)
+    strokes = read(tmp_path / "strokes.csv")
+    assert "utilisation [-]" not in strokes
+    assert strokes["mean_speed [rad/s]"].tolist() == pytest.approx([2 * np.pi], rel=1e-9)
+
+
+def read(path: Path) -> dict[str, np.ndarray[Any, Any]]:
+    with path.open(encoding="utf-8", newline="") as file:
+        header, *rows = csv.reader(file)
+    return dict(zip(header, np.array(rows, dtype=float).T, strict=True))
+
+
+def test_steady(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    text = printed(capsys, *PRESSING, "--steady", "--angle", 30, "--out", tmp_path)
+    press, load = texts.shipped("zxn2_3000b"), Blanking(2e6, 0.006, 0.002)
+    run = pp.steady_state(press, 70 * pp.RPM, motor(), pp.drives.Flywheel(2000.0), [load], angle=np.radians(30))
+    agree(text, press, run, [load])
+    assert "steady state" in text.splitlines()[0]
+    assert value(text, "At the end, as at the start", "crank angle") == 390
+    assert value(text, "Crank speed", "from lowest to highest") == pytest.approx(pp.measures.duty(run).recovery_time, rel=DIGITS)
+    assert value(text, "Work", "drive") == pytest.approx(value(text, "Work", "loads"), rel=DIGITS)  # or it were not steady
+    assert len(read(tmp_path / "strokes.csv")["start [s]"]) == 1
+
+
+def test_clutch_and_brake(capsys: pytest.CaptureFixture[str]) -> None:
+    """A stroke from rest, as a press in single-stroke operation does it."""
+    text = printed(
+        capsys,
+        *("zxn2_3000b", "--duration", 1.5, "--flywheel", "inertia=2000,speed=70", "--drive", MOTOR),
+        *("--clutch", "torque=6e4,rise=0.1,closes=0.2s,opens=250deg", "--brake", "torque=4e4,closes=250deg"),
+    )
+    press, angle = texts.shipped("zxn2_3000b"), np.radians(250)
+    run = pp.simulate(
+        press,
+        1.5,
+        drive=motor(),
+        flywheel=pp.drives.Flywheel(2000.0, speed=70 * pp.RPM),
+        clutch=pp.drives.Clutch(6e4, pp.drives.At(time=0.2), pp.drives.At(angle=angle), rise=0.1),
+        brake=pp.drives.Brake(4e4, pp.drives.At(angle=angle)),
+    )
+    agree(text, press, run, [])
+    assert value(text, "Work", "lost") > 1000
+    assert value(text, "At the end", "crank speed") == 0
+
+
+def test_every_option_reaches_the_simulation(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
+    calls: list[dict[str, Any]] = []
+
+    def spy(*args: Any, **kwargs: Any) -> Any:
+        calls.append(inspect.signature(pp.simulate).bind(*args, **kwargs).arguments)
+        return pp.simulate(*args, **kwargs)
+
+    monkeypatch.setattr(command_simulate, "simulate", spy)
+    printed(
+        capsys,
+        *("crank_slide", "--duration", 0.2, "--speed", 120, "--angle", 90, "--flywheel", 10, "--load", "idle"),
+        *("--load", "die:height=0.001,stiffness=1e6", "--method", "constraint", "--step", 0.001, "--tolerance", 1e-9),
+        *("--points", 17, "--gravity", 1.6),
+    )
+    (call,) = calls
+    press = call.pop("press")
+    np.testing.assert_array_equal(press.model.gravity.linear, [0, 0, -1.6])
+    assert [type(load) for load in call.pop("loads")] == [Idle, ElasticDie]
+    assert call == {
+        "duration": 0.2,
+        "speed": 120 * pp.RPM,
+        "angle": np.radians(90),
+        "drive": None,
+        "flywheel": pp.drives.Flywheel(10.0),
+        "method": "constraint",
+        "clutch": None,
+        "brake": None,
+        "points": 17,
+        "step": 0.001,
+        "tolerance": 1e-9,
+        "progress": None,  # the test's stderr is no terminal
+    }
+
+
+def test_driver_and_slide(capsys: pytest.CaptureFixture[str]) -> None:
+    """Driven at the rocker's pivot the six-bar is another machine."""
+    text = printed(capsys, "zxn2_3000b", "--driver", "D", "--slide", "slide", "--duration", 0.05, "--flywheel", 5000, "--speed", 3)
+    press = pp.load("zxn2_3000b", driver="D")
+    agree(text, press, pp.simulate(press, 0.05, 3 * pp.RPM, flywheel=pp.drives.Flywheel(5000.0)), [])
+    assert "no moving joint 'Q'" in refused(capsys, "zxn2_3000b", "--driver", "Q", "--duration", 1)
+    assert "'rod' is not guided" in refused(capsys, "zxn2_3000b", "--slide", "rod", "--duration", 1)
+
+
+@pytest.fixture
+def files(tmp_path: Path) -> dict[str, Path]:
+    """CSV files, as spreadsheets write them: with header or without, a byte order mark, empty lines."""
+    texts = {
+        "curve": "\ufefffrequency [Hz],torque [N m]\n10,600\n50,700\n",
+        "program": "time [s],angle [deg]\n0,0\n\n1,180\n2,360\n",
+        "force": "0.02,0\n0.001,5e5\n0,6e5\n",
+    }
+    for name, text in texts.items():
+        (tmp_path / f"{name}.csv").write_text(text, encoding="utf-8")
+    return {name: tmp_path / f"{name}.csv" for name in texts}
+
+
+def test_every_kind_of_drive(files: dict[str, Path]) -> None:
+    rpm = pp.RPM
+    cases = {
+        "constant:value=-567": pp.drives.ConstantTorque(-567.0),
+        "constant:value=567,ratio=3,gear_inertia=2,efficiency=0.9": Geared(pp.drives.ConstantTorque(567.0), 3.0, 2.0, 0.9),
+        "induction:rated_power=75e3,rated_speed=985,poles=6": InductionMotor(75e3, 985 * rpm, poles=6),
+        MOTOR: motor(),
+        f"inverter:rated_torque=482,rated_speed=1485,frequency=40,curve={files['curve']}": InverterMotor(
+            482.0, 1485 * rpm, 40.0, curve=((10.0, 600.0), (50.0, 700.0))
+        ),
+        "inverter:rated_torque=482,rated_speed=1485,frequency=40,overload=2": InverterMotor(482.0, 1485 * rpm, 40.0, overload=2.0),
+        "slip-clutch:rated_torque=189,primary_speed=1470,top_speed=1320,set_speed=900,lag=0.2,ratio=-3": Geared(
+            SlipClutchMotor(189.0, 1470 * rpm, 1320 * rpm, 900 * rpm, lag=0.2), -3.0
+        ),
+        f"servo:program={files['program']},stiffness=2e4,damping=900,peak_torque=5e3,rated_torque=2e3": ServoMotor(
+            (0.0, 1.0, 2.0), tuple(np.radians([0.0, 180.0, 360.0]).tolist()), 2e4, 900.0, 5e3, rated_torque=2e3
+        ),
+        "prescribed:speed=-70": PrescribedSpeed(-70 * rpm),
+    }
+    assert {words.partition(":")[0] for words in cases} == set(scene_words.DRIVES)
+    for words, drive in cases.items():
+        assert scene_words.drive(words) == drive
+
+
+def test_every_kind_of_load(files: dict[str, Path]) -> None:
+    cases = {
+        "idle": Idle(),
+        "idle:datum=0.1": Idle(0.1),
+        "piling:force=1e6,height=0.0005": Piling(1e6, 0.0005),
+        "blanking:force=1e6,start=0.006,end=0.002,stripping=3e4,datum=-0.9": Blanking(1e6, 0.006, 0.002, 3e4, -0.9),
+        "drawing:force=5e5,start=0.05": DeepDrawing(5e5, 0.05),
+        f"table:file={files['force']}": ForceStroke([0.02, 0.001, 0.0], [0.0, 5e5, 6e5]),
+        "die:height=0.001,stiffness=1e9,damping=1e4": ElasticDie(0.001, 1e9, 1e4),
+    }
+    assert {words.partition(":")[0] for words in cases} == set(scene_words.LOADS)
+    for words, load in cases.items():
+        found = scene_words.load(words)
+        assert type(found) is type(load)
+        for field in dataclasses.fields(load):
+            np.testing.assert_array_equal(getattr(found, field.name), getattr(load, field.name))
+
+
+def test_each_kind_runs(capsys: pytest.CaptureFixture[str], files: dict[str, Path]) -> None:
+    """By the example that the help gives, on a press small enough for all of them."""
+    start = ("crank_slide", "--speed", 70, "--angle", 30, "--duration", 0.05, "--flywheel", 500, "--points", 20)
+    swap = {"motion.csv": files["program"], "stroke.csv": files["force"]}
+    for option, kinds in (("--drive", scene_words.DRIVES), ("--load", scene_words.LOADS)):
+        for name, kind in kinds.items():
+            words = re.sub(r"\w+\.csv", lambda match: str(swap[match[0]]), f"{name}:{kind.example}")
+            text = printed(capsys, *start, option, words)
+            assert f"\n  {option[2:]:26}{words}\n" in text
+    for option, kind in (("--clutch", scene_words.CLUTCH), ("--brake", scene_words.BRAKE), ("--flywheel", scene_words.FLYWHEEL)):
+        printed(capsys, *start, option, kind.example)
+
+
+def test_help_lists_every_field() -> None:
+    done = subprocess.run([sys.executable, "-m", "pinpress", "simulate", "--help"], capture_output=True, text=True, cwd=ROOT, timeout=60)
+    assert done.returncode == 0
+    lines = done.stdout.splitlines()
+    for name, kind in (*scene_words.DRIVES.items(), *scene_words.LOADS.items()):
+        line = next(line for line in lines if line.startswith(f"  {name}:"))
+        from_file = () if kind.table is None else kind.table.into
+        for field in dataclasses.fields(kind.made):
+            assert field.name in from_file or re.search(rf"\b{field.name}\b", line)
+        assert kind.table is None or f"{kind.table.key}=FILE" in line
+        assert ("[ratio]" in line) == kind.geared
+    assert "r/min" in done.stdout
+    assert "closes=0.1s|180deg" in done.stdout
+
+
+DURATION = ["zxn2_3000b", "--duration", "1"]
+
+
+@pytest.mark.parametrize(
+    ("arguments", "says"),
+    [
+        (["--drive", "motor:value=3"], ["no kind 'motor'", "constant, induction, inverter", "--drive constant:value=567"]),
+        (["--drive", "inductoin:x=3"], ["did you mean 'induction'?"]),
+        (["--drive", "constant:torque=3"], ["no key 'torque'", "it takes value [ratio]", "--drive constant:value=567"]),
+        (["--drive", "induction:rated_pwr=3"], ["did you mean 'rated_power'?", "rated_speed=RPM", "speeds in r/min"]),
+        (["--drive", "induction"], ["--drive induction: rated_power and rated_speed are missing"]),
+        (["--drive", "constant:value=1,efficiency=0.9"], ["ratio is missing"]),
+        (["--drive", "constant:value=7,5"], ["'5' is not key=value"]),
+        (["--drive", "constant:value=1,value=2"], ["value is given twice"]),
+        (["--drive", "constant:value="], ["value is '', no number"]),
+        (["--drive", "constant:value=nan"], ["finite number [N m]"]),
+        (["--drive", "induction:rated_power=1,rated_speed=1600"], ["1600 r/min", "give a rated_speed below it"]),
+        (["--drive", "induction:rated_power=1,rated_speed=985,poles=5.5"], ["poles is '5.5', no whole number"]),
+        (["--drive", "prescribed:speed=70,ratio=2"], ["no key 'ratio'"]),
+        (["--drive", "prescribed:speed=70", "--speed", "60"], ["the drive prescribes"]),
+        (["--drive", "servo:program=none.csv,stiffness=1,damping=1,peak_torque=1"], ["none.csv", "time [s] and angle [deg]"]),
+        (
+            ["--drive", "inverter:rated_torque=1,rated_speed=1485,frequency=40,curve=README.md"],
+            ["row 2", "frequency [Hz] and torque [N m]"],
+        ),
+        (["--load", "press:force=1"], ["no kind 'press'", "idle, piling, blanking, drawing, table, die"]),
+        (["--load", "table:"], ["--load table: file is missing"]),
+        (["--load", "table:file=viz/zxn2_3000b.png"], ["it is no text"]),
+        (["--load", "die:height=x,stiffness=1"], ["height is 'x', no number", "--load die:height=0.001"]),
+        (["--load", "blanking:force=1,start=0,end=1"], ["start is 0, not above end, 1"]),
+        (["--flywheel", "heavy"], ["inertia is 'heavy', no number", "--flywheel inertia=2000"]),
+        (["--flywheel", "inertia=1,mass=2"], ["no key 'mass'", "it takes inertia [speed=RPM]"]),
+        (["--flywheel=-1e6"], ["the inertia of linkage, flywheel and drive at the crank is"]),
+        (["--clutch", "torque=5,closes=3"], ["closes is '3', neither a time as 0.1s nor a crank angle as 180deg"]),
+        (["--clutch", "torque=5,closes=nans"], ["closes is 'nans'"]),
+        (["--clutch", "torque=6e4,closes=0.2s"], ["a clutch needs an inertia on its driving side"]),
+        (["--brake", "rise=0.1"], ["torque is missing", "--brake torque=4e4"]),
+        (["--tolerance", "1"], ["tolerance is 1"]),
+        (["--points", "1"], ["points is 1"]),
+        (["--gravity", "inf"], ["gravity"]),
+        (["--speed", "nan"], ["speed is nan"]),
+        (["--out", "README.md"], ["README.md"]),
+    ],
+)
+def test_errors_list_what_there_is(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, arguments: list[str], says: list[str]
+) -> None:
+    monkeypatch.chdir(ROOT)
+    error = refused(capsys, *DURATION, *arguments)
+    for words in says:
+        assert words in error
+
+
+@pytest.mark.parametrize(
+    ("arguments", "says"),
+    [
+        (["--speed", "70"], "drive is None"),
+        (["--drive", "constant:value=5"], "a --speed other than 0"),
+        (["--speed", "70", "--drive", "constant:value=5"], "no steady state is found"),
+        (["--speed", "70", "--drive", "prescribed:speed=70"], "needs a motor"),
+        (["--speed", "70", "--drive", MOTOR, "--clutch", "torque=5"], "--clutch does not go with --steady"),
+        (["--speed", "70", "--drive", MOTOR, "--brake", "torque=5"], "--brake does not go with --steady"),
+        (["--speed", "70", "--drive", MOTOR, "--step", "0.1"], "--step does not go with --steady"),
+        (["--speed", "70", "--drive", MOTOR, "--method", "constraint"], "--method does not go with --steady"),
+    ],
+)
+def test_errors_of_the_steady_state(capsys: pytest.CaptureFixture[str], arguments: list[str], says: str) -> None:
+    assert says in refused(capsys, "zxn2_3000b", "--steady", *arguments)
+
+
+@pytest.mark.parametrize(
+    "arguments", [[], ["--duration", "1", "--steady"], ["--duration", "soon"], ["--duration", "1", "--method", "best"]]
+)
+def test_usage_errors_exit_with_2(capsys: pytest.CaptureFixture[str], arguments: list[str]) -> None:
+    with pytest.raises(SystemExit) as stop:
+        __main__.main(["simulate", "zxn2_3000b", *arguments])
+    assert stop.value.code == 2
+    assert "usage: pinpress simulate" in capsys.readouterr().err
+
+
+def test_several_drivers_are_refused(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    arms = """<robot name="arms"><link name="base"/><link name="one"><inertial><mass value="1"/><inertia ixx="1" iyy="1" izz="1"
+    ixy="0" ixz="0" iyz="0"/></inertial></link><link name="two"><inertial><mass value="1"/><inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0"
+    iyz="0"/></inertial></link><joint name="J" type="continuous"><parent link="base"/><child link="one"/><axis xyz="0 1 0"/></joint>
+    <joint name="K" type="continuous"><parent link="one"/><child link="two"/><axis xyz="0 1 0"/></joint>
+    <transmission name="t"><joint name="J"/></transmission><transmission name="u"><joint name="K"/></transmission></robot>"""
+    (tmp_path / "arms.urdf").write_text(arms, encoding="utf-8")
+    assert "arms has 2 drivers" in refused(capsys, tmp_path / "arms.urdf", "--duration", 1)
+
+
+class Terminal(io.StringIO):
+    def isatty(self) -> bool:
+        return True
+
+
+def test_progress_bar_on_a_terminal_after_a_second(monkeypatch: pytest.MonkeyPatch) -> None:
+    terminal = Terminal()
+    monkeypatch.setattr(sys, "stderr", terminal)
+    monkeypatch.setenv("COLUMNS", "80")
+    with command_output.progress(10.0, command_simulate.BAR) as progress:
+        assert progress is not None
+        progress(2.5)
+        assert terminal.getvalue() == ""
+        time.sleep(1.05)
+        progress(5.0)
+        assert " 50 % |" in terminal.getvalue()
+        assert "5.000 of 10.000 s" in terminal.getvalue()
+    assert terminal.getvalue().endswith("\r")  # wiped
+
+
+def test_no_progress_bar_elsewhere(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(sys, "stderr", io.StringIO())
+    with command_output.progress(10.0, command_simulate.BAR) as progress:
+        assert progress is None
+
+
+def test_progress_is_what_the_simulation_reports(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
+    """A short run on a terminal reports, but shows nothing: neither bar nor remains of one."""
+    reached: list[float] = []
+    simulate = command_simulate.simulate  # type: ignore[attr-defined]
+
+    def spy(*args: Any, progress: Any, **kwargs: Any) -> Any:
+        def both(time: float) -> None:
+            reached.append(time)
+            progress(time)
+
+        return simulate(*args, progress=both, **kwargs)
+
+    terminal = Terminal()
+    monkeypatch.setattr(sys, "stderr", terminal)
+    monkeypatch.setattr(command_simulate, "simulate", spy)
+    assert __main__.main(["simulate", "crank_slide", "--speed", "60", "--duration", "3", "--flywheel", "50"]) == 0
+    assert reached[-1] == pytest.approx(3.0)
+    assert terminal.getvalue() == ""
+
+
+def test_as_a_user_runs_it(tmp_path: Path) -> None:
+    def run(*arguments: object) -> subprocess.CompletedProcess[str]:
+        words = [sys.executable, "-m", "pinpress", "simulate", *map(str, arguments)]
+        return subprocess.run(words, capture_output=True, text=True, cwd=tmp_path, timeout=60)
+
+    done = run(*PRESSING, "--duration", 1, "--out", "out")
+    assert (done.returncode, done.stderr) == (0, "")
+    assert sorted(path.name for path in (tmp_path / "out").iterdir()) == ["recording.html", "simulation.csv", "strokes.csv"]
+    wrong = run("zxn2_3000b", "--duration", 1, "--flywheel=-1e6")
+    assert (wrong.returncode, wrong.stdout) == (2, "")
+    assert wrong.stderr.startswith("pinpress: the inertia of linkage, flywheel and drive")
+    assert wrong.stderr.count("\n") == 1

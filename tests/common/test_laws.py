@@ -1,0 +1,434 @@
+"""A caller's own drives and loads: what they depend on beyond what they declare is found and refused; what they raise, or answer that is no
+number, is named with the place in the run; their warnings are the caller's."""
+
+import math
+import re
+import warnings
+
+import numpy as np
+import pytest
+from engines.test_massless import without_mass
+from support import texts
+from support.generators import large_linkages
+from support.time_limit import _limit  # noqa: F401 (a fixture)
+
+import pinpress as pp
+from pinpress.drives import transmission as drives
+from pinpress.loads import process as loads
+from pinpress.loads.process import Stretch
+
+METHODS = ("reduced", "constraint")
+START = {"speed": 8.0, "angle": 1.0, "flywheel": pp.drives.Flywheel(20.0)}
+
+
+@pytest.fixture(scope="module")
+def press():
+    return texts.shipped("crank_slide")
+
+
+@pytest.fixture(params=METHODS)
+def method(request):
+    return request.param
+
+
+class Own:
+    """A drive of torque by ``law`` (speed, angle, time, state)."""
+
+    inertia, rated_torque, corners = 0.0, None, ()
+
+    def __init__(self, law, timed=False, state=(), rates=lambda *_: (), **members):
+        self.law, self.timed, self.state, self.rates = law, timed, state, rates
+        self.__dict__.update(members)
+
+    def torque(self, speed, angle=0.0, time=0.0, state=()):
+        return self.law(speed, angle, time, state)
+
+    motor_torque = torque
+
+    def motor_speed(self, speed):
+        return speed
+
+
+class Push:
+    """A load by ``law`` (height, velocity) on a stretch, on the way down."""
+
+    datum: float | None = None
+
+    def __init__(self, law, upper=0.15, lower=0.05):
+        self.law, self.upper, self.lower = law, upper, lower
+
+    def stretches(self, downwards):
+        return (Stretch(self.upper, self.lower, self.law),) if downwards else ()
+
+
+class Hysteresis:
+    """On until 9 rad/s, then off until 7 rad/s."""
+
+    def __init__(self):
+        self.on = True
+
+    def __call__(self, speed, *_):
+        if np.ndim(speed):
+            return np.array([self(w) for w in np.ravel(speed)]).reshape(np.shape(speed))
+        self.on = speed < 9.0 if self.on else speed < 7.0
+        return 300.0 if self.on else 0.0
+
+
+class Count:
+    def __init__(self):
+        self.calls = 0
+
+    def __call__(self, *at):
+        self.calls += 1
+        return 1.0 + self.calls + 0.0 * at[0]
+
+
+# ------------------------------------------------------------------------------------------------------------------- what is not declared
+
+DEPENDS = {
+    "angle": (lambda w, a, t, s: 100.0 * np.sin(a) - w, "depends on the angle"),
+    "time": (lambda w, a, t, s: 100.0 * np.cos(5.0 * t) - w, "depends on the time"),
+    "time, late": (lambda w, a, t, s: np.where(np.asarray(t) > 1.5, 100.0, 0.0) - w, "depends on the time"),
+    "what was before": (Hysteresis(), "depends on what it was asked before"),
+    "number of calls": (Count(), "depends on what it was asked before"),
+    "the whole array": (lambda w, a, t, s: np.max(w) + 0.0 * w, "array differs"),
+}
+
+
+@pytest.mark.parametrize("name", DEPENDS)
+def test_a_drive_that_depends_on_more_than_it_declares(press, method, name):
+    law, problem = DEPENDS[name]
+    for drive in (Own(law), drives.Geared(Own(law), 2.0)):
+        with pytest.raises(pp.PinpressError, match=rf"(Own|Geared): torque.*{problem}"):
+            pp.simulate(press, 0.2, drive=drive, method=method, **START)
+
+
+def test_the_motor_torque_too(press):
+    drive = Own(lambda w, a, t, s: -w, motor_torque=lambda w, a=0.0, t=0.0, s=(): np.sin(a) - w)
+    with pytest.raises(pp.PinpressError, match=r"motor_torque depends on the angle.*let timed be True"):
+        pp.simulate(press, 0.2, drive=drive, **START)
+
+
+def test_what_depends_and_says_so_is_the_same_for_both_methods(press):
+    """The angle's torque has a potential, so that the energy tells what the speed must be."""
+    drive = Own(lambda w, a, t, s: 100.0 * math.sin(a), timed=True)
+    runs = [pp.simulate(press, 0.6, drive=drive, method=method, **START) for method in METHODS]
+    assert abs(runs[0].crank_angle[-1] - runs[1].crank_angle[-1]) < 1e-8
+    for run in runs:
+        np.testing.assert_allclose(run.drive_work, 100.0 * (np.cos(1.0) - np.cos(run.crank_angle)), rtol=0, atol=1e-7)
+
+
+def test_memory_that_is_not_declared_of_a_drive_that_is_timed(press, method):
+    with pytest.raises(pp.PinpressError, match=r"Own: torque depends on what it was asked before.*state"):
+        pp.simulate(press, 0.2, drive=Own(Hysteresis(), timed=True), method=method, **START)
+    count = Count()
+    counted = Own(lambda w, a, t, s: s[0], timed=True, state=(1.0,), rates=lambda *at: (count(*at),))
+    with pytest.raises(pp.PinpressError, match=r"Own: rates depends on what it was asked before"):
+        pp.simulate(press, 0.2, drive=counted, method=method, **START)
+
+
+def test_corners_of_a_drive_that_is_timed_would_be_passed_over(press):
+    with pytest.raises(pp.PinpressError, match="corners is"):
+        pp.simulate(press, 0.2, drive=Own(lambda w, a, t, s: -w, timed=True, corners=(3.0,)), **START)
+
+
+def test_a_dependence_that_shows_only_in_the_run(press, method):
+    """At the angles between 1.3 and 1.4 alone, where no trial is made: the run's own states tell."""
+    drive = Own(lambda w, a, t, s: 100.0 * ((np.asarray(a) > 1.3) & (np.asarray(a) < 1.4)) + 0.0 * w)
+    with pytest.raises(pp.PinpressError, match=r"Own: torque depends on more than the speed.*timed"):
+        pp.simulate(press, 0.2, drive=drive, method=method, **START)
+
+
+def test_one_of_several_drives(tmp_path):
+    file = tmp_path / "discs.urdf"
+    file.write_text(TWO_DISCS, encoding="utf-8")
+    several = pp.load(file, driver=("P", "Q"))
+    drive = {"Q": Own(lambda w, a, t, s: 10.0 * np.sin(a))}
+    with pytest.raises(pp.PinpressError, match=r"Own: torque depends on the angle"):
+        pp.simulate(several, 0.1, speed=(1.0, 2.0), drive=drive, method="constraint")
+
+
+TWO_DISCS = """<robot name="discs"><link name="frame"/>{}</robot>""".format(
+    "".join(
+        f"""<link name="{link}"><inertial><mass value="4"/><inertia ixx="2" ixy="0" ixz="0" iyy="3" iyz="0" izz="2"/></inertial></link>
+        <joint name="{joint}" type="continuous"><parent link="frame"/><child link="{link}"/><axis xyz="0 -1 0"/></joint>"""
+        for link, joint in (("p", "P"), ("q", "Q"))
+    )
+)
+
+
+LOADS = {
+    "calls": (Push(Count()), "depends on what it was asked before"),
+    "the whole array": (Push(lambda h, v: np.max(h) + 0.0 * h), "array differs"),
+}
+
+
+@pytest.mark.parametrize("name", LOADS)
+def test_a_load_that_depends_on_more_than_it_declares(press, method, name):
+    load, problem = LOADS[name]
+    with pytest.raises(pp.PinpressError, match=f"Push: force.*{problem}"):
+        pp.simulate(press, 0.2, loads=[load], method=method, **START)
+
+
+def test_stretches_that_move(press, method):
+    class Moving(Push):
+        def stretches(self, downwards):
+            self.upper += 0.001
+            return super().stretches(downwards)
+
+    with pytest.raises(pp.PinpressError, match=r"Moving: stretches\(True\) differ"):
+        pp.simulate(press, 0.2, loads=[Moving(lambda h, v: 10.0 + 0.0 * h)], method=method, **START)
+
+
+@pytest.mark.parametrize("law", [Count(), lambda t: np.max(t) + 0.0 * np.asarray(t)], ids=["calls", "the whole array"])
+def test_a_force_in_time_that_depends_on_more(press, method, law):
+    with pytest.raises(pp.PinpressError, match="TimeForce: force"):
+        pp.simulate(press, 0.2, loads=[loads.TimeForce(law)], method=method, **START)
+
+
+# ---------------------------------------------------------------------------------------------------- what fails in the middle of a run
+
+
+def above(limit, otherwise):
+    """-w up to a speed, and then something else; of arrays too."""
+
+    def law(w, a, t, s):
+        if np.max(np.abs(w)) > limit:
+            return otherwise(w)
+        return 2000.0 - w
+
+    return law
+
+
+def fails(*_):
+    raise ZeroDivisionError("a table ends here")
+
+
+ANSWERS = {
+    "raises": (fails, "cannot be worked out: ZeroDivisionError: a table ends here"),
+    "nan": (lambda w: w * math.nan, "is nan; give finite numbers"),
+    "None": (lambda w: None, "is None; give finite numbers"),
+    "text": (lambda w: "much", "is 'much'; give finite numbers"),
+    "complex": (lambda w: 1j * np.asarray(w), "complex128.*; give finite numbers"),
+    "shape": (lambda w: np.ones(7), r"has shape \(7,\)"),
+}
+
+
+@pytest.mark.parametrize("name", ANSWERS)
+def test_a_drive_that_fails_in_the_middle(press, method, name):
+    """Beyond 25 rad/s, at which nothing is tried before, but the run arrives from 8 rad/s."""
+    otherwise, problem = ANSWERS[name]
+    with pytest.raises(pp.SimulationError, match=f"Own: torque at speed.*{problem}|Own: torque.*{problem}") as caught:
+        pp.simulate(press, 5.0, drive=Own(above(25.0, otherwise)), method=method, **START)
+    error = caught.value
+    assert 0.0 <= error.time < 5.0
+    assert error.crank_angle >= 1.0
+    assert re.search(r"time .* s, crank angle .* deg", str(error))
+    if name == "raises":
+        assert isinstance(error.__cause__, ZeroDivisionError)
+
+
+@pytest.mark.parametrize("name", ANSWERS)
+def test_a_load_that_fails_in_the_middle(press, method, name):
+    """Beyond 1.2 m/s, at which nothing is tried before."""
+    otherwise, problem = ANSWERS[name]
+
+    def law(h, v):
+        return otherwise(h) if np.max(np.abs(v)) > 1.2 else 100.0 + 0.0 * h
+
+    with pytest.raises(pp.SimulationError, match=f"Push: force.*{problem}") as caught:
+        pp.simulate(press, 2.0, loads=[Push(law)], method=method, **START | {"speed": 20.0})
+    assert 0.0 <= caught.value.time < 2.0
+    assert caught.value.crank_angle >= 1.0
+    if name == "raises":
+        assert isinstance(caught.value.__cause__, ZeroDivisionError)
+
+
+def test_a_force_in_time_that_fails_in_the_middle(press, method):
+    def law(t):
+        return fails(t) if np.max(t) > 0.1 and np.max(t) < 0.3 else 10.0 + 0.0 * np.asarray(t)
+
+    with pytest.raises(pp.SimulationError, match=r"TimeForce: force at time 0\.1.* s cannot be worked out") as caught:
+        pp.simulate(press, 0.25, loads=[loads.TimeForce(law)], method=method, **START)
+    assert 0.0 < caught.value.time < 0.3
+
+
+def test_scenarios_name_a_law_that_fails(press):
+    with pytest.raises(pp.SimulationError, match=r"Own: torque at speed .* is nan.*time") as caught:
+        pp.simulate(press, 5.0, **START | {"speed": [8.0, 10.0]}, drive=Own(above(25.0, lambda w: np.where(np.abs(w) > 25.0, np.nan, 0.0))))
+    assert caught.value.time < 5.0
+
+
+def test_drives_of_one_that_is_not_declared_for_scenarios(press):
+    """Three torques of one speed are no scenarios where the class does not say so."""
+    with pytest.raises(pp.PinpressError, match=r"Own: torque.*has shape \(3,\)"):
+        pp.simulate(press, 0.2, drive=Own(lambda w, a, t, s: np.array([1.0, 2.0, 3.0]) + 0.0 * w), **START)
+
+
+# --------------------------------------------------------------------------------------------------------------------------- warnings
+
+
+def test_warnings_of_a_callers_law_are_the_callers(press, method):
+    """Above 24 rad/s the logarithm of zero, in a branch that is not taken, warns as it does outside, unless the caller turned that off."""
+
+    def law(w, a, t, s):
+        left = np.maximum(24.0 - np.abs(w), 0.0)
+        return 2000.0 + np.where(left > 0.0, 1e-3 * np.log(left), 0.0)
+
+    with pytest.warns(RuntimeWarning, match="divide by zero"):
+        pp.simulate(press, 0.2, drive=Own(law, corners=(24.0,)), method=method, **START)
+    with warnings.catch_warnings(), np.errstate(divide="ignore"):
+        warnings.simplefilter("error")
+        pp.simulate(press, 0.2, drive=Own(law, corners=(24.0,)), method=method, **START)
+
+
+@pytest.mark.parametrize("inertia", [-0.01, math.nan, np.array([1.0, -1.0]), np.ones((2, 2)), None])
+def test_inertia_of_a_drive_that_makes_no_sense(press, inertia):
+    """Also where that of the flywheel makes up for it."""
+    with pytest.raises(pp.PinpressError, match="Own: inertia"):
+        pp.simulate(press, 0.05, drive=Own(lambda w, a, t, s: -1.0 * w, inertia=inertia), **START)
+    assert pp.simulate(press, 0.05, drive=Own(lambda w, a, t, s: -1.0 * w, inertia=0.0), **START).stats.energy_error < 1e-9
+
+
+def test_a_law_that_fails_is_not_taken_for_a_missing_steady_state(press):
+    """Its excitation makes it go from period to period over time; beyond 25 rad/s its torque ends."""
+    drive = Own(above(25.0, fails), timed=True, state=(0.0,), rates=lambda w, a, t, s: (1.0 - s[0],))
+    with pytest.raises(pp.SimulationError, match=r"Own: torque at speed 2\d\.\d* rad/s.*cannot be worked out: ZeroDivisionError"):
+        pp.steady_state(press, 8.0, drive, START["flywheel"])
+
+
+# ------------------------------------------------------------------------------------------------------------------- inverse dynamics
+
+
+class QuietError(Exception):
+    """Of a caller who has not thought of its message."""
+
+    def __str__(self):
+        raise ValueError("no message")
+
+
+@pytest.fixture(scope="module")
+def motion(press):
+    return pp.cycle(press, 8.0, points=12)
+
+
+def of_motion(law):
+    return [pp.loads.PointForce("slide", lambda motion: law(np.ones((12, 3))))]
+
+
+def on_the_way_down(law):
+    return [Push(lambda h, v: law(np.asarray(h)))]
+
+
+def in_time(law):
+    return [loads.TimeForce(lambda time: law(np.asarray(time)))]
+
+
+KINDS = {
+    "load on 'slide': force": of_motion,
+    "Push: force": on_the_way_down,
+    "TimeForce: force": in_time,
+}
+
+
+def logarithm(x):
+    return np.where(x < math.inf, 1.0, np.log(0.0 * x))
+
+
+@pytest.mark.parametrize("what", KINDS)
+def test_a_load_that_fails_over_a_motion(press, motion, what):
+    for error, said in (
+        (ZeroDivisionError("a table ends here"), "a table ends here"),
+        (QuietError(), "without a message"),
+    ):
+
+        def law(x, error=error):
+            raise error
+
+        with pytest.raises(pp.PinpressError, match=f"{what}.* cannot be worked out: {type(error).__name__}: {said}") as caught:
+            pp.inverse_dynamics(press, motion, KINDS[what](law))
+        assert caught.value.__cause__ is error
+
+
+@pytest.mark.parametrize("what", KINDS)
+def test_a_load_that_answers_what_is_no_force(press, motion, what):
+    for answer in (None, "much", 1j, 10**5000, math.nan, np.ones(7)):
+        with pytest.raises(pp.PinpressError, match=what):
+            pp.inverse_dynamics(press, motion, KINDS[what](lambda x, answer=answer: answer))
+
+
+def test_a_load_without_stretches(press, motion):
+    class Broken(Push):
+        def stretches(self, downwards):
+            raise KeyError("no such table")
+
+    with pytest.raises(pp.PinpressError, match=r"Broken: stretches\(True\) cannot be worked out: KeyError: 'no such table'"):
+        pp.inverse_dynamics(press, motion, [Broken(None)])
+
+
+@pytest.mark.parametrize("what", KINDS)
+def test_warnings_of_a_load_over_a_motion_are_the_callers(press, motion, what):
+    with pytest.warns(RuntimeWarning, match="divide by zero"):
+        pp.inverse_dynamics(press, motion, KINDS[what](logarithm))
+    with warnings.catch_warnings(), np.errstate(divide="ignore"):
+        warnings.simplefilter("error")
+        pp.inverse_dynamics(press, motion, KINDS[what](logarithm))
+
+
+def test_warnings_of_a_load_over_many_speeds_are_the_callers(press):
+    """At operating points, where loads are multiplied, too."""
+    for make in (of_motion, on_the_way_down):
+        (unit,) = make(logarithm)
+        with pytest.warns(RuntimeWarning, match="divide by zero"):
+            pp.sweeps.operating_points(press, [5.0, 6.0], [1.0, 2.0], unit, points=12)
+        with pytest.raises(pp.PinpressError, match=r"(slide'|Push): force.* cannot be worked out: ZeroDivisionError: a table ends here$"):
+            pp.sweeps.operating_points(press, [5.0, 6.0], [1.0, 2.0], make(fails)[0], points=12)
+
+
+def test_a_law_that_fails_is_not_taken_for_missing_mass():
+    """A crank and a rod without mass leave no inertia at the dead centres; the load ends long before one of these is met."""
+    light = large_linkages.load(without_mass(texts.shipped("crank_slide").text.decode(), "crank", "rod"))
+    load = Push(lambda h, v: fails(h) if np.max(np.abs(v)) > 1.2 else 100.0 + 0.0 * h)
+    with pytest.raises(pp.SimulationError, match=r"Push: force at height 0\.15 m, .* cannot be worked out: ZeroDivisionError.*\(time"):
+        pp.simulate(light, 0.05, speed=20.0, angle=4.0, loads=[load])
+
+
+# ------------------------------------------------------------------------------------------------------------------------- derivatives
+
+VARIABLES = {"P.crank.x": (0.05, 0.1, 0.2)}
+
+
+def peak(trial):
+    return (trial.reactions.driving_torque**2).sum() / 1e4
+
+
+def synthesised(press, law):
+    load = Push(law, upper=0.3, lower=-0.3)
+    load.datum = -0.4
+    return pp.synthesis.synthesise(press, VARIABLES, minimise=peak, loads=[load], speed=8.0, points=12)
+
+
+@pytest.mark.parametrize("law", [lambda h, v: 500.0 * abs(h), lambda h, v: 500.0 * np.real(h), lambda h, v: 50.0 * np.abs(v) + 100.0 * h])
+def test_a_law_whose_derivative_is_lost_is_refused(press, law):
+    """Derivatives are taken by complex numbers, of which `abs` and `real` lose the part that tells them."""
+    with pytest.raises(
+        pp.PinpressError, match=r"Push: force of complex numbers does not have its derivative by the (height|velocity); write"
+    ):
+        synthesised(press, law)
+
+
+@pytest.mark.parametrize(
+    "law", [lambda h, v: 500.0 * h**2 - 20.0 * v, lambda h, v: 300.0, lambda h, v: np.where(h > 0.1, 0.0 * h, 9e3 * h)]
+)
+def test_a_law_with_its_derivative_is_taken(press, law):
+    found = synthesised(press, law)
+    assert found.value < found.start_value
+
+
+def test_a_law_that_fails_where_a_press_is_synthesised(press):
+    with pytest.raises(pp.PinpressError, match=r"Push: force at height .* cannot be worked out: ZeroDivisionError: a table ends here"):
+        synthesised(press, fails)
+    with pytest.raises(
+        pp.PinpressError, match=r"Push: force of complex numbers cannot be worked out: ZeroDivisionError: .*; write it with"
+    ):
+        synthesised(press, lambda h, v: fails(h) if np.iscomplexobj(h) else 1.0 * h)

@@ -1,0 +1,328 @@
+"""What is legal but hardly meant is warned of, once and where it is called; nothing sensible is."""
+
+import re
+import warnings
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from support import texts
+from support.exploring import examples
+
+import pinpress as pp
+from pinpress.loads import process as loads
+
+URDF = Path(__file__).resolve().parents[2] / "urdf"
+CRANK_SLIDE = (URDF / "crank_slide.urdf").read_text(encoding="utf-8")
+GUIDE_AXIS = '<origin xyz="0 0 -0.500"/><axis xyz="0 0 1"/>'
+LIMITS = 'lower="-0.01" upper="0.21"'
+TURN = 2 * np.pi
+
+
+def load(folder, *edits, text=CRANK_SLIDE, **options):
+    for old, new in edits:
+        assert old in text
+        text = text.replace(old, new)
+    file = folder / "press.urdf"
+    file.write_text(text, encoding="utf-8")
+    return pp.load(file, **options)
+
+
+@pytest.fixture(scope="module")
+def press():
+    return pp.load("crank_slide")
+
+
+def scaled(text, length=1.0, mass=1.0, inertia=1.0):
+    """The numbers of a URDF in other units."""
+
+    def times(factor):
+        return lambda match: match[1] + " ".join(repr(float(x) * factor) for x in match[2].split()) + '"'
+
+    text = re.sub(r'(<(?:origin|link[12] link="\w+") xyz=")([^"]*)"', times(length), text)
+    text = re.sub(r'(<mass value=")([^"]*)"', times(mass), text)
+    return re.sub(r'(\bi[xyz]{2}=")([^"]*)"', times(inertia), text)
+
+
+# Linkages
+
+
+@pytest.mark.parametrize("name", pp.presses())
+def test_shipped_presses_are_sensible(name):
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        pp.load(name)
+    assert pp.check(name).warnings == ()
+
+
+@pytest.mark.parametrize("name", ["crank_slide", "zxn2_3000b", "jf75g_125"])
+@pytest.mark.parametrize(
+    ("units", "said"),
+    [
+        pytest.param({"length": 1e3, "inertia": 1e6}, r"the linkage is \d+(\.\d)? m long; write lengths in metres", id="mm, kg mm2"),
+        pytest.param({"length": 1e3}, r"the linkage is \d+(\.\d)? m long; write lengths in metres", id="mm"),
+        pytest.param({"inertia": 1e6}, "the radius of gyration is .* m, of a linkage of", id="kg mm2"),
+        pytest.param({"mass": 1e3, "inertia": 1e9}, "the radius of gyration is .* m, of a linkage of", id="g, g mm2"),
+        pytest.param({"mass": 1e3}, "its density is at least .* kg/m3; write moments of inertia in kg m2, and the mass in kg", id="g"),
+    ],
+)
+def test_other_units_in_a_urdf_are_warned_of(tmp_path, name, units, said):
+    text = scaled((URDF / f"{name}.urdf").read_text(encoding="utf-8"), **units)
+    with pytest.warns(pp.PinpressWarning, match=said):
+        press = load(tmp_path, text=text)
+    assert any(re.search(said, f"{found.problem}; {found.remedy}") for found in pp.check(press.file).warnings)
+
+
+def test_a_slide_whose_axis_points_down_is_warned_of(tmp_path):
+    """Its top dead centre is where the crank is straight down, which is the bottom."""
+    with pytest.warns(pp.PinpressWarning, match=r"the axis of slide 'slide' points down.*turn the <axis> round") as caught:
+        press = load(tmp_path, (GUIDE_AXIS, GUIDE_AXIS.replace("0 0 1", "0 0 -1")), (LIMITS, 'lower="-0.21" upper="0.01"'))
+    assert [warning.filename for warning in caught] == [__file__]
+    assert f'{press.file}:{press_line(press, "slide_guide")}: <joint name="slide_guide">' in str(caught[0].message)
+    assert pp.dead_centres(press).top_angle == pytest.approx(0.0, abs=1e-9)
+    assert [found.remedy for found in pp.check(press.file).warnings] == ["turn the <axis> round, so that it points up"]
+
+
+def press_line(press, joint):
+    lines = press.text.decode().splitlines()
+    return 1 + next(k for k, line in enumerate(lines) if f'<joint name="{joint}"' in line)
+
+
+@pytest.mark.parametrize(
+    ("axis", "gravity"),
+    [
+        pytest.param("0 0 1", (0.0, 0.0, 9.81), id="presses upwards: below is above"),
+        pytest.param("0 0 -1", (9.81, 0.0, 0.0), id="lies on its side"),
+        pytest.param("0 0 -1", (0.0, 0.0, 0.0), id="weightless"),
+    ],
+)
+def test_only_gravity_says_what_is_down(tmp_path, axis, gravity):
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        load(tmp_path, (GUIDE_AXIS, GUIDE_AXIS.replace("0 0 1", axis)), (LIMITS, 'lower="-0.21" upper="0.21"'), gravity=gravity)
+
+
+def test_a_loop_that_is_drawn_far_open_is_warned_of(tmp_path):
+    edit = ('<link1 link="rod" xyz="0.400 0 0"', '<link1 link="rod" xyz="0.370 0 0"')
+    with pytest.warns(
+        pp.PinpressWarning, match=r'loop_joint name="W">: it is 30 mm apart as drawn; draw it closed.*moved joint .slide_guide'
+    ):
+        load(tmp_path, edit)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        load(tmp_path, (edit[0], edit[1].replace("0.370", "0.397")))
+
+
+@examples(10)
+@given(
+    stroke=st.floats(0.002, 0.6),
+    ratio=st.floats(3.0, 20.0),
+    strokes=st.floats(5.0, 4000.0),
+    slide=st.floats(1.0, 2e4),
+    slender=st.floats(1.0, 30.0),
+)
+def test_sensible_presses_are_never_warned_of(tmp_path, stroke, ratio, strokes, slide, slender):
+    """Crank-slides from small and fast to large and slow, their links round or square bars of steel."""
+    crank, rod = 0.5 * stroke, 0.5 * stroke * ratio
+
+    def bar(length):
+        side = length / slender
+        mass = 7850 * length * side**2
+        return mass, mass * side**2 / 6, mass * (length**2 + side**2) / 12
+
+    (of_crank, about, across), (of_rod, rod_about, rod_across) = bar(crank), bar(rod)
+    block = slide * (slide / 7850) ** (2 / 3) / 6
+    edits = [
+        ('<mass value="20"/><inertia ixx="0.05" ixy="0" ixz="0" iyy="0.10" iyz="0" izz="0.05"/>', (of_crank, about, across, across)),
+        (
+            '<mass value="15"/><inertia ixx="0.01" ixy="0" ixz="0" iyy="0.20" iyz="0" izz="0.20"/>',
+            (of_rod, rod_about, rod_across, rod_across),
+        ),
+        ('<mass value="100"/><inertia ixx="0.75" ixy="0" ixz="0" iyy="0.80" iyz="0" izz="0.80"/>', (slide, block, block, block)),
+    ]
+    bodies = [
+        (old, f'<mass value="{m!r}"/><inertia ixx="{x!r}" ixy="0" ixz="0" iyy="{y!r}" iyz="0" izz="{z!r}"/>') for old, (m, x, y, z) in edits
+    ]
+    lengths = [
+        ('<origin xyz="0.100 0 0"/>', f'<origin xyz="{crank!r} 0 0"/>'),
+        ('<link1 link="rod" xyz="0.400 0 0"', f'<link1 link="rod" xyz="{rod!r} 0 0"'),
+        ('<origin xyz="0 0 -0.500"/>', f'<origin xyz="0 0 {-crank - rod!r}"/>'),
+        ('lower="-0.01" upper="0.21"', f'lower="{-0.1 * stroke!r}" upper="{1.1 * stroke!r}"'),
+    ]
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        press = load(tmp_path, *bodies, *lengths)
+        turn = pp.cycle(press, speed=strokes * pp.RPM, points=24)
+        again = pp.cycle(press, turn.crank_speed, angle=turn.crank_angle, acceleration=0.0, time=turn.time)
+        pp.inverse_dynamics(press, again)
+        pp.simulate(press, 1e-3, strokes * pp.RPM, points=3)
+
+
+# Process loads
+
+
+IN_MM = {
+    "blanking": loads.Blanking(1e5, 10.0, 5.0),
+    "blanking, thin": loads.Blanking(1e5, 0.9, 0.4),
+    "table": loads.ForceStroke([0.0, 10.0, 20.0], [0.0, 1e5, 2e5]),
+    "piling, datum": loads.Piling(1e5, 0.008, datum=-500.0),
+    "datum": loads.DeepDrawing(1e5, 0.02, datum=-500.0),
+}
+
+
+@pytest.mark.parametrize("name", IN_MM)
+def test_heights_in_mm_are_warned_of(press, name):
+    said = f"{type(IN_MM[name]).__name__} acts from .* m above its datum, .*: give heights and datum in m"
+    for ask in (
+        lambda: pp.inverse_dynamics(press, pp.cycle(press, 7.0, 36), [IN_MM[name]]),
+        lambda: pp.simulate(press, 0.05, 7.0, flywheel=pp.drives.Flywheel(1e4), loads=[IN_MM[name]]),
+    ):
+        with pytest.warns(pp.PinpressWarning, match=said) as caught:
+            ask()
+        assert {warning.filename for warning in caught} == {__file__}
+
+
+@pytest.mark.parametrize(
+    ("load", "said"),
+    [
+        (pp.loads.PointForce("rod", (0.0, 0.0, 1e3), (200.0, 0.0, 0.0)), "load on 'rod': point is 200 m from its link's origin"),
+        (pp.loads.SpringDamper("frame", "slide", 1e4, point1=(0.0, 0.0, 600.0)), "spring between 'frame' and 'slide': point1 is 600 m"),
+    ],
+)
+def test_points_in_mm_are_warned_of(press, load, said):
+    for ask in (
+        lambda: pp.inverse_dynamics(press, pp.cycle(press, 7.0, 36), [load]),
+        lambda: pp.simulate(press, 1e-3, 7.0, flywheel=pp.drives.Flywheel(1e4), loads=[load]),
+    ):
+        with pytest.warns(pp.PinpressWarning, match=said) as caught:
+            ask()
+        assert {warning.filename for warning in caught} == {__file__}
+
+
+@examples(10)
+@given(height=st.floats(1e-5, 0.1999), thin=st.floats(0.01, 0.99), datum=st.booleans())
+def test_loads_on_the_stroke_are_never_warned_of(height, thin, datum):
+    """Nor is a stop beneath the slide's way, or one that is always pressed upon."""
+    press = texts.shipped("crank_slide")
+    place = press.dead_centres.bottom_position if datum else None
+    given = [
+        loads.Blanking(1e3, height, thin * height, datum=place),
+        loads.DeepDrawing(1e3, height, datum=place),
+        loads.Piling(1e3, height, datum=place),
+        loads.ElasticDie(-height, 1e3, datum=place),
+        loads.ElasticDie(50 * height, 1e3, datum=place),
+        loads.ForceStroke([thin * height, height], [0.0, 1e3], datum=place),
+    ]
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        pp.inverse_dynamics(press, pp.cycle(press, 7.0, 12), given)
+        pp.simulate(press, 1e-3, 7.0, flywheel=pp.drives.Flywheel(1e4), loads=given, points=3)
+
+
+# Motions
+
+
+def dwell(points):
+    """A servo motion from rest to rest, one turn in a second."""
+    time = np.linspace(0.0, 1.0, points)
+    return {
+        "angle": TURN * (time - np.sin(TURN * time) / TURN),
+        "speed": TURN * (1 - np.cos(TURN * time)),
+        "acceleration": TURN**2 * np.sin(TURN * time),
+        "time": time,
+    }
+
+
+@pytest.mark.parametrize("points", [5, 9, 30, 1000])
+def test_columns_that_fit_are_not_warned_of(press, points):
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        pp.cycle(press, **dwell(points))
+        differences = dwell(points)
+        if points > 9:
+            differences["speed"] = np.gradient(differences["angle"], differences["time"])
+            differences["acceleration"] = np.gradient(differences["speed"], differences["time"])
+        pp.cycle(press, **differences)
+
+
+ANGLE, ACCELERATION = "angle and speed do not fit together over time", "speed and acceleration do not fit together over time"
+
+
+@pytest.mark.parametrize("points", [9, 30, 1000])
+@pytest.mark.parametrize(
+    ("column", "factor", "said"),
+    [
+        pytest.param("angle", 180 / np.pi, ANGLE, id="degrees"),
+        pytest.param("speed", 60 / TURN, ANGLE, id="r/min"),
+        pytest.param("speed", -1.0, ANGLE, id="backwards"),
+        pytest.param("speed", 0.0, ANGLE, id="at rest"),
+        pytest.param("time", 1e3, "do not fit together over time", id="ms"),
+        pytest.param("acceleration", 60 / TURN, ACCELERATION, id="r/min/s"),
+        pytest.param("acceleration", -1.0, ACCELERATION, id="turned round"),
+        pytest.param("acceleration", 0.0, ACCELERATION, id="none"),
+    ],
+)
+def test_columns_that_are_not_each_others_derivatives_are_warned_of(press, points, column, factor, said):
+    motion = dwell(points)
+    motion[column] = factor * motion[column]
+    with pytest.warns(pp.PinpressWarning, match=said) as caught:
+        pp.cycle(press, **motion)
+    assert [warning.filename for warning in caught] == [__file__]
+
+
+def test_columns_of_several_drivers_are_looked_at_one_by_one(tmp_path):
+    from support.generators.small_linkages import two_cranks
+
+    press, motion = two_cranks(tmp_path), dwell(50)
+    both = {name: values if name == "time" else np.stack([0.1 * values, -0.1 * values], axis=1) for name, values in motion.items()}
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        pp.cycle(press, **both)
+    both["speed"][:, 1] *= -1
+    with pytest.warns(pp.PinpressWarning, match=ANGLE):
+        pp.cycle(press, **both)
+
+
+def test_a_coarse_motion_that_is_fastest_between_its_states_is_sensible(press):
+    """sin t before and after t = 0: the trapezoidal rule misses an eighth of the way, which the accelerations say it may."""
+    time = np.array([-0.6, 0.6])
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        pp.cycle(press, np.cos(time), angle=np.sin(time), acceleration=-np.sin(time), time=time)
+
+
+def test_an_acceleration_that_is_left_out_of_a_servo_motion_is_warned_of(press):
+    motion = dwell(30)
+    del motion["acceleration"]
+    with pytest.warns(pp.PinpressWarning, match="the speed varies, but no acceleration is given, so that it counts as 0"):
+        found = pp.cycle(press, **motion)
+    assert not found.crank_acceleration.any()
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        pp.cycle(press, motion["speed"], angle=motion["angle"], acceleration=0.0)  # it is said
+        pp.cycle(press, 3.0, angle=motion["angle"])  # there is none
+
+
+SPEEDS = {
+    "cycle": lambda press, speed: pp.cycle(press, speed),
+    "servo motion": lambda press, speed: pp.cycle(press, [speed, speed], angle=[0.0, 1.0]),
+    "simulate": lambda press, speed: pp.simulate(press, 1e-3, speed, points=2),
+    "scenarios": lambda press, speed: pp.simulate(press, 1e-3, [speed, 5.0], points=2),
+    "operating points": lambda press, speed: pp.sweeps.operating_points(press, [speed]),
+    "drive": lambda press, speed: pp.drives.PrescribedSpeed(speed),
+    "flywheel": lambda press, speed: pp.drives.Flywheel(1.0, speed),
+}
+
+
+@pytest.mark.parametrize("name", SPEEDS)
+def test_speeds_of_no_press_are_warned_of(press, name):
+    with pytest.warns(
+        pp.PinpressWarning, match=r"speed.* is 1450 rad/s, 13846.5 r/min: if r/min are meant, write 1450 \* pinpress.RPM"
+    ) as caught:
+        SPEEDS[name](press, 1450.0)
+    assert {warning.filename for warning in caught} == {__file__}
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        SPEEDS[name](press, 152.0)

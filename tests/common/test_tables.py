@@ -1,0 +1,142 @@
+"""Columns written and read back: every number to its last bit, names and units as the library states them."""
+
+import csv
+import dataclasses
+
+import numpy as np
+import pytest
+from scipy.io import loadmat
+from support import texts
+
+import pinpress as pp
+from pinpress.common import tables
+
+MOTION = [
+    "time [s]",
+    "crank_angle [rad]",
+    "crank_speed [rad/s]",
+    "crank_acceleration [rad/s2]",
+    "slide_position [m]",
+    "slide_velocity [m/s]",
+    "slide_acceleration [m/s2]",
+    "closure_error [m]",
+]
+VECTORS = [("shaking_force", "N"), ("shaking_moment", "N m")]
+VECTORS += [(f"{kind}_{name}", unit) for name in ("O", "P", "slide_guide", "W") for kind, unit in (("force", "N"), ("moment", "N m"))]
+RESULT = [*MOTION, "driving_torque [N m]", *(f"{name}_{axis} [{unit}]" for name, unit in VECTORS for axis in "xyz")]
+
+
+@pytest.fixture(scope="module")
+def motion():
+    return pp.cycle(texts.shipped("crank_slide"), speed=7.0, points=17)
+
+
+@pytest.fixture(scope="module")
+def result(motion):
+    load = pp.loads.PointForce("slide", lambda motion: np.outer(np.sin(motion.crank_angle), (0.0, 0.0, 1e6)))
+    return pp.inverse_dynamics(texts.shipped("crank_slide"), motion, loads=[load])
+
+
+@pytest.fixture(params=["motion", "result"])
+def thing(request):
+    return request.getfixturevalue(request.param)
+
+
+@pytest.mark.parametrize(("write", "suffix"), [("to_csv", "csv"), ("to_mat", "mat")])
+@pytest.mark.parametrize("value", [np.nan, np.inf])
+def test_no_file_holds_what_is_not_finite(tmp_path, result, write, suffix, value):
+    torque = result.driving_torque.copy()
+    torque[3] = value
+    broken = dataclasses.replace(result, driving_torque=torque)
+    with pytest.raises(pp.PinpressError, match=r"driving_torque \[N m\] is not finite in row 3"):
+        getattr(broken, write)(tmp_path / f"broken.{suffix}")
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_list_of_numbers_is_written_only_where_it_is_finite(tmp_path):
+    """Words, truth values and gaps are written; what reads like a number and is none is not."""
+    columns = {"name": ["nan", "b"], "of": [True, False], "gap": [None, 1.0]}
+    tables.write_csv(tmp_path / "table.csv", columns)
+    assert (tmp_path / "table.csv").read_text() == "name,of,gap\nnan,True,\nb,False,1.0\n"
+    with pytest.raises(pp.PinpressError, match="height is not finite in row 1"):
+        tables.write_csv(tmp_path / "table.csv", columns | {"height": [0.0, float("inf")]})
+
+
+def test_names_and_units(motion, result):
+    assert list(motion.columns()) == MOTION
+    assert list(result.columns()) == RESULT
+
+
+@pytest.mark.parametrize("engine", ["plane", "pinocchio"])
+def test_torques_of_gear_pairs_and_powers_of_friction_have_columns(engine):
+    """Of a pair the torque on the joint that follows; of bearings those with friction."""
+    press = texts.shipped("jf75g_125_symmetric")
+    motion = pp.cycle(press, speed=30.0, points=12)
+    load = pp.loads.PointForce("slide", (0.0, 0.0, 1e5))
+    friction = {"O_left": pp.loads.Friction(0.02, 0.08)}
+    result = pp.inverse_dynamics(press, motion, loads=[load], friction=friction, engine=engine)
+    columns, bearings = result.columns(), len(press.bearings)
+    for name, torque in result.coupling_torque.items():
+        assert np.abs(torque).max() > 1.0
+        np.testing.assert_array_equal(columns[f"coupling_torque_{name} [N m]"], torque[:, 0])
+    np.testing.assert_array_equal(columns["friction_power_O_left [W]"], result.friction_power["O_left"])
+    assert len(columns) == len(motion.columns()) + 1 + len(press.couplings) + 6 * (1 + bearings) + 1
+
+
+def test_columns_are_the_quantities(motion, result):
+    columns = result.columns()
+    assert columns["time [s]"] is motion.time
+    np.testing.assert_array_equal(columns["slide_acceleration [m/s2]"], motion.slide_acceleration)
+    assert columns["driving_torque [N m]"] is result.driving_torque
+    np.testing.assert_array_equal(columns["shaking_force_z [N]"], result.shaking_force[:, 2])
+    np.testing.assert_array_equal(columns["shaking_moment_y [N m]"], result.shaking_moment[:, 1])
+    np.testing.assert_array_equal(columns["force_W_x [N]"], result.bearing_force["W"][:, 0])
+    np.testing.assert_array_equal(columns["moment_O_y [N m]"], result.bearing_moment["O"][:, 1])
+
+
+def test_csv(tmp_path, thing):
+    thing.to_csv(tmp_path / "table.csv")
+    content = (tmp_path / "table.csv").read_bytes()
+    assert b"\r" not in content
+    header, *rows = csv.reader(content.decode("utf-8").splitlines())
+    assert header == list(thing.columns())
+    values = np.array([[float(word) for word in row] for row in rows])
+    np.testing.assert_array_equal(values, np.column_stack(list(thing.columns().values())))
+
+
+def test_csv_overwrites(tmp_path, motion):
+    path = tmp_path / "table.csv"
+    path.write_text("x\n" * 10_000)
+    motion.to_csv(str(path))
+    assert len(path.read_text().splitlines()) == 18
+
+
+def test_frame(thing):
+    frame = thing.to_frame()
+    assert list(frame.columns) == list(thing.columns())
+    np.testing.assert_array_equal(frame.to_numpy(), np.column_stack(list(thing.columns().values())))
+    frame.iloc[0, 0] = 9.0  # a frame of one's own: what is written to it does not reach the result
+    assert next(iter(thing.columns().values()))[0] == 0.0
+
+
+def test_mat(tmp_path, thing, motion):
+    thing.to_mat(tmp_path / "table.mat")
+    loaded = {name: values for name, values in loadmat(tmp_path / "table.mat").items() if not name.startswith("__")}
+    expected = {name.split(" [")[0]: values[:, None] for name, values in thing.columns().items()}
+    if thing is motion:
+        expected |= {"q": motion.q, "v": motion.v, "a": motion.a}
+    assert list(loaded) == list(expected)
+    for name, values in expected.items():
+        np.testing.assert_array_equal(loaded[name], values)
+
+
+def test_mat_file_has_the_name_given(tmp_path, motion):
+    motion.to_mat(tmp_path / "table")
+    assert [path.name for path in tmp_path.iterdir()] == ["table"]
+
+
+def test_states_without_time_or_slide_have_no_such_columns():
+    press = texts.shipped("crank_slide")
+    states = pp.cycle(press, speed=1.0, angle=[1.0, 0.5])
+    assert list(states.columns()) == MOTION[1:]
+    assert list(states.to_frame().columns) == MOTION[1:]

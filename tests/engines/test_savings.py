@@ -1,0 +1,459 @@
+"""What is left out costs nothing and changes nothing: results with fewer bearings against those with all, and what a scene does not need
+against functions that fail when they are called.
+
+Bounds are 1e-12 of the peaks: the same equations are solved from sums taken in another order, and rounding is conditioned as they are.
+"""
+
+import itertools
+import subprocess
+import sys
+from dataclasses import replace
+from functools import cache
+
+import numpy as np
+import pinocchio as pin
+import pytest
+from dynamics.test_friction import everywhere
+from engines.test_random_linkages import loaded, peaks, random_loads, servo
+from engines.test_sharing import LINKAGES, SERVO
+from engines.test_sharing import SPATIAL as NOT_PLANAR
+from engines.test_spatial import SPATIAL
+from hypothesis import assume, given
+from hypothesis import strategies as st
+from support.exploring import examples
+from support.generators import period_presses
+from support.generators.random_linkages import drawn, linkages, momentum_balance
+from support.generators.small_linkages import geared, two_cranks
+from support.texts import load as read
+from support.texts import shipped
+
+import pinpress as pp
+from pinpress.dynamics import inverse_dynamics as reactions
+from pinpress.engines import friction
+from pinpress.engines.planar import inverse_dynamics as plane_dynamics
+from pinpress.engines.planar import out_of_plane as plane_axial
+from pinpress.engines.planar import statics as plane_statics
+from pinpress.engines.spatial import inverse_dynamics as spatial_dynamics
+
+ENGINES = ("plane", "pinocchio")
+SAME = 1e-12
+NAMES = ("crank_slide", "zxn2_3000b", "thin_wall", "jf75g_125", "flat_gears", *(name for name in LINKAGES if name not in NOT_PLANAR))
+SCENES = ("bare", "loads", "across", "spring", "friction", "stiffness")
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    return tmp_path_factory.mktemp("savings")
+
+
+@pytest.fixture(params=ENGINES)
+def engine(request):
+    return request.param
+
+
+@pytest.fixture(scope="module")
+def six_bar():
+    return shipped("zxn2_3000b")
+
+
+@pytest.fixture(scope="module")
+def turn(six_bar):
+    return pp.cycle(six_bar, speed=7.0, points=24)
+
+
+@cache
+def case(name, folder):
+    if name == "flat_gears":
+        press = geared(folder, '<mimic joint="fast" multiplier="-2" offset="0.1"/>', "fast")
+    elif name not in LINKAGES:
+        press = shipped(name)
+    else:
+        made = LINKAGES[name]()
+        press = made if isinstance(made, pp.Linkage) else read(made, folder)
+    return press, pp.cycle(press, **SERVO)
+
+
+def scene(kind, press):
+    """Arguments of `pinpress.inverse_dynamics`."""
+    links = [link for link in press.links if link != press.root]
+    normal = press.plane.normal
+    flat = np.array([100.0, 0.0, -700.0]) - (normal @ [100.0, 0.0, -700.0]) * normal
+    return {
+        "bare": {},
+        "loads": {
+            "loads": [pp.loads.PointForce(link, k * flat) for k, link in enumerate((press.root, *links), 1)]
+        },  # a flat press stays flat
+        "across": {"loads": [pp.loads.PointForce(link, (100.0, -300.0, 900.0), (0.05, 0.1, -0.1)) for link in links[:2]]},
+        "spring": {
+            "loads": [pp.loads.SpringDamper(press.root, links[-1], stiffness=3e3, damping=50.0, free_length=0.1, point1=(0.3, -2.0, 3.0))]
+        },
+        "friction": {"friction": everywhere(press, most=0.05)},
+        "stiffness": {"stiffness": {name: 1e8 * (1 + 7 * k % 5) for k, name in enumerate(press.bearings)}},
+    }[kind]
+
+
+def subsets(press, alone=True):
+    """None, each alone, some."""
+    names = press.bearings
+    return [(), *((name,) for name in names), names[::2], names[1::2], names[1:]] if alone else [(), names[::2], names[1::2]]
+
+
+def agree(some, full, bound=SAME):
+    """All that both have, within ``bound`` of the peaks of the full one."""
+    force, moment = peaks(full._press, full)
+    moment = max(moment, np.abs(full.driving_torque).max())
+    assert np.abs(some.driving_torque - full.driving_torque).max() <= bound * moment
+    assert some.coupling_torque.keys() == full.coupling_torque.keys()
+    for name in full.coupling_torque:
+        assert np.abs(some.coupling_torque[name] - full.coupling_torque[name]).max() <= bound * moment, name
+    for name in some.bearing_force:
+        assert np.abs(some.bearing_force[name] - full.bearing_force[name]).max() <= bound * force, name
+        assert np.abs(some.bearing_moment[name] - full.bearing_moment[name]).max() <= bound * moment, name
+    assert np.abs(some.shaking_force - full.shaking_force).max() <= bound * force
+    assert np.abs(some.shaking_moment - full.shaking_moment).max() <= bound * moment
+    power = max(lost.max() for lost in full.friction_power.values())
+    assert list(some.friction_power) == list(full.friction_power)
+    for name in full.friction_power:
+        assert np.abs(some.friction_power[name] - full.friction_power[name]).max() <= bound * power
+        np.testing.assert_array_equal(some.indeterminate[name], full.indeterminate[name])
+
+
+@pytest.mark.parametrize("ratio", [0.5, -2.0])
+def test_bearings_of_shafts_that_are_geared_alone(tmp_path, ratio):
+    """Their gear pair's torque is in the moment about the pin of the shaft that follows; and so it is by Pinocchio."""
+    press = period_presses.five_bar(ratio, tmp_path)
+    motion = pp.cycle(press, speed=7.0, points=8)
+    full = pp.inverse_dynamics(press, motion, engine="pinocchio")
+    assert np.abs(full.bearing_moment["P"][:, 1]).max() > 0.1
+    for bearings in subsets(press):
+        agree(pp.inverse_dynamics(press, motion, bearings=bearings, engine="plane"), full, 1e-10)
+
+
+# ------------------------------------------------------------------------------------------------------------------------- the same values
+
+
+@pytest.mark.filterwarnings("ignore::pinpress.PinpressWarning")  # such extremes are warned of
+@pytest.mark.parametrize("kind", SCENES)
+@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.exhaustive
+def test_fewer_bearings_have_the_values_of_all(folder, name, kind, engine):
+    """In every kind of scene; on linkages that are redundant, geared, in parallel planes. Pinocchio takes ten times as long, and so
+    does friction: of these each bearing with others only, alone in `test_linkages_of_the_other_engine` and, at random,
+    `test_any_bearings_of_any_linkage`."""
+    press, motion = case(name, folder)
+    arguments = scene(kind, press)
+    full = pp.inverse_dynamics(press, motion, engine=engine, **arguments)
+    for names in subsets(press, alone=engine == "plane" and kind != "friction"):
+        some = pp.inverse_dynamics(press, motion, engine=engine, bearings=names, **arguments)
+        assert tuple(some.bearing_force) == tuple(some.bearing_moment) == names
+        assert set(some.left_out) == set(press.bearings) - set(names)
+        agree(some, full)
+
+
+@examples(10)
+@given(
+    spec=linkages(),
+    load_count=st.integers(0, 2),
+    in_plane=st.booleans(),
+    chosen=st.sets(st.integers(0, 40)),
+    engine=st.sampled_from(ENGINES),
+)
+@pytest.mark.exhaustive
+def test_any_bearings_of_any_linkage(tmp_path, spec, load_count, in_plane, chosen, engine):
+    """Power and momentum balance too, 1e-10 as with all bearings."""
+    drawing = drawn(spec)
+    assume(drawing is not None)
+    rng = np.random.default_rng(spec.seed + 3)
+    press = loaded(drawing, tmp_path, gravity=rng.normal(size=3) * 10)
+    motion, loads = pp.cycle(press, **servo(press, rng)), random_loads(press, rng, load_count, in_plane)
+    names = {press.bearings[k % len(press.bearings)] for k in chosen}
+    full = pp.inverse_dynamics(press, motion, loads, engine=engine)
+    some = pp.inverse_dynamics(press, motion, loads, engine=engine, bearings=names)
+    assert set(some.bearing_force) == names
+    agree(some, full)
+    assert np.abs(some.power_residual).max() <= 1e-10
+    force, moment = momentum_balance(press, motion, loads)
+    force_peak, moment_peak = peaks(press, full)
+    assert np.abs(some.shaking_force - force).max() <= 1e-10 * force_peak
+    assert np.abs(some.shaking_moment - moment).max() <= 1e-10 * max(moment_peak, np.abs(moment).max())
+
+
+OTHERS = {
+    "through_space": lambda folder: read(SPATIAL, folder),
+    "ring": lambda folder: read(LINKAGES["ring"](), folder),
+    "several_drivers": two_cranks,
+}
+
+
+@pytest.mark.parametrize("make", OTHERS.values(), ids=OTHERS)
+def test_linkages_of_the_other_engine(folder, make):
+    press = make(folder)
+    if len(press.drivers) > 1:
+        states = np.stack([SERVO["angle"], 0.3 * SERVO["angle"]], axis=1)
+        motion = pp.cycle(press, angle=states, speed=np.cos(states), acceleration=np.sin(states))
+    else:
+        motion = pp.cycle(press, speed=5.0, points=12)
+    full = pp.inverse_dynamics(press, motion)
+    assert full.engine == "pinocchio"
+    for names in subsets(press):
+        agree(pp.inverse_dynamics(press, motion, bearings=names), full)
+
+
+@pytest.mark.parametrize("points", [2047, 2048, 2049, 5000])
+def test_long_motions(six_bar, points):
+    """Those that are worked through in pieces."""
+    motion = pp.cycle(six_bar, speed=7.0, points=points)
+    full = pp.inverse_dynamics(six_bar, motion)
+    for names in ((), ("A", "C"), ("slide_guide",)):
+        agree(pp.inverse_dynamics(six_bar, motion, bearings=names), full)
+
+
+def test_at_rest(six_bar, engine):
+    """Where no rate says how the joints move together."""
+    motion = pp.cycle(six_bar, angle=np.linspace(0.0, 6.0, 9), speed=0.0, acceleration=0.0)
+    full, bare = (pp.inverse_dynamics(six_bar, motion, engine=engine, bearings=names) for names in (None, ()))
+    agree(bare, full)
+    assert np.abs(bare.driving_torque).max() > 100.0
+
+
+def test_a_run_with_fewer_bearings(six_bar):
+    """Its states are no cycle's, and their basis is made anew."""
+    run = pp.simulate(six_bar, 0.5, speed=7.0, flywheel=pp.drives.Flywheel(2000.0), points=40)
+    agree(pp.inverse_dynamics(six_bar, run, bearings=["C"]), pp.inverse_dynamics(six_bar, run))
+
+
+def test_all_by_name_are_the_same_bytes(six_bar, turn, engine):
+    full = pp.inverse_dynamics(six_bar, turn, engine=engine)
+    for names in (six_bar.bearings, list(reversed(six_bar.bearings)), set(six_bar.bearings), dict.fromkeys(six_bar.bearings * 2)):
+        named = pp.inverse_dynamics(six_bar, turn, engine=engine, bearings=names)
+        assert tuple(named.bearing_force) == six_bar.bearings
+        assert named.left_out == ()
+        agree(named, full, bound=0.0)
+
+
+# --------------------------------------------------------------------------------------------------------------------- what reads bearings
+
+
+def test_a_mapping_of_those_alone(six_bar, turn, engine):
+    result = pp.inverse_dynamics(six_bar, turn, engine=engine, bearings=["F", "A"])
+    for forces in (result.bearing_force, result.bearing_moment):
+        assert list(forces) == ["A", "F"]  # in the linkage's order
+        assert len(forces) == 2
+        assert "A" in forces
+        assert "B" not in forces
+        assert [array.shape for array in forces.values()] == [(24, 3)] * 2
+        for ask in (forces.__getitem__, forces.get):
+            with pytest.raises(pp.PinpressError, match=r"bearing 'B' was left out.*bearings=\['A', 'F', 'B'\]") as caught:
+                ask("B")
+            assert not isinstance(caught.value, KeyError)
+        with pytest.raises(pp.UnknownNameError, match="did you mean 'slide_guide'"):
+            forces["slide_gide"]
+    assert result.left_out == ("B", "D", "E", "slide_guide", "C")
+    assert "A, F" in repr(result)
+    assert "left out" in repr(pp.inverse_dynamics(six_bar, turn, bearings=()))
+
+
+@pytest.mark.parametrize("bearings", ["A", "", b"A", 3, True, object(), iter(["A"])], ids=lambda value: type(value).__name__)
+def test_bearings_that_are_no_list(six_bar, turn, bearings):
+    with pytest.raises(pp.PinpressError, match="bearing"):
+        pp.inverse_dynamics(six_bar, turn, bearings=bearings)
+    if isinstance(bearings, str):
+        with pytest.raises(pp.PinpressError, match="list"):
+            pp.inverse_dynamics(six_bar, turn, bearings=bearings)
+
+
+@pytest.mark.parametrize("name", ["G", "a", "", None, 0, ["A"], np.array(["A", "B"])], ids=str)
+def test_unknown_bearings(six_bar, turn, name):
+    with pytest.raises(pp.UnknownNameError):
+        pp.inverse_dynamics(six_bar, turn, bearings=["A", name])
+
+
+def test_columns_are_those_of_the_bearings_kept(six_bar, turn, tmp_path):
+    full, some = (pp.inverse_dynamics(six_bar, turn, bearings=names) for names in (None, ("slide_guide",)))
+    left = {f"{kind}_{name}_" for kind, name in itertools.product(("force", "moment"), some.left_out)}
+    kept = [column for column in full.columns() if not column.startswith(tuple(left))]
+    assert list(some.columns()) == kept
+    assert len(kept) == len(full.columns()) - 6 * 6
+    some.to_csv(tmp_path / "some.csv")
+    assert len((tmp_path / "some.csv").read_text().splitlines()) == 25
+    for column, values in some.columns().items():
+        assert np.abs(values - full.columns()[column]).max() <= SAME * max(
+            1.0, np.abs(full.columns()[column]).max(), peaks(six_bar, full)[1]
+        )
+
+
+def test_pages_need_all_bearings(six_bar, turn, tmp_path):
+    some = pp.inverse_dynamics(six_bar, turn, bearings=["A", "B"])
+    for write in (pp.record, pp.report):
+        with pytest.raises(pp.PinpressError, match="left out"):
+            write(six_bar, turn, tmp_path / "page.html", some)
+        assert not (tmp_path / "page.html").exists()
+
+
+@pytest.mark.parametrize("bearings", [(), ("A",)], ids=["none", "one"])
+@pytest.mark.parametrize(
+    "read", [pp.measures.extremes, pp.plots.plot_bearings, pp.plots.plot_polar, lambda some: pp.plots.plot_comparison(some, some)]
+)
+def test_charts_need_all_bearings(six_bar, turn, read, bearings):
+    """They tell what is rounding by the largest force."""
+    with pytest.raises(pp.PinpressError, match="left out"):
+        read(pp.inverse_dynamics(six_bar, turn, bearings=bearings))
+
+
+def test_harmonics_of_the_shaking_force(six_bar, turn):
+    full, some = (
+        pp.measures.harmonics(turn, pp.inverse_dynamics(six_bar, turn, bearings=names).shaking_force).amplitude for names in (None, ())
+    )
+    assert np.abs(full - some).max() <= SAME * np.abs(full).max()
+
+
+@pytest.mark.parametrize("bearings", [(), ("C",), None])
+def test_what_overflows_is_refused(six_bar, turn, engine, bearings):
+    heavy = pp.loads.PointForce("slide", (0.0, 0.0, 1e308))
+    with pytest.raises(pp.PinpressError, match="not finite"):
+        pp.inverse_dynamics(six_bar, turn, [heavy, heavy], engine=engine, bearings=bearings)
+
+
+def test_another_linkage_is_refused(six_bar, turn, engine):
+    model = six_bar.model.copy()
+    model.jointPlacements[2].translation = 1.01 * model.jointPlacements[2].translation
+    longer = replace(six_bar, model=model)
+    with pytest.raises(pp.AssemblyError):
+        pp.inverse_dynamics(longer, turn, engine=engine, bearings=())
+
+
+# ---------------------------------------------------------------------------------------------------------- what is not there costs nothing
+
+
+class CalledError(Exception):
+    pass
+
+
+def fail(*_, **__):
+    raise CalledError
+
+
+def calls(monkeypatch, owner, name, *arguments, **more):
+    """Whether inverse dynamics with these arguments call a function."""
+    with monkeypatch.context() as patch:
+        patch.setattr(owner, name, fail)
+        try:
+            pp.inverse_dynamics(*arguments, **more)
+        except CalledError:
+            return True
+        return False
+
+
+def test_a_flat_press_computes_nothing_across_its_plane(monkeypatch, folder, six_bar, turn):
+    stacked = case("two_point", folder)
+    along, across = (pp.loads.PointForce("slide", force) for force in ((0.0, 0.0, 1e5), (0.0, 10.0, 0.0)))
+    on_frame = pp.loads.PointForce("frame", (0.0, 10.0, 0.0))
+    for function in ("forces", "add"):
+        assert not calls(monkeypatch, plane_axial, function, six_bar, turn, [along, on_frame])
+        assert calls(monkeypatch, plane_axial, function, six_bar, turn, [across])
+        assert calls(monkeypatch, plane_axial, function, *stacked)
+        assert not calls(monkeypatch, plane_axial, function, *stacked, bearings=())
+
+
+def test_torque_alone_needs_no_forces_from_link_to_link(monkeypatch, folder, six_bar, turn):
+    """Nor do the pins; guides do, and what all bearings share."""
+    rubbing = {"A": pp.loads.Friction(0.1, 0.1)}
+    for bearings, more, walked in (
+        ((), {}, False),
+        (("A", "C"), {}, False),
+        (("slide_guide",), {}, True),
+        (None, {}, True),
+        ((), {"friction": rubbing}, True),
+    ):
+        assert calls(monkeypatch, plane_dynamics, "_open_tree", six_bar, turn, bearings=bearings, **more) == walked
+    assert not calls(monkeypatch, plane_dynamics, "_open_tree", *case("two_point", folder), bearings=())
+    assert not calls(monkeypatch, plane_dynamics, "_open_tree", *case("symmetric", folder), bearings=())
+
+
+def test_gear_torques_that_share_with_rods_are_computed_when_they_are_asked_for(monkeypatch, folder, engine):
+    press, motion = case("symmetric", folder)
+    result = pp.inverse_dynamics(press, motion, engine=engine, bearings=())
+    solved, solve = [], reactions._solved
+    monkeypatch.setattr(reactions, "_solved", lambda *arguments: solved.append(1) or solve(*arguments))
+    assert any(result.indeterminate_coupling.values())
+    assert solved == []
+    assert result.coupling_torque is result.coupling_torque
+    assert solved == [1]
+    solved.clear()
+    assert pp.inverse_dynamics(press, motion, engine=engine).coupling_torque is not None
+    assert solved == [1]
+
+
+def test_what_is_not_redundant_shares_nothing(monkeypatch, folder, six_bar, turn):
+    stacked = case("two_point", folder)
+    for bearings, shared in ((None, True), (("O",), True), ((), False)):
+        assert calls(monkeypatch, spatial_dynamics, "least", *stacked, engine="pinocchio", bearings=bearings) == shared
+        stiff = {"stiffness": dict.fromkeys(stacked[0].bearings, 1e9)}
+        assert calls(monkeypatch, plane_axial, "least", *stacked, **stiff, bearings=bearings) == shared
+        assert not calls(monkeypatch, plane_axial, "least", *stacked, bearings=bearings)  # that is the press's, made once
+    assert not calls(monkeypatch, plane_statics, "_shares", six_bar, turn)
+    assert calls(monkeypatch, plane_statics, "_shares", *case("three_rods", folder))
+    assert not calls(monkeypatch, plane_statics, "_shares", *case("three_rods", folder), bearings=())
+
+
+def test_no_friction_is_no_iteration(monkeypatch, six_bar, turn, engine):
+    rubbing = {"A": pp.loads.Friction(0.1, 0.1)}
+    assert not calls(monkeypatch, friction.FrictionLaw, "efforts", six_bar, turn, engine=engine)
+    assert not calls(
+        monkeypatch, friction.FrictionLaw, "efforts", six_bar, turn, engine=engine, friction={"A": pp.loads.Friction(0.0, 0.1)}
+    )
+    assert calls(monkeypatch, friction.FrictionLaw, "efforts", six_bar, turn, engine=engine, friction=rubbing)
+
+
+def test_the_tree_is_walked_once_for_the_torque_alone(monkeypatch, six_bar, turn):
+    """By Pinocchio: the second time is for the joints' forces under those of the loops."""
+    rnea, walks = pin.rnea, []
+    monkeypatch.setattr(pin, "rnea", lambda *arguments: walks.append(1) or rnea(*arguments))
+    for bearings, times in (((), 1), (("C", "F"), 1), (("A",), 2), (None, 2)):
+        walks.clear()
+        pp.inverse_dynamics(six_bar, turn, engine="pinocchio", bearings=bearings)
+        assert len(walks) == times * len(turn.q), bearings
+
+
+def test_shaking_is_computed_when_it_is_asked_for_and_once(monkeypatch, six_bar, turn):
+    summed, solved = [], []
+    shaking, solve = reactions.shaking, reactions._solved  # type: ignore[attr-defined]
+    monkeypatch.setattr(reactions, "shaking", lambda *arguments: summed.append(1) or shaking(*arguments))
+    monkeypatch.setattr(reactions, "_solved", lambda *arguments: solved.append(1) or solve(*arguments))
+    on_frame = ("A", "D", "slide_guide")
+    for bearings, solutions in ((None, 1), (on_frame, 1), (("A", "D"), 2), ((), 2)):
+        summed.clear(), solved.clear()
+        result = pp.inverse_dynamics(six_bar, turn, bearings=bearings)
+        assert (len(summed), len(solved)) == (0, 1)
+        _ = result.power_residual, result.driving_torque, result.friction_power
+        assert (len(summed), len(solved)) == (0, 1)
+        _ = result.shaking_force, result.shaking_moment, result.shaking_force
+        assert (len(summed), len(solved)) == (1, solutions), bearings
+
+
+def test_memory_of_bearings_left_out_is_not_taken(six_bar, turn, engine):
+    for bearings, kept in ((None, 7), (("A", "C"), 2), ((), 0)):
+        wrenches = pp.inverse_dynamics(six_bar, turn, engine=engine, bearings=bearings)._wrenches
+        assert wrenches.force.shape == wrenches.moment.shape == (kept, 24, 3)
+
+
+def test_what_is_imported_for_one_turn():
+    """Neither solvers, nor drawing, nor what simulates; each is there once it is asked for."""
+    code = """
+import sys
+import pinpress as pp
+press = pp.load("zxn2_3000b")
+motion = pp.cycle(press, speed=7.0)
+spring = pp.loads.SpringDamper("frame", "slide", 1e4, point1=(0, 0, 2))
+pp.inverse_dynamics(press, motion, [spring], {"A": pp.loads.Friction(0.1, 0.1)}).shaking_force
+print(*sys.modules)
+pp.simulate, pp.record
+print(*sys.modules)
+"""
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    before, after = (set(line.split()) for line in done.stdout.splitlines())
+    unwanted = "scipy meshcat matplotlib plotly pandas trimesh PIL yourdfpy playwright imageio_ffmpeg"
+    assert {name.split(".")[0] for name in before} & set(unwanted.split()) == set()
+    later = {f"pinpress.{name}" for name in ("simulation", "recording", "reporting", "charts", "reduced", "writing", "drives")}
+    assert before & later == set()
+    assert {"pinpress.simulation.simulate", "pinpress.visual.recording"} <= after

@@ -1,0 +1,96 @@
+"""Forward dynamics of a linkage with several drivers: Cassie's legs, 12 drivers, 12 equations of rank 10."""
+
+import numpy as np
+import pytest
+from support import texts
+from support.oracles import cassie
+
+import pinpress as pp
+
+
+def five_bar(folder):
+    """Two driven cranks of 0.1 m, 0.5 m apart, and two couplers of 0.25 m, drawn with all four pins on the ground line and C above them."""
+    inertial = '<inertial><mass value="1"/><inertia ixx="0.01" ixy="0" ixz="0" iyy="0.01" iyz="0" izz="0.01"/></inertial>'
+
+    def pin(name, parent, child, x):
+        ends = f'<parent link="{parent}"/><child link="{child}"/><origin xyz="{x} 0 0"/>'
+        return f'<joint name="{name}" type="continuous">{ends}<axis xyz="0 -1 0"/></joint>'
+
+    text = f"""<robot name="five_bar"><link name="frame"/>
+    {"".join(f'<link name="{link}">{inertial}</link>' for link in ("crank_1", "crank_2", "coupler_1", "coupler_2"))}
+    {pin("A", "frame", "crank_1", 0)}{pin("B", "frame", "crank_2", 0.5)}
+    {pin("P", "crank_1", "coupler_1", 0.1)}{pin("Q", "crank_2", "coupler_2", -0.1)}
+    <loop_joint name="C" type="spherical"><link1 link="coupler_1" xyz="0.15 0 0.2"/><link2 link="coupler_2" xyz="-0.15 0 0.2"/></loop_joint>
+    <transmission name="a"><joint name="A"/></transmission><transmission name="b"><joint name="B"/></transmission></robot>"""
+    return texts.load(text, folder)
+
+
+def test_where_two_drivers_pull_the_linkage_straight(tmp_path):
+    """The pins are 0.5 - 0.2 cos s apart: two couplers of 0.25 m are straight at a right angle, and there C is halfway on their line."""
+    press, last = five_bar(tmp_path), np.radians(89.0)
+    turned = np.linspace(0.0, last, 30)
+    motion = pp.cycle(press, angle=np.column_stack([turned, -turned]), speed=0.0)
+    half = 0.25 - 0.1 * np.cos(turned)
+    inclined = np.arctan2(np.sqrt(0.25**2 - half**2), half)  # of coupler 1 over the ground, and drawn
+    coupler = motion.joint_position[:, press.joints.index("A")] + motion.joint_position[:, press.joints.index("P")]
+    np.testing.assert_allclose(coupler, inclined - np.arctan2(0.2, 0.15), rtol=0, atol=1e-9)
+    turned = np.linspace(0.0, 2.0, 21)
+    with pytest.raises(pp.SingularityError, match=r"five_bar locks between driver positions \[ 85\.\d* -85\.\d*\] and") as caught:
+        pp.cycle(press, angle=np.column_stack([turned, -turned]), speed=0.0)
+    assert caught.value.crank_angle == pytest.approx(np.pi / 2, abs=1e-6)
+
+
+@pytest.fixture(scope="module")
+def legs(tmp_path_factory):
+    file = tmp_path_factory.mktemp("cassie") / "cassie.urdf"
+    file.write_text(cassie.urdf(), encoding="utf-8")
+    return pp.load(file)
+
+
+def test_a_free_fall(legs):
+    """The legs fall from rest: energy is kept, loops stay closed, and the joints' accelerations are those that need no torque."""
+    run = pp.simulate(legs, 0.05, method="constraint")
+    assert run.stats.energy_error < 1e-9
+    assert run.closure_error.max() < 1e-10
+    assert run.crank_angle.shape == run.drive_torque.shape == (121, 12)
+    torque = pp.inverse_dynamics(legs, run).driving_torque
+    weight = pp.inverse_dynamics(legs, pp.cycle(legs, angle=run.crank_angle[:1], speed=0.0)).driving_torque
+    assert np.abs(torque).max() < 1e-9 * np.abs(weight).max()
+
+
+def test_drives_and_flywheels(legs):
+    """Two drives and a flywheel by the names of their joints: the torques that the motion needs are those, less the flywheel's."""
+    first, second = legs.drivers[0], legs.drivers[5]
+    motor = pp.drives.Geared(pp.drives.InductionMotor(100.0, 1440 * pp.RPM, inertia=1e-4), 50.0)
+    drive, flywheel = {first: pp.drives.ConstantTorque(2.0), second: motor}, {first: pp.drives.Flywheel(0.1)}
+    run = pp.simulate(legs, 0.05, method="constraint", drive=drive, flywheel=flywheel)
+    needed = np.zeros_like(run.drive_torque)
+    needed[:, 0] = 2.0 - 0.1 * run.crank_acceleration[:, 0]
+    needed[:, 5] = motor.torque(run.crank_speed[:, 5]) - motor.inertia * run.crank_acceleration[:, 5]
+    torque = pp.inverse_dynamics(legs, run).driving_torque
+    np.testing.assert_allclose(torque, needed, rtol=0, atol=1e-8 * np.abs(needed).max())
+    np.testing.assert_array_equal(run.drive_torque[:, 5], motor.torque(run.crank_speed[:, 5]))
+    assert run.stats.energy_error < 1e-8
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        ({"method": "reduced"}, "method='constraint' simulates it"),
+        ({"drive": pp.drives.ConstantTorque(1.0)}, r"give drive as \{joint: Drive\}"),
+        ({"drive": {"elbow": pp.drives.ConstantTorque(1.0)}}, "no driver 'elbow'"),
+        ({"drive": {"left-roll-op": 5.0}}, "drive of 'left-roll-op' is 5.0"),
+        ({"drive": {"left-roll-op": pp.drives.ServoMotor([0, 1], [0, 1], 1.0, 1.0, 1.0)}}, "torque depends on speed alone"),
+        ({"speed": [1.0, 2.0]}, "one of each of the 12 drivers"),
+        ({"brake": pp.drives.Brake(5.0)}, "clutch and brake are for one"),
+    ],
+)
+def test_wrong_arguments(legs, arguments, message):
+    with pytest.raises(pp.PinpressError, match=message):
+        pp.simulate(legs, 0.01, **{"method": "constraint", **arguments})
+
+
+@pytest.mark.parametrize("more", [{"step": 1e-3}, {"loads": [pp.loads.TimeForce(lambda t: 1e5 + 0 * np.asarray(t))]}])
+def test_a_prescribed_speed_leaves_nothing_to_integrate(more):
+    with pytest.raises(pp.PinpressError, match="leaves nothing to integrate"):
+        pp.simulate(texts.shipped("jf75g_125"), 0.3, drive=pp.drives.PrescribedSpeed(31.0), **more)

@@ -1,0 +1,181 @@
+"""Large linkages: what is computed grows with their joints and no faster, and stays right. Counts, not times: those are printed by
+`benchmark_sizes.py`."""
+
+import dataclasses
+from dataclasses import fields
+
+import numpy as np
+import pinocchio as pin
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from support import texts
+from support.exploring import examples
+from support.generators import large_linkages
+from support.oracles import cassie, n_four_bar
+
+import pinpress as pp
+from pinpress.engines import constant_rows
+from pinpress.engines.joints import Coupling
+from pinpress.engines.planar import blocks as plane_blocks
+from pinpress.engines.planar.blocks import ordered
+
+MOVED = np.array([1e-3, 0.0, 2e-3])
+ANGLES = np.linspace(0.05, 1.2, 7)
+KINDS = {"dyads": n_four_bar.urdf, "gears": large_linkages.gear_train}
+
+
+@pytest.fixture
+def datas(monkeypatch):
+    """A list that grows with every `pin.Data`, whose memory grows as the joints cubed."""
+    made, create = [], pin.Model.createData
+    monkeypatch.setattr(pin.Model, "createData", lambda model: made.append(model) or create(model))
+    return made
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_planar_linkages_need_no_pinocchio_data(datas, kind):
+    press = large_linkages.load(KINDS[kind](20))
+    result = pp.inverse_dynamics(press, pp.cycle(press, angle=ANGLES, speed=3.0))
+    assert np.abs(result.power_residual).max() < 1e-13
+    assert np.isfinite(result.shaking_moment).all()
+    loop_forces = [flags[:3].tolist() for name, flags in result.indeterminate.items() if name not in press.joints]
+    assert loop_forces == [[False, True, False]] * len(press.loops)
+    assert not datas
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_checking_planar_linkages_needs_no_pinocchio_data(datas, kind, tmp_path):
+    file = tmp_path / "linkage.urdf"
+    file.write_text(KINDS[kind](20), encoding="utf-8")
+    report = pp.check(file)
+    assert report.errors == ()
+    assert report.facts.mobility == 1
+    assert not datas
+
+
+@pytest.mark.parametrize("name", [*pp.presses(), "geared"])
+def test_gaps_as_drawn_are_those_of_the_pinocchio_engine(name):
+    press = large_linkages.load(large_linkages.gear_train(3)) if name == "geared" else texts.shipped(name)
+    size = press.spatial.size
+    np.testing.assert_allclose(press.drawn_gaps, press.equations(press.as_drawn).gaps, rtol=0, atol=1e-15 * size)
+    beside = dataclasses.replace(press, loops=tuple(dataclasses.replace(loop, point1=loop.point1 + MOVED) for loop in press.loops))
+    np.testing.assert_allclose(beside.drawn_gaps, beside.equations(beside.as_drawn).gaps, rtol=0, atol=1e-15 * size)
+
+
+def test_the_pinocchio_engine_needs_one_data_to_load(datas):
+    large_linkages.load(cassie.urdf())
+    assert len(datas) == 1
+
+
+def stored(linkage):
+    """Numbers kept of a planar linkage."""
+    arrays = [getattr(of, field.name) for of in (linkage.plane, linkage.bodies) for field in fields(of)]
+    matrices = [array for array in arrays if hasattr(array, "nnz")]
+    return sum(matrix.nnz for matrix in matrices) + sum(array.size for array in arrays if isinstance(array, np.ndarray))
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_memory_grows_with_the_joints(kind):
+    small, large = (stored(large_linkages.load(KINDS[kind](count))) for count in (40, 80))
+    assert 1.9 < large / small < 2.02
+
+
+def test_chain_of_dyads_in_closed_form():
+    """I phi'' = V g sin(phi) + torque (see `n_four_bar`), and the bearing forces carry weight and inertia of all rods."""
+    count = 60
+    press = large_linkages.load(n_four_bar.urdf(count))
+    w, alpha = 3.0, -2.0
+    result = pp.inverse_dynamics(press, pp.cycle(press, angle=ANGLES, speed=w, acceleration=alpha))
+    expected = n_four_bar.inertia(count) * alpha - n_four_bar.moment(count) * n_four_bar.GRAVITY * np.sin(ANGLES)
+    np.testing.assert_allclose(result.driving_torque, expected, rtol=0, atol=1e-12 * np.abs(expected).max())
+    # all rods turn by phi; the tops move as the tips do: mass times acceleration of the centres, less the weight
+    along, across = np.stack([np.sin(ANGLES), np.cos(ANGLES)]), np.stack([np.cos(ANGLES), -np.sin(ANGLES)])
+    force = n_four_bar.moment(count) * (alpha * across - w**2 * along)
+    force[1] += (2 * count + 1) * n_four_bar.GRAVITY
+    np.testing.assert_allclose(-result.shaking_force[:, [0, 2]].T, force, rtol=0, atol=1e-11 * np.abs(force).max())
+
+
+def test_gear_train_in_closed_form():
+    """Every pair turns the shaft behind it and all that this one drives."""
+    count = 61
+    press = large_linkages.load(large_linkages.gear_train(count))
+    result = pp.inverse_dynamics(press, pp.cycle(press, angle=ANGLES, speed=3.0, acceleration=-2.0))
+    inertia, weight = 0.1 + 0.1**2, 9.81 * 0.1
+    needed = inertia * -2.0 * (-1.0) ** np.arange(count + 1)[:, None] + weight * np.cos(ANGLES)
+    torques = np.zeros_like(ANGLES)
+    for shaft in range(count, 0, -1):
+        torques = needed[shaft] - torques
+        pair = result.coupling_torque[f"shaft_{shaft}"]
+        np.testing.assert_allclose(pair, np.stack([torques, torques], axis=1), rtol=0, atol=1e-12 * count)
+    np.testing.assert_allclose(result.driving_torque, needed[0] - torques, rtol=0, atol=1e-12 * count)
+
+
+@pytest.mark.parametrize("name", pp.presses())
+def test_sparse_matrices_give_what_plain_ones_do(monkeypatch, name):
+    """Of every shipped press: with friction, loads in the plane and out of it, all bearings and few."""
+    load = pp.loads.SpringDamper("frame", pp.load(name).slide, stiffness=1e5, damping=1e3, free_length=0.2, point1=(0.1, 0.0, 1.0))
+    aside = pp.loads.SpringDamper("frame", load.link2, stiffness=1e5, damping=1e3, free_length=0.2, point1=(0.1, 0.3, 1.0))
+
+    def results():
+        press = pp.load(name)
+        motion = pp.cycle(press, speed=7.0, points=9)
+        guide = press.joints[press.slide_guide[0]]
+        scenes = [{}, {"loads": [load]}, {"loads": [aside]}, {"friction": {guide: pp.loads.Friction(0.1)}}]
+        found = [pp.inverse_dynamics(press, motion, **scene) for scene in scenes]
+        found += [pp.inverse_dynamics(press, motion, bearings=some) for some in ((), press.bearings[-1:], press.bearings[:1])]
+        vectors = [
+            array
+            for one in found
+            for array in (one.driving_torque, one.shaking_moment, *one.bearing_force.values(), *one.bearing_moment.values())
+        ]
+        return press, [motion.joint_position, motion.a, *vectors, *(one.power_residual for one in found[:3])]
+
+    _, plain = results()
+    monkeypatch.setattr(constant_rows, "LARGE", 0)
+    press, sparse = results()
+    assert not isinstance(press.plane.closure, np.ndarray)
+    scale = max(np.abs(each).max() for each in plain)
+    for one, other in zip(plain, sparse, strict=True):
+        np.testing.assert_allclose(other, one, rtol=0, atol=1e-13 * scale)
+
+
+# ------------------------------------------------------------------------------------------------------------------- order of solution
+
+
+@st.composite
+def systems(draw):
+    """Joints 0 (the driver) to n, and which of them take part in loops and gear pairs."""
+    joints = draw(st.integers(2, 9))
+    loops = draw(st.lists(st.sets(st.integers(0, joints - 1), min_size=1, max_size=4), max_size=5))
+    pairs = st.tuples(st.integers(0, joints - 1), st.integers(0, joints - 1)).filter(lambda pair: pair[0] != pair[1])
+    return joints, loops, draw(st.lists(pairs, max_size=3))
+
+
+@examples(60)
+@given(systems())
+def test_blocks_by_their_graph(system):
+    """They are in an order in which each gives its joints from those before, and exist exactly where trying all groups finds some; where
+    every equation is needed they are the same."""
+    joints, loops, pairs = system
+    owners = [(k, joint) for k, involved in enumerate(loops) for joint in sorted(involved)]
+    couplings = [Coupling(str(one), one, other, 1.0, 0.0, 0) for one, other in pairs]
+    tried = ordered(owners, len(loops), couplings, 0, joints, one_block=False)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(plane_blocks, "FEW", 0)
+        found = ordered(owners, len(loops), couplings, 0, joints, one_block=False)
+    if 2 * len(loops) + len(couplings) == joints - 1:
+        assert (found is None) == (tried is None)
+    if found is None:
+        return
+    known = {0}
+    for block in found:
+        involved = set().union(*(loops[k] for k in block.loops), *(pairs[k] for k in block.couplings))
+        assert involved - known == set(block.joints)
+        assert len(block.joints) <= 2 * len(block.loops) + len(block.couplings)
+        known |= set(block.joints)
+    assert known == set(range(joints))
+    assert sorted(k for block in found for k in block.loops) == list(range(len(loops)))
+    assert sorted(k for block in found for k in block.couplings) == list(range(len(couplings)))
+    if tried is not None and not any(block.redundant for block in tried):
+        assert {block.joints for block in found} == {block.joints for block in tried}

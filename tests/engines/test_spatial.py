@@ -1,0 +1,367 @@
+"""Linkages that only Pinocchio's engine can do: a loop through space, and planar ones that close more than they must."""
+
+import re
+
+import numpy as np
+import pinocchio as pin
+import pytest
+from support import texts
+from support.generators import small_linkages
+from support.generators.random_linkages import Drawing, momentum_balance, newton_euler
+
+import pinpress as pp
+
+SPEED = 9.0
+# A crank-slide through space: crank axis and guide are skew, and neither is square to anything.
+CRANK_AXIS = np.array([0.2, -0.9, 0.3]) / np.linalg.norm([0.2, -0.9, 0.3])
+GUIDE_AXIS = np.array([0.1, -0.2, 0.9]) / np.linalg.norm([0.1, -0.2, 0.9])
+PIN_P = np.array([0.02, -0.05, -0.1])  # crank pin from the crank's pivot (the world origin), drawn [m]
+PIN_W = np.array([0.06, 0.08, -0.5])  # slide's pin, drawn [m]
+CROSS_AXIS = np.cross(CRANK_AXIS, [0.0, 0.0, 1.0]) / np.linalg.norm(
+    np.cross(CRANK_AXIS, [0.0, 0.0, 1.0])
+)  # of the cross, square to the crank's
+LENGTH = np.linalg.norm(PIN_W - PIN_P)
+
+
+def text(numbers):
+    return " ".join(repr(float(x)) for x in numbers)
+
+
+def inertial(mass, centre, moments):
+    ixx, ixy, ixz, iyy, iyz, izz = moments
+    return (
+        f'<inertial><origin xyz="{text(centre)}"/><mass value="{mass}"/>'
+        f'<inertia ixx="{ixx}" ixy="{ixy}" ixz="{ixz}" iyy="{iyy}" iyz="{iyz}" izz="{izz}"/></inertial>'
+    )
+
+
+SPATIAL = f"""<robot name="spatial">
+  <link name="frame">{inertial(40.0, [0.1, 0.2, -0.3], [1, 0, 0, 1, 0, 1])}</link>
+  <link name="crank">{inertial(6.0, [0.01, 0.02, -0.03], [0.05, 0.01, 0.0, 0.06, -0.01, 0.04])}</link>
+  <link name="cross">{inertial(0.5, [0.002, 0.0, 0.001], [0.0005, 0.0, 0.0, 0.0006, 0.0, 0.0004])}</link>
+  <link name="rod">{inertial(3.0, 0.45 * (PIN_W - PIN_P), [0.05, 0.0, 0.004, 0.05, 0.006, 0.01])}</link>
+  <link name="slide">{inertial(20.0, [0.03, -0.02, -0.05], [0.2, 0.0, 0.0, 0.2, 0.0, 0.2])}</link>
+  <joint name="O" type="continuous"><parent link="frame"/><child link="crank"/><axis xyz="{text(CRANK_AXIS)}"/></joint>
+  <joint name="P" type="continuous">
+    <parent link="crank"/><child link="cross"/><origin xyz="{text(PIN_P)}"/><axis xyz="{text(CRANK_AXIS)}"/>
+  </joint>
+  <joint name="Q" type="revolute">
+    <parent link="cross"/><child link="rod"/><axis xyz="{text(CROSS_AXIS)}"/><limit lower="-1" upper="1" effort="1" velocity="1"/>
+  </joint>
+  <joint name="guide" type="prismatic">
+    <parent link="frame"/><child link="slide"/><origin xyz="{text(PIN_W)}"/><axis xyz="{text(GUIDE_AXIS)}"/>
+    <limit lower="-1" upper="1" effort="1" velocity="1"/>
+  </joint>
+  <loop_joint name="W" type="spherical"><link1 link="rod" xyz="{text(PIN_W - PIN_P)}"/><link2 link="slide"/></loop_joint>
+  <transmission name="drive"><joint name="O"/></transmission>
+</robot>
+"""
+
+
+@pytest.fixture(scope="module")
+def write(tmp_path_factory):
+    def written(urdf, **options):
+        file = tmp_path_factory.mktemp("spatial") / "linkage.urdf"
+        file.write_text(urdf, encoding="utf-8")
+        return pp.load(file, **options)
+
+    return written
+
+
+@pytest.fixture(scope="module")
+def spatial(write):
+    return write(SPATIAL)
+
+
+def travel(angle):
+    """Travel of the slide along its guide, from the rod's length: analytic, so that it may be taken at complex angles."""
+    c, s = np.cos(angle), np.sin(angle)
+    crank_pin = (
+        np.multiply.outer(PIN_P, c)
+        + np.multiply.outer(np.cross(CRANK_AXIS, PIN_P), s)
+        + np.multiply.outer(CRANK_AXIS * (CRANK_AXIS @ PIN_P), 1 - c)
+    )
+    along = GUIDE_AXIS @ crank_pin - GUIDE_AXIS @ PIN_W
+    apart = crank_pin - PIN_W[:, None]
+    return along - np.sqrt(along**2 - (apart * apart).sum(axis=0) + LENGTH**2)
+
+
+def slope(function, angle):
+    """Derivative by the eighth-order central difference; at h = 0.02 truncation and rounding are both about 1e-13 here."""
+    h = 0.02
+    weights = (4 / 5, -1 / 5, 4 / 105, -1 / 280)
+    return sum(w * function(angle, k * h) for k, w in enumerate(weights, 1)) / h
+
+
+def test_it_is_spatial_and_has_one_degree_of_freedom(spatial, write):
+    """The crank drives it: a rank from Pinocchio's frame Jacobians. One joint less locks it, one more lets the rod spin."""
+    assert spatial.plane is None
+    assert spatial.mobility == 1
+    assert np.abs(spatial.closed).max() < 1e-13
+    data = spatial.model.createData()
+    rod, slide = (
+        pin.computeFrameJacobian(spatial.model, data, pin.neutral(spatial.model), spatial.model.getFrameId(link), pin.LOCAL_WORLD_ALIGNED)
+        for link in ("rod", "slide")
+    )
+    at_w = rod[:3] - pin.skew(PIN_W - PIN_P) @ rod[3:]
+    assert np.linalg.matrix_rank(slide[:3] - at_w) == spatial.model.nv - 1
+    for joint, free in (("fixed", 0), ("continuous", 2)):
+        if joint == "fixed":
+            urdf = re.sub(
+                r'<joint name="Q" type="revolute">(.*?)<axis.*?</joint>', r'<joint name="Q" type="fixed">\1</joint>', SPATIAL, flags=re.S
+            )
+        else:
+            extra = f'<link name="sleeve">{inertial(1.0, [0, 0, 0], [1, 0, 0, 1, 0, 1])}</link>'
+            axis = text((PIN_W - PIN_P) / LENGTH)
+            spin = f'<joint name="S" type="continuous"><parent link="cross"/><child link="sleeve"/><axis xyz="{axis}"/></joint>'
+            urdf = SPATIAL.replace('<parent link="cross"/>', '<parent link="sleeve"/>').replace("</robot>", extra + spin + "</robot>")
+        with pytest.raises(pp.UrdfError, match=f"mobility is {free}"):
+            write(urdf)
+
+
+def test_the_planar_engine_is_refused(spatial):
+    """By both calls, and "auto" takes the other one."""
+    with pytest.raises(pp.PinpressError, match="not a planar linkage"):
+        pp.cycle(spatial, SPEED, engine="plane")
+    motion = pp.cycle(spatial, SPEED, points=4)
+    with pytest.raises(pp.PinpressError, match="not a planar linkage"):
+        pp.inverse_dynamics(spatial, motion, engine="plane")
+    assert pp.inverse_dynamics(spatial, motion).engine == "pinocchio"
+
+
+def test_slide_in_closed_form(spatial):
+    """Position to 1e-13 m, velocity by complex step (exact), acceleration by an eighth-order difference of that, 1e-11."""
+    speed, acceleration = np.linspace(-4, 9, 40), np.linspace(30, -10, 40)
+    angle = np.linspace(-9, 12, 40)
+    motion = pp.cycle(spatial, angle=angle, speed=speed, acceleration=acceleration)
+    offset = GUIDE_AXIS @ PIN_W
+    np.testing.assert_allclose(motion.slide_position, offset + travel(angle), rtol=0, atol=1e-13)
+
+    def rate(x):
+        return travel(x + 1e-30j).imag / 1e-30
+
+    first, second = rate(angle), slope(lambda x, d: rate(x + d) - rate(x - d), angle)
+    assert np.abs(motion.slide_velocity - first * speed).max() <= 1e-12 * np.abs(first * speed).max()
+    expected = first * acceleration + second * speed**2
+    assert np.abs(motion.slide_acceleration - expected).max() <= 1e-11 * np.abs(expected).max()
+
+
+def test_rates_are_derivatives_of_configurations(spatial):
+    """Every joint: 1e-11 of the peak for the first, 1e-10 for the second, which amplifies rounding by 1 / h again."""
+    angle = np.linspace(0.0, 6.0, 11)
+
+    def turned(x, d):
+        ends = [pp.cycle(spatial, angle=x + e, speed=1.0).q for e in (-d, d)]
+        return np.array([pin.difference(spatial.model, one, two) for one, two in zip(*ends, strict=True)])
+
+    def sped_up(x, d):
+        return pp.cycle(spatial, angle=x + d, speed=1.0).v - pp.cycle(spatial, angle=x - d, speed=1.0).v
+
+    motion = pp.cycle(spatial, angle=angle, speed=1.0)
+    for values, expected, bound in ((motion.v, slope(turned, angle), 1e-11), (motion.a, slope(sped_up, angle), 1e-10)):
+        assert np.abs(values - expected).max() <= bound * np.abs(expected).max()
+        assert np.abs(expected).max(axis=0).min() > 0 or bound == 1e-10  # every joint moves; the crank has no acceleration
+
+
+@pytest.mark.parametrize("direction", [1, -1])
+def test_a_full_turn(spatial, direction):
+    """Loops closed to 1e-12 m all round, and back at the start to rounding; the crank pin's first joint turns back as the crank turns."""
+    assert spatial.branch.period == pytest.approx(2 * np.pi)
+    gained = dict(zip(spatial.joints, spatial.branch.advance, strict=True))
+    assert gained == {"O": 2 * np.pi, "P": -2 * np.pi, "Q": 0.0, "guide": 0.0}
+    motion = pp.cycle(spatial, direction * SPEED, points=60)
+    assert motion.closure_error.max() < 1e-12
+    data = spatial.model.createData()
+    for q in motion.q:
+        pin.framesForwardKinematics(spatial.model, data, q)
+        ends = data.oMf[spatial.model.getFrameId("rod")].act(PIN_W - PIN_P), data.oMf[spatial.model.getFrameId("slide")].translation
+        assert np.linalg.norm(ends[0] - ends[1]) < 1e-12
+    turns = pp.cycle(spatial, angle=0.3 + 2 * np.pi * np.arange(-3, 4), speed=1.0)
+    for name in ("q", "v", "a"):
+        values = getattr(turns, name)
+        np.testing.assert_allclose(values, np.tile(values[3], (7, 1)), rtol=0, atol=1e-12)
+
+
+def test_forces(spatial):
+    """Power and momentum to 1e-10 of the peak; Newton's and Euler's equations of every body, and passive joints idle, to 1e-12: rounding.
+
+    The torque once more by virtual work of the open tree, which needs no loop force at all; and nothing is indeterminate.
+    """
+    states = np.linspace(0, 6, 15)
+    motion = pp.cycle(spatial, angle=states, speed=SPEED * np.cos(states), acceleration=30 * np.sin(3 * states))
+    loads = [
+        pp.loads.PointForce("slide", (50.0, -80.0, 3000.0), (0.1, 0.0, -0.1)),
+        pp.loads.PointForce("rod", (7.0, 90.0, -60.0), (0.0, 0.1, -0.2)),
+    ]
+    loads.append(pp.loads.PointForce("frame", (1.0, 2.0, -3000.0), (0.0, 0.0, -0.9)))
+    result = pp.inverse_dynamics(spatial, motion, loads)
+    force_peak = max(np.abs(f).max() for f in result.bearing_force.values())
+    moment_peak = force_peak * spatial.spatial.size
+    assert np.abs(result.power_residual).max() <= 1e-10
+    force, moment = momentum_balance(spatial, motion, loads)
+    assert np.abs(result.shaking_force - force).max() <= 1e-10 * force_peak
+    assert np.abs(result.shaking_moment - moment).max() <= 1e-10 * moment_peak
+    forces, moments, idle = newton_euler(spatial, motion, result, loads)
+    assert np.abs(forces).max() <= 1e-12 * force_peak
+    assert np.abs(moments).max() <= 1e-12 * moment_peak
+    assert np.abs(idle).max() <= 1e-12 * moment_peak
+    assert not any(flags.any() for flags in result.indeterminate.values())
+
+    unit = pp.cycle(spatial, angle=states, speed=1.0).v
+    data = spatial.model.createData()
+    bare = pp.inverse_dynamics(spatial, motion).driving_torque
+    efforts = [pin.rnea(spatial.model, data, q, v, a) @ u for q, v, a, u in zip(motion.q, motion.v, motion.a, unit, strict=True)]
+    assert np.abs(bare - efforts).max() <= 1e-12 * moment_peak
+
+
+# ------------------------------------------------------------------------------------------------------------------------ redundant
+
+
+PIVOTS = (0j, 1.0 - 0.2j, 0.45 + 0.6j)  # not in a line: the parallelogram has no change point
+
+
+def three_cranks(offset=0.0):
+    """A coupler on three parallel cranks of 0.3 m, one of them too many; ``offset`` spreads the pins along the normal."""
+    arm = 0.3 * np.exp(0.5j)
+    drawing = Drawing("three_cranks")
+    drawing.joint("O", "frame", "crank", PIVOTS[0])
+    drawing.joint("B", "crank", "coupler", PIVOTS[0] + arm, offset)
+    drawing.joint("D", "frame", "second", PIVOTS[1])
+    drawing.joint("G", "frame", "third", PIVOTS[2], -offset)
+    drawing.loop("C", "coupler", "second", PIVOTS[1] + arm, offset)
+    drawing.loop("H", "third", "coupler", PIVOTS[2] + arm, offset)
+    drawing.body("crank", 4.0, PIVOTS[0] + 0.4 * arm)
+    drawing.body("second", 3.0, PIVOTS[1] + 0.5 * arm)
+    drawing.body("third", 2.0, PIVOTS[2] + 0.6 * arm * np.exp(0.3j))
+    drawing.body("coupler", 9.0, 0.6 + 0.3j + arm, offset)
+    return drawing
+
+
+ENGINES = ["plane", "pinocchio"]
+
+
+@pytest.mark.parametrize("engine", ENGINES)
+@pytest.mark.parametrize("turn", [False, True])
+def test_a_redundant_linkage_moves(write, turn, engine):
+    """It closes all the way round, and its coupler only translates (1e-12)."""
+    press = write(three_cranks().urdf("O"))
+    assert press.plane.redundant
+    assert press.mobility == 1
+    assert press.rank == 3
+    some = {"points": 24} if turn else {"angle": np.linspace(-1.0, 1.5, 9)}
+    motion = pp.cycle(press, 5.0, engine=engine, **some)
+    assert motion.closure_error.max() < 1e-12
+    expected = {"O": 5.0, "B": -5.0, "D": 5.0, "G": 5.0}
+    for name, rate in expected.items():
+        np.testing.assert_allclose(motion.v[:, press.joints.index(name)], rate, rtol=1e-12)
+    assert np.abs(motion.a).max() < 1e-10
+
+
+@pytest.mark.parametrize("engine", ENGINES)
+@pytest.mark.parametrize("offset", [0.0, 0.2])
+def test_a_redundant_linkage_in_closed_form(write, offset, engine):
+    """Torque = I alpha + g sum(m r cos), as all parts turn alike or move like the crank pin; every body in balance; 1e-12 of the peak."""
+    press = write(three_cranks(offset).urdf("O"))
+    angle = np.linspace(-1, 1.5, 19)
+    acceleration = 20 * np.cos(angle)
+    motion = pp.cycle(press, angle=angle, speed=np.linspace(-6, 6, 19), acceleration=acceleration)
+    result = pp.inverse_dynamics(press, motion, engine=engine)
+    assert result.engine == engine
+    turned = np.exp(1j * (0.5 + angle))
+    inertia = sum(m * (abs(r) ** 2 + 0.01) for m, r in ((4, 0.12), (3, 0.15), (2, 0.18))) + 9 * 0.3**2
+    lever = 4 * 0.12 + 3 * 0.15 + 2 * 0.18 * np.exp(0.3j) + 9 * 0.3
+    expected = inertia * acceleration + 9.81 * (lever * turned).real
+    assert np.abs(result.driving_torque - expected).max() <= 1e-12 * np.abs(expected).max()
+    peak = max(np.abs(f).max() for f in result.bearing_force.values())
+    forces, moments, idle = newton_euler(press, motion, result)
+    assert np.abs(forces).max() <= 1e-12 * peak
+    assert np.abs(moments).max() <= 1e-12 * peak
+    assert np.abs(idle).max() <= 1e-12 * peak
+    # the three pins carry the coupler: 9 kg on a circle of 0.3 m, with its weight
+    moving = 0.3 * turned * (1j * acceleration - motion.crank_speed**2)
+    total = 9 * np.stack([moving.real, np.zeros(19), moving.imag + 9.81], axis=1)
+    held = result.bearing_force["B"] - result.bearing_force["C"] + result.bearing_force["H"]
+    assert np.abs(held - total).max() <= 1e-12 * peak
+    force, moment = momentum_balance(press, motion, [])
+    assert np.abs(result.shaking_force - force).max() <= 1e-10 * peak
+    assert np.abs(result.shaking_moment - moment).max() <= 1e-10 * peak
+    assert np.abs(result.power_residual).max() <= 1e-10
+
+
+@pytest.mark.parametrize("engine", ENGINES)
+def test_redundant_forces_are_the_smallest(write, engine):
+    """Open forces are those of the least sum of squares: no push and pull that leaves every body in balance makes it smaller.
+
+    Such a push acts along the cranks, at both pins of each, and on the coupler the three are in balance. It must be square to the forces
+    found, 1e-12 of their product.
+    """
+    press = write(three_cranks().urdf("O"))
+    motion = pp.cycle(press, angle=np.linspace(-1.0, 1.5, 9), speed=4.0)
+    result = pp.inverse_dynamics(press, motion, engine=engine)
+    along = np.exp(1j * (0.5 + motion.crank_angle))
+    # axial forces x of second and y of third crank on the coupler, and any force of the driven one that balances sum and moment about B:
+    # (PIVOTS[1] - PIVOTS[0]) x along * x + (PIVOTS[2] - PIVOTS[0]) x along * y = 0, the driven crank takes -(x + y) along itself
+    x, y = (np.conj(PIVOTS[2]) * along).imag, -(np.conj(PIVOTS[1]) * along).imag
+    vector = np.stack([along.real, np.zeros(9), along.imag], axis=1)
+    # on the coupler: B, H, and C's reaction; each crank hands on what it gets from the frame
+    push = {"B": -(x + y), "O": -(x + y), "C": -x, "D": x, "H": y, "G": y}
+    product = sum((push[name][:, None] * vector * result.bearing_force[name]).sum(axis=1) for name in press.bearings)
+    size = sum(np.abs(push[name]) for name in press.bearings) * max(np.abs(f).max() for f in result.bearing_force.values())
+    assert np.abs(product).max() <= 1e-12 * size.max()
+    assert np.abs(x).max() > 0.5
+
+
+@pytest.fixture(scope="module")
+def open_components(write):
+    press = write(three_cranks().urdf("O"))
+    return press, pp.inverse_dynamics(press, pp.cycle(press, 5.0, angle=np.linspace(-1.0, 1.5, 7))).indeterminate
+
+
+def test_all_forces_of_a_redundant_linkage_are_open(open_components):
+    """Three parallel cranks can push and pull each other, in the plane and across it; a pin's tilting moments go with the latter."""
+    press, flags = open_components
+    for name in press.bearings:
+        assert flags[name][:3].all(), name
+        assert flags[name][[3, 5]].all() == (name in press.joints), name
+
+
+def test_no_moment_in_the_plane_is_open(open_components):
+    """Passive joints turn freely, and what moves nothing does no work at the driver: its torque is certain."""
+    press, flags = open_components
+    for name in press.bearings:
+        assert not flags[name][4], name
+
+
+@pytest.mark.parametrize("engine", ["plane", "pinocchio"])
+@pytest.mark.parametrize("name", ["zxn2_3000b", "crank_slide", "jf75g_125_symmetric"])
+def test_the_same_is_open_in_a_press_that_stands_askew(name, engine, tmp_path):
+    """Flags are along the horizontal in the plane, the normal, and the way up in the plane: what is certain upright is certain askew."""
+    upright, askew = texts.shipped(name), small_linkages.bolted(texts.shipped(name), "0.3 0.2 0.1", tmp_path)
+    straight, leaning = (pp.inverse_dynamics(press, pp.cycle(press, 5.0, points=7), engine=engine) for press in (upright, askew))
+    np.testing.assert_array_equal(straight.indeterminate_axes, np.eye(3))
+    axes, normal = leaning.indeterminate_axes, pin.rpy.rpyToMatrix(0.3, 0.2, 0.1)[:, 1]
+    np.testing.assert_allclose(axes @ axes.T, np.eye(3), atol=1e-15)
+    assert np.linalg.det(axes) > 0.5
+    assert abs(axes[0, 2]) < 1e-15  # horizontal
+    assert axes[2, 2] > 0.5  # upwards
+    assert abs(abs(axes[1] @ normal) - 1) < 1e-12
+    certain = 0
+    for bearing in upright.bearings:
+        before, after = straight.indeterminate[bearing], leaning.indeterminate[bearing]
+        # forces in the plane, then moments in it, are open together: their two directions are others than upright
+        assert (after[1], after[4]) == (before[1], before[4])
+        for pair in ([0, 2], [3, 5]):
+            assert after[pair].any() == before[pair].any()
+        certain += int(np.count_nonzero(~after))
+    assert certain >= len(upright.bearings)
+
+
+@pytest.mark.parametrize("engine", ["plane", "pinocchio"])
+@pytest.mark.parametrize("press_name", ["zxn2_3000b", "crank_slide"])
+def test_only_forces_across_an_ordinary_press_are_open(press_name, engine):
+    """In-plane forces and moments are certain; along the normal, world y, the loops may share a force as they like."""
+    press = texts.shipped(press_name)
+    flags = pp.inverse_dynamics(press, pp.cycle(press, 5.0, points=7), engine=engine).indeterminate
+    for name in press.bearings:
+        assert flags[name][:3].tolist() == [False, True, False], name
+        assert not flags[name][4], name

@@ -1,0 +1,441 @@
+"""What `check` finds beside errors (those are in `malformed_urdf`), and how it says it."""
+
+import dataclasses
+import math
+import os
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pinocchio as pin
+import pytest
+from support.generators.malformed_linkages import (
+    ANGLE,
+    AXIS,
+    CRANK_LENGTH,
+    GEAR,
+    GOES,
+    OPENING_W,
+    ORIGIN_GUIDE,
+    ORIGIN_P,
+    PIN,
+    ROD_END,
+    ROD_LENGTH,
+    SLIDE_END,
+    TRANSMISSION,
+    changed,
+    pinned,
+    with_element,
+)
+from support.generators.malformed_urdf import INERTIAL
+from support.generators.spatial_linkages import bennett, four_bar
+
+import pinpress as pp
+from pinpress.cli.main import main
+
+URDF = Path(__file__).resolve().parents[2] / "urdf"
+ZXN2, SYMMETRIC = ((URDF / f"{name}.urdf").read_text(encoding="utf-8") for name in ("zxn2_3000b", "jf75g_125_symmetric"))
+TWICE = with_element(f'<loop_joint name="V" type="spherical">{ROD_END}{SLIDE_END}</loop_joint>')
+
+
+@pytest.fixture
+def check(tmp_path):
+    """`check` of a text."""
+
+    def checked(text, **options):
+        file = tmp_path / "press.urdf"
+        file.write_text(text, encoding="utf-8")
+        return pp.check(file, **options)
+
+    return checked
+
+
+def edited(text, old, new):
+    assert old in text
+    return text.replace(old, new, 1)
+
+
+def said(findings):
+    return [(finding.element, finding.line, finding.problem) for finding in findings]
+
+
+# ------------------------------------------------------------------------------------------------------------------------- healthy presses
+
+
+@pytest.mark.parametrize("name", pp.presses())
+def test_shipped_presses_have_nothing_to_be_warned_of(name):
+    report = pp.check(name)
+    assert said([*report.errors, *report.warnings]) == []
+    press = pp.load(name)
+    facts = report.facts
+    assert (facts.drivers, facts.slide, facts.joints, facts.mobility) == (press.drivers, press.slide, press.joints, press.mobility)
+    assert facts.engine == ("pinocchio" if press.plane is None else "plane")
+    assert sorted(each.name for each in facts.closings) == sorted(
+        [*(loop.name for loop in press.loops), *(pair.name for pair in press.couplings)]
+    )
+    assert max(each.gap for each in facts.closings) < 1e-12
+
+
+def test_page_of_a_healthy_press():
+    report = pp.check("zxn2_3000b")
+    page = re.sub(r"\de-\d\d mm", "0e-00 mm", str(report))
+    assert (
+        page
+        == f"""\
+{report.file}: no errors, no warnings, 1 note
+
+  driver      A
+  slide       slide
+  mobility    1: 5 joints, 4 of 6 equations are independent
+  engine      plane
+
+                                     gap as drawn   determines
+  C   spherical   coupler - rocker   0e-00 mm       B, D
+  F   spherical   rod - slide        0e-00 mm       E, slide_guide
+
+note: 2 equations are redundant across the plane of the linkage, as in any with parallel pins
+    what bearings carry across it is shared by least squares, result.indeterminate marks it"""
+    )
+
+
+def test_order_in_which_loops_close():
+    closings = {each.name: each for each in pp.check("jf75g_125_symmetric").facts.closings}
+    assert list(closings) == ["O_right", "P4_left", "P5_left", "P4_right", "P5_right"]
+    assert closings["O_right"].joints == ("O_right",)
+    assert closings["P4_left"].joints == ("P2_left", "slide_guide")
+    assert closings["P4_right"].joints == ("P2_right",)
+    assert (closings["O_right"].type, closings["O_right"].between) == ("gear pair", ("O_right", "O_left"))
+    assert closings["P5_left"].between == ("auxiliary_rod_left", "counterweight")
+
+
+def test_report_is_frozen():
+    report = pp.check("crank_slide")
+    for owner, name in ((report, "file"), (report.findings[0], "problem"), (report.facts, "rank")):
+        with pytest.raises(dataclasses.FrozenInstanceError):
+            setattr(owner, name, None)
+    assert report == pp.check("crank_slide")
+
+
+# ---------------------------------------------------------------------------------------------------------------------------- redundancy
+
+
+def redundancies(report):
+    return [finding.problem for finding in report.notes if "redundant" in finding.problem]
+
+
+@pytest.mark.parametrize(("loop", "across"), [("spherical", 1), ("revolute", 3)])
+def test_redundancy_across_the_plane(check, loop, across):
+    text = (
+        GOES
+        if loop == "spherical"
+        else changed((OPENING_W, OPENING_W.replace("spherical", loop)), ("</loop_joint>", f"{AXIS}</loop_joint>"))
+    )
+    report = check(text)
+    verb = "equation is" if across == 1 else "equations are"
+    assert redundancies(report) == [f"{across} {verb} redundant across the plane of the linkage, as in any with parallel pins"]
+    assert (report.facts.equations, report.facts.rank) == (3 + across, 3)
+    assert report.facts.engine == "plane"
+
+
+def test_redundancy_in_the_plane_names_what_takes_part(check):
+    """Also those whose idle force is zero in the drawn pose, a dead centre: the gear pair."""
+    _, further = redundancies(check(SYMMETRIC))
+    assert further == (
+        "2 equations are redundant in the plane, of loop 'P4_left', loop 'P4_right', loop 'P5_left', loop 'P5_right',"
+        " gear pair of joint 'O_right'"
+    )
+    across, further = redundancies(check(TWICE))
+    assert across.startswith("2 equations are redundant across the plane")
+    assert further == "2 equations are redundant in the plane, of loop 'W', loop 'V'"
+
+
+@pytest.mark.parametrize("text", [SYMMETRIC, TWICE], ids=["symmetric", "twice"])
+def test_loops_that_share_are_those_with_indeterminate_forces(check, tmp_path, text):
+    """By the rank of the equations in the engine, over a turn: forces in the plane."""
+    press = pp.load(check(text).file)
+    result = pp.inverse_dynamics(press, pp.cycle(press, 3.0, points=12))
+    open_in_plane = {loop.name for loop in press.loops if result.indeterminate[loop.name][[0, 2]].any()}
+    assert set(re.findall(r"loop '(\w+)'", redundancies(check(text))[1])) == open_in_plane
+
+
+def test_a_weld_is_held_in_the_plane_too(check):
+    """Three of its six equations lie in the plane, none of them redundant in a four-bar."""
+    report = check(four_bar("fixed"))
+    assert redundancies(report) == ["3 equations are redundant across the plane of the linkage, as in any with parallel pins"]
+    assert [finding.problem for finding in report.notes if "engine" in finding.problem] == [
+        "engine 'pinocchio' computes it, one configuration at a time: loop 'W' is a weld"
+    ]
+    assert report.facts.engine == "pinocchio"
+
+
+def test_redundancy_in_space(check):
+    report = check(bennett())
+    assert redundancies(report) == ["3 equations are redundant in space, of loop 'J3'"]
+    assert report.facts.closings[0].joints == ("J1", "J2", "J4")
+
+
+# ------------------------------------------------------------------------------------------------------------------------- as drawn
+
+
+@pytest.mark.parametrize(
+    ("edit", "apart"),
+    [
+        ((ROD_END, ROD_END.replace("0.4", "0.4003")), "0.3 mm"),
+        ((ROD_END, ROD_END.replace("0.4", "0.399998")), "0.002 mm"),
+        ((ORIGIN_GUIDE, ORIGIN_GUIDE.replace('xyz="0 ', 'xyz="0.02 ')), "20 mm"),
+    ],
+)
+def test_drawn_open(check, edit, apart):
+    (finding,) = check(changed(edit)).warnings
+    assert finding.problem == f"it is {apart} apart as drawn"
+    assert finding.remedy.startswith("draw it closed; to close it, load has moved joint ")
+    assert finding.line == 12
+
+
+def test_drawn_open_within_rounding_is_no_finding(check):
+    assert check(changed((ROD_END, ROD_END.replace("0.4", "0.4000001")))).warnings == ()
+
+
+def test_gap_and_misalignment_of_a_loop(check):
+    """Of a revolute loop in space whose one side is shifted and turned; the linkage then does not close."""
+    text = bennett()
+    (loop,) = check(text).facts.closings
+    assert max(loop.gap, loop.misalignment) < 1e-12
+    place = re.search(r'<link1 link="link2" xyz="([^"]+)" rpy="([^"]+)"', text)
+    xyz, rpy = (np.array(numbers.split(), dtype=float) for numbers in place.groups())
+    tilted = pin.rpy.matrixToRpy(pin.rpy.rpyToMatrix(rpy) @ pin.exp3(np.array([2e-3, 0.0, 0.0])))  # across the axis of the loop
+    written = (" ".join(map(repr, map(float, numbers))) for numbers in (np.add(xyz, [3e-4, -4e-4, 0.0]), tilted))
+    (loop,) = check(text.replace(place[0], '<link1 link="link2" xyz="{}" rpy="{}"'.format(*written))).facts.closings
+    assert (loop.gap, loop.misalignment) == (pytest.approx(5e-4, rel=1e-9), pytest.approx(2e-3, rel=1e-9))
+
+
+def test_rounded_axes(check):
+    """A redundant linkage that loads though its axes are not parallel: the slow engine takes it, which is said."""
+    report = check(edited(SYMMETRIC, 'rpy="0 1.5707963267948966 0"/><axis', 'rpy="1e-4 1.5707963267948966 0"/><axis'))
+    (finding,) = report.warnings
+    assert "the axis of joint 'O_right' is 0.00573 deg off the normal of the plane in which joint 'O_left' turns" in finding.problem
+    assert finding.remedy.startswith("axes are up to 0.0001 rad from parallel: write angles in full")
+    assert report.facts.engine == "pinocchio"
+
+
+# ------------------------------------------------------------------------------------------------------------------------- joint limits
+
+
+def test_joint_that_leaves_its_limits(check):
+    """Crank angle and value are those of the furthest state of a turn."""
+    report = check(edited(ZXN2, 'lower="-1.0" upper="1.6"', 'lower="-1.0" upper="0.5"'))
+    (finding,) = report.warnings
+    press = pp.load("zxn2_3000b")
+    rocker = pp.cycle(press, 1.0, points=720).joint_position[:, press.joints.index("D")]
+    value, angle = rocker.max(), rocker.argmax() / 2
+    assert finding.problem == (
+        f"it reaches {value:.6g} rad ({np.degrees(value):.4g} deg) at crank angle {angle:.6g} deg, beyond its upper limit 0.5"
+    )
+    assert finding.element == '<limit> of <joint name="D">'
+    assert check(edited(ZXN2, 'upper="1.6"', f'upper="{value + 1e-3}"')).warnings == ()
+
+
+def test_slide_that_leaves_its_limits(check):
+    (finding,) = check(edited(ZXN2, 'lower="-0.05" upper="0.35"', 'lower="-0.001" upper="0.35"')).warnings
+    assert re.fullmatch(r"it reaches -0\.0016\d+ m at crank angle 334\.5 deg, beyond its lower limit -0\.001", finding.problem)
+
+
+def test_drawn_pose_outside_the_limits(check):
+    (finding,) = check(edited(ZXN2, 'lower="-0.05" upper="0.35"', 'lower="0.05" upper="0.35"')).warnings
+    assert finding.problem == "the drawn pose, 0, is outside the limits 0.05 to 0.35"
+
+
+def test_limits_of_a_continuous_joint_mean_nothing(check):
+    limit = '<limit lower="0.1" upper="0.2" effort="1" velocity="1"/>'
+    assert check(changed((f"{AXIS}<!-- P -->", f"{AXIS}{limit}"))).warnings == ()
+
+
+def test_linkage_that_locks(check):
+    """The guide stands off by more than the rod's length: the crank turns until the rod lies across it, 60 deg to either side of x."""
+    across, up = 0.45 - PIN[0], -math.sqrt(ROD_LENGTH**2 - (0.45 - PIN[0]) ** 2)
+    text = changed(
+        (ORIGIN_GUIDE, f'<origin xyz="0.45 0 {PIN[1] + up!r}"/>'),
+        (ORIGIN_P, f'<origin xyz="{CRANK_LENGTH!r} 0 0" rpy="0 {ANGLE - math.atan2(up, across)!r} 0"/>'),
+    )
+    (finding,) = [note for note in check(text).notes if "redundant" not in note.problem]
+    low, high = map(float, re.fullmatch(r"it turns only from (\S+) to (\S+) deg, where the linkage locks", finding.problem).groups())
+    assert (low, high) == pytest.approx((-100.0, 20.0), abs=1e-4)
+    assert (finding.element, finding.line) == ('<joint name="O">', 7)
+
+
+# ------------------------------------------------------------------------------------------------------------------------------ elements
+
+
+@pytest.mark.parametrize(
+    ("edit", "severity", "element", "problem"),
+    [
+        (('name="rod"', 'name="rod "'), "warning", '<link name="rod ">', "the name 'rod ' has spaces around it"),
+        (
+            (
+                "</robot>",
+                f'<link name="Rod">{INERTIAL}</link><joint name="x" type="fixed"><parent link="rod"/><child link="Rod"/></joint></robot>',
+            ),
+            "warning",
+            '<link name="Rod">',
+            "the name 'Rod' differs from 'rod' on line 4 only in case or spaces",
+        ),
+        (
+            ("<!-- P -->", '<dynamics damping="0.5" friction="2"/>'),
+            "note",
+            '<dynamics> of <joint name="P">',
+            "damping='0.5' and friction='2'",
+        ),
+        (("<!-- P -->", '<dynamics damping="0" friction="2"/>'), "note", '<dynamics> of <joint name="P">', "does not read friction='2'"),
+        (
+            (INERTIAL, '<inertial><mass value="1"/><inertia ixx="0" ixy="0" ixz="0" iyy="0" iyz="0" izz="0"/></inertial>'),
+            "warning",
+            '<inertia> of <link name="crank">',
+            "all moments of inertia are 0",
+        ),
+        (
+            (INERTIAL, INERTIAL.replace('"1"', '"0.001"', 1)),
+            "warning",
+            '<inertia> of <link name="crank">',
+            "the radius of gyration is 31.6 m, of a linkage of 0.636 m",
+        ),
+    ],
+)
+def test_element(check, edit, severity, element, problem):
+    text = changed(edit)
+    if "rod " in edit[1]:
+        text = text.replace('link="rod"', 'link="rod "')
+    (finding,) = [each for each in check(text).findings if "redundant" not in each.problem]
+    assert (finding.severity, finding.element) == (severity, element)
+    assert problem in finding.problem
+    assert finding.line is not None
+
+
+@pytest.mark.parametrize(
+    "edit",
+    [
+        ("<!-- P -->", '<dynamics damping="0" friction="0.0"/>'),
+        (INERTIAL, INERTIAL.replace('"1"', '"0.05"', 1)),
+        ("</robot>", '<link name="mark"/><joint name="x" type="fixed"><parent link="rod"/><child link="mark"/></joint></robot>'),
+        ("</robot>", "<gazebo/><drake:x/></robot>"),
+    ],
+)
+def test_no_finding(check, edit):
+    assert [each for each in check(changed(edit)).findings if "redundant" not in each.problem] == []
+
+
+def test_names_of_joints_and_loops_are_compared_too(check):
+    text = pinned("spherical", 'link="wheel"', 'link="frame" xyz="0.5 0 0"').replace('name="V"', 'name="w"')
+    (finding,) = check(text).warnings
+    assert finding.problem == "the name 'w' differs from 'W' on line 12 only in case or spaces"
+
+
+def test_warnings_are_found_beside_errors(check):
+    report = check(changed((AXIS, '<axis xyz="0 -2 0"/>'), ('name="slide"', 'name=" slide"'), ("<!-- P -->", '<dynamics damping="1"/>')))
+    assert [finding.severity for finding in report.findings] == ["error", "error", "error", "warning", "note"]
+    assert report.facts is None
+
+
+# ----------------------------------------------------------------------------------------------------------------------- drivers and slides
+
+
+def test_driver_and_slide_are_given(check, tmp_path):
+    text = changed((TRANSMISSION, ""), ('"guide"', '"slide_guide"'), ('name="slide"', 'name="ram"'), ('"slide"/>', '"ram"/>'))
+    text = text.replace('link="slide"', 'link="ram"')
+    (error,) = check(text).errors
+    assert (error.problem, error.element) == ("no driver", '<robot name="goes">')
+    report = check(text, driver="O", slide="ram")
+    assert (report.errors, report.facts.drivers, report.facts.slide) == ((), ("O",), "ram")
+
+
+def test_load_names_the_command_that_lists_the_others(tmp_path):
+    file = tmp_path / "two errors.urdf"
+    text = pinned("spherical", 'link="wheel" xyz="0 0 0.1"', 'link="frame" xyz="0.5 0 0.13"')
+    file.write_text(text.replace('"slide"', '"ram"'), encoding="utf-8")
+    for options, written in (({}, ""), ({"driver": "O", "slide": "ram"}, " --driver O --slide ram")):
+        with pytest.raises(pp.UrdfError, match="mobility is 0") as caught:
+            pp.load(file, **options)
+        assert str(caught.value).endswith(f"(1 more: pinpress check '{file}'{written} lists them)")
+        assert len(pp.check(file, **options).errors) == 2
+
+
+def test_linkage_without_loops(check):
+    crank = '<robot name="crank"><link name="frame"/><link name="crank">' + INERTIAL + "</link>"
+    joint = f'<joint name="O" type="continuous"><parent link="frame"/><child link="crank"/>{AXIS}</joint>'
+    report = check(f"{crank}{joint}{TRANSMISSION}</robot>")
+    assert report.findings == ()
+    assert (report.facts.mobility, report.facts.closings) == (1, ())
+    assert "no errors, no warnings, no notes" in str(report)
+
+
+@pytest.mark.parametrize(
+    ("options", "error"),
+    [({"driver": "Q"}, pp.UnknownNameError), ({"driver": ("O", "O")}, pp.PinpressError), ({"slide": "rod"}, pp.PinpressError)],
+)
+def test_wrong_names_are_raised(check, options, error):
+    with pytest.raises(error):
+        check(GOES, **options)
+
+
+@pytest.mark.parametrize("name", ["missing.urdf", "missing", "a\0b.urdf"])
+def test_no_such_file(name):
+    with pytest.raises(pp.UrdfError):
+        pp.check(name)
+
+
+def test_several_drivers(check):
+    text = changed((GEAR, ""), (TRANSMISSION, TRANSMISSION + '<transmission><joint name="G"/></transmission>'))
+    report = check(text)
+    assert report.errors == report.warnings == ()
+    assert (report.facts.drivers, report.facts.mobility, report.facts.engine) == (("O", "G"), 2, "pinocchio")
+    assert "there are 2 drivers" in report.notes[-1].problem
+
+
+# ------------------------------------------------------------------------------------------------------------------------------- command
+
+
+def run(*arguments, **environment):
+    command = [sys.executable, "-m", "pinpress", "check", *map(str, arguments)]
+    return subprocess.run(command, capture_output=True, text=True, timeout=60, env={**os.environ, **environment}, encoding="utf-8")
+
+
+def test_command_prints_the_page():
+    done = run("zxn2_3000b")
+    assert (done.returncode, done.stderr, done.stdout) == (0, "", f"{pp.check('zxn2_3000b')}\n")
+
+
+def test_warnings_are_no_failure(tmp_path):
+    file = tmp_path / "press.urdf"
+    file.write_text(changed((ROD_END, ROD_END.replace("0.4", "0.401"))), encoding="utf-8")
+    done = run(file)
+    assert (done.returncode, done.stderr) == (0, "")
+    assert "1 warning" in done.stdout
+
+
+@pytest.mark.parametrize(
+    "arguments", [[], ["none.urdf"], ["zxn2"], ["zxn2_3000b", "--driver", "Q"], ["zxn2_3000b", "--slide", "rod"], ["zxn2_3000b", "--fast"]]
+)
+def test_wrong_usage(arguments, capsys):
+    try:
+        code: object = main(["check", *arguments])
+    except SystemExit as end:  # argparse's
+        code = end.code
+    assert code == 2
+    said = capsys.readouterr()
+    assert said.out == ""
+    assert said.err
+
+
+def test_wrong_usage_is_the_status_of_the_process():
+    done = run("none.urdf")
+    assert (done.returncode, done.stdout) == (2, "")
+    assert "Traceback" not in done.stderr
+
+
+def test_names_that_the_terminal_cannot_show(tmp_path):
+    file = tmp_path / "press.urdf"
+    file.write_text(GOES.replace('"rod"', '"曲柄"').replace(f"{GEAR}", ""), encoding="utf-8")
+    done = run(file, "--driver", "O", "--driver", "G", PYTHONIOENCODING="ascii")
+    assert (done.returncode, done.stderr) == (0, "")
+    assert r"\u66f2\u67c4" in done.stdout

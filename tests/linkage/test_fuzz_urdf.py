@@ -1,0 +1,71 @@
+"""Mutated URDF files, a few of those that `python tests/support/generators/fuzz_urdf.py` makes by the thousand; and that it would notice
+a fault."""
+
+import os
+import time
+
+import pytest
+from support.generators import fuzz_urdf
+from support.generators.malformed_linkages import GOES
+
+import pinpress as pp
+
+
+def test_mutated_files_are_refused_or_sound():
+    counted, wrong = fuzz_urdf.run(range(40), seed=20)
+    assert wrong == {}
+    assert counted["refused"] > 20
+    assert counted["plane"] > 4
+    assert counted["pinocchio"] > 0
+
+
+@pytest.mark.exhaustive
+def test_every_base_is_sound(tmp_path):
+    for name, text in fuzz_urdf.bases().items():
+        assert fuzz_urdf.judge(text.encode(), tmp_path) in ("plane", "pinocchio"), name
+
+
+def test_cases_are_the_same_again():
+    assert fuzz_urdf.case(3, 7) == fuzz_urdf.case(3, 7)
+    assert len({fuzz_urdf.case(3, number) for number in range(50)}) > 45
+
+
+def sleep_die_or_answer(number):
+    if number == 0:
+        time.sleep(60)
+    if number == 1:
+        os._exit(139)
+    return number > 2, str(number)
+
+
+@pytest.mark.exhaustive
+def test_worker_goes_on():
+    worker = fuzz_urdf.Worker(sleep_die_or_answer, seconds=2)
+    try:
+        assert [worker(number) for number in (0, 1, 2, 3, 3)] == [
+            (False, "hangs: no end after 2 s"),
+            (False, "crashes: exit code 139"),
+            (False, "2"),
+            (True, "3"),
+            (True, "3"),
+        ]
+    finally:
+        worker.stop()
+
+
+@pytest.mark.parametrize(
+    ("name", "value", "said"), [("model_mass", 3.0, "mass 3.0 kg, not 4.0"), ("gap_of", 1e-6, "a loop is 1e-06 m open")]
+)
+def test_a_fault_is_noticed(tmp_path, monkeypatch, name, value, said):
+    monkeypatch.setattr(fuzz_urdf, name, lambda *_: value)
+    with pytest.raises(AssertionError, match=said):
+        fuzz_urdf.judge(GOES.encode(), tmp_path)
+
+
+def test_other_errors_are_noticed(tmp_path, monkeypatch):
+    def fails(*_):
+        raise ValueError("no PinpressError")
+
+    monkeypatch.setattr(pp, "load", fails)
+    with pytest.raises(ValueError, match="no PinpressError"):
+        fuzz_urdf.judge(GOES.encode(), tmp_path)

@@ -1,0 +1,72 @@
+"""Every malformed URDF of the corpus is refused with an error that names the place and the fault, and listed by `check` as well."""
+
+import re
+
+import pytest
+from support.generators.malformed_linkages import DEAD, DRIVERS, GOES, MOBILITIES, NEARLY_PARALLEL, OPEN, ROBOT
+from support.generators.malformed_urdf import ELEMENTS, FILES
+
+import pinpress as pp
+from pinpress.cli.main import main
+
+CORPUS = [
+    *(
+        pytest.param(text, pp.UrdfError, *expected, id=f"{expected[-1]}")
+        for text, *expected in [*FILES, *ELEMENTS, *DRIVERS, *NEARLY_PARALLEL]
+    ),
+    *(pytest.param(text, pp.UrdfError, ROBOT, None, problem, id=problem) for text, problem in MOBILITIES),
+    *(pytest.param(text, pp.AssemblyError, *expected, id=f"{expected[-1]}") for text, *expected in OPEN),
+    *(pytest.param(text, pp.SingularityError, ROBOT, None, problem, id=problem) for text, problem in DEAD),
+]
+
+
+@pytest.fixture
+def file(tmp_path):
+    return tmp_path / "press.urdf"
+
+
+def written(file, text):
+    file.write_bytes(text if isinstance(text, bytes) else text.encode())
+    return file
+
+
+@pytest.mark.parametrize(("text", "error", "element", "line", "problem"), CORPUS)
+def test_malformed(file, capfd, text, error, element, line, problem):
+    written(file, text)
+    with pytest.raises(pp.PinpressError) as caught:
+        pp.load(file)
+    assert type(caught.value) is error
+    listed = pp.check(file).errors
+    first = listed[0]
+    assert (first.element, first.line) == (element, line)
+    assert problem in first.problem
+    assert first.remedy
+    said = str(first.error) + (f" ({len(listed) - 1} more: pinpress check {file} lists them)" if len(listed) > 1 else "")
+    assert str(caught.value) == said
+    if isinstance(caught.value, pp.UrdfError):
+        assert (caught.value.file, caught.value.element, caught.value.line) == (str(file), element, line)
+        assert (caught.value.problem, caught.value.remedy) == (first.problem, first.remedy)
+    assert capfd.readouterr() == ("", "")
+
+
+@pytest.mark.parametrize(("text", "error", "element", "line", "problem"), CORPUS[::7])
+def test_command_lists_it(file, capsys, text, error, element, line, problem):
+    assert main(["check", str(written(file, text))]) == 1
+    out, err = capsys.readouterr()
+    assert err == ""
+    place = "error: " if line is None else f"{file}:{line}: error: "
+    assert place in out
+    assert problem in re.sub(r"\s+", " ", out)
+
+
+def test_the_corpus_is_of_linkages_that_load_but_for_the_fault(file):
+    assert pp.check(written(file, GOES)).errors == ()
+    assert pp.load(file).mobility == 1
+
+
+def test_directory(tmp_path):
+    with pytest.raises(pp.UrdfError, match="directory"):
+        pp.load(tmp_path)
+    (found,) = pp.check(tmp_path).findings
+    assert (found.severity, found.element, found.line, found.remedy) == ("error", None, None, "give the path of a URDF file")
+    assert "directory" in found.problem

@@ -1,0 +1,797 @@
+"""A linkage written as a URDF and loaded again: the same numbers, and the same text wherever nothing has changed."""
+
+import dataclasses
+import difflib
+import re
+import subprocess
+import sys
+
+import numpy as np
+import pinocchio as pin
+import pytest
+from hypothesis import assume, given
+from hypothesis import strategies as st
+from support import texts
+from support.exploring import examples
+from support.generators.random_linkages import drawn, linkages
+from support.generators.spatial_linkages import bennett, four_bar
+
+import pinpress as pp
+from pinpress.linkage.urdf import reader as urdf
+
+EPS = np.finfo(float).eps
+LEVER = 1.0  # centre of mass [ulp of its largest component]: Pinocchio reads (m c) (1 / m)
+TENSOR = EPS  # of its largest component
+ROTATION = 6 * EPS  # Pinocchio reads roll, pitch and yaw, by way of a quaternion
+WELDED = 2 * EPS  # masses, lengths and tensors that are sums over links
+
+
+def text(numbers):
+    return " ".join(repr(float(x)) for x in numbers)
+
+
+def unit(*numbers):
+    return np.array(numbers) / np.linalg.norm(numbers)
+
+
+# A crank-slide through space, which can be changed in every number and still moves. Its loop is between links that are welded to rod and
+# slide, turned against them; a gear runs with the crank, and a counterweight is welded to it.
+PIN_P, PIN_W = np.array([0.02, -0.05, -0.1]), np.array([0.06, 0.08, -0.5])
+ROD_END = pin.SE3(pin.rpy.rpyToMatrix(0.3, -1.2, 2.0), 0.9 * (PIN_W - PIN_P))
+LUG = pin.SE3(pin.rpy.rpyToMatrix(-2.0, 0.4, 0.1), np.array([0.0, 0.1, 0.02]))
+WEIGHT = pin.SE3(pin.rpy.rpyToMatrix(0.7, 0.8, -0.9), np.array([0.01, 0.02, 0.05]))
+CRANK_AXIS = unit(0.2, -0.9, 0.3)
+
+
+def place(placement):
+    return f'xyz="{text(placement.translation)}" rpy="{text(pin.rpy.matrixToRpy(placement.rotation))}"'
+
+
+PRESS = f"""<?xml version="1.0"?>
+<!-- A press with <joint name="O"> & "quotes" in its comment. -->
+<robot name='space_press' xmlns:drake="http://drake.mit.edu">
+  <material name="steel"><color rgba="0.5 0.5 0.5 1"/></material>
+  <link name="frame">
+    <visual name="bed"><origin xyz="0 0 -1"/><geometry><box size="1 1 0.1"/></geometry><material name="steel"/></visual>
+  </link>
+  <link name="crank">
+    <!-- measured -->
+    <inertial>
+      <origin xyz="0.01 0.02 -0.03" rpy="0 0 0.5"/>
+      <mass
+        value='6'/>
+      <inertia ixx="0.05" ixy="0.01" ixz="0" iyy="0.06" iyz="-0.01" izz="0.04"/>
+    </inertial>
+    <visual><geometry><cylinder radius="0.1" length="0.02"/></geometry></visual>
+  </link>
+  <link name="weight">
+    <inertial><origin xyz="0 0 0.01"/><mass value="2"/><inertia ixx="0.01" ixy="0" ixz="0" iyy="0.01" iyz="0" izz="0.01"/></inertial>
+  </link>
+  <link name="cross"><inertial><mass value="0.5"/><inertia ixx="5e-4" ixy="0" ixz="0" iyy="6e-4" iyz="0" izz="4e-4"/></inertial></link>
+  <link name="rod">
+    <inertial>
+      <origin xyz="0.02 0.06 -0.2"/><mass value="3"/><inertia ixx="0.05" ixy="0" ixz="0.004" iyy="0.05" iyz="0.006" izz="0.01"/>
+    </inertial>
+  </link>
+  <link name="rod_end"/>
+  <link name="slide"><inertial><mass value="20"/><inertia ixx="0.2" ixy="0" ixz="0" iyy="0.2" iyz="0" izz="0.2"/></inertial></link>
+  <link name="lug"></link>
+  <link name="gear"><inertial><mass value="1"/><inertia ixx="0.1" ixy="0" ixz="0" iyy="0.2" iyz="0" izz="0.1"/></inertial></link>
+
+  <joint name="O" type="continuous">
+    <parent link="frame"/><child link="crank"/>
+    <axis xyz="{text(CRANK_AXIS)}"/>
+  </joint>
+  <joint name="screws" type="fixed"><parent link="crank"/><child link="weight"/><origin {place(WEIGHT)}/></joint>
+  <joint name="P" type="continuous">
+    <parent link="crank"/><child link="cross"/><origin rpy="0 0 0" xyz="{text(PIN_P)}"/><axis xyz="{text(CRANK_AXIS)}"/>
+    <dynamics damping="0.5"/><drake:rotor_inertia value="1"/>
+  </joint>
+  <joint name="Q" type="revolute">
+    <parent link="cross"/><child link="rod"/><axis xyz="{text(unit(-0.9, -0.2, 0.0))}"/>
+    <limit lower="-1" upper="1" effort="100" velocity="30"/>
+  </joint>
+  <joint name="end" type="fixed"><parent link="rod"/><child link="rod_end"/><origin {place(ROD_END)}/></joint>
+  <joint name="slide_guide" type="prismatic">
+    <parent link="frame"/><child link="slide"/><origin xyz="{text(PIN_W)}"/><axis xyz="{text(unit(0.1, -0.2, 0.9))}"/>
+    <limit lower="-1" upper="1" effort="1e6" velocity="3"/>
+  </joint>
+  <joint name="weld" type="fixed"><parent link="slide"/><child link="lug"/><origin {place(LUG)}/></joint>
+  <joint name="G" type="continuous">
+    <parent link="frame"/><child link="gear"/><origin xyz="0.5 0 0"/><axis xyz="0 1 0"/>
+    <mimic joint="O" multiplier="-2"/>
+  </joint>
+  <loop_joint name="W" type="spherical">
+    <link1 link="rod_end" xyz="{text(ROD_END.actInv(PIN_W - PIN_P))}"/><link2 link="lug" xyz="{text(LUG.actInv(np.zeros(3)))}" rpy="0 0 1"/>
+  </loop_joint>
+  <transmission name="drive"><type>simple</type><joint name="O"><hardwareInterface/></joint><actuator name="motor"/></transmission>
+  <gazebo reference="crank"><mu1>0,2</mu1></gazebo>
+</robot>
+<!-- end -->
+"""
+
+
+@pytest.fixture
+def file(tmp_path):
+    return tmp_path / "read.urdf"
+
+
+@pytest.fixture
+def press(file):
+    return loaded(file, PRESS)
+
+
+def loaded(file, content, **options):
+    file.write_bytes(content.encode())
+    return pp.load(file, **options)
+
+
+def written(press, folder, **options):
+    """The linkage of the file that it is written to."""
+    return pp.load(pp.write_urdf(press, folder / "written.urdf"), **options)
+
+
+def changed(press, change, **fields):
+    """A linkage with a model that ``change`` was done to."""
+    model = press.model.copy()
+    change(model)
+    return dataclasses.replace(press, model=model, **fields)
+
+
+def lines_changed(press, other):
+    """Lines of the text of a linkage that another's does not have, and what that has instead."""
+    lines = difflib.ndiff(press.text.decode().splitlines(), other.text.decode().splitlines())
+    picked = [line for line in lines if line[0] in "-+"]
+    return [line[2:].strip() for line in picked if line[0] == "-"], [line[2:].strip() for line in picked if line[0] == "+"]
+
+
+def assert_same(one, other, welded=True):
+    """Every number that a URDF says, to what was promised; ``welded`` where the bodies are sums of links."""
+    model, expected = one.model, other.model
+    length = max(np.abs(inertia.lever).max() for inertia in expected.inertias) + other.spatial.size
+    assert list(model.names) == list(expected.names)
+    for inertia, wanted in zip(model.inertias, expected.inertias, strict=True):
+        np.testing.assert_allclose(inertia.mass, wanted.mass, rtol=WELDED if welded else 0, atol=0)
+        ulp = np.spacing(np.abs(wanted.lever).max())
+        np.testing.assert_allclose(inertia.lever, wanted.lever, rtol=0, atol=WELDED * length if welded else LEVER * ulp)
+        largest = np.abs(wanted.inertia).max()
+        np.testing.assert_allclose(inertia.inertia, wanted.inertia, rtol=0, atol=(WELDED if welded else TENSOR) * largest)
+    places = zip(
+        [*model.jointPlacements, *(frame(one, link) for link in one.links)],
+        [*expected.jointPlacements, *(frame(other, link) for link in other.links)],
+        strict=True,
+    )
+    for placement, wanted in places:
+        np.testing.assert_allclose(placement.translation, wanted.translation, rtol=0, atol=WELDED * length if welded else 0)
+        np.testing.assert_allclose(placement.rotation, wanted.rotation, rtol=0, atol=ROTATION)
+    for loop, wanted in zip(one.loops, other.loops, strict=True):
+        assert (loop.name, loop.type, loop.joint1, loop.joint2) == (wanted.name, wanted.type, wanted.joint1, wanted.joint2)
+        for end in ("1", "2"):
+            point, rotation = getattr(loop, f"point{end}"), getattr(loop, f"rotation{end}")
+            np.testing.assert_allclose(point, getattr(wanted, f"point{end}"), rtol=0, atol=WELDED * length if welded else 0)
+            np.testing.assert_allclose(rotation, getattr(wanted, f"rotation{end}"), rtol=0, atol=ROTATION)
+    for name in ("lowerPositionLimit", "upperPositionLimit", "velocityLimit", "upperEffortLimit", "damping", "upperDryFrictionLimit"):
+        np.testing.assert_array_equal(getattr(model, name), getattr(expected, name))
+    pairs = [[(p.name, p.follower, p.leader, p.multiplier, p.offset) for p in each.couplings] for each in (one, other)]
+    assert pairs[0] == pairs[1]
+    assert (one.name, one.links, one.root, one.drivers, one.slide) == (other.name, other.links, other.root, other.drivers, other.slide)
+
+
+def frame(press, link):
+    return press.model.frames[press.model.getFrameId(link, pin.BODY)].placement
+
+
+def some_inertia(rng, scale=1.0):
+    """Of a body: any three second moments of mass along principal axes will do."""
+    mass, spread = 10 ** rng.uniform(-1, 3), 10 ** rng.uniform(-3, 0, 3)
+    turned = pin.exp3(rng.normal(size=3))
+    return pin.Inertia(mass, scale * rng.normal(size=3), scale**2 * mass * (turned @ np.diag(spread.sum() - spread) @ turned.T))
+
+
+def nudge(rng, size):
+    return pin.SE3(pin.exp3(size * rng.normal(size=3)), size * rng.normal(size=3))
+
+
+# ------------------------------------------------------------------------------------------------------------------------------ the text
+
+
+@pytest.mark.parametrize("name", pp.presses())
+def test_unchanged_press_has_the_same_bytes(name, tmp_path):
+    press = texts.shipped(name)
+    assert pp.write_urdf(press, tmp_path / "written.urdf") == tmp_path / "written.urdf"
+    assert (tmp_path / "written.urdf").read_bytes() == press.text
+
+
+@pytest.mark.parametrize(
+    "content",
+    [
+        "\ufeff" + PRESS,
+        PRESS.replace("\n", "\r\n"),
+        PRESS.replace('"crank"', '"&lt;cr&amp;ank&gt; &quot;曲柄&quot;"').replace('"O"', '"it\'s"'),
+        PRESS.replace('"crank"', '"cra\nnk"'),
+        PRESS.replace("<transmission", "<transmission name='idle'><joint name='O'/></transmission><transmission"),
+        PRESS.replace('<inertial><mass value="20"/>', '<inertial\t ><mass\n value = "20" />'),
+    ],
+    ids=["byte_order_mark", "crlf", "escaped", "line_break_in_name", "driver_twice", "white_space"],
+)
+def test_text_stays_but_for_the_one_number(file, tmp_path, content):
+    press = loaded(file, content)
+    assert written(press, tmp_path).text == press.text
+    carried = press.joints.index("slide_guide") + 1
+
+    def heavier(model):
+        model.inertias[carried].mass = 21.5
+
+    assert written(changed(press, heavier), tmp_path).text == re.sub(rb'value( ?= ?)"20"', rb'value\1"21.5"', press.text)
+
+
+def test_visuals_comments_and_foreign_elements_are_kept(press, tmp_path):
+    rng = np.random.default_rng(1)
+
+    def all_new(model):
+        for j in range(1, model.njoints):
+            model.inertias[j] = some_inertia(rng)
+            model.jointPlacements[j] = model.jointPlacements[j] * nudge(rng, 1e-3)
+
+    gone, come = lines_changed(press, written(changed(press, all_new), tmp_path))
+    kept = ("visual", "geometry", "gazebo", "drake", "<!--", "material", "transmission")
+    assert gone
+    assert not [line for line in gone + come if any(word in line for word in kept)]
+
+
+def test_name_is_escaped(press, tmp_path):
+    name = '"Nürnberg" <1> & it\'s'
+    assert written(dataclasses.replace(press, name=name), tmp_path).name == name
+
+
+@pytest.mark.parametrize("name", ["", "\ud800", "nul\0", "bell\a"])
+def test_name_that_no_file_can_hold(press, tmp_path, name):
+    refusal(dataclasses.replace(press, name=name), tmp_path)
+
+
+# --------------------------------------------------------------------------------------------------------------------------- the numbers
+
+
+@pytest.mark.parametrize("name", pp.presses())
+def test_inertias(name, tmp_path):
+    press, rng = texts.shipped(name), np.random.default_rng(2)
+
+    def all_new(model):
+        for j in range(model.njoints):
+            model.inertias[j] = some_inertia(rng)
+
+    heavier = changed(press, all_new)
+    again = written(heavier, tmp_path)
+    assert_same(again, heavier, welded=False)
+    missed = [np.count_nonzero(one.lever != two.lever) for one, two in zip(again.model.inertias, heavier.model.inertias, strict=True)]
+    assert sum(missed) == 0  # which no text may reach, but one does for these numbers; the first that is tried misses one in eight
+
+
+def test_thin_rod_whose_tensor_is_rounded(press, tmp_path):
+    """A singular tensor, turned: Pinocchio's constructor would find it negative."""
+    turned = pin.exp3(np.array([0.3, 0.2, 0.9]))
+    tensor = turned @ np.diag([0.1, 0.1, 0.0]) @ turned.T
+    assert np.linalg.eigvalsh(tensor)[0] != 0
+
+    def rod(model):
+        model.inertias[press.joints.index("Q") + 1].inertia = tensor
+
+    thin = changed(press, rod)
+    assert_same(written(thin, tmp_path), thin)
+
+
+def test_one_moment_of_a_link_whose_inertia_is_written_in_turned_axes(file, tmp_path):
+    press = loaded(file, PRESS.replace('<origin xyz="0.02 0.06 -0.2"/>', '<origin xyz="0.02 0.06 -0.2" rpy="1 0.2 -0.5"/>'))
+
+    def thicker(model):
+        tensor = model.inertias[press.joints.index("Q") + 1].inertia
+        tensor[2, 2] *= 1.01
+        model.inertias[press.joints.index("Q") + 1].inertia = tensor
+
+    other = changed(press, thicker)
+    assert_same(written(other, tmp_path), other)
+
+
+def test_attribute_that_was_not_there(file, tmp_path):
+    press = loaded(file, PRESS.replace('<origin xyz="0.5 0 0"/>', '<origin xyz="0.5 0 0" />'))
+
+    def turned(model):
+        model.jointPlacements[press.joints.index("G") + 1].rotation = pin.rpy.rpyToMatrix(0.0, 0.0, 0.25)
+
+    assert b'<origin xyz="0.5 0 0" rpy="0.0 0.0 0.25" />' in written(changed(press, turned), tmp_path).text
+
+
+@pytest.mark.filterwarnings("ignore:.*apart as drawn:pinpress.PinpressWarning")
+def test_placements(press, tmp_path):
+    rng = np.random.default_rng(3)
+
+    def moved(model):
+        for j in range(1, model.njoints):
+            model.jointPlacements[j] = nudge(rng, 1e-2) * model.jointPlacements[j]
+
+    other = changed(press, moved)
+    assert_same(written(other, tmp_path), other)
+
+
+@pytest.mark.parametrize("pitch", [np.pi / 2, -np.pi / 2, np.pi / 2 - 1e-9, np.pi / 2 - 1e-4, np.pi])
+def test_placement_turned_by_about_a_right_angle(press, tmp_path, pitch):
+    """Where roll and yaw are one."""
+
+    def turned(model):
+        model.jointPlacements[press.joints.index("G") + 1].rotation = pin.rpy.rpyToMatrix(0.4, pitch, -2.0)
+
+    other = changed(press, turned)
+    assert_same(written(other, tmp_path), other)
+
+
+def test_welded_link_moves(press, tmp_path):
+    """Neither the body's inertia nor the loop's point on it goes with the link's frame."""
+
+    def moved(model):
+        for link in ("weight", "rod_end", "lug"):
+            model.frames[model.getFrameId(link, pin.BODY)].placement = nudge(np.random.default_rng(4), 0.1) * frame(press, link)
+
+    other = changed(press, moved)
+    assert_same(written(other, tmp_path), other)
+
+
+def test_loop_on_welded_links(press, tmp_path):
+    loop = press.loops[0]
+    ends = {"point1": loop.point1 - 2e-3, "point2": loop.point2 + 1e-3, "rotation2": pin.exp3(np.array([1.0, -2.0, 0.5]))}
+    other = dataclasses.replace(press, loops=(dataclasses.replace(loop, **ends),))
+    again = written(other, tmp_path)
+    assert_same(again, other)
+    assert not np.allclose(again.loops[0].point1, loop.point1, rtol=0, atol=1e-4)
+    assert len(lines_changed(press, again)[0]) == 1
+
+
+@pytest.mark.parametrize("content", [bennett(), four_bar("revolute"), four_bar("fixed")], ids=["bennett", "revolute", "fixed"])
+def test_loop_that_holds_rotations(file, tmp_path, content):
+    """Turned about its axis, which it may be, or both ends alike; the <axis> is not touched."""
+    press = loaded(file, content)
+    loop = press.loops[0]
+    turn = pin.exp3(np.array([0.7, 0.0, 0.0]))
+    both = {"rotation1": loop.rotation1 @ turn, "rotation2": loop.rotation2 @ turn}
+    for ends in ({"rotation1": both["rotation1"]}, both) if loop.type == "revolute" else (both,):
+        other = dataclasses.replace(press, loops=(dataclasses.replace(loop, **ends),))
+        again = written(other, tmp_path)
+        assert_same(again, other, welded=False)
+        assert re.findall(b"<axis.*?>", again.text) == re.findall(b"<axis.*?>", press.text)
+        assert again.text != press.text
+
+
+@pytest.mark.parametrize(("old", "new", "drivers"), [("spherical", "revolute", ["O"]), ("fixed", "revolute", ["O", "D"])])
+def test_type_of_a_loop(file, tmp_path, old, new, drivers):
+    """A four-bar, and one whose coupler is welded of halves; these then turn, and a second driver moves them. There and back."""
+    press = loaded(file, four_bar(old))
+    data, upright = press.model.createData(), np.array([[0.0, 0.0, 1.0], [-1.0, 0.0, 0.0], [0.0, -1.0, 0.0]])  # first axis: -y
+    pin.forwardKinematics(press.model, data, pin.neutral(press.model))
+    loop = press.loops[0]
+    ends = {f"rotation{k}": data.oMi[joint].rotation.T @ upright for k, joint in ((1, loop.joint1), (2, loop.joint2))}
+    other = dataclasses.replace(press, loops=(dataclasses.replace(loop, type=new, **ends),), drivers=tuple(drivers))
+    turning = written(other, tmp_path)
+    assert_same(turning, other, welded=old == "spherical")
+    held = dataclasses.replace(turning, loops=(dataclasses.replace(turning.loops[0], type=old),), drivers=press.drivers)
+    assert_same(written(held, tmp_path), held, welded=old == "spherical")
+
+
+def test_loop_that_turns_about_an_axis_no_more(file, tmp_path):
+    """Its <axis> is gone; its ends stay as they are."""
+    press = loaded(file, four_bar("revolute"))
+    other = dataclasses.replace(press, loops=(dataclasses.replace(press.loops[0], type="spherical"),))
+    again = written(other, tmp_path)
+    assert_same(again, other)
+    assert again.text.count(b"<axis") == press.text.count(b"<axis") - 1
+
+
+@pytest.mark.parametrize("change", [{"multiplier": 1 / 3}, {"offset": -0.1}, {"leader": 1, "multiplier": 0.7}])
+def test_gear_pair(press, tmp_path, change):
+    other = dataclasses.replace(press, couplings=(dataclasses.replace(press.couplings[0], **change),))
+    again = written(other, tmp_path)
+    assert_same(again, other)
+    assert len(lines_changed(press, again)[0]) == 1
+
+
+def test_limits(press, tmp_path):
+    def limited(model):
+        model.lowerPositionLimit[press.model.joints[press.joints.index("Q") + 1].idx_q] = -0.25
+        for j, name in enumerate(press.joints):
+            model.velocityLimit[j], model.upperEffortLimit[j] = 2.5 + j, 1e3 + j
+            model.damping[j] = 0.1 * j
+            model.upperDryFrictionLimit[j] = 0.25 if name == "slide_guide" else 0.0
+
+    other = changed(press, limited)
+    assert_same(written(other, tmp_path), other)
+
+
+@pytest.mark.parametrize(
+    ("name", "new"),
+    [("G", pin.JointModelRUBX()), ("Q", pin.JointModelRevoluteUnaligned(unit(-0.8, -0.3, 0.1))), ("slide_guide", pin.JointModelPZ())],
+)
+def test_axis(press, tmp_path, name, new):
+    j = press.joints.index(name) + 1
+
+    def tilted(model):
+        new.setIndexes(j, model.joints[j].idx_q, model.joints[j].idx_v)
+        model.joints[j] = pin.JointModel(new)
+
+    other = changed(press, tilted)
+    again = written(other, tmp_path)
+    assert_same(again, other)
+    assert again.model.joints[j].shortname() == new.shortname()
+    np.testing.assert_allclose(again.spatial.axes[j - 1].direction, other.spatial.axes[j - 1].direction, rtol=0, atol=EPS)
+    assert len(lines_changed(press, again)[0]) == 1
+
+
+# --------------------------------------------------------------------------------------------------------------------------- drivers
+
+TWO = four_bar("spherical", table="table")  # T carries the frame of the crank O
+DRIVES = '<transmission name="drive_T"><joint name="T"/></transmission>\n  <transmission name="drive_O"><joint name="O"/></transmission>'
+
+
+@pytest.mark.parametrize(
+    "transmissions",
+    [
+        DRIVES,
+        "",
+        '<transmission name="both"><joint name="T"/><joint name="O"/></transmission>',
+        '<transmission name="a"><joint name="T"/><joint name="O"/></transmission><transmission name="b"><joint name="D"/></transmission>',
+        '<transmission name="a"><joint name="B"/></transmission>\n  <transmission name="b"><joint name="D"/><actuator/></transmission>\n  '
+        '<transmission name="c"><joint name="T"/></transmission>',
+    ],
+    ids=["one_each", "none", "one_for_both", "three", "others"],
+)
+@pytest.mark.parametrize("drivers", [("T", "O"), ("O", "T"), ("D", "T")])
+def test_drivers_named_at_load(file, tmp_path, transmissions, drivers):
+    assert DRIVES in TWO
+    press = loaded(file, TWO.replace(DRIVES, transmissions), driver=drivers)
+    again = written(press, tmp_path)
+    assert again.drivers == drivers
+    assert len(re.findall(rb'<joint name="\w"/>', again.text)) == 2
+    assert (again.text == press.text) == (urdf.read(file).drivers == drivers)
+    assert not re.findall(rb"<transmission[^>]*>\s*</transmission>", again.text)
+    assert len(re.findall(rb"\n *\n", again.text)) == len(re.findall(rb"\n *\n", press.text))
+
+
+def test_driver_with_a_name_to_be_escaped(file, tmp_path):
+    press = loaded(file, PRESS.replace('name="P"', "name='&quot;P&quot; &lt;&amp;&apos;'"), driver='"P" <&\'')
+    again = written(press, tmp_path)
+    assert again.drivers == ('"P" <&\'',)
+    assert again.text.count(b"<hardwareInterface/>") == 1
+
+
+# ------------------------------------------------------------------------------------------------------------- bodies of several links
+
+
+def body_changed(press, joint, change):
+    """A linkage in which ``change`` was done to the inertia of the body that a joint carries."""
+    j = press.joints.index(joint) + 1
+
+    def put(model):
+        model.inertias[j] = change(model.inertias[j])
+
+    return changed(press, put)
+
+
+def ball(mass, radius=0.05, at=(0.0, 0.0, 0.0)):
+    return pin.Inertia(mass, np.array(at), 0.4 * mass * radius**2 * np.eye(3))
+
+
+def link_inertia(press, link):
+    """What the text of a linkage says of a link, alone on a joint."""
+    inertial = re.search(rf'<link name="{link}">.*?(<inertial>.*?</inertial>)', press.text.decode(), re.S)
+    alone = f'<robot name="a"><link name="f"/><link name="b">{inertial[1]}</link>'
+    joint = '<joint name="j" type="continuous"><parent link="f"/><child link="b"/></joint></robot>'
+    return pin.buildModelFromXML(alone + joint).inertias[1]
+
+
+def links_without_inertia(press):
+    links = re.findall(r'<link name="(\w+)"(?:/>|>(.*?)</link>)', press.text.decode(), re.S)
+    return [link for link, content in links if "<inertial>" not in content]
+
+
+@pytest.mark.parametrize("change", [lambda total: total + ball(3.0, at=(0.1, 0.0, 0.0)), lambda total: total - ball(0.5)])
+def test_the_heaviest_of_welded_links_takes_the_difference(press, tmp_path, change):
+    """The crank has 6 kg, the counterweight on it 2."""
+    other = body_changed(press, "O", change)
+    again = written(other, tmp_path)
+    assert_same(again, other)
+    assert link_inertia(again, "weight") == link_inertia(press, "weight")
+    assert link_inertia(again, "crank").mass == other.model.inertias[press.joints.index("O") + 1].mass - 2
+
+
+def test_one_link_takes_all_where_none_can_take_the_difference(press, tmp_path):
+    """Less mass is left than either has."""
+    other = body_changed(press, "O", lambda total: ball(1.5))
+    again = written(other, tmp_path)
+    assert_same(again, other)
+    assert "weight" in links_without_inertia(again)
+    assert link_inertia(again, "crank").mass == 1.5
+
+
+def test_the_next_takes_it_where_the_heaviest_would_be_unsound(file, tmp_path):
+    """The crank a flat plate, from which nothing can be taken across its plane; the counterweight a ball, from which it can."""
+    plate = PRESS.replace(
+        'ixx="0.05" ixy="0.01" ixz="0" iyy="0.06" iyz="-0.01" izz="0.04"', 'ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="2"'
+    )
+    press = loaded(file, plate.replace('rpy="0 0 0.5"', ""))
+    j = press.joints.index("O") + 1
+    heavier, crank = written(body_changed(press, "O", lambda total: total + ball(1.0)), tmp_path), link_inertia(press, "crank")
+    assert link_inertia(heavier, "crank") != crank
+
+    def thinner(model):
+        model.inertias[j].inertia = model.inertias[j].inertia - 1e-3 * np.diag([1.0, 1.0, 0.0])
+
+    other = changed(press, thinner)
+    again = written(other, tmp_path)
+    assert_same(again, other)
+    assert link_inertia(again, "crank") == crank
+    assert link_inertia(again, "weight") != link_inertia(press, "weight")
+
+
+def test_inertia_of_welded_links_stays_split(press, tmp_path):
+    """Where other bodies change."""
+    again = written(body_changed(press, "Q", lambda total: total + ball(1.0)), tmp_path)
+    assert len(lines_changed(press, again)[0]) == 1
+    assert again.model.inertias[press.joints.index("O") + 1] == press.model.inertias[press.joints.index("O") + 1]
+
+
+@pytest.mark.parametrize("tag", ['<link name="frame"/>', '<link name="frame"></link>', '<link name="frame"><!-- heavy --></link>', None])
+def test_frame_gets_a_mass(file, tmp_path, tag):
+    """Which it did not have; it carries the shaking force, not the crank."""
+    content = PRESS if tag is None else re.sub(r'<link name="frame">.*?</link>', tag, PRESS, flags=re.S)
+    press = loaded(file, content)
+
+    def heavy(model):
+        model.inertias[0] = ball(500.0, at=(0.1, 0.2, 0.3))
+
+    other = changed(press, heavy)
+    again = written(other, tmp_path)
+    assert_same(again, other)
+    back = dataclasses.replace(again, model=press.model)
+    assert written(back, tmp_path).model.inertias[0].mass == 0
+
+
+# ------------------------------------------------------------------------------------------------------------------------- the mechanics
+
+
+def peak(result):
+    return max(np.abs(values).max() for values in (*result.bearing_force.values(), *result.bearing_moment.values(), result.shaking_force))
+
+
+def assert_same_forces(press, other, motion_of):
+    """Driving torque and all bearing forces of two linkages, relative to the largest."""
+    results = [pp.inverse_dynamics(each, motion_of(each)) for each in (press, other)]
+    largest = peak(results[1])
+    np.testing.assert_allclose(results[0].driving_torque, results[1].driving_torque, rtol=0, atol=1e-12 * largest)
+    for name in press.bearings:
+        for kind in ("bearing_force", "bearing_moment"):
+            one, two = (getattr(result, kind)[name] for result in results)
+            np.testing.assert_allclose(one, two, rtol=0, atol=1e-12 * largest, err_msg=f"{kind} {name}")
+
+
+def all_changed(press, seed=5):
+    rng = np.random.default_rng(seed)
+
+    def change(model):
+        for j in range(model.njoints):
+            model.inertias[j] = some_inertia(rng, 0.1)
+        for j in range(1, model.njoints):
+            model.jointPlacements[j] = model.jointPlacements[j] * nudge(rng, 3e-3)
+        model.gravity.linear = np.array([0.1, -0.2, -9.0])
+
+    loops = [dataclasses.replace(loop, point1=loop.point1 + 1e-3, point2=loop.point2 - 2e-3) for loop in press.loops]
+    return changed(press, change, loops=tuple(loops))
+
+
+def test_forces_of_the_file_are_those_of_the_changed_linkage(press, tmp_path):
+    """Whatever a linkage has worked out is worked out anew for the changed one; gravity is not in the file."""
+    rest = {"angle": np.linspace(0, 0.3, 5), "speed": np.full(5, 8.0), "acceleration": np.full(5, -3.0)}
+
+    def motion_of(linkage):
+        return pp.cycle(linkage, **rest)
+
+    before = pp.inverse_dynamics(press, motion_of(press))
+    other = all_changed(press)
+    again = written(other, tmp_path, gravity=(0.1, -0.2, -9.0))
+    assert_same_forces(again, other, motion_of)
+    assert np.abs(pp.inverse_dynamics(other, motion_of(other)).driving_torque - before.driving_torque).max() > 1.0
+
+
+@pytest.mark.filterwarnings("ignore:.*apart as drawn:pinpress.PinpressWarning")
+def test_planar_press_stays_planar(tmp_path):
+    """Its angles and lengths in the plane changed: the planar engine takes it, and the same forces come out."""
+    press, rng = texts.shipped("zxn2_3000b"), np.random.default_rng(6)
+
+    def change(model):
+        for j in range(1, model.njoints):
+            move = pin.SE3(pin.exp3(np.array([0.0, 5e-3, 0.0]) * rng.normal()), 5e-3 * rng.normal(size=3) * [1, 0, 1])
+            model.jointPlacements[j] = move * model.jointPlacements[j]
+
+    other = changed(press, change)
+    again = written(other, tmp_path)
+    assert again.plane is not None
+    assert_same(again, other, welded=False)
+    assert_same_forces(again, other, lambda linkage: pp.cycle(linkage, speed=7.0, points=8))
+
+
+@pytest.mark.parametrize("name", pp.presses())
+def test_forces_with_other_inertias(name, tmp_path):
+    """Redundant presses among them, whose lengths must fit to all digits."""
+    press, rng = texts.shipped(name), np.random.default_rng(7)
+    motion = pp.cycle(press, speed=7.0, points=8)
+    before = pp.inverse_dynamics(press, motion)
+
+    def change(model):
+        for inertia in model.inertias:
+            inertia.mass *= rng.uniform(0.5, 2)
+            inertia.lever = inertia.lever + np.array([0.02, 0.0, -0.01])
+
+    other = changed(press, change)
+    assert_same_forces(written(other, tmp_path), other, lambda linkage: pp.cycle(linkage, speed=7.0, points=8))
+    assert np.abs(pp.inverse_dynamics(other, motion).driving_torque - before.driving_torque).max() > 0.01 * peak(before) / 1e3
+
+
+PROPERTY = examples(12)
+
+
+@PROPERTY
+@given(linkages(most=3), st.integers(0, 2**32 - 1))
+def test_random_linkage(tmp_path, spec, seed):
+    """Unchanged the same bytes; changed, in its plane, the same numbers; written once more, the same bytes again."""
+    drawing, rng = drawn(spec), np.random.default_rng(seed)
+    assume(drawing)
+    press = loaded(tmp_path / "read.urdf", drawing.urdf("crank"))
+    assert written(press, tmp_path).text == press.text
+    size = press.spatial.size
+
+    def change(model):
+        for j in range(model.njoints):
+            model.inertias[j] = some_inertia(rng, size)
+            turn = 1e-3 * rng.normal() * press.spatial.axes[j - 1].direction if j and press.spatial.axes[j - 1].turns else np.zeros(3)
+            model.jointPlacements[j] = model.jointPlacements[j] * pin.SE3(pin.exp3(turn), np.zeros(3))
+
+    along = press.plane.axes.T @ (1e-3 * size * rng.normal(size=2))  # in the world
+    data = press.model.createData()
+    pin.forwardKinematics(press.model, data, pin.neutral(press.model))
+    loops = [dataclasses.replace(loop, point1=loop.point1 + data.oMi[loop.joint1].rotation.T @ along) for loop in press.loops]
+    other = changed(press, change, loops=tuple(loops))
+    again = written(other, tmp_path)
+    assert_same(again, other)
+    assert written(again, tmp_path).text == again.text
+
+
+# ----------------------------------------------------------------------------------------------------------------------------- refusals
+
+
+def refusal(press, folder, kind=pp.PinpressError):
+    """Message of the error; what was in the file before is in it still, and nothing lies beside it."""
+    target = folder / "kept" / "written.urdf"
+    target.parent.mkdir()
+    target.write_text("as it was")
+    with pytest.raises(kind) as caught:
+        pp.write_urdf(press, target)
+    assert target.read_text() == "as it was"
+    assert list(target.parent.iterdir()) == [target]
+    return str(caught.value)
+
+
+def fewer_joints(press):
+    return pin.buildReducedModel(press.model, [press.joints.index("G") + 1], pin.neutral(press.model))
+
+
+@pytest.mark.parametrize(
+    ("change", "problem"),
+    [
+        (lambda press: {"model": fewer_joints(press)}, "other joints"),
+        (lambda press: {"model": texts.shipped("crank_slide").model}, "other joints"),
+        (lambda press: {"loops": ()}, "other loops"),
+        (lambda press: {"loops": (dataclasses.replace(press.loops[0], joint2=0),)}, "other loops"),
+        (lambda press: {"loops": (dataclasses.replace(press.loops[0], name="V"),)}, "other loops"),
+        (lambda press: {"couplings": ()}, "other gear pairs"),
+        (lambda press: {"links": press.links[:-1]}, "other links"),
+    ],
+)
+def test_structure_cannot_be_changed(press, tmp_path, change, problem):
+    assert problem in refusal(dataclasses.replace(press, **change(press)), tmp_path)
+
+
+def test_joint_of_another_type_is_refused(press, tmp_path):
+    def guided(model):
+        joint, j = pin.JointModelPX(), press.joints.index("Q") + 1
+        joint.setIndexes(j, model.joints[j].idx_q, model.joints[j].idx_v)
+        model.joints[j] = pin.JointModel(joint)
+
+    assert "other joint types" in refusal(changed(press, guided), tmp_path)
+
+
+@pytest.mark.parametrize(
+    ("name", "value", "problem"),
+    [
+        ("armature", 0.5, "cannot hold the changed armature"),
+        ("rotorInertia", 0.5, "changed rotorInertia"),
+        ("lowerPositionLimit", -7.0, "has no effort"),
+    ],
+)
+def test_what_a_urdf_cannot_say(press, tmp_path, name, value, problem):
+    """Limits of a joint that turns without end among it."""
+
+    def change(model):
+        getattr(model, name)[press.model.joints[press.joints.index("G") + 1].idx_v] = value
+
+    assert problem in refusal(changed(press, change), tmp_path)
+
+
+@pytest.mark.parametrize(
+    ("change", "problem"),
+    [
+        ({"mass": -1.0}, "mass -1.0 of a moving link is not positive"),
+        ({"mass": np.nan}, "not finite"),
+        ({"mass": np.inf}, "not finite"),
+        ({"lever": np.array([0, np.nan, 0])}, "not finite"),
+        ({"inertia": np.diag([1.0, 1.0, 3.0])}, "exceeds the sum of the other two"),
+        ({"inertia": np.diag([1.0, 1.0, -1.0])}, "a principal moment of inertia is negative"),
+    ],
+)
+@pytest.mark.parametrize("joint", ["O", "Q"])
+def test_inertia_that_no_body_has(press, tmp_path, joint, change, problem):
+    def unsound(model):
+        for name, value in change.items():
+            setattr(model.inertias[press.joints.index(joint) + 1], name, value)
+
+    message = refusal(changed(press, unsound), tmp_path)
+    assert problem in message
+    assert "not written" in message or problem == "not finite"
+
+
+def test_linkage_that_does_not_close(press, tmp_path):
+    loops = (dataclasses.replace(press.loops[0], point1=press.loops[0].point1 + 5.0),)
+    message = refusal(dataclasses.replace(press, loops=loops), tmp_path, pp.AssemblyError)
+    assert "written.urdf (not written):" in message
+
+
+def test_linkage_that_does_not_move(file, tmp_path):
+    press = loaded(file, four_bar("revolute"))
+    assert "mobility" in refusal(dataclasses.replace(press, loops=(dataclasses.replace(press.loops[0], type="fixed"),)), tmp_path)
+
+
+@pytest.mark.parametrize("stretch", [1.001, 1 + 1e-9])
+def test_rotation_that_is_none(press, tmp_path, stretch):
+    def stretched(model):
+        model.jointPlacements[press.joints.index("G") + 1].rotation = stretch * np.eye(3)
+
+    assert "cannot hold the changed directions of joints" in refusal(changed(press, stretched), tmp_path)
+
+
+def test_driver_that_is_none(press, tmp_path):
+    assert "did you mean" in refusal(dataclasses.replace(press, drivers=("slide_gide",)), tmp_path, pp.UnknownNameError)
+
+
+@pytest.mark.parametrize("name", ["missing/written.urdf", ".", "nul\0.urdf"])
+def test_path_that_cannot_be_written(press, tmp_path, name):
+    with pytest.raises(pp.PinpressError, match="cannot write") as caught:
+        pp.write_urdf(press, f"{tmp_path}/{name}")
+    assert "give a file in a directory you can write to" in str(caught.value)
+    assert [each.name for each in tmp_path.iterdir()] == ["read.urdf"]
+
+
+def test_link_to_a_file_stays_one(press, tmp_path):
+    target, link = tmp_path / "target.urdf", tmp_path / "link.urdf"
+    link.symlink_to(target)
+    assert pp.write_urdf(press, link) == link
+    assert link.is_symlink()
+    assert target.read_bytes() == press.text
+
+
+def test_written_over_the_file_that_was_read(press, file):
+    """It is replaced and not written into: who has it open reads on in the old one."""
+    heavier = body_changed(press, "Q", lambda total: total + ball(1.0))
+    with open(file, "rb") as reader:
+        assert_same(pp.load(pp.write_urdf(heavier, file)), heavier)
+        assert reader.read() == press.text
+
+
+def test_import_of_pinpress_leaves_it_out():
+    writing = "'pinpress.linkage.writing' in sys.modules"
+    code = f"import sys, pinpress; assert not {writing}; pinpress.write_urdf; assert {writing}"
+    subprocess.run([sys.executable, "-c", code], check=True)

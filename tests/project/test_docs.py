@@ -1,0 +1,165 @@
+"""The documentation says what is so: its code runs, its tables are what their scripts print, its site builds and has every public name."""
+
+import csv
+import importlib.util
+import inspect
+import os
+import re
+import subprocess
+import sys
+from html import unescape
+from operator import attrgetter
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from support import page_blocks
+
+import pinpress as pp
+
+ROOT = Path(__file__).resolve().parents[2]
+DOCS = ROOT / "docs"
+TABLES = ("accuracy", "balancing", "elasticity", "ratings", "synthesis")  # scripts in viz, of the pages of the same names
+RUN = ["balancing", "commands", "elasticity", "foundation", "motion_and_forces", "ratings", "recording", "simulation", "sweep", "synthesis"]
+RUN += ["units_and_signs"]
+SPACES = [name for name in dir(pp) if inspect.ismodule(getattr(pp, name))] + ["balancing.classical"]
+MADE_BY_USERS = ["AddedMass", "Brake", "Capacities", "Case", "Clutch", "ConstantTorque", "Counterweight", "Flywheel", "Friction", "Guide"]
+MADE_BY_USERS += ["Peak", "PointForce", "Range", "Rms", "Rod", "Room", "SpringDamper", "Stiffness"]  # classes
+SITE_TOOLS = ("mkdocs", "material", "mkdocstrings_handlers")
+
+
+def text(page: str) -> str:
+    return (DOCS / f"{page}.md").read_text(encoding="utf-8")
+
+
+@pytest.mark.parametrize("page", RUN)
+def test_code_of_a_page_runs_and_prints_what_is_shown(page: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.syspath_prepend(str(tmp_path))  # modules that a page writes
+    names: dict[str, Any] = {}
+    for shown in page_blocks.run(text(page), names):
+        assert shown.same, f"{page}.md, line {shown.block.line}, shows\n{shown.wanted}\nbut prints\n{shown.printed}"
+    if page == "motion_and_forces":
+        _point_force_is_seen_by_the_drive_but_not_by_the_foundation(names)
+
+
+def _point_force_is_seen_by_the_drive_but_not_by_the_foundation(names: dict[str, Any]) -> None:
+    pressing, result = names["pressing"], names["result"]
+    assert pressing.driving_torque.max() > 1.5 * result.driving_torque.max()
+    np.testing.assert_allclose(pressing.shaking_force, result.shaking_force, atol=1e-6)
+    before, after = (sum(inertia.mass for inertia in press.model.inertias) for press in (names["press"], pp.load("with_die.urdf")))
+    assert after == pytest.approx(before + 500)
+
+
+def test_every_page_with_code_is_run() -> None:
+    shown = ("python", "console")
+    with_code = {path.stem for path in DOCS.glob("*.md") if any(block.language in shown for block in page_blocks.blocks(text(path.stem)))}
+    assert with_code - {*RUN, "tour"} == set()  # the tour has a test of its own
+
+
+@pytest.mark.parametrize("name", TABLES)
+def test_tables_are_what_their_scripts_print(name: str) -> None:
+    spec = importlib.util.spec_from_file_location(name, ROOT / "viz" / f"{name}.py")
+    assert spec is not None
+    assert spec.loader is not None
+    script = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(script)
+    assert script.table() in text(name)
+
+
+def test_comparison_shows_what_was_measured() -> None:
+    assert measured() in text("comparison")
+
+
+def measured() -> str:
+    """Markdown: of each program the turn's time and errors, and the least time of the free run to 1e-6 rad, from viz/accuracy.csv."""
+    with (ROOT / "viz" / "accuracy.csv").open(newline="", encoding="utf-8") as file:
+        rows = list(csv.DictReader(file))
+    programs = [("pinpress", "plane", "reduced"), ("hand script, NumPy", "hand script", ""), ("MuJoCo 4.0.0 + NumPy",) * 3]
+    programs += [("MuJoCo 4.0.0, mj_step", "", "MuJoCo 4.0.0, mj_step"), ("Exudyn 1.13.6",) * 3]
+    lines = ["| program | one turn, all forces | torque error | force error | run to 1e-6 rad | loop gap |", "|---|---|---|---|---|---|"]
+    for program, turning, running in programs:
+        turn = [row for row in rows if row["group"] == "inverse dynamics" and row["method"] == turning]
+        runs = [row for row in rows if row["group"] == "free run" and row["method"] == running and float(row["error"] or "inf") <= 1e-6]
+        cells = [_time(turn[0]), *(f"{float(turn[0][k]):.0e}" for k in ("error", "force_error"))] if turn else [""] * 3
+        fastest = min(runs, key=lambda row: float(row["seconds [s]"]), default=None)
+        cells += ["", ""] if fastest is None else [_time(fastest), f"{float(fastest['loop_gap [m]']):.0e} m"]
+        lines.append(f"| {program} | " + " | ".join(cells) + " |")
+    return "\n".join(lines)
+
+
+def _time(row: dict[str, str]) -> str:
+    return f"{1e3 * float(row['seconds [s]']):.3g} ms"
+
+
+def test_shipped_presses_are_listed() -> None:
+    assert {name for name in pp.presses() if f"`{name}`" not in text("describe")} == set()
+
+
+def test_links_between_files_lead_somewhere() -> None:
+    """As they lie in the repository; the site's own are checked by its building."""
+    for path in DOCS.rglob("*.md"):
+        for target in re.findall(r"\]\((?!http)([^)#]+)", path.read_text(encoding="utf-8")):
+            assert (path.parent / target).exists(), f"{path.relative_to(ROOT)}: {target}"
+
+
+def test_reference_has_every_public_name_once() -> None:
+    """What is asked of the site's generator; that it gives it is the next test's."""
+    pages = (path.read_text(encoding="utf-8") for path in (DOCS / "reference").glob("*.md"))
+    asked = [name for page in pages for name in re.findall(r"^::: pinpress\.(\S+)", page, flags=re.MULTILINE)]
+    public = [*dir(pp), "balancing.classical"]
+    for space in SPACES:
+        public += [f"{space}.{name}" for name in dir(attrgetter(space)(pp)) if f"{space}.{name}" not in SPACES]
+    assert sorted(asked) == sorted(public), "write `::: pinpress.<name>` into the page of docs/reference where a reader looks for it"
+    index = text("reference/index")
+    assert [name for name in asked if f"#pinpress.{name})" not in index and name not in SPACES] == []
+
+
+@pytest.fixture(scope="module")
+def site(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The built site; no warnings."""
+    if any(importlib.util.find_spec(name) is None for name in SITE_TOOLS):
+        pytest.skip("needs pip install -e '.[docs]'")
+    target = tmp_path_factory.mktemp("site")
+    command = [sys.executable, "-m", "mkdocs", "build", "--strict", "--quiet", "--site-dir", str(target)]
+    done = subprocess.run(command, cwd=ROOT, env=os.environ | {"NO_MKDOCS_2_WARNING": "1"}, capture_output=True, text=True, timeout=120)
+    assert (done.returncode, done.stdout, done.stderr) == (0, "", "")
+    return target
+
+
+@pytest.mark.exhaustive
+def test_site_has_every_public_name_with_its_signature_and_docstring(site: Path) -> None:
+    pages = {path: path.read_text(encoding="utf-8") for path in (site / "reference").glob("*.html")}
+    together = "\n".join(pages.values())
+    for name in dir(pp):
+        if name in SPACES:
+            continue
+        anchor = f"pinpress.{name}"
+        (at,) = (place.end() for place in re.finditer(rf'<h2 id="{re.escape(anchor)}"', together))
+        shown = re.split("<h2 ", together[at:])[0]
+        words = _words(unescape(re.sub(r"<[^>]*>", "", shown)))
+        documented = "One revolution per minute" if name == "RPM" else getattr(pp, name).__doc__
+        assert _words(documented.split("\n\n")[0]) in words, f"{name}: its docstring"
+        if name in MADE_BY_USERS or (name != "RPM" and name.islower()):
+            assert set(inspect.signature(getattr(pp, name)).parameters) <= set(words.split()), f"{name}: its signature"
+
+
+@pytest.mark.exhaustive
+def test_reference_keeps_names_that_share_a_description_together(site: Path) -> None:
+    page = unescape((site / "reference" / "motion.html").read_text(encoding="utf-8")).replace("\u00a0", " ")
+    assert ">crank_angle, crank_speed, crank_acceleration<" in page
+
+
+def _words(passage: str) -> str:
+    return " ".join(re.findall(r"\w+", passage))
+
+
+@pytest.mark.exhaustive
+def test_site_asks_for_nothing_from_the_network(site: Path) -> None:
+    """Links that a reader may click are no requests."""
+    for path in site.rglob("*.html"):
+        page = path.read_text(encoding="utf-8")
+        fetched = re.findall(r'<(?:script|img|iframe|source)\b[^>]*\bsrc="(https?:[^"]*)"', page)
+        fetched += re.findall(r'<link\b[^>]*rel="(?:stylesheet|preload|preconnect|icon)"[^>]*href="(https?:[^"]*)"', page)
+        assert fetched == [], path.name

@@ -1,0 +1,154 @@
+"""What is shipped: the wheel and the sdist, how much an import brings along, and URDF files that other programs open too."""
+
+import os
+import shutil
+import subprocess
+import sys
+import tarfile
+import zipfile
+from pathlib import Path
+
+import pinocchio
+import pytest
+
+ROOT = Path(__file__).parents[2]
+PRESSES = (
+    "crank_slide",
+    "jf75g_125",
+    "jf75g_125_plain",
+    "jf75g_125_symmetric",
+    "jf75g_125_two_point",
+    "thin_wall",
+    "zxn2_3000b",
+    "zxn2_3000b_balanced",
+)
+MODULES = {path.relative_to(ROOT).as_posix() for path in (ROOT / "pinpress").rglob("*.py*") if path.suffix in (".py", ".pyi")}
+PAGES = {f"pinpress/visual/templates/{path.name}" for path in (ROOT / "pinpress" / "visual" / "templates").iterdir()}
+
+
+def run(*command: object, **options) -> str:
+    done = subprocess.run([str(word) for word in command], capture_output=True, text=True, check=False, **options)
+    assert done.returncode == 0, done.stdout + done.stderr
+    return done.stdout
+
+
+@pytest.fixture(scope="module")
+def built(tmp_path_factory) -> tuple[Path, Path]:
+    """The wheel, built from the sdist as an installer without a wheel would, and the sdist."""
+    folder = tmp_path_factory.mktemp("dist")
+    run(sys.executable, "-m", "build", "--no-isolation", "--outdir", folder, ROOT)
+    return next(folder.glob("*.whl")), next(folder.glob("*.tar.gz"))
+
+
+@pytest.fixture(scope="module")
+def wheel(built, tmp_path_factory) -> Path:
+    """Folder in which the wheel is installed."""
+    folder = tmp_path_factory.mktemp("site")
+    run(sys.executable, "-m", "pip", "install", "--no-deps", "--no-index", "--disable-pip-version-check", "--target", folder, built[0])
+    return folder
+
+
+@pytest.fixture(scope="module")
+def editable(tmp_path_factory) -> Path:
+    """Folder in which a copy of the checkout is installed as editable: its .pth file leads there."""
+    pytest.importorskip("editables", reason="hatchling needs it to build an editable wheel")
+    copy, folder = tmp_path_factory.mktemp("copy") / "checkout", tmp_path_factory.mktemp("editable")
+    shutil.copytree(ROOT, copy, ignore=shutil.ignore_patterns(".*", "__pycache__", "tests", "viz", "dist", "out"))
+    build = "import sys; from hatchling.build import build_editable; print(build_editable(sys.argv[1]))"
+    name = run(sys.executable, "-c", build, folder, cwd=copy).split()[-1]
+    zipfile.ZipFile(folder / name).extractall(folder)
+    assert not (folder / "pinpress" / "__init__.py").exists()
+    return folder
+
+
+@pytest.fixture(scope="module")
+def checkout() -> Path:
+    return ROOT
+
+
+def python(first: Path, code: str, cwd: Path) -> str:
+    """Output of code run with ``first`` as the first folder of packages, before those of this interpreter."""
+    others = [path for path in sys.path if Path(path).name in ("site-packages", "dist-packages")]
+    start = f"import site\nfor folder in {[str(first), *others]!r}: site.addsitedir(folder)\n"
+    environment = {name: value for name, value in os.environ.items() if name not in ("PYTHONPATH", "PYTHONHOME")}
+    return run(sys.executable, "-S", "-c", start + code, cwd=cwd, env=environment)
+
+
+def test_wheel_contents(built):
+    with zipfile.ZipFile(built[0]) as archive:
+        names = {name for name in archive.namelist() if not name.split("/")[0].endswith(".dist-info")}
+        info = [name.split("/", 1)[1] for name in archive.namelist() if name.split("/")[0].endswith(".dist-info")]
+        shipped = {name: archive.read(f"pinpress/urdf/{name}.urdf") for name in PRESSES}
+    data = {"pinpress/py.typed"} | PAGES | {f"pinpress/urdf/{name}.urdf" for name in PRESSES}
+    assert names == MODULES | data
+    assert "licenses/LICENSE" in info
+    assert shipped == {name: (ROOT / "urdf" / f"{name}.urdf").read_bytes() for name in PRESSES}
+
+
+def test_sdist_contents(built):
+    with tarfile.open(built[1]) as archive:
+        names = {name.split("/", 1)[1] for name in archive.getnames() if "/" in name}
+    assert names > MODULES
+    assert {f"urdf/{name}.urdf" for name in PRESSES} < names
+    assert {path.relative_to(ROOT).as_posix() for path in (ROOT / "tests").rglob("*.py")} < names
+    assert {"pyproject.toml", "README.md", "LICENSE", "pinpress/py.typed"} | PAGES < names
+
+
+@pytest.mark.parametrize("installed", ["checkout", "editable", "wheel"])
+def test_presses_load_by_name(request, tmp_path, installed):
+    folder = request.getfixturevalue(installed)
+    code = "import pinpress as pp; print(pp.__file__, *pp.presses()); print(*(pp.load(name).file for name in pp.presses()), sep='\\n')"
+    (imported, *names), *files = (line.split() for line in python(folder, code, tmp_path).splitlines())
+    assert tuple(names) == PRESSES
+    if installed == "editable":  # from the copy, not from this checkout
+        folder = Path(next(folder.glob("*.pth")).read_text(encoding="utf-8").strip())
+        assert folder.resolve() != ROOT.resolve()
+    assert Path(imported).resolve() == (folder / "pinpress" / "__init__.py").resolve()
+    assert [Path(file).parents[2 if installed == "wheel" else 1].resolve() for (file,) in files] == [folder.resolve()] * len(PRESSES)
+
+
+@pytest.mark.parametrize(
+    ("code", "unwanted"),
+    [
+        ("import pinpress", "numpy pinocchio scipy yourdfpy meshcat matplotlib pandas lxml trimesh plotly playwright imageio_ffmpeg PIL"),
+        (
+            "import pinpress as pp; press = pp.load('crank_slide'); motion = pp.cycle(press, 7.0); pp.inverse_dynamics(press, motion)",
+            "scipy yourdfpy meshcat matplotlib pandas trimesh plotly playwright imageio_ffmpeg PIL",
+        ),
+    ],
+)
+def test_import_discipline(checkout, tmp_path, code, unwanted):
+    roots = python(checkout, code + "\nimport sys; print(*{name.split('.')[0] for name in sys.modules})", tmp_path).split()
+    assert "pinpress" in roots
+    assert set(unwanted.split()) & set(roots) == set()
+
+
+def test_public_names_are_not_hidden_by_modules(checkout, tmp_path):
+    """A module of a public function's name would take the function's place once it is imported."""
+    code = """
+import importlib, pkgutil, types, pinpress
+for module in pkgutil.walk_packages(pinpress.__path__, "pinpress."):
+    if not module.name.endswith("__main__") and "peers." not in module.name:
+        importlib.import_module(module.name)
+spaces = [name for name in pinpress.__all__ if isinstance(getattr(pinpress, name), types.ModuleType)]
+inner = [f"{space}.{name}" for space in spaces for name in getattr(pinpress, space).__all__]
+modules = [name for name in inner if isinstance(getattr(getattr(pinpress, name.split(".")[0]), name.split(".")[1]), types.ModuleType)]
+print(*spaces, *modules)
+"""
+    spaces = "accuracy balancing derivatives drives elasticity foundation loads measures plots ratings sweeps synthesis video"
+    assert python(checkout, code, tmp_path).split() == [*spaces.split(), "balancing.classical"]
+
+
+@pytest.mark.parametrize("name", PRESSES)
+def test_other_programs_open_the_shipped_files(name, capfd):
+    from yourdfpy import URDF
+
+    file = str(ROOT / "urdf" / f"{name}.urdf")
+    model = pinocchio.buildModelFromUrdf(file)
+    shapes = pinocchio.buildGeomFromUrdf(model, file, pinocchio.GeometryType.VISUAL)
+    assert capfd.readouterr().err == ""  # where it drops something, Pinocchio only prints
+    drawn = URDF.load(file)
+    mimicking = {joint.name for joint in drawn.robot.joints if joint.mimic}
+    assert set(drawn.actuated_joint_names) | mimicking == set(model.names) - {"universe"}
+    assert {link.name for link in drawn.robot.links} == {frame.name for frame in model.frames if frame.type == pinocchio.FrameType.BODY}
+    assert shapes.ngeoms == len(drawn.scene.geometry) == sum(len(link.visuals) for link in drawn.robot.links) > 0

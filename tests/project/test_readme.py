@@ -1,0 +1,47 @@
+"""The README says what is so: its code runs, its test command is what the integration runs, its links lead somewhere, and it is short."""
+
+import re
+from pathlib import Path
+
+import pytest
+from support import page_blocks
+
+import pinpress as pp
+
+ROOT = Path(__file__).resolve().parents[2]
+README = (ROOT / "README.md").read_text(encoding="utf-8")
+MOST_LINES = 100  # two screens and a picture
+
+
+def test_python_example_runs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    names: dict[str, object] = {}
+    (shown,) = page_blocks.run(README, names)
+    drop, utilisation = map(float, shown.printed.split())
+    assert 0.0 < drop < 0.2
+    assert 0.0 < utilisation < 1.0
+    assert (tmp_path / "cycle.csv").stat().st_size > 100_000
+    assert (tmp_path / "press.html").stat().st_size > 500_000
+    assert (tmp_path / "report.html").stat().st_size > 1_000_000
+    pressing, result, best = names["pressing"], names["result"], names["best"]
+    assert isinstance(pressing, pp.Reactions)
+    assert isinstance(result, pp.Reactions)
+    assert isinstance(best, pp.balancing.Balance)
+    assert pressing.driving_torque.max() > result.driving_torque.max()
+    assert best.outcomes[0].after < best.outcomes[0].before
+    assert pp.load("balanced.urdf").bearings == pp.load("zxn2_3000b").bearings
+
+
+def test_links_lead_somewhere() -> None:
+    for target in re.findall(r"\]\((?!http)([^)#]+)\)", README):
+        assert (ROOT / target).exists(), target
+
+
+def test_integration_runs_the_test_command() -> None:
+    commands = re.findall(r"```\n(python3 -m venv .*?)\n```", README)
+    assert len(commands) == 2
+    assert commands[1] in (ROOT / ".ci" / "run").read_text(encoding="utf-8")
+
+
+def test_fits_two_screens() -> None:
+    assert README.count("\n") <= MOST_LINES

@@ -1,0 +1,38 @@
+"""The table of reduced inertia and potential energy: where one of its rows passes a level, against a fine grid of what it tabulates."""
+
+import numpy as np
+import pytest
+from support.texts import shipped
+
+from pinpress.simulation.reduced_model import POTENTIAL, roots
+
+GRID = np.linspace(0.0, 2 * np.pi, 40_001)
+
+
+def passages(values, level):
+    """Angles between two of the grid at which ``values`` pass a level, to first order."""
+    above = values - level
+    at = np.flatnonzero(np.signbit(above[1:]) != np.signbit(above[:-1]))
+    return GRID[at] + (GRID[1] - GRID[0]) * above[at] / (above[at] - above[at + 1])
+
+
+@pytest.mark.parametrize("name", ["zxn2_3000b", "jf75g_125", "thin_wall"])
+@pytest.mark.parametrize("share", [0.02, 0.5, 0.71, 0.98])
+def test_passages_of_a_level(name, share):
+    """None is missed, and none is found where there is none."""
+    table = shipped(name).table
+    energy = table.at(GRID)[0][POTENTIAL]
+    level = energy.min() + share * np.ptp(energy)
+    np.testing.assert_allclose(np.sort(roots(table, POTENTIAL, level)), passages(energy, level), rtol=0, atol=1e-6)
+
+
+@pytest.mark.parametrize("name", ["zxn2_3000b", "jf75g_125", "thin_wall"])
+def test_turning_points(name):
+    """The energy turns where its slope passes zero: where the grid has its peaks and troughs."""
+    table = shipped(name).table
+    energy = table.at(GRID[:-1])[0][POTENTIAL]
+    step = np.diff(np.append(energy, energy[0]))
+    turns = GRID[:-1][np.signbit(step) != np.signbit(np.roll(step, 1))]
+    found = np.sort(roots(table, POTENTIAL, 0.0, slope=True))
+    assert len(found) == len(turns) >= 2
+    assert np.abs(np.exp(1j * found) - np.exp(1j * turns)).max() < 2 * GRID[1]

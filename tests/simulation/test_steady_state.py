@@ -1,0 +1,812 @@
+"""The steady state of a press, found directly, and what motor and flywheel bear: against the exact equation of the JF75G-125 in plain
+formulas (`crank_slide_equation`), closed forms, a period map of its own for the textbook crank-slide, long runs and the constraint method.
+
+Bounds: a steady state comes back to 1e-10 of its speed, and each step's error is near 1e-11 of the run's sizes.
+"""
+
+import dataclasses
+import itertools
+import math
+from typing import Any
+
+import numpy as np
+import pytest
+from scipy.integrate import simpson, solve_ivp
+from scipy.optimize import brentq
+from support import texts
+from support.generators.random_linkages import four_bar
+from support.oracles import crank_slide_equation as equation
+from support.oracles.crank_slide_equation import Window
+from support.time_limit import LIMIT, _limit, within  # noqa: F401 (a fixture)
+
+import pinpress as pp
+from pinpress.drives import transmission as drives
+from pinpress.loads import process as loads
+
+RPM = pp.RPM
+J0, SPEED = 136.0, 300 * RPM  # Zhang 2007, 4.3: flywheel and speed of the JF75G-125
+WHEEL = pp.drives.Flywheel(J0)
+BLANK = loads.Blanking(1.25e6, 0.010, 0.005)
+WORK = 2 / math.pi * 1.25e6 * 0.005  # of a quarter sine
+ENERGY = 0.5 * J0 * SPEED**2
+
+
+@pytest.fixture(scope="module")
+def press():
+    return texts.shipped("jf75g_125", gravity=(0, 0, -9.80665))
+
+
+@pytest.fixture(scope="module")
+def textbook():
+    return texts.shipped("crank_slide", gravity=(0, 0, -9.80665))
+
+
+def slip_clutch(lag=0.0, ratio=3.0):
+    return drives.Geared(drives.SlipClutchMotor(189.0, 1470 * RPM, 1320 * RPM, 900 * RPM, lag=lag), ratio)
+
+
+def induction(power=3e4, ratio=5.0, inertia=0.2, efficiency=1.0):
+    return drives.Geared(drives.InductionMotor(power, 1465 * RPM, inertia=inertia), ratio, 0.0, efficiency)
+
+
+def inverter():
+    return drives.Geared(drives.InverterMotor(200.0, 1450 * RPM, 45.0), 5.0)
+
+
+@pytest.fixture(scope="module")
+def steady(press):
+    return pp.steady_state(press, SPEED, slip_clutch(), WHEEL, [BLANK])
+
+
+@pytest.fixture(scope="module")
+def long_run(press):
+    with within(2 * LIMIT):
+        return pp.simulate(press, 15.0, speed=SPEED, drive=slip_clutch(), flywheel=WHEEL, loads=[BLANK])
+
+
+def comes_back(run, work=0.0, turn=2 * math.pi):
+    """Angle a turn on, speed the same, the drive's work that of the loads; and this a closed form, where there is one."""
+    assert abs(abs(run.crank_angle[-1] - run.crank_angle[0]) - turn) < 1e-9  # over time the end is located to 1e-10
+    assert abs(run.crank_speed[-1] / run.crank_speed[0] - 1) < 1e-10
+    energy = 0.5 * run.plan.line.inertia * run.crank_speed[0] ** 2 + run.load_work[-1]
+    assert abs(run.drive_work[-1] - run.load_work[-1]) < 1e-9 * energy
+    if work:
+        assert abs(run.load_work[-1] / work - 1) < 1e-9
+    assert run.stats.energy_error < 1e-9
+
+
+@pytest.fixture(scope="module")
+def strokes(long_run):
+    with within(2 * LIMIT):
+        return pp.measures.strokes(long_run)
+
+
+# ------------------------------------------------------------------------------------------ the exact equation of the JF75G-125
+
+
+def clutch_torque(speed, current):
+    """Zhang 2007, 4.3.1, n = n0 - K T^2 / I^4, behind gears of ratio 3; K from 189 N m at 1320 r/min and full current."""
+    k = (1470 - 1320) * RPM / 189.0**2
+    return 3 * current**2 * math.sqrt((1470 * RPM - 3 * speed) / k)
+
+
+DROP = 0.025 * 900 * RPM
+GAIN = (150 / (570 + 0.025 * 900)) ** 0.25 / DROP  # so that 189 N m are reached at the set speed less the drop
+
+
+def wanted(speed):
+    return min(max(GAIN * (900 * RPM - 3 * speed), 0.0), 1.0)
+
+
+def kloss(speed, efficiency):
+    synchronous, rated = 50 * math.pi, 1465 * RPM
+    s, sb = 1 - 5 * speed / synchronous, (1 - rated / synchronous) * (2.5 + math.sqrt(2.5**2 - 1))
+    torque = 2 * 2.5 * 3e4 / rated * s / sb / (1 + (s / sb) ** 2)
+    return 5 * torque * (efficiency if torque > 0 else 1 / efficiency)
+
+
+def inverter_torque(speed):
+    slope = 200.0 / (50 * math.pi - 1450 * RPM)
+    return 5 * min(max(slope * (45 * math.pi - 5 * speed), -300.0), 300.0)
+
+
+@dataclasses.dataclass
+class Case:
+    """A drive, its inertia at the crank, and its torque and corners over the crank's speed."""
+
+    drive: Any
+    inertia: float
+    torque: Any
+    corners: tuple = ()
+
+
+CASES = {
+    "slip_clutch": lambda: Case(slip_clutch(), 0.0, lambda w: clutch_torque(w, wanted(w)), (300 * RPM, 300 * RPM - 1 / GAIN / 3)),
+    "induction": lambda: Case(induction(), 5.0, lambda w: kloss(w, 1.0)),
+    "lossy_induction": lambda: Case(induction(efficiency=0.9), 5.0, lambda w: kloss(w, 0.9), (10 * math.pi,)),
+    "inverter": lambda: Case(
+        inverter(), 0.0, inverter_torque, tuple((45 * math.pi - side * 300 * (50 * math.pi - 1450 * RPM) / 200) / 5 for side in (1, -1))
+    ),
+}
+PRESSED = {
+    "blanking": (BLANK, [Window(0.010, 0.005, -1, lambda h, v: 1.25e6 * math.sin(math.pi / 2 * (0.010 - h) / 0.005))], WORK),
+    "stripping": (
+        loads.Blanking(6e5, 0.010, 0.005, stripping=1.5e5),
+        [
+            Window(0.010, 0.005, -1, lambda h, v: 6e5 * math.sin(math.pi / 2 * (0.010 - h) / 0.005)),
+            Window(0.010, 0.005, 1, lambda h, v: -1.5e5),
+        ],
+        2 / math.pi * 6e5 * 0.005 + 1.5e5 * 0.005,
+    ),
+}
+
+
+@pytest.mark.parametrize("load", PRESSED)
+@pytest.mark.parametrize("name", CASES)
+def test_the_exact_equation_comes_back(press, name, load):
+    """Integrated by SciPy from the steady state's first state on, it comes back to it after that time, and is the same between."""
+    case, (given, windows, work) = CASES[name](), PRESSED[load]
+    run = pp.steady_state(press, SPEED, case.drive, WHEEL, [given], points=31)
+    comes_back(run, work)
+    solution = equation.solve(
+        run.time,
+        float(run.crank_speed[0]),
+        J0 + case.inertia,
+        torque=lambda t, q, w, s: case.torque(w),
+        windows=windows,
+        corners=[lambda t, q, w, s, at=at: w - at for at in case.corners],
+    )
+    assert abs(solution.angle[-1] - 2 * math.pi) < 1e-9
+    assert abs(solution.speed[-1] / solution.speed[0] - 1) < 1e-9
+    np.testing.assert_allclose(run.crank_angle, solution.angle, rtol=0, atol=1e-9)
+    np.testing.assert_allclose(run.crank_speed, solution.speed, rtol=1e-9)
+    np.testing.assert_allclose(run.drive_work, solution.drive_work, rtol=0, atol=1e-9 * ENERGY)
+    np.testing.assert_allclose(run.load_work, solution.load_work, rtol=0, atol=1e-9 * ENERGY)
+    assert solution.load_work[-1] == pytest.approx(work, rel=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("lag", "guess"),
+    [(0.02, 30.3), (0.2, 30.4)],
+)
+def test_the_exact_equation_comes_back_with_a_lag(press, lag, guess):
+    """Then the excitation current too comes back. Its first value stands in the drive's torque."""
+    run = pp.steady_state(press, guess, slip_clutch(lag), WHEEL, [BLANK], points=31)
+    comes_back(run, WORK)
+    speed = float(run.crank_speed[0])
+    current = math.sqrt(run.drive_torque[0] / clutch_torque(speed, 1.0))
+    solution = equation.solve(
+        run.time,
+        speed,
+        J0,
+        states=(current,),
+        rates=lambda t, q, w, s: [(wanted(w) - s[0]) / lag],
+        torque=lambda t, q, w, s: clutch_torque(w, s[0]),
+        corners=[lambda t, q, w, s: w - 300 * RPM, lambda t, q, w, s: w - 300 * RPM + 1 / GAIN / 3],
+        windows=PRESSED["blanking"][1],
+    )
+    assert abs(solution.angle[-1] - 2 * math.pi) < 1e-9
+    assert abs(solution.speed[-1] / speed - 1) < 1e-9
+    assert abs(solution.states[0, -1] / current - 1) < 1e-8  # its slope by speed is some 3 of its size by 1 % of the speed
+    np.testing.assert_allclose(run.crank_speed, solution.speed, rtol=1e-9)
+    np.testing.assert_allclose(run.drive_work, solution.drive_work, rtol=0, atol=1e-9 * ENERGY)
+
+
+# --------------------------------------------------------------------------------------------------------------------- long runs
+
+
+def test_a_long_run_ends_in_the_steady_state(long_run, strokes, steady):
+    """More than seventy strokes, each of which leaves a fifth of what the speed was off: period, speed along it, works."""
+    assert len(strokes) == math.floor(long_run.crank_angle[-1] / 2 / math.pi) > 70
+    last = strokes[-1]
+    read = long_run.path.read(last.start + steady.time * (last.duration / steady.time[-1]))
+    np.testing.assert_allclose(read.speed[0], steady.crank_speed, rtol=1e-7)
+    np.testing.assert_allclose(read.position[0] - read.position[0, 0], steady.crank_angle, rtol=0, atol=1e-7)
+    assert last.duration == pytest.approx(steady.time[-1], rel=1e-7)
+    assert last.drive_work == pytest.approx(steady.drive_work[-1], rel=1e-6)
+    assert last.load_work == pytest.approx(WORK, rel=1e-9)
+
+
+def test_power_balances_in_a_long_run(long_run, strokes):
+    """Each stroke takes the load's work, the drive more or less of it until the state is steady."""
+    np.testing.assert_allclose([stroke.load_work for stroke in strokes], WORK, rtol=1e-6)
+    assert abs(strokes[0].drive_work / WORK - 1) > 0.5
+    assert abs(strokes[-1].drive_work / WORK - 1) < 1e-6
+    assert long_run.stats.energy_error < 1e-6
+    speeds = long_run.path.read(np.array([stroke.start for stroke in strokes])).speed[0]
+    gained = 0.5 * (J0 + equation.coefficients(0.0).inertia) * np.diff(speeds**2)
+    balance = [stroke.drive_work - stroke.load_work for stroke in strokes[:-1]]
+    np.testing.assert_allclose(gained, balance, rtol=0, atol=1e-9 * ENERGY)
+
+
+def test_a_long_run_ends_in_it_to_the_tolerance(press, steady):
+    """Where the speed passes a corner of the drive's torque a little beside where it did the stroke before."""
+    run = pp.simulate(press, 8.0, speed=SPEED, drive=slip_clutch(), flywheel=WHEEL, loads=[BLANK])
+    last = pp.measures.strokes(run)[-1]
+    assert last.duration == pytest.approx(steady.time[-1], rel=2e-10)
+    assert float(run.path.read(np.array([last.start])).speed[0, 0]) == pytest.approx(steady.crank_speed[0], rel=2e-10)
+
+
+@pytest.mark.exhaustive
+def test_a_long_run_with_a_lag(press):
+    """A stroke is four time constants: the press settles in 2 s."""
+    run = pp.simulate(press, 2.5, speed=30.0, drive=slip_clutch(0.05), flywheel=WHEEL, loads=[BLANK])
+    found = pp.steady_state(press, 30.0, slip_clutch(0.05), WHEEL, [BLANK])
+    last = pp.measures.strokes(run)[-1]
+    assert last.duration == pytest.approx(found.time[-1], rel=1e-9)
+    assert float(run.path.read(np.array([last.start])).speed[0, 0]) == pytest.approx(found.crank_speed[0], rel=1e-9)
+
+
+@pytest.mark.parametrize("name", ["induction", "lossy_induction", "inverter"])
+@pytest.mark.exhaustive
+def test_a_run_of_stiff_motors(press, name):
+    """Forty strokes are enough: their speed settles by a factor of 2 and more each."""
+    drive = CASES[name]().drive
+    run = pp.simulate(press, 9.0, speed=29.0, drive=drive, flywheel=WHEEL, loads=[BLANK])
+    found = pp.steady_state(press, SPEED, drive, WHEEL, [BLANK])
+    last = pp.measures.strokes(run)[-1]
+    assert last.duration == pytest.approx(found.time[-1], rel=1e-8)
+    assert float(run.path.read(np.array([last.start])).speed[0, 0]) == pytest.approx(found.crank_speed[0], rel=1e-8)
+
+
+# ------------------------------------------------------------------------------------------------------------------- other presses
+
+TEXTBOOK_MOTOR = drives.Geared(drives.InductionMotor(7.5e3, 1440 * RPM, inertia=0.02), 20.0)
+PRESSES = {
+    "zxn2_3000b": (70 * RPM, induction(7.5e4, 20.0, 0.6), 2000.0, loads.DeepDrawing(1e6, 0.05), 2 / math.pi * 1e6 * 0.05),
+    "zxn2_3000b_balanced": (70 * RPM, induction(7.5e4, 20.0, 0.6), 2000.0, loads.DeepDrawing(1e6, 0.05), 2 / math.pi * 1e6 * 0.05),
+    "thin_wall": (70 * RPM, induction(7.5e3, 20.0, 0.0), 500.0, loads.Blanking(2e5, 0.05, 0.04), 2 / math.pi * 2e5 * 0.01),
+    "jf75g_125_symmetric": (SPEED, induction(), J0, BLANK, WORK),
+    "jf75g_125_two_point": (SPEED, induction(), J0, BLANK, WORK),
+    "crank_slide": (75 * RPM, TEXTBOOK_MOTOR, 50.0, loads.Blanking(2e4, 0.05, 0.02), 2 / math.pi * 2e4 * 0.03),
+}
+
+
+@pytest.mark.parametrize("name", PRESSES)
+def test_other_presses_by_the_constraint_method(name):
+    """Pinocchio's constraint dynamics, which share no equation with the reduced ones, come back to the steady state too."""
+    speed, drive, inertia, load, work = PRESSES[name]
+    linkage, wheel = texts.shipped(name), pp.drives.Flywheel(inertia)
+    run = pp.steady_state(linkage, speed, drive, wheel, [load], points=41)
+    comes_back(run, work)
+    period, first = float(run.time[-1]), float(run.crank_speed[0])
+    other = pp.simulate(linkage, period, speed=first, drive=drive, flywheel=wheel, loads=[load], method="constraint", points=41)
+    np.testing.assert_allclose(other.crank_angle, run.crank_angle, rtol=0, atol=1e-8)
+    np.testing.assert_allclose(other.crank_speed, run.crank_speed, rtol=1e-8)
+    assert other.drive_work[-1] == pytest.approx(run.drive_work[-1], rel=1e-8)
+    assert other.motor_squared[-1] == pytest.approx(run.motor_squared[-1], rel=1e-7)
+
+
+def test_a_spring_that_is_damped(textbook):
+    """The drive makes up for what the damper takes: c v^2, by quadrature over the states."""
+    spring = pp.loads.SpringDamper("frame", "slide", stiffness=2e3, damping=400, free_length=0.4, point1=(0, 0, -1.0))
+    run = pp.steady_state(textbook, 75 * RPM, induction(7.5e3, 20.0, 0.02), pp.drives.Flywheel(20.0), [spring], points=2001)
+    comes_back(run)
+    taken = simpson(400 * run.slide_velocity**2, x=run.time)
+    assert taken > 50
+    assert run.drive_work[-1] == pytest.approx(taken, rel=1e-9)  # the rule's error: 1e-12, h^4
+
+
+# ------------------------------------------------------------------------------------------------------- symmetries of the solution
+
+
+@pytest.mark.parametrize("angle", [1.0, 5.9, -2.0, 40.0])
+@pytest.mark.parametrize("name", CASES)
+@pytest.mark.exhaustive
+def test_the_start_does_not_matter(press, name, angle):
+    """The same orbit from any crank angle: period, works, and the speed at each angle."""
+    drive = CASES[name]().drive
+    there, here = (pp.steady_state(press, SPEED, drive, WHEEL, [BLANK], angle=a) for a in (0.0, angle))
+    comes_back(here, WORK)
+    assert here.crank_angle[0] == pytest.approx(angle, rel=1e-14)
+    assert here.time[-1] == pytest.approx(there.time[-1], rel=1e-10)
+    assert here.motor_squared[-1] == pytest.approx(there.motor_squared[-1], rel=1e-8)
+    passed = brentq(lambda t: float(there.path.read(np.array([t])).position[0, 0]) - angle % (2 * math.pi), 0.0, there.time[-1], xtol=1e-15)
+    assert here.crank_speed[0] == pytest.approx(float(there.path.read(np.array([passed])).speed[0, 0]), rel=1e-10)
+
+
+@pytest.mark.parametrize("guess", [0.4, 0.8, 1.0, 1.3, 3.0])
+@pytest.mark.parametrize("name", CASES)
+@pytest.mark.exhaustive
+def test_the_guess_does_not_matter(press, name, guess):
+    drive = CASES[name]().drive
+    found, steady = (pp.steady_state(press, share * SPEED, drive, WHEEL, [BLANK]) for share in (guess, 1.0))
+    np.testing.assert_allclose(found.crank_speed, steady.crank_speed, rtol=1e-10)
+
+
+@pytest.mark.parametrize("lag", [0.0, 0.05])
+def test_backwards(press, lag):
+    """The JF75G-125 is its own mirror image."""
+    one, other = (pp.steady_state(press, way * 30.3, slip_clutch(lag, way * 3.0), WHEEL, [BLANK]) for way in (1, -1))
+    comes_back(other, WORK)
+    assert other.crank_angle[-1] == pytest.approx(-2 * math.pi, rel=1e-9)
+    np.testing.assert_allclose(other.crank_speed, -one.crank_speed, rtol=1e-9)
+    np.testing.assert_allclose(other.drive_torque, -one.drive_torque, rtol=0, atol=1e-6)  # steep: 1000 N m s/rad
+    np.testing.assert_allclose(other.drive_work, one.drive_work, rtol=0, atol=1e-8 * ENERGY)
+
+
+def test_backwards_is_another_orbit_of_a_press_with_quick_return():
+    """The thin-wall press is not its own mirror image; each way the period is that of a long run."""
+    speed, drive, inertia, load, _ = PRESSES["thin_wall"]
+    periods = []
+    for way in (1, -1):
+        turned = drives.Geared(drive.drive, way * 20.0)
+        linkage = texts.shipped("thin_wall")
+        run = pp.steady_state(linkage, way * speed, turned, pp.drives.Flywheel(inertia), [load])
+        comes_back(run)
+        long = pp.simulate(linkage, 16.0, speed=way * 7.5, drive=turned, flywheel=pp.drives.Flywheel(inertia), loads=[load])
+        assert pp.measures.strokes(long)[-1].duration == pytest.approx(run.time[-1], rel=1e-8)
+        periods.append(float(run.time[-1]))
+    assert abs(periods[1] / periods[0] - 1) > 1e-7
+
+
+def test_a_coarser_tolerance_is_kept(textbook):
+    """With fewer panels, the errors stay below it."""
+    fine, coarse = (
+        pp.steady_state(
+            textbook, 75 * RPM, TEXTBOOK_MOTOR, pp.drives.Flywheel(50.0), [loads.Blanking(2e4, 0.05, 0.02)], tolerance=tolerance
+        )
+        for tolerance in (1e-11, 1e-5)
+    )
+    np.testing.assert_allclose(coarse.crank_speed, fine.crank_speed, rtol=1e-5)
+    assert coarse.stats.steps < fine.stats.steps
+
+
+def test_it_is_a_run(press, steady):
+    """120 states by default; a `Motion` for inverse dynamics, whose torque is that of drive and inertia."""
+    assert len(steady.time) == 121
+    assert steady.stats.method == "reduced"
+    assert len(pp.measures.strokes(steady)) == 1
+    motion = pp.cycle(press, angle=steady.crank_angle, speed=steady.crank_speed, acceleration=steady.crank_acceleration)
+    acting = pp.inverse_dynamics(press, motion)
+    idle = np.array([loads_of(steady, k) for k in range(121)])
+    given = steady.drive_torque - J0 * steady.crank_acceleration
+    np.testing.assert_allclose(given, acting.driving_torque + idle, rtol=0, atol=1e-5)
+
+
+def loads_of(run, k):
+    """Torque on the crank that the blank takes in a state, by the formula of the load and of the lever."""
+    at = equation.coefficients(float(run.crank_angle[k]))
+    way = -1 if at.lever > 0 else 1
+    inside = way > 0 and 0.005 < at.height <= 0.010
+    return -at.lever * 1.25e6 * math.sin(math.pi / 2 * (0.010 - at.height) / 0.005) if inside else 0.0
+
+
+# --------------------------------------------------------------------------------------------------------------------- closed forms
+
+
+@dataclasses.dataclass(frozen=True)
+class Own:
+    """A drive of one's own: a - b w - c w |w|."""
+
+    a: float
+    b: float
+    c: float = 0.0
+    inertia: float = 0.0
+    state: tuple = ()
+    timed: bool = False
+    rated_torque: None = None
+    corners: tuple = ()
+
+    def torque(self, speed, angle=0.0, time=0.0, state=()):
+        return self.a - self.b * speed - self.c * speed * abs(speed)
+
+    def rates(self, speed, angle=0.0, time=0.0, state=()):
+        return ()
+
+    def motor_speed(self, speed):
+        return speed
+
+    def motor_torque(self, speed, angle=0.0, time=0.0, state=()):
+        return self.torque(speed)
+
+
+DISC = """<robot name="disc">
+  <link name="frame"/>
+  <link name="disc">
+    <inertial><origin xyz="{x} 0 0"/><mass value="40"/><inertia ixx="2" ixy="0" ixz="0" iyy="3" iyz="0" izz="2"/></inertial>
+  </link>
+  <joint name="O" type="continuous"><parent link="frame"/><child link="disc"/><origin xyz="0.1 0 0.4"/><axis xyz="0 -1 0"/></joint>
+  <transmission name="drive"><joint name="O"/></transmission>
+</robot>
+"""
+
+
+@pytest.fixture
+def disc(tmp_path):
+    def load(eccentricity):
+        file = tmp_path / "disc.urdf"
+        file.write_text(DISC.format(x=eccentricity), encoding="utf-8")
+        return pp.load(file, gravity=(0, 0, -9.81))
+
+    return load
+
+
+def test_constant_inertia_and_a_linear_drive(disc):
+    """w = a / b, and nothing else."""
+    run = pp.steady_state(disc(0.0), 10.0, Own(60.0, 5.0), pp.drives.Flywheel(4.0))
+    np.testing.assert_allclose(run.crank_speed, 12.0, rtol=1e-11)
+    assert run.time[-1] == pytest.approx(2 * math.pi / 12, rel=1e-11)
+    assert abs(run.drive_work[-1]) < 1e-8
+
+
+@pytest.mark.parametrize("angle", [0.0, 2.0])
+def test_an_eccentric_disc_and_a_quadratic_drive(disc, angle):
+    """With the torque a - c w^2 the energy W = I w^2 / 2 obeys W' = a - k W - m g e cos q, k = 2 c / I, exactly:
+    W = a / k - m g e (k cos q + sin q) / (1 + k^2)."""
+    e, a, c = 0.12, 400.0, 1.5
+    inertia = 3.0 + 40 * e**2 + 2.0
+    run = pp.steady_state(disc(e), 15.0, Own(a, 0.0, c), pp.drives.Flywheel(2.0), angle=angle, points=61)
+    k, q = 2 * c / inertia, run.crank_angle
+    energy = a / k - 40 * 9.81 * e * (k * np.cos(q) + np.sin(q)) / (1 + k * k)
+    np.testing.assert_allclose(0.5 * inertia * run.crank_speed**2, energy, rtol=1e-10)
+    assert np.ptp(run.crank_speed) > 0.5
+
+
+# the textbook crank-slide, its bodies as its file has them: crank, rod, slide
+
+
+def crank_slide(q):
+    """I, I', V', height above bottom dead centre and its derivative: kinetic energy of plain bodies."""
+    r, rod, g = 0.1, 0.4, 9.80665
+    s, c = math.sin(q), math.cos(q)
+    b = math.asin(r / rod * s)  # the rod off the upright
+    b1 = r * c / (rod * math.cos(b))
+    b2 = (-r * s + rod * math.sin(b) * b1 * b1) / (rod * math.cos(b))
+    z1, z2 = r * s + rod * math.sin(b) * b1, r * c + rod * (math.cos(b) * b1 * b1 + math.sin(b) * b2)
+    # middle of the rod: half of the crank pin's place and half of the wrist pin's
+    x1, x2 = 0.5 * r * c, -0.5 * r * s
+    y1, y2 = 0.5 * (r * s + z1), 0.5 * (r * c + z2)
+    inertia = 0.1 + 20 * 0.03**2 + 15 * (x1 * x1 + y1 * y1) + 0.2 * b1 * b1 + 100 * z1 * z1
+    slope = 2 * (15 * (x1 * x2 + y1 * y2) + 0.2 * b1 * b2 + 100 * z1 * z2)
+    weight = g * (20 * 0.03 * s + 15 * y1 + 100 * z1)
+    return inertia, slope, weight, r * (1 - c) + rod * (1 - math.cos(b)), z1
+
+
+def test_a_period_map_of_ones_own(textbook):
+    """A root of what a turn makes of the speed, over the crank angle, from edge to edge of the load by SciPy."""
+    a, b, wheel, force = 900.0, 90.0, 20.0, 8e3
+    edge = [2 * math.pi - brentq(lambda q, h=h: crank_slide(q)[3] - h, 0.0, math.pi, xtol=1e-15) for h in (0.05, 0.02)]
+    legs = [(0.0, edge[0], 0.0), (edge[0], edge[1], force), (edge[1], 2 * math.pi, 0.0)]
+
+    def turn(speed):
+        y = np.array([speed, 0.0, 0.0, 0.0])
+        for low, high, pushed in legs:
+
+            def rates(q, y, pushed=pushed):
+                inertia, slope, weight, height, lever = crank_slide(q)
+                push = pushed * math.sin(math.pi / 2 * (0.05 - height) / 0.03)
+                drive, w = a - b * y[0], y[0]
+                change = (drive - 0.5 * slope * w * w - weight + push * lever) / ((inertia + wheel) * w)
+                return [change, 1 / w, drive, drive * drive / w]
+
+            y = solve_ivp(rates, (low, high), y, method="DOP853", rtol=1e-12, atol=1e-13).y[:, -1]
+        return y
+
+    speed = brentq(lambda w: turn(w)[0] - w, 8.0, 12.0, xtol=1e-13, rtol=1e-14)
+    _, period, work, squared = turn(speed)
+    run = pp.steady_state(textbook, 10.0, Own(a, b), pp.drives.Flywheel(wheel), [loads.Blanking(force, 0.05, 0.02)])
+    comes_back(run, 2 / math.pi * force * 0.03)
+    assert run.crank_speed[0] == pytest.approx(speed, rel=1e-10)
+    assert run.time[-1] == pytest.approx(period, rel=1e-10)
+    assert run.drive_work[-1] == pytest.approx(work, abs=1e-9 * 0.5 * wheel * speed**2)
+    assert run.motor_squared[-1] == pytest.approx(squared, rel=1e-8)
+    assert np.ptp(run.crank_speed) > 0.5
+
+
+# ------------------------------------------------------------------------------------------------------------------ no steady state
+
+NONE = {
+    "constant_torque": (pp.drives.ConstantTorque(567.0), BLANK),
+    "no_torque": (pp.drives.ConstantTorque(0.0), BLANK),
+    "brakes": (pp.drives.ConstantTorque(-50.0), loads.Idle()),
+    "weak_motor": (induction(1.5e3), BLANK),
+    "beyond_breakdown": (induction(), loads.Blanking(1.25e7, 0.010, 0.005)),
+    "far_beyond": (inverter(), loads.Blanking(1.25e8, 0.010, 0.005)),
+    "turns_the_other_way": (slip_clutch(ratio=-3.0), BLANK),
+    "weak_clutch": (slip_clutch(), loads.Blanking(8e6, 0.010, 0.005)),
+    "lag_stalls": (slip_clutch(0.05), loads.Blanking(1.25e8, 0.010, 0.005)),
+}
+
+
+@pytest.mark.parametrize("name", NONE)
+def test_no_steady_state(press, name):
+    """At once, with the reason. Beyond breakdown the loads take 4 kJ a turn of a motor that gives 0.8 kJ at most, 40 kJ of one of 15 kJ."""
+    drive, load = NONE[name]
+    with within(10.0), pytest.raises(pp.SimulationError, match=r"no steady state|stalls|does not get through") as raised:
+        pp.steady_state(press, SPEED, drive, WHEEL, [load])
+    if name == "constant_torque":
+        for words in ("31.4159 rad/s", "too weak", "constant torque", "simulate"):
+            assert words in str(raised.value)
+
+
+BAD = {
+    "no speed": ({"speed": 0.0}, "speed is 0"),
+    "speed NaN": ({"speed": math.nan}, "speed is nan"),
+    "speeds": ({"speed": [7.0, 8.0]}, "speed is"),
+    "text": ({"speed": "fast"}, "speed is 'fast'"),
+    "angle": ({"angle": math.inf}, "angle is inf"),
+    "angles": ({"angle": [0.0, 1.0]}, "angle is"),
+    "points": ({"points": 1}, "points is 1"),
+    "no tolerance": ({"tolerance": 0.0}, "tolerance is 0"),
+    "no drive": ({"drive": None}, "needs a motor"),
+    "prescribed": ({"drive": drives.PrescribedSpeed(7.0)}, "needs a motor"),
+    "a number for a drive": ({"drive": 567.0}, "drive is 567"),
+    "a number for a flywheel": ({"flywheel": 50.0}, "flywheel is a float"),
+    "one load": ({"loads": BLANK}, "give a list"),
+    "a force in time": ({"loads": [loads.TimeForce(lambda t: 0 * t)]}, "time"),
+    "no linkage": ({"press": None}, "Linkage"),
+    "negative inertia": ({"flywheel": pp.drives.Flywheel(-1e3)}, "inertia"),
+}
+
+
+@pytest.mark.parametrize("name", BAD)
+def test_bad_arguments(textbook, name):
+    change, message = BAD[name]
+    good = {"press": textbook, "speed": 7.8, "drive": induction(7.5e3, 20.0), "flywheel": pp.drives.Flywheel(50.0), "loads": []}
+    with pytest.raises(pp.PinpressError, match=message):
+        pp.steady_state(**good | change)
+
+
+def test_a_crank_that_only_swings(tmp_path):
+    """A double rocker."""
+    file = tmp_path / "rocker.urdf"
+    file.write_text(four_bar(1.0, 0.8, 0.3, 0.7, 0.9).urdf("O"), encoding="utf-8")
+    with pytest.raises(pp.PinpressError, match="does not turn fully"):
+        pp.steady_state(pp.load(file), 3.0, Own(10.0, 1.0), pp.drives.Flywheel(1.0))
+
+
+def test_several_drivers_have_none(tmp_path):
+    press = pp.load(two_discs(tmp_path))
+    assert len(press.drivers) == 2
+    with pytest.raises(pp.PinpressError, match="one driver"):
+        pp.steady_state(press, 3.0, Own(10.0, 1.0), pp.drives.Flywheel(1.0))
+
+
+def two_discs(tmp_path):
+    """Each turned by a driver of its own."""
+    text = DISC.format(x=0.0)
+    first = text[text.index('  <link name="disc">') : text.index("</robot>")]
+    second = first.replace('"disc"', '"other"').replace('"O"', '"P"').replace('"drive"', '"second"')
+    file = tmp_path / "two.urdf"
+    file.write_text(text.replace("</robot>", second + "</robot>"), encoding="utf-8")
+    return file
+
+
+# ------------------------------------------------------------------------------------------------------------------ duty and strokes
+
+
+@pytest.mark.parametrize("name", ["slip_clutch", "lossy_induction"])
+def test_duty_of_a_stroke(press, name):
+    """From states at the very instants that are looked at, and works and means by Simpson's rule over a finer grid."""
+    case = CASES[name]()
+    run = pp.steady_state(press, SPEED, case.drive, WHEEL, [BLANK], points=721)
+    fine = pp.steady_state(press, SPEED, case.drive, WHEEL, [BLANK], points=40001)
+    duty, ratio = pp.measures.duty(run), case.drive.ratio
+    assert (duty.start, duty.duration) == (0.0, run.time[-1])
+    speed, motor = run.crank_speed, np.abs(case.drive.motor_torque(run.crank_speed))
+    assert duty.mean_speed == pytest.approx(2 * math.pi / run.time[-1], rel=1e-12)
+    assert duty.mean_speed == pytest.approx(simpson(fine.crank_speed, x=fine.time) / fine.time[-1], rel=1e-9)
+    assert duty.highest_speed == pytest.approx(speed.max(), rel=1e-12)
+    assert duty.lowest_speed == pytest.approx(speed.min(), rel=1e-12)
+    assert duty.speed_drop == pytest.approx((speed.max() - speed.min()) / duty.mean_speed, rel=1e-10)
+    assert duty.flywheel_work == pytest.approx(0.5 * (J0 + case.inertia) * (speed.max() ** 2 - speed.min() ** 2), rel=1e-10)
+    assert duty.recovery_time == pytest.approx((run.time[speed.argmax()] - run.time[speed.argmin()]) % run.time[-1], rel=1e-10)
+    assert duty.drive_work == pytest.approx(simpson(fine.drive_torque * fine.crank_speed, x=fine.time), rel=1e-7)  # corners: h^2 there
+    assert duty.load_work == pytest.approx(WORK, rel=1e-9)
+    assert duty.lost == 0.0
+    own = case.drive.motor_torque(fine.crank_speed)
+    if name == "slip_clutch":
+        np.testing.assert_allclose(own, fine.drive_torque / ratio, rtol=0, atol=1e-9)
+    assert duty.motor_rms == pytest.approx(math.sqrt(simpson(own**2, x=fine.time) / fine.time[-1]), rel=1e-6)
+    assert duty.motor_peak == pytest.approx(motor.max(), rel=1e-9)
+    # nothing is found above the largest; next to a sharp peak half an interval, 1/1440 of the stroke, is missed at most
+    assert np.abs(own).max() * 0.99 < duty.motor_peak <= np.abs(own).max() * (1 + 1e-9)
+    rated = 189.0 if name == "slip_clutch" else 3e4 / (1465 * RPM)
+    assert duty.utilisation == pytest.approx(duty.motor_rms / rated, rel=1e-12)
+
+
+def test_duty_of_a_constant_torque(press):
+    """Its rms and its peak are the torque, whatever the part of the run; rms and work have closed forms."""
+    run = pp.simulate(press, 1.0, speed=29.0, drive=drives.Geared(pp.drives.ConstantTorque(-100.0), -5.0), flywheel=WHEEL, loads=[BLANK])
+    for start, end in ((0.0, None), (0.3, 0.35), (0.123, 0.987)):
+        duty = pp.measures.duty(run, start, end)
+        assert duty.motor_rms == pytest.approx(100.0, rel=1e-9)
+        assert duty.motor_peak == pytest.approx(100.0, rel=1e-12)
+        assert duty.utilisation is None
+        turned = np.diff(run.path.read(np.array([start, 1.0 if end is None else end])).position[0])[0]
+        assert duty.drive_work == pytest.approx(500 * turned, rel=1e-9)
+        assert duty.mean_speed == pytest.approx(turned / duty.duration, rel=1e-12)
+
+
+def test_strokes_make_up_the_run(long_run, strokes):
+    """Each a turn long, one after the other; with what is left at the end their sums are the run's."""
+    ends = np.array([stroke.start + stroke.duration for stroke in strokes])
+    np.testing.assert_allclose([stroke.start for stroke in strokes[1:]], ends[:-1], rtol=1e-14)
+    np.testing.assert_allclose(long_run.path.read(ends).position[0], 2 * math.pi * np.arange(1, len(ends) + 1), rtol=0, atol=1e-9)
+    rest = pp.measures.duty(long_run, float(ends[-1]))
+    parts = [*strokes, rest]
+    assert sum(part.duration for part in parts) == pytest.approx(long_run.time[-1], rel=1e-12)
+    assert sum(part.drive_work for part in parts) == pytest.approx(long_run.drive_work[-1], rel=1e-11)
+    assert sum(part.load_work for part in parts) == pytest.approx(long_run.load_work[-1], rel=1e-11)
+    assert sum(part.motor_rms**2 * part.duration for part in parts) == pytest.approx(long_run.motor_squared[-1], rel=1e-10)
+    whole = pp.measures.duty(long_run)
+    assert whole.drive_work == pytest.approx(long_run.drive_work[-1], rel=1e-12)
+    assert whole.motor_rms == pytest.approx(math.sqrt(long_run.motor_squared[-1] / long_run.time[-1]), rel=1e-12)
+    assert whole.highest_speed >= max(stroke.highest_speed for stroke in strokes) * (1 - 1e-5)  # 720 states a turn, shifted
+
+
+@pytest.mark.parametrize("drive", [slip_clutch(), induction(efficiency=0.9)])
+def test_strokes_of_both_methods(press, drive):
+    """Also where the run begins at another angle, and runs backwards."""
+    runs = [
+        pp.simulate(press, 0.7, speed=29.0, angle=0.7, drive=drive, flywheel=WHEEL, loads=[BLANK], method=method)
+        for method in ("reduced", "constraint")
+    ]
+    reduced, constraint = (pp.measures.strokes(run) for run in runs)
+    assert len(reduced) == len(constraint) == 3
+    for one, other in zip(reduced, constraint, strict=True):
+        for field in dataclasses.fields(one):
+            a, b = getattr(one, field.name), getattr(other, field.name)
+            if field.name == "recovery_time":  # to the next of 720 states
+                assert a == pytest.approx(b, abs=1.01 * one.duration / 720)
+            else:
+                assert a == pytest.approx(b, rel=1e-6, abs=1e-9)
+
+
+def test_strokes_backwards(press):
+    """The mirror image of those forwards."""
+    runs = [
+        pp.simulate(press, 0.7, speed=way * 29.0, drive=slip_clutch(ratio=way * 3.0), flywheel=WHEEL, loads=[BLANK], angle=way * 0.4)
+        for way in (1, -1)
+    ]
+    for one, other in zip(*map(pp.measures.strokes, runs), strict=True):
+        assert one.mean_speed > 0
+        for field in dataclasses.fields(one):
+            assert getattr(one, field.name) == pytest.approx(getattr(other, field.name), rel=1e-8)
+
+
+@pytest.mark.parametrize("points", [2, 7, 500])
+def test_strokes_do_not_depend_on_the_states_returned(press, points):
+    strokes = [
+        pp.measures.strokes(pp.simulate(press, 1.0, speed=29.0, drive=slip_clutch(), flywheel=WHEEL, points=n)) for n in (points, 5000)
+    ]
+    assert len(strokes[0]) == len(strokes[1]) == 4
+    for one, other in zip(*strokes, strict=True):
+        assert one.start == pytest.approx(other.start, rel=1e-11, abs=1e-12)
+        assert one.drive_work == pytest.approx(other.drive_work, rel=1e-9, abs=1e-9)
+
+
+def test_a_run_that_swings_has_no_strokes(textbook):
+    run = pp.simulate(textbook, 3.0, speed=5.0)
+    assert run.crank_speed.min() < 0 < run.crank_speed.max()
+    assert np.ptp(run.crank_angle) < 2 * math.pi
+    assert pp.measures.strokes(run) == ()
+
+
+def test_a_run_that_stands_still(textbook):
+    run = pp.simulate(textbook, 1.0, angle=0.0)
+    duty = pp.measures.duty(run)
+    assert pp.measures.strokes(run) == ()
+    assert (duty.mean_speed, duty.speed_drop, duty.flywheel_work, duty.drive_work, duty.motor_rms) == (0.0, 0.0, 0.0, 0.0, 0.0)
+
+
+def test_duty_of_a_brake_and_a_clutch(press):
+    """What a clutch loses as it joins flywheel and press stands in the duty of that part."""
+    run = pp.simulate(
+        press, 1.0, flywheel=pp.drives.Flywheel(J0, speed=30.0), clutch=pp.drives.Clutch(4e3, closes=pp.drives.At(time=0.2)), points=401
+    )
+    before, after = pp.measures.duty(run, 0.0, 0.2), pp.measures.duty(run, 0.2)
+    assert before.lost == 0.0
+    assert after.lost == pytest.approx(run.lost[-1], rel=1e-12)
+    assert run.lost[-1] > 100
+    # the flywheel's, not the crank's
+    assert after.flywheel_work == pytest.approx(0.5 * J0 * (30.0**2 - run.drive_speed.min() ** 2), rel=1e-3)
+
+
+@pytest.mark.parametrize(
+    "part", [(0.5, 0.2), (0.5, 0.5), (-0.1, 0.5), (0.0, 1.1), (math.nan, 0.5), (0.0, math.nan), (1.0, None), (0.0, math.inf)]
+)
+def test_duty_of_no_part(press, part):
+    run = pp.simulate(press, 1.0, speed=29.0, flywheel=WHEEL)
+    with pytest.raises(pp.PinpressError, match="times within the run"):
+        pp.measures.duty(run, *part)
+
+
+def test_duty_of_several_drivers(tmp_path):
+    press = pp.load(two_discs(tmp_path))
+    run = pp.simulate(press, 0.5, speed=np.array([3.0, 4.0]), method="constraint")
+    for function in (pp.measures.duty, pp.measures.strokes):
+        with pytest.raises(pp.PinpressError, match="one driver"):
+            function(run)
+
+
+# ------------------------------------------------------------------------------------------------- where a search may lose its way
+
+
+@pytest.mark.parametrize(
+    ("name", "drive", "flywheel", "load", "period"),
+    [
+        ("thin_wall", induction(7.5e4, 20.0, 0.6), 500.0, loads.Blanking(2e5, 0.05, 0.04), 0.800379548),
+        ("jf75g_125", induction(), None, loads.Blanking(2e5, 0.010, 0.005), 0.200502386),
+        ("jf75g_125", slip_clutch(), None, loads.Blanking(2e5, 0.010, 0.005), 0.168282186),
+        ("crank_slide", induction(7.5e3, 20.0, 0.02), 50.0, loads.Blanking(2e4, 0.05, 0.02), None),
+    ],
+)
+def test_stiff_motors_and_little_inertia(name, drive, flywheel, load, period):
+    """Periods are those of the last strokes of runs of 20 s, to their nine digits."""
+    press = texts.shipped(name, gravity=(0, 0, -9.80665))
+    found = pp.steady_state(press, SPEED if name == "jf75g_125" else 72 * RPM, drive, flywheel and pp.drives.Flywheel(flywheel), [load])
+    comes_back(found)
+    assert period is None or found.time[-1] == pytest.approx(period, rel=1e-8)
+
+
+@pytest.mark.parametrize(
+    ("way", "load", "period"),
+    [
+        (-1, BLANK, 0.205494058),
+        (1, loads.Blanking(1.25e6, 0.010, 0.005, stripping=1.5e5), 0.206186989),
+        (1, loads.ElasticDie(0.003, 2e8, 1e5), 0.200901097),
+    ],
+)
+@pytest.mark.exhaustive
+def test_a_lag_from_further_off(press, way, load, period):
+    """Periods of the last strokes of runs of 20 s and 40 s."""
+    found = pp.steady_state(press, way * SPEED, slip_clutch(0.05, way * 3.0), WHEEL, [load])
+    comes_back(found)
+    assert found.time[-1] == pytest.approx(period, rel=1e-8)
+
+
+@pytest.mark.parametrize("tolerance", [1e-30, 1e5])
+def test_tolerances_out_of_range(textbook, tolerance):
+    with within(2.0), pytest.raises(pp.PinpressError, match="tolerance"):
+        pp.steady_state(textbook, 7.8, TEXTBOOK_MOTOR, pp.drives.Flywheel(50.0), tolerance=tolerance)
+
+
+def test_a_program_in_time_has_none(textbook):
+    with within(2.0), pytest.raises(pp.PinpressError, match="time") as raised:
+        pp.steady_state(textbook, 7.8, drives.ServoMotor([0, 1.0], [0, 6.0], 1e5, 1e3, 1e4), pp.drives.Flywheel(50.0))
+    assert not isinstance(raised.value, pp.SimulationError)
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        {"flywheel": pp.drives.Flywheel(np.array([50.0, 60.0]))},
+        {"drive": induction(np.array([7.5e3, 8e3]), 20.0)},
+        {"loads": [loads.Blanking(np.array([1e3, 2e3]), 0.05, 0.02)]},
+        {"loads": 3},
+    ],
+    ids=["flywheel", "drive", "load", "no list"],
+)
+def test_scenarios_and_what_is_no_load_are_refused(textbook, change):
+    good = {"press": textbook, "speed": 7.8, "drive": TEXTBOOK_MOTOR, "flywheel": pp.drives.Flywheel(50.0), "loads": []}
+    with pytest.raises(pp.PinpressError):
+        pp.steady_state(**good | change)
+
+
+def test_strokes_of_a_run_that_turns_back(press):
+    """4.9 turns forwards, then 18 back, past the start: each stroke is a turn long, no two overlap."""
+    run = pp.simulate(press, 6.0, speed=30.0, flywheel=WHEEL, drive=pp.drives.ConstantTorque(-2000.0), points=2001)
+    assert 4 < run.crank_angle.max() / (2 * math.pi) < 5
+    assert run.crank_angle[-1] < -12 * 2 * math.pi
+    strokes = pp.measures.strokes(run)
+    assert len(strokes) >= 4
+    for one in strokes:
+        start, end = run.path.read(np.array([one.start, one.start + one.duration])).position[0]
+        assert abs(abs(end - start) - 2 * math.pi) < 1e-8
+    assert all(b.start >= a.start + a.duration - 1e-12 for a, b in itertools.pairwise(strokes))
+
+
+@pytest.mark.parametrize("part", ["a", [0.0], None])
+def test_duty_of_nonsense(press, part):
+    run = pp.simulate(press, 1.0, speed=29.0, flywheel=WHEEL)
+    with pytest.raises(pp.PinpressError):
+        pp.measures.duty(run, part)
+
+
+@pytest.mark.parametrize("function", [pp.measures.duty, pp.measures.strokes])
+@pytest.mark.parametrize("what", [None, 3.0])
+def test_duty_of_no_run(function, what):
+    with pytest.raises(pp.PinpressError):
+        function(what)

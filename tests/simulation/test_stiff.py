@@ -1,0 +1,191 @@
+"""Stiff forces: the implicit method alone, which method is used, and what it costs; the scenes of the table of extremes."""
+
+import numpy as np
+import pytest
+from extremes.extreme_stiff import CASES, FLYWHEEL, MECHANISM, SPEED, START, Rubbing, between, run, swung
+
+import pinpress as pp
+from pinpress.drives.transmission import ConstantTorque
+from pinpress.loads.process import ElasticDie
+from pinpress.simulation.radau import STAGES, RadauIIA, rule
+
+ALWAYS = ("undamped spring of 1e+13 N/m", "speed law of 1e+11 N m s", "friction of the guide sharp within 1e-09 m/s")
+
+
+@pytest.mark.parametrize("case", [case for case in CASES if case.name in ALWAYS], ids=lambda case: case.name)
+def test_the_default_method_meets_closed_forms(case):
+    outcome = case.work("auto")
+    assert outcome.met, outcome
+
+
+# ------------------------------------------------------------------------------------------------------------------------ the method
+
+
+def test_coefficients_are_radaus():
+    """The conditions that define them: Radau's quadrature of order 2 s - 1, collocation of order s, and stiff accuracy."""
+    r = rule()
+    assert r.nodes[-1] == 1.0
+    for k in range(1, 2 * STAGES):
+        assert r.matrix[-1] @ r.nodes ** (k - 1) == pytest.approx(1 / k, abs=1e-14)
+    for k in range(1, STAGES + 1):
+        assert r.matrix @ r.nodes ** (k - 1) == pytest.approx(r.nodes**k / k, abs=1e-14)
+
+
+def test_the_embedded_formula_is_of_the_order_of_the_stages():
+    r = rule()
+    weights = r.matrix[-1] + r.embedded
+    assert r.start + weights.sum() == pytest.approx(1.0, abs=1e-13)
+    for k in range(2, STAGES + 1):
+        assert weights @ r.nodes ** (k - 1) == pytest.approx(1 / k, abs=1e-13)
+
+
+def stepped(rates, y, until, tolerance, first=None):
+    """Integrated to the end: the solver there, and the polynomials of its steps."""
+    size = len(y)
+    solver = RadauIIA(rates, 0.0, np.array(y), until, np.full(size, tolerance), 3e-14, 0, np.ones(size), first)
+    pieces = []
+    while solver.status == "running":
+        assert solver.step() is None
+        pieces.append(solver.dense_output())
+    return solver, pieces
+
+
+def test_it_converges_with_order_thirteen():
+    """Of one step of a linear oscillation: halving it makes the error 2^14 times as small."""
+
+    def rates(t, y):
+        return np.array([y[1], -y[0]])
+
+    errors = []
+    for step in (2.0, 1.0):
+        solver, _ = stepped(rates, [1.0, 0.0], step, 1e3, step)
+        assert solver.nfev < 40  # one step
+        errors.append(np.abs(solver.y - [np.cos(step), -np.sin(step)]).max())
+    assert 12.5 < np.log2(errors[0] / errors[1]) - 1 < 14.5
+
+
+@pytest.mark.parametrize("rate", [1e3, 1e6, 1e9])
+def test_it_forgets_disturbances_and_is_right_between_its_nodes(rate):
+    """Prothero and Robinson's equation, from beside its solution cos t: steps do not depend on the stiffness."""
+
+    def rates(t, y):
+        return np.array([-rate * (y[0] - np.cos(t)) - np.sin(t)])
+
+    solver, pieces = stepped(rates, [0.0], 10.0, 1e-10)
+    assert abs(solver.y[0] - np.cos(10.0)) < 1e-10
+    assert len(pieces) < 60
+    for piece in pieces:
+        inside = np.linspace(piece.t_old, piece.t, 9)[1:-1]
+        settled = np.exp(-rate * inside) < 1e-12
+        assert np.abs(piece(inside)[0] - np.cos(inside))[settled].max(initial=0.0) < 1e-9
+
+
+def test_growth_is_grown():
+    """L-stability must not damp what grows: an explosion of e^20 keeps its digits."""
+    solver, _ = stepped(lambda t, y: 4.0 * y, [1.0], 5.0, 1e-10)
+    assert solver.y[0] == pytest.approx(np.exp(20.0), rel=1e-8)
+
+
+# ------------------------------------------------------------------------------------------------------------------- which one is used
+
+
+def test_what_ran_is_said():
+    ordinary = run("auto")
+    assert ordinary.stats.solvers == ("angle",)
+    damped = run("auto", loads=[between(1e12, 1e9)])
+    assert damped.stats.solvers == ("explicit", "implicit")
+    assert run("implicit").stats.solvers == ("implicit",)
+    assert run("auto", step=1e-2).stats.solvers == ("fixed step",)
+    assert run("auto", loads=[between(1e12, 0.0)]).stats.solvers[-1] == "repetition"
+    assert {r.stats.method for r in (ordinary, damped)} == {"reduced"}
+
+
+def test_stiffness_costs_no_steps():
+    """A thousand times the stiffness, hardly more steps: an explicit method would take a thousand times as many."""
+    few, many = (run("auto", loads=[between(k, 1e-3 * k)]).stats.evaluations for k in (1e10, 1e13))
+    assert many < 4 * few
+
+
+def test_an_ordinary_run_over_time_stays_explicit():
+    motor = pp.drives.ServoMotor((0.0, 1.0, 2.0), (START, START + 3.0, START + 8.0), 2e4, 2e3, 1e6)
+    assert run("auto", 0.0, drive=motor).stats.solvers == ("explicit",)
+
+
+@pytest.mark.parametrize("method", ["implicit", "constraint"])
+def test_methods_agree_on_a_law_that_is_hardly_stiff(method):
+    scene = {"drive": ConstantTorque(400.0), "loads": [between(1e5, 3e3)], "points": 200}
+    ours, other = run("auto", **scene), run(method, **scene)
+    assert np.abs(ours.crank_angle - other.crank_angle).max() < 1e-9
+    assert np.abs(ours.crank_speed - other.crank_speed).max() < 1e-7
+
+
+def test_implicit_has_no_fixed_step():
+    with pytest.raises(pp.PinpressError, match="leave it out with method='implicit'"):
+        run("implicit", step=1e-3)
+
+
+def test_unknown_method():
+    with pytest.raises(pp.PinpressError, match="'auto', 'reduced', 'implicit' or 'constraint'"):
+        run("explicit")
+
+
+# ---------------------------------------------------------------------------------------------------------------- swings, and standstill
+
+
+def test_a_repeated_swing_is_a_motion_like_any_other():
+    """At any time its energy is that of the start, and it goes where the method that follows each swing goes."""
+    scene = {"loads": [between(1e8, 0.0)]}
+    ours, other = run("auto", **scene, points=400), run("implicit", **scene, points=400)
+    assert "repetition" in ours.stats.solvers
+    assert "repetition" not in other.stats.solvers
+    assert np.abs(ours.crank_angle - other.crank_angle).max() < 1e-8
+    assert ours.stats.energy_error < 1e-8
+    assert np.abs(ours.load_work - other.load_work).max() < 1e-6 * np.abs(ours.load_work).max()
+
+
+def test_a_swing_under_a_steady_torque_pays_its_motor():
+    """The motor's torque squared goes on summing up, though all work of a swing is given back."""
+    torque = 100.0
+    found = run("auto", drive=ConstantTorque(torque), loads=[between(1e10, 0.0)])
+    assert "repetition" in found.stats.solvers
+    assert found.motor_squared == pytest.approx(torque**2 * found.time, rel=1e-9)
+    assert found.drive_work == pytest.approx(torque * (found.crank_angle - START), abs=1e-6)
+
+
+@pytest.mark.parametrize("scene", [{"loads": [between(1e10, 1.0)]}, {"drive": Rubbing(0.0, 1e-3, 1e-6), "loads": [between(1e10, 0.0)]}])
+def test_what_is_damped_ever_so_little_is_not_repeated(scene):
+    found = pp.simulate(MECHANISM.press(), 0.05, SPEED, START, flywheel=pp.drives.Flywheel(FLYWHEEL), **scene)
+    assert "repetition" not in found.stats.solvers
+
+
+def test_friction_sharp_about_standstill_counts_at_the_start():
+    """From rest the push alone accelerates the crank, until friction is whole at 1e-3 rad/s: all that follows comes earlier by that."""
+    drive = Rubbing(5000.0, 3000.0, 1e-3)
+    ours, other = (float(run(method, 0.0, drive=drive).crank_angle[-1]) for method in ("auto", "implicit"))
+    assert abs(ours - other) < 1e-8
+    assert ours - float(run("auto", 0.0, drive=ConstantTorque(2000.0)).crank_angle[-1]) > 1e-5
+
+
+@pytest.mark.exhaustive
+def test_the_reference_of_swings_is_right():
+    """The quadrature itself, against an integration of a spring so soft that it can be followed."""
+    slack = float(MECHANISM.slide(START))
+
+    def push(t, q, w):
+        return -1e7 * (float(MECHANISM.slide(q)) - slack) * float(MECHANISM.lever(q))
+
+    assert swung(1e7, SPEED) == pytest.approx(MECHANISM.integrated(2.0, SPEED, START, FLYWHEEL, push)[0], abs=1e-8)
+
+
+@pytest.mark.parametrize(
+    ("start", "loads"),
+    [(1.3, [between(1e6, 0.0, 1.0)]), (0.6, [ElasticDie(0.02, 1e7)])],
+    ids=["a spring, over the angle", "thrown back by a die"],
+)
+def test_wide_swings_are_repeated_too(start, loads):
+    ours, other = (
+        pp.simulate(MECHANISM.press(), 2.0, 0.0, start, flywheel=pp.drives.Flywheel(1.0), loads=loads, method=method, points=200)
+        for method in ("auto", "implicit")
+    )
+    assert ours.stats.solvers == ("angle", "repetition")
+    assert np.abs(ours.crank_angle - other.crank_angle).max() < 1e-8

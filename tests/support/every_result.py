@@ -1,0 +1,195 @@
+"""One of each public class of data: of every result, and of every description that calls take."""
+
+import dataclasses
+import inspect
+from functools import cache
+
+import numpy as np
+from support.sweep_points import fails_at_odd
+
+import pinpress as pp
+from pinpress import foundation
+from pinpress.balancing.classical import arrangements
+from pinpress.drives import transmission as drives
+from pinpress.kinematics.measures import stroke
+from pinpress.loads import process as loads
+
+SPEED = 7.0
+DEEP = loads.DeepDrawing(force=1e4, start=0.05)
+X, Z = pp.balancing.Range("shaking_force", "x"), pp.balancing.Range("shaking_force", "z")
+STIFFNESS = pp.elasticity.Stiffness({"W": 1e9, "P": 2e9, "O": 4e9}, {}, [pp.elasticity.Rod("rod", ("P", "W"), 5e8)], frame=8e9)
+CAPACITIES = pp.ratings.Capacities(1e5, nominal_height=0.01, bearings={"W": 2e5}, flywheel_inertia=100.0, speed_drop=0.1, motor_power=2e4)
+MOUNTS = [foundation.Mount((x, y, -0.5), (1e6, 1e6, 2e6), (1e3, 1e3, 2e3)) for x in (-1.0, 1.0) for y in (-0.5, 0.5)]
+FRAME = foundation.Frame(6000.0, (0.0, 0.0, 0.2), np.diag([900.0, 1100.0, 700.0]))
+MEASUREMENT = pp.accuracy.Measurement("table", "reduced", "64 samples", 64.0, 1e-3, 1e-12)
+ACCURACY = pp.accuracy.Accuracy(
+    "crank_slide", "a turn", "a machine", {"free run": "a scene"}, {"table": 1e-14}, {"table": "two methods"}, (MEASUREMENT,), ()
+)
+TRIALS = []  # seen by the synthesis
+
+
+def push(motion):
+    """A force that a function of the motion gives."""
+    return np.outer(motion.slide_velocity, [0.0, 0.0, -10.0])
+
+
+def even(time):
+    return np.full_like(time, 100.0)
+
+
+@cache
+def press():
+    return pp.load("crank_slide")
+
+
+@cache
+def motion():
+    return pp.cycle(press(), SPEED, points=24)
+
+
+@cache
+def reactions():
+    return pp.inverse_dynamics(
+        press(), motion(), [DEEP, pp.loads.PointForce("slide", push)], {"W": pp.loads.Friction(coefficient=0.1, radius=0.05)}
+    )
+
+
+@cache
+def run():
+    return pp.simulate(press(), 0.3, SPEED, drive=pp.drives.ConstantTorque(50.0), flywheel=pp.drives.Flywheel(20.0), loads=[DEEP])
+
+
+@cache
+def run_over_joints():
+    clutch = pp.drives.Clutch(torque=500.0, closes=pp.drives.At(time=0.01), rise=0.01)
+    return pp.simulate(press(), 0.05, SPEED, flywheel=pp.drives.Flywheel(20.0), clutch=clutch, method="constraint", points=10)
+
+
+@cache
+def runs():
+    """The last one stalls."""
+    load = loads.ForceStroke([0.0, 1.0], [3e4, 3e4])
+    return pp.simulate(press(), 0.3, np.array([SPEED, 20.0, 0.1]), flywheel=pp.drives.Flywheel(20.0), loads=[load], points=5)
+
+
+@cache
+def sweep():
+    return pp.sweeps.sweep(fails_at_odd, {"a": [1, 2, 3]})
+
+
+@cache
+def balance():
+    return pp.balancing.balance(press(), motion(), [pp.balancing.Room("crank", radius=0.2, mass=(0, 50))], Z, {X: 1e5})
+
+
+@cache
+def synthesis():
+    limits = {"stroke": (long_stroke, None, 0.3)}
+    return pp.synthesis.synthesise(press(), {"radius": (0.05, 0.1, 0.2)}, shortest, limits, crank, speed=SPEED, points=24)
+
+
+def shortest(trial):
+    TRIALS.append(trial)
+    return (long_stroke(trial) - 0.15) ** 2
+
+
+def long_stroke(trial):
+    return stroke(trial.motion)
+
+
+def crank(radius):
+    return {("P", "crank"): (radius, 0, 0)}
+
+
+@cache
+def mounted():
+    return foundation.mounted(press(), FRAME, MOUNTS)
+
+
+@cache
+def response():
+    return foundation.steady_response(mounted(), reactions(), {"head": (0.0, 0.0, 1.0)})
+
+
+@cache
+def trade_off():
+    return pp.balancing.trade_off(
+        press(), motion(), [pp.balancing.Room("crank", radius=0.2, mass=(0, 50))], X, pp.balancing.AddedMass(), points=2
+    )
+
+
+@cache
+def two_cranks():
+    return arrangements.opposed(press(), 0.05)
+
+
+@cache
+def made():
+    """One of each."""
+    found = [
+        *(press(), motion(), reactions(), run(), run_over_joints(), runs(), sweep(), *sweep().failed, run().stats),
+        *(pp.dead_centres(press()), pp.measures.duty(run()), pp.check(press().file), *pp.check(press().file).findings),
+        *(balance(), *balance().outcomes, *balance().active, *balance().counterweights, trade_off(), synthesis()),
+        *TRIALS[:1],
+        *(
+            X,
+            pp.balancing.Peak("shaking_force"),
+            pp.balancing.Rms("driving_torque"),
+            pp.balancing.AddedMass(),
+            pp.balancing.Room("crank", radius=0.2),
+        ),
+        *(
+            pp.balancing.Case(motion()),
+            pp.loads.Friction(0.1, 0.02),
+            pp.loads.SpringDamper("frame", "slide", 1e4),
+            pp.loads.PointForce("slide", (0.0, 0.0, 1.0)),
+        ),
+        *(
+            STIFFNESS,
+            *STIFFNESS.rods,
+            pp.elasticity.elasticity(press(), STIFFNESS, [0.1, 0.5]),
+            pp.elasticity.slide_deflection(press(), motion(), STIFFNESS),
+        ),
+        *(pp.elasticity.dead_centre_shift(press(), STIFFNESS, [1.0, SPEED]), pp.elasticity.snap_through(1e6, 6e8, 2600.0)),
+        *(
+            CAPACITIES,
+            pp.ratings.ratings(press(), SPEED, CAPACITIES, points=9),
+            pp.ratings.speed_limit(press(), CAPACITIES),
+            pp.ratings.Guide(0.3, 0.1),
+        ),
+        pp.ratings.eccentric_load(press(), pp.cycle(press(), 0.0, angle=[0.1]), 1e5, (0.02, 0.0, 0.0), pp.ratings.Guide(0.3, 0.1)),
+        *(
+            pp.sweeps.operating_points(press(), [5.0, SPEED], [0.0, 1e3], DEEP, points=8, angles=True),
+            pp.measures.harmonics(motion(), motion().v),
+        ),
+        *(pp.measures.extremes(reactions())[0], *pp.derivatives.motion_derivatives(press(), motion(), [{("P", "crank"): (1, 0, 0)}])),
+        *(
+            pp.drives.Flywheel(2.0),
+            pp.drives.ConstantTorque(3.0),
+            pp.drives.At(time=0.1),
+            pp.drives.Brake(10.0, pp.drives.At(time=0.1)),
+            pp.drives.Clutch(10.0),
+        ),
+        *(drives.InductionMotor(11e3, 150.0), drives.InverterMotor(70.0, 150.0, 30.0, curve=[(10.0, 70.0), (50.0, 60.0)])),
+        *(drives.ServoMotor([0.0, 1.0], [0.0, 7.0], 1e3, 1e2, 500.0), drives.SlipClutchMotor(70.0, 160.0, 150.0, 100.0)),
+        *(drives.PrescribedSpeed(7.0), drives.Geared(pp.drives.ConstantTorque(3.0), 4.0)),
+        *(FRAME, *MOUNTS[:1], mounted(), response(), foundation.modes(mounted()), foundation.RubberPad(0.1, 0.1, 0.01, hardness=50)),
+        foundation.over_speeds(mounted(), [5.0, SPEED], {"head": (0.0, 0.0, 1.0)}),
+        foundation.isolate(press(), FRAME, MOUNTS, [50.0, 60.0], 0.5),
+        *(DEEP, loads.ForceStroke([0.0, 0.1], [1e3, 2e3]), loads.TimeForce(even, edges=[0.1]), *DEEP.stretches(True)),
+        *(loads.Idle(), loads.Piling(1e5, 0.02), loads.Blanking(1e5, 0.02, 0.01), loads.ElasticDie(0.01, 1e7), ACCURACY, MEASUREMENT),
+        *(
+            arrangements.crank_slide(press()),
+            arrangements.unbalance(press(), "crank"),
+            arrangements.static_balance([2.0], [[0.1, 0.0, 0.0]]),
+        ),
+        *arrangements.cancelled(reactions(), pp.inverse_dynamics(two_cranks(), pp.cycle(two_cranks(), SPEED, points=24)), 2)[:1],
+    ]
+    return found
+
+
+def public():
+    """All public classes of data."""
+    rooms = [pp, *filter(inspect.ismodule, (getattr(pp, name) for name in dir(pp))), arrangements]
+    named = [getattr(room, name) for room in rooms for name in dir(room)]
+    return {kind for kind in named if inspect.isclass(kind) and dataclasses.is_dataclass(kind)}

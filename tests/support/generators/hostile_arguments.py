@@ -1,0 +1,705 @@
+"""What may be handed to the public functions and classes by mistake: valid arguments of each, and odd values to put in their places.
+
+python tests/support/generators/hostile_arguments.py                     # every value in every place, with what came of it where that is
+wrong
+python tests/support/generators/hostile_arguments.py simulate loads.     # of these only
+"""
+
+# ruff: noqa: T201
+import inspect
+import itertools
+import math
+import sys
+import warnings
+from collections.abc import Callable, Iterator
+from concurrent.futures import Executor
+from datetime import datetime
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from support.time_limit import within
+
+import pinpress as pp
+from pinpress import foundation
+from pinpress.balancing.classical import arrangements
+from pinpress.drives import transmission as drives
+from pinpress.kinematics import measures
+from pinpress.loads import process as loads
+
+SECONDS = 30.0  # that a call may take, on a machine with much else to do; most take milliseconds
+FOLDER = Path("/nowhere")  # nothing is written
+
+
+def law(*_: object) -> str:
+    return "a force"
+
+
+RINGED: list[Any] = []
+RINGED.append(RINGED)
+
+ODD: dict[str, Any] = {
+    "None": None,
+    "empty text": "",
+    "text": "x",
+    "number as text": "1.0",
+    "bytes": b"x",
+    "object": object(),
+    "nan": math.nan,
+    "inf": math.inf,
+    "-inf": -math.inf,
+    "0": 0,
+    "-1": -1,
+    "tiny": 1e-300,
+    "huge": 1e300,
+    "-huge": -1e300,
+    "whole": 10**30,
+    "beyond": 10**400,
+    "True": True,
+    "complex": 1 + 2j,
+    "[]": [],
+    "()": (),
+    "{}": {},
+    "ragged": [[1.0], [1.0, 2.0]],
+    "ringed": RINGED,
+    "texts": ["x", "y"],
+    "mapping": {"x": "y"},
+    "mapping of numbers": {1: 2},
+    "masked": np.ma.array([1.0, 2.0], mask=[False, True]),
+    "dates": np.array(["2026-01-01", "2026-01-02"], dtype="datetime64[D]"),
+    "date": datetime(2026, 1, 1),
+    "span": np.timedelta64(3, "s"),
+    "truths": np.array([True, False]),
+    "nans": [math.nan, 1.0, 2.0],
+    "infs": [math.inf, 1.0, 2.0],
+    "huges": [1e300, 1e300, 1e300],
+    "no length": [0.0, 0.0, 0.0],
+    "cube": np.zeros((2, 2, 2)),
+    "class": float,
+    "library class": pp.Motion,
+    "law": law,
+    "wrong law": lambda *_: np.zeros(7),
+    "module": math,
+}
+
+
+@cache
+def press() -> pp.Linkage:
+    return pp.load("crank_slide")
+
+
+@cache
+def motion() -> pp.Motion:
+    return pp.cycle(press(), 7.0, points=24)
+
+
+@cache
+def reactions() -> pp.Reactions:
+    return pp.inverse_dynamics(press(), motion())
+
+
+@cache
+def run() -> pp.Run:
+    return pp.simulate(press(), 1.0, 7.0, drive=pp.drives.ConstantTorque(1.0))
+
+
+@cache
+def stiffness() -> pp.elasticity.Stiffness:
+    return pp.elasticity.Stiffness(bearings={"O": 1e9, "P": 1e9, "W": 1e9})
+
+
+@cache
+def system() -> foundation.MountedPress:
+    frame = foundation.Frame(1000.0, (0.0, 0.0, 0.3), (500.0, 500.0, 500.0))
+    return foundation.mounted(press(), frame, [mount(x, y) for x in (-0.5, 0.5) for y in (-0.4, 0.4)])
+
+
+def mount(x: float, y: float) -> foundation.Mount:
+    return foundation.Mount((x, y, -0.2), (1e6, 1e6, 1e5), (1e3, 1e3, 1e3))
+
+
+@cache
+def elastic() -> pp.elasticity.Elasticity:
+    return pp.elasticity.elasticity(press(), stiffness())
+
+
+@cache
+def curve() -> pp.balancing.TradeOff:
+    return pp.balancing.trade_off(press(), motion(), ROOMS, X, pp.balancing.AddedMass(), points=3)
+
+
+@cache
+def response() -> foundation.SpeedResponse:
+    return foundation.over_speeds(system(), [5.0, 6.0], {"top": (0.0, 0.0, 1.0)})
+
+
+@cache
+def vibration() -> foundation.FrameMotion:
+    return foundation.steady_response(system(), reactions(), {"top": (0.0, 0.0, 1.0)})
+
+
+@cache
+def rated() -> pp.ratings.Ratings:
+    return pp.ratings.ratings(press(), 7.0, pp.ratings.Capacities(1e5), points=9)
+
+
+@cache
+def shift() -> pp.elasticity.DeadCentreShift:
+    return pp.elasticity.dead_centre_shift(press(), stiffness(), [5.0, 6.0])
+
+
+def swept(x: float) -> dict[str, float]:
+    return {"y": x}
+
+
+X = pp.balancing.Range("shaking_force", "z")
+ROOMS = [pp.balancing.Room("crank", radius=0.3, mass=(0.0, 50.0))]
+PATH = FOLDER / "written"
+LENGTHS = {("W", "rod"): (0.41, 0.0, 0.0)}
+POINTS = {"top": (0.0, 0.0, 1.0)}
+
+
+def pins() -> dict[str, Any]:
+    places = measures.bearing_positions(press(), motion())
+    return {"pin": places["P"], "one": places["O"], "another": places["W"]}
+
+
+Call = tuple[Callable[..., Any], Callable[[], dict[str, Any]]]
+
+
+def calls() -> dict[str, Call]:
+    """Name of a public function or class -> it, and what makes valid arguments of all its parameters that anything hangs on."""
+    bare: dict[str, Any] = {"bearings": {"O": 1e9}, "moments": {}, "rods": [], "shaft": 1e6, "frame": 1e9}
+    measured = {"quantity": "bearing_force", "axis": "x", "bearing": "O", "about": (0.0, 0.0, 0.0)}
+    kinds: list[tuple[str, Callable[..., Any], Callable[[], dict[str, Any]]]] = [
+        # descriptions
+        ("At", pp.drives.At, lambda: {"time": 1.0}),
+        ("At", pp.drives.At, lambda: {"angle": 1.0}),
+        (
+            "Brake",
+            pp.drives.Brake,
+            lambda: {"torque": 100.0, "closes": pp.drives.At(time=1.0), "opens": pp.drives.At(time=2.0), "rise": 0.1},
+        ),
+        (
+            "Clutch",
+            pp.drives.Clutch,
+            lambda: {"torque": 100.0, "closes": pp.drives.At(time=1.0), "opens": pp.drives.At(time=2.0), "rise": 0.1},
+        ),
+        (
+            "Capacities",
+            pp.ratings.Capacities,
+            lambda: {
+                "nominal_force": 1e5,
+                "torque": 1e3,
+                "bearings": {"O": 1e5},
+                "flywheel_inertia": 10.0,
+                "speed_drop": 0.1,
+                "motor_power": 1e4,
+                "slide_acceleration": 10.0,
+                "shaking_force": 1e4,
+            },
+        ),
+        ("Case", pp.balancing.Case, lambda: {"motion": motion(), "loads": []}),
+        ("ConstantTorque", pp.drives.ConstantTorque, lambda: {"value": 1.0}),
+        ("Counterweight", pp.balancing.Counterweight, lambda: {"link": "crank", "mass": 1.0, "position": (0.1, 0.0, 0.0), "inertia": 0.1}),
+        ("Flywheel", pp.drives.Flywheel, lambda: {"inertia": 1.0, "speed": 7.0}),
+        ("Friction", pp.loads.Friction, lambda: {"coefficient": 0.1, "radius": 0.02, "viscous": 0.1}),
+        ("Guide", pp.ratings.Guide, lambda: {"length": 0.5, "width": 0.1, "normal": (1.0, 0.0, 0.0), "middle": 0.1, "one_sided": False}),
+        ("Peak", pp.balancing.Peak, lambda: measured),
+        ("Range", pp.balancing.Range, lambda: measured),
+        ("Rms", pp.balancing.Rms, lambda: measured),
+        ("PointForce", pp.loads.PointForce, lambda: {"link": "slide", "force": (0.0, 0.0, 1.0), "point": (0.0, 0.0, 0.0)}),
+        ("Rod", pp.elasticity.Rod, lambda: {"link": "rod", "between": ("P", "W"), "stiffness": 1e9}),
+        (
+            "Room",
+            pp.balancing.Room,
+            lambda: {"link": "crank", "mass": (0.0, 10.0), "radius": 0.3, "centre": (0.0, 0.0, 0.0), "gyration": 0.1, "replaces": False},
+        ),
+        ("Room", pp.balancing.Room, lambda: {"link": "crank", "at": (0.1, 0.0, 0.0)}),
+        ("Room", pp.balancing.Room, lambda: {"link": "crank", "corners": ((0.0, 0.0, 0.0), (0.1, 0.0, 0.0), (0.0, 0.0, 0.1))}),
+        (
+            "SpringDamper",
+            pp.loads.SpringDamper,
+            lambda: {
+                "link1": "frame",
+                "link2": "slide",
+                "stiffness": 1e4,
+                "damping": 10.0,
+                "free_length": 0.3,
+                "point1": (0.0, 0.0, 1.0),
+                "point2": (0.0, 0.0, 0.0),
+            },
+        ),
+        ("Stiffness", pp.elasticity.Stiffness, lambda: bare),
+        ("loads.Blanking", loads.Blanking, lambda: {"force": 1e3, "start": 0.01, "end": 0.005, "stripping": 10.0, "datum": 0.0}),
+        ("loads.DeepDrawing", loads.DeepDrawing, lambda: {"force": 1e3, "start": 0.01, "end": 0.0, "datum": 0.0}),
+        ("loads.ElasticDie", loads.ElasticDie, lambda: {"height": 0.01, "stiffness": 1e5, "damping": 10.0, "datum": 0.0}),
+        ("loads.ForceStroke", loads.ForceStroke, lambda: {"heights": [0.0, 0.01, 0.02], "forces": [100.0, 50.0, 0.0]}),
+        ("loads.Idle", loads.Idle, lambda: {"datum": 0.0}),
+        ("loads.Piling", loads.Piling, lambda: {"force": 1e3, "height": 0.01, "datum": 0.0}),
+        ("loads.TimeForce", loads.TimeForce, lambda: {"force": lambda t: 10.0 + 0.0 * t}),
+        ("loads.datum", loads.datum, lambda: {"load": loads.Piling(1e3, 0.01), "press": press()}),
+        ("loads.step", loads.step, lambda: {"x": [0.0, 0.5, 1.0], "x0": 0.0, "h0": 0.0, "x1": 1.0, "h1": 2.0}),
+        (
+            "drives.Geared",
+            drives.Geared,
+            lambda: {"drive": pp.drives.ConstantTorque(1.0), "ratio": 3.0, "gear_inertia": 0.1, "efficiency": 0.9},
+        ),
+        (
+            "drives.InductionMotor",
+            drives.InductionMotor,
+            lambda: {"rated_power": 1e4, "rated_speed": 150.0, "frequency": 50.0, "poles": 4, "breakdown_ratio": 2.5, "inertia": 0.1},
+        ),
+        (
+            "drives.InverterMotor",
+            drives.InverterMotor,
+            lambda: {
+                "rated_torque": 60.0,
+                "rated_speed": 150.0,
+                "frequency": 40.0,
+                "rated_frequency": 50.0,
+                "poles": 4,
+                "overload": 1.5,
+                "breakdown_ratio": 2.5,
+                "inertia": 0.1,
+            },
+        ),
+        ("drives.PrescribedSpeed", drives.PrescribedSpeed, lambda: {"speed": 7.0}),
+        (
+            "drives.ServoMotor",
+            drives.ServoMotor,
+            lambda: {
+                "times": [0.0, 0.5, 1.0],
+                "angles": [0.0, 3.0, 7.0],
+                "stiffness": 1e3,
+                "damping": 100.0,
+                "peak_torque": 500.0,
+                "inertia": 0.1,
+            },
+        ),
+        (
+            "drives.SlipClutchMotor",
+            drives.SlipClutchMotor,
+            lambda: {
+                "rated_torque": 100.0,
+                "primary_speed": 150.0,
+                "top_speed": 120.0,
+                "set_speed": 100.0,
+                "regulation": 0.025,
+                "lag": 0.01,
+                "inertia": 0.1,
+            },
+        ),
+        ("foundation.Frame", foundation.Frame, lambda: {"mass": 1e3, "centre": (0.0, 0.0, 0.3), "inertia": (500.0, 500.0, 500.0)}),
+        (
+            "foundation.Mount",
+            foundation.Mount,
+            lambda: {
+                "point": (0.0, 0.0, 0.0),
+                "stiffness": (1e6, 1e6, 1e6),
+                "damping": (1.0, 1.0, 1.0),
+                "loss_factor": 0.1,
+                "static_stiffness": (1e6, 1e6, 1e6),
+                "area": 0.1,
+            },
+        ),
+        (
+            "foundation.RubberPad",
+            foundation.RubberPad,
+            lambda: {
+                "length": 0.1,
+                "width": 0.1,
+                "thickness": 0.03,
+                "hardness": 60.0,
+                "loss_factor": 0.1,
+                "stiffening": 1.2,
+                "bulk_modulus": 2e9,
+            },
+        ),
+        # functions
+        ("load", pp.load, lambda: {"path": "crank_slide", "driver": "O", "slide": "slide", "gravity": (0.0, 0.0, -9.81)}),
+        ("check", pp.check, lambda: {"path": "crank_slide", "driver": "O", "slide": "slide"}),
+        ("cycle", pp.cycle, lambda: {"press": press(), "speed": 7.0, "points": 12, "engine": "auto"}),
+        (
+            "cycle",
+            pp.cycle,
+            lambda: {
+                "press": press(),
+                "speed": [7.0, 7.0, 7.0],
+                "angle": [0.0, 0.7, 1.4],
+                "acceleration": 0.0,
+                "time": [0.0, 0.1, 0.2],
+                "engine": "plane",
+            },
+        ),
+        ("dead_centres", pp.dead_centres, lambda: {"press": press()}),
+        (
+            "inverse_dynamics",
+            pp.inverse_dynamics,
+            lambda: {
+                "press": press(),
+                "motion": motion(),
+                "loads": [],
+                "friction": {"O": pp.loads.Friction(0.1, 0.02)},
+                "stiffness": {},
+                "engine": "auto",
+                "bearings": ("O",),
+            },
+        ),
+        (
+            "simulate",
+            pp.simulate,
+            lambda: {
+                "press": press(),
+                "duration": 0.2,
+                "speed": 7.0,
+                "angle": 0.0,
+                "drive": pp.drives.ConstantTorque(1.0),
+                "flywheel": pp.drives.Flywheel(1.0),
+                "loads": [],
+                "method": "reduced",
+                "points": 11,
+                "tolerance": 1e-9,
+                "step": None,
+                "clutch": None,
+                "brake": None,
+                "progress": None,
+            },
+        ),
+        (
+            "steady_state",
+            pp.steady_state,
+            lambda: {
+                "press": press(),
+                "speed": 7.0,
+                "drive": drives.Geared(drives.InductionMotor(1e4, 150.0), 20.0),
+                "flywheel": pp.drives.Flywheel(100.0),
+                "loads": [loads.Piling(1e3, 0.01)],
+                "angle": 0.0,
+                "points": 11,
+                "tolerance": 1e-6,
+            },
+        ),
+        ("duty", pp.measures.duty, lambda: {"run": run(), "start": 0.0, "end": 0.5}),
+        ("duty", pp.measures.duty, lambda: {"run": run(), "end": 0.5}),
+        ("strokes", pp.measures.strokes, lambda: {"run": run()}),
+        ("extremes", pp.measures.extremes, lambda: {"reactions": reactions()}),
+        ("harmonics", pp.measures.harmonics, lambda: {"motion": motion(), "force": reactions().shaking_force, "orders": 3}),
+        (
+            "operating_points",
+            pp.sweeps.operating_points,
+            lambda: {
+                "press": press(),
+                "speeds": [5.0, 6.0],
+                "forces": [1.0, 2.0],
+                "unit_load": loads.Piling(1.0, 0.01),
+                "loads": [],
+                "bearings": ["O"],
+                "points": 12,
+                "angles": False,
+            },
+        ),
+        (
+            "ratings",
+            pp.ratings.ratings,
+            lambda: {
+                "press": press(),
+                "speed": 7.0,
+                "capacities": pp.ratings.Capacities(1e5, torque=1e3),
+                "at_speed": False,
+                "points": 9,
+                "contact_height": 0.01,
+                "dwell_tolerance": 1e-3,
+                "engine": "auto",
+            },
+        ),
+        (
+            "speed_limit",
+            pp.ratings.speed_limit,
+            lambda: {
+                "press": press(),
+                "capacities": pp.ratings.Capacities(1e5, bearings={"O": 1e5}),
+                "torque": 1e3,
+                "loads": [],
+                "engine": "auto",
+            },
+        ),
+        (
+            "eccentric_load",
+            pp.ratings.eccentric_load,
+            lambda: {"press": press(), "motion": motion(), "force": 1e3, "offset": (0.01, 0.0, 0.0), "guide": pp.ratings.Guide(0.5, 0.1)},
+        ),
+        (
+            "permissible_eccentricity",
+            pp.ratings.permissible_eccentricity,
+            lambda: {"press": press(), "motion": motion(), "force": 1e3, "guide": pp.ratings.Guide(0.5, 0.1), "pressure": 1e6},
+        ),
+        ("elasticity", pp.elasticity.elasticity, lambda: {"press": press(), "stiffness": stiffness(), "angle": [0.1, 0.2]}),
+        (
+            "slide_deflection",
+            pp.elasticity.slide_deflection,
+            lambda: {"press": press(), "motion": motion(), "stiffness": stiffness(), "loads": []},
+        ),
+        ("dead_centre_shift", pp.elasticity.dead_centre_shift, lambda: {"press": press(), "stiffness": stiffness(), "speed": [5.0, 6.0]}),
+        (
+            "snap_through",
+            pp.elasticity.snap_through,
+            lambda: {"force": 1e5, "stiffness": 1e9, "mass": 500.0, "damping_ratio": 0.05, "break_time": 1e-3, "clearance": 1e-4},
+        ),
+        (
+            "permissible_breakthrough",
+            pp.elasticity.permissible_breakthrough,
+            lambda: {
+                "reverse_force": 1e4,
+                "stiffness": 1e9,
+                "mass": 500.0,
+                "damping_ratio": 0.05,
+                "break_time": 1e-3,
+                "clearance": 1e-4,
+            },
+        ),
+        ("motion_derivatives", pp.derivatives.motion_derivatives, lambda: {"press": press(), "motion": motion(), "directions": [LENGTHS]}),
+        ("pivot_positions", pp.derivatives.pivot_positions, lambda: {"press": press()}),
+        ("reshaped", pp.derivatives.reshaped, lambda: {"press": press(), "pivots": LENGTHS}),
+        (
+            "with_counterweights",
+            pp.balancing.with_counterweights,
+            lambda: {"press": press(), "counterweights": [pp.balancing.Counterweight("crank", 1.0)]},
+        ),
+        ("write_urdf", pp.write_urdf, lambda: {"press": press(), "path": PATH}),
+        (
+            "balance",
+            pp.balancing.balance,
+            lambda: {"press": press(), "motion": motion(), "rooms": ROOMS, "minimise": X, "limits": {pp.balancing.AddedMass(): 20.0}},
+        ),
+        (
+            "trade_off",
+            pp.balancing.trade_off,
+            lambda: {
+                "press": press(),
+                "motion": motion(),
+                "rooms": ROOMS,
+                "first": X,
+                "second": pp.balancing.AddedMass(),
+                "limits": {},
+                "points": 3,
+            },
+        ),
+        (
+            "accuracy",
+            pp.accuracy.accuracy,
+            lambda: {
+                "press": press(),
+                "speed": 7.0,
+                "flywheel": None,
+                "duration": 0.01,
+                "points": 3,
+                "repeats": 1,
+                "scenes": ["free run"],
+                "progress": None,
+            },
+        ),
+        (
+            "synthesise",
+            pp.synthesis.synthesise,
+            lambda: {
+                "press": press(),
+                "variables": {"P.crank.x": (0.05, 0.06, 0.2)},
+                "minimise": lambda trial: trial.variables["P.crank.x"],
+                "subject_to": {},
+                "geometry": None,
+                "method": "local",
+                "loads": [],
+                "seed": 0,
+                "speed": 7.0,
+                "points": 12,
+            },
+        ),
+        (
+            "sweep",
+            pp.sweeps.sweep,
+            lambda: {"function": swept, "grid": {"x": [1.0, 2.0]}, "executor": Inline(), "paired": False, "in_flight": 2},
+        ),
+        (
+            "record",
+            pp.record,
+            lambda: {"press": press(), "motion": motion(), "path": PATH, "reactions": reactions(), "traces": [("slide", (0.0, 0.0, 0.0))]},
+        ),
+        ("report", pp.report, lambda: {"press": press(), "motion": motion(), "path": PATH, "reactions": reactions(), "traces": []}),
+        (
+            "film",
+            pp.video.film,
+            lambda: {"page": "none.html", "path": FOLDER / "film.gif", "size": (320, 200), "frames_per_second": 2, "slowdown": 1.0},
+        ),
+        ("still", pp.video.still, lambda: {"page": "none.html", "path": FOLDER / "still.png", "time": 0.0, "size": (320, 200)}),
+        ("save_plot", pp.plots.save_plot, lambda: {"figure": pp.plots.plot_slide(motion()), "path": FOLDER / "plot.svg"}),
+        (
+            "plot_accuracy",
+            pp.accuracy.plot_accuracy,
+            lambda: {"measured": pp.accuracy.Accuracy("press", "scene", "machine", {}, {}, {}, (), ())},
+        ),
+        ("plot_bearings", pp.plots.plot_bearings, lambda: {"reactions": reactions()}),
+        ("plot_comparison", pp.plots.plot_comparison, lambda: {"before": reactions(), "after": reactions()}),
+        ("plot_dead_centre_shift", pp.plots.plot_dead_centre_shift, lambda: {"shifts": {"press": shift()}}),
+        ("plot_elasticity", pp.plots.plot_elasticity, lambda: {"elasticity": elastic()}),
+        (
+            "plot_polar",
+            lambda reactions, bearing: pp.plots.plot_polar(reactions, bearing),
+            lambda: {"reactions": reactions(), "bearing": "O"},
+        ),
+        ("plot_ratings", pp.plots.plot_ratings, lambda: {"ratings": rated()}),
+        ("plot_shaking", pp.plots.plot_shaking, lambda: {"reactions": reactions()}),
+        ("plot_slide", pp.plots.plot_slide, lambda: {"motion": motion()}),
+        ("plot_snap_through", pp.plots.plot_snap_through, lambda: {"responses": {"one": pp.elasticity.snap_through(1e5, 1e9, 500.0)}}),
+        ("plot_torque", pp.plots.plot_torque, lambda: {"reactions": reactions()}),
+        ("plot_trade_offs", pp.plots.plot_trade_offs, lambda: {"curves": {"one": curve()}}),
+        ("measures.bearing_positions", measures.bearing_positions, lambda: {"press": press(), "motion": motion()}),
+        ("measures.dwell_angle", measures.dwell_angle, lambda: {"motion": motion(), "tolerance": 1e-3}),
+        ("measures.dwell_time", measures.dwell_time, lambda: {"motion": motion(), "tolerance": 1e-3}),
+        ("measures.flatness", measures.flatness, lambda: {"motion": motion(), "length": 0.05, "downwards": True}),
+        ("measures.mechanical_advantage", measures.mechanical_advantage, lambda: {"motion": motion(), "height": 0.05, "downwards": True}),
+        ("measures.quick_return_ratio", measures.quick_return_ratio, lambda: {"motion": motion(), "downwards": True}),
+        ("measures.speed_at", measures.speed_at, lambda: {"motion": motion(), "height": 0.05, "downwards": True}),
+        ("measures.speed_ratio", measures.speed_ratio, lambda: {"motion": motion(), "downwards": True}),
+        ("measures.stroke", measures.stroke, lambda: {"motion": motion()}),
+        ("measures.transmission_angle", measures.transmission_angle, lambda: {"motion": motion(), **pins()}),
+        (
+            "measures.pressure_angle",
+            measures.pressure_angle,
+            lambda: {"motion": motion(), "driven": pins()["another"], "other": pins()["pin"], "axis": (0.0, 0.0, 1.0)},
+        ),
+        (
+            "foundation.mounted",
+            foundation.mounted,
+            lambda: {"press": press(), "frame": system().frame, "mounts": system().mounts, "crown": None, "columns": ()},
+        ),
+        ("foundation.modes", foundation.modes, lambda: {"system": system()}),
+        ("foundation.press_inertia", foundation.press_inertia, lambda: {"press": press()}),
+        (
+            "foundation.pad_mount",
+            foundation.pad_mount,
+            lambda: {"point": (0.0, 0.0, 0.0), "pad": foundation.RubberPad(0.1, 0.1, 0.03, 60.0)},
+        ),
+        (
+            "foundation.flywheel_moment",
+            foundation.flywheel_moment,
+            lambda: {"press": press(), "motion": motion(), "flywheel": pp.drives.Flywheel(1.0)},
+        ),
+        (
+            "foundation.logarithmic_decrement",
+            foundation.logarithmic_decrement,
+            lambda: {"signal": np.exp(-0.1 * TIMES) * np.cos(3 * TIMES)},
+        ),
+        ("foundation.over_speeds", foundation.over_speeds, lambda: {"system": system(), "speeds": [5.0, 6.0], "points": POINTS}),
+        (
+            "foundation.steady_response",
+            foundation.steady_response,
+            lambda: {"system": system(), "result": reactions(), "points": POINTS, "flywheel": pp.drives.Flywheel(1.0)},
+        ),
+        (
+            "foundation.time_response",
+            foundation.time_response,
+            lambda: {"system": system(), "result": reactions(), "points": POINTS, "flywheel": pp.drives.Flywheel(1.0)},
+        ),
+        ("foundation.transmissibility", foundation.transmissibility, lambda: {"system": system(), "frequency": [5.0, 6.0]}),
+        ("pp.plots.plot_speeds", pp.plots.plot_speeds, lambda: {"responses": {"one": response()}, "point": "top"}),
+        ("pp.plots.plot_vibration", pp.plots.plot_vibration, lambda: {"motions": {"one": vibration()}, "axis": "z", "last": 1.0}),
+        (
+            "foundation.isolate",
+            foundation.isolate,
+            lambda: {
+                "press": press(),
+                "frame": system().frame,
+                "mounts": system().mounts,
+                "speeds": [50.0, 60.0],
+                "transmitted": 0.5,
+                "sag": None,
+            },
+        ),
+        ("arrangements.approximate_balance", arrangements.approximate_balance, lambda: {"press": press(), "radius": 0.2, "share": 0.5}),
+        ("arrangements.cancelled", arrangements.cancelled, lambda: {"before": reactions(), "after": reactions(), "orders": 3}),
+        (
+            "arrangements.complete_balance",
+            arrangements.complete_balance,
+            lambda: {"press": press(), "rod_radius": 0.2, "crank_radius": 0.2},
+        ),
+        ("arrangements.crank_slide", arrangements.crank_slide, lambda: {"press": press()}),
+        ("arrangements.harmonic_coefficients", arrangements.harmonic_coefficients, lambda: {"ratio": 0.2, "orders": 6}),
+        (
+            "arrangements.opposed",
+            arrangements.opposed,
+            lambda: {"press": press(), "crank_radius": 0.1, "rod_length": 0.4, "rod_mass": 1.0, "rod_inertia": 0.1},
+        ),
+        ("arrangements.symmetric", arrangements.symmetric, lambda: {"press": press(), "shaft_distance": 1.0}),
+        ("arrangements.static_balance", arrangements.static_balance, lambda: {"masses": [1.0], "positions": [[0.1, 0.0, 0.0]]}),
+        (
+            "arrangements.two_plane_balance",
+            arrangements.two_plane_balance,
+            lambda: {"masses": [1.0], "positions": [[0.1, 0.2, 0.0]], "planes": [0.0, 1.0]},
+        ),
+        ("arrangements.unbalance", arrangements.unbalance, lambda: {"press": press(), "link": "crank"}),
+    ]
+    found: dict[str, Call] = {}
+    for name, made, arguments in kinds:
+        while name in found:
+            name += "'"
+        found[name] = made, arguments
+    return found
+
+
+TIMES = np.linspace(0.0, 10.0, 500)
+
+
+class Inline(Executor):
+    """Works in this process: a sweep need not start others."""
+
+    def submit(self, function: Any, /, *given: Any, **named: Any) -> Any:
+        from concurrent.futures import Future
+
+        future: Any = Future()
+        try:
+            future.set_result(function(*given, **named))
+        except Exception as error:
+            future.set_exception(error)
+        return future
+
+
+def cases(*words: str) -> Iterator[tuple[str, str, str]]:
+    """Name of a call, argument, and odd value in its place."""
+    for name, (_, arguments) in calls().items():
+        if not words or any(word in name for word in words):
+            yield from ((name, argument, value) for argument, value in itertools.product(arguments(), ODD))
+
+
+def judge(name: str, argument: str, value: str) -> str | None:
+    """What is wrong with how a call takes an odd value; None if nothing is."""
+    called, arguments = calls()[name]
+    given = arguments() | {argument: ODD[value]}
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        warnings.simplefilter("ignore", pp.PinpressWarning)
+        try:
+            with within(SECONDS):
+                called(**given)
+        except pp.PinpressError as error:
+            return "no message" if len(str(error)) < 10 else None
+        except BaseException as error:
+            place = inspect.trace()[-1]
+            return f"{type(error).__name__}: {str(error)[:150]} ({Path(place.filename).name}:{place.lineno})"
+    return None
+
+
+def main(words: list[str]) -> int:
+    wrong = count = 0
+    for name, argument, value in cases(*words):
+        count += 1
+        if problem := judge(name, argument, value):
+            wrong += 1
+            print(f"{name}({argument}={value}): {problem}", flush=True)
+    print(f"{count} calls, {wrong} of them wrong")
+    return min(wrong, 1)
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))

@@ -1,0 +1,112 @@
+"""Any linkage's equations of motion with all bodies cut free: dense, and nothing of the library's but the kinematics.
+
+What balances without any motion or load is the null space, by singular values; the share of what is open is chosen in it by least squares.
+"""
+
+from typing import NamedTuple
+from xml.etree import ElementTree
+
+import numpy as np
+import pinocchio as pin
+from support.generators.spatial_linkages import Loops, null_space
+
+ZERO = 1e-9  # share of the largest below which a singular value, or a component of an idle force, is zero
+
+
+class CutFree(NamedTuple):
+    """Forces and moments (bearings, 6), torques of couplings (nc,) and drives (nd,); components (bearings, 6) and couplings (nc,)
+    that idle forces reach, and (k, bearings, 6) a basis of these."""
+
+    wrenches: np.ndarray
+    couplings: np.ndarray
+    drives: np.ndarray
+    open: np.ndarray
+    open_couplings: np.ndarray
+    idle: np.ndarray
+
+
+def cut_free(press, motion, i, loads=(), stiffness=None):
+    """Newton's and Euler's equations of all bodies at state i, with a force and a moment of every bearing, a torque of every gear pair and
+    drive as unknowns; of what they leave open the share with the least elastic energy (where there is a stiffness), then the least sum of
+    squared forces, of squared moments, of squared torques."""
+    model, loops = press.model, Loops(press.text.decode(), press.model)
+    data, bearings, couplings, drivers = loops.data, len(press.bearings), len(press.couplings), len(press.drivers)
+    pin.forwardKinematics(model, data, motion.q[i], motion.v[i], motion.a[i])
+    pin.computeJointJacobians(model, data, motion.q[i])
+    pin.updateFramePlacements(model, data)
+    width = 6 * bearings + couplings + drivers
+    balance, known = np.zeros((6 * model.nv, width)), np.zeros(6 * model.nv)
+
+    def act(body, bearing, point, sign):
+        if body:
+            rows, columns = 6 * (body - 1), 6 * bearing
+            balance[rows : rows + 6, columns : columns + 6] += sign * np.eye(6)
+            balance[rows + 3 : rows + 6, columns : columns + 3] += sign * pin.skew(point - data.oMi[body].translation)
+
+    def need(body, force, moment, point):
+        if body:
+            known[6 * body - 6 : 6 * body - 3] += force
+            known[6 * body - 3 : 6 * body] += moment + np.cross(point - data.oMi[body].translation, force)
+
+    free, across = [], np.tile(np.eye(3), (bearings, 2, 1, 1))  # across: projections of forces and moments to what is weighed
+    for j, name in enumerate(press.joints):
+        place, inertia = data.oMi[j + 1], model.inertias[j + 1]
+        act(j + 1, j, place.translation, 1.0)
+        act(model.parents[j + 1], j, place.translation, -1.0)
+        rate = inertia * data.a[j + 1] + data.v[j + 1].cross(inertia * data.v[j + 1])
+        need(j + 1, place.rotation @ rate.linear, place.rotation @ rate.angular, place.translation)
+        need(j + 1, -inertia.mass * model.gravity.linear, np.zeros(3), place.act(inertia.lever))
+        axis = pin.getJointJacobian(model, data, j + 1, pin.LOCAL_WORLD_ALIGNED).reshape(6, model.nv)[:, j]
+        turns = np.linalg.norm(axis[3:]) > 0.5
+        axis[: 3 if turns else 0] = 0.0
+        axis = axis if turns else np.concatenate([axis[:3], np.zeros(3)])
+        across[j, int(turns)] -= np.outer(axis[:3] + axis[3:], axis[:3] + axis[3:])
+        row = np.zeros(width)
+        row[6 * j : 6 * j + 6] = axis
+        for k, (follower, leader, multiplier) in enumerate(gears(press)):
+            row[6 * bearings + k] -= (name == follower) - multiplier * (name == leader)
+        for k, driver in enumerate(press.drivers):
+            row[6 * bearings + couplings + k] -= name == driver
+        free.append(row)
+    for k, loop in enumerate(loops.loops, model.nv):
+        point, held = loops.places(loop)[0].translation, loops.directions(loop)
+        act(loop.joints[1], k, point, 1.0)
+        act(loop.joints[0], k, point, -1.0)
+        for direction in np.linalg.svd(held)[2][len(held) :] if len(held) else np.eye(3):
+            free.append(np.zeros(width))
+            free[-1][6 * k + 3 : 6 * k + 6] = direction
+    for load in loads:
+        frame = model.getFrameId(load.link, pin.BODY)
+        force = np.broadcast_to(load.force, (len(motion.q), 3))[i]
+        need(model.frames[frame].parentJoint, -force, np.zeros(3), data.oMf[frame].act(np.array(load.point)))
+
+    equations = np.vstack([balance, free])
+    found = np.linalg.lstsq(equations, np.append(known, np.zeros(len(free))), rcond=ZERO)[0]
+    assert np.abs(equations @ found - np.append(known, np.zeros(len(free)))).max() <= 1e-11 * np.abs(found).max()
+    idle = null_space(equations)
+    weigh = np.zeros((2, 3 * bearings, width))
+    for k in range(bearings):
+        for part in range(2):
+            weigh[part, 3 * k : 3 * k + 3, 6 * k + 3 * part : 6 * k + 3 * part + 3] = across[k, part]
+    levels = [weigh[0], weigh[1], np.eye(width)[6 * bearings :]]
+    if stiffness:
+        soft = [np.sqrt(1 / stiffness[name]) if name in stiffness else 0.0 for name in press.bearings]
+        levels.insert(0, np.repeat(soft, 3)[:, None] * weigh[0])
+    ways = idle
+    for level in levels:
+        left, values, right = np.linalg.svd(level @ ways)
+        rank = np.count_nonzero(values > ZERO * np.linalg.norm(level, 2))  # not of the largest: that may be rounding
+        found = found - ways @ right[:rank].T @ ((left[:, :rank].T @ (level @ found)) / values[:rank])
+        ways = ways @ right[rank:].T
+    wrenches, efforts = found[: 6 * bearings].reshape(bearings, 6), found[6 * bearings :]
+    reached = (np.abs(idle[: 6 * bearings]).max(axis=1, initial=0.0) > ZERO).reshape(bearings, 6)
+    geared = np.abs(idle[6 * bearings : 6 * bearings + couplings]).max(axis=1, initial=0.0) > ZERO
+    basis = idle[: 6 * bearings].T.reshape(-1, bearings, 6)
+    return CutFree(wrenches, efforts[:couplings], efforts[couplings:], reached, geared, basis)
+
+
+def gears(press):
+    """(follower, leader, multiplier) of every ``<mimic>``, from the text."""
+    joints = ElementTree.fromstring(press.text).findall("joint")
+    pairs = [(joint.get("name"), joint.find("mimic")) for joint in joints]
+    return [(name, mimic.get("joint"), float(mimic.get("multiplier"))) for name, mimic in pairs if mimic is not None]

@@ -1,0 +1,564 @@
+"""What links look like: visuals against Pinocchio's own reading of them, and plain shapes against Pinocchio's kinematics: a pin is in both
+of the links that it joins, whatever the crank angle."""
+
+import dataclasses
+import itertools
+import os
+import re
+import struct
+from importlib.metadata import files
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pinocchio as pin
+import pytest
+from hypothesis import assume, given
+from numpy.testing import assert_allclose, assert_array_equal
+from support import texts
+from support.exploring import examples
+from support.generators.random_linkages import drawn, linkages
+from support.generators.spatial_linkages import bennett, bricard, four_bar
+from support.oracles import cassie
+
+import pinpress as pp
+from pinpress.visual.shapes import appearance
+from pinpress.visual.shapes.appearance import bodies
+from pinpress.visual.shapes.solids import Box, Cylinder, Mesh, Sphere
+
+STATES = 24
+STEEL = (0.90, 0.91, 0.92, 1.0)
+
+
+def bare(press: Any, *links: str) -> Any:
+    """A press without the visuals of these links, or of all."""
+    text = press.text.decode()
+    for link in links or press.links:
+        start = text.index(f'<link name="{link}">')
+        end = text.index("</link>", start)
+        text = text[:start] + re.sub("<visual.*?</visual>", "", text[start:end], flags=re.DOTALL) + text[end:]
+    return dataclasses.replace(press, text=text.encode())
+
+
+def loaded(folder: Path, text: str) -> Any:
+    file = folder / "press.urdf"
+    file.write_text(text, encoding="utf-8")
+    return pp.load(file)
+
+
+def positions(press: Any) -> Any:
+    return pp.cycle(press, speed=1.0, points=STATES).joint_position
+
+
+def within(shape: Any, points: Any) -> Any:
+    """Whether points (n, 3) in a shape's own axes are in it, but for rounding."""
+    slack = 1e-9
+    if isinstance(shape, Box):
+        return np.all(np.abs(points) <= np.array(shape.size) / 2 + slack, axis=1)
+    if isinstance(shape, Sphere):
+        return np.linalg.norm(points, axis=1) <= shape.radius + slack
+    return (np.hypot(points[:, 0], points[:, 1]) <= shape.radius + slack) & (np.abs(points[:, 2]) <= shape.length / 2 + slack)
+
+
+class Scene:
+    """Bodies of a press in one configuration, placed by Pinocchio."""
+
+    def __init__(self, press: Any, shown: Any, position: Any) -> None:
+        self.press, self.model, self.data = press, press.model, press.model.createData()
+        q = pin.neutral(self.model)
+        for joint, x in zip(list(self.model.joints)[1:], position, strict=True):
+            q[joint.idx_q : joint.idx_q + joint.nq] = (np.cos(x), np.sin(x)) if joint.nq == 2 else x
+        pin.framesForwardKinematics(self.model, self.data, q)
+        self.parts = [(b.name, p, self.data.oMf[b.frame].homogeneous @ p.placement) for b in shown for p in b.parts]
+
+    def holds(self, joint: int, points: Any, links: Any, steel: bool = True) -> Any:
+        """Which points (n, 3) are in a part of a link that is fixed to the body of a Pinocchio joint."""
+        inside = np.zeros(len(points), dtype=bool)
+        for name, part, placement in self.parts:
+            if links[name] == joint and (steel or tuple(part.rgba) != STEEL):
+                inside |= within(part.shape, (points - placement[:3, 3]) @ placement[:3, :3])
+        return inside
+
+    def pins(self) -> Any:
+        """Joints of both bodies, place and axis of every bearing that turns."""
+        links = {name: self.model.frames[self.model.getFrameId(name, pin.BODY)].parentJoint for name in self.press.links}
+        for j, axis in enumerate(self.press.spatial.axes, 1):
+            if axis.turns:
+                yield links, self.model.parents[j], j, self.data.oMi[j].translation, self.data.oMi[j].rotation @ axis.direction
+        for loop in self.press.loops:
+            if loop.type != "fixed":
+                place = self.data.oMi[loop.joint1].act(loop.point1)
+                yield links, loop.joint1, loop.joint2, place, self.data.oMi[loop.joint1].rotation @ loop.rotation1[:, 0]
+
+
+def joined(press: Any, position: Any, normal: Any = None) -> None:
+    """Along the axis of every pin, both links are met, and without a gap from one to the other."""
+    shown, steps = bodies(press, position), np.linspace(-1.5, 1.5, 6001)[:, None] * press.spatial.size
+    for state in position[:: max(1, len(position) // 5)]:
+        scene = Scene(press, shown, state)
+        for links, joint1, joint2, place, axis in scene.pins():
+            line = place + steps * (axis if normal is None else normal)
+            one, other = (scene.holds(joint, line, links) for joint in (joint1, joint2))
+            runs = np.split(np.arange(len(line)), np.flatnonzero(np.diff((one | other).astype(int))) + 1)
+            assert any(one[run].any() and other[run].any() and (one | other)[run].all() for run in runs), (joint1, joint2)
+            away = np.abs(steps[one | other]).min()
+            assert away < 0.35 * press.spatial.size  # layers are thin beside the linkage
+
+
+# ---------------------------------------------------------------------------------------------------------------------------------- visuals
+
+
+@pytest.mark.parametrize("name", pp.presses())
+def test_visuals_as_pinocchio_reads_them(name: str) -> None:
+    press = texts.shipped(name)
+    shown = bodies(press, positions(press))
+    assert tuple(body.name for body in shown) == press.links
+    assert all(body.drawn for body in shown)
+    visuals = pin.buildGeomFromUrdfString(press.model, press.text.decode(), pin.GeometryType.VISUAL).geometryObjects
+    assert sum(len(body.parts) for body in shown) == len(visuals)
+    for body in shown:
+        assert press.model.frames[body.frame].name == body.name
+        mine = [visual for visual in visuals if visual.parentFrame == body.frame]
+        for part, visual in zip(body.parts, mine, strict=True):
+            same_shape(part.shape, visual.geometry)
+            assert_allclose(press.model.frames[body.frame].placement.homogeneous @ part.placement, visual.placement.homogeneous, atol=1e-14)
+            assert_allclose(part.rgba, visual.meshColor, atol=1e-14)
+            assert not part.placement.flags.writeable
+            assert not part.rgba.flags.writeable
+
+
+def same_shape(shape: Any, reference: Any) -> None:
+    if isinstance(shape, Box):
+        assert_allclose(shape.size, 2 * reference.halfSide)
+    elif isinstance(shape, Cylinder):
+        assert_allclose([shape.radius, shape.length], [reference.radius, 2 * reference.halfLength])
+    elif isinstance(shape, Sphere):
+        assert shape.radius == reference.radius
+    else:
+        assert_allclose(shape.vertices, reference.vertices(), atol=1e-12)
+        corners = [tuple(reference.tri_indices(i)[k] for k in range(3)) for i in range(reference.num_tris)]
+        assert_array_equal(shape.faces, corners)
+
+
+ROTOR = """<robot name="rotor">{materials}
+  <link name="frame"/>
+  <link name="rotor">{inertial}{visual}</link>{more}
+  <joint name="A" type="continuous"><parent link="frame"/><child link="rotor"/><origin xyz="0.3 0 1"/><axis xyz="0 -1 0"/></joint>
+  <transmission name="drive"><joint name="A"/></transmission>
+</robot>
+"""
+INERTIAL = """<inertial><origin xyz="{0}"/><mass value="2"/>
+    <inertia ixx="0.02" ixy="0" ixz="0" iyy="0.04" iyz="0" izz="0.02"/></inertial>"""
+MASS = INERTIAL.format("0 0 0")
+VISUAL = '<visual><origin xyz="0.1 0.2 0.3" rpy="0.4 0.5 0.6"/><geometry>{}</geometry>{}</visual>'
+
+
+def rotor(folder: Path, visual: str = "", materials: str = "", more: str = "", inertial: str = MASS) -> Any:
+    return loaded(folder, ROTOR.format(visual=visual, materials=materials, more=more, inertial=inertial))
+
+
+def shown_rotor(press: Any) -> Any:
+    return next(body for body in bodies(press, np.zeros((1, press.model.nv))) if body.name == "rotor")
+
+
+def test_colours_by_name_and_in_place(tmp_path: Path) -> None:
+    materials = '<material name="red"><color rgba="1 0 0 0.5"/></material>'
+    painted = (
+        '<material name="red"/>',
+        '<material name="red"><color rgba="0 0 1 1"/></material>',  # the name is taken: it stays red
+        '<material name="own"><color rgba="0 1 0 1"/></material>',
+        '<material name="own"/>',
+        '<material name="own"><color rgba="0 0 0 1"/></material>',
+    )
+    press = rotor(tmp_path, "".join(VISUAL.format('<sphere radius="0.1"/>', paint) for paint in (*painted, "")), materials)
+    parts = shown_rotor(press).parts
+    visuals = pin.buildGeomFromUrdfString(press.model, press.text.decode(), pin.GeometryType.VISUAL).geometryObjects
+    for part, visual in zip(parts[:-1], visuals, strict=False):
+        assert_allclose(part.rgba, visual.meshColor)
+    assert_array_equal(parts[0].rgba, [1, 0, 0, 0.5])
+    assert_allclose(parts[-1].rgba, [0.62, 0.65, 0.69, 1])
+
+
+@pytest.mark.parametrize(
+    ("shape", "says"),
+    [
+        ('<box size="0 1 1"/>', "link 'rotor': <box> has size='0 1 1'; give sizes greater than 0"),
+        ('<box size="nan 1 1"/>', "link 'rotor': <box> has size='nan 1 1'; give finite numbers"),
+        ('<box size="1 1"/>', "link 'rotor': <box> has size='1 1'; give finite numbers"),
+        ('<cylinder radius="-1" length="1"/>', "link 'rotor': <cylinder> has radius='-1'; give sizes greater than 0"),
+        ('<cylinder radius="1"/>', "link 'rotor': <cylinder> has length=''; give finite numbers"),
+        ('<sphere radius="1e999"/>', "link 'rotor': <sphere> has radius='1e999'; give finite numbers"),
+        ('<capsule radius="1" length="1"/>', "link 'rotor': <capsule> cannot be drawn; use <mesh>, <box>, <cylinder> and <sphere>"),
+        ('<mesh filename="m.stl" scale="1 inf 1"/>', "link 'rotor': <mesh> has scale='1 inf 1'; give finite numbers"),
+        ('<mesh filename="m.stl" scale="1 0 1"/>', "link 'rotor': mesh 'm.stl' has the scale 1.0 0.0 1.0, which makes it flat"),
+    ],
+)
+def test_sizes_that_cannot_be_drawn(shape: str, says: str, tmp_path: Path) -> None:
+    press = rotor(tmp_path)  # `load` refuses most of these, but the text may come from elsewhere
+    text = ROTOR.format(visual=VISUAL.format(shape, ""), materials="", more="", inertial=MASS)
+    with pytest.raises(pp.PinpressError, match=re.escape(says)):
+        shown_rotor(dataclasses.replace(press, text=text.encode()))
+
+
+def test_origin_that_is_not_finite(tmp_path: Path) -> None:
+    press = rotor(tmp_path, VISUAL.format('<sphere radius="1"/>', ""))
+    broken = dataclasses.replace(press, text=press.text.replace(b'rpy="0.4', b'rpy="inf'))
+    with pytest.raises(pp.PinpressError, match=re.escape("link 'rotor': <origin> has rpy='inf 0.5 0.6'; give finite numbers")):
+        shown_rotor(broken)
+
+
+@pytest.mark.parametrize("position", [np.zeros(1), np.zeros((0, 1)), np.zeros((2, 3)), np.array([[0.0], [np.nan]])])
+def test_joint_positions_of_another_shape_or_not_finite(position: Any, tmp_path: Path) -> None:
+    with pytest.raises(pp.PinpressError, match="not finite in state 1" if position.shape == (2, 1) else r"give \(n, 1\)"):
+        bodies(rotor(tmp_path), position)
+
+
+# ----------------------------------------------------------------------------------------------------------------------------------- meshes
+
+
+CORNERS = np.array([[0, 0, 0], [2, 0, 0], [0, 3, 0], [0, 0, 5]], dtype=float)
+SIDES = np.array([[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]])  # a tetrahedron, seen from outside
+
+
+def stl(corners: Any = CORNERS) -> bytes:
+    triangles = (struct.pack("<12fH", 0, 0, 0, *corners[side].ravel(), 0) for side in SIDES)
+    return bytes(80) + struct.pack("<I", len(SIDES)) + b"".join(triangles)
+
+
+def obj(corners: Any = CORNERS) -> bytes:
+    lines = [f"v {x} {y} {z}" for x, y, z in corners] + [f"f {a + 1} {b + 1} {c + 1}" for a, b, c in SIDES]
+    return "\n".join([*lines, ""]).encode()
+
+
+def volume(mesh: Any) -> float:
+    """By the divergence theorem: positive where faces are seen from outside."""
+    a, b, c = mesh.vertices[mesh.faces].transpose(1, 0, 2)
+    return float(np.sum(a * np.cross(b, c)) / 6)
+
+
+@pytest.mark.parametrize("name", ["m.stl", "m.obj"])
+@pytest.mark.parametrize("scale", [(1, 1, 1), (0.1, 0.2, 0.3), (0.1, -0.2, 0.3), (-0.001, -0.001, -0.001)])
+def test_meshes_are_scaled_and_not_turned_inside_out(name: str, scale: Any, tmp_path: Path) -> None:
+    (tmp_path / name).write_bytes(stl() if name == "m.stl" else obj())
+    numbers = " ".join(map(str, scale))
+    (part,) = shown_rotor(rotor(tmp_path, VISUAL.format(f'<mesh filename="{name}" scale="{numbers}"/>', ""))).parts
+    mesh = part.shape
+    assert isinstance(mesh, Mesh)
+    assert volume(mesh) == pytest.approx(5 * abs(np.prod(scale)), rel=1e-6)
+    expected = CORNERS * scale
+    assert_allclose(sorted(mesh.vertices.tolist()), sorted(expected.tolist()), atol=1e-6)
+    assert not mesh.vertices.flags.writeable
+    assert not mesh.faces.flags.writeable
+
+
+def test_where_meshes_are_looked_for(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    package = tmp_path / "space" / "my_press"
+    (package / "urdf").mkdir(parents=True)
+    (package / "meshes").mkdir()
+    mesh = package / "meshes" / "m.stl"
+    mesh.write_bytes(stl())
+
+    def found(folder: Path, name: str) -> bool:
+        return volume(shown_rotor(rotor(folder, VISUAL.format(f'<mesh filename="{name}"/>', ""))).parts[0].shape) > 4
+
+    assert found(package / "urdf", "../meshes/m.stl")
+    assert found(tmp_path, str(mesh))
+    assert found(tmp_path, f"file://{mesh}")
+    assert found(package / "urdf", "package://my_press/meshes/m.stl")  # the URDF is in the package
+    (tmp_path / "space" / "other").mkdir()
+    assert found(tmp_path / "space" / "other", "package://my_press/meshes/m.stl")  # the packages are side by side
+    with pytest.raises(pp.PinpressError, match=r"link 'rotor': mesh 'package://my_press/.*ROS_PACKAGE_PATH"):
+        found(tmp_path, "package://my_press/meshes/m.stl")
+    for path in (tmp_path / "space", package):
+        monkeypatch.setenv("ROS_PACKAGE_PATH", os.pathsep.join(["/nowhere", str(path)]))
+        assert found(tmp_path, "package://my_press/meshes/m.stl")
+    monkeypatch.chdir(package)
+    relative = pp.load(os.path.join("urdf", "press.urdf"))
+    assert volume(shown_rotor(relative).parts[0].shape) > 4
+
+
+@pytest.mark.parametrize("suffix", ["panda_description/meshes/visual/finger.dae", "cassie_description/meshes/foot-crank.stl"])
+def test_real_meshes_as_pinocchio_loads_them(suffix: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    mesh = next(Path(str(path.locate())) for path in files("example-robot-data") or () if str(path).endswith(suffix))
+    share = mesh.parents[len(Path(suffix).parts) + 1]
+    monkeypatch.setenv("ROS_PACKAGE_PATH", str(share))
+    name = f"package://example-robot-data/robots/{suffix}"
+    press = rotor(tmp_path, VISUAL.format(f'<mesh filename="{name}" scale="0.5 0.5 0.5"/>', ""))
+    (part,) = shown_rotor(press).parts
+    (visual,) = pin.buildGeomFromUrdfString(
+        press.model, press.text.decode(), pin.GeometryType.VISUAL, package_dirs=[str(share)]
+    ).geometryObjects
+    same_shape(part.shape, visual.geometry)
+
+
+def test_too_many_visuals_in_all(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    box = VISUAL.format('<box size="1 1 1"/>', "")
+    monkeypatch.setattr(appearance, "MOST_SHAPES", 3)
+    assert len(shown_rotor(rotor(tmp_path, 3 * box)).parts) == 3
+    with pytest.raises(pp.PinpressError, match="link 'rotor': with it there are more than 3 visuals to be drawn; leave some out"):
+        shown_rotor(rotor(tmp_path, 4 * box))
+
+
+def test_too_many_triangles_in_all(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Each mesh has few; what comes after the one that is too many is not read."""
+    (tmp_path / "m.stl").write_bytes(stl())
+    one, missing = (VISUAL.format(f'<mesh filename="{name}"/>', "") for name in ("m.stl", "missing.stl"))
+    monkeypatch.setattr(appearance, "MOST_TRIANGLES", 2 * len(SIDES))
+    assert len(shown_rotor(rotor(tmp_path, 2 * one)).parts) == 2
+    with pytest.raises(pp.PinpressError, match="more than 8 triangles to be drawn; leave some out, or give coarser meshes"):
+        shown_rotor(rotor(tmp_path, 3 * one + missing))
+
+
+BROKEN = {
+    "missing.stl": None,
+    "empty.stl": b"",
+    "garbage.stl": np.random.default_rng(1).bytes(2000),
+    "garbage.obj": b"v 1 2\nf 1 2 3 a",
+    "garbage.dae": b"<COLLADA/>",
+    "huge_index.dae": b"<COLLADA><mesh><p>0 1 99999999999</p></mesh></COLLADA>",
+    "no_index.dae": b"<COLLADA><mesh><p>0 1 2V3</p></mesh></COLLADA>",
+    "other.dae": b"<html/>",
+    "binary.obj": b"v 0 0 0\n\0",
+    "half.stl": stl()[:150],
+    "none.stl": bytes(84),
+    "points.obj": b"v 0 0 0\nv 1 0 0\nv 0 1 0\n",
+    "unknown.xyz": b"hello",
+    "polygons.ply": b"ply\nformat ascii 1.0\nelement vertex 3\n",  # its reader ends the process on some broken files
+    "polygons.stl": b"ply\nformat ascii 1.0\nelement vertex 3\n",
+    "ascii.stl": b"solid nothing\nendsolid\n",
+    "not_a_number.stl": stl(np.where(CORNERS == 5, np.nan, CORNERS)),
+    "infinite.stl": stl(np.where(CORNERS == 5, np.inf, CORNERS)),
+    "not_a_number.obj": obj(np.where(CORNERS == 5, np.nan, CORNERS)),
+}
+
+
+@pytest.mark.parametrize("name", BROKEN)
+def test_meshes_that_cannot_be_read(name: str, tmp_path: Path) -> None:
+    content = BROKEN[name]
+    if content is not None:
+        (tmp_path / name).write_bytes(content)
+    press = rotor(tmp_path, VISUAL.format(f'<mesh filename="{name}"/>', ""))
+    remedy = "there is no file .* put the mesh there" if content is None else "(give|repair)"
+    with pytest.raises(pp.PinpressError, match=rf"^link 'rotor': mesh '{name}'.*{remedy}"):
+        shown_rotor(press)
+
+
+def test_mesh_that_is_a_folder_and_scale_beyond_numbers(tmp_path: Path) -> None:
+    (tmp_path / "folder.stl").mkdir()
+    with pytest.raises(pp.PinpressError, match="there is no file"):
+        shown_rotor(rotor(tmp_path, VISUAL.format('<mesh filename="folder.stl"/>', "")))
+    (tmp_path / "m.stl").write_bytes(stl())
+    with pytest.raises(pp.PinpressError, match="give a smaller scale"):
+        shown_rotor(rotor(tmp_path, VISUAL.format('<mesh filename="m.stl" scale="1e308 1 1"/>', "")))
+
+
+# ----------------------------------------------------------------------------------------------------------------------------- plain shapes
+
+
+@pytest.mark.parametrize("name", pp.presses())
+def test_pins_join_links_without_visuals(name: str) -> None:
+    press = bare(texts.shipped(name))
+    assert b"<visual" not in press.text
+    position = positions(press)
+    shown = bodies(press, position)
+    assert tuple(body.name for body in shown) == press.links
+    assert not any(body.drawn for body in shown)
+    joined(press, position, normal=np.array([0.0, -1.0, 0.0]))
+
+
+def own_colours(shown: Any) -> list[tuple[float, ...]]:
+    """The colour that most parts of each link have."""
+    colours = []
+    for body in shown:
+        painted = [tuple(part.rgba) for part in body.parts]
+        assert all(0 <= channel <= 1 for rgba in painted for channel in rgba)
+        colours.append(max(set(painted), key=painted.count))
+    return colours
+
+
+@pytest.mark.parametrize("name", pp.presses())
+def test_colours_tell_links_apart(name: str) -> None:
+    press = bare(texts.shipped(name))
+    colours = own_colours(bodies(press, positions(press)))
+    for one, other in itertools.combinations(colours, 2):
+        assert np.abs(np.subtract(one, other)).max() > 0.1
+
+
+@pytest.mark.parametrize("name", ["crank_slide", "jf75g_125", "jf75g_125_symmetric", "zxn2_3000b"])
+def test_links_pass_each_other_in_layers(name: str) -> None:
+    """Along the normal, what is not a pin takes up room that no other link has; all bearings of these presses are at one height."""
+    press = bare(texts.shipped(name))
+    layers = []
+    for body in bodies(press, positions(press)):
+        placed = press.model.frames[body.frame].placement  # its turning about the normal changes nothing
+        low, high = np.inf, -np.inf
+        for part in body.parts:
+            if tuple(part.rgba) != STEEL and body.name != "frame":
+                middle = (placed.homogeneous @ part.placement)[1, 3]
+                thickness = part.shape.size[2] if isinstance(part.shape, Box) else part.shape.length
+                assert_allclose(np.abs(part.placement[:3, :3].T[2] @ placed.rotation.T), [0, 1, 0], atol=1e-9)
+                low, high = min(low, middle - thickness / 2), max(high, middle + thickness / 2)
+        layers += [(low, high)] if body.name != "frame" else []
+    layers.sort()
+    assert all(below[1] < above[0] for below, above in itertools.pairwise(layers))
+
+
+@pytest.mark.parametrize("name", pp.presses())
+def test_slides_stay_between_their_rails(name: str) -> None:
+    press = bare(texts.shipped(name))
+    position = positions(press)
+    shown = bodies(press, position)
+    rails = [part for part in shown[0].parts if isinstance(part.shape, Box) and max(part.shape.size) == part.shape.size[0]]
+    for j, axis in enumerate(press.spatial.axes, 1):
+        if axis.turns or press.model.parents[j] != 0:
+            continue
+        slide = next(body for body in shown if press.model.frames[body.frame].parentJoint == j)
+        block = slide.parts[0]
+        assert isinstance(block.shape, Box)
+        direction = press.model.jointPlacements[j].rotation @ axis.direction
+        along = press.model.jointPlacements[j].homogeneous @ block.placement
+        middle = along[:3, 3] @ direction + position[:, j - 1]
+        low, high = middle.min() - block.shape.size[0] / 2, middle.max() + block.shape.size[0] / 2
+        mine = [p for p in rails if abs(abs(p.placement[:3, 0] @ direction) - 1) < 1e-9 and abs(p.placement[1, 3] - along[1, 3]) < 1e-9]
+        assert len(mine) == 2
+        for rail in mine:
+            ends = rail.placement[:3, 3] @ direction + np.array([-1, 1]) * rail.shape.size[0] / 2
+            assert_allclose(ends, [low, high], atol=1e-9)
+            apart = abs((rail.placement[:3, 3] - along[:3, 3]) @ along[:3, 1])
+            assert apart > (block.shape.size[1] + rail.shape.size[1]) / 2
+
+
+def test_same_press_same_parts() -> None:
+    press = bare(texts.shipped("thin_wall"))
+    one, other = (bodies(press, positions(press)) for _ in range(2))
+    for a, b in zip(one, other, strict=True):
+        assert (a.name, a.frame, a.drawn) == (b.name, b.frame, b.drawn)
+        for p, r in zip(a.parts, b.parts, strict=True):
+            assert p.shape == r.shape
+            assert_array_equal(p.placement, r.placement)
+            assert_array_equal(p.rgba, r.rgba)
+
+
+def test_visuals_of_some_links() -> None:
+    press = bare(texts.shipped("zxn2_3000b"), "frame", "coupler", "rod")
+    shown = {body.name: body for body in bodies(press, positions(press))}
+    assert [name for name, body in shown.items() if not body.drawn] == ["frame", "coupler", "rod"]
+    whole = {body.name: body for body in bodies(texts.shipped("zxn2_3000b"), positions(press))}
+    for name in ("crank", "rocker", "slide"):
+        assert [part.shape for part in shown[name].parts] == [part.shape for part in whole[name].parts]
+
+
+@pytest.mark.parametrize("text", [bennett(), bricard(), cassie.urdf(), four_bar("revolute"), four_bar("fixed"), four_bar("spherical", "T")])
+def test_links_in_space_and_others(text: str, tmp_path: Path) -> None:
+    press = loaded(tmp_path, text)
+    position = press.closed[None]
+    shown = bodies(press, position)
+    assert sorted(press.model.frames[body.frame].parentJoint for body in shown) == list(range(press.model.njoints))
+    moving = own_colours(shown)[1:]
+    assert len(set(moving)) == len(moving)
+    scene = Scene(press, shown, position[0])
+    for links, joint1, joint2, place, axis in scene.pins():
+        for joint in (joint1, joint2):
+            if "four_bar" in text:  # in layers, up to a third of its size away
+                line = place + 0.3 * press.spatial.size * np.outer(np.linspace(-1, 1, 401), [0, 1, 0])
+                assert scene.holds(joint, line, links, steel=False).any()
+            else:
+                bush = place + 0.016 * press.spatial.size * np.outer([-1, 0, 1], axis)
+                assert scene.holds(joint, bush, links, steel=False).all()
+
+
+@pytest.mark.parametrize("text", [bennett(), bricard()])
+def test_links_in_space_are_rods_from_pin_to_pin(text: str, tmp_path: Path) -> None:
+    press = loaded(tmp_path, text)
+    scene = Scene(press, bodies(press, press.closed[None]), press.closed)
+    ends: dict[int, list[Any]] = {}
+    links = {body: press.model.frames[press.model.getFrameId(body, pin.BODY)].parentJoint for body in press.links}
+    for _, *joints, place, _ in scene.pins():
+        for joint in joints:
+            ends.setdefault(joint, []).append(place)
+    for joint, (one, other) in ends.items():
+        assert scene.holds(joint, np.linspace(one, other, 50), links, steel=False).all()
+    assert len(ends) == press.model.njoints
+
+
+@examples(15)
+@given(spec=linkages())
+def test_pins_join_links_nobody_thought_of(spec: Any, tmp_path: Path) -> None:
+    drawing = drawn(spec)
+    assume(drawing is not None)
+    press = loaded(tmp_path, drawing.urdf("crank"))
+    shown = bodies(press, press.closed[None])
+    assert len({press.model.frames[body.frame].parentJoint for body in shown}) == len(shown) == press.model.njoints
+    assert all(np.isfinite(part.placement).all() for body in shown for part in body.parts)
+    joined(press, press.closed[None], press.plane.normal)
+
+
+@pytest.mark.filterwarnings("ignore:.*density:pinpress.PinpressWarning")
+@pytest.mark.parametrize("small", [1.0, 1e-3])
+def test_lone_rotor_is_a_disc_of_its_inertia(small: float, tmp_path: Path) -> None:
+    moments = re.sub(r'(i[xyz]{2})="([\d.]+)"', lambda m: f'{m[1]}="{float(m[2]) * small**2}"', MASS)
+    frame, body = bodies(rotor(tmp_path, inertial=moments), np.zeros((1, 1)))
+    assert (frame.name, body.name) == ("frame", "rotor")
+    disc, gyration = body.parts[0].shape, small * np.sqrt(0.04 / 2)
+    assert isinstance(disc, Cylinder)
+    assert 0.3 * gyration < disc.radius < 2 * gyration
+    assert_allclose(body.parts[0].placement[[0, 2], 3], 0, atol=1e-12)
+    assert frame.parts[0].placement[0, 3] == pytest.approx(0.3)
+
+
+def test_lone_rotor_without_inertia_is_drawn_all_the_same(tmp_path: Path) -> None:
+    press = rotor(tmp_path)
+    model = press.model.copy()
+    model.inertias[1] = pin.Inertia.Zero()
+    frame, body = bodies(dataclasses.replace(press, model=model), np.zeros((1, 1)))
+    assert 0.01 < body.parts[0].shape.radius < 0.5
+    assert len(frame.parts) > 1
+
+
+def test_pendulum_reaches_to_its_centre_of_mass(tmp_path: Path) -> None:
+    press = rotor(tmp_path, inertial=INERTIAL.format("0 0.7 -0.5"))
+    shown = bodies(press, np.zeros((1, 1)))
+    scene = Scene(press, shown, [0.0])
+    line = np.array([0.3, 0.0, 0.52]) + np.outer(np.linspace(-1, 1, 2001), [0, 1, 0])
+    assert scene.holds(1, line, {"frame": 0, "rotor": 1}).any()
+    assert not scene.holds(1, line - 0.2 * np.array([0, 0, 1]), {"frame": 0, "rotor": 1}).any()
+
+
+def test_link_of_no_length_is_a_disc(tmp_path: Path) -> None:
+    """An eccentric of no eccentricity: two pins in one place, one above the other."""
+    link = f'<link name="{{}}">{MASS}</link>'
+    more = link.format("rod") + link.format("slide") + link.format("end")
+    more += '<joint name="B" type="continuous"><parent link="rotor"/><child link="rod"/><axis xyz="0 -1 0"/></joint>'
+    more += '<joint name="C" type="continuous"><parent link="rod"/><child link="end"/><origin xyz="0.5 0 0"/><axis xyz="0 -1 0"/></joint>'
+    more += '<joint name="W" type="fixed"><parent link="frame"/><child link="slide"/></joint>'
+    more += "".join(f'<transmission name="drive_{name}"><joint name="{name}"/></transmission>' for name in "BC")
+    press = rotor(tmp_path, more=more)
+    shown = {body.name: body for body in bodies(press, np.zeros((1, 3)))}
+    assert list(shown) == ["frame", "rotor", "rod", "end"]  # the slide is welded to the frame
+    disc = shown["rotor"].parts[0].shape
+    assert isinstance(disc, Cylinder)
+    assert 0.01 < disc.radius < 0.2
+    joined(press, np.array([[0.0, 0.0, 0.0], [1.0, 2.0, 3.0]]), normal=np.array([0.0, -1.0, 0.0]))
+
+
+WELDED = (
+    '<link name="cover">{}</link><joint name="W" type="fixed"><parent link="rotor"/><child link="cover"/><origin xyz="0 0 {}"/></joint>'
+)
+
+
+def test_links_welded_to_others(tmp_path: Path) -> None:
+    """Of two links that are welded together, one with visuals: the other is shown if it goes anywhere from there."""
+    ball = VISUAL.format('<sphere radius="0.1"/>', "")
+    names = [body.name for body in bodies(rotor(tmp_path, ball, more=WELDED.format("", "0.2")), np.zeros((1, 1)))]
+    assert names == ["frame", "rotor"]
+    names = [body.name for body in bodies(rotor(tmp_path, "", more=WELDED.format(ball, "0.2")), np.zeros((1, 1)))]
+    assert names == ["frame", "cover"]
+    names = [body.name for body in bodies(rotor(tmp_path, "", more=WELDED.format("", "0.2")), np.zeros((1, 1)))]
+    assert names == ["frame", "rotor"]
+    arm = f'<link name="end">{MASS}</link><joint name="B" type="continuous"><parent link="cover"/><child link="end"/>'
+    arm += '<origin xyz="0.4 0 0"/><axis xyz="0 -1 0"/></joint><transmission name="b"><joint name="B"/></transmission>'
+    press = rotor(tmp_path, ball, more=WELDED.format("", "0.2") + arm)
+    shown = {body.name: body for body in bodies(press, np.zeros((1, 2)))}
+    assert {name: body.drawn for name, body in shown.items()} == {"frame": False, "rotor": True, "cover": False, "end": False}
+    middle = shown["cover"].parts[0]
+    assert_allclose([middle.placement[0, 3], middle.shape.size[0]], [0.2, 0.4], atol=1e-12)  # a bar from the weld to the pin

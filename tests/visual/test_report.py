@@ -1,0 +1,404 @@
+"""Reports, opened in a real browser with the network off: charts that show what was computed and follow the recording."""
+
+import base64
+import importlib.util
+import itertools
+import re
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+from support import texts
+from support.generators.hostile import NAMES, load_hostile
+from support.generators.small_linkages import bolted, two_cranks
+from support.generators.spatial_linkages import bennett
+from support.in_browser import data_in, seek, wait
+
+import pinpress as pp
+
+SPEED = 70 * pp.RPM
+WIDE, SMALL = (1000, 500), (700, 300)  # windows, the press beside the charts and above them; the larger one takes longer to draw
+CURVES = """() => Object.fromEntries([...document.querySelectorAll('.chart')].filter(box => box.querySelector('.plot')).map(box => [
+    box.querySelector('h3').textContent,
+    box.querySelector('.plot').data.map(({ name, x, y }) => ({ name, x: [...x], y: [...y] })),
+]))"""
+CURSOR = """title => {
+    const box = [...document.querySelectorAll('.chart')].find(box => box.querySelector('h3')?.textContent.startsWith(title));
+    const { xaxis } = box.querySelector('.plot')._fullLayout, left = parseFloat(box.querySelector('.cursor').style.left);
+    return { x: xaxis.p2l(left - xaxis._offset), values: [...box.querySelectorAll('.legend output')].map(value => value.textContent) };
+}"""
+
+
+def shown(text: str) -> float:
+    return float(text.replace("\u2212", "-"))
+
+
+@pytest.fixture(scope="module")
+def press() -> Any:
+    return texts.shipped("zxn2_3000b")
+
+
+@pytest.fixture(scope="module")
+def result(press: Any) -> Any:
+    return pp.inverse_dynamics(press, pp.cycle(press, speed=SPEED, points=180))
+
+
+@pytest.fixture(scope="module")
+def written(press: Any, result: Any, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return pp.report(press, result.motion, tmp_path_factory.mktemp("report") / "out.html", result)
+
+
+@pytest.fixture
+def page(written: Path, shared_view: Callable[..., Any]) -> Any:
+    """The report, open at its beginning."""
+    return shared_view(written, WIDE)
+
+
+def test_a_press_has_its_charts(page: Any, result: Any) -> None:
+    see_charts(page, result)
+
+
+def see_charts(page: Any, result: Any) -> None:
+    """Curves of the page against the arrays; the view's fixture sees to it that nothing went wrong in the page."""
+    motion = result.motion
+    curves = page.evaluate(CURVES)
+    bearings = {
+        curve["name"]: np.array(curve["y"]) for title, some in curves.items() if title.startswith("Bearing forces") for curve in some
+    }
+    unit = {"N": 1.0, "kN": 1e3, "MN": 1e6}[
+        next(re.search(r"\[(.*)\]", title)[1] for title in curves if title.startswith("Bearing forces"))
+    ]
+    assert set(bearings) == set(result.bearing_force)
+    for bearing, force in result.bearing_force.items():
+        size = np.linalg.norm(force, axis=1)
+        assert_allclose(unit * bearings[bearing], [*size, size[0]], atol=1e-6 * max(map(np.max, bearings.values())) * unit)
+    (velocity,) = next(some for title, some in curves.items() if title.startswith("Slide velocity"))
+    assert_allclose(velocity["x"], np.linspace(0, 360, len(motion.time) + 1), atol=1e-3)
+    assert_allclose(velocity["y"][:-1], motion.slide_velocity, atol=1e-6)
+    titles = " ".join(curves)
+    for word in ("Slide position", "Slide acceleration", "Driving torque", "Polar diagram, world axes", "Shaking force", "Harmonics"):
+        assert word in titles
+    assert page.locator("tbody tr").count() > 10
+
+
+def test_charts_follow_the_recording(page: Any, result: Any) -> None:
+    motion = result.motion
+    for i in (0, 33, 120, 179):
+        page.evaluate("t => seek(t)", motion.time[i])
+        for title, values in (
+            ("Slide velocity", [motion.slide_velocity]),
+            ("Driving torque", [result.driving_torque / 1e3]),
+            ("Force in A", [result.bearing_force["A"][:, 0] / 1e3, result.bearing_force["A"][:, 2] / 1e3]),
+            ("Shaking force", [result.shaking_force[:, 0] / 1e3, result.shaking_force[:, 2] / 1e3]),
+        ):
+            cursor = page.evaluate(CURSOR, title)
+            assert cursor["x"] == pytest.approx(2 * i, abs=0.05)
+            assert_allclose([shown(text) for text in cursor["values"]], [value[i] for value in values], atol=6e-4 * np.abs(values).max())
+    before = seek(page, motion.time[20])[:, 500:]
+    assert np.count_nonzero(np.abs(seek(page, motion.time[60])[:, 500:] - before).max(axis=2) > 60) > 200  # cursors have moved
+
+
+def test_the_press_stays_in_sight(page: Any) -> None:
+    """However far the charts are scrolled, in a wide window and in a narrow one."""
+    for width in (WIDE[0], 600):
+        page.set_viewport_size({"width": width, "height": WIDE[1]})
+        for share in (0.5, 1.0):
+            page.evaluate("share => window.scrollTo(0, share * document.body.scrollHeight)", share)
+            page.wait_for_timeout(50)
+            box = page.evaluate("(({ left, top, right, bottom }) => [left, top, right, bottom])(element('view').getBoundingClientRect())")
+            assert page.evaluate("window.scrollY") > 500
+            assert box[0] >= 0
+            assert box[1] == pytest.approx(0, abs=1)
+            assert box[2] <= width
+            assert box[3] > 0.375 * WIDE[1]
+    page.set_viewport_size({"width": WIDE[0], "height": WIDE[1]})
+    page.wait_for_timeout(500)  # until the charts have their width again
+
+
+def test_a_click_on_a_chart_seeks(page: Any) -> None:
+    box = page.locator(".chart .plot .nsewdrag").first.bounding_box()
+    place = (box["x"] + box["width"] / 4, box["y"] + box["height"] / 2)
+    page.mouse.move(*place)
+    wait(page, "document.querySelectorAll('.hoverlayer text').length > 0")
+    page.mouse.dblclick(*place)  # which takes a zoom back
+    page.wait_for_timeout(600)
+    assert page.evaluate("now") == 0
+    page.mouse.click(*place)
+    wait(page, "now > 0")
+    assert page.evaluate("now / duration") == pytest.approx(0.25, abs=0.01)
+    assert not page.evaluate("playing")
+
+
+def test_nothing_is_sent_anywhere(page: Any) -> None:
+    """Plotly can upload charts; here its buttons save a picture and zoom."""
+    titles = page.evaluate("[...document.querySelectorAll('.modebar-btn')].map(button => button.dataset.title)")
+    assert {title.lower() for title in titles} == {"download plot as a png", "zoom", "pan", "reset axes"}
+    assert page.locator("a[href]").count() == 0
+
+
+def test_zoom_takes_the_cursor_along(page: Any) -> None:
+    page.evaluate("t => seek(t)", 0.3 * 60 / 70)
+    page.evaluate("Plotly.relayout(document.querySelector('.plot'), { 'xaxis.range': [90, 180] })")
+    assert page.evaluate(CURSOR, "Slide position")["x"] == pytest.approx(108, abs=0.1)
+    page.evaluate("seek(0)")
+    assert page.evaluate("document.querySelector('.plot .cursor').offsetParent") is None  # it is outside what is shown
+    page.evaluate("Plotly.relayout(document.querySelector('.plot'), { 'xaxis.range': [0, 360] })")
+
+
+def test_polar_diagrams_of_the_chosen_bearing(page: Any, press: Any, result: Any) -> None:
+    page.select_option("#bearing", label="B")
+    curves = page.evaluate(CURVES)
+    assert "Force in B [kN]" in curves
+    assert "Force in A [kN]" not in curves
+    force = result.bearing_force["B"][:, [0, 2]] / 1e3
+    (world,) = curves["Polar diagram, world axes [kN]"]
+    assert_allclose(np.column_stack([world["x"], world["y"]])[:-1], force, atol=1e-4)
+    (own,) = curves["Polar diagram, axes of coupler [kN]"]
+    turn = result.motion.joint_position[:, [press.joints.index("A"), press.joints.index("B")]].sum(axis=1)  # of the coupler, x towards z
+    expected = (force[:, 0] + 1j * force[:, 1]) * np.exp(-1j * turn)
+    assert_allclose(np.array(own["x"])[:-1] + 1j * np.array(own["y"])[:-1], expected, atol=1e-4)
+    for i in (10, 100):
+        page.evaluate("t => seek(t)", result.motion.time[i])
+        tip = page.evaluate(
+            """() => {
+                const plot = document.querySelector('.plot.square'), { xaxis, yaxis } = plot._fullLayout;
+                const { left, top } = plot.querySelector('.tip').style;
+                return [xaxis.p2l(parseFloat(left) - xaxis._offset), yaxis.p2l(parseFloat(top) - yaxis._offset)];
+            }"""
+        )
+        assert_allclose(tip, force[i], atol=1e-2 * np.abs(force).max())
+    scale = page.evaluate("(({ xaxis, yaxis }) => [xaxis._m, -yaxis._m])(document.querySelector('.plot.square')._fullLayout)")
+    assert scale[0] == pytest.approx(scale[1], rel=1e-6)  # circles are round
+    page.select_option("#bearing", label="A")
+
+
+def test_legend_hides_a_curve(page: Any) -> None:
+    for visible in (False, True):
+        page.evaluate("document.querySelector('.legend button').click()")
+        assert page.evaluate("document.querySelector('.plot').data[0].visible") is visible
+
+
+def test_table_of_extremes(page: Any, result: Any) -> None:
+    rows = page.evaluate("[...document.querySelectorAll('tbody tr')].map(row => [...row.children].map(cell => cell.textContent))")
+    table = {row[0]: row[1:] for row in rows}
+    unit, smallest, _, largest, at, width, rms = table["driving torque"]
+    torque = result.driving_torque
+    assert unit == "N m"
+    assert_allclose([shown(t) for t in (smallest, largest, width)], [torque.min(), torque.max(), np.ptp(torque)], rtol=1e-4)
+    assert shown(at) == pytest.approx(2 * torque.argmax(), abs=0.06)
+    assert shown(rms) == pytest.approx(np.sqrt(np.mean(torque**2)), rel=1e-4)
+    cards = page.inner_text("#cards")
+    assert "301.2 mm" in cards
+    assert f"{np.abs(torque).max() / 1e3:.4g} kN m" in cards
+
+
+def test_a_press_of_many_links_has_its_charts(tmp_path: Path) -> None:
+    """From its motion alone: what the page is given; the tests above see that it shows it."""
+    press = texts.shipped("thin_wall")
+    result = pp.inverse_dynamics(press, pp.cycle(press, speed=SPEED, points=60))
+    report = data_in(pp.report(press, result.motion, tmp_path / "out.html"))["report"]
+    charts = {chart["title"]: chart for section in report["sections"] for chart in section["charts"]}
+    assert {"Slide position", "Slide velocity", "Slide acceleration", "Driving torque", "Shaking force"} <= set(charts)
+    motion, given = result.motion, {}
+    for title, chart in charts.items():
+        for curve in chart["curves"]:
+            given[title, curve["name"]] = {"N": 1.0, "kN": 1e3, "MN": 1e6}.get(chart["unit"], 1.0) * floats(curve["values"])
+    peak = max(np.linalg.norm(force, axis=1).max() for force in result.bearing_force.values())
+    assert {name for title, name in given if title == "Bearing forces"} == set(result.bearing_force)
+    for name, force in result.bearing_force.items():
+        size = np.linalg.norm(force, axis=1)
+        assert_allclose(given["Bearing forces", name], [*size, size[0]], atol=1e-6 * peak)
+    assert_allclose(given["Slide velocity", "velocity"][:-1], motion.slide_velocity, atol=1e-6)
+    assert [bearing["name"] for bearing in report["bearings"]] == list(result.bearing_force)
+    for bearing, force in zip(report["bearings"], result.bearing_force.values(), strict=True):
+        unit = {"N": 1.0, "kN": 1e3, "MN": 1e6}[bearing["unit"]]
+        assert_allclose(unit * floats(bearing["frame"]).reshape(-1, 2)[:-1], force[:, [0, 2]], atol=1e-6 * peak)
+    assert len(report["table"]["rows"]) > 10
+
+
+def floats(packed: str) -> Any:
+    """Numbers as a page is given them."""
+    return np.frombuffer(base64.b64decode(packed), "<f4")
+
+
+@pytest.mark.exhaustive
+def test_before_and_after_backwards(press: Any, result: Any, view: Callable[..., Any], tmp_path: Path) -> None:
+    """The plain press beside the balanced one, at another number of states. Time runs to the right, though the crank turns backwards."""
+    plain = pp.inverse_dynamics(press, pp.cycle(press, speed=-SPEED, points=60))
+    balanced = texts.shipped("zxn2_3000b_balanced")
+    after = pp.inverse_dynamics(balanced, pp.cycle(balanced, speed=-SPEED, points=90))
+    with pytest.raises(pp.PinpressError, match="turns the other way"):
+        pp.report(balanced, after.motion, tmp_path / "out.html", after, before=result)
+    page = view(pp.report(balanced, after.motion, tmp_path / "out.html", after, before=plain), "#t=0", SMALL)
+    curves = page.evaluate(CURVES)
+    names = [curve["name"] for curve in curves["Shaking force [kN]"]]
+    assert names == ["x", "x, before", "z", "z, before"]
+    for curve, states in zip(curves["Shaking force [kN]"], (after, plain), strict=False):
+        assert_allclose(curve["y"][:-1], states.shaking_force[:, 0] / 1e3, atol=1e-4)
+        assert_allclose(curve["x"], np.linspace(0, -360, len(states.motion.time) + 1), atol=1e-3)
+    assert len(curves["Polar diagram, world axes [kN]"]) == 2
+    assert "dashed: zxn2_3000b, crank at −70 r/min" in page.inner_text("#subtitle")
+    rows = page.evaluate("[...document.querySelectorAll('tbody tr')].map(row => [...row.children].map(cell => cell.textContent))")
+    row = next(row for row in rows if row[0] == "shaking force, x")
+    change = 100 * (np.ptp(after.shaking_force[:, 0]) / np.ptp(plain.shaking_force[:, 0]) - 1)
+    assert shown(row[-2].removesuffix(" %")) == pytest.approx(change, abs=0.006)
+    assert shown(row[-3]) == pytest.approx(np.ptp(plain.shaking_force[:, 0]), rel=1e-4)
+    page.evaluate("t => seek(t)", after.motion.time[30])
+    assert page.evaluate(CURSOR, "Slide position")["x"] == pytest.approx(-120, abs=0.1)
+    place = "parseFloat(document.querySelector('.cursor').style.left)"
+    left = page.evaluate(place)
+    page.evaluate("t => seek(t)", after.motion.time[45])
+    assert page.evaluate(place) > left
+    assert page.inner_text("#crank") == "crank−180.0°"
+
+
+@pytest.mark.exhaustive
+def test_run_is_over_time(view: Callable[..., Any], tmp_path: Path) -> None:
+    press = texts.shipped("jf75g_125")
+    load = pp.loads.Blanking(1e6, 0.006, 0.002)
+    run = pp.simulate(press, 0.3, 300 * pp.RPM, flywheel=pp.drives.Flywheel(30.0), drive=pp.drives.ConstantTorque(900.0), loads=[load])
+    result = pp.inverse_dynamics(press, run, loads=[load])
+    page = view(pp.report(press, run, tmp_path / "out.html", result), "#t=0.15", SMALL)
+    curves = page.evaluate(CURVES)
+    assert "Crank speed [r/min]" in curves
+    torque = curves["Driving torque [kN m]"]
+    assert [curve["name"] for curve in torque] == ["driving torque", "drive"]
+    assert_allclose(torque[0]["x"], run.time, atol=1e-6)
+    assert_allclose(torque[0]["y"], result.driving_torque / 1e3, atol=1e-5 * np.abs(result.driving_torque).max() / 1e3)
+    assert page.evaluate(CURSOR, "Driving torque")["x"] == pytest.approx(0.15, abs=3e-4)
+    slide = np.interp(0.15, run.time, run.slide_position)
+    assert shown(page.inner_text("#slide")[5:-3]) == pytest.approx(1e3 * slide, abs=0.1)
+    assert "simulated run of 0.3 s" in page.inner_text("#subtitle")
+
+
+def test_hostile_names_are_text(tmp_path: Path, view: Callable[..., Any]) -> None:
+    press = load_hostile(tmp_path)
+    page = view(pp.report(press, pp.cycle(press, speed=SPEED, points=36), tmp_path / "out.html"), "#t=0.1", WIDE)
+    texts = page.inner_text("body")
+    for name in NAMES.values():
+        assert name in texts or name in page.title()
+    assert page.locator("article script, article img, article b b, main script, main img, main b b").count() == 0
+    assert page.inner_text("h1") == page.title() == NAMES["crank_slide"]
+    assert NAMES["rod"] in page.inner_text("#legend")
+    assert NAMES["P"] in page.inner_text("#labels")
+    assert page.evaluate("viewer.scene_tree.find(['press']).object.children.length") == 4
+    assert {"Slide position", "Driving torque", "Shaking force"} <= {title.split(" [")[0] for title in page.evaluate(CURVES)}
+    page.select_option("#bearing", label=NAMES["P"])
+    page.mouse.move(800, 400)
+    page.wait_for_timeout(100)
+    assert f"Force in {NAMES['P']}" in page.inner_text("#charts")
+
+
+def test_same_input_same_bytes(written: Path, press: Any, result: Any, tmp_path: Path) -> None:
+    assert pp.report(press, result.motion, tmp_path / "again.html", result).read_bytes() == written.read_bytes()
+
+
+def test_what_cannot_be_compared(press: Any, result: Any, tmp_path: Path) -> None:
+    run = pp.simulate(press, 1.0, SPEED, flywheel=pp.drives.Flywheel(2000.0))
+    with pytest.raises(pp.PinpressError, match="before is over time, the motion over crank angle"):
+        pp.report(press, result.motion, tmp_path / "out.html", result, before=pp.inverse_dynamics(press, run))
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_what_rigid_mechanics_leaves_open_is_said(tmp_path: Path) -> None:
+    two_rods, one_rod = texts.shipped("jf75g_125_two_point"), texts.shipped("jf75g_125")
+    for press, expected in ((two_rods, True), (one_rod, False)):
+        motion = pp.cycle(press, speed=SPEED, points=24)
+        bearings = data_in(pp.report(press, motion, tmp_path / "out.html"))["report"]["bearings"]
+        assert any("force" in bearing["open"] for bearing in bearings) is expected
+
+
+def test_tilted_press_has_whole_polar_diagrams(press: Any, result: Any, tmp_path: Path) -> None:
+    """A force in a tilted plane is as long in the polar diagram as it is."""
+    from pinpress.visual.charts import locus
+
+    tilted = bolted(press, "0.4 0.3 0.7", tmp_path, gravity=(0, 0, 0))
+    its = pp.inverse_dynamics(tilted, pp.cycle(tilted, speed=SPEED, points=36))
+    for name, force in its.bearing_force.items():
+        found = locus(its, name)
+        assert found.axes == ("h", "u")
+        scale = {"N": 1.0, "kN": 1e3, "MN": 1e6}[found.unit]
+        for path in (found.frame, found.own):
+            assert_allclose(scale * np.linalg.norm(path, axis=1), np.linalg.norm(force, axis=1), rtol=1e-9, atol=1e-4)
+
+
+def test_run_under_loads_needs_its_reactions(tmp_path: Path) -> None:
+    press = texts.shipped("crank_slide")
+    run = pp.simulate(press, 0.5, SPEED, flywheel=pp.drives.Flywheel(50.0), loads=[pp.loads.Blanking(1e3, 0.02, 0.01)])
+    with pytest.raises(pp.PinpressError, match=r"the run has loads: give its reactions with them, inverse_dynamics\(press, run, loads="):
+        pp.report(press, run, tmp_path / "out.html")
+    idle = pp.simulate(press, 0.5, SPEED, flywheel=pp.drives.Flywheel(50.0), drive=pp.drives.ConstantTorque(5.0))
+    assert pp.report(press, idle, tmp_path / "out.html").exists()
+
+
+@pytest.mark.exhaustive
+def test_linkage_in_space_without_slide(tmp_path: Path, view: Callable[..., Any]) -> None:
+    (tmp_path / "bennett.urdf").write_text(bennett(), encoding="utf-8")
+    press = pp.load(tmp_path / "bennett.urdf")
+    result = pp.inverse_dynamics(press, pp.cycle(press, speed=SPEED, points=60))
+    page = view(pp.report(press, result.motion, tmp_path / "out.html"), "#t=0.1", SMALL)
+    curves = page.evaluate(CURVES)
+    assert not any(title.startswith("Slide") for title in curves)
+    assert page.evaluate("[data.front.length, data.slide]") == [0, None]
+    (unit,) = (title.split("[")[1][:-1] for title in curves if title.startswith("Shaking force"))
+    scale = {"N": 1.0, "kN": 1e3}[unit]
+    for curve, force in zip(curves[f"Shaking force [{unit}]"], result.shaking_force.T, strict=True):
+        assert_allclose(scale * np.array(curve["y"])[:-1], force, atol=1e-5 * np.abs(result.shaking_force).max())
+    page.click("#show-names")
+    page.click("#show-forces")
+    see_movement(page, result.motion.time[[0, 20, 40]], 125)
+
+
+def see_movement(page: Any, times: Any, least: int) -> None:
+    """At the times [s] the press is seen in poses that differ in `least` pixels or more."""
+    pictures = [seek(page, time)[: page.evaluate("element('view').clientHeight")] for time in times]
+    for before, after in itertools.pairwise(pictures):
+        assert np.count_nonzero(np.abs(after - before).max(axis=2) > 30) > least
+
+
+@pytest.mark.exhaustive
+def test_several_drivers(tmp_path: Path, view: Callable[..., Any]) -> None:
+    """Two cranks on one frame: a curve of torque for each, over time."""
+    press = two_cranks(tmp_path)
+    time = np.linspace(0, 1, 30)
+    motion = pp.cycle(press, angle=np.stack([time, -3 * time], axis=1), speed=[[1.0, -3.0]] * 30, time=time)
+    result = pp.inverse_dynamics(press, motion)
+    page = view(pp.report(press, motion, tmp_path / "out.html"), "#t=0.5", SMALL)
+    curves = page.evaluate(CURVES)
+    (torque,) = (some for title, some in curves.items() if title.startswith("Driving torque"))
+    assert [curve["name"] for curve in torque] == ["fast", "slow"]
+    for curve, values in zip(torque, result.driving_torque.T, strict=True):
+        assert_allclose(curve["x"], time, atol=1e-8)
+        assert_allclose(curve["y"], values, atol=1e-6 * np.abs(result.driving_torque).max())
+    see_movement(page, [0.1, 0.9], 0)
+
+
+def test_states_that_are_not_in_time(press: Any, tmp_path: Path) -> None:
+    motion = pp.cycle(press, angle=[0.0, 1.0, 0.5], speed=1.0)
+    with pytest.raises(pp.PinpressError, match="no motion in time"):
+        pp.report(press, motion, tmp_path / "out.html")
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize(("missing", "extra"), [("plotly", "report"), ("meshcat", "recording")])
+def test_without_an_extra(missing: str, extra: str, press: Any, result: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    find = importlib.util.find_spec
+    monkeypatch.setattr(importlib.util, "find_spec", lambda name: None if name == missing else find(name))
+    with pytest.raises(pp.PinpressError, match=re.escape(f"pip install 'pinpress[{extra}]'")):
+        pp.report(press, result.motion, tmp_path / "out.html", result)
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_path_that_cannot_be_written(press: Any, result: Any, tmp_path: Path) -> None:
+    with pytest.raises(pp.PinpressError, match="cannot write"):
+        pp.report(press, result.motion, tmp_path / "missing" / "out.html", result)
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_recording_is_in_the_report(written: Path, press: Any, result: Any, tmp_path: Path) -> None:
+    recording = data_in(pp.record(press, result.motion, tmp_path / "recording.html", result))
+    report = data_in(written)
+    assert {name: report[name] for name in recording} == recording
