@@ -6,7 +6,7 @@ or brake is switched is a time, ``0.1s``, or a crank angle, ``180deg``. Sequence
 
 import csv
 import math
-import typing
+import re
 from collections.abc import Callable, Mapping
 from dataclasses import MISSING, Field, dataclass, fields
 from functools import partial
@@ -223,7 +223,7 @@ def _note(field: Field[Any]) -> str:
 def _reader(field: Field[Any]) -> Callable[[str], Any]:
     if _is_at(field):
         return _at
-    if field.type is int:
+    if field.type in (int, "int"):
         return _whole
     return _speed if _is_speed(field.name) else _number
 
@@ -233,7 +233,7 @@ def _is_speed(name: str) -> bool:
 
 
 def _is_at(field: Field[Any]) -> bool:
-    return At in typing.get_args(field.type)
+    return At.__name__ in re.findall(r"\w+", str(field.type))
 
 
 def _number(text: str) -> float:

@@ -52,8 +52,9 @@ def typed(function: Function) -> Function:
 
     Numbers, texts and users' own laws are checked where they are used.
     """
-    kinds = {name: kind for name, parameter in inspect.signature(function).parameters.items() if (kind := _kind(parameter.annotation))}
-    places = [(place, name) for place, name in enumerate(inspect.signature(function).parameters) if name in kinds]
+    parameters = inspect.signature(function).parameters
+    kinds = {name: kind for name, parameter in parameters.items() if (kind := _kind(_evaluated(parameter.annotation, function)))}
+    places = [(place, name) for place, name in enumerate(parameters) if name in kinds]
 
     @wraps(function)
     def with_checks(*given: Any, **named: Any) -> Any:
@@ -65,6 +66,16 @@ def typed(function: Function) -> Function:
         return function(*given, **named)
 
     return with_checks  # type: ignore[return-value]
+
+
+def _evaluated(annotation: object, function: Callable[..., Any]) -> object:
+    """What an annotation means that is kept as it is written; its text where a name in it is there for type checkers alone."""
+    if not isinstance(annotation, str):
+        return annotation
+    try:
+        return eval(annotation, getattr(function, "__globals__", {}))
+    except NameError:
+        return annotation
 
 
 def _kind(annotation: object) -> _Kind | None:
