@@ -1,5 +1,7 @@
 """What `accuracy` measures: error against run time, as rows of a table, a CSV file and text."""
 
+from __future__ import annotations
+
 import os
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, fields
@@ -93,7 +95,7 @@ class Accuracy(Frozen):
         """
         tables.write_csv(path, self.columns())
 
-    def to_frame(self) -> "tables.DataFrame":
+    def to_frame(self) -> tables.DataFrame:
         """The columns as a pandas DataFrame. Raises PinpressError where pandas is not installed."""
         return tables.frame(self.columns())
 

@@ -1,5 +1,7 @@
 """`Accuracy` as a figure: error against run time, both logarithmic, and what settings do to the error."""
 
+from __future__ import annotations
+
 from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, Any
 
@@ -19,7 +21,7 @@ Value = Callable[[Measurement], float | None]
 
 
 @typed
-def plot_accuracy(measured: Accuracy) -> "Figure":
+def plot_accuracy(measured: Accuracy) -> Figure:
     """Error against run time: of inverse dynamics; of every scene the crank angle at its end, under a stiff speed law, which leaves that no
     choice, the bearing forces. Then loop gaps of the free run, error against the proximal parameter of constraint dynamics, and against the
     number of samples of the reduced table. Errors of torque, forces and accelerations are of their peaks, those of a table of its range.
@@ -60,7 +62,7 @@ def plot_accuracy(measured: Accuracy) -> "Figure":
     return figure
 
 
-def _settings(axes: "Axes", measured: Accuracy, group: str) -> list[Any]:
+def _settings(axes: Axes, measured: Accuracy, group: str) -> list[Any]:
     """Lines of error over the setting, one a method."""
     lines = []
     for k, method in enumerate(_methods(measured, group)):
@@ -70,13 +72,13 @@ def _settings(axes: "Axes", measured: Accuracy, group: str) -> list[Any]:
     return lines
 
 
-def _known(axes: "Axes", measured: Accuracy, group: str) -> None:
+def _known(axes: Axes, measured: Accuracy, group: str) -> None:
     """A line at what the reference is known to."""
     if group in measured.certificates:
         axes.axhline(measured.certificates[group], color=GREY, linewidth=0.8, zorder=0)
 
 
-def _ticks(axes: "Axes", counts: Sequence[int]) -> None:
+def _ticks(axes: Axes, counts: Sequence[int]) -> None:
     from matplotlib.ticker import NullFormatter
 
     axes.set_xticks(counts, [str(count) for count in counts])
@@ -100,13 +102,13 @@ def _methods(measured: Accuracy, group: str) -> list[str]:
     return list(dict.fromkeys(m.method for m in measured.of(group)))
 
 
-def _series(axes: "Axes", rows: Sequence[Measurement], along: Value, value: Value, look: dict[str, Any]) -> Any:
+def _series(axes: Axes, rows: Sequence[Measurement], along: Value, value: Value, look: dict[str, Any]) -> Any:
     """A line through the measurements that have both values, in their order; one without is left out of a logarithmic chart."""
     points = [(x, y) for x, y in ((along(row), value(row)) for row in rows) if x and y]
     return axes.loglog([x for x, _ in points], [y for _, y in points], markersize=4.0, linewidth=1.0, **look)[0]
 
 
-def _axes(axes: "Axes", title: str, across: str, upwards: str) -> None:
+def _axes(axes: Axes, title: str, across: str, upwards: str) -> None:
     grid(axes, upwards)
     axes.margins(x=0.08, y=0.08)
     axes.set_xlabel(across)

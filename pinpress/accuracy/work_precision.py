@@ -6,6 +6,8 @@
 Every error is against a reference that two independent methods agree on; `Accuracy.certificates` says how far.
 """
 
+from __future__ import annotations
+
 import os
 import platform
 from collections.abc import Callable, Sequence

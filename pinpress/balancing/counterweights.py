@@ -1,5 +1,7 @@
 """Masses added to the links of a press, and the press that results."""
 
+from __future__ import annotations
+
 import math
 from collections.abc import Iterable
 from dataclasses import dataclass

@@ -4,6 +4,8 @@ A mass m at a point of a link acts on the link as the force m (g - a) does at th
 linear in the masses, and in whatever is made of point masses: a counterweight, a mass moment, a moment of inertia.
 """
 
+from __future__ import annotations
+
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 

@@ -4,6 +4,8 @@ All of them are convex functions of the added masses, because every force is lin
 among it, shakes nothing: range and rms leave it out, the peak counts it.
 """
 
+from __future__ import annotations
+
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass

@@ -5,6 +5,8 @@ So the best counterweights are the optimum of a convex program: it is found from
 searches step by step.)
 """
 
+from __future__ import annotations
+
 import math
 from collections.abc import Iterator, Mapping, Sequence
 

@@ -5,6 +5,8 @@ the room's centre. Material spread over a region can have just those with h in m
 h^2 / m, and that of all of it at the region's far end. This is a convex cone, so that the best of all shapes and places is found.
 """
 
+from __future__ import annotations
+
 import math
 from collections.abc import Callable
 from dataclasses import dataclass

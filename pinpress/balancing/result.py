@@ -1,5 +1,7 @@
 """A balanced press, and what balancing does to it."""
 
+from __future__ import annotations
+
 import os
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -102,6 +104,6 @@ class Balance(Frozen):
         """
         tables.write_csv(path, self.columns())
 
-    def to_frame(self) -> "tables.DataFrame":
+    def to_frame(self) -> tables.DataFrame:
         """The columns as a pandas DataFrame. Raises PinpressError where pandas is not installed."""
         return tables.frame(self.columns())

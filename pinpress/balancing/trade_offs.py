@@ -1,5 +1,7 @@
 """What of one measure must be given for another: the balanced presses between the best of either (Pareto curves)."""
 
+from __future__ import annotations
+
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass

@@ -1,5 +1,7 @@
 """Every exception of the library. Each carries its data as attributes, so that a caller need not read the sentence."""
 
+from __future__ import annotations
+
 import pickle
 import sys
 import warnings

@@ -10,6 +10,8 @@ with the Jacobian J of the loops, and on the right what does not hold the unknow
 block by block, as the loops themselves are. Nothing is approximated.
 """
 
+from __future__ import annotations
+
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, NamedTuple
@@ -115,7 +117,7 @@ class States(NamedTuple):
     factors: list[Any]
 
     @staticmethod
-    def of(plane: Plane, position: Array) -> "States":
+    def of(plane: Plane, position: Array) -> States:
         """Of closed joint coordinates (nv, n)."""
         at = basis(plane, position)
         rows = product(plane.closure, at)
@@ -141,7 +143,7 @@ class Rates(NamedTuple):
     second: ComplexArray
 
     @staticmethod
-    def of(states: States, v: Array, a: Array) -> "Rates":
+    def of(states: States, v: Array, a: Array) -> Rates:
         return Rates(v, a, basis_velocity(states.plane, states.at, v), basis_acceleration(states.plane, states.at, v, a))
 
 
@@ -156,7 +158,7 @@ class Tangent(NamedTuple):
     second: ComplexArray
 
     @staticmethod
-    def of(states: States, rates: Rates, by: Shift) -> "Tangent":
+    def of(states: States, rates: Rates, by: Shift) -> Tangent:
         """
         Raises:
             PinpressError: redundant bearings cannot stay closed in this direction.

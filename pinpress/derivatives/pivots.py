@@ -1,5 +1,7 @@
 """Where the pivots of a linkage are in its links, and how far given positions move them."""
 
+from __future__ import annotations
+
 from collections.abc import Iterator, Mapping
 from typing import NamedTuple
 
@@ -24,7 +26,7 @@ class Displacements(NamedTuple):
     joints: Array
     ends: Array
 
-    def less(self, other: "Displacements") -> "Displacements":
+    def less(self, other: Displacements) -> Displacements:
         """How far these go beyond others."""
         return Displacements(self.joints - other.joints, self.ends - other.ends)
 

@@ -1,5 +1,7 @@
 """A linkage with other link lengths: its pivots moved in their links, and the same assembly drawn anew."""
 
+from __future__ import annotations
+
 from dataclasses import replace
 
 import numpy as np

@@ -5,6 +5,8 @@ or brake transmits its friction torque, rising over its time of engagement; once
 to hold more than that.
 """
 
+from __future__ import annotations
+
 import math
 from dataclasses import dataclass
 from typing import Any, NamedTuple

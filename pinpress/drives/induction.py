@@ -1,5 +1,7 @@
 """Motors by their nameplates: induction motors on the mains and on inverters."""
 
+from __future__ import annotations
+
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass

@@ -1,5 +1,7 @@
 """What drives a press: the protocol that all drives follow, those of `drives` and a caller's own."""
 
+from __future__ import annotations
+
 from typing import Protocol, runtime_checkable
 
 import numpy as np

@@ -1,5 +1,7 @@
 """The servo motor and its motion program."""
 
+from __future__ import annotations
+
 from bisect import bisect_right
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass

@@ -1,5 +1,7 @@
 """The motor with electromagnetic slip clutch and speed control of Zhang 2007."""
 
+from __future__ import annotations
+
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass

@@ -5,6 +5,8 @@ its shaft in the positive direction; ``Geared(motor, -1.0)`` turns it round. Sev
 where a class allows it, and their speeds on the last axis of an array. Wrong parameters raise a `PinpressError` that names class and field.
 """
 
+from __future__ import annotations
+
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property

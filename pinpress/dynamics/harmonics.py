@@ -1,5 +1,7 @@
 """Harmonics of a force over one period of the crank's motion."""
 
+from __future__ import annotations
+
 from dataclasses import dataclass
 
 import numpy as np

@@ -7,6 +7,8 @@ their bearings'. Shaking force and moment are the action of the machine on its f
 included.
 """
 
+from __future__ import annotations
+
 import math
 import os
 from collections.abc import Collection, Mapping, Sequence
@@ -80,7 +82,7 @@ class Reactions(Frozen):
     left_out: tuple[str, ...]
     _wrenches: Wrenches
     _press: Linkage
-    _under: "_Under"
+    _under: _Under
 
     def __repr__(self) -> str:
         return (
@@ -194,7 +196,7 @@ class Reactions(Frozen):
         """Write the columns, one state a line, full precision, units in the header."""
         tables.write_csv(path, self.columns())
 
-    def to_frame(self) -> "tables.DataFrame":
+    def to_frame(self) -> tables.DataFrame:
         """The columns as a pandas DataFrame."""
         return tables.frame(self.columns())
 

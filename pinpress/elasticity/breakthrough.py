@@ -13,6 +13,8 @@ Closed forms, without clearance: at once, reverse load F exp(-zeta pi / sqrt(1 -
 F |sin(w tau / 2) / (w tau / 2)|, w = sqrt(k / m) (a linear drop of force on a linear oscillator; any textbook of vibrations).
 """
 
+from __future__ import annotations
+
 import math
 import os
 from collections.abc import Iterable
@@ -93,7 +95,7 @@ class SnapThrough(Frozen):
         """Write the columns, one instant a line, full precision, units in the header."""
         tables.write_csv(path, self.columns())
 
-    def to_frame(self) -> "tables.DataFrame":
+    def to_frame(self) -> tables.DataFrame:
         """The columns as a pandas DataFrame."""
         return tables.frame(self.columns())
 

@@ -5,6 +5,8 @@ table, the slide moves by F c beside the rigid press, c = sum of n . n / k over 
 under F = 1 N. (Castigliano's second theorem; any textbook of strength of materials.) Deflections are of first order.
 """
 
+from __future__ import annotations
+
 import itertools
 import os
 from collections.abc import Mapping, Sequence
@@ -56,7 +58,7 @@ class Elasticity(Frozen):
     parts: Mapping[str, Array]
     bottom_stiffness: float
     bottom_shares: Mapping[str, float]
-    _held: "Held"
+    _held: Held
 
     def __repr__(self) -> str:
         return f"<Elasticity of {self.press}: {self.bottom_stiffness:.4g} N/m at bottom dead centre>"
@@ -85,7 +87,7 @@ class Elasticity(Frozen):
         """Write the columns, one crank angle a line, full precision, units in the header."""
         tables.write_csv(path, self.columns())
 
-    def to_frame(self) -> "tables.DataFrame":
+    def to_frame(self) -> tables.DataFrame:
         """The columns as a pandas DataFrame."""
         return tables.frame(self.columns())
 

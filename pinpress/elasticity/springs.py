@@ -5,6 +5,8 @@ is of first order in the deflections. By virtual work a part with compliance c m
 under a unit force on the slide (unit-load method); the sign of N cancels, as n has the same.
 """
 
+from __future__ import annotations
+
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import NamedTuple

@@ -1,5 +1,7 @@
 """What shakes the frame: shaking force and moment of the machine, less its weight, and the moment of a flywheel that changes its speed."""
 
+from __future__ import annotations
+
 import numpy as np
 
 from ..common.arguments import typed

@@ -1,5 +1,7 @@
 """The vibration of a frame over time: of its points, and the force on the floor."""
 
+from __future__ import annotations
+
 import os
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -57,7 +59,7 @@ class FrameMotion(Frozen):
         mount_force: Array,
         forcing: Array,
         period: float | None,
-    ) -> "FrameMotion":
+    ) -> FrameMotion:
         """From displacements, velocities and accelerations of the coordinates, (n, coordinates) each, and rows (3, coordinates)."""
         moved = [{name: _fixed(values @ rows.T) for name, rows in points.items()} for values in motion]
         places = np.array([mount.point for mount in system.mounts])
@@ -135,7 +137,7 @@ class FrameMotion(Frozen):
         """Write the columns, one state a line, full precision, units in the header."""
         tables.write_csv(path, self.columns())
 
-    def to_frame(self) -> "tables.DataFrame":
+    def to_frame(self) -> tables.DataFrame:
         """The columns as a pandas DataFrame."""
         return tables.frame(self.columns())
 

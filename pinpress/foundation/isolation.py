@@ -4,6 +4,8 @@ Mounts isolate what is faster than sqrt(2) times their natural frequency, and th
 press sways on them, or tips.
 """
 
+from __future__ import annotations
+
 import os
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -70,7 +72,7 @@ class Isolation(Frozen):
         """Write the columns, one speed a line, full precision, units in the header."""
         tables.write_csv(path, self.columns())
 
-    def to_frame(self) -> "tables.DataFrame":
+    def to_frame(self) -> tables.DataFrame:
         """The columns as a pandas DataFrame."""
         return tables.frame(self.columns())
 

@@ -15,6 +15,8 @@ a point p of a part has the potential -f . (t x (t x p)) / 2 beside its work for
 f . p - (f p^T + p f^T) / 2. It makes a tall press on soft mounts tip, and pendulums swing.
 """
 
+from __future__ import annotations
+
 import os
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -88,7 +90,7 @@ class MountedPress(Frozen):
         """Write the columns, one mount a line, full precision, units in the header."""
         tables.write_csv(path, self.table())
 
-    def to_frame(self) -> "tables.DataFrame":
+    def to_frame(self) -> tables.DataFrame:
         """The columns as a pandas DataFrame."""
         return tables.frame(self.table())
 

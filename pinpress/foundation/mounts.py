@@ -1,5 +1,7 @@
 """What a press stands on, and what stands: mounts, and rigid parts of the frame."""
 
+from __future__ import annotations
+
 from collections.abc import Sequence
 from dataclasses import dataclass
 

@@ -5,6 +5,8 @@ time the force is taken for a line between two states; with it a step of the lin
 exponential of (x, f, f') over a step), whatever the step beside the natural periods.
 """
 
+from __future__ import annotations
+
 from collections.abc import Mapping
 
 import numpy as np

@@ -9,6 +9,8 @@ S = loaded area / area free to bulge, and small strains (Gent and Lindley 1959; 
 The hardness gives the shear modulus by Gent's formula (Gent 1958), 3 G = 0.0981 (56 + 7.62336 H) / (0.137505 (254 - 2.54 H)) MPa.
 """
 
+from __future__ import annotations
+
 import math
 from dataclasses import dataclass
 

@@ -4,6 +4,8 @@ Idle and at constant speed the shaking wrench is a part that the weights of the 
 grows with the speed squared; both are found from two cycles, and with them every speed at once.
 """
 
+from __future__ import annotations
+
 import os
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -97,7 +99,7 @@ class SpeedResponse(Frozen):
         """Write the columns, one speed a line, full precision, units in the header."""
         tables.write_csv(path, self.columns())
 
-    def to_frame(self) -> "tables.DataFrame":
+    def to_frame(self) -> tables.DataFrame:
         """The columns as a pandas DataFrame."""
         return tables.frame(self.columns())
 

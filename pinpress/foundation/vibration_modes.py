@@ -1,5 +1,7 @@
 """Natural frequencies, shapes and damping of a press on its mounts."""
 
+from __future__ import annotations
+
 import os
 from dataclasses import dataclass
 
@@ -71,7 +73,7 @@ class Modes(Frozen):
         """Write the columns, one mode a line, full precision, units in the header."""
         tables.write_csv(path, self.columns())  # type: ignore[arg-type]
 
-    def to_frame(self) -> "tables.DataFrame":
+    def to_frame(self) -> tables.DataFrame:
         """The columns as a pandas DataFrame."""
         return tables.frame(self.columns())  # type: ignore[arg-type]
 

@@ -1,5 +1,7 @@
 """Where the slide turns back."""
 
+from __future__ import annotations
+
 from dataclasses import dataclass
 
 import numpy as np

@@ -13,6 +13,8 @@ All raise PinpressError for a motion that is no such period, has no slide or one
 the working stroke for a slide that turns back more than twice in it too.
 """
 
+from __future__ import annotations
+
 import math
 
 import numpy as np

@@ -1,5 +1,7 @@
 """The motion of a linkage: every configuration closed, with exact rates, from the motion of its driver."""
 
+from __future__ import annotations
+
 import math
 import os
 from dataclasses import dataclass, field, fields
@@ -120,7 +122,7 @@ class Motion(Frozen):
         """Write the columns, one state a line, full precision, units in the header."""
         tables.write_csv(path, self.columns())
 
-    def to_frame(self) -> "tables.DataFrame":
+    def to_frame(self) -> tables.DataFrame:
         """The columns as a pandas DataFrame."""
         return tables.frame(self.columns())
 

@@ -1,5 +1,7 @@
 """The slide's path over a period, and its working stroke."""
 
+from __future__ import annotations
+
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property

@@ -3,6 +3,8 @@
 Of a planar linkage the pins' positions belong in one plane across the pins' axes.
 """
 
+from __future__ import annotations
+
 from collections.abc import Mapping
 
 import numpy as np

@@ -1,5 +1,7 @@
 """Everything that is wrong with a URDF, odd in it, or worth knowing about the linkage it describes."""
 
+from __future__ import annotations
+
 import os
 import textwrap
 from collections.abc import Iterator, Sequence
@@ -130,7 +132,7 @@ def check(path: str | os.PathLike[str], driver: str | Sequence[str] | None = Non
     return Report(file, tuple(sorted(findings, key=lambda finding: SEVERITIES.index(finding.severity))), facts)
 
 
-def _put_together(document: "urdf.Document", driver: str | Sequence[str] | None, slide: str | None) -> tuple[list[Finding], Facts]:
+def _put_together(document: urdf.Document, driver: str | Sequence[str] | None, slide: str | None) -> tuple[list[Finding], Facts]:
     """Findings and facts of the linkage that the elements make; raises the errors of `assembled`."""
     from ..engines.spatial import model as spatial
     from . import assembly_checks as pose_checks
@@ -159,7 +161,7 @@ def _put_together(document: "urdf.Document", driver: str | Sequence[str] | None,
     return findings, Facts(press.drivers, press.slide, press.joints, len(press.drawn_gaps), rank, engine, closings)
 
 
-def _in_order(press: "Linkage", owners: "list[freedom.Held]") -> "Iterator[tuple[int, freedom.Held, tuple[str, ...]]]":
+def _in_order(press: Linkage, owners: list[freedom.Held]) -> Iterator[tuple[int, freedom.Held, tuple[str, ...]]]:
     """Index of every loop and gear pair, itself, and names of its joints: see `Closing`."""
     count = len(press.loops)
     if press.plane is not None:

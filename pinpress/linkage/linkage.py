@@ -1,5 +1,7 @@
 """A press linkage: the URDF's tree as a Pinocchio model, its loops, its drivers and its slide."""
 
+from __future__ import annotations
+
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
@@ -145,7 +147,7 @@ class Linkage(Frozen):
         return closed
 
     @derived
-    def _assembly(self) -> "_Assembly":
+    def _assembly(self) -> _Assembly:
         """The drawn pose closed by the engine that suits."""
         start, general = self.as_drawn[:, None], self.spatial
         for one_block in (False, True) if len(self.drivers) == 1 else ():
@@ -276,7 +278,7 @@ class Linkage(Frozen):
         return bool(np.abs(uneven).max() <= EVEN * along and eccentric <= EVEN * inertia.mass * self.spatial.size)
 
     @derived
-    def table(self) -> "Table":
+    def table(self) -> Table:
         """Reduced inertia, potential energy and, if there is one, slide position over the crank angle; see `reduced`. Raises as
         `branch`."""
         from ..simulation.reduced_model import build  # it makes motions of this linkage
@@ -284,13 +286,13 @@ class Linkage(Frozen):
         return build(self, [lambda motion: motion.slide_position] if self.slide is not None else [])
 
     @derived
-    def dead_centres(self) -> "DeadCentres":
+    def dead_centres(self) -> DeadCentres:
         """Where the slide turns back. Raises as `pinpress.dead_centres`."""
         from ..kinematics.dead_centres import found  # it closes this linkage
 
         return found(self)
 
-    def with_inertias(self, inertias: Sequence[pin.Inertia], name: str | None = None) -> "Linkage":
+    def with_inertias(self, inertias: Sequence[pin.Inertia], name: str | None = None) -> Linkage:
         """The same linkage with other bodies, and perhaps another name: inertias of all joints, the frame's first, in their frames. What is
         known of its geometry is kept, as loops do not feel masses."""
         model = self.model.copy()

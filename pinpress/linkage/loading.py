@@ -1,5 +1,7 @@
 """From a URDF file to a `Linkage`: read, closed in its drawn pose, and found to be moved by its driver alone."""
 
+from __future__ import annotations
+
 import os
 from collections.abc import Sequence
 from pathlib import Path
@@ -83,7 +85,7 @@ def located(path: str | os.PathLike[str]) -> str | os.PathLike[str]:
 
 
 def assembled(
-    description: "urdf.Urdf",
+    description: urdf.Urdf,
     driver: str | Sequence[str] | None,
     slide: str | None,
     gravity: Sequence[float] = (0.0, 0.0, -9.81),
@@ -127,11 +129,11 @@ def _library() -> Path:
     return next(folder for folder in (here / "urdf", here.parent / "urdf") if folder.is_dir())
 
 
-def _line(description: "urdf.Urdf", joint: str) -> int:
+def _line(description: urdf.Urdf, joint: str) -> int:
     return next(j.line for j in description.joints if j.name == joint)
 
 
-def _drivers(description: "urdf.Urdf", driver: str | Sequence[str] | None) -> tuple[str, ...]:
+def _drivers(description: urdf.Urdf, driver: str | Sequence[str] | None) -> tuple[str, ...]:
     moving = [joint.name for joint in description.joints if joint.type != "fixed"]
     given: tuple[str, ...] = description.drivers
     if driver is not None:
@@ -152,7 +154,7 @@ def _drivers(description: "urdf.Urdf", driver: str | Sequence[str] | None) -> tu
     return given
 
 
-def _loop_joint(model: pin.Model, loop: "urdf.Loop") -> LoopJoint:
+def _loop_joint(model: pin.Model, loop: urdf.Loop) -> LoopJoint:
     ends: list[tuple[int, Array, Array]] = []
     turned = pin.Quaternion.FromTwoVectors(np.array([1.0, 0.0, 0.0]), np.array(loop.axis)).matrix()  # the first axis to the loop's
     for end in (loop.link1, loop.link2):
@@ -162,7 +164,7 @@ def _loop_joint(model: pin.Model, loop: "urdf.Loop") -> LoopJoint:
     return LoopJoint(loop.name, loop.type, *ends[0], *ends[1], loop.line)
 
 
-def _slide(description: "urdf.Urdf", model: pin.Model, slide: str | None) -> str | None:
+def _slide(description: urdf.Urdf, model: pin.Model, slide: str | None) -> str | None:
     guided = {j.child: j.name for j in description.joints if j.type == "prismatic" and model.parents[model.getJointId(j.name)] == 0}
     if slide is not None:
         if not isinstance(slide, str):

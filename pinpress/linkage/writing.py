@@ -4,6 +4,8 @@ What is written is read again before it reaches its place. Where Pinocchio round
 and divides by it again), the number is written that loads to the wanted one.
 """
 
+from __future__ import annotations
+
 import dataclasses
 import os
 from collections.abc import Iterable, Iterator

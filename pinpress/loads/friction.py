@@ -5,6 +5,8 @@ with the force c v + mu F, where F is its force across the direction of sliding.
 together. At rest, in a dead centre, Coulomb friction can have any value up to its limit; zero is taken.
 """
 
+from __future__ import annotations
+
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
@@ -34,7 +36,7 @@ class Friction:
     viscous: float = 0.0
 
 
-def law(friction: Mapping[str, Friction], press: "Linkage") -> FrictionLaw | None:
+def law(friction: Mapping[str, Friction], press: Linkage) -> FrictionLaw | None:
     """The friction of a linkage's bearings, None where there is none.
 
     Raises:

@@ -1,5 +1,7 @@
 """Forces on the links from outside, springs and dampers between them, and the kinds of load there are."""
 
+from __future__ import annotations
+
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
@@ -27,7 +29,7 @@ class PointForce:
     """
 
     link: str
-    force: "ArrayLike | Callable[[Motion], ArrayLike]"
+    force: ArrayLike | Callable[[Motion], ArrayLike]
     point: tuple[float, float, float] = (0.0, 0.0, 0.0)
 
 

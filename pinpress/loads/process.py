@@ -8,6 +8,8 @@ The load cases are those of Zhang 2007 (JF75G-125), 5.7, as functions of height 
 and windows in time then miss the stroke that they were made for.
 """
 
+from __future__ import annotations
+
 import itertools
 import math
 from collections.abc import Callable, Mapping, Sequence

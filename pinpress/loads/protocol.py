@@ -1,5 +1,7 @@
 """What a process load is: stretches of force over the slide's height, and the datum that heights are measured from."""
 
+from __future__ import annotations
+
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Protocol, runtime_checkable
@@ -46,7 +48,7 @@ class ProcessLoad(Protocol):
 
 
 @typed
-def datum(load: ProcessLoad, press: "Linkage") -> float:
+def datum(load: ProcessLoad, press: Linkage) -> float:
     """Slide position from which the heights of a load are measured [m].
 
     Raises:

@@ -1,5 +1,7 @@
 """Trade-offs between measures as a static chart; see `plots`."""
 
+from __future__ import annotations
+
 from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
@@ -18,7 +20,7 @@ HIGH = 6.5  # of a panel [cm]
 
 
 @typed
-def plot_trade_offs(curves: Mapping[str, TradeOff]) -> "Figure":
+def plot_trade_offs(curves: Mapping[str, TradeOff]) -> Figure:
     """Curves of `trade_off` under their names, the first measure over the second; those of the same two measures in one panel. A grey cross
     is the press before balancing.
 
@@ -40,7 +42,7 @@ def plot_trade_offs(curves: Mapping[str, TradeOff]) -> "Figure":
     return figure
 
 
-def _panel(axes: "Axes", curves: Mapping[str, TradeOff]) -> None:
+def _panel(axes: Axes, curves: Mapping[str, TradeOff]) -> None:
     some = next(iter(curves.values()))
     (across, x_label), (up, y_label) = _scaled(some.second), _scaled(some.first)
     lines: list[Artist] = []

@@ -1,5 +1,7 @@
 """Elastic presses as static charts: compliance by parts, bottom dead centre over speed, snap-through; see `plots`."""
 
+from __future__ import annotations
+
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
@@ -23,7 +25,7 @@ SMALLEST = 5e-3  # of the largest compliance: parts that never give as much are 
 
 
 @typed
-def plot_elasticity(elasticity: Elasticity) -> "Figure":
+def plot_elasticity(elasticity: Elasticity) -> Figure:
     """Compliance at the slide over the crank angle, the shares of the parts stacked on each other; the largest lowest.
 
     Raises:
@@ -35,7 +37,7 @@ def plot_elasticity(elasticity: Elasticity) -> "Figure":
 
 
 @typed
-def plot_dead_centre_shift(shifts: Mapping[str, DeadCentreShift]) -> "Figure":
+def plot_dead_centre_shift(shifts: Mapping[str, DeadCentreShift]) -> Figure:
     """How much deeper the slides of presses go at speed than at standstill, under their names.
 
     Raises:
@@ -47,7 +49,7 @@ def plot_dead_centre_shift(shifts: Mapping[str, DeadCentreShift]) -> "Figure":
 
 
 @typed
-def plot_snap_through(responses: Mapping[str, SnapThrough]) -> "Figure":
+def plot_snap_through(responses: Mapping[str, SnapThrough]) -> Figure:
     """Force of the sprung press beside that at break-through over time, under the names of the cases; below zero the linkage is pulled.
 
     Raises:
@@ -58,7 +60,7 @@ def plot_snap_through(responses: Mapping[str, SnapThrough]) -> "Figure":
     return figure
 
 
-def draw_elasticity(axes: "Axes", elasticity: Elasticity) -> None:
+def draw_elasticity(axes: Axes, elasticity: Elasticity) -> None:
     """The chart of `plot_elasticity` on given axes."""
     from matplotlib.ticker import MaxNLocator
 
@@ -83,7 +85,7 @@ def draw_elasticity(axes: "Axes", elasticity: Elasticity) -> None:
     legend(axes, areas[::-1], names[::-1], loc="upper center", ncols=3, columnspacing=1.0, borderaxespad=0.1)
 
 
-def draw_dead_centre_shift(axes: "Axes", shifts: Mapping[str, DeadCentreShift]) -> None:
+def draw_dead_centre_shift(axes: Axes, shifts: Mapping[str, DeadCentreShift]) -> None:
     """The chart of `plot_dead_centre_shift` on given axes."""
     _refuse_none(shifts, "dead_centre_shift", DeadCentreShift)
     grid(axes, "shift of bottom dead centre [µm]")
@@ -95,7 +97,7 @@ def draw_dead_centre_shift(axes: "Axes", shifts: Mapping[str, DeadCentreShift]) 
     legend(axes, lines, list(shifts), loc="lower left")
 
 
-def draw_snap_through(axes: "Axes", responses: Mapping[str, SnapThrough]) -> None:
+def draw_snap_through(axes: Axes, responses: Mapping[str, SnapThrough]) -> None:
     """The chart of `plot_snap_through` on given axes."""
     _refuse_none(responses, "snap_through", SnapThrough)
     grid(axes, "force by that at break-through [-]")

@@ -1,5 +1,7 @@
 """Vibration of a press on its mounts, drawn: accelerations in time, acceleration and force on the floor over speed."""
 
+from __future__ import annotations
+
 from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
@@ -21,7 +23,7 @@ HIGH = 5.0  # of one panel [cm]
 
 
 @typed
-def plot_vibration(motions: Mapping[str, FrameMotion], axis: str = "z", last: float | None = None) -> "Figure":
+def plot_vibration(motions: Mapping[str, FrameMotion], axis: str = "z", last: float | None = None) -> Figure:
     """Acceleration of all points along an axis over time, one panel a motion under its name.
 
     Args:
@@ -47,7 +49,7 @@ def plot_vibration(motions: Mapping[str, FrameMotion], axis: str = "z", last: fl
 
 
 @typed
-def plot_speeds(responses: Mapping[str, SpeedResponse], point: str) -> "Figure":
+def plot_speeds(responses: Mapping[str, SpeedResponse], point: str) -> Figure:
     """Acceleration of a point, root mean square of all directions, and force on the floor by shaking force, over the speed; a curve a
     response, under its name.
 

@@ -1,5 +1,7 @@
 """The force-stroke-energy diagram of a press as a static chart; see `plots`."""
 
+from __future__ import annotations
+
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -23,7 +25,7 @@ GOVERNING = 3.2  # width of the governing curve [pt]
 
 
 @typed
-def plot_ratings(ratings: Ratings) -> "Figure":
+def plot_ratings(ratings: Ratings) -> Figure:
     """Permissible force over the height, of each limit and, thick in the colour of the one that governs, of all; left near bottom dead
     centre, right over the stroke. Thin hyperbolas are of constant energy. Below the work that the force takes from a height down, and the
     energies there are.
@@ -54,7 +56,7 @@ def _near(ratings: Ratings) -> float:
     return min(NEAR * max(marks, default=0.1 * ratings.stroke), ratings.stroke)
 
 
-def _forces(axes: "Axes", ratings: Ratings, reach: float) -> "list[Artist]":
+def _forces(axes: Axes, ratings: Ratings, reach: float) -> list[Artist]:
     height, top = 1e3 * ratings.height, ROOM * ratings.capacities.nominal_force / 1e3
     grid(axes, "process force [kN]")
     for share in HYPERBOLAS:
@@ -80,7 +82,7 @@ def _meets(ratings: Ratings, force: Array) -> Array:
     return np.asarray(force <= ratings.force * (1 + 1e-9))
 
 
-def _works(axes: "Axes", ratings: Ratings, reach: float) -> None:
+def _works(axes: Axes, ratings: Ratings, reach: float) -> None:
     grid(axes, "work [kJ]")
     inside = ratings.height <= reach
     axes.plot(1e3 * ratings.height, ratings.work / 1e3, color=GREY)
@@ -91,7 +93,7 @@ def _works(axes: "Axes", ratings: Ratings, reach: float) -> None:
     plain(axes.set_xlabel("height above bottom dead centre [mm]"))
 
 
-def _hyperbola(axes: "Axes", energy: float, reach: float, top: float) -> None:
+def _hyperbola(axes: Axes, energy: float, reach: float, top: float) -> None:
     """Forces [kN] of constant energy [kJ] over the height [mm], with its name on the diagonal of the panel."""
     height = np.geomspace(1e3 * energy / top, reach, 200)
     axes.plot(height, 1e3 * energy / height, color=GREY, linewidth=0.5, linestyle=(0, (1, 2)))
@@ -106,6 +108,6 @@ def _look(i: int) -> dict[str, Any]:
     return {"color": COLOURS[i % len(COLOURS)], "linestyle": LINES[i // len(COLOURS) % len(LINES)]}
 
 
-def _limits(axes: "Axes", reach: float, top: float) -> None:
+def _limits(axes: Axes, reach: float, top: float) -> None:
     axes.set_xlim(0.0, 1e3 * reach)
     axes.set_ylim(0.0, top)

@@ -4,6 +4,8 @@ Every function returns a `matplotlib.figure.Figure`; `save_plot` writes it. They
 (``pip install 'pinpress[plots]'``) or a value is not finite.
 """
 
+from __future__ import annotations
+
 from collections.abc import Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, NamedTuple
@@ -36,7 +38,7 @@ BEFORE, PALE, AFTER = GREY, "#b0b0b0", COLOURS[0]
 
 
 @typed
-def plot_slide(motion: Motion) -> "Figure":
+def plot_slide(motion: Motion) -> Figure:
     """Position, velocity and acceleration of the slide, and the speed of the crank where it is not constant.
 
     Raises:
@@ -50,13 +52,13 @@ def plot_slide(motion: Motion) -> "Figure":
 
 
 @typed
-def plot_torque(reactions: Reactions) -> "Figure":
+def plot_torque(reactions: Reactions) -> Figure:
     """Driving torque of every driver; of a run beside the torque of its drive."""
     return _stacked(reactions.motion, [charts.torque(reactions)], 6.0)
 
 
 @typed
-def plot_bearings(reactions: Reactions) -> "Figure":
+def plot_bearings(reactions: Reactions) -> Figure:
     """Magnitudes of all bearing and guide forces, and of the moments they hold, where one does. Curves that coincide are drawn once."""
     moments = charts.bearing_moment(reactions)
     shown = [_merged(chart) for chart in (charts.bearing(reactions), moments) if chart is not None]
@@ -64,7 +66,7 @@ def plot_bearings(reactions: Reactions) -> "Figure":
 
 
 @typed
-def plot_polar(reactions: Reactions, *bearings: str) -> "Figure":
+def plot_polar(reactions: Reactions, *bearings: str) -> Figure:
     """Polar diagrams of bearing forces, by default of all: path of the force vector's tip in world axes (solid) and in axes that turn with
     the link it acts on (dashed), with dots at every quarter turn of the crank in the last period. Circles are of constant force.
 
@@ -76,7 +78,7 @@ def plot_polar(reactions: Reactions, *bearings: str) -> "Figure":
 
 
 @typed
-def plot_shaking(reactions: Reactions) -> "Figure":
+def plot_shaking(reactions: Reactions) -> Figure:
     """World components of the shaking force, and the amplitudes of its harmonics in the last full period, where there is one."""
     motion, chart = reactions.motion, charts.shaking(reactions)
     found = harmonics(motion, reactions.shaking_force)
@@ -106,7 +108,7 @@ def plot_shaking(reactions: Reactions) -> "Figure":
 
 
 @typed
-def plot_comparison(before: Reactions, after: Reactions) -> "Figure":
+def plot_comparison(before: Reactions, after: Reactions) -> Figure:
     """Two presses, or two operating points of one: driving torque, shaking force, peaks of the forces in the bearings they
     both have, and by how much each changes.
 
@@ -143,7 +145,7 @@ def _backwards(over: Over) -> bool:
     return bool(over.x[-1] < over.x[0])
 
 
-def _stacked(motion: Motion, shown: Sequence[Chart], *least: float) -> "Figure":
+def _stacked(motion: Motion, shown: Sequence[Chart], *least: float) -> Figure:
     """Charts one below the other over one abscissa, as high as their names need, at least ``least``, the last for all others [cm]."""
     lines = [sum(1 + curve.name.count("\n") for curve in chart.curves) for chart in shown]
     heights = [max(least[min(i, len(least) - 1)], 0.5 + ROW * count) for i, count in enumerate(lines)]
@@ -158,7 +160,7 @@ def _stacked(motion: Motion, shown: Sequence[Chart], *least: float) -> "Figure":
     return figure
 
 
-def _panel(axes: "Axes", over: Over, chart: Chart) -> None:
+def _panel(axes: Axes, over: Over, chart: Chart) -> None:
     grid(axes, f"{_words(chart)} [{chart.unit}]")
     lines, names = draw(axes, over, chart.curves), [curve.name for curve in chart.curves]
     over.label(axes)
@@ -234,7 +236,7 @@ def _pairs(before: Chart, after: Chart) -> list[_Pair]:
     return [_Pair(curve.name, quantity, unit, scale[0] * curve.values, scale[1] * known[curve.name]) for curve in common]
 
 
-def _compare(axes: "Axes", overs: tuple[Over, Over], pair: _Pair, wide: bool) -> "list[Artist]":
+def _compare(axes: Axes, overs: tuple[Over, Over], pair: _Pair, wide: bool) -> list[Artist]:
     grid(axes, f"{pair.quantity} [{pair.unit}]")
     old = axes.plot(overs[0].x, overs[0].along(pair.before), color=BEFORE, linestyle=(0, (4, 1.5)))
     new = axes.plot(overs[1].x, overs[1].along(pair.after), color=AFTER)
@@ -243,7 +245,7 @@ def _compare(axes: "Axes", overs: tuple[Over, Over], pair: _Pair, wide: bool) ->
     return [*old, *new]
 
 
-def _bars(axes: "Axes", peaks: Sequence[_Pair]) -> None:
+def _bars(axes: Axes, peaks: Sequence[_Pair]) -> None:
     """Peaks of the bearings' forces, with their changes."""
     rows = np.arange(len(peaks), dtype=float)
     sizes = np.array([(pair.before.max(), pair.after.max()) for pair in peaks])

@@ -1,5 +1,7 @@
 """The paper a plot is drawn on: its size, its style, its axes and legends, and the file it is saved to. Matplotlib without pyplot."""
 
+from __future__ import annotations
+
 import io
 import os
 from collections.abc import Iterator, Sequence
@@ -47,7 +49,7 @@ DOTS = 300  # per inch
 
 
 @contextmanager
-def drawing(height: float) -> "Iterator[Figure]":
+def drawing(height: float) -> Iterator[Figure]:
     """A figure to draw on, `WIDTH` wide and ``height`` high [cm], in a style that does not depend on the caller's, laid out at the end.
 
     Raises:
@@ -65,7 +67,7 @@ def drawing(height: float) -> "Iterator[Figure]":
         figure.set_layout_engine("none")  # it would move everything a little each time that the figure is drawn
 
 
-def save_plot(figure: "Figure", path: str | os.PathLike[str]) -> Path:
+def save_plot(figure: Figure, path: str | os.PathLike[str]) -> Path:
     """Write a plot to an SVG, PNG or PDF file, as its suffix says, and return the path. The same plot gives the same bytes.
 
     Raises:
@@ -98,7 +100,7 @@ class Over:
         """Values (n, ...) at `x`."""
         return np.concatenate([values, values[:1]]) if self._closes else values
 
-    def label(self, axes: "Axes", wide: bool = True) -> None:
+    def label(self, axes: Axes, wide: bool = True) -> None:
         """Give the last of a column of axes its lower axis: label, limits, ticks; others share it."""
         from matplotlib.ticker import MaxNLocator, MultipleLocator
 
@@ -112,7 +114,7 @@ class Over:
             axes.xaxis.set_major_locator(whole if turned >= 270 else MaxNLocator(9 if wide else 5, steps=[1, 1.5, 3, 4.5, 6, 9, 10]))
 
 
-def grid(axes: "Axes", label: str) -> None:
+def grid(axes: Axes, label: str) -> None:
     """The look of a chart's axes, and the label of its upright one."""
     # said of these axes, as ticks are made when they are drawn, when the style is not in force any more
     axes.grid(True, color=LIGHT, linewidth=THIN)
@@ -122,7 +124,7 @@ def grid(axes: "Axes", label: str) -> None:
     plain(axes.set_ylabel(label))
 
 
-def draw(axes: "Axes", over: Over, curves: Sequence[Curve]) -> "list[Artist]":
+def draw(axes: Axes, over: Over, curves: Sequence[Curve]) -> list[Artist]:
     """Curves in colours that the colour-blind can tell, then in other kinds of lines; the lines drawn."""
     lines: list[Artist] = []
     for i, curve in enumerate(curves):
@@ -133,14 +135,14 @@ def draw(axes: "Axes", over: Over, curves: Sequence[Curve]) -> "list[Artist]":
     return lines
 
 
-def legend(owner: "Axes | Figure", handles: "Sequence[Artist]", names: Sequence[str], **where: Any) -> None:
+def legend(owner: Axes | Figure, handles: Sequence[Artist], names: Sequence[str], **where: Any) -> None:
     """A legend of any names: Matplotlib would leave out one that begins with "_", and typeset what is between two "$"."""
     texts = owner.legend(list(handles), ["-"] * len(names), frameon=False, handlelength=1.8, **where).get_texts()
     for text, name in zip(texts, names, strict=True):
         plain(text).set_text("\n".join(brief(line) for line in name.split("\n")))
 
 
-def above(axes: "Axes", handles: "Sequence[Artist]", names: Sequence[str]) -> None:
+def above(axes: Axes, handles: Sequence[Artist], names: Sequence[str]) -> None:
     """A legend in one line above the axes, clear of the curves."""
     where = {"loc": "lower left", "bbox_to_anchor": (-0.01, 0.98), "borderaxespad": 0.2, "columnspacing": 1.4}
     legend(axes, handles, names, ncols=len(names), **where)
@@ -151,7 +153,7 @@ def brief(name: str) -> str:
     return name if len(name) <= LONGEST else name[: LONGEST - 1] + "…"
 
 
-def plain(text: "Text") -> "Text":
+def plain(text: Text) -> Text:
     """The text as it is, without mathematics."""
     text.set_parse_math(False)
     return text

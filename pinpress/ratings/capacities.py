@@ -1,5 +1,7 @@
 """What the parts of a press can bear, as its builder or buyer states it."""
 
+from __future__ import annotations
+
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field

@@ -6,6 +6,8 @@ more than L / 6: what one gib would have to pull, the opposite one pushes. A sin
 remains over 3 (L / 2 - M / N), and the pressure rises to 2 N / (3 b (L / 2 - M / N)); beyond L / 2 the slide tips.
 """
 
+from __future__ import annotations
+
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass

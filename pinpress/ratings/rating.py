@@ -1,5 +1,7 @@
 """Ratings: what force a press may exert at which height, limited by torque, bearings and energy, as its builder prints it."""
 
+from __future__ import annotations
+
 import math
 import os
 from collections.abc import Mapping
@@ -95,7 +97,7 @@ class Ratings(Frozen):
         """Write the columns, one height a line, full precision, units in the header."""
         tables.write_csv(path, self.columns())
 
-    def to_frame(self) -> "tables.DataFrame":
+    def to_frame(self) -> tables.DataFrame:
         """The columns as a pandas DataFrame."""
         return tables.frame(self.columns())
 

@@ -4,6 +4,8 @@ At a given crank angle every force of a press that turns at constant speed w is 
 loads that depend on the slide's height alone. So the speed at which one reaches its capacity is a root of a quadratic equation in w^2.
 """
 
+from __future__ import annotations
+
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace

@@ -1,5 +1,7 @@
 """What engineers read off a run: speed drop, energy of motor and flywheel, recovery time, and what the motor has to bear."""
 
+from __future__ import annotations
+
 import itertools
 import math
 from dataclasses import dataclass

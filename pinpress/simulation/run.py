@@ -1,5 +1,7 @@
 """A simulated motion: its states, and how good they are."""
 
+from __future__ import annotations
+
 import math
 import time as clock
 from dataclasses import dataclass, fields

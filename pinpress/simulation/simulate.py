@@ -11,6 +11,8 @@ Pinocchio's constraint dynamics, but not with gear pairs, links without mass or 
 are so stiff that these get on faster: `Stats.solvers` says which.
 """
 
+from __future__ import annotations
+
 import time as clock
 from collections.abc import Callable, Mapping, Sequence
 from functools import partial
@@ -55,8 +57,8 @@ def simulate(
     duration: float,
     speed: float = ...,
     angle: ArrayLike = ...,
-    drive: "Drive | PrescribedSpeed | Mapping[str, Drive] | None" = ...,
-    flywheel: "Flywheel | Mapping[str, Flywheel] | None" = ...,
+    drive: Drive | PrescribedSpeed | Mapping[str, Drive] | None = ...,
+    flywheel: Flywheel | Mapping[str, Flywheel] | None = ...,
     loads: Sequence[Load] = ...,
     method: str = ...,
     clutch: Clutch | None = ...,
@@ -65,15 +67,15 @@ def simulate(
     step: float | None = ...,
     tolerance: float = ...,
     progress: Callable[[float], None] | None = ...,
-) -> "Run": ...
+) -> Run: ...
 @overload
 def simulate(
     press: Linkage,
     duration: float,
     speed: ArrayLike = ...,
     angle: ArrayLike = ...,
-    drive: "Drive | PrescribedSpeed | Mapping[str, Drive] | None" = ...,
-    flywheel: "Flywheel | Mapping[str, Flywheel] | None" = ...,
+    drive: Drive | PrescribedSpeed | Mapping[str, Drive] | None = ...,
+    flywheel: Flywheel | Mapping[str, Flywheel] | None = ...,
     loads: Sequence[Load] = ...,
     method: str = ...,
     clutch: Clutch | None = ...,
@@ -82,15 +84,15 @@ def simulate(
     step: float | None = ...,
     tolerance: float = ...,
     progress: Callable[[float], None] | None = ...,
-) -> "Run | Runs": ...
+) -> Run | Runs: ...
 @typed
 def simulate(
     press: Linkage,
     duration: float,
     speed: ArrayLike = 0.0,
     angle: ArrayLike = 0.0,
-    drive: "Drive | PrescribedSpeed | Mapping[str, Drive] | None" = None,
-    flywheel: "Flywheel | Mapping[str, Flywheel] | None" = None,
+    drive: Drive | PrescribedSpeed | Mapping[str, Drive] | None = None,
+    flywheel: Flywheel | Mapping[str, Flywheel] | None = None,
     loads: Sequence[Load] = (),
     method: str = "auto",
     clutch: Clutch | None = None,
@@ -99,7 +101,7 @@ def simulate(
     step: float | None = None,
     tolerance: float = 1e-11,
     progress: Callable[[float], None] | None = None,
-) -> "Run | Runs":
+) -> Run | Runs:
     """Let a press run.
 
     Args:

@@ -4,6 +4,8 @@ Where all depends on crank angle and speed, the kinetic energy over a period is 
 `over_angle.flow`). A drive with states of its own is followed over periods, and Newton's method finds the speed and states that come back.
 """
 
+from __future__ import annotations
+
 import time as clock
 from collections.abc import Sequence
 

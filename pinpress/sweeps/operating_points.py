@@ -8,6 +8,8 @@ At a given crank angle and a constant speed w torque and every reaction are affi
 accelerations, which go with w^2, and in the forces. Three calls of inverse dynamics give a, c and d; two or three more confirm them.
 """
 
+from __future__ import annotations
+
 from collections.abc import Callable, Collection, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import partial

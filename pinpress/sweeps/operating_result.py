@@ -1,5 +1,7 @@
 """The table of operating points."""
 
+from __future__ import annotations
+
 import os
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -70,7 +72,7 @@ class OperatingPoints(Frozen):
             raise UnknownNameError("result", name, self.results)
         return self.results[name]
 
-    def to_frame(self) -> "tables.DataFrame":
+    def to_frame(self) -> tables.DataFrame:
         """The columns, their units with their names, as a pandas DataFrame."""
         return tables.frame(self._with_units())
 

@@ -1,5 +1,7 @@
 """The table that a sweep returns."""
 
+from __future__ import annotations
+
 import os
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -77,7 +79,7 @@ class Sweep(Frozen):
             raise UnknownNameError("result", name, self._results)
         return self.columns[name].reshape(self.shape)
 
-    def to_frame(self) -> "tables.DataFrame":
+    def to_frame(self) -> tables.DataFrame:
         """The columns, and one of errors, as a pandas DataFrame; results of failed points are missing values there."""
         return tables.frame(self._lists)
 

@@ -1,5 +1,7 @@
 """Sweeps: a function of a press at every point of a grid, on one machine or a cluster, resumed where it was stopped."""
 
+from __future__ import annotations
+
 import inspect
 import os
 import pickle

@@ -14,6 +14,8 @@ Every gradient is exact (`sensitivities`, `force_sensitivities`), the assembly i
 meets the conditions of an optimum, or is not returned.
 """
 
+from __future__ import annotations
+
 import math
 import os
 from collections.abc import Callable, Mapping, Sequence
@@ -93,7 +95,7 @@ class Synthesis(Frozen):
         """
         tables.write_csv(path, synthesis_tables.columns(self._rows))
 
-    def to_frame(self) -> "tables.DataFrame":
+    def to_frame(self) -> tables.DataFrame:
         """The table as a pandas DataFrame. Raises PinpressError where pandas is not installed."""
         return tables.frame(synthesis_tables.columns(self._rows))
 

@@ -6,6 +6,8 @@ function is then the imaginary part of what it returns. Derivatives of motion an
 (`sensitivities`, `force_sensitivities`).
 """
 
+from __future__ import annotations
+
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -85,7 +87,7 @@ class Trial(Frozen):
 
     variables: Mapping[str, float]
     motion: Motion
-    positions: "Positions"
+    positions: Positions
     _press: Callable[[], Linkage]
     _reactions: Callable[[], TrialReactions]
 

@@ -1,5 +1,7 @@
 """The smallest and largest values of all that is charted, where they are, and how large it is on average."""
 
+from __future__ import annotations
+
 from collections.abc import Iterator
 from dataclasses import dataclass
 

@@ -1,5 +1,7 @@
 """Pictures and films of a recording, for reports and slides."""
 
+from __future__ import annotations
+
 import itertools
 import os
 import subprocess

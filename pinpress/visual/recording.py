@@ -4,6 +4,8 @@ The page holds Meshcat's viewer, the commands that build the scene, and a contro
 without a server or a network. World axes as everywhere: metres, z up, a planar press in the x-z plane, seen from -y.
 """
 
+from __future__ import annotations
+
 import os
 from collections import Counter
 from collections.abc import Sequence

@@ -1,5 +1,7 @@
 """A report: one web page with the recording of a press, and charts of its motion, torque and forces that follow it."""
 
+from __future__ import annotations
+
 import itertools
 import os
 from collections.abc import Sequence

@@ -18,6 +18,8 @@
 forces and `cancelled` compares those of two presses.
 """
 
+from __future__ import annotations
+
 from dataclasses import dataclass, replace
 
 import numpy as np

@@ -6,6 +6,8 @@ side to which the line would turn with the crank. By static substitution a rod o
 its moment is not (`CrankSlide.residual_inertia`).
 """
 
+from __future__ import annotations
+
 from dataclasses import dataclass
 
 import numpy as np

@@ -6,6 +6,8 @@ balance). One correction is enough for the first, two in different planes for bo
 unbalance, a hole on its side.
 """
 
+from __future__ import annotations
+
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
