@@ -8,7 +8,6 @@ import numpy as np
 
 from ..common.arrays import Array
 from ..dynamics.inverse_dynamics import Reactions, inverse_dynamics
-from ..engines.spatial.forward_dynamics import ForwardDynamics
 from ..kinematics.motion import cycle
 from ..linkage.linkage import Linkage
 from .contestants import Contest, Contestant, Errors, force_error, peak_force, peak_of
@@ -80,7 +79,7 @@ def _off(torque: Array, expected: Array, peak: float) -> float:
 
 def _returned(press: Linkage, reactions: Reactions) -> float:
     """Largest difference of the accelerations that forward dynamics gives back under the driving torque, of their peak."""
-    dynamics, motion, crank = ForwardDynamics(press, np.zeros(press.model.nv)), reactions.motion, press.spatial.drivers[0]
+    dynamics, motion, crank = press.forward_dynamics(np.zeros(press.model.nv)), reactions.motion, press.spatial.drivers[0]
     some = np.arange(0, len(motion.v), max(1, len(motion.v) // STATES))
     efforts = np.zeros((len(some), press.model.nv))
     efforts[:, crank] = reactions.driving_torque[some]

@@ -12,9 +12,9 @@ import pinocchio as pin
 
 from ..common.arrays import Array
 from ..dynamics.inverse_dynamics import inverse_dynamics
-from ..engines.spatial.forward_dynamics import ForwardDynamics
 from ..kinematics.motion import cycle
 from ..linkage.linkage import Linkage
+from ..simulation.reduced_model import tabulated
 from .contestants import Contest, Contestant, Errors, peak_of
 from .measurements import PROXIMAL, PROXIMAL_STATES
 
@@ -32,7 +32,7 @@ def contest(press: Linkage, speed: float, flywheel: float) -> Contest:
     crank = press.spatial.drivers[0]
     armature = np.zeros(press.model.nv)
     armature[crank] = flywheel
-    dynamics = ForwardDynamics(press, armature)
+    dynamics = press.forward_dynamics(armature)
     if dynamics.quick is None:
         return Contest(PROXIMAL, (), 0.0, "", (SKIPPED,))
     turn = cycle(press, speed=speed, points=PROXIMAL_STATES)
@@ -42,7 +42,7 @@ def contest(press: Linkage, speed: float, flywheel: float) -> Contest:
     at_loops = inverse_dynamics(press, motion).bearing_force
     expected = np.array([at_loops[loop.name] for loop in press.loops]).transpose(1, 0, 2)
     peak, peak_at_loops = peak_of(truth), peak_of(np.linalg.norm(expected, axis=2))
-    table, slope = press.table.at(motion.crank_angle)
+    table, slope = tabulated(press).at(motion.crank_angle)
     reduced = -(0.5 * slope[0] * speed**2 + slope[1]) / (table[0] + flywheel)
     certificate = float(np.abs(reduced - truth[:, crank]).max() / peak)
 

@@ -20,7 +20,7 @@ from ..kinematics.dead_centres import dead_centres
 from ..linkage.linkage import Linkage
 from ..loads.process import Blanking, ElasticDie
 from ..loads.protocol import ProcessLoad, Stretch
-from ..simulation.reduced_model import COORDINATES
+from ..simulation.reduced_model import COORDINATES, tabulated
 from .measurements import CLUTCH, DIE, FREE_RUN, SPEED_LAW
 
 RATED = 1485 * RPM  # speed of the motor [rad/s]
@@ -144,7 +144,7 @@ def build(press: Linkage, group: str, speed: float, flywheel: float, duration: f
 
 def _lever(press: Linkage, height: float) -> float:
     """Slide travel by crank angle, the largest below a height above bottom dead centre [m]."""
-    table, bottom = press.table, dead_centres(press).bottom_position
+    table, bottom = tabulated(press), dead_centres(press).bottom_position
     angles = np.linspace(table.borders[0], table.borders[-1], 721)
     values, slopes = table.at(angles)
     below = values[COORDINATES] - bottom <= height

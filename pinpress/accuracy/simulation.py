@@ -11,7 +11,9 @@ import numpy as np
 from ..dynamics.inverse_dynamics import Reactions, inverse_dynamics
 from ..kinematics.motion import carried
 from ..linkage.linkage import Linkage
+from ..linkage.memo import keep_all_but
 from ..simulation import reduced_model as reduced
+from ..simulation.reduced_model import tabulated
 from ..simulation.run import Run
 from ..simulation.simulate import LEAST_TOLERANCE, simulate
 from .contestants import Contest, Contestant, Errors, force_error, peak_force
@@ -165,5 +167,5 @@ def _run(press: Linkage, scene: Scene, method: str, **how: Any) -> Run:
 def _without_table(press: Linkage) -> Linkage:
     """The same linkage, all that is derived from it kept but its table."""
     same = replace(press)
-    same.__dict__.update({name: value for name, value in press.__dict__.items() if name != "table"})
+    keep_all_but(tabulated, same, press)
     return same

@@ -22,6 +22,7 @@ from ..common.units import RPM
 from ..drives.transmission import Flywheel
 from ..kinematics.motion import MOST_POINTS
 from ..linkage.linkage import Linkage
+from ..simulation.reduced_model import tabulated
 from . import inverse_dynamics as accuracy_inverse
 from . import peers
 from . import proximal as accuracy_proximal
@@ -76,7 +77,7 @@ def accuracy(
     if flywheel is not None and not isinstance(flywheel, Flywheel):
         raise PinpressError(f"flywheel is {shown(flywheel)}: give a Flywheel(...)")
     inertia = (
-        HEAVY * float(press.table.at(press.table.borders)[0][0].max())
+        HEAVY * float(tabulated(press).at(tabulated(press).borders)[0][0].max())
         if flywheel is None
         else number("the flywheel's inertia", flywheel.inertia)
     )

@@ -18,7 +18,7 @@ import numpy as np
 from ..common.arrays import Array, ComplexArray
 from ..engines.constant_rows import product
 from ..engines.planar import statics as plane_statics
-from ..engines.planar.inverse_dynamics import Bodies
+from ..engines.planar.bodies import Bodies
 from .geometry_shift import Shift
 from .loads import Push
 from .motion import Rates, States, Tangent

@@ -15,6 +15,7 @@ from ..common.checks import numbers
 from ..common.errors import PinpressError, UnknownNameError, shown
 from ..engines.forces import AppliedForce
 from ..engines.friction import REST
+from ..kinematics.dead_centres import dead_centres
 from ..kinematics.point_motion import point_motion
 from ..loads import caller_laws
 from ..loads.link import Load, PointForce, SpringDamper
@@ -103,7 +104,8 @@ def _in_height(load: ProcessLoad, press: "Linkage", motion: "Motion") -> Array:
 def _turning_points(press: "Linkage") -> tuple[float, float]:
     """Slide positions of bottom and top dead centre; no ends at all where there are none."""
     try:
-        return press.dead_centres.bottom_position, press.dead_centres.top_position
+        ends = dead_centres(press)
+        return ends.bottom_position, ends.top_position
     except PinpressError:
         return -math.inf, math.inf
 

@@ -244,7 +244,7 @@ def inverse_dynamics(
         raise PinpressError(f"loads is one {type(loads).__name__}: give a list, loads=[...]")
     wanted = _wanted(press, bearings)
     _refuse_change_points(press, motion)
-    law, compliance = friction_law(friction, press), compliances(stiffness, press)
+    law, compliance = friction_law(friction, press), compliances(stiffness, press.bearings)
     asked = forces.asked(loads)
     with np.errstate(all="ignore"):  # what overflows is refused
         under = _Under(forces.apply(asked, press, motion), law, compliance, gears=bool(wanted) or law is not None)

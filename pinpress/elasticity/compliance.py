@@ -25,7 +25,6 @@ from ..common.frozen import Frozen, FrozenMapping
 from ..dynamics.inverse_dynamics import inverse_dynamics
 from ..kinematics.dead_centres import dead_centres
 from ..kinematics.motion import Motion, cycle
-from ..kinematics.poses import link_of
 from ..linkage.linkage import Linkage
 from ..loads.link import Load, PointForce
 from .springs import Part, Stiffness, internal_forces, parts, sharing
@@ -235,7 +234,7 @@ def _moving_mass(held: Held) -> Array:
         inertia = press.model.inertias[joint]
         if not inertia.mass > 0:
             continue
-        link = link_of(press, joint)
+        link = press.link_of(joint)
         frame = press.model.frames[press.model.getFrameId(link, pin.BODY)].placement
         second = 0.5 * np.trace(inertia.inertia) * np.eye(3) - inertia.inertia  # integral of r r^T about the centre of mass
         moments, axes = np.linalg.eigh(second)

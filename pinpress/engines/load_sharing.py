@@ -11,17 +11,14 @@ Efforts about or along the axis in which a joint is free, those of drives, gear 
 (torques in a ring of gears) is taken as small as possible.
 """
 
-from collections.abc import Iterable, Mapping
-from typing import TYPE_CHECKING, NamedTuple
+from collections.abc import Iterable, Mapping, Sequence
+from typing import NamedTuple
 
 import numpy as np
 
 from ..common.arrays import Array
 from ..common.checks import number
 from ..common.errors import PinpressError, UnknownNameError, shown
-
-if TYPE_CHECKING:
-    from ..linkage.linkage import Linkage
 
 RANK = 1e-9  # singular values below this share of the largest are zero, columns scaled to unit length
 
@@ -61,8 +58,8 @@ def least(objectives: Iterable[Objective]) -> Array:
     return share[..., 0]
 
 
-def compliances(stiffness: Mapping[str, float], press: "Linkage") -> Array | None:
-    """(bearings,) [m/N], zero where no stiffness is given; None where none is given at all.
+def compliances(stiffness: Mapping[str, float], bearings: Sequence[str]) -> Array | None:
+    """(bearings,) of the linkage with bearings of these names [m/N], zero where no stiffness is given; None where none is given at all.
 
     Raises:
         UnknownNameError: a bearing that the linkage does not have.
@@ -72,9 +69,9 @@ def compliances(stiffness: Mapping[str, float], press: "Linkage") -> Array | Non
         raise PinpressError("stiffness is no mapping: give {name of a bearing: stiffness [N/m]}")
     if not stiffness:
         return None
-    result = np.zeros(len(press.bearings))
+    result = np.zeros(len(bearings))
     for name, value in stiffness.items():
-        if name not in press.bearings:
-            raise UnknownNameError("bearing", name, press.bearings)
-        result[press.bearings.index(name)] = 1 / number(f"stiffness of {shown(name)} [N/m]", value, positive=True)
+        if name not in bearings:
+            raise UnknownNameError("bearing", name, bearings)
+        result[bearings.index(name)] = 1 / number(f"stiffness of {shown(name)} [N/m]", value, positive=True)
     return result

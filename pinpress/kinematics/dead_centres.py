@@ -11,6 +11,7 @@ from ..common.arrays import Array
 from ..common.errors import PinpressError
 from ..engines.branch import beyond
 from ..linkage.linkage import Linkage
+from ..linkage.memo import per_linkage
 from .motion import carried
 
 ROUNDING = 4 * float(np.finfo(float).eps)  # of a crank angle [rad]
@@ -44,6 +45,7 @@ class DeadCentres:
 
 
 @typed
+@per_linkage(of_geometry=True)
 def dead_centres(press: Linkage) -> DeadCentres:
     """Dead centres of a press whose crank turns fully, to rounding: zeros of the slide's speed, found once and kept with the press.
 
@@ -51,19 +53,6 @@ def dead_centres(press: Linkage) -> DeadCentres:
         PinpressError: the linkage has no slide, its slide never turns back, or it is not back after many turns.
         SingularityError: the linkage locks within the period.
     """
-    return press.dead_centres
-
-
-def stroke_turns(press: Linkage) -> int | None:
-    """Turns of the driver from stroke to stroke; of a linkage without dead centres those of its period, None where it has none."""
-    try:
-        return dead_centres(press).turns
-    except PinpressError:
-        return press.turns_until_back
-
-
-def found(press: Linkage) -> DeadCentres:
-    """The same, worked out."""
     _ = press.slide_guide  # it has a slide
     period = press.passage.period
     if period is None:
@@ -95,6 +84,14 @@ def found(press: Linkage) -> DeadCentres:
     top, bottom = (int(np.argmax(sign * positions >= (sign * positions).max() - EQUAL * np.ptp(positions))) for sign in (1, -1))
     turns = _turns(way[:-1], round(period / (2 * np.pi)))
     return DeadCentres(float(angles[top]), float(positions[top]), float(angles[bottom]), float(positions[bottom]), turns)
+
+
+def stroke_turns(press: Linkage) -> int | None:
+    """Turns of the driver from stroke to stroke; of a linkage without dead centres those of its period, None where it has none."""
+    try:
+        return dead_centres(press).turns
+    except PinpressError:
+        return press.turns_until_back
 
 
 def _turns(positions: Array, turns: int) -> int:

@@ -53,14 +53,6 @@ def loaded_bodies(press: Linkage) -> tuple[int, ...]:
     return (*range(1, press.model.njoints), *(loop.joint2 for loop in press.loops))
 
 
-def link_of(press: Linkage, joint: int) -> str:
-    """Name of the link that the body of a Pinocchio joint begins with."""
-    if joint == 0:
-        return press.root
-    frames = press.model.frames
-    return next(str(frame.name) for frame in frames if frame.type == pin.BODY and frame.parentJoint == joint)
-
-
 def _turned(axis: Array, angle: Array) -> Array:
     """(n, 3, 3) rotations by angles (n,) about an axis, by Rodrigues' formula."""
     across = pin.skew(axis)

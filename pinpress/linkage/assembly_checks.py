@@ -12,7 +12,6 @@ from ..engines.coordinates import configuration, data_of
 from ..engines.planar.model import PARALLEL
 from ..engines.spatial import model as spatial
 from ..engines.spatial.constraints import Rows
-from ..kinematics.poses import link_of
 from . import mobility as freedom
 from .linkage import Linkage
 from .urdf.findings import Finding
@@ -169,7 +168,7 @@ def _massless(press: Linkage) -> Iterator[Finding]:
     moving = np.flatnonzero(np.abs(moved).max(axis=1) > SEEN)
     body = next(int(j) + 1 for j in moving if not masses[j + 1])
     problem = "it moves without a mass, as do all links that move with it: nothing resists the drive"
-    error = UrdfError(press.file, f'<link name="{link_of(press, body)}">', None, problem, "write its <mass> and <inertia>")
+    error = UrdfError(press.file, f'<link name="{press.link_of(body)}">', None, problem, "write its <mass> and <inertia>")
     yield Finding.of(error)
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 import pinocchio as pin
@@ -20,19 +20,16 @@ from ..engines.closure import ACCEPTED, Close, Closure
 from ..engines.continuation import SMALLEST_MARGIN
 from ..engines.joints import Coupling, LoopJoint
 from ..engines.load_sharing import RANK
-from ..engines.planar import inverse_dynamics as plane_dynamics
 from ..engines.planar import kinematics as plane_kinematics
 from ..engines.planar import model as plane
-from ..engines.planar.inverse_dynamics import Bodies
+from ..engines.planar.bodies import Bodies
+from ..engines.planar.bodies import build as bodies_of
 from ..engines.planar.model import Plane
 from ..engines.spatial import constraints as spatial_equations
 from ..engines.spatial import model as spatial
+from ..engines.spatial.forward_dynamics import ForwardDynamics
 from ..engines.spatial.model import Spatial
-from .memo import Model, derived
-
-if TYPE_CHECKING:
-    from ..kinematics.dead_centres import DeadCentres
-    from ..simulation.reduced_model import Table
+from .memo import Model, keep_geometry, per_linkage
 
 CLEAR = 1e-2  # margin of a block of redundant equations below which all are solved together
 EVEN = 1e-9  # of its moment of inertia, or of the linkage's size: unbalance of a shaft that is rounding
@@ -84,34 +81,40 @@ class Linkage(Frozen):
         """Names of all joints and loops that transmit forces: joints in Pinocchio's order, then loops."""
         return self.joints + tuple(loop.name for loop in self.loops)
 
-    @derived
+    @property
+    @per_linkage
     def mobility(self) -> int:
         """Degrees of freedom of the closed linkage: joints less the rank of the equations. One a driver, or `load` had refused."""
         return int(self.model.nv) - self.rank
 
-    @derived
+    @property
+    @per_linkage
     def rank(self) -> int:
         """Rank of the equations of loops and couplings in the closed drawn pose."""
         if self.plane is not None and plane_kinematics.moves(self.plane, self.drawn):
             return int(self.model.nv) - 1  # each of its blocks gives its joints: that is what it has a plane for
         return spatial.rank(self.closed_rows.columns)
 
-    @derived
+    @property
+    @per_linkage
     def spatial(self) -> Spatial:
         """Constants of the Pinocchio engine."""
         return spatial.build(self.model, self.loops, self.couplings, tuple(self.joints.index(driver) for driver in self.drivers))
 
-    @derived
+    @property
+    @per_linkage
     def plane(self) -> Plane | None:
         """Constants of the planar engine, None where the linkage is not planar, or needs more than its blocks of equations."""
         return self._assembly.plane
 
-    @derived
+    @property
+    @per_linkage
     def bodies(self) -> Bodies | None:
         """Inertial constants of the planar engine."""
-        return None if self.plane is None else plane_dynamics.build(self.plane, self.model)
+        return None if self.plane is None else bodies_of(self.plane, self.model)
 
-    @derived
+    @property
+    @per_linkage
     def as_drawn(self) -> Array:
         """(nv,) joint coordinates of the drawn pose as the file has it, not yet closed: zero, and of gear pairs with an offset where these
         put their joints while the drivers are at zero."""
@@ -134,19 +137,22 @@ class Linkage(Frozen):
                         reached.append(other)
         return position
 
-    @derived
+    @property
+    @per_linkage
     def drawn(self) -> Closure:
         """The drawn pose, its drivers at zero, closed as far as Newton's method came: `load` judges it."""
         return self._assembly.drawn
 
-    @derived
+    @property
+    @per_linkage
     def closed(self) -> Array:
         """(nv,) joint coordinates of the drawn pose, closed exactly, drivers at zero [rad or m]."""
         closed = self.drawn.position[:, 0]
         closed.setflags(write=False)
         return closed
 
-    @derived
+    @property
+    @per_linkage
     def _assembly(self) -> _Assembly:
         """The drawn pose closed by the engine that suits."""
         start, general = self.as_drawn[:, None], self.spatial
@@ -191,7 +197,8 @@ class Linkage(Frozen):
             return None
         return walked if walked.period is not None else None
 
-    @derived
+    @property
+    @per_linkage
     def slide_guide(self) -> tuple[int, float]:
         """Place of the slide's guide in v, and the slide's position along the guide in the drawn pose [m].
 
@@ -206,7 +213,8 @@ class Linkage(Frozen):
         axis = place.rotation @ self.spatial.axes[guide].direction
         return guide, float(axis @ place.act(frame.placement.translation))
 
-    @derived
+    @property
+    @per_linkage(of_geometry=True)
     def branch(self) -> Branch:
         """The drawn assembly over the crank angle, walked once.
 
@@ -221,7 +229,8 @@ class Linkage(Frozen):
             return self._assembly.branch
         return self._walk(self.plane, self.closed)
 
-    @derived
+    @property
+    @per_linkage(of_geometry=True)
     def passage(self) -> Branch:
         """The same, carried on through change points: where two assemblies meet, a linkage in motion goes on in its own.
 
@@ -252,7 +261,8 @@ class Linkage(Frozen):
             " angles, cycle(press, speed, angle=[...]), or another gear ratio"
         )
 
-    @derived
+    @property
+    @per_linkage
     def turns_until_back(self) -> int | None:
         """The same, None where it is not back, or has several drivers."""
         if len(self.drivers) > 1:
@@ -277,21 +287,6 @@ class Linkage(Frozen):
         eccentric = inertia.mass * np.linalg.norm(across @ inertia.lever)
         return bool(np.abs(uneven).max() <= EVEN * along and eccentric <= EVEN * inertia.mass * self.spatial.size)
 
-    @derived
-    def table(self) -> Table:
-        """Reduced inertia, potential energy and, if there is one, slide position over the crank angle; see `reduced`. Raises as
-        `branch`."""
-        from ..simulation.reduced_model import build  # it makes motions of this linkage
-
-        return build(self, [lambda motion: motion.slide_position] if self.slide is not None else [])
-
-    @derived
-    def dead_centres(self) -> DeadCentres:
-        """Where the slide turns back. Raises as `pinpress.dead_centres`."""
-        from ..kinematics.dead_centres import found  # it closes this linkage
-
-        return found(self)
-
     def with_inertias(self, inertias: Sequence[pin.Inertia], name: str | None = None) -> Linkage:
         """The same linkage with other bodies, and perhaps another name: inertias of all joints, the frame's first, in their frames. What is
         known of its geometry is kept, as loops do not feel masses."""
@@ -299,9 +294,25 @@ class Linkage(Frozen):
         for joint, inertia in enumerate(inertias):
             model.inertias[joint] = inertia
         changed = replace(self, model=model, name=name or self.name)
-        known = {name: found for name, found in vars(self).items() if name in ("branch", "passage", "dead_centres")}
-        vars(changed).update(known)
+        keep_geometry(changed, self)
         return changed
+
+    def forward_dynamics(self, armature: Array) -> ForwardDynamics:
+        """Forward dynamics by Pinocchio, of any linkage.
+
+        Args:
+            armature: (nv,) inertia that turns with the joints, added to what the model has [kg m2; kg at one that slides].
+
+        Raises:
+            PinpressError: an armature of another shape, or not finite.
+        """
+        return ForwardDynamics(self.spatial, self.closed, self.rank, armature, self.name)
+
+    def link_of(self, joint: int) -> str:
+        """Name of the link that the body of a Pinocchio joint (0: the frame) begins with."""
+        if joint == 0:
+            return self.root
+        return next(str(frame.name) for frame in self.model.frames if frame.type == pin.BODY and frame.parentJoint == joint)
 
     def gaps(self, position: Array) -> Array:
         """Largest gaps (n,) of the loops at joint coordinates (nv, n) [m]."""
@@ -310,7 +321,8 @@ class Linkage(Frozen):
         equations = self.spatial.equations()
         return np.array([equations.widest(equations.at(x).gaps) for x in position.T])
 
-    @derived
+    @property
+    @per_linkage
     def drawn_gaps(self) -> Array:
         """(rows,) gaps of the equations of loops and couplings as drawn, see `spatial_equations`."""
         if self.plane is None:
@@ -324,7 +336,8 @@ class Linkage(Frozen):
         ]
         return np.concatenate([plane_kinematics.openings(self.plane, x).ravel(), turns, slips])
 
-    @derived
+    @property
+    @per_linkage
     def closed_rows(self) -> spatial_equations.Rows:
         """The equations in the closed drawn pose."""
         return self._assembly.rows or self.equations(self.closed)

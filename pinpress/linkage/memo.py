@@ -1,21 +1,34 @@
-"""What a linkage derives from its model: worked out when first asked for, kept, and refused once the model was changed in place.
+"""What follows from a linkage: worked out when first asked for, kept with it, and refused once its model was changed in place.
+
+Whatever room works it out, `per_linkage` keeps it. What is kept travels with a linkage that is copied or pickled; a changed linkage,
+made by `dataclasses.replace`, starts with nothing.
 
 Pinocchio's model cannot be made read-only. A change in place would be seen by whatever is worked out later, and by nothing that was
-worked out before. The model is therefore compared with a copy of what it was whenever it, or anything derived from it, is read: less
+worked out before. The model is therefore compared with a copy of what it was whenever it, or anything that follows from it, is read: less
 than a microsecond.
 """
 
 from collections.abc import Callable
-from typing import Any, Generic, TypeVar, overload
+from functools import partial, wraps
+from typing import Any, NamedTuple, TypeVar, overload
 
 import pinocchio as pin
 
 from ..common.errors import PinpressError
 from ..common.frozen import read_only
 
-_MODEL, _AS_BUILT = "model", "_as_built"  # in the linkage's __dict__
+_MODEL, _AS_BUILT, _KEPT = "model", "_as_built", "_kept"  # in the linkage's __dict__
 
+P = TypeVar("P")
 T = TypeVar("T")
+
+
+class Kept(NamedTuple):
+    """What is kept with a linkage, by the full names of the functions that worked it out: what its masses matter to, and what follows from
+    its geometry alone."""
+
+    of_masses: dict[str, Any]
+    of_geometry: dict[str, Any]
 
 
 class Model:
@@ -28,36 +41,47 @@ class Model:
         return vars(press)[_MODEL]
 
     def __set__(self, press: object, model: pin.Model) -> None:
-        vars(press).update({_MODEL: model, _AS_BUILT: model.copy()})
+        vars(press).update({_MODEL: model, _AS_BUILT: model.copy(), _KEPT: Kept({}, {})})
 
 
-class derived(Generic[T]):  # noqa: N801  a decorator, as cached_property is
-    """A property that is worked out once. Its arrays are read-only."""
+@overload
+def per_linkage(work_out: Callable[[P], T]) -> Callable[[P], T]: ...
+@overload
+def per_linkage(*, of_geometry: bool) -> Callable[[Callable[[P], T]], Callable[[P], T]]: ...
+def per_linkage(work_out: Callable[[Any], Any] | None = None, *, of_geometry: bool = False) -> Any:
+    """A function of a linkage that is worked out once for each. Its arrays are read-only; errors are raised again each time.
 
-    def __init__(self, work_out: Callable[[Any], T]) -> None:
-        self.work_out, self.__doc__ = work_out, work_out.__doc__
+    Args:
+        of_geometry: it does not depend on masses and inertias, and is kept where these change (`Linkage.with_inertias`).
+    """
+    if work_out is None:
+        return partial(per_linkage, of_geometry=of_geometry)
+    name = _name(work_out)
 
-    def __set_name__(self, owner: type, name: str) -> None:
-        self.name = name
-
-    @overload
-    def __get__(self, press: None, owner: type | None = None) -> "derived[T]": ...
-    @overload
-    def __get__(self, press: object, owner: type | None = None) -> T: ...
-    def __get__(self, press: object | None, owner: type | None = None) -> "derived[T] | T":
-        if press is None:
-            return self
-        kept = press.__dict__
-        if kept[_MODEL] != kept[_AS_BUILT]:
+    @wraps(work_out)
+    def kept(press: Any) -> Any:
+        attributes = press.__dict__
+        if attributes[_MODEL] != attributes[_AS_BUILT]:
             refuse_changed(press)
+        known = attributes[_KEPT][of_geometry]
         try:
-            return kept[self.name]  # type: ignore[no-any-return]
+            return known[name]
         except KeyError:
-            kept[self.name] = value = read_only(self.work_out(press))
+            known[name] = value = read_only(work_out(press))
             return value
 
-    def __set__(self, press: object, value: T) -> None:
-        raise AttributeError(f"{self.name} follows from the model")
+    return kept
+
+
+def keep_geometry(changed: object, press: object) -> None:
+    """Keep with a linkage that differs only in its masses what is known of its geometry."""
+    vars(changed)[_KEPT].of_geometry.update(vars(press)[_KEPT].of_geometry)
+
+
+def keep_all_but(forgotten: Callable[[Any], Any], copied: object, press: object) -> None:
+    """Keep with an equal linkage what is known of it, but for what one function of `per_linkage` worked out."""
+    for known, own in zip(vars(copied)[_KEPT], vars(press)[_KEPT], strict=True):
+        known.update({name: value for name, value in own.items() if name != _name(forgotten)})
 
 
 def refuse_changed(press: object) -> None:
@@ -70,3 +94,7 @@ def refuse_changed(press: object) -> None:
             f"the model of {kept['name']} was changed in place, after it was loaded: change a copy, model = press.model.copy(), and make a"
             " changed press of it, dataclasses.replace(press, model=model)"
         )
+
+
+def _name(work_out: Callable[[Any], Any]) -> str:
+    return f"{work_out.__module__}.{work_out.__qualname__}"

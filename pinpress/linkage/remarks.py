@@ -8,8 +8,8 @@ import numpy as np
 from ..common.arrays import Array
 from ..common.errors import PinpressError
 from ..engines.branch import MOST_TURNS, Branch, predict
+from ..engines.coordinates import drawn
 from ..engines.planar.model import PARALLEL
-from ..kinematics.poses import poses
 from . import mobility as freedom
 from .assembly_checks import apart, rounded
 from .linkage import Linkage
@@ -85,7 +85,7 @@ def _slide_axis(press: Linkage, robot: "Element") -> Iterator[Finding]:
     guide, _ = press.slide_guide
     place = press.model.jointPlacements[guide + 1]
     axis = place.rotation @ press.spatial.axes[guide].direction
-    crank = poses(press, press.closed[None]).position[press.spatial.drivers[0] + 1, 0]
+    crank = drawn(press.model)[press.spatial.drivers[0] + 1].translation
     if axis @ press.model.gravity.linear > DOWNWARDS * gravity and axis @ (place.translation - crank) > BELOW * press.spatial.size:
         joint = next(joint for joint in robot.all("joint") if joint.get("name") == press.joints[guide])
         problem = f"the axis of slide {press.slide!r} points down, away from the crank: its top is taken for its bottom dead centre"

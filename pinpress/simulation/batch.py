@@ -27,7 +27,7 @@ from . import mesh as panels
 from . import mesh_refinement as resolution
 from .collocation import Flow
 from .mesh import Indices
-from .reduced_model import COORDINATES, INERTIA, POTENTIAL, energies, rule
+from .reduced_model import COORDINATES, INERTIA, POTENTIAL, energies, rule, tabulated
 from .run import energy_error
 from .solvers import Plan
 from .system import Acting
@@ -69,7 +69,7 @@ class Runs(Frozen):
         press = self._plan.scene.press
         if press.slide is None:
             return None
-        position: Array = press.table.at(self.crank_angle)[0][COORDINATES].copy()
+        position: Array = tabulated(press).at(self.crank_angle)[0][COORDINATES].copy()
         position.setflags(write=False)
         return position
 

@@ -49,7 +49,7 @@ class AllJoints:
             armature = np.zeros(self.size)
             armature[self.drivers] = self.inertia
             armature[self.crank] = inertia
-            self.dynamics[inertia] = ForwardDynamics(self.press, armature)
+            self.dynamics[inertia] = self.press.forward_dynamics(armature)
         return self.dynamics[inertia]
 
     def at(self, position: Array, speed: Array) -> Instant:

@@ -24,6 +24,7 @@ from ..engines.coordinates import configuration, data_of
 from ..engines.planar.kinematics import basis, basis_velocity
 from ..kinematics.motion import Motion, carried
 from ..linkage.linkage import Linkage
+from ..linkage.memo import per_linkage
 
 NODES = 14  # a panel; degree of its polynomials is one less
 PANELS = 16  # a turn to begin with
@@ -144,6 +145,12 @@ def beyond(table: Table, angle: float, time: float | None = None) -> SimulationE
     """Why a motion leaves a table without a period."""
     low, high = np.degrees([table.borders[0], table.borders[-1]])
     return SimulationError(f"the linkage locks: its crank turns only from {low:.6g} to {high:.6g} deg, and runs against that", time, angle)
+
+
+@per_linkage
+def tabulated(press: Linkage) -> Table:
+    """The table of a linkage with one driver, with the slide's position where it has a slide. Raises as `build`."""
+    return build(press, [lambda motion: motion.slide_position] if press.slide is not None else [])
 
 
 def build(press: Linkage, coordinates: Sequence[Coordinate], panels: int | None = None) -> Table:

@@ -24,7 +24,7 @@ from . import system as scene
 from .angle_segments import Resting, State
 from .force_coordinates import JointAngle
 from .protocol_checks import check_drive
-from .reduced_model import COORDINATES, INERTIA, POTENTIAL, Table
+from .reduced_model import COORDINATES, INERTIA, POTENTIAL, Table, tabulated
 from .system import Scene
 from .trajectory import LEDGERS, Path, Segment
 
@@ -64,7 +64,7 @@ class Plan:
         """The press over its crank angle, with the scene's coordinates."""
         press, coordinates = self.scene.press, self.scene.coordinates
         if len(coordinates) == (press.slide is not None):
-            return press.table
+            return tabulated(press)
         return reduced.build(press, [partial(coordinate.over, press) for coordinate in coordinates])
 
     @cached_property

@@ -15,7 +15,7 @@ from ..drives.driveline import HOLDING
 from ..drives.transmission import PrescribedSpeed
 from ..linkage.linkage import Linkage
 from .angle_segments import NEAR, Repeated, Resting, Turned, slow
-from .reduced_model import INERTIA, POTENTIAL, WEIGHT, Table
+from .reduced_model import INERTIA, POTENTIAL, WEIGHT, Table, tabulated
 from .solvers import Plan
 from .trajectory import Path
 
@@ -36,7 +36,7 @@ def of_run(plan: Plan, path: Path, until: float, tolerance: float, again: Callab
     if len(press.drivers) > 1 or press.passage.period is None or isinstance(plan.scene.drive, PrescribedSpeed):
         return None
     try:
-        span = float(np.ptp(press.table.coefficients[:, POTENTIAL, 0]))
+        span = float(np.ptp(tabulated(press).coefficients[:, POTENTIAL, 0]))
     except SimulationError:  # its shafts do not come back together: no table
         return None
     rest = next((segment for segment in path.segments if isinstance(segment, Resting)), None)
@@ -49,7 +49,8 @@ def of_run(plan: Plan, path: Path, until: float, tolerance: float, again: Callab
     if not any(_beside_rest(press, segment, span) for segment in path.segments):
         return None
     times = np.linspace(0.0, until, LOOKS + 1)
-    angle, inertia = _angles(press, path, times), float(press.table.at(path.read(times[:1]).position[_row(press, path)])[0][INERTIA, 0])
+    start = path.read(times[:1]).position[_row(press, path)]
+    angle, inertia = _angles(press, path, times), float(tabulated(press).at(start)[0][INERTIA, 0])
     speed = max(float(np.abs(np.gradient(angle, times)).max()), float(np.sqrt(2 * span / (inertia + plan.line.inertia))))
     astray = 0.0
     for by in ((tolerance, 0.0), (0.0, tolerance * speed)):
@@ -69,12 +70,12 @@ def of_run(plan: Plan, path: Path, until: float, tolerance: float, again: Callab
 def _beside_rest(press: Linkage, segment: Any, span: float) -> bool:
     """Whether the crank comes close to an unstable rest."""
     if isinstance(segment, Turned):
-        return bool((_bend(press.table, segment.slow) < 0).any())
+        return bool((_bend(tabulated(press), segment.slow) < 0).any())
     if isinstance(segment, Resting | Repeated):
         return False
     machine, n = segment.machine, segment.machine.dynamics.size
     own = 0.0 if machine.line.clutch is not None else machine.line.inertia
-    least = float(press.table.coefficients[:, INERTIA, 0].min()) + own
+    least = float(tabulated(press).coefficients[:, INERTIA, 0].min()) + own
     speeds = np.abs(segment.speeds)
     slowly = np.flatnonzero(0.5 * least * speeds**2 < NEAR * span)
     for stretch in np.split(slowly, np.flatnonzero(np.diff(slowly) > 1) + 1) if len(slowly) else []:
@@ -88,7 +89,7 @@ def _beside_rest(press: Linkage, segment: Any, span: float) -> bool:
             moved = y.copy()
             moved[:n] = machine.dynamics.moved(y[:n], by)[0] if by else y[:n]
             rate[by] = machine.dynamics.of_crank(machine.rates(modes, time, moved)[n : 2 * n])
-        inertia = float(press.table.at(y[[machine.dynamics.crank]])[0][INERTIA, 0]) + own
+        inertia = float(tabulated(press).at(y[[machine.dynamics.crank]])[0][INERTIA, 0]) + own
         if rate[MOVED] > rate[-MOVED] and slow(np.array(0.5 * inertia * speeds[k] ** 2), np.array(inertia * rate[0.0]), span):
             return True
     return False

@@ -25,7 +25,7 @@ from ..loads.link import Load, PointForce, SpringDamper
 from ..loads.process import ProcessLoad, Stretch, TimeForce
 from .force_coordinates import Coordinate, Length, Path, SlidePosition
 from .protocol_checks import check_drive, check_load
-from .reduced_model import COORDINATES, roots
+from .reduced_model import COORDINATES, roots, tabulated
 
 if TYPE_CHECKING:
     pass
@@ -192,7 +192,7 @@ def _turning_points(press: Linkage, load: ProcessLoad) -> tuple[float, float]:
             " give datum=, a slide position [m]"
         )
     try:
-        table, row = press.table, COORDINATES + _slide(press)
+        table, row = tabulated(press), COORDINATES + _slide(press)
     except SimulationError:  # its shafts do not come back together: no table, but dead centres all the same
         return everywhere if load.datum is not None else (dead_centres(press).bottom_position, dead_centres(press).top_position)
     turns = roots(table, row, 0.0, slope=True)

@@ -22,6 +22,7 @@ from ..dynamics.shaking import shaking
 from ..engines.constant_rows import product
 from ..engines.forces import Wrenches
 from ..engines.planar import inverse_dynamics as plane_dynamics
+from ..engines.planar.bodies import Bodies, build
 from ..engines.planar.model import Plane, flat, in_space
 from ..kinematics.motion import Motion, of_states
 from ..linkage.linkage import Linkage
@@ -175,8 +176,8 @@ class Design:
         )
 
     @cached_property
-    def _bodies(self) -> plane_dynamics.Bodies:
-        return plane_dynamics.build(self.plane, self.start.press.model)
+    def _bodies(self) -> Bodies:
+        return build(self.plane, self.start.press.model)
 
     @cached_property
     def _reactions(self) -> TrialReactions:

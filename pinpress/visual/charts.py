@@ -16,7 +16,7 @@ from ..common.errors import PinpressError, UnknownNameError, expect
 from ..common.units import RPM
 from ..dynamics.inverse_dynamics import Reactions
 from ..kinematics.motion import Motion
-from ..kinematics.poses import link_of, loaded_bodies, poses
+from ..kinematics.poses import loaded_bodies, poses
 from ..linkage import mobility as freedom
 from ..linkage.linkage import Linkage
 from ..simulation.run import Run
@@ -188,7 +188,7 @@ def locus(reactions: Reactions, name: str) -> Locus:
     axes, directions = _directions(press, force, least)
     unit, factor = _unit("force", float(np.abs(force).max(initial=0.0)))
     frame, own = factor * force @ directions.T, factor * own @ directions.T
-    return Locus(name, link_of(press, body), axes, unit, _fixed(frame), _fixed(own))
+    return Locus(name, press.link_of(body), axes, unit, _fixed(frame), _fixed(own))
 
 
 def _directions(press: Linkage, force: Array, least: float) -> tuple[tuple[str, str], Array]:

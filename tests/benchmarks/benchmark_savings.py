@@ -29,6 +29,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 import pinpress as pp
 from pinpress.accuracy.timing import least_seconds
+from pinpress.simulation.reduced_model import tabulated
 
 ROOT = Path(__file__).resolve().parents[2]
 SPEED = 70 * pp.RPM
@@ -158,7 +159,7 @@ def kept() -> Contestants:
 
     def tabled() -> None:
         press.__dict__.pop("table", None)
-        _ = press.table
+        _ = tabulated(press)
 
     def run() -> pp.Run:
         return pp.simulate(press, 2.0, speed=SPEED, flywheel=pp.drives.Flywheel(500.0))

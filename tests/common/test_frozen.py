@@ -16,9 +16,7 @@ from support import every_result
 from support.time_limit import _limit  # noqa: F401
 
 import pinpress as pp
-from pinpress.linkage.memo import derived
 
-KEPT = (functools.cached_property, derived)
 WAYS = {"pickle": lambda value: pickle.loads(pickle.dumps(value)), "copy": copy.copy, "deepcopy": copy.deepcopy}
 KINDS = sorted(every_result.public(), key=lambda kind: kind.__name__)
 

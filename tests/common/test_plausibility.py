@@ -206,7 +206,7 @@ def test_points_in_mm_are_warned_of(press, load, said):
 def test_loads_on_the_stroke_are_never_warned_of(height, thin, datum):
     """Nor is a stop beneath the slide's way, or one that is always pressed upon."""
     press = texts.shipped("crank_slide")
-    place = press.dead_centres.bottom_position if datum else None
+    place = pp.dead_centres(press).bottom_position if datum else None
     given = [
         loads.Blanking(1e3, height, thin * height, datum=place),
         loads.DeepDrawing(1e3, height, datum=place),

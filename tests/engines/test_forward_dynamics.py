@@ -91,7 +91,7 @@ def case(request, load):
     motion = pp.cycle(press, angle=angle, speed=speed, acceleration=acceleration)
     armature = np.zeros(press.model.nv)
     armature[list(press.spatial.drivers)] = 0.3
-    return Case(request.param, press, motion, armature, ForwardDynamics(press, armature), Loops(press.text.decode(), press.model))
+    return Case(request.param, press, motion, armature, press.forward_dynamics(armature), Loops(press.text.decode(), press.model))
 
 
 def states(case):
@@ -158,7 +158,7 @@ def test_both_ways(case):
     """The quick way is taken where it suits and nowhere else, also with a heavy flywheel, and says what the general one says: 1e-12,
     or rounding of the open tree's accelerations, from which the quick way starts."""
     assert (case.dynamics.quick is None) == (case.name in GENERAL)
-    rng, heavy = np.random.default_rng(2), ForwardDynamics(case.press, 1e4 * case.armature)
+    rng, heavy = np.random.default_rng(2), case.press.forward_dynamics(1e4 * case.armature)
     for dynamics in (case.dynamics, heavy):
         for x, v, _ in states(case):
             efforts = 1000 * rng.normal(size=len(x))
@@ -188,7 +188,7 @@ def test_redundant_cranks_in_closed_form(load):
     lever = 4 * 0.12 + 3 * 0.15 + 2 * 0.18 * np.exp(0.3j) + 9 * 0.3
     motion = pp.cycle(press, angle=np.linspace(-1, 1.5, 9), speed=np.linspace(-6, 6, 9), acceleration=0.0)
     for extra in (0.0, 5.0):
-        dynamics = ForwardDynamics(press, extra * np.array([joint == "O" for joint in press.joints]))
+        dynamics = press.forward_dynamics(extra * np.array([joint == "O" for joint in press.joints]))
         for angle, x, v in zip(motion.crank_angle, motion.joint_position, motion.v, strict=True):
             expected = (40.0 - 9.81 * (lever * np.exp(1j * (0.5 + angle))).real) / (inertia + extra)
             found = dict(zip(press.joints, dynamics.acceleration(x, v, 40.0 * (np.array(press.joints) == "O")), strict=True))
@@ -202,7 +202,7 @@ def test_a_pendulum(load):
     drawing = random_linkages.Drawing("pendulum")
     drawing.joint("O", "frame", "bob", 0j)
     drawing.body("bob", 2.0, 0.5)
-    dynamics = ForwardDynamics(load(drawing.urdf("O")), np.array([0.1]))
+    dynamics = load(drawing.urdf("O")).forward_dynamics(np.array([0.1]))
     x, v = np.array([0.7]), np.array([3.0])
     expected = (6.0 - 2 * 9.81 * 0.5 * math.cos(0.7)) / (2 * 0.5**2 + 2 * 0.01 + 0.1)
     assert abs(dynamics.acceleration(x, v, np.array([6.0]))[0] - expected) <= 1e-14 * 20
@@ -216,7 +216,7 @@ def test_axes_the_other_way_round(load):
     (loop,) = press.loops
     other = dataclasses.replace(press, loops=(dataclasses.replace(loop, rotation2=loop.rotation2 @ np.diag([-1.0, -1.0, 1.0])),))
     x, v = press.closed, pp.cycle(press, angle=[0.0], speed=2.0).v[0]
-    first, second = (ForwardDynamics(p, np.zeros(3)) for p in (press, other))
+    first, second = (p.forward_dynamics(np.zeros(3)) for p in (press, other))
     assert second.gap(x) <= 1e-14
     np.testing.assert_allclose(second.acceleration(x, v, np.ones(3)), first.acceleration(x, v, np.ones(3)), rtol=1e-12)
 
@@ -232,7 +232,7 @@ def test_the_driver_at_a_dead_point(load):
     assert abs(motion.v[0, rocker]) < 1e-12
     with pytest.raises(pp.SingularityError):
         pp.cycle(by_rocker, angle=[motion.joint_position[0, rocker]], speed=0.0)
-    one, other = (ForwardDynamics(press, np.zeros(3)) for press in (by_crank, by_rocker))
+    one, other = (press.forward_dynamics(np.zeros(3)) for press in (by_crank, by_rocker))
     for x, v in zip(np.array(motion.joint_position), np.array(motion.v), strict=True):
         moved = x + np.array([1e-4, -2e-4, 3e-4])
         for found, expected in zip(other.project(moved, v), one.project(moved, v), strict=True):
@@ -248,7 +248,7 @@ def test_the_driver_at_a_dead_point(load):
 def test_a_change_point(load):
     """A parallelogram in a line may go on as an antiparallelogram: said at that angle, and only there."""
     press = load(three_cranks(third=False))
-    dynamics = ForwardDynamics(press, np.zeros(3))
+    dynamics = press.forward_dynamics(np.zeros(3))
     line = -math.atan2(0.2, 1.0) - 0.5  # the crank along the line of pivots
     turned = np.array([{"O": 1.0, "B": -1.0, "D": 1.0}[joint] for joint in press.joints])
     for call in (dynamics.acceleration, lambda x, v, _: dynamics.project(x, v)):
@@ -280,7 +280,7 @@ def test_links_without_mass():
     light = massless(press, *(link for link in press.links if link != press.slide and names[link]))
     mass = light.model.inertias[names[press.slide]].mass
     crank = press.joints.index(press.driver)
-    dynamics, efforts = ForwardDynamics(light, np.zeros(3)), 50.0 * (np.arange(3) == crank)
+    dynamics, efforts = light.forward_dynamics(np.zeros(3)), 50.0 * (np.arange(3) == crank)
     angle = np.array([0.4, 1.0, 2.0, 4.0])
     motion, unit = (pp.cycle(light, angle=angle, speed=s) for s in (7.0, 1.0))
     for i in range(len(angle)):
@@ -292,7 +292,7 @@ def test_links_without_mass():
     at = pp.cycle(light, angle=[dead.top_angle], speed=1.0)
     with pytest.raises(pp.PinpressError, match="no mass resists"):
         dynamics.acceleration(at.joint_position[0], at.v[0], efforts)
-    wheel = ForwardDynamics(light, 2.0 * (np.arange(3) == crank))
+    wheel = light.forward_dynamics(2.0 * (np.arange(3) == crank))
     assert abs(wheel.acceleration(at.joint_position[0], 0 * at.v[0], efforts)[crank] - 25.0) < 1e-9
 
 
@@ -301,7 +301,7 @@ def test_links_without_mass():
 def test_what_is_not_finite(name, wrong):
     """Every argument is named; squares that overflow are too fast."""
     press = texts.shipped(name)
-    dynamics = ForwardDynamics(press, np.zeros(press.model.nv))
+    dynamics = press.forward_dynamics(np.zeros(press.model.nv))
     x, zero = press.closed.copy(), np.zeros(press.model.nv)
     bad = zero.copy()
     bad[2] = wrong
@@ -322,13 +322,13 @@ def test_what_is_not_finite(name, wrong):
             pytest.raises(pp.PinpressError, match=f"the {what} of joint {press.joints[2]} of {name} is not finite"),
         ):
             call()
-    np.testing.assert_array_equal(dynamics.acceleration(x, zero, zero), ForwardDynamics(press, zero).acceleration(x, zero, zero))
+    np.testing.assert_array_equal(dynamics.acceleration(x, zero, zero), press.forward_dynamics(zero).acceleration(x, zero, zero))
 
 
 @pytest.mark.parametrize("armature", [np.zeros(2), [0, np.nan, 0], [np.inf, 0, 0], 1.0])
 def test_a_bad_armature(armature):
     with pytest.raises(pp.PinpressError, match="give 3 finite inertias"):
-        ForwardDynamics(texts.shipped("crank_slide"), armature)
+        texts.shipped("crank_slide").forward_dynamics(armature)
 
 
 # ------------------------------------------------------------------------------------------------------------------------ energy, points
@@ -365,7 +365,7 @@ def test_energy_of_a_free_run():
     """Half a second without torque by Runge and Kutta's method of order 4 and projection: energy to h^4; of half the step 1/16."""
     press = texts.shipped("zxn2_3000b")
     crank = press.spatial.drivers[0]
-    dynamics = ForwardDynamics(press, 2000.0 * (np.arange(5) == crank))
+    dynamics = press.forward_dynamics(2000.0 * (np.arange(5) == crank))
     drifts = []
     for steps in (200, 400):
         state = np.array(pp.cycle(press, angle=[0.0], speed=7.0).v[0])
@@ -458,7 +458,7 @@ def test_the_nearest_state(case):
 def test_the_gap(load):
     """What a loop is drawn apart, and a coupling; many turns of the crank cost digits and no more."""
     press = texts.shipped("zxn2_3000b")
-    dynamics = ForwardDynamics(press, np.zeros(5))
+    dynamics = press.forward_dynamics(np.zeros(5))
     slide = press.slide_guide[0]
     assert dynamics.gap(press.closed + 1e-3 * (np.arange(5) == slide)) == pytest.approx(1e-3, rel=1e-9)
     x = pp.cycle(press, angle=[0.7], speed=1.0).joint_position[0] + 1e5 * press.branch.advance
@@ -468,7 +468,7 @@ def test_the_gap(load):
     assert np.abs(at - x).max() < 1e-5
     geared = texts.shipped("jf75g_125_symmetric")
     turned = geared.closed + 1e-3 * np.array([joint in ("O_left",) for joint in geared.joints])
-    assert ForwardDynamics(geared, np.zeros(8)).gap(turned) == pytest.approx(1e-3 * geared.spatial.size, rel=1e-9)
+    assert geared.forward_dynamics(np.zeros(8)).gap(turned) == pytest.approx(1e-3 * geared.spatial.size, rel=1e-9)
 
 
 def test_loops_that_do_not_close(monkeypatch):
@@ -476,6 +476,6 @@ def test_loops_that_do_not_close(monkeypatch):
     monkeypatch.setattr(forward_dynamics, "MOST_NEWTON_STEPS", 1)
     press = texts.shipped("zxn2_3000b")
     with pytest.raises(pp.AssemblyError, match="do not close near this state") as caught:
-        ForwardDynamics(press, np.zeros(5)).project(press.closed + 0.05, np.zeros(5))
+        press.forward_dynamics(np.zeros(5)).project(press.closed + 0.05, np.zeros(5))
     assert caught.value.iterations == 1
     assert caught.value.gap > 1e-9

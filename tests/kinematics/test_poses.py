@@ -7,7 +7,7 @@ from support import texts
 from support.generators.spatial_linkages import bennett
 
 import pinpress as pp
-from pinpress.kinematics.poses import bearing_points, link_of, loaded_bodies, poses
+from pinpress.kinematics.poses import bearing_points, loaded_bodies, poses
 
 
 @pytest.fixture(params=[*pp.presses(), "bennett"])
@@ -37,6 +37,6 @@ def test_against_pinocchio(press):
 
 def test_links_that_are_loaded():
     press = texts.shipped("zxn2_3000b")
-    loaded = dict(zip(press.bearings, (link_of(press, body) for body in loaded_bodies(press)), strict=True))
+    loaded = dict(zip(press.bearings, (press.link_of(body) for body in loaded_bodies(press)), strict=True))
     assert loaded == {"A": "crank", "B": "coupler", "C": "rocker", "D": "rocker", "E": "rod", "F": "slide", "slide_guide": "slide"}
-    assert link_of(press, 0) == "frame"
+    assert press.link_of(0) == "frame"

@@ -10,6 +10,8 @@ import pinocchio as pin
 import pytest
 
 import pinpress as pp
+from pinpress.linkage.memo import per_linkage
+from pinpress.simulation.reduced_model import tabulated
 
 
 def heavier(model: pin.Model) -> None:
@@ -150,3 +152,41 @@ def test_the_motion_of_a_balanced_press_is_no_run_of_the_old_one():
     assert after.motion.linkage == found.press.name
     for name in ("time", "joint_position", "v", "a"):
         np.testing.assert_array_equal(getattr(after.motion, name), getattr(run, name))
+
+
+@pytest.mark.parametrize("again", [copy.copy, copy.deepcopy, lambda press: pickle.loads(pickle.dumps(press))])
+def test_what_was_worked_out_travels_with_a_copy(again):
+    press = pp.load("crank_slide")
+    ends, table = pp.dead_centres(press), tabulated(press)
+    other = again(press)
+    assert pp.dead_centres(other) == ends
+    assert not vars(other)["_kept"].of_masses.keys() ^ vars(press)["_kept"].of_masses.keys()
+    np.testing.assert_array_equal(tabulated(other).coefficients, table.coefficients)
+    with pytest.raises(ValueError, match="read-only"):
+        tabulated(other).coefficients[0] = 1.0
+
+
+def test_other_masses_keep_what_follows_from_the_geometry_alone():
+    press = pp.load("zxn2_3000b")
+    used(press)
+    before = tabulated(press).coefficients
+    heavy = press.with_inertias([pin.Inertia(2.0 * each.mass, each.lever, 2.0 * each.inertia) for each in press.model.inertias])
+    assert heavy.branch is press.branch
+    assert pp.dead_centres(heavy) is pp.dead_centres(press)
+    np.testing.assert_allclose(tabulated(heavy).coefficients[:, 0], 2.0 * before[:, 0], rtol=1e-12)
+    assert dataclasses.replace(press).branch is not press.branch
+
+
+def test_an_error_is_raised_each_time():
+    asked = []
+
+    @per_linkage
+    def never(press):
+        asked.append(press.name)
+        raise pp.PinpressError("no")
+
+    press = pp.load("crank_slide")
+    for _ in range(2):
+        with pytest.raises(pp.PinpressError, match="no"):
+            never(press)
+    assert asked == ["crank_slide"] * 2

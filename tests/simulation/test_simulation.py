@@ -313,7 +313,7 @@ def test_a_load(press, method, name):
 def test_where_heights_are_measured_from_does_not_change_how_a_die_is_solved(press, die):
     """Panels are cut where the contact is lost; cut elsewhere they are twice as many, or the end is missed by some 1e-6."""
     height, stiffness, damping = die
-    bottom = press.dead_centres.bottom_position
+    bottom = pp.dead_centres(press).bottom_position
     given = [loads.ElasticDie(height, stiffness, damping), loads.ElasticDie(bottom + height, stiffness, damping, datum=0.0)]
     by_bottom, by_zero = (zhang(press, 0.45, loads=[each], points=61) for each in given)
     assert by_bottom.stats.steps == by_zero.stats.steps

@@ -18,7 +18,7 @@ from ...common.checks import is_number, positive, whole_number
 from ...common.errors import PinpressError, shown
 from ...common.frozen import Frozen
 from ...engines.planar.model import Plane, flat, in_space
-from ...kinematics.poses import link_of, poses
+from ...kinematics.poses import poses
 from ...linkage.linkage import Linkage
 from ..counterweights import Counterweight
 from .rotor import Correction
@@ -117,7 +117,7 @@ def crank_slide(press: Linkage) -> CrankSlide:
     pins = {frozenset((int(press.model.parents[j]), j)): at.position[j, 0] for j in range(1, len(press.joints) + 1)}
     pins |= {frozenset((loop.joint1, loop.joint2)): at.points(loop.joint1, loop.point1)[0] for loop in press.loops}
     if not {frozenset((crank, rod)), frozenset((rod, slide))} <= pins.keys():
-        raise _refusal(press, f"its third link, {shown(link_of(press, rod))}, does not connect crank and slide")
+        raise _refusal(press, f"its third link, {shown(press.link_of(rod))}, does not connect crank and slide")
     crank_pin, slide_pin = pins[frozenset((crank, rod))], pins[frozenset((rod, slide))]
     shaft = at.position[crank, 0]
     shaft = shaft + ((crank_pin - shaft) @ plane.normal) * plane.normal  # its point at the crank pin's height
@@ -139,9 +139,9 @@ def crank_slide(press: Linkage) -> CrankSlide:
     for array in (shaft, direction, across):
         array.setflags(write=False)
     return CrankSlide(
-        crank=link_of(press, crank),
-        rod=link_of(press, rod),
-        slide=press.slide or link_of(press, slide),
+        crank=press.link_of(crank),
+        rod=press.link_of(rod),
+        slide=press.slide or press.link_of(slide),
         crank_radius=abs(radius),
         rod_length=abs(length),
         crank_mass=float(inertias[crank].mass),

@@ -12,7 +12,7 @@ import pinocchio as pin
 
 from ...common.arrays import Array
 from ...common.errors import PinpressError
-from ...kinematics.poses import link_of, poses
+from ...kinematics.poses import poses
 from ...linkage import loading
 from ...linkage.linkage import Linkage
 from ...linkage.urdf import findings
@@ -95,7 +95,7 @@ def plan(press: Linkage) -> Plan:
     if press.plane is None or press.couplings:
         raise PinpressError(f"{press.name} is not planar with one driver, or has gear pairs: give a planar press of pins and guides")
     model, at = press.model, poses(press, press.closed[None])
-    links = {joint: link_of(press, joint) for joint in range(model.njoints)}
+    links = {joint: press.link_of(joint) for joint in range(model.njoints)}
     if press.slide is not None:
         links[press.slide_guide[0] + 1] = press.slide  # not one that it is welded to: positions are the slide's own
     bodies = []

@@ -20,7 +20,6 @@ from ...common.arrays import Array
 from ...common.checks import numbers, positive
 from ...common.errors import PinpressError, UnknownNameError, shown
 from ...common.frozen import Frozen
-from ...kinematics.poses import link_of
 from ...linkage.linkage import Linkage
 from ..counterweights import Counterweight
 
@@ -168,7 +167,7 @@ def _of_masses(masses: ArrayLike, positions: ArrayLike) -> Unbalance:
 def _rotors(press: Linkage) -> dict[str, int]:
     """The links that joints turn on the frame, and those joints. Links welded to these, whose frames are others, are not among them."""
     turning = [j for j, axis in enumerate(press.spatial.axes, 1) if axis.turns and press.model.parents[j] == 0]
-    return {link_of(press, joint): joint for joint in turning}
+    return {press.link_of(joint): joint for joint in turning}
 
 
 def _correction(product: Array, centre: Array) -> Correction:

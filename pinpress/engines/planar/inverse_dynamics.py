@@ -8,123 +8,25 @@ Signs: forces and moments of a joint are the action of parent on child, of a loo
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
-from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
-import pinocchio as pin
 
 from ...common.arrays import Array, ComplexArray
 from ...common.errors import AssemblyError
-from ..constant_rows import Matrix, compressed, product, stacked, weighted, with_column
+from ..constant_rows import product
 from ..forces import AppliedForce, Wrenches
 from ..friction import FrictionLaw
 from . import out_of_plane as plane_axial
 from . import statics as plane_statics
 from . import torque_only as plane_torque
 from . import vectors as plane_vectors
+from .bodies import Bodies, OpenTree
 from .kinematics import basis, basis_acceleration, gaps
 from .model import Plane, flat
 
 PIECE = 2048  # crank angles worked through at a time: what is in flight stays in the cache
-ROUNDING = 1e-13  # relative size below which an offset from the plane is rounding
 LOOSEST = 1e-6  # gap, in lengths of the linkage, beyond which a motion is another linkage's
-
-
-@dataclass(frozen=True, eq=False, repr=False)
-class Bodies:
-    """Inertial constants of a planar linkage, and the rows that give forces and arms from the basis.
-
-    Attributes:
-        axial_weight: (nv,) m g along the normal [N].
-        inertia: (nv, nv) d/dt of the angular momentum about every centre of mass from joint accelerations.
-        products: (nv,) products of inertia with the normal, I_1n + i I_2n, in the drawn pose [kg m2].
-        uncrossed: (nv, nl) minus `Plane.crossed`, what the joints are relieved of by the loop forces.
-        forces: (2 nv, nb) on the second derivative of the basis: inertia force m a less weight of every body, then of all that hang on a
-            joint. The first column is the weight; the basis' own first row does not move, so 1 is put there.
-        reduced: (nb - 1, nb) on the same: work of all inertia forces less weights on every function of the basis but the first.
-        spins: (nv, nv) joint accelerations to the effort of the links' inertia against turning in every joint.
-        arms: on the basis: centres of mass from their joints; `Plane.closure`, its columns times i, alone in ``closure``;
-            ``inner`` joints from their parents; directions of the prismatic joints; ``guided`` loops from the joint.
-        inner: joints whose parent is not the frame, tips first.
-        guided: (prismatic joint, loop) pairs: the loop's force turns the joint's link.
-        geared: joints that turn and are coupled.
-        flat: everything moves and acts in one plane.
-    """
-
-    plane: Plane
-    axial_weight: Array
-    inertia: Matrix
-    products: ComplexArray
-    uncrossed: Matrix
-    forces: Matrix
-    reduced: Matrix
-    spins: Matrix
-    arms: Matrix
-    closure: Matrix
-    inner: tuple[int, ...]
-    guided: tuple[tuple[int, int], ...]
-    geared: frozenset[int]
-    flat: bool
-
-    @cached_property
-    def spread_force(self) -> plane_axial.Spread:
-        """How bearings share forces along the normal, without compliances."""
-        return plane_axial.spread_forces(self.plane, None)
-
-    @cached_property
-    def spread_moment(self) -> plane_axial.Spread:
-        """How they share tilting moments."""
-        return plane_axial.spread_moments(self.plane)
-
-
-def build(plane: Plane, model: pin.Model) -> Bodies:
-    """Inertial constants of a linkage, read once from the Pinocchio model."""
-    count, loops = model.nv, len(plane.loop_heights)
-    inertias = [model.inertias[j + 1] for j in range(count)]
-    gravity = model.gravity.linear
-    mass = np.array([y.mass for y in inertias])
-    tensors = np.array([f @ y.inertia @ f.T for f, y in zip(plane.frames, inertias, strict=True)])
-    products = tensors[:, 0, 2] + 1j * tensors[:, 1, 2]
-    products[np.abs(products) <= ROUNDING * np.abs(tensors).max(axis=(1, 2))] = 0.0
-    axial_weight = mass * float(gravity @ plane.normal)
-    centers = plane.origins + plane.centers
-    body_forces = with_column(weighted(centers, mass), 0, -mass * complex(*(plane.axes @ gravity)))
-    inner = tuple(j for j in reversed(range(count)) if plane.parents[j] >= 0)
-    guided = tuple((j, k) for j in plane.prismatic for k in plane.round_loops[j])
-    arms = stacked(
-        [
-            plane.centers,
-            plane.closure[:loops],
-            1j * plane.closure[loops:],
-            plane.origins[list(inner)] - plane.origins[[plane.parents[j] for j in inner]],
-            plane.directions,
-            plane.loop_points[[k for _, k in guided]] - plane.origins[[j for j, _ in guided]],
-        ]
-    )
-    heights = np.concatenate([plane.heights, plane.center_heights, plane.loop_heights])
-    inertia = weighted(plane.spin, tensors[:, 2, 2])
-    return Bodies(
-        plane=plane,
-        axial_weight=axial_weight,
-        inertia=inertia,
-        products=products,
-        uncrossed=-plane.crossed.astype(complex),
-        forces=stacked([body_forces, compressed(plane.carried @ body_forces)]),
-        reduced=compressed(centers.conj().T)[1:] @ body_forces,
-        spins=compressed(plane.spin.T @ inertia),
-        arms=arms,
-        closure=arms[count : count + plane.closure.shape[0]],
-        inner=inner,
-        guided=guided,
-        geared=frozenset(j for gear in plane.gears for j in gear if plane.sense[j]),
-        flat=bool(
-            np.all(np.ptp(heights) <= ROUNDING * np.abs(plane.origins).max())
-            and not products.any()
-            and np.all(np.abs(axial_weight) <= ROUNDING * mass * np.linalg.norm(gravity))
-        ),
-    )
 
 
 def inverse_dynamics(
@@ -187,26 +89,6 @@ def closed_basis(plane: Plane, position: Array) -> ComplexArray:
         angle = float(position[plane.driver, worst])
         raise AssemblyError("the motion leaves the loops of this linkage open: it is another one's", angle, float(widest[worst]), 0)
     return at
-
-
-class OpenTree(NamedTuple):
-    """The tree with all loops open, at n configurations.
-
-    Attributes:
-        own: (nv, n) inertia force less weight of every body. carried: of all that hang on a joint, loads taken off.
-        centers: (nv, n) arms of the centres of mass from their joints. closure: `plane_statics.Statics.closure`.
-        passive: (nv, n) efforts that the joints would have to transmit.
-        turning: for every prismatic joint the moment (n,) that it would have to transmit about the normal.
-        guided: arms (n,) of the ``guided`` loops of `Bodies`.
-    """
-
-    own: ComplexArray
-    carried: ComplexArray
-    centers: ComplexArray
-    closure: ComplexArray
-    passive: Array
-    turning: dict[int, Array]
-    guided: ComplexArray
 
 
 def _piece(

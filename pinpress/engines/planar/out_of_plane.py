@@ -8,21 +8,17 @@ With the axes of `Plane`, normal x f is i f and r x normal is -i r for complex f
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ...common.arrays import Array, ComplexArray
-from ..constant_rows import Matrix, matrix, plain, product, stacked
+from ..constant_rows import product
 from ..forces import AppliedForce, Wrenches
-from ..load_sharing import RANK, Objective, least
+from ..load_sharing import RANK
+from .bodies import Bodies, OpenTree, spread_forces
 from .kinematics import basis
 from .model import Plane, flat, in_space
-
-if TYPE_CHECKING:
-    from .inverse_dynamics import Bodies, OpenTree
 
 
 def is_flat(plane: Plane, load: AppliedForce) -> bool:
@@ -33,7 +29,7 @@ def is_flat(plane: Plane, load: AppliedForce) -> bool:
     return bool(height == 0.0 and not np.any(load.force @ plane.normal))
 
 
-def forces(plane: Plane, bodies: "Bodies", loads: Sequence[AppliedForce], compliance: Array | None, n: int) -> Array:
+def forces(plane: Plane, bodies: Bodies, loads: Sequence[AppliedForce], compliance: Array | None, n: int) -> Array:
     """Forces (bearings, n) of all bearings along the normal."""
     axial = np.zeros((len(plane.parents), n)) - bodies.axial_weight[:, None]
     for load in loads:
@@ -45,11 +41,11 @@ def forces(plane: Plane, bodies: "Bodies", loads: Sequence[AppliedForce], compli
 
 def add(
     plane: Plane,
-    bodies: "Bodies",
+    bodies: Bodies,
     at: ComplexArray,
     v: Array,
     a: Array,
-    tree: "OpenTree",
+    tree: OpenTree,
     pins: ComplexArray,
     loads: Sequence[AppliedForce],
     axial: Array,
@@ -116,57 +112,3 @@ def indeterminate(plane: Plane, position: Array, axes: Array) -> NDArray[np.bool
                 moments = in_space(plane, -1j * (points[loop] - origins[joint])) @ axes.T
                 marks[joint, 3:] |= np.abs(moments).max(axis=0) > RANK * plane.size
     return marks
-
-
-@dataclass(frozen=True, eq=False, repr=False)
-class Spread:
-    """What all bearings carry of what joints do with all loops open, some of the loops sharing in it. Configurations do not matter.
-
-    Attributes:
-        alone: (bearings, nv) what joints would carry with all loops open. response: (bearings, shares) what a unit of each share adds.
-        every: (bearings, nv) both together, worked out; None of a large linkage, where its entries would be too many.
-    """
-
-    alone: Matrix
-    response: Matrix
-    every: Array | None
-
-    def carried(self, own: Any, kept: slice | list[int]) -> Any:
-        """Of ``own`` (nv, n) of the joints with all loops open, what the ``kept`` bearings carry (kept, n): the least squares of all."""
-        if self.every is not None:
-            return product(self.every[kept].astype(own.dtype), own)
-        from scipy.sparse.linalg import splu
-
-        squares = splu((self.response.T @ self.response).tocsc())
-        carried = self.alone @ own
-        across = self.response.T @ carried
-        parts = [across.real, across.imag] if np.iscomplexobj(across) else [across]
-        shares = [squares.solve(np.ascontiguousarray(part)) for part in parts]
-        return (carried - self.response @ (shares[0] + 1j * shares[1] if len(shares) > 1 else shares[0]))[kept]
-
-
-def spread_forces(plane: Plane, compliance: Array | None) -> Spread:
-    """Of forces along the normal, in which all loops share."""
-    return _spread(plane, list(range(len(plane.loop_heights))), compliance)
-
-
-def spread_moments(plane: Plane) -> Spread:
-    """Of tilting moments, in which the loops that hold their links upright share."""
-    return _spread(plane, [int(k) for k in np.flatnonzero(plane.holding)], None)
-
-
-def _spread(plane: Plane, sharing: list[int], compliance: Array | None) -> Spread:
-    count, loops = len(plane.parents), len(plane.loop_heights)
-    large = not isinstance(plane.crossed, np.ndarray)
-    size = count if large else 0
-    alone = matrix([{k: 1.0} if k < count else {} for k in range(count + loops)], count, size, float)
-    response = stacked([-plane.crossed, matrix([{k: 1.0} for k in range(loops)], loops, size, float)])[:, sharing]
-    if large and compliance is None:
-        return Spread(alone, response, None)
-    alone, response, every = plain(alone), plain(response), np.eye(count + loops)  # the shares of a unit of each
-    objectives = [Objective(response, every, 1.0)]
-    if compliance is not None:
-        weights = np.sqrt(compliance)
-        objectives.insert(0, Objective(weights[:, None] * response, weights * every, float(weights.max())))
-    found = alone + response @ least(objectives).T @ alone if sharing else alone
-    return Spread(alone, response, found)

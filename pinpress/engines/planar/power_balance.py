@@ -7,7 +7,8 @@ import numpy as np
 from ...common.arrays import Array, ComplexArray
 from ..constant_rows import product
 from ..forces import AppliedForce
-from .inverse_dynamics import PIECE, Bodies
+from .bodies import Bodies
+from .inverse_dynamics import PIECE
 from .kinematics import basis_acceleration, basis_velocity
 from .model import Plane, flat
 

@@ -7,7 +7,6 @@ centres of mass c is one small matrix of constants times the second derivative o
 """
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -15,12 +14,10 @@ from ...common.arrays import Array, ComplexArray
 from ..constant_rows import product
 from ..forces import AppliedForce, Wrenches
 from . import statics as plane_statics
+from .bodies import Bodies
 from .kinematics import basis_acceleration
 from .model import Plane, flat
 from .vectors import put, put_normal
-
-if TYPE_CHECKING:
-    from .inverse_dynamics import Bodies
 
 
 def suffices(plane: Plane, wanted: Sequence[int], gears: bool) -> bool:
@@ -37,7 +34,7 @@ def suffices(plane: Plane, wanted: Sequence[int], gears: bool) -> bool:
 
 def fill(
     plane: Plane,
-    bodies: "Bodies",
+    bodies: Bodies,
     at: ComplexArray,
     v: Array,
     a: Array,
@@ -59,7 +56,7 @@ def fill(
     plane_statics.torques(plane, result.coupling)
 
 
-def _efforts(plane: Plane, bodies: "Bodies", at: ComplexArray, a: Array, second: ComplexArray, loads: Sequence[AppliedForce]) -> Array:
+def _efforts(plane: Plane, bodies: Bodies, at: ComplexArray, a: Array, second: ComplexArray, loads: Sequence[AppliedForce]) -> Array:
     """Efforts (nv, n) that the joints would have to transmit with all loops open."""
     work: ComplexArray = product(bodies.reduced, second)
     for load in loads:
@@ -80,7 +77,7 @@ def _efforts(plane: Plane, bodies: "Bodies", at: ComplexArray, a: Array, second:
 
 
 def _forces(
-    plane: Plane, bodies: "Bodies", second: ComplexArray, loads: Sequence[AppliedForce], pins: ComplexArray, wanted: Sequence[int]
+    plane: Plane, bodies: Bodies, second: ComplexArray, loads: Sequence[AppliedForce], pins: ComplexArray, wanted: Sequence[int]
 ) -> ComplexArray:
     """Complex forces (wanted, n)."""
     count = len(plane.parents)
@@ -96,7 +93,7 @@ def _forces(
     return forces
 
 
-def _moments(plane: Plane, bodies: "Bodies", wanted: Sequence[int], result: Wrenches) -> dict[int, Array]:
+def _moments(plane: Plane, bodies: Bodies, wanted: Sequence[int], result: Wrenches) -> dict[int, Array]:
     """Those about the normal that are not zero, (n,) each, by place among the wanted; ``result`` has multipliers of the gear pairs."""
     moments = {}
     meshed = plane.coupled.T @ result.coupling if any(j in bodies.geared for j in wanted) else result.coupling

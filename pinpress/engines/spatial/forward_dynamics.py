@@ -27,13 +27,11 @@ from numpy.typing import NDArray
 
 from ...common.arrays import Array
 from ...common.errors import AssemblyError, PinpressError, SingularityError
-from ...linkage.linkage import Linkage
 from ..closure import ACCEPTED
 from ..continuation import SMALLEST_MARGIN
 from ..coordinates import Axis, data_of
-from .constraints import crossed
 from .contact_points import End, contact_rows, contacts, ends_of
-from .model import MOST_NEWTON_STEPS
+from .model import MOST_NEWTON_STEPS, Spatial
 
 MASSLESS = 1e-13  # share of the largest inertia below which what resists a motion is rounding
 CLEAR = 1e-6  # share of the largest pivot (of an inertia's own size) above which pivots of the quick way count as well away from zero
@@ -51,9 +49,15 @@ class ForwardDynamics:
     NumPy may warn of what is not finite before it is refused: call under ``np.errstate``.
     """
 
-    def __init__(self, press: Linkage, armature: Array) -> None:
-        """``armature`` (nv,): inertia of what turns with the joints, of flywheel or motor [kg m2; kg at one that slides], added to what
-        the model has; the model itself is left alone.
+    def __init__(self, general: Spatial, closed: Array, rank: int, armature: Array, name: str) -> None:
+        """
+        Args:
+            general: constants of the linkage; its model is left alone.
+            closed: (nv,) joint coordinates of the closed drawn pose.
+            rank: of the equations there.
+            armature: (nv,) inertia of what turns with the joints, of flywheel or motor [kg m2; kg at one that slides], added to what the
+                model has.
+            name: of the linkage, for errors.
 
         Raises:
             PinpressError: an armature of another shape, or not finite.
@@ -61,23 +65,23 @@ class ForwardDynamics:
         # its import takes long; NumPy's own QR has no pivoting, and an overhead of 10 us
         from scipy.linalg import lapack
 
-        self._made_of = press, armature
+        self._made_of = general, closed, rank, armature, name
         self.geqp3, self.orgqr, self.trtrs, self.posv = lapack.dgeqp3, lapack.dorgqr, lapack.dtrtrs, lapack.dposv
 
-        general, self.name, self.joints = press.spatial, press.name, press.joints
-        count = int(press.model.nv)
+        model, loops, self.name, self.joints = general.model, general.loops, name, tuple(general.model.names)[1:]
+        count = int(model.nv)
         armature = np.asarray(armature, dtype=float)
         if armature.shape != (count,) or not np.isfinite(armature).all():
             raise PinpressError(f"armature is {armature}: give {count} finite inertias [kg m2]")
-        self.driver, self.rank = general.drivers[0], press.rank
+        self.driver, self.rank = general.drivers[0], rank
         self.size, self.tolerance = general.size, general.tolerance
-        self.model = _bounded(press.model, general.axes)
-        self.model.armature = self.armature = np.array(press.model.armature) + armature
+        self.model = _bounded(model, general.axes)
+        self.model.armature = self.armature = np.array(model.armature) + armature
         self.data = data_of(self.model)
         self.placements = self.data.oMi  # live: fetching it costs more than the algorithm that fills it
 
-        pin.forwardKinematics(self.model, self.data, press.closed)
-        by_loop = [ends_of(loop, self.data, self.size) for loop in press.loops]
+        pin.forwardKinematics(self.model, self.data, closed)
+        by_loop = [ends_of(loop, self.data, self.size) for loop in loops]
         ends = [end for held in by_loop for end in held]
         self.points, self.data_of_points = pin.StdVec_ConstraintModel(), pin.StdVec_ConstraintData()
         for end in ends:
@@ -94,18 +98,18 @@ class ForwardDynamics:
         self.per_unit, self.back_per_unit, self.column = 1 / self.units, -1 / self.units, (1 / self.units)[:, None]
         self.held = 3 * len(ends)
         # a joint that carries both ends moves them by rounding, and by an open gap
-        moving = np.repeat(crossed(press.model, press.loops).T != 0, [3 * len(held) for held in by_loop], axis=0)
+        moving = np.repeat(general.crossed.T != 0, [3 * len(held) for held in by_loop], axis=0)
         self.weights = moving * self.per_unit
-        equations, couplings = general.equations(), len(press.couplings)
+        equations, couplings = general.equations(), len(general.couplings)
         self.coupled, self.offsets = equations.coupled, equations.offsets
         # zero rows at the end, so that there are as many as joints at least and the orthogonal factor comes whole
         self.rows = np.zeros((max(self.held + couplings, count), count))
         self.rows[self.held : self.held + couplings] = self.coupled * self.per_unit
         # LAPACK counts pivots from 1: one number stands before those of the rows
         self.none, self.uncoupled, self.still = np.zeros(1), np.zeros(couplings), np.zeros(count)
-        mass = pin.crba(self.model, self.data, press.closed)
+        mass = pin.crba(self.model, self.data, closed)
         self.least = math.sqrt(MASSLESS * float((mass.diagonal() * self.per_unit**2).max()))
-        self.quick = None if couplings else self._quick(press.closed, ends, mass)
+        self.quick = None if couplings else self._quick(closed, ends, mass)
 
     def __reduce__(self) -> tuple[Any, ...]:
         return ForwardDynamics, self._made_of
