@@ -6,7 +6,7 @@ import os
 import random
 import shutil
 import sys
-from collections.abc import Callable, Generator, Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
@@ -14,6 +14,10 @@ import pytest
 from hypothesis import settings
 from support.exploring import EXPLORE, FIXED
 from support.in_browser import FLAGS, wait
+from support.skips import pytest_make_collect_report, pytest_runtest_makereport
+from support.time_limit import time_limit
+
+__all__ = ["pytest_make_collect_report", "pytest_runtest_makereport", "time_limit"]  # hooks and a fixture for all tests
 
 settings.load_profile(FIXED)
 
@@ -39,27 +43,6 @@ def pytest_report_header(config: pytest.Config) -> list[str]:
     if config.option.hypothesis_profile != EXPLORE:
         return []
     return [f"new random cases; these again: --hypothesis-profile={EXPLORE} --hypothesis-seed={config.option.hypothesis_seed}"]
-
-
-def _fail_where_skipped(report: pytest.CollectReport | pytest.TestReport) -> None:
-    """What a test needs may be missing on a developer's machine; in CI, nothing is, and a test that does not run says nothing."""
-    if os.environ.get("CI") and report.skipped and not hasattr(report, "wasxfail"):
-        reason = report.longrepr[2] if isinstance(report.longrepr, tuple) else report.longrepr
-        report.outcome, report.longrepr = "failed", f"{report.nodeid} in CI: {reason}"
-
-
-@pytest.hookimpl(wrapper=True)
-def pytest_make_collect_report() -> Generator[None, pytest.CollectReport, pytest.CollectReport]:
-    report = yield
-    _fail_where_skipped(report)
-    return report
-
-
-@pytest.hookimpl(wrapper=True)
-def pytest_runtest_makereport() -> Generator[None, pytest.TestReport, pytest.TestReport]:
-    report = yield
-    _fail_where_skipped(report)
-    return report
 
 
 @pytest.fixture(scope="session")

@@ -372,7 +372,7 @@ def test_command_without_matplotlib(measured, capsys, tmp_path, monkeypatch):
         (["zxn2_3000b", "--speed", "0"], "speed is 0"),
         (["zxn2_3000b", "--speed", "70", "--repeats", "0"], "repeats is 0"),
         (["zxn2_3000b", "--speed", "70", "--flywheel", "much"], "much"),
-        (["zxn2_3000b", "--speed", "70", "--out", "README.md"], "README.md"),
+        (["zxn2_3000b", "--speed", "70", "--out", __file__], "test_accuracy.py"),
     ],
 )
 def test_command_refuses(alone, capsys, words, says):

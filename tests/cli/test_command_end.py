@@ -6,7 +6,8 @@ import subprocess
 import sys
 
 import pytest
-from support.time_limit import _limit  # noqa: F401
+
+pytestmark = pytest.mark.usefixtures("time_limit")
 
 COMMANDS = {
     "module": ["-m", "pinpress"],

@@ -10,11 +10,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from support.time_limit import _limit  # noqa: F401
 
 import pinpress as pp
 from pinpress.common.errors import UnknownScenarioError
 from pinpress.loads.caller_laws import LawError
+
+pytestmark = pytest.mark.usefixtures("time_limit")
 
 ARGUMENTS = {
     pp.PinpressError: ("speed is 'x': give a number",),

@@ -12,10 +12,11 @@ from pathlib import Path
 
 import pytest
 from support.full_disk import full_disk
-from support.time_limit import _limit  # noqa: F401
 
 import pinpress as pp
 from pinpress.common import files
+
+pytestmark = pytest.mark.usefixtures("time_limit")
 
 OLD, NEW = b"old content", b"new content, longer than the old one"
 

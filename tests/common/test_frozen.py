@@ -13,10 +13,10 @@ import numpy as np
 import pinocchio as pin
 import pytest
 from support import every_result
-from support.time_limit import _limit  # noqa: F401
 
 import pinpress as pp
 
+pytestmark = pytest.mark.usefixtures("time_limit")
 WAYS = {"pickle": lambda value: pickle.loads(pickle.dumps(value)), "copy": copy.copy, "deepcopy": copy.deepcopy}
 KINDS = sorted(every_result.public(), key=lambda kind: kind.__name__)
 

@@ -7,15 +7,16 @@ import warnings
 
 import numpy as np
 import pytest
-from engines.test_massless import without_mass
 from support import texts
 from support.generators import large_linkages
-from support.time_limit import _limit  # noqa: F401 (a fixture)
+from support.texts import without_mass
 
 import pinpress as pp
 from pinpress.drives import transmission as drives
 from pinpress.loads import process as loads
 from pinpress.loads.process import Stretch
+
+pytestmark = pytest.mark.usefixtures("time_limit")
 
 METHODS = ("reduced", "constraint")
 START = {"speed": 8.0, "angle": 1.0, "flywheel": pp.drives.Flywheel(20.0)}

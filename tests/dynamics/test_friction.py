@@ -8,11 +8,11 @@ from functools import cache
 import numpy as np
 import pinocchio as pin
 import pytest
-from engines.test_sharing import double, rods, wheels
-from engines.test_spatial import SPATIAL, three_cranks
 from hypothesis import assume, given
 from support.exploring import examples
-from support.generators.random_linkages import Drawing, drawn, linkages, momentum_balance
+from support.generators.random_linkages import Drawing, drawn, linkages, momentum_balance, random_friction, slides
+from support.generators.redundant_linkages import double, rods, three_cranks, wheels
+from support.generators.spatial_crank_slide import SPATIAL
 from support.generators.spatial_linkages import Loops, bennett, four_bar
 from support.oracles import friction_script
 from support.texts import load, shipped
@@ -34,23 +34,6 @@ def folder(tmp_path_factory):
 @pytest.fixture(params=ENGINES)
 def engine(request):
     return request.param
-
-
-def slides(press):
-    """Joints that slide, by Pinocchio's names of them."""
-    return {
-        name for name, joint in zip(press.joints, list(press.model.joints)[1:], strict=True) if joint.shortname().startswith("JointModelP")
-    }
-
-
-def everywhere(press, seed=0, most=0.15, viscous=300.0):
-    """Friction of all bearings, at random."""
-    rng = np.random.default_rng(seed)
-    return {
-        name: pp.loads.Friction(rng.uniform(0.02, most), None if name in slides(press) else rng.uniform(0.03, 0.1), rng.uniform(0, viscous))
-        for name in press.bearings
-        if not any(loop.name == name and loop.type == "fixed" for loop in press.loops)
-    }
 
 
 # ---------------------------------------------------------------------------------------------------- laws that hold for every linkage
@@ -166,7 +149,7 @@ def check(press, result, friction, loads=(), bound=1e-12):
 def by_hand(name):
     """Press, friction, and what the hand script says with and without it."""
     press = shipped(name)
-    friction = everywhere(press, seed=len(name))
+    friction = random_friction(press, seed=len(name))
     moved = getattr(friction_script, name)(ANGLE, SERVO["speed"], SERVO["acceleration"])
     coulomb = {bearing: each.coefficient * (each.radius or 1.0) for bearing, each in friction.items()}
     viscous = {bearing: each.viscous for bearing, each in friction.items()}
@@ -304,7 +287,7 @@ def test_all_laws_over_a_turn(name, engine):
     """With friction everywhere; and all that is lost is what the drive puts in more; 1e-12 of the peaks."""
     press = shipped(name)
     motion = pp.cycle(press, speed=7.0, points=18, engine=engine)
-    friction = everywhere(press, seed=3)
+    friction = random_friction(press, seed=3)
     bare, result = (pp.inverse_dynamics(press, motion, friction=each, engine=engine) for each in ({}, friction))
     check(press, result, friction)
     more = 7.0 * (result.driving_torque - bare.driving_torque)
@@ -351,7 +334,7 @@ def test_at_standstill_nothing_rubs(engine):
     """Speed zero throughout: the same forces as without friction."""
     press = shipped("zxn2_3000b")
     motion = pp.cycle(press, angle=np.linspace(0, 6, 7), speed=0.0, acceleration=5.0, engine=engine)
-    bare, result = (pp.inverse_dynamics(press, motion, friction=each, engine=engine) for each in ({}, everywhere(press)))
+    bare, result = (pp.inverse_dynamics(press, motion, friction=each, engine=engine) for each in ({}, random_friction(press)))
     for bearing in press.bearings:
         np.testing.assert_array_equal(result.bearing_force[bearing], bare.bearing_force[bearing])
         assert not result.friction_power[bearing].any()
@@ -445,7 +428,7 @@ def test_bearings_out_of_all_proportion(radius, engine):
 def test_many_states(name):
     """More than are worked through at a time: the same numbers as in parts, and none of them locks by rounding."""
     press = shipped(name)
-    friction = everywhere(press, seed=5)
+    friction = random_friction(press, seed=5)
     angle = 2 * np.pi * np.arange(6000) / 6000
     whole = pp.inverse_dynamics(press, pp.cycle(press, angle=angle, speed=7.0), friction=friction)
     peak = np.abs(whole.driving_torque).max()
@@ -481,7 +464,7 @@ def test_all_laws_of_other_linkages(folder, name, engine):
     if len(press.drivers) == 2:
         states = np.stack([states, -0.5 * states], axis=1)
     motion = pp.cycle(press, angle=states, speed=7 * np.cos(9 * states), acceleration=30 * np.sin(8 * states), engine=engine)
-    friction = everywhere(press, seed=11, viscous=5.0)
+    friction = random_friction(press, seed=11, viscous=5.0)
     loads = [pp.loads.PointForce(link, (50.0, -80.0, 300.0), (0.1, 0.0, -0.1)) for link in press.links[1:3]]
     stiffness = {"W0": 2e9, "W1": 1e9} if name == "rods" else {}
     result = pp.inverse_dynamics(press, motion, loads, friction=friction, stiffness=stiffness, engine=engine)

@@ -5,8 +5,9 @@ from functools import cache
 import numpy as np
 import pinocchio as pin
 import pytest
-from engines.test_spatial import SPATIAL, three_cranks
 from support.generators.random_linkages import four_bar, momentum_balance
+from support.generators.redundant_linkages import three_cranks
+from support.generators.spatial_crank_slide import SPATIAL
 from support.generators.spatial_linkages import four_bar as spatial_four_bar
 from support.texts import load, shipped
 

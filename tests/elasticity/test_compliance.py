@@ -15,13 +15,12 @@ from pinpress.elasticity.slide_under_load import slide_deflection
 from pinpress.elasticity.springs import Rod, Stiffness
 
 ANGLES = np.array([0.0, 0.4, 1.3, 2.2, 3.6, 5.1])
-RNG = np.random.default_rng(7)
 
 
 def yielding(press, frame=5e9, shaft=3e7):
     """Uneven stiffnesses of every bearing, guide, frame and shaft."""
     guides = [name for name in press.joints if not press.spatial.axes[press.joints.index(name)].turns]
-    numbers = iter(RNG.uniform(1e9, 5e9, len(press.bearings)))
+    numbers = iter(np.random.default_rng(7).uniform(1e9, 5e9, len(press.bearings)))
     return Stiffness({name: float(next(numbers)) for name in press.bearings}, dict.fromkeys(guides, 4e7), (), shaft, frame)
 
 

@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 from support import texts
 from support.generators import large_linkages
+from support.texts import NOTHING, without_mass
 
 import pinpress as pp
 
 BEND = 0.5  # angle between the shafts of the Hooke joint [rad]
-NOTHING = '<inertial><mass value="0"/><inertia ixx="0" ixy="0" ixz="0" iyy="0" iyz="0" izz="0"/></inertial>'
 ROTOR = '<inertial><mass value="3"/><inertia ixx="0.2" ixy="0" ixz="0" iyy="0.2" iyz="0" izz="0.2"/></inertial>'
 ANGLES = np.linspace(0.1, 6.2, 12)
 
@@ -74,15 +74,6 @@ def test_rod_without_mass_pulls_along_itself(engine):
     rod = np.stack([-crank_pin[0], -np.sqrt(0.4**2 - crank_pin[0] ** 2)])
     across = rod[0] * force[:, 2] - rod[1] * force[:, 0]
     assert np.abs(across).max() < 1e-12 * np.abs(force).max()
-
-
-def without_mass(text, *links):
-    """A text with nothing in the inertia of links."""
-    for link in links:
-        start = text.index("<inertial>", text.index(f'<link name="{link}"'))
-        end = text.index("</inertial>", start) + len("</inertial>")
-        text = text[:start] + NOTHING + text[end:]
-    return text
 
 
 @pytest.mark.parametrize("method", ["reduced", "constraint"])

@@ -12,44 +12,23 @@ import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
 from support.exploring import examples
-from support.generators.random_linkages import Drawing, Group, Spec, drawn, linkages, momentum_balance, newton_euler
+from support.generators.random_linkages import (
+    Drawing,
+    Group,
+    Spec,
+    drawn,
+    linkages,
+    loaded,
+    momentum_balance,
+    newton_euler,
+    peaks,
+    random_loads,
+    servo,
+)
 
 import pinpress as pp
 
 ENGINES = ("plane", "pinocchio")
-STATES = 4
-
-
-def loaded(drawing, folder, **options):
-    file = folder / f"{drawing.name}.urdf"
-    file.write_text(drawing.urdf("crank"), encoding="utf-8")
-    return pp.load(file, **options)
-
-
-def servo(press, rng, states=STATES):
-    """Angles about the drawn pose, with speeds and accelerations that have nothing to do with them."""
-    low, high = (-np.inf, np.inf) if press.branch.period else press.branch.angles[[0, -1]]
-    angle = rng.uniform(max(-0.05, 0.5 * low), min(0.05, 0.5 * high), states)
-    return {"angle": angle, "speed": rng.uniform(-10, 10, states), "acceleration": rng.uniform(-50, 50, states)}
-
-
-def random_loads(press, rng, count, in_plane):
-    """Forces at points of random links, the frame among them."""
-    across = 0.0 if in_plane else 1.0
-    normal = press.plane.normal
-    loads = []
-    for _ in range(count):
-        force = 100 * rng.normal(size=(STATES, 3))
-        force -= (1 - across) * (force @ normal)[:, None] * normal
-        loads.append(pp.loads.PointForce(str(rng.choice(press.links)), force, tuple(press.spatial.size * rng.normal(size=3))))
-    return loads
-
-
-def peaks(press, result):
-    """Largest bearing force and moment; a moment is never judged more sharply than the force on an arm as long as the linkage."""
-    force = max(np.abs(values).max() for values in (*result.bearing_force.values(), result.shaking_force))
-    moment = max(np.abs(values).max() for values in result.bearing_moment.values())
-    return force, max(moment, force * press.spatial.size)
 
 
 def largest_difference(one, other):

@@ -13,17 +13,14 @@ from functools import cache
 import numpy as np
 import pinocchio as pin
 import pytest
-from dynamics.test_friction import everywhere
-from engines.test_random_linkages import loaded, peaks, random_loads, servo
-from engines.test_sharing import LINKAGES, SERVO
-from engines.test_sharing import SPATIAL as NOT_PLANAR
-from engines.test_spatial import SPATIAL
 from hypothesis import assume, given
 from hypothesis import strategies as st
 from support.exploring import examples
 from support.generators import period_presses
-from support.generators.random_linkages import drawn, linkages, momentum_balance
+from support.generators.random_linkages import drawn, linkages, loaded, momentum_balance, peaks, random_friction, random_loads, servo
+from support.generators.redundant_linkages import LINKAGES, NOT_PLANAR
 from support.generators.small_linkages import geared, two_cranks
+from support.generators.spatial_crank_slide import SPATIAL
 from support.texts import load as read
 from support.texts import shipped
 
@@ -38,6 +35,7 @@ from pinpress.engines.spatial import inverse_dynamics as spatial_dynamics
 ENGINES = ("plane", "pinocchio")
 SAME = 1e-12
 NAMES = ("crank_slide", "zxn2_3000b", "thin_wall", "jf75g_125", "flat_gears", *(name for name in LINKAGES if name not in NOT_PLANAR))
+SERVO = {"angle": np.array([-0.3, 0.1, 0.45]), "speed": np.array([-6.0, 4.0, 9.0]), "acceleration": np.array([30.0, -50.0, 10.0])}
 SCENES = ("bare", "loads", "across", "spring", "friction", "stiffness")
 
 
@@ -87,7 +85,7 @@ def scene(kind, press):
         "spring": {
             "loads": [pp.loads.SpringDamper(press.root, links[-1], stiffness=3e3, damping=50.0, free_length=0.1, point1=(0.3, -2.0, 3.0))]
         },
-        "friction": {"friction": everywhere(press, most=0.05)},
+        "friction": {"friction": random_friction(press, most=0.05)},
         "stiffness": {"stiffness": {name: 1e8 * (1 + 7 * k % 5) for k, name in enumerate(press.bearings)}},
     }[kind]
 
@@ -346,6 +344,7 @@ def calls(monkeypatch, owner, name, *arguments, **more):
 
 def test_a_flat_press_computes_nothing_across_its_plane(monkeypatch, folder, six_bar, turn):
     stacked = case("two_point", folder)
+    pp.inverse_dynamics(*stacked)  # what the press keeps is made
     along, across = (pp.loads.PointForce("slide", force) for force in ((0.0, 0.0, 1e5), (0.0, 10.0, 0.0)))
     on_frame = pp.loads.PointForce("frame", (0.0, 10.0, 0.0))
     for function in ("forces", "add"):
@@ -386,6 +385,7 @@ def test_gear_torques_that_share_with_rods_are_computed_when_they_are_asked_for(
 
 def test_what_is_not_redundant_shares_nothing(monkeypatch, folder, six_bar, turn):
     stacked = case("two_point", folder)
+    pp.inverse_dynamics(*stacked)  # what the press keeps is made
     for bearings, shared in ((None, True), (("O",), True), ((), False)):
         assert calls(monkeypatch, spatial_dynamics, "least", *stacked, engine="pinocchio", bearings=bearings) == shared
         stiff = {"stiffness": dict.fromkeys(stacked[0].bearings, 1e9)}

@@ -5,10 +5,10 @@ from typing import Any
 
 import numpy as np
 import pinocchio as pin
-from engines.test_spatial import three_cranks
 from extremes.extreme_case import METHODS, ROUNDING, Case, Outcome, compare, folder, largest, loaded, shipped, worst
 from extremes.extreme_crank_slide import spinning
 from support.generators.random_linkages import momentum_balance, newton_euler
+from support.generators.redundant_linkages import three_cranks
 from support.generators.small_linkages import bolted
 
 import pinpress as pp

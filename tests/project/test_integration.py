@@ -7,8 +7,8 @@ import subprocess
 import sys
 from pathlib import Path
 
-import conftest
 import pytest
+from support import skips
 
 ROOT = Path(__file__).resolve().parents[2]
 # Stands for every program of .ci/run: notes what it is asked for, fails at the call of this number, and makes environments of itself.
@@ -60,6 +60,14 @@ def test_a_python_that_is_not_there_is_named(tmp_path: Path) -> None:
     assert "NOT TESTED: Python 3.13 is not on this machine" in output
 
 
+@pytest.mark.parametrize("page", ["CONTRIBUTING.md", ".ci/run", "README.md"])
+def test_files_that_commands_name_are_there(page: str) -> None:
+    named = re.findall(r"(?:tests|viz|docs|urdf|pinpress)/[\w/.{},-]*\w\}?", (ROOT / page).read_text(encoding="utf-8"))
+    expanded = subprocess.run(["bash", "-c", f"echo {' '.join(named)}"], capture_output=True, text=True, check=True).stdout.split()
+    assert expanded
+    assert [path for path in expanded if not any((ROOT / each).exists() for each in (path, f"{path}.py"))] == []
+
+
 def test_nothing_is_skipped(pytester: pytest.Pytester, monkeypatch: pytest.MonkeyPatch) -> None:
     pytester.makepyfile(
         test_module="import pytest; pytest.importorskip('no_such_package')\ndef test(): pass",
@@ -77,9 +85,9 @@ def test_nothing_is_skipped(pytester: pytest.Pytester, monkeypatch: pytest.Monke
         """,
     )
     monkeypatch.delenv("CI", raising=False)
-    pytester.inline_run("-p", "no:cacheprovider", plugins=[conftest]).assertoutcome(passed=1, skipped=5)
+    pytester.inline_run("-p", "no:cacheprovider", plugins=[skips]).assertoutcome(passed=1, skipped=5)
     monkeypatch.setenv("CI", "1")
-    reports = pytester.inline_run("-p", "no:cacheprovider", "--continue-on-collection-errors", plugins=[conftest])
+    reports = pytester.inline_run("-p", "no:cacheprovider", "--continue-on-collection-errors", plugins=[skips])
     failed = {str(report.longrepr).partition(" in CI: ")[0] for report in reports.getfailures()}
     assert failed == {"test_module.py", *(f"test_tests.py::test_{name}" for name in ("package", "fixture", "mark"))}
     assert len(reports.getreports("pytest_runtest_logreport")) > 0

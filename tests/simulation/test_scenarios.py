@@ -15,13 +15,15 @@ from hypothesis import strategies as st
 from support import texts
 from support.exploring import examples
 from support.oracles import crank_slide_equation as equation
-from support.time_limit import _limit, within  # noqa: F401 (a fixture)
+from support.time_limit import within
 
 import pinpress as pp
 from pinpress.drives import transmission as drives
 from pinpress.loads import process as loads
 from pinpress.simulation import collocation as over_angle
 from pinpress.simulation.batch import Runs
+
+pytestmark = pytest.mark.usefixtures("time_limit")
 
 RPM = pp.RPM
 WHEEL = pp.drives.Flywheel(136.0)  # Zhang 2007, 4.3

@@ -10,13 +10,14 @@ import warnings
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
-from simulation.test_simulation_extremes import acceleration, inertia, potential
 from support import texts
-from support.time_limit import _limit  # noqa: F401 (a fixture)
+from support.oracles.textbook_crank_slide import acceleration, inertia, potential
 
 import pinpress as pp
 from pinpress.drives import transmission as drives
 from pinpress.loads import process as loads
+
+pytestmark = pytest.mark.usefixtures("time_limit")
 
 METHODS = ("reduced", "constraint")
 

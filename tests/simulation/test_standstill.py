@@ -12,14 +12,15 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
-from simulation.test_simulation_extremes import acceleration, lever, potential, slope
 from support import texts
-from support.time_limit import _limit  # noqa: F401 (a fixture)
+from support.oracles.textbook_crank_slide import acceleration, lever, potential, slope
 
 import pinpress as pp
 from pinpress.drives import transmission as drives
 from pinpress.loads import process as loads
 from pinpress.loads.process import Stretch
+
+pytestmark = pytest.mark.usefixtures("time_limit")
 
 METHODS = ("reduced", "constraint")
 FRICTION, FLYWHEEL, ANGLE = 500.0, 20.0, 1.0

@@ -17,11 +17,13 @@ from support import texts
 from support.generators.random_linkages import four_bar
 from support.oracles import crank_slide_equation as equation
 from support.oracles.crank_slide_equation import Window
-from support.time_limit import LIMIT, _limit, within  # noqa: F401 (a fixture)
+from support.time_limit import LIMIT, within
 
 import pinpress as pp
 from pinpress.drives import transmission as drives
 from pinpress.loads import process as loads
+
+pytestmark = pytest.mark.usefixtures("time_limit")
 
 RPM = pp.RPM
 J0, SPEED = 136.0, 300 * RPM  # Zhang 2007, 4.3: flywheel and speed of the JF75G-125

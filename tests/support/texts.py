@@ -1,14 +1,16 @@
 """Linkages for tests from texts of URDF, and by name; each is read once."""
 
+import tempfile
 from functools import cache
+from pathlib import Path
 
 import pinpress as pp
 
 
 @cache
 def load(text, folder, gravity=(0.0, 0.0, -9.81)):
-    """The linkage of a text, by way of a file in a folder."""
-    file = folder / "linkage.urdf"
+    """The linkage of a text, by way of a file of its own in a folder."""
+    file = Path(tempfile.mkdtemp(dir=folder)) / "linkage.urdf"
     file.write_text(text, encoding="utf-8")
     return pp.load(file, gravity=gravity)
 
@@ -17,3 +19,15 @@ def load(text, folder, gravity=(0.0, 0.0, -9.81)):
 def shipped(name, gravity=(0.0, 0.0, -9.81)):
     """A shipped press: a linkage is read-only, so that tests can share one, and what it has found out about itself."""
     return pp.load(name, gravity=gravity)
+
+
+NOTHING = '<inertial><mass value="0"/><inertia ixx="0" ixy="0" ixz="0" iyy="0" iyz="0" izz="0"/></inertial>'
+
+
+def without_mass(text, *links):
+    """A text with nothing in the inertia of links."""
+    for link in links:
+        start = text.index("<inertial>", text.index(f'<link name="{link}"'))
+        end = text.index("</inertial>", start) + len("</inertial>")
+        text = text[:start] + NOTHING + text[end:]
+    return text

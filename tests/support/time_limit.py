@@ -22,8 +22,9 @@ def within(seconds):
         signal.signal(signal.SIGALRM, before)
 
 
-@pytest.fixture(autouse=True)
-def _limit(request):
+@pytest.fixture
+def time_limit(request):
+    """For modules whose tests might never end: `pytest.mark.usefixtures("time_limit")`."""
     if "hypothesis" in request.keywords:  # as long as its cases take, of which there may be many
         yield
     else:

@@ -17,10 +17,12 @@ import numpy as np
 import pytest
 from support.full_disk import full_disk
 from support.sweep_points import dies, doubled, fails_at_odd, logged, product, raises_at_1
-from support.time_limit import _limit, within  # noqa: F401
+from support.time_limit import within
 
 import pinpress as pp
 from pinpress.sweeps.sweeping import sweep
+
+pytestmark = pytest.mark.usefixtures("time_limit")
 
 GRID = {"a": [3, 1, 2], "b": np.array([0.5, 4.0])}
 FORMATS = ["csv", "parquet"]

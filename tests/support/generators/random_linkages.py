@@ -12,6 +12,8 @@ import numpy as np
 import pinocchio as pin
 from hypothesis import strategies as st
 
+import pinpress as pp
+
 UPRIGHT = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [0.0, -1.0, 0.0]]).T  # plane's x, y and normal as columns: world x, z and -y
 CLEAR = 0.4  # every dyad's sine (every triad's determinant) in the drawn pose is larger; 0 is where it locks
 TRIES = 200  # at placing a dyad clear of its singularity
@@ -377,3 +379,57 @@ def newton_euler(press, motion, result, loads=()):
             force = np.broadcast_to(load.force, (n, 3))[i]
             act(model.frames[frame].parentJoint, force, data.oMf[frame].act(np.array(load.point)))
     return forces, moments, idle
+
+
+# ---------------------------------------- states, loads and friction at random
+
+STATES = 4
+
+
+def loaded(drawing, folder, **options):
+    file = folder / f"{drawing.name}.urdf"
+    file.write_text(drawing.urdf("crank"), encoding="utf-8")
+    return pp.load(file, **options)
+
+
+def servo(press, rng, states=STATES):
+    """Angles about the drawn pose, with speeds and accelerations that have nothing to do with them."""
+    low, high = (-np.inf, np.inf) if press.branch.period else press.branch.angles[[0, -1]]
+    angle = rng.uniform(max(-0.05, 0.5 * low), min(0.05, 0.5 * high), states)
+    return {"angle": angle, "speed": rng.uniform(-10, 10, states), "acceleration": rng.uniform(-50, 50, states)}
+
+
+def random_loads(press, rng, count, in_plane):
+    """Forces at points of random links, the frame among them."""
+    across = 0.0 if in_plane else 1.0
+    normal = press.plane.normal
+    loads = []
+    for _ in range(count):
+        force = 100 * rng.normal(size=(STATES, 3))
+        force -= (1 - across) * (force @ normal)[:, None] * normal
+        loads.append(pp.loads.PointForce(str(rng.choice(press.links)), force, tuple(press.spatial.size * rng.normal(size=3))))
+    return loads
+
+
+def peaks(press, result):
+    """Largest bearing force and moment; a moment is never judged more sharply than the force on an arm as long as the linkage."""
+    force = max(np.abs(values).max() for values in (*result.bearing_force.values(), result.shaking_force))
+    moment = max(np.abs(values).max() for values in result.bearing_moment.values())
+    return force, max(moment, force * press.spatial.size)
+
+
+def slides(press):
+    """Joints that slide, by Pinocchio's names of them."""
+    return {
+        name for name, joint in zip(press.joints, list(press.model.joints)[1:], strict=True) if joint.shortname().startswith("JointModelP")
+    }
+
+
+def random_friction(press, seed=0, most=0.15, viscous=300.0):
+    """Friction of all bearings, at random."""
+    rng = np.random.default_rng(seed)
+    return {
+        name: pp.loads.Friction(rng.uniform(0.02, most), None if name in slides(press) else rng.uniform(0.03, 0.1), rng.uniform(0, viscous))
+        for name in press.bearings
+        if not any(loop.name == name and loop.type == "fixed" for loop in press.loops)
+    }
