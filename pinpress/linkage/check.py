@@ -19,7 +19,7 @@ from .urdf.findings import SEVERITIES, Finding
 if TYPE_CHECKING:
     from . import mobility as freedom
     from .linkage import Linkage
-    from .urdf import reader as urdf
+    from .urdf.document import Document
 
 
 WIDTH = 120  # of a line of text
@@ -116,11 +116,12 @@ def check(path: str | os.PathLike[str], driver: str | Sequence[str] | None = Non
     """
     from .urdf import reader as urdf  # see `load`
     from .urdf import remarks as urdf_remarks
+    from .urdf.document import parse
 
     file = os.fspath(located(path))
     findings, facts = [], None
     try:
-        document = urdf.parse(file)
+        document = parse(file)
         findings += [*urdf.errors(document), *urdf_remarks.remarks(document.robot)]
         if all(finding.error is None for finding in findings):
             found, facts = _put_together(document, driver, slide)
@@ -132,7 +133,7 @@ def check(path: str | os.PathLike[str], driver: str | Sequence[str] | None = Non
     return Report(file, tuple(sorted(findings, key=lambda finding: SEVERITIES.index(finding.severity))), facts)
 
 
-def _put_together(document: urdf.Document, driver: str | Sequence[str] | None, slide: str | None) -> tuple[list[Finding], Facts]:
+def _put_together(document: Document, driver: str | Sequence[str] | None, slide: str | None) -> tuple[list[Finding], Facts]:
     """Findings and facts of the linkage that the elements make; raises the errors of `assembled`."""
     from ..engines.spatial import model as spatial
     from . import assembly_checks as pose_checks
@@ -141,7 +142,7 @@ def _put_together(document: urdf.Document, driver: str | Sequence[str] | None, s
     from .urdf import reader as urdf
 
     description = urdf.describe(document)
-    press = assembled(description, driver, slide)
+    press = assembled(document, driver, slide)
     errors = list(pose_checks.errors(press))
     findings = errors or list(linkage_remarks.remarks(press, document.robot))
     rank = spatial.rank(press.equations(press.as_drawn).columns) if errors else press.rank

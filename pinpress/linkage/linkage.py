@@ -30,6 +30,7 @@ from ..engines.spatial import model as spatial
 from ..engines.spatial.forward_dynamics import ForwardDynamics
 from ..engines.spatial.model import Spatial
 from .memo import Model, keep_geometry, per_linkage
+from .urdf.document import Document
 
 CLEAR = 1e-2  # margin of a block of redundant equations below which all are solved together
 EVEN = 1e-9  # of its moment of inertia, or of the linkage's size: unbalance of a shaft that is rounding
@@ -44,7 +45,8 @@ class Linkage(Frozen):
     ``dataclasses.replace(press, model=...)`` with a changed copy of the model: everything else here is derived.
 
     Attributes:
-        name: the URDF's robot name. file: where it was read. text: the URDF itself.
+        name: the URDF's robot name.
+        document: the URDF it was read from.
         model: Pinocchio's model of the tree, loops cut, gravity set.
         links: names of all links, in document order. root: the frame's.
         loops: the bearings at which loops were cut. couplings: gear pairs and the like.
@@ -53,8 +55,7 @@ class Linkage(Frozen):
     """
 
     name: str
-    file: str
-    text: bytes
+    document: Document
     model: pin.Model
     links: tuple[str, ...]
     root: str
@@ -65,6 +66,16 @@ class Linkage(Frozen):
 
     def __repr__(self) -> str:
         return f"<Linkage {self.name}: driver {', '.join(self.drivers)}, slide {self.slide}, bearings {', '.join(self.bearings)}>"
+
+    @property
+    def file(self) -> str:
+        """Path of the URDF."""
+        return self.document.file
+
+    @property
+    def text(self) -> bytes:
+        """The URDF as it was read."""
+        return self.document.text
 
     @property
     def driver(self) -> str:

@@ -21,6 +21,7 @@ from .urdf import findings
 
 if TYPE_CHECKING:
     from .urdf import reader as urdf
+    from .urdf.document import Document
 
 
 def presses() -> tuple[str, ...]:
@@ -58,7 +59,7 @@ def load(
     from .urdf import reader as urdf  # only reading needs it, and it is a tenth of the package's import
 
     document = urdf.checked(located(path))
-    press = assembled(urdf.describe(document), driver, slide, gravity)
+    press = assembled(document, driver, slide, gravity)
     check_drawn_pose(press, findings.command(press.file, () if driver is None else press.drivers, slide))
     for finding in linkage_remarks.severe(press, document.robot):
         caution(finding.message(press.file))
@@ -85,12 +86,15 @@ def located(path: str | os.PathLike[str]) -> str | os.PathLike[str]:
 
 
 def assembled(
-    description: urdf.Urdf,
+    document: Document,
     driver: str | Sequence[str] | None,
     slide: str | None,
     gravity: Sequence[float] = (0.0, 0.0, -9.81),
 ) -> Linkage:
     """The linkage of a URDF without problems, not yet closed; arguments and errors as of `load`."""
+    from .urdf import reader as urdf  # see `load`
+
+    description = urdf.describe(document)
     drivers = _drivers(description, driver)
     try:
         model = pin.buildModelFromXML(description.text.decode())
@@ -107,8 +111,7 @@ def assembled(
             )
     return Linkage(
         name=description.name,
-        file=description.file,
-        text=description.text,
+        document=document,
         model=model,
         links=description.links,
         root=description.root,

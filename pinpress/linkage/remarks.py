@@ -17,7 +17,7 @@ from .urdf import remarks as urdf_remarks
 from .urdf.findings import Finding
 
 if TYPE_CHECKING:
-    from .urdf.reader import Element
+    from .urdf.document import Element
 
 OPEN = 1e-6  # a loop drawn further open than this is said to be [lengths of the linkage, rad]
 FAR_OPEN, CLOSED_FAR = 0.02, 0.05  # a loop that is drawn as far open [lengths], or moved as far to close it [rad or m], is hardly meant

@@ -15,7 +15,7 @@ from ..engines.coordinates import Axis, Slot, axes, slots
 from ..engines.joints import LoopJoint
 from .linkage import Linkage
 from .urdf import reader as urdf
-from .urdf.reader import Element
+from .urdf.document import Document, Element
 from .urdf.text_edits import Text, tag
 
 SOUND = 1e-9  # relative rounding of principal moments of inertia; the reader takes a thousand times as much
@@ -27,7 +27,7 @@ _MOMENTS = (("ixx", 0, 0), ("ixy", 0, 1), ("ixz", 0, 2), ("iyy", 1, 1), ("iyz", 
 _FIRST = (1.0, 0.0, 0.0)  # the axis of a loop's end about which it turns
 
 
-def edited(document: urdf.Document, before: Linkage, now: Linkage) -> bytes:
+def edited(document: Document, before: Linkage, now: Linkage) -> bytes:
     """The URDF's text with the numbers of ``now``, but for those that are the same ``before``, as the text was read."""
     text, description = Text(document), urdf.describe(document)
     if now.name != before.name:

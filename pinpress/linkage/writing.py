@@ -24,6 +24,7 @@ from . import assembly_checks as pose_checks
 from . import loading
 from .linkage import Linkage
 from .urdf import reader as urdf
+from .urdf.document import Document
 from .urdf.findings import Finding
 from .urdf_edits import DYNAMICS, LIMITS, POSITION_LIMITS, edited, placement
 
@@ -57,13 +58,13 @@ def write_urdf(press: Linkage, path: str | os.PathLike[str]) -> Path:
         UrdfError, AssemblyError, SingularityError: `load` would refuse the file.
     """
     unwritten = f"{path_of('path', path)} (not written)"  # the file's name in errors
-    template = _read(press.text, press.file)
-    before = loading.assembled(urdf.describe(template), press.drivers, press.slide)
+    template = press.document
+    before = loading.assembled(template, press.drivers, press.slide)
     _check(press, before)
     aim, tried = press, []
     for _ in range(MOST_TEXTS):
         text = edited(template, before, aim)
-        reached = loading.assembled(urdf.describe(_read(text, unwritten)), None, press.slide)
+        reached = loading.assembled(_read(text, unwritten), None, press.slide)
         gaps = _gaps(press, reached)
         tried.append((sum(gaps.values()), gaps, text, reached))
         if not gaps or (len(tried) > 1 and tried[-1][0] >= tried[-2][0]):
@@ -77,9 +78,9 @@ def write_urdf(press: Linkage, path: str | os.PathLike[str]) -> Path:
     return files.write(path, text)
 
 
-def _read(text: bytes, file: str) -> urdf.Document:
+def _read(text: bytes, file: str) -> Document:
     """A text as if it stood in that file; raises its first error."""
-    document = urdf.Document(file, text, urdf.tree(file, text.decode("utf-8-sig").encode()))
+    document = Document(file, text)
     _raise_first(urdf.errors(document))
     return document
 

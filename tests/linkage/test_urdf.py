@@ -29,6 +29,7 @@ from support.generators.malformed_urdf import (
 import pinpress as pp
 from pinpress.common.errors import UrdfError
 from pinpress.linkage.urdf import reader as urdf
+from pinpress.linkage.urdf.document import parse
 
 SHIPPED = Path(__file__).parents[2] / "urdf"
 
@@ -55,7 +56,7 @@ def listed(file: Path) -> list[str]:
 def urdf_errors(file: Path) -> list[pp.PinpressError]:
     """Errors of a file's elements, before they are put together."""
     try:
-        return [finding.error for finding in urdf.errors(urdf.parse(file))]
+        return [finding.error for finding in urdf.errors(parse(file))]
     except UrdfError as error:
         return [error]
 

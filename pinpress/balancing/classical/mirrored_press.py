@@ -17,6 +17,7 @@ from ...linkage import loading
 from ...linkage.linkage import Linkage
 from ...linkage.urdf import findings
 from ...linkage.urdf import reader as urdf
+from ...linkage.urdf.document import Document
 from ...linkage.urdf.text_edits import tag
 from ..counterweights import body as body_of
 from ..counterweights import sum_of
@@ -195,9 +196,9 @@ def built(plan: Plan, comment: str) -> Linkage:
     robot = tag("robot", {"name": plan.name}, "".join(f"\n  {element}" for element in content) + "\n")
     text = f'<?xml version="1.0"?>\n<!--\n  {comment}\n-->\n{robot}\n'.encode()
     file = f"{plan.name}.urdf (not written)"  # the file's name in errors
-    document = urdf.Document(file, text, urdf.tree(file, text))
+    document = Document(file, text)
     findings.refuse(urdf.errors(document), findings.command(file))
-    press = loading.assembled(urdf.describe(document), None, plan.slide, plan.gravity)
+    press = loading.assembled(document, None, plan.slide, plan.gravity)
     loading.check_drawn_pose(press)
     return press
 

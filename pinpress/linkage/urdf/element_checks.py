@@ -1,4 +1,4 @@
-"""What can be wrong with the elements of a URDF, from the single number to the gear pairs; `body_checks` has what they make together.
+"""What can be wrong with the elements of a URDF, from the single number to the gear pairs; `link_checks` has what they make together.
 
 Every check yields the elements at fault and goes on, so that a file's problems can be listed together; none may therefore rely on another
 having passed.
@@ -6,12 +6,9 @@ having passed.
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
-from typing import TYPE_CHECKING
 
 from ...common.errors import shown, suggestion
-
-if TYPE_CHECKING:
-    from .reader import Element
+from .document import Element
 
 LOOP_TYPES = ("spherical", "revolute", "fixed")
 _JOINT_TYPES = ("revolute", "continuous", "prismatic", "fixed")
@@ -68,11 +65,15 @@ _LARGEST = 1e12  # may have powers and products in floating point
 _LEAST_RATIO = 1e-7  # of a gear pair, or of a rack [m/rad]
 _OPEN_TO_ATTRIBUTES = ("dynamics", "calibration", "safety_controller", "mesh", "color", "texture")  # nothing here enters the mechanics
 
-Problem = tuple["Element", str, str]
+# How large a URDF may be: the largest that comes with pinpress has 13 joints and 4 loops.
+MOST = {"link": 1000, "joint": 1000, "loop_joint": 500, "transmission": 500, "material": 1000}
+DEEPEST_JOINTS = 500  # from the root on; Pinocchio's parser calls itself for each, and at 2 kB of stack a call ends the process after 2000
+
+Problem = tuple[Element, str, str]
 """The element at fault, what is wrong, what to write."""
 
 
-def problems(robot: "Element") -> Iterator[Problem]:
+def problems(robot: Element) -> Iterator[Problem]:
     """All problems of a URDF."""
     if not robot.get("name"):
         yield robot, "has no name", 'write <robot name="press">'
@@ -93,7 +94,7 @@ def problems(robot: "Element") -> Iterator[Problem]:
     yield from _transmission_problems(robot)
 
 
-def _content_problems(element: "Element") -> Iterator[Problem]:
+def _content_problems(element: Element) -> Iterator[Problem]:
     """Elements and attributes that are unknown, missing, twice there, or not the numbers they should be."""
     tag = element.tag
     if tag in _ATTRIBUTES:
@@ -119,7 +120,7 @@ def _content_problems(element: "Element") -> Iterator[Problem]:
         yield element, "has no name", 'write <material name="...">'
 
 
-def _attribute_problems(element: "Element") -> Iterator[Problem]:
+def _attribute_problems(element: Element) -> Iterator[Problem]:
     tag = element.tag
     words = _ATTRIBUTES[tag].split()
     known, foreign = [word.rstrip("?") for word in words], _FOREIGN.get(tag, "").split()
@@ -142,7 +143,7 @@ def _attribute_problems(element: "Element") -> Iterator[Problem]:
         yield element, "has neither damping nor friction", "write one of them, or remove <dynamics>"
 
 
-def _name_problems(robot: "Element") -> Iterator[Problem]:
+def _name_problems(robot: Element) -> Iterator[Problem]:
     joints = set(names(robot, "joint"))
     for tag in ("link", "joint", "loop_joint", "material"):
         first: dict[str, Element] = {}
@@ -161,7 +162,7 @@ def _name_problems(robot: "Element") -> Iterator[Problem]:
             first.setdefault(name, element)
 
 
-def _type_problems(element: "Element", word: str, types: Sequence[str], unsupported: Mapping[str, str]) -> Iterator[Problem]:
+def _type_problems(element: Element, word: str, types: Sequence[str], unsupported: Mapping[str, str]) -> Iterator[Problem]:
     kind, remedy = element.get("type"), f"write one of: {', '.join(types)}"
     if not kind:
         yield element, "has no type", remedy
@@ -171,7 +172,7 @@ def _type_problems(element: "Element", word: str, types: Sequence[str], unsuppor
         yield element, f"unknown {word} type {kind!r}{suggestion(kind, types)}", remedy
 
 
-def _joint_problems(joint: "Element") -> Iterator[Problem]:
+def _joint_problems(joint: Element) -> Iterator[Problem]:
     kind, limits = joint.get("type"), joint.all("limit")
     if kind in ("revolute", "prismatic") and not limits:
         remedy = 'write <limit lower="..." upper="..." effort="..." velocity="..."/>'
@@ -187,7 +188,7 @@ def _joint_problems(joint: "Element") -> Iterator[Problem]:
         yield from _axis_problems(joint)
 
 
-def _axis_problems(joint: "Element") -> Iterator[Problem]:
+def _axis_problems(joint: Element) -> Iterator[Problem]:
     for element in joint.all("axis"):
         axis = element.numbers("xyz")
         length = math.hypot(*axis)
@@ -198,7 +199,7 @@ def _axis_problems(joint: "Element") -> Iterator[Problem]:
             yield element, f"the axis has length {length:.9g}, not 1", f'write xyz="{unit}"'
 
 
-def _mimic_problems(robot: "Element") -> Iterator[Problem]:
+def _mimic_problems(robot: Element) -> Iterator[Problem]:
     types = {joint.get("name"): joint.get("type") for joint in robot.all("joint")}
     for joint in robot.all("joint"):
         for mimic in joint.all("mimic"):
@@ -220,7 +221,7 @@ def _mimic_problems(robot: "Element") -> Iterator[Problem]:
     yield from _gear_ring_problems(robot)
 
 
-def _gear_ring_problems(robot: "Element") -> Iterator[Problem]:
+def _gear_ring_problems(robot: Element) -> Iterator[Problem]:
     """Of joints that mimic each other in a ring: what one turns by must come back to it unchanged."""
     leaders = {joint.get("name"): (mimic.get("joint"), mimic) for joint in robot.all("joint") for mimic in joint.all("mimic")[:1]}
     seen: set[str] = set()
@@ -242,7 +243,7 @@ def _gear_ring_problems(robot: "Element") -> Iterator[Problem]:
             yield leaders[ring[0]][1], f"{problem} turns, {offset:.9g} further", "remove one <mimic> of the ring"
 
 
-def _transmission_problems(robot: "Element") -> Iterator[Problem]:
+def _transmission_problems(robot: Element) -> Iterator[Problem]:
     types = {joint.get("name"): joint.get("type") for joint in robot.all("joint")}
     for transmission in robot.all("transmission"):
         if not transmission.all("joint"):
@@ -257,5 +258,35 @@ def _transmission_problems(robot: "Element") -> Iterator[Problem]:
                 yield joint, f"joint {name!r} is fixed and cannot drive", "name a revolute, continuous or prismatic joint"
 
 
-def names(robot: "Element", tag: str) -> list[str]:
+def names(robot: Element, tag: str) -> list[str]:
     return [name for element in robot.all(tag) if (name := element.get("name"))]
+
+
+def size_problems(robot: Element) -> Iterator[Problem]:
+    """What there is too much of in a URDF."""
+    remedy = "write the linkage of the press alone"
+    for tag, most in MOST.items():
+        found = robot.all(tag)
+        if len(found) > most:
+            yield found[most], f"there are {len(found)} <{tag}>, more than {most}", remedy
+    for joint in _too_deep(robot.all("joint")):
+        yield joint, f"it is more than {DEEPEST_JOINTS} joints away from the root link", "weld links together, and " + remedy
+        return
+
+
+def _too_deep(joints: list[Element]) -> Iterator[Element]:
+    """Joints that too many others are above."""
+    below: dict[str, list[tuple[str, Element]]] = {}
+    for joint in joints:
+        for parent in joint.all("parent")[:1]:
+            below.setdefault(parent.get("link"), []).extend((end.get("link"), joint) for end in joint.all("child")[:1])
+    children = {child for carried in below.values() for child, _ in carried}
+    depth = {link: 0 for link in below if link not in children}
+    reached = list(depth)
+    for link in reached:  # grows as it goes
+        for child, joint in below.get(link, []):
+            if child not in depth:
+                depth[child] = depth[link] + 1
+                reached.append(child)
+                if depth[child] > DEEPEST_JOINTS:
+                    yield joint

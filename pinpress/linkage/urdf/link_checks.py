@@ -1,26 +1,23 @@
-"""What can be wrong with the links of a URDF as bodies: how joints and loops connect them, and their inertia. See `urdf_checks`."""
+"""What can be wrong with the links of a URDF as bodies: how joints and loops connect them, and their inertia. See `element_checks`."""
 
 from collections import Counter
 from collections.abc import Iterator, Sequence
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ...common.errors import suggestion
+from .document import Element
 from .element_checks import Problem, names
 
-if TYPE_CHECKING:
-    from .reader import Element
 
-
-def problems(robot: "Element") -> Iterator[Problem]:
+def problems(robot: Element) -> Iterator[Problem]:
     """All problems of the bodies of a URDF."""
     yield from _tree_problems(robot)
     yield from _inertia_problems(robot)
     yield from _loop_problems(robot)
 
 
-def _tree_problems(robot: "Element") -> Iterator[Problem]:
+def _tree_problems(robot: Element) -> Iterator[Problem]:
     links = names(robot, "link")
     if not links:
         yield robot, "has no <link>", "write the links and joints of the linkage"
@@ -51,7 +48,7 @@ def _tree_problems(robot: "Element") -> Iterator[Problem]:
         yield elements[lost[0]], f"a cycle of joints, not connected to the root: {', '.join(lost)}", remedy
 
 
-def _inertia_problems(robot: "Element") -> Iterator[Problem]:
+def _inertia_problems(robot: Element) -> Iterator[Problem]:
     bodies = bodies_of(robot)
     frame = next(iter(bodies), None)
     heavy = {bodies.get(link.get("name")) for link in robot.all("link") if link.all("inertial")}
@@ -76,7 +73,7 @@ def _inertia_problems(robot: "Element") -> Iterator[Problem]:
                     yield element, problem, "write the moments about the centre of mass [kg m2], products with the sign of -integral xy dm"
 
 
-def _connected(robot: "Element", bodies: dict[str, str]) -> Counter[str]:
+def _connected(robot: Element, bodies: dict[str, str]) -> Counter[str]:
     """How many bearings, of joints and loops, every body has."""
     found: Counter[str] = Counter()
     for element in robot.all("joint", "loop_joint"):
@@ -86,12 +83,12 @@ def _connected(robot: "Element", bodies: dict[str, str]) -> Counter[str]:
     return found
 
 
-def _idealised(inertial: "Element", body: str, connected: Counter[str]) -> bool:
+def _idealised(inertial: Element, body: str, connected: Counter[str]) -> bool:
     """Whether an inertia of no mass is that of a link meant to have none: of a cross piece or rod between two bearings."""
     return connected[body] > 1 and not any(principal_moments(tensor) != (0.0, 0.0, 0.0) for tensor in inertial.all("inertia"))
 
 
-def _loop_problems(robot: "Element") -> Iterator[Problem]:
+def _loop_problems(robot: Element) -> Iterator[Problem]:
     links, bodies = names(robot, "link"), bodies_of(robot)
     for loop in robot.all("loop_joint"):
         yield from _end_problems(loop, "link1", "link2", links)
@@ -100,7 +97,7 @@ def _loop_problems(robot: "Element") -> Iterator[Problem]:
             yield loop, f"{name1!r} and {name2!r} are welded together by fixed joints", "write links of the two bodies that it connects"
 
 
-def principal_moments(inertia: "Element") -> tuple[float, ...]:
+def principal_moments(inertia: Element) -> tuple[float, ...]:
     """The three principal moments [kg m2], smallest first; none where the six components are not numbers."""
     moments = [value for name in ("ixx", "ixy", "ixz", "iyy", "iyz", "izz") for value in inertia.numbers(name)]
     if len(moments) != 6:
@@ -110,7 +107,7 @@ def principal_moments(inertia: "Element") -> tuple[float, ...]:
     return tuple(float(moment) * scale for moment in np.linalg.eigvalsh(np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]) / scale))
 
 
-def _tensor_problem(inertia: "Element") -> str | None:
+def _tensor_problem(inertia: Element) -> str | None:
     """Why no distribution of mass has this inertia tensor; None if one has.
 
     Principal moments obey I1 + I2 >= I3 >= 0. The tolerance, 1e-6 of the largest, lets the rounded figures of a CAD printout pass.
@@ -128,7 +125,7 @@ def _tensor_problem(inertia: "Element") -> str | None:
     return None
 
 
-def _end_problems(element: "Element", tag1: str, tag2: str, links: Sequence[str]) -> Iterator[Problem]:
+def _end_problems(element: Element, tag1: str, tag2: str, links: Sequence[str]) -> Iterator[Problem]:
     """Of the two links that a joint or loop connects."""
     for end in element.all(tag1, tag2):
         name = end.get("link")
@@ -139,7 +136,7 @@ def _end_problems(element: "Element", tag1: str, tag2: str, links: Sequence[str]
         yield element, f"{tag1} and {tag2} are the same link {name1!r}", "write the two links that it connects"
 
 
-def bodies_of(robot: "Element") -> dict[str, str]:
+def bodies_of(robot: Element) -> dict[str, str]:
     """For each link that joints connect to the root, root first, the first link of its body: of those welded together by fixed joints."""
     joints: dict[str, list[tuple[str, bool]]] = {}
     for joint in robot.all("joint"):
@@ -156,7 +153,7 @@ def bodies_of(robot: "Element") -> dict[str, str]:
     return bodies
 
 
-def _ends(element: "Element", tag1: str = "parent", tag2: str = "child") -> tuple[str, str]:
+def _ends(element: Element, tag1: str = "parent", tag2: str = "child") -> tuple[str, str]:
     """Names of the links that a joint or loop connects, empty where missing."""
     end1, end2 = element.all(tag1), element.all(tag2)
     return end1[0].get("link") if end1 else "", end2[0].get("link") if end2 else ""

@@ -2,19 +2,16 @@
 
 import math
 from collections.abc import Iterator
-from typing import TYPE_CHECKING
 
+from .document import Element
 from .findings import Finding
 from .link_checks import bodies_of, principal_moments
-
-if TYPE_CHECKING:
-    from .reader import Element
 
 MOST_GYRATION = 10.0  # radius of gyration in lengths of the linkage
 DENSEST = 1e7  # that a link may be [kg/m3], hundreds of times as dense as any metal: a wrong unit makes millions
 
 
-def remarks(robot: "Element") -> Iterator[Finding]:
+def remarks(robot: Element) -> Iterator[Finding]:
     """Warnings and notes of a URDF; it may have errors too."""
     yield from _names(robot, "link")
     yield from _names(robot, "joint", "loop_joint")
@@ -23,7 +20,7 @@ def remarks(robot: "Element") -> Iterator[Finding]:
     yield from _unread(robot)
 
 
-def inertias(robot: "Element", size: float) -> Iterator[Finding]:
+def inertias(robot: Element, size: float) -> Iterator[Finding]:
     """Warnings of links whose moments of inertia are out of proportion to a linkage of a size [m], or, where they turn, to their mass; of a
     URDF without errors."""
     turning = _turning(robot)
@@ -45,7 +42,7 @@ def inertias(robot: "Element", size: float) -> Iterator[Finding]:
                 )
 
 
-def _turning(robot: "Element") -> set[str]:
+def _turning(robot: Element) -> set[str]:
     """Names of the links that a joint may turn: the moments of inertia of the others are without effect, and often anything."""
     joints = {joint.all("child")[0].get("link"): joint for joint in robot.all("joint")}
 
@@ -59,7 +56,7 @@ def _turning(robot: "Element") -> set[str]:
     return {name for name in (link.get("name") for link in robot.all("link")) if turns(name)}
 
 
-def limits(robot: "Element") -> dict[str, tuple[float, float, "Element"]]:
+def limits(robot: Element) -> dict[str, tuple[float, float, Element]]:
     """For every joint that has limits, the lower and upper one [rad or m] and their element."""
     found = {}
     for joint in robot.all("joint"):
@@ -69,7 +66,7 @@ def limits(robot: "Element") -> dict[str, tuple[float, float, "Element"]]:
     return found
 
 
-def _names(robot: "Element", *tags: str) -> Iterator[Finding]:
+def _names(robot: Element, *tags: str) -> Iterator[Finding]:
     first: dict[str, Element] = {}
     for element in robot.all(*tags):
         name = element.get("name")
@@ -81,7 +78,7 @@ def _names(robot: "Element", *tags: str) -> Iterator[Finding]:
             yield _warning(element, f"the name {name!r} differs from {said} only in case or spaces", "give one of them another name")
 
 
-def _drawn_limits(robot: "Element") -> Iterator[Finding]:
+def _drawn_limits(robot: Element) -> Iterator[Finding]:
     offset = {joint.get("name") for joint in robot.all("joint") for mimic in joint.all("mimic") if any(mimic.numbers("offset"))}
     for name, (lower, upper, limit) in limits(robot).items():
         if not lower <= 0.0 <= upper and name not in offset:
@@ -89,7 +86,7 @@ def _drawn_limits(robot: "Element") -> Iterator[Finding]:
             yield _warning(limit, problem, "limits count from the drawn pose: shift them (they do not enter any computation)")
 
 
-def _massless(robot: "Element") -> Iterator[Finding]:
+def _massless(robot: Element) -> Iterator[Finding]:
     """Bodies with a mass and no moment of inertia at all."""
     bodies = bodies_of(robot)
     frame = next(iter(bodies), None)
@@ -104,7 +101,7 @@ def _massless(robot: "Element") -> Iterator[Finding]:
             yield _warning(inertias[0], "all moments of inertia are 0: a point mass, which resists no turning", "write them in kg m2")
 
 
-def _unread(robot: "Element") -> Iterator[Finding]:
+def _unread(robot: Element) -> Iterator[Finding]:
     for joint in robot.all("joint"):
         for dynamics in joint.all("dynamics"):
             values = [f"{name}={dynamics.get(name)!r}" for name in ("damping", "friction") if any(dynamics.numbers(name))]
@@ -114,5 +111,5 @@ def _unread(robot: "Element") -> Iterator[Finding]:
                 yield Finding("note", str(dynamics), dynamics.line, problem, remedy)
 
 
-def _warning(element: "Element", problem: str, remedy: str) -> Finding:
+def _warning(element: Element, problem: str, remedy: str) -> Finding:
     return Finding("warning", str(element), element.line, problem, remedy)

@@ -6,7 +6,7 @@ import re
 from collections.abc import Iterator, Mapping
 from xml.parsers import expat
 
-from .reader import Document, Element
+from .document import Document, Element
 
 _START_TAG = re.compile(rb"<(?:[^\"'>]|\"[^\"]*\"|'[^']*')*>")
 _ATTRIBUTE = re.compile(rb"([^\s=\"'<>/]+)\s*=\s*(\"[^\"]*\"|'[^']*')")

@@ -11,8 +11,7 @@ import pinocchio as pin
 from ...common.arrays import Array
 from ...common.errors import PinpressError
 from ...linkage.linkage import Linkage
-from ...linkage.urdf import reader as urdf
-from ...linkage.urdf.reader import Element
+from ...linkage.urdf.document import Element
 from . import meshes as mesh_files
 from .solids import Box, Cylinder, Mesh, Part, Shape, Sphere, part
 from .stand_ins import plain_parts
@@ -52,7 +51,7 @@ def bodies(press: Linkage, joint_position: Array) -> tuple[Body, ...]:
             read; more visuals or triangles than a page can show.
     """
     travel = _travel(press, joint_position)
-    robot = urdf.tree(press.file, press.text.decode("utf-8-sig").encode())
+    robot = press.document.robot
     colours = _materials(robot)
     drawn = _drawn(press.file, robot, colours)
     made = plain_parts(press, travel, drawn.keys())

@@ -11,7 +11,7 @@ from ...common.arrays import Array
 from ...common.errors import PinpressError
 from ...engines.coordinates import data_of
 from ...linkage.linkage import Linkage
-from ...linkage.urdf import reader as urdf
+from ...linkage.urdf.reader import describe
 
 PARALLEL = 1e-6  # axes closer than this [rad] are drawn as parallel
 SAME = 1e-6  # of the size: points closer than this are drawn as one
@@ -172,8 +172,7 @@ def _without_stubs(skeleton: Skeleton) -> Skeleton:
 
 
 def _bearings(press: Linkage, data: pin.Data, travel: Array, owner: Callable[[str], str | None], joint: Mapping[str, int]) -> list[Bearing]:
-    robot = urdf.tree(press.file, press.text.decode("utf-8-sig").encode())
-    description = urdf.describe(urdf.Document(press.file, press.text, robot))
+    description = describe(press.document)
     between = {j.name: (j.parent, j.child) for j in description.joints}
     between |= {loop.name: (loop.link1.link, loop.link2.link) for loop in description.loops}
 

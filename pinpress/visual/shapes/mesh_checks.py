@@ -9,8 +9,7 @@ import re
 from collections.abc import Iterator
 
 from ...common.errors import UrdfError
-from ...linkage.urdf import reader as urdf
-from ...linkage.urdf.reader import Element
+from ...linkage.urdf.document import Element, tree
 
 # A page with as much would hardly open in a browser, and one mesh takes half a gigabyte while it is read.
 MOST_BYTES = 100_000_000
@@ -72,7 +71,7 @@ def _wavefront(content: bytes) -> bytes:
 
 def _collada(content: bytes) -> bytes:
     try:
-        root = urdf.tree("", content)
+        root = tree("", content)
     except UrdfError as error:
         raise UnfitError(f"is not a COLLADA file: {error.problem}") from error
     except ValueError as error:  # an attribute that is not text

@@ -1,0 +1,202 @@
+"""The text of a URDF as XML elements, each with its line: what reading, checking, showing and rewriting a linkage start from."""
+
+from __future__ import annotations
+
+import math
+import os
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+from xml.parsers import expat
+
+from ...common import regular_files
+from ...common.errors import UrdfError, shown
+
+# The largest URDF that comes with pinpress has 30 kB and 200 elements. These limits are far beyond any press, and small enough for a file
+# that is none to be refused at once.
+MOST_BYTES = 20_000_000
+MOST_ELEMENTS = 100_000
+MOST_ATTRIBUTES = 100  # of one element
+MOST_CHARACTERS = 1000  # of a name or value
+DEEPEST_ELEMENTS = 200  # levels of elements; Pinocchio's parser stops at 500
+
+_TEXTS = ("link", "joint", "filename")  # attributes that hold no numbers; all others that are asked for hold one, but
+_COUNTS = {"xyz": 3, "rpy": 3, "size": 3, "scale": 3, "rgba": 4}
+# Pinocchio's parser takes neither "1_0" nor "nan" nor digits of other scripts, all of which Python's float() does.
+_NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?", re.ASCII)
+_START_TAG = re.compile(rb"<(?:[^\"'>]|\"[^\"]*\"|'[^']*')*>")
+_REFERENCE = re.compile(r"&(?:#x([0-9a-fA-F]+)|#([0-9]+)|(\w+));")
+_ENTITIES = {"lt": "<", "gt": ">", "amp": "&", "quot": '"', "apos": "'"}
+_ATTRIBUTE = re.compile(r"([^\s=\"']+)\s*=\s*(?:\"([^\"]*)\"|'([^']*)')")
+
+
+class Element:
+    """An XML element as Pinocchio's parser sees it: namespace prefixes are part of names.
+
+    Attributes:
+        tag: its name.
+        attributes: their texts by their names.
+        line: where its start tag begins.
+        parent: the element that it is in, None of the root.
+        children: the elements in it.
+        start: the byte at which its start tag begins.
+        end: the byte at which its end tag begins.
+    """
+
+    def __init__(self, tag: str, attributes: dict[str, str], line: int, parent: Element | None, start: int) -> None:
+        self.tag, self.attributes, self.line, self.parent, self.start = tag, attributes, line, parent, start
+        self.children: list[Element] = []
+        self.end = start
+
+    def get(self, name: str) -> str:
+        """The attribute, empty where it is missing."""
+        return self.attributes.get(name, "")
+
+    def all(self, *tags: str) -> list[Element]:
+        """The children with these tags."""
+        return [child for child in self.children if child.tag in tags]
+
+    def numbers(self, name: str) -> tuple[float, ...]:
+        """The numbers of an attribute; none where it is missing or not what it should be."""
+        return () if name not in self.attributes or self.fault(name) else tuple(map(float, self.get(name).split()))
+
+    def fault(self, name: str) -> str | None:
+        """Why an attribute does not hold its numbers, in the way that Pinocchio's parser reads them; None if it does."""
+        if name in _TEXTS:
+            return None
+        count = _COUNTS.get(name, 1)
+        words = [word for word in self.get(name).split(" ") if word] if count > 1 else [self.get(name)]
+        for word in words:
+            if not _NUMBER.fullmatch(word) or not math.isfinite(float(word)):
+                return f"{shown(word)} is not a finite number"
+        return None if len(words) == count else f"{len(words)} numbers, not {count}"
+
+    def __str__(self) -> str:
+        """``<link name="crank">``, or ``<mass> of <link name="crank">``."""
+        shown = f'<{self.tag} name="{self.get("name")}">' if "name" in self.attributes else f"<{self.tag}>"
+        above = self.parent
+        while above is not None and above.parent is not None and above.parent.parent is not None:
+            above = above.parent
+        return shown if above is None or above.parent is None else f"{shown} of {above}"
+
+
+@dataclass(frozen=True, eq=False)
+class Document:
+    """A URDF's text. Its elements are read when they are first asked for, and not pickled.
+
+    Attributes:
+        file: path of the file.
+        text: its content as read, UTF-8, perhaps with a byte order mark.
+    """
+
+    file: str
+    text: bytes
+
+    @cached_property
+    def robot(self) -> Element:
+        """The root element; raises UrdfError where the text is no XML, or too large."""
+        return tree(self.file, self.text.decode("utf-8-sig").encode())
+
+    def __getstate__(self) -> dict[str, Any]:
+        return {"file": self.file, "text": self.text}
+
+
+def parse(path: str | os.PathLike[str]) -> Document:
+    """The elements of a URDF; raises UrdfError where it is no URDF at all."""
+    file = regular_files.path_of("path", path)
+    try:
+        text = regular_files.read(path, MOST_BYTES)
+    except (OSError, ValueError) as error:  # ValueError: a null character in the path
+        raise UrdfError(file, None, None, f"cannot be read: {regular_files.reason(error)}", "give the path of a URDF file") from error
+    try:
+        document = text.decode("utf-8-sig")
+        odd = text.find(0)  # a null character, as in UTF-16, which Expat would read
+    except UnicodeDecodeError as error:
+        odd = error.start
+    if odd >= 0:
+        line = text.count(b"\n", 0, odd) + 1
+        raise UrdfError(file, None, line, f"is not UTF-8 text (byte {odd})", "save it in the UTF-8 encoding")
+    if not document.strip():
+        raise UrdfError(file, None, None, "is empty", "write a <robot> element")
+    found = Document(file, text)
+    if found.robot.tag != "robot":
+        raise UrdfError(file, str(found.robot), found.robot.line, "the root element is not <robot>", "give a URDF file")
+    return found
+
+
+def tree(file: str, document: bytes) -> Element:
+    """The root element of an XML document, UTF-8; raises UrdfError, with ``file`` in its message, where it is too large or no XML."""
+    # The encoding is given, because Pinocchio reads UTF-8 whatever the XML declaration says. Expat as it is here knows no namespaces, as
+    # Pinocchio does not, and so takes <drake:...> without its xmlns:drake.
+    parser = expat.ParserCreate("utf-8")
+    opened: list[Element] = []
+    roots: list[Element] = []
+    count = 0
+
+    def forbid(problem: str, remedy: str, element: str | None = None) -> None:
+        raise UrdfError(file, element, parser.CurrentLineNumber, problem, remedy)
+
+    def start(tag: str, attributes: dict[str, str]) -> None:
+        nonlocal count
+        count += 1
+        if problem := _too_large(count, tag, attributes):
+            forbid(problem, "remove what does not belong to the press")
+        attributes |= _broken(document, parser.CurrentByteIndex)
+        element = Element(tag, attributes, parser.CurrentLineNumber, opened[-1] if opened else None, parser.CurrentByteIndex)
+        if tag.startswith("xacro:"):
+            forbid("is xacro, not URDF", "expand the file first: xacro press.urdf.xacro > press.urdf", str(element))
+        if tag.endswith(":include"):
+            forbid("is XInclude, which Pinocchio does not read", "write what it includes in its place", str(element))
+        if len(opened) > DEEPEST_ELEMENTS:
+            forbid("is nested too deeply", "remove it", str(element))
+        (opened[-1].children if opened else roots).append(element)
+        opened.append(element)
+
+    def end(_: str) -> None:
+        opened.pop().end = parser.CurrentByteIndex
+
+    parser.StartElementHandler = start
+    parser.EndElementHandler = end
+    parser.StartDoctypeDeclHandler = lambda *_: forbid(
+        "has a document type declaration", "write its entities out, and remove <!DOCTYPE ...>"
+    )
+    parser.ProcessingInstructionHandler = lambda name, _: forbid("has a processing instruction", f"remove <?{name} ...?>")
+    try:
+        parser.Parse(document, True)
+    except expat.ExpatError as error:
+        reason = expat.ErrorString(error.code)
+        raise UrdfError(file, None, error.lineno, f"is not well-formed XML: {reason}", "correct the XML at this line") from error
+    return roots[0]
+
+
+def _broken(document: bytes, start: int) -> dict[str, str]:
+    """The attributes of the tag that starts there which have tabs or line breaks in them, with these.
+
+    XML reads those as spaces, but Pinocchio's parser does not, and fails on or drops a number with a line break in it.
+    """
+    tag = _START_TAG.match(document, start)
+    found = _ATTRIBUTE.findall(tag[0].decode()) if tag and re.search(rb"[\t\r\n]", tag[0]) else ()
+    values = {name: double or single for name, double, single in found}
+    return {
+        name: _REFERENCE.sub(_meant, re.sub(r"\r\n?|\n\r", "\n", value)) for name, value in values.items() if re.search(r"[\t\r\n]", value)
+    }
+
+
+def _meant(reference: re.Match[str]) -> str:
+    """The character that a reference such as ``&#10;`` or ``&lt;`` means."""
+    hexadecimal, decimal, name = reference.groups()
+    return _ENTITIES[name] if name else chr(int(hexadecimal, 16) if hexadecimal else int(decimal))
+
+
+def _too_large(count: int, tag: str, attributes: Mapping[str, str]) -> str | None:
+    """What there is too much of in the ``count``th element of a file; None where it is not."""
+    if count > MOST_ELEMENTS:
+        return f"has more than {MOST_ELEMENTS} elements"
+    if len(attributes) > MOST_ATTRIBUTES:
+        return f"an element has {len(attributes)} attributes, more than {MOST_ATTRIBUTES}"
+    longest = max((tag, *attributes, *attributes.values()), key=len)
+    if len(longest) > MOST_CHARACTERS:
+        return f"a name or value of {len(longest)} characters, more than {MOST_CHARACTERS}: {shown(longest[:40])}..."
+    return None
