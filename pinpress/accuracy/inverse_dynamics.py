@@ -79,7 +79,7 @@ def _off(torque: Array, expected: Array, peak: float) -> float:
 
 def _returned(press: Linkage, reactions: Reactions) -> float:
     """Largest difference of the accelerations that forward dynamics gives back under the driving torque, of their peak."""
-    dynamics, motion, crank = press.forward_dynamics(np.zeros(press.model.nv)), reactions.motion, press.spatial.drivers[0]
+    dynamics, motion, crank = press.forward_dynamics(np.zeros(press.model.nv)), reactions.motion, press.driver_indices[0]
     some = np.arange(0, len(motion.v), max(1, len(motion.v) // STATES))
     efforts = np.zeros((len(some), press.model.nv))
     efforts[:, crank] = reactions.driving_torque[some]

@@ -29,7 +29,7 @@ def contest(press: Linkage, speed: float, flywheel: float) -> Contest:
     """Settings of `constraintDynamics`, of the crank turning with a flywheel and without torque, the one that method `constraint` takes
     among them. The reference are null-space accelerations, in which there is no mu; those of the reduced equation have to be the same.
     """
-    crank = press.spatial.drivers[0]
+    crank = press.driver_indices[0]
     armature = np.zeros(press.model.nv)
     armature[crank] = flywheel
     dynamics = press.forward_dynamics(armature)

@@ -84,7 +84,7 @@ def _push(plane: Plane, load: AppliedForce, turned: Array | float, braced: bool)
 def _turned(load: ProcessLoad, press: Linkage, motion: Motion, height: Array, velocity: Array) -> Array:
     """Derivative (n,) of a process load's force along the guide."""
     above, speed, result = motion.slide_position - (load.datum or 0.0), motion.slide_velocity, np.zeros_like(height)
-    down = speed < -REST * press.spatial.size * np.abs(motion.crank_speed).max()  # as `forces` decides
+    down = speed < -REST * press.size * np.abs(motion.crank_speed).max()  # as `forces` decides
     for downwards in (True, False):
         for stretch in load.stretches(downwards):
             inside = (down == downwards) & (stretch.lower < above) & (above <= stretch.upper)

@@ -49,8 +49,8 @@ def redrawn(press: Linkage, moved: Displacements, position: Array) -> Linkage:
     """The linkage with displaced pivots, drawn anew in the pose that closes it, at joint coordinates (nv,), the drivers' zero."""
     placed = _placed(press, moved)
     model = placed.model
-    for j, (axis, coordinate) in enumerate(zip(press.spatial.axes, position, strict=True), 1):
-        if j - 1 in press.spatial.drivers:
+    for j, (axis, coordinate) in enumerate(zip(press.axes, position, strict=True), 1):
+        if j - 1 in press.driver_indices:
             continue
         turned = pin.exp3(axis.direction * coordinate) if axis.turns else np.eye(3)
         travelled = np.zeros(3) if axis.turns else axis.direction * coordinate
@@ -102,7 +102,7 @@ def _closed_in_space(press: Linkage, moved: Displacements) -> Array:
         opened = target.at(closure.position[:, 0]).gaps - start.gaps
         return replace(closure, first=spatial.Passive(rows.columns, here).rates(-opened)[:, None])
 
-    end = follow(close, press.closed, 1.0, press.spatial.size, ACCEPTED * press.spatial.tolerance)
+    end = follow(close, press.closed, 1.0, press.size, ACCEPTED * press.spatial.tolerance)
     if isinstance(end, Lock):
         raise SingularityError(
             f"{press.name} cannot be brought to the new lengths: {100 * end.angle:.3g} % of the way it locks, or cannot be assembled",

@@ -72,7 +72,7 @@ def _on_slide(load: "ProcessLoad | TimeForce", press: "Linkage", along: Array) -
     guide, _ = press.slide_guide
     place = press.model.jointPlacements[guide + 1]  # in the world, as the frame carries the guide
     origin = press.model.frames[press.model.getFrameId(press.slide, pin.BODY)].placement.translation
-    force = along[:, None] * (place.rotation @ press.spatial.axes[guide].direction)
+    force = along[:, None] * (place.rotation @ press.axes[guide].direction)
     # The slide's origin moves along the axis: where it was drawn is a point of the frame in its line of action.
     return [AppliedForce(guide + 1, origin, force), AppliedForce(0, place.act(origin), -force)]
 
@@ -86,7 +86,7 @@ def _in_height(load: ProcessLoad, press: "Linkage", motion: "Motion") -> Array:
     zero = datum(load, press)
     height, velocity = motion.joint_position[:, guide] + (offset - zero), motion.v[:, guide]
     # In a dead centre the speed is rounding, which must not decide.
-    down = velocity < -REST * press.spatial.size * np.abs(motion.crank_speed).max()
+    down = velocity < -REST * press.size * np.abs(motion.crank_speed).max()
     acts = False
     for downwards, stretch in stretches:
         _refuse_scenarios(name, stretch)
@@ -97,7 +97,7 @@ def _in_height(load: ProcessLoad, press: "Linkage", motion: "Motion") -> Array:
             raise PinpressError(f"{name}: force of {inside.shape} heights has shape {law.shape}; give the same")
         force[inside] = np.maximum(law, 0.0) if stretch.one_sided else law
     low, high = (-math.inf, math.inf) if acts else _turning_points(press)
-    plausibility.heights(name, [(stretch.lower, stretch.upper) for _, stretch in stretches], low - zero, high - zero, press.spatial.size)
+    plausibility.heights(name, [(stretch.lower, stretch.upper) for _, stretch in stretches], low - zero, high - zero, press.size)
     return force
 
 
@@ -141,7 +141,7 @@ def _stretched(load: SpringDamper, press: "Linkage", motion: "Motion") -> list[A
     (position1, velocity1), (position2, velocity2) = (point_motion(press, motion, *end) for end in ends)
     between, rate = position2 - position1, velocity2 - velocity1
     length = np.linalg.norm(between, axis=1)
-    if (load.free_length or load.damping) and not length.min() > 1e-12 * press.spatial.size:
+    if (load.free_length or load.damping) and not length.min() > 1e-12 * press.size:
         angle = np.degrees(np.ravel(motion.crank_angle[int(length.argmin())])[0])
         raise PinpressError(f"{what}: its ends meet at crank angle {angle:.6g} deg, where it has no direction; move a point")
     direction = between / np.where(length == 0.0, 1.0, length)[:, None]
@@ -171,6 +171,6 @@ def place(press: "Linkage", link: str, point: ArrayLike, what: str, name: str) -
     position = numbers(f"{what}: {name}", point)
     if position.shape != (3,):
         raise PinpressError(f"{what}: {name} has shape {position.shape}; give x, y, z in the link's frame [m]")
-    plausibility.point(f"{what}: {name}", position, press.spatial.size)
+    plausibility.point(f"{what}: {name}", position, press.size)
     frame = press.model.frames[press.model.getFrameId(link, pin.BODY)]
     return frame.parentJoint, frame.placement.act(position)

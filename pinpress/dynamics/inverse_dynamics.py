@@ -173,7 +173,7 @@ class Reactions(Frozen):
                 press.spatial, motion.joint_position.T, motion.v.T, motion.a.T, self._under.loads
             )
         torque = self.driving_torque.reshape(len(motion.crank_angle), -1).T
-        driving, lost = torque * motion.v.T[list(press.spatial.drivers)], self._wrenches.friction.sum(axis=0)
+        driving, lost = torque * motion.v.T[list(press.driver_indices)], self._wrenches.friction.sum(axis=0)
         return balance + driving.sum(axis=0) - lost, total + np.abs(driving).sum(axis=0) + lost, apparent
 
     def columns(self) -> dict[str, Array]:

@@ -25,7 +25,7 @@ def shaking(
         force, moment: (n, 3) by the bearing's index, of all that are `on_frame`: parent on child, link1 on link2.
         loads: those on the frame are passed on, those on other links are in the bearings' forces.
     """
-    model, axes, count = press.model, press.spatial.axes, len(press.joints)
+    model, axes, count = press.model, press.axes, len(press.joints)
     total = np.zeros((2, len(motion.crank_angle), 3))
 
     def put(on_frame: Array, about: Array | float, point: Array) -> None:

@@ -169,7 +169,7 @@ class Held:
     @cached_property
     def unit(self) -> list[Array]:
         guide, _ = self.press.slide_guide
-        axis = self.press.model.jointPlacements[guide + 1].rotation @ self.press.spatial.axes[guide].direction
+        axis = self.press.model.jointPlacements[guide + 1].rotation @ self.press.axes[guide].direction
         return self.under(str(self.press.slide), axis, np.zeros(3))
 
     def under(self, link: str, direction: Array, point: Array) -> list[Array]:

@@ -103,7 +103,7 @@ def parts(press: Linkage, stiffness: Stiffness) -> tuple[Part, ...]:
     ]
     for name, value in _named("moments", stiffness.moments):
         there = _bearing(press, name)
-        if there >= len(press.joints) or press.spatial.axes[there].turns:
+        if there >= len(press.joints) or press.axes[there].turns:
             raise PinpressError(f"moments names {shown(name)}, which is no guide and holds no moment in the plane: leave it out")
         compliance = 1 / positive(f"stiffness of guide {shown(name)} against turning", value, "N m/rad")
         found.append(Part(f"{name} turning", compliance, "moment", ((there, 1.0),)))
@@ -139,7 +139,7 @@ def internal_forces(press: Linkage, springs: Sequence[Part], motion: Motion, rea
     lines = bearing_points(press, poses(press, motion.joint_position)) if any(part.kind == "rod" for part in springs) else np.empty(0)
     across = _in_plane(press)
     guide = press.slide_guide[0]
-    axis = press.model.jointPlacements[guide + 1].rotation @ press.spatial.axes[guide].direction
+    axis = press.model.jointPlacements[guide + 1].rotation @ press.axes[guide].direction
     found = []
     for part in springs:
         if part.kind == "shaft":
@@ -161,7 +161,7 @@ def internal_forces(press: Linkage, springs: Sequence[Part], motion: Motion, rea
 def _along(press: Linkage, line: Array, force: Array, across: Array, name: str) -> Array:
     line = line @ across
     length = np.linalg.norm(line, axis=1)
-    if not length.min() > MEET * press.spatial.size:
+    if not length.min() > MEET * press.size:
         raise PinpressError(f"rod {shown(name)}: its bearings meet, and it has no direction there; name two that stay apart")
     return np.asarray((np.einsum("nk,nk->n", force, line) / length)[:, None])
 
@@ -173,10 +173,10 @@ def _in_plane(press: Linkage) -> Array:
 
 def _without_travel(press: Linkage, motion: Motion, bearing: int, force: Array) -> Array:
     """The force (n, 3) without what a slide carries along its travel, where it is free."""
-    if bearing >= len(press.joints) or press.spatial.axes[bearing].turns:
+    if bearing >= len(press.joints) or press.axes[bearing].turns:
         return force
     rotation = poses(press, motion.joint_position).rotation[bearing + 1]
-    along = rotation @ press.spatial.axes[bearing].direction
+    along = rotation @ press.axes[bearing].direction
     return np.asarray(force - np.einsum("nk,nk->n", force, along)[:, None] * along)
 
 

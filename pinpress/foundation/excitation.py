@@ -57,7 +57,7 @@ def flywheel_moment(press: Linkage, motion: Motion, flywheel: Flywheel) -> Array
     """Moment (states, 3) of a flywheel on the frame, -J w' about the crank's axis [N m]. Raises as `forcing`."""
     if np.ndim(flywheel.inertia):
         raise PinpressError("flywheel has the inertias of several scenarios: give one")
-    driver = press.spatial.drivers[0]
+    driver = press.driver_indices[0]
     if press.model.parents[driver + 1] != 0:
         raise PinpressError(
             f"the driver joint {shown(press.driver)} is not on the frame: the moment of its flywheel has no fixed axis there"
@@ -69,7 +69,7 @@ def flywheel_moment(press: Linkage, motion: Motion, flywheel: Flywheel) -> Array
                 f"flywheel and crank differ in speed by up to {difference:.4g} rad/s, as a clutch slips: give a run, or the part of one,"
                 " in which it holds"
             )
-    axis = press.model.jointPlacements[driver + 1].rotation @ press.spatial.axes[driver].direction
+    axis = press.model.jointPlacements[driver + 1].rotation @ press.axes[driver].direction
     return np.asarray(-float(flywheel.inertia) * motion.crank_acceleration[:, None] * axis)
 
 

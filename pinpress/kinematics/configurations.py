@@ -50,7 +50,7 @@ def _far(press: Linkage, branch: Branch, angles: Array, engine: str) -> Closure:
     turns = np.floor(angles / branch.period)
     closure = closed(press, branch, angles - turns * branch.period, engine)
     position = closure.position + branch.advance[:, None] * turns
-    position[press.spatial.drivers[0]] = angles
+    position[press.driver_indices[0]] = angles
     return replace(closure, position=position)
 
 
@@ -71,7 +71,7 @@ def _through(press: Linkage, branch: Branch, angles: Array, engine: str) -> Clos
     if not gap.max() <= ACCEPTED * press.spatial.tolerance:
         raise AssemblyError("the loops do not close", float(angles[int(gap.argmax())]), float(gap.max()), 0)
     position += branch.advance[:, None] * turns
-    position[press.spatial.drivers[0]] = angles
+    position[press.driver_indices[0]] = angles
     return Closure(position, first, second, gap, float(gap.max()), 0)
 
 
@@ -91,7 +91,7 @@ def followed(press: Linkage, angles: Array) -> Array:
             drivers = before[:, None] + np.multiply.outer(along, at)
             return spatial.close(press.spatial, equations, drivers, list(along), guess)
 
-        end = follow(close, position, distance, press.spatial.size, tolerance)
+        end = follow(close, position, distance, press.size, tolerance)
         if isinstance(end, Lock):
             raise SingularityError(
                 f"{press.name} locks between driver positions {np.degrees(before).round(3)} and {np.degrees(after).round(3)} deg",
@@ -106,7 +106,7 @@ def followed(press: Linkage, angles: Array) -> Array:
 def _piece(press: Linkage, angles: Array, guess: Array, engine: str) -> Closure:
     closure = press.close(angles, guess, engine)
     tolerance = ACCEPTED * (press.planar(engine) or press.spatial).tolerance
-    near = LARGEST_CORRECTION * (1 + press.spatial.size)  # another assembly would be far from the prediction
+    near = LARGEST_CORRECTION * (1 + press.size)  # another assembly would be far from the prediction
     if closure.widest <= tolerance and closure.iterations == 0:
         return closure
     moved = np.abs(closure.position - guess).max(axis=0)

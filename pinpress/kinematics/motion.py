@@ -229,8 +229,7 @@ def of_states(
     press: Linkage, position: Array, v: Array, a: Array, gap: Array, times: Array | None, period_turns: int | None = None
 ) -> Motion:
     """The motion with these closed states: joint coordinates, rates and accelerations (nv, n), gaps (n,) and times (n,)."""
-    general = press.spatial
-    drivers = general.drivers[0] if len(press.drivers) == 1 else list(general.drivers)
+    drivers = press.driver_indices[0] if len(press.drivers) == 1 else list(press.driver_indices)
     return Motion(
         linkage=press.name,
         drivers=press.drivers,
@@ -243,7 +242,7 @@ def of_states(
         a=_fixed(a.T),
         closure_error=_fixed(gap),
         _time=None if times is None else _fixed(times),
-        _slots=general.slots,
+        _slots=press.slots,
         _guide=None if press.slide is None else press.slide_guide,
         period_turns=period_turns,
     )

@@ -30,7 +30,7 @@ def poses(press: Linkage, joint_position: Array) -> Poses:
     model, n = press.model, len(joint_position)
     rotation, position = np.empty((model.njoints, n, 3, 3)), np.empty((model.njoints, n, 3))
     rotation[0], position[0] = np.eye(3), 0.0
-    for j, (axis, moved) in enumerate(zip(press.spatial.axes, joint_position.T, strict=True), 1):
+    for j, (axis, moved) in enumerate(zip(press.axes, joint_position.T, strict=True), 1):
         parent, place = model.parents[j], model.jointPlacements[j]
         rotation[j] = rotation[parent] @ place.rotation
         position[j] = position[parent] + rotation[parent] @ place.translation

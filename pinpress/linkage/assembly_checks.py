@@ -47,14 +47,14 @@ def errors(press: Linkage) -> Iterator[Finding]:
 def closes(press: Linkage) -> bool:
     """Whether the linkage closes near its drawn pose."""
     tolerance = ACCEPTED * (press.plane or press.spatial).tolerance
-    near = CLOSE_TO_DRAWN * max(1.0, press.spatial.size)
+    near = CLOSE_TO_DRAWN * max(1.0, press.size)
     return bool(press.drawn.gap[0] <= tolerance) and bool(np.abs(press.closed - press.as_drawn).max() <= near)
 
 
 def apart(press: Linkage, each: freedom.Held, gaps: Array) -> str:
     """How far a loop or gear pair is open, in words."""
     distance, angle = freedom.opening(press, each, gaps)
-    shown = [f"{short(1e3 * distance)} mm"] if distance > SEEN * press.spatial.size or angle <= SEEN else []
+    shown = [f"{short(1e3 * distance)} mm"] if distance > SEEN * press.size or angle <= SEEN else []
     return " and ".join(shown + [f"{short(np.degrees(angle))} deg"] * (angle > SEEN))
 
 
@@ -108,7 +108,7 @@ def _mobility(press: Linkage, rows: Rows, free: int) -> Finding:
 def _free_beside(press: Linkage) -> int:
     """Degrees of freedom that the equations leave a little beside the drawn pose, where none of them fails by chance."""
     count = int(press.model.nv)
-    lengths = np.array([1.0 if axis.turns else press.spatial.size for axis in press.spatial.axes])
+    lengths = np.array([1.0 if axis.turns else press.size for axis in press.axes])
     beside = press.closed + BESIDE * lengths * np.random.default_rng(0).uniform(-1, 1, count)
     return count - spatial.rank(press.equations(beside).columns)
 
@@ -159,10 +159,10 @@ def _massless(press: Linkage) -> Iterator[Finding]:
         return
     # One driver may be drawn where the only heavy link is at its dead centre: there it is about to move.
     rates = np.hstack([press.drawn.first, press.drawn.second]) if len(press.drivers) == 1 else _rates(press)
-    mass = pin.crba(press.model, data_of(press.model), configuration(press.spatial.slots, press.closed))
+    mass = pin.crba(press.model, data_of(press.model), configuration(press.slots, press.closed))
     resisted = rates.T @ mass @ rates
     values, ways = np.linalg.eigh(resisted if len(press.drivers) > 1 else resisted.diagonal().sum().reshape(1, 1))
-    if values[0] > MASSLESS * max(masses[1:]) * press.spatial.size**2:
+    if values[0] > MASSLESS * max(masses[1:]) * press.size**2:
         return
     moved = rates if len(press.drivers) == 1 else rates @ ways[:, :1]
     moving = np.flatnonzero(np.abs(moved).max(axis=1) > SEEN)
@@ -174,7 +174,7 @@ def _massless(press: Linkage) -> Iterator[Finding]:
 
 def _rates(press: Linkage) -> Array:
     """(nv, drivers) rates of all joints at a unit rate of each driver alone, in the closed drawn pose."""
-    rows, drivers = press.closed_rows, list(press.spatial.drivers)
+    rows, drivers = press.closed_rows, list(press.driver_indices)
     passive = spatial.Passive(rows.columns, press.spatial)
     rates = np.array([passive.rates(-rows.columns[:, driver]) for driver in drivers]).T
     rates[drivers] = np.eye(len(drivers))

@@ -18,6 +18,7 @@ from ..engines.branch import Branch, Returning
 from ..engines.change_points import Gap
 from ..engines.closure import ACCEPTED, Close, Closure
 from ..engines.continuation import SMALLEST_MARGIN
+from ..engines.coordinates import Axis, Slot
 from ..engines.joints import Coupling, LoopJoint
 from ..engines.load_sharing import RANK
 from ..engines.planar import kinematics as plane_kinematics
@@ -81,6 +82,26 @@ class Linkage(Frozen):
     def driver(self) -> str:
         """Name of the driver joint; of the first where there are several."""
         return self.drivers[0]
+
+    @property
+    def size(self) -> float:
+        """Largest extent of joints and loops in the drawn pose [m]: the length that angles are weighed by against travels."""
+        return self.spatial.size
+
+    @property
+    def axes(self) -> tuple[Axis, ...]:
+        """Axes of the moving joints, each in its own frame."""
+        return self.spatial.axes
+
+    @property
+    def slots(self) -> tuple[Slot, ...]:
+        """Where the moving joints stand in q."""
+        return self.spatial.slots
+
+    @property
+    def driver_indices(self) -> tuple[int, ...]:
+        """Indices of the driver joints in v."""
+        return self.spatial.drivers
 
     @cached_property
     def joints(self) -> tuple[str, ...]:
@@ -221,7 +242,7 @@ class Linkage(Frozen):
         frame = self.model.frames[self.model.getFrameId(self.slide, pin.BODY)]
         guide = frame.parentJoint - 1
         place = self.model.jointPlacements[frame.parentJoint]  # in the world, as the frame carries the guide
-        axis = place.rotation @ self.spatial.axes[guide].direction
+        axis = place.rotation @ self.axes[guide].direction
         return guide, float(axis @ place.act(frame.placement.translation))
 
     @property
@@ -281,7 +302,7 @@ class Linkage(Frozen):
         found = self.passage
         if found.period is None:
             return None
-        counts = [axis.turns and not self._is_balanced(k) for k, axis in enumerate(self.spatial.axes)]  # on loops all are back
+        counts = [axis.turns and not self._is_balanced(k) for k, axis in enumerate(self.axes)]  # on loops all are back
         periods = branch.periods_until_back(found.advance[counts])
         return None if periods is None else periods * round(found.period / (2 * np.pi))
 
@@ -290,13 +311,13 @@ class Linkage(Frozen):
         body = joint + 1
         if body in list(self.model.parents)[1:]:
             return False  # it carries other joints
-        inertia, axis = self.model.inertias[body], self.spatial.axes[joint].direction
+        inertia, axis = self.model.inertias[body], self.axes[joint].direction
         across = np.eye(3) - np.outer(axis, axis)
         transverse = across @ inertia.inertia @ across
         along = axis @ inertia.inertia @ axis
         uneven = inertia.inertia - along * np.outer(axis, axis) - 0.5 * np.trace(transverse) * across
         eccentric = inertia.mass * np.linalg.norm(across @ inertia.lever)
-        return bool(np.abs(uneven).max() <= EVEN * along and eccentric <= EVEN * inertia.mass * self.spatial.size)
+        return bool(np.abs(uneven).max() <= EVEN * along and eccentric <= EVEN * inertia.mass * self.size)
 
     def with_inertias(self, inertias: Sequence[pin.Inertia], name: str | None = None) -> Linkage:
         """The same linkage with other bodies, and perhaps another name: inertias of all joints, the frame's first, in their frames. What is
@@ -339,7 +360,7 @@ class Linkage(Frozen):
         if self.plane is None:
             assert self._assembly.gaps is not None
             return self._assembly.gaps
-        x, size, axes = self.as_drawn, self.spatial.size, self.spatial.axes
+        x, size, axes = self.as_drawn, self.size, self.axes
         turns = np.zeros(sum(loop.held for loop in self.loops))  # axes are parallel in the plane
         slips = [
             (x[each.follower] - each.multiplier * x[each.leader] - each.offset) * (size if axes[each.follower].turns else 1.0)

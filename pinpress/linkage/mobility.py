@@ -65,9 +65,9 @@ def held(press: Linkage) -> list[Held]:
 def opening(press: Linkage, each: Held, gaps: Array) -> tuple[float, float]:
     """How far a loop or gear pair is from being closed: distance [m] and angle [rad]."""
     distance, turned = float(np.linalg.norm(gaps[list(each.points)])), float(np.linalg.norm(gaps[list(each.turns)]))
-    if isinstance(each.by, Coupling) and not press.spatial.axes[each.by.follower].turns:
+    if isinstance(each.by, Coupling) and not press.axes[each.by.follower].turns:
         return turned, 0.0
-    angle = turned / press.spatial.size
+    angle = turned / press.size
     return distance, float(np.arcsin(min(angle, 1.0))) if isinstance(each.by, LoopJoint) and each.by.type == "revolute" else angle
 
 
@@ -144,8 +144,8 @@ def own_axes(press: Linkage) -> Array:
 def joints_off_plane(press: Linkage) -> list[float]:
     """For every joint, the angle [rad] by which its axis misses the direction of the first driver's, or its guide the plane across that."""
     normal, turned = _normal(press), _drawn_rotations(press)
-    angles = (_angle(turned[j + 1] @ axis.direction, normal) for j, axis in enumerate(press.spatial.axes))
-    return [angle if axis.turns else np.pi / 2 - angle for angle, axis in zip(angles, press.spatial.axes, strict=True)]
+    angles = (_angle(turned[j + 1] @ axis.direction, normal) for j, axis in enumerate(press.axes))
+    return [angle if axis.turns else np.pi / 2 - angle for angle, axis in zip(angles, press.axes, strict=True)]
 
 
 def loops_off_plane(press: Linkage) -> list[float]:
@@ -161,8 +161,8 @@ def _angle(direction: Array, other: Array) -> float:
 
 
 def _normal(press: Linkage) -> Array:
-    driver = press.spatial.drivers[0]
-    return np.asarray(_drawn_rotations(press)[driver + 1] @ press.spatial.axes[driver].direction)
+    driver = press.driver_indices[0]
+    return np.asarray(_drawn_rotations(press)[driver + 1] @ press.axes[driver].direction)
 
 
 def _drawn_rotations(press: Linkage) -> list[Array]:

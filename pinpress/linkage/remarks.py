@@ -71,10 +71,10 @@ def severe(press: Linkage, robot: "Element") -> Iterator[Finding]:
 
 def _units(press: Linkage, robot: "Element") -> Iterator[Finding]:
     """Of lengths, masses or inertias that are hardly in SI units."""
-    if press.spatial.size > LARGEST:
-        problem = f"the linkage is {press.spatial.size:.4g} m long"
+    if press.size > LARGEST:
+        problem = f"the linkage is {press.size:.4g} m long"
         yield Finding("warning", str(robot), robot.line, problem, "write lengths in metres, 0.001 for a millimetre")
-    yield from urdf_remarks.inertias(robot, press.spatial.size)
+    yield from urdf_remarks.inertias(robot, press.size)
 
 
 def _slide_axis(press: Linkage, robot: "Element") -> Iterator[Finding]:
@@ -84,9 +84,9 @@ def _slide_axis(press: Linkage, robot: "Element") -> Iterator[Finding]:
         return
     guide, _ = press.slide_guide
     place = press.model.jointPlacements[guide + 1]
-    axis = place.rotation @ press.spatial.axes[guide].direction
-    crank = drawn(press.model)[press.spatial.drivers[0] + 1].translation
-    if axis @ press.model.gravity.linear > DOWNWARDS * gravity and axis @ (place.translation - crank) > BELOW * press.spatial.size:
+    axis = place.rotation @ press.axes[guide].direction
+    crank = drawn(press.model)[press.driver_indices[0] + 1].translation
+    if axis @ press.model.gravity.linear > DOWNWARDS * gravity and axis @ (place.translation - crank) > BELOW * press.size:
         joint = next(joint for joint in robot.all("joint") if joint.get("name") == press.joints[guide])
         problem = f"the axis of slide {press.slide!r} points down, away from the crank: its top is taken for its bottom dead centre"
         yield Finding("warning", str(joint), joint.line, problem, "turn the <axis> round, so that it points up")
@@ -98,7 +98,7 @@ def _drawn_open(press: Linkage, among: list[freedom.Held], beyond: float) -> Ite
     most = int(np.argmax(np.abs(moves)))
     moved = f"joint {press.joints[most]!r} by {_value(press, most, moves[most])}"
     for each in among:
-        if each.gap(gaps) > beyond * press.spatial.size:
+        if each.gap(gaps) > beyond * press.size:
             remedy = f"draw it closed; to close it, load has moved {moved}"
             yield Finding("warning", each.element, each.by.line, f"it is {apart(press, each, gaps)} apart as drawn", remedy)
 
@@ -122,7 +122,7 @@ def _limits(press: Linkage, branch: Branch, robot: "Element") -> Iterator[Findin
 
 def _value(press: Linkage, joint: int, value: float) -> str:
     """A joint coordinate in words."""
-    return f"{value:.6g} rad ({np.degrees(value):.4g} deg)" if press.spatial.axes[joint].turns else f"{value:.6g} m"
+    return f"{value:.6g} rad ({np.degrees(value):.4g} deg)" if press.axes[joint].turns else f"{value:.6g} m"
 
 
 def _redundant(press: Linkage, poses: Array) -> Iterator[Finding]:
@@ -158,7 +158,7 @@ def _not_planar(press: Linkage) -> str:
     plane = f"the plane in which joint {press.driver!r} turns"
     if (off := max(joints)) > PARALLEL:
         joint = joints.index(off)
-        if press.spatial.axes[joint].turns:
+        if press.axes[joint].turns:
             return f"the axis of joint {press.joints[joint]!r} is {np.degrees(off):.3g} deg off the normal of {plane}"
         return f"joint {press.joints[joint]!r} slides {np.degrees(off):.3g} deg out of {plane}"
     if (off := max(loops, default=0.0)) > PARALLEL:

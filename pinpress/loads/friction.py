@@ -47,7 +47,7 @@ def law(friction: Mapping[str, Friction], press: Linkage) -> FrictionLaw | None:
         raise PinpressError("friction is no mapping: give {name of a bearing: Friction(...)}")
     if not friction:
         return None
-    turns = [axis.turns for axis in press.spatial.axes] + [True] * len(press.loops)
+    turns = [axis.turns for axis in press.axes] + [True] * len(press.loops)
     arm, viscous = np.zeros(len(press.bearings)), np.zeros(len(press.bearings))
     for name, given in friction.items():
         if name not in press.bearings:
@@ -69,4 +69,4 @@ def law(friction: Mapping[str, Friction], press: Linkage) -> FrictionLaw | None:
             raise PinpressError(f"friction of {shown(name)}: a guide has no radius; leave it out")
         arm[index] = float(given.coefficient) * (1.0 if given.radius is None else float(given.radius))
         viscous[index] = float(given.viscous)
-    return FrictionLaw(arm, viscous, np.array(turns), press.spatial.size) if arm.any() or viscous.any() else None
+    return FrictionLaw(arm, viscous, np.array(turns), press.size) if arm.any() or viscous.any() else None

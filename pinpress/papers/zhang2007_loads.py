@@ -194,7 +194,7 @@ def _speed_at(press: Linkage, stroke: Run, height: float) -> float:
         return float(cycle(press, 1.0, angle=[angle]).slide_position[0] - bottom - height)
 
     angle = brentq(above, np.pi, 2 * np.pi - 1e-9, xtol=1e-14) if height else 2 * np.pi
-    driver = press.spatial.drivers[0]
+    driver = press.driver_indices[0]
     time = brentq(lambda t: float(stroke.path.read(np.array([t])).position[driver, 0]) - angle, 0.1, stroke.time[-1], xtol=1e-14)
     return float(stroke.path.read(np.array([time])).speed[driver, 0])
 

@@ -167,7 +167,7 @@ def permissible_eccentricity(
 def _slide_guide(press: Linkage) -> tuple[str, Array]:
     """Name of the slide's bearing, and the guide's axis in the world."""
     guide, _ = press.slide_guide
-    return press.joints[guide], press.model.jointPlacements[guide + 1].rotation @ press.spatial.axes[guide].direction
+    return press.joints[guide], press.model.jointPlacements[guide + 1].rotation @ press.axes[guide].direction
 
 
 def _rotation(press: Linkage) -> Array:

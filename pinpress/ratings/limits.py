@@ -82,7 +82,7 @@ def under_unit_force(massless: Linkage, motion: Motion, bottom: float, bearings:
     Args:
         bottom: slide position of bottom dead centre [m]. bearings: as in `inverse_dynamics`.
     """
-    above = 2 * max(float(np.ptp(motion.slide_position)), float(np.abs(motion.slide_position - bottom).max()), massless.spatial.size)
+    above = 2 * max(float(np.ptp(motion.slide_position)), float(np.abs(motion.slide_position - bottom).max()), massless.size)
     return inverse_dynamics(massless, motion, [Piling(1.0, above, bottom)], engine=engine, bearings=bearings)
 
 

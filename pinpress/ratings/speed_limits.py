@@ -151,7 +151,7 @@ class _Scene:
     def fast(self) -> float:
         """A speed at which weights are small beside inertia forces [rad/s]."""
         gravity = float(np.linalg.norm(self.press.model.gravity.linear))
-        return self.way * (FAST * math.sqrt(gravity / self.press.spatial.size) if gravity else 1.0)
+        return self.way * (FAST * math.sqrt(gravity / self.press.size) if gravity else 1.0)
 
     def reactions(self, press: Linkage, motion: Motion, loads: Sequence[Load] = ()) -> Reactions:
         return inverse_dynamics(press, motion, loads, engine=self.engine)
@@ -175,7 +175,7 @@ def _items(scene: _Scene, angle: Array) -> Iterator[_Item]:
     still = replace(fast, crank_speed=0 * fast.crank_speed, v=0 * fast.v, a=0 * fast.a)  # in the same poses
     at_rest, running, loaded = scene.reactions(press, still), scene.reactions(press, fast), scene.under_loads(fast)
     largest = max(float(np.abs(force - at_rest.bearing_force[name]).max()) for name, force in running.bearing_force.items())
-    size = press.spatial.size
+    size = press.size
 
     def reached(name: str, running: Array, resting: Array, load: Array | float, capacity: float, unit: str, least: float) -> _Item:
         slope = np.where(np.abs(running - resting) > least, running - resting, 0.0) / square

@@ -155,5 +155,5 @@ def _duties(run: Run, times: Array) -> list[Duty]:
 
 def _crank(run: Run, reading: Reading) -> tuple[Array, Array]:
     """Angle and speed (n,) of the crank."""
-    place = run.plan.scene.press.spatial.drivers[0] if len(reading.position) > 1 else 0
+    place = run.plan.scene.press.driver_indices[0] if len(reading.position) > 1 else 0
     return reading.position[place], reading.speed[place]

@@ -32,7 +32,7 @@ class AllJoints:
     def __init__(self, press: Linkage, coordinates: Sequence[Coordinate], inertia: Array) -> None:
         """``inertia`` (drivers,) of flywheels and drives at the drivers [kg m2]."""
         self.press, self.size = press, len(press.joints)
-        self.drivers, self.crank = list(press.spatial.drivers), press.spatial.drivers[0]
+        self.drivers, self.crank = list(press.driver_indices), press.driver_indices[0]
         self.coordinates, self.inertia = tuple(coordinates), inertia
         self.dynamics: dict[float, ForwardDynamics] = {}
         self.loops = self._with(float(inertia[0]))
@@ -41,7 +41,7 @@ class AllJoints:
         self.turns = self.alone and press.passage.period is not None
         self.change_points = press.passage.change_points if self.alone else ()
         # speeds of joints as those of points [m/s]
-        self.units = np.array([press.spatial.size if axis.turns else 1.0 for axis in press.spatial.axes])
+        self.units = np.array([press.size if axis.turns else 1.0 for axis in press.axes])
 
     def _with(self, inertia: float) -> ForwardDynamics:
         """The dynamics with this inertia on the crank: with the flywheel, or with an open clutch without it."""

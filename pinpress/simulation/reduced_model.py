@@ -210,7 +210,7 @@ def _periods(press: Linkage, advance: Array) -> int:
     Raises:
         SimulationError: it does not within `MOST_TURNS`.
     """
-    count = periods_until_back(advance[[axis.turns for axis in press.spatial.axes]])
+    count = periods_until_back(advance[[axis.turns for axis in press.axes]])
     if count is not None:
         return count
     raise SimulationError(
@@ -251,7 +251,7 @@ def _energies(press: Linkage, motion: Motion) -> tuple[Array, Array, Array]:
 
 def _spatial_energies(press: Linkage, motion: Motion) -> tuple[Array, Array, Array]:
     model, data = press.model, data_of(press.model)
-    q = configuration(press.spatial.slots, motion.joint_position.T)
+    q = configuration(press.slots, motion.joint_position.T)
     found = np.empty((3, len(motion.v)))
     for i in range(len(motion.v)):
         at, v = np.ascontiguousarray(q[:, i]), motion.v[i].copy()

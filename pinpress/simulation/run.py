@@ -113,7 +113,7 @@ def as_run(
     else:
         motion = of_states(press, position, speed, acceleration, press.gaps(position), times, press.turns_until_back)
     kinetic, potential = reduced.energies(press, motion)
-    turning = speed[list(press.spatial.drivers)] if several else reading.own[None]
+    turning = speed[list(press.driver_indices)] if several else reading.own[None]
     kinetic = kinetic + 0.5 * plan.inertia @ turning**2
     works = reading.ledgers[[DRIVE_WORK, LOAD_WORK, LOST]]
     error = energy_error(kinetic, potential, *works)
@@ -172,7 +172,7 @@ def _rounding(plan: Plan, times: Array, motion: Motion, own: Array) -> float:
 def _torques(plan: Plan, speed: Array) -> Array:
     """Torques (drivers, n) of several drives at the drivers' speeds (drivers, n)."""
     press, torque = plan.scene.press, np.zeros_like(speed)
-    rows = {joint: k for k, joint in enumerate(press.spatial.drivers)}
+    rows = {joint: k for k, joint in enumerate(press.driver_indices)}
     for force in plan.scene.forces:
         coordinate = plan.scene.coordinates[force.row]
         if force.drive is not None and isinstance(coordinate, JointAngle):

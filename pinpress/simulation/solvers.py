@@ -119,7 +119,7 @@ def plan_of_several(press: Linkage, drives: Mapping[str, Drive], flywheels: Mapp
     found = scene.build(press, None, None, loads)
     inertia = np.zeros(len(press.drivers))
     coordinates, acting = list(found.coordinates), list(found.forces)
-    for k, (name, joint) in enumerate(zip(press.drivers, press.spatial.drivers, strict=True)):
+    for k, (name, joint) in enumerate(zip(press.drivers, press.driver_indices, strict=True)):
         if name in flywheels:
             inertia[k] += flywheels[name].inertia
         if name in drives:
@@ -276,8 +276,8 @@ def by_joints(
     mode, states = plan.line.begin(float(angle[0]), float(speed[0]))
     y = machine.begin(first.joint_position[0], first.v[0], states, np.zeros(len(LEDGERS)))
     # sizes: of angles 1, of the speed that gravity gives them; travels count in lengths of the linkage
-    rate = max(float(np.abs(speed).max()), math.sqrt(float(np.linalg.norm(press.model.gravity.linear)) / press.spatial.size)) or 1.0
-    lengths = np.array([1.0 if axis.turns else press.spatial.size for axis in press.spatial.axes])
+    rate = max(float(np.abs(speed).max()), math.sqrt(float(np.linalg.norm(press.model.gravity.linear)) / press.size)) or 1.0
+    lengths = np.array([1.0 if axis.turns else press.size for axis in press.axes])
     energy = joints.energy(np.concatenate([first.joint_position[0], rate * np.ones(joints.size)]))
     scale = np.concatenate([lengths, lengths * rate, _of_states(plan, len(states), rate), [energy, energy, np.inf, energy]])
     stepped, _ = over_time.run(

@@ -108,7 +108,7 @@ def _bend(table: Table, angle: Array) -> Array:
 
 
 def _row(press: Linkage, path: Path) -> int:
-    return press.spatial.drivers[0] if path.read(np.zeros(1), False).position.shape[0] > 1 else 0
+    return press.driver_indices[0] if path.read(np.zeros(1), False).position.shape[0] > 1 else 0
 
 
 def _angles(press: Linkage, path: Path, times: Array) -> Array:

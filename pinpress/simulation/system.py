@@ -153,9 +153,9 @@ def _process(press: Linkage, load: ProcessLoad) -> Acting | None:
         [(stretch.lower, stretch.upper) for stretch in (*rising, *falling)],
         low - datum,
         high - datum,
-        press.spatial.size,
+        press.size,
     )
-    least = THIN * press.spatial.size
+    least = THIN * press.size
     for stretch in (*rising, *falling):
         if stretch.upper - stretch.lower < least:
             raise PinpressError(

@@ -133,7 +133,7 @@ def driven(reactions: Reactions) -> Motion:
 def clean_torque(reactions: Reactions) -> Array:
     """Driving torque (n,) or (n, drivers), zero where it is rounding throughout [N m]."""
     torque = finite("driving torque", reactions.driving_torque)
-    return np.where(np.abs(torque).max(axis=0) > rounding(reactions).force * reactions._press.spatial.size, torque, 0.0)
+    return np.where(np.abs(torque).max(axis=0) > rounding(reactions).force * reactions._press.size, torque, 0.0)
 
 
 def bearing(reactions: Reactions) -> Chart:
@@ -215,7 +215,7 @@ def held_moments(reactions: Reactions) -> dict[str, Array]:
     gear pair and friction, which is left out, and a spherical loop holds none."""
     press, moments = reactions._press, {}
     rotation = poses(press, reactions.motion.joint_position).rotation
-    joints = enumerate(zip(press.joints, press.spatial.axes, strict=True), 1)
+    joints = enumerate(zip(press.joints, press.axes, strict=True), 1)
     turning = {name: (body, axis.direction) for body, (name, axis) in joints if axis.turns}
     turning |= {loop.name: (loop.joint1, loop.rotation1[:, 0]) for loop in press.loops if loop.type == "revolute"}
     spherical = {loop.name for loop in press.loops if loop.type == "spherical"}
@@ -241,7 +241,7 @@ def rounding(reactions: Reactions) -> Rounding:
     expect("reactions", reactions, Reactions, "inverse_dynamics")
     largest = max((float(np.abs(force).max(initial=0.0)) for force in _forces(reactions).values()), default=0.0)
     torque = float(np.abs(finite("driving torque", reactions.driving_torque)).max(initial=0.0))
-    return Rounding(ROUNDING * largest, ROUNDING * max(torque, largest * reactions._press.spatial.size))
+    return Rounding(ROUNDING * largest, ROUNDING * max(torque, largest * reactions._press.size))
 
 
 def finite(quantity: str, values: Array) -> Array:

@@ -93,8 +93,8 @@ def _period(press: Linkage, motion: Motion) -> float | None:
     if motion.period_turns is None:
         return None
     period = 2 * np.pi * motion.period_turns
-    before, after = configuration(press.spatial.slots, predict(press.passage, np.array([0.0, period]))).T
-    return period if np.allclose(before, after, rtol=0.0, atol=1e-9 * (1 + press.spatial.size)) else None
+    before, after = configuration(press.slots, predict(press.passage, np.array([0.0, period]))).T
+    return period if np.allclose(before, after, rtol=0.0, atol=1e-9 * (1 + press.size)) else None
 
 
 def _closing_time(time: Array, crank: Array, period: float) -> float | None:

@@ -25,7 +25,7 @@ TOGETHER = 1e-6  # of the linkage's size: bearings that stay this close share a 
 def bearings(press: Linkage, at: Poses, keys: Keys, reactions: Reactions | None) -> dict[str, Any]:
     """Places (k, 3) at which bearings are, each once, and the bearings' names with their places and forces (k, 3)."""
     points = bearing_points(press, at)
-    where, places = _merged(points, TOGETHER * press.spatial.size)
+    where, places = _merged(points, TOGETHER * press.size)
     return {
         "places": [_packed_path(points[first], "the place of a bearing") for first in places],
         "bearings": [
@@ -102,7 +102,7 @@ def belonging(press: Linkage, motion: Motion, reactions: Reactions) -> None:
 def front(press: Linkage, at: Poses, drawn: Sequence[Body]) -> list[float]:
     """Direction (3,) from which a press is looked at: the normal of its plane, on the side on which its moving links stand before the
     frame, or on that of -y, but not from below; [] in space."""
-    turning = [at.rotation[j, 0] @ axis.direction for j, axis in enumerate(press.spatial.axes, 1) if axis.turns]
+    turning = [at.rotation[j, 0] @ axis.direction for j, axis in enumerate(press.axes, 1) if axis.turns]
     if not turning or any(np.linalg.norm(np.cross(turning[0], axis)) > 1e-6 for axis in turning):
         return []
     normal = turning[0] * (1.0 if turning[0] @ TOWARDS > 0 else -1.0)
@@ -111,7 +111,7 @@ def front(press: Linkage, at: Poses, drawn: Sequence[Body]) -> list[float]:
         frame = press.model.frames[body.frame]
         places = [at.points(frame.parentJoint, frame.placement.act(part.placement[:3, 3]))[0] for part in body.parts]
         heights[frame.parentJoint == 0] += [float(place @ normal) for place in places]
-    if all(heights.values()) and np.mean(heights[True]) > np.mean(heights[False]) + BEHIND * press.spatial.size and normal[2] < 0.5:
+    if all(heights.values()) and np.mean(heights[True]) > np.mean(heights[False]) + BEHIND * press.size and normal[2] < 0.5:
         normal = -normal
     return [float(value) for value in normal]
 

@@ -75,7 +75,7 @@ def scene(
         "front": overlays.front(press, at, drawn),
         "turn": frames.turn,
         "period": None if motion.period_turns is None else 360 * motion.period_turns,  # deg
-        "size": press.spatial.size,
+        "size": press.size,
         **overlays.bearings(press, at, frames, reactions),
         **overlays.shaking(reactions, frames),
         **overlays.traces(press, at, frames, traces),

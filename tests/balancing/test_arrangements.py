@@ -320,7 +320,7 @@ def test_opposed_leaves_the_tilting_moment_of_the_rods_inertia(folder, seed, sca
     phi2 = sine * (phi1**2 - 1) / np.sqrt(1 - sine**2)
     turning = main.crank_inertia + main.crank_mass * abs(main.crank_centre) ** 2 + main.rod_mass * (1 - share) * main.crank_radius**2
     expected = (1 + scale) * (main.residual_inertia * (phi1 * a + phi2 * w**2) - turning * a)
-    least = ROUNDING * peak(result) * press.spatial.size
+    least = ROUNDING * peak(result) * press.size
     np.testing.assert_allclose(found - found.mean(), expected - expected.mean(), atol=least)
     without = main.rod_mass * scale * main.rod_length**2 * share * (1 - share) - main.residual_inertia
     if without > 0:
@@ -401,7 +401,7 @@ def test_symmetric_has_no_lateral_force_and_no_tilting_moment(folder, seed, with
     main = arrangements.crank_slide(plain)
     half = opposed(plain, 0.8 * sizes["crank_radius"], 1.3 * sizes["rod_length"]) if with_counterweight else plain
     before, after = servo(half), servo(symmetric(half, 0.4))
-    force, least, size = after.shaking_force, ROUNDING * peak(before), plain.spatial.size
+    force, least, size = after.shaking_force, ROUNDING * peak(before), plain.size
     assert np.abs(force @ main.across).max() <= least
     assert np.abs((force - before.shaking_force) @ main.direction).max() <= least
     moment = after.shaking_moment - np.cross(main.shaft, force)

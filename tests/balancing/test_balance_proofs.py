@@ -62,7 +62,7 @@ def swing(press, engine="auto"):
 
 def check_change(press, link, engine):
     """Counterweights on a link against `change`, to 1e-11 of the largest force: both are differences of two results."""
-    rng, motion, size = np.random.default_rng(8), swing(press, engine), press.spatial.size
+    rng, motion, size = np.random.default_rng(8), swing(press, engine), press.size
     masses, points = press.model.inertias[1].mass * rng.uniform(0.1, 0.5, 2), 0.5 * size * rng.normal(size=(2, 3))
     loads = [pp.loads.PointForce(link, (30.0, -20.0, 10.0), (0.1, 0.0, 0.2))]
     before = pp.inverse_dynamics(press, motion, loads)
@@ -120,7 +120,7 @@ ANY = (
 
 def rooms_of(press, rng):
     """A disc, a polygon and a point on random links, of at most half the press's mass each."""
-    most, size = 0.5 * sum(i.mass for i in press.model.inertias), 0.3 * press.spatial.size
+    most, size = 0.5 * sum(i.mass for i in press.model.inertias), 0.3 * press.size
     rooms = []
     for kind in ("disc", "corners", "at"):
         link = str(rng.choice(moving(press)))

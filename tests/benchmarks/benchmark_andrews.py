@@ -61,7 +61,7 @@ def exudyn_runs(press: pp.Linkage) -> list[Contestant]:
     from pinpress.accuracy.peers import exudyn_press
 
     system = exudyn_press.build(press)
-    mbs, driver, k3 = system.mbs, press.spatial.drivers[0] + 1, press.joints.index("gamma") + 1
+    mbs, driver, k3 = system.mbs, press.driver_indices[0] + 1, press.joints.index("gamma") + 1
     crank = mbs.AddMarker(items.MarkerNodeCoordinate(nodeNumber=system.nodes[driver], coordinate=2))
     mbs.AddLoad(items.LoadCoordinate(markerNumber=crank, load=float(system.signs[driver] * andrews.TORQUE)))
     ends = [system.marker(0, np.array([X, 0.0, Z])), system.marker(k3, np.array([X3, 0.0, Z3]))]

@@ -45,7 +45,7 @@ def direction(press, rng):
         frame = press.model.frames[press.model.getFrameId(link, pin.BODY)]
         body = press.plane.frames[frame.parentJoint - 1] if frame.parentJoint else np.array([*press.plane.axes, press.plane.normal])
         normal = frame.placement.rotation.T @ body[2]
-        vector = press.spatial.size * rng.normal(size=len(position))
+        vector = press.size * rng.normal(size=len(position))
         moved[bearing, link] = vector - (vector @ normal) * normal
     return moved
 
@@ -204,7 +204,7 @@ def test_a_press_made_larger_moves_to_scale(name):
     positions = pivot_positions(press)
     flat = {pivot: position - (position @ [0, 1, 0]) * np.array([0, 1, 0]) for pivot, position in positions.items()}
     (derivative,) = motion_derivatives(press, motion, [flat])
-    for joint, axis in enumerate(press.spatial.axes):
+    for joint, axis in enumerate(press.axes):
         for attribute in MOTION[:3]:
             exact = 0.0 if axis.turns else getattr(motion, attribute)[:, joint]
             size = np.abs(getattr(motion, attribute)).max()

@@ -125,7 +125,7 @@ def check(press, result, friction, loads=(), bound=1e-12):
     """Every law, within a share of the peaks: bodies in balance, efforts of friction as the law says, its power, and all power together."""
     force = max(np.abs(values).max() for values in result.bearing_force.values())
     moment = max(np.abs(values).max() for values in result.bearing_moment.values())
-    moment = max(moment, force * press.spatial.size)
+    moment = max(moment, force * press.size)
     left = left_over(press, result, loads)
     assert np.abs(left[:, :, :3]).max() <= bound * force
     assert np.abs(left[:, :, 3:]).max() <= bound * moment
@@ -500,7 +500,7 @@ def test_random_linkages(tmp_path, spec):
     angle = rng.uniform(max(-0.05, 0.5 * low), min(0.05, 0.5 * high), 3)
     motion = pp.cycle(press, angle=angle, speed=rng.uniform(3, 10, 3), acceleration=rng.uniform(-50, 50, 3))
     loads = [pp.loads.PointForce(str(rng.choice(press.links)), 100 * rng.normal(size=3), tuple(rng.normal(size=3)))]
-    size = press.spatial.size
+    size = press.size
     friction = {
         name: pp.loads.Friction(rng.uniform(0, 0.2), None if name in slides(press) else 0.05 * size * rng.uniform(), rng.uniform(0, 0.1))
         for name in press.bearings

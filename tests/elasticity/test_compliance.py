@@ -19,7 +19,7 @@ ANGLES = np.array([0.0, 0.4, 1.3, 2.2, 3.6, 5.1])
 
 def yielding(press, frame=5e9, shaft=3e7):
     """Uneven stiffnesses of every bearing, guide, frame and shaft."""
-    guides = [name for name in press.joints if not press.spatial.axes[press.joints.index(name)].turns]
+    guides = [name for name in press.joints if not press.axes[press.joints.index(name)].turns]
     numbers = iter(np.random.default_rng(7).uniform(1e9, 5e9, len(press.bearings)))
     return Stiffness({name: float(next(numbers)) for name in press.bearings}, dict.fromkeys(guides, 4e7), (), shaft, frame)
 
@@ -63,7 +63,7 @@ def test_castigliano(name):
         stiffness = replace(stiffness, moments={})
     motion = pp.cycle(press, 9.0, angle=ANGLES)
     guide = press.slide_guide[0]
-    axis = press.model.jointPlacements[guide + 1].rotation @ press.spatial.axes[guide].direction
+    axis = press.model.jointPlacements[guide + 1].rotation @ press.axes[guide].direction
 
     def energy(force):
         load = pp.loads.PointForce(press.slide, force * axis)

@@ -51,7 +51,7 @@ def test_the_false_assembly_exists(zxn2, engine):
     slide = closure.position[zxn2.joints.index("slide_guide")] + zxn2.slide_guide[1]
     assert np.abs(slide).max() < 1e-13
     assert closure.gap.max() < 1e-14
-    assert gap(zxn2, configuration(zxn2.spatial.slots, closure.position).T).max() < 1e-14
+    assert gap(zxn2, configuration(zxn2.slots, closure.position).T).max() < 1e-14
     assert np.isfinite(closure.first).all()
 
 

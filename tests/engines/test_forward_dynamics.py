@@ -90,7 +90,7 @@ def case(request, load):
     angle, speed, acceleration = (part[:, 0] if count == 1 else part for part in parts)
     motion = pp.cycle(press, angle=angle, speed=speed, acceleration=acceleration)
     armature = np.zeros(press.model.nv)
-    armature[list(press.spatial.drivers)] = 0.3
+    armature[list(press.driver_indices)] = 0.3
     return Case(request.param, press, motion, armature, press.forward_dynamics(armature), Loops(press.text.decode(), press.model))
 
 
@@ -111,13 +111,13 @@ def rows(case, q, v):
 def driving(press, result):
     """Driving torques of Reactions as efforts (n, nv)."""
     efforts = np.zeros((len(result.driving_torque), press.model.nv))
-    efforts[:, list(press.spatial.drivers)] = result.driving_torque.reshape(len(efforts), -1)
+    efforts[:, list(press.driver_indices)] = result.driving_torque.reshape(len(efforts), -1)
     return efforts
 
 
 def units(press):
     """What makes lengths of joint coordinates."""
-    return np.array([press.spatial.size if axis.turns else 1.0 for axis in press.spatial.axes])
+    return np.array([press.size if axis.turns else 1.0 for axis in press.axes])
 
 
 # --------------------------------------------------------------------------------------------------------------------------- acceleration
@@ -364,7 +364,7 @@ def test_power(case):
 def test_energy_of_a_free_run():
     """Half a second without torque by Runge and Kutta's method of order 4 and projection: energy to h^4; of half the step 1/16."""
     press = texts.shipped("zxn2_3000b")
-    crank = press.spatial.drivers[0]
+    crank = press.driver_indices[0]
     dynamics = press.forward_dynamics(2000.0 * (np.arange(5) == crank))
     drifts = []
     for steps in (200, 400):
@@ -388,7 +388,7 @@ def test_points(case):
     """Where a point is and how fast it moves, from Pinocchio's frames of the unchanged model; 1e-12. Its force has the same power as its
     efforts at any rates of the open tree."""
     rng, model, data = np.random.default_rng(5), case.press.model, case.press.model.createData()
-    size = case.press.spatial.size
+    size = case.press.size
     for x, _, q in states(case)[:2]:
         v, force = rng.normal(size=model.nv), rng.normal(size=3)
         pin.forwardKinematics(model, data, q, v)
@@ -415,14 +415,14 @@ def test_closed_states_are_left_alone(case):
         assert at is not x
         assert np.abs(at - x).max() <= 1e-13 * (1 + np.abs(x).max())
         assert np.abs(rates - v).max() <= 1e-12 * np.abs(v).max()
-        assert gap <= 1e-13 * (1 + case.press.spatial.size)
+        assert gap <= 1e-13 * (1 + case.press.size)
         assert gap == case.dynamics.gap(at)
 
 
 def test_projection(case):
     """Perturbed states are closed to 1e-12 m by measure of the tests' own loops, rates belong to them, and once is enough."""
     rng, scale = np.random.default_rng(6), 1 / units(case.press)
-    size = case.press.spatial.size
+    size = case.press.size
     for x, v, _ in states(case):
         moved = x + 1e-3 * size * scale * rng.uniform(-1, 1, len(x))
         at, rates, gap = case.dynamics.project(moved, v)
@@ -447,9 +447,9 @@ def test_the_nearest_state(case):
         tangents = null_space(jacobian)
         normal = rng.normal(size=len(x))
         normal -= tangents @ (tangents.T @ normal)
-        normal *= case.press.spatial.size / np.linalg.norm(normal)
+        normal *= case.press.size / np.linalg.norm(normal)
         far, near = (np.linalg.norm(unit * (case.dynamics.project(x + h * normal / unit, v)[0] - x)) for h in (1e-3, 1e-4))
-        assert near <= 1e-5 * case.press.spatial.size
+        assert near <= 1e-5 * case.press.size
         assert near <= 0.02 * far + 1e-12
         other = v + normal / unit
         np.testing.assert_allclose(case.dynamics.project(x, other)[1], v, rtol=0, atol=1e-10 * np.abs(other).max())
@@ -468,7 +468,7 @@ def test_the_gap(load):
     assert np.abs(at - x).max() < 1e-5
     geared = texts.shipped("jf75g_125_symmetric")
     turned = geared.closed + 1e-3 * np.array([joint in ("O_left",) for joint in geared.joints])
-    assert geared.forward_dynamics(np.zeros(8)).gap(turned) == pytest.approx(1e-3 * geared.spatial.size, rel=1e-9)
+    assert geared.forward_dynamics(np.zeros(8)).gap(turned) == pytest.approx(1e-3 * geared.size, rel=1e-9)
 
 
 def test_loops_that_do_not_close(monkeypatch):

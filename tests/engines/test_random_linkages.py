@@ -43,7 +43,7 @@ def largest_difference(one, other):
 
 def check(press, states, loads):
     """Every comparison of one linkage."""
-    weight = np.array([1.0 if slot else 1.0 / press.spatial.size for slot in press.plane.sense])  # lengths in lengths of the linkage
+    weight = np.array([1.0 if slot else 1.0 / press.size for slot in press.plane.sense])  # lengths in lengths of the linkage
     motions = {engine: pp.cycle(press, **states, engine=engine) for engine in ENGINES}
     plane, other = (motions[engine] for engine in ENGINES)
     for name in ("v", "a"):

@@ -169,7 +169,7 @@ def at_rest():
     linkage = press(SI)
     bottom = pp.dead_centres(linkage).bottom_angle
     bend = float(pp.cycle(linkage, angle=[bottom], speed=1.0).slide_acceleration[0])
-    step = engine_friction.REST * linkage.spatial.size / bend
+    step = engine_friction.REST * linkage.size / bend
     return bottom + step * np.array([-40.0, -4.0, -0.25, 0.25, 4.0])
 
 
@@ -214,7 +214,7 @@ def test_travel_near_rest_is_told_by_the_size_of_the_press():
 @pytest.mark.parametrize("units", [SI, *UNITS])
 def test_ends_of_a_spring_meet_at_a_share_of_the_press(units):
     linkage = press(units)
-    size, motion = linkage.spatial.size, pp.cycle(press(units), angle=[1.0], speed=SPEED * units.of(*RATE))
+    size, motion = linkage.size, pp.cycle(press(units), angle=[1.0], speed=SPEED * units.of(*RATE))
     there = (0.0, 0.0, float(motion.slide_position[0]))
     stretched = pp.loads.SpringDamper("frame", "slide", stiffness=1.0, free_length=0.1 * units.length, point1=there)
     joint, along = linkage.slide_guide[0], np.array([0.0, 0.0, 1.0])

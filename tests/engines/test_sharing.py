@@ -60,7 +60,7 @@ def errors(press, result, states):
     """Largest differences: forces by their peak; moments, torques of drives and of gear pairs by that of moments."""
     wrenches = np.array([state.wrenches for state in states])
     force = np.abs(wrenches[:, :, :3]).max()
-    moment = max(np.abs(wrenches[:, :, 3:]).max(), force * press.spatial.size)
+    moment = max(np.abs(wrenches[:, :, 3:]).max(), force * press.size)
     for k, name in enumerate(press.bearings):
         yield np.abs(result.bearing_force[name] - wrenches[:, k, :3]).max() / force
         yield np.abs(result.bearing_moment[name] - wrenches[:, k, 3:]).max() / moment
@@ -114,7 +114,7 @@ def test_momentum(folder, name, engine):
     peak = max(np.abs(force).max() for force in result.bearing_force.values())
     force, moment = momentum_balance(press, motion, loads)
     assert np.abs(result.shaking_force - force).max() <= 1e-12 * peak
-    assert np.abs(result.shaking_moment - moment).max() <= 1e-12 * max(peak * press.spatial.size, np.abs(moment).max())
+    assert np.abs(result.shaking_moment - moment).max() <= 1e-12 * max(peak * press.size, np.abs(moment).max())
 
 
 @pytest.mark.parametrize("engine", ENGINES)

@@ -57,7 +57,7 @@ def test_checking_planar_linkages_needs_no_pinocchio_data(datas, kind, tmp_path)
 @pytest.mark.parametrize("name", [*pp.presses(), "geared"])
 def test_gaps_as_drawn_are_those_of_the_pinocchio_engine(name):
     press = large_linkages.load(large_linkages.gear_train(3)) if name == "geared" else texts.shipped(name)
-    size = press.spatial.size
+    size = press.size
     np.testing.assert_allclose(press.drawn_gaps, press.equations(press.as_drawn).gaps, rtol=0, atol=1e-15 * size)
     beside = dataclasses.replace(press, loops=tuple(dataclasses.replace(loop, point1=loop.point1 + MOVED) for loop in press.loops))
     np.testing.assert_allclose(beside.drawn_gaps, beside.equations(beside.as_drawn).gaps, rtol=0, atol=1e-15 * size)

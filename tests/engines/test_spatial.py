@@ -154,7 +154,7 @@ def test_forces(spatial):
     loads.append(pp.loads.PointForce("frame", (1.0, 2.0, -3000.0), (0.0, 0.0, -0.9)))
     result = pp.inverse_dynamics(spatial, motion, loads)
     force_peak = max(np.abs(f).max() for f in result.bearing_force.values())
-    moment_peak = force_peak * spatial.spatial.size
+    moment_peak = force_peak * spatial.size
     assert np.abs(result.power_residual).max() <= 1e-10
     force, moment = momentum_balance(spatial, motion, loads)
     assert np.abs(result.shaking_force - force).max() <= 1e-10 * force_peak

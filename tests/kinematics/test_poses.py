@@ -23,7 +23,7 @@ def test_against_pinocchio(press):
     at, data = poses(press, motion.joint_position), press.model.createData()
     points = bearing_points(press, at)
     assert points.shape == (len(press.bearings), 17, 3)
-    close = {"rtol": 0.0, "atol": 1e-13 * (1 + press.spatial.size)}
+    close = {"rtol": 0.0, "atol": 1e-13 * (1 + press.size)}
     for i, q in enumerate(np.array(motion.q)):
         pin.forwardKinematics(press.model, data, q)
         for j, placement in enumerate(data.oMi):

@@ -124,7 +124,7 @@ def test_ends_of_loops_and_all_that_follows_from_a_model_are_read_only():
     press = pp.load("zxn2_3000b")
     used(press)
     loop = press.loops[0]
-    for array in (loop.point1, loop.rotation2, press.closed, press.branch.coefficients, press.spatial.axes[0].direction):
+    for array in (loop.point1, loop.rotation2, press.closed, press.branch.coefficients, press.axes[0].direction):
         with pytest.raises(ValueError, match="read-only"):
             array[0] = 1.0
     mine = loop.point1.copy()

@@ -148,7 +148,7 @@ def lines_changed(press, other):
 def assert_same(one, other, welded=True):
     """Every number that a URDF says, to what was promised; ``welded`` where the bodies are sums of links."""
     model, expected = one.model, other.model
-    length = max(np.abs(inertia.lever).max() for inertia in expected.inertias) + other.spatial.size
+    length = max(np.abs(inertia.lever).max() for inertia in expected.inertias) + other.size
     assert list(model.names) == list(expected.names)
     for inertia, wanted in zip(model.inertias, expected.inertias, strict=True):
         np.testing.assert_allclose(inertia.mass, wanted.mass, rtol=WELDED if welded else 0, atol=0)
@@ -419,7 +419,7 @@ def test_axis(press, tmp_path, name, new):
     again = written(other, tmp_path)
     assert_same(again, other)
     assert again.model.joints[j].shortname() == new.shortname()
-    np.testing.assert_allclose(again.spatial.axes[j - 1].direction, other.spatial.axes[j - 1].direction, rtol=0, atol=EPS)
+    np.testing.assert_allclose(again.axes[j - 1].direction, other.axes[j - 1].direction, rtol=0, atol=EPS)
     assert len(lines_changed(press, again)[0]) == 1
 
 
@@ -643,12 +643,12 @@ def test_random_linkage(tmp_path, spec, seed):
     assume(drawing)
     press = loaded(tmp_path / "read.urdf", drawing.urdf("crank"))
     assert written(press, tmp_path).text == press.text
-    size = press.spatial.size
+    size = press.size
 
     def change(model):
         for j in range(model.njoints):
             model.inertias[j] = some_inertia(rng, size)
-            turn = 1e-3 * rng.normal() * press.spatial.axes[j - 1].direction if j and press.spatial.axes[j - 1].turns else np.zeros(3)
+            turn = 1e-3 * rng.normal() * press.axes[j - 1].direction if j and press.axes[j - 1].turns else np.zeros(3)
             model.jointPlacements[j] = model.jointPlacements[j] * pin.SE3(pin.exp3(turn), np.zeros(3))
 
     along = press.plane.axes.T @ (1e-3 * size * rng.normal(size=2))  # in the world

@@ -972,11 +972,9 @@ def test_both_methods_on_random_linkages(tmp_path, spec):
     # so heavy a flywheel that nothing turns the crank much further than its speed does, and everything shows
     flywheel = 5 * inertia + abs(torques[0]) / reach
     last = press.links[-1]
-    push = pp.loads.PointForce(last, tuple(0.1 * abs(torques[0]) / press.spatial.size * np.array([1.0, 0.5, -0.7])), (0.1, 0.2, 0.0))
-    stiffness = 0.1 * flywheel / press.spatial.size**2
-    spring = pp.loads.SpringDamper(
-        "frame", last, stiffness, stiffness, 0.1, point1=tuple(3 * press.spatial.size * np.array([1.0, 0.3, 1.0]))
-    )
+    push = pp.loads.PointForce(last, tuple(0.1 * abs(torques[0]) / press.size * np.array([1.0, 0.5, -0.7])), (0.1, 0.2, 0.0))
+    stiffness = 0.1 * flywheel / press.size**2
+    spring = pp.loads.SpringDamper("frame", last, stiffness, stiffness, 0.1, point1=tuple(3 * press.size * np.array([1.0, 0.3, 1.0])))
     both(
         press, 0.5, speed=reach, drive=pp.drives.ConstantTorque(0.1 * inertia), flywheel=pp.drives.Flywheel(flywheel), loads=[push, spring]
     )

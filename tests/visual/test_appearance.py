@@ -82,7 +82,7 @@ class Scene:
     def pins(self) -> Any:
         """Joints of both bodies, place and axis of every bearing that turns."""
         links = {name: self.model.frames[self.model.getFrameId(name, pin.BODY)].parentJoint for name in self.press.links}
-        for j, axis in enumerate(self.press.spatial.axes, 1):
+        for j, axis in enumerate(self.press.axes, 1):
             if axis.turns:
                 yield links, self.model.parents[j], j, self.data.oMi[j].translation, self.data.oMi[j].rotation @ axis.direction
         for loop in self.press.loops:
@@ -93,7 +93,7 @@ class Scene:
 
 def joined(press: Any, position: Any, normal: Any = None) -> None:
     """Along the axis of every pin, both links are met, and without a gap from one to the other."""
-    shown, steps = bodies(press, position), np.linspace(-1.5, 1.5, 6001)[:, None] * press.spatial.size
+    shown, steps = bodies(press, position), np.linspace(-1.5, 1.5, 6001)[:, None] * press.size
     for state in position[:: max(1, len(position) // 5)]:
         scene = Scene(press, shown, state)
         for links, joint1, joint2, place, axis in scene.pins():
@@ -102,7 +102,7 @@ def joined(press: Any, position: Any, normal: Any = None) -> None:
             runs = np.split(np.arange(len(line)), np.flatnonzero(np.diff((one | other).astype(int))) + 1)
             assert any(one[run].any() and other[run].any() and (one | other)[run].all() for run in runs), (joint1, joint2)
             away = np.abs(steps[one | other]).min()
-            assert away < 0.35 * press.spatial.size  # layers are thin beside the linkage
+            assert away < 0.35 * press.size  # layers are thin beside the linkage
 
 
 # ---------------------------------------------------------------------------------------------------------------------------------- visuals
@@ -409,7 +409,7 @@ def test_slides_stay_between_their_rails(name: str) -> None:
     position = positions(press)
     shown = bodies(press, position)
     rails = [part for part in shown[0].parts if isinstance(part.shape, Box) and max(part.shape.size) == part.shape.size[0]]
-    for j, axis in enumerate(press.spatial.axes, 1):
+    for j, axis in enumerate(press.axes, 1):
         if axis.turns or press.model.parents[j] != 0:
             continue
         slide = next(body for body in shown if press.model.frames[body.frame].parentJoint == j)
@@ -460,10 +460,10 @@ def test_links_in_space_and_others(text: str, tmp_path: Path) -> None:
     for links, joint1, joint2, place, axis in scene.pins():
         for joint in (joint1, joint2):
             if "four_bar" in text:  # in layers, up to a third of its size away
-                line = place + 0.3 * press.spatial.size * np.outer(np.linspace(-1, 1, 401), [0, 1, 0])
+                line = place + 0.3 * press.size * np.outer(np.linspace(-1, 1, 401), [0, 1, 0])
                 assert scene.holds(joint, line, links, steel=False).any()
             else:
-                bush = place + 0.016 * press.spatial.size * np.outer([-1, 0, 1], axis)
+                bush = place + 0.016 * press.size * np.outer([-1, 0, 1], axis)
                 assert scene.holds(joint, bush, links, steel=False).all()
 
 

@@ -83,7 +83,7 @@ def test_loads_are_given_where_the_mechanics_puts_them(name: str, tmp_path: Path
     assert {row["name"] for row in page["legend"]} == set(press.links) - {press.model.frames[1].name}
     assert [bearing["name"] for bearing in page["bearings"]] == list(press.bearings)
     places = [floats(path) for path in page["places"]]
-    data, size = press.model.createData(), press.spatial.size
+    data, size = press.model.createData(), press.size
     for i, q in enumerate(result.motion.q):
         pin.framesForwardKinematics(press.model, data, q)
         for bearing, foot in zip(page["bearings"], feet_of(press, data), strict=True):

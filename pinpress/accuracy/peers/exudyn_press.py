@@ -93,10 +93,10 @@ def build(press: Linkage) -> System:
             markerNumber=_marker(mbs, bodies[j], np.zeros(3)), loadVector=_flat(inertia.mass * tree.gravity.linear)
         )
         mbs.AddLoad(weight)
-    signs = [0.0] + [-float((r @ a.direction)[1]) * a.turns for r, a in zip(rotations[1:], press.spatial.axes, strict=True)]
+    signs = [0.0] + [-float((r @ a.direction)[1]) * a.turns for r, a in zip(rotations[1:], press.axes, strict=True)]
     joints: dict[str, Any] = {}
     system = System(container, mbs, tuple(bodies), tuple(nodes), joints, centres, rotations, np.array(signs), drawn)
-    for j, (name, axis) in enumerate(zip(press.joints, press.spatial.axes, strict=True), start=1):
+    for j, (name, axis) in enumerate(zip(press.joints, press.axes, strict=True), start=1):
         ends = [system.marker(tree.parents[j], tree.jointPlacements[j].translation), system.marker(j, np.zeros(3))]
         if axis.turns:
             joints[name] = mbs.AddObject(items.ObjectJointRevolute2D(markerNumbers=ends))
@@ -170,7 +170,7 @@ class Exudyn:
         Raises:
             PinpressError: as `build`; a crank that does not turn on the frame.
         """
-        self._driver = press.spatial.drivers[0] + 1
+        self._driver = press.driver_indices[0] + 1
         self._free, self._driven = build(press), build(press)
         if press.model.parents[self._driver] != 0:
             raise PinpressError(f"it is compared with cranks on the frame, and that of {press.name} is not")
@@ -190,7 +190,7 @@ class Exudyn:
         self._angles = {
             name: _sensor(mbs, items.SensorNode, nodeNumber=self._driven.nodes[j], outputVariableType=kinds.Coordinates)
             for j, name in enumerate(press.joints, start=1)
-            if not press.spatial.axes[j - 1].turns
+            if not press.axes[j - 1].turns
         }
         self._free.mbs.Assemble()
         self._driven.mbs.Assemble()
@@ -276,7 +276,7 @@ class Exudyn:
             pin.forwardKinematics(press.model, data, q)
             heights.append(float(data.oMi[joint].act(system.centres[joint])[2] - system.drawn[joint][2]))
         zero = states.slide_position - np.array(heights)
-        if not joint or np.ptp(zero) > 1e-9 * press.spatial.size:
+        if not joint or np.ptp(zero) > 1e-9 * press.size:
             raise PinpressError(f"it is compared at work with slides on upright guides, and that of {press.name} is not")
         return joint, float(zero[0]) - dead_centres(press).bottom_position
 
@@ -293,7 +293,7 @@ class Exudyn:
 
     def _force_of(self, name: str) -> Any:
         kinds, press = exudyn.OutputVariableType, self._press
-        slides = name in press.joints and not press.spatial.axes[press.joints.index(name)].turns
+        slides = name in press.joints and not press.axes[press.joints.index(name)].turns
         return kinds.ForceLocal if slides else kinds.Force
 
     def _energies(self, inertia: float, state: Callable[[Callable[..., Any]], Any]) -> tuple[float, float]:

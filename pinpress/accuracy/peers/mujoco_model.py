@@ -20,7 +20,7 @@ def compiled(press: Linkage) -> mujoco.MjModel:
     off = mujoco.mjtDisableBit
     spec.option.disableflags = int(off.mjDSBL_REFSAFE) | int(off.mjDSBL_CONTACT) | int(off.mjDSBL_ISLAND)
     bodies = [spec.worldbody]
-    for j, (name, axis) in enumerate(zip(press.joints, press.spatial.axes, strict=True), start=1):
+    for j, (name, axis) in enumerate(zip(press.joints, press.axes, strict=True), start=1):
         place, inertia = tree.jointPlacements[j], tree.inertias[j]
         turned = np.empty(4)
         mujoco.mju_mat2Quat(turned, place.rotation.ravel())

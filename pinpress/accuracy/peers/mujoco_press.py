@@ -73,7 +73,7 @@ class Mujoco:
         self._press = press
         self._model = compiled(press)
         self._data = mujoco.MjData(self._model)
-        self._driver = press.spatial.drivers[0]
+        self._driver = press.driver_indices[0]
         self._passive = [j for j in range(self._model.nv) if j != self._driver]
         self._ends = [(self._model.site(f"{loop.name}/1").id, self._model.site(f"{loop.name}/2").id) for loop in press.loops]
         self._sites = [site for pair in self._ends for site in pair]
@@ -126,7 +126,7 @@ class Mujoco:
     def _working(self, scene: Scene) -> Effort:
         """Efforts of the drive on its joint, and of the loads on that of the slide."""
         press, states = self._press, cycle(self._press, points=2, speed=1.0)
-        joint = next(j for j in range(len(press.joints)) if not press.spatial.axes[j].turns)
+        joint = next(j for j in range(len(press.joints)) if not press.axes[j].turns)
         (first, second), at = states.slide_position, states.joint_position[:, joint]
         along = float(np.sign((second - first) / (at[1] - at[0])))
         zero = float(first - along * at[0]) - dead_centres(press).bottom_position

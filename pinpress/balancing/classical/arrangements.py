@@ -148,7 +148,7 @@ def symmetric(press: Linkage, shaft_distance: float) -> Linkage:
                 f"{press.name}: joint {each.joint!r} guides in another direction than the slide's; only one can be mirrored"
             )
     for name, _, point in ends:
-        if abs((point - shaft) @ across) > CENTRED * press.spatial.size:
+        if abs((point - shaft) @ across) > CENTRED * press.size:
             raise PinpressError(
                 f"{press.name}: bearing {name!r} moves {abs((point - shaft) @ across):.6g} m beside the shaft; give a centred crank-slide"
             )
@@ -199,9 +199,9 @@ def cancelled(before: Reactions, after: Reactions, orders: int = 6) -> tuple[Har
         raise PinpressError("before and after are at different speeds, with whose squares forces grow: make both motions with one speed")
     guide, _ = press.slide_guide
     at = poses(press, press.closed[None])
-    along = at.rotation[guide + 1, 0] @ press.spatial.axes[guide].direction
+    along = at.rotation[guide + 1, 0] @ press.axes[guide].direction
     axes = np.array([along, np.cross(press.plane.normal, along)])
-    shaft = at.position[press.spatial.drivers[0] + 1, 0]
+    shaft = at.position[press.driver_indices[0] + 1, 0]
     (first, least1), (second, least2) = (_amplitudes(each, axes, press.plane.normal, shaft, orders) for each in (before, after))
     none = np.zeros(3)
     return tuple(
@@ -226,7 +226,7 @@ def _amplitudes(
         )
     least = ROUNDING * max(float(np.abs(each).max()) for each in (force, *reactions.bearing_force.values()))
     by_order = {int(o) if o.is_integer() else float(o): at for o, at in zip(found.orders[1:], found.amplitude[1:], strict=True)}
-    return by_order, (least, least, least * reactions._press.spatial.size)
+    return by_order, (least, least, least * reactions._press.size)
 
 
 def _change(before: float, after: float, least: float) -> str:

@@ -122,7 +122,7 @@ def crank_slide(press: Linkage) -> CrankSlide:
     shaft = at.position[crank, 0]
     shaft = shaft + ((crank_pin - shaft) @ plane.normal) * plane.normal  # its point at the crank pin's height
     radius, length = (complex(flat(plane, end - start)) for start, end in ((shaft, crank_pin), (crank_pin, slide_pin)))
-    guide = complex(flat(plane, at.rotation[slide, 0] @ press.spatial.axes[slide - 1].direction))
+    guide = complex(flat(plane, at.rotation[slide, 0] @ press.axes[slide - 1].direction))
     along = (radius + length) / guide
     if abs(along.imag) > CENTRED * abs(length):
         raise _refusal(press, f"its slide's pin moves {abs(along.imag):.6g} m beside the shaft")
@@ -259,11 +259,11 @@ def _correction(press: Linkage, main: CrankSlide, link: str, centre: complex, pr
 
 def _bodies(press: Linkage) -> tuple[int, int, int]:
     """The Pinocchio joints that carry crank, rod and slide."""
-    parents, turns = press.model.parents, [axis.turns for axis in press.spatial.axes]
+    parents, turns = press.model.parents, [axis.turns for axis in press.axes]
     if len(press.joints) != 3 or len(press.loops) != 1 or press.couplings:
         counts = f"{len(press.joints)} moving links, {len(press.loops)} loops and {len(press.couplings)} gear pairs"
         raise _refusal(press, f"it has {counts}, not 3, 1 and 0")
-    crank = press.spatial.drivers[0] + 1
+    crank = press.driver_indices[0] + 1
     guided = [j for j in range(1, 4) if parents[j] == 0 and not turns[j - 1]]
     if parents[crank] != 0:
         raise _refusal(press, f"its driver {shown(press.driver)} does not turn on the frame")

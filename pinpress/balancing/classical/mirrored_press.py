@@ -100,7 +100,7 @@ def plan(press: Linkage) -> Plan:
     if press.slide is not None:
         links[press.slide_guide[0] + 1] = press.slide  # not one that it is welded to: positions are the slide's own
     bodies = []
-    for j, (name, axis, start) in enumerate(zip(press.joints, press.spatial.axes, press.closed, strict=True), 1):
+    for j, (name, axis, start) in enumerate(zip(press.joints, press.axes, press.closed, strict=True), 1):
         at_q, at_v = model.idx_qs[j], model.idx_vs[j]
         travel = float(model.lowerPositionLimit[at_q]) - start, float(model.upperPositionLimit[at_q]) - start
         limits = (*travel, float(model.upperEffortLimit[at_v]), float(model.velocityLimit[at_v]))
@@ -110,7 +110,7 @@ def plan(press: Linkage) -> Plan:
         bodies.append(Body(links[j], place, inertia, name, parent, direction, () if axis.turns else limits))
     pins = [Pin(k.name, k.type, links[k.joint1], links[k.joint2], at.points(k.joint1, k.point1)[0]) for k in press.loops]
     normal, gravity = press.plane.normal, tuple(model.gravity.linear.tolist())
-    size = press.spatial.size
+    size = press.size
     return Plan(press.name, links[0], model.inertias[0], tuple(bodies), tuple(pins), press.driver, press.slide, normal, gravity, size)
 
 

@@ -148,7 +148,7 @@ def unbalance(press: Linkage, link: str) -> Unbalance:
     if link not in rotors:
         raise PinpressError(f"link {shown(link)} is no rotor; links that joints turn on the frame: {', '.join(rotors) or 'none'}")
     joint = rotors[link]
-    axis, body = press.spatial.axes[joint - 1].direction, press.model.inertias[joint]
+    axis, body = press.axes[joint - 1].direction, press.model.inertias[joint]
     axis = axis * math.copysign(1.0, axis[np.abs(axis).argmax()])
     across = np.eye(3) - np.outer(axis, axis)
     about_origin = body.inertia @ axis - body.mass * (body.lever @ axis) * body.lever  # but for what is along the axis
@@ -166,7 +166,7 @@ def _of_masses(masses: ArrayLike, positions: ArrayLike) -> Unbalance:
 
 def _rotors(press: Linkage) -> dict[str, int]:
     """The links that joints turn on the frame, and those joints. Links welded to these, whose frames are others, are not among them."""
-    turning = [j for j, axis in enumerate(press.spatial.axes, 1) if axis.turns and press.model.parents[j] == 0]
+    turning = [j for j, axis in enumerate(press.axes, 1) if axis.turns and press.model.parents[j] == 0]
     return {press.link_of(joint): joint for joint in turning}
 
 

@@ -182,7 +182,7 @@ def _bearings(press: Linkage, data: pin.Data, travel: Array, owner: Callable[[st
 
     found = []
     for j, name in enumerate(press.joints):
-        direction, turns = press.spatial.axes[j]
+        direction, turns = press.axes[j]
         place, (low, high) = data.oMi[j + 1], travel[:, j].tolist()
         found.append(bearing(name, "pin" if turns else "guide", [place.translation] * 2, place.rotation @ direction, low, high))
     kinds = {"revolute": "pin", "spherical": "ball", "fixed": "weld"}

@@ -407,7 +407,7 @@ def random_loads(press, rng, count, in_plane):
     for _ in range(count):
         force = 100 * rng.normal(size=(STATES, 3))
         force -= (1 - across) * (force @ normal)[:, None] * normal
-        loads.append(pp.loads.PointForce(str(rng.choice(press.links)), force, tuple(press.spatial.size * rng.normal(size=3))))
+        loads.append(pp.loads.PointForce(str(rng.choice(press.links)), force, tuple(press.size * rng.normal(size=3))))
     return loads
 
 
@@ -415,7 +415,7 @@ def peaks(press, result):
     """Largest bearing force and moment; a moment is never judged more sharply than the force on an arm as long as the linkage."""
     force = max(np.abs(values).max() for values in (*result.bearing_force.values(), result.shaking_force))
     moment = max(np.abs(values).max() for values in result.bearing_moment.values())
-    return force, max(moment, force * press.spatial.size)
+    return force, max(moment, force * press.size)
 
 
 def slides(press):
