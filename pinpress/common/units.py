@@ -4,4 +4,5 @@ from __future__ import annotations
 
 import numpy as np
 
-RPM = 2 * np.pi / 60  # one revolution a minute [rad/s]
+RPM = 2 * np.pi / 60
+"""One revolution per minute [rad/s]: `speed=70 * pp.RPM`."""
