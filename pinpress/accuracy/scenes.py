@@ -13,7 +13,7 @@ import numpy as np
 
 from ..common.errors import PinpressError
 from ..common.units import RPM
-from ..drives.driveline import At, Clutch
+from ..drives.couplings import At, Clutch
 from ..drives.protocol import Drive, Plain, Values
 from ..drives.transmission import Flywheel, Geared, InductionMotor
 from ..kinematics.dead_centres import dead_centres

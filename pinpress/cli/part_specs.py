@@ -15,7 +15,7 @@ from typing import Any
 
 from ..common.errors import PinpressError, suggestion
 from ..common.units import RPM
-from ..drives.driveline import At, Brake, Clutch
+from ..drives.couplings import At, Brake, Clutch
 from ..drives.transmission import (
     ConstantTorque,
     Drive,

@@ -1,6 +1,6 @@
-from .driveline import At as At
-from .driveline import Brake as Brake
-from .driveline import Clutch as Clutch
+from .couplings import At as At
+from .couplings import Brake as Brake
+from .couplings import Clutch as Clutch
 from .induction import InductionMotor as InductionMotor
 from .induction import InverterMotor as InverterMotor
 from .protocol import Drive as Drive

@@ -8,12 +8,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..common.arrays import Array
-from ..drives.transmission import Drive, PrescribedSpeed
+from ..drives.transmission import Drive
 from . import mesh as panels
 from .collocation import Flow
+from .driven_press import DrivenPress
 from .mesh import Grid, Indices
 from .reduced_model import COORDINATES, INERTIA, POTENTIAL, WEIGHT, Table, rule
-from .system import Scene
 from .trajectory import LEDGERS, MOTOR_SQUARED, Path, Reading
 
 NEAR = 1e-5  # of the range of the potential energy: kinetic energy, and that by which the potential may still rise, beside a rest
@@ -40,7 +40,7 @@ class Turned:
         slow: crank angles at which it is `slow`.
     """
 
-    scene: Scene
+    driven: DrivenPress
     table: Table
     grid: Grid
     count: int
@@ -89,18 +89,17 @@ class Turned:
         ledgers += self.begin.ledgers[:, None]
         angle, speed = g.start + g.direction * travelled, g.direction * measure / slope
         torque, acceleration = self._dynamics(panel, angle, speed)
-        drive = self.scene.drive
-        geared = drive is not None and not isinstance(drive, PrescribedSpeed)
-        motor = drive.motor_torque(speed) + np.zeros_like(speed) if geared else torque  # type: ignore[union-attr]
+        drive = self.driven.drive
+        motor = torque if drive is None else drive.motor_torque(speed) + np.zeros_like(speed)
         return Reading(angle[None], speed[None], acceleration[None], torque, motor, speed, ledgers)
 
     def _dynamics(self, panel: Indices, angle: Array, speed: Array) -> tuple[Array, Array]:
         """Torque of the drive and acceleration of the crank (n,) at states on panels (n,)."""
         values, slopes = self.table.at(angle)
-        scene = self.scene
+        driven = self.driven
         torque = np.zeros_like(speed)
-        if scene.drive is not None and not isinstance(scene.drive, PrescribedSpeed):
-            torque = torque + scene.drive.torque(speed)
+        if driven.drive is not None:
+            torque = torque + driven.drive.torque(speed)
         force = torque - values[WEIGHT] - 0.5 * slopes[INERTIA] * speed**2
         for push in self.grid.pushes:
             mine = np.flatnonzero(np.isin(panel, push.panels))
@@ -108,9 +107,9 @@ class Turned:
                 lever = slopes[COORDINATES + push.row, mine]
                 size = push.stretch.force(values[COORDINATES + push.row, mine] - push.datum, lever * speed[mine])
                 force[mine] += lever * (np.maximum(size, 0.0) if push.stretch.one_sided else size)
-        if isinstance(scene.drive, PrescribedSpeed):
+        if driven.prescribed is not None:
             return -force, np.zeros_like(force)
-        return torque, force / (values[INERTIA] + scene.inertia)
+        return torque, force / (values[INERTIA] + driven.inertia)
 
     def last(self) -> State:
         """The state at the end."""
@@ -120,25 +119,23 @@ class Turned:
         return State(self.end, angle, self.final_speed, ledgers)
 
 
-def turned(scene: Scene, table: Table, flow: Flow, count: int, begin: State) -> Turned:
+def turned(driven: DrivenPress, table: Table, flow: Flow, count: int, begin: State) -> Turned:
     """The first ``count`` panels of a flow of one scenario in time."""
     r, g = rule(), flow.grid
     measure, speed = g.measure[:, :count], flow.speed[:, :count, 0]
     elapsed = r.integral(measure / speed)
-    if scene.drive is None:
-        motor = np.zeros_like(speed)
-    elif isinstance(scene.drive, PrescribedSpeed):
-        motor = flow.driving[:, :count, 0]
+    if driven.drive is not None:
+        motor = np.asarray(driven.drive.motor_torque(g.direction * speed))
     else:
-        motor = np.asarray(scene.drive.motor_torque(g.direction * speed))
+        motor = np.zeros_like(speed) if driven.prescribed is None else flow.driving[:, :count, 0]
     driving = flow.driving[:, :count, 0]
-    if scene.drive is not None and not isinstance(scene.drive, PrescribedSpeed):
-        driving = driven(scene.drive, flow)[:, :count, 0]
+    if driven.drive is not None:
+        driving = torque_along(driven.drive, flow)[:, :count, 0]
     rates = [driving, -flow.resisting[:, :count, 0], motor * motor / speed]
     summed = np.array([r.integral(rate * measure) for rate in rates])
     nearly = slow(flow.energy[:, :count, 0], flow.force[:, :count, 0], float(np.ptp(table.coefficients[:, POTENTIAL, 0])))
     return Turned(
-        scene=scene,
+        driven=driven,
         table=table,
         grid=g,
         count=count,
@@ -147,7 +144,7 @@ def turned(scene: Scene, table: Table, flow: Flow, count: int, begin: State) -> 
         elapsed=elapsed,
         summed=summed,
         ledgers=np.concatenate([np.zeros((3, 1)), summed.sum(axis=1).cumsum(axis=1)], axis=1),
-        final_speed=g.direction * math.sqrt(2 * max(0.0, float(flow.ends[count, 0])) / (float(g.inertia_ends[count]) + scene.inertia)),
+        final_speed=g.direction * math.sqrt(2 * max(0.0, float(flow.ends[count, 0])) / (float(g.inertia_ends[count]) + driven.inertia)),
         evaluations=flow.evaluations,
         slow=g.angle[:, :count][nearly],
     )
@@ -159,7 +156,7 @@ def slow(energy: Array, force: Array, span: float) -> NDArray[np.bool_]:
     return found & (energy + force**2 / (2 * span) < NEAR * span) if found.any() else found
 
 
-def driven(drive: Drive, flow: Flow) -> Array:
+def torque_along(drive: Drive, flow: Flow) -> Array:
     """Torque of a drive along the travel (q, p, S), once more at the speeds that came out of it: so the energy balance tells whether these
     are right."""
     g = flow.grid

@@ -8,16 +8,15 @@ import numpy as np
 
 from ..common.arrays import Array
 from ..common.errors import SimulationError
-from ..drives.transmission import PrescribedSpeed
 from ..loads.caller_laws import LawError
 from . import collocation as over_angle
 from . import mesh as panels
 from . import mesh_refinement as resolution
 from .angle_segments import Repeated, State, turned
 from .collocation import Flow
+from .driven_press import DrivenPress, not_positive
 from .mesh import STEADY, TO_REST, Grid
 from .reduced_model import INERTIA, POTENTIAL, WEIGHT, Table, beyond, horner, root, rule
-from .system import Scene, not_positive
 from .trajectory import Path, Segment
 
 SMALL = 1e-2  # swings shorter than this are followed over time: their forces are small differences [rad]
@@ -47,9 +46,9 @@ class Stop(NamedTuple):
 class Swings:
     """Stops of a press under forces that do not depend on its speed: where it stops a second time, it swings on like that for ever."""
 
-    def __init__(self, scene: Scene) -> None:
+    def __init__(self, driven: DrivenPress) -> None:
         self.stops: list[tuple[int, float, float]] = []  # segments before, time, crank angle
-        self.same_both_ways = all(force.rising is force.falling for force in scene.forces)
+        self.same_both_ways = all(force.rising is force.falling for force in driven.forces)
 
     def stopped(self, segments: Sequence[Segment], time: float, angle: float, until: float) -> Repeated | None:
         """The repetition of the swing that ends with this stop, where one does."""
@@ -63,7 +62,7 @@ class Swings:
 
 
 def run(
-    scene: Scene,
+    driven: DrivenPress,
     table: Table,
     edges: Sequence[Array],
     begin: State,
@@ -77,7 +76,7 @@ def run(
         SimulationError: it runs against a lock.
     """
     segments: list[Segment] = []
-    state, before, swings = begin, None, Swings(scene)
+    state, before, swings = begin, None, Swings(driven)
     if not begin.speed:
         swings.stopped(segments, begin.time, begin.angle, until)
     # Angles that grow round off, and what a period begins with must be what the one before ended with: the equation is solved over angles
@@ -86,17 +85,17 @@ def run(
     while state.time < until:
         if len(segments) == MOST_PERIODS:
             raise too_long(state.time, state.angle)
-        direction = _direction(scene, table, state)
+        direction = _direction(driven, table, state)
         if direction == 0:
             return segments, Stop(state, held=True)
         try:
-            found = _period(scene, table, edges, state, anchor, direction, until, tolerance, before)
+            found = _period(driven, table, edges, state, anchor, direction, until, tolerance, before)
         except LawError as error:
             raise error.within(state.time, state.angle) from error.__cause__
         if found is None:
             return segments, Stop(state, held=False)
         flow, count = found
-        solved = turned(scene, table, replace(flow, grid=replace(flow.grid, start=state.angle)), count, state)
+        solved = turned(driven, table, replace(flow, grid=replace(flow.grid, start=state.angle)), count, state)
         segments.append(solved)
         state = solved.last()
         if table.period is not None and solved.travelled == table.period:
@@ -123,7 +122,7 @@ def run(
     return segments, None
 
 
-def _direction(scene: Scene, table: Table, state: State) -> int:
+def _direction(driven: DrivenPress, table: Table, state: State) -> int:
     """Way in which the crank turns, or starts from rest; 0 where it stays."""
     if state.speed:
         return 1 if state.speed > 0 else -1
@@ -132,20 +131,20 @@ def _direction(scene: Scene, table: Table, state: State) -> int:
         ends = np.array([0.0, 1e-6])
         if table.period is None and not table.borders[0] <= state.angle + direction * 1e-6 <= table.borders[-1]:
             continue
-        beside = panels.grid(scene, table, state.angle, direction, ends, (True, False))
-        force = over_angle.flow(scene, beside, np.zeros(1), _any_energy(scene, beside)).force
+        beside = panels.grid(driven, table, state.angle, direction, ends, (True, False))
+        force = over_angle.flow(driven, beside, np.zeros(1), _any_energy(driven, beside)).force
         if force[0, 0, 0] > NOTHING * scale:
             return direction
     return 0
 
 
-def _any_energy(scene: Scene, grid: Grid) -> Array:
+def _any_energy(driven: DrivenPress, grid: Grid) -> Array:
     """Kinetic energy at 1 rad/s (q, p, 1): where to start from, when there is none yet."""
-    return np.asarray(0.5 * (grid.inertia[:, :, None] + scene.inertia))
+    return np.asarray(0.5 * (grid.inertia[:, :, None] + driven.inertia))
 
 
 def _period(
-    scene: Scene,
+    driven: DrivenPress,
     table: Table,
     edges: Sequence[Array],
     state: State,
@@ -164,24 +163,21 @@ def _period(
     if extent <= 2 * panels.SAME:
         raise beyond(table, state.angle, state.time)
     from_rest, to_rest = state.speed == 0, False
-    inertia = float(table.at(np.array([anchor]))[0][INERTIA, 0]) + scene.inertia
+    inertia = float(table.at(np.array([anchor]))[0][INERTIA, 0]) + driven.inertia
     if not inertia > 0:
         raise not_positive(inertia, state.time, state.angle)
     energy = np.array([0.5 * inertia * state.speed**2])
     if 0 < energy[0] < LITTLE * np.ptp(table.coefficients[:, POTENTIAL, 0]):
         return None
-    corners: tuple[float, ...] = ()
-    if scene.drive is not None and not isinstance(scene.drive, PrescribedSpeed):
-        corners = tuple(float(np.ravel(corner)[0]) for corner in scene.drive.corners)
     if before is not None:
         grid, guess = before.grid, before.energy
     else:
         ends = panels.borders(table, edges, anchor, direction, extent)
-        grid, guess = panels.grid(scene, table, anchor, direction, ends, (from_rest, to_rest)), None
+        grid, guess = panels.grid(driven, table, anchor, direction, ends, (from_rest, to_rest)), None
     for _ in range(MOST_CUTS):
         if guess is None and from_rest:
-            guess = _any_energy(scene, grid)
-        flow = over_angle.flow(scene, grid, energy, guess)
+            guess = _any_energy(driven, grid)
+        flow = over_angle.flow(driven, grid, energy, guess)
         if from_rest and not flow.held:
             return None
         if to_rest and not _comes_to_rest(flow):
@@ -190,7 +186,7 @@ def _period(
         ends, stops = grid.borders, stopping and flow.held and not to_rest
         if count == 0 and not stops:
             return None
-        cuts = resolution.unresolved(flow, count, tolerance, corners) if count else NO_CUTS
+        cuts = resolution.unresolved(flow, count, tolerance, driven.corners) if count else NO_CUTS
         if len(cuts):
             ends = np.sort(np.concatenate([ends, cuts]))
         elif stops:  # where it stops is known from panels that are right, and not before
@@ -200,7 +196,7 @@ def _period(
                 return None
         else:
             return flow, count
-        grid = panels.grid(scene, table, anchor, direction, ends, (from_rest, to_rest))
+        grid = panels.grid(driven, table, anchor, direction, ends, (from_rest, to_rest))
         guess = resolution.carried(flow, grid)
     # what still is not resolved: there the crank all but stops, or the drive switches again and again
     if to_rest or not len(cuts):

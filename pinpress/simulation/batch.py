@@ -17,7 +17,6 @@ from ..common.arrays import Array
 from ..common.errors import PinpressError, SimulationError, UnknownScenarioError, shown
 from ..common.frozen import Frozen
 from ..common.scenario_fields import lengths
-from ..drives.transmission import Drive
 from ..kinematics.motion import carried
 from ..loads.caller_laws import LawError
 from . import angle_segments as turned
@@ -26,11 +25,10 @@ from . import collocation as over_angle
 from . import mesh as panels
 from . import mesh_refinement as resolution
 from .collocation import Flow
+from .driven_press import DrivenPress, GeneralizedForce
 from .mesh import Indices
 from .reduced_model import COORDINATES, INERTIA, POTENTIAL, energies, rule, tabulated
 from .run import energy_error
-from .solvers import Plan
-from .system import Acting
 
 Mask = NDArray[np.bool_]
 
@@ -61,12 +59,12 @@ class Runs(Frozen):
     errors: tuple[SimulationError | None, ...]
     wall_time: float
     _alone: Callable[[int], Any]
-    _plan: Plan
+    _driven: DrivenPress
 
     @cached_property
     def slide_position(self) -> Array | None:
         """(n, S) along the guide's axis [m]; None where there is no slide."""
-        press = self._plan.scene.press
+        press = self._driven.press
         if press.slide is None:
             return None
         position: Array = tabulated(press).at(self.crank_angle)[0][COORDINATES].copy()
@@ -125,9 +123,9 @@ def _of_speed(speed: Any) -> int:
 class Together:
     """Scenarios of one direction of travel, that are solved as one array; filled period by period."""
 
-    def __init__(self, plan: Plan, angle: float, speed: Array, times: Array) -> None:
+    def __init__(self, driven: DrivenPress, angle: float, speed: Array, times: Array) -> None:
         """``speed`` (S,) at the start, none of them zero; ``times`` (n,) of the states to be returned."""
-        self.plan, self.times = plan, times
+        self.driven, self.times = driven, times
         self.direction = 1 if speed[0] > 0 else -1
         self.first, self.begin = angle, speed
         self.angle, self.speed = np.empty((len(times), len(speed))), np.empty((len(times), len(speed)))
@@ -136,12 +134,12 @@ class Together:
         self.before: Flow | None = None
         self.anchor = self.at = angle  # where periods begin: in the equation, and counted on
         self.clock = np.zeros(len(speed))
-        self.energy = 0.5 * (plan.table.at(np.array([angle]))[0][INERTIA, 0] + plan.line.inertia) * speed**2
+        self.energy = 0.5 * (driven.model.at(np.array([angle]))[0][INERTIA, 0] + driven.inertia) * speed**2
 
     def run(self, tolerance: float) -> None:
         """Run all to the last of the times, or mark them as ``alone``."""
         until = float(self.times[-1])
-        if self.plan.timed or not np.all(self.energy > 0) or any(_sticks(force) for force in self.plan.scene.forces):
+        if self.driven.timed or not np.all(self.energy > 0) or any(_sticks(force) for force in self.driven.forces):
             self.alone[:] = True
             return
         periods = 0
@@ -149,7 +147,7 @@ class Together:
             periods += 1
             if periods > turning.MOST_PERIODS:
                 raise turning.too_long(float(self.clock.max()), self.at)
-            extent = self.plan.table.period
+            extent = self.driven.model.period
             if extent is None:
                 self.alone |= going
                 return
@@ -164,21 +162,21 @@ class Together:
             through = going & (passed[-1] < until)
             for k, part in parts:
                 self.works[k] += np.where(through, _sums(flow, part).sum(axis=0), 0.0)
-            self.before = flow if len(flow.grid.kinds) < len(self.plan.table.borders) + MOST_KEPT else None
+            self.before = flow if len(flow.grid.kinds) < len(self.driven.model.borders) + MOST_KEPT else None
             self.clock = np.where(going, passed[-1], self.clock)
             self.energy = np.where(going, flow.ends[-1], self.energy)
             self.at = self.anchor + self.direction * periods * extent
 
     def _period(self, extent: float, going: Mask, until: float, tolerance: float) -> tuple[Flow, Array]:
         """The period solved well enough for all that are ``going``, and the times (p + 1, S) at its borders."""
-        plan, guess = self.plan, None
+        driven, guess = self.driven, None
         if self.before is not None:
             grid, guess = self.before.grid, self.before.energy
         else:
-            ends = panels.borders(plan.table, plan.edges, self.anchor, self.direction, extent)
-            grid = panels.grid(plan.scene, plan.table, self.anchor, self.direction, ends)
+            ends = panels.borders(driven.model, driven.edges, self.anchor, self.direction, extent)
+            grid = panels.grid(driven, driven.model, self.anchor, self.direction, ends)
         for _ in range(MOST_CUTS):
-            flow = over_angle.flow(plan.scene, grid, self.energy, guess)
+            flow = over_angle.flow(driven, grid, self.energy, guess)
             passed = np.concatenate([self.clock[None], _sums(flow, 1 / flow.speed)]).cumsum(axis=0)
             stopping = resolution.stopping(flow)
             # what comes after the end of the run does not matter
@@ -191,14 +189,14 @@ class Together:
             if not len(cuts):
                 return flow, passed
             ends = np.sort(np.concatenate([grid.borders, cuts]))
-            grid = panels.grid(plan.scene, plan.table, self.anchor, self.direction, ends)
+            grid = panels.grid(driven, driven.model, self.anchor, self.direction, ends)
             guess = resolution.carried(flow, grid)
         self.alone |= going
         return flow, passed
 
     def _beside_rest(self, flow: Flow, passed: Array, until: float) -> Mask:
         """Scenarios (S,) that come nearly to rest: whether that is an unstable one is seen when they are run alone."""
-        span = float(np.ptp(self.plan.table.coefficients[:, POTENTIAL, 0]))
+        span = float(np.ptp(self.driven.model.coefficients[:, POTENTIAL, 0]))
         return np.asarray((turned.slow(flow.energy, flow.force, span) & (passed[:-1] < until)).any(axis=(0, 1)))
 
     def _read(self, flow: Flow, passed: Array, going: Mask, until: float, parts: "list[tuple[int, Array]]") -> None:
@@ -227,24 +225,23 @@ class Together:
 
     def _parts(self, flow: Flow) -> "list[tuple[int, Array]]":
         """Forces of the drive along the travel, and of the loads against it, where there are any; each with its row in ``works``."""
-        scene = self.plan.scene
-        # a prescribed speed has no scenarios
-        parts = [(0, turned.driven(scene.drive, flow))] if isinstance(scene.drive, Drive) else []
-        return parts + ([(1, -flow.resisting)] if scene.forces else [])
+        driven = self.driven
+        parts = [(0, turned.torque_along(driven.drive, flow))] if driven.drive is not None else []
+        return parts + ([(1, -flow.resisting)] if driven.forces else [])
 
     def energy_error(self) -> Array:
         """(S,) of those that are not ``alone``, from their states at start and end."""
-        press, count = self.plan.scene.press, len(self.begin)
+        press, count = self.driven.press, len(self.begin)
         at, speed = np.concatenate([self.angle[[0, -1]], self.speed[[0, -1]]]).reshape(2, 2, count)
         at, speed = np.where(self.alone, self.first, at), np.where(self.alone, self.begin, speed)
         motion = carried(press, at.ravel(), speed.ravel())
         kinetic, potential = (energy.reshape(2, count) for energy in energies(press, motion))
         driven, taken = np.concatenate([np.zeros((2, 1, count)), self.works[:, None]], axis=1)
-        found: Array = energy_error(kinetic + 0.5 * self.plan.line.inertia * speed**2, potential, driven, taken, np.zeros_like(taken))[-1]
+        found: Array = energy_error(kinetic + 0.5 * self.driven.inertia * speed**2, potential, driven, taken, np.zeros_like(taken))[-1]
         return found
 
 
-def _sticks(force: Acting) -> bool:
+def _sticks(force: GeneralizedForce) -> bool:
     """Whether a force is a contact with a damper: where it is lost differs between scenarios."""
     for stretch in force.rising + force.falling:
         if stretch.one_sided:
@@ -265,7 +262,7 @@ def simulate(
     angle: float,
     times: Array,
     tolerance: float,
-    plan: Callable[[Indices], Plan],
+    driven: Callable[[Indices], DrivenPress],
     alone: Callable[..., Any],
     allowed: float,
 ) -> Runs:
@@ -273,7 +270,8 @@ def simulate(
 
     Args:
         speed: (S,) at the start [rad/s]. times: (n,) of the states [s].
-        plan: of the scenarios with these indices, as one array. alone: the `Run` of one scenario, with these n states; or up to a time.
+        driven: the press of the scenarios with these indices, as one array.
+        alone: the `Run` of one scenario, with these n states; or up to a time.
         allowed: energy error from which a scenario is run alone, with finer panels of its own.
     """
     began, count = clock.perf_counter(), len(speed)
@@ -285,7 +283,7 @@ def simulate(
         ones = np.flatnonzero(np.sign(speed) == direction)
         for start in range(0, len(ones), AT_ONCE):
             some = ones[start : start + AT_ONCE]
-            together = Together(plan(some), angle, speed[some], times)
+            together = Together(driven(some), angle, speed[some], times)
             together.run(tolerance)
             missing[some] = found = together.energy_error()
             together.alone |= ~(found <= allowed)
@@ -303,7 +301,7 @@ def simulate(
     for array in (angles, speeds, works, missing):
         array.setflags(write=False)
     took = clock.perf_counter() - began
-    return Runs(times, angles, speeds, works[0], works[1], missing, tuple(errors), took, alone, plan(np.arange(1)))
+    return Runs(times, angles, speeds, works[0], works[1], missing, tuple(errors), took, alone, driven(np.arange(1)))
 
 
 def _up_to(

@@ -12,9 +12,9 @@ import numpy as np
 
 from ..common.arrays import Array
 from ..drives.transmission import Drive, PrescribedSpeed
+from .driven_press import DrivenPress, not_positive
 from .mesh import TO_REST, Grid, Indices, Push
 from .reduced_model import rule
-from .system import Scene, not_positive
 
 ROUNDS = 30
 SETTLED = 1e-10  # change of the kinetic energy in a round, beside the energy; Newton's method squares it, and its error is 1e-17
@@ -53,7 +53,7 @@ class Flow:
     evaluations: int
 
 
-def flow(scene: Scene, grid: Grid, energy: Array, guess: Array | None = None, periodic: bool = False) -> Flow:
+def flow(driven: DrivenPress, grid: Grid, energy: Array, guess: Array | None = None, periodic: bool = False) -> Flow:
     """Kinetic energy over a grid, from ``energy`` (S,) at its start; or that of a ``periodic`` motion, near this energy, which ends with
     the energy with which it began.
 
@@ -62,13 +62,13 @@ def flow(scene: Scene, grid: Grid, energy: Array, guess: Array | None = None, pe
     """
     q, p = grid.angle.shape
     shape = (q, p, len(energy))
-    inertia = grid.inertia[:, :, None] + scene.inertia
+    inertia = grid.inertia[:, :, None] + driven.inertia
     if not inertia.min() > 0:
         worst = np.unravel_index(int(inertia.min(axis=2).argmin()), (q, p))
         raise not_positive(float(inertia.min()), None, float(grid.angle[worst]))
-    drive, added = scene.drive, float(np.ravel(scene.inertia)[0])
-    if isinstance(drive, PrescribedSpeed):
-        return _prescribed(scene, grid, inertia, drive)
+    drive, added = driven.drive, float(np.ravel(driven.inertia)[0])
+    if driven.prescribed is not None:
+        return _prescribed(driven, grid, inertia, driven.prescribed)
     forces = Forces(drive, grid, shape)
 
     def result(work: Array, held: bool, settled: Indices, ends: Array | None = None, force: Array | None = None) -> Flow:
@@ -184,7 +184,7 @@ def _pushed(grid: Grid, push: Push, speed: Array) -> Array:
     return np.asarray(grid.direction * lever * force)
 
 
-def _prescribed(scene: Scene, grid: Grid, inertia: Array, drive: PrescribedSpeed) -> Flow:
+def _prescribed(driven: DrivenPress, grid: Grid, inertia: Array, drive: PrescribedSpeed) -> Flow:
     """The flow at a constant speed, with the torque that this takes."""
     speed = np.full(inertia.shape, abs(drive.speed))
     work = 0.5 * inertia * speed**2
@@ -205,7 +205,7 @@ def _prescribed(scene: Scene, grid: Grid, inertia: Array, drive: PrescribedSpeed
         True,
         np.zeros(len(grid.kinds)),
         np.full(1, len(grid.kinds)),
-        float(scene.inertia),
+        float(driven.inertia),
         work.size,
     )
 

@@ -12,7 +12,6 @@ from ..common.arguments import typed
 from ..common.arrays import Array
 from ..common.checks import is_number
 from ..common.errors import PinpressError, shown
-from ..drives.transmission import PrescribedSpeed
 from ..kinematics.dead_centres import stroke_turns
 from .run import Run
 from .trajectory import DRIVE_WORK, LOAD_WORK, LOST, MOTOR_SQUARED, Reading
@@ -87,7 +86,7 @@ def strokes(run: Run) -> tuple[Duty, ...]:
     travelled = direction * travelled
     back = np.flatnonzero(np.diff(travelled) < 0)  # strokes end where the crank turns back
     upto = int(back[0]) + 1 if len(back) else len(travelled)
-    turns = stroke_turns(run.plan.scene.press)
+    turns = stroke_turns(run.problem.driven.press)
     if turns is None:
         return ()
     period = 2 * np.pi * turns
@@ -115,10 +114,10 @@ def _check(run: Run) -> None:
 
 def _duties(run: Run, times: Array) -> list[Duty]:
     """One for each interval between the times."""
-    path, drive, inertia = run.path, run.plan.scene.drive, run.plan.line.inertia
+    path, drive, inertia = run.path, run.problem.driven.drive, run.problem.driven.inertia
     ends = path.read(times, whole=False)
     angles = _crank(run, ends)[0]
-    rated = None if drive is None or isinstance(drive, PrescribedSpeed) else drive.rated_torque
+    rated = None if drive is None else drive.rated_torque
     result = []
     for k, (start, end) in enumerate(itertools.pairwise(times)):
         net = abs(float(angles[k + 1] - angles[k]))
@@ -155,5 +154,5 @@ def _duties(run: Run, times: Array) -> list[Duty]:
 
 def _crank(run: Run, reading: Reading) -> tuple[Array, Array]:
     """Angle and speed (n,) of the crank."""
-    place = run.plan.scene.press.driver_indices[0] if len(reading.position) > 1 else 0
+    place = run.problem.driven.press.driver_indices[0] if len(reading.position) > 1 else 0
     return reading.position[place], reading.speed[place]

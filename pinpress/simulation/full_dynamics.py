@@ -10,13 +10,13 @@ from ..common.errors import PinpressError, SimulationError
 from ..engines.spatial.forward_dynamics import ForwardDynamics
 from ..kinematics.motion import carried
 from ..linkage.linkage import Linkage
-from .force_coordinates import Coordinate
+from .driven_press import Coordinate
 
 STANDING = 1e-6  # speed of a joint that stands [m/s]
 MOVING = 1e3  # times the crank's speed, beyond which a joint moves though the crank stands
 
 
-class Instant(NamedTuple):
+class LinkageState(NamedTuple):
     """A state: the first driver's angle and speed, coordinates with their rates, joint coordinates and rates (nv,)."""
 
     angle: float
@@ -26,8 +26,8 @@ class Instant(NamedTuple):
     v: Array
 
 
-class AllJoints:
-    """`machine.Dynamics` of all joint coordinates; loops are kept closed by projection after every step."""
+class FullDynamics:
+    """`hybrid_system.Dynamics` of all joint coordinates; loops are kept closed by projection after every step."""
 
     def __init__(self, press: Linkage, coordinates: Sequence[Coordinate], inertia: Array) -> None:
         """``inertia`` (drivers,) of flywheels and drives at the drivers [kg m2]."""
@@ -52,11 +52,11 @@ class AllJoints:
             self.dynamics[inertia] = self.press.forward_dynamics(armature)
         return self.dynamics[inertia]
 
-    def at(self, position: Array, speed: Array) -> Instant:
+    def at(self, position: Array, speed: Array) -> LinkageState:
         coordinates = [coordinate.at(self.loops, position, speed) for coordinate in self.coordinates]
-        return Instant(float(position[self.crank]), float(speed[self.crank]), coordinates, position, speed)
+        return LinkageState(float(position[self.crank]), float(speed[self.crank]), coordinates, position, speed)
 
-    def accelerations(self, instant: Instant, torque: float, forces: Sequence[float], inertia: float) -> Array:
+    def accelerations(self, instant: LinkageState, torque: float, forces: Sequence[float], inertia: float) -> Array:
         efforts = np.zeros(self.size)
         efforts[self.crank] = torque
         for row, force in enumerate(forces):
@@ -72,7 +72,7 @@ class AllJoints:
     def of_crank(self, accelerations: Array) -> float:
         return float(accelerations[self.crank])
 
-    def stands(self, instant: Instant, time: float) -> None:
+    def stands(self, instant: LinkageState, time: float) -> None:
         crank = self.units[self.crank] * abs(instant.speed)
         if float(np.abs(self.units * instant.v).max()) > max(MOVING * crank, STANDING):
             raise SimulationError(

@@ -5,18 +5,19 @@ beyond.
 """
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
+from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 
 from ..common.arrays import Array
 from ..common.errors import SimulationError
-from ..drives.driveline import HOLDING, OPEN, SLIPPING, Brake, Clutch, Driveline, Grip, Mode
+from ..drives.couplings import Brake, Clutch
 from ..loads.caller_laws import LawError
-from .modes import Dynamics, Modes, Place, Switch, place_of
-from .system import Acting
+from ..loads.process import Stretch
+from .driven_press import DrivenPress, GeneralizedForce
 from .trajectory import LEDGERS
 
 AHEAD = 1e-9  # time looked ahead, where there are several drivers [s]
@@ -25,18 +26,137 @@ STARTS = 1e-9  # acceleration of a press that stands, beside that by the loads t
 AT_REST = 1e-9  # crank speed, beside the run's largest, at which a stop is one
 STALLED = "the press stalls: it comes to rest, and the load holds it there against the drive"
 
+OPEN, SLIPPING, HOLDING = "open", "slipping", "holding"
+
 Split = tuple[Any, float, tuple[float, ...]]
 """The instant, speed of the drive's shaft, the drive's states."""
 
 
+class Dynamics(Protocol):
+    """The linkage as it is integrated: its crank alone, or all its joints. ``size``: of position and speed; ``crank``: its place there;
+    ``alone``: whether it is the only driver, so that the linkage rests where it does."""
+
+    size: int
+    crank: int
+    alone: bool
+
+    def at(self, position: Array, speed: Array) -> Any:
+        """What forces need of a state: an object with the crank's ``angle`` and ``speed``, and the ``coordinates``, (value, rate) each."""
+
+    def accelerations(self, instant: Any, torque: float, forces: Sequence[float], inertia: float) -> Any:
+        """Accelerations (size,) at an instant under a torque on the crank and forces along the coordinates, with inertia added to the
+        crank."""
+
+    def of_crank(self, accelerations: Any) -> float:
+        """The crank's acceleration among these."""
+
+    def stands(self, instant: Any, time: float) -> None:
+        """Raise where the crank rests and the links do not."""
+
+    def moved(self, position: Array, angle: float) -> tuple[Array, Array]:
+        """Positions a small angle of the crank away, and speeds that lead there."""
+
+    def project(self, position: Array, speed: Array) -> tuple[Array, Array] | None:
+        """The nearest state with closed loops; None where none can be open."""
+
+    def closed(self, position: Array, speed: Array) -> tuple[Array, Array]:
+        """States (size, n) with their loops closed."""
+
+
+class Grip(NamedTuple):
+    """State of a clutch or brake.
+
+    Attributes:
+        state: `OPEN`, `SLIPPING` or `HOLDING`. sign: of the torque while it slips. since: when it closed [s].
+        spent: opened for good. way: +1 or -1, in which the crank has to pass the angle that switches it.
+    """
+
+    state: str
+    sign: int = 0
+    since: float = -math.inf
+    spent: bool = False
+    way: int = 1
+
+    def capacity(self, friction: Clutch | Brake, time: float) -> float:
+        """Torque that it can transmit [N m]."""
+        return friction.torque * min(1.0, max(0.0, (time - self.since) / friction.rise)) if friction.rise else friction.torque
+
+
+class Mode(NamedTuple):
+    """Mode of a driveline."""
+
+    clutch: Grip
+    brake: Grip
+
+
+class Place(NamedTuple):
+    """Where a force is: between two values of its coordinate, which rises or falls; the stretch that acts there; whether that pushes."""
+
+    low: float
+    high: float
+    rising: bool
+    stretch: Stretch | None
+    pushing: bool = True
+
+
+class Modes(NamedTuple):
+    """All that is switched: the driveline's mode, the place of every force (None of one in time), and on which side of the corners of its
+    torque the drive runs; whether the press is ``standing``, held by loads that resist either way."""
+
+    line: Mode
+    places: tuple[Place | None, ...]
+    sides: tuple[int, ...] = ()
+    standing: bool = False
+
+
+class Switch(NamedTuple):
+    """What a switching function is of: a force ("low", "high", "turn", "contact"), the drive ("corner"), a clutch or brake ("grips",
+    "slips", "closes", "opens"), or a press that stands ("starts", +1 or -1)."""
+
+    what: str
+    of: int | str
+
+
+def place_of(force: GeneralizedForce, inside: float, rising: bool, value: float, rate: float) -> Place:
+    """Place of a force at a value of its coordinate; ``inside`` is a value near it that is on no border."""
+    borders = force.borders()
+    low = max((b for b in borders if b < inside), default=-math.inf)
+    high = min((b for b in borders if b >= inside), default=math.inf)
+    stretch = next((s for s in force.stretches(rising) if s.lower < inside - force.datum <= s.upper), None)
+    pushing = stretch is None or not stretch.one_sided or float(stretch.force(value - force.datum, rate)) >= 0
+    return Place(low, high, rising, stretch, pushing)
+
+
+def begin(driven: DrivenPress, angle: float, speed: float) -> tuple[Mode, tuple[float, ...]]:
+    """Mode of the couplings and states at the start: the drive's own, and of a clutch's driving side the speed."""
+    states = () if driven.drive is None else tuple(driven.drive.state)
+    own = speed
+    if driven.clutch is not None:
+        if driven.flywheel is not None and driven.flywheel.speed is not None:
+            own = driven.flywheel.speed
+        states = (*states, own)
+    clutch, brake = _grip(driven.clutch, angle, speed, own - speed, HOLDING), _grip(driven.brake, angle, speed, speed, OPEN)
+    return Mode(clutch, brake), states
+
+
+def _grip(friction: Clutch | Brake | None, angle: float, speed: float, relative: float, missing: str) -> Grip:
+    """State at the start, at a relative speed of the two sides; one that is ``missing`` is as if it did that for good."""
+    if friction is None:
+        return Grip(missing)
+    at = friction.closes or friction.opens
+    way = 1 if at is None or at.angle is None or at.angle > angle or (at.angle == angle and speed >= 0) else -1
+    if friction.closes is not None:
+        return Grip(OPEN, way=way)
+    return Grip(SLIPPING, 1 if relative > 0 else -1, way=way) if relative else Grip(HOLDING, way=way)
+
+
 @dataclass(frozen=True, eq=False)
-class Machine:
+class HybridSystem:
     """The integrated vector holds positions (size,), speeds (size,), the drive's states, the speed of a clutch's driving side where there
     is a clutch, and the ledgers (4,)."""
 
     dynamics: Dynamics
-    line: Driveline
-    forces: tuple[Acting, ...]
+    driven: DrivenPress
 
     def begin(self, position: Array, speed: Array, states: tuple[float, ...], ledgers: Array) -> Array:
         """The vector at the start."""
@@ -47,16 +167,16 @@ class Machine:
         n = self.dynamics.size
         instant = self.dynamics.at(y[:n], y[n : 2 * n])
         states = tuple(y[2 * n : -len(LEDGERS)].tolist())
-        return (instant, instant.speed, states) if self.line.clutch is None else (instant, states[-1], states[:-1])
+        return (instant, instant.speed, states) if self.driven.clutch is None else (instant, states[-1], states[:-1])
 
     def driving(self, times: Array, columns: Array) -> tuple[Array, Array, Array]:
         """Torque of the drive, and of its motor at its own shaft [N m], and the speed of the drive's side of the clutch [rad/s], (n,) each,
         of vectors (len(y), n) at times (n,)."""
-        n, drive, crank = self.dynamics.size, self.line.drive, self.dynamics.crank
-        own = columns[n + crank] if self.line.clutch is None else columns[-len(LEDGERS) - 1]
+        n, drive, crank = self.dynamics.size, self.driven.drive, self.dynamics.crank
+        own = columns[n + crank] if self.driven.clutch is None else columns[-len(LEDGERS) - 1]
         if drive is None:
             return np.zeros(len(times)), np.zeros(len(times)), own
-        states = columns[2 * n : -len(LEDGERS) - (self.line.clutch is not None)].T.tolist()
+        states = columns[2 * n : -len(LEDGERS) - (self.driven.clutch is not None)].T.tolist()
         at = list(zip(own.tolist(), columns[crank].tolist(), times.tolist(), map(tuple, states), strict=True))
         torque, motor = (np.array([float(np.ravel(law(*one))[0]) for one in at]) for law in (drive.torque, drive.motor_torque))
         return torque, motor, own
@@ -69,47 +189,47 @@ class Machine:
             raise error.within(time, float(self.split(y)[0].angle)) from error.__cause__
 
     def _rates(self, modes: Modes, time: float, y: Array) -> Array:
-        n, line = self.dynamics.size, self.line
+        n, driven = self.dynamics.size, self.driven
         if self.free:
             return self._coasting(y)
         instant, own, states = self.split(y)
-        torque = line.drive_torque(own, instant.angle, time, states)
-        forces, taken, driven, squared = self._forces(modes, time, instant)
+        torque = self._drive_torque(own, instant.angle, time, states)
+        forces, taken, put_in, squared = self._forces(modes, time, instant)
         through, braking = self._transmitted(modes.line, time, instant.speed, own)
         result, accelerated = np.zeros(len(y)), 0.0
         if modes.line.brake.state != HOLDING and not modes.standing:
             rigid = modes.line.clutch.state == HOLDING
-            on_crank, inertia = (torque, line.inertia) if rigid else (through, 0.0)
+            on_crank, inertia = (torque, driven.inertia) if rigid else (through, 0.0)
             result[:n] = y[n : 2 * n]
             result[n : 2 * n] = accelerations = self.dynamics.accelerations(instant, on_crank - braking, forces, inertia)
             accelerated = self.dynamics.of_crank(accelerations)
-        if line.drive is not None and states:
-            result[2 * n : 2 * n + len(states)] = line.drive.rates(own, instant.angle, time, states)
-        if line.clutch is not None:
-            result[2 * n + len(states)] = accelerated if modes.line.clutch.state == HOLDING else (torque - through) / line.inertia
-        motor = 0.0 if line.drive is None else line.drive.motor_torque(own, instant.angle, time, states)
+        if driven.drive is not None and states:
+            result[2 * n : 2 * n + len(states)] = driven.drive.rates(own, instant.angle, time, states)
+        if driven.clutch is not None:
+            result[2 * n + len(states)] = accelerated if modes.line.clutch.state == HOLDING else (torque - through) / driven.inertia
+        motor = 0.0 if driven.drive is None else driven.drive.motor_torque(own, instant.angle, time, states)
         lost = through * (own - instant.speed) + braking * instant.speed
-        result[-len(LEDGERS) :] = (torque * own + driven, taken, motor * motor + squared, lost)
+        result[-len(LEDGERS) :] = (torque * own + put_in, taken, motor * motor + squared, lost)
         return result
 
     @cached_property
     def free(self) -> bool:
         """Whether there are no forces but inertia and weight."""
-        line = self.line
-        return line.drive is None and line.clutch is None and line.brake is None and not self.forces
+        driven = self.driven
+        return driven.drive is None and driven.clutch is None and driven.brake is None and not self.driven.forces
 
     def _coasting(self, y: Array) -> Array:
         n = self.dynamics.size
         result = np.zeros(len(y))
         result[:n] = speed = y[n : 2 * n]
         instant = self.dynamics.at(y[:n], speed)
-        result[n : 2 * n] = self.dynamics.accelerations(instant, 0.0, (), self.line.inertia)
+        result[n : 2 * n] = self.dynamics.accelerations(instant, 0.0, (), self.driven.inertia)
         return result
 
     def _forces(self, modes: Modes, time: float, instant: Any) -> tuple[list[float], float, float, float]:
         """The forces along every coordinate, the power that they take, that of further drives, and the square of these motors' torque."""
         forces, taken, driven, squared = [0.0] * len(instant.coordinates), 0.0, 0.0, 0.0
-        for force, place in zip(self.forces, modes.places, strict=True):
+        for force, place in zip(self.driven.forces, modes.places, strict=True):
             value, rate = instant.coordinates[force.row]
             if force.time is not None:
                 size = float(force.time(time))
@@ -127,27 +247,31 @@ class Machine:
 
     def heeds_speed(self, modes: Modes, time: float, y: Array) -> bool:
         """Whether anything but angle and speed of the crank counts, or forces in this state depend on its speed or way."""
-        n, line = self.dynamics.size, self.line
-        if n > 1 or len(y) > 2 + len(LEDGERS) or line.clutch is not None or line.brake is not None:
+        n, driven = self.dynamics.size, self.driven
+        if n > 1 or len(y) > 2 + len(LEDGERS) or driven.clutch is not None or driven.brake is not None:
             return True
-        if any(force.time is not None or force.rising is not force.falling for force in self.forces):
+        if any(force.time is not None or force.rising is not force.falling for force in self.driven.forces):
             return True
         found = []
         for share in (1.0, 0.5, 0.0, -1.0):
             instant = self.dynamics.at(y[:n], share * y[n : 2 * n])
             found.append(
-                (*self._forces(modes, time, instant)[0], float(np.ravel(line.drive_torque(instant.speed, instant.angle, time, ()))[0]))
+                (*self._forces(modes, time, instant)[0], float(np.ravel(self._drive_torque(instant.speed, instant.angle, time, ()))[0]))
             )
         return found.count(found[0]) < len(found)
 
     def _transmitted(self, mode: Mode, time: float, speed: float, own: float) -> tuple[float, float]:
         """Friction torques on the crank of a slipping clutch, along, and of a slipping brake, against the positive direction."""
         through = braking = 0.0
-        if self.line.clutch is not None and mode.clutch.state == SLIPPING:
-            through = mode.clutch.sign * mode.clutch.capacity(self.line.clutch, time)
-        if self.line.brake is not None and mode.brake.state == SLIPPING:
-            braking = mode.brake.sign * mode.brake.capacity(self.line.brake, time)
+        if self.driven.clutch is not None and mode.clutch.state == SLIPPING:
+            through = mode.clutch.sign * mode.clutch.capacity(self.driven.clutch, time)
+        if self.driven.brake is not None and mode.brake.state == SLIPPING:
+            braking = mode.brake.sign * mode.brake.capacity(self.driven.brake, time)
         return through, braking
+
+    def _drive_torque(self, speed: float, angle: float, time: float, states: tuple[float, ...]) -> Any:
+        """Torque of the drive at the driver joint, at its own side's speed [N m]."""
+        return 0.0 if self.driven.drive is None else self.driven.drive.torque(speed, angle, time, states)
 
     # Switching
 
@@ -157,7 +281,7 @@ class Machine:
         found: dict[Switch, float] = {}
         if modes.standing:
             return found | self._line_switches(modes, time, y, state) | self._starts(modes, time, y)
-        for k, (force, place) in enumerate(zip(self.forces, modes.places, strict=True)):
+        for k, (force, place) in enumerate(zip(self.driven.forces, modes.places, strict=True)):
             if place is None:
                 continue
             value, rate = instant.coordinates[force.row]
@@ -179,8 +303,8 @@ class Machine:
         instant, own, _ = state
         found: dict[Switch, float] = {}
         for which, friction, grip, relative in (
-            ("clutch", self.line.clutch, modes.line.clutch, own - instant.speed),
-            ("brake", self.line.brake, modes.line.brake, instant.speed),
+            ("clutch", self.driven.clutch, modes.line.clutch, own - instant.speed),
+            ("brake", self.driven.brake, modes.line.brake, instant.speed),
         ):
             if friction is None:
                 continue
@@ -209,12 +333,12 @@ class Machine:
     def _held(self, modes: Modes, time: float, y: Array, which: str, state: Split) -> float:
         """Torque that a holding clutch or brake transmits: the clutch to the crank along, the brake against the positive direction."""
         instant, own, states = state
-        torque = float(self.line.drive_torque(own, instant.angle, time, states))
+        torque = float(self._drive_torque(own, instant.angle, time, states))
         if which == "clutch":
             free, _ = self._accelerated(modes, time, state)
-            return torque if modes.line.brake.state == HOLDING else torque - self.line.inertia * free
+            return torque if modes.line.brake.state == HOLDING else torque - self.driven.inertia * free
         n, needed = self.dynamics.size, []
-        ways = (1.0, -1.0) if any(force.rising is not force.falling for force in self.forces) else (0.0,)
+        ways = (1.0, -1.0) if any(force.rising is not force.falling for force in self.driven.forces) else (0.0,)
         for way in ways:
             tried = self._looking(modes, *self.dynamics.moved(y[:n], way * LITTLE), moving=False) if way else modes
             free, pushed = self._accelerated(tried, time, self.split(y))  # anew: looking elsewhere has moved the linkage
@@ -228,21 +352,20 @@ class Machine:
         forces = self._forces(modes, time, instant)[0]
         through, braking = self._transmitted(modes.line, time, instant.speed, own)
         rigid = modes.line.clutch.state == HOLDING
-        torque = self.line.drive_torque(own, instant.angle, time, states)
-        on_crank, inertia = (torque, self.line.inertia) if rigid else (through, 0.0)
+        torque = self._drive_torque(own, instant.angle, time, states)
+        on_crank, inertia = (torque, self.driven.inertia) if rigid else (through, 0.0)
         both = [self.dynamics.accelerations(instant, on_crank - braking + more, forces, inertia) for more in (0.0, 1.0)]
         return self.dynamics.of_crank(both[0]), self.dynamics.of_crank(both[1])
 
     def initial(self, time: float, y: Array, line: Mode) -> Modes:
         """Modes of a state, at the start of a run or after a standstill."""
-        places = tuple(None if force.time is not None else Place(-math.inf, math.inf, True, None) for force in self.forces)
+        places = tuple(None if force.time is not None else Place(-math.inf, math.inf, True, None) for force in self.driven.forces)
         return self.placed(self.past_corner(Modes(line, places), y), time, y)
 
-    @cached_property
+    @property
     def corners(self) -> tuple[float, ...]:
         """Speeds at which the drive's torque is not smooth."""
-        drive = self.line.drive
-        return () if drive is None or drive.timed else tuple(float(np.ravel(corner)[0]) for corner in drive.corners)
+        return self.driven.corners
 
     def past_corner(self, modes: Modes, y: Array) -> Modes:
         """The modes with the drive on the side of every corner to which its speed tends."""
@@ -268,7 +391,7 @@ class Machine:
         n = self.dynamics.size
         speed = y[n : 2 * n]
         instant = self.dynamics.at(y[:n], speed)
-        if not self.forces or all(place is None for place in modes.places):
+        if not self.driven.forces or all(place is None for place in modes.places):
             return modes
         if not self.dynamics.alone:  # the first crank's rest is not the linkage's
             return self._looking(modes, y[:n] + AHEAD * speed, speed, moving=True)
@@ -292,15 +415,15 @@ class Machine:
     @cached_property
     def waits(self) -> bool:
         """Whether a press at rest may be started later: by the drive, a force in time, clutch or brake."""
-        line = self.line
-        drives = (line.drive is not None and line.drive.timed) or line.clutch is not None or line.brake is not None
-        return drives or any(force.time is not None for force in self.forces)
+        driven = self.driven
+        drives = (driven.drive is not None and driven.drive.timed) or driven.clutch is not None or driven.brake is not None
+        return drives or any(force.time is not None for force in self.driven.forces)
 
     def _looking(self, modes: Modes, position: Array, speed: Array, moving: bool) -> Modes:
         """The modes with every force put where it is at a state a little ahead."""
         instant = self.dynamics.at(position, speed)
         places = []
-        for force, place in zip(self.forces, modes.places, strict=True):
+        for force, place in zip(self.driven.forces, modes.places, strict=True):
             value, rate = instant.coordinates[force.row]
             places.append(None if place is None else place_of(force, value, rate > 0, value, rate if moving else 0.0))
         return modes._replace(places=tuple(places))
@@ -331,7 +454,7 @@ class Machine:
         return self._line_switched(switch, str(switch.of), modes, time, y)
 
     def _force_switched(self, switch: Switch, k: int, modes: Modes, time: float, y: Array, fastest: float) -> Modes:
-        place, force = modes.places[k], self.forces[k]
+        place, force = modes.places[k], self.driven.forces[k]
         assert place is not None
         instant, _, _ = self.split(y)
         value, rate = instant.coordinates[force.row]
@@ -358,7 +481,7 @@ class Machine:
         n = self.dynamics.size
         instant, own, _ = self.split(y)
         relative = own - instant.speed if which == "clutch" else instant.speed
-        friction: Clutch | Brake | None = self.line.clutch if which == "clutch" else self.line.brake
+        friction: Clutch | Brake | None = self.driven.clutch if which == "clutch" else self.driven.brake
         assert friction is not None
         grip: Grip = getattr(modes.line, which)
         if switch.what == "opens":

@@ -2,26 +2,30 @@
 
 A law is a function of what it declares to depend on, and of nothing else: of a drive the torque by its shaft's speed, and where it is
 ``timed`` by angle, time and its own states too; of a load the force by height and velocity; of a `TimeForce` the force by time. Both
-methods of simulation rest on that, as they ask in different orders, one state at a time or many at once. So laws are tried before a run,
-and the torques of a run are asked for once more after it.
+methods of simulation rest on that, as they ask in different orders, one state at a time or many at once. So drives and loads are checked
+for what the protocols ask of them and tried before a run, and the torques of a run are asked for once more after it.
 
 How they are asked: see `caller_laws`. The library's own drives and loads are asked as they are.
 """
 
+import itertools
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, partial
 from typing import Any
 
 import numpy as np
 
 from ..common.arrays import Array
+from ..common.checks import any_numbers, is_number
 from ..common.errors import PinpressError, said, shown
 from ..common.scenario_fields import lengths
 from ..drives.protocol import Drive, Values
 from ..drives.transmission import ConstantTorque, Geared, InductionMotor, InverterMotor, ServoMotor, SlipClutchMotor
-from ..loads.caller_laws import Asked, AskedLoad, Law, LawError, name
+from ..loads.caller_laws import Asked, AskedLoad, Law, LawError
+from ..loads.caller_laws import name as name_of
+from ..loads.process import ProcessLoad, Stretch, TimeForce
 
 OWN_DRIVES = (ConstantTorque, InductionMotor, InverterMotor, ServoMotor, SlipClutchMotor)
 SHARES = np.concatenate([np.linspace(-2.0, 2.0, 33), [1e-3, -1e-3]])  # of the run's speed, at which a drive is tried
@@ -30,6 +34,7 @@ ANGLES, TIMES = (0.7, 2.1, -4.0, 9.5), (0.01, 0.3, 2.0, 11.0)  # crank angles [r
 INSIDE = np.linspace(0.02, 0.98, 9)  # shares of a stretch
 VELOCITIES = (0.0, -1.0, -0.1, -1e-3, 1e-3, 0.1, 1.0)  # [m/s]
 SAME = 1e-9  # difference, beside the largest, that is rounding
+ANSWERS = np.array([-1.0, 0.5, 2.0])  # speeds, heights that a law is asked for at once, to see whether it takes arrays
 MOST_CONFIRMED = 100  # states of a run at which a torque is asked for once more
 
 
@@ -93,7 +98,7 @@ class AskedDrive(Asked):
     def _laws(self) -> dict[str, Law]:
         scenarios = next(iter(lengths(self.part).values()), None)
         return {
-            law: Law(f"{name(self)}: {law}", OF_DRIVE, getattr(self.part, law), self.errors, scenarios)
+            law: Law(f"{name_of(self)}: {law}", OF_DRIVE, getattr(self.part, law), self.errors, scenarios)
             for law in ("torque", "motor_torque", "motor_speed")
         }
 
@@ -103,18 +108,105 @@ class AskedDrive(Asked):
                 rates = self.part.rates(*at)
             numbers = np.asarray(list(rates), dtype=float)
         except Exception as error:
-            raise LawError(f"{name(self)}: rates cannot be worked out: {said(error)}") from error
+            raise LawError(f"{name_of(self)}: rates cannot be worked out: {said(error)}") from error
         if numbers.shape != (len(self.state),) or not (np.isfinite(numbers).all() or not np.isfinite(at[0])):
-            raise LawError(f"{name(self)}: rates is {shown(rates)}; give a finite rate of each of {len(self.state)} states")
+            raise LawError(f"{name_of(self)}: rates is {shown(rates)}; give a finite rate of each of {len(self.state)} states")
         return list(map(float, numbers))
+
+
+# ----------------------------------------------------------------------------------------------------------------------------- checked
+
+
+def check_drive(drive: Drive) -> None:
+    """Raise PinpressError where a drive does not answer as the protocol says."""
+    name = name_of(drive)
+    inertia = _asked(f"{name}: inertia", lambda: drive.inertia)
+    if inertia.ndim > 1 or not np.all(np.isfinite(inertia)) or np.any(inertia < 0):
+        raise PinpressError(f"{name}: inertia is {shown(drive.inertia)}; give a finite number that is not negative [kg m2]")
+    state = _asked(f"{name}: state", lambda: list(drive.state))
+    if state.ndim != 1 or not np.all(np.isfinite(state)):
+        raise PinpressError(f"{name}: state is {shown(drive.state)}; give a tuple of finite numbers, () for none")
+    if len(state) and not drive.timed:
+        raise PinpressError(f"{name}: a drive with states is timed: let timed be True")
+    states = tuple(state.tolist())
+    rates = _asked(f"{name}: rates", lambda: list(drive.rates(1.0, 0.0, 0.0, states)))
+    if rates.shape != state.shape:
+        raise PinpressError(f"{name}: rates gives {rates.size} of {state.size} states; give one of each")
+    _asked(f"{name}: corners", lambda: [np.ravel(corner)[0] for corner in drive.corners])
+    for what in (drive.torque, drive.motor_torque):
+        call: Callable[..., Any] = what
+        _law(f"{name}: {what.__name__}", partial(call, angle=0.0, time=0.0, state=states), drive.timed)
+    if isinstance(drive, AskedDrive):
+        _try_drive(drive)
+
+
+def check_load(load: ProcessLoad | TimeForce) -> None:
+    """Raise PinpressError where a load does not answer as the protocol says."""
+    name = name_of(load)
+    if isinstance(load, TimeForce):
+        value = _asked(f"{name}: force", lambda: load.force(np.array([0.0])))
+        if value.size != 1 or not np.isfinite(value).all():
+            raise PinpressError(f"{name}: force at time 0 is {value}; give a finite number [N]")
+        _try_in_time(load.force)
+        return
+    datum = load.datum
+    if datum is not None and not is_number(datum):
+        raise PinpressError(f"{name}: datum is {shown(datum)}; give a slide position [m], or None for bottom dead centre")
+    for downwards in (True, False):
+        stretches = load.stretches(downwards)
+        if not isinstance(stretches, tuple | list) or not all(isinstance(s, Stretch) for s in stretches):
+            raise PinpressError(f"{name}: stretches({downwards}) is {shown(stretches)}; give a tuple of Stretch, () for none")
+        for stretch in stretches:
+            if not stretch.lower < stretch.upper:
+                raise PinpressError(f"{name}: a stretch from {shown(stretch.lower)} to {shown(stretch.upper)} m; give lower < upper")
+            inside = [end for end in (stretch.lower, stretch.upper) if math.isfinite(end)] or [0.0]
+            height = sum(inside) / len(inside)
+            _law(f"{name}: force", partial(_at_rest, stretch, height), False)
+        ordered = sorted(stretches, key=lambda s: s.lower)
+        for below, above in itertools.pairwise(ordered):
+            if below.upper > above.lower:
+                raise PinpressError(f"{name}: its stretches overlap at {above.lower:g} m; write two loads, or stretches that do not")
+    if isinstance(load, AskedLoad):
+        _try_load(load)
+
+
+def _at_rest(stretch: Stretch, height: float, shape: Any) -> Any:
+    """Force of a stretch at a height, without speed; ``shape``: a number or an array of any values, whose shape the force shall have."""
+    return stretch.force(height + 0.0 * shape, 0.0 * shape)
+
+
+def _law(what: str, law: Callable[[Any], Any], timed: bool) -> None:
+    """Ask a law with a number, and where it is to be solved over the crank angle with an array."""
+    number = _asked(what, lambda: law(1.0))
+    if not np.all(np.isfinite(number)):
+        raise PinpressError(f"{what} is {number}; give finite numbers")
+    if not timed:
+        shape = (len(ANSWERS), number.size) if number.ndim else ANSWERS.shape
+        given = np.broadcast_to(ANSWERS[:, None], shape) if number.ndim else ANSWERS
+        array = _asked(f"{what} of an array", lambda: law(given))
+        if np.broadcast_shapes(array.shape, shape) != shape:
+            raise PinpressError(
+                f"{what} of an array of shape {shape} has shape {array.shape}; it must take arrays, as NumPy's functions do"
+            )
+
+
+def _asked(what: str, ask: Callable[[], Any]) -> Any:
+    """An answer as an array of numbers."""
+    try:
+        with np.errstate(all="ignore"):
+            return any_numbers(what, ask())
+    except PinpressError:
+        raise
+    except Exception as error:
+        raise PinpressError(f"{what} cannot be worked out: {said(error)}") from error
 
 
 # ------------------------------------------------------------------------------------------------------------------------------- tried
 
 
-def try_drive(drive: AskedDrive) -> None:
+def _try_drive(drive: AskedDrive) -> None:
     """Raise PinpressError where a drive depends on more than it declares, or answers arrays otherwise than numbers."""
-    what, speeds, states, timed = name(drive), drive.about * SHARES, tuple(map(float, drive.state)), drive.timed
+    what, speeds, states, timed = name_of(drive), drive.about * SHARES, tuple(map(float, drive.state)), drive.timed
     if timed and len(drive.corners):
         raise PinpressError(f"{what}: corners is {shown(drive.corners)}; a drive that is timed has none: let corners be ()")
     for law in ("torque", "motor_torque"):
@@ -136,23 +228,23 @@ def try_drive(drive: AskedDrive) -> None:
         _in_turn(f"{what}: rates", drive.rates, at, "keep it in `state`")
 
 
-def try_load(load: AskedLoad) -> None:
+def _try_load(load: AskedLoad) -> None:
     """Raise PinpressError where a load depends on more than height, velocity and direction, or answers arrays otherwise than numbers."""
     for downwards in (True, False):
         once, again = load.stretches(downwards), load.stretches(downwards)
         if [(s.upper, s.lower, s.one_sided) for s in once] != [(s.upper, s.lower, s.one_sided) for s in again]:
-            raise PinpressError(f"{name(load)}: stretches({downwards}) differ from one call to the next; let them stay the same")
+            raise PinpressError(f"{name_of(load)}: stretches({downwards}) differ from one call to the next; let them stay the same")
         for stretch in once:
             upper = stretch.upper if math.isfinite(stretch.upper) else max(stretch.lower, -1.0) + 1.0
             lower = stretch.lower if math.isfinite(stretch.lower) else upper - 1.0
             at = [(h, v) for h in (lower + (upper - lower) * INSIDE).tolist() for v in VELOCITIES]
             remedy = "let it depend on height and velocity alone, forces in time are a TimeForce"
-            first = _in_turn(f"{name(load)}: force", stretch.force, at, remedy)
+            first = _in_turn(f"{name_of(load)}: force", stretch.force, at, remedy)
             heights, velocities = (np.broadcast_to(np.array(one), first.T.shape).T for one in zip(*at, strict=True))
-            _as_numbers(f"{name(load)}: force", first, stretch.force(heights, velocities))
+            _as_numbers(f"{name_of(load)}: force", first, stretch.force(heights, velocities))
 
 
-def try_in_time(force: Callable[..., Any]) -> None:
+def _try_in_time(force: Callable[..., Any]) -> None:
     """Raise PinpressError where a force in time depends on more than the time, or answers arrays otherwise than numbers."""
     first = _in_turn("TimeForce: force", force, [(t,) for t in (0.0, *TIMES)], "let it depend on the time alone")
     _as_numbers("TimeForce: force", first, force(np.array([0.0, *TIMES])))
@@ -168,8 +260,8 @@ def confirm(drive: object, times: Array, angles: Array, speeds: Array, torques: 
     by_speed = [drive.torque(float(speeds[k])) for k in some]
     if _differ(torques[some], np.array([again, by_speed]).reshape(2, -1)):
         raise PinpressError(
-            f"{name(drive)}: torque depends on more than the speed, but timed is False: asked again at the states of the run it gives other"
-            " torques; let timed be True, and keep what it remembers in `state` and `rates`"
+            f"{name_of(drive)}: torque depends on more than the speed, but timed is False: asked again at the states of the run it gives"
+            " other torques; let timed be True, and keep what it remembers in `state` and `rates`"
         )
 
 

@@ -13,8 +13,8 @@ from numpy.typing import NDArray
 
 from ..common.arrays import Array
 from ..loads.process import Stretch
+from .driven_press import DrivenPress
 from .reduced_model import COORDINATES, INERTIA, POTENTIAL, WEIGHT, Table, rule
-from .system import Scene
 
 Indices = NDArray[np.intp]
 
@@ -90,7 +90,7 @@ def borders(table: Table, edges: Sequence[Array], start: float, direction: int, 
     return np.concatenate([[0.0], ends[np.diff(ends, prepend=0.0) > SAME], [extent]])
 
 
-def grid(scene: Scene, table: Table, start: float, direction: int, ends: Array, rests: tuple[bool, bool] = (False, False)) -> Grid:
+def grid(driven: DrivenPress, table: Table, start: float, direction: int, ends: Array, rests: tuple[bool, bool] = (False, False)) -> Grid:
     """The grid with these borders; ``rests``: whether the crank starts from rest in the first panel, and comes to rest in the last."""
     r = rule()
     kinds = np.zeros(len(ends) - 1, dtype=int)
@@ -106,7 +106,7 @@ def grid(scene: Scene, table: Table, start: float, direction: int, ends: Array, 
     slopes_ends = slopes[:, count + len(middle) :]
     slopes = slopes[:, :count].reshape(rows, *along.shape)
     pushes = []
-    for force in scene.forces:
+    for force in driven.forces:
         height, rising = at_middle[COORDINATES + force.row] - force.datum, by[COORDINATES + force.row] * direction > 0
         for up in (True, False):
             for stretch in force.stretches(up):

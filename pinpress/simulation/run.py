@@ -16,8 +16,8 @@ from ..drives.protocol import Drive
 from ..kinematics.motion import Motion, carried, of_states
 from . import law_trials as laws
 from . import reduced_model as reduced
-from .force_coordinates import JointAngle
-from .solvers import Plan
+from .driven_press import DrivenPress, JointAngle
+from .solvers import SimulationProblem
 from .trajectory import DRIVE_WORK, LEDGERS, LOAD_WORK, LOST, Path, Reading
 
 POINTS = 120  # states returned per turn of the crank, and at least
@@ -69,7 +69,7 @@ class Run(Motion):
         drive_work: (n,) work of the drive since the start [J]. load_work: (n,) work against the loads. lost: (n,) energy lost in clutch and
             brake.
         motor_squared: (n,) motor torque squared, summed up over time [N2 m2 s].
-        plan, path: what was simulated, and the whole of its solution, which can be read at any time.
+        problem, path: what was simulated, and the whole of its solution, which can be read at any time.
     """
 
     stats: Stats
@@ -79,7 +79,7 @@ class Run(Motion):
     load_work: Array
     lost: Array
     motor_squared: Array
-    plan: Plan
+    problem: SimulationProblem
     path: Path
 
     def __repr__(self) -> str:
@@ -93,19 +93,12 @@ class Run(Motion):
         return columns | ({"lost [J]": self.lost} if self.lost.any() else {})
 
 
-def as_run(
-    plan: Plan,
-    path: Path,
-    method: str,
-    until: float,
-    points: int | None,
-    began: float,
-    allowed: float | None,
-    sensitivity: float | None = None,
-) -> Run:
-    """The states of a path, closed and checked; ``allowed``: energy error, None for any."""
-    press, several = plan.scene.press, len(plan.inertia) > 1
-    times = np.linspace(0.0, until, count_of(points, path.turns))
+def as_run(problem: SimulationProblem, path: Path, points: int | None, began: float, sensitivity: float | None = None) -> Run:
+    """The states of a path, closed and checked; those of fixed steps may have any energy error."""
+    driven = problem.driven
+    press, several = driven.press, len(driven.inertias) > 1
+    allowed = None if problem.step is not None else allowed_error(problem.tolerance)
+    times = np.linspace(0.0, problem.until, count_of(points, path.turns))
     reading = path.read(times)
     position, speed, acceleration = reading.position, reading.speed, reading.acceleration
     if len(position) == 1:
@@ -114,22 +107,22 @@ def as_run(
         motion = of_states(press, position, speed, acceleration, press.gaps(position), times, press.turns_until_back)
     kinetic, potential = reduced.energies(press, motion)
     turning = speed[list(press.driver_indices)] if several else reading.own[None]
-    kinetic = kinetic + 0.5 * plan.inertia @ turning**2
+    kinetic = kinetic + 0.5 * driven.inertias @ turning**2
     works = reading.ledgers[[DRIVE_WORK, LOAD_WORK, LOST]]
     error = energy_error(kinetic, potential, *works)
     if not math.isfinite(float(error.max()) + float(acceleration.sum())):
         raise PinpressError(f"the motion of {press.name} is too fast for floating point: lower speeds and forces")
     size = energy_size(kinetic, potential, *works)
-    if allowed is not None and error.max() > allowed and error.max() > allowed + _rounding(plan, times, motion, reading.own) / size:
+    if allowed is not None and error.max() > allowed and error.max() > allowed + _rounding(driven, times, motion, reading.own) / size:
         worst = int(error.argmax())
         raise SimulationError(UNBALANCED, float(times[worst]), float(np.ravel(motion.crank_angle[worst])[0]))
     if several:
-        torque = _torques(plan, turning)
+        torque = _torques(driven, turning)
         reading = reading._replace(torque=torque.T.copy(), own=turning.T.copy())
     else:
-        laws.confirm(plan.scene.drive, times, motion.crank_angle, reading.own, reading.torque)
+        laws.confirm(driven.drive, times, motion.crank_angle, reading.own, reading.torque)
     stats = Stats(
-        method=method,
+        method=problem.equations,
         solvers=path.solvers,
         steps=path.steps,
         evaluations=path.evaluations,
@@ -138,7 +131,7 @@ def as_run(
         energy_error=float(error.max()),
         sensitivity=sensitivity,
     )
-    return _with(plan, path, motion, stats, reading)
+    return _with(problem, path, motion, stats, reading)
 
 
 def energy_error(kinetic: Array, potential: Array, drive_work: Array, load_work: Array, lost: Array) -> Array:
@@ -157,9 +150,9 @@ def energy_size(kinetic: Array, potential: Array, *works: Array) -> Any:
     return np.where(size > 0, size, 1.0)
 
 
-def _rounding(plan: Plan, times: Array, motion: Motion, own: Array) -> float:
+def _rounding(driven: DrivenPress, times: Array, motion: Motion, own: Array) -> float:
     """Work of a stiff drive that is not known, as rounding of its angle and speed (n,) makes its torque [J]."""
-    drive = plan.scene.drive
+    drive = driven.drive
     if not isinstance(drive, Drive) or drive.state:
         return 0.0
     changed = []
@@ -169,24 +162,24 @@ def _rounding(plan: Plan, times: Array, motion: Motion, own: Array) -> float:
     return float(np.trapezoid(changed, times))
 
 
-def _torques(plan: Plan, speed: Array) -> Array:
+def _torques(driven: DrivenPress, speed: Array) -> Array:
     """Torques (drivers, n) of several drives at the drivers' speeds (drivers, n)."""
-    press, torque = plan.scene.press, np.zeros_like(speed)
+    press, torque = driven.press, np.zeros_like(speed)
     rows = {joint: k for k, joint in enumerate(press.driver_indices)}
-    for force in plan.scene.forces:
-        coordinate = plan.scene.coordinates[force.row]
+    for force in driven.forces:
+        coordinate = driven.coordinates[force.row]
         if force.drive is not None and isinstance(coordinate, JointAngle):
             k = rows[coordinate.joint]
             torque[k] = force.drive.torque(speed[k])
     return torque
 
 
-def _with(plan: Plan, path: Path, motion: Motion, stats: Stats, reading: Reading) -> Run:
+def _with(problem: SimulationProblem, path: Path, motion: Motion, stats: Stats, reading: Reading) -> Run:
     kept = {field.name: getattr(motion, field.name) for field in fields(Motion) if field.init}
     ledgers = dict(zip(LEDGERS, reading.ledgers, strict=True))
     for array in (reading.torque, reading.own, *ledgers.values()):
         array.setflags(write=False)
-    run = Run(**kept, stats=stats, drive_torque=reading.torque, drive_speed=reading.own, **ledgers, plan=plan, path=path)
+    run = Run(**kept, stats=stats, drive_torque=reading.torque, drive_speed=reading.own, **ledgers, problem=problem, path=path)
     object.__setattr__(run, "_closed_as", motion._closed_as)
     return run
 

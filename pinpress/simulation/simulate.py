@@ -25,9 +25,9 @@ from ..common import plausibility
 from ..common.arguments import typed
 from ..common.arrays import Array
 from ..common.checks import finite_numbers, number
-from ..common.errors import PinpressError, SimulationError, UnknownNameError, caution, shown
+from ..common.errors import PinpressError, SimulationError, caution, shown
 from ..common.scenario_fields import pick
-from ..drives.driveline import Brake, Clutch
+from ..drives.couplings import Brake, Clutch
 from ..drives.transmission import Drive, Flywheel, PrescribedSpeed
 from ..kinematics.configurations import refuse_far
 from ..linkage.linkage import Linkage
@@ -36,15 +36,12 @@ from ..loads.link import Load
 from . import angle_solver as turning
 from . import batch as scenarios
 from . import law_trials as laws
-from . import solvers as methods
-from . import system as scene
-from .angle_segments import State
 from .batch import Runs
+from .driven_press import DrivenPress, driven_press, listed, press_with_drives
 from .mesh import Indices
 from .run import Run, allowed_error, as_run, count_of
-from .solvers import Plan
-from .start_sensitivity import of_run
-from .trajectory import LEDGERS, Path
+from .solvers import SimulationProblem, march
+from .start_sensitivity import start_sensitivity
 
 METHODS = ("auto", "reduced", "implicit", "constraint")
 MOST_STEPS = 1_000_000  # of the Runge-Kutta method
@@ -132,7 +129,8 @@ def simulate(
         raise PinpressError(f"press is {shown(press)}: give a Linkage, as load returns it")
     if not isinstance(method, str) or method not in METHODS:
         raise PinpressError(f"unknown method {shown(method)}: write {', '.join(map(repr, METHODS[:-1]))} or {METHODS[-1]!r}")
-    equations = ("reduced" if len(press.drivers) == 1 else "constraint") if method == "auto" else method
+    if method == "auto":
+        method = "reduced" if len(press.drivers) == 1 else "constraint"
     until, tolerance = number("duration", duration, positive=True), tolerated(tolerance)
     fixed = None if step is None else number("step", step, positive=True)
     if fixed is not None and fixed < until / MOST_STEPS:
@@ -142,9 +140,9 @@ def simulate(
     if progress is not None and (not callable(progress) or isinstance(progress, type)):
         raise PinpressError(f"progress is {shown(progress)}: give a function of the time reached [s]")
     count_of(points, 0.0)
-    scene.listed(loads)
+    listed(loads)
     if len(press.drivers) == 1 and (count := scenarios.count(speed, angle, drive, flywheel, loads)) is not None:
-        if equations != "reduced" or clutch is not None or brake is not None:
+        if method != "reduced" or clutch is not None or brake is not None:
             raise PinpressError("arrays of scenarios are for method='reduced' without clutch and brake: simulate these one by one")
         return _scenarios(press, count, until, speed, angle, drive, flywheel, loads, points, fixed, tolerance)
     angles, speeds = _start(press, "angle", angle), _start(press, "speed", speed)
@@ -153,42 +151,50 @@ def simulate(
     _refuse_long(speeds, until, float(angles[0]))
     plausibility.speeds("speed", speeds)
     with np.errstate(all="ignore"):  # what is not finite is refused where it arises
-        if len(press.drivers) > 1:
-            if equations != "constraint":
-                raise PinpressError(f"{press.name} has {len(press.drivers)} drivers: method='constraint' simulates it")
-            plan = _of_several(press, drive, flywheel, loads, clutch, brake)
-        else:
-            plan = of_one(press, drive, flywheel, loads, clutch, brake)
-        if isinstance(plan.scene.drive, PrescribedSpeed):
-            if fixed is not None or any(force.time is not None for force in plan.scene.forces):
-                raise PinpressError(
-                    "a drive that prescribes the speed leaves nothing to integrate: leave step out; for forces in time use cycle and"
-                    " inverse_dynamics"
-                )
-            if speeds[0] not in (0.0, plan.scene.drive.speed):
-                raise PinpressError(f"speed is {speeds[0]:g}, but the drive prescribes {plan.scene.drive.speed:g} rad/s: leave speed out")
-            speeds = np.array([plan.scene.drive.speed])
-            equations = "reduced"
-        if method == "implicit" and fixed is not None:
-            raise PinpressError("step is of the classical Runge-Kutta method: leave it out with method='implicit'")
-
-        def moved(angle: float = 0.0, speed: float = 0.0, progress: Callable[[float], None] | None = None) -> Path:
-            if equations == "constraint":
-                return methods.by_joints(plan, angles + angle, speeds + speed, until, tolerance, fixed, progress)
-            state = State(0.0, float(angles[0]) + angle, float(speeds[0]) + speed, np.zeros(len(LEDGERS)))
-            return methods.by_crank(plan, state, until, tolerance, fixed, progress, implicit=equations == "implicit")
-
-        path = moved(progress=progress)
-        allowed = None if fixed is not None else allowed_error(tolerance)
-        sensitivity = of_run(plan, path, until, tolerance, moved)
-        solved = "constraint" if equations == "constraint" else "reduced"
-        run = as_run(plan, path, solved, until, points, began, allowed, sensitivity)
+        problem = _problem(press, method, (drive, flywheel, loads, clutch, brake), angles, speeds, until, tolerance, fixed)
+        path = march(problem, progress)
+        run = as_run(problem, path, points, began, start_sensitivity(problem, path))
     if (since := path.standing) is not None:
         caution(
             f"the press stands from {since:.6g} s to the end, at crank angle {np.degrees(run.crank_angle[-1]):.6g} deg: the load holds it"
             " there against the drive"
         )
     return run
+
+
+def _problem(
+    press: Linkage,
+    method: str,
+    parts: tuple[object, object, Sequence[Load], object, object],
+    angles: Array,
+    speeds: Array,
+    until: float,
+    tolerance: float,
+    step: float | None,
+) -> SimulationProblem:
+    """The problem of arguments that are checked one by one; ``parts``: drive, flywheel, loads, clutch, brake.
+
+    Raises:
+        PinpressError: parts that make no sense, or do not go together with each other or the method.
+    """
+    if len(press.drivers) > 1:
+        if method != "constraint":
+            raise PinpressError(f"{press.name} has {len(press.drivers)} drivers: method='constraint' simulates it")
+        driven = press_with_drives(press, *parts)
+    else:
+        driven = driven_press(press, *parts)
+    if driven.prescribed is not None:
+        if step is not None or any(force.time is not None for force in driven.forces):
+            raise PinpressError(
+                "a drive that prescribes the speed leaves nothing to integrate: leave step out; for forces in time use cycle and"
+                " inverse_dynamics"
+            )
+        if speeds[0] not in (0.0, driven.prescribed.speed):
+            raise PinpressError(f"speed is {speeds[0]:g}, but the drive prescribes {driven.prescribed.speed:g} rad/s: leave speed out")
+        method, speeds = "reduced", np.array([driven.prescribed.speed])
+    if method == "implicit" and step is not None:
+        raise PinpressError("step is of the classical Runge-Kutta method: leave it out with method='implicit'")
+    return SimulationProblem(driven, method, angles, speeds, until, tolerance, step)
 
 
 def _scenarios(
@@ -215,9 +221,9 @@ def _scenarios(
     times = np.linspace(0.0, until, count_of(points, 0.0))
     times.setflags(write=False)
 
-    def plan(some: Indices) -> Plan:
+    def driven(some: Indices) -> DrivenPress:
         parts = [pick(item, some) for item in (drive, flywheel, *loads)]
-        return of_one(press, parts[0], parts[1], parts[2:], None, None)
+        return driven_press(press, parts[0], parts[1], parts[2:], None, None)
 
     if step is not None:
         raise PinpressError("step is for one scenario: arrays are solved over the crank angle")
@@ -227,7 +233,7 @@ def _scenarios(
     plausibility.speeds("speed", speeds)
     alone = partial(_alone, press, until, len(times), speeds, start, (drive, flywheel, *loads), tolerance)
     with np.errstate(all="ignore"):
-        return scenarios.simulate(speeds, start, times, 0.1 * tolerance, plan, alone, allowed_error(tolerance))
+        return scenarios.simulate(speeds, start, times, 0.1 * tolerance, driven, alone, allowed_error(tolerance))
 
 
 def _alone(
@@ -253,46 +259,6 @@ def _refuse_long(speeds: Array, until: float, angle: float) -> None:
     """Raise SimulationError where the run would be too long to be kept."""
     if not float(np.abs(speeds).max()) * until <= 2 * np.pi * turning.MOST_PERIODS:
         raise SimulationError(f"at this speed the crank makes more than {turning.MOST_PERIODS} turns: simulate in parts", 0.0, angle)
-
-
-def of_one(press: Linkage, drive: object, flywheel: object, loads: Sequence[Load], clutch: object, brake: object) -> Plan:
-    """The plan of a press with one driver.
-
-    Raises:
-        PinpressError: an argument of the wrong kind, or one that does not go with another.
-    """
-    if drive is not None and not (isinstance(drive, Drive | PrescribedSpeed) and not isinstance(drive, type)):
-        raise PinpressError(f"drive is {shown(drive)}: give one of pinpress.drives, e.g. ConstantTorque(567.0) [N m]")
-    for name, value, kind in (("flywheel", flywheel, Flywheel), ("clutch", clutch, Clutch), ("brake", brake, Brake)):
-        if value is not None and not isinstance(value, kind):
-            raise PinpressError(f"{name} is {shown(value)}: give a {kind.__name__}(...)")
-    if isinstance(drive, PrescribedSpeed) and (clutch is not None or brake is not None):
-        raise PinpressError("a drive that prescribes the crank's speed leaves nothing to clutch and brake: leave them out")
-    assert isinstance(flywheel, Flywheel | None)
-    assert isinstance(clutch, Clutch | None)
-    assert isinstance(brake, Brake | None)
-    plan = methods.plan(press, drive, flywheel, loads, clutch, brake)
-    if clutch is not None and not float(plan.line.inertia) > 0:
-        raise PinpressError("a clutch needs an inertia on its driving side: give a flywheel, or a drive with inertia")
-    return plan
-
-
-def _of_several(press: Linkage, drive: object, flywheel: object, loads: Sequence[Load], clutch: object, brake: object) -> Plan:
-    """The plan of a linkage with several drivers. Raises as `_of_one`."""
-    if clutch is not None or brake is not None:
-        raise PinpressError(f"{press.name} has {len(press.drivers)} drivers: clutch and brake are for one")
-    given = {"drive": {} if drive is None else drive, "flywheel": {} if flywheel is None else flywheel}
-    for name, by_joint, kind in (("drive", given["drive"], Drive), ("flywheel", given["flywheel"], Flywheel)):
-        if not isinstance(by_joint, Mapping):
-            raise PinpressError(f"{press.name} has {len(press.drivers)} drivers: give {name} as {{joint: {kind.__name__}}}")
-        for joint, value in by_joint.items():
-            if joint not in press.drivers:
-                raise UnknownNameError("driver", joint, press.drivers)
-            if not isinstance(value, kind) or isinstance(value, type):
-                raise PinpressError(f"{name} of {shown(joint)} is {shown(value)}: give a {kind.__name__}")
-            if isinstance(value, Drive) and value.timed:
-                raise PinpressError(f"drive of {shown(joint)}: with several drivers only drives whose torque depends on speed alone")
-    return methods.plan_of_several(press, given["drive"], given["flywheel"], loads)  # type: ignore[arg-type]
 
 
 def _start(press: Linkage, name: str, value: ArrayLike) -> Array:

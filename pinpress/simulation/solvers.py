@@ -1,231 +1,245 @@
-"""The two methods of simulation, from a state to a time."""
+"""A problem of simulation, and the solvers that take turns at it.
+
+A press with one driver turns by the reduced equation: over the crank angle while it turns and nothing depends on time, else over time.
+A linkage with all its joints is integrated over time. A solver is a class with the members of `Solver`, entered in `_ladder`.
+"""
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from functools import cached_property, partial
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, NamedTuple, Protocol
 
 import numpy as np
 
 from ..common.arrays import Array
 from ..common.errors import SimulationError
-from ..drives.driveline import Brake, Clutch, Driveline, Mode
-from ..drives.transmission import Drive, Flywheel, PrescribedSpeed
 from ..kinematics.motion import carried, cycle
-from ..linkage.linkage import Linkage
 from ..loads.caller_laws import LawError
-from ..loads.link import Load
 from . import angle_segments as turned
 from . import angle_solver as turning
 from . import mesh_refinement as resolution
-from . import reduced_model as reduced
-from . import system as scene
 from .angle_segments import Resting, State
-from .force_coordinates import JointAngle
-from .protocol_checks import check_drive
-from .reduced_model import COORDINATES, INERTIA, POTENTIAL, Table, tabulated
-from .system import Scene
+from .driven_press import DrivenPress, not_positive, too_slow
+from .hybrid_system import HybridSystem, Mode, begin
+from .reduced_model import INERTIA, POTENTIAL, ReducedDynamics
 from .trajectory import LEDGERS, Path, Segment
 
 if TYPE_CHECKING:
-    from .hybrid_system import Machine
-    from .time_solver import Stepped
+    from .time_solver import TimeSegment
 
 AGAIN = 4.0  # times the kinetic energy at which the crank stopped turning for sure, from which it is followed over its angle again
-
-BESIDE = 1e-7  # share of a speed to both sides of it
-JUMP = 1e-3  # change of the torque within that, beside its size nearby, that is one
 CLOSER = 4  # steps of Newton's method to the end of a period
-PATIENCE = 20.0  # times as long as a period should take, that it may
+PATIENCE = 20.0  # periods at the speed of the start, after which a period is given up
 LITTLE = 1e-4  # kinetic energy, beside the range of the potential one, below which the crank is not followed over its angle
 
 Progress = Callable[[float], None]
 
 
 @dataclass(frozen=True, eq=False)
-class Plan:
-    """A scene with its driveline; where there are several drivers, what flywheels and drives add to the inertia of each (drivers,)."""
+class SimulationProblem:
+    """What is to be simulated, from where to when, and how well.
 
-    scene: Scene
-    line: Driveline
-    inertia: Array
+    Attributes:
+        driven: the press, its drives and loads.
+        method: "reduced", "implicit" (the reduced equation by Radau IIA alone) or "constraint".
+        angle: (drivers,) at time 0 [rad].
+        speed: (drivers,) at time 0 [rad/s].
+        until: time of the end [s].
+        tolerance: of the error of a step, beside 1 rad and the speeds of the crank.
+        step: fixed step of the classical Runge-Kutta method [s]; None: steps by error.
+    """
+
+    driven: DrivenPress
+    method: str
+    angle: Array
+    speed: Array
+    until: float
+    tolerance: float
+    step: float | None = None
 
     @property
-    def timed(self) -> bool:
-        """Whether anything depends on more than crank angle and speed."""
-        line = self.line
-        switched = line.clutch is not None or line.brake is not None or any(force.time is not None for force in self.scene.forces)
-        drive = self.scene.drive
-        return switched or (drive is not None and not isinstance(drive, PrescribedSpeed) and (drive.timed or _jumps(drive)))
-
-    @cached_property
-    def table(self) -> Table:
-        """The press over its crank angle, with the scene's coordinates."""
-        press, coordinates = self.scene.press, self.scene.coordinates
-        if len(coordinates) == (press.slide is not None):
-            return tabulated(press)
-        return reduced.build(press, [partial(coordinate.over, press) for coordinate in coordinates])
-
-    @cached_property
-    def edges(self) -> tuple[Array, ...]:
-        """Crank angles in the table's range at which a force is not smooth: borders of its stretches, turns of its coordinate."""
-        found = []
-        for force in self.scene.forces:
-            row, borders = COORDINATES + force.row, force.borders()
-            found += [reduced.roots(self.table, row, border) for border in borders]
-            if borders:
-                found.append(reduced.roots(self.table, row, 0.0, slope=True))
-        return tuple(found)
-
-    @cached_property
-    def breaks(self) -> tuple[float, ...]:
-        """Instants at which something is not smooth."""
-        breaks = [edge for force in self.scene.forces for edge in force.edges]
-        for friction in (self.line.clutch, self.line.brake):
-            for at in () if friction is None else (friction.closes, friction.opens):
-                if friction is not None and at is not None and at.time is not None:
-                    breaks += [at.time, at.time + friction.rise]
-        return tuple(breaks)
+    def equations(self) -> str:
+        """ "reduced" or "constraint"."""
+        return "constraint" if self.method == "constraint" else "reduced"
 
 
-def _jumps(drive: Drive) -> bool:
-    """Whether the torque jumps at a corner, other than at rest: that is not for a solution of a whole period at once."""
-    for corner in drive.corners:
-        at = np.asarray(corner, dtype=float)
-        far, below, above, beyond = (np.asarray(drive.torque(at + by * np.abs(at))) for by in (-0.01, -BESIDE, BESIDE, 0.01))
-        size = np.maximum(np.maximum(np.abs(far), np.abs(beyond)), np.maximum(np.abs(below), np.abs(above)))
-        if np.any((at != 0) & (np.abs(above - below) > JUMP * size)):
-            return True
-    return False
+class Leg(NamedTuple):
+    """What a solver has found: segments, and the state from which another one has to go on; None where the end is reached."""
+
+    segments: list[Segment]
+    state: State | None
 
 
-def plan(
-    press: Linkage,
-    drive: Drive | PrescribedSpeed | None,
-    flywheel: Flywheel | None,
-    loads: Sequence[Load],
-    clutch: Clutch | None = None,
-    brake: Brake | None = None,
-) -> Plan:
-    """What is to be simulated, of a press with one driver. Raises as `scene.build`."""
-    found = scene.build(press, drive, flywheel, loads)
-    turning_drive = None if isinstance(drive, PrescribedSpeed) else drive
-    return Plan(found, Driveline(turning_drive, flywheel, clutch, brake, found.inertia), np.array([found.inertia]))
+class Solver(Protocol):
+    """One way to follow a press."""
+
+    def refuses(self, state: State) -> bool:
+        """Whether another solver has to go on from a state."""
+
+    def advance(self, state: State, before: Sequence[Segment]) -> Leg:
+        """Follow the press from a state, behind the segments found before, as far as this solver serves."""
 
 
-def plan_of_several(press: Linkage, drives: Mapping[str, Drive], flywheels: Mapping[str, Flywheel], loads: Sequence[Load]) -> Plan:
-    """What is to be simulated, of a linkage with several drivers; drives and flywheels by their names."""
-    found = scene.build(press, None, None, loads)
-    inertia = np.zeros(len(press.drivers))
-    coordinates, acting = list(found.coordinates), list(found.forces)
-    for k, (name, joint) in enumerate(zip(press.drivers, press.driver_indices, strict=True)):
-        if name in flywheels:
-            inertia[k] += flywheels[name].inertia
-        if name in drives:
-            check_drive(drives[name])
-            inertia[k] += drives[name].inertia
-            acting.append(scene.driving(len(coordinates), drives[name]))
-            coordinates.append(JointAngle(joint))
-    found = Scene(press, None, 0.0, tuple(coordinates), tuple(acting))
-    return Plan(found, Driveline(None, None, None, None, float(inertia[0])), inertia)
+def march(problem: SimulationProblem, progress: Progress | None = None) -> Path:
+    """Follow the press to the end: each time the first solver of the ladder goes on that does not refuse.
 
-
-def _least_inertia(plan: Plan) -> tuple[float, float]:
-    """The least inertia at the crank [kg m2], and the crank angle [rad]."""
-    inertia, angle = plan.table.lightest
-    return inertia + plan.line.inertia, angle
-
-
-def by_crank(
-    plan: Plan, state: State, until: float, tolerance: float, step: float | None, progress: Progress | None, implicit: bool = False
-) -> Path:
-    """The reduced equation from a state to a time: over the crank angle where that serves, else over time; ``implicit``: by Radau IIA."""
-    least, where = _least_inertia(plan)
-    if plan.line.clutch is None and plan.line.inertia < 0 and not least > 0:
-        raise scene.not_positive(least, None, where)
-    prescribed = isinstance(plan.scene.drive, PrescribedSpeed)
-    over_time_alone = plan.timed or step is not None or (implicit and not prescribed)
-    over_angle_too = not over_time_alone and least > 0  # without mass it may stay between dead centres
+    Raises:
+        SimulationError: the press stalls, runs against a lock or has no inertia; a run would take too long.
+    """
+    driven = problem.driven
+    if driven.clutch is None and driven.inertia < 0:
+        _least_inertia(driven, needed=True)
+    ladder = _ladder(problem, progress)
     segments: list[Segment] = []
-    if over_angle_too:
-        found, stop = turning.run(plan.scene, plan.table, plan.edges, state, until, 0.1 * tolerance, progress)
-        segments += found
-        if stop is None:
-            return Path(segments)
-        state = stop.at
-        if stop.held and not plan.scene.forces:  # in equilibrium, if an unstable one
-            return Path([*segments, Resting(state, until)])
-    # Only where the crank does not simply turn: SciPy's integrators take long to import.
-    from . import time_solver as over_time
-    from .hybrid_system import Machine
-    from .reduced_dynamics import CrankAlone
+    state: State | None = State(0.0, float(problem.angle[0]), float(problem.speed[0]), np.zeros(len(LEDGERS)))
+    while state is not None:
+        solver = next(solver for solver in ladder if not solver.refuses(state))
+        leg = solver.advance(state, segments)
+        segments += leg.segments
+        state = leg.state
+    return Path(segments)
 
-    machine = Machine(CrankAlone(plan.table), plan.line, plan.scene.forces)
-    mode, states = plan.line.begin(state.angle, state.speed)
-    before: Sequence[Any] = (state, *(segment.last() for segment in segments if isinstance(segment, turned.Turned)))
-    fastest = max(_energy(plan, s.angle, s.speed) for s in before)
-    threshold = max(AGAIN * resolution.LEAST * fastest, LITTLE * float(np.ptp(plan.table.coefficients[:, POTENTIAL, 0])))
-    swings, solver = True, over_time.IMPLICIT if implicit else over_time.BY_STIFFNESS
-    while True:
-        y = machine.begin(np.array([state.angle]), np.array([state.speed]), states, state.ledgers)
-        followed = _Followed(plan, threshold, state.speed, swings) if over_angle_too else None
-        modes = machine.initial(state.time, y, mode)
-        try:
-            stepped, y = over_time.run(
-                machine,
-                modes,
-                state.time,
-                y,
-                until,
-                tolerance,
-                _scale(plan, y),
-                step,
-                plan.breaks,
-                solver,
-                followed,
-                progress,
-            )
-        except SimulationError as error:
-            if least > 0 or isinstance(error, LawError):
-                raise
-            raise scene.not_positive(least, error.time, where if error.crank_angle is None else error.crank_angle) from error
-        segments.append(stepped)
-        if stepped.end >= until:
-            return Path(segments)
-        state = State(stepped.end, float(y[0]), float(y[1]), y[-len(LEDGERS) :])
-        if followed is not None and followed.swung:
-            swinging = None if stepped.heeds_speed() else _swinging(plan, machine, stepped, mode, tolerance, until)
+
+def _ladder(problem: SimulationProblem, progress: Progress | None) -> tuple[Solver, ...]:
+    if problem.equations == "constraint":
+        return (AllJointsOverTime(problem, progress),)
+    over_angle = OverAngle(problem, progress)
+    return over_angle, OverTime(problem, progress, turns=over_angle.serves)
+
+
+def _least_inertia(driven: DrivenPress, needed: bool = False) -> tuple[float, float]:
+    """The least inertia at the crank [kg m2], and the crank angle [rad]; raise where a positive one is ``needed``."""
+    inertia, angle = driven.model.lightest
+    least = inertia + driven.inertia
+    if needed and not least > 0:
+        raise not_positive(least, None, angle)
+    return least, angle
+
+
+class OverAngle:
+    """The reduced equation over the crank angle, period by period (see `angle_solver`), while the crank turns."""
+
+    def __init__(self, problem: SimulationProblem, progress: Progress | None) -> None:
+        driven = problem.driven
+        implicit = problem.method == "implicit" and driven.prescribed is None
+        self.problem, self.progress = problem, progress
+        # without mass it may stay between dead centres
+        self.serves = not (driven.timed or problem.step is not None or implicit) and _least_inertia(driven)[0] > 0
+        self.stopped: State | None = None
+
+    def refuses(self, state: State) -> bool:
+        return not self.serves or state is self.stopped
+
+    def advance(self, state: State, before: Sequence[Segment]) -> Leg:
+        problem, driven = self.problem, self.problem.driven
+        found, stop = turning.run(driven, driven.model, driven.edges, state, problem.until, 0.1 * problem.tolerance, self.progress)
+        if stop is None:
+            return Leg(found, None)
+        if stop.held and not driven.forces and not before:  # in equilibrium, if an unstable one
+            return Leg([*found, Resting(stop.at, problem.until)], None)
+        self.stopped = stop.at
+        return Leg(found, stop.at)
+
+
+class OverTime:
+    """The reduced equation over time, whatever happens; where the crank ``turns`` again, another solver goes on."""
+
+    def __init__(self, problem: SimulationProblem, progress: Progress | None, turns: bool) -> None:
+        self.problem, self.progress, self.turns = problem, progress, turns
+        self.swings = True  # whether the crank may still be found to swing to and fro for ever
+        self.threshold: float | None = None  # kinetic energy from which the crank turns for sure [J]
+        self.handed: State | None = None
+
+    def refuses(self, state: State) -> bool:
+        return False
+
+    def advance(self, state: State, before: Sequence[Segment]) -> Leg:
+        from . import time_solver as over_time  # SciPy's integrators take long to import, and a crank that turns does without
+
+        problem, driven = self.problem, self.problem.driven
+        system = _reduced_system(driven)
+        if self.threshold is None:
+            self.threshold = _turning_energy(driven, state, before)
+        elif state is self.handed:  # too early
+            self.threshold *= AGAIN
+        solver = over_time.IMPLICIT if problem.method == "implicit" else over_time.BY_STIFFNESS
+        segments: list[Segment] = []
+        while True:
+            mode, y = _begun(system, state)
+            followed = _Followed(driven, self.threshold, state.speed, self.swings) if self.turns else None
+            try:
+                segment, y = over_time.run(
+                    system,
+                    system.initial(state.time, y, mode),
+                    state.time,
+                    y,
+                    problem.until,
+                    problem.tolerance,
+                    _sizes(driven, y),
+                    problem.step,
+                    driven.breaks,
+                    solver,
+                    followed,
+                    self.progress,
+                )
+            except SimulationError as error:
+                least, where = _least_inertia(driven)
+                if least > 0 or isinstance(error, LawError):
+                    raise
+                raise not_positive(least, error.time, where if error.crank_angle is None else error.crank_angle) from error
+            segments.append(segment)
+            if segment.end >= problem.until:
+                return Leg(segments, None)
+            state = State(segment.end, float(y[0]), float(y[1]), y[-len(LEDGERS) :])
+            if followed is None or not followed.swung:
+                self.handed = state
+                return Leg(segments, state)
+            swinging = None if segment.heeds_speed() else _swinging(system, segment, problem.tolerance, problem.until)
             if swinging is not None:
-                return Path([*segments, *swinging])
-            swings = False
-            continue
-        found, stop = turning.run(plan.scene, plan.table, plan.edges, state, until, 0.1 * tolerance, progress)
-        segments += found
-        if stop is None:
-            return Path(segments)
-        if not found:  # too early
-            threshold *= AGAIN
-        state = stop.at
+                return Leg([*segments, *swinging], None)
+            self.swings = False
 
 
-def _swinging(plan: Plan, machine: "Machine", stepped: "Stepped", mode: Mode, tolerance: float, until: float) -> "list[Segment] | None":
+class _Followed:
+    """Whether a crank has been followed over time for long enough: it turns, or has swung to and fro once."""
+
+    def __init__(self, driven: DrivenPress, threshold: float, speed: float, swings: bool) -> None:
+        """``threshold``: kinetic energy from which it turns [J]; ``speed`` at the start [rad/s]; ``swings``: whether a swing counts."""
+        self.driven, self.threshold, self.speed = driven, threshold, speed
+        self.left = (2 if speed == 0 else 3) if swings else -1  # stops before a whole swing is over
+        self.swung = False
+
+    def __call__(self, y: Array) -> bool:
+        if y[1] * self.speed < 0:
+            self.left -= 1
+        self.speed, self.swung = float(y[1]) or self.speed, self.left == 0
+        return self.swung or _energy(self.driven, y[0], y[1]) > self.threshold
+
+
+def _turning_energy(driven: DrivenPress, state: State, before: Sequence[Segment]) -> float:
+    """Kinetic energy from which a crank that has stopped turns for sure [J]."""
+    states = (state, *(segment.last() for segment in before if isinstance(segment, turned.Turned)))
+    fastest = max(_energy(driven, s.angle, s.speed) for s in states)
+    return max(AGAIN * resolution.LEAST * fastest, LITTLE * float(np.ptp(driven.model.coefficients[:, POTENTIAL, 0])))
+
+
+def _swinging(system: HybridSystem, segment: "TimeSegment", tolerance: float, until: float) -> "list[Segment] | None":
     """A crank that swings to and fro under forces that do not depend on its speed: a whole swing, to a tolerance in its own measure, and
     its repetition. None where it does not come back."""
-    from . import time_solver as over_time
+    from . import time_solver as over_time  # imports SciPy's integrators
 
-    begin, turn, again = stepped.stops()[-3:]
-    reading = stepped.read(np.array([begin, turn]), whole=False)
+    begin, turn, again = segment.stops()[-3:]
+    reading = segment.read(np.array([begin, turn]), whole=False)
     at, beyond = reading.position[0]
     if at == beyond:  # it stands, but for rounding
         return None
-    y = machine.begin(reading.position[:, 0], np.zeros(1), (), reading.ledgers[:, 0])
-    scale = _scale(plan, y)
+    mode, y = _begun(system, State(begin, float(at), 0.0, reading.ledgers[:, 0]))
+    scale = _sizes(system.driven, y)
     scale[:2] = abs(beyond - at), abs(beyond - at) * 2 * np.pi / (again - begin)
-    followed = _Followed(plan, np.inf, 0.0, swings=True)
+    followed = _Followed(system.driven, np.inf, 0.0, swings=True)
     swing, _ = over_time.run(
-        machine,
-        machine.initial(begin, y, mode),
+        system,
+        system.initial(begin, y, mode),
         begin,
         y,
         begin + 2 * (again - begin),
@@ -240,125 +254,108 @@ def _swinging(plan: Plan, machine: "Machine", stepped: "Stepped", mode: Mode, to
     return [swing, turned.Repeated(Path([swing]), begin, stops[2], until)] if len(stops) > 2 else None
 
 
-class _Followed:
-    """Whether a crank has been followed over time for long enough: it turns, or has swung to and fro once."""
+class AllJointsOverTime:
+    """All joints at once, over time."""
 
-    def __init__(self, plan: Plan, threshold: float, speed: float, swings: bool) -> None:
-        """``threshold``: kinetic energy from which it turns [J]; ``speed`` at the start [rad/s]; ``swings``: whether a swing counts."""
-        self.plan, self.threshold, self.speed = plan, threshold, speed
-        self.left = (2 if speed == 0 else 3) if swings else -1  # stops before a whole swing is over
-        self.swung = False
+    def __init__(self, problem: SimulationProblem, progress: Progress | None) -> None:
+        self.problem, self.progress = problem, progress
 
-    def __call__(self, y: Array) -> bool:
-        if y[1] * self.speed < 0:
-            self.left -= 1
-        self.speed, self.swung = float(y[1]) or self.speed, self.left == 0
-        return self.swung or _energy(self.plan, y[0], y[1]) > self.threshold
+    def refuses(self, state: State) -> bool:
+        return False
 
+    def advance(self, state: State, before: Sequence[Segment]) -> Leg:
+        from . import time_solver as over_time  # imports SciPy's integrators
+        from .full_dynamics import FullDynamics  # imports Pinocchio's constraint dynamics
 
-def by_joints(
-    plan: Plan, angle: Array, speed: Array, until: float, tolerance: float, step: float | None, progress: Progress | None
-) -> Path:
-    """All joints at once, from angles and speeds (drivers,) at time 0 to a time."""
-    from . import time_solver as over_time
-    from .full_dynamics import AllJoints
-    from .hybrid_system import Machine
-
-    press = plan.scene.press
-    if plan.line.inertia < 0:
-        least, where = _least_inertia(plan)
-        if not least > 0:
-            raise scene.not_positive(least, None, where)
-    joints = AllJoints(press, plan.scene.coordinates, plan.inertia)
-    machine = Machine(joints, plan.line, plan.scene.forces)
-    several = len(press.drivers) > 1
-    first = cycle(press, angle=angle[None], speed=speed[None]) if several else carried(press, angle, speed)
-    mode, states = plan.line.begin(float(angle[0]), float(speed[0]))
-    y = machine.begin(first.joint_position[0], first.v[0], states, np.zeros(len(LEDGERS)))
-    # sizes: of angles 1, of the speed that gravity gives them; travels count in lengths of the linkage
-    rate = max(float(np.abs(speed).max()), math.sqrt(float(np.linalg.norm(press.model.gravity.linear)) / press.size)) or 1.0
-    lengths = np.array([1.0 if axis.turns else press.size for axis in press.axes])
-    energy = joints.energy(np.concatenate([first.joint_position[0], rate * np.ones(joints.size)]))
-    scale = np.concatenate([lengths, lengths * rate, _of_states(plan, len(states), rate), [energy, energy, np.inf, energy]])
-    stepped, _ = over_time.run(
-        machine,
-        machine.initial(0.0, y, mode),
-        0.0,
-        y,
-        until,
-        tolerance,
-        scale,
-        step,
-        plan.breaks,
-        over_time.BY_STIFFNESS,
-        progress=progress,
-    )
-    return Path([stepped])
+        problem, driven, press = self.problem, self.problem.driven, self.problem.driven.press
+        angle, speed = problem.angle, problem.speed
+        joints = FullDynamics(press, driven.coordinates, driven.inertias)
+        system = HybridSystem(joints, driven)
+        several = len(press.drivers) > 1
+        first = cycle(press, angle=angle[None], speed=speed[None]) if several else carried(press, angle, speed)
+        mode, states = begin(driven, state.angle, state.speed)
+        y = system.begin(first.joint_position[0], first.v[0], states, state.ledgers)
+        # sizes: of angles 1, of the speed that gravity gives them; travels count in lengths of the linkage
+        rate = max(float(np.abs(speed).max()), math.sqrt(float(np.linalg.norm(press.model.gravity.linear)) / press.size)) or 1.0
+        lengths = np.array([1.0 if axis.turns else press.size for axis in press.axes])
+        energy = joints.energy(np.concatenate([first.joint_position[0], rate * np.ones(joints.size)]))
+        scale = np.concatenate([lengths, lengths * rate, _of_states(driven, len(states), rate), [energy, energy, np.inf, energy]])
+        segment, _ = over_time.run(
+            system,
+            system.initial(0.0, y, mode),
+            0.0,
+            y,
+            problem.until,
+            problem.tolerance,
+            scale,
+            problem.step,
+            driven.breaks,
+            over_time.BY_STIFFNESS,
+            progress=self.progress,
+        )
+        return Leg([segment], None)
 
 
-def _energy(plan: Plan, angle: float, speed: float) -> float:
-    """Kinetic energy of a crank angle and speed [J]."""
-    inertia = float(plan.table.at(np.array([angle]))[0][INERTIA, 0]) + plan.line.inertia
-    return 0.5 * inertia * speed**2
-
-
-def _scale(plan: Plan, y: Array) -> Array:
-    """Sizes of the entries of the crank's vector."""
-    inertia, potential = plan.table.coefficients[:, INERTIA, 0] + plan.line.inertia, plan.table.coefficients[:, POTENTIAL, 0]
-    least = max(float(inertia.min()), float(np.finfo(float).tiny))
-    speed = max(abs(float(y[1])), math.sqrt(2 * float(np.ptp(potential)) / least)) or 1.0
-    energy = 0.5 * float(np.abs(inertia).max()) * speed**2
-    return np.array([1.0, speed, *_of_states(plan, len(y) - 2 - len(LEDGERS), speed), energy, energy, np.inf, energy])
-
-
-def _of_states(plan: Plan, count: int, speed: float) -> list[float]:
-    """Sizes of a drive's states, and behind them of the speed of a clutch's driving side."""
-    own = [] if plan.line.clutch is None else [speed]
-    return [1.0] * (count - len(own)) + own
-
-
-def one_period(plan: Plan, angle: float, start: Array, tolerance: float) -> tuple[Path, Array]:
-    """A period of the table over time, from a crank angle with speed and states of the drive (k,): its path, and these at its end.
+def one_period(driven: DrivenPress, angle: float, start: Array, tolerance: float) -> tuple[Path, Array]:
+    """A period of the reduced model over time, from a crank angle with speed and states of the drive (k,): its path, and these at its end.
 
     Raises:
         SimulationError: the crank does not get that far.
     """
-    from . import time_solver as over_time
-    from .hybrid_system import Machine
-    from .reduced_dynamics import CrankAlone
+    from . import time_solver as over_time  # imports SciPy's integrators
 
-    assert plan.table.period is not None
-    machine = Machine(CrankAlone(plan.table), plan.line, plan.scene.forces)
+    assert driven.model.period is not None
+    system = _reduced_system(driven)
     direction = 1.0 if start[0] > 0 else -1.0
-    target, patience = angle + direction * plan.table.period, PATIENCE * plan.table.period / abs(float(start[0]))
-    y = machine.begin(np.array([angle]), start[:1], tuple(start[1:].tolist()), np.zeros(len(LEDGERS)))
-    mode, _ = plan.line.begin(angle, float(start[0]))
+    target, patience = angle + direction * driven.model.period, PATIENCE * driven.model.period / abs(float(start[0]))
+    y = system.begin(np.array([angle]), start[:1], tuple(start[1:].tolist()), np.zeros(len(LEDGERS)))
+    mode, _ = begin(driven, angle, float(start[0]))
 
     def beyond(y: Array) -> bool:
         return bool((y[0] - target) * direction >= 0)
 
-    stepped, y = over_time.run(
-        machine,
-        machine.initial(0.0, y, mode),
-        0.0,
-        y,
-        patience,
-        tolerance,
-        _scale(plan, y),
-        None,
-        plan.breaks,
-        over_time.BY_STIFFNESS,
-        beyond,
-    )
+    modes, explicit = system.initial(0.0, y, mode), over_time.BY_STIFFNESS
+    stepped, y = over_time.run(system, modes, 0.0, y, patience, tolerance, _sizes(driven, y), None, driven.breaks, explicit, beyond)
     if not beyond(y):
-        raise scene.too_slow(float(patience), float(y[0]))
+        raise too_slow(float(patience), float(y[0]))
     # the end by steps that meet it: the integrator's interpolation is less exact than its steps
-    begin, modes, at, end = stepped.before(lambda y: float((y[0] - target) * direction))
+    since, modes, at, end = stepped.before(lambda y: float((y[0] - target) * direction))
     segments, y = [stepped], at
     for _ in range(CLOSER):
-        if end <= begin:  # an event has ended the step before, just there
+        if end <= since:  # an event has ended the step before, just there
             break
-        last, y = over_time.run(machine, modes, begin, at, end, tolerance, _scale(plan, at), None, plan.breaks, over_time.BY_STIFFNESS)
+        last, y = over_time.run(system, modes, since, at, end, tolerance, _sizes(driven, at), None, driven.breaks, explicit)
         segments = [stepped, last]
         end += float((target - y[0]) / y[1])
     return Path(segments), y[1 : -len(LEDGERS)]
+
+
+def _begun(system: HybridSystem, state: State) -> tuple[Mode, Array]:
+    """Mode of the couplings and the vector of a state of the crank."""
+    mode, states = begin(system.driven, state.angle, state.speed)
+    return mode, system.begin(np.array([state.angle]), np.array([state.speed]), states, state.ledgers)
+
+
+def _reduced_system(driven: DrivenPress) -> HybridSystem:
+    return HybridSystem(ReducedDynamics(driven.model), driven)
+
+
+def _energy(driven: DrivenPress, angle: float, speed: float) -> float:
+    """Kinetic energy of a crank angle and speed [J]."""
+    inertia = float(driven.model.at(np.array([angle]))[0][INERTIA, 0]) + float(driven.inertia)
+    return 0.5 * inertia * speed**2
+
+
+def _sizes(driven: DrivenPress, y: Array) -> Array:
+    """Sizes of the entries of the crank's vector."""
+    inertia, potential = driven.model.coefficients[:, INERTIA, 0] + driven.inertia, driven.model.coefficients[:, POTENTIAL, 0]
+    least = max(float(inertia.min()), float(np.finfo(float).tiny))
+    speed = max(abs(float(y[1])), math.sqrt(2 * float(np.ptp(potential)) / least)) or 1.0
+    energy = 0.5 * float(np.abs(inertia).max()) * speed**2
+    return np.array([1.0, speed, *_of_states(driven, len(y) - 2 - len(LEDGERS), speed), energy, energy, np.inf, energy])
+
+
+def _of_states(driven: DrivenPress, count: int, speed: float) -> list[float]:
+    """Sizes of a drive's states, and behind them of the speed of a clutch's driving side."""
+    own = [] if driven.clutch is None else [speed]
+    return [1.0] * (count - len(own)) + own

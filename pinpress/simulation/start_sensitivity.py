@@ -4,19 +4,19 @@ A crank that comes nearly to rest there, with next to no force on it, goes on or
 nothing of that. A run that passes such a place is made again from starts moved by its tolerance, and the difference is what can be said.
 """
 
-from collections.abc import Callable
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
 from ..common.arrays import Array
 from ..common.errors import SimulationError, caution
-from ..drives.driveline import HOLDING
-from ..drives.transmission import PrescribedSpeed
 from ..linkage.linkage import Linkage
 from .angle_segments import NEAR, Repeated, Resting, Turned, slow
+from .driven_press import DrivenPress
+from .hybrid_system import HOLDING
 from .reduced_model import INERTIA, POTENTIAL, WEIGHT, Table, tabulated
-from .solvers import Plan
+from .solvers import SimulationProblem, march
 from .trajectory import Path
 
 MOVED = 1e-6  # angle to both sides of a rest, at which it is seen whether it is stable [rad]
@@ -26,21 +26,18 @@ ASTRAY = 1e3  # times the tolerance that a run may go astray
 LOST = np.pi  # difference of a run that ends in an error, where the other does not [rad]
 
 
-def of_run(plan: Plan, path: Path, until: float, tolerance: float, again: Callable[[float, float], Path]) -> float | None:
-    """By how much more the crank angle goes astray in a run than its start is moved; None where it keeps clear of an unstable rest.
-
-    Args:
-        again: the path from a start whose angle and speed are moved by so much.
-    """
-    press = plan.scene.press
-    if len(press.drivers) > 1 or press.passage.period is None or isinstance(plan.scene.drive, PrescribedSpeed):
+def start_sensitivity(problem: SimulationProblem, path: Path) -> float | None:
+    """By how much more the crank angle goes astray in a run than its start is moved; None where it keeps clear of an unstable rest."""
+    driven, until, tolerance = problem.driven, problem.until, problem.tolerance
+    press = driven.press
+    if len(press.drivers) > 1 or press.passage.period is None or driven.prescribed is not None:
         return None
     try:
         span = float(np.ptp(tabulated(press).coefficients[:, POTENTIAL, 0]))
     except SimulationError:  # its shafts do not come back together: no table
         return None
     rest = next((segment for segment in path.segments if isinstance(segment, Resting)), None)
-    if rest is not None and _falls(plan, rest.at.angle):
+    if rest is not None and _falls(driven, rest.at.angle):
         caution(
             f"the press rests at an unstable equilibrium from {rest.start:.6g} s on, at crank angle {np.degrees(rest.at.angle):.6g} deg:"
             " it stays there as nothing pushes it, but the least push would send it down"
@@ -51,11 +48,12 @@ def of_run(plan: Plan, path: Path, until: float, tolerance: float, again: Callab
     times = np.linspace(0.0, until, LOOKS + 1)
     start = path.read(times[:1]).position[_row(press, path)]
     angle, inertia = _angles(press, path, times), float(tabulated(press).at(start)[0][INERTIA, 0])
-    speed = max(float(np.abs(np.gradient(angle, times)).max()), float(np.sqrt(2 * span / (inertia + plan.line.inertia))))
+    speed = max(float(np.abs(np.gradient(angle, times)).max()), float(np.sqrt(2 * span / (inertia + driven.inertia))))
     astray = 0.0
     for by in ((tolerance, 0.0), (0.0, tolerance * speed)):
         try:
-            astray = max(astray, float(np.abs(_angles(press, again(*by), times) - angle).max()))
+            moved = replace(problem, angle=problem.angle + by[0], speed=problem.speed + by[1])
+            astray = max(astray, float(np.abs(_angles(press, march(moved), times) - angle).max()))
         except SimulationError:
             astray = max(astray, LOST)
     found = astray / (tolerance * (1.0 + speed * until))
@@ -73,8 +71,8 @@ def _beside_rest(press: Linkage, segment: Any, span: float) -> bool:
         return bool((_bend(tabulated(press), segment.slow) < 0).any())
     if isinstance(segment, Resting | Repeated):
         return False
-    machine, n = segment.machine, segment.machine.dynamics.size
-    own = 0.0 if machine.line.clutch is not None else machine.line.inertia
+    system, n = segment.system, segment.system.dynamics.size
+    own = 0.0 if system.driven.clutch is not None else system.driven.inertia
     least = float(tabulated(press).coefficients[:, INERTIA, 0].min()) + own
     speeds = np.abs(segment.speeds)
     slowly = np.flatnonzero(0.5 * least * speeds**2 < NEAR * span)
@@ -87,18 +85,18 @@ def _beside_rest(press: Linkage, segment: Any, span: float) -> bool:
         rate = {}
         for by in (-MOVED, 0.0, MOVED):
             moved = y.copy()
-            moved[:n] = machine.dynamics.moved(y[:n], by)[0] if by else y[:n]
-            rate[by] = machine.dynamics.of_crank(machine.rates(modes, time, moved)[n : 2 * n])
-        inertia = float(tabulated(press).at(y[[machine.dynamics.crank]])[0][INERTIA, 0]) + own
+            moved[:n] = system.dynamics.moved(y[:n], by)[0] if by else y[:n]
+            rate[by] = system.dynamics.of_crank(system.rates(modes, time, moved)[n : 2 * n])
+        inertia = float(tabulated(press).at(y[[system.dynamics.crank]])[0][INERTIA, 0]) + own
         if rate[MOVED] > rate[-MOVED] and slow(np.array(0.5 * inertia * speeds[k] ** 2), np.array(inertia * rate[0.0]), span):
             return True
     return False
 
 
-def _falls(plan: Plan, angle: float) -> bool:
+def _falls(driven: DrivenPress, angle: float) -> bool:
     """Whether a press at rest goes on by itself when it is pushed a little, whichever way."""
-    drive, weight = plan.scene.drive, plan.table.at(angle + np.array([-PUSHED, PUSHED]))[0][WEIGHT]
-    torques = [0.0 if drive is None else float(np.ravel(drive.torque(w))[0]) for w in (-CREEPING, CREEPING)]  # type: ignore[union-attr]
+    drive, weight = driven.drive, driven.model.at(angle + np.array([-PUSHED, PUSHED]))[0][WEIGHT]
+    torques = [0.0 if drive is None else float(np.ravel(drive.torque(w))[0]) for w in (-CREEPING, CREEPING)]
     return bool(torques[0] < weight[0] and torques[1] > weight[1])
 
 

@@ -29,11 +29,12 @@ from . import law_trials as laws
 from . import mesh as panels
 from . import mesh_refinement as resolution
 from . import reduced_model as reduced
-from . import system as scenes
 from .angle_segments import State
-from .run import Run, allowed_error, as_run, count_of
-from .simulate import of_one, tolerated
-from .solvers import Plan
+from .driven_press import DrivenPress, driven_press, listed
+from .hybrid_system import begin
+from .run import Run, as_run, count_of
+from .simulate import tolerated
+from .solvers import SimulationProblem
 from .trajectory import LEDGERS, Path
 
 MOST_CUTS = 30
@@ -79,56 +80,57 @@ def steady_state(
         raise PinpressError("speed is 0: give the speed about which the press runs [rad/s]")
     if scenarios.count(speed, angle, drive, flywheel, loads) is not None:
         raise PinpressError("a steady state is found for one scenario at a time: give numbers, not arrays")
-    scenes.listed(loads)
+    listed(loads)
     drive, loads = laws.asked_drive(drive, guess), caller_laws.asked_loads(loads)
-    plan = of_one(press, drive, flywheel, loads, None, None)
+    driven = driven_press(press, drive, flywheel, loads, None, None)
     if drive is None or not isinstance(drive, Drive):
         raise PinpressError(f"drive is {shown(drive)}: a steady state needs a motor, see pinpress.drives")
-    if (drive.timed and not drive.state) or any(force.time is not None for force in plan.scene.forces):
+    if (drive.timed and not drive.state) or any(force.time is not None for force in driven.forces):
         raise PinpressError("a drive or force that goes with time has no steady state: give motors and process loads that do not")
-    if plan.table.period is None:
+    if driven.model.period is None:
         raise PinpressError(f"the crank of {press.name} does not turn fully: it has no steady state")
     with np.errstate(all="ignore"):
-        path = None if plan.timed else _over_angle(plan, start, guess, tolerance)
+        path = None if driven.timed else _over_angle(driven, start, guess, tolerance)
         if path is None:
-            path = _over_time(plan, start, guess, tolerance)
-        return as_run(plan, path, "reduced", path.segments[-1].end, points, began, allowed_error(tolerance))
+            path = _over_time(driven, start, guess, tolerance)
+        until = path.segments[-1].end
+        problem = SimulationProblem(driven, "reduced", np.array([start]), path.read(np.zeros(1), whole=False).speed[:, 0], until, tolerance)
+        return as_run(problem, path, points, began)
 
 
-def _over_angle(plan: Plan, angle: float, speed: float, tolerance: float) -> Path | None:
+def _over_angle(driven: DrivenPress, angle: float, speed: float, tolerance: float) -> Path | None:
     """The periodic solution over the crank angle, None where it is not found so: the drive may be too stiff, or there may be none."""
-    table, scene = plan.table, plan.scene
+    table = driven.model
     assert table.period is not None
     direction = 1 if speed > 0 else -1
-    inertia = float(table.at(np.array([angle]))[0][reduced.INERTIA, 0]) + plan.line.inertia
-    ends = panels.borders(table, plan.edges, angle, direction, table.period)
-    near = _near(plan, ends, angle, speed)
+    inertia = float(table.at(np.array([angle]))[0][reduced.INERTIA, 0]) + driven.inertia
+    ends = panels.borders(table, driven.edges, angle, direction, table.period)
+    near = _near(driven, ends, angle, speed)
     if near is None:
         return None
     energy = np.array([0.5 * inertia * near**2])
-    corners = () if scene.drive is None else tuple(float(np.ravel(corner)[0]) for corner in scene.drive.corners)  # type: ignore[union-attr]
     flow, guess = None, None
     for _ in range(MOST_CUTS):
-        grid = panels.grid(scene, table, angle, direction, ends)
+        grid = panels.grid(driven, table, angle, direction, ends)
         guess = None if flow is None else resolution.carried(flow, grid)
         if guess is None:  # the course of the speed matters: a drive may have no slope at the mean
-            guess = over_angle.flow(scene, grid, energy).energy
-        flow = over_angle.flow(scene, grid, energy, guess, periodic=True)
+            guess = over_angle.flow(driven, grid, energy).energy
+        flow = over_angle.flow(driven, grid, energy, guess, periodic=True)
         if resolution.stopping(flow).any() or not flow.ends[0, 0] > 0:
             return None
         energy = flow.ends[0]
-        cuts = resolution.unresolved(flow, len(grid.kinds), 0.1 * tolerance, corners)
+        cuts = resolution.unresolved(flow, len(grid.kinds), 0.1 * tolerance, driven.corners)
         if not len(cuts):
             change = abs(float(flow.ends[-1, 0] - flow.ends[0, 0])) / float(flow.ends.max())
             if not change < COMES_BACK:
                 return None
             state = State(0.0, angle, float(direction * np.sqrt(2 * energy[0] / inertia)), np.zeros(len(LEDGERS)))
-            return Path([turned.turned(scene, table, flow, len(grid.kinds), state)])
+            return Path([turned.turned(driven, table, flow, len(grid.kinds), state)])
         ends = np.sort(np.concatenate([ends, cuts]))
     return None
 
 
-def _near(plan: Plan, ends: Array, angle: float, speed: float) -> float | None:
+def _near(driven: DrivenPress, ends: Array, angle: float, speed: float) -> float | None:
     """A speed close to the steady state's next to the one given: between one from which a period speeds the press up, and a higher one from
     which it slows down; None where there is none.
 
@@ -137,9 +139,9 @@ def _near(plan: Plan, ends: Array, angle: float, speed: float) -> float | None:
     """
     speeds = speed * SHARES
     for _ in range(CLOSER):
-        grid = panels.grid(plan.scene, plan.table, angle, 1 if speed > 0 else -1, ends)
-        energies = 0.5 * (grid.inertia_ends[0] + plan.line.inertia) * speeds**2
-        flow = over_angle.flow(plan.scene, grid, energies)
+        grid = panels.grid(driven, driven.model, angle, 1 if speed > 0 else -1, ends)
+        energies = 0.5 * (grid.inertia_ends[0] + driven.inertia) * speeds**2
+        flow = over_angle.flow(driven, grid, energies)
         if flow.held:  # nothing depends on the speed: no speed is better than another
             raise _none(speed)
         good = np.flatnonzero(~resolution.stopping(flow).any(axis=0))
@@ -152,17 +154,17 @@ def _near(plan: Plan, ends: Array, angle: float, speed: float) -> float | None:
     return float(speeds[len(speeds) // 2])
 
 
-def _over_time(plan: Plan, angle: float, speed: float, tolerance: float) -> Path:
+def _over_time(driven: DrivenPress, angle: float, speed: float, tolerance: float) -> Path:
     """The periodic solution of speed and the drive's states over time: a few periods to come near, then Newton's method on what a period
     makes of them."""
     from .solvers import one_period  # imports SciPy's integrators
 
-    _, states = plan.line.begin(angle, speed)
+    _, states = begin(driven, angle, speed)
     at = np.array([speed, *states])
     try:
         before = np.inf
         for period in range(MOST_PERIODS):
-            path, after = one_period(plan, angle, at, tolerance)
+            path, after = one_period(driven, angle, at, tolerance)
             change = float(np.max(np.abs(after - at) / np.maximum(np.abs(at), COMES_BACK)))
             if change <= COMES_BACK:
                 return path
@@ -171,7 +173,7 @@ def _over_time(plan: Plan, angle: float, speed: float, tolerance: float) -> Path
                 at, before = after, np.inf if period < PERIODS else 2.1 * change
                 continue
             before, steps = change, BESIDE * np.maximum(np.abs(at), BESIDE)
-            columns = [(one_period(plan, angle, at + step, tolerance)[1] - after) / step[k] for k, step in enumerate(np.diag(steps))]
+            columns = [(one_period(driven, angle, at + step, tolerance)[1] - after) / step[k] for k, step in enumerate(np.diag(steps))]
             found = at + np.linalg.solve(np.eye(len(at)) - np.array(columns).T, after - at)
             at = found if np.isfinite(found).all() and 0.8 < found[0] / at[0] < 1.25 else after
     except LawError:  # of the caller, whatever steady state there is

@@ -55,7 +55,7 @@ def simulation_summary(press: Linkage, run: Run, result: Reactions, scene: Seque
         *_work(whole),
         *_motor(run, whole),
         *_torque(result),
-        *_strokes(strokes(run), stroke_turns(run.plan.scene.press)),
+        *_strokes(strokes(run), stroke_turns(run.problem.driven.press)),
         *_bearings(run, result),
         "",
         "Checks",
@@ -111,7 +111,7 @@ def _work(whole: Duty) -> list[str]:
 
 
 def _motor(run: Run, whole: Duty) -> list[str]:
-    if run.plan.scene.drive is None:
+    if run.problem.driven.drive is None and run.problem.driven.prescribed is None:
         return []
     use = [] if whole.utilisation is None else [f"  {'utilisation':26}{100 * whole.utilisation:12.6g} %      rms by rated torque"]
     return [

@@ -1,9 +1,9 @@
 """Integration over time, whatever happens: stops, contacts, clutches, drives with states of their own, forces in time.
 
-An event is the zero of a switching function of the `Machine`. It is located on the integrator's own interpolation, the modes are set anew,
-and the integration goes on from there. SciPy's DOP853 integrates with steps by error, and where forces are so stiff that it is held up by
-its stability, Radau IIA does (see `radau`); or the classical Runge-Kutta method with a fixed step, as Zhang 2007, 4.3, used it (its update
-of positions corrected: h^2/6, not h/6).
+An event is the zero of a switching function of the `HybridSystem`. It is located on the integrator's own interpolation, the modes are
+set anew, and the integration goes on from there. SciPy's DOP853 integrates with steps by error, and where forces are so stiff that it is
+held up by its stability, Radau IIA does (see `radau`); or the classical Runge-Kutta method with a fixed step, as Zhang 2007, 4.3, used it
+(its update of positions corrected: h^2/6, not h/6).
 """
 
 import math
@@ -18,8 +18,7 @@ from scipy.optimize import brentq
 
 from ..common.arrays import Array
 from ..common.errors import PinpressError, SimulationError
-from .hybrid_system import Machine
-from .modes import Modes, Switch
+from .hybrid_system import HybridSystem, Modes, Switch
 from .radau import RadauIIA, slopes
 from .trajectory import LEDGERS, Reading
 
@@ -85,10 +84,10 @@ class Cubic(DenseOutput):  # type: ignore[misc]
 
 
 @dataclass(eq=False, repr=False)
-class Stepped:
+class TimeSegment:
     """A run over time, step by step: filled by `run`, read afterwards. ``speeds``: of the crank at the start and after every step."""
 
-    machine: Machine
+    system: HybridSystem
     start: float
     from_rest: bool = False
     times: list[float] = field(default_factory=list)
@@ -137,12 +136,12 @@ class Stepped:
     def heeds_speed(self) -> bool:
         """Whether more than the crank's angle counted for a force after any of the steps."""
         return any(
-            self.machine.heeds_speed(mode, end, np.asarray(piece(end)))
+            self.system.heeds_speed(mode, end, np.asarray(piece(end)))
             for mode, end, piece in zip(self.modes, self.times, self.pieces, strict=True)
         )
 
     def read(self, times: Array, whole: bool = True) -> Reading:
-        machine, size, ledgers = self.machine, self.machine.dynamics.size, len(LEDGERS)
+        system, size, ledgers = self.system, self.system.dynamics.size, len(LEDGERS)
         owner = np.clip(np.array(self.times).searchsorted(times, side="left"), 0, len(self.times) - 1)
         columns = np.empty((len(self.pieces[0](self.start)), len(times)))
         for k in np.unique(owner).tolist():
@@ -150,15 +149,15 @@ class Stepped:
             columns[:, mine] = self.pieces[k](times[mine])
         accelerations = np.empty((0, len(times)))
         if whole:
-            columns[: 2 * size] = np.concatenate(machine.dynamics.closed(columns[:size], columns[size : 2 * size]))
-            rates = [machine.rates(self.modes[k], float(times[i]), columns[:, i].copy()) for i, k in enumerate(owner.tolist())]
+            columns[: 2 * size] = np.concatenate(system.dynamics.closed(columns[:size], columns[size : 2 * size]))
+            rates = [system.rates(self.modes[k], float(times[i]), columns[:, i].copy()) for i, k in enumerate(owner.tolist())]
             accelerations = np.array(rates).T[size : 2 * size]
-        driving = machine.driving(times, columns)
+        driving = system.driving(times, columns)
         return Reading(columns[:size], columns[size : 2 * size], accelerations, *driving, columns[-ledgers:])
 
 
 def run(
-    machine: Machine,
+    system: HybridSystem,
     modes: Modes,
     start: float,
     y: Array,
@@ -170,11 +169,11 @@ def run(
     solver: str = EXPLICIT,
     finished: Callable[[Array], bool] | None = None,
     progress: Callable[[float], None] | None = None,
-) -> tuple[Stepped, Array]:
+) -> tuple[TimeSegment, Array]:
     """Integrate from a state and its modes to a time; the steps, and where it has come to.
 
     Args:
-        y: vector of the `Machine` at the start. scale: (len(y),) sizes of its entries, that the ``tolerance`` is a share of.
+        y: vector of the `HybridSystem` at the start. scale: (len(y),) sizes of its entries, that the ``tolerance`` is a share of.
         step: of the classical Runge-Kutta method [s]; None: steps by error.
         breaks: instants at which something is not smooth.
         solver: of steps by error: `EXPLICIT`, `IMPLICIT`, or one after the other `BY_STIFFNESS`.
@@ -183,10 +182,10 @@ def run(
     Raises:
         SimulationError: the press stalls, or runs against a lock; steps become too short.
     """
-    result = Stepped(machine, start, bool(machine.split(y)[0].speed == 0))
+    result = TimeSegment(system, start, bool(system.split(y)[0].speed == 0))
     time, first, stuck = start, None, 0
-    angle, fastest = machine.split(y)[0].angle, abs(machine.split(y)[0].speed)
-    result.speeds.append(float(machine.split(y)[0].speed))
+    angle, fastest = system.split(y)[0].angle, abs(system.split(y)[0].speed)
+    result.speeds.append(float(system.split(y)[0].speed))
     pace = Pace(start, until)
     ends = sorted({b for b in breaks if start < b < until} | {until})
     shortest = SHORTEST * (until - start)
@@ -197,7 +196,7 @@ def run(
         target = min(next(b for b in ends if b > time), corner)
 
         def rates(t: float, y: Array, modes: Modes = modes) -> Array:
-            return machine.rates(modes, t, y)
+            return system.rates(modes, t, y)
 
         using = FIXED if step is not None else pacer.using if pacer is not None and not modes.standing else solver
         longest = (until - start) / LOOKS if modes.standing else math.inf  # what starts a press that stands must not be stepped over
@@ -205,14 +204,14 @@ def run(
         if not np.isfinite(integrator.f).all():
             raise SimulationError("a torque or force is not finite here, or the linkage locks: look at drive and loads", time, angle)
         event, again = None, False
-        values = machine.switches(modes, time, y)
+        values = system.switches(modes, time, y)
         while integrator.status == "running" and event is None:
             message = integrator.step()
             if integrator.status == "failed" or not np.isfinite(integrator.y).all():
-                raise _lost(machine, time, y, message)
+                raise _lost(system, time, y, message)
             piece = integrator.dense_output()
             if values:
-                event, values = _first_event(machine, modes, piece, integrator, values)
+                event, values = _first_event(system, modes, piece, integrator, values)
             if event is not None and event[0].what == "corner" and tried < MOST_TRIES and event[1] > time + shortest:
                 corner, tried, again = event[1], tried + 1, True
                 break
@@ -224,11 +223,11 @@ def run(
             result.ran[using] = None
             first = getattr(integrator, "h_abs", None)
             if event is None:
-                time, y = integrator.t, _closed(machine, integrator)
+                time, y = integrator.t, _closed(system, integrator)
             else:
                 stuck = stuck + 1 if at <= time + shortest else 0
-                time, y = at, _project(machine, piece(at), at)
-            instant = machine.split(y)[0]
+                time, y = at, _project(system, piece(at), at)
+            instant = system.split(y)[0]
             result.travelled += abs(instant.angle - angle)
             result.speeds.append(float(instant.speed))
             angle, fastest = instant.angle, max(fastest, abs(instant.speed))
@@ -249,11 +248,11 @@ def run(
         if again:
             continue
         if event is None and time >= corner:
-            modes = machine.past_corner(modes, y)
+            modes = system.past_corner(modes, y)
         elif event is not None:
             if stuck > MOST_AT_ONCE:
                 raise SimulationError("forces switch back and forth without end: it comes to rest where they hold it", time, angle)
-            modes, y = machine.after(event[0], modes, time, y, fastest)
+            modes, y = system.after(event[0], modes, time, y, fastest)
         corner, tried = math.inf, 0
     if result.times:
         result.times[-1] = until  # an event there may have ended it a rounding before
@@ -360,30 +359,30 @@ def _swiftness(integrator: OdeSolver, time: float, y: Array, scale: Array) -> fl
 
 
 def _first_event(
-    machine: Machine, modes: Modes, piece: DenseOutput, solver: OdeSolver, before: dict[Switch, float]
+    system: HybridSystem, modes: Modes, piece: DenseOutput, solver: OdeSolver, before: dict[Switch, float]
 ) -> tuple[tuple[Switch, float] | None, dict[Switch, float]]:
     """The first event of a step, and the switching functions at its end."""
     since, low = solver.t_old, before
     for share in LOOKED_AT:
         at = solver.t if share == 1.0 else solver.t_old + share * (solver.t - solver.t_old)
-        values = machine.switches(modes, at, piece(at))
+        values = system.switches(modes, at, piece(at))
         fallen = [switch for switch, value in values.items() if value < 0]
         if fallen:
-            return _located(machine, modes, piece, since, low, at, fallen), values
+            return _located(system, modes, piece, since, low, at, fallen), values
         since, low = at, values
     return None, low
 
 
 def _located(
-    machine: Machine, modes: Modes, piece: DenseOutput, since: float, low: dict[Switch, float], until: float, fallen: list[Switch]
+    system: HybridSystem, modes: Modes, piece: DenseOutput, since: float, low: dict[Switch, float], until: float, fallen: list[Switch]
 ) -> tuple[Switch, float]:
     """The first of the switching functions that have fallen below zero between two times, and when."""
 
     def value(switch: Switch, t: float) -> float:  # with the loops closed, as the run goes on from there: a stiff edge wants all digits
-        y = _project(machine, piece(t), t)
-        found = machine.switches(modes, t, y)[switch]
+        y = _project(system, piece(t), t)
+        found = system.switches(modes, t, y)[switch]
         if math.isnan(found):
-            raise _lost(machine, t, y, None)
+            raise _lost(system, t, y, None)
         return found
 
     first, rounding = (fallen[0], until), 8 * np.finfo(float).eps * max(abs(until), abs(since))
@@ -397,7 +396,7 @@ def _located(
         first = (which, when)
         # one that fell and rose again before the end of the step shows only at the others' events; where two come at once, as an elastic
         # force ends with its stretch, one that has just switched is below zero by rounding
-        values = machine.switches(modes, when, _project(machine, piece(when), when))
+        values = system.switches(modes, when, _project(system, piece(when), when))
         fallen = [switch for switch, after in values.items() if after < 0 and switch != which and low[switch] > 0]
         if when <= since or not fallen:
             break
@@ -417,26 +416,26 @@ def _zero(value: Callable[[float], float], since: float, until: float, low: floa
     return float(brentq(value, since, until, xtol=4e-16 * abs(until) + 1e-300, rtol=1e-15))
 
 
-def _closed(machine: Machine, solver: OdeSolver) -> Array:
+def _closed(system: HybridSystem, solver: OdeSolver) -> Array:
     """The integrator's vector with closed loops; the integrator goes on from there."""
-    y = _project(machine, solver.y, solver.t)
+    y = _project(system, solver.y, solver.t)
     if y is not solver.y:
         solver.y = y
         solver.f = solver.fun(solver.t, y)
     return y
 
 
-def _project(machine: Machine, y: Array, time: float) -> Array:
-    size = machine.dynamics.size
+def _project(system: HybridSystem, y: Array, time: float) -> Array:
+    size = system.dynamics.size
     try:
-        projected = machine.dynamics.project(y[:size], y[size : 2 * size])
+        projected = system.dynamics.project(y[:size], y[size : 2 * size])
     except PinpressError as error:
         raise SimulationError(f"the loops do not close any more ({error}): the linkage locks, or the step is too long", time) from error
     return y if projected is None else np.concatenate([*projected, y[2 * size :]])
 
 
-def _lost(machine: Machine, time: float, y: Array, message: str | None) -> SimulationError:
-    angle = float(machine.split(y)[0].angle)
+def _lost(system: HybridSystem, time: float, y: Array, message: str | None) -> SimulationError:
+    angle = float(system.split(y)[0].angle)
     return SimulationError(
         f"the integration cannot go on ({message or 'values are not finite'}): the linkage locks ahead, or a force is too stiff",
         time,

@@ -55,7 +55,7 @@ def report(
             over crank angles, or vice versa, or turning the other way.
     """
     frames = keys(press, motion)
-    if reactions is None and isinstance(motion, Run) and any(force.drive is None for force in motion.plan.scene.forces):
+    if reactions is None and isinstance(motion, Run) and any(force.drive is None for force in motion.problem.driven.forces):
         raise PinpressError("the run has loads: give its reactions with them, inverse_dynamics(press, run, loads=[...])")
     result = inverse_dynamics(press, motion) if reactions is None else reactions
     if before is not None:

@@ -77,7 +77,7 @@ def agree(text: str, press: pp.Linkage, run: pp.Run, loads: list[Any]) -> None:
         ("Torque at the crank", "smallest"): result.driving_torque.min(),
         ("Checks", "steps"): run.stats.steps,
     }
-    if run.plan.scene.drive is not None:
+    if run.problem.driven.drive is not None:
         expected |= {("Motor", "rms"): whole.motor_rms, ("Motor", "peak"): whole.motor_peak}
     if whole.utilisation is not None:
         expected[("Motor", "utilisation")] = 100 * whole.utilisation

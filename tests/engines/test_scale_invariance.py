@@ -15,7 +15,7 @@ from extremes.extreme_sizes import scaled
 from support.generators import large_linkages
 
 import pinpress as pp
-from pinpress.drives import driveline
+from pinpress.drives import couplings
 from pinpress.drives import transmission as drives
 from pinpress.dynamics import applied_loads as forces
 from pinpress.engines import forces as engine_forces
@@ -106,16 +106,16 @@ DIMENSIONS: dict[type, dict[str, tuple[int, int, int] | None]] = {
         "lag": TIME,
         "inertia": INERTIA,
     },
-    driveline.At: {"time": TIME, "angle": PLAIN},
-    driveline.Clutch: {"torque": TORQUE, "closes": INSIDE, "opens": INSIDE, "rise": TIME},
-    driveline.Brake: {"torque": TORQUE, "closes": INSIDE, "opens": INSIDE, "rise": TIME},
+    couplings.At: {"time": TIME, "angle": PLAIN},
+    couplings.Clutch: {"torque": TORQUE, "closes": INSIDE, "opens": INSIDE, "rise": TIME},
+    couplings.Brake: {"torque": TORQUE, "closes": INSIDE, "opens": INSIDE, "rise": TIME},
 }
 
 
 def test_no_field_is_left_out():
     """Of any load, drive, clutch or friction of the library."""
-    public = {cls for room in (loads, drives, driveline, link, friction) for cls in vars(room).values() if dataclasses.is_dataclass(cls)}
-    inner = {loads.Stretch, engine_forces.AppliedForce, engine_friction.FrictionLaw, driveline.Driveline}
+    public = {cls for room in (loads, drives, couplings, link, friction) for cls in vars(room).values() if dataclasses.is_dataclass(cls)}
+    inner = {loads.Stretch, engine_forces.AppliedForce, engine_friction.FrictionLaw}
     assert {cls for cls in public if cls.__module__.startswith("pinpress.") and cls not in inner} == set(DIMENSIONS)
     for cls, dimensions in DIMENSIONS.items():
         assert [field.name for field in fields(cls)] == list(dimensions)
@@ -238,8 +238,8 @@ DRIVES = {
 SCENES: dict[str, dict[str, object]] = {
     **{name: {"drive": drive} for name, drive in DRIVES.items()},
     **{name: {"loads": [load]} for name, load in LOADS.items() if name != "in time"},
-    "clutch": {"drive": DRIVES["torque"], "clutch": driveline.Clutch(2e3, closes=driveline.At(time=0.05), rise=0.02)},
-    "brake": {"brake": driveline.Brake(2e3, closes=driveline.At(angle=3.6), rise=0.02)},
+    "clutch": {"drive": DRIVES["torque"], "clutch": couplings.Clutch(2e3, closes=couplings.At(time=0.05), rise=0.02)},
+    "brake": {"brake": couplings.Brake(2e3, closes=couplings.At(angle=3.6), rise=0.02)},
 }
 
 

@@ -133,7 +133,7 @@ def test_bottom_dead_centre_of_loads(press):
     """Heights of process loads, in simulations too, are above the lowest point of all turns."""
     from pinpress.loads.process import Piling
     from pinpress.loads.protocol import datum
-    from pinpress.simulation.system import _turning_points
+    from pinpress.simulation.driven_press import _turning_points
 
     lowest = -peak(-everywhere(press).motion.slide_position)
     assert abs(datum(Piling(1.0, 0.1), press) - lowest) < PARABOLA

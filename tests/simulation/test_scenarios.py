@@ -389,8 +389,8 @@ def test_a_scenario_keeps_its_own_values(press):
     runs = pp.simulate(press, 0.3, speed=29.0, drive=drive, flywheel=pp.drives.Flywheel(wheel), loads=[loads.Blanking(force, 0.010, 0.005)])
     for k in range(2):
         run = runs[k]
-        assert run.plan.line.inertia == wheel[k]
-        assert run.plan.scene.drive.drive.rated_power == power[k]
+        assert run.problem.driven.inertia == wheel[k]
+        assert run.problem.driven.drive.drive.rated_power == power[k]
     np.testing.assert_array_equal(power, [1e4, 3e4])
 
 

@@ -27,11 +27,9 @@ from pinpress.accuracy.measurements import SPEED_LAW
 from pinpress.drives import transmission as drives
 from pinpress.loads import process as loads
 from pinpress.simulation import angle_solver as turning
-from pinpress.simulation import hybrid_system as machine
-from pinpress.simulation import modes
-from pinpress.simulation import reduced_dynamics as crank_alone
+from pinpress.simulation import hybrid_system, reduced_model
 from pinpress.simulation import simulate as simulation
-from pinpress.simulation import solvers as methods
+from pinpress.simulation.driven_press import driven_press
 
 REFERENCE = Path(__file__).parents[1] / "reference"
 ZXN2 = json.loads((REFERENCE / "zxn2_3000b.json").read_text(encoding="utf-8"))["forward"]
@@ -1041,14 +1039,14 @@ def test_states_are_counted_by_the_way_that_the_crank_makes(speed):
 def test_the_side_of_every_corner(corners):
     """Of one that is passed it changes, of the others it stays; at the start it is where the speed is, or tends to from the corner up."""
     drive = drives.InverterMotor(200.0, 1450 * pp.RPM, 40.0)
-    plan = methods.plan(texts.shipped("crank_slide"), drive, None, [])
-    found = machine.Machine(crank_alone.CrankAlone(plan.table), plan.line, ())
-    found.__dict__["corners"] = corners
-    line, _ = plan.line.begin(0.0, 0.0)
+    driven = driven_press(texts.shipped("crank_slide"), drive, None, [], None, None)
+    driven.__dict__["corners"] = corners
+    found = hybrid_system.HybridSystem(reduced_model.ReducedDynamics(driven.model), driven)
+    line, _ = hybrid_system.begin(driven, 0.0, 0.0)
 
     def sides(speed, before=()):
         y = found.begin(np.zeros(1), np.array([speed]), (), np.zeros(4))
-        after = found.past_corner(modes.Modes(line, (), before), y).sides
+        after = found.past_corner(hybrid_system.Modes(line, (), before), y).sides
         return dict(zip(corners, after, strict=True))
 
     assert sides(3.0) == {1.0: 1, 2.0: 1, 4.0: -1}

@@ -70,7 +70,7 @@ def comes_back(run, work=0.0, turn=2 * math.pi):
     """Angle a turn on, speed the same, the drive's work that of the loads; and this a closed form, where there is one."""
     assert abs(abs(run.crank_angle[-1] - run.crank_angle[0]) - turn) < 1e-9  # over time the end is located to 1e-10
     assert abs(run.crank_speed[-1] / run.crank_speed[0] - 1) < 1e-10
-    energy = 0.5 * run.plan.line.inertia * run.crank_speed[0] ** 2 + run.load_work[-1]
+    energy = 0.5 * run.problem.driven.inertia * run.crank_speed[0] ** 2 + run.load_work[-1]
     assert abs(run.drive_work[-1] - run.load_work[-1]) < 1e-9 * energy
     if work:
         assert abs(run.load_work[-1] / work - 1) < 1e-9

@@ -1,0 +1,75 @@
+"""What stands between drive and crank: a clutch and a brake.
+
+Flywheel and drive stand before the clutch, the brake behind it, on the crank; all is reduced to the driver joint. While it slips, a clutch
+or brake transmits its friction torque, rising over its time of engagement; once its sides turn alike it holds, as long as it does not have
+to hold more than that.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from ..common.checks import is_number
+from ..common.errors import PinpressError, shown
+
+
+@dataclass(frozen=True)
+class At:
+    """When a clutch or brake is switched: at a ``time`` [s], or where the crank passes an ``angle`` (unwrapped, either way) [rad]."""
+
+    time: float | None = None
+    angle: float | None = None
+
+    def __post_init__(self) -> None:
+        given = [value for value in (self.time, self.angle) if value is not None]
+        if len(given) != 1 or not is_number(given[0]):
+            raise PinpressError(
+                f"At: time is {shown(self.time)} and angle {shown(self.angle)}; give one of them, a finite number [s] or [rad]"
+            )
+
+
+@dataclass(frozen=True)
+class Clutch:
+    """A friction clutch between the flywheel, with the drive, and the crank.
+
+    Attributes:
+        torque: that it transmits while it slips, at the driver joint [N m]. rise: time in which it builds up to that [s].
+        closes: when it closes; None: closed, and holding, from the start. opens: when it opens for good; None: never.
+    """
+
+    torque: float
+    closes: At | None = None
+    opens: At | None = None
+    rise: float = 0.0
+
+    def __post_init__(self) -> None:
+        _check(self)
+
+
+@dataclass(frozen=True)
+class Brake:
+    """A friction brake on the crank.
+
+    Attributes:
+        torque: that it brakes with while it slips, at the driver joint [N m]. rise: time in which it builds up to that [s].
+        closes: when it closes; None: closed from the start. opens: when it opens for good; None: never.
+    """
+
+    torque: float
+    closes: At | None = None
+    opens: At | None = None
+    rise: float = 0.0
+
+    def __post_init__(self) -> None:
+        _check(self)
+
+
+def _check(friction: Clutch | Brake) -> None:
+    name = type(friction).__name__
+    for field, least in (("torque", "positive"), ("rise", "not negative")):
+        value = getattr(friction, field)
+        if not is_number(value) or value < 0 or (value == 0 and least == "positive"):
+            raise PinpressError(f"{name}: {field} is {shown(value)}; give a number that is {least} [{'N m' if field == 'torque' else 's'}]")
+    for field in ("closes", "opens"):
+        if not isinstance(getattr(friction, field), At | None):
+            raise PinpressError(f"{name}: {field} is {shown(getattr(friction, field))}; give At(time=...) or At(angle=...)")

@@ -1,0 +1,471 @@
+"""A press, what drives it and what it works against, as every solver of a simulation sees it.
+
+Every force from outside acts along a coordinate of the linkage: a process load along the slide's position, a spring along its length, a
+constant force along the path of its point, a further drive along its joint's angle. The reduced equation has the coordinates as functions
+of the crank angle, the equations of all joints work them out state by state.
+"""
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property, partial
+from typing import TYPE_CHECKING, Any, Protocol
+
+import numpy as np
+
+from ..common import plausibility
+from ..common.arrays import Array
+from ..common.checks import numbers
+from ..common.errors import PinpressError, SimulationError, UnknownNameError, shown
+from ..drives.couplings import Brake, Clutch
+from ..drives.transmission import Drive, Flywheel, PrescribedSpeed
+from ..dynamics import applied_loads
+from ..kinematics.dead_centres import dead_centres
+from ..kinematics.motion import Motion, carried
+from ..kinematics.point_motion import point_motion
+from ..linkage.linkage import Linkage
+from ..loads import caller_laws
+from ..loads.link import Load, PointForce, SpringDamper
+from ..loads.process import ProcessLoad, Stretch, TimeForce
+from . import reduced_model
+from .law_trials import check_drive, check_load
+from .reduced_model import COORDINATES, Table
+
+if TYPE_CHECKING:
+    from ..engines.spatial.forward_dynamics import ForwardDynamics
+
+THIN = 1e-8  # stretch of a load, in lengths of the linkage, that its crank angle still tells apart
+BESIDE = 1e-7  # share of a speed to both sides of it
+JUMP = 1e-3  # change of the torque within that, beside its size nearby, that is one
+
+End = tuple[int, Array]
+"""Pinocchio joint (0: the frame) and a point in its frame [m]."""
+
+
+class Coordinate(Protocol):
+    """A length of the linkage along which a force acts."""
+
+    def over(self, press: Linkage, motion: Motion) -> Array:
+        """Its values (n,) over a motion [m]."""
+
+    def at(self, dynamics: "ForwardDynamics", x: Array, v: Array) -> tuple[float, float]:
+        """Its value and rate in one state [m, m/s]."""
+
+    def efforts(self, dynamics: "ForwardDynamics", x: Array, force: float) -> Array:
+        """Joint efforts (nv,) of a force along it."""
+
+
+@dataclass(frozen=True)
+class SlidePosition:
+    """Position of the slide along its guide's axis; ``guide`` its place in v, ``offset`` its position in the drawn pose."""
+
+    guide: int
+    offset: float
+
+    def over(self, press: Linkage, motion: Motion) -> Array:
+        return motion.joint_position[:, self.guide] + self.offset
+
+    def at(self, dynamics: "ForwardDynamics", x: Array, v: Array) -> tuple[float, float]:
+        return float(x[self.guide]) + self.offset, float(v[self.guide])
+
+    def efforts(self, dynamics: "ForwardDynamics", x: Array, force: float) -> Array:
+        result = np.zeros(len(x))
+        result[self.guide] = force
+        return result
+
+
+@dataclass(frozen=True)
+class JointAngle:
+    """Angle of a joint, by its place in v; a force along it is a torque."""
+
+    joint: int
+
+    def over(self, press: Linkage, motion: Motion) -> Array:
+        return motion.joint_position[:, self.joint]
+
+    def at(self, dynamics: "ForwardDynamics", x: Array, v: Array) -> tuple[float, float]:
+        return float(x[self.joint]), float(v[self.joint])
+
+    def efforts(self, dynamics: "ForwardDynamics", x: Array, force: float) -> Array:
+        result = np.zeros(len(x))
+        result[self.joint] = force
+        return result
+
+
+@dataclass(frozen=True, eq=False)
+class Length:
+    """Distance between two points of links."""
+
+    first: End
+    second: End
+
+    def over(self, press: Linkage, motion: Motion) -> Array:
+        ends = [point_motion(press, motion, *end)[0] for end in (self.first, self.second)]
+        return np.asarray(np.linalg.norm(ends[1] - ends[0], axis=1))
+
+    def at(self, dynamics: "ForwardDynamics", x: Array, v: Array) -> tuple[float, float]:
+        between, rate, length = self._between(dynamics, x, v)
+        return length, float(between @ rate) / length
+
+    def efforts(self, dynamics: "ForwardDynamics", x: Array, force: float) -> Array:
+        between, _, length = self._between(dynamics, x, np.zeros(len(x)))
+        along = force / length * between
+        return dynamics.point_efforts(x, *self.second, along) - dynamics.point_efforts(x, *self.first, along)
+
+    def _between(self, dynamics: "ForwardDynamics", x: Array, v: Array) -> tuple[Array, Array, float]:
+        (first, speed1), (second, speed2) = (dynamics.point(x, v, *end) for end in (self.first, self.second))
+        length = float(np.linalg.norm(second - first))
+        return second - first, speed2 - speed1, length
+
+
+@dataclass(frozen=True, eq=False)
+class WorkOfForce:
+    """Work of a constant force (3,) at a point, in world axes [J]; a force of one along it is that force."""
+
+    end: End
+    force: Array
+
+    def over(self, press: Linkage, motion: Motion) -> Array:
+        return np.asarray(point_motion(press, motion, *self.end)[0] @ self.force)
+
+    def at(self, dynamics: "ForwardDynamics", x: Array, v: Array) -> tuple[float, float]:
+        position, velocity = dynamics.point(x, v, *self.end)
+        return float(position @ self.force), float(velocity @ self.force)
+
+    def efforts(self, dynamics: "ForwardDynamics", x: Array, force: float) -> Array:
+        return dynamics.point_efforts(x, *self.end, force * self.force)
+
+
+@dataclass(frozen=True, eq=False)
+class GeneralizedForce:
+    """A force along a coordinate of the press.
+
+    Attributes:
+        row: of the coordinate. datum: its value from which the stretches count [m].
+        rising, falling: what acts while the coordinate rises, and falls; the same object where that does not matter.
+        time: the force as a function of time in place of these; edges: instants at which that is not smooth.
+        drive: of which it is the torque, None where it is a load.
+    """
+
+    row: int
+    datum: float
+    rising: tuple[Stretch, ...] = ()
+    falling: tuple[Stretch, ...] = ()
+    time: Callable[[Any], Any] | None = None
+    edges: tuple[float, ...] = ()
+    drive: Drive | None = None
+
+    def stretches(self, rising: bool) -> tuple[Stretch, ...]:
+        return self.rising if rising else self.falling
+
+    def borders(self) -> tuple[float, ...]:
+        """Values of the coordinate at which the force is not smooth."""
+        ends = {end for stretch in self.rising + self.falling for end in (stretch.lower, stretch.upper)}
+        return tuple(sorted(self.datum + end for end in ends if math.isfinite(end)))
+
+
+@dataclass(frozen=True, eq=False)
+class DrivenPress:
+    """What is simulated: a press, its drives, and the forces on it.
+
+    Attributes:
+        press: the linkage.
+        drive: what turns its one driver by a torque; None: nothing, a prescribed speed, or the linkage has several drivers.
+        prescribed: the speed at which its one driver is held, whatever torque that takes; None: it is not.
+        flywheel: on the drive's side of the clutch.
+        clutch: between drive and flywheel, and the crank; None: they turn together.
+        brake: on the crank.
+        inertia: of flywheel and drive at the (first) driver, a number or (S,) for S scenarios [kg m2].
+        inertias: the same of every driver, (drivers,) or (1, S).
+        coordinates: along which forces act; that of the slide, if there is one, comes first.
+        forces: of the loads, and where there are several drivers of their drives.
+    """
+
+    press: Linkage
+    drive: Drive | None
+    prescribed: PrescribedSpeed | None
+    flywheel: Flywheel | None
+    clutch: Clutch | None
+    brake: Brake | None
+    inertia: Any
+    inertias: Array
+    coordinates: tuple[Coordinate, ...]
+    forces: tuple[GeneralizedForce, ...]
+
+    @property
+    def timed(self) -> bool:
+        """Whether anything depends on more than crank angle and speed."""
+        switched = self.clutch is not None or self.brake is not None or any(force.time is not None for force in self.forces)
+        return switched or (self.drive is not None and (self.drive.timed or _jumps(self.drive)))
+
+    @cached_property
+    def model(self) -> Table:
+        """The press reduced to its crank, with the coordinates of the forces."""
+        press, coordinates = self.press, self.coordinates
+        if len(coordinates) == (press.slide is not None):
+            return reduced_model.tabulated(press)
+        return reduced_model.build(press, [partial(coordinate.over, press) for coordinate in coordinates])
+
+    @cached_property
+    def edges(self) -> tuple[Array, ...]:
+        """Crank angles in the model's range at which a force is not smooth: borders of its stretches, turns of its coordinate."""
+        found = []
+        for force in self.forces:
+            row, borders = COORDINATES + force.row, force.borders()
+            found += [reduced_model.roots(self.model, row, border) for border in borders]
+            if borders:
+                found.append(reduced_model.roots(self.model, row, 0.0, slope=True))
+        return tuple(found)
+
+    @cached_property
+    def breaks(self) -> tuple[float, ...]:
+        """Instants at which something is not smooth [s]."""
+        breaks = [edge for force in self.forces for edge in force.edges]
+        for friction in (self.clutch, self.brake):
+            for at in () if friction is None else (friction.closes, friction.opens):
+                if friction is not None and at is not None and at.time is not None:
+                    breaks += [at.time, at.time + friction.rise]
+        return tuple(breaks)
+
+    @cached_property
+    def corners(self) -> tuple[float, ...]:
+        """Speeds of the drive's shaft at which its torque is not smooth, those of the first scenario [rad/s]."""
+        return () if self.drive is None else tuple(float(np.ravel(corner)[0]) for corner in self.drive.corners)
+
+
+def _jumps(drive: Drive) -> bool:
+    """Whether the torque jumps at a corner, other than at rest: that is not for a solution of a whole period at once."""
+    for corner in drive.corners:
+        at = np.asarray(corner, dtype=float)
+        far, below, above, beyond = (np.asarray(drive.torque(at + by * np.abs(at))) for by in (-0.01, -BESIDE, BESIDE, 0.01))
+        size = np.maximum(np.maximum(np.abs(far), np.abs(beyond)), np.maximum(np.abs(below), np.abs(above)))
+        if np.any((at != 0) & (np.abs(above - below) > JUMP * size)):
+            return True
+    return False
+
+
+def driven_press(press: Linkage, drive: object, flywheel: object, loads: Sequence[Load], clutch: object, brake: object) -> DrivenPress:
+    """A press with one driver, and all that acts on it.
+
+    Raises:
+        PinpressError: an argument of the wrong kind, or one that does not go with another; a load that cannot be simulated; heights to be
+            measured from a bottom dead centre that is not there.
+        UnknownNameError: a load on a link that the linkage does not have.
+    """
+    if drive is not None and not (isinstance(drive, Drive | PrescribedSpeed) and not isinstance(drive, type)):
+        raise PinpressError(f"drive is {shown(drive)}: give one of pinpress.drives, e.g. ConstantTorque(567.0) [N m]")
+    for name, value, kind in (("flywheel", flywheel, Flywheel), ("clutch", clutch, Clutch), ("brake", brake, Brake)):
+        if value is not None and not isinstance(value, kind):
+            raise PinpressError(f"{name} is {shown(value)}: give a {kind.__name__}(...)")
+    if isinstance(drive, PrescribedSpeed) and (clutch is not None or brake is not None):
+        raise PinpressError("a drive that prescribes the crank's speed leaves nothing to clutch and brake: leave them out")
+    assert isinstance(flywheel, Flywheel | None)
+    assert isinstance(clutch, Clutch | None)
+    assert isinstance(brake, Brake | None)
+    listed(loads)
+    prescribed, drive = (drive, None) if isinstance(drive, PrescribedSpeed) else (None, drive)
+    if drive is not None:
+        check_drive(drive)
+    coordinates, forces = _of_loads(press, loads)
+    inertia: Any = 0.0 if flywheel is None else flywheel.inertia
+    if drive is not None:
+        inertia = inertia + drive.inertia
+    if clutch is not None and not float(inertia) > 0:
+        raise PinpressError("a clutch needs an inertia on its driving side: give a flywheel, or a drive with inertia")
+    return DrivenPress(press, drive, prescribed, flywheel, clutch, brake, inertia, np.array([inertia]), tuple(coordinates), tuple(forces))
+
+
+def press_with_drives(press: Linkage, drive: object, flywheel: object, loads: Sequence[Load], clutch: object, brake: object) -> DrivenPress:
+    """A linkage with several drivers, drives and flywheels by the names of their joints. Raises as `driven_press`."""
+    if clutch is not None or brake is not None:
+        raise PinpressError(f"{press.name} has {len(press.drivers)} drivers: clutch and brake are for one")
+    drives: Mapping[str, Drive] = _by_driver(press, "drive", drive, Drive)
+    flywheels: Mapping[str, Flywheel] = _by_driver(press, "flywheel", flywheel, Flywheel)
+    listed(loads)
+    coordinates, forces = _of_loads(press, loads)
+    inertias = np.zeros(len(press.drivers))
+    for k, (name, joint) in enumerate(zip(press.drivers, press.driver_indices, strict=True)):
+        if name in flywheels:
+            inertias[k] += flywheels[name].inertia
+        if name in drives:
+            check_drive(drives[name])
+            inertias[k] += drives[name].inertia
+            forces.append(_driving(len(coordinates), drives[name]))
+            coordinates.append(JointAngle(joint))
+    return DrivenPress(press, None, None, None, None, None, float(inertias[0]), inertias, tuple(coordinates), tuple(forces))
+
+
+def _by_driver(press: Linkage, name: str, given: object, kind: type) -> Mapping[str, Any]:
+    """What is given for each driver; argument ``name``, of this kind."""
+    by_joint = {} if given is None else given
+    if not isinstance(by_joint, Mapping):
+        raise PinpressError(f"{press.name} has {len(press.drivers)} drivers: give {name} as {{joint: {kind.__name__}}}")
+    for joint, value in by_joint.items():
+        if joint not in press.drivers:
+            raise UnknownNameError("driver", joint, press.drivers)
+        if not isinstance(value, kind) or isinstance(value, type):
+            raise PinpressError(f"{name} of {shown(joint)} is {shown(value)}: give a {kind.__name__}")
+        if isinstance(value, Drive) and value.timed:
+            raise PinpressError(f"drive of {shown(joint)}: with several drivers only drives whose torque depends on speed alone")
+    return by_joint
+
+
+def listed(loads: object) -> None:
+    """Raise PinpressError where loads are no list."""
+    if isinstance(loads, Load) and not isinstance(loads, type):
+        raise PinpressError(f"loads is one {type(loads).__name__}: give a list, loads=[...]")
+    if not isinstance(loads, list | tuple):
+        raise PinpressError(f"loads is {shown(loads)}: give a list, loads=[...]")
+
+
+def _of_loads(press: Linkage, loads: Sequence[Load]) -> "tuple[list[Coordinate], list[GeneralizedForce]]":
+    """The forces of the loads, and the coordinates along which they act."""
+    coordinates: list[Coordinate] = [] if press.slide is None else [SlidePosition(*press.slide_guide)]
+    forces: list[GeneralizedForce] = []
+    for load in loads:
+        coordinate: Coordinate | None = None
+        force: GeneralizedForce | None
+        if isinstance(load, PointForce):
+            coordinate, force = _point(press, load, len(coordinates))
+        elif isinstance(load, SpringDamper):
+            coordinate, force = _spring(press, load, len(coordinates))
+        elif isinstance(load, TimeForce):
+            check_load(load)
+            force = GeneralizedForce(_slide(press), 0.0, time=load.force, edges=tuple(load.edges))
+        elif isinstance(load, ProcessLoad) and not isinstance(load, type):
+            force = _process(press, load)
+        else:
+            raise PinpressError(f"load {shown(load)} is none: give a PointForce, a SpringDamper or one of pinpress.loads")
+        if coordinate is not None:
+            coordinates.append(coordinate)
+        if force is not None:
+            forces.append(force)
+    return coordinates, forces
+
+
+def _driving(row: int, drive: Drive) -> GeneralizedForce:
+    """The torque of a drive along the angle of its joint, coordinate ``row``."""
+
+    def torque(angle: Any, speed: Any) -> Any:
+        return drive.torque(speed)
+
+    always = (Stretch(math.inf, -math.inf, torque),)
+    return GeneralizedForce(row, 0.0, always, always, drive=drive)
+
+
+def _slide(press: Linkage) -> int:
+    """Row of the slide's position.
+
+    Raises:
+        PinpressError: the linkage has no slide.
+    """
+    _ = press.slide_guide
+    return 0
+
+
+def _process(press: Linkage, load: ProcessLoad) -> GeneralizedForce | None:
+    check_load(load)
+    rising, falling = load.stretches(downwards=False), load.stretches(downwards=True)
+    row = _slide(press)
+    if not rising and not falling:
+        return None
+    low, high = _turning_points(press, load)
+    datum = low if load.datum is None else load.datum
+    plausibility.heights(
+        caller_laws.name(load),
+        [(stretch.lower, stretch.upper) for stretch in (*rising, *falling)],
+        low - datum,
+        high - datum,
+        press.size,
+    )
+    least = THIN * press.size
+    for stretch in (*rising, *falling):
+        if stretch.upper - stretch.lower < least:
+            raise PinpressError(
+                f"{caller_laws.name(load)}: a stretch of {stretch.upper - stretch.lower:g} m is thinner than a simulation resolves;"
+                f" give at least {least:.2g} m"
+            )
+    rising, falling = tuple(rising), tuple(falling)
+    return GeneralizedForce(row, datum, rising, rising if _same(rising, falling) else falling)
+
+
+def _same(some: tuple[Stretch, ...], others: tuple[Stretch, ...]) -> bool:
+    """Whether stretches are the same, so that the way the slide goes does not matter."""
+
+    def key(stretch: Stretch) -> tuple[Any, ...]:
+        law = stretch.force.call if isinstance(stretch.force, caller_laws.Law) else stretch.force
+        parts = (law.func, *map(id, law.args)) if isinstance(law, partial) else (law,)
+        return stretch.upper, stretch.lower, stretch.one_sided, *parts
+
+    return [key(stretch) for stretch in some] == [key(stretch) for stretch in others]
+
+
+def _turning_points(press: Linkage, load: ProcessLoad) -> tuple[float, float]:
+    """Slide positions of bottom and top dead centre; of a slide without them, which a load with a datum does not need, no ends at all.
+
+    Raises:
+        PinpressError: there is no bottom dead centre to measure the load's heights from.
+    """
+    name, everywhere = caller_laws.name(load), (-math.inf, math.inf)
+    if len(press.drivers) > 1 or press.passage.period is None:
+        if load.datum is not None:
+            return everywhere
+        raise PinpressError(
+            f"{name}: {press.name} does not turn fully with one driver, so that there is no bottom dead centre to measure heights from;"
+            " give datum=, a slide position [m]"
+        )
+    try:
+        table, row = reduced_model.tabulated(press), COORDINATES + _slide(press)
+    except SimulationError:  # its shafts do not come back together: no table, but dead centres all the same
+        return everywhere if load.datum is not None else (dead_centres(press).bottom_position, dead_centres(press).top_position)
+    turns = reduced_model.roots(table, row, 0.0, slope=True)
+    if not len(turns) and load.datum is not None:
+        return everywhere
+    if not len(turns):
+        raise PinpressError(f"{name}: the slide of {press.name} does not turn back; give datum=, a slide position [m]")
+    position = carried(press, turns, 1.0).slide_position  # exact, for stiff dies
+    return float(position.min()), float(position.max())
+
+
+def _point(press: Linkage, load: PointForce, row: int) -> tuple[Coordinate | None, GeneralizedForce | None]:
+    what = f"load on {shown(load.link)}"
+    joint, point = applied_loads.place(press, load.link, load.point, what, "point")
+    if callable(load.force) or np.ndim(load.force) != 1:
+        raise PinpressError(
+            f"{what}: a simulation takes a constant force, (3,) in world axes [N]; for one that changes write one of pinpress.loads,"
+            " or a class with their members `datum` and `stretches`"
+        )
+    force = numbers(f"{what}: force", load.force)
+    if force.shape != (3,):
+        raise PinpressError(f"{what}: force has shape {force.shape}; give (3,), in world axes [N]")
+    if not joint:  # on the frame, which does not move
+        return None, None
+    constant = (Stretch(math.inf, -math.inf, _one),)
+    return WorkOfForce((joint, point), force), GeneralizedForce(row, 0.0, constant, constant)
+
+
+def _one(position: Any, velocity: Any) -> Any:
+    return position * 0.0 + 1.0
+
+
+def _spring(press: Linkage, load: SpringDamper, row: int) -> tuple[Coordinate, GeneralizedForce]:
+    def push(length: Any, rate: Any) -> Any:
+        return load.stiffness * (load.free_length - length) - load.damping * rate
+
+    always = (Stretch(math.inf, -math.inf, push),)
+    return Length(*applied_loads.spring_ends(load, press)), GeneralizedForce(row, 0.0, always, always)
+
+
+def not_positive(inertia: float, time: float | None, angle: float) -> SimulationError:
+    """The inertia at the crank is zero or less."""
+    return SimulationError(
+        f"the inertia of linkage, flywheel and drive at the crank is {inertia:.6g} kg m2, so no torque determines the motion;"
+        " give masses or a flywheel",
+        time,
+        angle,
+    )
+
+
+def too_slow(time: float, angle: float) -> SimulationError:
+    """A period has not come to its end."""
+    return SimulationError("the press does not get through a stroke: the drive is too weak for the load", time, angle)
