@@ -1,6 +1,6 @@
 """What is to be simulated, in words of the command line: ``induction:rated_power=75e3,rated_speed=1485,ratio=20.7``.
 
-Keys are the fields of the classes of `drives`, `loads` and `driveline`. Values are in SI units, but speeds are in r/min, and when a clutch
+Keys are the fields of the classes of `drives` and `loads`. Values are in SI units, but speeds are in r/min, and when a clutch
 or brake is switched is a time, ``0.1s``, or a crank angle, ``180deg``. Sequences of numbers come from CSV files of two columns.
 """
 
