@@ -1,15 +1,13 @@
-"""Results of a sweep as a Parquet file."""
+"""Columns as a Parquet file."""
 
 import os
-import zlib
-from collections.abc import Iterator, Mapping, Sequence
-from pathlib import Path
+from collections.abc import Mapping
 from typing import Any
+
+import numpy as np
 
 from ..common import files
 from ..common.errors import PinpressError
-from .execution import Outcome
-from .grid import Grid
 
 
 def installed() -> Any:
@@ -38,50 +36,17 @@ def write_columns(path: str | os.PathLike[str], columns: Mapping[str, Any]) -> N
 def _content(columns: Mapping[str, Any]) -> bytes:
     pyarrow = installed()
     with pyarrow.BufferOutputStream() as stream:
-        pyarrow.parquet.write_table(pyarrow.table({name: pyarrow.array(values) for name, values in columns.items()}), stream)
+        pyarrow.parquet.write_table(pyarrow.table({name: pyarrow.array(_alike(values)) for name, values in columns.items()}), stream)
         content: bytes = stream.getvalue().to_pybytes()
     return content
 
 
-def write(path: Path, grid: Grid, kinds: Mapping[str, str], found: Sequence[Outcome]) -> int:
-    """Write outcomes, in their order. Returns the file's checksum."""
-    labels = grid.columns()
-    numbers = [outcome.number for outcome in found]
-    columns: dict[str, Sequence[object]] = {"point": numbers}
-    columns |= {name: [column[number] for number in numbers] for name, column in _alike(labels).items()}
-    columns |= _alike({name: [outcome.values.get(name) for outcome in found] for name in kinds})
-    content = _content(columns | {"error": [outcome.error for outcome in found]})
-    files.write(path, content)
-    return zlib.crc32(content)
-
-
-def read(path: Path, kinds: Mapping[str, str], checksum: object) -> Iterator[Outcome]:
-    """The outcomes in a file that `write` made, whose checksum it was.
-
-    Raises:
-        PinpressError: it cannot be read, or is not that file.
-    """
-    pyarrow = installed()
-    try:
-        content = path.read_bytes()
-    except OSError as error:
-        raise PinpressError(f"cannot read {path}: {error.strerror}") from error
-    if zlib.crc32(content) != checksum:
-        raise PinpressError(
-            f"{path} is damaged or was changed, its checksum does not fit: give another file, or delete it to have its points done anew"
-        )
-    columns = pyarrow.parquet.read_table(pyarrow.BufferReader(content)).to_pydict()
-    for k, (number, words) in enumerate(zip(columns["point"], columns["error"], strict=True)):
-        yield Outcome(number, {} if words else {name: columns[name][k] for name in kinds}, words)
-
-
-def _alike(columns: Mapping[str, Sequence[object]]) -> dict[str, Sequence[object]]:
-    """Columns of one type each, as Parquet wants them: whole numbers beside others become floats, numbers beside words become words."""
-    alike: dict[str, Sequence[object]] = {}
-    for name, values in columns.items():
-        types = {type(value) for value in values} - {type(None)}
-        if len(types) > 1:
-            to = float if types == {int, float} else str
-            values = [None if value is None else to(value) for value in values]  # type: ignore[arg-type]
-        alike[name] = values
-    return alike
+def _alike(values: Any) -> Any:
+    """A column of one type, as Parquet wants it: whole numbers beside others become floats, numbers beside words become words."""
+    if isinstance(values, np.ndarray):
+        return values
+    types = {type(value) for value in values} - {type(None)}
+    if len(types) < 2:
+        return values
+    to = float if types == {int, float} else str
+    return [None if value is None else to(value) for value in values]

@@ -40,8 +40,9 @@ class Sweep(Frozen):
     Attributes:
         function: name of the function. axes: name -> labels. paired: the axes run side by side. shape: lengths of the axes; (n,) where
             they run side by side.
-        columns: name -> (n,): the axes' labels, then the results: masked arrays, masked at points that failed. Read-only.
+        columns: name -> (n,): the axes' labels, then the results: masked arrays, masked at points that failed or are missing. Read-only.
         failed: the points that failed, with their errors.
+        missing: numbers of the points that are not done yet; there are none but in what `read` finds of a sweep that was stopped.
     """
 
     function: str
@@ -50,13 +51,14 @@ class Sweep(Frozen):
     shape: tuple[int, ...]
     columns: Mapping[str, Column]
     failed: tuple[FailedPoint, ...]
+    missing: tuple[int, ...] = ()
 
     def __repr__(self) -> str:
-        return f"<Sweep of {self.function}: {self._size} points, {len(self.failed)} of them failed>"
+        return f"<Sweep of {self.function}: {self._size} points, {self._not_there}>"
 
     def __str__(self) -> str:
         over = " side by side" if self.paired else ""
-        lines = [f"{self.function} at {self._size} points, {len(self.failed)} of which failed; axes{over}"]
+        lines = [f"{self.function} at {self._size} points, {self._not_there}; axes{over}"]
         lines += [f"  {name:26}{len(labels):6} values, {_ends(labels)}" for name, labels in self.axes.items()]
         lines += ["", f"{'Results':28}{'smallest':>14}{'largest':>14}"]
         for name in self._results:
@@ -102,6 +104,10 @@ class Sweep(Frozen):
         return int(np.prod(self.shape))
 
     @property
+    def _not_there(self) -> str:
+        return f"{len(self.failed)} of which failed" + (f", {len(self.missing)} are not done" if self.missing else "")
+
+    @property
     def _results(self) -> list[str]:
         return [name for name in self.columns if name not in self.axes]
 
@@ -114,19 +120,27 @@ class Sweep(Frozen):
 
 
 def table(function: str, grid: Grid, kinds: Mapping[str, str], known: Mapping[int, Outcome]) -> Sweep:
-    """The table of a sweep all of whose points are known."""
-    found = [known[number] for number in range(len(grid))]
+    """The table of a sweep of which the outcomes of some points are known, or of all."""
+    nothing = Outcome(-1, {}, "")
+    values = [known.get(number, nothing).values for number in range(len(grid))]
+    masked = np.array([not found for found in values])
     columns: dict[str, Column] = {name: _column(labels) for name, labels in grid.columns().items()}
-    masked = np.array([bool(outcome.error) for outcome in found])
-    for name, kind in kinds.items():
-        values = np.ma.MaskedArray(_filled([outcome.values.get(name) for outcome in found], kind), masked.copy())
-        columns[name] = values
-    for column in columns.values():
-        read_only(column)
-    failed = tuple(
-        FailedPoint(bad.number, dict(zip(grid.axes, grid.labels(bad.number), strict=True)), bad.error) for bad in found if bad.error
+    columns |= {
+        name: np.ma.MaskedArray(_filled([found.get(name) for found in values], kind), masked.copy()) for name, kind in kinds.items()
+    }
+    return Sweep(
+        function=function,
+        axes=dict(grid.axes),
+        paired=grid.paired,
+        shape=grid.shape,
+        columns=read_only(columns),
+        failed=tuple(
+            FailedPoint(number, dict(zip(grid.axes, grid.labels(number), strict=True)), known[number].error)
+            for number in sorted(known)
+            if known[number].error
+        ),
+        missing=tuple(number for number in range(len(grid)) if number not in known),
     )
-    return Sweep(function, dict(grid.axes), grid.paired, grid.shape, columns, failed)
 
 
 def _column(labels: list[Scalar]) -> Column:

@@ -1,119 +1,65 @@
-"""Results of a sweep on disk as they come.
+"""Results of a sweep as they come, and the file that has them: an SQLite database, in which a point is as soon as it is finished.
 
-Three files: the results, ``.sweep`` beside them with what tells this sweep from another, and while it runs ``.lock``. Finished points are
-appended to a CSV, a line each, complete or, after a kill, torn: a last line without its end is dropped. It is the file of results itself,
-or for Parquet, which cannot be appended to, ``.csv`` beside it. At the end, all are written in the order of the grid, in one step. All that
-is read has a checksum: of each line, and in ``.sweep`` of itself and of a Parquet file.
+Points are committed to a write-ahead log. A kill (-9) at any instant leaves a commit in it whole or not at all, and no commit waits for the
+disk: SQLite does so only where it takes the log over into the database, so that after a power cut the last points may be missing, but the
+database is whole. (A rollback journal is as quick only with ``synchronous=OFF``, where a power cut may destroy the file.) The process that
+sweeps locks the database; however it ends, the lock ends with it. A sweep that ends or is interrupted leaves one file and no log.
+
+SQLite does not notice what was changed by hand or by the disk: the description of the sweep and every point have a checksum.
 """
+
+from __future__ import annotations
 
 import json
 import os
+import sqlite3
 import zlib
-from collections.abc import Iterable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager, suppress
 from pathlib import Path
+from typing import Any
 
 from ..common import files
 from ..common.errors import PinpressError
-from . import csv_lines as sweep_lines
 from .execution import Outcome
 from .grid import Grid, Scalar, differences, fingerprint
 
-SUFFIXES = (".csv", ".parquet")
+SUFFIX = ".sqlite"
+PAGE = 1024  # bytes of a page of the database; a commit writes one at least
+TABLES = [
+    "CREATE TABLE sweep (description TEXT, checksum INTEGER)",
+    "CREATE TABLE points (number INTEGER PRIMARY KEY, results TEXT, error TEXT, checksum INTEGER)",
+]
 
 
 class Results:
-    """Outcomes of a sweep by the numbers of their points; on disk too where there is a file.
+    """Outcomes of a sweep by the numbers of their points, in a file too where there is one.
 
     Attributes:
-        known: point number -> outcome. kinds: names of the results -> "number", "bool" or "word", the same at all points.
+        known: point number -> outcome.
+        kinds: names of the results -> "number", "bool" or "word", the same at all points.
     """
 
-    def __init__(self, grid: Grid, function: str, path: Path | None) -> None:
-        self.known: dict[int, Outcome] = {}
-        self.kinds: dict[str, str] = {}
-        self._grid, self._print, self._path, self._descriptor = grid, fingerprint(grid, function), path, -1
-        self._checksum: object = None  # of the Parquet file
+    def __init__(self, grid: Grid, file: SweepFile | None = None) -> None:
+        self._grid, self._file = grid, file
+        self.known: dict[int, Outcome] = {} if file is None else file.outcomes()
+        self.kinds: Mapping[str, str] = {} if file is None else file.kinds
 
     def add(self, found: Sequence[Outcome]) -> None:
-        """Keep outcomes, on disk before this returns (safe against the death of the process, not of the machine).
+        """Keep outcomes. The file has them before this returns, safe against the death of the process.
 
         Raises:
-            PinpressError: the file cannot be written, or a result differs in names or kinds from earlier ones.
+            PinpressError: a result differs in names or kinds from earlier ones (those before it are kept), or the file cannot be written.
         """
-        fresh = not self.kinds
+        fitting: list[Outcome] = []
         try:
-            good = 0
             for outcome in found:
                 self._check(outcome)
-                good += 1
+                fitting.append(outcome)
         finally:
-            kept = found[:good]
-            self.known.update((outcome.number, outcome) for outcome in kept)
-            if self._path is not None and kept:
-                if fresh and self.kinds:  # only now it is known what the columns are
-                    self._begin()
-                else:
-                    self._append(sweep_lines.lines(self._grid, self.kinds, kept))
-
-    def open(self, retry_failed: bool) -> None:
-        """Read what earlier runs have left in the file, and begin to add to it."""
-        assert self._path is not None
-        side, target = self._side, self._path
-        if side.exists():
-            self._read_side(side)
-        elif target.exists() or self._running.exists():
-            raise PinpressError(f"{target} is there, but not {side.name} beside it, which says of what sweep it is: give another file")
-        found: Iterable[Outcome] = ()
-        whole = False
-        if self._running.exists():  # which has all that was known when it was begun
-            found, whole = sweep_lines.read(self._running, self._grid, self.kinds)
-        elif target.exists():
-            from .parquet import read
-
-            found = read(target, self.kinds, self._checksum)
-        self.known.update((outcome.number, outcome) for outcome in found)
-        before = len(self.known)
-        if retry_failed:
-            self.known = {number: outcome for number, outcome in self.known.items() if not outcome.error}
-        complete = len(self.known) == before == len(self._grid)
-        if target.suffix == ".csv":
-            finished = whole and list(self.known) == sorted(self.known)
-        else:
-            finished = target.exists() and not self._running.exists()
-        if not (complete and finished):
-            self._begin()
-
-    def finish(self) -> None:
-        """All points are known: write them in the order of the grid."""
-        if self._path is None or self._descriptor < 0:
-            return
-        self.known = dict(sorted(self.known.items()))
-        if self._path.suffix == ".parquet":
-            from .parquet import write
-
-            self._checksum = write(self._path, self._grid, self.kinds, list(self.known.values()))
-            self._write_side()
-            self.close()
-            self._running.unlink()
-        else:
-            self._begin()
-
-    def close(self) -> None:
-        if self._descriptor >= 0:
-            os.close(self._descriptor)
-            self._descriptor = -1
-
-    @property
-    def _side(self) -> Path:
-        assert self._path is not None
-        return self._path.with_name(self._path.name + ".sweep")
-
-    @property
-    def _running(self) -> Path:
-        """The CSV that lines are appended to."""
-        assert self._path is not None
-        return self._path if self._path.suffix == ".csv" else self._path.with_name(self._path.name + ".csv")
+            self.known |= {outcome.number: outcome for outcome in fitting}
+            if self._file is not None and fitting:
+                self._file.add(fitting, self.kinds)
 
     def _check(self, outcome: Outcome) -> None:
         """Raise where a result has other names or kinds than those before; the first decides."""
@@ -132,67 +78,153 @@ class Results:
                 " return the same names with values of the same kind at every point"
             )
 
-    def _begin(self) -> None:
-        """Write all that is known anew, in one step, and open it to add lines."""
-        self.close()
-        self._write_side()
-        rows = sweep_lines.lines(self._grid, self.kinds, self.known.values())
-        files.write(self._running, sweep_lines.header(self._grid, self.kinds) + rows)
-        with files.refused(self._running):
-            self._descriptor = os.open(self._running, os.O_WRONLY | os.O_APPEND | os.O_CLOEXEC)
-
-    def _append(self, content: bytes) -> None:
-        with files.refused(self._running):
-            while content:
-                content = content[os.write(self._descriptor, content) :]
-
-    def _write_side(self) -> None:
-        said = {**self._print, "results": self.kinds, "parquet": self._checksum}
-        side = json.dumps({**said, "checksum": zlib.crc32(json.dumps(said, allow_nan=False).encode())}, allow_nan=False)
-        if not self._side.exists() or self._side.read_text("utf-8") != side:
-            files.write(self._side, side.encode())
-
-    def _read_side(self, side: Path) -> None:
-        """Take over the kinds of the results; raise where the file is of another sweep."""
-        try:
-            before = json.loads(side.read_text("utf-8"))
-            checksum = before.pop("checksum")
-            if zlib.crc32(json.dumps(before).encode()) != checksum:
-                raise ValueError("it is damaged or was changed, its checksum does not fit")
-            self.kinds, self._checksum = before["results"], before["parquet"]
-        except (OSError, ValueError, KeyError, TypeError, AttributeError) as error:
-            raise PinpressError(f"{side} cannot be read ({error}): give another file, or delete it with its results") from error
-        if differ := "; ".join(differences(before, self._print)):
-            raise PinpressError(f"{self._path} is of another sweep: {differ}. Give another file, or call the sweep that it is of")
-
 
 @contextmanager
 def results(grid: Grid, function: str, to: str | os.PathLike[str] | None, retry_failed: bool) -> Iterator[Results]:
-    """The results of a sweep, those of earlier runs in the file among them; nobody else writes to the file meanwhile."""
+    """The results of a sweep, those of earlier runs in its file among them.
+
+    Raises:
+        PinpressError: as `opened`, or ``to`` is no name for such a file.
+    """
     if to is None:
-        yield Results(grid, function, None)
+        yield Results(grid)
         return
     with files.refused(to):
         path = Path(to)
+    if path.suffix != SUFFIX:
+        raise PinpressError(
+            f"to is {os.fspath(to)!r}: give a file whose name ends with {SUFFIX}; a CSV or Parquet file is written from the result, by"
+            " to_csv or to_parquet"
+        )
+    with opened(path, fingerprint(grid, function)) as file:
+        if retry_failed:
+            file.forget_failed()
+        kept = Results(grid, file)
+        if len(kept.known) < len(grid):
+            file.begin()
+        yield kept
+
+
+class SweepFile:
+    """The database of one sweep; `opened` makes it.
+
+    Attributes:
+        description: what tells this sweep from another, see `grid.fingerprint`.
+        kinds: names of the results -> "number", "bool" or "word"; empty as long as no point is there but such that failed.
+    """
+
+    def __init__(self, path: Path, connection: sqlite3.Connection) -> None:
+        """Read the description; raises sqlite3.DatabaseError or ValueError where there is none."""
+        if connection.execute("PRAGMA quick_check").fetchall() != [("ok",)]:
+            raise ValueError("its structure is broken")
+        if [table for (table,) in connection.execute("SELECT sql FROM sqlite_master ORDER BY rowid")] != TABLES:
+            raise ValueError("it has not the tables of a sweep")
+        rows = connection.execute("SELECT description, checksum FROM sweep").fetchall()
+        if len(rows) != 1 or rows[0][1] != _checksum(rows[0][0]):
+            raise ValueError("the checksum of its description does not fit")
+        self.description: dict[str, Any] = json.loads(rows[0][0])
+        self.kinds: dict[str, str] = self.description.pop("results")
+        self._path, self._connection, self._seed = path, connection, _checksum(json.dumps(self.description))
+
+    def outcomes(self) -> dict[int, Outcome]:
+        """The points that are in the file, by their numbers.
+
+        Raises:
+            PinpressError: one of them was changed or damaged.
+        """
+        known = {}
+        with _reported(self._path):
+            for number, values, error, checksum in self._connection.execute("SELECT * FROM points ORDER BY number"):
+                if checksum != _checksum((number, values, error), self._seed):
+                    raise PinpressError(
+                        f"{self._path}: point {number} is damaged or was changed, its checksum does not fit; to have it done anew, delete"
+                        f" it: DELETE FROM points WHERE number = {number}"
+                    )
+                known[number] = Outcome(number, {} if error else dict(zip(self.kinds, json.loads(values), strict=True)), error or "")
+        return known
+
+    def begin(self) -> None:
+        """From now on outcomes are added: to the log."""
+        with _reported(self._path):
+            self._connection.execute("PRAGMA journal_mode=WAL")
+            self._connection.execute("PRAGMA synchronous=NORMAL")
+
+    def add(self, found: Sequence[Outcome], kinds: Mapping[str, str]) -> None:
+        """Commit outcomes and the kinds of their results, all or nothing."""
+        rows = [(number, None if error else json.dumps([values[name] for name in kinds]), error or None) for number, values, error in found]
+        with _reported(self._path), self._connection:
+            if kinds != self.kinds:
+                self.kinds = dict(kinds)
+                self._connection.execute("UPDATE sweep SET description = ?, checksum = ?", _described(self.description, kinds))
+            self._connection.executemany(
+                "INSERT OR REPLACE INTO points VALUES (?, ?, ?, ?)", [(*row, _checksum(row, self._seed)) for row in rows]
+            )
+
+    def forget_failed(self) -> None:
+        """Delete the points that have failed."""
+        with _reported(self._path), self._connection:
+            self._connection.execute("DELETE FROM points WHERE error IS NOT NULL")
+
+
+@contextmanager
+def opened(path: Path, description: Mapping[str, Any] | None = None) -> Iterator[SweepFile]:
+    """The file of a sweep, made where there is none, and locked until the end of the block.
+
+    Args:
+        path: of the file.
+        description: of the sweep that the file must be of, see `grid.fingerprint`; None: of any, to be read alone.
+
+    Raises:
+        PinpressError: the file cannot be opened or written, is in use, is damaged, or is of another sweep.
+    """
     if path.exists() and not path.is_file():
         raise PinpressError(f"{path} is no regular file: a sweep is kept in one of its own; give another name")
-    if path.suffix not in SUFFIXES:
-        raise PinpressError(f"to is {os.fspath(to)!r}: give a file whose name ends with {' or '.join(SUFFIXES)}")
-    if path.suffix == ".parquet":
-        from .parquet import installed
-
-        installed()
+    with _reported(path):
+        connection = sqlite3.connect(path, timeout=0.0)
     try:
-        from .lock import locked
-    except ImportError:  # of the locks
-        raise PinpressError("a sweep to a file needs the locks of Linux or macOS: leave to= out, and write the table at the end") from None
-    with locked(path):
-        kept = Results(grid, function, path)
-        try:
-            kept.open(retry_failed)
-            yield kept
-        finally:
-            kept.close()
+        with _reported(path):
+            connection.text_factory = lambda text: text.decode(errors="replace")  # what is damaged has a checksum, too
+            connection.execute(f"PRAGMA page_size={PAGE}")
+            connection.execute("PRAGMA locking_mode=EXCLUSIVE")
+            with connection:
+                connection.execute("BEGIN" if description is None else "BEGIN EXCLUSIVE")
+                if description is not None and not connection.execute("SELECT * FROM sqlite_master").fetchall():
+                    for table in TABLES:
+                        connection.execute(table)
+                    connection.execute("INSERT INTO sweep VALUES (?, ?)", _described(description, {}))
+                file = SweepFile(path, connection)
+        if description is not None and (differ := "; ".join(differences(file.description, description))):
+            raise PinpressError(f"{path} is of another sweep: {differ}. Give another file, or call the sweep that it is of")
+        yield file
+    finally:
+        with suppress(sqlite3.Error):  # of a full disk: the log stays beside the file, and who opens it next takes the log over
+            connection.execute("PRAGMA journal_mode=DELETE")
+        connection.close()
+
+
+@contextmanager
+def _reported(path: Path) -> Iterator[None]:
+    """Turns what SQLite has to say into a PinpressError that names the file."""
+    try:
+        yield
+    except sqlite3.OperationalError as error:
+        if "locked" in str(error):
+            raise PinpressError(
+                f"{path} is in use, by another sweep or a program that shows databases: wait for its end, or give another file"
+            ) from None
+        raise PinpressError(f"cannot write {path}: {error}; give a file in a directory you can write to") from error
+    except (sqlite3.DatabaseError, ValueError) as error:
+        raise PinpressError(f"{path} is damaged, or no file of a sweep ({error}): give another file, or delete it") from error
+
+
+def _described(description: Mapping[str, Any], kinds: Mapping[str, str]) -> tuple[str, int]:
+    """Description and kinds as text, and its checksum."""
+    text = json.dumps({**description, "results": kinds})
+    return text, _checksum(text)
+
+
+def _checksum(value: object, seed: int = 0) -> int:
+    return zlib.crc32(repr(value).encode(), seed)
 
 
 def _kind(value: Scalar) -> str:

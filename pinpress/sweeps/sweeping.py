@@ -8,13 +8,15 @@ import pickle
 from collections.abc import Callable, Mapping
 from concurrent.futures import Executor, ProcessPoolExecutor
 from functools import partial
+from pathlib import Path
 
 from ..common.arguments import typed
 from ..common.errors import PinpressError, shown
+from ..common.regular_files import path_of
 from .execution import Function, TaskError, in_parallel, serially
 from .grid import Grid, gridded
 from .result import Sweep, table
-from .store import Results, results
+from .store import Results, opened, results
 
 
 @typed
@@ -37,10 +39,10 @@ def sweep(
             of an executor that it runs in, the point has failed, and the sweep goes on.
         grid: name -> sequence of numbers or words, or mapping of labels (numbers or words) to any objects, such as loads: labels stand in
             the results, and tell points apart. All combinations, the last axis fastest.
-        to: file of results, ``.csv`` or (with pyarrow) ``.parquet``. Every finished point is kept there at once: the same call, after
-            Ctrl-C, a crash or a kill, does the points that are missing; after the end, it reads the file. Beside it stands ``.sweep``,
-            which says of what sweep it is: names and labels are compared, not what the function does. A sweep to Parquet appends to
-            ``.parquet.csv`` as long as it runs. Checksums, in a CSV a last column, tell what was changed or damaged, which is refused.
+        to: SQLite file of the results, whose name ends with ``.sqlite``. Every finished point is in it at once: the same call, after
+            Ctrl-C, a crash or a kill, does the points that are missing; after the end, it reads the file. The file says of what sweep it
+            is: names and labels are compared, not what the function does. Checksums tell what was changed or damaged, which is refused.
+            `read` makes a table of what is there.
         executor: any of `concurrent.futures`, such as ``ProcessPoolExecutor()``, or ``distributed.Client(...).get_executor()`` of a Dask
             cluster; it stays open. None: point by point in this process. A process pool whose worker dies is broken: the sweep goes on with
             pools of one process each, made as it was.
@@ -52,7 +54,7 @@ def sweep(
 
     Raises:
         PinpressError: an argument that makes no sense; a function that cannot be sent to other processes; a file that is of another sweep,
-            damaged, cannot be written or is being written by another sweep; results of other names than before; an executor that is gone.
+            damaged, in use, or cannot be written; results of other names than before; an executor that is gone.
             All that was finished is in the file.
     """
     _check_arguments(function, executor, in_flight, progress)
@@ -63,8 +65,26 @@ def sweep(
     name = _name(function)
     with results(points, name, to, retry_failed) as kept:
         _run(function, points, kept, executor, in_flight, progress, to)
-        kept.finish()
         return table(name, points, kept.kinds, kept.known)
+
+
+@typed
+def read(path: str | os.PathLike[str]) -> Sweep:
+    """What is in the file of a sweep, finished or stopped; results of points that are not done yet are masked, as of those that failed.
+
+    Args:
+        path: what `sweep` was given by ``to``.
+
+    Raises:
+        PinpressError: there is no such file, it is damaged, or a sweep is writing it.
+    """
+    file = Path(path_of("path", path))
+    if not file.exists():
+        raise PinpressError(f"there is no file {file}: give the one that sweep has written by to=")
+    with opened(file) as found:
+        said = found.description
+        axes = {name: tuple(labels) for name, labels in said["axes"].items()}
+        return table(said["function"], Grid(axes, axes, said["paired"]), found.kinds, found.outcomes())
 
 
 def _run(

@@ -68,7 +68,7 @@ def points() -> None:
 
 def overhead(name: str, executor: Executor | None, folder: Path) -> None:
     cells = []
-    for suffix in (None, "csv", "parquet"):
+    for suffix in (None, "sqlite"):
         best = float("inf")
         for k in range(REPEATS):
             to = None if suffix is None else folder / f"{name.replace(' ', '_')}{k}.{suffix}"
@@ -81,7 +81,7 @@ def overhead(name: str, executor: Executor | None, folder: Path) -> None:
 
 def main() -> None:
     points()
-    print(f"\nwhat a sweep of {POINTS} points that do nothing takes, us a point\n{'':44}{'no file':>12}{'CSV':>12}{'Parquet':>12}")
+    print(f"\nwhat a sweep of {POINTS} points that do nothing takes, us a point\n{'':44}{'no file':>12}{'file':>12}")
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         overhead("serial", None, folder)

@@ -46,3 +46,12 @@ def logged(a, log, pause):
     os.close(descriptor)
     time.sleep(pause)
     return {"twice": 2 * a, "process": os.getpid()}
+
+
+WORDS = ["plain", "two\nlines", 'say "x", or y', "é 滑块", "\r", "7"]
+
+
+def told(k):
+    if k % 5 == 3:
+        raise ValueError(f'not {k},\nor "{k}"')
+    return {"number": 0.1 * k, "word": WORDS[k % 6], "even": k % 2 == 0, "whole": k}

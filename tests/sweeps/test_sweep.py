@@ -1,22 +1,22 @@
 """Sweeps in one process and with local ones: order, types, files, what fails and what is refused."""
 
 import csv
-import json
 import os
 import signal
+import sqlite3
 import subprocess
 import sys
 import threading
 from collections import Counter
 from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
-from contextlib import nullcontext
+from contextlib import closing, nullcontext
 from functools import partial
 from pathlib import Path
 
 import numpy as np
 import pytest
 from support.full_disk import full_disk
-from support.sweep_points import dies, doubled, fails_at_odd, logged, product, raises_at_1
+from support.sweep_points import dies, doubled, fails_at_odd, logged, product, raises_at_1, told
 from support.time_limit import within
 
 import pinpress as pp
@@ -24,13 +24,19 @@ from pinpress.sweeps.sweeping import sweep
 
 pytestmark = pytest.mark.usefixtures("time_limit")
 
+TESTS = Path(__file__).parents[1]
 GRID = {"a": [3, 1, 2], "b": np.array([0.5, 4.0])}
-FORMATS = ["csv", "parquet"]
 
 
-@pytest.fixture(params=FORMATS)
-def file(request, tmp_path):
-    return tmp_path / f"results.{request.param}"
+@pytest.fixture
+def file(tmp_path):
+    return tmp_path / "r.sqlite"
+
+
+def points(path):
+    """What another program reads in the file: (number, results, error, checksum) of every point."""
+    with closing(sqlite3.connect(path)) as database:
+        return database.execute("SELECT * FROM points ORDER BY number").fetchall()
 
 
 def rows(path):
@@ -94,10 +100,11 @@ def test_file_is_read_again_and_written_out(file, tmp_path):
     content = file.read_bytes()
     second = sweep(counted, GRID, to=file)
     assert len(calls) == 12
+    same(pp.sweeps.read(file), alone)
     assert file.read_bytes() == content
     same(first, alone)
     same(second, alone)
-    assert sorted(os.listdir(tmp_path)) == [file.name, f"{file.name}.sweep"]
+    assert os.listdir(tmp_path) == [file.name]
     frame = second.to_frame()
     assert frame["product"].tolist() == alone.columns["product"].tolist()
     second.to_csv(tmp_path / "table.csv")
@@ -171,66 +178,78 @@ def test_labels_of_several_kinds(file):
     same(sweep(lambda size, left: {}, grid, to=file), found)
 
 
-def test_other_names_stop_the_sweep_and_what_was_done_stays(tmp_path):
-    file = tmp_path / "r.csv"
+def test_other_names_stop_the_sweep_and_what_was_done_stays(file):
     with pytest.raises(pp.PinpressError, match=r"y \(number\) at \{'a': 2\}, but x \(number\) before"):
         sweep(lambda a: {"x": 1.0} if a < 2 else {"y": 1.0}, {"a": [0, 1, 2]}, to=file)
-    assert len(rows(file)) == 3
+    assert len(points(file)) == 2
 
 
-@pytest.mark.parametrize("end", range(1, 30))
-def test_torn_last_line_is_dropped(tmp_path, end):
-    """Torn anywhere in the last two lines, in a quotation with a line's end in it too."""
-    file, done = tmp_path / "r.csv", []
+def test_names_may_come_in_any_order(file):
+    def either(a):
+        return {"x": a, "y": -a} if a % 2 else {"y": -a, "x": a}
 
-    def words(a):
-        done.append(a)
-        return {"word": f'é"\n{a}', "number": 12.25}
-
-    whole = sweep(words, {"a": [0, 1, 2]}, to=file)
-    content = file.read_bytes()
-    torn = content[:-end]
-    file.write_bytes(torn)
-    again = sweep(words, {"a": [0, 1, 2]}, to=file)
-    same(again, whole)
-    last = len(content.split(b"\n2,")[1]) + 2
-    assert done == ([0, 1, 2, 2] if end <= last else [0, 1, 2, 1, 2])
-    assert file.read_bytes() == content
+    found = sweep(either, {"a": range(4)}, to=file)
+    assert found.columns["x"].tolist() == [0, 1, 2, 3]
+    same(sweep(either, {"a": range(4)}, to=file), found)
 
 
-def test_damaged_or_foreign_files_are_refused(tmp_path):
-    file = tmp_path / "r.csv"
+def test_numbers_come_back_bit_by_bit(file):
+    numbers = [0.1 + 0.2, -0.0, 5e-324, 1.7976931348623157e308, 2.0, 2, -(2**53), np.float64(1 / 3), np.float32(0.1), np.int64(7), 1e22]
+    found = sweep(lambda k: {"x": numbers[k]}, {"k": range(len(numbers))}, to=file)
+    again = sweep(lambda k: {}, {"k": range(len(numbers))}, to=file)
+    assert again.columns["x"].tobytes() == found.columns["x"].tobytes() == np.array([float(number) for number in numbers]).tobytes()
+    sweep(lambda k: {"x": k}, {"k": range(3)}, to=file.with_name("whole.sqlite"))
+    assert sweep(lambda k: {}, {"k": range(3)}, to=file.with_name("whole.sqlite")).columns["x"].dtype == np.int64
+
+
+def test_a_file_without_points_is_begun(file):
+    """As a kill may leave it just after its name was made."""
+    file.touch()
+    same(sweep(product, GRID, to=file), sweep(product, GRID))
+
+
+def test_what_another_program_changes_is_refused(file):
     sweep(product, GRID, to=file)
-    content, side = file.read_text(), (tmp_path / "r.csv.sweep").read_text()
-    for damaged in (
-        content.replace("\n1,3,4.0", "\n1,3,4.5"),
-        content.replace("\n1,", "\n99,"),
-        content.replace("True", "yes", 1),
-        content.replace(",1.5,", ",nan,"),
+    content = file.read_bytes()
+    for changed, words in (
+        ("UPDATE points SET results = replace(results, '4.0', '4.5') WHERE number = 3", "point 3 is damaged or was changed"),
+        ("UPDATE points SET error = 'it failed' WHERE number = 2", "point 2 is damaged or was changed"),
+        ("UPDATE points SET number = 99 WHERE number = 2", "point 99 is damaged or was changed"),
+        ("INSERT INTO points SELECT 7, results, error, checksum FROM points WHERE number = 1", "point 7 is damaged or was changed"),
+        ("UPDATE sweep SET description = replace(description, 'larger', 'smaller')", "the checksum of its description does not fit"),
+        ("DELETE FROM sweep", "the checksum of its description does not fit"),
+        ("CREATE INDEX i ON points(error)", "not the tables of a sweep"),
+        ("DROP TABLE points", "not the tables of a sweep"),
     ):
-        assert damaged != content
-        file.write_text(damaged)
-        with pytest.raises(pp.PinpressError, match=r"row \d is damaged or was changed"):
+        file.write_bytes(content)
+        with closing(sqlite3.connect(file)) as database, database:
+            database.execute(changed)
+        with pytest.raises(pp.PinpressError, match=words):
             sweep(product, GRID, to=file)
-    file.write_text("a,b\n1,2\n")
-    with pytest.raises(pp.PinpressError, match="first line"):
+        with pytest.raises(pp.PinpressError, match=words):
+            pp.sweeps.read(file)
+
+
+def test_a_point_that_is_deleted_is_done_again(file):
+    right, done = sweep(product, GRID, to=file), []
+    with closing(sqlite3.connect(file)) as database, database:
+        database.execute("DELETE FROM points WHERE number = 3")
+
+    def counted(**point):
+        done.append(point)
+        return product(**point)
+
+    counted.__qualname__ = "product"
+    same(sweep(counted, GRID, to=file), right)
+    assert done == [{"a": 1, "b": 4.0}]
+
+
+@pytest.mark.parametrize("content", [b"a,b\n1,2\n", b"SQLite format 3\0" + bytes(200), bytes(5000)])
+def test_other_files_are_refused_and_left_alone(file, content):
+    file.write_bytes(content)
+    with pytest.raises(pp.PinpressError, match=r"r\.sqlite is damaged, or no file of a sweep"):
         sweep(product, GRID, to=file)
-    (tmp_path / "r.csv.sweep").write_text(side[:-5])
-    with pytest.raises(pp.PinpressError, match=r"r\.csv\.sweep cannot be read"):
-        sweep(product, GRID, to=file)
-    os.unlink(tmp_path / "r.csv.sweep")
-    with pytest.raises(pp.PinpressError, match=r"not r\.csv\.sweep beside it"):
-        sweep(product, GRID, to=file)
-    assert file.read_text() == "a,b\n1,2\n"
-
-
-WORDS = ["plain", "two\nlines", 'say "x", or y', "é 滑块", "\r", "7"]
-
-
-def told(k):
-    if k % 5 == 3:
-        raise ValueError(f'not {k},\nor "{k}"')
-    return {"number": 0.1 * k, "word": WORDS[k % 6], "even": k % 2 == 0, "whole": k}
+    assert file.read_bytes() == content
 
 
 def edits(content, seed, count):
@@ -255,88 +274,28 @@ def edits(content, seed, count):
         yield bytes(changed)
 
 
-@pytest.mark.parametrize("suffix", ["csv", "parquet", "csv.sweep", "parquet.csv"])
-def test_changed_files_are_refused_or_do_no_harm(tmp_path, monkeypatch, suffix):
-    """Finished ones, the one beside them, and one that a sweep to Parquet has left: no value is ever another one, no row is lost in the
-    middle; at the end a row may pass for one that was not written to its end, and is done again."""
-    monkeypatch.setattr(os, "fsync", lambda _: None)  # which takes longer than all else here
-    file = tmp_path / ("r.csv" if suffix.startswith("csv") else "r.parquet")
-    grid = {"k": range(30)}
-    if suffix == "parquet.csv":
-        with pytest.raises(KeyboardInterrupt):
-            sweep(stopped, grid, to=file)
-    right = sweep(told, grid, to=None if suffix == "parquet.csv" else file)
-    others = {path: path.read_bytes() for path in tmp_path.iterdir()}
-    target = tmp_path / f"r.{suffix}"
-    refused = 0
-    for changed in edits(others[target], 7, 120):
-        for path in tmp_path.iterdir():
-            path.unlink()
-        for path, content in others.items():
-            path.write_bytes(content)
-        target.write_bytes(changed)
-        done = []
+def killed(file, grid):
+    """A sweep of `told` whose process is killed at its last point."""
+    program = f"""
+import os, signal
+from support.sweep_points import told
+from pinpress.sweeps.sweeping import sweep
 
-        def counted(k, done=done):
-            done.append(k)
-            return told(k)
+def killing(k):
+    return told(k) if k < {len(grid["k"]) - 1} else os.kill(os.getpid(), signal.SIGKILL)
 
-        counted.__qualname__ = "told"
-        try:
-            found = sweep(counted, grid, to=file)
-        except pp.PinpressError:
-            refused += 1
-        else:
-            same(found, right)
-            assert set(done) <= {27, 28, 29}
-    assert refused > 70
+killing.__qualname__ = "told"
+sweep(killing, {grid!r}, to={str(file)!r})
+"""
+    assert subprocess.run([sys.executable, "-c", program], cwd=TESTS).returncode == -signal.SIGKILL
 
 
-def stopped(k):
-    if k == 29:
-        raise KeyboardInterrupt
-    return told(k)
-
-
-stopped.__qualname__ = "told"
-
-
-@pytest.mark.parametrize("damage", [b"\xff", b'"'])
-def test_damage_in_the_middle_of_an_unfinished_file_is_told(tmp_path, damage):
-    file = tmp_path / "r.csv"
-    with pytest.raises(KeyboardInterrupt):
-        sweep(stopped, {"k": range(30)}, to=file)
-    content = file.read_bytes()
-    at = content.index(b"\n5,") + 4
-    file.write_bytes(content[:at] + damage + content[at + 1 :])
-    with pytest.raises(pp.PinpressError, match=r"r\.csv: row 7|r\.csv: row 8|r\.csv: row 9"):
-        sweep(told, {"k": range(30)}, to=file)
-
-
-def test_an_unfinished_file_most_of_which_is_lost_is_refused(tmp_path):
-    """More than a row that was torn can be, though no row after it is whole."""
-    file = tmp_path / "r.csv"
-    sweep(told, {"k": range(30)}, to=file)
-    content = file.read_bytes()
-    file.write_bytes(content[: content.index(b"\n5,") + 1] + bytes(300_000))
-    with pytest.raises(pp.PinpressError, match=r"r\.csv: row \d+ is damaged"):
-        sweep(told, {"k": range(30)}, to=file)
-
-
-def test_killed_between_the_last_steps(tmp_path):
-    """When the Parquet file was written, but the lines beside it, which are those of a CSV, were still there."""
-    file, grid = tmp_path / "r.parquet", {"k": range(30)}
-    right = sweep(told, grid, to=file)
-    sweep(told, grid, to=tmp_path / "r.csv")
-    (tmp_path / "r.csv").rename(tmp_path / "r.parquet.csv")
-    same(sweep(stopped, grid, to=file), right)
-    assert sorted(os.listdir(tmp_path)) == ["r.csv.sweep", "r.parquet", "r.parquet.sweep"]
-    same(sweep(stopped, grid, to=file), right)
-
-
-def test_a_disk_that_fills_up(file):
-    """What was finished before is there, and a call with more room does the others."""
-    running = file if file.suffix == ".csv" else file.with_name(f"{file.name}.csv")
+def again(file, grid, files):
+    """The sweep of `told` once more, from files as they were put there, and the points that it does; None where it is refused."""
+    for path in file.parent.iterdir():
+        path.unlink()
+    for path, content in files.items():
+        path.write_bytes(content)
     done = []
 
     def counted(k):
@@ -344,18 +303,104 @@ def test_a_disk_that_fills_up(file):
         return told(k)
 
     counted.__qualname__ = "told"
-    with full_disk(800), pytest.raises(pp.PinpressError, match=f"cannot write {running}: File too large"):
-        sweep(counted, {"k": range(30)}, to=file)
-    assert running.stat().st_size == 800
-    before, done[:] = len(done), []
+    try:
+        return sweep(counted, grid, to=file), done
+    except pp.PinpressError:
+        return None, done
+
+
+@pytest.mark.parametrize("log", [False, True])
+def test_changed_files_are_refused_or_do_no_harm(file, log):
+    """A finished file, and the log that a kill has left: no value is ever another one, no point is lost without being done again."""
+    grid = {"k": range(30)}
+    right = sweep(told, grid, to=None if log else file)
+    if log:
+        killed(file, grid)
+    files = {path: path.read_bytes() for path in file.parent.iterdir()}
+    target = file.with_name("r.sqlite-wal") if log else file
+    refused = 0
+    for changed in edits(files[target], 7, 150):
+        found, _ = again(file, grid, {**files, target: changed})
+        refused += found is None
+        if found is not None:
+            same(found, right)
+    assert refused > 70 or log  # from the log SQLite takes what is whole, and leaves the rest
+
+
+def test_a_log_that_is_torn_loses_its_end_alone(file):
+    grid = {"k": range(30)}
+    right = sweep(told, grid)
+    killed(file, grid)
+    files = {path: path.read_bytes() for path in file.parent.iterdir()}
+    log = file.with_name("r.sqlite-wal")
+    assert again(file, grid, files)[1] == [29]
+    left = [29]
+    for end in range(100, len(files[log]), 1500):
+        found, done = again(file, grid, {**files, log: files[log][:-end]})
+        same(found, right)
+        assert done == list(range(done[0], 30))
+        assert done[0] <= left[0]
+        left = done
+    assert left[0] < 5
+
+
+def test_a_disk_that_fills_up(file):
+    """What was finished before is there, and a call with more room does the others."""
+    done = []
+
+    def counted(k):
+        done.append(k)
+        return told(k)
+
+    counted.__qualname__ = "told"
+    for size in (0, 800, 3000, 8000, 20_000):
+        known = len(points(file)) if file.exists() and file.stat().st_size else 0
+        done[:] = []
+        with full_disk(size), pytest.raises(pp.PinpressError, match=f"cannot write {file}: "):
+            sweep(counted, {"k": range(30)}, to=file)
+        assert done == list(range(known, known + len(done)))
+    before, done[:] = len(points(file)), []
+    assert before > 5
     same(sweep(counted, {"k": range(30)}, to=file), sweep(told, {"k": range(30)}))
-    assert done == list(range(before - 1, 30))
+    assert done == list(range(before, 30))
+    assert os.listdir(file.parent) == [file.name]
+
+
+def test_a_sweep_that_was_stopped_can_be_read(file):
+    def stopped(k):
+        if k == 12:
+            raise KeyboardInterrupt
+        return told(k)
+
+    with pytest.raises(KeyboardInterrupt):
+        sweep(stopped, {"k": range(30)}, to=file)
+    assert os.listdir(file.parent) == [file.name]
+    found = pp.sweeps.read(file)
+    whole = sweep(told, {"k": range(30)})
+    assert found.missing == tuple(range(12, 30))
+    assert found.failed == whole.failed[:2]
+    assert np.ma.compressed(found.columns["word"]).tolist() == np.ma.compressed(whole.columns["word"][:12]).tolist()
+    assert "2 of which failed, 18 are not done" in str(found)
+    found.to_csv(file.with_name("table.csv"))
+    assert [row[1] for row in rows(file.with_name("table.csv"))[12:15]] == ["1.1", "", ""]
+    with pytest.raises(pp.PinpressError, match="there is no file"):
+        pp.sweeps.read(file.with_name("other.sqlite"))
+
+
+@pytest.mark.parametrize("write", ["to_csv", "to_parquet"])
+def test_labels_of_several_kinds_are_exported(tmp_path, write):
+    found = sweep(lambda size: {"x": 1.0}, {"size": {1: 10, "large": 30, 2.5: 20}})
+    getattr(found, write)(tmp_path / "table")
+    if write == "to_csv":
+        assert [row[0] for row in rows(tmp_path / "table")] == ["size", "1", "large", "2.5"]
+    else:
+        assert pytest.importorskip("pandas").read_parquet(tmp_path / "table")["size"].tolist() == ["1", "large", "2.5"]
 
 
 def test_a_sweep_is_kept_in_a_regular_file(tmp_path):
-    os.mkfifo(tmp_path / "r.csv")
+    os.mkfifo(tmp_path / "r.sqlite")
     with pytest.raises(pp.PinpressError, match="no regular file"):
-        sweep(product, GRID, to=tmp_path / "r.csv")
+        sweep(product, GRID, to=tmp_path / "r.sqlite")
 
 
 @pytest.mark.parametrize(
@@ -391,8 +436,8 @@ def test_another_sweep_is_refused_with_what_differs(file, function, grid, how, w
         ({"grid": {"a": np.ones((2, 2)), "b": [1]}}, "give a sequence"),
         ({"grid": {"error": [1]}}, "cannot be an axis"),
         ({"grid": {"a": [1, 2], "b": [1]}, "paired": True}, "equally long"),
-        ({"to": "results.txt"}, "ends with .csv or .parquet"),
-        ({"to": "no/such/folder/r.csv"}, "No such file or directory"),
+        ({"to": "results.csv"}, r"ends with \.sqlite; a CSV or Parquet file is written"),
+        ({"to": "no/such/folder/r.sqlite"}, "cannot write no/such/folder/r.sqlite: unable to open"),
         ({"to": 5}, "cannot write 5"),
         ({"executor": 4}, "executor is 4"),
         ({"in_flight": 0}, "in_flight is 0"),
@@ -446,10 +491,10 @@ def test_a_point_that_kills_its_worker_has_failed(file, how):
 
 def test_no_process_can_be_started(tmp_path):
     """That is not the points' fault: none of them has failed."""
-    file = tmp_path / "r.csv"
+    file = tmp_path / "r.sqlite"
     with ProcessPoolExecutor(2, initializer=os._exit, initargs=(1,)) as pool, pytest.raises(pp.PinpressError, match="with a new executor"):
         sweep(doubled, {"a": range(30)}, to=file, executor=pool)
-    assert not file.exists() or len(rows(file)) <= 1
+    assert points(file) == []
 
 
 def test_a_cluster_gives_up_a_point_that_kills_its_workers():
@@ -559,32 +604,33 @@ def test_interrupted_and_resumed(file):
 
 def test_one_at_a_time(tmp_path):
     """Refused in this process and from another one, which a kill releases."""
-    file, log = tmp_path / "r.csv", tmp_path / "log"
+    file, log = tmp_path / "r.sqlite", tmp_path / "log"
     held = []
 
     def again(a):
-        with pytest.raises(pp.PinpressError, match="another sweep of this process"):
+        with pytest.raises(pp.PinpressError, match="in use, by another sweep"):
             sweep(product, GRID, to=file)
         held.append(a)
         return {"x": a}
 
     sweep(again, {"a": [1]}, to=file)
     assert held == [1]
-    other = tmp_path / "other.csv"
+    other = tmp_path / "other.sqlite"
     words = (
         "from functools import partial; from support.sweep_points import logged; from pinpress.sweeps.sweeping import sweep;"
         f" sweep(partial(logged, log={str(log)!r}, pause=30), {{'a': [1]}}, to={str(other)!r})"
     )
-    holder = subprocess.Popen([sys.executable, "-c", words], cwd=Path(__file__).parents[1])
+    holder = subprocess.Popen([sys.executable, "-c", words], cwd=TESTS)
     try:
         with within(20):
             while not log.exists():
                 pass
-        with pytest.raises(pp.PinpressError, match=f"another sweep \\(process {holder.pid}\\)"):
+        with pytest.raises(pp.PinpressError, match="in use, by another sweep"):
             sweep(partial(logged, log=str(log), pause=0), {"a": [1]}, to=other)
+        with pytest.raises(pp.PinpressError, match="in use, by another sweep"):
+            pp.sweeps.read(other)
     finally:
         holder.send_signal(signal.SIGKILL)
         holder.wait()
     assert sweep(partial(logged, log=str(log), pause=0), {"a": [1]}, to=other).columns["twice"].tolist() == [2]
-    assert json.loads((tmp_path / "other.csv.sweep").read_text())["function"] == "logged"
-    assert not (tmp_path / "other.csv.lock").exists()
+    assert sorted(os.listdir(tmp_path)) == ["log", "other.sqlite", "r.sqlite"]

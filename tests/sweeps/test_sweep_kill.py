@@ -1,48 +1,50 @@
 """A sweep of 10 000 simulations killed twice and resumed loses nothing, and repeats nothing that was finished."""
 
-import csv
 import os
+import shutil
 import signal
+import sqlite3
 import subprocess
 import sys
 import time
 from collections import Counter
-from contextlib import suppress
+from contextlib import closing, suppress
 from functools import partial
 from pathlib import Path
 
 import numpy as np
-import pytest
 from support.sweep_10000 import DURATION, INERTIAS, PRESS, grid, stroke
 from support.time_limit import within
 
 import pinpress as pp
 from pinpress.sweeps.sweeping import sweep
 
-SPEEDS = {"csv": 400, "parquet": 16}  # what differs from CSV is the end
+SPEEDS = 400
 
 
 def executions(log):
     return Counter(log.read_text().splitlines()) if log.exists() else Counter()
 
 
-def finished(path):
-    """Points in the file, complete lines of which end the points' numbers: (speed, inertia) as the log has them."""
-    lines = path.read_text().split("\n")[:-1]
-    return [f"{row[1]},{row[2]}" for row in csv.reader(lines[1:])] if lines else []
+def finished(file, copies):
+    """Points in the file and its log as a kill has left them, read in copies: (speed, inertia) as the log of executions has them."""
+    copies.mkdir()
+    for path in (file, file.with_name(f"{file.name}-wal")):
+        shutil.copy(path, copies)
+    with closing(sqlite3.connect(copies / file.name)) as database:
+        numbers = [number for (number,) in database.execute("SELECT number FROM points")]
+    speeds = grid(SPEEDS)["speed"]
+    return [f"{float(speeds[k // len(INERTIAS)])!r},{float(INERTIAS[k % len(INERTIAS)])!r}" for k in numbers]
 
 
-@pytest.mark.parametrize("suffix", ["csv", pytest.param("parquet", marks=pytest.mark.exhaustive)])
-def test_killed_twice_and_resumed(tmp_path, suffix):
-    file, log = tmp_path / f"r.{suffix}", tmp_path / "log"
-    running = file if suffix == "csv" else tmp_path / "r.parquet.csv"
-    speeds = SPEEDS[suffix]
-    points = speeds * len(INERTIAS)
+def test_killed_twice_and_resumed(tmp_path):
+    file, log = tmp_path / "r.sqlite", tmp_path / "log"
+    points = SPEEDS * len(INERTIAS)
     program = Path(__file__).parents[1] / "support" / "sweep_10000.py"
     started = []
 
     def start(workers):
-        command = [sys.executable, str(program), str(file), str(log), str(speeds), str(workers)]
+        command = [sys.executable, str(program), str(file), str(log), str(SPEEDS), str(workers)]
         # A session of its own, to end its worker processes too, which outlive it.
         started.append(subprocess.Popen(command, start_new_session=True, env=os.environ | {"OMP_NUM_THREADS": "1"}))
         return started[-1]
@@ -57,7 +59,7 @@ def test_killed_twice_and_resumed(tmp_path, suffix):
                     time.sleep(0.002)
                 os.kill(process.pid, signal.SIGKILL)  # alone: its workers hold neither the lock nor the file
                 assert process.wait() == -signal.SIGKILL
-                at_kills.append((finished(running), len(log.read_bytes())))
+                at_kills.append((finished(file, tmp_path / str(workers)), len(log.read_bytes())))
             last = start(2)
             assert last.wait() == 0
     finally:
@@ -75,7 +77,7 @@ def test_killed_twice_and_resumed(tmp_path, suffix):
     assert len(at_kills[0][0]) < len(at_kills[1][0])
     # What was in hand at a kill is done again: at most once for each of the two.
     assert max(done.values()) <= 3
-    found = sweep(partial(stroke, log=str(log)), grid(speeds), to=file)
+    found = sweep(partial(stroke, log=str(log)), grid(SPEEDS), to=file)
     assert executions(log) == done  # all of it was there
     assert found.failed == ()
     for number in range(0, points, max(1, points // 20) + 1):

@@ -156,6 +156,7 @@ def swept(x: float) -> dict[str, float]:
 X = pp.balancing.Range("shaking_force", "z")
 ROOMS = [pp.balancing.Room("crank", radius=0.3, mass=(0.0, 50.0))]
 PATH = FOLDER / "written"
+SWEPT = FOLDER / "swept.sqlite"
 LENGTHS = {("W", "rod"): (0.41, 0.0, 0.0)}
 POINTS = {"top": (0.0, 0.0, 1.0)}
 
@@ -521,6 +522,7 @@ def calls() -> dict[str, Call]:
             pp.sweeps.sweep,
             lambda: {"function": swept, "grid": {"x": [1.0, 2.0]}, "executor": Inline(), "paired": False, "in_flight": 2},
         ),
+        ("sweeps.read", pp.sweeps.read, lambda: {"path": SWEPT}),
         (
             "record",
             pp.record,
