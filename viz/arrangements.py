@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 
 import pinpress as pp
-from pinpress.balancing.classical import arrangements
+from pinpress.balancing import classical
 from pinpress.balancing.counterweights import with_counterweights
 
 PAGE = Path(__file__).with_suffix(".md")
@@ -41,20 +41,20 @@ NOTES = """
 def presses() -> dict[str, pp.Linkage]:
     """The press without balancing, and in every arrangement."""
     plain = pp.load("jf75g_125_plain")
-    opposed = arrangements.opposed(plain, AUXILIARY)
-    main = arrangements.crank_slide(plain)
+    opposed = classical.with_opposed_balancer(plain, AUXILIARY)
+    main = classical.as_crank_slider(plain)
     similar = AUXILIARY / main.crank_radius  # lengths of the auxiliary crank-slide times this, masses divided by it
     share = main.rod_share.real
     even = main.rod_mass * similar * main.rod_length**2 * share * (1 - share) - main.residual_inertia
     return {
         "none": plain,
-        "complete": with_counterweights(plain, arrangements.complete_balance(plain, ROD_RADIUS, RADIUS)),
-        "approximate, share 0.5": with_counterweights(plain, [arrangements.approximate_balance(plain, RADIUS)]),
+        "complete": with_counterweights(plain, classical.complete_balance(plain, rod_radius=ROD_RADIUS, crank_radius=RADIUS)),
+        "approximate, share 0.5": with_counterweights(plain, [classical.approximate_balance(plain, RADIUS)]),
         "opposed, as shipped (`jf75g_125`)": pp.load("jf75g_125"),
         "opposed": opposed,
-        "opposed, rod that cancels the moment": arrangements.opposed(plain, AUXILIARY, rod_inertia=even),
-        "symmetric": arrangements.symmetric(plain, SHAFTS),
-        "symmetric, opposed halves": arrangements.symmetric(opposed, SHAFTS),
+        "opposed, rod that cancels the moment": classical.with_opposed_balancer(plain, AUXILIARY, rod_inertia=even),
+        "symmetric": classical.mirrored(plain, SHAFTS),
+        "symmetric, opposed halves": classical.mirrored(opposed, SHAFTS),
     }
 
 
@@ -67,7 +67,7 @@ def table() -> str:
         result = pp.inverse_dynamics(press, pp.cycle(press, SPEED, POINTS))
         mass = sum(inertia.mass for inertia in press.model.inertias)
         before, plain = before or result, plain or mass
-        changes = arrangements.cancelled(before, result)
+        changes = classical.compare_harmonics(before, result)
         force, moment = result.shaking_force, result.shaking_moment[:, 1]
         ranges = [np.ptp(each) for each in (force[:, 2], force[:, 0], moment)]
         left = [any(c.change in ("reduced", "unchanged", "raised") for c in changes if c.quantity == quantity) for quantity in QUANTITIES]
@@ -81,7 +81,7 @@ def _figure(number: float) -> str:
     return np.format_float_positional(number, 5, fractional=False, trim="-")
 
 
-def _cancelled(changes: tuple[arrangements.HarmonicChange, ...], quantity: str) -> str:
+def _cancelled(changes: tuple[classical.HarmonicChange, ...], quantity: str) -> str:
     """Orders that are cancelled; all of them where none is left."""
     there = [change for change in changes if change.quantity == quantity and change.before > 0 and change.change != "none"]
     orders = [str(change.order) for change in there if change.change == "cancelled"]

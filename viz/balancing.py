@@ -20,23 +20,30 @@ PATH = {"start of the thesis": (100.0, 1000.0, 2887.80), "after its 17 steps": (
 
 # Kong 2025: counterweights, and the changes of the ranges of the shaking force that its reference [20] claims for them
 PAPER = (pp.balancing.Counterweight("crank", 605.496, (-0.1428, 0, 0)), pp.balancing.Counterweight("rod", 55.536, (-0.0456, 0, 0)))
-SAME_PLACES = [pp.balancing.Room("crank", radius=0.1428), pp.balancing.Room("rod", radius=0.0456)]
-THREE_LINKS = [pp.balancing.Room("crank", radius=0.3), pp.balancing.Room("rocker", radius=0.6), pp.balancing.Room("rod", radius=0.3)]
+SAME_PLACES = [pp.balancing.CounterweightRegion("crank", radius=0.1428), pp.balancing.CounterweightRegion("rod", radius=0.0456)]
+THREE_LINKS = [
+    pp.balancing.CounterweightRegion("crank", radius=0.3),
+    pp.balancing.CounterweightRegion("rocker", radius=0.6),
+    pp.balancing.CounterweightRegion("rod", radius=0.3),
+]
 TOTAL = sum(weight.mass for weight in PAPER)
 
 
-def jf75g() -> dict[str, Callable[[], pp.balancing.Balance]]:
+def jf75g() -> dict[str, Callable[[], pp.balancing.BalancedPress]]:
     """The thesis' problem at 300 strokes/min."""
     press = pp.load("jf75g_125")
     motion = pp.cycle(press, speed=300 * pp.RPM, points=POINTS)
-    counterweight = pp.balancing.Room("counterweight", replaces=True)
-    shape_kept = [pp.balancing.Room("auxiliary_rod", replaces=True), counterweight]
+    counterweight = pp.balancing.CounterweightRegion("counterweight", replaces=True)
+    shape_kept = [pp.balancing.CounterweightRegion("auxiliary_rod", replaces=True), counterweight]
     # (5-15): centre of mass of the auxiliary rod 300 to 400 mm from its crank pin
-    placed = [pp.balancing.Room("auxiliary_rod", corners=((0.3, 0, 0), (0.4, 0, 0)), mass=(50, 200), replaces=True), counterweight]
+    placed = [
+        pp.balancing.CounterweightRegion("auxiliary_rod", corners=((0.3, 0, 0), (0.4, 0, 0)), mass=(50, 200), replaces=True),
+        counterweight,
+    ]
     return {
-        "optimum": lambda: pp.balancing.balance(press, motion, shape_kept, VERTICAL),
+        "optimum": lambda: pp.balancing.balance(press, motion, regions=shape_kept, minimise=VERTICAL),
         "optimum with a rod of 50 kg or more, its centre of mass within (5-15)": lambda: pp.balancing.balance(
-            press, motion, placed, VERTICAL
+            press, motion, regions=placed, minimise=VERTICAL
         ),
     }
 
@@ -45,13 +52,15 @@ def on_the_way(rod: float, counterweight: float) -> float:
     """Range [N] with other masses [kg] of auxiliary rod and counterweight, of the same shape."""
     press = pp.load("jf75g_125")
     fixed = [
-        pp.balancing.Room("auxiliary_rod", replaces=True, mass=(rod, rod)),
-        pp.balancing.Room("counterweight", replaces=True, mass=(counterweight,) * 2),
+        pp.balancing.CounterweightRegion("auxiliary_rod", replaces=True, mass=(rod, rod)),
+        pp.balancing.CounterweightRegion("counterweight", replaces=True, mass=(counterweight,) * 2),
     ]
-    return pp.balancing.balance(press, pp.cycle(press, speed=300 * pp.RPM, points=POINTS), fixed, VERTICAL).outcomes[0].after
+    return (
+        pp.balancing.balance(press, pp.cycle(press, speed=300 * pp.RPM, points=POINTS), regions=fixed, minimise=VERTICAL).changes[0].after
+    )
 
 
-def zxn2() -> dict[str, Callable[[], pp.balancing.Balance]]:
+def zxn2() -> dict[str, Callable[[], pp.balancing.BalancedPress]]:
     """Optima at 70 strokes/min."""
     press = pp.load("zxn2_3000b")
     motion = pp.cycle(press, speed=70 * pp.RPM, points=POINTS)
@@ -59,13 +68,15 @@ def zxn2() -> dict[str, Callable[[], pp.balancing.Balance]]:
     newtons = {HORIZONTAL: HORIZONTAL.value(before), VERTICAL: VERTICAL.value(before)}  # a newton of either counts the same
     within = {ADDED: TOTAL}
     return {
-        "least horizontal range, the paper's links and radii": lambda: pp.balancing.balance(press, motion, SAME_PLACES, HORIZONTAL, within),
-        "horizontal range zero, then least vertical": lambda: pp.balancing.balance(
-            press, motion, THREE_LINKS, VERTICAL, {HORIZONTAL: 0.0} | within
+        "least horizontal range, the paper's links and radii": lambda: pp.balancing.balance(
+            press, motion, regions=SAME_PLACES, minimise=HORIZONTAL, limits=within
         ),
-        "least sum of both ranges": lambda: pp.balancing.balance(press, motion, THREE_LINKS, newtons, within),
+        "horizontal range zero, then least vertical": lambda: pp.balancing.balance(
+            press, motion, regions=THREE_LINKS, minimise=VERTICAL, limits={HORIZONTAL: 0.0} | within
+        ),
+        "least sum of both ranges": lambda: pp.balancing.balance(press, motion, regions=THREE_LINKS, minimise=newtons, limits=within),
         "least range of the driving torque": lambda: pp.balancing.balance(
-            press, motion, THREE_LINKS, pp.balancing.Range("driving_torque"), within
+            press, motion, regions=THREE_LINKS, minimise=pp.balancing.Range("driving_torque"), limits=within
         ),
     }
 
@@ -82,7 +93,7 @@ def jf75g_table() -> str:
     for what, solve in jf75g().items():
         best = solve()
         rod, counterweight = (weight.mass for weight in best.counterweights)
-        lines.append(f"| {what} | {rod:.4f} | {counterweight:.4f} | | {best.outcomes[0].after:.4g} |")
+        lines.append(f"| {what} | {rod:.4f} | {counterweight:.4f} | | {best.changes[0].after:.4g} |")
     return "\n".join(lines)
 
 
@@ -111,16 +122,20 @@ def zxn2_table() -> str:
     return "\n".join(lines)
 
 
-def curves() -> dict[str, pp.balancing.TradeOff]:
+def curves() -> dict[str, pp.balancing.TradeOffCurve]:
     """Horizontal against vertical range for some added masses, and both against added mass."""
     press = pp.load("zxn2_3000b")
     motion = pp.cycle(press, speed=70 * pp.RPM, points=POINTS)
     found = {
-        f"{mass:.0f} kg added": pp.balancing.trade_off(press, motion, THREE_LINKS, HORIZONTAL, VERTICAL, {ADDED: mass}, points=25)
+        f"{mass:.0f} kg added": pp.balancing.trade_off(
+            press, motion, regions=THREE_LINKS, first=HORIZONTAL, second=VERTICAL, limits={ADDED: mass}, points=25
+        )
         for mass in (350.0, TOTAL, 1000.0)
     }
-    found["horizontal"] = pp.balancing.trade_off(press, motion, THREE_LINKS, HORIZONTAL, ADDED, points=25)
-    found["vertical"] = pp.balancing.trade_off(press, motion, THREE_LINKS, VERTICAL, ADDED, {ADDED: 1000.0}, points=25)
+    found["horizontal"] = pp.balancing.trade_off(press, motion, regions=THREE_LINKS, first=HORIZONTAL, second=ADDED, points=25)
+    found["vertical"] = pp.balancing.trade_off(
+        press, motion, regions=THREE_LINKS, first=VERTICAL, second=ADDED, limits={ADDED: 1000.0}, points=25
+    )
     return found
 
 

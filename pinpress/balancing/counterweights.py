@@ -16,17 +16,20 @@ from ..common.errors import PinpressError, UnknownNameError, shown
 from ..dynamics.applied_loads import place
 from ..linkage.linkage import Linkage
 
-PHYSICAL = 1e-9  # of the largest principal moment of inertia: what a body may lack to be one, by rounding
+PHYSICAL = 1e-9  # of the largest principal moment of inertia: by how much rounding may violate the triangle inequality
 
 
 @dataclass(frozen=True)
 class Counterweight:
-    """A mass fixed to a link; a negative one is a hole.
+    """A mass fixed to a link; a negative mass is a hole.
 
     Attributes:
-        link: its name. mass: [kg]. position: of its centre of mass, in the link's own frame [m].
-        inertia: about an axis through its centre of mass along the normal of a planar press [kg m2]; its material is taken to lie in the
-            plane. In a press that is not planar it is that about every axis. 0 is a point mass; negative only where the mass is.
+        link: Name of the link.
+        mass: Mass [kg].
+        position: Centre of mass (3,) in the link's own frame [m].
+        inertia: Moment of inertia about an axis through the centre of mass along the normal of a planar press, whose material is taken to
+            lie in the plane; in a press that is not planar, about every axis [kg m2]. 0 is a point mass. It is negative only where the mass
+            is negative.
     """
 
     link: str
@@ -37,28 +40,48 @@ class Counterweight:
 
 @typed
 def with_counterweights(press: Linkage, counterweights: Iterable[Counterweight]) -> Linkage:
-    """The press with counterweights fixed to its links; `write_urdf` writes it.
+    """Fix counterweights to the links of a press and return the new press, which `write_urdf` writes.
 
     Raises:
-        UnknownNameError: a link that the press does not have.
-        PinpressError: a counterweight on the frame, a number that is not finite, a hole that leaves a link without mass or with an inertia
-            that no body has.
+        UnknownNameError: The press has no such link.
+        PinpressError: A counterweight is on the frame or has a number that is not finite, or a hole leaves a link without mass or with an
+            inertia that no body has.
     """
     inertias = list(press.model.inertias)
     changed = set()
     for weight in counterweights:
-        joint, added = _added(press, weight)
-        inertias[joint] = sum_of(inertias[joint], added)
+        joint, added = _added_inertia(press, weight)
+        inertias[joint] = combined(inertias[joint], added)
         changed.add(joint)
     for joint in changed:
         refuse_unphysical(press, joint, inertias[joint])
     return press.with_inertias(inertias)
 
 
-def carrier(press: Linkage, link: str, position: tuple[float, float, float], what: str) -> tuple[int, Array]:
-    """The Pinocchio joint whose body a moving link belongs to, and a point of the link in that joint's frame [m].
+def _added_inertia(press: Linkage, weight: Counterweight) -> tuple[int, pin.Inertia]:
+    """The Pinocchio joint that carries a counterweight, and its inertia in that joint's frame."""
+    if not isinstance(weight, Counterweight):
+        raise PinpressError(f"{shown(weight)} is no counterweight: give Counterweight(link, mass, position)")
+    what = f"counterweight on {shown(weight.link)}"
+    if weight.link not in press.links:
+        raise UnknownNameError("link", weight.link, press.links)
+    joint, point = carrying_joint(press, weight.link, weight.position, what)
+    for name, value in (("mass", weight.mass), ("inertia", weight.inertia)):
+        number(f"{what}: {name}", value)
+    if weight.inertia * weight.mass < 0 or (weight.inertia and not weight.mass):
+        raise PinpressError(f"{what}: its inertia is {weight.inertia:g} kg m2 at a mass of {weight.mass:g} kg, which no body has")
+    return joint, rigid_body(float(weight.mass), point, weight.inertia * unit_tensor(press, joint))
 
-    Raises as `with_counterweights`.
+
+def carrying_joint(press: Linkage, link: str, position: tuple[float, float, float], what: str) -> tuple[int, Array]:
+    """The Pinocchio joint that carries a moving link, and a point of the link in that joint's frame [m].
+
+    Args:
+        position: The point (3,) in the link's own frame [m].
+        what: What is placed there, for messages.
+
+    Raises:
+        PinpressError: The link does not move, or the position is not three finite numbers.
     """
     joint, point = place(press, link, position, what, "position")
     if joint == 0:
@@ -67,49 +90,34 @@ def carrier(press: Linkage, link: str, position: tuple[float, float, float], wha
     return joint, point
 
 
-def sum_of(first: pin.Inertia, second: pin.Inertia) -> pin.Inertia:
-    """Inertia of two bodies that are one, in the same frame; either may be a hole. Pinocchio's own sum takes no negative mass."""
+def combined(first: pin.Inertia, second: pin.Inertia) -> pin.Inertia:
+    """The inertia of two bodies fixed together, in the same frame. Either may be a hole; Pinocchio's own sum takes no negative mass."""
     mass = first.mass + second.mass
     lever = (first.mass * first.lever + second.mass * second.lever) / mass if mass else np.zeros(3)
     tensor = first.inertia + second.inertia
     for part in (first, second):
         arm = part.lever - lever
         tensor = tensor + part.mass * (arm @ arm * np.eye(3) - np.outer(arm, arm))
-    return body(mass, lever, tensor)
+    return rigid_body(mass, lever, tensor)
 
 
-def body(mass: float, lever: Array, tensor: Array) -> pin.Inertia:
-    """Inertia of a mass [kg] with its centre at ``lever`` (3,) [m] and a tensor (3, 3) about that [kg m2]."""
+def rigid_body(mass: float, lever: Array, tensor: Array) -> pin.Inertia:
+    """The inertia of a mass [kg] with its centre at ``lever`` (3,) [m] and a tensor (3, 3) about that centre [kg m2]."""
     result = pin.Inertia.Zero()  # Pinocchio's constructor refuses holes, and what rounding makes of a thin body
     result.mass, result.lever, result.inertia = mass, lever, tensor
     return result
 
 
-def spread(press: Linkage, joint: int) -> Array:
-    """Tensor (3, 3) in the joint's frame of material with unit inertia: of a lamina in a planar press's plane, else of a ball."""
+def unit_tensor(press: Linkage, joint: int) -> Array:
+    """Tensor (3, 3) in the joint's frame of material with unit inertia: a lamina in a planar press's plane, a ball in any other press."""
     if press.plane is None:
         return np.eye(3)
     normal = press.plane.frames[joint - 1][2]
     return np.asarray(0.5 * (np.eye(3) + np.outer(normal, normal)))
 
 
-def _added(press: Linkage, weight: Counterweight) -> tuple[int, pin.Inertia]:
-    """The joint that carries a counterweight, and its inertia in that joint's frame."""
-    if not isinstance(weight, Counterweight):
-        raise PinpressError(f"{shown(weight)} is no counterweight: give Counterweight(link, mass, position)")
-    what = f"counterweight on {shown(weight.link)}"
-    if weight.link not in press.links:
-        raise UnknownNameError("link", weight.link, press.links)
-    joint, point = carrier(press, weight.link, weight.position, what)
-    for name, value in (("mass", weight.mass), ("inertia", weight.inertia)):
-        number(f"{what}: {name}", value)
-    if weight.inertia * weight.mass < 0 or (weight.inertia and not weight.mass):
-        raise PinpressError(f"{what}: its inertia is {weight.inertia:g} kg m2 at a mass of {weight.mass:g} kg, which no body has")
-    return joint, body(float(weight.mass), point, weight.inertia * spread(press, joint))
-
-
 def refuse_unphysical(press: Linkage, joint: int, inertia: pin.Inertia) -> None:
-    """Raise where no body has an inertia that counterweights left on a joint."""
+    """Raise PinpressError where counterweights leave a joint with an inertia that no body has."""
     name = press.model.names[joint]
     if not inertia.mass > 0:
         raise PinpressError(f"counterweights leave the body on joint {shown(name)} a mass of {inertia.mass:g} kg: take less away")

@@ -1,7 +1,7 @@
 """What masses on the links change in torques and forces.
 
-A mass m at a point of a link acts on the link as the force m (g - a) does at that point, a its acceleration (d'Alembert). So everything is
-linear in the masses, and in whatever is made of point masses: a counterweight, a mass moment, a moment of inertia.
+A mass m at a point of a link acts on the link as the force m (g - a) does at that point, where a is its acceleration (d'Alembert). So all
+forces are linear in the masses, and in whatever is made of point masses: a counterweight, a mass moment, a moment of inertia.
 """
 
 from __future__ import annotations
@@ -26,8 +26,13 @@ from ..loads.link import Load, PointForce
 
 
 @dataclass(frozen=True)
-class Case(Frozen):
-    """An operating condition: a motion and the loads on it, as `inverse_dynamics` takes them."""
+class OperatingCondition(Frozen):
+    """A motion of the press and the loads on it, as `inverse_dynamics` takes them.
+
+    Attributes:
+        motion: Motion of the press.
+        loads: Loads on the press in this motion.
+    """
 
     motion: Motion
     loads: Sequence[Load] = ()
@@ -35,7 +40,13 @@ class Case(Frozen):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class PointMasses:
-    """Masses (p,) at points (p, 3) of a link, in the link's own frame [m]; masses in kg times whatever they are one unit of."""
+    """Point masses on a link.
+
+    Attributes:
+        link: Name of the link.
+        masses: (p,) [kg], or kg times the unit of the quantity that the masses stand for.
+        points: (p, 3) in the link's own frame [m].
+    """
 
     link: str
     masses: Array
@@ -43,8 +54,16 @@ class PointMasses:
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Change:
-    """Change of the forces of `Reactions` by masses; arrays as there. What was not asked for is empty."""
+class MassResponse:
+    """The change of the forces of `Reactions` by masses, in arrays of the same shapes; what was not asked for is empty.
+
+    Attributes:
+        shaking_force: (n, 3) [N].
+        shaking_moment: (n, 3) about the world's origin [N m].
+        driving_torque: (n,), of several drivers (n, drivers) [N m].
+        bearing_force: By bearing, (n, 3) [N].
+        bearing_moment: By bearing, (n, 3) [N m].
+    """
 
     shaking_force: Array
     shaking_moment: Array
@@ -53,39 +72,42 @@ class Change:
     bearing_moment: Mapping[str, Array]
 
 
-def change(press: Linkage, case: Case, before: Reactions, masses: PointMasses, torque: bool) -> Change:
-    """What masses change: the shaking force and moment; with ``torque`` the driving torque, and the bearings that ``before`` has.
+def mass_response(
+    press: Linkage, condition: OperatingCondition, reactions: Reactions, masses: PointMasses, inner_forces: bool
+) -> MassResponse:
+    """What point masses change of the shaking force and moment and, where asked for, of the inner forces.
 
     Args:
-        before: reactions of the case without the masses.
+        press: The press without the masses.
+        condition: Motion and loads.
+        reactions: Reactions of the press in this condition without the masses.
+        masses: The point masses.
+        inner_forces: Whether the driving torque and the bearings of ``reactions`` are wanted too.
     """
-    position, force = _inertia_forces(press, case.motion, masses)
+    position, force = _inertia_forces(press, condition.motion, masses)
     shaking = force.sum(axis=0), np.cross(position, force).sum(axis=0)
-    nothing = np.zeros((len(case.motion.crank_angle), 0))
-    if not torque:
-        return Change(*shaking, nothing, {}, {})
-    # As large as the forces that they are added to, which are taken off again.
+    if not inner_forces:
+        return MassResponse(*shaking, np.zeros((len(condition.motion.crank_angle), 0)), {}, {})
+    # The masses are made as heavy as the press, so that the difference of two reactions loses few digits.
     largest = np.abs(masses.masses).max()
     factor = moving_mass(press) / largest if largest > 0 else 1.0
     added = [PointForce(masses.link, factor * f, tuple(p)) for f, p in zip(force, masses.points, strict=True) if f.any()]
-    after = inverse_dynamics(press, case.motion, [*case.loads, *added], bearings=tuple(before.bearing_force))
-
-    def by_bearing(name: str) -> dict[str, Array]:
-        now, then = getattr(after, name), getattr(before, name)
-        return {bearing: (now[bearing] - then[bearing]) / factor for bearing in then}
-
-    return Change(
-        *shaking, (after.driving_torque - before.driving_torque) / factor, by_bearing("bearing_force"), by_bearing("bearing_moment")
+    after = inverse_dynamics(press, condition.motion, [*condition.loads, *added], bearings=tuple(reactions.bearing_force))
+    return MassResponse(
+        *shaking,
+        driving_torque=(after.driving_torque - reactions.driving_torque) / factor,
+        bearing_force={name: (after.bearing_force[name] - before) / factor for name, before in reactions.bearing_force.items()},
+        bearing_moment={name: (after.bearing_moment[name] - before) / factor for name, before in reactions.bearing_moment.items()},
     )
 
 
 def moving_mass(press: Linkage) -> float:
-    """Of all links but the frame [kg]."""
+    """Mass of all links but the frame [kg]."""
     return float(sum(inertia.mass for inertia in list(press.model.inertias)[1:]))
 
 
 def _inertia_forces(press: Linkage, motion: Motion, masses: PointMasses) -> tuple[Array, Array]:
-    """World positions of the masses and inertia force less weight of each, (p, n, 3) both."""
+    """World positions (p, n, 3) of the masses [m], and weight plus inertia force (p, n, 3) of each [N]."""
     places = [place(press, masses.link, tuple(point), "counterweight", "position") for point in masses.points]
     joint, points = places[0][0], np.array([point for _, point in places])
     position, acceleration = (
@@ -105,7 +127,7 @@ def _in_plane(plane: Plane, press: Linkage, motion: Motion, joint: int, points: 
 
 
 def _in_space(press: Linkage, motion: Motion, joint: int, points: Array) -> tuple[Array, Array]:
-    """The same by Pinocchio, one state at a time."""
+    """World positions and accelerations as of `_in_plane`, by Pinocchio, one state at a time."""
     position = np.empty((len(points), len(motion.v), 3))
     acceleration, data = np.empty_like(position), data_of(press.model)
     for i, (q, v, a) in enumerate(zip(np.array(motion.q), np.array(motion.v), np.array(motion.a), strict=True)):

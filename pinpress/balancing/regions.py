@@ -1,8 +1,8 @@
-"""Room for counterweights: on which links, where and how heavy they may be, and what of that is linear.
+"""Regions for counterweights: on which links, where and how heavy counterweights may be, and what of that is linear.
 
 In a planar press what is fixed to a link counts by four numbers: its mass m, its mass moment h = (h1, h2) and its moment of inertia J about
-the room's centre. Material spread over a region can have just those with h in m times the region and J between that of a point mass,
-h^2 / m, and that of all of it at the region's far end. This is a convex cone, so that the best of all shapes and places is found.
+the region's centre. Material spread over a region can have exactly those with h in m times the region, and J between that of a point mass,
+h^2 / m, and that of all material at the region's far end. This is a convex cone, so that the best of all shapes and places is found.
 """
 
 from __future__ import annotations
@@ -20,26 +20,34 @@ from ..common.checks import any_numbers, numbers
 from ..common.conic_program import AT_MOST, CONE, Rows
 from ..common.errors import PinpressError, UnknownNameError, shown
 from ..linkage.linkage import Linkage
-from .counterweights import body, carrier, spread
+from .counterweights import carrying_joint, rigid_body, unit_tensor
 from .mass_response import PointMasses
 
 Vector = tuple[float, float, float]
-FLAT = 1e-9  # of the press's size: corners are in one plane of motion
+FLAT = 1e-9  # of the press's size: corners this close to a plane are in it
 
 
 @dataclass(frozen=True)
-class Room:
-    """Room for a counterweight on a link. All positions are in the link's own frame [m].
+class CounterweightRegion:
+    """Where on a link a counterweight may be, and how heavy. All positions are in the link's own frame [m].
 
-    Its place is one of: a point ``at``; within ``radius`` of ``centre`` in the plane of motion; within the polygon, segment or hull of
-    ``corners``, which are in one plane of motion; or, where it ``replaces`` the link's own mass and none of these is given, that of the
-    link's own, whose shape it has then.
+    Its place is one of: the point ``at``; the circle of ``radius`` about ``centre`` in the plane of motion; the polygon, segment or hull of
+    ``corners``, which are in one plane of motion. With ``replaces`` and none of these it is the place of the link's own mass, whose shape
+    the counterweight then has.
 
     Attributes:
-        link: its name. mass: least and most [kg]; holes are negative, and can be drilled ``at`` a point alone.
-        gyration: radius of gyration of its material about the normal of the plane where it is a point, or in addition to its spread over
-            radius or corners [m]. In a press that is not planar it is that about every axis.
-        replaces: it takes the place of the link's own mass.
+        link: Name of the link.
+        mass: Least and most mass [kg]. A hole has a negative mass and is possible only ``at`` a point.
+        at: The point.
+        radius: Radius of the circle.
+        centre: Centre of the circle.
+        corners: Corners (k, 3) of the polygon.
+        gyration: Radius of gyration of the material about the normal of the plane (in a press that is not planar, about every axis), at a
+            point or in addition to the spread over radius or corners [m].
+        replaces: Whether the counterweight takes the place of the link's own mass.
+
+    Raises:
+        PinpressError: The place is missing or given twice, or a number is not finite or negative where it must not be.
     """
 
     link: str
@@ -52,86 +60,148 @@ class Room:
     replaces: bool = False
 
     def __post_init__(self) -> None:
-        what = self.words
         if self.at is not None:
-            object.__setattr__(self, "at", tuple(numbers(f"{what}: at", self.at, (3,)).tolist()))
-        corners = (
-            np.empty((0, 3)) if isinstance(self.corners, list | tuple) and not self.corners else numbers(f"{what}: corners", self.corners)
-        )
+            object.__setattr__(self, "at", tuple(numbers(f"{self.words}: at", self.at, (3,)).tolist()))
+        object.__setattr__(self, "corners", self._checked_corners())
+        places = (self.at is not None) + (self.radius is not None) + bool(self.corners)
+        self._refuse_wrong_place(places)
+        self._refuse_wrong_mass()
+        for name, length in (("radius", self.radius), ("gyration", self.gyration)):
+            if length is not None and not ((found := numbers(f"{self.words}: {name}", length)).ndim == 0 and found >= 0):
+                raise PinpressError(f"{self.words}: {name} is {shown(length)}: give a length that is not negative [m]")
+        if self.gyration and not places:
+            raise PinpressError(f"{self.words}: the link keeps its own shape, and radius of gyration with it: leave gyration out")
+
+    def _checked_corners(self) -> tuple[Vector, ...]:
+        if isinstance(self.corners, list | tuple) and not self.corners:
+            return ()
+        corners = numbers(f"{self.words}: corners", self.corners)
         if corners.ndim != 2 or corners.shape[1] != 3:
-            raise PinpressError(f"{what}: corners has shape {corners.shape}: give points in the link's frame, (k, 3) [m]")
-        object.__setattr__(self, "corners", tuple(map(tuple, corners.tolist())))
-        given = (self.at is not None) + (self.radius is not None) + bool(self.corners)
-        if given > 1:
-            raise PinpressError(f"{what}: give one of at, radius and corners")
+            raise PinpressError(f"{self.words}: corners has shape {corners.shape}: give points in the link's frame, (k, 3) [m]")
+        return tuple((x, y, z) for x, y, z in corners.tolist())
+
+    def _refuse_wrong_place(self, places: int) -> None:
+        if places > 1:
+            raise PinpressError(f"{self.words}: give one of at, radius and corners")
         if not isinstance(self.replaces, bool):
-            raise PinpressError(f"{what}: replaces is {shown(self.replaces)}: give True or False")
-        if not given and not self.replaces:
-            raise PinpressError(f"{what}: give its place: at, radius or corners (or replaces=True, for another mass of the link itself)")
-        mass = any_numbers(f"{what}: mass", self.mass)
+            raise PinpressError(f"{self.words}: replaces is {shown(self.replaces)}: give True or False")
+        if not places and not self.replaces:
+            raise PinpressError(
+                f"{self.words}: give its place: at, radius or corners (or replaces=True, for another mass of the link itself)"
+            )
+
+    def _refuse_wrong_mass(self) -> None:
+        mass = any_numbers(f"{self.words}: mass", self.mass)
         low, high = map(float, mass) if mass.shape == (2,) else (math.nan, math.nan)
         if not -math.inf < low <= high:
             raise PinpressError(
-                f"{what}: mass is {shown(self.mass)}: give the least and the most, as (0, 500) [kg]; the most may be math.inf"
+                f"{self.words}: mass is {shown(self.mass)}: give the least and the most, as (0, 500) [kg]; the most may be math.inf"
             )
         if low < 0 and (self.at is None or self.replaces):
-            raise PinpressError(f"{what}: its least mass is {low:g} kg, but only a hole at a point, at=..., has a negative one")
-        for name, length in (("radius", self.radius), ("gyration", self.gyration)):
-            if length is not None and not ((found := numbers(f"{what}: {name}", length)).ndim == 0 and found >= 0):
-                raise PinpressError(f"{what}: {name} is {shown(length)}: give a length that is not negative [m]")
-        if self.gyration and self.replaces and not given:
-            raise PinpressError(f"{what}: the link keeps its own shape, and radius of gyration with it: leave gyration out")
+            raise PinpressError(f"{self.words}: its least mass is {low:g} kg, but only a hole at a point, at=..., has a negative one")
 
     @property
     def words(self) -> str:
-        """For messages."""
-        return f"room on {shown(self.link)}"
+        """Name in messages."""
+        return f"region on {shown(self.link)}"
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Layout:
-    """A room as variables, all about one in size.
+class RegionVariables:
+    """A region as variables of the convex program, all about one in size.
 
     Attributes:
-        room: as it was given. joint: that carries the link.
-        parts: point masses that one of each variable is.
-        mass: (variables,) [kg] of one of each. own: inertia that the link loses, in the joint's frame; None where it keeps it.
-        rows: constraints on these variables alone; those on the mass are named.
-        body: values of the variables to the inertia that the room is filled with, in the joint's frame.
+        region: The region as it was given.
+        joint: Pinocchio joint that carries the link.
+        parts: For each variable, the point masses that one of it stands for.
+        mass: (variables,) mass of one of each [kg].
+        own: Inertia that the link loses, in the joint's frame; None where the link keeps it.
+        rows: Constraints on these variables alone; those on the mass have a name.
+        filling: Gives the inertia, in the joint's frame, of what fills the region at values (variables,).
     """
 
-    room: Room
+    region: CounterweightRegion
     joint: int
     parts: tuple[PointMasses, ...]
     mass: Array
     own: pin.Inertia | None
     rows: tuple[Rows, ...]
-    body: Callable[[Array], pin.Inertia]
+    filling: Callable[[Array], pin.Inertia]
 
 
-def layout(press: Linkage, room: Room, turning: bool, unit: float) -> Layout:
-    """A room of a press as variables.
+def region_variables(press: Linkage, region: CounterweightRegion, inertia_counts: bool, unit: float) -> RegionVariables:
+    """A region of a press as variables.
 
     Args:
-        turning: whether moments of inertia count, or the forces asked for do not depend on them.
-        unit: mass that one of a variable means [kg].
+        press: The press.
+        region: The region.
+        inertia_counts: Whether the forces that are asked for depend on moments of inertia.
+        unit: Mass that one of a variable means [kg].
 
     Raises:
-        UnknownNameError: no such link.
-        PinpressError: a link that does not move, a room with a shape in a press that is not planar, corners in different planes.
+        UnknownNameError: The press has no such link.
+        PinpressError: The link does not move, the region has a shape in a press that is not planar, or its corners are in different planes.
     """
-    if room.link not in press.links:
-        raise UnknownNameError("link", room.link, press.links)
-    joint, _ = carrier(press, room.link, room.centre, room.words)
-    own = press.model.inertias[joint] if room.replaces else None
-    if room.radius is None and not room.corners:
-        return _single(press, room, joint, own, unit)
-    return _spread_out(press, room, joint, own, _region(press, room, joint), turning, unit)
+    if region.link not in press.links:
+        raise UnknownNameError("link", region.link, press.links)
+    joint, _ = carrying_joint(press, region.link, region.centre, region.words)
+    own = press.model.inertias[joint] if region.replaces else None
+    if region.radius is None and not region.corners:
+        return _point_variables(press, region, joint, own, unit)
+    return _shape_variables(press, region, joint, own, inertia_counts, unit)
 
 
-class _Region(NamedTuple):
-    """Where a room with a shape is: its centre (3,) and the plane's directions (2, 3) in the joint's frame, its size [m], and its corners
-    (q, 2) from the centre in that size, None for a circle."""
+def _point_variables(press: Linkage, region: CounterweightRegion, joint: int, own: pin.Inertia | None, unit: float) -> RegionVariables:
+    """A region with one variable, the mass."""
+    if region.at is None:
+        assert own is not None  # a region without a place replaces the link's mass
+        one = _scaled(own, unit / own.mass)
+    else:
+        _, point = carrying_joint(press, region.link, region.at, region.words)
+        one = rigid_body(unit, point, region.gyration**2 * unit * unit_tensor(press, joint))
+    parts = (points_of(press, region.link, one),)
+    rows = _mass_rows(region, np.array([unit]), positive=False)
+    return RegionVariables(region, joint, parts, np.array([unit]), own, rows, lambda u: _scaled(one, float(u[0])))
+
+
+def _shape_variables(
+    press: Linkage, region: CounterweightRegion, joint: int, own: pin.Inertia | None, inertia_counts: bool, unit: float
+) -> RegionVariables:
+    """A region with a shape. Variables are mass and mass moment, of corners the masses in them; and, where it counts, the moment of inertia
+    about the centre."""
+    shape = _shape(press, region, joint)
+    moments = _moments(shape.corners, inertia_counts)
+    own_spread = (region.gyration / shape.size) ** 2 * moments[0]
+
+    def filling(u: Array) -> pin.Inertia:
+        m, h1, h2, about = moments @ u
+        if not m > 0:
+            return pin.Inertia.Zero()
+        arm = np.array([h1, h2]) / m
+        about_mass = max(about - m * float(arm @ arm), 0.0) if inertia_counts else own_spread @ u
+        lever, tensor = shape.centre + shape.size * arm @ shape.in_plane, about_mass * unit * shape.size**2 * unit_tensor(press, joint)
+        return rigid_body(unit * m, lever, tensor)
+
+    return RegionVariables(
+        region,
+        joint,
+        parts=tuple(_cross(press, region.link, shape.centre, shape.size * shape.in_plane, unit * column) for column in moments.T),
+        mass=unit * moments[0],
+        own=own,
+        rows=(*_shape_rows(region, shape, moments, own_spread, inertia_counts), *_mass_rows(region, unit * moments[0], positive=True)),
+        filling=filling,
+    )
+
+
+class _Shape(NamedTuple):
+    """Where a region with a shape is.
+
+    Attributes:
+        centre: (3,) in the joint's frame [m].
+        in_plane: (2, 3) directions of the plane in the joint's frame.
+        size: Radius about the centre that holds the region [m].
+        corners: (q, 2) from the centre, in units of the size; None for a circle.
+    """
 
     centre: Array
     in_plane: Array
@@ -139,76 +209,65 @@ class _Region(NamedTuple):
     corners: Array | None
 
 
-def _region(press: Linkage, room: Room, joint: int) -> _Region:
+def _shape(press: Linkage, region: CounterweightRegion, joint: int) -> _Shape:
     if press.plane is None:
-        raise PinpressError(f"{room.words}: {press.name} is not planar: give a point, at=..., there")
+        raise PinpressError(f"{region.words}: {press.name} is not planar: give a point, at=..., there")
     frame = press.plane.frames[joint - 1]
-    ends = np.array([carrier(press, room.link, end, room.words)[1] for end in room.corners or [room.centre]])
+    ends = np.array([carrying_joint(press, region.link, end, region.words)[1] for end in region.corners or [region.centre]])
     centre = ends.mean(axis=0)
     arms = (ends - centre) @ frame.T
     if np.abs(arms[:, 2]).max() > FLAT * press.plane.size:
-        raise PinpressError(f"{room.words}: its corners are in different planes of motion: give them one coordinate along the normal")
-    size = float(room.radius) if room.radius is not None else float(np.linalg.norm(arms, axis=1).max())
+        raise PinpressError(f"{region.words}: its corners are in different planes of motion: give them one coordinate along the normal")
+    size = float(region.radius) if region.radius is not None else float(np.linalg.norm(arms, axis=1).max())
     if not size > 0:
-        raise PinpressError(f"{room.words} has no extent: give a point, at=..., instead")
-    return _Region(centre, frame[:2], size, arms[:, :2] / size if room.corners else None)
+        raise PinpressError(f"{region.words} has no extent: give a point, at=..., instead")
+    return _Shape(centre, frame[:2], size, arms[:, :2] / size if region.corners else None)
 
 
-def _single(press: Linkage, room: Room, joint: int, own: pin.Inertia | None, unit: float) -> Layout:
-    """A room of one variable, the mass."""
-    if room.at is None:
-        assert own is not None  # a room without a place replaces the link's mass
-        one = _scaled(own, unit / own.mass)
-    else:
-        _, point = carrier(press, room.link, room.at, room.words)
-        one = body(unit, point, room.gyration**2 * unit * spread(press, joint))
-    parts = (points_of(press, room.link, one),)
-    rows = _mass_rows(room, np.array([unit]), positive=False)
-    return Layout(room, joint, parts, np.array([unit]), own, rows, lambda u: _scaled(one, float(u[0])))
-
-
-def _spread_out(press: Linkage, room: Room, joint: int, own: pin.Inertia | None, region: _Region, turning: bool, unit: float) -> Layout:
-    """A room with a shape. Variables are mass and mass moment, of corners the masses in them; and, where it counts, the moment of inertia
-    about the centre."""
-    size, corners = region.size, region.corners
-    # (4, variables): mass, mass moment and moment of inertia, in units of the room's mass and size
+def _moments(corners: Array | None, inertia_counts: bool) -> Array:
+    """Mass, mass moment (two rows) and moment of inertia (4, variables) of one of each variable, in units of the region's mass and size."""
     if corners is None:
-        numbers_of = np.eye(4)[:, : 3 + turning]
-    else:
-        numbers_of = np.zeros((4, len(corners) + turning))
-        numbers_of[0, : len(corners)], numbers_of[1:3, : len(corners)] = 1.0, corners.T
-        numbers_of[3, len(corners) :] = 1.0
-    mass, first, second, inertia = numbers_of
-    own_spread = (room.gyration / size) ** 2 * mass
-    rows: list[Rows] = []
+        return np.eye(4)[:, : 3 + inertia_counts]
+    moments = np.zeros((4, len(corners) + inertia_counts))
+    moments[0, : len(corners)], moments[1:3, : len(corners)] = 1.0, corners.T
+    moments[3, len(corners) :] = 1.0
+    return moments
+
+
+def _shape_rows(region: CounterweightRegion, shape: _Shape, moments: Array, own_spread: Array, inertia_counts: bool) -> list[Rows]:
+    """The constraints that material is within the shape. ``own_spread``: moment of inertia (variables,) by the radius of gyration."""
+    mass, first, second, inertia = moments
+    corners, rows = shape.corners, list[Rows]()
     if corners is not None:
         rows.append(Rows(AT_MOST, -np.eye(len(mass))[: len(corners)], np.zeros(len(corners))))
-    elif not turning:
-        rows.append(Rows(CONE, -np.array([mass, first, second]), np.zeros(3), f"radius of the {room.words}", 0.0))
-    if turning:
+    elif not inertia_counts:
+        rows.append(Rows(CONE, -np.array([mass, first, second]), np.zeros(3), f"radius of the {region.words}", 0.0))
+    if inertia_counts:
         over_region = inertia - own_spread
         furthest = mass if corners is None else np.append((corners**2).sum(axis=1), 0.0)
         rows += [
-            Rows(AT_MOST, np.array([over_region - furthest]), np.zeros(1), f"extent of the {room.words}", 0.0),
+            Rows(AT_MOST, np.array([over_region - furthest]), np.zeros(1), f"extent of the {region.words}", 0.0),
             Rows(CONE, -np.array([over_region + mass, 2 * first, 2 * second, over_region - mass]), np.zeros(4)),
         ]
+    return rows
 
-    def filled(u: Array) -> pin.Inertia:
-        m, h1, h2, about = numbers_of @ u
-        if not m > 0:
-            return pin.Inertia.Zero()
-        arm = np.array([h1, h2]) / m
-        about_mass = max(about - m * float(arm @ arm), 0.0) if turning else own_spread @ u
-        return body(unit * m, region.centre + size * arm @ region.in_plane, about_mass * unit * size**2 * spread(press, joint))
 
-    parts = tuple(_cross(press, room.link, region.centre, size * region.in_plane, unit * column) for column in numbers_of.T)
-    rows += _mass_rows(room, unit * mass, positive=True)
-    return Layout(room, joint, parts, unit * mass, own, tuple(rows), filled)
+def _mass_rows(region: CounterweightRegion, mass: Array, positive: bool) -> tuple[Rows, ...]:
+    """Constraints by the least and the most mass; ``positive``: the mass (variables,) is not negative in any case."""
+    low, high = region.mass
+    rows = []
+    if low > 0 or not positive:
+        size = max(float(np.abs(mass).max()), abs(low))
+        rows.append(Rows(AT_MOST, -mass[None] / size, np.array([-low / size]), f"least mass of the {region.words}, {low:g} kg", size))
+    if high < math.inf:
+        size = max(float(np.abs(mass).max()), abs(high))
+        rows.append(Rows(AT_MOST, mass[None] / size, np.array([high / size]), f"most mass of the {region.words}, {high:g} kg", size))
+    return tuple(rows)
 
 
 def _cross(press: Linkage, link: str, centre: Array, arms: Array, amounts: Array) -> PointMasses:
-    """Five point masses about a centre, at the ends of arms (2, 3) both ways and in the middle, with this mass, mass moment and moment of
-    inertia (4,), in units of mass and arms."""
+    """Five point masses, at a centre and at the ends of two arms (2, 3) both ways, with this mass, mass moment and moment of inertia (4,),
+    in units of mass and arms."""
     mass, first, second, inertia = amounts
     around = 0.25 * inertia
     masses = np.array([mass - inertia, 0.5 * first + around, around - 0.5 * first, 0.5 * second + around, around - 0.5 * second])
@@ -216,7 +275,7 @@ def _cross(press: Linkage, link: str, centre: Array, arms: Array, amounts: Array
 
 
 def points_of(press: Linkage, link: str, inertia: pin.Inertia) -> PointMasses:
-    """Point masses with the same mass, centre of mass and inertia tensor as a body, given in the joint's frame."""
+    """Point masses with the same mass, centre of mass and inertia tensor as a body, whose inertia is in the joint's frame."""
     second = 0.5 * np.trace(inertia.inertia) * np.eye(3) - inertia.inertia  # of mass about its centre: the integral of r r'
     spreads, directions = np.linalg.eigh(second)
     if not spreads.max() > 0:
@@ -226,26 +285,13 @@ def points_of(press: Linkage, link: str, inertia: pin.Inertia) -> PointMasses:
 
 
 def _in_link(press: Linkage, link: str, masses: Array, points: Array) -> PointMasses:
-    """Point masses whose points (p, 3) are in the joint's frame; those that are none are left out."""
+    """Point masses whose points (p, 3) are given in the joint's frame; masses of zero are left out."""
     there = press.model.frames[press.model.getFrameId(link, pin.BODY)].placement
     some = masses != 0.0
     some[0] |= not some.any()
     return PointMasses(link, masses[some], np.array([there.actInv(point) for point in points[some]]))
 
 
-def _mass_rows(room: Room, mass: Array, positive: bool) -> tuple[Rows, ...]:
-    """The least and the most mass (variables,) of one of each; ``positive``: it is in any case."""
-    low, high = room.mass
-    rows = []
-    if low > 0 or not positive:
-        size = max(float(np.abs(mass).max()), abs(low))
-        rows.append(Rows(AT_MOST, -mass[None] / size, np.array([-low / size]), f"least mass of the {room.words}, {low:g} kg", size))
-    if high < math.inf:
-        size = max(float(np.abs(mass).max()), abs(high))
-        rows.append(Rows(AT_MOST, mass[None] / size, np.array([high / size]), f"most mass of the {room.words}, {high:g} kg", size))
-    return tuple(rows)
-
-
 def _scaled(inertia: pin.Inertia, factor: float) -> pin.Inertia:
-    """Of a body of the same shape and other density."""
-    return body(factor * inertia.mass, inertia.lever, factor * inertia.inertia)
+    """The inertia of a body of the same shape and another density."""
+    return rigid_body(factor * inertia.mass, inertia.lever, factor * inertia.inertia)

@@ -1,44 +1,56 @@
-"""A balanced press, and what balancing does to it."""
+"""A balanced press, and what an engineer reads off it: counterweights, the proof, measures before and after, as text and columns."""
 
 from __future__ import annotations
 
+import math
 import os
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
 from ..common import tables
 from ..common.frozen import Frozen
-from ..dynamics.inverse_dynamics import Reactions
+from ..common.units import RPM
+from ..dynamics.inverse_dynamics import Reactions, inverse_dynamics
 from ..linkage.linkage import Linkage
-from . import tables as balance_tables
+from ..visual import charts
 from .counterweights import Counterweight
-from .mass_response import Case
-from .objectives import Measure, Target
+from .mass_response import OperatingCondition, moving_mass
+from .objectives import AddedMass, Measure, Peak, Range, Target, limit_words
+
+MASS = AddedMass()
 
 
 @dataclass(frozen=True)
-class Outcome:
-    """A measure before and after balancing, in one case, in its unit."""
+class MeasureChange:
+    """A measure before and after balancing in one operating condition.
+
+    Attributes:
+        measure: The measure.
+        condition: Number of the operating condition, from 0.
+        before: Value before balancing, in the measure's unit.
+        after: Value after balancing, in the measure's unit.
+    """
 
     measure: Measure
-    case: int
+    condition: int
     before: float
     after: float
 
     @property
     def change(self) -> float:
-        """Relative; NaN where there was nothing before."""
+        """Relative change [-]; NaN where there was nothing before."""
         return self.after / self.before - 1.0 if self.before else float("nan")
 
 
 @dataclass(frozen=True)
-class Active:
+class ActiveConstraint:
     """A constraint that holds the optimum back.
 
     Attributes:
-        constraint: in words. price: by how much the objective falls for one more of what the constraint limits, in the objective's unit per
-            unit of that; None where that is the shape of a room, which is no number.
+        constraint: The constraint in words.
+        price: By how much the objective falls for one more of what the constraint limits, in the objective's unit per unit of that; None
+            where the constraint is the shape of a region, which is no number.
     """
 
     constraint: str
@@ -46,28 +58,33 @@ class Active:
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Balance(Frozen):
-    """A balanced press.
+class BalancedPress(Frozen):
+    """A press with its best counterweights.
 
     Attributes:
-        original: the press as it was. press: with its counterweights; `write_urdf` writes it.
-        cases: that it was balanced in. objective: measures with their weights. limits: as they were given.
-        counterweights: what the rooms are filled with, in their order, none that weigh nothing; of a room that replaces a link's own mass
-            the whole of it. added_mass: of all [kg].
-        value: the objective: of a measure alone, in one case, in its unit; else the weighted sum of measures relative to before.
-        unit: of the value, empty where it is relative.
-        bound: no counterweights in these rooms have a lower one, at the states of the motion. The difference is what is left unproved, and
-            what the preference for lighter ones has cost.
-        residual: largest violation of the conditions of optimality, relative to before.
-        outcomes: of the objective's measures, then of all others, case by case, from ``before`` and ``after``.
-        active: constraints that hold the optimum back.
-        before, after: reactions of the press and of the balanced one, of every case: both in the motion of the case. Where that is a run,
-            simulate the balanced press for its own.
+        original: The press before balancing.
+        press: The press with its counterweights, which `write_urdf` writes.
+        conditions: Operating conditions in which it was balanced.
+        objective: Measures with their weights.
+        limits: Limits as they were given.
+        counterweights: What fills the regions, in their order, without those that weigh nothing. Where a region replaces a link's own mass,
+            it is all of that mass.
+        added_mass: Mass that balancing adds in all [kg].
+        value: The objective: of one measure in one condition in its unit, otherwise the weighted sum of measures relative to before.
+        unit: Unit of the value; empty where the value is relative.
+        bound: No counterweights in these regions have a lower value, at the states of the motion. The difference to ``value`` is what is
+            left unproved and what the preference for lighter counterweights costs.
+        residual: Largest violation of the conditions of optimality, relative to before.
+        changes: Changes of the measures of the objective, then of those that are limited, condition by condition.
+        active: Constraints that hold the optimum back.
+        reactions_before: Reactions of the press before balancing, with the bearings that are measured, in every condition.
+        reactions_after: Reactions of the balanced press in the same motions. Where a motion is a run, simulate the balanced press for its
+            own motion.
     """
 
     original: Linkage
     press: Linkage
-    cases: tuple[Case, ...]
+    conditions: tuple[OperatingCondition, ...]
     objective: Mapping[Target, float]
     limits: Mapping[Target, float]
     counterweights: tuple[Counterweight, ...]
@@ -76,34 +93,194 @@ class Balance(Frozen):
     unit: str
     bound: float
     residual: float
-    outcomes: tuple[Outcome, ...]
-    active: tuple[Active, ...]
-    before: tuple[Reactions, ...]
-    after: tuple[Reactions, ...]
+    changes: tuple[MeasureChange, ...]
+    active: tuple[ActiveConstraint, ...]
+    reactions_before: tuple[Reactions, ...]
+    reactions_after: tuple[Reactions, ...]
 
     def __repr__(self) -> str:
-        return f"<Balance of {self.press.name}: {self.added_mass:.6g} kg added, {len(self.counterweights)} counterweights>"
+        return f"<BalancedPress {self.press.name}: {self.added_mass:.6g} kg added, {len(self.counterweights)} counterweights>"
 
     def __str__(self) -> str:
-        return balance_tables.text(self)
+        return _text(self)
 
     @cached_property
-    def effects(self) -> tuple[Outcome, ...]:
-        """What balancing does to the rest of the press; see `balance_tables.effects`. Worked out when first asked for."""
-        return balance_tables.effects(self)
+    def side_effects(self) -> tuple[MeasureChange, ...]:
+        """Changes in the rest of the press, condition by condition; found when first asked for.
+
+        They are the range of the driving torque (of several torques their peak), the peak of every bearing force, and the range of every
+        component of shaking force and shaking moment, without the measures in `changes`. A value that is rounding is 0, and a measure that
+        is 0 before and after in all conditions is left out.
+        """
+        return _side_effects(self)
 
     def columns(self) -> dict[str, list[object]]:
-        """Measures before and after as columns, the outcomes and then `effects`; None where there is no value."""
-        return balance_tables.columns(self)
+        """Measures before and after as columns, `changes` and then `side_effects`; None where there is no value."""
+        rows = [*self.changes, *self.side_effects]
+        return {
+            "measure": [row.measure.words for row in rows],
+            "unit": [row.measure.unit for row in rows],
+            "case": [row.condition for row in rows],
+            "before": [row.before for row in rows],
+            "after": [row.after for row in rows],
+            "change [-]": [None if math.isnan(row.change) else row.change for row in rows],
+            "limit": [self.limits.get(row.measure) for row in rows],
+        }
+
+    def counterweight_columns(self) -> dict[str, list[object]]:
+        """Counterweights as columns, in their order; positions are in the links' own frames."""
+        weights = self.counterweights
+        return {
+            "link": [weight.link for weight in weights],
+            "mass [kg]": [weight.mass for weight in weights],
+            **{f"{axis} [m]": [weight.position[i] for weight in weights] for i, axis in enumerate(charts.AXES)},
+            "inertia [kg m2]": [weight.inertia for weight in weights],
+        }
 
     def to_csv(self, path: str | os.PathLike[str]) -> None:
-        """Write the columns, a measure in one case a line.
+        """Write the columns, one measure in one condition a line.
 
         Raises:
-            PinpressError: the file cannot be written.
+            PinpressError: The file cannot be written.
         """
         tables.write_csv(path, self.columns())
 
     def to_frame(self) -> tables.DataFrame:
         """The columns as a pandas DataFrame. Raises PinpressError where pandas is not installed."""
         return tables.frame(self.columns())
+
+
+def _side_effects(balanced: BalancedPress) -> tuple[MeasureChange, ...]:
+    asked = {change.measure for change in balanced.changes}
+    before, after = (
+        [inverse_dynamics(press, some.motion, each.loads) for some, each in zip(known, balanced.conditions, strict=True)]
+        for press, known in ((balanced.original, balanced.reactions_before), (balanced.press, balanced.reactions_after))
+    )
+    rounding, found = [charts.rounding(reactions) for reactions in before], list[MeasureChange]()
+    for measure in _measures_of(balanced.original):
+        rows = [
+            MeasureChange(measure, number, _without_rounding(measure, then, least), _without_rounding(measure, now, least))
+            for number, (then, now, least) in enumerate(zip(before, after, rounding, strict=True))
+        ]
+        if measure not in asked and any(row.before or row.after for row in rows):
+            found += rows
+    return tuple(found)
+
+
+def _measures_of(press: Linkage) -> Iterator[Measure]:
+    yield Range("driving_torque") if len(press.drivers) == 1 else Peak("driving_torque")
+    yield from (Peak("bearing_force", bearing=bearing) for bearing in press.bearings)
+    yield from (Range(quantity, axis) for quantity in ("shaking_force", "shaking_moment") for axis in charts.AXES)
+
+
+def _without_rounding(measure: Measure, reactions: Reactions, least: charts.Rounding) -> float:
+    """A measure, 0 where it is rounding."""
+    value = measure.value(reactions)
+    return value if value > (least.force if measure.unit == "N" else least.moment) else 0.0
+
+
+def _text(balanced: BalancedPress) -> str:
+    """Counterweights, objective with its proof, what holds it back, and all measures before and after; units beside every number."""
+    heads = [_condition_words(each) for each in balanced.conditions]
+    asked, rest = [list(_cells(balanced, rows)) for rows in (balanced.changes, balanced.side_effects)]
+    width = max(len(cells[0]) for cells in [*asked, *rest])
+    return "\n".join(
+        [
+            f"{balanced.original.name}, balanced: {heads[0]}" if len(heads) == 1 else f"{balanced.original.name}, balanced in",
+            *(f"  case {number}: {words}" for number, words in enumerate(heads) if len(heads) > 1),
+            *_counterweight_lines(balanced),
+            *_objective_lines(balanced),
+            *_active_lines(balanced),
+            *_measure_lines("Measures", balanced, asked, width),
+            *_measure_lines("The rest of the press", balanced, rest, width),
+            "",
+            "Checks",
+            f"  {'proof of the optimum':26}{balanced.residual:12.3g} largest violation of its conditions, relative to before",
+        ]
+    )
+
+
+def _condition_words(condition: OperatingCondition) -> str:
+    speed, states = condition.motion.crank_speed, f"{len(condition.motion.crank_angle)} states"
+    even = speed.ndim == 1 and abs(speed - speed[0]).max() <= charts.ROUNDING * abs(speed[0])
+    loads = f", {len(condition.loads)} load{'s' if len(condition.loads) > 1 else ''}" if condition.loads else ""
+    return f"{speed[0] / RPM:g} r/min of joint {condition.motion.drivers[0]}, {states}{loads}" if even else f"a motion of {states}{loads}"
+
+
+def _counterweight_lines(balanced: BalancedPress) -> list[str]:
+    weights, most = balanced.counterweights, balanced.limits.get(MASS)
+    width = max(26, *(len(weight.link) + 2 for weight in weights)) if weights else 26
+    heads = ("mass [kg]", "x [m]", "y [m]", "z [m]", "inertia [kg m2]")
+    limited = "" if most is None else f", at most {most:g} kg"
+    return [
+        "",
+        "Counterweights (centre of mass in the link's own frame; one in place of the link's own mass is all of that link's)",
+        f"  {'':{width}}" + "".join(f"{head:>16}" for head in heads),
+        *(
+            f"  {weight.link:{width}}" + "".join(f"{number:16.6g}" for number in (weight.mass, *weight.position, weight.inertia))
+            for weight in weights
+        ),
+        f"  {'added mass':{width}}{balanced.added_mass:16.6g} kg, to {moving_mass(balanced.original):.6g} kg that move{limited}",
+    ]
+
+
+def _objective_lines(balanced: BalancedPress) -> list[str]:
+    terms, unit = balanced.objective, balanced.unit
+    if unit:
+        (target,) = terms
+        what, before = target.words, balanced.changes[0].before if isinstance(target, Measure) else 0.0
+    else:
+        what = (
+            f"{' + '.join(f'{weight:g} x {target.words}' for target, weight in terms.items())}; each relative to before, of its worst case"
+        )
+        before = sum(weight for target, weight in terms.items() if isinstance(target, Measure))
+    return [
+        "",
+        f"Objective: {what}",
+        f"  {'before':26}{before:12.6g} {unit}".rstrip(),
+        f"  {'reached':26}{balanced.value:12.6g} {unit}".rstrip(),
+        f"  {'proven bound':26}{balanced.bound:12.6g} {unit:7}no counterweights in these regions have less",
+        f"  {'gap':26}{balanced.value - balanced.bound:12.3g} {unit}".rstrip(),
+    ]
+
+
+def _active_lines(balanced: BalancedPress) -> list[str]:
+    if not balanced.active:
+        return []
+    width = max(len(active.constraint) for active in balanced.active)
+    return ["", "Held back by", *(f"  {each.constraint:{width}}{_price_words(balanced, each)}".rstrip() for each in balanced.active)]
+
+
+def _price_words(balanced: BalancedPress, active: ActiveConstraint) -> str:
+    """What it is worth to let a constraint out; the shape of a region has no price."""
+    if active.price is None:
+        return ""
+    units = {limit_words(target, limit): target.unit for target, limit in balanced.limits.items()}
+    unit = units.get(active.constraint, MASS.unit)  # all other constraints on numbers are on masses of regions
+    falls = f"{active.price:.3g} {balanced.unit}".rstrip()
+    return f"   the objective falls by {falls} for each {unit} let out"
+
+
+def _cells(balanced: BalancedPress, rows: Sequence[MeasureChange]) -> Iterator[list[str]]:
+    """Name with unit, case where there are several, before, after, change and limit of measures."""
+    for row in rows:
+        limit = balanced.limits.get(row.measure)
+        yield [
+            f"{row.measure.words} [{row.measure.unit}]",
+            f"{row.condition}" if len(balanced.conditions) > 1 else "",
+            f"{row.before:.6g}",
+            f"{row.after:.6g}",
+            "" if math.isnan(row.change) else f"{round(100 * row.change, 2) + 0.0:+.2f} %",
+            "" if limit is None else f"{limit:g}",
+        ]
+
+
+def _measure_lines(title: str, balanced: BalancedPress, rows: list[list[str]], width: int) -> list[str]:
+    several, limited = len(balanced.conditions) > 1, any(row[5] for row in rows)
+    heads = [title, "case" if several else "", "before", "after", "change", "at most" if limited else ""]
+    kept = [k for k in range(len(heads)) if heads[k]]
+    lines = [
+        "".join(f"{indent}{cells[k]:{width + 4 - len(indent)}}" if k == 0 else f"{cells[k]:>{6 if k == 1 else 14}}" for k in kept).rstrip()
+        for indent, cells in [("", heads), *(("  ", row) for row in rows)]
+    ]
+    return ["", *lines] if rows else []

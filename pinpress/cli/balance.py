@@ -6,12 +6,11 @@ from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from ..balancing.mass_response import Case
-from ..balancing.objectives import AXES, FORCES, AddedMass, Peak, Range, Rms, Target
+from ..balancing.mass_response import OperatingCondition
+from ..balancing.objectives import AXES, QUANTITIES, AddedMass, Peak, Range, Rms, Target
 from ..balancing.optimum import balance
-from ..balancing.regions import Room, Vector
-from ..balancing.result import Balance
-from ..balancing.tables import counterweight_columns
+from ..balancing.regions import CounterweightRegion, Vector
+from ..balancing.result import BalancedPress
 from ..common.errors import PinpressError, suggestion
 from ..common.files import make_folder
 from ..common.tables import write_csv
@@ -26,19 +25,19 @@ from .part_specs import LOADS, keys
 
 KINDS = {"range": Range, "rms": Rms, "peak": Peak}
 MASS = "added_mass"
-ROOM = "LINK:at=X/Y/Z, LINK:radius=R[,centre=X/Y/Z], LINK:corner=X/Y/Z,corner=X/Y/Z,... or LINK:replaces"
+REGION = "LINK:at=X/Y/Z, LINK:radius=R[,centre=X/Y/Z], LINK:corner=X/Y/Z,corner=X/Y/Z,... or LINK:replaces"
 MEASURE = f"{'|'.join(KINDS)}:QUANTITY[:BEARING][:AXIS] or {MASS}"
 EPILOG = f"""\
-rooms: {ROOM}
+regions: {REGION}
   a point; a circle in the plane of motion; a segment or polygon of corners; or the link itself, with more or less mass in its own shape.
   In m, in the link's own frame. All take ,least=KG ,most=KG (without them: 0 and more) and ,gyration=R, the radius of gyration of the
   counterweight's material. ,replaces behind a place: the counterweight takes the place of the link's own mass.
 measures: {MEASURE}
-  quantities: {", ".join(FORCES)}; the last two need a bearing; axes: {", ".join(AXES)}.
+  quantities: {", ".join(QUANTITIES)}; the last two need a bearing; axes: {", ".join(AXES)}.
   Range and rms leave the constant part out, peaks count it.
 loads, heights are slide positions above bottom dead centre, or above the slide position datum=:
 {chr(10).join(f"  {name + ':':13}{keys(kind)}" for name, kind in LOADS.items())}
-e.g. pinpress balance zxn2_3000b --speed 70 --room crank:radius=0.3 --room rod:radius=0.3,most=200 --minimise range:shaking_force:z
+e.g. pinpress balance zxn2_3000b --speed 70 --region crank:radius=0.3 --region rod:radius=0.3,most=200 --minimise range:shaking_force:z
      --limit range:shaking_force:x=1000 --limit added_mass=661 --out out --report
 """
 
@@ -64,7 +63,9 @@ def add(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None
         metavar="RPM",
         help="of the crank, in r/min; of several, each given so, the worst counts for every measure",
     )
-    option("--room", action="append", required=True, metavar="LINK:KEYS", help="for a counterweight, see below; may be given several times")
+    option(
+        "--region", action="append", required=True, metavar="LINK:KEYS", help="for a counterweight, see below; may be given several times"
+    )
     option(
         "--minimise",
         action="append",
@@ -92,48 +93,48 @@ def run(options: argparse.Namespace) -> int:
     """Print the counterweights with what they do, and write the files.
 
     Raises:
-        PinpressError: words that mean no room or measure, --report without --out, and whatever computing and writing raise.
+        PinpressError: words that mean no region or measure, --report without --out, and whatever computing and writing raise.
     """
     if options.out is None and options.report:
         raise PinpressError("--report needs a folder to write into: give --out DIR too")
-    rooms = [_room(words) for words in options.room]
+    regions = [_region(words) for words in options.region]
     minimise, limits = _objective(options.minimise), _by_target("--limit", options.limit, "")
     loads = [scene_words.load(words) for words in options.load]
     press = load(options.file, driver=options.driver, slide=options.slide)
-    cases = [Case(cycle(press, speed * RPM, options.points), loads) for speed in options.speed]
-    result = balance(press, cases, rooms, minimise, limits)
+    conditions = [OperatingCondition(cycle(press, speed * RPM, options.points), loads) for speed in options.speed]
+    balanced = balance(press, conditions, regions=regions, minimise=minimise, limits=limits)
     if options.out is not None:
         make_folder(options.out)
-    print(result)
+    print(balanced)
     if options.out is not None:
-        _write(result, options.out, options.report)
+        _write(balanced, options.out, options.report)
     return 0
 
 
-def _write(result: Balance, folder: Path, with_report: bool) -> None:
+def _write(balanced: BalancedPress, folder: Path, with_report: bool) -> None:
     """Write the files and say so."""
-    write_urdf(result.press, folder / "balanced.urdf")
-    result.to_csv(folder / "balance.csv")
-    write_csv(folder / "counterweights.csv", counterweight_columns(result))
+    write_urdf(balanced.press, folder / "balanced.urdf")
+    balanced.to_csv(folder / "balance.csv")
+    write_csv(folder / "counterweights.csv", balanced.counterweight_columns())
     written = ["balanced.urdf", "balance.csv", "counterweights.csv"]
     if with_report:
         from ..visual.report import report
 
         # with all bearings, of which balancing computes only those that are asked for
-        loads = result.cases[0].loads
-        before = inverse_dynamics(result.original, result.before[0].motion, loads)
-        after = inverse_dynamics(result.press, result.after[0].motion, loads)
-        report(result.press, after.motion, folder / "report.html", after, before=before)
+        loads = balanced.conditions[0].loads
+        before = inverse_dynamics(balanced.original, balanced.reactions_before[0].motion, loads)
+        after = inverse_dynamics(balanced.press, balanced.reactions_after[0].motion, loads)
+        report(balanced.press, after.motion, folder / "report.html", after, before=before)
         written.append("report.html")
     *first, last = (str(folder / name) for name in written)
     print(f"\nwrote {', '.join(first)} and {last}")
 
 
-def _room(words: str) -> Room:
-    """The room that words such as ``rod:radius=0.3,most=200`` mean."""
+def _region(words: str) -> CounterweightRegion:
+    """The region that words such as ``rod:radius=0.3,most=200`` mean."""
 
     def wrong(problem: str) -> PinpressError:
-        return PinpressError(f"--room {words}: {problem}; it takes {ROOM}; write e.g. --room crank:radius=0.3,most=200")
+        return PinpressError(f"--region {words}: {problem}; it takes {REGION}; write e.g. --region crank:radius=0.3,most=200")
 
     link, _, keys = words.rpartition(":")  # a link's name may have a colon in it
     if not link:
@@ -152,7 +153,7 @@ def _room(words: str) -> Room:
     corners = tuple(given.pop("corner", ()))
     fields = {name: value for name, (value,) in given.items()}
     try:
-        return Room(link, (fields.pop("least", 0.0), fields.pop("most", math.inf)), corners=corners, **fields)
+        return CounterweightRegion(link, (fields.pop("least", 0.0), fields.pop("most", math.inf)), corners=corners, **fields)
     except PinpressError as error:
         raise wrong(str(error)) from None
 
@@ -186,7 +187,7 @@ def _target(option: str, spec: str, words: str) -> Target:
         return AddedMass()
     kind, _, rest = words.partition(":")
     quantity, _, rest = rest.partition(":")
-    for name, known, what in ((kind, [*KINDS, MASS], "measure"), (quantity, list(FORCES), "quantity")):
+    for name, known, what in ((kind, [*KINDS, MASS], "measure"), (quantity, list(QUANTITIES), "quantity")):
         if name not in known:
             raise _wrong(option, spec, f"no {what} {name!r}{suggestion(name, known)}; there are: {', '.join(known)}")
     bearing, axis = None, rest or None

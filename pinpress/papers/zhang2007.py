@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..balancing.classical import arrangements
+from ..balancing import classical
 from ..balancing.counterweights import Counterweight, with_counterweights
 from ..dynamics.inverse_dynamics import Reactions
 from ..linkage.linkage import Linkage
@@ -84,8 +84,8 @@ def _balancing(given: Mapping[str, Linkage]) -> tuple[Entry, ...]:
 def _rotors() -> Entry:
     masses, places, planes = [2.0, -1.2], [[0.10, 0.05, 0.0], [0.0, 0.20, 0.15]], (0.0, 0.30)
     products = [np.array([0.2, 0.0]), np.array([0.0, -0.18])]  # m r, across the shaft [kg m]
-    alone = arrangements.static_balance(masses, places)
-    first, second = arrangements.two_plane_balance(masses, places, planes)
+    alone = classical.static_balance(masses, places)
+    first, second = classical.two_plane_balance(masses, places, planes=planes)
     far = [(0.30 - y) / 0.30 for y in (0.05, 0.20)]  # share of each in the first plane
     by_hand = [
         np.linalg.norm(products[0] + products[1]),
@@ -141,13 +141,13 @@ def _slide(before: Reactions) -> Entry:
 
 
 def _complete(plain: Linkage, before: Reactions) -> Entry:
-    main = arrangements.crank_slide(plain)
+    main = classical.as_crank_slider(plain)
     h1, h2 = main.crank_centre.real, main.rod_centre.real
     on_rod = (main.rod_mass * h2 + main.slide_mass * main.rod_length) / ROD_RADIUS
     at_pin = on_rod + main.rod_mass + main.slide_mass
     right = (at_pin * main.crank_radius + main.crank_mass * h1) / RADIUS
     wrong = (main.rod_mass * main.crank_radius + main.crank_mass * h1) / RADIUS  # as our text reads
-    rod, crank = arrangements.complete_balance(plain, ROD_RADIUS, RADIUS)
+    rod, crank = classical.complete_balance(plain, rod_radius=ROD_RADIUS, crank_radius=RADIUS)
     peak = float(np.ptp(before.shaking_force[:, 2]))
 
     def left(weights: Sequence[Counterweight]) -> float:
@@ -169,16 +169,16 @@ def _complete(plain: Linkage, before: Reactions) -> Entry:
 
 
 def _approximate(plain: Linkage, before: Reactions) -> Entry:
-    main = arrangements.crank_slide(plain)
+    main = classical.as_crank_slider(plain)
     k, share = main.crank_radius, main.rod_share.real
     reciprocating = main.slide_mass + main.rod_mass * share
     turns = k / RADIUS * (main.crank_centre.real / k * main.crank_mass + (1 - share) * main.rod_mass)
     force = reciprocating * k * SPEED**2
-    whole, half = (arrangements.approximate_balance(plain, RADIUS, part) for part in (1.0, 0.5))
+    whole, half = (classical.approximate_balance(plain, RADIUS, share=part) for part in (1.0, 0.5))
 
     def first_order(weight: Counterweight) -> tuple[float, float]:
         after = turning(with_counterweights(plain, [weight]))
-        changes = {(c.quantity, c.order): c.after for c in arrangements.cancelled(before, after)}
+        changes = {(c.quantity, c.order): c.after for c in classical.compare_harmonics(before, after)}
         return tuple(clean(changes[f"force {way} the slide", 1], force) for way in ("along", "across"))  # type: ignore[return-value]
 
     along, across = first_order(whole)
@@ -194,10 +194,10 @@ def _approximate(plain: Linkage, before: Reactions) -> Entry:
 
 
 def _opposed(plain: Linkage, before: Reactions, as_printed: Reactions) -> Entry:
-    main = arrangements.crank_slide(plain)
+    main = classical.as_crank_slider(plain)
     rod = 113.31
     wanted = (main.slide_mass + main.rod_mass / 2) * main.crank_radius / AUXILIARY - rod / 2
-    press = arrangements.opposed(plain, AUXILIARY, rod_length=0.6, rod_mass=rod)
+    press = classical.with_opposed_balancer(plain, AUXILIARY, rod_length=0.6, rod_mass=rod)
     after = turning(press)
     built = press.model.inertias[press.model.getJointId("counterweight_guide")].mass
     peak = float(np.ptp(before.shaking_force[:, 2]))
@@ -218,7 +218,7 @@ def _opposed(plain: Linkage, before: Reactions, as_printed: Reactions) -> Entry:
 
 
 def _guides(plain: Linkage, before: Reactions) -> Entry:
-    main = arrangements.crank_slide(plain)
+    main = classical.as_crank_slider(plain)
     weight = (main.rod_mass + main.slide_mass) * GRAVITY
     centre = (main.rod_mass * main.rod_length / 2 + main.slide_mass * main.rod_length) / (main.rod_mass + main.slide_mass)
     simple = weight * centre / main.rod_length * np.tan(np.arcsin(main.crank_radius / main.rod_length))

@@ -7,7 +7,7 @@ import numpy as np
 
 from ..balancing.objectives import Measure, Range, Rms
 from ..balancing.optimum import balance
-from ..balancing.regions import Room
+from ..balancing.regions import CounterweightRegion
 from ..common.arrays import Array
 from ..common.units import RPM
 from ..kinematics.motion import cycle
@@ -98,10 +98,10 @@ def _search(press: Linkage) -> Entry:
         Row(f"step {k}, m5 = {rod:g} kg, m6 = {counterweight:g} kg [N]", theirs, found)
         for k, ((rod, counterweight, theirs), found) in enumerate(zip(SEARCH, ours, strict=True), 1)
     ]
-    rooms = [Room("auxiliary_rod", replaces=True), Room("counterweight", replaces=True)]
-    best = balance(press, cycle(press, SPEED, POINTS), rooms, Range("shaking_force", "z"))
+    regions = [CounterweightRegion("auxiliary_rod", replaces=True), CounterweightRegion("counterweight", replaces=True)]
+    best = balance(press, cycle(press, SPEED, POINTS), regions=regions, minimise=Range("shaking_force", "z"))
     rod_mass, counter_mass = (float(weight.mass) for weight in best.counterweights)
-    least = float(best.outcomes[0].after)
+    least = float(best.changes[0].after)
     rows += [
         Row("optimum, m5 [kg]", "32.2837", rod_mass, 0.01, 3, SOLVER),
         Row("optimum, m6 [kg]", "1125.9727", counter_mass, 0.001, 3, SOLVER),

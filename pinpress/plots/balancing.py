@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
 from ..balancing.objectives import AddedMass, Target
-from ..balancing.trade_offs import TradeOff
+from ..balancing.trade_offs import TradeOffCurve
 from ..common.arguments import typed
 from ..common.errors import PinpressError
 from .style import COLOURS, GREY, drawing, grid, legend, plain
@@ -20,16 +20,16 @@ HIGH = 6.5  # of a panel [cm]
 
 
 @typed
-def plot_trade_offs(curves: Mapping[str, TradeOff]) -> Figure:
+def plot_trade_offs(curves: Mapping[str, TradeOffCurve]) -> Figure:
     """Curves of `trade_off` under their names, the first measure over the second; those of the same two measures in one panel. A grey cross
     is the press before balancing.
 
     Raises:
         PinpressError: Matplotlib is not installed, or there is no curve.
     """
-    if not isinstance(curves, Mapping) or not curves or not all(isinstance(curve, TradeOff) for curve in curves.values()):
+    if not isinstance(curves, Mapping) or not curves or not all(isinstance(curve, TradeOffCurve) for curve in curves.values()):
         raise PinpressError("there is no curve to draw: give what trade_off returns, under a name")
-    panels: dict[tuple[Target, Target], dict[str, TradeOff]] = {}
+    panels: dict[tuple[Target, Target], dict[str, TradeOffCurve]] = {}
     for name, curve in curves.items():
         panels.setdefault((curve.first, curve.second), {})[name] = curve
     rows = (len(panels) + 1) // 2
@@ -42,7 +42,7 @@ def plot_trade_offs(curves: Mapping[str, TradeOff]) -> Figure:
     return figure
 
 
-def _panel(axes: Axes, curves: Mapping[str, TradeOff]) -> None:
+def _panel(axes: Axes, curves: Mapping[str, TradeOffCurve]) -> None:
     some = next(iter(curves.values()))
     (across, x_label), (up, y_label) = _scaled(some.second), _scaled(some.first)
     lines: list[Artist] = []
@@ -58,10 +58,10 @@ def _panel(axes: Axes, curves: Mapping[str, TradeOff]) -> None:
         legend(axes, lines, list(curves), loc="best")
 
 
-def _before(curve: TradeOff, target: Target) -> float:
+def _before(curve: TradeOffCurve, target: Target) -> float:
     if isinstance(target, AddedMass):
         return 0.0
-    return next(outcome.before for outcome in curve.designs[0].outcomes if outcome.measure == target)
+    return next(change.before for change in curve.designs[0].changes if change.measure == target)
 
 
 def _scaled(target: Target) -> tuple[float, str]:

@@ -19,8 +19,8 @@ from support.exploring import examples
 from support.generators.random_linkages import Drawing, four_bar
 
 import pinpress as pp
-from pinpress.balancing.classical import arrangements
-from pinpress.balancing.classical.arrangements import opposed, symmetric
+from pinpress.balancing import classical
+from pinpress.balancing.classical import mirrored, with_opposed_balancer
 from pinpress.balancing.counterweights import with_counterweights
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -43,7 +43,7 @@ def loaded(drawing, folder, driver="O", **options):
 
 
 def drawn(seed, on_line=False, offset=0.0, ratio=None):
-    """A random crank-slide and what it is drawn from. ``on_line``: centres of mass on the lines of the pins; ``offset`` [m] of the slide's
+    """A random crank-slider and what it is drawn from. ``on_line``: centres of mass on the lines of the pins; ``offset`` [m] of the slide's
     pin from the shaft; ``ratio`` of crank and rod."""
     rng = np.random.default_rng(seed)
     world = np.linalg.qr(rng.normal(size=(3, 3)))[0]
@@ -110,12 +110,12 @@ def peak(*results):
 
 def along_and_across(press, result):
     """Shaking force less weight along the slide's line, away from the shaft positive, and across it."""
-    main = arrangements.crank_slide(press)
+    main = classical.as_crank_slider(press)
     force = result.shaking_force - weight(press)
     return force @ main.direction, force @ main.across
 
 
-# ------------------------------------------------------------------------------------------------------------------- reading a crank-slide
+# ------------------------------------------------------------------------------------------------------------------- reading a crank-slider
 
 
 @FIXED
@@ -123,7 +123,7 @@ def along_and_across(press, result):
 def test_a_crank_slide_is_read_as_it_was_drawn(folder, seed):
     """To rounding: lengths are differences of positions of their own size."""
     drawing, sizes = drawn(seed)
-    found = arrangements.crank_slide(loaded(drawing, folder))
+    found = classical.as_crank_slider(loaded(drawing, folder))
     for name, value in sizes.items():
         assert getattr(found, name) == pytest.approx(value, rel=1e-12, abs=1e-13), name
     assert (found.crank, found.rod, found.slide) == ("crank", "rod", "slide")
@@ -131,7 +131,7 @@ def test_a_crank_slide_is_read_as_it_was_drawn(folder, seed):
 
 def test_the_jf75g_125_is_read():
     """52.25 kg at the pin and half of 77.49 kg turn with it, 2200 kg and the other half go up and down; a uniform rod."""
-    main = arrangements.crank_slide(texts.shipped("jf75g_125_plain"))
+    main = classical.as_crank_slider(texts.shipped("jf75g_125_plain"))
     assert (main.crank_radius, main.rod_length, main.ratio) == pytest.approx((0.015, 0.3, 0.05), rel=1e-14)
     assert main.rotating_product == pytest.approx((52.25 + 77.49 / 2) * 0.015, rel=1e-14)
     assert main.reciprocating_mass == pytest.approx(2200 + 77.49 / 2, rel=1e-14)
@@ -147,8 +147,8 @@ def test_the_jf75g_125_is_read():
     ],
 )
 def test_other_presses_are_refused(name, said):
-    for arrangement in (arrangements.crank_slide, lambda press: opposed(press, 0.1)):
-        with pytest.raises(pp.PinpressError, match=f"{name} is no centred crank-slide: .*{said}"):
+    for arrangement in (classical.as_crank_slider, lambda press: with_opposed_balancer(press, 0.1)):
+        with pytest.raises(pp.PinpressError, match=f"{name} is no centred crank-slider: .*{said}"):
             arrangement(texts.shipped(name))
 
 
@@ -163,8 +163,8 @@ def test_what_differs_from_a_crank_slide_is_named(folder):
         (loaded(drawn(3, ratio=1.5)[0], folder), f"its crank, {sizes['crank_radius']:.6g} m, is not shorter than its rod"),
         (loaded(apart(), folder), "its third link, 'rod', does not connect crank and slide"),
     ):
-        with pytest.raises(pp.PinpressError, match=f"is no centred crank-slide: {said}"):
-            arrangements.crank_slide(press)
+        with pytest.raises(pp.PinpressError, match=f"is no centred crank-slider: {said}"):
+            classical.as_crank_slider(press)
 
 
 def apart():
@@ -189,13 +189,13 @@ def test_harmonic_coefficients_are_those_of_the_exact_acceleration(ratio):
     root = np.sqrt(1 - (ratio * np.sin(q)) ** 2)
     second = -np.cos(q) - ratio * (np.cos(2 * q) * root**2 + (ratio * np.sin(q) * np.cos(q)) ** 2) / root**3
     expected = -2 * np.fft.rfft(second).real[:21] / 512
-    np.testing.assert_allclose(arrangements.harmonic_coefficients(ratio, 20), expected, atol=1e-14)
+    np.testing.assert_allclose(classical.harmonic_coefficients(ratio, 20), expected, atol=1e-14)
 
 
 def test_harmonic_coefficients_begin_like_the_textbooks_series():
     """Each to the order of the first term left out."""
     lam = 0.01
-    found = arrangements.harmonic_coefficients(lam)
+    found = classical.harmonic_coefficients(lam)
     assert found[2] == pytest.approx(lam + lam**3 / 4 + 15 * lam**5 / 128, rel=lam**6)
     assert found[4] == pytest.approx(-(lam**3) / 4 - 3 * lam**5 / 16, rel=lam**4)
     assert found[6] == pytest.approx(9 * lam**5 / 128, rel=3 * lam**2)
@@ -203,18 +203,18 @@ def test_harmonic_coefficients_begin_like_the_textbooks_series():
 
 
 def test_slide_accelerates_by_the_harmonics():
-    """The textbook crank-slide at bottom dead centre, upwards positive: r w^2 (1 + A2 + A4 + ...), lambda = 0.25."""
+    """The textbook crank-slider at bottom dead centre, upwards positive: r w^2 (1 + A2 + A4 + ...), lambda = 0.25."""
     press = texts.shipped("crank_slide")
     motion = pp.cycle(press, W, 64)
     waves = np.cos(np.multiply.outer(motion.crank_angle, np.arange(41)))
-    expected = 0.1 * W**2 * waves @ arrangements.harmonic_coefficients(0.25, 40)
+    expected = 0.1 * W**2 * waves @ classical.harmonic_coefficients(0.25, 40)
     np.testing.assert_allclose(motion.slide_acceleration, expected, atol=1e-12 * np.abs(expected).max())
 
 
 @pytest.mark.parametrize(("arguments", "said"), [((1.0,), "at most"), ((0.0,), "positive"), ((0.2, 0), "from 1"), ((0.2, 2.5), "from 1")])
 def test_bad_ratios_and_orders_are_refused(arguments, said):
     with pytest.raises(pp.PinpressError, match=said):
-        arrangements.harmonic_coefficients(*arguments)
+        classical.harmonic_coefficients(*arguments)
 
 
 # ----------------------------------------------------------------------------------------------------------------- complete, approximate
@@ -225,8 +225,8 @@ def test_bad_ratios_and_orders_are_refused(arguments, said):
 def test_complete_balance_fixes_the_centre_of_mass(folder, seed):
     """To 1e-12 of the stroke, and so the shaking force is the weight, whatever the crank does."""
     press = drawn_press(seed, folder)
-    radius = arrangements.crank_slide(press).crank_radius
-    balanced = with_counterweights(press, arrangements.complete_balance(press, 2 * radius, 1.5 * radius))
+    radius = classical.as_crank_slider(press).crank_radius
+    balanced = with_counterweights(press, classical.complete_balance(press, rod_radius=2 * radius, crank_radius=1.5 * radius))
     result = servo(balanced)
     model, data = balanced.model, balanced.model.createData()
     centres = np.array([pin.centerOfMass(model, data, q).copy() for q in result.motion.q])
@@ -238,7 +238,7 @@ def test_complete_balance_fixes_the_centre_of_mass(folder, seed):
 def test_complete_balance_of_the_jf75g_125():
     """m'' = (m2 h2 + m3 l2) / r2, m' = (m_B l1 + m1 h1) / r1; with the thesis' m2 for m_B the centre of mass would not stand still."""
     press = texts.shipped("jf75g_125_plain")
-    on_rod, on_crank = arrangements.complete_balance(press, rod_radius=0.2, crank_radius=0.1)
+    on_rod, on_crank = classical.complete_balance(press, rod_radius=0.2, crank_radius=0.1)
     m_b = (77.49 * 0.15 + 2200 * 0.3) / 0.2 + 77.49 + 2200
     assert on_rod.mass == pytest.approx(m_b - 2277.49, rel=1e-14)
     assert on_crank.mass == pytest.approx((m_b * 0.015 + 52.25 * 0.015) / 0.1, rel=1e-14)
@@ -254,19 +254,19 @@ def test_complete_balance_of_the_jf75g_125():
 def test_approximate_balance_leaves_what_it_says(folder, seed, share):
     """m_C r w^2 ((1 - share) cos q + A2 cos 2q + ... - i share sin q), as a complex number along the slide's line and across it."""
     press = drawn_press(seed, folder)
-    main = arrangements.crank_slide(press)
-    balanced = with_counterweights(press, [arrangements.approximate_balance(press, 0.1, share)])
+    main = classical.as_crank_slider(press)
+    balanced = with_counterweights(press, [classical.approximate_balance(press, 0.1, share=share)])
     result = turn(balanced, points=120)
     along, across = along_and_across(balanced, result)
     q = result.motion.crank_angle + main.drawn_angle
-    waves = np.cos(np.multiply.outer(q, np.arange(401))) @ arrangements.harmonic_coefficients(main.ratio, 400)
+    waves = np.cos(np.multiply.outer(q, np.arange(401))) @ classical.harmonic_coefficients(main.ratio, 400)
     left = main.reciprocating_mass * main.crank_radius * W**2 * (waves - share * np.exp(1j * q))
     np.testing.assert_allclose(along + 1j * across, left, atol=ROUNDING * peak(result))
 
 
 def test_approximate_balance_halves_the_first_order_of_the_jf75g_125():
     press = texts.shipped("jf75g_125_plain")
-    result = turn(with_counterweights(press, [arrangements.approximate_balance(press, 0.15)]))
+    result = turn(with_counterweights(press, [classical.approximate_balance(press, 0.15)]))
     first = pp.measures.harmonics(result.motion, result.shaking_force).amplitude[1]
     expected = 0.5 * (2200 + 77.49 / 2) * 0.015 * W**2
     np.testing.assert_allclose(first[[0, 2]], expected, rtol=1e-12)
@@ -280,10 +280,10 @@ def test_approximate_balance_halves_the_first_order_of_the_jf75g_125():
 def test_opposed_with_the_same_ratio_leaves_the_weight_alone(folder, seed, scale, heavier):
     """For rods of any mass and whatever the crank does."""
     press = drawn_press(seed, folder)
-    main = arrangements.crank_slide(press)
+    main = classical.as_crank_slider(press)
     # a rod whose far end is no heavier than the main slide's side, which would leave nothing for the counterweight
     rod = min(heavier * main.rod_mass, 0.9 * abs(main.reciprocating_mass.real / (main.rod_share.real or 1))) / scale
-    balanced = opposed(press, scale * main.crank_radius, rod_mass=rod)
+    balanced = with_opposed_balancer(press, scale * main.crank_radius, rod_mass=rod)
     result = servo(balanced)
     assert np.abs(result.shaking_force - weight(balanced)).max() <= ROUNDING * peak(result)
     assert np.abs(result.power_residual).max() < 1e-12
@@ -294,7 +294,7 @@ def test_opposed_with_the_same_ratio_leaves_the_weight_alone(folder, seed, scale
 def test_opposed_leaves_the_main_crank_slide_as_it_was(folder, seed):
     """Its motion, and the forces in crank pin, slide pin and guide, to rounding."""
     press = drawn_press(seed, folder)
-    before, after = servo(press), servo(opposed(press, 0.1))
+    before, after = servo(press), servo(with_opposed_balancer(press, 0.1))
     assert after.motion.slide_position == pytest.approx(before.motion.slide_position, rel=0, abs=1e-13)
     in_plane = np.eye(3) - np.outer(press.plane.normal, press.plane.normal)  # across it, rigid mechanics leaves open what a loop bears
     for name in ("P", "C", "guide"):
@@ -310,9 +310,9 @@ def test_opposed_leaves_the_tilting_moment_of_the_rods_inertia(folder, seed, sca
     About the shaft, less its mean: the weight's moment, constant as the centre of mass stands still.
     """
     press = drawn_press(seed, folder, on_line=True)
-    main = arrangements.crank_slide(press)
+    main = classical.as_crank_slider(press)
     normal, radius, share = np.cross(main.direction, main.across), scale * main.crank_radius, main.rod_share.real
-    result = servo(opposed(press, radius))
+    result = servo(with_opposed_balancer(press, radius))
     found = (result.shaking_moment - np.cross(main.shaft, result.shaking_force)) @ normal
     q, w, a = result.motion.crank_angle + main.drawn_angle, result.motion.crank_speed, result.motion.crank_acceleration
     sine = main.ratio * np.sin(q)  # of the rods' angle phi, against the crank
@@ -324,15 +324,15 @@ def test_opposed_leaves_the_tilting_moment_of_the_rods_inertia(folder, seed, sca
     np.testing.assert_allclose(found - found.mean(), expected - expected.mean(), atol=least)
     without = main.rod_mass * scale * main.rod_length**2 * share * (1 - share) - main.residual_inertia
     if without > 0:
-        assert np.ptp(turn(opposed(press, radius, rod_inertia=without)).shaking_moment @ normal) <= least
+        assert np.ptp(turn(with_opposed_balancer(press, radius, rod_inertia=without)).shaking_moment @ normal) <= least
 
 
 def test_opposed_with_another_ratio_leaves_the_even_orders(folder):
     """m_C r1 w^2 |A_k(lambda1) - A_k(lambda2)| along the line, nothing across it."""
     press = texts.shipped("jf75g_125_plain", gravity=(0, 0, 0))
-    result = turn(opposed(press, crank_radius=0.0297, rod_length=0.45), points=64)
+    result = turn(with_opposed_balancer(press, crank_radius=0.0297, rod_length=0.45), points=64)
     found = pp.measures.harmonics(result.motion, result.shaking_force).amplitude
-    one, other = (arrangements.harmonic_coefficients(ratio, 12) for ratio in (0.05, 0.0297 / 0.45))
+    one, other = (classical.harmonic_coefficients(ratio, 12) for ratio in (0.05, 0.0297 / 0.45))
     expected = (2200 + 77.49 / 2) * 0.015 * W**2 * np.abs(one - other)
     np.testing.assert_allclose(found[:, 2], expected, atol=ROUNDING * 35e3)
     assert np.abs(found[:, [0, 1]]).max() <= ROUNDING * 35e3
@@ -343,7 +343,7 @@ def test_opposed_keeps_the_balance_condition_of_the_shipped_press(rod_mass):
     """(m1 + m2 + m3) r1 = (m4 + m5 + m6) r2, from which the shipped r2 = 0.0297 m was rounded (to 0.0297 of 0.029699), with the mass moment
     of the crank for (m1 r1 - m4 r2); exactly. The shipped press' 119.06 N and its 1705 N across become rounding."""
     plain, shipped = texts.shipped("jf75g_125_plain"), texts.shipped("jf75g_125")
-    press = opposed(plain, 0.0297, rod_mass=rod_mass)
+    press = with_opposed_balancer(plain, 0.0297, rod_mass=rod_mass)
 
     def products(of):
         """Of main side and auxiliary side, less what of the crank is common."""
@@ -372,7 +372,7 @@ def test_opposed_keeps_the_balance_condition_of_the_shipped_press(rod_mass):
 )
 def test_bad_sizes_of_the_auxiliary_crank_slide_are_refused(sizes, said):
     with pytest.raises(pp.PinpressError, match=said):
-        opposed(texts.shipped("jf75g_125_plain"), **sizes)
+        with_opposed_balancer(texts.shipped("jf75g_125_plain"), **sizes)
 
 
 # --------------------------------------------------------------------------------------------------------------------------- symmetric
@@ -380,7 +380,7 @@ def test_bad_sizes_of_the_auxiliary_crank_slide_are_refused(sizes, said):
 
 def test_symmetric_of_the_shipped_press_is_the_shipped_symmetric_one():
     """Torque, gear pair, shaking force and every bearing force of `jf75g_125_symmetric`, from `jf75g_125`: joints have the same names."""
-    made, shipped = symmetric(texts.shipped("jf75g_125"), 0.5), texts.shipped("jf75g_125_symmetric")
+    made, shipped = mirrored(texts.shipped("jf75g_125"), 0.5), texts.shipped("jf75g_125_symmetric")
     assert set(made.bearings) == set(shipped.bearings)
     assert (made.driver, made.mobility) == (shipped.driver, 1)
     found, expected = servo(made), servo(shipped)
@@ -395,12 +395,12 @@ def test_symmetric_of_the_shipped_press_is_the_shipped_symmetric_one():
 @FIXED
 @given(SEEDS, st.booleans())
 def test_symmetric_has_no_lateral_force_and_no_tilting_moment(folder, seed, with_counterweight):
-    """Of a crank-slide and of an opposed one, about the middle; along the slide the force stays as it was, and the torque."""
+    """Of a crank-slider and of an opposed one, about the middle; along the slide the force stays as it was, and the torque."""
     drawing, sizes = drawn(seed)
     plain = loaded(drawing, folder, gravity=(0, 0, 0))
-    main = arrangements.crank_slide(plain)
-    half = opposed(plain, 0.8 * sizes["crank_radius"], 1.3 * sizes["rod_length"]) if with_counterweight else plain
-    before, after = servo(half), servo(symmetric(half, 0.4))
+    main = classical.as_crank_slider(plain)
+    half = with_opposed_balancer(plain, 0.8 * sizes["crank_radius"], rod_length=1.3 * sizes["rod_length"]) if with_counterweight else plain
+    before, after = servo(half), servo(mirrored(half, 0.4))
     force, least, size = after.shaking_force, ROUNDING * peak(before), plain.size
     assert np.abs(force @ main.across).max() <= least
     assert np.abs((force - before.shaking_force) @ main.direction).max() <= least
@@ -413,7 +413,7 @@ def test_symmetric_has_no_lateral_force_and_no_tilting_moment(folder, seed, with
 
 def test_a_central_load_does_not_tilt_the_symmetric_press():
     loads = [pp.loads.DeepDrawing(force=1e6, start=0.010)]
-    press = symmetric(opposed(texts.shipped("jf75g_125_plain"), 0.0297), 0.5)
+    press = mirrored(with_opposed_balancer(texts.shipped("jf75g_125_plain"), 0.0297), 0.5)
     result = turn(press, loads=loads, points=72)
     assert np.abs(result.shaking_force[:, 0]).max() <= ROUNDING * 1e6
     assert np.abs(result.shaking_moment).max() <= ROUNDING * 1e6
@@ -427,13 +427,15 @@ def test_presses_that_cannot_be_mirrored_are_refused():
         (texts.shipped("thin_wall"), 0.5, "bearing 'E' moves 0.28 m beside the shaft"),
     ):
         with pytest.raises(pp.PinpressError, match=said):
-            symmetric(press, distance)
+            mirrored(press, distance)
 
 
 # ---------------------------------------------------------------------------------------------------- what the new presses are good for
 
 
-@pytest.mark.parametrize("make", [lambda press: opposed(press, 0.0297), lambda press: symmetric(opposed(press, 0.0297), 0.5)])
+@pytest.mark.parametrize(
+    "make", [lambda press: with_opposed_balancer(press, 0.0297), lambda press: mirrored(with_opposed_balancer(press, 0.0297), 0.5)]
+)
 def test_new_presses_can_be_written_and_loaded_again(make, tmp_path):
     press = make(texts.shipped("jf75g_125_plain", gravity=(0, 0, -9.80665)))
     again = pp.load(pp.write_urdf(press, tmp_path / "again.urdf"), gravity=(0, 0, -9.80665))
@@ -447,7 +449,7 @@ def test_new_presses_can_be_written_and_loaded_again(make, tmp_path):
 
 
 def test_new_presses_can_be_recorded_and_reported(tmp_path):
-    press = symmetric(opposed(texts.shipped("crank_slide"), 0.15), 0.6)
+    press = mirrored(with_opposed_balancer(texts.shipped("crank_slide"), 0.15), 0.6)
     result = turn(press)
     assert pp.record(press, result.motion, tmp_path / "press.html", result).stat().st_size > 100_000
     assert pp.report(press, result.motion, tmp_path / "report.html", result).stat().st_size > 100_000
@@ -456,8 +458,8 @@ def test_new_presses_can_be_recorded_and_reported(tmp_path):
 def test_a_changed_press_can_be_arranged():
     """With its counterweights, in memory: those of `approximate_balance` on the plain press are balanced like the rest."""
     plain = texts.shipped("jf75g_125_plain")
-    changed = with_counterweights(plain, [arrangements.approximate_balance(plain, 0.15, 0.2)])
-    press = opposed(changed, 0.0297)
+    changed = with_counterweights(plain, [classical.approximate_balance(plain, 0.15, share=0.2)])
+    press = with_opposed_balancer(changed, 0.0297)
     assert mass(press) > mass(changed) > mass(plain)
     assert np.ptp(turn(press).shaking_force, axis=0).max() <= ROUNDING * 70e3
 
@@ -468,8 +470,8 @@ def test_a_changed_press_can_be_arranged():
 def test_cancelled_says_what_became_of_every_harmonic():
     """Of the plain press with half of the reciprocating mass balanced: the first order along is halved, across raised; no other changes."""
     plain = texts.shipped("jf75g_125_plain")
-    balanced = with_counterweights(plain, [arrangements.approximate_balance(plain, 0.15)])
-    found = {(c.quantity, c.order): c for c in arrangements.cancelled(turn(plain), turn(balanced))}
+    balanced = with_counterweights(plain, [classical.approximate_balance(plain, 0.15)])
+    found = {(c.quantity, c.order): c for c in classical.compare_harmonics(turn(plain), turn(balanced))}
     along = [found["force along the slide", k].change for k in range(1, 7)]
     assert along == ["reduced", "unchanged", "none", "unchanged", "none", "unchanged"]
     assert [found["force across the slide", k].change for k in range(1, 7)] == ["raised"] + ["none"] * 5
@@ -481,7 +483,7 @@ def test_cancelled_says_what_became_of_every_harmonic():
 def test_cancelled_by_the_symmetric_press():
     """Tilting moment and lateral force in all orders, about the shaft of the press before, wherever the world's origin is."""
     plain = texts.shipped("jf75g_125_plain")
-    found = arrangements.cancelled(turn(plain), turn(symmetric(opposed(plain, 0.0297), 0.5)))
+    found = classical.compare_harmonics(turn(plain), turn(mirrored(with_opposed_balancer(plain, 0.0297), 0.5)))
     assert {change.change for change in found} == {"cancelled", "none"}
     assert [c.order for c in found if c.quantity == "tilting moment" and c.change == "cancelled"] == [1, 3, 5]
 
@@ -496,7 +498,7 @@ def test_what_cannot_be_compared_is_refused():
         (result, plain, "after is a Linkage|reactions is a Linkage"),
     ):
         with pytest.raises(pp.PinpressError, match=said):
-            arrangements.cancelled(before, after)
+            classical.compare_harmonics(before, after)
 
 
 # ------------------------------------------------------------------------------------------------------------------------------- numbers
@@ -505,13 +507,13 @@ def test_what_cannot_be_compared_is_refused():
 @pytest.mark.parametrize("share", [-0.1, 1.1, np.nan, "half", True])
 def test_a_share_is_from_zero_to_one(share):
     with pytest.raises(pp.PinpressError, match=r"share is .* from 0 to 1"):
-        arrangements.approximate_balance(texts.shipped("crank_slide"), 0.1, share)
+        classical.approximate_balance(texts.shipped("crank_slide"), 0.1, share=share)
 
 
 @pytest.mark.parametrize(("radii", "link"), [((0.0, 0.1), "rod"), ((0.1, -0.1), "crank")])
 def test_radii_of_counterweights_are_positive(radii, link):
     with pytest.raises(pp.PinpressError, match=f"radius of the counterweight on '{link}' is .* give a positive number"):
-        arrangements.complete_balance(texts.shipped("crank_slide"), *radii)
+        classical.complete_balance(texts.shipped("crank_slide"), rod_radius=radii[0], crank_radius=radii[1])
 
 
 def test_the_table_is_what_its_script_prints():
@@ -526,6 +528,6 @@ def test_a_press_whose_centre_of_mass_rests_runs_as_without_weight() -> None:
     runs = []
     for gravity in ((0.0, 0.0, -9.81), (0.0, 0.0, 0.0)):
         plain = pp.load("jf75g_125_plain", gravity=gravity)
-        balanced = pp.balancing.with_counterweights(plain, arrangements.complete_balance(plain, rod_radius=0.3, crank_radius=0.15))
+        balanced = pp.balancing.with_counterweights(plain, classical.complete_balance(plain, rod_radius=0.3, crank_radius=0.15))
         runs.append(pp.simulate(balanced, 0.2, speed=30.0))
     assert runs[0].crank_angle[-1] == pytest.approx(runs[1].crank_angle[-1], abs=1e-9)

@@ -13,7 +13,7 @@ from support.generators.spatial_linkages import bennett, four_bar
 from support.oracles import cassie
 
 import pinpress as pp
-from pinpress.balancing.mass_response import PointMasses, change
+from pinpress.balancing.mass_response import PointMasses, mass_response
 
 MASS = pp.balancing.AddedMass()
 STATES = 12
@@ -61,14 +61,16 @@ def swing(press, engine="auto"):
 
 
 def check_change(press, link, engine):
-    """Counterweights on a link against `change`, to 1e-11 of the largest force: both are differences of two results."""
+    """Counterweights on a link against `mass_response`, to 1e-11 of the largest force: both are differences of two results."""
     rng, motion, size = np.random.default_rng(8), swing(press, engine), press.size
     masses, points = press.model.inertias[1].mass * rng.uniform(0.1, 0.5, 2), 0.5 * size * rng.normal(size=(2, 3))
     loads = [pp.loads.PointForce(link, (30.0, -20.0, 10.0), (0.1, 0.0, 0.2))]
     before = pp.inverse_dynamics(press, motion, loads)
     weights = [pp.balancing.Counterweight(link, mass, tuple(point)) for mass, point in zip(masses, points, strict=True)]
     after = pp.inverse_dynamics(pp.balancing.with_counterweights(press, weights), motion, loads, engine=engine)
-    found = change(press, pp.balancing.Case(motion, loads), before, PointMasses(link, masses, points), torque=True)
+    found = mass_response(
+        press, pp.balancing.OperatingCondition(motion, loads), before, PointMasses(link, masses, points), inner_forces=True
+    )
     force = max(np.abs(after.shaking_force).max(), *(np.abs(values).max() for values in after.bearing_force.values()))
     for name, scale in (("shaking_force", 1.0), ("shaking_moment", size), ("driving_torque", size)):
         assert np.abs(getattr(found, name) - (getattr(after, name) - getattr(before, name))).max() <= 1e-11 * scale * force, name
@@ -118,10 +120,10 @@ ANY = (
 )
 
 
-def rooms_of(press, rng):
+def regions_of(press, rng):
     """A disc, a polygon and a point on random links, of at most half the press's mass each."""
     most, size = 0.5 * sum(i.mass for i in press.model.inertias), 0.3 * press.size
-    rooms = []
+    regions = []
     for kind in ("disc", "corners", "at"):
         link = str(rng.choice(moving(press)))
         in_link = press.model.frames[press.model.getFrameId(link)]
@@ -132,22 +134,27 @@ def rooms_of(press, rng):
             "corners": {"corners": tuple(tuple(middle + arm) for arm in arms)},
             "at": {"at": tuple(middle)},
         }[kind]
-        rooms.append(
-            (pp.balancing.Room(link, mass=(0.0, most), gyration=float(rng.choice([0.0, 0.1 * size])), **place), middle, arms, along)
+        regions.append(
+            (
+                pp.balancing.CounterweightRegion(link, mass=(0.0, most), gyration=float(rng.choice([0.0, 0.1 * size])), **place),
+                middle,
+                arms,
+                along,
+            )
         )
-    return rooms
+    return regions
 
 
-def random_filling(room, middle, arms, along, rng):
-    """Point masses anywhere in a room, of the room's gyration."""
-    share = rng.dirichlet(np.ones(3)) * room.mass[1] * rng.choice([0.0, 0.1, 1.0]) * rng.uniform()
-    if room.at is not None:
+def random_filling(region, middle, arms, along, rng):
+    """Point masses anywhere in a region, of the region's gyration."""
+    share = rng.dirichlet(np.ones(3)) * region.mass[1] * rng.choice([0.0, 0.1, 1.0]) * rng.uniform()
+    if region.at is not None:
         points = np.tile(middle, (3, 1))
-    elif room.corners:
+    elif region.corners:
         points = middle + rng.dirichlet(0.3 * np.ones(len(arms)), 3) @ arms
     else:
-        points = middle + room.radius * (rng.uniform(0, 1, (3, 1)) ** 0.2) * _unit(rng) @ along[:2]
-    return [pp.balancing.Counterweight(room.link, m, tuple(p), m * room.gyration**2) for m, p in zip(share, points, strict=True)]
+        points = middle + region.radius * (rng.uniform(0, 1, (3, 1)) ** 0.2) * _unit(rng) @ along[:2]
+    return [pp.balancing.Counterweight(region.link, m, tuple(p), m * region.gyration**2) for m, p in zip(share, points, strict=True)]
 
 
 def _unit(rng):
@@ -161,28 +168,28 @@ def part_of(weights, share):
 
 @pytest.mark.parametrize("number", range(len(ANY)))
 def test_no_counterweights_beat_the_bound(planar, number):
-    """In two cases, one with loads. Random ones, and the best with a little of these mixed in: convexity has no other way out."""
+    """In two conditions, one with loads. Random ones, and the best with a little of these mixed in: convexity has no other way out."""
     press, rng = planar(number % len(SEEDS)), np.random.default_rng(number)
     measures = (ANY[number], ANY[(5 * number + 1) % len(ANY)])[: 1 + number % 2]
-    cases = [
-        pp.balancing.Case(swing(press)),
-        pp.balancing.Case(swing(press), [pp.loads.PointForce(press.links[-1], rng.normal(size=(STATES, 3)) * 100)]),
+    conditions = [
+        pp.balancing.OperatingCondition(swing(press)),
+        pp.balancing.OperatingCondition(swing(press), [pp.loads.PointForce(press.links[-1], rng.normal(size=(STATES, 3)) * 100)]),
     ]
-    rooms = rooms_of(press, rng)
-    before = [pp.inverse_dynamics(press, case.motion, case.loads) for case in cases]
+    regions = regions_of(press, rng)
+    before = [pp.inverse_dynamics(press, case.motion, case.loads) for case in conditions]
     sizes = {m: [m.value(r) for r in before] for m in measures}
-    b = pp.balancing.balance(press, cases, [room for room, *_ in rooms], dict.fromkeys(measures, 1.0))
+    b = pp.balancing.balance(press, conditions, regions=[region for region, *_ in regions], minimise=dict.fromkeys(measures, 1.0))
 
     def worst(weights):
         changed = pp.balancing.with_counterweights(press, weights)
-        after = [pp.inverse_dynamics(changed, case.motion, case.loads) for case in cases]
+        after = [pp.inverse_dynamics(changed, case.motion, case.loads) for case in conditions]
         return sum(max(m.value(r) / size for r, size in zip(after, sizes[m], strict=True)) for m in measures)
 
     assert b.value == pytest.approx(worst(b.counterweights), abs=1e-8)
     assert -1e-8 <= b.value - b.bound <= 1e-7 * len(measures)
     assert b.value <= len(measures) * (1 + 1e-7)  # to leave the press alone is admissible
     for share in (1.0, 1.0, 1.0, 0.3, 0.03, 0.003):
-        other = [weight for room, middle, arms, along in rooms for weight in random_filling(room, middle, arms, along, rng)]
+        other = [weight for region, middle, arms, along in regions for weight in random_filling(region, middle, arms, along, rng)]
         assert worst([*part_of(b.counterweights, 1 - share), *part_of(other, share)]) >= b.bound - 1e-9
 
 
@@ -191,10 +198,10 @@ def test_no_masses_beat_the_bound_in_space(folder):
     press = texts.load(bennett(), folder)
     motion = pp.cycle(press, angle=np.linspace(-0.5, 0.5, STATES), speed=9.0)
     own = press.model.inertias[1].mass
-    rooms = [
-        pp.balancing.Room("link1", mass=(0.5, 10.0), replaces=True),
-        pp.balancing.Room("link2", at=(0.1, 0.1, 0.0), mass=(-0.2, 5.0), gyration=0.02),
-        pp.balancing.Room("link3", at=(-0.1, 0.05, 0.2), mass=(0.0, 5.0)),
+    regions = [
+        pp.balancing.CounterweightRegion("link1", mass=(0.5, 10.0), replaces=True),
+        pp.balancing.CounterweightRegion("link2", at=(0.1, 0.1, 0.0), mass=(-0.2, 5.0), gyration=0.02),
+        pp.balancing.CounterweightRegion("link3", at=(-0.1, 0.05, 0.2), mass=(0.0, 5.0)),
     ]
     body = press.model.inertias[1]
     rng = np.random.default_rng(4)
@@ -204,18 +211,20 @@ def test_no_masses_beat_the_bound_in_space(folder):
         pp.balancing.Range("shaking_moment", (1.0, 1.0, 0.0)),
         pp.balancing.Peak("bearing_force", bearing="J3"),
     ):
-        b = pp.balancing.balance(press, motion, rooms, measure)
-        assert -1e-8 <= (b.value - b.bound) / b.outcomes[0].before <= 1e-7
+        b = pp.balancing.balance(press, motion, regions=regions, minimise=measure)
+        assert -1e-8 <= (b.value - b.bound) / b.changes[0].before <= 1e-7
         assert measure.value(pp.inverse_dynamics(b.press, motion)) == pytest.approx(b.value, rel=1e-9)
         for _ in range(4):
-            masses = [rng.uniform(*room.mass) for room in rooms]
-            weights = [pp.balancing.Counterweight(r.link, m, r.at, m * r.gyration**2) for r, m in zip(rooms[1:], masses[1:], strict=True)]
+            masses = [rng.uniform(*region.mass) for region in regions]
+            weights = [pp.balancing.Counterweight(r.link, m, r.at, m * r.gyration**2) for r, m in zip(regions[1:], masses[1:], strict=True)]
             changed = pp.balancing.with_counterweights(press, weights)
             inertias = list(changed.model.inertias)
             inertias[1] = pin.Inertia(masses[0], body.lever, body.inertia * masses[0] / own)
             assert measure.value(pp.inverse_dynamics(changed.with_inertias(inertias), motion)) >= b.bound
     with pytest.raises(pp.PinpressError, match=r"'link2': bennett is not planar.*at="):
-        pp.balancing.balance(press, motion, [pp.balancing.Room("link2", radius=0.1)], pp.balancing.Rms("shaking_force"))
+        pp.balancing.balance(
+            press, motion, regions=[pp.balancing.CounterweightRegion("link2", radius=0.1)], minimise=pp.balancing.Rms("shaking_force")
+        )
 
 
 @pytest.mark.parametrize("name", ["jf75g_125", "thin_wall", "jf75g_125_plain"])
@@ -229,11 +238,11 @@ def test_no_masses_beat_the_bound_in_space(folder):
 )
 def test_shipped_presses_are_proved_to_rounding(name, measure):
     press = texts.shipped(name)
-    rooms = [pp.balancing.Room(link, radius=0.2) for link in press.links[1:]]
-    b = pp.balancing.balance(press, pp.cycle(press, 20.0, points=90), rooms, measure, {MASS: 50.0})
-    assert -1e-8 <= (b.value - b.bound) / b.outcomes[0].before <= 1e-7
+    regions = [pp.balancing.CounterweightRegion(link, radius=0.2) for link in press.links[1:]]
+    b = pp.balancing.balance(press, pp.cycle(press, 20.0, points=90), regions=regions, minimise=measure, limits={MASS: 50.0})
+    assert -1e-8 <= (b.value - b.bound) / b.changes[0].before <= 1e-7
     assert b.residual < 1e-8
-    assert b.value < (1 - 1e-4) * b.outcomes[0].before
+    assert b.value < (1 - 1e-4) * b.changes[0].before
 
 
 # ---------------------------------------------------------------------------------------------------------- bounded least squares
@@ -248,23 +257,23 @@ def test_rms_of_masses_at_points_is_bounded_least_squares(measure):
     """Columns are finite changes, by 1 kg; SciPy's active set finds the same masses, with their bounds from 0 or below to 150 kg."""
     press = texts.shipped("zxn2_3000b")
     motion = pp.cycle(press, 7.0, points=72)
-    rooms = [
-        pp.balancing.Room("crank", at=(-0.2, 0, 0.1), mass=(0, 150)),
-        pp.balancing.Room("crank", at=(-0.1, 0, -0.3), mass=(0, 150)),
-        pp.balancing.Room("coupler", at=(-0.3, 0, 0), mass=(-20, 150), gyration=0.1),
-        pp.balancing.Room("rocker", at=(0.2, 0, 0.5), mass=(0, 150)),
-        pp.balancing.Room("rod", at=(-0.2, 0, 0.1), mass=(0, 150)),
+    regions = [
+        pp.balancing.CounterweightRegion("crank", at=(-0.2, 0, 0.1), mass=(0, 150)),
+        pp.balancing.CounterweightRegion("crank", at=(-0.1, 0, -0.3), mass=(0, 150)),
+        pp.balancing.CounterweightRegion("coupler", at=(-0.3, 0, 0), mass=(-20, 150), gyration=0.1),
+        pp.balancing.CounterweightRegion("rocker", at=(0.2, 0, 0.5), mass=(0, 150)),
+        pp.balancing.CounterweightRegion("rod", at=(-0.2, 0, 0.1), mass=(0, 150)),
     ]
     after = [pp.inverse_dynamics(press, motion)]
-    for room in rooms:
-        weight = pp.balancing.Counterweight(room.link, 1.0, room.at, room.gyration**2)
+    for region in regions:
+        weight = pp.balancing.Counterweight(region.link, 1.0, region.at, region.gyration**2)
         after.append(pp.inverse_dynamics(pp.balancing.with_counterweights(press, [weight]), motion))
     series = [measure.series(reactions) for reactions in after]
     fixed, *others = [(s - s.mean(axis=0)).ravel() / np.sqrt(len(s)) for s in series]
     matrix = np.array([other - fixed for other in others]).T
-    best = lsq_linear(matrix, -fixed, tuple(np.array([room.mass for room in rooms]).T), method="bvls", tol=1e-14)
-    b = pp.balancing.balance(press, motion, rooms, measure)
+    best = lsq_linear(matrix, -fixed, tuple(np.array([region.mass for region in regions]).T), method="bvls", tol=1e-14)
+    b = pp.balancing.balance(press, motion, regions=regions, minimise=measure)
     assert b.value == pytest.approx(np.sqrt(2 * best.cost), rel=1e-8)
     masses = {(weight.link, weight.position): weight.mass for weight in b.counterweights}
-    found = [next((m for (link, at), m in masses.items() if link == room.link and np.allclose(at, room.at)), 0.0) for room in rooms]
+    found = [next((m for (link, at), m in masses.items() if link == region.link and np.allclose(at, region.at)), 0.0) for region in regions]
     np.testing.assert_allclose(found, best.x, atol=1e-2)  # the lighter of designs that are as good to 1e-6: along the flattest direction

@@ -10,7 +10,6 @@ import pytest
 from support.texts import shipped
 
 import pinpress as pp
-from pinpress.balancing.tables import counterweight_columns, effects
 from pinpress.common.tables import write_csv
 
 X, Z, TORQUE = pp.balancing.Range("shaking_force", "x"), pp.balancing.Range("shaking_force", "z"), pp.balancing.Rms("driving_torque")
@@ -24,33 +23,37 @@ izz="1" ixy="0" ixz="0" iyz="0"/></inertial></link><joint name="J" type="continu
 </robot>"""
 
 
-def cases(*speeds: float) -> list[pp.balancing.Case]:
-    return [pp.balancing.Case(pp.cycle(shipped("zxn2_3000b"), speed * pp.RPM, points=90)) for speed in speeds]
+def cases(*speeds: float) -> list[pp.balancing.OperatingCondition]:
+    return [pp.balancing.OperatingCondition(pp.cycle(shipped("zxn2_3000b"), speed * pp.RPM, points=90)) for speed in speeds]
 
 
 @cache
-def pressed(rocker: float = MOST_ON_ROCKER, x: float = MOST_X, added: float = MOST_ADDED) -> pp.balancing.Balance:
+def pressed(rocker: float = MOST_ON_ROCKER, x: float = MOST_X, added: float = MOST_ADDED) -> pp.balancing.BalancedPress:
     """The six-bar under limits that all hold it back."""
-    rooms = [
-        pp.balancing.Room("crank", radius=0.3),
-        pp.balancing.Room("rocker", (0, rocker), radius=0.6),
-        pp.balancing.Room("rod", radius=0.3),
+    regions = [
+        pp.balancing.CounterweightRegion("crank", radius=0.3),
+        pp.balancing.CounterweightRegion("rocker", (0, rocker), radius=0.6),
+        pp.balancing.CounterweightRegion("rod", radius=0.3),
     ]
-    return pp.balancing.balance(shipped("zxn2_3000b"), cases(70), rooms, Z, {X: x, pp.balancing.AddedMass(): added})
+    return pp.balancing.balance(
+        shipped("zxn2_3000b"), cases(70), regions=regions, minimise=Z, limits={X: x, pp.balancing.AddedMass(): added}
+    )
 
 
 @cache
-def at_two_speeds() -> pp.balancing.Balance:
-    rooms = [pp.balancing.Room("crank", radius=0.3), pp.balancing.Room("rocker", radius=0.6)]
-    return pp.balancing.balance(shipped("zxn2_3000b"), cases(70, 40), rooms, {Z: 1.0, TORQUE: 0.5}, {pp.balancing.AddedMass(): MOST_ADDED})
+def at_two_speeds() -> pp.balancing.BalancedPress:
+    regions = [pp.balancing.CounterweightRegion("crank", radius=0.3), pp.balancing.CounterweightRegion("rocker", radius=0.6)]
+    return pp.balancing.balance(
+        shipped("zxn2_3000b"), cases(70, 40), regions=regions, minimise={Z: 1.0, TORQUE: 0.5}, limits={pp.balancing.AddedMass(): MOST_ADDED}
+    )
 
 
 @cache
-def tilted() -> pp.balancing.Balance:
+def tilted() -> pp.balancing.BalancedPress:
     """A symmetric press with a mass on one side: what was zero is not."""
     press = shipped("jf75g_125_symmetric")
-    room = pp.balancing.Room("crank_left", (5, 50), at=(0.1, 0, 0.05))
-    return pp.balancing.balance(press, pp.cycle(press, 300 * pp.RPM, points=90), [room], Z)
+    region = pp.balancing.CounterweightRegion("crank_left", (5, 50), at=(0.1, 0, 0.05))
+    return pp.balancing.balance(press, pp.cycle(press, 300 * pp.RPM, points=90), regions=[region], minimise=Z)
 
 
 def row(text: str, name: str) -> list[str]:
@@ -72,14 +75,14 @@ def test_the_text_says_what_the_balance_has() -> None:
     assert float(row(text, "added mass")[0]) == pytest.approx(balance.added_mass, rel=DIGITS)
     assert "kg that move, at most 600 kg" in text
     objective = section(text, "Objective: range of the shaking force, z")
-    for name, number in (("before", balance.outcomes[0].before), ("reached", balance.value), ("proven bound", balance.bound)):
+    for name, number in (("before", balance.changes[0].before), ("reached", balance.value), ("proven bound", balance.bound)):
         assert row(objective, name)[:2] == [f"{number:.6g}", "N"]
-    for outcome in (*balance.outcomes, *effects(balance)):
-        before, after, change, percent, *limit = row(text, f"{outcome.measure.words} [{outcome.measure.unit}]")
-        assert float(before) == pytest.approx(outcome.before, rel=DIGITS)
-        assert float(after) == pytest.approx(outcome.after, rel=DIGITS)
-        assert (float(change), percent) == (pytest.approx(100 * outcome.change, abs=0.00501), "%")
-        assert limit == (["1000"] if outcome.measure == X else [])
+    for found in (*balance.changes, *balance.side_effects):
+        before, after, change, percent, *limit = row(text, f"{found.measure.words} [{found.measure.unit}]")
+        assert float(before) == pytest.approx(found.before, rel=DIGITS)
+        assert float(after) == pytest.approx(found.after, rel=DIGITS)
+        assert (float(change), percent) == (pytest.approx(100 * found.change, abs=0.00501), "%")
+        assert limit == (["1000"] if found.measure == X else [])
 
 
 @pytest.mark.parametrize(
@@ -92,7 +95,7 @@ def test_the_text_says_what_the_balance_has() -> None:
             "N",
         ),
         (
-            "most mass of the room on 'rocker', 250 kg",
+            "most mass of the region on 'rocker', 250 kg",
             [(MOST_ON_ROCKER + 1, MOST_X, MOST_ADDED), (MOST_ON_ROCKER - 1, MOST_X, MOST_ADDED)],
             "kg",
         ),
@@ -108,8 +111,8 @@ def test_a_price_is_between_what_one_more_gains_and_one_less_loses(name: str, li
     assert (1 - 5e-3) * (pressed().value - more) <= float(words[1]) <= (1 + 5e-3) * (less - pressed().value)  # it has three digits
 
 
-def test_the_shape_of_a_room_has_no_price() -> None:
-    assert "\n  radius of the room on 'crank'\n" in str(pressed()) + "\n"
+def test_the_shape_of_a_region_has_no_price() -> None:
+    assert "\n  radius of the region on 'crank'\n" in str(pressed()) + "\n"
 
 
 def test_a_weighted_objective_is_relative() -> None:
@@ -118,8 +121,7 @@ def test_a_weighted_objective_is_relative() -> None:
     assert row(objective, "before") == ["1.5"]
     assert row(objective, "reached") == [f"{balance.value:.6g}"]
     worst = {
-        measure: max(outcome.after / outcome.before for outcome in balance.outcomes if outcome.measure == measure)
-        for measure in (Z, TORQUE)
+        measure: max(change.after / change.before for change in balance.changes if change.measure == measure) for measure in (Z, TORQUE)
     }
     assert float(row(objective, "reached")[0]) == pytest.approx(worst[Z] + 0.5 * worst[TORQUE], rel=DIGITS)
     assert re.search(r"let out$", section(text, "Held back by"), flags=re.MULTILINE)
@@ -129,7 +131,7 @@ def test_cases_are_told_apart() -> None:
     text = str(at_two_speeds())
     assert "\n  case 0: 70 r/min of joint A, 90 states\n  case 1: 40 r/min of joint A, 90 states\n" in text
     found = re.findall(r"^  range of the shaking force, z \[N\] +(\d) +(\S+)", text, flags=re.MULTILINE)
-    expected = [np.ptp(reactions.shaking_force[:, 2]) for reactions in at_two_speeds().before]
+    expected = [np.ptp(reactions.shaking_force[:, 2]) for reactions in at_two_speeds().reactions_before]
     assert [case for case, _ in found] == ["0", "1"]
     np.testing.assert_allclose([float(before) for _, before in found], expected, rtol=DIGITS)
 
@@ -144,7 +146,7 @@ def test_effects_are_those_of_the_counterweights_alone() -> None:
         peaks = [np.linalg.norm(some.bearing_force[name], axis=1).max() for some in (before, after)]
         expected[f"peak of the bearing force of {name}"] = peaks
     expected["range of the shaking moment, y"] = [np.ptp(some.shaking_moment[:, 1]) for some in (before, after)]
-    found = {effect.measure.words: [effect.before, effect.after] for effect in effects(balance)}
+    found = {effect.measure.words: [effect.before, effect.after] for effect in balance.side_effects}
     assert list(found) == list(expected)  # neither what was asked for nor what a planar press has not
     for name, values in found.items():
         np.testing.assert_allclose(values, expected[name], rtol=1e-10, err_msg=name)  # rounding of torques made up of larger ones
@@ -152,7 +154,7 @@ def test_effects_are_those_of_the_counterweights_alone() -> None:
 
 def test_what_was_zero_before_has_no_change(tmp_path: Path) -> None:
     balance = tilted()
-    sideways = next(effect for effect in effects(balance) if effect.measure == X)
+    sideways = next(effect for effect in balance.side_effects if effect.measure == X)
     assert (sideways.before, sideways.after > 100) == (0.0, True)
     assert row(str(balance), "range of the shaking force, x [N]") == ["0", f"{sideways.after:.6g}"]
     columns = balance.columns()
@@ -174,9 +176,9 @@ def test_what_was_zero_before_has_no_change(tmp_path: Path) -> None:
 def test_csv_and_frame_are_the_columns(tmp_path: Path) -> None:
     balance = at_two_speeds()
     columns = balance.columns()
-    rows = [*balance.outcomes, *effects(balance)]
-    assert columns["measure"] == [outcome.measure.words for outcome in rows]
-    assert columns["after"] == [outcome.after for outcome in rows]
+    rows = [*balance.changes, *balance.side_effects]
+    assert columns["measure"] == [change.measure.words for change in rows]
+    assert columns["after"] == [change.after for change in rows]
     assert columns["case"] == [0, 1] * (len(rows) // 2)
     balance.to_csv(tmp_path / "balance.csv")
     with (tmp_path / "balance.csv").open(encoding="utf-8", newline="") as file:
@@ -196,10 +198,10 @@ def test_limits_stand_beside_their_measures() -> None:
 
 def test_counterweights_as_columns() -> None:
     balance = pressed()
-    links, *numbers = counterweight_columns(balance).values()
+    links, *numbers = balance.counterweight_columns().values()
     made = [pp.balancing.Counterweight(link, m, (x, y, z), j) for link, m, x, y, z, j in zip(links, *numbers, strict=True)]
     assert made == list(balance.counterweights)
-    assert list(counterweight_columns(balance)) == ["link", "mass [kg]", "x [m]", "y [m]", "z [m]", "inertia [kg m2]"]
+    assert list(balance.counterweight_columns()) == ["link", "mass [kg]", "x [m]", "y [m]", "z [m]", "inertia [kg m2]"]
 
 
 def test_a_file_that_cannot_be_written_is_named(tmp_path: Path) -> None:
@@ -209,7 +211,13 @@ def test_a_file_that_cannot_be_written_is_named(tmp_path: Path) -> None:
 
 def test_the_least_mass_is_an_objective_too() -> None:
     press = shipped("zxn2_3000b")
-    balance = pp.balancing.balance(press, cases(70), [pp.balancing.Room("crank", radius=0.3)], pp.balancing.AddedMass(), {X: 4000.0})
+    balance = pp.balancing.balance(
+        press,
+        cases(70),
+        regions=[pp.balancing.CounterweightRegion("crank", radius=0.3)],
+        minimise=pp.balancing.AddedMass(),
+        limits={X: 4000.0},
+    )
     objective = section(str(balance), "Objective: added mass")
     assert row(objective, "before") == ["0", "kg"]
     assert row(objective, "reached") == [f"{balance.added_mass:.6g}", "kg"]
@@ -220,9 +228,11 @@ def test_loads_count_in_the_effects() -> None:
     press = shipped("zxn2_3000b")
     down, up = pp.loads.PointForce("slide", (0, 0, -1e5)), pp.loads.PointForce("frame", (0, 0, 1e5))
     (case,) = cases(70)
-    balance = pp.balancing.balance(press, case.motion, [pp.balancing.Room("crank", radius=0.3, mass=(0, 100))], X, loads=[down, up])
-    loaded = pp.inverse_dynamics(balance.press, balance.after[0].motion, loads=[down, up])
-    (torque,) = (effect for effect in effects(balance) if effect.measure == pp.balancing.Range("driving_torque"))
+    balance = pp.balancing.balance(
+        press, case.motion, regions=[pp.balancing.CounterweightRegion("crank", radius=0.3, mass=(0, 100))], minimise=X, loads=[down, up]
+    )
+    loaded = pp.inverse_dynamics(balance.press, balance.reactions_after[0].motion, loads=[down, up])
+    (torque,) = (effect for effect in balance.side_effects if effect.measure == pp.balancing.Range("driving_torque"))
     assert torque.after == pytest.approx(np.ptp(loaded.driving_torque), rel=1e-12)
     assert "90 states, 2 loads\n" in str(balance)
 
@@ -233,8 +243,10 @@ def test_several_drivers_and_uneven_motion(tmp_path: Path) -> None:
     arms = pp.load(tmp_path / "arms.urdf")
     angle = np.linspace(0, 1, 20)
     motion = pp.cycle(arms, angle=np.stack([angle, 2 * angle], axis=1), speed=np.tile([1.0, 2.0], (20, 1)))
-    balance = pp.balancing.balance(arms, motion, [pp.balancing.Room("two", at=(-0.3, 0, 0), mass=(0, 0.5))], Z)
-    (torque,) = (effect for effect in effects(balance) if effect.measure.quantity == "driving_torque")
+    balance = pp.balancing.balance(
+        arms, motion, regions=[pp.balancing.CounterweightRegion("two", at=(-0.3, 0, 0), mass=(0, 0.5))], minimise=Z
+    )
+    (torque,) = (effect for effect in balance.side_effects if effect.measure.quantity == "driving_torque")
     before = pp.inverse_dynamics(arms, motion).driving_torque
     assert torque.measure == pp.balancing.Peak("driving_torque")
     assert torque.before == pytest.approx(np.linalg.norm(before, axis=1).max(), rel=1e-12)

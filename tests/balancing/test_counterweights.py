@@ -7,8 +7,7 @@ from support.generators.random_linkages import Group, Spec, drawn, momentum_bala
 from support.oracles import balance_by_hand as by_hand
 
 import pinpress as pp
-from pinpress.balancing.counterweights import body as inertia_of
-from pinpress.balancing.counterweights import refuse_unphysical
+from pinpress.balancing.counterweights import refuse_unphysical, rigid_body
 
 PAPER = [pp.balancing.Counterweight(link, mass, (at, 0.0, 0.0)) for link, mass, at in by_hand.PAPER]
 
@@ -124,7 +123,7 @@ def test_what_cannot_be_is_refused_by_name(six_bar, weight, said):
 def test_bodies_are_told_by_the_triangle_of_their_moments(moments, sound):
     """A lamina has the largest moment that two others allow."""
     press = pp.load("crank_slide")
-    inertia = inertia_of(7.0, np.array([0.1, 0.0, 0.0]), np.diag(moments))
+    inertia = rigid_body(7.0, np.array([0.1, 0.0, 0.0]), np.diag(moments))
     if sound:
         return refuse_unphysical(press, 1, inertia)
     with pytest.raises(pp.PinpressError, match=r"body on joint 'O' principal moments of inertia of .*, which no body has"):
@@ -134,4 +133,4 @@ def test_bodies_are_told_by_the_triangle_of_their_moments(moments, sound):
 @pytest.mark.parametrize("mass", [0.0, -1.0, np.nan])
 def test_bodies_have_a_mass(mass):
     with pytest.raises(pp.PinpressError, match="the body on joint 'O' a mass of"):
-        refuse_unphysical(pp.load("crank_slide"), 1, inertia_of(mass, np.zeros(3), np.eye(3)))
+        refuse_unphysical(pp.load("crank_slide"), 1, rigid_body(mass, np.zeros(3), np.eye(3)))

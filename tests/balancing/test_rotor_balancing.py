@@ -13,7 +13,7 @@ from support.exploring import examples
 from support.generators.random_linkages import Drawing
 
 import pinpress as pp
-from pinpress.balancing.classical import arrangements
+from pinpress.balancing import classical
 from pinpress.balancing.counterweights import Counterweight, with_counterweights
 
 ROUNDING = 1e-12  # of what there was before: sums of some ten terms
@@ -53,7 +53,7 @@ def turning(press, engine="auto"):
 
 def test_static_correction_is_minus_the_sum_of_mass_times_radius():
     """2 (0.1, 0) - 0.5 (0, 0.2) + 3 (-0.2, 0.1) = (-0.4, 0.2), worked out by hand; what is along the shaft does not count."""
-    correction = arrangements.static_balance(MASSES, POSITIONS)
+    correction = classical.static_balance(MASSES, POSITIONS)
     np.testing.assert_allclose(correction.product, [0.4, 0.0, -0.2], atol=1e-16)
     np.testing.assert_array_equal(correction.centre, [0.0, 0.0, 0.0])
 
@@ -63,7 +63,7 @@ def test_static_correction_is_minus_the_sum_of_mass_times_radius():
 def test_two_corrections_leave_neither_force_nor_couple(seed):
     rng = np.random.default_rng(seed)
     masses, positions, planes = rng.uniform(-1, 2, 6), rng.uniform(-1, 1, (6, 3)), rng.uniform(-1, 1, 2)
-    corrections = arrangements.two_plane_balance(masses, positions, planes)
+    corrections = classical.two_plane_balance(masses, positions, planes=planes)
     products = np.vstack([masses[:, None] * positions, *(each.product for each in corrections)]) * [1, 0, 1]
     places = np.concatenate([positions[:, 1], planes])
     scale = np.abs(products).sum()  # of the corrections too, which grow as the planes come close
@@ -73,13 +73,13 @@ def test_two_corrections_leave_neither_force_nor_couple(seed):
 
 def test_a_mass_between_the_planes_is_shared_like_a_force_on_a_beam():
     """3 kg at 0.2 m, a third of the way from the first plane to the second: two thirds and one third of 0.6 kg m."""
-    first, second = arrangements.two_plane_balance([3.0], [[0.2, 0.1, 0.0]], planes=(0.0, 0.3))
+    first, second = classical.two_plane_balance([3.0], [[0.2, 0.1, 0.0]], planes=(0.0, 0.3))
     np.testing.assert_allclose([first.product, second.product], [[-0.4, 0, 0], [-0.2, 0, 0]], atol=1e-15)
     np.testing.assert_array_equal([first.centre, second.centre], [[0, 0, 0], [0, 0.3, 0]])
 
 
 def test_counterweight_and_hole_have_the_product_of_their_correction():
-    correction = arrangements.two_plane_balance(MASSES, POSITIONS, planes=(-0.4, 0.5))[1]
+    correction = classical.two_plane_balance(MASSES, POSITIONS, planes=(-0.4, 0.5))[1]
     for weight in (correction.counterweight("rotor", 0.3), correction.hole("rotor", 0.3)):
         arm = np.array(weight.position) - correction.centre
         assert np.linalg.norm(arm) == pytest.approx(0.3, rel=1e-15)
@@ -88,7 +88,7 @@ def test_counterweight_and_hole_have_the_product_of_their_correction():
 
 
 def test_a_balanced_rotor_needs_no_mass():
-    weight = arrangements.static_balance([1.0, 1.0], [[0.1, 0, 0], [-0.1, 0, 0]]).counterweight("rotor", 0.2)
+    weight = classical.static_balance([1.0, 1.0], [[0.1, 0, 0], [-0.1, 0, 0]]).counterweight("rotor", 0.2)
     assert weight == Counterweight("rotor", 0.0, (0.0, 0.0, 0.0))
 
 
@@ -100,7 +100,7 @@ def test_a_balanced_rotor_needs_no_mass():
 def test_bearing_bears_the_unbalance(folder, seed):
     """Of the rotor as drawn: force - w^2 static, moment - w^2 axis x couple, turned into the world by the drawn joint frame."""
     press = rotor(folder, seed)
-    found = arrangements.unbalance(press, "rotor")
+    found = classical.unbalance(press, "rotor")
     force, moment = turning(press)
     turned = press.model.jointPlacements[1].rotation
     expected = -(SPEED**2) * turned @ found.static, -(SPEED**2) * turned @ np.cross(found.axis, found.couple)
@@ -113,7 +113,7 @@ def test_bearing_bears_the_unbalance(folder, seed):
 @given(st.integers(0, 2**32 - 1))
 def test_two_planes_relieve_the_bearing_of_force_and_moment(folder, engine, seed):
     press = rotor(folder, seed)
-    corrections = arrangements.unbalance(press, "rotor").two_plane_balance((-0.6, 0.9))
+    corrections = classical.unbalance(press, "rotor").two_plane_balance((-0.6, 0.9))
     balanced = with_counterweights(press, [each.counterweight("rotor", 0.5) for each in corrections])
     for before, after in zip(turning(press, engine), turning(balanced, engine), strict=True):
         assert np.abs(after).max() <= ROUNDING * np.abs(before).max()
@@ -123,7 +123,7 @@ def test_two_planes_relieve_the_bearing_of_force_and_moment(folder, engine, seed
 @given(st.integers(0, 2**32 - 1))
 def test_one_plane_relieves_it_of_force_alone(folder, seed):
     press = rotor(folder, seed)
-    weight = arrangements.unbalance(press, "rotor").static_balance(plane=0.4).counterweight("rotor", 0.5)
+    weight = classical.unbalance(press, "rotor").static_balance(plane=0.4).counterweight("rotor", 0.5)
     force, moment = turning(with_counterweights(press, [weight]))
     assert np.abs(force).max() <= ROUNDING * np.abs(turning(press)[0]).max()
     assert np.abs(moment).max() > 1e-3  # the mass distribution is random, and so is its couple
@@ -137,14 +137,14 @@ def test_holes_balance_as_well(folder):
     file = folder / "disc.urdf"
     file.write_text(drawing.urdf("O"), encoding="utf-8")
     press = pp.load(file, gravity=(0, 0, 0))
-    holes = [each.hole("rotor", 0.2) for each in arrangements.unbalance(press, "rotor").two_plane_balance((-0.05, 0.05))]
+    holes = [each.hole("rotor", 0.2) for each in classical.unbalance(press, "rotor").two_plane_balance((-0.05, 0.05))]
     for before, after in zip(turning(press), turning(with_counterweights(press, holes)), strict=True):
         assert np.abs(after).max() <= ROUNDING * np.abs(before).max()
 
 
 def test_unbalance_of_a_crank_is_its_mass_at_the_pin():
     """JF75G-125, plain: m1 = 52.25 kg at r1 = 0.015 m, in the plane of the rod. Its frame's y axis is the shaft's."""
-    found = arrangements.unbalance(texts.shipped("jf75g_125_plain"), "crank")
+    found = classical.unbalance(texts.shipped("jf75g_125_plain"), "crank")
     np.testing.assert_allclose(found.static, [52.25 * 0.015, 0, 0], atol=1e-15)
     np.testing.assert_array_equal([found.axis, found.couple], [[0, 1, 0], [0, 0, 0]])
 
@@ -166,20 +166,21 @@ def test_unbalance_of_a_crank_is_its_mass_at_the_pin():
     ],
 )
 def test_bad_masses_and_planes_are_refused(arguments, said):
+    masses, positions, planes = arguments
     with pytest.raises(pp.PinpressError, match=said):
-        arrangements.two_plane_balance(*arguments)
+        classical.two_plane_balance(masses, positions, planes=planes)
 
 
 @pytest.mark.parametrize("radius", [0.0, -0.1, np.nan, np.inf, "0.1", True])
 def test_a_radius_is_positive(radius):
     with pytest.raises(pp.PinpressError, match=r"radius of the counterweight on 'rotor' is .* give a positive number"):
-        arrangements.static_balance(MASSES, POSITIONS).counterweight("rotor", radius)
+        classical.static_balance(MASSES, POSITIONS).counterweight("rotor", radius)
 
 
 def test_only_what_turns_on_the_frame_is_a_rotor():
     press = texts.shipped("crank_slide")
     for link in ("rod", "slide", "frame"):
         with pytest.raises(pp.PinpressError, match=f"{link!r} is no rotor; links that joints turn on the frame: crank"):
-            arrangements.unbalance(press, link)
+            classical.unbalance(press, link)
     with pytest.raises(pp.UnknownNameError, match="did you mean 'crank'"):
-        arrangements.unbalance(press, "cranck")
+        classical.unbalance(press, "cranck")

@@ -7,25 +7,29 @@ from support import texts
 import pinpress as pp
 
 X, Z, MASS = pp.balancing.Range("shaking_force", "x"), pp.balancing.Range("shaking_force", "z"), pp.balancing.AddedMass()
-ROOMS = [pp.balancing.Room("crank", radius=0.3), pp.balancing.Room("rocker", radius=0.6), pp.balancing.Room("rod", radius=0.3)]
+REGIONS = [
+    pp.balancing.CounterweightRegion("crank", radius=0.3),
+    pp.balancing.CounterweightRegion("rocker", radius=0.6),
+    pp.balancing.CounterweightRegion("rod", radius=0.3),
+]
 PRESS = texts.shipped("zxn2_3000b")
 MOTION = pp.cycle(PRESS, speed=70 * pp.RPM, points=90)
 
 
 @pytest.fixture(scope="module")
 def forces():
-    return pp.balancing.trade_off(PRESS, MOTION, ROOMS, X, Z, {MASS: 661.0}, points=7)
+    return pp.balancing.trade_off(PRESS, MOTION, regions=REGIONS, first=X, second=Z, limits={MASS: 661.0}, points=7)
 
 
 @pytest.fixture(scope="module")
 def weight():
-    return pp.balancing.trade_off(PRESS, MOTION, ROOMS, X, MASS, points=5)
+    return pp.balancing.trade_off(PRESS, MOTION, regions=REGIONS, first=X, second=MASS, points=5)
 
 
 def test_ends_are_the_best_of_either_measure(forces):
     before = np.array([measure.value(pp.inverse_dynamics(PRESS, MOTION, bearings=())) for measure in (X, Z)])
     for end, measure, k in ((0, X, 0), (-1, Z, 1)):
-        best = pp.balancing.balance(PRESS, MOTION, ROOMS, measure, {MASS: 661.0})
+        best = pp.balancing.balance(PRESS, MOTION, regions=REGIONS, minimise=measure, limits={MASS: 661.0})
         assert forces.values[end, k] == pytest.approx(best.value, abs=3e-7 * before[k])  # 1e-7 is given for the other, 1e-6 a moving mass
 
 
@@ -54,10 +58,10 @@ def test_the_lightest_end_is_the_press_as_it_is(weight):
 def test_limits_hold_along_the_curve():
     torque = pp.balancing.Range("driving_torque")
     limit = 1.0 * torque.value(pp.inverse_dynamics(PRESS, MOTION, bearings=()))
-    curve = pp.balancing.trade_off(PRESS, MOTION, ROOMS[:2], Z, MASS, {torque: limit, MASS: 300.0}, points=3)
+    curve = pp.balancing.trade_off(PRESS, MOTION, regions=REGIONS[:2], first=Z, second=MASS, limits={torque: limit, MASS: 300.0}, points=3)
     for design in curve.designs:
-        outcome = next(outcome for outcome in design.outcomes if outcome.measure == torque)
-        assert outcome.after <= limit * (1 + 1e-9)
+        change = next(change for change in design.changes if change.measure == torque)
+        assert change.after <= limit * (1 + 1e-9)
 
 
 def test_curves_of_the_same_measures_share_a_panel(forces, weight):
@@ -69,15 +73,15 @@ def test_curves_of_the_same_measures_share_a_panel(forces, weight):
     assert alone.get_xlabel() == "added mass [kg]"
     np.testing.assert_allclose(alone.lines[0].get_xdata(), weight.values[:, 1])
     np.testing.assert_allclose(alone.lines[0].get_ydata(), 1e-3 * weight.values[:, 0])
-    assert alone.lines[1].get_ydata()[0] == pytest.approx(1e-3 * weight.designs[0].outcomes[0].before)
+    assert alone.lines[1].get_ydata()[0] == pytest.approx(1e-3 * weight.designs[0].changes[0].before)
 
 
 def test_what_is_no_curve_is_refused():
     with pytest.raises(pp.PinpressError, match="both measures are the range of the shaking force, x: give two"):
-        pp.balancing.trade_off(PRESS, MOTION, ROOMS, X, X)
+        pp.balancing.trade_off(PRESS, MOTION, regions=REGIONS, first=X, second=X)
     with pytest.raises(pp.PinpressError, match="whole number from 2"):
-        pp.balancing.trade_off(PRESS, MOTION, ROOMS, X, Z, points=1)
+        pp.balancing.trade_off(PRESS, MOTION, regions=REGIONS, first=X, second=Z, points=1)
     with pytest.raises(pp.PinpressError, match="no measure"):
-        pp.balancing.trade_off(PRESS, MOTION, ROOMS, X, "z")
+        pp.balancing.trade_off(PRESS, MOTION, regions=REGIONS, first=X, second="z")
     with pytest.raises(pp.PinpressError, match="no curve"):
         pp.plots.plot_trade_offs({})

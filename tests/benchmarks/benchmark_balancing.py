@@ -15,29 +15,38 @@ from scipy.optimize import linprog, minimize
 
 import pinpress as pp
 from pinpress.accuracy.timing import least_seconds
-from pinpress.balancing.problem import Problem, build
-from pinpress.balancing.program import solve, value_of
+from pinpress.balancing.problem import BalancingProblem, build_problem
+from pinpress.balancing.program import objective_value, solve
 from pinpress.common.conic_program import AT_MOST, CONE
 
 SIDES = 64  # of a circle
 REPEATED = 7
 
 
-def problems() -> dict[str, tuple[Problem, pp.balancing.Range]]:
+def problems() -> dict[str, tuple[BalancingProblem, pp.balancing.Range]]:
     vertical, horizontal = pp.balancing.Range("shaking_force", "z"), pp.balancing.Range("shaking_force", "x")
     crank_press, six_bar = pp.load("jf75g_125"), pp.load("zxn2_3000b")
     fast, slow = pp.cycle(crank_press, 300 * pp.RPM, points=720), pp.cycle(six_bar, 70 * pp.RPM, points=720)
-    masses = [pp.balancing.Room("auxiliary_rod", replaces=True), pp.balancing.Room("counterweight", replaces=True)]
-    points = [pp.balancing.Room("crank", at=(-0.1428, 0, 0), mass=(0, 700)), pp.balancing.Room("rod", at=(-0.0456, 0, 0), mass=(0, 700))]
-    circles = [pp.balancing.Room("crank", radius=0.1428, mass=(0, 700)), pp.balancing.Room("rod", radius=0.0456, mass=(0, 700))]
+    masses = [
+        pp.balancing.CounterweightRegion("auxiliary_rod", replaces=True),
+        pp.balancing.CounterweightRegion("counterweight", replaces=True),
+    ]
+    points = [
+        pp.balancing.CounterweightRegion("crank", at=(-0.1428, 0, 0), mass=(0, 700)),
+        pp.balancing.CounterweightRegion("rod", at=(-0.0456, 0, 0), mass=(0, 700)),
+    ]
+    circles = [
+        pp.balancing.CounterweightRegion("crank", radius=0.1428, mass=(0, 700)),
+        pp.balancing.CounterweightRegion("rod", radius=0.0456, mass=(0, 700)),
+    ]
     return {
-        "JF75G-125, two masses": (build(crank_press, [pp.balancing.Case(fast)], masses, [vertical])[0], vertical),
-        "ZXN2, two points": (build(six_bar, [pp.balancing.Case(slow)], points, [horizontal])[0], horizontal),
-        "ZXN2, two circles": (build(six_bar, [pp.balancing.Case(slow)], circles, [horizontal])[0], horizontal),
+        "JF75G-125, two masses": (build_problem(crank_press, [pp.balancing.OperatingCondition(fast)], masses, [vertical]), vertical),
+        "ZXN2, two points": (build_problem(six_bar, [pp.balancing.OperatingCondition(slow)], points, [horizontal]), horizontal),
+        "ZXN2, two circles": (build_problem(six_bar, [pp.balancing.OperatingCondition(slow)], circles, [horizontal]), horizontal),
     }
 
 
-def by_highs(problem: Problem) -> np.ndarray:
+def by_highs(problem: BalancingProblem) -> np.ndarray:
     """Largest less smallest value of the one signal as a linear program over all states; circles from inside."""
     (signal,) = problem.signals
     effects, fixed, count = signal.effects[:, 0], signal.fixed[:, 0], len(problem.mass)
@@ -60,7 +69,7 @@ def by_highs(problem: Problem) -> np.ndarray:
     return np.asarray(found.x[:count])
 
 
-def by_search(problem: Problem) -> tuple[np.ndarray, int]:
+def by_search(problem: BalancingProblem) -> tuple[np.ndarray, int]:
     """SLSQP on the range itself, from 100 and 1000 kg; and how often it asked for the range."""
     (signal,) = problem.signals
     u = np.array([100.0, 1000.0]) / problem.mass
@@ -86,7 +95,7 @@ def main() -> None:
             solvers["search"] = lambda: by_search(problem)[0]  # noqa: B023
         times = least_seconds(list(solvers.values()), REPEATED)
         for (solver, found), seconds in zip(solvers.items(), times, strict=True):
-            value, bound = size * value_of(problem, asked, found()), f"{size * design.bound:.8g}" if solver == "pinpress" else ""
+            value, bound = size * objective_value(problem, asked, found()), f"{size * design.bound:.8g}" if solver == "pinpress" else ""
             print(f"{name:24}{solver:>12}{value:16.8g}{bound:>16}{1e3 * seconds:11.2f}{seconds / times[0]:8.2f}")
         if "JF75G" in name:
             u, asked_for = by_search(problem)

@@ -12,13 +12,13 @@ from support.in_browser import data_in
 from support.texts import shipped
 
 import pinpress as pp
-from pinpress.balancing import objectives as balance_measures
+from pinpress.balancing import objectives
 from pinpress.cli import balance as command_balance
 from pinpress.cli.main import main
 from pinpress.cli.part_specs import LOADS
 
 ROOT = Path(__file__).resolve().parents[2]
-ROOMS = ["--room", "crank:radius=0.3", "--room", "rod:radius=0.3,most=200"]
+REGIONS = ["--region", "crank:radius=0.3", "--region", "rod:radius=0.3,most=200"]
 ASKED = ["--minimise", "range:shaking_force:z", "--limit", "range:shaking_force:x=1000", "--limit", "added_mass=400"]
 X, Z = pp.balancing.Range("shaking_force", "x"), pp.balancing.Range("shaking_force", "z")
 
@@ -40,25 +40,25 @@ def refused(capsys: pytest.CaptureFixture[str], *arguments: object) -> str:
     return err
 
 
-def six_bar(*speeds: float, points: int = 120) -> pp.balancing.Balance:
+def six_bar(*speeds: float, points: int = 120) -> pp.balancing.BalancedPress:
     """What the command is asked for, by the library."""
     press = shipped("zxn2_3000b")
-    cases = [pp.balancing.Case(pp.cycle(press, speed * pp.RPM, points)) for speed in speeds]
-    rooms = [pp.balancing.Room("crank", radius=0.3), pp.balancing.Room("rod", (0, 200), radius=0.3)]
-    return pp.balancing.balance(press, cases, rooms, Z, {X: 1000.0, pp.balancing.AddedMass(): 400.0})
+    cases = [pp.balancing.OperatingCondition(pp.cycle(press, speed * pp.RPM, points)) for speed in speeds]
+    regions = [pp.balancing.CounterweightRegion("crank", radius=0.3), pp.balancing.CounterweightRegion("rod", (0, 200), radius=0.3)]
+    return pp.balancing.balance(press, cases, regions=regions, minimise=Z, limits={X: 1000.0, pp.balancing.AddedMass(): 400.0})
 
 
 def test_it_prints_the_balance_and_writes_nothing(
     capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
     monkeypatch.chdir(tmp_path)
-    assert printed(capsys, "zxn2_3000b", "--speed", 70, "--points", 120, *ROOMS, *ASKED) == f"{six_bar(70)}\n"
+    assert printed(capsys, "zxn2_3000b", "--speed", 70, "--points", 120, *REGIONS, *ASKED) == f"{six_bar(70)}\n"
     assert not list(tmp_path.iterdir())
 
 
 def test_files(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
     out = tmp_path / "made" / "out"
-    text = printed(capsys, "zxn2_3000b", "--speed", 70, "--points", 120, *ROOMS, *ASKED, "--out", out, "--report")
+    text = printed(capsys, "zxn2_3000b", "--speed", 70, "--points", 120, *REGIONS, *ASKED, "--out", out, "--report")
     files = ["balanced.urdf", "balance.csv", "counterweights.csv", "report.html"]
     expected = six_bar(70)
     assert text == f"{expected}\n\nwrote {', '.join(str(out / name) for name in files[:-1])} and {out / files[-1]}\n"
@@ -79,7 +79,7 @@ def read(path: Path) -> dict[str, list[str]]:
 
 
 def test_the_balanced_press_does_what_is_printed(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
-    text = printed(capsys, "zxn2_3000b", "--speed", 70, "--points", 120, *ROOMS, *ASKED, "--out", tmp_path)
+    text = printed(capsys, "zxn2_3000b", "--speed", 70, "--points", 120, *REGIONS, *ASKED, "--out", tmp_path)
     press = pp.load(tmp_path / "balanced.urdf")
     result = pp.inverse_dynamics(press, pp.cycle(press, 70 * pp.RPM, 120))
     table = read(tmp_path / "balance.csv")
@@ -97,7 +97,7 @@ def test_the_balanced_press_does_what_is_printed(capsys: pytest.CaptureFixture[s
 
 
 def test_several_speeds_are_cases(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
-    text = printed(capsys, "zxn2_3000b", "--speed", 70, "--speed", -50, "--points", 120, *ROOMS, *ASKED, "--out", tmp_path)
+    text = printed(capsys, "zxn2_3000b", "--speed", 70, "--speed", -50, "--points", 120, *REGIONS, *ASKED, "--out", tmp_path)
     assert text.startswith(f"{six_bar(70, -50)}\n")
     assert "case 1: -50 r/min of joint A" in text
     assert read(tmp_path / "balance.csv")["case"][:4] == ["0", "1", "0", "1"]
@@ -110,15 +110,19 @@ def test_under_a_load(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> Non
     expected = pp.balancing.balance(
         press,
         pp.cycle(press, 70 * pp.RPM, 120),
-        [pp.balancing.Room("crank", radius=0.3)],
-        target,
-        {pp.balancing.AddedMass(): 300.0},
-        [load],
+        regions=[pp.balancing.CounterweightRegion("crank", radius=0.3)],
+        minimise=target,
+        limits={pp.balancing.AddedMass(): 300.0},
+        loads=[load],
     )
     idle = pp.balancing.balance(
-        press, pp.cycle(press, 70 * pp.RPM, 120), [pp.balancing.Room("crank", radius=0.3)], target, {pp.balancing.AddedMass(): 300.0}
+        press,
+        pp.cycle(press, 70 * pp.RPM, 120),
+        regions=[pp.balancing.CounterweightRegion("crank", radius=0.3)],
+        minimise=target,
+        limits={pp.balancing.AddedMass(): 300.0},
     )
-    words = ["--load", "drawing:force=1e6,start=0.010", "--room", "crank:radius=0.3", "--minimise", "peak:driving_torque"]
+    words = ["--load", "drawing:force=1e6,start=0.010", "--region", "crank:radius=0.3", "--minimise", "peak:driving_torque"]
     rest = ["--limit", "added_mass=300", "--points", 120, "--out", tmp_path, "--report"]
     assert printed(capsys, "zxn2_3000b", "--speed", 70, *words, *rest).startswith(f"{expected}\n")
     assert str(expected) != str(idle)
@@ -137,8 +141,8 @@ def asked(monkeypatch: pytest.MonkeyPatch, *arguments: str) -> dict[str, Any]:
     """What the command hands over to `balance`."""
     taken: dict[str, Any] = {}
 
-    def spy(press: pp.Linkage, cases: Any, rooms: Any, minimise: Any, limits: Any) -> None:
-        taken.update(rooms=rooms, minimise=minimise, limits=limits)
+    def spy(press: pp.Linkage, cases: Any, regions: Any, minimise: Any, limits: Any) -> None:
+        taken.update(regions=regions, minimise=minimise, limits=limits)
         raise Asked("taken")
 
     monkeypatch.setattr(command_balance, "balance", spy)
@@ -147,19 +151,25 @@ def asked(monkeypatch: pytest.MonkeyPatch, *arguments: str) -> dict[str, Any]:
 
 
 @pytest.mark.parametrize(
-    ("words", "room"),
+    ("words", "region"),
     [
-        ("crank:at=-0.1428/0/0", pp.balancing.Room("crank", at=(-0.1428, 0.0, 0.0))),
-        ("crank:at=0/0/0,least=-20,most=0", pp.balancing.Room("crank", (-20.0, 0.0), at=(0.0, 0.0, 0.0))),
-        ("crank:radius=0.3,centre=0.1/0/-0.2,least=5", pp.balancing.Room("crank", (5.0, math.inf), radius=0.3, centre=(0.1, 0.0, -0.2))),
-        ("rod:corner=0/0/0,corner=1/0/0,gyration=0.1", pp.balancing.Room("rod", corners=((0.0, 0.0, 0.0), (1.0, 0.0, 0.0)), gyration=0.1)),
-        ("auxiliary_rod:replaces", pp.balancing.Room("auxiliary_rod", replaces=True)),
-        ("rod:radius=0.3,most=200,replaces", pp.balancing.Room("rod", (0.0, 200.0), radius=0.3, replaces=True)),
-        ("left:rod:at=1/2/3", pp.balancing.Room("left:rod", at=(1.0, 2.0, 3.0))),
+        ("crank:at=-0.1428/0/0", pp.balancing.CounterweightRegion("crank", at=(-0.1428, 0.0, 0.0))),
+        ("crank:at=0/0/0,least=-20,most=0", pp.balancing.CounterweightRegion("crank", (-20.0, 0.0), at=(0.0, 0.0, 0.0))),
+        (
+            "crank:radius=0.3,centre=0.1/0/-0.2,least=5",
+            pp.balancing.CounterweightRegion("crank", (5.0, math.inf), radius=0.3, centre=(0.1, 0.0, -0.2)),
+        ),
+        (
+            "rod:corner=0/0/0,corner=1/0/0,gyration=0.1",
+            pp.balancing.CounterweightRegion("rod", corners=((0.0, 0.0, 0.0), (1.0, 0.0, 0.0)), gyration=0.1),
+        ),
+        ("auxiliary_rod:replaces", pp.balancing.CounterweightRegion("auxiliary_rod", replaces=True)),
+        ("rod:radius=0.3,most=200,replaces", pp.balancing.CounterweightRegion("rod", (0.0, 200.0), radius=0.3, replaces=True)),
+        ("left:rod:at=1/2/3", pp.balancing.CounterweightRegion("left:rod", at=(1.0, 2.0, 3.0))),
     ],
 )
-def test_rooms(monkeypatch: pytest.MonkeyPatch, words: str, room: pp.balancing.Room) -> None:
-    assert asked(monkeypatch, "--room", words, "--minimise", "added_mass")["rooms"] == [room]
+def test_regions(monkeypatch: pytest.MonkeyPatch, words: str, region: pp.balancing.CounterweightRegion) -> None:
+    assert asked(monkeypatch, "--region", words, "--minimise", "added_mass")["regions"] == [region]
 
 
 @pytest.mark.parametrize(
@@ -178,33 +188,33 @@ def test_rooms(monkeypatch: pytest.MonkeyPatch, words: str, room: pp.balancing.R
 )
 def test_objectives(monkeypatch: pytest.MonkeyPatch, words: list[str], minimise: Any) -> None:
     options = [option for word in words for option in ("--minimise", word)]
-    assert asked(monkeypatch, "--room", "crank:radius=0.1", *options)["minimise"] == minimise
+    assert asked(monkeypatch, "--region", "crank:radius=0.1", *options)["minimise"] == minimise
 
 
 def test_limits(monkeypatch: pytest.MonkeyPatch) -> None:
     words = ["--limit", "range:shaking_force:x=1e3", "--limit", "peak:bearing_force:A:z=0", "--limit", "added_mass=661"]
     expected = {X: 1000.0, pp.balancing.Peak("bearing_force", "z", "A"): 0.0, pp.balancing.AddedMass(): 661.0}
-    assert asked(monkeypatch, "--room", "crank:radius=0.1", "--minimise", "added_mass", *words)["limits"] == expected
+    assert asked(monkeypatch, "--region", "crank:radius=0.1", "--minimise", "added_mass", *words)["limits"] == expected
 
 
 @pytest.mark.parametrize(
     ("arguments", "says"),
     [
-        (["--room", "crank"], ["--room crank: it does not say where on which link", "LINK:radius=R", "--room crank:radius=0.3"]),
-        (["--room", ":radius=1"], ["it does not say where on which link"]),
-        (["--room", "crank:"], ["no key ''"]),
-        (["--room", "crank:raduis=1"], ["no key 'raduis', did you mean 'radius'?"]),
-        (["--room", "crank:radius"], ["radius is '', no number"]),
-        (["--room", "crank:radius=0,3"], ["no key '3'"]),
-        (["--room", "crank:radius=nan"], ["--room crank:radius=nan: room on 'crank': radius is not finite"]),
-        (["--room", "crank:at=1/2"], ["at is '1/2', not x, y, z as 0.1/0/-0.2"]),
-        (["--room", "crank:at=1/2/high"], ["at is '1/2/high', not x, y, z"]),
-        (["--room", "crank:radius=1,radius=2"], ["radius is given twice"]),
-        (["--room", "crank:replaces=yes"], ["replaces is 'yes', but takes no value"]),
-        (["--room", "crank:most=5"], ["give its place"]),
-        (["--room", "crank:radius=1,least=-5"], ["only a hole at a point"]),
-        (["--room", "cranck:radius=1"], ["no link 'cranck', did you mean 'crank'?"]),
-        (["--room", "frame:at=0/0/0"], ["'frame' does not move"]),
+        (["--region", "crank"], ["--region crank: it does not say where on which link", "LINK:radius=R", "--region crank:radius=0.3"]),
+        (["--region", ":radius=1"], ["it does not say where on which link"]),
+        (["--region", "crank:"], ["no key ''"]),
+        (["--region", "crank:raduis=1"], ["no key 'raduis', did you mean 'radius'?"]),
+        (["--region", "crank:radius"], ["radius is '', no number"]),
+        (["--region", "crank:radius=0,3"], ["no key '3'"]),
+        (["--region", "crank:radius=nan"], ["--region crank:radius=nan: region on 'crank': radius is not finite"]),
+        (["--region", "crank:at=1/2"], ["at is '1/2', not x, y, z as 0.1/0/-0.2"]),
+        (["--region", "crank:at=1/2/high"], ["at is '1/2/high', not x, y, z"]),
+        (["--region", "crank:radius=1,radius=2"], ["radius is given twice"]),
+        (["--region", "crank:replaces=yes"], ["replaces is 'yes', but takes no value"]),
+        (["--region", "crank:most=5"], ["give its place"]),
+        (["--region", "crank:radius=1,least=-5"], ["only a hole at a point"]),
+        (["--region", "cranck:radius=1"], ["no link 'cranck', did you mean 'crank'?"]),
+        (["--region", "frame:at=0/0/0"], ["'frame' does not move"]),
         (["--minimise", "shaking"], ["--minimise shaking: no measure 'shaking'", "there are: range, rms, peak, added_mass", "[=WEIGHT]"]),
         (["--minimise", "rnage:shaking_force:z"], ["did you mean 'range'?", "--minimise range:shaking_force:z"]),
         (["--minimise", "range:shaking:z"], ["no quantity 'shaking', did you mean 'shaking_", "driving_torque"]),
@@ -222,7 +232,7 @@ def test_limits(monkeypatch: pytest.MonkeyPatch) -> None:
         (["--limit", "mass=5"], ["no measure 'mass'; there are: range, rms, peak, added_mass"]),
         (
             ["--limit", "range:shaking_force:z=1"],
-            ["no counterweights in these rooms fulfil the limit of the range of the shaking force, z, 1 N"],
+            ["no counterweights in these regions fulfil the limit of the range of the shaking force, z, 1 N"],
         ),
         (["--load", "sawing:force=1"], ["no kind 'sawing'"]),
         (["--speed", "0"], ["speed is 0"]),
@@ -236,15 +246,15 @@ def test_errors_name_the_part_and_the_form(
     capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, arguments: list[str], says: list[str]
 ) -> None:
     monkeypatch.chdir(ROOT)
-    usual = ["--speed", "60", "--points", "24", "--room", "crank:radius=0.1", "--minimise", "range:shaking_force:z"]
+    usual = ["--speed", "60", "--points", "24", "--region", "crank:radius=0.1", "--minimise", "range:shaking_force:z"]
     error = refused(capsys, "crank_slide", *usual, *arguments)
     for words in says:
         assert words in error
 
 
-@pytest.mark.parametrize("left_out", ["--speed", "--room", "--minimise"])
+@pytest.mark.parametrize("left_out", ["--speed", "--region", "--minimise"])
 def test_usage_errors_exit_with_2(capsys: pytest.CaptureFixture[str], left_out: str) -> None:
-    words = {"--speed": "60", "--room": "crank:radius=0.1", "--minimise": "added_mass"}
+    words = {"--speed": "60", "--region": "crank:radius=0.1", "--minimise": "added_mass"}
     with pytest.raises(SystemExit) as stop:
         main(["balance", "crank_slide", *(part for option, word in words.items() if option != left_out for part in (option, word))])
     assert stop.value.code == 2
@@ -259,7 +269,7 @@ def test_help_lists_every_word(capsys: pytest.CaptureFixture[str]) -> None:
     for word in (
         *command_balance.KEYS,
         *command_balance.KINDS,
-        *balance_measures.FORCES,
+        *objectives.QUANTITIES,
         *LOADS,
         "added_mass",
         "r/min",

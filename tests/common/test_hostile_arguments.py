@@ -24,12 +24,23 @@ SLOW = (
     "foundation.iso",
 )
 # Results, which functions make, and what subclasses are made of.
-MADE = {"Accuracy", "Active", "AddedMass", "Balance", "DeadCentreShift", "DeadCentres", "Duty", "EccentricLoad", "Elasticity", "Extreme"}
-MADE |= {"FailedPoint", "Harmonics", "Linkage", "Measurement", "Motion", "MotionDerivative", "OperatingPoints", "Outcome"}
+MADE = {
+    "Accuracy",
+    "ActiveConstraint",
+    "AddedMass",
+    "BalancedPress",
+    "DeadCentreShift",
+    "DeadCentres",
+    "Duty",
+    "EccentricLoad",
+    "Elasticity",
+    "Extreme",
+}
+MADE |= {"FailedPoint", "Harmonics", "Linkage", "Measurement", "Motion", "MotionDerivative", "OperatingPoints", "MeasureChange"}
 MADE |= {"Ratings", "Reactions", "Run", "SlideDeflection", "SnapThrough", "SpeedLimit", "Sweep", "Synthesis"}
 MADE |= {
     "Correction",
-    "CrankSlide",
+    "CrankSlider",
     "FrameMotion",
     "HarmonicChange",
     "Isolation",
@@ -38,7 +49,7 @@ MADE |= {
     "SpeedResponse",
     "Stretch",
 }
-MADE |= {"TradeOff", "Trial", "Unbalance", "presses"}
+MADE |= {"TradeOffCurve", "Trial", "RotorUnbalance", "presses"}
 
 
 def wrong(some):
@@ -67,12 +78,12 @@ def test_what_was_wrong_once():
                 ("balance", "minimise", "[]"),
                 ("simulate", "progress", "library class"),
                 ("simulate", "method", "masked"),
-                ("Room", "replaces", "cube"),
+                ("CounterweightRegion", "replaces", "cube"),
                 ("film", "path", "nan"),
                 ("film", "slowdown", "beyond"),
                 ("film", "frames_per_second", "span"),
                 ("accuracy", "progress", "infs"),
-                ("arrangements.cancelled", "orders", "span"),
+                ("classical.compare_harmonics", "orders", "span"),
                 ("dead_centre_shift", "speed", "huges"),
                 ("permissible_breakthrough", "clearance", "cube"),
                 ("accuracy", "duration", "tiny"),
@@ -143,7 +154,7 @@ class Unwritten:
         ("foundation.Mount", "area"),
         ("PointForce", "link"),
         ("loads.TimeForce", "force"),
-        ("Room", "radius"),
+        ("CounterweightRegion", "radius"),
         ("sweep", "function"),
         ("with_counterweights", "counterweights"),
         ("reshaped", "pivots"),

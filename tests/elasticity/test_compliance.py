@@ -9,7 +9,7 @@ from scipy.optimize import fsolve
 from support import texts
 
 import pinpress as pp
-from pinpress.balancing.classical.crank_slider import crank_slide
+from pinpress.balancing.classical import as_crank_slider
 from pinpress.elasticity.compliance import _moving_mass, elasticity, hold
 from pinpress.elasticity.slide_under_load import slide_deflection
 from pinpress.elasticity.springs import Rod, Stiffness
@@ -26,7 +26,7 @@ def yielding(press, frame=5e9, shaft=3e7):
 
 def geometry(press):
     """Crank radius and rod length of a shipped crank-slide."""
-    found = crank_slide(press)
+    found = as_crank_slider(press)
     return found.crank_radius, found.rod_length
 
 

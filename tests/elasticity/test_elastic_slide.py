@@ -5,7 +5,7 @@ import pytest
 from scipy.optimize import minimize_scalar
 
 import pinpress as pp
-from pinpress.balancing.classical.crank_slider import crank_slide
+from pinpress.balancing.classical import as_crank_slider
 from pinpress.elasticity.compliance import elasticity
 from pinpress.elasticity.slide_under_load import dead_centre_shift, slide_deflection
 from pinpress.elasticity.springs import Rod, Stiffness
@@ -20,7 +20,7 @@ def stiffness_of(press):
 def test_crank_slide_at_bottom_dead_centre_by_hand():
     """All forces stand upright there: each pin carries the weight and inertia of what hangs on it, the rod the mean of its ends."""
     press = pp.load("crank_slide")
-    parts = crank_slide(press)
+    parts = as_crank_slider(press)
     r, length, g = parts.crank_radius, parts.rod_length, 9.81
     found = dead_centre_shift(press, Stiffness({"W": 1e9, "P": 2e9, "O": 4e9}, {}, [Rod("rod", ("P", "W"), 5e8)], frame=8e9), [0.0, 20.0])
 

@@ -270,13 +270,13 @@ def test_a_balanced_shaft_that_carries_another_counts(folder):
 
 
 def test_what_an_arrangement_does_to_fractional_orders(press, name):
-    from pinpress.balancing.classical.arrangements import cancelled
+    from pinpress.balancing.classical import compare_harmonics
 
     before = pp.inverse_dynamics(press, pp.cycle(press, SPEED))
     heavier = press.with_inertias([pin.Inertia(2 * body.mass, body.lever, 2 * body.inertia) for body in press.model.inertias])
     after = pp.inverse_dynamics(heavier, pp.cycle(heavier, SPEED))
     found = pp.measures.harmonics(before.motion, before.shaking_force, orders=6)
-    vertical = [change for change in cancelled(before, after) if change.quantity == "force along the slide"]
+    vertical = [change for change in compare_harmonics(before, after) if change.quantity == "force along the slide"]
     assert [change.order for change in vertical] == pytest.approx(list(found.orders[1:]))
     np.testing.assert_allclose([change.before for change in vertical], found.amplitude[1:, 2], rtol=1e-9, atol=1e-8)
     np.testing.assert_allclose([change.after for change in vertical], 2 * found.amplitude[1:, 2], rtol=1e-9, atol=1e-8)
@@ -299,18 +299,24 @@ def test_synthesis_judges_all_turns(folder):
 def test_a_counterweight_that_is_back_later_is_refused_on_a_motion_that_is_shorter(folder):
     """Over one turn it could seem to do good, and harm in the next; over two turns it does no good, and stays away."""
     press = cam_shaft(folder, 0.0)
-    rooms = [pp.balancing.Room("cam", (0.0, 50.0), radius=0.2)]
+    regions = [pp.balancing.CounterweightRegion("cam", (0.0, 50.0), radius=0.2)]
     with pytest.raises(pp.PinpressError, match=r"counterweight on a geared shaft that was balanced .* only after 2 turns"):
-        pp.balancing.balance(press, pp.cycle(press, SPEED, points=90), rooms, pp.balancing.Range("shaking_force", "x"))
+        pp.balancing.balance(press, pp.cycle(press, SPEED, points=90), regions=regions, minimise=pp.balancing.Range("shaking_force", "x"))
     both = pp.cycle(press, SPEED, angle=2 * np.pi * np.arange(180) / 90)
     result = pp.balancing.balance(
-        press, both, [*rooms, pp.balancing.Room("crank", (0.0, 50.0), radius=0.2)], pp.balancing.Range("shaking_force", "x")
+        press,
+        both,
+        regions=[*regions, pp.balancing.CounterweightRegion("crank", (0.0, 50.0), radius=0.2)],
+        minimise=pp.balancing.Range("shaking_force", "x"),
     )
-    assert result.after[0].motion.period_turns == result.press.period_turns
+    assert result.reactions_after[0].motion.period_turns == result.press.period_turns
     given = pp.balancing.balance(
-        press, both, [pp.balancing.Room("cam", (5.0, 5.0), at=(0.1, 0.0, 0.0))], pp.balancing.Range("shaking_force", "x")
+        press,
+        both,
+        regions=[pp.balancing.CounterweightRegion("cam", (5.0, 5.0), at=(0.1, 0.0, 0.0))],
+        minimise=pp.balancing.Range("shaking_force", "x"),
     )
-    assert given.after[0].motion.period_turns == given.press.period_turns == 2
+    assert given.reactions_after[0].motion.period_turns == given.press.period_turns == 2
 
 
 # Commands

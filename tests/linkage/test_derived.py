@@ -145,9 +145,12 @@ def test_the_motion_of_a_balanced_press_is_no_run_of_the_old_one():
     press = pp.load("crank_slide")
     run = pp.simulate(press, 0.1, 40.0, flywheel=pp.drives.Flywheel(5.0), points=13)
     found = pp.balancing.balance(
-        press, run, [pp.balancing.Room("crank", radius=0.1, mass=(0.0, 20.0))], pp.balancing.Range("shaking_force", axis="z")
+        press,
+        run,
+        regions=[pp.balancing.CounterweightRegion("crank", radius=0.1, mass=(0.0, 20.0))],
+        minimise=pp.balancing.Range("shaking_force", axis="z"),
     )
-    (after,) = found.after
+    (after,) = found.reactions_after
     assert type(after.motion) is pp.Motion
     assert after.motion.linkage == found.press.name
     for name in ("time", "joint_position", "v", "a"):

@@ -26,9 +26,9 @@ def test_python_example_runs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) ->
     pressing, result, best = names["pressing"], names["result"], names["best"]
     assert isinstance(pressing, pp.Reactions)
     assert isinstance(result, pp.Reactions)
-    assert isinstance(best, pp.balancing.Balance)
+    assert isinstance(best, pp.balancing.BalancedPress)
     assert pressing.driving_torque.max() > result.driving_torque.max()
-    assert best.outcomes[0].after < best.outcomes[0].before
+    assert best.changes[0].after < best.changes[0].before
     assert pp.load("balanced.urdf").bearings == pp.load("zxn2_3000b").bearings
 
 

@@ -9,7 +9,7 @@ from support.sweep_points import fails_at_odd
 
 import pinpress as pp
 from pinpress import foundation
-from pinpress.balancing.classical import arrangements
+from pinpress.balancing import classical
 from pinpress.drives import transmission as drives
 from pinpress.kinematics.measures import stroke
 from pinpress.loads import process as loads
@@ -79,7 +79,9 @@ def sweep():
 
 @cache
 def balance():
-    return pp.balancing.balance(press(), motion(), [pp.balancing.Room("crank", radius=0.2, mass=(0, 50))], Z, {X: 1e5})
+    return pp.balancing.balance(
+        press(), motion(), regions=[pp.balancing.CounterweightRegion("crank", radius=0.2, mass=(0, 50))], minimise=Z, limits={X: 1e5}
+    )
 
 
 @cache
@@ -114,13 +116,18 @@ def response():
 @cache
 def trade_off():
     return pp.balancing.trade_off(
-        press(), motion(), [pp.balancing.Room("crank", radius=0.2, mass=(0, 50))], X, pp.balancing.AddedMass(), points=2
+        press(),
+        motion(),
+        regions=[pp.balancing.CounterweightRegion("crank", radius=0.2, mass=(0, 50))],
+        first=X,
+        second=pp.balancing.AddedMass(),
+        points=2,
     )
 
 
 @cache
 def two_cranks():
-    return arrangements.opposed(press(), 0.05)
+    return classical.with_opposed_balancer(press(), 0.05)
 
 
 @cache
@@ -129,17 +136,17 @@ def made():
     found = [
         *(press(), motion(), reactions(), run(), run_over_joints(), runs(), sweep(), *sweep().failed, run().stats),
         *(pp.dead_centres(press()), pp.measures.duty(run()), pp.check(press().file), *pp.check(press().file).findings),
-        *(balance(), *balance().outcomes, *balance().active, *balance().counterweights, trade_off(), synthesis()),
+        *(balance(), *balance().changes, *balance().active, *balance().counterweights, trade_off(), synthesis()),
         *TRIALS[:1],
         *(
             X,
             pp.balancing.Peak("shaking_force"),
             pp.balancing.Rms("driving_torque"),
             pp.balancing.AddedMass(),
-            pp.balancing.Room("crank", radius=0.2),
+            pp.balancing.CounterweightRegion("crank", radius=0.2),
         ),
         *(
-            pp.balancing.Case(motion()),
+            pp.balancing.OperatingCondition(motion()),
             pp.loads.Friction(0.1, 0.02),
             pp.loads.SpringDamper("frame", "slide", 1e4),
             pp.loads.PointForce("slide", (0.0, 0.0, 1.0)),
@@ -179,17 +186,19 @@ def made():
         *(DEEP, loads.ForceStroke([0.0, 0.1], [1e3, 2e3]), loads.TimeForce(even, edges=[0.1]), *DEEP.stretches(True)),
         *(loads.Idle(), loads.Piling(1e5, 0.02), loads.Blanking(1e5, 0.02, 0.01), loads.ElasticDie(0.01, 1e7), ACCURACY, MEASUREMENT),
         *(
-            arrangements.crank_slide(press()),
-            arrangements.unbalance(press(), "crank"),
-            arrangements.static_balance([2.0], [[0.1, 0.0, 0.0]]),
+            classical.as_crank_slider(press()),
+            classical.unbalance(press(), "crank"),
+            classical.static_balance([2.0], [[0.1, 0.0, 0.0]]),
         ),
-        *arrangements.cancelled(reactions(), pp.inverse_dynamics(two_cranks(), pp.cycle(two_cranks(), SPEED, points=24)), 2)[:1],
+        *classical.compare_harmonics(reactions(), pp.inverse_dynamics(two_cranks(), pp.cycle(two_cranks(), SPEED, points=24)), orders=2)[
+            :1
+        ],
     ]
     return found
 
 
 def public():
     """All public classes of data."""
-    rooms = [pp, *filter(inspect.ismodule, (getattr(pp, name) for name in dir(pp))), arrangements]
+    rooms = [pp, *filter(inspect.ismodule, (getattr(pp, name) for name in dir(pp))), classical]
     named = [getattr(room, name) for room in rooms for name in dir(room)]
     return {kind for kind in named if inspect.isclass(kind) and dataclasses.is_dataclass(kind)}

@@ -1,4 +1,24 @@
-"""The classical arrangements that balance a rotor or a crank press; `pinpress.balancing.classical.<function>`."""
+"""The classical arrangements that balance a rotor or a crank press, after Zhang 2007, chapter 3.
+
+    from pinpress.balancing import classical
+
+    press = pp.load("jf75g_125_plain")
+    classical.complete_balance(press, rod_radius=0.3, crank_radius=0.15)  # counterweights for with_counterweights
+    classical.with_opposed_balancer(press, crank_radius=0.03)  # a new press
+    classical.mirrored(press, shaft_distance=0.5)
+
+| arrangement | Zhang 2007 | what is left of the shaking force, beside the weight | and of the moment |
+|---|---|---|---|
+| `static_balance`, `two_plane_balance` of a rotor | 3.1.1 | nothing | a couple; nothing |
+| `complete_balance` | 3.3 | nothing | larger than before |
+| `approximate_balance` | 3.4 | first order (1 - share) along, share across; higher orders along | changed |
+| `with_opposed_balancer`, same ratio of rod and crank | 3.5 | nothing | odd orders, from the rods' inertia |
+| `mirrored` crank-slider | 3.6 | all along the slide, nothing across | nothing |
+| `mirrored` press with opposed balancer | 3.6 | nothing | nothing |
+
+`as_crank_slider` reads lengths and masses, `unbalance` that of a rotor in a model; `harmonic_coefficients` gives the orders of a
+crank-slider's forces, and `compare_harmonics` compares those of two presses.
+"""
 
 import lazy_loader
 

@@ -1,9 +1,9 @@
-"""The centred crank-slide: read from a linkage, its slide's harmonics, and the counterweights that balance it.
+"""The centred crank-slider: read from a linkage, its slide's harmonics, and the counterweights that balance it.
 
-Points of a link are complex numbers along the line of its pins: the real part towards the far pin, the imaginary part across it, on the
-side to which the line would turn with the crank. By static substitution a rod of mass m whose centre is at the share k of its length
+Points of a link are complex numbers along the line of its pins: the real part points to the far pin, the imaginary part across the line, to
+the side to which the line would turn with the crank. By static substitution a rod of mass m whose centre is at the share k of its length
 (complex where it lies off the line) counts as m (1 - k) at the crank pin and m k at the slide's pin: its inertia force is exactly theirs,
-its moment is not (`CrankSlide.residual_inertia`).
+its moment is not (`CrankSlider.residual_inertia`).
 """
 
 from __future__ import annotations
@@ -18,30 +18,37 @@ from ...common.checks import is_number, positive, whole_number
 from ...common.errors import PinpressError, shown
 from ...common.frozen import Frozen
 from ...engines.planar.model import Plane, flat, in_space
-from ...kinematics.poses import poses
+from ...kinematics.poses import Poses, poses
 from ...linkage.linkage import Linkage
 from ..counterweights import Counterweight
 from .rotor import Correction
 
-CENTRED = 1e-9  # of the linkage's size: what the slide's pin may be beside the shaft by the rounded figures of a drawing
-LARGEST_RATIO = 1 - 1e-9  # of crank radius to rod length; nearer to 1 the series below is of millions of terms
+CENTRED = 1e-9  # of the linkage's size: how far beside the shaft the rounded figures of a drawing may put the slide's pin
+LARGEST_RATIO = 1 - 1e-9  # of crank radius to rod length; nearer to 1 the series below has millions of terms
 SMALLEST_TERM = 1e-18  # of that series, beside its first
 
 
 @dataclass(frozen=True, eq=False)
-class CrankSlide(Frozen):
-    """A centred crank-slide: lengths, masses and centres of mass as its balancing needs them.
+class CrankSlider(Frozen):
+    """A centred crank-slider: lengths, masses and centres of mass as its balancing needs them.
 
     Attributes:
-        crank, rod, slide: names of the links.
-        crank_radius, rod_length: between the pins [m].
-        crank_mass, rod_mass, slide_mass: [kg], with all that is welded to the link.
-        crank_centre: centre of mass from the shaft, complex along the line to the crank pin [m].
-        rod_centre: from the crank pin, complex along the line to the slide's pin [m].
-        crank_inertia, rod_inertia: about the centres of mass, about the shaft's direction [kg m2].
-        drawn_angle: of the crank in the drawn pose, in its positive sense from where its pin points at the slide [rad].
-        shaft: (3,) point on the shaft's axis, at the height of the crank pin, world axes [m].
-        direction: (3,) unit vector from the shaft to the slide's pin. across: (3,) the same turned by 90 degrees with the crank.
+        crank: Name of the crank's link.
+        rod: Name of the rod's link.
+        slide: Name of the slide's link.
+        crank_radius: From the shaft to the crank pin [m].
+        rod_length: From the crank pin to the slide's pin [m].
+        crank_mass: Mass of the crank, with all that is welded to it [kg].
+        rod_mass: Mass of the rod, with all that is welded to it [kg].
+        slide_mass: Mass of the slide, with all that is welded to it [kg].
+        crank_centre: Centre of mass of the crank from the shaft, complex along the line to the crank pin [m].
+        rod_centre: Centre of mass of the rod from the crank pin, complex along the line to the slide's pin [m].
+        crank_inertia: Moment of inertia of the crank about its centre of mass, about the shaft's direction [kg m2].
+        rod_inertia: Moment of inertia of the rod about its centre of mass, about the shaft's direction [kg m2].
+        drawn_angle: Angle of the crank in the drawn pose, in its positive sense from where its pin points at the slide [rad].
+        shaft: (3,) point on the shaft's axis at the height of the crank pin, in world axes [m].
+        direction: (3,) unit vector from the shaft to the slide's pin, in world axes.
+        across: (3,) unit vector ``direction`` turned by 90 degrees with the crank, in world axes.
     """
 
     crank: str
@@ -63,7 +70,7 @@ class CrankSlide(Frozen):
 
     @property
     def ratio(self) -> float:
-        """Lambda, crank radius by rod length."""
+        """Lambda, the crank radius divided by the rod length [-]."""
         return self.crank_radius / self.rod_length
 
     @property
@@ -73,55 +80,60 @@ class CrankSlide(Frozen):
 
     @property
     def drawn_rod(self) -> complex:
-        """The same along the drawn rod, from the crank pin to the slide's."""
+        """Unit number along the rod in the drawn pose, from the crank pin to the slide's pin; see `point`."""
         pin = self.crank_radius * self.drawn_crank
-        return complex((reach(self.crank_radius, self.rod_length, self.drawn_angle) - pin) / self.rod_length)
+        return complex((self.drawn_reach - pin) / self.rod_length)
+
+    @property
+    def drawn_reach(self) -> float:
+        """Distance of the slide's pin from the shaft in the drawn pose [m]."""
+        radius, length, angle = self.crank_radius, self.rod_length, self.drawn_angle
+        return float(radius * np.cos(angle) + np.sqrt(length**2 - (radius * np.sin(angle)) ** 2))
 
     def point(self, number: complex) -> Array:
-        """World position (3,) of a number from the shaft, in the drawn pose: its real part along the slide's line, i across [m]."""
+        """World position (3,) of a complex number from the shaft: its real part along ``direction``, its imaginary part ``across`` [m]."""
         return np.asarray(self.shaft + number.real * self.direction + number.imag * self.across)
 
     @property
     def rod_share(self) -> complex:
-        """Of the rod's mass that static substitution puts at the slide's pin."""
+        """Share of the rod's mass that static substitution puts at the slide's pin [-]."""
         return self.rod_centre / self.rod_length
 
     @property
     def rotating_product(self) -> complex:
-        """Mass times radius of what turns with the crank: the crank and the rod's share at the crank pin [kg m]."""
+        """Mass times radius of what turns with the crank: of the crank, and of the rod's share at the crank pin [kg m]."""
         return self.crank_mass * self.crank_centre + self.crank_radius * self.rod_mass * (1 - self.rod_share)
 
     @property
     def reciprocating_mass(self) -> complex:
-        """Of what moves with the slide: the slide and the rod's share at its pin [kg]. Complex where the rod's centre is off its line."""
+        """Mass of what moves with the slide: the slide and the rod's share at its pin [kg]. It is complex where the rod's centre is off its
+        line."""
         return self.slide_mass + self.rod_mass * self.rod_share
 
     @property
     def residual_inertia(self) -> float:
-        """J - m a (l - a) of a rod with its centre at a on its line: times the rod's angular acceleration, it is the moment that
-        static substitution leaves out [kg m2]. Negative for rods whose mass is between the pins: of a uniform one - m l^2 / 6."""
+        """J - m a (l - a) of a rod with its centre at a on its line [kg m2].
+
+        Times the rod's angular acceleration it is the moment that static substitution leaves out. It is negative for rods whose mass is
+        between the pins: - m l^2 / 6 of a uniform rod.
+        """
         return self.rod_inertia - self.rod_mass * (self.rod_centre.real * self.rod_length - abs(self.rod_centre) ** 2)
 
 
 @typed
-def crank_slide(press: Linkage) -> CrankSlide:
-    """The crank-slide that a linkage is, drawn in any pose, in whatever direction its slide moves.
+def as_crank_slider(press: Linkage) -> CrankSlider:
+    """Read a press as a centred crank-slider. It may be drawn in any pose, and its slide may move in any direction.
 
     Raises:
-        PinpressError: it is none, or its slide's pin does not move on a line through the shaft; the message says what differs.
+        PinpressError: The press is no crank-slider, or its slide's pin does not move on a line through the shaft; the message says what
+            differs.
     """
     if press.plane is None or len(press.drivers) > 1:
         raise _refusal(press, "it is not planar, or has several drivers")
     plane, at = press.plane, poses(press, press.closed[None])
     crank, rod, slide = _bodies(press)
-    pins = {frozenset((int(press.model.parents[j]), j)): at.position[j, 0] for j in range(1, len(press.joints) + 1)}
-    pins |= {frozenset((loop.joint1, loop.joint2)): at.points(loop.joint1, loop.point1)[0] for loop in press.loops}
-    if not {frozenset((crank, rod)), frozenset((rod, slide))} <= pins.keys():
-        raise _refusal(press, f"its third link, {shown(press.link_of(rod))}, does not connect crank and slide")
-    crank_pin, slide_pin = pins[frozenset((crank, rod))], pins[frozenset((rod, slide))]
-    shaft = at.position[crank, 0]
-    shaft = shaft + ((crank_pin - shaft) @ plane.normal) * plane.normal  # its point at the crank pin's height
-    radius, length = (complex(flat(plane, end - start)) for start, end in ((shaft, crank_pin), (crank_pin, slide_pin)))
+    shaft, crank_pin, slide_pin = _pins(press, plane, at, crank, rod, slide)
+    radius, length = complex(flat(plane, crank_pin - shaft)), complex(flat(plane, slide_pin - crank_pin))
     guide = complex(flat(plane, at.rotation[slide, 0] @ press.axes[slide - 1].direction))
     along = (radius + length) / guide
     if abs(along.imag) > CENTRED * abs(length):
@@ -129,16 +141,14 @@ def crank_slide(press: Linkage) -> CrankSlide:
     if not 0 < abs(radius) < abs(length):
         raise _refusal(press, f"its crank, {abs(radius):.6g} m, is not shorter than its rod, {abs(length):.6g} m")
     towards = guide * np.sign(along.real)
+    direction, across = in_space(plane, np.array([towards, 1j * towards]))
     inertias = press.model.inertias
 
     def centre(body: int, pin: Array, line: complex) -> complex:
-        """Of mass, from a pin, along the line of the link's pins."""
+        """Centre of mass from a pin, along the line of the link's pins."""
         return complex(flat(plane, at.points(body, inertias[body].lever)[0] - pin)) * abs(line) / line
 
-    direction, across = in_space(plane, np.array([towards, 1j * towards]))
-    for array in (shaft, direction, across):
-        array.setflags(write=False)
-    return CrankSlide(
+    return CrankSlider(
         crank=press.link_of(crank),
         rod=press.link_of(rod),
         slide=press.slide or press.link_of(slide),
@@ -158,24 +168,24 @@ def crank_slide(press: Linkage) -> CrankSlide:
     )
 
 
-def reach(crank_radius: float, rod_length: float, angle: float) -> float:
-    """Distance of the slide's pin from the shaft at a crank angle [rad] from where the crank pin points at it [m]."""
-    return float(crank_radius * np.cos(angle) + np.sqrt(rod_length**2 - (crank_radius * np.sin(angle)) ** 2))
-
-
 def harmonic_coefficients(ratio: float, orders: int = 6) -> Array:
-    """Harmonics of the slide's acceleration: the A_k (orders + 1,) in r w^2 (cos q + A_2 cos 2q + A_4 cos 4q + ...), A_1 = 1, of a
-    centred crank-slide whose crank turns evenly; towards the shaft is positive, q = 0 where the slide is farthest from it.
+    """Harmonics A_k of the slide's acceleration r w^2 (cos q + A_2 cos 2q + A_4 cos 4q + ...) in a centred crank-slider.
 
-    To rounding, for every lambda: with z = exp(2 i q), sqrt(1 - lambda^2 sin^2 q) is sqrt(1 + b z) sqrt(1 + b / z) / (1 + b), where
-    b = (lambda / (1 + sqrt(1 - lambda^2)))^2, and its binomial series in b are multiplied. A_2 = lambda + lambda^3 / 4 + ...,
-    A_4 = - lambda^3 / 4 - ...; Zhang 2007, eq. 3.2.2, has A_2 = lambda alone.
+    The crank turns evenly. The acceleration is positive towards the shaft; q = 0 where the slide is farthest from it.
+
+    The coefficients are right to rounding for every lambda: with z = exp(2 i q) and b = (lambda / (1 + sqrt(1 - lambda^2)))^2,
+    sqrt(1 - lambda^2 sin^2 q) is sqrt(1 + b z) sqrt(1 + b / z) / (1 + b), whose binomial series in b are multiplied.
+    A_2 = lambda + lambda^3 / 4 + ..., A_4 = - lambda^3 / 4 - ...; Zhang 2007, eq. 3.2.2, has A_2 = lambda alone.
 
     Args:
-        ratio: lambda, crank radius by rod length, between 0 and 1. orders: the highest order.
+        ratio: Lambda, the crank radius divided by the rod length, between 0 and 1 [-].
+        orders: Highest order.
+
+    Returns:
+        (orders + 1,) A_0 to A_orders [-]; A_1 = 1.
 
     Raises:
-        PinpressError: a ratio that is not between 0 and 1, orders that are no whole number from 1.
+        PinpressError: The ratio is not between 0 and 1, or orders is no whole number from 1.
     """
     ratio = positive("ratio of crank radius to rod length", ratio, "-")
     if not ratio <= LARGEST_RATIO:
@@ -196,24 +206,27 @@ def harmonic_coefficients(ratio: float, orders: int = 6) -> Array:
 
 
 @typed
-def complete_balance(press: Linkage, rod_radius: float, crank_radius: float) -> tuple[Counterweight, Counterweight]:
-    """Counterweights on rod and crank with which the press's centre of mass stands still: its shaking force is its weight alone.
+def complete_balance(press: Linkage, *, rod_radius: float, crank_radius: float) -> tuple[Counterweight, Counterweight]:
+    """Counterweights on rod and crank with which the press's centre of mass stands still, so that its shaking force is its weight alone.
+
     Zhang 2007, 3.3, with its m' corrected.
 
     On the rod, opposite to the slide: m'' r2 = m2 h2 + m3 l2, so that with it rod and slide weigh m_B = m'' + m2 + m3 in the crank pin. On
-    the crank, opposite to the pin: m' r1 = m_B l1 + m1 h1 (as our text of the thesis reads, it has m2 l1 for m_B l1). As vectors: on the
-    side away from the centre of what they balance. Moment and driving torque are not balanced, and mostly grow.
+    the crank, opposite to the pin: m' r1 = m_B l1 + m1 h1 (our text of the thesis has m2 l1 for m_B l1). As vectors, the counterweights
+    are on the side away from the centre of what they balance. Moment and driving torque are not balanced, and mostly grow.
 
     Args:
-        rod_radius: from the crank pin to the rod's counterweight. crank_radius: from the shaft to the crank's [m].
+        press: A centred crank-slider.
+        rod_radius: From the crank pin to the rod's counterweight [m].
+        crank_radius: From the shaft to the crank's counterweight [m].
 
     Returns:
         Point masses on rod and crank, for `with_counterweights`.
 
     Raises:
-        PinpressError: no centred crank-slide (see `crank_slide`), a radius that is not positive.
+        PinpressError: The press is no centred crank-slider (see `as_crank_slider`), or a radius is not positive.
     """
-    main = crank_slide(press)
+    main = as_crank_slider(press)
     product = -(main.rod_mass * main.rod_centre + main.slide_mass * main.rod_length) * main.drawn_rod
     on_rod = _correction(press, main, main.rod, main.crank_radius * main.drawn_crank, product).counterweight(main.rod, rod_radius)
     at_pin = on_rod.mass + main.rod_mass + main.slide_mass
@@ -221,36 +234,40 @@ def complete_balance(press: Linkage, rod_radius: float, crank_radius: float) -> 
 
 
 @typed
-def approximate_balance(press: Linkage, radius: float, share: float = 0.5) -> Counterweight:
-    """A counterweight on the crank for what turns and a share of what reciprocates. Zhang 2007, 3.4.
+def approximate_balance(press: Linkage, radius: float, *, share: float = 0.5) -> Counterweight:
+    """A counterweight on the crank for all that turns and a share of what reciprocates. Zhang 2007, 3.4.
 
     m r = m1 e + k m2 b / l + share k m_C, opposite to the crank pin (as vectors), with m_C = m3 + m2 a / l. At constant speed w this is
-    left of the shaking force, beside the weight: of first order (1 - share) m_C k w^2 along the slide's line, share m_C k w^2 across it;
-    the higher orders, m_C k w^2 A_2 and so on along it, stay as they are (`harmonic_coefficients`). Where the rod's centre is off its
+    left of the shaking force beside the weight: of first order (1 - share) m_C k w^2 along the slide's line and share m_C k w^2 across it;
+    the higher orders along it, m_C k w^2 A_2 and so on, stay as they are (`harmonic_coefficients`). Where the rod's centre is off its
     line, m_C is complex, and both directions are turned by its angle.
 
     Args:
-        radius: from the shaft to the counterweight [m]. share: from 0 (what turns alone) to 1 (the first order is all across).
+        press: A centred crank-slider.
+        radius: From the shaft to the counterweight [m].
+        share: Share of the reciprocating mass that is balanced, from 0 (only what turns) to 1 (the first order is all across) [-].
 
     Returns:
         A point mass on the crank, for `with_counterweights`.
 
     Raises:
-        PinpressError: no centred crank-slide (see `crank_slide`), a radius that is not positive, a share that is not from 0 to 1.
+        PinpressError: The press is no centred crank-slider (see `as_crank_slider`), the radius is not positive, or the share is not from
+            0 to 1.
     """
     if not is_number(share) or not 0 <= share <= 1:
         raise PinpressError(f"share is {shown(share)}: give the part of the reciprocating mass to be balanced, from 0 to 1")
-    main = crank_slide(press)
+    main = as_crank_slider(press)
     return _on_crank(press, main, main.rotating_product + share * main.crank_radius * main.reciprocating_mass, radius)
 
 
-def _on_crank(press: Linkage, main: CrankSlide, product: complex, radius: float) -> Counterweight:
-    """On the crank, against a mass times radius that is along the line from shaft to crank pin."""
+def _on_crank(press: Linkage, main: CrankSlider, product: complex, radius: float) -> Counterweight:
+    """The counterweight on the crank against a mass times radius, which is along the line from the shaft to the crank pin [kg m]."""
     return _correction(press, main, main.crank, 0j, -product * main.drawn_crank).counterweight(main.crank, radius)
 
 
-def _correction(press: Linkage, main: CrankSlide, link: str, centre: complex, product: complex) -> Correction:
-    """In the frame of a link; numbers are along the slide's line and across it, from the shaft, in the drawn pose."""
+def _correction(press: Linkage, main: CrankSlider, link: str, centre: complex, product: complex) -> Correction:
+    """The correction in the frame of a link. Centre and product are given from the shaft, along the slide's line and across it, in the
+    drawn pose."""
     body = press.model.frames[press.model.getFrameId(link)].parentJoint
     at = poses(press, press.closed[None])
     into = at.rotation[body, 0].T
@@ -273,13 +290,23 @@ def _bodies(press: Linkage) -> tuple[int, int, int]:
     return crank, rod, guided[0]
 
 
+def _pins(press: Linkage, plane: Plane, at: Poses, crank: int, rod: int, slide: int) -> tuple[Array, Array, Array]:
+    """World positions (3,) of the shaft, at the crank pin's height, of the crank pin and of the slide's pin in the drawn pose [m]."""
+    pins = {frozenset((int(press.model.parents[j]), j)): at.position[j, 0] for j in range(1, len(press.joints) + 1)}
+    pins |= {frozenset((loop.joint1, loop.joint2)): at.points(loop.joint1, loop.point1)[0] for loop in press.loops}
+    if not {frozenset((crank, rod)), frozenset((rod, slide))} <= pins.keys():
+        raise _refusal(press, f"its third link, {shown(press.link_of(rod))}, does not connect crank and slide")
+    crank_pin, slide_pin, shaft = pins[frozenset((crank, rod))], pins[frozenset((rod, slide))], at.position[crank, 0]
+    return shaft + ((crank_pin - shaft) @ plane.normal) * plane.normal, crank_pin, slide_pin
+
+
 def _inertia(plane: Plane, press: Linkage, body: int) -> float:
-    """Of a body about its centre of mass, about the normal [kg m2]."""
+    """Moment of inertia of a body about its centre of mass, about the plane's normal [kg m2]."""
     normal = plane.frames[body - 1][2]
     return float(normal @ press.model.inertias[body].inertia @ normal)
 
 
 def _refusal(press: Linkage, problem: str) -> PinpressError:
     return PinpressError(
-        f"{press.name} is no centred crank-slide: {problem}; give a press of crank, rod and slide, guided through the shaft"
+        f"{press.name} is no centred crank-slider: {problem}; give a press of crank, rod and slide, guided through the shaft"
     )

@@ -1,9 +1,9 @@
 """Balancing of rigid rotors: cranks, crankshafts, flywheels, gears. Zhang 2007, 3.1.1.
 
-A mass m at a radius r on a shaft that turns at the speed w pulls it outwards with m w^2 r. All such forces vanish together where the sum of
-m r does (static balance, eq. 3.1.5), and their couples too where the sum of a m r does, a being the mass's place along the shaft (dynamic
-balance). One correction is enough for the first, two in different planes for both. A correction that is a mass stands opposite the
-unbalance, a hole on its side.
+A mass m at a radius r on a shaft that turns at the speed w pulls it outwards with m w^2 r. The sum of these forces vanishes where the sum
+of m r does (static balance, eq. 3.1.5), and their couples vanish too where the sum of a m r does, a being the place of the mass along the
+shaft (dynamic balance). One correction is enough for static balance; dynamic balance takes two in different planes. A correction that is a
+mass stands opposite the unbalance, a hole on its side.
 """
 
 from __future__ import annotations
@@ -32,22 +32,26 @@ class Correction(Frozen):
 
     Attributes:
         product: (3,) mass times radius of the mass to be added, in the rotor's frame [kg m].
-        centre: (3,) where the plane meets the axis, in the rotor's frame [m].
+        centre: (3,) point where the plane meets the axis, in the rotor's frame [m].
     """
 
     product: Array
     centre: Array
 
     def counterweight(self, link: str, radius: float) -> Counterweight:
-        """The mass that gives this product at a radius [m], on a link that has the rotor's frame.
+        """The mass to be added at a radius [m], on a link that has the rotor's frame.
 
         Raises:
-            PinpressError: a radius that is not positive.
+            PinpressError: The radius is not positive.
         """
         return self._at(link, radius, 1.0)
 
     def hole(self, link: str, radius: float) -> Counterweight:
-        """The same as a mass taken away, at a radius [m] on the other side. Raises as `counterweight`."""
+        """The mass to be taken away at a radius [m], on the other side, from a link that has the rotor's frame.
+
+        Raises:
+            PinpressError: The radius is not positive.
+        """
         return self._at(link, radius, -1.0)
 
     def _at(self, link: str, radius: float, sign: float) -> Counterweight:
@@ -57,11 +61,11 @@ class Correction(Frozen):
 
 
 @dataclass(frozen=True, eq=False)
-class Unbalance(Frozen):
+class RotorUnbalance(Frozen):
     """The unbalance of a rotor whose axis passes through the origin of its frame. Vectors are in that frame.
 
-    Turning at the speed w, the rotor pulls at its bearings with the force w^2 x static and, about the origin, the moment
-    w^2 x (axis x couple).
+    At the speed w the rotor pulls at its bearings with the force ``w**2 * static`` and, about the origin, the moment
+    ``w**2 * cross(axis, couple)``.
 
     Attributes:
         axis: (3,) unit vector along the shaft; places along it are measured from the origin.
@@ -74,17 +78,17 @@ class Unbalance(Frozen):
     couple: Array
 
     def static_balance(self, plane: float = 0.0) -> Correction:
-        """The correction in the plane at this place along the axis [m] with which the rotor rests at any angle."""
+        """The correction in the plane at a place along the axis [m] with which the rotor rests at any angle."""
         (centre,) = self._centres([plane])
         return _correction(-self.static, centre)
 
     def two_plane_balance(self, planes: Sequence[float]) -> tuple[Correction, Correction]:
-        """The corrections that leave neither force nor couple, in the planes at these two places along the axis [m].
+        """The corrections in the planes at two places along the axis [m] that leave neither force nor couple.
 
         With u_a + u_b = -static and a u_a + b u_b = -couple: u_a = (b static - couple) / (a - b), u_b = (couple - a static) / (a - b).
 
         Raises:
-            PinpressError: places that are not two, or the same.
+            PinpressError: The places are not two, or they are the same.
         """
         centres = self._centres(planes)
         if len(centres) != 2 or not np.ptp(planes) > 0:
@@ -102,45 +106,47 @@ class Unbalance(Frozen):
 
 
 def static_balance(masses: ArrayLike, positions: ArrayLike) -> Correction:
-    """The mass-radius product that puts a rotor's centre of mass on its axis: minus the sum of m r. Zhang 2007, eq. 3.1.5.
+    """The correction that puts a rotor's centre of mass on its axis: minus the sum of m r. Zhang 2007, eq. 3.1.5.
 
     Args:
-        masses: (k,) that the balanced rotor has in addition, negative for holes [kg].
-        positions: (k, 3) in the rotor's frame, whose y axis is the shaft's [m].
+        masses: (k,) masses that the balanced rotor has in addition, negative for holes [kg].
+        positions: (k, 3) in the rotor's frame, whose y axis is the shaft's axis [m].
 
     Raises:
-        PinpressError: arrays of other shapes, or with values that are not finite.
+        PinpressError: An array has another shape, or values that are not finite.
     """
     return _of_masses(masses, positions).static_balance()
 
 
 @typed
-def two_plane_balance(masses: ArrayLike, positions: ArrayLike, planes: Sequence[float]) -> tuple[Correction, Correction]:
+def two_plane_balance(masses: ArrayLike, positions: ArrayLike, *, planes: Sequence[float]) -> tuple[Correction, Correction]:
     """The two corrections that leave a rotor neither force nor couple. Zhang 2007, 3.1.1 (2).
 
     Every mass is shared between the planes a and b like a force on a beam, m (b - y) / (b - a) and m (y - a) / (b - a), and each share is
     balanced in its plane.
 
     Args:
-        masses: (k,) as of `static_balance`. positions: (k, 3) in the rotor's frame, whose y axis is the shaft's [m].
-        planes: places of the two planes along y [m].
+        masses: (k,) masses that the balanced rotor has in addition, negative for holes [kg].
+        positions: (k, 3) in the rotor's frame, whose y axis is the shaft's axis [m].
+        planes: Places of the two planes along y [m].
 
     Raises:
-        PinpressError: as of `static_balance`; planes that are not two, or the same.
+        PinpressError: An array has another shape, or values that are not finite; the planes are not two, or they are the same.
     """
     return _of_masses(masses, positions).two_plane_balance(planes)
 
 
 @typed
-def unbalance(press: Linkage, link: str) -> Unbalance:
+def unbalance(press: Linkage, link: str) -> RotorUnbalance:
     """The unbalance of a link that turns on the frame, with all that is welded to it, from its inertia in the model.
 
-    static = m c across the axis; couple = minus the products of inertia about the link's origin with the axis, those of m c included. The
-    axis points to positive coordinates of the link's frame: along y in the presses shipped, whichever way the joint turns.
+    ``static`` is the mass times the centre of mass across the axis; ``couple`` is minus the products of inertia with the axis, about the
+    link's origin. The axis points to positive coordinates of the link's frame: along y in the presses shipped, whichever way the joint
+    turns.
 
     Raises:
-        UnknownNameError: a link that the press does not have.
-        PinpressError: a link that no joint turns on the frame.
+        UnknownNameError: The press has no such link.
+        PinpressError: No joint turns the link on the frame.
     """
     if not isinstance(link, str) or link not in press.links:
         raise UnknownNameError("link", link, press.links)
@@ -152,20 +158,20 @@ def unbalance(press: Linkage, link: str) -> Unbalance:
     axis = axis * math.copysign(1.0, axis[np.abs(axis).argmax()])
     across = np.eye(3) - np.outer(axis, axis)
     about_origin = body.inertia @ axis - body.mass * (body.lever @ axis) * body.lever  # but for what is along the axis
-    return Unbalance(_fixed(axis + 0.0), _fixed(body.mass * across @ body.lever), _fixed(-across @ about_origin))
+    return RotorUnbalance(axis + 0.0, body.mass * across @ body.lever, -across @ about_origin)
 
 
-def _of_masses(masses: ArrayLike, positions: ArrayLike) -> Unbalance:
+def _of_masses(masses: ArrayLike, positions: ArrayLike) -> RotorUnbalance:
     mass, position = numbers("balancing of a rotor: masses", masses), numbers("balancing of a rotor: positions", positions)
     if mass.ndim != 1 or position.shape != (len(mass), 3):
         raise PinpressError(f"masses has shape {mass.shape}, positions {position.shape}: give (k,) masses and (k, 3) positions")
     radii = position * (1.0 - ALONG_Y)
     with np.errstate(all="ignore"):  # a correction that is not finite is refused
-        return Unbalance(_fixed(ALONG_Y.copy()), _fixed(mass @ radii), _fixed((mass * position[:, 1]) @ radii))
+        return RotorUnbalance(ALONG_Y.copy(), mass @ radii, (mass * position[:, 1]) @ radii)
 
 
 def _rotors(press: Linkage) -> dict[str, int]:
-    """The links that joints turn on the frame, and those joints. Links welded to these, whose frames are others, are not among them."""
+    """The links that joints turn on the frame, with their joints, without links welded to these, whose frames are others."""
     turning = [j for j, axis in enumerate(press.axes, 1) if axis.turns and press.model.parents[j] == 0]
     return {press.link_of(joint): joint for joint in turning}
 
@@ -173,9 +179,4 @@ def _rotors(press: Linkage) -> dict[str, int]:
 def _correction(product: Array, centre: Array) -> Correction:
     if not np.isfinite(product).all():
         raise PinpressError("the correction of a rotor is not finite: its masses are too large, or its planes too close together")
-    return Correction(_fixed(product + 0.0), _fixed(centre + 0.0))  # + 0.0: no -0.0
-
-
-def _fixed(array: Array) -> Array:
-    array.setflags(write=False)
-    return array
+    return Correction(product + 0.0, centre + 0.0)  # + 0.0: no -0.0

@@ -23,7 +23,7 @@ from support.time_limit import within
 
 import pinpress as pp
 from pinpress import foundation
-from pinpress.balancing.classical import arrangements
+from pinpress.balancing import classical
 from pinpress.drives import transmission as drives
 from pinpress.kinematics import measures
 from pinpress.loads import process as loads
@@ -125,8 +125,8 @@ def elastic() -> pp.elasticity.Elasticity:
 
 
 @cache
-def curve() -> pp.balancing.TradeOff:
-    return pp.balancing.trade_off(press(), motion(), ROOMS, X, pp.balancing.AddedMass(), points=3)
+def curve() -> pp.balancing.TradeOffCurve:
+    return pp.balancing.trade_off(press(), motion(), regions=REGIONS, first=X, second=pp.balancing.AddedMass(), points=3)
 
 
 @cache
@@ -154,7 +154,7 @@ def swept(x: float) -> dict[str, float]:
 
 
 X = pp.balancing.Range("shaking_force", "z")
-ROOMS = [pp.balancing.Room("crank", radius=0.3, mass=(0.0, 50.0))]
+REGIONS = [pp.balancing.CounterweightRegion("crank", radius=0.3, mass=(0.0, 50.0))]
 PATH = FOLDER / "written"
 SWEPT = FOLDER / "swept.sqlite"
 LENGTHS = {("W", "rod"): (0.41, 0.0, 0.0)}
@@ -201,7 +201,7 @@ def calls() -> dict[str, Call]:
                 "shaking_force": 1e4,
             },
         ),
-        ("Case", pp.balancing.Case, lambda: {"motion": motion(), "loads": []}),
+        ("OperatingCondition", pp.balancing.OperatingCondition, lambda: {"motion": motion(), "loads": []}),
         ("ConstantTorque", pp.drives.ConstantTorque, lambda: {"value": 1.0}),
         ("Counterweight", pp.balancing.Counterweight, lambda: {"link": "crank", "mass": 1.0, "position": (0.1, 0.0, 0.0), "inertia": 0.1}),
         ("Flywheel", pp.drives.Flywheel, lambda: {"inertia": 1.0, "speed": 7.0}),
@@ -213,12 +213,16 @@ def calls() -> dict[str, Call]:
         ("PointForce", pp.loads.PointForce, lambda: {"link": "slide", "force": (0.0, 0.0, 1.0), "point": (0.0, 0.0, 0.0)}),
         ("Rod", pp.elasticity.Rod, lambda: {"link": "rod", "between": ("P", "W"), "stiffness": 1e9}),
         (
-            "Room",
-            pp.balancing.Room,
+            "CounterweightRegion",
+            pp.balancing.CounterweightRegion,
             lambda: {"link": "crank", "mass": (0.0, 10.0), "radius": 0.3, "centre": (0.0, 0.0, 0.0), "gyration": 0.1, "replaces": False},
         ),
-        ("Room", pp.balancing.Room, lambda: {"link": "crank", "at": (0.1, 0.0, 0.0)}),
-        ("Room", pp.balancing.Room, lambda: {"link": "crank", "corners": ((0.0, 0.0, 0.0), (0.1, 0.0, 0.0), (0.0, 0.0, 0.1))}),
+        ("CounterweightRegion", pp.balancing.CounterweightRegion, lambda: {"link": "crank", "at": (0.1, 0.0, 0.0)}),
+        (
+            "CounterweightRegion",
+            pp.balancing.CounterweightRegion,
+            lambda: {"link": "crank", "corners": ((0.0, 0.0, 0.0), (0.1, 0.0, 0.0), (0.0, 0.0, 0.1))},
+        ),
         (
             "SpringDamper",
             pp.loads.SpringDamper,
@@ -472,7 +476,7 @@ def calls() -> dict[str, Call]:
         (
             "balance",
             pp.balancing.balance,
-            lambda: {"press": press(), "motion": motion(), "rooms": ROOMS, "minimise": X, "limits": {pp.balancing.AddedMass(): 20.0}},
+            lambda: {"press": press(), "motion": motion(), "regions": REGIONS, "minimise": X, "limits": {pp.balancing.AddedMass(): 20.0}},
         ),
         (
             "trade_off",
@@ -480,7 +484,7 @@ def calls() -> dict[str, Call]:
             lambda: {
                 "press": press(),
                 "motion": motion(),
-                "rooms": ROOMS,
+                "regions": REGIONS,
                 "first": X,
                 "second": pp.balancing.AddedMass(),
                 "limits": {},
@@ -619,28 +623,28 @@ def calls() -> dict[str, Call]:
                 "sag": None,
             },
         ),
-        ("arrangements.approximate_balance", arrangements.approximate_balance, lambda: {"press": press(), "radius": 0.2, "share": 0.5}),
-        ("arrangements.cancelled", arrangements.cancelled, lambda: {"before": reactions(), "after": reactions(), "orders": 3}),
+        ("classical.approximate_balance", classical.approximate_balance, lambda: {"press": press(), "radius": 0.2, "share": 0.5}),
+        ("classical.compare_harmonics", classical.compare_harmonics, lambda: {"before": reactions(), "after": reactions(), "orders": 3}),
         (
-            "arrangements.complete_balance",
-            arrangements.complete_balance,
+            "classical.complete_balance",
+            classical.complete_balance,
             lambda: {"press": press(), "rod_radius": 0.2, "crank_radius": 0.2},
         ),
-        ("arrangements.crank_slide", arrangements.crank_slide, lambda: {"press": press()}),
-        ("arrangements.harmonic_coefficients", arrangements.harmonic_coefficients, lambda: {"ratio": 0.2, "orders": 6}),
+        ("classical.as_crank_slider", classical.as_crank_slider, lambda: {"press": press()}),
+        ("classical.harmonic_coefficients", classical.harmonic_coefficients, lambda: {"ratio": 0.2, "orders": 6}),
         (
-            "arrangements.opposed",
-            arrangements.opposed,
+            "classical.with_opposed_balancer",
+            classical.with_opposed_balancer,
             lambda: {"press": press(), "crank_radius": 0.1, "rod_length": 0.4, "rod_mass": 1.0, "rod_inertia": 0.1},
         ),
-        ("arrangements.symmetric", arrangements.symmetric, lambda: {"press": press(), "shaft_distance": 1.0}),
-        ("arrangements.static_balance", arrangements.static_balance, lambda: {"masses": [1.0], "positions": [[0.1, 0.0, 0.0]]}),
+        ("classical.mirrored", classical.mirrored, lambda: {"press": press(), "shaft_distance": 1.0}),
+        ("classical.static_balance", classical.static_balance, lambda: {"masses": [1.0], "positions": [[0.1, 0.0, 0.0]]}),
         (
-            "arrangements.two_plane_balance",
-            arrangements.two_plane_balance,
+            "classical.two_plane_balance",
+            classical.two_plane_balance,
             lambda: {"masses": [1.0], "positions": [[0.1, 0.2, 0.0]], "planes": [0.0, 1.0]},
         ),
-        ("arrangements.unbalance", arrangements.unbalance, lambda: {"press": press(), "link": "crank"}),
+        ("classical.unbalance", classical.unbalance, lambda: {"press": press(), "link": "crank"}),
     ]
     found: dict[str, Call] = {}
     for name, made, arguments in kinds:

@@ -58,18 +58,18 @@ def ranges(total):
     return np.array([np.ptp(total.real), np.ptp(total.imag)])
 
 
-def bracket(rooms, weights, most=np.inf, limits=INFINITE, sides=48):
-    """What the least ``weights @ ranges`` lies between, with counterweights in circles ``rooms`` (link -> radius) about the links' own
+def bracket(regions, weights, most=np.inf, limits=INFINITE, sides=48):
+    """What the least ``weights @ ranges`` lies between, with counterweights in circles ``regions`` (link -> radius) about the links' own
     origins, of at most ``most`` kg, and each range within its limit."""
-    return tuple(_least(rooms, np.array(weights), most, limits, sides, out) for out in (1 / np.cos(np.pi / sides), 1.0))
+    return tuple(_least(regions, np.array(weights), most, limits, sides, out) for out in (1 / np.cos(np.pi / sides), 1.0))
 
 
-def _least(rooms, weights, most, limits, sides, out):
+def _least(regions, weights, most, limits, sides, out):
     """Variables: masses in the corners of polygons, since their centre can be anywhere inside and the force depends on that alone; then the
     largest and smallest horizontal and vertical force, in units of the range before."""
     frames, fixed = links(360), shaking_force()
     corners = out * np.exp(2j * np.pi * np.arange(sides) / sides)
-    effects = np.array([force(frames, link, radius * corner) for link, radius in rooms.items() for corner in corners]).T
+    effects = np.array([force(frames, link, radius * corner) for link, radius in regions.items() for corner in corners]).T
     count, unit = effects.shape[1], ranges(fixed)
     rows, bounds = [], []
     for axis, (part, constant) in enumerate(((effects.real, fixed.real), (effects.imag, fixed.imag))):

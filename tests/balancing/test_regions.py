@@ -1,4 +1,4 @@
-"""Room for counterweights: what fills it is a body that lies inside, and the best of all that do."""
+"""Regions for counterweights: what fills it is a body that lies inside, and the best of all that do."""
 
 from itertools import pairwise
 
@@ -11,7 +11,7 @@ import pinpress as pp
 
 TORQUE, MASS = pp.balancing.Range("driving_torque"), pp.balancing.AddedMass()
 HEAVY = pp.balancing.Rms("shaking_moment", "y")
-IN = 1e-6  # of a room's size: what the solver's 1e-8 of the forces may be in a place of a light counterweight
+IN = 1e-6  # of a region's size: what the solver's 1e-8 of the forces may be in a place of a light counterweight
 
 
 @pytest.fixture(scope="module")
@@ -24,8 +24,8 @@ def turn(six_bar):
     return pp.cycle(six_bar, 7.0, points=60)
 
 
-def balanced(six_bar, turn, room, measure=TORQUE, most=200.0):
-    return pp.balancing.balance(six_bar, turn, [room], measure, {MASS: most})
+def balanced(six_bar, turn, region, measure=TORQUE, most=200.0):
+    return pp.balancing.balance(six_bar, turn, regions=[region], minimise=measure, limits={MASS: most})
 
 
 @pytest.mark.parametrize("link", ["crank", "coupler", "rocker", "rod"])
@@ -33,9 +33,9 @@ def balanced(six_bar, turn, room, measure=TORQUE, most=200.0):
 @pytest.mark.parametrize("measure", [TORQUE, HEAVY], ids=lambda m: m.words)
 def test_what_fills_a_disc_is_a_body_within_it(six_bar, turn, link, gyration, measure):
     """Its moment of inertia about the disc's centre is that of material within the radius, and of the gyration that is asked for."""
-    room = pp.balancing.Room(link, radius=0.4, centre=(0.1, 0.3, -0.2), gyration=gyration)
-    for weight in balanced(six_bar, turn, room, measure).counterweights:
-        arm = np.subtract(weight.position, room.centre)
+    region = pp.balancing.CounterweightRegion(link, radius=0.4, centre=(0.1, 0.3, -0.2), gyration=gyration)
+    for weight in balanced(six_bar, turn, region, measure).counterweights:
+        arm = np.subtract(weight.position, region.centre)
         assert weight.position[1] == pytest.approx(0.3, abs=1e-12)  # in the plane of the centre
         assert np.linalg.norm(arm) <= 0.4 * (1 + IN)
         own = weight.inertia / weight.mass - gyration**2
@@ -47,7 +47,7 @@ def test_what_fills_a_polygon_is_in_its_hull(six_bar, turn, measure):
     corners = ((-0.3, 0.0, 0.1), (-0.1, 0.0, 0.4), (0.3, 0.0, 0.1), (0.0, 0.0, 0.2), (0.05, 0.0, -0.35))  # not in order, one inside
     edges = ((0, 1), (1, 2), (2, 4), (4, 0))
     for link in ("crank", "rocker"):
-        for weight in balanced(six_bar, turn, pp.balancing.Room(link, corners=corners), measure).counterweights:
+        for weight in balanced(six_bar, turn, pp.balancing.CounterweightRegion(link, corners=corners), measure).counterweights:
             x, y, z = weight.position
             assert abs(y) <= 1e-12
             for i, j in edges:  # clockwise: the inside is on the right
@@ -61,21 +61,21 @@ def test_a_disc_is_between_polygons_inside_and_around_it(six_bar, turn):
     for measure in (TORQUE, HEAVY, pp.balancing.Peak("bearing_force", bearing="A")):
         corners = [np.array([np.cos(a), 0.0, np.sin(a)]) for a in np.arange(32) * 2 * np.pi / 32]
         disc, inner, outer = (
-            balanced(six_bar, turn, room, measure)
-            for room in (
-                pp.balancing.Room("rod", radius=0.3),
-                pp.balancing.Room("rod", corners=tuple(tuple(0.3 * c) for c in corners)),
-                pp.balancing.Room("rod", corners=tuple(tuple(0.3 * c / np.cos(np.pi / 32)) for c in corners)),
+            balanced(six_bar, turn, region, measure)
+            for region in (
+                pp.balancing.CounterweightRegion("rod", radius=0.3),
+                pp.balancing.CounterweightRegion("rod", corners=tuple(tuple(0.3 * c) for c in corners)),
+                pp.balancing.CounterweightRegion("rod", corners=tuple(tuple(0.3 * c / np.cos(np.pi / 32)) for c in corners)),
             )
         )
-        before = disc.outcomes[0].before
+        before = disc.changes[0].before
         assert outer.bound <= disc.value + 1e-9 * before
         assert disc.bound <= inner.value + 1e-9 * before
         assert inner.value - outer.value < 0.6 * (before - disc.value)
 
 
 def test_more_room_is_never_worse(six_bar, turn):
-    rooms = [
+    regions = [
         {"at": (0.1, 0.0, 0.1)},
         {"corners": ((0.1, 0.0, 0.1), (0.15, 0.0, 0.0))},
         {"corners": ((0.1, 0.0, 0.1), (0.15, 0.0, 0.0), (-0.1, 0.0, 0.05))},
@@ -85,10 +85,13 @@ def test_more_room_is_never_worse(six_bar, turn):
     ]
     for measure in (TORQUE, pp.balancing.Range("shaking_force", "x")):
         found = [
-            pp.balancing.balance(six_bar, turn, [pp.balancing.Room("rod", **({"mass": (0.0, 80.0)} | room))], measure) for room in rooms
+            pp.balancing.balance(
+                six_bar, turn, regions=[pp.balancing.CounterweightRegion("rod", **({"mass": (0.0, 80.0)} | region))], minimise=measure
+            )
+            for region in regions
         ]
         for less, more in pairwise(found):
-            assert more.bound <= less.value + 1e-9 * less.outcomes[0].before
+            assert more.bound <= less.value + 1e-9 * less.changes[0].before
         assert found[-1].value < found[0].value
 
 
@@ -108,13 +111,13 @@ def test_the_lightest_flywheel_is_a_rim(tmp_path, gyration):
     b = pp.balancing.balance(
         press,
         servo,
-        [pp.balancing.Room("rotor", radius=radius, gyration=gyration, mass=(0.0, 100.0))],
-        pp.balancing.Peak("driving_torque"),
+        regions=[pp.balancing.CounterweightRegion("rotor", radius=radius, gyration=gyration, mass=(0.0, 100.0))],
+        minimise=pp.balancing.Peak("driving_torque"),
         loads=loads,
     )
     (rim,) = b.counterweights
-    assert b.outcomes[0].before == pytest.approx((needed - 0.2) * 35)
-    assert b.value < 1e-7 * b.outcomes[0].before
+    assert b.changes[0].before == pytest.approx((needed - 0.2) * 35)
+    assert b.value < 1e-7 * b.changes[0].before
     assert rim.mass * (radius**2 + gyration**2) == pytest.approx(needed - 0.2, rel=1e-6)
     assert rim.inertia == pytest.approx(needed - 0.2, rel=1e-6)
     assert np.abs(rim.position).max() < 1e-6
@@ -122,13 +125,18 @@ def test_the_lightest_flywheel_is_a_rim(tmp_path, gyration):
 
 def test_a_room_in_place_of_the_links_own_mass(six_bar, turn):
     """The counterweight is all of the link; without a place it keeps the link's shape, centre and inertia in proportion."""
-    b = pp.balancing.balance(six_bar, turn, [pp.balancing.Room("rod", mass=(400.0, 400.0), replaces=True)], TORQUE)
+    b = pp.balancing.balance(
+        six_bar, turn, regions=[pp.balancing.CounterweightRegion("rod", mass=(400.0, 400.0), replaces=True)], minimise=TORQUE
+    )
     (rod,) = b.counterweights
     assert (rod.mass, rod.inertia) == (pytest.approx(400.0), pytest.approx(5.33 * 400 / 277.68))
     assert rod.position == pytest.approx((0.24, 0.0, 0.0), abs=1e-9)
     assert b.added_mass == pytest.approx(400 - 277.68)
     placed = pp.balancing.balance(
-        six_bar, turn, [pp.balancing.Room("rod", mass=(300.0, 300.0), at=(0.2, 0.0, 0.0), gyration=0.1, replaces=True)], TORQUE
+        six_bar,
+        turn,
+        regions=[pp.balancing.CounterweightRegion("rod", mass=(300.0, 300.0), at=(0.2, 0.0, 0.0), gyration=0.1, replaces=True)],
+        minimise=TORQUE,
     )
     (rod,) = placed.counterweights
     assert (rod.mass, rod.inertia) == (pytest.approx(300.0), pytest.approx(3.0))
@@ -138,8 +146,11 @@ def test_a_room_in_place_of_the_links_own_mass(six_bar, turn):
 
 
 def test_another_room_adds_to_a_link_that_is_replaced(six_bar, turn):
-    rooms = [pp.balancing.Room("rod", mass=(300.0, 300.0), replaces=True), pp.balancing.Room("rod", mass=(50.0, 50.0), at=(-0.1, 0.0, 0.0))]
-    b = pp.balancing.balance(six_bar, turn, rooms, TORQUE)
+    regions = [
+        pp.balancing.CounterweightRegion("rod", mass=(300.0, 300.0), replaces=True),
+        pp.balancing.CounterweightRegion("rod", mass=(50.0, 50.0), at=(-0.1, 0.0, 0.0)),
+    ]
+    b = pp.balancing.balance(six_bar, turn, regions=regions, minimise=TORQUE)
     assert [weight.mass for weight in b.counterweights] == pytest.approx([300.0, 50.0])
     assert b.press.model.inertias[six_bar.model.getJointId("E")].mass == pytest.approx(350.0)
     assert b.added_mass == pytest.approx(350 - 277.68)
@@ -148,27 +159,30 @@ def test_another_room_adds_to_a_link_that_is_replaced(six_bar, turn):
 def test_holes_take_mass_away(six_bar, turn):
     """Lightening holes in the rocker, and what is heavier elsewhere."""
     vertical = pp.balancing.Range("shaking_force", "z")
-    hole = pp.balancing.Room("rod", at=(0.3, 0.0, 0.0), mass=(-60.0, 0.0), gyration=0.05)
-    b = pp.balancing.balance(six_bar, turn, [hole], vertical)
+    hole = pp.balancing.CounterweightRegion("rod", at=(0.3, 0.0, 0.0), mass=(-60.0, 0.0), gyration=0.05)
+    b = pp.balancing.balance(six_bar, turn, regions=[hole], minimise=vertical)
     (weight,) = b.counterweights
     assert weight.mass == pytest.approx(-60.0)
     assert weight.inertia == pytest.approx(-60 * 0.05**2)
     assert b.press.model.inertias[six_bar.model.getJointId("E")].mass == pytest.approx(277.68 - 60)
     again = pp.inverse_dynamics(pp.balancing.with_counterweights(six_bar, b.counterweights), turn)
     assert vertical.value(again) == pytest.approx(b.value, rel=1e-9)
-    assert b.value < b.outcomes[0].before
+    assert b.value < b.changes[0].before
 
 
 def test_least_masses_are_kept_and_most_not_exceeded(six_bar, turn):
-    rooms = [pp.balancing.Room("crank", radius=0.3, mass=(20.0, 50.0)), pp.balancing.Room("coupler", radius=0.3, mass=(7.0, 9.0))]
-    b = pp.balancing.balance(six_bar, turn, rooms, pp.balancing.Range("shaking_force", "x"))
+    regions = [
+        pp.balancing.CounterweightRegion("crank", radius=0.3, mass=(20.0, 50.0)),
+        pp.balancing.CounterweightRegion("coupler", radius=0.3, mass=(7.0, 9.0)),
+    ]
+    b = pp.balancing.balance(six_bar, turn, regions=regions, minimise=pp.balancing.Range("shaking_force", "x"))
     crank, coupler = (weight.mass for weight in b.counterweights)
     assert 20 - 1e-6 <= crank <= 50 + 1e-6
     assert 7 - 1e-6 <= coupler <= 9 + 1e-6
 
 
 def test_rooms_on_links_that_are_welded_together_are_in_their_own_frames(tmp_path):
-    """A crank-slide in a tilted plane with a plate welded askew to its crank: the same room, said in either frame."""
+    """A crank-slider in a tilted plane with a plate welded askew to its crank: the same region, said in either frame."""
     drawing = Drawing("welded", np.linalg.qr(np.random.default_rng(2).normal(size=(3, 3)))[0])
     drawing.joint("O", "frame", "crank", 0j, rpy=(0.3, -0.4, 1.0))
     drawing.joint("P", "crank", "rod", 0.1j)
@@ -187,6 +201,11 @@ def test_rooms_on_links_that_are_welded_together_are_in_their_own_frames(tmp_pat
         for link, frame in (("crank", crank), ("plate", plate)):
             inside = [tuple(float(x) for x in frame.actInv(corner)) for corner in corners]
             place = {"radius": 0.1, "centre": inside[0]} if shape == "disc" else {"corners": tuple(inside)}
-            b = pp.balancing.balance(press, motion, [pp.balancing.Room(link, mass=(0.0, 3.0), **place)], pp.balancing.Rms("shaking_force"))
+            b = pp.balancing.balance(
+                press,
+                motion,
+                regions=[pp.balancing.CounterweightRegion(link, mass=(0.0, 3.0), **place)],
+                minimise=pp.balancing.Rms("shaking_force"),
+            )
             found.append((b.value, *frame.act(np.array(b.counterweights[0].position))))
         np.testing.assert_allclose(*found, rtol=1e-6, atol=1e-7)
