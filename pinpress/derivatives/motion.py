@@ -1,7 +1,7 @@
 """Exact derivatives of a planar linkage's motion by the positions of its pivots, at fixed crank angle, speed and acceleration.
 
-A loop's gap is C b(x): constant rows C, which follow the pivots (`sensitivities_rows`), times the basis b of the joint coordinates x
-(see `plane`). It is zero whatever the pivots, and so are its first and second derivative by time. Differentiated in a direction of the
+A loop's gap is C b(x): constant rows C, which follow the pivots (`pivots.shift`), times the basis b of the joint coordinates x
+(see `Plane`). It is zero whatever the pivots, and so are its first and second derivative by time. Differentiated in a direction of the
 pivots, written ', these three say
 
     J x' = - C' b          J v' = - C' db/dt - C (db/dt)'          J a' = - C' d2b/dt2 - C (d2b/dt2)'
@@ -27,21 +27,26 @@ from ..engines.planar.kinematics import basis, basis_acceleration, basis_velocit
 from ..engines.planar.model import Plane
 from ..kinematics.motion import Motion
 from ..linkage.linkage import Linkage
-from .geometry_shift import Shift, shift
-from .pivots import Pivots, directed
+from .pivots import Pivots, Shift, directed, shift
 
 STEP = 1e-30  # of a complex step: its square is nothing beside a number
 CONTRADICTED = 1e-9  # of the displacement: what redundant equations may leave open by rounding
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class MotionDerivative(Frozen):
-    """Derivatives of a motion of n states in one direction of the pivots: of the attributes of `Motion` with the same names, per metre (or
-    whatever unit the direction is given per). All arrays are read-only.
+class MotionSensitivity(Frozen):
+    """Derivatives of a motion of n states in one direction of the pivots.
+
+    They are those of the attributes of `Motion` with the same names, per metre or whatever unit the direction is given per. All arrays are
+    read-only.
 
     Attributes:
         joint_position: (n, nv), counted from the pose that the changed linkage is drawn in, closed at crank angle 0.
-        v, a: (n, nv). slide_position, slide_velocity, slide_acceleration: (n,), None where the linkage has no slide.
+        v: (n, nv) of the joint rates.
+        a: (n, nv) of the joint accelerations.
+        slide_position: (n,); None where the linkage has no slide.
+        slide_velocity: (n,); None where the linkage has no slide.
+        slide_acceleration: (n,); None where the linkage has no slide.
     """
 
     joint_position: Array
@@ -53,18 +58,24 @@ class MotionDerivative(Frozen):
 
 
 @typed
-def motion_derivatives(press: Linkage, motion: Motion, directions: Sequence[Pivots]) -> tuple[MotionDerivative, ...]:
-    """Derivatives of a motion by the positions of pivots: what `cycle` of the `reshaped` linkage does at the same crank angles, to first
-    order.
+def motion_derivatives(press: Linkage, motion: Motion, directions: Sequence[Pivots]) -> tuple[MotionSensitivity, ...]:
+    """Exact derivatives of a motion by the positions of pivots, at the same crank angles.
+
+    They say to first order how `cycle` of the `reshaped` linkage differs.
 
     Args:
-        directions: one mapping each: (bearing, link) -> (3,) derivative of the bearing's position in the link's own frame. A direction may
-            move several pivots, as one dimension of a press often does.
+        press: a planar linkage.
+        motion: of this linkage.
+        directions: mappings (bearing, link) -> (3,) derivative of the bearing's position in the link's own frame. A direction may move
+            several pivots, as one dimension of a press often does.
+
+    Returns:
+        The derivatives in every direction.
 
     Raises:
-        PinpressError: a linkage that is not planar, a motion of another one, a direction out of its plane, or one in which bearings that
-            hold each other cannot stay closed.
-        UnknownNameError: a bearing or link that it does not have.
+        PinpressError: the linkage is not planar, the motion is of another one, a direction leads out of its plane, or bearings that hold
+            each other cannot stay closed in it.
+        UnknownNameError: a bearing or link that the linkage does not have.
     """
     plane = planar(press)
     if motion.joints != press.joints or motion.drivers != press.drivers:
@@ -83,7 +94,7 @@ def motion_derivatives(press: Linkage, motion: Motion, directions: Sequence[Pivo
         for array in arrays:
             if array is not None:
                 array.setflags(write=False)
-        result.append(MotionDerivative(*arrays))  # type: ignore[arg-type]
+        result.append(MotionSensitivity(*arrays))  # type: ignore[arg-type]
     return tuple(result)
 
 
@@ -99,16 +110,19 @@ def planar(press: Linkage) -> Plane:
 
 
 def guide_shift(plane: Plane, by: Shift, guide: int) -> float:
-    """How far a guide on the frame is moved along its axis: no joint coordinate knows."""
+    """How far a guide on the frame is moved along its axis [m], which no joint coordinate shows."""
     along = plane.directions[plane.prismatic.index(guide), 0]
     return float((along.conjugate() * by.origins[guide, 0]).real)
 
 
 class States(NamedTuple):
-    """Closed configurations of a planar linkage, ready for their derivatives. See `plane`.
+    """Closed configurations of a planar linkage, ready for their derivatives.
 
     Attributes:
-        at: (nb, n) the basis. rows: (closure, n) gaps and columns of the loop Jacobian. factors: of its blocks.
+        plane: the constants of the linkage.
+        at: (nb, n) the basis, see `Plane`.
+        rows: (closure, n) gaps and columns of the loop Jacobian.
+        factors: of the blocks of the Jacobian.
     """
 
     plane: Plane
@@ -118,24 +132,31 @@ class States(NamedTuple):
 
     @staticmethod
     def of(plane: Plane, position: Array) -> States:
-        """Of closed joint coordinates (nv, n)."""
+        """The states of closed joint coordinates (nv, n)."""
         at = basis(plane, position)
         rows = product(plane.closure, at)
         return States(plane, at, rows, factored(plane, rows))
 
     def solve(self, opened: ComplexArray) -> Array:
-        """Rates (nv, n) of the joints, the driver's zero, that close loops which open at rates (loops, n)."""
+        """The rates (nv, n) of the joints, the driver's zero, that close loops which open at rates (loops, n)."""
         result = np.zeros((len(self.plane.parents), self.at.shape[1]))
         solve(self.plane, self.rows, self.factors, [*-opened, *[None] * len(self.plane.offsets)], result)
         return result
 
     def slope(self, by: Shift) -> Array:
-        """Derivative (nv, n) of the joint coordinates at fixed crank angle."""
+        """The derivative (nv, n) of the joint coordinates at fixed crank angle."""
         return self.solve(product(by.closure[: len(self.plane.loop_points)], self.at))
 
 
 class Rates(NamedTuple):
-    """Joint rates and accelerations (nv, n), and the first and second derivative of the basis (nb, n) by time."""
+    """Joint rates and accelerations of states, and what they do to the basis.
+
+    Attributes:
+        v: (nv, n) joint rates.
+        a: (nv, n) joint accelerations.
+        first: (nb, n) first derivative of the basis by time.
+        second: (nb, n) second derivative of the basis by time.
+    """
 
     v: Array
     a: Array
@@ -148,8 +169,15 @@ class Rates(NamedTuple):
 
 
 class Tangent(NamedTuple):
-    """Derivatives of states in one direction of the pivots: of joint coordinates, rates and accelerations (nv, n), of the basis and its
-    second derivative by time (nb, n)."""
+    """Derivatives of states in one direction of the pivots.
+
+    Attributes:
+        position: (nv, n) of the joint coordinates.
+        v: (nv, n) of the joint rates.
+        a: (nv, n) of the joint accelerations.
+        basis: (nb, n) of the basis.
+        second: (nb, n) of the second derivative of the basis by time.
+    """
 
     position: Array
     v: Array
@@ -159,7 +187,8 @@ class Tangent(NamedTuple):
 
     @staticmethod
     def of(states: States, rates: Rates, by: Shift) -> Tangent:
-        """
+        """Differentiate states in a direction of the pivots.
+
         Raises:
             PinpressError: redundant bearings cannot stay closed in this direction.
         """
@@ -178,7 +207,12 @@ class Tangent(NamedTuple):
 
 
 def _first_turned(plane: Plane, states: States, rates: Rates, turned: ComplexArray, v: Array) -> ComplexArray:
-    """Derivative (nb, n) of the basis' first derivative by time; ``turned`` is that of the basis, ``v`` that of the joint rates."""
+    """Derivative (nb, n) of the first derivative of the basis by time.
+
+    Args:
+        turned: (nb, n) derivative of the basis.
+        v: (nv, n) derivative of the joint rates.
+    """
     turning = len(plane.revolute)
     spin, spin_turned = plane.turn @ rates.v, plane.turn @ v
     result = np.zeros_like(turned)
@@ -192,7 +226,13 @@ def _first_turned(plane: Plane, states: States, rates: Rates, turned: ComplexArr
 
 
 def _second_turned(plane: Plane, states: States, rates: Rates, turned: ComplexArray, v: Array, a: Array) -> ComplexArray:
-    """The same of its second derivative, where the joint accelerations have the derivative ``a``."""
+    """Derivative (nb, n) of the second derivative of the basis by time.
+
+    Args:
+        turned: (nb, n) derivative of the basis.
+        v: (nv, n) derivative of the joint rates.
+        a: (nv, n) derivative of the joint accelerations.
+    """
     turning = len(plane.revolute)
     spin, spin_turned = plane.turn @ rates.v, plane.turn @ v
     factor = 1j * (plane.turn @ rates.a) - spin * spin
@@ -212,7 +252,7 @@ def _second_turned(plane: Plane, states: States, rates: Rates, turned: ComplexAr
 
 
 def _refuse_contradiction(left: ComplexArray, by: Shift) -> None:
-    """Raise where loops open in spite of all joints: equations that say the same of the linkage no longer do."""
+    """Raise PinpressError where loops open in spite of all joints: redundant equations of the linkage contradict each other."""
     worst = np.abs(left).max(axis=1)
     if worst.max() > CONTRADICTED * np.abs(by.closure).max():
         raise PinpressError("bearings that hold each other do not stay closed in this direction: move the pivots of all of them alike")

@@ -1,8 +1,13 @@
-"""Where the pivots of a linkage are in its links, and how far given positions move them."""
+"""Where the pivots of a linkage are in its links, how far given positions move them, and how the planar equations follow.
+
+The rows of a planar linkage (see `Plane`) are sums of the vectors from pivot to pivot, so they change in proportion to the displacements of
+its pivots: one function, `shift`, gives what a finite change adds and the derivative in a direction.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
@@ -10,9 +15,10 @@ import pinocchio as pin
 from numpy.typing import ArrayLike
 
 from ..common.arguments import typed
-from ..common.arrays import Array
+from ..common.arrays import Array, ComplexArray
 from ..common.checks import finite_numbers
 from ..common.errors import PinpressError, UnknownNameError, shown
+from ..engines.planar.model import Plane
 from ..linkage.linkage import Linkage
 
 Pivots = Mapping[tuple[str, str], ArrayLike]
@@ -20,27 +26,34 @@ Pivots = Mapping[tuple[str, str], ArrayLike]
 
 
 class Displacements(NamedTuple):
-    """How far pivots are moved: of joints (nv, 3) in the frames of the bodies that carry them, of both ends of loops (loops, 2, 3) in the
-    frames of theirs [m]. A body's frame is that of its Pinocchio joint."""
+    """How far pivots are moved [m]. The frame of a body is that of its Pinocchio joint.
+
+    Attributes:
+        joints: (nv, 3), in the frames of the bodies that carry the joints.
+        ends: (loops, 2, 3), in the frames of the bodies at both ends of the loops.
+    """
 
     joints: Array
     ends: Array
 
     def less(self, other: Displacements) -> Displacements:
-        """How far these go beyond others."""
+        """How far these displacements go beyond others."""
         return Displacements(self.joints - other.joints, self.ends - other.ends)
 
 
 def nowhere(press: Linkage) -> Displacements:
-    """No displacement."""
+    """All displacements zero."""
     return Displacements(np.zeros((press.model.nv, 3)), np.zeros((len(press.loops), 2, 3)))
 
 
 @typed
 def pivot_positions(press: Linkage) -> dict[tuple[str, str], Array]:
-    """Where every bearing that can be moved in a link is: (bearing, link) -> (3,) in the link's own frame [m].
+    """The position of every bearing in the links in which it can be moved.
 
     Of links that are welded together the first is named; the others may be named as well where pivots are given.
+
+    Returns:
+        (bearing, link) -> (3,) in the link's own frame [m].
     """
     positions = {}
     for j, name in enumerate(press.joints, 1):
@@ -52,7 +65,7 @@ def pivot_positions(press: Linkage) -> dict[tuple[str, str], Array]:
 
 
 def displaced(press: Linkage, pivots: Pivots) -> Displacements:
-    """How far these positions move the pivots of a linkage.
+    """How far given positions move the pivots of a linkage.
 
     Raises:
         UnknownNameError: a bearing or link that it does not have.
@@ -66,7 +79,11 @@ def displaced(press: Linkage, pivots: Pivots) -> Displacements:
 
 
 def directed(press: Linkage, direction: Pivots) -> Displacements:
-    """Displacements per unit of a direction: (bearing, link) -> (3,) derivative of the position. Raises as `displaced`."""
+    """Displacements per unit of a direction, which gives (bearing, link) -> (3,) derivative of the position.
+
+    Raises:
+        PinpressError, UnknownNameError: as `displaced` does.
+    """
     moved = nowhere(press)
     for key, derivative in _vectors(direction):
         place, _ = _pivot(press, *key)
@@ -75,7 +92,7 @@ def directed(press: Linkage, direction: Pivots) -> Displacements:
 
 
 def _vectors(pivots: Pivots) -> Iterator[tuple[tuple[str, str], Array]]:
-    """Every pair of names, with its vector."""
+    """Check pivots, and give every pair of names with its vector."""
     if not isinstance(pivots, Mapping):
         raise PinpressError("pivots is no mapping: give {(bearing, link): (x, y, z)}, in the links' own frames [m]")
     for key, values in pivots.items():
@@ -126,3 +143,69 @@ def _body(press: Linkage, link: str) -> int:
 def _links(press: Linkage, joint: int) -> list[str]:
     """The links that are welded together on the body of a Pinocchio joint."""
     return [link for link in press.links if _body(press, link) == joint]
+
+
+# ---------- equations of a planar linkage
+
+IN_PLANE = 1e-12  # displacement along the normal that is rounding, beside the others
+
+
+class Shift(NamedTuple):
+    """What displacements add to the rows of a `Plane`.
+
+    Attributes:
+        closure: of `Plane.closure`.
+        origins: of `Plane.origins`.
+        loop_points: of `Plane.loop_points`.
+    """
+
+    closure: ComplexArray
+    origins: ComplexArray
+    loop_points: ComplexArray
+
+    def times(self, share: float) -> Shift:
+        """What a share of the displacements adds."""
+        return Shift(*(share * rows for rows in self))
+
+
+def shift(press: Linkage, plane: Plane, moved: Displacements) -> Shift:
+    """What displacements add to the rows of a planar linkage.
+
+    Raises:
+        PinpressError: a displacement out of the plane.
+    """
+    origins, points, closure = (np.zeros_like(rows) for rows in (plane.origins, plane.loop_points, plane.closure))
+    for j, parent in enumerate(plane.parents):  # parents come before their children in Pinocchio
+        if parent >= 0:
+            origins[j] = origins[parent]
+        origins[j, plane.rotor(parent)] += _across(plane, parent, moved.joints[j], press.joints[j])
+    row = len(press.loops)
+    for k, loop in enumerate(press.loops):
+        sides = []
+        for joint, displacement in ((loop.joint1 - 1, moved.ends[k, 0]), (loop.joint2 - 1, moved.ends[k, 1])):
+            side = origins[joint].copy() if joint >= 0 else np.zeros(closure.shape[1], complex)
+            side[plane.rotor(joint)] += _across(plane, joint, displacement, loop.name)
+            sides.append(side)
+        points[k], closure[k] = sides[0], sides[1] - sides[0]
+        for joint in map(int, np.flatnonzero(plane.crossed[:, k])):  # in the order of `Plane.closure`
+            if joint in plane.revolute:
+                crossed = plane.crossed[joint, k]
+                closure[row] = 1j * plane.sense[joint] * crossed * (sides[1 if crossed > 0 else 0] - origins[joint])
+            row += 1
+    return Shift(closure, origins, points)
+
+
+def shifted(plane: Plane, by: Shift) -> Plane:
+    """The plane of the linkage with its pivots moved, in the drawn pose of the one before."""
+    closure = plane.closure + by.closure
+    loops, turning = len(plane.loop_points), len(plane.revolute)
+    size = float(np.abs(closure[:loops, : 1 + turning]).sum(axis=1).max(initial=0.0)) or plane.size
+    return replace(plane, closure=closure, origins=plane.origins + by.origins, loop_points=plane.loop_points + by.loop_points, size=size)
+
+
+def _across(plane: Plane, joint: int, displacement: Array, name: str) -> complex:
+    """A displacement in a body's frame, in the plane's axes of the drawn pose."""
+    x, y, along = (plane.frames[joint] if joint >= 0 else np.array([*plane.axes, plane.normal])) @ displacement
+    if abs(along) > IN_PLANE * max(plane.size, abs(x), abs(y)):
+        raise PinpressError(f"bearing {shown(name)} is moved {along:.3g} m out of the plane of the linkage: move it within the plane")
+    return complex(x, y)

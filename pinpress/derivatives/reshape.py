@@ -1,35 +1,49 @@
-"""A linkage with other link lengths: its pivots moved in their links, and the same assembly drawn anew."""
+"""A linkage with other link lengths: its pivots moved in their links, and the same assembly drawn anew.
+
+Newton's method alone could land in another assembly. So the pivots of a planar linkage move in steps, at all crank angles at once, each
+predicted from the exact derivatives of the joint coordinates, and a step is taken where Newton's method has little left to correct and
+every block of equations stays well away from where two assemblies meet; else half of it.
+"""
 
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
 import pinocchio as pin
 
 from ..common.arguments import typed
 from ..common.arrays import Array
-from ..common.errors import SingularityError
+from ..common.errors import AssemblyError, SingularityError
 from ..engines.closure import ACCEPTED, Closure
 from ..engines.continuation import Lock, follow
 from ..engines.joints import Coupling
+from ..engines.planar.kinematics import close
+from ..engines.planar.model import Plane
 from ..engines.spatial import model as spatial
 from ..linkage.linkage import Linkage
-from .continuation import carried
-from .geometry_shift import shift
-from .pivots import Displacements, Pivots, displaced
+from .motion import States
+from .pivots import Displacements, Pivots, Shift, displaced, shift, shifted
+
+SHORTEST = 2.0**-10  # step, as a share of the way: where a shorter one is needed, the linkage locks
+MOST = 40  # steps that are tried: where more are needed, it locks too
+CORRECTED = 0.1  # share of its predicted step by which Newton's method may correct a joint
+NEARLY = 1e-3  # what it may correct in any case [rad, or lengths of the linkage]
+KEPT = 0.5  # share of its margin that a block must keep in a step
 
 
 @typed
 def reshaped(press: Linkage, pivots: Pivots) -> Linkage:
-    """The linkage with some of its pivots elsewhere in their links, in the assembly it was drawn in; `write_urdf` writes it.
+    """The linkage with some of its pivots elsewhere in their links, in the assembly it was drawn in.
 
     The assembly is followed from the old lengths to the new ones with the crank at angle 0, and drawn anew there: all joint coordinates are
     zero in the closed pose with the new lengths. The crank angle keeps its meaning, and so does the slide's position; the limits of
     the other joints keep theirs, counted from the new pose. Inertias stay as they are in the frames of their links, whatever the lengths:
-    change them with ``dataclasses.replace(press, model=...)`` or counterweights.
+    change them with ``dataclasses.replace(press, model=...)`` or counterweights. `write_urdf` writes the linkage.
 
     Args:
+        press: planar or not.
         pivots: (bearing, link) -> position (3,) of that bearing in the link's own frame [m], e.g. ``{("B", "crank"): (0.15, 0, 0)}``. A
             joint is moved in its parent link; on its child it is the origin of the link's frame, where nothing can be moved. A loop is
             moved in either link, a guide as a line through the position.
@@ -46,7 +60,11 @@ def reshaped(press: Linkage, pivots: Pivots) -> Linkage:
 
 
 def redrawn(press: Linkage, moved: Displacements, position: Array) -> Linkage:
-    """The linkage with displaced pivots, drawn anew in the pose that closes it, at joint coordinates (nv,), the drivers' zero."""
+    """The linkage with displaced pivots, drawn anew in the pose that closes it.
+
+    Args:
+        position: (nv,) joint coordinates of that pose, those of the drivers zero.
+    """
     placed = _placed(press, moved)
     model = placed.model
     for j, (axis, coordinate) in enumerate(zip(press.axes, position, strict=True), 1):
@@ -63,7 +81,7 @@ def redrawn(press: Linkage, moved: Displacements, position: Array) -> Linkage:
 
 
 def _placed(press: Linkage, moved: Displacements, share: float = 1.0) -> Linkage:
-    """The linkage with a share of the displacements, still drawn as before, and so open."""
+    """The linkage with a share of the displacements, drawn as before and therefore open."""
     model = press.model.copy()
     for j, displacement in enumerate(moved.joints, 1):
         place = model.jointPlacements[j]
@@ -76,7 +94,7 @@ def _placed(press: Linkage, moved: Displacements, share: float = 1.0) -> Linkage
 
 
 def _from_zero(coupling: Coupling) -> Coupling:
-    """A gear pair whose joints are both zero in the drawn pose."""
+    """The gear pair, counted from the drawn pose, in which both joints are zero."""
     return replace(coupling, offset=0.0)
 
 
@@ -84,15 +102,19 @@ def _closed(press: Linkage, moved: Displacements) -> Array:
     """Joint coordinates (nv,) that close the linkage with displaced pivots, counted from where it was drawn."""
     if press.plane is not None:
         plane = press.plane.dense
-        return carried(plane, press.closed[:, None], shift(press, plane, moved)).closure.position[:, 0]
+        return continue_geometry(plane, press.closed[:, None], shift(press, plane, moved)).closure.position[:, 0]
     return _closed_in_space(press, moved)
 
 
 def _closed_in_space(press: Linkage, moved: Displacements) -> Array:
-    """The same of any linkage, as an assembly is followed over the crank angle; here along the way to the new lengths."""
+    """Joint coordinates (nv,) that close a linkage that need not be planar: its assembly is followed along the way to the new lengths.
+
+    Raises:
+        SingularityError: it locks on the way, or cannot be assembled.
+    """
     drivers, target = np.zeros((len(press.drivers), 1)), _placed(press, moved).spatial.equations()
 
-    def close(share: Array, guess: Array) -> Closure:
+    def close_part_way(share: Array, guess: Array) -> Closure:
         here = _placed(press, moved, float(share[0])).spatial
         closure = spatial.close(here, here.equations(), drivers, [0.0] * len(press.drivers), guess)
         if not np.isfinite(closure.widest):
@@ -102,7 +124,7 @@ def _closed_in_space(press: Linkage, moved: Displacements) -> Array:
         opened = target.at(closure.position[:, 0]).gaps - start.gaps
         return replace(closure, first=spatial.Passive(rows.columns, here).rates(-opened)[:, None])
 
-    end = follow(close, press.closed, 1.0, press.size, ACCEPTED * press.spatial.tolerance)
+    end = follow(close_part_way, press.closed, 1.0, press.size, ACCEPTED * press.spatial.tolerance)
     if isinstance(end, Lock):
         raise SingularityError(
             f"{press.name} cannot be brought to the new lengths: {100 * end.angle:.3g} % of the way it locks, or cannot be assembled",
@@ -110,3 +132,70 @@ def _closed_in_space(press: Linkage, moved: Displacements) -> Array:
             end.margin,
         )
     return end
+
+
+# ------------------------------------------------------------------- the assembly of a planar linkage, followed to other lengths
+
+
+class ContinuedGeometry(NamedTuple):
+    """A linkage at the end of the way to other lengths.
+
+    Attributes:
+        plane: the constants of the linkage.
+        closure: its closed configurations at the crank angles.
+    """
+
+    plane: Plane
+    closure: Closure
+
+
+def continue_geometry(plane: Plane, position: Array, by: Shift) -> ContinuedGeometry:
+    """Move the pivots of a closed linkage, its crank held.
+
+    Args:
+        position: (nv, n) joint coordinates that close it.
+        by: what the displacements add to the rows of the plane.
+
+    Raises:
+        AssemblyError: with its new lengths the linkage cannot be closed at one of the crank angles.
+        SingularityError: it can, but two assemblies meet on the way there.
+    """
+    angle = position[plane.driver]
+    reached = close(plane, angle, position, with_margins=True)
+    here, share, step, tried = plane, 0.0, 1.0, 0
+    while share < 1.0:
+        step, tried = min(step, 1.0 - share), tried + 1
+        there = shifted(plane, by if share + step == 1.0 else by.times(share + step))
+        predicted = step * States.of(here, reached.position).slope(by)
+        closure = close(there, angle, reached.position + predicted, with_margins=True)
+        if _belongs(there, closure, reached, predicted).all():
+            here, reached, share, step = there, closure, share + step, 2 * step
+        elif step <= SHORTEST or tried >= MOST:
+            raise _lost(there, shifted(plane, by), closure, reached, predicted)
+        else:
+            step /= 2
+    return ContinuedGeometry(here, reached)
+
+
+def _belongs(plane: Plane, closure: Closure, before: Closure, predicted: Array) -> Array:
+    """Whether configurations (n,) continue the ones before."""
+    assert closure.margins is not None
+    assert before.margins is not None
+    with np.errstate(all="ignore"):  # what failed is not finite, and no continuation
+        corrected = np.abs(closure.position - before.position - predicted).max(axis=0)
+        near = corrected <= CORRECTED * np.abs(predicted).max(axis=0) + NEARLY * (1 + plane.size)
+        margins = closure.margins * np.sign(before.margins)
+        kept = (margins >= KEPT * np.abs(before.margins)).all(axis=0)
+        return np.asarray((closure.gap <= ACCEPTED * plane.tolerance) & near & kept)
+
+
+def _lost(there: Plane, target: Plane, closure: Closure, before: Closure, predicted: Array) -> AssemblyError | SingularityError:
+    """Say why the assembly cannot be followed."""
+    assert before.margins is not None
+    at = int(np.argmin(_belongs(there, closure, before, predicted)))
+    angle, margin = float(before.position[there.driver, at]), float(np.abs(before.margins[:, at]).min(initial=1.0))
+    end = close(target, np.array([angle]), before.position[:, at : at + 1])
+    if end.gap[0] <= ACCEPTED * target.tolerance:
+        return SingularityError("on the way to the new lengths two assemblies of the linkage meet; go there in other steps", angle, margin)
+    gap = float(end.gap[0]) if np.isfinite(end.gap[0]) else np.inf
+    return AssemblyError("the linkage cannot be assembled with the new lengths", angle, gap, end.iterations)

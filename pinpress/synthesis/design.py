@@ -9,14 +9,11 @@ import numpy as np
 
 from ..common.arrays import Array, ComplexArray
 from ..common.named_arrays import ByBearing
-from ..derivatives import forces as force_sensitivities
-from ..derivatives.continuation import carried
-from ..derivatives.forces import Balanced
-from ..derivatives.geometry_shift import Shift, shift
-from ..derivatives.loads import Push, pushes
+from ..derivatives import reactions as reaction_derivatives
 from ..derivatives.motion import STEP, Rates, States, Tangent, guide_shift
-from ..derivatives.pivots import Displacements
-from ..derivatives.reshape import redrawn
+from ..derivatives.pivots import Displacements, Shift, shift
+from ..derivatives.reactions import Balanced, Push, pushes
+from ..derivatives.reshape import continue_geometry, redrawn
 from ..dynamics.applied_loads import apply, asked
 from ..dynamics.shaking import shaking
 from ..engines.constant_rows import product
@@ -60,10 +57,10 @@ class Design:
     gap: Array
 
     def next(self, variables: dict[str, float], moved: Displacements, slopes: Sequence[Displacements]) -> "Design":
-        """Another design, its assembly carried over from this one. Raises as `carried`."""
+        """Another design, its assembly carried over from this one. Raises as `continue_geometry`."""
         start = self.start
         by = shift(start.press, start.plane, moved.less(self.moved))
-        plane, closure = carried(self.plane, self.position, by)
+        plane, closure = continue_geometry(self.plane, self.position, by)
         return Design(start, variables, moved, slopes, plane, closure.position, closure.first, closure.second, closure.gap)
 
     @cached_property
@@ -189,7 +186,7 @@ class Design:
 
     def _reactions_towards(self, place: int, h: float) -> TrialReactions:
         real, found, names = self._reactions, self._wrenches, self.start.press.bearings
-        slope = force_sensitivities.tangent(self._known, self._tangents[place], self._by[place], self._pushes(place))
+        slope = reaction_derivatives.tangent(self._known, self._tangents[place], self._by[place], self._pushes(place))
         force = moment = None
         if slope.forces is not None and slope.moments is not None:
             force = ByBearing(names, _complex(found.force, h, in_space(self.plane, slope.forces)))

@@ -113,7 +113,7 @@ class Problem:
     def at(self, z: Array, near: Design) -> "Point":
         """Objective and constraints at scaled variables (k,), the assembly carried over from a design nearby.
 
-        Raises as `sensitivities_path.carried`; AssemblyError where the geometry is not a number, PinpressError where functions fail.
+        Raises as `continue_geometry`; AssemblyError where the geometry is not a number, PinpressError where functions fail.
         """
         values = self.values(z)
         press = near.start.press

@@ -10,7 +10,7 @@
     )
     synthesis.press, synthesis.variables, synthesis.active
 
-Every gradient is exact (`sensitivities`, `force_sensitivities`), the assembly is carried over from design to design, and what is returned
+Every gradient is exact (`pinpress.derivatives`), the assembly is carried over from design to design, and what is returned
 meets the conditions of an optimum, or is not returned.
 """
 
@@ -30,9 +30,9 @@ from ..common.arguments import typed
 from ..common.arrays import Array
 from ..common.errors import AssemblyError, PinpressError, SingularityError, UnknownNameError, shown
 from ..common.frozen import Frozen, FrozenMapping
-from ..derivatives.loads import refuse_unknown
 from ..derivatives.motion import planar
 from ..derivatives.pivots import Pivots, nowhere, pivot_positions
+from ..derivatives.reactions import refuse_unknown
 from ..derivatives.reshape import reshaped
 from ..kinematics.motion import cycle
 from ..linkage.linkage import Linkage

@@ -3,7 +3,7 @@
 An objective is a plain NumPy function of a `Trial`. Its exact gradient is found by a complex step: the function is called once a variable
 with a trial whose arrays are complex, value + i h derivative with h so small that h^2 is nothing; h times the derivative of the
 function is then the imaginary part of what it returns. Derivatives of motion and reactions inside are exact
-(`sensitivities`, `force_sensitivities`).
+(`pinpress.derivatives`).
 """
 
 from __future__ import annotations

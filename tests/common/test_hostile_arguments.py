@@ -36,7 +36,7 @@ MADE = {
     "Elasticity",
     "Extreme",
 }
-MADE |= {"FailedPoint", "Harmonics", "Linkage", "Measurement", "Motion", "MotionDerivative", "OperatingPoints", "MeasureChange"}
+MADE |= {"FailedPoint", "Harmonics", "Linkage", "Measurement", "Motion", "MotionSensitivity", "OperatingPoints", "MeasureChange"}
 MADE |= {"Ratings", "Reactions", "Run", "SlideDeflection", "SnapThrough", "SpeedLimit", "Sweep", "Synthesis"}
 MADE |= {
     "Correction",

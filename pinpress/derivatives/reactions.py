@@ -1,0 +1,278 @@
+"""Exact derivatives of a planar linkage's reactions by the positions of its pivots, at fixed crank angle, speed and acceleration.
+
+The tangent of a force balance is a force balance. For every body, forces F at arms r from the origin of its joint,
+
+    sum F = m a                     sum F' = (m a)'
+    sum r x F + M = h    gives      sum r x F' + M' = h' - sum r' x F
+
+with ' for the derivative in a direction of the pivots: the unknown derivatives are balanced by the same equations as the forces
+(`engines.planar.statics`), against other right-hand sides, in which the forces themselves are known. Inertias stay as they are in the
+frames of their links. Complex numbers and signs are those of `engines.planar.inverse_dynamics`.
+
+A constant load does not depend on the geometry. A process load is a force over the slide's height and speed, which do: its law is
+differentiated by a complex step, exactly, as its stretches are smooth; that of a caller's own load must agree with its differences. No
+other load is known well enough.
+"""
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from ..common.arrays import Array, ComplexArray
+from ..common.errors import PinpressError, said, shown
+from ..dynamics.applied_loads import apply, asked
+from ..engines.constant_rows import product
+from ..engines.forces import AppliedForce
+from ..engines.friction import REST
+from ..engines.planar import statics
+from ..engines.planar.bodies import Bodies
+from ..engines.planar.model import Plane, flat
+from ..kinematics.motion import Motion
+from ..linkage.linkage import Linkage
+from ..loads.caller_laws import OWN_LOADS, LawError
+from ..loads.link import Load, PointForce
+from ..loads.process import ProcessLoad, Stretch
+from .motion import STEP, Rates, States, Tangent
+from .pivots import Shift
+
+DIFFERENCE, ROUGHLY = 1e-5, 1e-3  # share of a range over which a law's slope is taken, and how near that must come
+ANALYTIC = "write it with NumPy's functions that are smooth in complex numbers, without abs, max, real or float"
+
+
+class Push(NamedTuple):
+    """A load on a moving link.
+
+    Vectors are complex numbers in the plane's axes.
+
+    Attributes:
+        body: the index of its joint in v.
+        arm: from that joint to the point, in the drawn pose [m].
+        force: (n,) [N].
+        slope: (n,) derivative of the force.
+        braced: whether the frame takes the opposite force in the same line, so that none of it leaves the machine.
+    """
+
+    body: int
+    arm: complex
+    force: ComplexArray
+    slope: ComplexArray
+    braced: bool
+
+
+def refuse_unknown(loads: Sequence[Load]) -> None:
+    """Refuse loads whose force has no exact derivative here.
+
+    Raises:
+        PinpressError: a load that is neither a constant force nor a process load with a datum.
+    """
+    if not isinstance(loads, list | tuple):
+        raise PinpressError(f"loads is a {type(loads).__name__}: give a list, loads=[...]")
+    for load in loads:
+        if isinstance(load, PointForce) and not callable(load.force):
+            continue
+        if isinstance(load, ProcessLoad) and not isinstance(load, type):
+            if load.datum is None and (load.stretches(True) or load.stretches(False)):
+                raise PinpressError(
+                    f"{type(load).__name__}: the bottom dead centre moves with the geometry: give datum=, a slide position [m]"
+                )
+            continue
+        raise PinpressError(
+            f"load {shown(load)}: exact derivatives are known of constant PointForces and of process loads with a datum: give these"
+        )
+
+
+def pushes(plane: Plane, press: Linkage, motion: Motion, loads: Sequence[Load], height: Array, velocity: Array) -> list[Push]:
+    """The loads on moving links.
+
+    Args:
+        height: (n,) derivative of the slide's position.
+        velocity: (n,) derivative of the slide's velocity.
+
+    Raises:
+        LawError: a caller's force law is not smooth in complex numbers.
+    """
+    result = []
+    for load in loads:
+        applied = apply(asked([load]), press, motion)
+        braced = not isinstance(load, PointForce)
+        for each in applied:
+            if each.joint:
+                slope = _force_slope(load, press, motion, height, velocity) if isinstance(load, ProcessLoad) else 0.0
+                result.append(_push(plane, each, slope, braced))
+    return result
+
+
+def _push(plane: Plane, load: AppliedForce, slope: Array | float, braced: bool) -> Push:
+    body = load.joint - 1
+    arm = complex(*(plane.frames[body] @ load.point)[:2])
+    guide = plane.directions[plane.prismatic.index(body), 0] if braced else 0.0
+    force = flat(plane, load.force)
+    return Push(body, arm, force, slope * guide * np.ones_like(force), braced)
+
+
+def _force_slope(load: ProcessLoad, press: Linkage, motion: Motion, height: Array, velocity: Array) -> Array:
+    """Derivative (n,) of the force of a process load along the guide."""
+    above, speed, result = motion.slide_position - (load.datum or 0.0), motion.slide_velocity, np.zeros_like(height)
+    down = speed < -REST * press.size * np.abs(motion.crank_speed).max()  # as `apply` decides
+    for downwards in (True, False):
+        for stretch in load.stretches(downwards):
+            inside = (down == downwards) & (stretch.lower < above) & (above <= stretch.upper)
+            at = above[inside], speed[inside]
+            try:
+                law = np.asarray(stretch.force(at[0] + 1j * STEP * height[inside], at[1] + 1j * STEP * velocity[inside]), dtype=complex)
+            except Exception as error:
+                raise LawError(
+                    f"{type(load).__name__}: force of complex numbers cannot be worked out: {said(error)}; {ANALYTIC}"
+                ) from error
+            if type(load) not in OWN_LOADS and inside.any():
+                _refuse_not_analytic(type(load).__name__, stretch, *at)
+            result[inside] = np.imag(law) / STEP * ((np.real(law) > 0) if stretch.one_sided else 1.0)
+    return result
+
+
+def _refuse_not_analytic(name: str, stretch: Stretch, height: Array, velocity: Array) -> None:
+    """Raise LawError where a caller's force of complex numbers is not that of its derivative: `abs`, say, loses the imaginary part."""
+    for of, a, b in (("height", 1.0, 0.0), ("velocity", 0.0, 1.0)):
+        size = DIFFERENCE * (max(float(np.ptp(height)), DIFFERENCE) if a else max(float(np.abs(velocity).max(initial=0.0)), DIFFERENCE))
+        exact = np.imag(stretch.force(height + 1j * STEP * a, velocity + 1j * STEP * b)) / STEP * np.ones_like(height)
+        above, below = (np.asarray(stretch.force(height + way * a * size, velocity + way * b * size), dtype=float) for way in (1, -1))
+        near = (above - below) / (2 * size)
+        least = DIFFERENCE * float(np.abs(above).max(initial=0.0)) / (size / DIFFERENCE)
+        wrong = np.abs(exact - near) > ROUGHLY * np.maximum(np.abs(exact), np.abs(near)) + least
+        if 2 * wrong.sum() > wrong.size:  # at a kink one or other may differ
+            raise LawError(f"{name}: force of complex numbers does not have its derivative by the {of}; {ANALYTIC}")
+
+
+# ------------------------------------------------------------------------------------------------------------------------ reactions
+
+
+class Balanced(NamedTuple):
+    """States whose reactions are known.
+
+    Attributes:
+        states: the closed configurations.
+        rates: their joint rates and accelerations.
+        bodies: inertial constants of the linkage.
+        mass: (nv,) of the bodies [kg].
+        forces: (bearings, n) complex [N].
+        sides: the bodies that every loop joins, -1 for the frame.
+    """
+
+    states: States
+    rates: Rates
+    bodies: Bodies
+    mass: Array
+    forces: ComplexArray
+    sides: Sequence[tuple[int, int]]
+
+
+class ReactionTangent(NamedTuple):
+    """Derivatives of reactions in one direction of the pivots.
+
+    Attributes:
+        torque: (n,) of the driver, along its axis.
+        forces: (bearings, n) complex; None where bearings share forces that rigid mechanics leaves open.
+        moments: (bearings, n) about the normal; None where the forces are.
+        shaking_force: (n,) complex.
+        shaking_moment: (n,) about the world origin and the normal.
+    """
+
+    torque: Array
+    forces: ComplexArray | None
+    moments: Array | None
+    shaking_force: ComplexArray
+    shaking_moment: Array
+
+
+def tangent(known: Balanced, moved: Tangent, by: Shift, pushes: Sequence[Push]) -> ReactionTangent:
+    """Derivatives of reactions.
+
+    Args:
+        moved: derivatives of the states.
+        by: what the direction adds to the rows of the plane.
+        pushes: the loads on moving links.
+    """
+    plane, at, bodies = known.states.plane, known.states.at, known.bodies
+    count = len(plane.parents)
+    origins, centers = product(plane.origins, at), product(plane.centers, at)
+    origins_turned = product(plane.origins, moved.basis) + product(by.origins, at)
+    centers_turned = product(plane.centers, moved.basis)
+    second = known.rates.second.copy()
+    second[0] = 1.0  # so that the first column of the rows is the weight
+    own = product(bodies.forces[:count], second)
+    own_turned = product(bodies.forces[:count], moved.second) + known.mass[:, None] * product(by.origins, known.rates.second)
+    spin = bodies.inertia @ moved.a
+
+    moment = _moment(centers_turned, own) + _moment(centers, own_turned) + spin
+    _add_bearings(known, moved, by, origins_turned, moment)
+    subtree = plane.carried @ own_turned
+    shaking_force = -own_turned.sum(axis=0)
+    shaking_moment = -(_moment(origins_turned + centers_turned, own) + _moment(origins + centers, own_turned) + spin).sum(axis=0)
+    for push in pushes:
+        arm, arm_turned = (push.arm * rotor[plane.rotor(push.body)] for rotor in (at, moved.basis))
+        moment[push.body] -= _moment(arm_turned, push.force) + _moment(arm, push.slope)
+        subtree[plane.carriers(push.body)] -= push.slope
+        if not push.braced:
+            shaking_force += push.slope
+            shaking_moment += _moment(origins_turned[push.body] + arm_turned, push.force)
+            shaking_moment += _moment(origins[push.body] + arm, push.slope)
+    torque, forces, moments = _balance(known, moved, origins, subtree, moment)
+    return ReactionTangent(torque, forces, moments, shaking_force, shaking_moment)
+
+
+def _add_bearings(known: Balanced, moved: Tangent, by: Shift, origins_turned: ComplexArray, moment: Array) -> None:
+    """Add to the moment of every body what the known forces of its bearings do at arms that change; that of its own joint has no arm."""
+    plane, at = known.states.plane, known.states.at
+    count, loops = len(plane.parents), len(plane.loop_points)
+    for joint, parent in enumerate(plane.parents):
+        if parent >= 0:
+            moment[parent] += _moment(origins_turned[joint] - origins_turned[parent], known.forces[joint])
+    first = product(plane.loop_points, moved.basis) + product(by.loop_points, at)
+    second = first + product(plane.closure[:loops], moved.basis) + product(by.closure[:loops], at)
+    for k, (body1, body2) in enumerate(known.sides):
+        if body1 >= 0:
+            moment[body1] += _moment(first[k] - origins_turned[body1], known.forces[count + k])
+        if body2 >= 0:
+            moment[body2] -= _moment(second[k] - origins_turned[body2], known.forces[count + k])
+
+
+def _balance(
+    known: Balanced, moved: Tangent, origins: ComplexArray, subtree: ComplexArray, moment: Array
+) -> tuple[Array, ComplexArray | None, Array | None]:
+    """Torque, forces and moments of the bearings, from the tips of the tree to the frame as in `engines.planar.inverse_dynamics`.
+
+    Args:
+        subtree: (nv, n) complex force, summed over all that hangs on a joint.
+        moment: (nv, n) moments on the bodies; they are changed.
+    """
+    plane, at, bodies = known.states.plane, known.states.at, known.bodies
+    count = len(plane.parents)
+    for joint in bodies.inner:
+        parent = plane.parents[joint]
+        moment[parent] += moment[joint] + _moment(origins[joint] - origins[parent], subtree[joint])
+    passive = plane.sense[:, None] * moment
+    slides, slides_turned = product(plane.directions, at), product(plane.directions, moved.basis)
+    for joint, slide, turned in zip(plane.prismatic, slides, slides_turned, strict=True):
+        passive[joint] = (slide.conj() * subtree[joint]).real + (turned.conj() * known.forces[joint]).real
+    closure, gears = product(bodies.closure, at), np.zeros((len(plane.offsets), at.shape[1]))
+    bearings = np.empty((count + len(plane.loop_points), at.shape[1]), complex)
+    if plane.redundant:
+        statics.transmit(plane, closure, passive, bearings[count:], gears)
+        return passive[plane.driver], None, None
+    statics.balance(statics.build(plane, closure, subtree, bodies.uncrossed, at, None), passive, gears, bearings)
+    moments = np.zeros(bearings.shape)
+    points = product(plane.loop_points, at)
+    for joint in plane.prismatic:
+        moments[joint] = moment[joint] - sum(
+            plane.crossed[joint, k] * _moment(points[k] - origins[joint], bearings[count + k]) for k in np.flatnonzero(plane.crossed[joint])
+        )
+    moments[plane.driver] = plane.sense[plane.driver] * passive[plane.driver]
+    for joint in bodies.geared:
+        moments[joint] += plane.sense[joint] * (plane.coupled[:, joint] @ gears)
+    return passive[plane.driver], bearings, moments
+
+
+def _moment(arm: ComplexArray, force: ComplexArray) -> Array:
+    """The moment of a force about the normal."""
+    return np.asarray((arm.conj() * force).imag)
