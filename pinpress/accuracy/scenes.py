@@ -13,13 +13,13 @@ import numpy as np
 
 from ..common.errors import PinpressError
 from ..common.units import RPM
-from ..drives.couplings import At, Clutch
-from ..drives.protocol import Drive, Plain, Values
+from ..drives.couplings import Clutch, SwitchPoint
+from ..drives.protocol import Drive, SpeedTorqueDrive, Values
 from ..drives.transmission import Flywheel, Geared, InductionMotor
 from ..kinematics.dead_centres import dead_centres
 from ..linkage.linkage import Linkage
 from ..loads.process import Blanking, ElasticDie
-from ..loads.protocol import ProcessLoad, Stretch
+from ..loads.protocol import ForceInterval, ProcessLoad
 from ..simulation.reduced_model import COORDINATES, tabulated
 from .measurements import CLUTCH, DIE, FREE_RUN, SPEED_LAW
 
@@ -36,7 +36,7 @@ SLOWER = 0.99  # speed at which that begins, beside the one it holds
 
 
 @dataclass(frozen=True)
-class SpeedLaw(Plain):
+class SpeedLaw(SpeedTorqueDrive):
     """A drive that holds a speed: torque ``gain`` times the difference. It has no inertia.
 
     Attributes:
@@ -87,19 +87,19 @@ class Scene:
     def push(self, height: float, rate: float) -> float:
         """Force of the loads on the slide, upwards [N], at a height above bottom dead centre [m] that rises at a rate [m/s]."""
         force = 0.0
-        for stretch in self._falling if rate < 0 else self._rising:
-            if stretch.lower < height <= stretch.upper:
-                pushed = float(stretch.force(height, rate))
-                force += max(pushed, 0.0) if stretch.one_sided else pushed
+        for interval in self._falling if rate < 0 else self._rising:
+            if interval.lower < height <= interval.upper:
+                pushed = float(interval.force(height, rate))
+                force += max(pushed, 0.0) if interval.one_sided else pushed
         return force
 
     @cached_property
-    def _falling(self) -> tuple[Stretch, ...]:
-        return tuple(stretch for load in self.loads for stretch in load.stretches(True))
+    def _falling(self) -> tuple[ForceInterval, ...]:
+        return tuple(interval for load in self.loads for interval in load.intervals(True))
 
     @cached_property
-    def _rising(self) -> tuple[Stretch, ...]:
-        return tuple(stretch for load in self.loads for stretch in load.stretches(False))
+    def _rising(self) -> tuple[ForceInterval, ...]:
+        return tuple(interval for load in self.loads for interval in load.intervals(False))
 
 
 def free_run(speed: float, flywheel: float, duration: float) -> Scene:
@@ -138,7 +138,7 @@ def build(press: Linkage, group: str, speed: float, flywheel: float, duration: f
         f" {1e3 * start:.3g} to {1e3 * end:.3g} mm"
     )
     turning = Flywheel(flywheel, speed=speed)
-    clutch = Clutch(torque, closes=At(time=0.0), rise=RISE * turn)
+    clutch = Clutch(torque, closes=SwitchPoint(time=0.0), rise=RISE * turn)
     return Scene(group, words, turn, duration, float(found.top_angle), 0.0, turning, motor, clutch, (Blanking(force, start, end),))
 
 

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
+from ..common.gauss import NODES
 from ..dynamics.inverse_dynamics import Reactions, inverse_dynamics
 from ..kinematics.motion import carried
 from ..linkage.linkage import Linkage
@@ -117,7 +118,7 @@ def tables(press: Linkage) -> Contest:
     exact = reduced.sampled(press, angles, ())[:2]
     ranges = np.maximum(np.ptp(exact, axis=1), np.finfo(float).tiny)
 
-    def off(table: reduced.Table) -> float:
+    def off(table: reduced.ReducedModel) -> float:
         missed = table.at(angles)[0][:2] - exact
         missed[1] -= missed[1].mean()  # the zero of the potential energy means nothing
         return float((np.abs(missed).max(axis=1) / ranges).max())
@@ -129,7 +130,7 @@ def tables(press: Linkage) -> Contest:
             TABLE, method, f"{samples} samples", number, made, lambda table: Errors(off(table), evaluations=table.evaluations)
         )
 
-    entries = [entry("reduced", panels * reduced.NODES, panels) for panels in PANELS]
+    entries = [entry("reduced", panels * NODES, panels) for panels in PANELS]
     entries.append(entry("reduced, as many as resolve it", chosen.evaluations, None))
     finest = reduced.build(press, (), 2 * PANELS[-1])
     return Contest(TABLE, tuple(entries), off(finest), f"the linkage itself and a table of {finest.evaluations} samples")

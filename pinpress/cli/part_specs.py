@@ -15,7 +15,7 @@ from typing import Any
 
 from ..common.errors import PinpressError, suggestion
 from ..common.units import RPM
-from ..drives.couplings import At, Brake, Clutch
+from ..drives.couplings import Brake, Clutch, SwitchPoint
 from ..drives.transmission import (
     ConstantTorque,
     Drive,
@@ -27,7 +27,7 @@ from ..drives.transmission import (
     ServoMotor,
     SlipClutchMotor,
 )
-from ..loads.process import Blanking, DeepDrawing, ElasticDie, ForceStroke, Idle, Piling, ProcessLoad
+from ..loads.process import Blanking, ConstantForce, DeepDrawing, ElasticDie, ForceStroke, Idle, ProcessLoad
 
 __all__ = ["DRIVES", "LOADS", "brake", "clutch", "drive", "flywheel", "keys", "load"]
 
@@ -83,7 +83,7 @@ DRIVES: Mapping[str, Kind] = {
 
 LOADS: Mapping[str, Kind] = {
     "idle": Kind(Idle, ""),
-    "piling": Kind(Piling, "force=1e6,height=0.0005"),
+    "piling": Kind(ConstantForce, "force=1e6,height=0.0005"),
     "blanking": Kind(Blanking, "force=1e6,start=0.006,end=0.002"),
     "drawing": Kind(DeepDrawing, "force=5e5,start=0.05"),
     "table": Kind(ForceStroke, "file=stroke.csv", Table("file", ("height [m]", "force [N]"), ("heights", "forces"))),
@@ -233,7 +233,7 @@ def _is_speed(name: str) -> bool:
 
 
 def _is_at(field: Field[Any]) -> bool:
-    return At.__name__ in re.findall(r"\w+", str(field.type))
+    return SwitchPoint.__name__ in re.findall(r"\w+", str(field.type))
 
 
 def _number(text: str) -> float:
@@ -254,12 +254,12 @@ def _whole(text: str) -> int:
         raise ValueError("no whole number") from None
 
 
-def _at(text: str) -> At:
+def _at(text: str) -> SwitchPoint:
     try:
         if text.endswith("deg"):
-            return At(angle=math.radians(float(text.removesuffix("deg"))))
+            return SwitchPoint(angle=math.radians(float(text.removesuffix("deg"))))
         if text.endswith("s"):
-            return At(time=float(text.removesuffix("s")))
+            return SwitchPoint(time=float(text.removesuffix("s")))
     except (ValueError, PinpressError):
         pass
     raise ValueError("neither a time as 0.1s nor a crank angle as 180deg")

@@ -10,7 +10,7 @@ with ' for the derivative in a direction of the pivots: the unknown derivatives 
 frames of their links. Complex numbers and signs are those of `engines.planar.inverse_dynamics`.
 
 A constant load does not depend on the geometry. A process load is a force over the slide's height and speed, which do: its law is
-differentiated by a complex step, exactly, as its stretches are smooth; that of a caller's own load must agree with its differences. No
+differentiated by a complex step, exactly, as its intervals are smooth; that of a caller's own load must agree with its differences. No
 other load is known well enough.
 """
 
@@ -32,7 +32,7 @@ from ..kinematics.motion import Motion
 from ..linkage.linkage import Linkage
 from ..loads.caller_laws import OWN_LOADS, LawError
 from ..loads.link import Load, PointForce
-from ..loads.process import ProcessLoad, Stretch
+from ..loads.process import ForceInterval, ProcessLoad
 from .motion import STEP, Rates, States, Tangent
 from .pivots import Shift
 
@@ -72,7 +72,7 @@ def refuse_unknown(loads: Sequence[Load]) -> None:
         if isinstance(load, PointForce) and not callable(load.force):
             continue
         if isinstance(load, ProcessLoad) and not isinstance(load, type):
-            if load.datum is None and (load.stretches(True) or load.stretches(False)):
+            if load.datum is None and (load.intervals(True) or load.intervals(False)):
                 raise PinpressError(
                     f"{type(load).__name__}: the bottom dead centre moves with the geometry: give datum=, a slide position [m]"
                 )
@@ -116,27 +116,27 @@ def _force_slope(load: ProcessLoad, press: Linkage, motion: Motion, height: Arra
     above, speed, result = motion.slide_position - (load.datum or 0.0), motion.slide_velocity, np.zeros_like(height)
     down = speed < -REST * press.size * np.abs(motion.crank_speed).max()  # as `apply` decides
     for downwards in (True, False):
-        for stretch in load.stretches(downwards):
-            inside = (down == downwards) & (stretch.lower < above) & (above <= stretch.upper)
+        for interval in load.intervals(downwards):
+            inside = (down == downwards) & (interval.lower < above) & (above <= interval.upper)
             at = above[inside], speed[inside]
             try:
-                law = np.asarray(stretch.force(at[0] + 1j * STEP * height[inside], at[1] + 1j * STEP * velocity[inside]), dtype=complex)
+                law = np.asarray(interval.force(at[0] + 1j * STEP * height[inside], at[1] + 1j * STEP * velocity[inside]), dtype=complex)
             except Exception as error:
                 raise LawError(
                     f"{type(load).__name__}: force of complex numbers cannot be worked out: {said(error)}; {ANALYTIC}"
                 ) from error
             if type(load) not in OWN_LOADS and inside.any():
-                _refuse_not_analytic(type(load).__name__, stretch, *at)
-            result[inside] = np.imag(law) / STEP * ((np.real(law) > 0) if stretch.one_sided else 1.0)
+                _refuse_not_analytic(type(load).__name__, interval, *at)
+            result[inside] = np.imag(law) / STEP * ((np.real(law) > 0) if interval.one_sided else 1.0)
     return result
 
 
-def _refuse_not_analytic(name: str, stretch: Stretch, height: Array, velocity: Array) -> None:
+def _refuse_not_analytic(name: str, interval: ForceInterval, height: Array, velocity: Array) -> None:
     """Raise LawError where a caller's force of complex numbers is not that of its derivative: `abs`, say, loses the imaginary part."""
     for of, a, b in (("height", 1.0, 0.0), ("velocity", 0.0, 1.0)):
         size = DIFFERENCE * (max(float(np.ptp(height)), DIFFERENCE) if a else max(float(np.abs(velocity).max(initial=0.0)), DIFFERENCE))
-        exact = np.imag(stretch.force(height + 1j * STEP * a, velocity + 1j * STEP * b)) / STEP * np.ones_like(height)
-        above, below = (np.asarray(stretch.force(height + way * a * size, velocity + way * b * size), dtype=float) for way in (1, -1))
+        exact = np.imag(interval.force(height + 1j * STEP * a, velocity + 1j * STEP * b)) / STEP * np.ones_like(height)
+        above, below = (np.asarray(interval.force(height + way * a * size, velocity + way * b * size), dtype=float) for way in (1, -1))
         near = (above - below) / (2 * size)
         least = DIFFERENCE * float(np.abs(above).max(initial=0.0)) / (size / DIFFERENCE)
         wrong = np.abs(exact - near) > ROUGHLY * np.maximum(np.abs(exact), np.abs(near)) + least

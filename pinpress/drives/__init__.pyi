@@ -1,6 +1,6 @@
-from .couplings import At as At
 from .couplings import Brake as Brake
 from .couplings import Clutch as Clutch
+from .couplings import SwitchPoint as SwitchPoint
 from .induction import InductionMotor as InductionMotor
 from .induction import InverterMotor as InverterMotor
 from .protocol import Drive as Drive

@@ -14,7 +14,7 @@ from ..common.errors import PinpressError, shown
 
 
 @dataclass(frozen=True)
-class At:
+class SwitchPoint:
     """When a clutch or brake is switched: at a ``time`` [s], or where the crank passes an ``angle`` (unwrapped, either way) [rad]."""
 
     time: float | None = None
@@ -24,7 +24,7 @@ class At:
         given = [value for value in (self.time, self.angle) if value is not None]
         if len(given) != 1 or not is_number(given[0]):
             raise PinpressError(
-                f"At: time is {shown(self.time)} and angle {shown(self.angle)}; give one of them, a finite number [s] or [rad]"
+                f"SwitchPoint: time is {shown(self.time)} and angle {shown(self.angle)}; give one of them, a finite number [s] or [rad]"
             )
 
 
@@ -38,8 +38,8 @@ class Clutch:
     """
 
     torque: float
-    closes: At | None = None
-    opens: At | None = None
+    closes: SwitchPoint | None = None
+    opens: SwitchPoint | None = None
     rise: float = 0.0
 
     def __post_init__(self) -> None:
@@ -56,8 +56,8 @@ class Brake:
     """
 
     torque: float
-    closes: At | None = None
-    opens: At | None = None
+    closes: SwitchPoint | None = None
+    opens: SwitchPoint | None = None
     rise: float = 0.0
 
     def __post_init__(self) -> None:
@@ -71,5 +71,7 @@ def _check(friction: Clutch | Brake) -> None:
         if not is_number(value) or value < 0 or (value == 0 and least == "positive"):
             raise PinpressError(f"{name}: {field} is {shown(value)}; give a number that is {least} [{'N m' if field == 'torque' else 's'}]")
     for field in ("closes", "opens"):
-        if not isinstance(getattr(friction, field), At | None):
-            raise PinpressError(f"{name}: {field} is {shown(getattr(friction, field))}; give At(time=...) or At(angle=...)")
+        if not isinstance(getattr(friction, field), SwitchPoint | None):
+            raise PinpressError(
+                f"{name}: {field} is {shown(getattr(friction, field))}; give SwitchPoint(time=...) or SwitchPoint(angle=...)"
+            )

@@ -14,13 +14,13 @@ from ..common.checks import finite_numbers
 from ..common.errors import PinpressError, shown
 from ..common.scenario_numbers import check, check_scenarios, set_field
 from ..common.units import RPM
-from .protocol import Plain, Values, between
+from .protocol import SpeedTorqueDrive, Values, between
 
 MOST_POLES = 1000
 
 
 @dataclass(frozen=True)
-class InductionMotor(Plain):
+class InductionMotor(SpeedTorqueDrive):
     """An induction motor on the mains, from its nameplate, by Kloss's formula: T = 2 Tb / (s / sb + sb / s) with slip s.
 
     It drives below its synchronous speed and brakes above it, as a generator; turned backwards it drives on against the motion. The slip
@@ -86,7 +86,7 @@ class InductionMotor(Plain):
 
 
 @dataclass(frozen=True)
-class InverterMotor(Plain):
+class InverterMotor(SpeedTorqueDrive):
     """An induction motor on an inverter that holds one frequency.
 
     Up to the rated frequency fN the flux is constant, above it the voltage is, and the flux falls with fN / f: field weakening. The torque

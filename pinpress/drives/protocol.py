@@ -61,7 +61,7 @@ class Drive(Protocol):
         ...
 
 
-class Plain:
+class SpeedTorqueDrive:
     """What most drives have in common: torque by speed alone and smooth, no states, a shaft that is the motor's own."""
 
     @property

@@ -14,11 +14,11 @@ from ..common.arrays import Array
 from ..common.checks import finite_numbers
 from ..common.errors import PinpressError, shown
 from ..common.scenario_numbers import check, set_field
-from .protocol import Plain, Values, between
+from .protocol import SpeedTorqueDrive, Values, between
 
 
 @dataclass(frozen=True)
-class ServoMotor(Plain):
+class ServoMotor(SpeedTorqueDrive):
     """A servo motor that follows a motion program of its shaft.
 
     The program is the cubic spline through its points that stands still at both ends, as it is held at the first angle before and at the

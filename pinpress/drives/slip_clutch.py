@@ -11,11 +11,11 @@ from typing import ClassVar
 from ..common.errors import PinpressError, shown
 from ..common.scenario_numbers import check
 from ..common.units import RPM
-from .protocol import Plain, Values, between
+from .protocol import SpeedTorqueDrive, Values, between
 
 
 @dataclass(frozen=True)
-class SlipClutchMotor(Plain):
+class SlipClutchMotor(SpeedTorqueDrive):
     """An adjustable-speed motor with electromagnetic slip clutch ("YCT"): Zhang 2007, section 4.3, with closed-loop speed control.
 
     An induction motor turns the clutch's driving half at n0, the excitation current I_f pulls the driven half after it:

@@ -17,7 +17,7 @@ import numpy as np
 from ..common.errors import PinpressError, shown
 from ..common.scenario_numbers import check
 from .induction import InductionMotor, InverterMotor
-from .protocol import Drive, Plain, Values
+from .protocol import Drive, SpeedTorqueDrive, Values
 from .servo import ServoMotor
 from .slip_clutch import SlipClutchMotor
 
@@ -69,7 +69,7 @@ class PrescribedSpeed:
 
 
 @dataclass(frozen=True)
-class ConstantTorque(Plain):
+class ConstantTorque(SpeedTorqueDrive):
     """The same torque at every speed: the M_d of Zhang 2007, section 4.2. It has no inertia: give a `Flywheel`.
 
     Attributes:

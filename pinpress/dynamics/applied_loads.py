@@ -19,7 +19,7 @@ from ..kinematics.dead_centres import dead_centres
 from ..kinematics.point_motion import point_motion
 from ..loads import caller_laws
 from ..loads.link import Load, PointForce, SpringDamper
-from ..loads.process import ProcessLoad, Stretch, TimeForce, datum
+from ..loads.process import ForceInterval, ProcessLoad, TimeForce, datum
 
 if TYPE_CHECKING:
     from ..kinematics.motion import Motion
@@ -41,7 +41,7 @@ def asked(loads: Sequence[Load]) -> list[Load]:
 def apply(loads: Sequence[Load], press: "Linkage", motion: "Motion") -> list[AppliedForce]:
     """Loads as arrays over the motion.
 
-    A process load acts with its stretches downwards where the slide moves against its guide's axis, else with those upwards. Where the
+    A process load acts with its intervals downwards where the slide moves against its guide's axis, else with those upwards. Where the
     slide rests its direction of travel is undecided; there it is upwards, so that a load of the working stroke has ended at bottom dead
     centre.
 
@@ -80,24 +80,24 @@ def _on_slide(load: "ProcessLoad | TimeForce", press: "Linkage", along: Array) -
 def _in_height(load: ProcessLoad, press: "Linkage", motion: "Motion") -> Array:
     """A process load over a motion, (n,) on the slide along the axis [N]."""
     name, (guide, offset), force = caller_laws.name(load), press.slide_guide, np.zeros(len(motion.crank_angle))
-    stretches = [(downwards, stretch) for downwards in (True, False) for stretch in load.stretches(downwards)]
-    if not stretches:  # an idle press needs no datum
+    intervals = [(downwards, interval) for downwards in (True, False) for interval in load.intervals(downwards)]
+    if not intervals:  # an idle press needs no datum
         return force
     zero = datum(load, press)
     height, velocity = motion.joint_position[:, guide] + (offset - zero), motion.v[:, guide]
     # In a dead centre the speed is rounding, which must not decide.
     down = velocity < -REST * press.size * np.abs(motion.crank_speed).max()
     acts = False
-    for downwards, stretch in stretches:
-        _refuse_scenarios(name, stretch)
-        inside = np.flatnonzero((down == downwards) & (stretch.lower < height) & (height <= stretch.upper))
+    for downwards, interval in intervals:
+        _refuse_scenarios(name, interval)
+        inside = np.flatnonzero((down == downwards) & (interval.lower < height) & (height <= interval.upper))
         acts |= len(inside) > 0
-        law = numbers(f"{name}: force", stretch.force(height[inside], velocity[inside]))
+        law = numbers(f"{name}: force", interval.force(height[inside], velocity[inside]))
         if law.shape not in ((), inside.shape):
             raise PinpressError(f"{name}: force of {inside.shape} heights has shape {law.shape}; give the same")
-        force[inside] = np.maximum(law, 0.0) if stretch.one_sided else law
+        force[inside] = np.maximum(law, 0.0) if interval.one_sided else law
     low, high = (-math.inf, math.inf) if acts else _turning_points(press)
-    plausibility.heights(name, [(stretch.lower, stretch.upper) for _, stretch in stretches], low - zero, high - zero, press.size)
+    plausibility.heights(name, [(interval.lower, interval.upper) for _, interval in intervals], low - zero, high - zero, press.size)
     return force
 
 
@@ -110,10 +110,10 @@ def _turning_points(press: "Linkage") -> tuple[float, float]:
         return -math.inf, math.inf
 
 
-def _refuse_scenarios(name: str, stretch: Stretch) -> None:
+def _refuse_scenarios(name: str, interval: ForceInterval) -> None:
     """Raise where a load's magnitude is an array: over as many states it would pass for one number a state."""
-    somewhere = next((height for height in (stretch.upper, stretch.lower) if math.isfinite(height)), 0.0)
-    shape = np.shape(stretch.force(somewhere, 0.0))
+    somewhere = next((height for height in (interval.upper, interval.lower) if math.isfinite(height)), 0.0)
+    shape = np.shape(interval.force(somewhere, 0.0))
     if shape:
         raise PinpressError(f"{name}: its force has shape {shape}, for scenarios; give one number, as a motion is one scenario")
 

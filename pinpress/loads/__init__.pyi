@@ -2,13 +2,13 @@ from .friction import Friction as Friction
 from .link import PointForce as PointForce
 from .link import SpringDamper as SpringDamper
 from .process import Blanking as Blanking
+from .process import ConstantForce as ConstantForce
 from .process import DeepDrawing as DeepDrawing
 from .process import ElasticDie as ElasticDie
 from .process import ForceStroke as ForceStroke
 from .process import Idle as Idle
-from .process import Piling as Piling
 from .process import TimeForce as TimeForce
 from .process import step as step
+from .protocol import ForceInterval as ForceInterval
 from .protocol import ProcessLoad as ProcessLoad
-from .protocol import Stretch as Stretch
 from .protocol import datum as datum

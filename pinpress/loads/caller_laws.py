@@ -15,9 +15,16 @@ import numpy as np
 from ..common.errors import PinpressError, SimulationError, said, shown
 from ..common.scenario_fields import lengths
 from . import process as own_loads
-from .process import ProcessLoad, Stretch, TimeForce
+from .process import ForceInterval, ProcessLoad, TimeForce
 
-OWN_LOADS = (own_loads.Idle, own_loads.Piling, own_loads.Blanking, own_loads.DeepDrawing, own_loads.ForceStroke, own_loads.ElasticDie)
+OWN_LOADS = (
+    own_loads.Idle,
+    own_loads.ConstantForce,
+    own_loads.Blanking,
+    own_loads.DeepDrawing,
+    own_loads.ForceStroke,
+    own_loads.ElasticDie,
+)
 OF_LOAD, OF_TIME = (("height", "m"), ("velocity", "m/s")), (("time", "s"),)
 
 
@@ -155,15 +162,16 @@ class AskedLoad(Asked):
     def datum(self) -> float | None:
         return self.part.datum  # type: ignore[no-any-return]
 
-    def stretches(self, downwards: bool) -> Any:
+    def intervals(self, downwards: bool) -> Any:
         try:
             with np.errstate(**self.errors):
-                found = self.part.stretches(downwards)
+                found = self.part.intervals(downwards)
         except Exception as error:
-            raise PinpressError(f"{name(self)}: stretches({downwards}) cannot be worked out: {said(error)}") from error
-        if not isinstance(found, tuple | list) or not all(isinstance(s, Stretch) for s in found):
+            raise PinpressError(f"{name(self)}: intervals({downwards}) cannot be worked out: {said(error)}") from error
+        if not isinstance(found, tuple | list) or not all(isinstance(s, ForceInterval) for s in found):
             return found  # refused where it is checked
         scenarios = next(iter(lengths(self.part).values()), None)
         return tuple(
-            Stretch(s.upper, s.lower, Law(f"{name(self)}: force", OF_LOAD, s.force, self.errors, scenarios), s.one_sided) for s in found
+            ForceInterval(s.upper, s.lower, Law(f"{name(self)}: force", OF_LOAD, s.force, self.errors, scenarios), s.one_sided)
+            for s in found
         )

@@ -26,20 +26,20 @@ from ..common.errors import PinpressError, shown
 from ..common.frozen import Frozen
 from ..common.scenario_numbers import set_field
 from .checks import check_datum, check_height, check_magnitude, check_scenarios, check_span, checked_numbers, fixed
-from .protocol import ProcessLoad, Stretch, datum
+from .protocol import ForceInterval, ProcessLoad, datum
 
 if TYPE_CHECKING:
     pass
 
 __all__ = [
     "Blanking",
+    "ConstantForce",
     "DeepDrawing",
     "ElasticDie",
+    "ForceInterval",
     "ForceStroke",
     "Idle",
-    "Piling",
     "ProcessLoad",
-    "Stretch",
     "TimeForce",
     "datum",
     "step",
@@ -55,12 +55,12 @@ class Idle:
     def __post_init__(self) -> None:
         check_datum(self)
 
-    def stretches(self, downwards: bool) -> tuple[Stretch, ...]:
+    def intervals(self, downwards: bool) -> tuple[ForceInterval, ...]:
         return ()
 
 
 @dataclass(frozen=True, eq=False)
-class Piling:
+class ConstantForce:
     """Pulse about bottom dead centre: constant force wherever the slide is lower than a height, both ways. Zhang 2007, 5.7.1 (2).
 
     The window in time of 5.7.3, t = 2.5 ms before and after bottom dead centre, is for a crank r and a rod l at crank speed w, nearly,
@@ -81,10 +81,10 @@ class Piling:
         check_height(self, "height")
         check_datum(self)
         if self.height < 0:
-            raise PinpressError(f"Piling: height is {self.height:g}; give the height above bottom dead centre [m], not negative")
+            raise PinpressError(f"ConstantForce: height is {self.height:g}; give the height above bottom dead centre [m], not negative")
 
-    def stretches(self, downwards: bool) -> tuple[Stretch, ...]:
-        return (Stretch(self.height, -math.inf, partial(_constant, self.force)),) if self.height else ()
+    def intervals(self, downwards: bool) -> tuple[ForceInterval, ...]:
+        return (ForceInterval(self.height, -math.inf, partial(_constant, self.force)),) if self.height else ()
 
 
 @dataclass(frozen=True, eq=False)
@@ -112,10 +112,10 @@ class Blanking:
         check_span(self)
         check_datum(self)
 
-    def stretches(self, downwards: bool) -> tuple[Stretch, ...]:
+    def intervals(self, downwards: bool) -> tuple[ForceInterval, ...]:
         if downwards:
-            return (Stretch(self.start, self.end, partial(_sine, self.force, self.start, 0.5 * math.pi / (self.start - self.end))),)
-        return (Stretch(self.start, self.end, partial(_constant, -self.stripping)),) if np.any(self.stripping) else ()
+            return (ForceInterval(self.start, self.end, partial(_sine, self.force, self.start, 0.5 * math.pi / (self.start - self.end))),)
+        return (ForceInterval(self.start, self.end, partial(_constant, -self.stripping)),) if np.any(self.stripping) else ()
 
 
 @dataclass(frozen=True, eq=False)
@@ -139,10 +139,10 @@ class DeepDrawing:
         check_span(self)
         check_datum(self)
 
-    def stretches(self, downwards: bool) -> tuple[Stretch, ...]:
+    def intervals(self, downwards: bool) -> tuple[ForceInterval, ...]:
         if not downwards:
             return ()
-        return (Stretch(self.start, self.end, partial(_sine, self.force, self.start, math.pi / (self.start - self.end))),)
+        return (ForceInterval(self.start, self.end, partial(_sine, self.force, self.start, math.pi / (self.start - self.end))),)
 
 
 @dataclass(frozen=True, eq=False)
@@ -178,14 +178,14 @@ class ForceStroke(Frozen):
         set_field(self, "forces", fixed(forces))
         check_datum(self)
 
-    def stretches(self, downwards: bool) -> tuple[Stretch, ...]:
+    def intervals(self, downwards: bool) -> tuple[ForceInterval, ...]:
         if not downwards:
             return ()
         heights = np.asarray(self.heights).tolist()
         forces: list[Any] = list(np.asarray(self.forces)) if np.ndim(self.forces) == 2 else np.asarray(self.forces).tolist()
         points = list(zip(heights, forces, strict=True))
         return tuple(
-            Stretch(upper, lower, partial(_line, force, (above - force) / (upper - lower), lower))
+            ForceInterval(upper, lower, partial(_line, force, (above - force) / (upper - lower), lower))
             for (lower, force), (upper, above) in itertools.pairwise(points)
         )
 
@@ -217,8 +217,8 @@ class ElasticDie:
         if not np.all(np.asarray(self.stiffness) > 0):
             raise PinpressError(f"ElasticDie: stiffness is {shown(self.stiffness)}; give a positive one [N/m]")
 
-    def stretches(self, downwards: bool) -> tuple[Stretch, ...]:
-        return (Stretch(self.height, -math.inf, partial(_contact, self.height, self.stiffness, self.damping), one_sided=True),)
+    def intervals(self, downwards: bool) -> tuple[ForceInterval, ...]:
+        return (ForceInterval(self.height, -math.inf, partial(_contact, self.height, self.stiffness, self.damping), one_sided=True),)
 
 
 @dataclass(frozen=True, eq=False)

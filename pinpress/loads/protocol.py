@@ -1,4 +1,4 @@
-"""What a process load is: stretches of force over the slide's height, and the datum that heights are measured from."""
+"""What a process load is: intervals of force over the slide's height, and the datum that heights are measured from."""
 
 from __future__ import annotations
 
@@ -16,13 +16,13 @@ Law = Callable[[Any, Any], Any]  # of numbers a number, of arrays an array
 
 
 @dataclass(frozen=True)
-class Stretch:
-    """One smooth stretch of a process force, in one direction of travel.
+class ForceInterval:
+    """One smooth interval of a process force, in one direction of travel.
 
     Attributes:
         upper, lower: heights between which it acts, lower < height <= upper [m]; may be infinite.
         force: height [m] and velocity along the axis [m/s] -> force on the slide along the axis [N]. Of numbers a number, or (S,) where
-            the load has scenarios; of arrays (..., S) the same shape. Smooth, a little beyond the stretch too.
+            the load has scenarios; of arrays (..., S) the same shape. Smooth, a little beyond the interval too.
         one_sided: a contact: where the law gives less than zero the contact is lost, and the force is zero.
     """
 
@@ -36,15 +36,15 @@ class Stretch:
 class ProcessLoad(Protocol):
     """A force between slide and bolster. Any class with these two members is one.
 
-    Its stretches are the same whenever they are asked for, and their forces depend on height, velocity and direction of travel alone.
+    Its intervals are the same whenever they are asked for, and their forces depend on height, velocity and direction of travel alone.
     """
 
     @property
     def datum(self) -> float | None:
         """Slide position from which heights are measured [m]; None for that of bottom dead centre."""
 
-    def stretches(self, downwards: bool) -> tuple[Stretch, ...]:
-        """The stretches on the way down (against the guide's axis) or up; disjoint, no force outside them."""
+    def intervals(self, downwards: bool) -> tuple[ForceInterval, ...]:
+        """The intervals on the way down (against the guide's axis) or up; disjoint, no force outside them."""
 
 
 @typed

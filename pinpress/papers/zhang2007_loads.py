@@ -11,7 +11,7 @@ from ..drives.transmission import ConstantTorque, Flywheel
 from ..dynamics.inverse_dynamics import inverse_dynamics
 from ..kinematics.motion import cycle
 from ..linkage.linkage import Linkage
-from ..loads.process import Blanking, DeepDrawing, Piling, ProcessLoad, step
+from ..loads.process import Blanking, ConstantForce, DeepDrawing, ProcessLoad, step
 from ..simulation.run import Run
 from ..simulation.simulate import simulate
 from .drawings import Panel, draw
@@ -38,7 +38,7 @@ def laws(force: float) -> dict[str, ProcessLoad]:
     """The load cases with this largest force [N], at slide heights in place of windows in time."""
     height = 0.5 * 0.015 * (1 + 0.05) * (SPEED * 0.0025) ** 2  # 2.5 ms before bottom dead centre
     return {
-        "piling": Piling(force, height),
+        "piling": ConstantForce(force, height),
         "blanking": Blanking(force, START_HEIGHT, BREAK_HEIGHT),
         "drawing": DeepDrawing(force, START_HEIGHT),
     }
@@ -47,9 +47,9 @@ def laws(force: float) -> dict[str, ProcessLoad]:
 def on_slide(load: ProcessLoad, heights: Array) -> Array:
     """Force of a load on the slide on its way down, (n,) at heights (n,) [N]."""
     force = np.zeros_like(heights)
-    for stretch in load.stretches(downwards=True):
-        inside = (heights >= stretch.lower) & (heights <= stretch.upper)
-        force[inside] = stretch.force(heights[inside], np.zeros(int(inside.sum())))
+    for interval in load.intervals(downwards=True):
+        inside = (heights >= interval.lower) & (heights <= interval.upper)
+        force[inside] = interval.force(heights[inside], np.zeros(int(inside.sum())))
     return force
 
 
@@ -195,8 +195,8 @@ def _speed_at(press: Linkage, stroke: Run, height: float) -> float:
 
     angle = brentq(above, np.pi, 2 * np.pi - 1e-9, xtol=1e-14) if height else 2 * np.pi
     driver = press.driver_indices[0]
-    time = brentq(lambda t: float(stroke.path.read(np.array([t])).position[driver, 0]) - angle, 0.1, stroke.time[-1], xtol=1e-14)
-    return float(stroke.path.read(np.array([time])).speed[driver, 0])
+    time = brentq(lambda t: float(stroke.trajectory.at(np.array([t])).position[driver, 0]) - angle, 0.1, stroke.time[-1], xtol=1e-14)
+    return float(stroke.trajectory.at(np.array([time])).speed[driver, 0])
 
 
 def _forces(press: Linkage, load: ProcessLoad) -> tuple[Array, Array]:

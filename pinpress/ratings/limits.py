@@ -19,7 +19,7 @@ from ..common.units import RPM
 from ..dynamics.inverse_dynamics import Reactions, inverse_dynamics
 from ..kinematics.motion import Motion, cycle
 from ..linkage.linkage import Linkage
-from ..loads.process import Piling
+from ..loads.process import ConstantForce
 from .capacities import Capacities, known_bearings
 
 NOMINAL, TORQUE, BEARING = "nominal force", "torque", "bearing "
@@ -83,7 +83,7 @@ def under_unit_force(massless: Linkage, motion: Motion, bottom: float, bearings:
         bottom: slide position of bottom dead centre [m]. bearings: as in `inverse_dynamics`.
     """
     above = 2 * max(float(np.ptp(motion.slide_position)), float(np.abs(motion.slide_position - bottom).max()), massless.size)
-    return inverse_dynamics(massless, motion, [Piling(1.0, above, bottom)], engine=engine, bearings=bearings)
+    return inverse_dynamics(massless, motion, [ConstantForce(1.0, above, bottom)], engine=engine, bearings=bearings)
 
 
 def largest_factor(constant: Array, slope: Array, capacity: Array | float) -> Array:

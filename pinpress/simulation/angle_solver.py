@@ -1,23 +1,25 @@
 """One press over the crank angle: period after period, and where it stops and no force depends on its speed, back again."""
 
+import math
 from collections.abc import Callable, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ..common.arrays import Array
 from ..common.errors import SimulationError
+from ..common.gauss import gauss_rule, horner, polynomial_values, values_and_slopes
+from ..common.roots import polynomial_root
+from ..drives.protocol import Drive
 from ..loads.caller_laws import LawError
-from . import collocation as over_angle
-from . import mesh as panels
-from . import mesh_refinement as resolution
-from .angle_segments import Repeated, State, turned
-from .collocation import Flow
+from . import collocation
+from .collocation import CollocationSolution, cuts, interpolate_onto, stopping_panels
 from .driven_press import DrivenPress, not_positive
-from .mesh import STEADY, TO_REST, Grid
-from .reduced_model import INERTIA, POTENTIAL, WEIGHT, Table, beyond, horner, root, rule
-from .trajectory import Path, Segment
+from .mesh import SAME, STEADY, TO_REST, Indices, Mesh, angle_to, build_mesh, mesh_borders, range_ahead
+from .reduced_model import COORDINATES, INERTIA, WEIGHT, beyond
+from .trajectory import INTEGRALS, RepetitionSegment, Sample, Segment, State, Trajectory
 
 SMALL = 1e-2  # swings shorter than this are followed over time: their forces are small differences [rad]
 REST = 0.2  # angle before a stop that is run through over its square root [rad]
@@ -27,216 +29,400 @@ USED_UP = 1e-9  # kinetic energy left at a stop, beside the largest on the way t
 MOST_PERIODS = 200_000  # in one run; each takes some memory
 NOTICED = 1e-6  # share of a swing by which two stops are not in the same place
 MOST_CUTS = 40  # rounds of cutting panels
-MOST_KEPT = 150  # panels more than the table's, that are taken over into the next period
-NO_CUTS = np.zeros(0)
+MOST_KEPT = 150  # panels more than the model's, that are taken over into the next period
+NEAR = 1e-5  # of the range of the potential energy: kinetic energy, and that by which the potential may still rise, beside a rest
 
 
-def too_long(time: float, angle: float) -> SimulationError:
-    """A run has more periods than are kept."""
-    return SimulationError(f"more than {MOST_PERIODS} periods of the press: simulate in parts", time, angle)
+# --------------------------------------------------------------------------------------------------------------------- from stop to stop
 
 
 class Stop(NamedTuple):
-    """Why a run over the angle ended: ``at`` the state reached; ``held``: it is at rest there, and no force depends on speed."""
+    """Why a run over the angle ended.
 
-    at: State
-    held: bool
+    Attributes:
+        state: in which it ended.
+        at_rest: whether it is at rest there, and no force depends on its speed.
+    """
+
+    state: State
+    at_rest: bool
 
 
-class Swings:
+def too_long(time: float, angle: float) -> SimulationError:
+    """The error of a run that has more periods than are kept."""
+    return SimulationError(f"more than {MOST_PERIODS} periods of the press: simulate in parts", time, angle)
+
+
+class AngleSolver:
+    """Follows a press that turns, from a state on, up to a time or to where it may stop.
+
+    Attributes:
+        segments: found so far, one for each period.
+        state: in which the press is at their end.
+    """
+
+    def __init__(self, driven: DrivenPress, begin: State, until: float, tolerance: float) -> None:
+        """Begin with a state.
+
+        Args:
+            until: time at which the run ends [s].
+            tolerance: of the last terms of a panel's polynomials, beside the whole.
+        """
+        self.driven, self.model, self.until, self.tolerance = driven, driven.model, until, tolerance
+        self.segments: list[Segment] = []
+        self.state = begin
+        self.before: CollocationSolution | None = None  # of the period before: its panels and its speeds are a good start
+        self.swings = _Swings(driven)
+        if not begin.speed:
+            self.swings.repetition(self.segments, begin, until)
+        # Angles that grow round off, and what a period begins with must be what the one before ended with: the equation is solved over
+        # angles from the ``anchor`` on, again and again, and the crank's own angle is counted beside it.
+        self.anchor, self.first, self.periods = begin.angle, begin.angle, 0
+
+    def run(self, progress: Callable[[float], None] | None = None) -> Stop | None:
+        """Add segments up to the end, or to where the press may stop: why it ended there.
+
+        Args:
+            progress: called with the time reached [s] after every period.
+
+        Raises:
+            SimulationError: the press runs against a lock.
+        """
+        while self.state.time < self.until:
+            if len(self.segments) == MOST_PERIODS:
+                raise too_long(self.state.time, self.state.angle)
+            direction = _direction(self.driven, self.state)
+            if direction == 0:
+                return Stop(self.state, at_rest=True)
+            try:
+                found = self._period(direction)
+            except LawError as error:
+                raise error.within(self.state.time, self.state.angle) from error.__cause__
+            if found is None:
+                return Stop(self.state, at_rest=False)
+            self._append(*found)
+            if progress is not None:
+                progress(min(self.state.time, self.until))
+            if not self._goes_on(*found):
+                return Stop(self.state, at_rest=False)
+        return None
+
+    def _append(self, solution: CollocationSolution, count: int) -> None:
+        """Add the segment of the first ``count`` panels of a solution, and go to its end."""
+        own = replace(solution, mesh=replace(solution.mesh, start=self.state.angle))
+        segment = angle_segment(self.driven, own, count, self.state)
+        self.segments.append(segment)
+        self.state = segment.last()
+        if self.model.period is not None and segment.travelled == self.model.period:
+            self.periods += 1
+            self.state = self.state._replace(angle=self.first + solution.mesh.direction * self.periods * self.model.period)
+        else:
+            self.anchor += solution.mesh.direction * segment.travelled
+            self.first, self.periods = self.state.angle, 0
+
+    def _goes_on(self, solution: CollocationSolution, count: int) -> bool:
+        """Whether the next period may follow this one; where the press swings for ever, its repetition is added up to the end."""
+        kinds, self.before = solution.mesh.kinds, None
+        if not solution.speed_free:
+            self.swings.stops.clear()
+        if kinds[count - 1] == TO_REST:
+            self.state = self.state._replace(speed=0.0)
+            repetition = self.swings.repetition(self.segments, self.state, self.until)
+            if repetition is not None:
+                self.segments.append(repetition)
+                self.state = self.state._replace(time=self.until)
+        elif count < len(kinds) and self.state.time < self.until:
+            return False
+        elif self.model.period is None and self.state.time < self.until:
+            raise beyond(self.model, self.state.angle, self.state.time)
+        elif kinds[0] == STEADY and len(kinds) < len(self.model.borders) + MOST_KEPT:
+            self.before = solution
+        return True
+
+    def _period(self, direction: int) -> tuple[CollocationSolution, int] | None:
+        """A period from the anchor on, or less up to a stop or the end of the run, and how many of its panels are right.
+
+        None where the crank would stop, or has to start, under a force that depends on its speed.
+        """
+        driven, model, anchor = self.driven, self.model, self.anchor
+        extent = range_ahead(model, anchor, direction)
+        if extent <= 2 * SAME:
+            raise beyond(model, self.state.angle, self.state.time)
+        energy = self._energy()
+        if 0 < energy[0] < LITTLE * model.potential_range:
+            return None
+        from_rest, to_rest = self.state.speed == 0, False
+        if self.before is not None:
+            mesh, guess = self.before.mesh, self.before.energy
+        else:
+            borders = mesh_borders(driven, anchor, direction, extent)
+            mesh, guess = build_mesh(driven, anchor, direction, borders, (from_rest, to_rest)), None
+        for _ in range(MOST_CUTS):
+            if guess is None and from_rest:
+                guess = _any_energy(driven, mesh)
+            solution = collocation.solve(driven, mesh, energy, guess)
+            if (from_rest and not solution.speed_free) or (to_rest and not _comes_to_rest(solution)):
+                return None
+            count, stopping = _before_stop(solution, self.state.time, self.until)
+            stops = stopping and solution.speed_free and not to_rest
+            if count == 0 and not stops:
+                return None
+            coarse = cuts(solution, count, self.tolerance, driven.corners) if count else np.zeros(0)
+            if len(coarse):
+                borders = np.sort(np.concatenate([mesh.borders, coarse]))
+            elif stops:  # where it stops is known from panels that are right, and not before
+                borders = _with_rest(solution, count, angle_to(model, driven.edges, anchor, direction), from_rest)
+                to_rest = True
+                if borders[-1] < SMALL:
+                    return None
+            else:
+                return solution, count
+            mesh = build_mesh(driven, anchor, direction, borders, (from_rest, to_rest))
+            guess = interpolate_onto(solution, mesh)
+        # what still is not resolved: there the crank all but stops, or the drive switches again and again
+        right = 0 if to_rest or not len(coarse) else int(mesh.borders.searchsorted(coarse.min())) - 1
+        return (solution, right) if right > 0 else None
+
+    def _energy(self) -> Array:
+        """(1,) kinetic energy of the state [J]."""
+        inertia = float(self.model.at(np.array([self.anchor]))[0][INERTIA, 0]) + self.driven.inertia
+        if not inertia > 0:
+            raise not_positive(inertia, self.state.time, self.state.angle)
+        return np.array([0.5 * inertia * self.state.speed**2])
+
+
+class _Swings:
     """Stops of a press under forces that do not depend on its speed: where it stops a second time, it swings on like that for ever."""
 
     def __init__(self, driven: DrivenPress) -> None:
         self.stops: list[tuple[int, float, float]] = []  # segments before, time, crank angle
         self.same_both_ways = all(force.rising is force.falling for force in driven.forces)
 
-    def stopped(self, segments: Sequence[Segment], time: float, angle: float, until: float) -> Repeated | None:
+    def repetition(self, segments: Sequence[Segment], stop: State, until: float) -> RepetitionSegment | None:
         """The repetition of the swing that ends with this stop, where one does."""
-        self.stops.append((len(segments), time, angle))
+        self.stops.append((len(segments), stop.time, stop.angle))
         if len(self.stops) < 3 or not self.same_both_ways:
             return None
         (count, first, at), (_, _, beyond) = self.stops[-3:-1]
-        if abs(angle - at) > NOTICED * abs(beyond - at) or not first < time < until:
+        if abs(stop.angle - at) > NOTICED * abs(beyond - at) or not first < stop.time < until:
             return None
-        return Repeated(Path(segments[count:]), first, time, until)
+        return RepetitionSegment(Trajectory(segments[count:]), first, stop.time, until)
 
 
-def run(
-    driven: DrivenPress,
-    table: Table,
-    edges: Sequence[Array],
-    begin: State,
-    until: float,
-    tolerance: float,
-    progress: Callable[[float], None] | None = None,
-) -> "tuple[list[Segment], Stop | None]":
-    """Follow a press that turns, from a state on, up to a time or to where it may stop.
-
-    Raises:
-        SimulationError: it runs against a lock.
-    """
-    segments: list[Segment] = []
-    state, before, swings = begin, None, Swings(driven)
-    if not begin.speed:
-        swings.stopped(segments, begin.time, begin.angle, until)
-    # Angles that grow round off, and what a period begins with must be what the one before ended with: the equation is solved over angles
-    # from the ``anchor`` on, again and again, and the crank's own angle is counted beside it.
-    anchor, first, periods = begin.angle, begin.angle, 0
-    while state.time < until:
-        if len(segments) == MOST_PERIODS:
-            raise too_long(state.time, state.angle)
-        direction = _direction(driven, table, state)
-        if direction == 0:
-            return segments, Stop(state, held=True)
-        try:
-            found = _period(driven, table, edges, state, anchor, direction, until, tolerance, before)
-        except LawError as error:
-            raise error.within(state.time, state.angle) from error.__cause__
-        if found is None:
-            return segments, Stop(state, held=False)
-        flow, count = found
-        solved = turned(driven, table, replace(flow, grid=replace(flow.grid, start=state.angle)), count, state)
-        segments.append(solved)
-        state = solved.last()
-        if table.period is not None and solved.travelled == table.period:
-            periods += 1
-            state = state._replace(angle=first + direction * periods * table.period)
-        else:
-            anchor, first, periods = anchor + direction * solved.travelled, state.angle, 0
-        if progress is not None:
-            progress(min(state.time, until))
-        before = None
-        if not flow.held:
-            swings.stops.clear()
-        if flow.grid.kinds[count - 1] == TO_REST:
-            state = state._replace(speed=0.0)
-            repeated = swings.stopped(segments, state.time, state.angle, until)
-            if repeated is not None:
-                return [*segments, repeated], None
-        elif count < len(flow.grid.kinds) and state.time < until:
-            return segments, Stop(state, held=False)
-        elif table.period is None and state.time < until:
-            raise beyond(table, state.angle, state.time)
-        elif flow.grid.kinds[0] == STEADY and len(flow.grid.kinds) < len(table.borders) + MOST_KEPT:
-            before = flow
-    return segments, None
-
-
-def _direction(driven: DrivenPress, table: Table, state: State) -> int:
+def _direction(driven: DrivenPress, state: State) -> int:
     """Way in which the crank turns, or starts from rest; 0 where it stays."""
+    model = driven.model
     if state.speed:
         return 1 if state.speed > 0 else -1
-    scale = np.abs(table.coefficients[:, WEIGHT, 0]).max() + np.ptp(table.coefficients[:, POTENTIAL, 0])
+    scale = np.abs(model.coefficients[:, WEIGHT, 0]).max() + model.potential_range
     for direction in (1, -1):
         ends = np.array([0.0, 1e-6])
-        if table.period is None and not table.borders[0] <= state.angle + direction * 1e-6 <= table.borders[-1]:
+        if model.period is None and not model.borders[0] <= state.angle + direction * 1e-6 <= model.borders[-1]:
             continue
-        beside = panels.grid(driven, table, state.angle, direction, ends, (True, False))
-        force = over_angle.flow(driven, beside, np.zeros(1), _any_energy(driven, beside)).force
+        beside = build_mesh(driven, state.angle, direction, ends, (True, False))
+        force = collocation.solve(driven, beside, np.zeros(1), _any_energy(driven, beside)).force
         if force[0, 0, 0] > NOTHING * scale:
             return direction
     return 0
 
 
-def _any_energy(driven: DrivenPress, grid: Grid) -> Array:
+def _any_energy(driven: DrivenPress, mesh: Mesh) -> Array:
     """Kinetic energy at 1 rad/s (q, p, 1): where to start from, when there is none yet."""
-    return np.asarray(0.5 * (grid.inertia[:, :, None] + driven.inertia))
+    return np.asarray(0.5 * (mesh.inertia[:, :, None] + driven.inertia))
 
 
-def _period(
-    driven: DrivenPress,
-    table: Table,
-    edges: Sequence[Array],
-    state: State,
-    anchor: float,
-    direction: int,
-    until: float,
-    tolerance: float,
-    before: Flow | None,
-) -> tuple[Flow, int] | None:
-    """A period of the table from the crank angle ``anchor``, or less up to a stop or the time ``until``, and how many panels are right.
-
-    ``before`` is the period before: its panels and its speeds are a good start. None where the crank would stop, or has to start, under a
-    force that depends on its speed.
-    """
-    extent = panels.extent(table, anchor, direction)
-    if extent <= 2 * panels.SAME:
-        raise beyond(table, state.angle, state.time)
-    from_rest, to_rest = state.speed == 0, False
-    inertia = float(table.at(np.array([anchor]))[0][INERTIA, 0]) + driven.inertia
-    if not inertia > 0:
-        raise not_positive(inertia, state.time, state.angle)
-    energy = np.array([0.5 * inertia * state.speed**2])
-    if 0 < energy[0] < LITTLE * np.ptp(table.coefficients[:, POTENTIAL, 0]):
-        return None
-    if before is not None:
-        grid, guess = before.grid, before.energy
-    else:
-        ends = panels.borders(table, edges, anchor, direction, extent)
-        grid, guess = panels.grid(driven, table, anchor, direction, ends, (from_rest, to_rest)), None
-    for _ in range(MOST_CUTS):
-        if guess is None and from_rest:
-            guess = _any_energy(driven, grid)
-        flow = over_angle.flow(driven, grid, energy, guess)
-        if from_rest and not flow.held:
-            return None
-        if to_rest and not _comes_to_rest(flow):
-            return None
-        count, stopping = _before_stop(flow, state.time, until)
-        ends, stops = grid.borders, stopping and flow.held and not to_rest
-        if count == 0 and not stops:
-            return None
-        cuts = resolution.unresolved(flow, count, tolerance, driven.corners) if count else NO_CUTS
-        if len(cuts):
-            ends = np.sort(np.concatenate([ends, cuts]))
-        elif stops:  # where it stops is known from panels that are right, and not before
-            ends = _with_rest(flow, count, ends, panels.on_the_way(table, edges, anchor, direction), from_rest)
-            to_rest = True
-            if ends[-1] < SMALL:
-                return None
-        else:
-            return flow, count
-        grid = panels.grid(driven, table, anchor, direction, ends, (from_rest, to_rest))
-        guess = resolution.carried(flow, grid)
-    # what still is not resolved: there the crank all but stops, or the drive switches again and again
-    if to_rest or not len(cuts):
-        return None
-    right = int(grid.borders.searchsorted(cuts.min())) - 1
-    return (flow, right) if right > 0 else None
-
-
-def _comes_to_rest(flow: Flow) -> bool:
+def _comes_to_rest(solution: CollocationSolution) -> bool:
     """Whether a crank that is to rest at the end of its panels does so: no force depends on its speed, and all the energy is used up."""
-    left = float(flow.ends[0, 0] + (rule().weights @ (flow.force[:, :, 0] * flow.grid.measure)).sum())
-    return flow.held and abs(left) <= USED_UP * float(flow.ends.max())
+    left = float(solution.ends[0, 0] + (gauss_rule().weights @ (solution.force[:, :, 0] * solution.mesh.measure)).sum())
+    return solution.speed_free and abs(left) <= USED_UP * float(solution.ends.max())
 
 
-def _before_stop(flow: Flow, time: float, until: float) -> tuple[int, bool]:
+def _before_stop(solution: CollocationSolution, time: float, until: float) -> tuple[int, bool]:
     """Panels up to a stop, or to the one in which the time ``until`` is reached; whether it was a stop that ended them."""
-    stopping = resolution.stopping(flow)[:, 0]
+    stopping = stopping_panels(solution)[:, 0]
     right = int(np.argmax(stopping)) if stopping.any() else len(stopping)
     if right:
-        times = time + (rule().weights @ (flow.grid.measure[:, :right] / flow.speed[:, :right, 0])).cumsum()
-        reached = times >= until
+        slowness = solution.mesh.measure[:, :right] / solution.speed[:, :right, 0]
+        reached = time + (gauss_rule().weights @ slowness).cumsum() >= until
         if reached.any():
             return int(np.argmax(reached)) + 1, False
     return right, right < len(stopping)
 
 
-def _with_rest(flow: Flow, panel: int, ends: Array, hard: Array, from_rest: bool) -> Array:
-    """Borders up to the stop in a ``panel``, the last of them over the square root of the angle; it starts at ``hard`` borders at the
-    latest."""
-    grid, r = flow.grid, rule()
-    polynomial = r.integral(flow.force[:, panel, 0] * grid.measure[:, panel]).tolist()
-    polynomial[0] += float(flow.ends[panel, 0])
-    samples = np.append(r.nodes, 1.0)
-    first = int(np.argmax(np.append(flow.energy[:, panel, 0], flow.ends[panel + 1, 0]) <= 0))
+def _with_rest(solution: CollocationSolution, panel: int, edges: Array, from_rest: bool) -> Array:
+    """Borders up to the stop in a ``panel``, the last of them over the square root of the angle; it starts at the last of the ``edges``,
+    angles travelled, at the latest."""
+    mesh = solution.mesh
+    stop = float(mesh.travelled(np.array([panel]), np.array([_stop_in(solution, panel)]))[0][0])
+    edges = edges[edges < stop - SAME]
+    begin = max(stop - REST, float(edges.max(initial=0.0)))
+    if from_rest:
+        begin = max(begin, min(float(mesh.borders[1]), 0.5 * stop))
+    return np.concatenate([mesh.borders[mesh.borders < begin - SAME], [begin, stop]]) if begin > 0 else np.array([0.0, stop])
+
+
+def _stop_in(solution: CollocationSolution, panel: int) -> float:
+    """Place x, from -1 to 1, at which the kinetic energy is used up in a panel."""
+    rule, mesh = gauss_rule(), solution.mesh
+    polynomial = rule.integral(solution.force[:, panel, 0] * mesh.measure[:, panel]).tolist()
+    polynomial[0] += float(solution.ends[panel, 0])
+    samples = np.append(rule.nodes, 1.0)
+    first = int(np.argmax(np.append(solution.energy[:, panel, 0], solution.ends[panel + 1, 0]) <= 0))
     low = -1.0 if first == 0 else float(samples[first - 1])
     # a stop on the border itself may show as none: W is rounding there
-    x = root(polynomial, low, float(samples[first])) if horner(polynomial[::-1], low) > 0 else low
-    stop = float(panels.travelled(grid, np.array([panel]), np.array([x]))[0][0])
-    hard = hard[hard < stop - panels.SAME]
-    begin = max(stop - REST, float(hard.max(initial=0.0)))
-    if from_rest:
-        begin = max(begin, min(float(ends[1]), 0.5 * stop))
-    return np.concatenate([ends[ends < begin - panels.SAME], [begin, stop]]) if begin > 0 else np.array([0.0, stop])
+    return polynomial_root(polynomial, low, float(samples[first])) if horner(polynomial[::-1], low) > 0 else low
+
+
+# ------------------------------------------------------------------------------------------------------------------------------ in time
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class AngleSegment:
+    """Panels of a `CollocationSolution` in time, of one scenario.
+
+    Attributes:
+        driven: what is simulated.
+        mesh: of the solution.
+        count: panels that are right.
+        begin: the state at its start.
+        times: (count + 1,) at the borders [s].
+        elapsed: (q + 1, count) coefficients of the time since a panel's start.
+        summed: (3, q + 1, count) coefficients of the first three integrals since a panel's start.
+        integrals: (3, count + 1) of the first three since the segment's start, at the borders.
+        final_speed: of the crank, from its kinetic energy: the time's polynomial is less exact [rad/s].
+        evaluations: of the forces.
+        slow: crank angles at which the crank is `nearly_at_rest` [rad].
+    """
+
+    driven: DrivenPress
+    mesh: Mesh
+    count: int
+    begin: State
+    times: Array
+    elapsed: Array
+    summed: Array
+    integrals: Array
+    final_speed: float
+    evaluations: int
+    slow: Array
+    solvers = ("angle",)
+    standing = None
+
+    @property
+    def start(self) -> float:
+        return self.begin.time
+
+    @property
+    def end(self) -> float:
+        return float(self.times[-1])
+
+    @property
+    def steps(self) -> int:
+        return self.count
+
+    @property
+    def travelled(self) -> float:
+        return float(self.mesh.borders[self.count])
+
+    def at(self, times: Array, complete: bool = True) -> Sample:
+        mesh = self.mesh
+        panel = np.clip(self.times.searchsorted(times, side="right") - 1, 0, self.count - 1)
+        elapsed = self.elapsed[:, panel]
+        x = place_at(elapsed, times - self.times[panel], self.times[panel + 1] - self.times[panel])
+        _, slope = values_and_slopes(elapsed, x)
+        travelled, measure = mesh.travelled(panel, x)
+        integrals = np.zeros((len(INTEGRALS), len(times)))
+        integrals[:3] = self.integrals[:, panel] + polynomial_values(self.summed[:, :, panel], x)
+        integrals += self.begin.integrals[:, None]
+        angle, speed = mesh.start + mesh.direction * travelled, mesh.direction * measure / slope
+        torque, acceleration = self._dynamics(panel, angle, speed)
+        drive = self.driven.drive
+        motor = torque if drive is None else np.asarray(drive.motor_torque(speed) + np.zeros_like(speed))
+        return Sample(angle[None], speed[None], acceleration[None], torque, motor, speed, integrals)
+
+    def _dynamics(self, panel: Indices, angle: Array, speed: Array) -> tuple[Array, Array]:
+        """Torque of the drive and acceleration of the crank (n,) at states on panels (n,)."""
+        values, slopes = self.driven.model.at(angle)
+        torque = np.zeros_like(speed)
+        if self.driven.drive is not None:
+            torque = torque + self.driven.drive.torque(speed)
+        total = torque - values[WEIGHT] - 0.5 * slopes[INERTIA] * speed**2
+        for force in self.mesh.forces:
+            mine = np.flatnonzero(np.isin(panel, force.panels))
+            if len(mine):
+                lever = slopes[COORDINATES + force.row, mine]
+                size = force.interval.force(values[COORDINATES + force.row, mine] - force.datum, lever * speed[mine])
+                total[mine] += lever * (np.maximum(size, 0.0) if force.interval.one_sided else size)
+        if self.driven.prescribed is not None:
+            return -total, np.zeros_like(total)
+        return torque, total / (values[INERTIA] + self.driven.inertia)
+
+    def last(self) -> State:
+        """The state at the end."""
+        angle = self.mesh.start + self.mesh.direction * float(self.mesh.borders[self.count])
+        integrals = self.begin.integrals.copy()
+        integrals[:3] += self.integrals[:, -1]
+        return State(self.end, angle, self.final_speed, integrals)
+
+
+def angle_segment(driven: DrivenPress, solution: CollocationSolution, count: int, begin: State) -> AngleSegment:
+    """The first ``count`` panels of a solution of one scenario in time."""
+    rule, mesh = gauss_rule(), solution.mesh
+    measure, speed = mesh.measure[:, :count], solution.speed[:, :count, 0]
+    elapsed = rule.integral(measure / speed)
+    driving, motor = _drive_torques(driven, solution, count)
+    rates = [driving, -solution.resisting[:, :count, 0], motor * motor / speed]
+    summed = np.array([rule.integral(rate * measure) for rate in rates])
+    final_inertia = float(mesh.inertia_ends[count]) + driven.inertia
+    nearly = nearly_at_rest(solution.energy[:, :count, 0], solution.force[:, :count, 0], driven.model.potential_range)
+    return AngleSegment(
+        driven=driven,
+        mesh=mesh,
+        count=count,
+        begin=begin,
+        times=np.concatenate([[begin.time], begin.time + elapsed.sum(axis=0).cumsum()]),  # x = 1: the sum of the coefficients
+        elapsed=elapsed,
+        summed=summed,
+        integrals=np.concatenate([np.zeros((3, 1)), summed.sum(axis=1).cumsum(axis=1)], axis=1),
+        final_speed=mesh.direction * math.sqrt(2 * max(0.0, float(solution.ends[count, 0])) / final_inertia),
+        evaluations=solution.evaluations,
+        slow=mesh.angle[:, :count][nearly],
+    )
+
+
+def _drive_torques(driven: DrivenPress, solution: CollocationSolution, count: int) -> tuple[Array, Array]:
+    """(q, count) torque of the drive along the travel, and that of its motor at the motor's own shaft, of one scenario."""
+    drive, driving = driven.drive, solution.driving[:, :count, 0]
+    if drive is not None:
+        motor = np.asarray(drive.motor_torque(solution.mesh.direction * solution.speed[:, :count, 0]))
+        return drive_torque(drive, solution)[:, :count, 0], motor
+    return driving, np.zeros_like(driving) if driven.prescribed is None else driving
+
+
+def drive_torque(drive: Drive, solution: CollocationSolution) -> Array:
+    """Torque of a drive along the travel (q, p, S), once more at the speeds that came out of it: so the energy balance tells whether these
+    are right."""
+    direction, speed = solution.mesh.direction, solution.speed
+    return np.asarray(direction * drive.torque(direction * speed) + np.zeros_like(speed))
+
+
+def nearly_at_rest(energy: Array, force: Array, span: float) -> NDArray[np.bool_]:
+    """Whether cranks with these kinetic energies, under these net torques, are nearly at rest; ``span``: range of the potential energy."""
+    found = np.asarray(energy < NEAR * span)
+    return found & (energy + force**2 / (2 * span) < NEAR * span) if found.any() else found
+
+
+def place_at(elapsed: Array, since: Array, took: Array) -> Array:
+    """Places x (n,), from -1 to 1, at times ``since`` (n,) the starts of panels that took so long.
+
+    Args:
+        elapsed: (k, n) coefficients of the time since a panel's start.
+    """
+    x = 2 * np.clip(since / took, 0.0, 1.0) - 1
+    for _ in range(8):
+        value, slope = values_and_slopes(elapsed, x)
+        step = (value - since) / slope
+        x = np.clip(x - step, -1.0, 1.0)
+        if np.abs(step).max(initial=0.0) < 1e-13:
+            break
+    return x

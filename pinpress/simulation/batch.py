@@ -16,18 +16,16 @@ from numpy.typing import NDArray
 from ..common.arrays import Array
 from ..common.errors import PinpressError, SimulationError, UnknownScenarioError, shown
 from ..common.frozen import Frozen
+from ..common.gauss import gauss_rule, polynomial_values
 from ..common.scenario_fields import lengths
 from ..kinematics.motion import carried
 from ..loads.caller_laws import LawError
-from . import angle_segments as turned
-from . import angle_solver as turning
-from . import collocation as over_angle
-from . import mesh as panels
-from . import mesh_refinement as resolution
-from .collocation import Flow
+from . import collocation
+from .angle_solver import MOST_PERIODS, drive_torque, nearly_at_rest, place_at, too_long
+from .collocation import CollocationSolution, cuts, interpolate_onto, panel_integrals, stopping_panels
 from .driven_press import DrivenPress, GeneralizedForce
-from .mesh import Indices
-from .reduced_model import COORDINATES, INERTIA, POTENTIAL, energies, rule, tabulated
+from .mesh import Indices, build_mesh, mesh_borders
+from .reduced_model import COORDINATES, INERTIA, energies, tabulated
 from .run import energy_error
 
 Mask = NDArray[np.bool_]
@@ -38,7 +36,7 @@ MOST_CUTS = 12  # rounds of cutting panels; scenarios that need more are run alo
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Runs(Frozen):
+class RunBatch(Frozen):
     """S simulated scenarios of a press, n states each at the same times. Arrays are read-only; ``runs[k]`` is scenario k as a `Run`.
 
     Attributes:
@@ -86,7 +84,7 @@ class Runs(Frozen):
 
     def __repr__(self) -> str:
         stalled = sum(error is not None for error in self.errors)
-        return f"<Runs: {len(self)} scenarios, {len(self.time)} states each{f', {stalled} stalled' if stalled else ''}>"
+        return f"<RunBatch: {len(self)} scenarios, {len(self.time)} states each{f', {stalled} stalled' if stalled else ''}>"
 
 
 def count(speed: Any, angle: Any, drive: Any, flywheel: Any, loads: Any) -> int | None:
@@ -120,7 +118,7 @@ def _of_speed(speed: Any) -> int:
     return len(array)
 
 
-class Together:
+class BatchSolver:
     """Scenarios of one direction of travel, that are solved as one array; filled period by period."""
 
     def __init__(self, driven: DrivenPress, angle: float, speed: Array, times: Array) -> None:
@@ -131,7 +129,7 @@ class Together:
         self.angle, self.speed = np.empty((len(times), len(speed))), np.empty((len(times), len(speed)))
         self.works = np.zeros((2, len(speed)))
         self.alone = np.zeros(len(speed), dtype=bool)
-        self.before: Flow | None = None
+        self.before: CollocationSolution | None = None
         self.anchor = self.at = angle  # where periods begin: in the equation, and counted on
         self.clock = np.zeros(len(speed))
         self.energy = 0.5 * (driven.model.at(np.array([angle]))[0][INERTIA, 0] + driven.inertia) * speed**2
@@ -145,89 +143,89 @@ class Together:
         periods = 0
         while (going := ~self.alone & (self.clock < until)).any():
             periods += 1
-            if periods > turning.MOST_PERIODS:
-                raise turning.too_long(float(self.clock.max()), self.at)
+            if periods > MOST_PERIODS:
+                raise too_long(float(self.clock.max()), self.at)
             extent = self.driven.model.period
             if extent is None:
                 self.alone |= going
                 return
             try:
-                flow, passed = self._period(extent, going, until, tolerance)
+                solution, passed = self._period(extent, going, until, tolerance)
             except LawError as error:
                 raise error.within(float(self.clock[going].min()), self.at) from error.__cause__
-            self.alone |= going & self._beside_rest(flow, passed, until)
+            self.alone |= going & self._beside_rest(solution, passed, until)
             going &= ~self.alone
-            parts = self._parts(flow)
-            self._read(flow, passed, going, until, parts)
+            parts = self._parts(solution)
+            self._read(solution, passed, going, until, parts)
             through = going & (passed[-1] < until)
             for k, part in parts:
-                self.works[k] += np.where(through, _sums(flow, part).sum(axis=0), 0.0)
-            self.before = flow if len(flow.grid.kinds) < len(self.driven.model.borders) + MOST_KEPT else None
+                self.works[k] += np.where(through, panel_integrals(solution, part).sum(axis=0), 0.0)
+            self.before = solution if len(solution.mesh.kinds) < len(self.driven.model.borders) + MOST_KEPT else None
             self.clock = np.where(going, passed[-1], self.clock)
-            self.energy = np.where(going, flow.ends[-1], self.energy)
+            self.energy = np.where(going, solution.ends[-1], self.energy)
             self.at = self.anchor + self.direction * periods * extent
 
-    def _period(self, extent: float, going: Mask, until: float, tolerance: float) -> tuple[Flow, Array]:
+    def _period(self, extent: float, going: Mask, until: float, tolerance: float) -> tuple[CollocationSolution, Array]:
         """The period solved well enough for all that are ``going``, and the times (p + 1, S) at its borders."""
         driven, guess = self.driven, None
         if self.before is not None:
-            grid, guess = self.before.grid, self.before.energy
+            mesh, guess = self.before.mesh, self.before.energy
         else:
-            ends = panels.borders(driven.model, driven.edges, self.anchor, self.direction, extent)
-            grid = panels.grid(driven, driven.model, self.anchor, self.direction, ends)
+            ends = mesh_borders(driven, self.anchor, self.direction, extent)
+            mesh = build_mesh(driven, self.anchor, self.direction, ends)
         for _ in range(MOST_CUTS):
-            flow = over_angle.flow(driven, grid, self.energy, guess)
-            passed = np.concatenate([self.clock[None], _sums(flow, 1 / flow.speed)]).cumsum(axis=0)
-            stopping = resolution.stopping(flow)
+            solution = collocation.solve(driven, mesh, self.energy, guess)
+            passed = np.concatenate([self.clock[None], panel_integrals(solution, 1 / solution.speed)]).cumsum(axis=0)
+            stopping = stopping_panels(solution)
             # what comes after the end of the run does not matter
             self.alone |= going & (stopping & (passed[:-1] < until)).any(axis=0)
             which = np.flatnonzero(going & ~self.alone)
             if not len(which):
-                return flow, passed
+                return solution, passed
             upto = int((passed[:-1, which] < until).any(axis=1).sum())
-            cuts = resolution.unresolved(flow, upto, tolerance, which=which)
-            if not len(cuts):
-                return flow, passed
-            ends = np.sort(np.concatenate([grid.borders, cuts]))
-            grid = panels.grid(driven, driven.model, self.anchor, self.direction, ends)
-            guess = resolution.carried(flow, grid)
+            coarse = cuts(solution, upto, tolerance, which=which)
+            if not len(coarse):
+                return solution, passed
+            ends = np.sort(np.concatenate([mesh.borders, coarse]))
+            mesh = build_mesh(driven, self.anchor, self.direction, ends)
+            guess = interpolate_onto(solution, mesh)
         self.alone |= going
-        return flow, passed
+        return solution, passed
 
-    def _beside_rest(self, flow: Flow, passed: Array, until: float) -> Mask:
+    def _beside_rest(self, solution: CollocationSolution, passed: Array, until: float) -> Mask:
         """Scenarios (S,) that come nearly to rest: whether that is an unstable one is seen when they are run alone."""
-        span = float(np.ptp(self.driven.model.coefficients[:, POTENTIAL, 0]))
-        return np.asarray((turned.slow(flow.energy, flow.force, span) & (passed[:-1] < until)).any(axis=(0, 1)))
+        span = self.driven.model.potential_range
+        return np.asarray((nearly_at_rest(solution.energy, solution.force, span) & (passed[:-1] < until)).any(axis=(0, 1)))
 
-    def _read(self, flow: Flow, passed: Array, going: Mask, until: float, parts: "list[tuple[int, Array]]") -> None:
+    def _read(self, solution: CollocationSolution, passed: Array, going: Mask, until: float, parts: "list[tuple[int, Array]]") -> None:
         """Fill in the states within a period."""
-        r, grid = rule(), flow.grid
+        r, mesh = gauss_rule(), solution.mesh
         first = self.times.searchsorted(passed[0])
         last = np.where(passed[-1] >= until, len(self.times), self.times.searchsorted(passed[-1]))
         counts = np.where(going, last - first, 0)
         scenario = np.repeat(np.arange(len(counts)), counts)
         place = np.arange(len(scenario)) - np.repeat(counts.cumsum() - counts, counts) + first[scenario]
         time = self.times[place]
-        panel = np.clip((passed[:, scenario] <= time).sum(axis=0) - 1, 0, len(grid.kinds) - 1)
-        slowness = (grid.measure[:, :, None] / flow.speed)[:, panel, scenario]
+        panel = np.clip((passed[:, scenario] <= time).sum(axis=0) - 1, 0, len(mesh.kinds) - 1)
+        slowness = (mesh.measure[:, :, None] / solution.speed)[:, panel, scenario]
         since = time - passed[panel, scenario]
-        x = turned.place_at(r.integral(slowness), since, passed[panel + 1, scenario] - passed[panel, scenario])
-        along, measure = panels.travelled(grid, panel, x)
+        x = place_at(r.integral(slowness), since, passed[panel + 1, scenario] - passed[panel, scenario])
+        along, measure = mesh.travelled(panel, x)
         self.angle[place, scenario] = self.at + self.direction * along
-        self.speed[place, scenario] = self.direction * measure / turned.values(r.polynomial(slowness), x)
+        self.speed[place, scenario] = self.direction * measure / polynomial_values(r.polynomial(slowness), x)
         # of those that end here, the work up to the end
         ending = np.flatnonzero(place == len(self.times) - 1)
         of, at = scenario[ending], panel[ending]
         for k, part in parts:
-            before = np.concatenate([np.zeros((1, len(going))), _sums(flow, part).cumsum(axis=0)])[at, of]
-            within = turned.values(r.integral((part * grid.measure[:, :, None])[:, at, of]), x[ending])
+            before = np.concatenate([np.zeros((1, len(going))), panel_integrals(solution, part).cumsum(axis=0)])[at, of]
+            within = polynomial_values(r.integral((part * mesh.measure[:, :, None])[:, at, of]), x[ending])
             self.works[k, of] += before + within
 
-    def _parts(self, flow: Flow) -> "list[tuple[int, Array]]":
+    def _parts(self, solution: CollocationSolution) -> "list[tuple[int, Array]]":
         """Forces of the drive along the travel, and of the loads against it, where there are any; each with its row in ``works``."""
         driven = self.driven
-        parts = [(0, turned.torque_along(driven.drive, flow))] if driven.drive is not None else []
-        return parts + ([(1, -flow.resisting)] if driven.forces else [])
+        parts = [(0, drive_torque(driven.drive, solution))] if driven.drive is not None else []
+        return parts + ([(1, -solution.resisting)] if driven.forces else [])
 
     def energy_error(self) -> Array:
         """(S,) of those that are not ``alone``, from their states at start and end."""
@@ -243,18 +241,12 @@ class Together:
 
 def _sticks(force: GeneralizedForce) -> bool:
     """Whether a force is a contact with a damper: where it is lost differs between scenarios."""
-    for stretch in force.rising + force.falling:
-        if stretch.one_sided:
-            height = stretch.upper if np.isfinite(stretch.upper) else 0.0
-            if np.any(stretch.force(height, 1.0) != stretch.force(height, 2.0)):
+    for interval in force.rising + force.falling:
+        if interval.one_sided:
+            height = interval.upper if np.isfinite(interval.upper) else 0.0
+            if np.any(interval.force(height, 1.0) != interval.force(height, 2.0)):
                 return True
     return False
-
-
-def _sums(flow: Flow, rate: Array) -> Array:
-    """Integrals (p, S) over the panels of a rate (q, p, S) by the angle travelled."""
-    q, p, count = rate.shape
-    return np.asarray((rule().weights @ (rate * flow.grid.measure[:, :, None]).reshape(q, -1)).reshape(p, count))
 
 
 def simulate(
@@ -265,7 +257,7 @@ def simulate(
     driven: Callable[[Indices], DrivenPress],
     alone: Callable[..., Any],
     allowed: float,
-) -> Runs:
+) -> RunBatch:
     """Run S scenarios.
 
     Args:
@@ -283,7 +275,7 @@ def simulate(
         ones = np.flatnonzero(np.sign(speed) == direction)
         for start in range(0, len(ones), AT_ONCE):
             some = ones[start : start + AT_ONCE]
-            together = Together(driven(some), angle, speed[some], times)
+            together = BatchSolver(driven(some), angle, speed[some], times)
             together.run(tolerance)
             missing[some] = found = together.energy_error()
             together.alone |= ~(found <= allowed)
@@ -301,7 +293,7 @@ def simulate(
     for array in (angles, speeds, works, missing):
         array.setflags(write=False)
     took = clock.perf_counter() - began
-    return Runs(times, angles, speeds, works[0], works[1], missing, tuple(errors), took, alone, driven(np.arange(1)))
+    return RunBatch(times, angles, speeds, works[0], works[1], missing, tuple(errors), took, alone, driven(np.arange(1)))
 
 
 def _up_to(
@@ -319,7 +311,7 @@ def _up_to(
             run = alone(end)
         except SimulationError:  # it does not even get there: at rest from the start
             return np.full(len(times), angle), speeds, works, missing
-        reading = run.path.read(times[before])
-        angles[before], speeds[before] = reading.position[0], reading.speed[0]
+        sample = run.trajectory.at(times[before])
+        angles[before], speeds[before] = sample.position[0], sample.speed[0]
         works, missing = (float(run.drive_work[-1]), float(run.load_work[-1])), run.stats.energy_error
     return angles, speeds, works, missing

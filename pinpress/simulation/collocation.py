@@ -1,20 +1,26 @@
 """The reduced equation over the crank angle: for a crank that turns, under forces that know time only through its speed.
 
 With the kinetic energy W = (I + J) w^2 / 2 the equation reads dW/du = G(u, w) and dt/du = 1 / |w|, u the angle travelled. A period is
-solved at once, for all scenarios: W is the integral of G over `panels` of Gauss nodes (collocation), G depends on W through the speed, and
-Newton's method needs few rounds, each an integral with an integrating factor, or where the drive is stiff the panels' own linear equations.
-Where no force depends on the speed one round is exact.
+solved at once, for all scenarios: W is the integral of G over the panels of a mesh of Gauss nodes (collocation), G depends on W through the
+speed, and Newton's method needs few rounds, each an integral with an integrating factor, or where the drive is stiff the panels' own linear
+equations. Where no force depends on the speed one round is exact.
+
+Whether the panels resolve the solution, the last terms of its polynomials tell. Where the crank passes a corner of the drive's torque, or a
+contact is lost, a panel is cut just there; any other that is too coarse in its middle.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ..common.arrays import Array
+from ..common.gauss import gauss_rule, horner
+from ..common.roots import polynomial_root
 from ..drives.transmission import Drive, PrescribedSpeed
 from .driven_press import DrivenPress, not_positive
-from .mesh import TO_REST, Grid, Indices, Push
-from .reduced_model import rule
+from .mesh import FROM_REST, SAME, STEADY, TO_REST, Indices, Mesh, PanelForce
 
 ROUNDS = 30
 SETTLED = 1e-10  # change of the kinetic energy in a round, beside the energy; Newton's method squares it, and its error is 1e-17
@@ -22,123 +28,210 @@ FLOOR = 1e-6  # kinetic energy, beside the first, below which no speed is taken 
 STIFF = 2.0  # change of the force by the kinetic energy over half a panel, above which the panel's equations are solved as they are
 CLOSE = 1e-3  # change of the kinetic energy in a round, beside the energy, from which the slopes of the forces are kept
 FURTHEST = 100.0  # times the kinetic energy before, that a round may go
+BESIDE = 1e-7  # share of a speed, by which it is changed to see how the forces change
+
+BEYOND = 10.0  # times the largest energy that is known, that it is taken to be on panels where it is not
+NARROWEST = 1e-9  # panel [rad]
+ROUNDED = 5e-14  # last terms, beside the whole, that may be rounding: no cut makes them less
+LAYER = 10.0  # e-folds of half a panel that holds what dies away at its start under a stiff drive
+LEAST = 1e-3  # kinetic energy, beside the period's largest, below which a drive that depends on speed may be about to stop the crank
+
+
+# ----------------------------------------------------------------------------------------------------------------------------- solution
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Flow:
-    """A period, or a part of it, solved for S scenarios.
+class CollocationSolution:
+    """A period, or a part of it, solved for S scenarios, at q nodes of p panels.
 
     Attributes:
-        grid: its panels.
-        energy: (q, p, S) kinetic energy W at the nodes, ends: (p + 1, S) at the borders [J].
+        mesh: its panels.
+        energy: (q, p, S) kinetic energy W at the nodes [J].
+        ends: (p + 1, S) W at the borders [J].
         speed: (q, p, S) size of the crank's speed [rad/s], of no meaning where W is below the floor.
-        force: (q, p, S) dW/du; driving, resisting: parts of it, of the drive and of the loads [N m].
-        held: whether no force depends on the speed, so that W is right beyond a stop too.
+        force: (q, p, S) dW/du [N m].
+        driving: (q, p, S) part of the force that is the drive's.
+        resisting: (q, p, S) part of the force that is the loads'.
+        speed_free: whether no force depends on the speed, so that W is right beyond a stop too.
         stiffness: (p,) by how many e-folds a disturbance of W dies away on half a panel; 0 where the drive is not stiff.
         settled: (S,) panels on which Newton's method has found W: all, or those before the crank all but stops.
-        added: inertia of flywheel and drive, of the first scenario [kg m2]. evaluations: of the forces, nodes counted.
+        added: inertia of flywheel and drive, of the first scenario [kg m2].
+        evaluations: of the forces, nodes counted.
     """
 
-    grid: Grid
+    mesh: Mesh
     energy: Array
     ends: Array
     speed: Array
     force: Array
     driving: Array
     resisting: Array
-    held: bool
+    speed_free: bool
     stiffness: Array
     settled: Indices
     added: float
     evaluations: int
 
 
-def flow(driven: DrivenPress, grid: Grid, energy: Array, guess: Array | None = None, periodic: bool = False) -> Flow:
-    """Kinetic energy over a grid, from ``energy`` (S,) at its start; or that of a ``periodic`` motion, near this energy, which ends with
-    the energy with which it began.
+def solve(driven: DrivenPress, mesh: Mesh, energy: Array, guess: Array | None = None, periodic: bool = False) -> CollocationSolution:
+    """Kinetic energy over a mesh, from ``energy`` (S,) at its start; or that of a ``periodic`` motion near this energy, which ends with the
+    energy with which it began.
+
+    Args:
+        guess: (q, p, S) kinetic energy from which Newton's method starts; None: that at the start everywhere.
 
     Raises:
         SimulationError: the inertia is not positive somewhere.
     """
-    q, p = grid.angle.shape
-    shape = (q, p, len(energy))
-    inertia = grid.inertia[:, :, None] + driven.inertia
-    if not inertia.min() > 0:
-        worst = np.unravel_index(int(inertia.min(axis=2).argmin()), (q, p))
-        raise not_positive(float(inertia.min()), None, float(grid.angle[worst]))
-    drive, added = driven.drive, float(np.ravel(driven.inertia)[0])
+    inertia = _inertia(driven, mesh)
     if driven.prescribed is not None:
-        return _prescribed(driven, grid, inertia, driven.prescribed)
-    forces = Forces(drive, grid, shape)
+        return _prescribed(driven, mesh, inertia, driven.prescribed)
+    work = np.broadcast_to(energy, (*mesh.angle.shape, len(energy))) if guess is None else guess
+    return _Newton(driven, mesh, inertia, energy, work, periodic).solve(work)
 
-    def result(work: Array, held: bool, settled: Indices, ends: Array | None = None, force: Array | None = None) -> Flow:
-        if ends is None or force is None:
-            force = forces.driving + forces.resisting + grid.weight[:, :, None]
-            work, ends = _integral(grid, forces.driving + forces.resisting, grid.weight[:, :, None], energy)
-        else:  # of a stiff drive the torque that moves the press, not that of a speed which rounding has changed
-            forces.driving = force - forces.resisting - grid.weight[:, :, None]
-        least = np.finfo(float).tiny if held else floor  # before a stop W is small, and right
-        speed = np.sqrt(2 * np.maximum(work, least) / inertia)
-        count = forces.asked * work.size
-        return Flow(grid, work, ends, speed, force, forces.driving, forces.resisting, held, stiffness, settled, added, count)
 
-    every = np.full(len(energy), p)
-    work = np.broadcast_to(energy, shape) if guess is None else guess
-    # fixed, as far from the solution W may rise without bounds
-    floor = FLOOR * work.max(axis=(0, 1)) + np.finfo(float).tiny
-    rate, moved, ends, force, stiffness = None, np.full((p, len(energy)), np.inf), None, None, np.zeros(p)
-    for _ in range(ROUNDS):
-        above = np.maximum(work, floor)
-        speed = np.sqrt(2 * above / inertia)
-        total = forces.at(speed)
-        if drive is None and not grid.pushes:
-            return result(work, True, every)
-        # Newton: dW/du = G + K (W_new - W); K by a difference, as it only has to lead there, and not anew close to the end
-        if rate is None or moved.max() > CLOSE:
-            change = forces.faster(speed, 1e-7)
-            if not change.any():  # here; but also at the speeds that come of these forces, and next to a stop?
-                found = result(work, True, every)
-                if np.array_equal(forces.at(found.speed), total):
-                    stopping = grid.kinds.any() or not found.ends.min() > 0
-                    # of a periodic motion too: it does not come back, whatever its speed
-                    return replace(found, held=bool(np.array_equal(forces.at(0.0 * speed), total))) if stopping else found
-                work, rate = np.maximum(found.energy, above / FURTHEST), None
-                continue
-            rate = change / (2e-7 * above)
-            stiffness = np.abs(rate * grid.measure[:, :, None]).max(axis=(0, 2))
-            stiffness *= stiffness.max() > STIFF
-        before = work
-        total += grid.weight[:, :, None]
+def _inertia(driven: DrivenPress, mesh: Mesh) -> Array:
+    """(q, p, S) inertia at the crank [kg m2]."""
+    inertia: Array = mesh.inertia[:, :, None] + driven.inertia
+    if not inertia.min() > 0:
+        worst = np.unravel_index(int(inertia.min(axis=2).argmin()), mesh.angle.shape)
+        raise not_positive(float(inertia.min()), None, float(mesh.angle[worst]))
+    return inertia
+
+
+class _Newton:
+    """Newton's method for the kinetic energy on all panels at once: dW/du = G + K (W_new - W)."""
+
+    def __init__(self, driven: DrivenPress, mesh: Mesh, inertia: Array, energy: Array, work: Array, periodic: bool) -> None:
+        """``energy`` (S,) at the start; ``work`` (q, p, S) to begin with."""
+        self.mesh, self.inertia, self.energy, self.periodic = mesh, inertia, energy, periodic
+        self.forces = Forces(driven.drive, mesh, work.shape)
+        self.constant = driven.drive is None and not mesh.forces
+        self.added = float(np.ravel(driven.inertia)[0])
+        # fixed, as far from the solution W may rise without bounds
+        self.floor = FLOOR * work.max(axis=(0, 1)) + np.finfo(float).tiny
+        self.stiffness = np.zeros(len(mesh.kinds))
+        self.everywhere = np.full(len(energy), len(mesh.kinds))
+
+    def solve(self, work: Array) -> CollocationSolution:
+        rate, moved, ends, force = None, np.full((len(self.mesh.kinds), len(self.energy)), np.inf), None, None
+        for _ in range(ROUNDS):
+            above = np.maximum(work, self.floor)
+            speed = np.sqrt(2 * above / self.inertia)
+            total = self.forces.at(speed)
+            if self.constant:
+                return self._solution(work, True, self.everywhere)
+            # K by a difference, as it only has to lead there, and not anew close to the end
+            if rate is None or moved.max() > CLOSE:
+                change = self.forces.faster(speed, BESIDE)
+                if not change.any():  # here; but also at the speeds that come of these forces, and next to a stop?
+                    found = self._solution(work, True, self.everywhere)
+                    if np.array_equal(self.forces.at(found.speed), total):
+                        return self._seen_at_rest(found, total)
+                    work, rate = np.maximum(found.energy, above / FURTHEST), None
+                    continue
+                rate = change / (2 * BESIDE * above)
+                self.stiffness = self._stiffness(rate)
+            before = work
+            work, ends, force = self._round(total, rate, before)
+            if not np.isfinite(work.sum()):
+                work = np.where(np.isfinite(work), work, above)
+            work = np.minimum(np.maximum(work, above / FURTHEST), above * FURTHEST)
+            last, moved = moved, np.abs(work - before).max(axis=0) / np.maximum(work.max(axis=0), self.energy)
+            # a stiff drive feels the last digit of the speed
+            if moved.max() <= SETTLED and not (self.stiffness.any() and moved.max() < 0.5 * last.max()):
+                break
+        # what comes later does not matter to what comes before: the first panels may be right where the last ones are not
+        unsettled = moved > SETTLED
+        self.forces.at(np.sqrt(2 * np.maximum(work, self.floor) / self.inertia))
+        settled = np.where(unsettled.any(axis=0), unsettled.argmax(axis=0), len(self.mesh.kinds))
+        return self._solution(work, False, settled, ends, force) if self.stiffness.any() else self._solution(work, False, settled)
+
+    def _stiffness(self, rate: Array) -> Array:
+        stiffness = np.abs(rate * self.mesh.measure[:, :, None]).max(axis=(0, 2))
+        return np.asarray(stiffness * (stiffness.max() > STIFF))
+
+    def _round(self, total: Array, rate: Array, before: Array) -> tuple[Array, Array, Array | None]:
+        """W at the nodes and borders after a round, and under a stiff drive the force that solves the equations."""
+        total += self.mesh.weight[:, :, None]
         total -= rate * before
         with np.errstate(all="ignore"):  # far from the solution it may overshoot without bounds
-            work, ends, force = (_solved if stiffness.any() else _factored)(grid, total, rate, energy, periodic)
-            energy = ends[0]
-        if not np.isfinite(work.sum()):
-            work = np.where(np.isfinite(work), work, above)
-        work = np.minimum(np.maximum(work, above / FURTHEST), above * FURTHEST)
-        last, moved = moved, np.abs(work - before).max(axis=0) / np.maximum(work.max(axis=0), energy)
-        if moved.max() <= SETTLED and not (
-            stiffness.any() and moved.max() < 0.5 * last.max()
-        ):  # a stiff drive feels the last digit of the speed
-            break
-    # what comes later does not matter to what comes before: the first panels may be right where the last ones are not
-    unsettled = moved > SETTLED
-    forces.at(np.sqrt(2 * np.maximum(work, floor) / inertia))
-    settled = np.where(unsettled.any(axis=0), unsettled.argmax(axis=0), p)
-    return result(work, False, settled, ends, force) if stiffness.any() else result(work, False, settled)
+            found = (_solved if self.stiffness.any() else _factored)(self.mesh, total, rate, self.energy, self.periodic)
+        self.energy = found[1][0]
+        return found
+
+    def _seen_at_rest(self, found: CollocationSolution, total: Array) -> CollocationSolution:
+        """A solution whose forces do not depend on its speeds; where it has a stop, seen whether they do not at rest either."""
+        stopping = self.mesh.kinds.any() or not found.ends.min() > 0
+        # of a periodic motion too: it does not come back, whatever its speed
+        return replace(found, speed_free=bool(np.array_equal(self.forces.at(0.0 * found.speed), total))) if stopping else found
+
+    def _solution(
+        self, work: Array, speed_free: bool, settled: Indices, ends: Array | None = None, force: Array | None = None
+    ) -> CollocationSolution:
+        forces, weight = self.forces, self.mesh.weight[:, :, None]
+        if ends is None or force is None:
+            force = forces.driving + forces.resisting + weight
+            work, ends = _integral(self.mesh, forces.driving + forces.resisting, weight, self.energy)
+        else:  # of a stiff drive the torque that moves the press, not that of a speed which rounding has changed
+            forces.driving = force - forces.resisting - weight
+        least = np.finfo(float).tiny if speed_free else self.floor  # before a stop W is small, and right
+        return CollocationSolution(
+            mesh=self.mesh,
+            energy=work,
+            ends=ends,
+            speed=np.sqrt(2 * np.maximum(work, least) / self.inertia),
+            force=force,
+            driving=forces.driving,
+            resisting=forces.resisting,
+            speed_free=speed_free,
+            stiffness=self.stiffness,
+            settled=settled,
+            added=self.added,
+            evaluations=forces.asked * work.size,
+        )
+
+
+def _prescribed(driven: DrivenPress, mesh: Mesh, inertia: Array, drive: PrescribedSpeed) -> CollocationSolution:
+    """The solution at a constant speed, with the torque that this takes."""
+    speed = np.full(inertia.shape, abs(drive.speed))
+    work = 0.5 * inertia * speed**2
+    resisting = np.zeros(inertia.shape)
+    for force in mesh.forces:
+        resisting[:, force.panels] += _along_travel(mesh, force, mesh.direction * speed)
+    total = 0.5 * mesh.direction * mesh.slope[:, :, None] * speed**2
+    return CollocationSolution(
+        mesh=mesh,
+        energy=work,
+        ends=np.full((len(mesh.borders), 1), work.max()),
+        speed=speed,
+        force=total,
+        driving=total - resisting - mesh.weight[:, :, None],
+        resisting=resisting,
+        speed_free=True,
+        stiffness=np.zeros(len(mesh.kinds)),
+        settled=np.full(1, len(mesh.kinds)),
+        added=float(driven.inertia),
+        evaluations=work.size,
+    )
+
+
+# ------------------------------------------------------------------------------------------------------------------------------- forces
 
 
 class Forces:
-    """Forces of drive and loads on a grid, along the travel, at changing speeds. Those of loads that know no speed are worked out once.
+    """Forces of drive and loads on a mesh, along the travel, at changing speeds. Those of loads that know no speed are worked out once.
 
     Attributes:
-        driving, resisting: (q, p, S) as last worked out [N m]. asked: how often.
+        driving: (q, p, S) of the drive, as last worked out [N m].
+        resisting: (q, p, S) of the loads, as last worked out [N m].
+        asked: how often.
     """
 
-    def __init__(self, drive: Drive | None, grid: Grid, shape: tuple[int, ...]) -> None:
-        self.drive, self.grid, self.asked = drive, grid, 0
+    def __init__(self, drive: Drive | None, mesh: Mesh, shape: tuple[int, ...]) -> None:
+        self.drive, self.mesh, self.asked = drive, mesh, 0
         self.driving, self.resisting = np.zeros(shape), np.zeros(shape)
-        self.steady = not grid.pushes
+        self.steady = not mesh.forces
 
     def at(self, speed: Array) -> Array:
         """Sum of the forces at sizes of the crank's speed (q, p, S)."""
@@ -163,113 +256,90 @@ class Forces:
     def _driving(self, speed: Array) -> Array:
         if self.drive is None:
             return np.zeros_like(self.driving)
-        torque = np.asarray(self.drive.torque(self.grid.direction * speed))
-        signed = torque if self.grid.direction > 0 else -torque
+        torque = np.asarray(self.drive.torque(self.mesh.direction * speed))
+        signed = torque if self.mesh.direction > 0 else -torque
         return signed if signed.shape == speed.shape else signed + np.zeros_like(self.driving)
 
     def _resisting(self, speed: Array) -> Array:
         result = np.zeros_like(self.driving)
-        for push in self.grid.pushes:
-            result[:, push.panels] += _pushed(self.grid, push, self.grid.direction * speed)
+        for force in self.mesh.forces:
+            result[:, force.panels] += _along_travel(self.mesh, force, self.mesh.direction * speed)
         return result
 
 
-def _pushed(grid: Grid, push: Push, speed: Array) -> Array:
-    """Force of a push along the travel (q, its panels, S) [N m], at the crank's speeds (q, p, S)."""
-    position = grid.position[push.row][:, push.panels, None] - push.datum
-    lever = grid.lever[push.row][:, push.panels, None]
-    force = push.stretch.force(position, lever * speed[:, push.panels])
-    if push.stretch.one_sided:
-        force = np.maximum(force, 0.0)
-    return np.asarray(grid.direction * lever * force)
+def _along_travel(mesh: Mesh, force: PanelForce, speed: Array) -> Array:
+    """A force along the travel (q, its panels, S) [N m], at the crank's speeds (q, p, S)."""
+    position = mesh.position[force.row][:, force.panels, None] - force.datum
+    lever = mesh.lever[force.row][:, force.panels, None]
+    size = force.interval.force(position, lever * speed[:, force.panels])
+    if force.interval.one_sided:
+        size = np.maximum(size, 0.0)
+    return np.asarray(mesh.direction * lever * size)
 
 
-def _prescribed(driven: DrivenPress, grid: Grid, inertia: Array, drive: PrescribedSpeed) -> Flow:
-    """The flow at a constant speed, with the torque that this takes."""
-    speed = np.full(inertia.shape, abs(drive.speed))
-    work = 0.5 * inertia * speed**2
-    resisting = np.zeros(inertia.shape)
-    for push in grid.pushes:
-        resisting[:, push.panels] += _pushed(grid, push, grid.direction * speed)
-    force = 0.5 * grid.direction * grid.slope[:, :, None] * speed**2
-    driving = force - resisting - grid.weight[:, :, None]
-    ends = np.full((len(grid.borders), 1), work.max())
-    return Flow(
-        grid,
-        work,
-        ends,
-        speed,
-        force,
-        driving,
-        resisting,
-        True,
-        np.zeros(len(grid.kinds)),
-        np.full(1, len(grid.kinds)),
-        float(driven.inertia),
-        work.size,
-    )
+# ---------------------------------------------------------------------------------------------------------------- integrals over panels
 
 
-def _integral(grid: Grid, force: Array, weight: Array, energy: Array) -> tuple[Array, Array]:
+def _integral(mesh: Mesh, force: Array, weight: Array, energy: Array) -> tuple[Array, Array]:
     """W at the nodes (q, p, S) and borders (p + 1, S) from the force (q, p, S) of drive and loads and that of weights (q, p, 1).
 
     Of a crank that turns, weights put in the difference of their potential energy, not the integral of their force: it is the same in every
     turn. From rest and to rest W must be right beside itself where it is small: there all is integrated, away from the rest.
     """
-    r = rule()
+    rule = gauss_rule()
     q, p, count = force.shape
-    rests = bool(grid.kinds.any())
-    inner = (force + weight if rests else force) * grid.measure[:, :, None]
+    rests = bool(mesh.kinds.any())
+    inner = (force + weight if rests else force) * mesh.measure[:, :, None]
     flat = inner.reshape(q, p * count)
-    totals = (r.weights @ flat).reshape(p, count)
+    totals = (rule.weights @ flat).reshape(p, count)
     ends = np.concatenate([energy[None], totals]).cumsum(axis=0)
-    within = (r.cumulative @ flat).reshape(q, p, count)
+    within = (rule.cumulative @ flat).reshape(q, p, count)
     work = ends[:-1] + within
     if not rests:
-        work -= grid.lifted[:, :, None]
-        ends -= grid.lifted_ends[:, None]
-    elif grid.kinds[-1] == TO_REST:
+        work -= mesh.lifted[:, :, None]
+        ends -= mesh.lifted_ends[:, None]
+    elif mesh.kinds[-1] == TO_REST:
         back = np.concatenate([-totals[::-1].cumsum(axis=0)[::-1], np.zeros((1, count))])
         half = int(ends[:, 0].argmax())
-        left = ((r.weights - r.cumulative) @ flat).reshape(q, p, count)
+        left = ((rule.weights - rule.cumulative) @ flat).reshape(q, p, count)
         work[:, half:], ends[half + 1 :] = (back[1:] - left)[:, half:], back[half + 1 :]
     return work, ends
 
 
-def _factored(grid: Grid, constant: Array, rate: Array, energy: Array, periodic: bool) -> tuple[Array, Array, None]:
+def _factored(mesh: Mesh, constant: Array, rate: Array, energy: Array, periodic: bool) -> tuple[Array, Array, None]:
     """W (q, p, S) from dW/du = constant + rate W by an integrating factor, for all scenarios in few operations; its values (p + 1, S) at
     the borders; and no force. At the start W is ``energy``, or where it is ``periodic`` what it is at the end.
 
     On every panel W is a part of its own, plus a growth times its value at the start.
     """
-    r = rule()
+    rule = gauss_rule()
     q, p, count = constant.shape
-    flat = (rate * grid.measure[:, :, None]).reshape(q, p * count)
-    growth, final = np.exp(r.cumulative @ flat).reshape(q, p, count), np.exp(r.weights @ flat).reshape(p, count)
-    scaled = (constant * grid.measure[:, :, None] / growth).reshape(q, p * count)
-    ends = _along(final * (r.weights @ scaled).reshape(p, count), final, energy, periodic)
-    return np.asarray(growth * (ends[:-1] + (r.cumulative @ scaled).reshape(q, p, count))), ends, None
+    flat = (rate * mesh.measure[:, :, None]).reshape(q, p * count)
+    growth, final = np.exp(rule.cumulative @ flat).reshape(q, p, count), np.exp(rule.weights @ flat).reshape(p, count)
+    scaled = (constant * mesh.measure[:, :, None] / growth).reshape(q, p * count)
+    ends = _panel_by_panel(final * (rule.weights @ scaled).reshape(p, count), final, energy, periodic)
+    return np.asarray(growth * (ends[:-1] + (rule.cumulative @ scaled).reshape(q, p, count))), ends, None
 
 
-def _solved(grid: Grid, constant: Array, rate: Array, energy: Array, periodic: bool) -> tuple[Array, Array, Array]:
-    """W likewise from the collocation equations of every panel, for drives so stiff that an integrating factor is no polynomial; and the
-    force dW/du (q, p, S) that solves them: worked out from W it would be that of its last digit.
+def _solved(mesh: Mesh, constant: Array, rate: Array, energy: Array, periodic: bool) -> tuple[Array, Array, Array]:
+    """W as from `_factored`, by the collocation equations of every panel, for drives so stiff that an integrating factor is no polynomial;
+    and the force dW/du (q, p, S) that solves them: worked out from W it would be that of its last digit.
     """
-    r, measure = rule(), grid.measure.T[:, None]
+    rule, measure = gauss_rule(), mesh.measure.T[:, None]
     exponents = np.moveaxis(rate, 0, -1) * measure  # (p, S, q)
     right = np.stack([np.moveaxis(constant, 0, -1) * measure, exponents], axis=-1)
     try:
-        parts = np.linalg.solve(np.eye(len(r.nodes)) - exponents[..., None] * r.cumulative, right)
+        parts = np.linalg.solve(np.eye(len(rule.nodes)) - exponents[..., None] * rule.cumulative, right)
     except np.linalg.LinAlgError:
         parts = np.full(right.shape, np.nan)
     own, growth = parts[..., 0], parts[..., 1]
-    ends = _along(own @ r.weights, 1 + growth @ r.weights, energy, periodic)
+    ends = _panel_by_panel(own @ rule.weights, 1 + growth @ rule.weights, energy, periodic)
     gained = own + growth * ends[:-1, :, None]
-    work = ends[:-1, :, None] + gained @ r.cumulative.T
+    work = ends[:-1, :, None] + gained @ rule.cumulative.T
     return np.moveaxis(work, -1, 0), ends, np.moveaxis(gained / measure, -1, 0)
 
 
-def _along(gained: Array, final: Array, energy: Array, periodic: bool) -> Array:
+def _panel_by_panel(gained: Array, final: Array, energy: Array, periodic: bool) -> Array:
     """W (p + 1, S) at the borders, from what panels (p, S) gain, and by how much they multiply what is there at their start."""
     if periodic:
         energy = np.zeros(len(energy))
@@ -281,3 +351,143 @@ def _along(gained: Array, final: Array, energy: Array, periodic: bool) -> Array:
     for k in range(len(gained)):
         ends[k + 1] = final[k] * ends[k] + gained[k]
     return ends
+
+
+def panel_integrals(solution: CollocationSolution, rate: Array) -> Array:
+    """Integrals (p, S) over the panels of a rate (q, p, S) by the angle travelled."""
+    q, p, count = rate.shape
+    return np.asarray((gauss_rule().weights @ (rate * solution.mesh.measure[:, :, None]).reshape(q, -1)).reshape(p, count))
+
+
+# --------------------------------------------------------------------------------------------------------------------------- refinement
+
+
+def stopping_panels(solution: CollocationSolution) -> NDArray[np.bool_]:
+    """Panels (p, S) on which the crank stops, or comes so near to it that time may not be resolved; what follows them is of no meaning."""
+    lowest = np.minimum(solution.energy.min(axis=0), solution.ends[1:])
+    known = np.arange(len(solution.ends))[:, None] <= solution.settled
+    least = 0.0 if solution.speed_free else LEAST * np.where(known, solution.ends, 0.0).max(axis=0)
+    found = (lowest <= least) | (np.arange(len(lowest))[:, None] >= solution.settled)
+    if solution.mesh.kinds[-1] == TO_REST:
+        found[-1] = (solution.energy[:, -1] <= 0).any(axis=0)
+    return np.asarray(found)
+
+
+def cuts(
+    solution: CollocationSolution, upto: int, tolerance: float, corners: Sequence[float] = (), which: Indices | slice = slice(None)
+) -> Array:
+    """Where to cut those of the panels before ``upto`` that do not resolve energy or time, as angles travelled.
+
+    A polynomial's last terms tell what it misses; Gauss's rule makes far smaller errors than that. A panel on which the crank passes one of
+    the ``corners``, speeds at which a drive's torque is not smooth, is cut there (of one scenario); any other in its middle. ``which`` of
+    the scenarios count.
+    """
+    mesh = solution.mesh
+    bad = _coarse(solution, upto, max(tolerance, ROUNDED), which) & (np.diff(mesh.borders[: upto + 1]) > NARROWEST)
+    if solution.stiffness.any():  # what is not resolved there rings on through the panels that follow
+        bad[1:] &= (solution.stiffness[1:upto] <= LAYER) | ~bad[:-1]
+    found = {panel: _cut_within(solution, panel) for panel in np.flatnonzero(bad).tolist()}
+    if solution.ends[:, which].shape[1] == 1:
+        found |= _corners_passed(solution, upto, corners)
+        for force in mesh.forces:
+            found |= {panel: at for panel, at in _contact_lost(solution, force) if panel < upto}
+    return np.array(list(found.values()))
+
+
+def _coarse(solution: CollocationSolution, upto: int, tolerance: float, which: Indices | slice) -> NDArray[np.bool_]:
+    """Whether the first panels (upto,) are too coarse for energy or time of any scenario."""
+    rule, measure = gauss_rule(), solution.mesh.measure[:, :upto, None]
+    force, speed, ends = solution.force[:, :upto, which], solution.speed[:, :upto, which], solution.ends[: upto + 1, which]
+    q, _, count = force.shape
+
+    def missed(integrand: Array, whole: Array) -> NDArray[np.bool_]:
+        tail = np.abs(rule.legendre[-2:] @ (integrand * measure).reshape(q, -1)).max(axis=0).reshape(upto, count)
+        return np.asarray((tail > tolerance * whole).any(axis=1), dtype=np.bool_)
+
+    slowness = 1 / speed
+    taken = (rule.weights @ (slowness * measure).reshape(q, -1)).reshape(upto, count).sum(axis=0)
+    return np.asarray(missed(force, ends.max(axis=0)) | missed(slowness, taken))
+
+
+def _cut_within(solution: CollocationSolution, panel: int) -> float:
+    """Where a panel is cut: in its middle, as it runs; under a stiff drive behind the layer at its start, where that is not cut off yet."""
+    mesh, stiffness = solution.mesh, solution.stiffness
+    low, high = mesh.borders[panel : panel + 2]
+    share = {STEADY: 0.5, FROM_REST: 0.25, TO_REST: 0.75}[int(mesh.kinds[panel])]
+    if stiffness[panel] > 2 * LAYER and (panel == 0 or stiffness[panel - 1] > 2 * LAYER):
+        share = LAYER / float(stiffness[panel])
+    return float(low + share * (high - low))
+
+
+def _border_speeds(solution: CollocationSolution) -> Array:
+    """Speed of the crank (p + 1,) at the borders, of one scenario."""
+    mesh = solution.mesh
+    inertia = np.maximum(mesh.inertia_ends + solution.added, np.finfo(float).tiny)
+    return np.asarray(mesh.direction * np.sqrt(2 * np.maximum(solution.ends[:, 0], 0.0) / inertia))
+
+
+def _corners_passed(solution: CollocationSolution, upto: int, corners: Sequence[float]) -> dict[int, float]:
+    """Panels on which the crank passes one of these speeds, and where: also where no node sees it."""
+    mesh, found = solution.mesh, {}
+    if corners:
+        ends = _border_speeds(solution)
+        speeds = np.concatenate([ends[None, :-1], mesh.direction * solution.speed[:, :, 0], ends[None, 1:]])[:, :upto]
+        for corner in corners:
+            for panel in np.flatnonzero((speeds.min(axis=0) < corner) & (speeds.max(axis=0) > corner)).tolist():
+                at = _place_of(mesh, panel, gauss_rule().polynomial(speeds[1:-1, panel]).tolist(), corner)
+                if at is not None:
+                    found[panel] = at
+    return found
+
+
+def _contact_lost(solution: CollocationSolution, force: PanelForce) -> list[tuple[int, float]]:
+    """Panels on which a contact's law changes its sign, and where, as angles travelled; of one scenario."""
+    mesh, found, border_speeds = solution.mesh, [], _border_speeds(solution)
+    for panel in force.panels.tolist() if force.interval.one_sided else []:
+        ends = slice(panel, panel + 2)
+        rates = [
+            mesh.lever[force.row][:, panel] * mesh.direction * solution.speed[:, panel, 0],
+            mesh.lever_ends[force.row, ends] * border_speeds[ends],
+        ]
+        position = np.concatenate([mesh.position[force.row][:, panel], mesh.position_ends[force.row, ends]])
+        law = np.asarray(force.interval.force(position - force.datum, np.concatenate(rates)))
+        if law.min() < 0 < law.max():
+            at = _place_of(mesh, panel, gauss_rule().polynomial(law[:-2]).tolist(), 0.0)
+            if at is not None:
+                found.append((panel, at))
+    return found
+
+
+def _place_of(mesh: Mesh, panel: int, polynomial: list[float], level: float) -> float | None:
+    """Where on a panel a polynomial in its x passes a level, as angle travelled; None where that is no place away from its borders."""
+    polynomial = [polynomial[0] - level, *polynomial[1:]]
+    samples = np.linspace(-1.0, 1.0, 2 * len(polynomial)).tolist()
+    values = [horner(polynomial[::-1], x) for x in samples]
+    for k in range(len(samples) - 1):
+        if (values[k] > 0) != (values[k + 1] > 0):
+            x = polynomial_root(polynomial, samples[k], samples[k + 1])
+            at = float(mesh.travelled(np.array([panel]), np.array([x]))[0][0])
+            if mesh.borders[panel] + SAME < at < mesh.borders[panel + 1] - SAME:
+                return at
+    return None
+
+
+def interpolate_onto(solution: CollocationSolution, mesh: Mesh) -> Array | None:
+    """The kinetic energy (q, p, S) of a solution at the nodes of another mesh over the same angles; None where one of them starts from
+    rest."""
+    old = solution.mesh
+    if old.kinds.any() or mesh.kinds.any():
+        return None
+    along = (mesh.angle - mesh.start) * mesh.direction
+    panel = np.clip(old.borders.searchsorted(along, side="right") - 1, 0, len(old.kinds) - 1)
+    low, high = old.borders[panel], old.borders[panel + 1]
+    x = (2 * (along - low) / (high - low) - 1)[:, :, None]
+    q, p, count = solution.energy.shape
+    coefficients = gauss_rule().polynomial(solution.energy.reshape(q, -1)).reshape(q, p, count)
+    value = coefficients[-1][panel]
+    for k in range(q - 2, -1, -1):
+        value = value * x + coefficients[k][panel]
+    # on panels that Newton's method has not settled the energy is of no meaning, and may be anything: it must not set what counts as little
+    known = np.arange(len(old.kinds))[:, None] < solution.settled
+    highest = np.maximum(np.where(known, solution.energy.max(axis=0), 0.0).max(axis=0), solution.ends[0])
+    return np.asarray(np.clip(value, FLOOR * solution.ends[0], BEYOND * highest))

@@ -26,15 +26,15 @@ from ..kinematics.point_motion import point_motion
 from ..linkage.linkage import Linkage
 from ..loads import caller_laws
 from ..loads.link import Load, PointForce, SpringDamper
-from ..loads.process import ProcessLoad, Stretch, TimeForce
+from ..loads.process import ForceInterval, ProcessLoad, TimeForce
 from . import reduced_model
 from .law_trials import check_drive, check_load
-from .reduced_model import COORDINATES, Table
+from .reduced_model import COORDINATES, ReducedModel
 
 if TYPE_CHECKING:
     from ..engines.spatial.forward_dynamics import ForwardDynamics
 
-THIN = 1e-8  # stretch of a load, in lengths of the linkage, that its crank angle still tells apart
+THIN = 1e-8  # interval of a load, in lengths of the linkage, that its crank angle still tells apart
 BESIDE = 1e-7  # share of a speed to both sides of it
 JUMP = 1e-3  # change of the torque within that, beside its size nearby, that is one
 
@@ -141,7 +141,7 @@ class GeneralizedForce:
     """A force along a coordinate of the press.
 
     Attributes:
-        row: of the coordinate. datum: its value from which the stretches count [m].
+        row: of the coordinate. datum: its value from which the intervals count [m].
         rising, falling: what acts while the coordinate rises, and falls; the same object where that does not matter.
         time: the force as a function of time in place of these; edges: instants at which that is not smooth.
         drive: of which it is the torque, None where it is a load.
@@ -149,18 +149,18 @@ class GeneralizedForce:
 
     row: int
     datum: float
-    rising: tuple[Stretch, ...] = ()
-    falling: tuple[Stretch, ...] = ()
+    rising: tuple[ForceInterval, ...] = ()
+    falling: tuple[ForceInterval, ...] = ()
     time: Callable[[Any], Any] | None = None
     edges: tuple[float, ...] = ()
     drive: Drive | None = None
 
-    def stretches(self, rising: bool) -> tuple[Stretch, ...]:
+    def intervals(self, rising: bool) -> tuple[ForceInterval, ...]:
         return self.rising if rising else self.falling
 
     def borders(self) -> tuple[float, ...]:
         """Values of the coordinate at which the force is not smooth."""
-        ends = {end for stretch in self.rising + self.falling for end in (stretch.lower, stretch.upper)}
+        ends = {end for interval in self.rising + self.falling for end in (interval.lower, interval.upper)}
         return tuple(sorted(self.datum + end for end in ends if math.isfinite(end)))
 
 
@@ -199,7 +199,7 @@ class DrivenPress:
         return switched or (self.drive is not None and (self.drive.timed or _jumps(self.drive)))
 
     @cached_property
-    def model(self) -> Table:
+    def model(self) -> ReducedModel:
         """The press reduced to its crank, with the coordinates of the forces."""
         press, coordinates = self.press, self.coordinates
         if len(coordinates) == (press.slide is not None):
@@ -208,7 +208,7 @@ class DrivenPress:
 
     @cached_property
     def edges(self) -> tuple[Array, ...]:
-        """Crank angles in the model's range at which a force is not smooth: borders of its stretches, turns of its coordinate."""
+        """Crank angles in the model's range at which a force is not smooth: borders of its intervals, turns of its coordinate."""
         found = []
         for force in self.forces:
             row, borders = COORDINATES + force.row, force.borders()
@@ -349,7 +349,7 @@ def _driving(row: int, drive: Drive) -> GeneralizedForce:
     def torque(angle: Any, speed: Any) -> Any:
         return drive.torque(speed)
 
-    always = (Stretch(math.inf, -math.inf, torque),)
+    always = (ForceInterval(math.inf, -math.inf, torque),)
     return GeneralizedForce(row, 0.0, always, always, drive=drive)
 
 
@@ -365,7 +365,7 @@ def _slide(press: Linkage) -> int:
 
 def _process(press: Linkage, load: ProcessLoad) -> GeneralizedForce | None:
     check_load(load)
-    rising, falling = load.stretches(downwards=False), load.stretches(downwards=True)
+    rising, falling = load.intervals(downwards=False), load.intervals(downwards=True)
     row = _slide(press)
     if not rising and not falling:
         return None
@@ -373,31 +373,31 @@ def _process(press: Linkage, load: ProcessLoad) -> GeneralizedForce | None:
     datum = low if load.datum is None else load.datum
     plausibility.heights(
         caller_laws.name(load),
-        [(stretch.lower, stretch.upper) for stretch in (*rising, *falling)],
+        [(interval.lower, interval.upper) for interval in (*rising, *falling)],
         low - datum,
         high - datum,
         press.size,
     )
     least = THIN * press.size
-    for stretch in (*rising, *falling):
-        if stretch.upper - stretch.lower < least:
+    for interval in (*rising, *falling):
+        if interval.upper - interval.lower < least:
             raise PinpressError(
-                f"{caller_laws.name(load)}: a stretch of {stretch.upper - stretch.lower:g} m is thinner than a simulation resolves;"
+                f"{caller_laws.name(load)}: an interval of {interval.upper - interval.lower:g} m is thinner than a simulation resolves;"
                 f" give at least {least:.2g} m"
             )
     rising, falling = tuple(rising), tuple(falling)
     return GeneralizedForce(row, datum, rising, rising if _same(rising, falling) else falling)
 
 
-def _same(some: tuple[Stretch, ...], others: tuple[Stretch, ...]) -> bool:
-    """Whether stretches are the same, so that the way the slide goes does not matter."""
+def _same(some: tuple[ForceInterval, ...], others: tuple[ForceInterval, ...]) -> bool:
+    """Whether intervals are the same, so that the way the slide goes does not matter."""
 
-    def key(stretch: Stretch) -> tuple[Any, ...]:
-        law = stretch.force.call if isinstance(stretch.force, caller_laws.Law) else stretch.force
+    def key(interval: ForceInterval) -> tuple[Any, ...]:
+        law = interval.force.call if isinstance(interval.force, caller_laws.Law) else interval.force
         parts = (law.func, *map(id, law.args)) if isinstance(law, partial) else (law,)
-        return stretch.upper, stretch.lower, stretch.one_sided, *parts
+        return interval.upper, interval.lower, interval.one_sided, *parts
 
-    return [key(stretch) for stretch in some] == [key(stretch) for stretch in others]
+    return [key(interval) for interval in some] == [key(interval) for interval in others]
 
 
 def _turning_points(press: Linkage, load: ProcessLoad) -> tuple[float, float]:
@@ -433,14 +433,14 @@ def _point(press: Linkage, load: PointForce, row: int) -> tuple[Coordinate | Non
     if callable(load.force) or np.ndim(load.force) != 1:
         raise PinpressError(
             f"{what}: a simulation takes a constant force, (3,) in world axes [N]; for one that changes write one of pinpress.loads,"
-            " or a class with their members `datum` and `stretches`"
+            " or a class with their members `datum` and `intervals`"
         )
     force = numbers(f"{what}: force", load.force)
     if force.shape != (3,):
         raise PinpressError(f"{what}: force has shape {force.shape}; give (3,), in world axes [N]")
     if not joint:  # on the frame, which does not move
         return None, None
-    constant = (Stretch(math.inf, -math.inf, _one),)
+    constant = (ForceInterval(math.inf, -math.inf, _one),)
     return WorkOfForce((joint, point), force), GeneralizedForce(row, 0.0, constant, constant)
 
 
@@ -452,7 +452,7 @@ def _spring(press: Linkage, load: SpringDamper, row: int) -> tuple[Coordinate, G
     def push(length: Any, rate: Any) -> Any:
         return load.stiffness * (load.free_length - length) - load.damping * rate
 
-    always = (Stretch(math.inf, -math.inf, push),)
+    always = (ForceInterval(math.inf, -math.inf, push),)
     return Length(*applied_loads.spring_ends(load, press)), GeneralizedForce(row, 0.0, always, always)
 
 

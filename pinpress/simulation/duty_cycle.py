@@ -14,7 +14,7 @@ from ..common.checks import is_number
 from ..common.errors import PinpressError, shown
 from ..kinematics.dead_centres import stroke_turns
 from .run import Run
-from .trajectory import DRIVE_WORK, LOAD_WORK, LOST, MOTOR_SQUARED, Reading
+from .trajectory import DRIVE_WORK, LOAD_WORK, LOST, MOTOR_SQUARED, Sample
 
 ROUND = 1 + 1e-12  # rounding of times and turns
 STATES = 720  # looked at in a stroke, for extremes
@@ -97,7 +97,7 @@ def strokes(run: Run) -> tuple[Duty, ...]:
     marks = np.arange(count + 1)
     times = np.interp(marks, turned, run.time[:upto])
     for _ in range(6):  # Newton's method on the path itself
-        position, speed = _crank(run, run.path.read(times, whole=False))
+        position, speed = _crank(run, run.trajectory.at(times, complete=False))
         late = position - (run.crank_angle[0] + direction * period * marks)
         step = np.where((marks > 0) & (speed != 0), late / np.where(speed == 0, 1.0, speed), 0.0)
         times = np.clip(times - step, 0.0, run.time[-1])
@@ -114,8 +114,8 @@ def _check(run: Run) -> None:
 
 def _duties(run: Run, times: Array) -> list[Duty]:
     """One for each interval between the times."""
-    path, drive, inertia = run.path, run.problem.driven.drive, run.problem.driven.inertia
-    ends = path.read(times, whole=False)
+    trajectory, drive, inertia = run.trajectory, run.problem.driven.drive, run.problem.driven.inertia
+    ends = trajectory.at(times, complete=False)
     angles = _crank(run, ends)[0]
     rated = None if drive is None else drive.rated_torque
     result = []
@@ -123,12 +123,12 @@ def _duties(run: Run, times: Array) -> list[Duty]:
         net = abs(float(angles[k + 1] - angles[k]))
         count = STATES * max(1, math.ceil(net / (2 * np.pi) - 1e-9)) + 1
         inner = np.linspace(start, end, count)
-        reading = path.read(inner, whole=False)
-        speed = np.abs(_crank(run, reading)[1])
+        sample = trajectory.at(inner, complete=False)
+        speed = np.abs(_crank(run, sample)[1])
         highest, lowest = int(speed.argmax()), int(speed.argmin())
-        gained = ends.ledgers[:, k + 1] - ends.ledgers[:, k]
+        gained = ends.integrals[:, k + 1] - ends.integrals[:, k]
         duration = float(end - start)
-        own = np.abs(reading.own)
+        own = np.abs(sample.drive_speed)
         rms = math.sqrt(max(0.0, float(gained[MOTOR_SQUARED])) / duration)
         mean = net / duration
         result.append(
@@ -145,14 +145,14 @@ def _duties(run: Run, times: Array) -> list[Duty]:
                 flywheel_work=0.5 * inertia * float(own.max() ** 2 - own.min() ** 2),
                 recovery_time=float((inner[highest] - inner[lowest]) % duration),
                 motor_rms=rms,
-                motor_peak=float(np.abs(reading.motor).max()),
+                motor_peak=float(np.abs(sample.motor_torque).max()),
                 utilisation=None if rated is None else rms / float(np.ravel(rated)[0]),
             )
         )
     return result
 
 
-def _crank(run: Run, reading: Reading) -> tuple[Array, Array]:
+def _crank(run: Run, sample: Sample) -> tuple[Array, Array]:
     """Angle and speed (n,) of the crank."""
-    place = run.problem.driven.press.driver_indices[0] if len(reading.position) > 1 else 0
-    return reading.position[place], reading.speed[place]
+    place = run.problem.driven.press.driver_indices[0] if len(sample.position) > 1 else 0
+    return sample.position[place], sample.speed[place]

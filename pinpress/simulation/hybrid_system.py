@@ -1,6 +1,6 @@
 """A press with its driveline and forces as equations over time: right-hand sides, and the functions whose zeros switch them.
 
-Between switchings everything is smooth: each force keeps to its stretch, clutch and brake to their mode, also where an integrator looks
+Between switchings everything is smooth: each force keeps to its interval, clutch and brake to their mode, also where an integrator looks
 beyond.
 """
 
@@ -16,12 +16,12 @@ from ..common.arrays import Array
 from ..common.errors import SimulationError
 from ..drives.couplings import Brake, Clutch
 from ..loads.caller_laws import LawError
-from ..loads.process import Stretch
+from ..loads.process import ForceInterval
 from .driven_press import DrivenPress, GeneralizedForce
-from .trajectory import LEDGERS
+from .trajectory import INTEGRALS
 
 AHEAD = 1e-9  # time looked ahead, where there are several drivers [s]
-LITTLE = 1e-7  # of a turn of the crank, looked ahead to see into which stretch a force goes [rad]
+LITTLE = 1e-7  # of a turn of the crank, looked ahead to see into which interval a force goes [rad]
 STARTS = 1e-9  # acceleration of a press that stands, beside that by the loads that hold it, with which it starts
 AT_REST = 1e-9  # crank speed, beside the run's largest, at which a stop is one
 STALLED = "the press stalls: it comes to rest, and the load holds it there against the drive"
@@ -90,12 +90,12 @@ class Mode(NamedTuple):
 
 
 class Place(NamedTuple):
-    """Where a force is: between two values of its coordinate, which rises or falls; the stretch that acts there; whether that pushes."""
+    """Where a force is: between two values of its coordinate, which rises or falls; the interval that acts there; whether that pushes."""
 
     low: float
     high: float
     rising: bool
-    stretch: Stretch | None
+    interval: ForceInterval | None
     pushing: bool = True
 
 
@@ -122,9 +122,9 @@ def place_of(force: GeneralizedForce, inside: float, rising: bool, value: float,
     borders = force.borders()
     low = max((b for b in borders if b < inside), default=-math.inf)
     high = min((b for b in borders if b >= inside), default=math.inf)
-    stretch = next((s for s in force.stretches(rising) if s.lower < inside - force.datum <= s.upper), None)
-    pushing = stretch is None or not stretch.one_sided or float(stretch.force(value - force.datum, rate)) >= 0
-    return Place(low, high, rising, stretch, pushing)
+    interval = next((s for s in force.intervals(rising) if s.lower < inside - force.datum <= s.upper), None)
+    pushing = interval is None or not interval.one_sided or float(interval.force(value - force.datum, rate)) >= 0
+    return Place(low, high, rising, interval, pushing)
 
 
 def begin(driven: DrivenPress, angle: float, speed: float) -> tuple[Mode, tuple[float, ...]]:
@@ -153,30 +153,30 @@ def _grip(friction: Clutch | Brake | None, angle: float, speed: float, relative:
 @dataclass(frozen=True, eq=False)
 class HybridSystem:
     """The integrated vector holds positions (size,), speeds (size,), the drive's states, the speed of a clutch's driving side where there
-    is a clutch, and the ledgers (4,)."""
+    is a clutch, and the integrals (4,)."""
 
     dynamics: Dynamics
     driven: DrivenPress
 
-    def begin(self, position: Array, speed: Array, states: tuple[float, ...], ledgers: Array) -> Array:
+    def begin(self, position: Array, speed: Array, states: tuple[float, ...], integrals: Array) -> Array:
         """The vector at the start."""
-        return np.concatenate([position, speed, states, ledgers])
+        return np.concatenate([position, speed, states, integrals])
 
     def split(self, y: Array) -> Split:
         """The instant, speed of the drive's shaft, the drive's states."""
         n = self.dynamics.size
         instant = self.dynamics.at(y[:n], y[n : 2 * n])
-        states = tuple(y[2 * n : -len(LEDGERS)].tolist())
+        states = tuple(y[2 * n : -len(INTEGRALS)].tolist())
         return (instant, instant.speed, states) if self.driven.clutch is None else (instant, states[-1], states[:-1])
 
     def driving(self, times: Array, columns: Array) -> tuple[Array, Array, Array]:
         """Torque of the drive, and of its motor at its own shaft [N m], and the speed of the drive's side of the clutch [rad/s], (n,) each,
         of vectors (len(y), n) at times (n,)."""
         n, drive, crank = self.dynamics.size, self.driven.drive, self.dynamics.crank
-        own = columns[n + crank] if self.driven.clutch is None else columns[-len(LEDGERS) - 1]
+        own = columns[n + crank] if self.driven.clutch is None else columns[-len(INTEGRALS) - 1]
         if drive is None:
             return np.zeros(len(times)), np.zeros(len(times)), own
-        states = columns[2 * n : -len(LEDGERS) - (self.driven.clutch is not None)].T.tolist()
+        states = columns[2 * n : -len(INTEGRALS) - (self.driven.clutch is not None)].T.tolist()
         at = list(zip(own.tolist(), columns[crank].tolist(), times.tolist(), map(tuple, states), strict=True))
         torque, motor = (np.array([float(np.ravel(law(*one))[0]) for one in at]) for law in (drive.torque, drive.motor_torque))
         return torque, motor, own
@@ -209,7 +209,7 @@ class HybridSystem:
             result[2 * n + len(states)] = accelerated if modes.line.clutch.state == HOLDING else (torque - through) / driven.inertia
         motor = 0.0 if driven.drive is None else driven.drive.motor_torque(own, instant.angle, time, states)
         lost = through * (own - instant.speed) + braking * instant.speed
-        result[-len(LEDGERS) :] = (torque * own + put_in, taken, motor * motor + squared, lost)
+        result[-len(INTEGRALS) :] = (torque * own + put_in, taken, motor * motor + squared, lost)
         return result
 
     @cached_property
@@ -233,10 +233,10 @@ class HybridSystem:
             value, rate = instant.coordinates[force.row]
             if force.time is not None:
                 size = float(force.time(time))
-            elif place is None or place.stretch is None or not place.pushing:
+            elif place is None or place.interval is None or not place.pushing:
                 size = 0.0
             else:
-                size = float(place.stretch.force(value - force.datum, rate))
+                size = float(place.interval.force(value - force.datum, rate))
             forces[force.row] += size
             if force.drive is None:
                 taken -= size * rate
@@ -248,7 +248,7 @@ class HybridSystem:
     def heeds_speed(self, modes: Modes, time: float, y: Array) -> bool:
         """Whether anything but angle and speed of the crank counts, or forces in this state depend on its speed or way."""
         n, driven = self.dynamics.size, self.driven
-        if n > 1 or len(y) > 2 + len(LEDGERS) or driven.clutch is not None or driven.brake is not None:
+        if n > 1 or len(y) > 2 + len(INTEGRALS) or driven.clutch is not None or driven.brake is not None:
             return True
         if any(force.time is not None or force.rising is not force.falling for force in self.driven.forces):
             return True
@@ -291,8 +291,8 @@ class HybridSystem:
                 found[Switch("high", k)] = place.high - value
             if force.rising is not force.falling:
                 found[Switch("turn", k)] = rate if place.rising else -rate
-            if place.stretch is not None and place.stretch.one_sided:
-                law = float(place.stretch.force(value - force.datum, rate))
+            if place.interval is not None and place.interval.one_sided:
+                law = float(place.interval.force(value - force.datum, rate))
                 found[Switch("contact", k)] = law if place.pushing else -law
         for k, (corner, side) in enumerate(zip(self.corners, modes.sides, strict=True)):
             found[Switch("corner", k)] = side * (own - corner)
@@ -492,7 +492,7 @@ class HybridSystem:
         elif switch.what == "grips":
             y = y.copy()
             if which == "clutch":
-                y[2 * n + len(y[2 * n : -len(LEDGERS)]) - 1] = instant.speed
+                y[2 * n + len(y[2 * n : -len(INTEGRALS)]) - 1] = instant.speed
             else:
                 self.dynamics.stands(instant, time)
                 y[n : 2 * n] = 0.0

@@ -25,13 +25,13 @@ from ..drives.protocol import Drive, Values
 from ..drives.transmission import ConstantTorque, Geared, InductionMotor, InverterMotor, ServoMotor, SlipClutchMotor
 from ..loads.caller_laws import Asked, AskedLoad, Law, LawError
 from ..loads.caller_laws import name as name_of
-from ..loads.process import ProcessLoad, Stretch, TimeForce
+from ..loads.process import ForceInterval, ProcessLoad, TimeForce
 
 OWN_DRIVES = (ConstantTorque, InductionMotor, InverterMotor, ServoMotor, SlipClutchMotor)
 SHARES = np.concatenate([np.linspace(-2.0, 2.0, 33), [1e-3, -1e-3]])  # of the run's speed, at which a drive is tried
 LEAST = 10.0  # speed taken for that of a run that begins more slowly [rad/s]
 ANGLES, TIMES = (0.7, 2.1, -4.0, 9.5), (0.01, 0.3, 2.0, 11.0)  # crank angles [rad] and times [s] at which it is tried
-INSIDE = np.linspace(0.02, 0.98, 9)  # shares of a stretch
+INSIDE = np.linspace(0.02, 0.98, 9)  # shares of an interval
 VELOCITIES = (0.0, -1.0, -0.1, -1e-3, 1e-3, 0.1, 1.0)  # [m/s]
 SAME = 1e-9  # difference, beside the largest, that is rounding
 ANSWERS = np.array([-1.0, 0.5, 2.0])  # speeds, heights that a law is asked for at once, to see whether it takes arrays
@@ -153,26 +153,26 @@ def check_load(load: ProcessLoad | TimeForce) -> None:
     if datum is not None and not is_number(datum):
         raise PinpressError(f"{name}: datum is {shown(datum)}; give a slide position [m], or None for bottom dead centre")
     for downwards in (True, False):
-        stretches = load.stretches(downwards)
-        if not isinstance(stretches, tuple | list) or not all(isinstance(s, Stretch) for s in stretches):
-            raise PinpressError(f"{name}: stretches({downwards}) is {shown(stretches)}; give a tuple of Stretch, () for none")
-        for stretch in stretches:
-            if not stretch.lower < stretch.upper:
-                raise PinpressError(f"{name}: a stretch from {shown(stretch.lower)} to {shown(stretch.upper)} m; give lower < upper")
-            inside = [end for end in (stretch.lower, stretch.upper) if math.isfinite(end)] or [0.0]
+        intervals = load.intervals(downwards)
+        if not isinstance(intervals, tuple | list) or not all(isinstance(s, ForceInterval) for s in intervals):
+            raise PinpressError(f"{name}: intervals({downwards}) is {shown(intervals)}; give a tuple of ForceInterval, () for none")
+        for interval in intervals:
+            if not interval.lower < interval.upper:
+                raise PinpressError(f"{name}: an interval from {shown(interval.lower)} to {shown(interval.upper)} m; give lower < upper")
+            inside = [end for end in (interval.lower, interval.upper) if math.isfinite(end)] or [0.0]
             height = sum(inside) / len(inside)
-            _law(f"{name}: force", partial(_at_rest, stretch, height), False)
-        ordered = sorted(stretches, key=lambda s: s.lower)
+            _law(f"{name}: force", partial(_at_rest, interval, height), False)
+        ordered = sorted(intervals, key=lambda s: s.lower)
         for below, above in itertools.pairwise(ordered):
             if below.upper > above.lower:
-                raise PinpressError(f"{name}: its stretches overlap at {above.lower:g} m; write two loads, or stretches that do not")
+                raise PinpressError(f"{name}: its intervals overlap at {above.lower:g} m; write two loads, or intervals that do not")
     if isinstance(load, AskedLoad):
         _try_load(load)
 
 
-def _at_rest(stretch: Stretch, height: float, shape: Any) -> Any:
-    """Force of a stretch at a height, without speed; ``shape``: a number or an array of any values, whose shape the force shall have."""
-    return stretch.force(height + 0.0 * shape, 0.0 * shape)
+def _at_rest(interval: ForceInterval, height: float, shape: Any) -> Any:
+    """Force of an interval at a height, without speed; ``shape``: a number or an array of any values, whose shape the force shall have."""
+    return interval.force(height + 0.0 * shape, 0.0 * shape)
 
 
 def _law(what: str, law: Callable[[Any], Any], timed: bool) -> None:
@@ -231,17 +231,17 @@ def _try_drive(drive: AskedDrive) -> None:
 def _try_load(load: AskedLoad) -> None:
     """Raise PinpressError where a load depends on more than height, velocity and direction, or answers arrays otherwise than numbers."""
     for downwards in (True, False):
-        once, again = load.stretches(downwards), load.stretches(downwards)
+        once, again = load.intervals(downwards), load.intervals(downwards)
         if [(s.upper, s.lower, s.one_sided) for s in once] != [(s.upper, s.lower, s.one_sided) for s in again]:
-            raise PinpressError(f"{name_of(load)}: stretches({downwards}) differ from one call to the next; let them stay the same")
-        for stretch in once:
-            upper = stretch.upper if math.isfinite(stretch.upper) else max(stretch.lower, -1.0) + 1.0
-            lower = stretch.lower if math.isfinite(stretch.lower) else upper - 1.0
+            raise PinpressError(f"{name_of(load)}: intervals({downwards}) differ from one call to the next; let them stay the same")
+        for interval in once:
+            upper = interval.upper if math.isfinite(interval.upper) else max(interval.lower, -1.0) + 1.0
+            lower = interval.lower if math.isfinite(interval.lower) else upper - 1.0
             at = [(h, v) for h in (lower + (upper - lower) * INSIDE).tolist() for v in VELOCITIES]
             remedy = "let it depend on height and velocity alone, forces in time are a TimeForce"
-            first = _in_turn(f"{name_of(load)}: force", stretch.force, at, remedy)
+            first = _in_turn(f"{name_of(load)}: force", interval.force, at, remedy)
             heights, velocities = (np.broadcast_to(np.array(one), first.T.shape).T for one in zip(*at, strict=True))
-            _as_numbers(f"{name_of(load)}: force", first, stretch.force(heights, velocities))
+            _as_numbers(f"{name_of(load)}: force", first, interval.force(heights, velocities))
 
 
 def _try_in_time(force: Callable[..., Any]) -> None:

@@ -12,7 +12,7 @@ import math
 from bisect import bisect_right
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from functools import cache, cached_property
+from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
@@ -20,6 +20,8 @@ import pinocchio as pin
 
 from ..common.arrays import Array
 from ..common.errors import SimulationError
+from ..common.gauss import NODES, gauss_rule, horner
+from ..common.roots import polynomial_root
 from ..engines.branch import MOST_TURNS, periods_until_back
 from ..engines.coordinates import configuration, data_of
 from ..engines.planar.kinematics import basis, basis_velocity
@@ -27,7 +29,6 @@ from ..kinematics.motion import Motion, carried
 from ..linkage.linkage import Linkage
 from ..linkage.memo import per_linkage
 
-NODES = 14  # a panel; degree of its polynomials is one less
 PANELS = 16  # a turn to begin with
 RESOLVED = 1e-11  # size of a polynomial's last terms beside the function
 NOISE, GAIN = 1e-8, 10.0  # below this size last terms that halving does not make less by this factor are rounding, near change points say
@@ -42,53 +43,8 @@ Coordinate = Callable[[Motion], Array]
 """A length (n,) or displacement [m] of the states of a motion."""
 
 
-class Rule(NamedTuple):
-    """Gauss-Legendre quadrature on -1..1 and the polynomial through its nodes.
-
-    Powers are found from values by way of Legendre polynomials, in two products: the product of the two matrices has entries so large that
-    their rounding would be a hundred times that of the values.
-
-    Attributes:
-        nodes, weights: (q,). cumulative: (q, q) integrals from -1 to the nodes, of values at them.
-        legendre: (q, q) coefficients in Legendre polynomials from values.
-        powers, integrals: (q, q) and (q + 1, q) coefficients in rising powers of the Legendre polynomials and of their integrals from -1.
-    """
-
-    nodes: Array
-    weights: Array
-    cumulative: Array
-    legendre: Array
-    powers: Array
-    integrals: Array
-
-    def polynomial(self, values: Array) -> Array:
-        """Coefficients (q, n) in rising powers of the polynomials through values (q, n) at the nodes."""
-        return np.asarray(self.powers @ (self.legendre @ values))
-
-    def integral(self, values: Array) -> Array:
-        """Coefficients (q + 1, n) in rising powers of their integrals from -1."""
-        return np.asarray(self.integrals @ (self.legendre @ values))
-
-
-@cache
-def rule() -> Rule:
-    """The rule of `NODES` nodes."""
-    legendre = np.polynomial.legendre
-    nodes, weights = legendre.leggauss(NODES)
-    degrees = np.arange(NODES)
-    to_legendre = (degrees[:, None] + 0.5) * legendre.legvander(nodes, NODES - 1).T * weights
-    powers, integrals, cumulative = np.zeros((NODES, NODES)), np.zeros((NODES + 1, NODES)), np.zeros((NODES, NODES))
-    for k in degrees:
-        column, summed = legendre.leg2poly(np.eye(NODES)[k]), legendre.legint(np.eye(NODES)[k], lbnd=-1)
-        powers[: len(column), k] = column
-        integral = legendre.leg2poly(summed)
-        integrals[: len(integral), k] = integral
-        cumulative[:, k] = legendre.legval(nodes, summed)
-    return Rule(nodes, weights, cumulative @ to_legendre, to_legendre, powers, integrals)
-
-
 @dataclass(frozen=True, eq=False, repr=False)
-class Table:
+class ReducedModel:
     """Reduced inertia, potential energy and coordinates over the crank angle.
 
     Attributes:
@@ -103,6 +59,11 @@ class Table:
     coefficients: Array
     period: float | None
     evaluations: int
+
+    @cached_property
+    def potential_range(self) -> float:
+        """Range of the potential energy, by the middles of the panels [J]."""
+        return float(np.ptp(self.coefficients[:, POTENTIAL, 0]))
 
     @cached_property
     def lightest(self) -> tuple[float, float]:
@@ -143,19 +104,19 @@ class Table:
         return value, slope / half
 
 
-def beyond(table: Table, angle: float, time: float | None = None) -> SimulationError:
+def beyond(table: ReducedModel, angle: float, time: float | None = None) -> SimulationError:
     """Why a motion leaves a table without a period."""
     low, high = np.degrees([table.borders[0], table.borders[-1]])
     return SimulationError(f"the linkage locks: its crank turns only from {low:.6g} to {high:.6g} deg, and runs against that", time, angle)
 
 
 @per_linkage
-def tabulated(press: Linkage) -> Table:
+def tabulated(press: Linkage) -> ReducedModel:
     """The table of a linkage with one driver, with the slide's position where it has a slide. Raises as `build`."""
     return build(press, [lambda motion: motion.slide_position] if press.slide is not None else [])
 
 
-def build(press: Linkage, coordinates: Sequence[Coordinate], panels: int | None = None) -> Table:
+def build(press: Linkage, coordinates: Sequence[Coordinate], panels: int | None = None) -> ReducedModel:
     """The table of a linkage with one driver.
 
     Args:
@@ -173,10 +134,11 @@ def build(press: Linkage, coordinates: Sequence[Coordinate], panels: int | None 
     done: list[tuple[Array, Array, Array]] = []
     scale = np.zeros(COORDINATES + len(coordinates))
     lowest, highest = np.inf, -np.inf
-    last_terms, coarser = rule().legendre[-2:], np.full(count, np.inf)
+    rule = gauss_rule()
+    last_terms, coarser = rule.legendre[-2:], np.full(count, np.inf)
     while len(starts):
         half = 0.5 * (ends - starts)
-        angles = (starts + half)[:, None] + half[:, None] * rule().nodes
+        angles = (starts + half)[:, None] + half[:, None] * rule.nodes
         values = sampled(press, angles.ravel(), coordinates).reshape(-1, *angles.shape)
         points += angles.size
         scale = np.maximum(scale, np.abs(values).max(axis=(1, 2)))
@@ -190,7 +152,7 @@ def build(press: Linkage, coordinates: Sequence[Coordinate], panels: int | None 
         missed = np.maximum((tail / sizes[:, None]).max(axis=0), tail[INERTIA] / np.where(local > 0, local, 1.0))
         rounding = (missed <= NOISE) & (missed > coarser / GAIN)  # halving a panel that is nearly resolved divides this by thousands
         settled = (missed <= RESOLVED) | rounding | (half < NARROWEST) | (panels is not None)
-        done.append((starts[settled], ends[settled], np.moveaxis(values[:, settled], 0, 1) @ rule().legendre.T @ rule().powers.T))
+        done.append((starts[settled], ends[settled], np.moveaxis(values[:, settled], 0, 1) @ rule.legendre.T @ rule.powers.T))
         left, right = starts[~settled], ends[~settled]
         middle = 0.5 * (left + right)
         starts, ends = np.concatenate([left, middle]), np.concatenate([middle, right])
@@ -203,7 +165,7 @@ def build(press: Linkage, coordinates: Sequence[Coordinate], panels: int | None 
             polynomials[:, [POTENTIAL, WEIGHT]] = 0.0
     order = np.argsort(np.concatenate([d[0] for d in done]))
     all_borders = np.append(np.concatenate([d[0] for d in done])[order], high)
-    return Table(all_borders, np.concatenate([d[2] for d in done])[order], period, points)
+    return ReducedModel(all_borders, np.concatenate([d[2] for d in done])[order], period, points)
 
 
 def _periods(press: Linkage, advance: Array) -> int:
@@ -262,7 +224,7 @@ def _spatial_energies(press: Linkage, motion: Motion) -> tuple[Array, Array, Arr
     return found[0], found[1], found[2]
 
 
-def roots(table: Table, row: int, level: float, slope: bool = False) -> Array:
+def roots(table: ReducedModel, row: int, level: float, slope: bool = False) -> Array:
     """Crank angles in the table's range at which a row, or its ``slope``, passes through a level."""
     coefficients = table.coefficients[:, row]
     if slope:
@@ -274,44 +236,13 @@ def roots(table: Table, row: int, level: float, slope: bool = False) -> Array:
     for panel, place in zip(panels.tolist(), places.tolist(), strict=True):
         polynomial = coefficients[panel].tolist()
         polynomial[0] -= level
-        x = root(polynomial, float(samples[place]), float(samples[place + 1]))
+        x = polynomial_root(polynomial, float(samples[place]), float(samples[place + 1]))
         found.append(table.borders[panel] + 0.5 * (1 + x) * (table.borders[panel + 1] - table.borders[panel]))
     # one that lies on a border between panels may show in neither
     ends = np.flatnonzero(above[:-1, -1] != above[1:, 0]) + 1
     if table.period is not None and above[-1, -1] != above[0, 0]:
         ends = np.append(ends, 0)
     return np.concatenate([np.array(found), table.borders[ends]])
-
-
-def root(polynomial: list[float], low: float, high: float) -> float:
-    """The root of a polynomial, coefficients of rising powers, between two points where its signs differ: Newton's method, fenced in."""
-    rising = polynomial[::-1]
-    falling = horner(rising, low) > 0
-    x = 0.5 * (low + high)
-    for _ in range(100):
-        value = slope = 0.0
-        for coefficient in rising:
-            slope = slope * x + value
-            value = value * x + coefficient
-        if (value > 0) == falling:
-            low = x
-        else:
-            high = x
-        step = value / slope if slope else math.inf
-        before, x = x, x - step
-        if not low < x < high:
-            x = 0.5 * (low + high)
-        if abs(x - before) <= 1e-16 or x in (low, high):
-            break
-    return x
-
-
-def horner(falling: Sequence[float], x: float) -> float:
-    """Value of a polynomial, coefficients of falling powers."""
-    value = 0.0
-    for coefficient in falling:
-        value = value * x + coefficient
-    return value
 
 
 class CrankState(NamedTuple):
@@ -331,7 +262,7 @@ class ReducedDynamics:
 
     size, crank, alone = 1, 0, True
 
-    def __init__(self, table: Table) -> None:
+    def __init__(self, table: ReducedModel) -> None:
         self.table = table
         self.borders = table.borders.tolist()
         falling = table.coefficients[:, :, ::-1].tolist()  # powers of x

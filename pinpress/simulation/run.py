@@ -18,7 +18,7 @@ from . import law_trials as laws
 from . import reduced_model as reduced
 from .driven_press import DrivenPress, JointAngle
 from .solvers import SimulationProblem
-from .trajectory import DRIVE_WORK, LEDGERS, LOAD_WORK, LOST, Path, Reading
+from .trajectory import DRIVE_WORK, INTEGRALS, LOAD_WORK, LOST, Sample, Trajectory
 
 POINTS = 120  # states returned per turn of the crank, and at least
 MOST_POINTS = 1_000_000  # by default
@@ -69,7 +69,7 @@ class Run(Motion):
         drive_work: (n,) work of the drive since the start [J]. load_work: (n,) work against the loads. lost: (n,) energy lost in clutch and
             brake.
         motor_squared: (n,) motor torque squared, summed up over time [N2 m2 s].
-        problem, path: what was simulated, and the whole of its solution, which can be read at any time.
+        problem, trajectory: what was simulated, and the whole of its solution, which can be asked for at any time.
     """
 
     stats: Stats
@@ -80,7 +80,7 @@ class Run(Motion):
     lost: Array
     motor_squared: Array
     problem: SimulationProblem
-    path: Path
+    trajectory: Trajectory
 
     def __repr__(self) -> str:
         return f"<Run of {self.linkage}: {len(self.crank_angle)} states, {self.time[-1]:.6g} s, {self.stats.method}>"
@@ -93,45 +93,49 @@ class Run(Motion):
         return columns | ({"lost [J]": self.lost} if self.lost.any() else {})
 
 
-def as_run(problem: SimulationProblem, path: Path, points: int | None, began: float, sensitivity: float | None = None) -> Run:
-    """The states of a path, closed and checked; those of fixed steps may have any energy error."""
+def as_run(problem: SimulationProblem, trajectory: Trajectory, points: int | None, began: float, sensitivity: float | None = None) -> Run:
+    """The states of a trajectory, closed and checked; those of fixed steps may have any energy error."""
     driven = problem.driven
     press, several = driven.press, len(driven.inertias) > 1
     allowed = None if problem.step is not None else allowed_error(problem.tolerance)
-    times = np.linspace(0.0, problem.until, count_of(points, path.turns))
-    reading = path.read(times)
-    position, speed, acceleration = reading.position, reading.speed, reading.acceleration
+    times = np.linspace(0.0, problem.until, count_of(points, trajectory.turns))
+    sample = trajectory.at(times)
+    position, speed, acceleration = sample.position, sample.speed, sample.acceleration
     if len(position) == 1:
         motion = carried(press, position[0], speed[0], acceleration[0], times)
     else:
         motion = of_states(press, position, speed, acceleration, press.gaps(position), times, press.turns_until_back)
     kinetic, potential = reduced.energies(press, motion)
-    turning = speed[list(press.driver_indices)] if several else reading.own[None]
+    turning = speed[list(press.driver_indices)] if several else sample.drive_speed[None]
     kinetic = kinetic + 0.5 * driven.inertias @ turning**2
-    works = reading.ledgers[[DRIVE_WORK, LOAD_WORK, LOST]]
+    works = sample.integrals[[DRIVE_WORK, LOAD_WORK, LOST]]
     error = energy_error(kinetic, potential, *works)
     if not math.isfinite(float(error.max()) + float(acceleration.sum())):
         raise PinpressError(f"the motion of {press.name} is too fast for floating point: lower speeds and forces")
     size = energy_size(kinetic, potential, *works)
-    if allowed is not None and error.max() > allowed and error.max() > allowed + _rounding(driven, times, motion, reading.own) / size:
+    if (
+        allowed is not None
+        and error.max() > allowed
+        and error.max() > allowed + _rounding(driven, times, motion, sample.drive_speed) / size
+    ):
         worst = int(error.argmax())
         raise SimulationError(UNBALANCED, float(times[worst]), float(np.ravel(motion.crank_angle[worst])[0]))
     if several:
         torque = _torques(driven, turning)
-        reading = reading._replace(torque=torque.T.copy(), own=turning.T.copy())
+        sample = sample._replace(drive_torque=torque.T.copy(), drive_speed=turning.T.copy())
     else:
-        laws.confirm(driven.drive, times, motion.crank_angle, reading.own, reading.torque)
+        laws.confirm(driven.drive, times, motion.crank_angle, sample.drive_speed, sample.drive_torque)
     stats = Stats(
         method=problem.equations,
-        solvers=path.solvers,
-        steps=path.steps,
-        evaluations=path.evaluations,
+        solvers=trajectory.solvers,
+        steps=trajectory.steps,
+        evaluations=trajectory.evaluations,
         wall_time=clock.perf_counter() - began,
         closure_error=float(motion.closure_error.max()),
         energy_error=float(error.max()),
         sensitivity=sensitivity,
     )
-    return _with(problem, path, motion, stats, reading)
+    return _with(problem, trajectory, motion, stats, sample)
 
 
 def energy_error(kinetic: Array, potential: Array, drive_work: Array, load_work: Array, lost: Array) -> Array:
@@ -174,12 +178,20 @@ def _torques(driven: DrivenPress, speed: Array) -> Array:
     return torque
 
 
-def _with(problem: SimulationProblem, path: Path, motion: Motion, stats: Stats, reading: Reading) -> Run:
+def _with(problem: SimulationProblem, trajectory: Trajectory, motion: Motion, stats: Stats, sample: Sample) -> Run:
     kept = {field.name: getattr(motion, field.name) for field in fields(Motion) if field.init}
-    ledgers = dict(zip(LEDGERS, reading.ledgers, strict=True))
-    for array in (reading.torque, reading.own, *ledgers.values()):
+    integrals = dict(zip(INTEGRALS, sample.integrals, strict=True))
+    for array in (sample.drive_torque, sample.drive_speed, *integrals.values()):
         array.setflags(write=False)
-    run = Run(**kept, stats=stats, drive_torque=reading.torque, drive_speed=reading.own, **ledgers, problem=problem, path=path)
+    run = Run(
+        **kept,
+        stats=stats,
+        drive_torque=sample.drive_torque,
+        drive_speed=sample.drive_speed,
+        **integrals,
+        problem=problem,
+        trajectory=trajectory,
+    )
     object.__setattr__(run, "_closed_as", motion._closed_as)
     return run
 

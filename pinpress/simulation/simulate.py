@@ -33,10 +33,10 @@ from ..kinematics.configurations import refuse_far
 from ..linkage.linkage import Linkage
 from ..loads import caller_laws
 from ..loads.link import Load
-from . import angle_solver as turning
 from . import batch as scenarios
 from . import law_trials as laws
-from .batch import Runs
+from .angle_solver import MOST_PERIODS
+from .batch import RunBatch
 from .driven_press import DrivenPress, driven_press, listed, press_with_drives
 from .mesh import Indices
 from .run import Run, allowed_error, as_run, count_of
@@ -81,7 +81,7 @@ def simulate(
     step: float | None = ...,
     tolerance: float = ...,
     progress: Callable[[float], None] | None = ...,
-) -> Run | Runs: ...
+) -> Run | RunBatch: ...
 @typed
 def simulate(
     press: Linkage,
@@ -98,7 +98,7 @@ def simulate(
     step: float | None = None,
     tolerance: float = 1e-11,
     progress: Callable[[float], None] | None = None,
-) -> Run | Runs:
+) -> Run | RunBatch:
     """Let a press run.
 
     Args:
@@ -114,7 +114,7 @@ def simulate(
         progress: called with the time reached [s], now and then; not for arrays of scenarios.
 
     Scenarios at once: ``speed`` and the parameters of drive, flywheel and loads that their classes declare ``per_scenario`` may be arrays
-    (S,); `Runs` come back.
+    (S,); `RunBatch` come back.
 
     A linkage with several drivers takes (drivers,) of ``speed`` and ``angle``, and drives (of torque by speed alone) and flywheels by the
     names of the drivers' joints; its method is "auto" or "constraint".
@@ -209,7 +209,7 @@ def _scenarios(
     points: int | None,
     step: float | None,
     tolerance: float,
-) -> Runs:
+) -> RunBatch:
     """Many scenarios; arguments as of `simulate`."""
     given = finite_numbers(speed)
     if given is None or given.shape not in ((), (count,)):
@@ -257,8 +257,8 @@ def _alone(
 
 def _refuse_long(speeds: Array, until: float, angle: float) -> None:
     """Raise SimulationError where the run would be too long to be kept."""
-    if not float(np.abs(speeds).max()) * until <= 2 * np.pi * turning.MOST_PERIODS:
-        raise SimulationError(f"at this speed the crank makes more than {turning.MOST_PERIODS} turns: simulate in parts", 0.0, angle)
+    if not float(np.abs(speeds).max()) * until <= 2 * np.pi * MOST_PERIODS:
+        raise SimulationError(f"at this speed the crank makes more than {MOST_PERIODS} turns: simulate in parts", 0.0, angle)
 
 
 def _start(press: Linkage, name: str, value: ArrayLike) -> Array:

@@ -15,14 +15,12 @@ from ..common.arrays import Array
 from ..common.errors import SimulationError
 from ..kinematics.motion import carried, cycle
 from ..loads.caller_laws import LawError
-from . import angle_segments as turned
-from . import angle_solver as turning
-from . import mesh_refinement as resolution
-from .angle_segments import Resting, State
+from .angle_solver import AngleSegment, AngleSolver
+from .collocation import LEAST
 from .driven_press import DrivenPress, not_positive, too_slow
 from .hybrid_system import HybridSystem, Mode, begin
 from .reduced_model import INERTIA, POTENTIAL, ReducedDynamics
-from .trajectory import LEDGERS, Path, Segment
+from .trajectory import INTEGRALS, RepetitionSegment, Segment, StandstillSegment, State, Trajectory
 
 if TYPE_CHECKING:
     from .time_solver import TimeSegment
@@ -80,7 +78,7 @@ class Solver(Protocol):
         """Follow the press from a state, behind the segments found before, as far as this solver serves."""
 
 
-def march(problem: SimulationProblem, progress: Progress | None = None) -> Path:
+def march(problem: SimulationProblem, progress: Progress | None = None) -> Trajectory:
     """Follow the press to the end: each time the first solver of the ladder goes on that does not refuse.
 
     Raises:
@@ -91,13 +89,13 @@ def march(problem: SimulationProblem, progress: Progress | None = None) -> Path:
         _least_inertia(driven, needed=True)
     ladder = _ladder(problem, progress)
     segments: list[Segment] = []
-    state: State | None = State(0.0, float(problem.angle[0]), float(problem.speed[0]), np.zeros(len(LEDGERS)))
+    state: State | None = State(0.0, float(problem.angle[0]), float(problem.speed[0]), np.zeros(len(INTEGRALS)))
     while state is not None:
         solver = next(solver for solver in ladder if not solver.refuses(state))
         leg = solver.advance(state, segments)
         segments += leg.segments
         state = leg.state
-    return Path(segments)
+    return Trajectory(segments)
 
 
 def _ladder(problem: SimulationProblem, progress: Progress | None) -> tuple[Solver, ...]:
@@ -132,13 +130,14 @@ class OverAngle:
 
     def advance(self, state: State, before: Sequence[Segment]) -> Leg:
         problem, driven = self.problem, self.problem.driven
-        found, stop = turning.run(driven, driven.model, driven.edges, state, problem.until, 0.1 * problem.tolerance, self.progress)
+        solver = AngleSolver(driven, state, problem.until, 0.1 * problem.tolerance)
+        stop = solver.run(self.progress)
         if stop is None:
-            return Leg(found, None)
-        if stop.held and not driven.forces and not before:  # in equilibrium, if an unstable one
-            return Leg([*found, Resting(stop.at, problem.until)], None)
-        self.stopped = stop.at
-        return Leg(found, stop.at)
+            return Leg(solver.segments, None)
+        if stop.at_rest and not driven.forces and not before:  # in equilibrium, if an unstable one
+            return Leg([*solver.segments, StandstillSegment(stop.state, problem.until)], None)
+        self.stopped = stop.state
+        return Leg(solver.segments, stop.state)
 
 
 class OverTime:
@@ -190,7 +189,7 @@ class OverTime:
             segments.append(segment)
             if segment.end >= problem.until:
                 return Leg(segments, None)
-            state = State(segment.end, float(y[0]), float(y[1]), y[-len(LEDGERS) :])
+            state = State(segment.end, float(y[0]), float(y[1]), y[-len(INTEGRALS) :])
             if followed is None or not followed.swung:
                 self.handed = state
                 return Leg(segments, state)
@@ -218,9 +217,9 @@ class _Followed:
 
 def _turning_energy(driven: DrivenPress, state: State, before: Sequence[Segment]) -> float:
     """Kinetic energy from which a crank that has stopped turns for sure [J]."""
-    states = (state, *(segment.last() for segment in before if isinstance(segment, turned.Turned)))
+    states = (state, *(segment.last() for segment in before if isinstance(segment, AngleSegment)))
     fastest = max(_energy(driven, s.angle, s.speed) for s in states)
-    return max(AGAIN * resolution.LEAST * fastest, LITTLE * float(np.ptp(driven.model.coefficients[:, POTENTIAL, 0])))
+    return max(AGAIN * LEAST * fastest, LITTLE * driven.model.potential_range)
 
 
 def _swinging(system: HybridSystem, segment: "TimeSegment", tolerance: float, until: float) -> "list[Segment] | None":
@@ -229,11 +228,11 @@ def _swinging(system: HybridSystem, segment: "TimeSegment", tolerance: float, un
     from . import time_solver as over_time  # imports SciPy's integrators
 
     begin, turn, again = segment.stops()[-3:]
-    reading = segment.read(np.array([begin, turn]), whole=False)
-    at, beyond = reading.position[0]
+    sample = segment.at(np.array([begin, turn]), complete=False)
+    at, beyond = sample.position[0]
     if at == beyond:  # it stands, but for rounding
         return None
-    mode, y = _begun(system, State(begin, float(at), 0.0, reading.ledgers[:, 0]))
+    mode, y = _begun(system, State(begin, float(at), 0.0, sample.integrals[:, 0]))
     scale = _sizes(system.driven, y)
     scale[:2] = abs(beyond - at), abs(beyond - at) * 2 * np.pi / (again - begin)
     followed = _Followed(system.driven, np.inf, 0.0, swings=True)
@@ -251,7 +250,7 @@ def _swinging(system: HybridSystem, segment: "TimeSegment", tolerance: float, un
         followed,
     )
     stops = swing.stops()
-    return [swing, turned.Repeated(Path([swing]), begin, stops[2], until)] if len(stops) > 2 else None
+    return [swing, RepetitionSegment(Trajectory([swing]), begin, stops[2], until)] if len(stops) > 2 else None
 
 
 class AllJointsOverTime:
@@ -274,7 +273,7 @@ class AllJointsOverTime:
         several = len(press.drivers) > 1
         first = cycle(press, angle=angle[None], speed=speed[None]) if several else carried(press, angle, speed)
         mode, states = begin(driven, state.angle, state.speed)
-        y = system.begin(first.joint_position[0], first.v[0], states, state.ledgers)
+        y = system.begin(first.joint_position[0], first.v[0], states, state.integrals)
         # sizes: of angles 1, of the speed that gravity gives them; travels count in lengths of the linkage
         rate = max(float(np.abs(speed).max()), math.sqrt(float(np.linalg.norm(press.model.gravity.linear)) / press.size)) or 1.0
         lengths = np.array([1.0 if axis.turns else press.size for axis in press.axes])
@@ -296,7 +295,7 @@ class AllJointsOverTime:
         return Leg([segment], None)
 
 
-def one_period(driven: DrivenPress, angle: float, start: Array, tolerance: float) -> tuple[Path, Array]:
+def one_period(driven: DrivenPress, angle: float, start: Array, tolerance: float) -> tuple[Trajectory, Array]:
     """A period of the reduced model over time, from a crank angle with speed and states of the drive (k,): its path, and these at its end.
 
     Raises:
@@ -308,7 +307,7 @@ def one_period(driven: DrivenPress, angle: float, start: Array, tolerance: float
     system = _reduced_system(driven)
     direction = 1.0 if start[0] > 0 else -1.0
     target, patience = angle + direction * driven.model.period, PATIENCE * driven.model.period / abs(float(start[0]))
-    y = system.begin(np.array([angle]), start[:1], tuple(start[1:].tolist()), np.zeros(len(LEDGERS)))
+    y = system.begin(np.array([angle]), start[:1], tuple(start[1:].tolist()), np.zeros(len(INTEGRALS)))
     mode, _ = begin(driven, angle, float(start[0]))
 
     def beyond(y: Array) -> bool:
@@ -327,13 +326,13 @@ def one_period(driven: DrivenPress, angle: float, start: Array, tolerance: float
         last, y = over_time.run(system, modes, since, at, end, tolerance, _sizes(driven, at), None, driven.breaks, explicit)
         segments = [stepped, last]
         end += float((target - y[0]) / y[1])
-    return Path(segments), y[1 : -len(LEDGERS)]
+    return Trajectory(segments), y[1 : -len(INTEGRALS)]
 
 
 def _begun(system: HybridSystem, state: State) -> tuple[Mode, Array]:
     """Mode of the couplings and the vector of a state of the crank."""
     mode, states = begin(system.driven, state.angle, state.speed)
-    return mode, system.begin(np.array([state.angle]), np.array([state.speed]), states, state.ledgers)
+    return mode, system.begin(np.array([state.angle]), np.array([state.speed]), states, state.integrals)
 
 
 def _reduced_system(driven: DrivenPress) -> HybridSystem:
@@ -352,7 +351,7 @@ def _sizes(driven: DrivenPress, y: Array) -> Array:
     least = max(float(inertia.min()), float(np.finfo(float).tiny))
     speed = max(abs(float(y[1])), math.sqrt(2 * float(np.ptp(potential)) / least)) or 1.0
     energy = 0.5 * float(np.abs(inertia).max()) * speed**2
-    return np.array([1.0, speed, *_of_states(driven, len(y) - 2 - len(LEDGERS), speed), energy, energy, np.inf, energy])
+    return np.array([1.0, speed, *_of_states(driven, len(y) - 2 - len(INTEGRALS), speed), energy, energy, np.inf, energy])
 
 
 def _of_states(driven: DrivenPress, count: int, speed: float) -> list[float]:

@@ -12,12 +12,12 @@ import numpy as np
 from ..common.arrays import Array
 from ..common.errors import SimulationError, caution
 from ..linkage.linkage import Linkage
-from .angle_segments import NEAR, Repeated, Resting, Turned, slow
+from .angle_solver import NEAR, AngleSegment, nearly_at_rest
 from .driven_press import DrivenPress
 from .hybrid_system import HOLDING
-from .reduced_model import INERTIA, POTENTIAL, WEIGHT, Table, tabulated
+from .reduced_model import INERTIA, POTENTIAL, WEIGHT, ReducedModel, tabulated
 from .solvers import SimulationProblem, march
-from .trajectory import Path
+from .trajectory import RepetitionSegment, StandstillSegment, Trajectory
 
 MOVED = 1e-6  # angle to both sides of a rest, at which it is seen whether it is stable [rad]
 PUSHED, CREEPING = 1e-4, 1e-9  # angle [rad] and speed [rad/s] of a press at rest that is pushed
@@ -26,7 +26,7 @@ ASTRAY = 1e3  # times the tolerance that a run may go astray
 LOST = np.pi  # difference of a run that ends in an error, where the other does not [rad]
 
 
-def start_sensitivity(problem: SimulationProblem, path: Path) -> float | None:
+def start_sensitivity(problem: SimulationProblem, path: Trajectory) -> float | None:
     """By how much more the crank angle goes astray in a run than its start is moved; None where it keeps clear of an unstable rest."""
     driven, until, tolerance = problem.driven, problem.until, problem.tolerance
     press = driven.press
@@ -36,17 +36,17 @@ def start_sensitivity(problem: SimulationProblem, path: Path) -> float | None:
         span = float(np.ptp(tabulated(press).coefficients[:, POTENTIAL, 0]))
     except SimulationError:  # its shafts do not come back together: no table
         return None
-    rest = next((segment for segment in path.segments if isinstance(segment, Resting)), None)
-    if rest is not None and _falls(driven, rest.at.angle):
+    rest = next((segment for segment in path.segments if isinstance(segment, StandstillSegment)), None)
+    if rest is not None and _falls(driven, rest.state.angle):
         caution(
-            f"the press rests at an unstable equilibrium from {rest.start:.6g} s on, at crank angle {np.degrees(rest.at.angle):.6g} deg:"
+            f"the press rests at an unstable equilibrium from {rest.start:.6g} s on, at crank angle {np.degrees(rest.state.angle):.6g} deg:"
             " it stays there as nothing pushes it, but the least push would send it down"
         )
         return None
     if not any(_beside_rest(press, segment, span) for segment in path.segments):
         return None
     times = np.linspace(0.0, until, LOOKS + 1)
-    start = path.read(times[:1]).position[_row(press, path)]
+    start = path.at(times[:1]).position[_row(press, path)]
     angle, inertia = _angles(press, path, times), float(tabulated(press).at(start)[0][INERTIA, 0])
     speed = max(float(np.abs(np.gradient(angle, times)).max()), float(np.sqrt(2 * span / (inertia + driven.inertia))))
     astray = 0.0
@@ -67,9 +67,9 @@ def start_sensitivity(problem: SimulationProblem, path: Path) -> float | None:
 
 def _beside_rest(press: Linkage, segment: Any, span: float) -> bool:
     """Whether the crank comes close to an unstable rest."""
-    if isinstance(segment, Turned):
+    if isinstance(segment, AngleSegment):
         return bool((_bend(tabulated(press), segment.slow) < 0).any())
-    if isinstance(segment, Resting | Repeated):
+    if isinstance(segment, StandstillSegment | RepetitionSegment):
         return False
     system, n = segment.system, segment.system.dynamics.size
     own = 0.0 if system.driven.clutch is not None else system.driven.inertia
@@ -88,7 +88,7 @@ def _beside_rest(press: Linkage, segment: Any, span: float) -> bool:
             moved[:n] = system.dynamics.moved(y[:n], by)[0] if by else y[:n]
             rate[by] = system.dynamics.of_crank(system.rates(modes, time, moved)[n : 2 * n])
         inertia = float(tabulated(press).at(y[[system.dynamics.crank]])[0][INERTIA, 0]) + own
-        if rate[MOVED] > rate[-MOVED] and slow(np.array(0.5 * inertia * speeds[k] ** 2), np.array(inertia * rate[0.0]), span):
+        if rate[MOVED] > rate[-MOVED] and nearly_at_rest(np.array(0.5 * inertia * speeds[k] ** 2), np.array(inertia * rate[0.0]), span):
             return True
     return False
 
@@ -100,15 +100,15 @@ def _falls(driven: DrivenPress, angle: float) -> bool:
     return bool(torques[0] < weight[0] and torques[1] > weight[1])
 
 
-def _bend(table: Table, angle: Array) -> Array:
+def _bend(table: ReducedModel, angle: Array) -> Array:
     """Second derivative (n,) of the potential energy by the crank angle (n,): negative where a rest is unstable [N m]."""
     return np.asarray(table.at(angle)[1][WEIGHT])
 
 
-def _row(press: Linkage, path: Path) -> int:
-    return press.driver_indices[0] if path.read(np.zeros(1), False).position.shape[0] > 1 else 0
+def _row(press: Linkage, path: Trajectory) -> int:
+    return press.driver_indices[0] if path.at(np.zeros(1), False).position.shape[0] > 1 else 0
 
 
-def _angles(press: Linkage, path: Path, times: Array) -> Array:
-    angles: Array = path.read(times, False).position[_row(press, path)]
+def _angles(press: Linkage, path: Trajectory, times: Array) -> Array:
+    angles: Array = path.at(times, False).position[_row(press, path)]
     return angles

@@ -1,7 +1,8 @@
 """The steady state of a loaded press: the periodic motion, found directly.
 
 Where all depends on crank angle and speed, the kinetic energy over a period is solved for with the condition that it ends as it began (see
-`over_angle.flow`). A drive with states of its own is followed over periods, and Newton's method finds the speed and states that come back.
+`collocation.solve`). A drive with states of its own is followed over periods, and Newton's method finds the speed and states that come
+back.
 """
 
 from __future__ import annotations
@@ -22,20 +23,19 @@ from ..linkage.linkage import Linkage
 from ..loads import caller_laws
 from ..loads.caller_laws import LawError
 from ..loads.link import Load
-from . import angle_segments as turned
 from . import batch as scenarios
-from . import collocation as over_angle
+from . import collocation
 from . import law_trials as laws
-from . import mesh as panels
-from . import mesh_refinement as resolution
 from . import reduced_model as reduced
-from .angle_segments import State
+from .angle_solver import angle_segment
+from .collocation import cuts, interpolate_onto, stopping_panels
 from .driven_press import DrivenPress, driven_press, listed
 from .hybrid_system import begin
+from .mesh import build_mesh, mesh_borders
 from .run import Run, as_run, count_of
 from .simulate import tolerated
 from .solvers import SimulationProblem
-from .trajectory import LEDGERS, Path
+from .trajectory import INTEGRALS, State, Trajectory
 
 MOST_CUTS = 30
 PERIODS, MOST_PERIODS = 3, 60  # that a drive with states of its own is given to come near, and in all
@@ -94,39 +94,41 @@ def steady_state(
         if path is None:
             path = _over_time(driven, start, guess, tolerance)
         until = path.segments[-1].end
-        problem = SimulationProblem(driven, "reduced", np.array([start]), path.read(np.zeros(1), whole=False).speed[:, 0], until, tolerance)
+        problem = SimulationProblem(
+            driven, "reduced", np.array([start]), path.at(np.zeros(1), complete=False).speed[:, 0], until, tolerance
+        )
         return as_run(problem, path, points, began)
 
 
-def _over_angle(driven: DrivenPress, angle: float, speed: float, tolerance: float) -> Path | None:
+def _over_angle(driven: DrivenPress, angle: float, speed: float, tolerance: float) -> Trajectory | None:
     """The periodic solution over the crank angle, None where it is not found so: the drive may be too stiff, or there may be none."""
     table = driven.model
     assert table.period is not None
     direction = 1 if speed > 0 else -1
     inertia = float(table.at(np.array([angle]))[0][reduced.INERTIA, 0]) + driven.inertia
-    ends = panels.borders(table, driven.edges, angle, direction, table.period)
+    ends = mesh_borders(driven, angle, direction, table.period)
     near = _near(driven, ends, angle, speed)
     if near is None:
         return None
     energy = np.array([0.5 * inertia * near**2])
-    flow, guess = None, None
+    solution, guess = None, None
     for _ in range(MOST_CUTS):
-        grid = panels.grid(driven, table, angle, direction, ends)
-        guess = None if flow is None else resolution.carried(flow, grid)
+        mesh = build_mesh(driven, angle, direction, ends)
+        guess = None if solution is None else interpolate_onto(solution, mesh)
         if guess is None:  # the course of the speed matters: a drive may have no slope at the mean
-            guess = over_angle.flow(driven, grid, energy).energy
-        flow = over_angle.flow(driven, grid, energy, guess, periodic=True)
-        if resolution.stopping(flow).any() or not flow.ends[0, 0] > 0:
+            guess = collocation.solve(driven, mesh, energy).energy
+        solution = collocation.solve(driven, mesh, energy, guess, periodic=True)
+        if stopping_panels(solution).any() or not solution.ends[0, 0] > 0:
             return None
-        energy = flow.ends[0]
-        cuts = resolution.unresolved(flow, len(grid.kinds), 0.1 * tolerance, driven.corners)
-        if not len(cuts):
-            change = abs(float(flow.ends[-1, 0] - flow.ends[0, 0])) / float(flow.ends.max())
+        energy = solution.ends[0]
+        coarse = cuts(solution, len(mesh.kinds), 0.1 * tolerance, driven.corners)
+        if not len(coarse):
+            change = abs(float(solution.ends[-1, 0] - solution.ends[0, 0])) / float(solution.ends.max())
             if not change < COMES_BACK:
                 return None
-            state = State(0.0, angle, float(direction * np.sqrt(2 * energy[0] / inertia)), np.zeros(len(LEDGERS)))
-            return Path([turned.turned(driven, table, flow, len(grid.kinds), state)])
-        ends = np.sort(np.concatenate([ends, cuts]))
+            state = State(0.0, angle, float(direction * np.sqrt(2 * energy[0] / inertia)), np.zeros(len(INTEGRALS)))
+            return Trajectory([angle_segment(driven, solution, len(mesh.kinds), state)])
+        ends = np.sort(np.concatenate([ends, coarse]))
     return None
 
 
@@ -139,13 +141,13 @@ def _near(driven: DrivenPress, ends: Array, angle: float, speed: float) -> float
     """
     speeds = speed * SHARES
     for _ in range(CLOSER):
-        grid = panels.grid(driven, driven.model, angle, 1 if speed > 0 else -1, ends)
-        energies = 0.5 * (grid.inertia_ends[0] + driven.inertia) * speeds**2
-        flow = over_angle.flow(driven, grid, energies)
-        if flow.held:  # nothing depends on the speed: no speed is better than another
+        mesh = build_mesh(driven, angle, 1 if speed > 0 else -1, ends)
+        energies = 0.5 * (mesh.inertia_ends[0] + driven.inertia) * speeds**2
+        solution = collocation.solve(driven, mesh, energies)
+        if solution.speed_free:  # nothing depends on the speed: no speed is better than another
             raise _none(speed)
-        good = np.flatnonzero(~resolution.stopping(flow).any(axis=0))
-        gained = (flow.ends[-1] - energies)[good]
+        good = np.flatnonzero(~stopping_panels(solution).any(axis=0))
+        gained = (solution.ends[-1] - energies)[good]
         found = np.flatnonzero((gained[:-1] > 0) & (gained[1:] <= 0))
         if not len(found):
             return None
@@ -154,7 +156,7 @@ def _near(driven: DrivenPress, ends: Array, angle: float, speed: float) -> float
     return float(speeds[len(speeds) // 2])
 
 
-def _over_time(driven: DrivenPress, angle: float, speed: float, tolerance: float) -> Path:
+def _over_time(driven: DrivenPress, angle: float, speed: float, tolerance: float) -> Trajectory:
     """The periodic solution of speed and the drive's states over time: a few periods to come near, then Newton's method on what a period
     makes of them."""
     from .solvers import one_period  # imports SciPy's integrators

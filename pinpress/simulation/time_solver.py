@@ -20,7 +20,7 @@ from ..common.arrays import Array
 from ..common.errors import PinpressError, SimulationError
 from .hybrid_system import HybridSystem, Modes, Switch
 from .radau import RadauIIA, slopes
-from .trajectory import LEDGERS, Reading
+from .trajectory import INTEGRALS, Sample
 
 EXPLICIT, IMPLICIT, FIXED, BY_STIFFNESS = "explicit", "implicit", "fixed step", "by stiffness"
 WINDOW = 5  # steps over which the pace of a method is measured, after as many in which it finds its step
@@ -140,20 +140,20 @@ class TimeSegment:
             for mode, end, piece in zip(self.modes, self.times, self.pieces, strict=True)
         )
 
-    def read(self, times: Array, whole: bool = True) -> Reading:
-        system, size, ledgers = self.system, self.system.dynamics.size, len(LEDGERS)
+    def at(self, times: Array, complete: bool = True) -> Sample:
+        system, size, integrals = self.system, self.system.dynamics.size, len(INTEGRALS)
         owner = np.clip(np.array(self.times).searchsorted(times, side="left"), 0, len(self.times) - 1)
         columns = np.empty((len(self.pieces[0](self.start)), len(times)))
         for k in np.unique(owner).tolist():
             mine = np.flatnonzero(owner == k)
             columns[:, mine] = self.pieces[k](times[mine])
         accelerations = np.empty((0, len(times)))
-        if whole:
+        if complete:
             columns[: 2 * size] = np.concatenate(system.dynamics.closed(columns[:size], columns[size : 2 * size]))
             rates = [system.rates(self.modes[k], float(times[i]), columns[:, i].copy()) for i, k in enumerate(owner.tolist())]
             accelerations = np.array(rates).T[size : 2 * size]
         driving = system.driving(times, columns)
-        return Reading(columns[:size], columns[size : 2 * size], accelerations, *driving, columns[-ledgers:])
+        return Sample(columns[:size], columns[size : 2 * size], accelerations, *driving, columns[-integrals:])
 
 
 def run(
@@ -277,7 +277,7 @@ def _integrator(
         return RungeKutta4(rates, time, y, until, step)
     first = None if first is None else min(first, until - time)
     if using == IMPLICIT and longest == math.inf:
-        return RadauIIA(rates, time, y, until, tolerance * scale, LEAST_RELATIVE, len(LEDGERS), scale, first)
+        return RadauIIA(rates, time, y, until, tolerance * scale, LEAST_RELATIVE, len(INTEGRALS), scale, first)
     more = {} if first is None else {"first_step": first}
     return DOP853(rates, time, y, until, max_step=longest, rtol=LEAST_RELATIVE, atol=tolerance * scale, **more)
 
@@ -336,7 +336,7 @@ class Pace:
 
 def _hopeless(integrator: OdeSolver, time: float, y: Array, scale: Array, until: float) -> str:
     """Why a run is given up, and what to do."""
-    size = len(y) - len(LEDGERS)
+    size = len(y) - len(INTEGRALS)
     jacobian = slopes(integrator.fun, time, y, integrator.f, scale[:size])[:size]
     swiftest = max(np.linalg.eigvals(jacobian), key=abs) if np.isfinite(jacobian).all() else 0.0
     if abs(swiftest.imag) > VIBRATING * abs(swiftest):
@@ -353,7 +353,7 @@ def _hopeless(integrator: OdeSolver, time: float, y: Array, scale: Array, until:
 
 def _swiftness(integrator: OdeSolver, time: float, y: Array, scale: Array) -> float:
     """The integrator's last step beside the shortest time constant of the motion."""
-    size = len(y) - len(LEDGERS)
+    size = len(y) - len(INTEGRALS)
     jacobian = slopes(integrator.fun, time, y, integrator.f, scale[:size])[:size]
     return float(integrator.step_size * np.abs(np.linalg.eigvals(jacobian)).max()) if np.isfinite(jacobian).all() else 1.0
 

@@ -1,4 +1,4 @@
-"""What a simulation went through, readable at any time: segments solved over the crank angle, and segments integrated over time."""
+"""What a simulation went through, readable at any time: a sequence of segments, each found by one solver."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -8,32 +8,52 @@ import numpy as np
 
 from ..common.arrays import Array
 
-LEDGERS = ("drive_work", "load_work", "motor_squared", "lost")
-"""What is summed up: work of the drive on the crank [J], work against the loads [J], motor torque squared over time [N2 m2 s], energy lost
-in clutch and brake [J]."""
-DRIVE_WORK, LOAD_WORK, MOTOR_SQUARED, LOST = range(len(LEDGERS))
+INTEGRALS = ("drive_work", "load_work", "motor_squared", "lost")
+"""What is summed up over time: work of the drive on the crank [J], work against the loads [J], motor torque squared [N2 m2 s], energy
+lost in clutch and brake [J]."""
+DRIVE_WORK, LOAD_WORK, MOTOR_SQUARED, LOST = range(len(INTEGRALS))
 
 
-class Reading(NamedTuple):
+class State(NamedTuple):
+    """Where a run has come to.
+
+    Attributes:
+        time: [s].
+        angle: of the crank [rad].
+        speed: of the crank [rad/s].
+        integrals: (4,) the `INTEGRALS` since the start of the run.
+    """
+
+    time: float
+    angle: float
+    speed: float
+    integrals: Array
+
+
+class Sample(NamedTuple):
     """States at n times.
 
     Attributes:
-        position, speed, acceleration: (size, n) of the crank alone, or of all joints.
-        torque: (n,) of the drive; motor: of its motor, at the motor's own shaft. own: (n,) speed of its side of the clutch [rad/s].
-        ledgers: (4, n).
+        position: (size, n) of the crank alone, or of all joints [rad or m].
+        speed: (size, n) [rad/s or m/s].
+        acceleration: (size, n) [rad/s2 or m/s2].
+        drive_torque: (n,) of the drive, at the driver joint [N m].
+        motor_torque: (n,) of its motor, at the motor's own shaft [N m].
+        drive_speed: (n,) of the drive's side of the clutch, at the driver joint [rad/s].
+        integrals: (4, n) the `INTEGRALS` since the start of the run.
     """
 
     position: Array
     speed: Array
     acceleration: Array
-    torque: Array
-    motor: Array
-    own: Array
-    ledgers: Array
+    drive_torque: Array
+    motor_torque: Array
+    drive_speed: Array
+    integrals: Array
 
 
 class Segment(Protocol):
-    """A part of a run, from one time to another."""
+    """A part of a run, from one time to another [s]."""
 
     @property
     def start(self) -> float: ...
@@ -58,13 +78,13 @@ class Segment(Protocol):
         """Since when the press stands at the end, held by loads [s]; None where it does not."""
         ...
 
-    def read(self, times: Array, whole: bool = True) -> Reading:
-        """States at times (n,) within the segment; where it is not needed ``whole``, without accelerations, and loops not closed anew."""
+    def at(self, times: Array, complete: bool = True) -> Sample:
+        """States at times (n,) within the segment; unless ``complete``, without accelerations, and with loops not closed anew."""
         ...
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Path:
+class Trajectory:
     """The segments of a run, one after the other."""
 
     segments: Sequence[Segment]
@@ -92,12 +112,75 @@ class Path:
         """Turns of the crank, those back counted too."""
         return sum(segment.travelled for segment in self.segments) / (2 * np.pi)
 
-    def read(self, times: Array, whole: bool = True) -> Reading:
-        """States at rising times (n,); where it is not needed ``whole``, without accelerations, and loops not closed anew."""
+    def at(self, times: Array, complete: bool = True) -> Sample:
+        """States at rising times (n,); unless ``complete``, without accelerations, and with loops not closed anew."""
         starts = np.array([segment.start for segment in self.segments])
         owner = np.clip(starts.searchsorted(times, side="right") - 1, 0, len(starts) - 1)
         cuts = np.flatnonzero(np.diff(owner)) + 1
-        parts = [self.segments[int(owner[part[0]])].read(times[part], whole) for part in np.split(np.arange(len(times)), cuts)]
-        if not whole:
+        parts = [self.segments[int(owner[part[0]])].at(times[part], complete) for part in np.split(np.arange(len(times)), cuts)]
+        if not complete:
             parts = [part._replace(acceleration=np.zeros((0, part.position.shape[1]))) for part in parts]
-        return Reading(*(np.concatenate(rows, axis=-1) for rows in zip(*parts, strict=True)))
+        return Sample(*(np.concatenate(rows, axis=-1) for rows in zip(*parts, strict=True)))
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class StandstillSegment:
+    """A press that stands.
+
+    Attributes:
+        state: in which it stands, and since when.
+        end: until when [s].
+    """
+
+    state: State
+    end: float
+    solvers = ("standstill",)
+    standing = None
+    steps = 0
+    evaluations = 0
+    travelled = 0.0
+
+    @property
+    def start(self) -> float:
+        return self.state.time
+
+    def at(self, times: Array, complete: bool = True) -> Sample:
+        none = np.zeros((1, len(times)))
+        return Sample(none + self.state.angle, none, none, none[0], none[0], none[0], self.state.integrals[:, None] + none)
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class RepetitionSegment:
+    """A press that swings to and fro between two stops under forces that do not depend on its speed, and repeats one swing.
+
+    Attributes:
+        swing: segments that have a whole swing in them.
+        first: when the crank stopped in one place [s].
+        start: when it stopped in the same place again, from which time on the swing is repeated [s].
+        end: of the repetition [s].
+    """
+
+    swing: Trajectory
+    first: float
+    start: float
+    end: float
+    solvers = ("repetition",)
+    standing = None
+    steps = 0
+    evaluations = 0
+
+    @property
+    def travelled(self) -> float:
+        swings = (self.end - self.start) / (self.start - self.first)
+        return swings * sum(segment.travelled for segment in self.swing.segments)
+
+    def at(self, times: Array, complete: bool = True) -> Sample:
+        period = self.start - self.first
+        swings = np.floor((times - self.first) / period)
+        within = np.clip(times - swings * period, self.first, self.start)
+        order = np.argsort(within, kind="stable")
+        back = np.argsort(order, kind="stable")
+        found = Sample(*(rows[..., back] for rows in self.swing.at(within[order], complete)))
+        squared = self.swing.at(np.array([self.first, self.start]), complete=False).integrals[MOTOR_SQUARED]
+        found.integrals[MOTOR_SQUARED] += swings * (squared[1] - squared[0])  # all work is given back
+        return found

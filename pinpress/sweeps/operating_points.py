@@ -27,7 +27,7 @@ from ..dynamics.inverse_dynamics import Reactions, inverse_dynamics
 from ..kinematics.motion import Motion, cycle
 from ..linkage.linkage import Linkage
 from ..loads.link import Load, PointForce, SpringDamper
-from ..loads.process import ProcessLoad, Stretch, TimeForce
+from ..loads.process import ForceInterval, ProcessLoad, TimeForce
 from .affine_extremes import Affine, largest
 from .operating_result import OperatingPoints
 
@@ -112,8 +112,8 @@ class _Multiplied:
     def datum(self) -> float | None:
         return self.load.datum
 
-    def stretches(self, downwards: bool) -> tuple[Stretch, ...]:
-        return tuple(replace(part, force=partial(_times, self.factor, part.force)) for part in self.load.stretches(downwards))
+    def intervals(self, downwards: bool) -> tuple[ForceInterval, ...]:
+        return tuple(replace(part, force=partial(_times, self.factor, part.force)) for part in self.load.intervals(downwards))
 
 
 def _times(factor: float, law: Callable[..., Any], *arguments: Any) -> Any:

@@ -21,7 +21,7 @@ from pinpress.cli import options as command_output
 from pinpress.cli import part_specs as scene_words
 from pinpress.cli import simulate as command_simulate
 from pinpress.drives.transmission import Geared, InductionMotor, InverterMotor, PrescribedSpeed, ServoMotor, SlipClutchMotor
-from pinpress.loads.process import Blanking, DeepDrawing, ElasticDie, ForceStroke, Idle, Piling
+from pinpress.loads.process import Blanking, ConstantForce, DeepDrawing, ElasticDie, ForceStroke, Idle
 from pinpress.simulation.summary import FIRST_STROKES, MOST_STROKES
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -205,8 +205,8 @@ def test_clutch_and_brake(capsys: pytest.CaptureFixture[str]) -> None:
         1.5,
         drive=motor(),
         flywheel=pp.drives.Flywheel(2000.0, speed=70 * pp.RPM),
-        clutch=pp.drives.Clutch(6e4, pp.drives.At(time=0.2), pp.drives.At(angle=angle), rise=0.1),
-        brake=pp.drives.Brake(4e4, pp.drives.At(angle=angle)),
+        clutch=pp.drives.Clutch(6e4, pp.drives.SwitchPoint(time=0.2), pp.drives.SwitchPoint(angle=angle), rise=0.1),
+        brake=pp.drives.Brake(4e4, pp.drives.SwitchPoint(angle=angle)),
     )
     agree(text, press, run, [])
     assert value(text, "Work", "lost") > 1000
@@ -297,7 +297,7 @@ def test_every_kind_of_load(files: dict[str, Path]) -> None:
     cases = {
         "idle": Idle(),
         "idle:datum=0.1": Idle(0.1),
-        "piling:force=1e6,height=0.0005": Piling(1e6, 0.0005),
+        "piling:force=1e6,height=0.0005": ConstantForce(1e6, 0.0005),
         "blanking:force=1e6,start=0.006,end=0.002,stripping=3e4,datum=-0.9": Blanking(1e6, 0.006, 0.002, 3e4, -0.9),
         "drawing:force=5e5,start=0.05": DeepDrawing(5e5, 0.05),
         f"table:file={files['force']}": ForceStroke([0.02, 0.001, 0.0], [0.0, 5e5, 6e5]),

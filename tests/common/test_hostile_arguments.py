@@ -47,7 +47,7 @@ MADE |= {
     "Modes",
     "MountedPress",
     "SpeedResponse",
-    "Stretch",
+    "ForceInterval",
 }
 MADE |= {"TradeOffCurve", "Trial", "RotorUnbalance", "presses"}
 
@@ -73,7 +73,7 @@ def test_what_was_wrong_once():
                 ("trade_off", "points", "whole"),
                 ("foundation.Frame", "mass", "beyond"),
                 ("drives.InductionMotor", "poles", "span"),
-                ("loads.Piling", "force", "masked"),
+                ("loads.ConstantForce", "force", "masked"),
                 ("simulate", "points", "span"),
                 ("balance", "minimise", "[]"),
                 ("simulate", "progress", "library class"),

@@ -14,7 +14,7 @@ from support.texts import without_mass
 import pinpress as pp
 from pinpress.drives import transmission as drives
 from pinpress.loads import process as loads
-from pinpress.loads.process import Stretch
+from pinpress.loads.process import ForceInterval
 
 pytestmark = pytest.mark.usefixtures("time_limit")
 
@@ -51,15 +51,15 @@ class Own:
 
 
 class Push:
-    """A load by ``law`` (height, velocity) on a stretch, on the way down."""
+    """A load by ``law`` (height, velocity) on an interval, on the way down."""
 
     datum: float | None = None
 
     def __init__(self, law, upper=0.15, lower=0.05):
         self.law, self.upper, self.lower = law, upper, lower
 
-    def stretches(self, downwards):
-        return (Stretch(self.upper, self.lower, self.law),) if downwards else ()
+    def intervals(self, downwards):
+        return (ForceInterval(self.upper, self.lower, self.law),) if downwards else ()
 
 
 class Hysteresis:
@@ -173,11 +173,11 @@ def test_a_load_that_depends_on_more_than_it_declares(press, method, name):
 
 def test_stretches_that_move(press, method):
     class Moving(Push):
-        def stretches(self, downwards):
+        def intervals(self, downwards):
             self.upper += 0.001
-            return super().stretches(downwards)
+            return super().intervals(downwards)
 
-    with pytest.raises(pp.PinpressError, match=r"Moving: stretches\(True\) differ"):
+    with pytest.raises(pp.PinpressError, match=r"Moving: intervals\(True\) differ"):
         pp.simulate(press, 0.2, loads=[Moving(lambda h, v: 10.0 + 0.0 * h)], method=method, **START)
 
 
@@ -360,10 +360,10 @@ def test_a_load_that_answers_what_is_no_force(press, motion, what):
 
 def test_a_load_without_stretches(press, motion):
     class Broken(Push):
-        def stretches(self, downwards):
+        def intervals(self, downwards):
             raise KeyError("no such table")
 
-    with pytest.raises(pp.PinpressError, match=r"Broken: stretches\(True\) cannot be worked out: KeyError: 'no such table'"):
+    with pytest.raises(pp.PinpressError, match=r"Broken: intervals\(True\) cannot be worked out: KeyError: 'no such table'"):
         pp.inverse_dynamics(press, motion, [Broken(None)])
 
 

@@ -167,7 +167,7 @@ IN_MM = {
     "blanking": loads.Blanking(1e5, 10.0, 5.0),
     "blanking, thin": loads.Blanking(1e5, 0.9, 0.4),
     "table": loads.ForceStroke([0.0, 10.0, 20.0], [0.0, 1e5, 2e5]),
-    "piling, datum": loads.Piling(1e5, 0.008, datum=-500.0),
+    "piling, datum": loads.ConstantForce(1e5, 0.008, datum=-500.0),
     "datum": loads.DeepDrawing(1e5, 0.02, datum=-500.0),
 }
 
@@ -210,7 +210,7 @@ def test_loads_on_the_stroke_are_never_warned_of(height, thin, datum):
     given = [
         loads.Blanking(1e3, height, thin * height, datum=place),
         loads.DeepDrawing(1e3, height, datum=place),
-        loads.Piling(1e3, height, datum=place),
+        loads.ConstantForce(1e3, height, datum=place),
         loads.ElasticDie(-height, 1e3, datum=place),
         loads.ElasticDie(50 * height, 1e3, datum=place),
         loads.ForceStroke([thin * height, height], [0.0, 1e3], datum=place),

@@ -10,7 +10,7 @@ import pytest
 import pinpress as pp
 from pinpress import foundation
 from pinpress.drives import transmission as drives
-from pinpress.drives.protocol import Plain
+from pinpress.drives.protocol import SpeedTorqueDrive
 from pinpress.kinematics import measures
 from pinpress.loads import process as loads
 
@@ -63,8 +63,8 @@ ENTRIES: dict[str, Callable[[Any], object]] = {
     "end of a spring": lambda v: under(pp.loads.SpringDamper("slide", "frame", 1.0, point2=v)),
     "friction": lambda v: pp.inverse_dynamics(press(), turn(), friction={"P": pp.loads.Friction(v, 0.1)}),
     "stiffness": lambda v: pp.inverse_dynamics(press(), turn(), stiffness={"P": v}),
-    "load": lambda v: loads.Piling(v, 0.01),
-    "height of a load": lambda v: loads.Piling(1.0, v),
+    "load": lambda v: loads.ConstantForce(v, 0.01),
+    "height of a load": lambda v: loads.ConstantForce(1.0, v),
     "heights of a table": lambda v: loads.ForceStroke(v, [1.0, 2.0, 3.0]),
     "forces of a table": lambda v: loads.ForceStroke([0.0, 0.1, 0.2], v),
     "force in time": lambda v: under(loads.TimeForce(lambda time: v)),
@@ -78,7 +78,7 @@ ENTRIES: dict[str, Callable[[Any], object]] = {
     "flywheel": lambda v: pp.drives.Flywheel(v),
     "torque": lambda v: pp.drives.ConstantTorque(v),
     "gear": lambda v: drives.Geared(pp.drives.ConstantTorque(1.0), v),
-    "switch": lambda v: pp.drives.At(time=v),
+    "switch": lambda v: pp.drives.SwitchPoint(time=v),
     "clutch": lambda v: pp.drives.Clutch(v),
     "speeds of operating points": lambda v: pp.sweeps.operating_points(press(), v),
     "forces of operating points": lambda v: pp.sweeps.operating_points(press(), [1.0], v, unit_load=[loads.DeepDrawing(1.0, 0.01)]),
@@ -122,7 +122,7 @@ def test_what_is_no_number_is_refused(entry):
 
 
 def test_a_law_that_answers_with_complex_or_masked_numbers_is_refused():
-    class Odd(Plain):
+    class Odd(SpeedTorqueDrive):
         def __init__(self, factor: Any) -> None:
             self.factor, self.inertia, self.rated_torque = factor, 0.0, None
 
@@ -136,7 +136,7 @@ def test_a_law_that_answers_with_complex_or_masked_numbers_is_refused():
 
 @pytest.mark.parametrize("inertia", [-1e-9, np.nan, np.inf])
 def test_the_inertia_of_a_callers_own_drive_is_not_negative(inertia):
-    class Own(Plain):
+    class Own(SpeedTorqueDrive):
         def __init__(self, inertia: Any) -> None:
             self.inertia, self.rated_torque = inertia, None
 

@@ -58,7 +58,7 @@ DIMENSIONS: dict[type, dict[str, tuple[int, int, int] | None]] = {
         "point2": LENGTH,
     },
     loads.Idle: {"datum": LENGTH},
-    loads.Piling: {"force": FORCE, "height": LENGTH, "datum": LENGTH},
+    loads.ConstantForce: {"force": FORCE, "height": LENGTH, "datum": LENGTH},
     loads.Blanking: {"force": FORCE, "start": LENGTH, "end": LENGTH, "stripping": FORCE, "datum": LENGTH},
     loads.DeepDrawing: {"force": FORCE, "start": LENGTH, "end": LENGTH, "datum": LENGTH},
     loads.ForceStroke: {"heights": LENGTH, "forces": FORCE, "datum": LENGTH},
@@ -106,7 +106,7 @@ DIMENSIONS: dict[type, dict[str, tuple[int, int, int] | None]] = {
         "lag": TIME,
         "inertia": INERTIA,
     },
-    couplings.At: {"time": TIME, "angle": PLAIN},
+    couplings.SwitchPoint: {"time": TIME, "angle": PLAIN},
     couplings.Clutch: {"torque": TORQUE, "closes": INSIDE, "opens": INSIDE, "rise": TIME},
     couplings.Brake: {"torque": TORQUE, "closes": INSIDE, "opens": INSIDE, "rise": TIME},
 }
@@ -115,7 +115,7 @@ DIMENSIONS: dict[type, dict[str, tuple[int, int, int] | None]] = {
 def test_no_field_is_left_out():
     """Of any load, drive, clutch or friction of the library."""
     public = {cls for room in (loads, drives, couplings, link, friction) for cls in vars(room).values() if dataclasses.is_dataclass(cls)}
-    inner = {loads.Stretch, engine_forces.AppliedForce, engine_friction.FrictionLaw}
+    inner = {loads.ForceInterval, engine_forces.AppliedForce, engine_friction.FrictionLaw}
     assert {cls for cls in public if cls.__module__.startswith("pinpress.") and cls not in inner} == set(DIMENSIONS)
     for cls, dimensions in DIMENSIONS.items():
         assert [field.name for field in fields(cls)] == list(dimensions)
@@ -153,7 +153,7 @@ SPRING = pp.loads.SpringDamper("frame", "slide", stiffness=2e5, damping=500.0, f
 LOADS = {
     "point force": pp.loads.PointForce("coupler", (100.0, 0.0, -50.0), (0.1, 0.0, 0.2)),
     "spring": SPRING,
-    "piling": loads.Piling(1e4, 0.05),
+    "piling": loads.ConstantForce(1e4, 0.05),
     "blanking": loads.Blanking(3e4, 0.04, -0.01, stripping=5e3),
     "drawing": loads.DeepDrawing(3e4, 0.05),
     "table": loads.ForceStroke([0.0, 0.02, 0.06], [2e4, 1e4, 0.0]),
@@ -238,8 +238,8 @@ DRIVES = {
 SCENES: dict[str, dict[str, object]] = {
     **{name: {"drive": drive} for name, drive in DRIVES.items()},
     **{name: {"loads": [load]} for name, load in LOADS.items() if name != "in time"},
-    "clutch": {"drive": DRIVES["torque"], "clutch": couplings.Clutch(2e3, closes=couplings.At(time=0.05), rise=0.02)},
-    "brake": {"brake": couplings.Brake(2e3, closes=couplings.At(angle=3.6), rise=0.02)},
+    "clutch": {"drive": DRIVES["torque"], "clutch": couplings.Clutch(2e3, closes=couplings.SwitchPoint(time=0.05), rise=0.02)},
+    "brake": {"brake": couplings.Brake(2e3, closes=couplings.SwitchPoint(angle=3.6), rise=0.02)},
 }
 
 

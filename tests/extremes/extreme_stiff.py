@@ -14,9 +14,9 @@ from scipy.integrate import quad, solve_ivp
 from scipy.optimize import brentq
 
 import pinpress as pp
-from pinpress.drives.protocol import Plain
+from pinpress.drives.protocol import SpeedTorqueDrive
 from pinpress.drives.transmission import ConstantTorque, ServoMotor
-from pinpress.loads.process import Stretch
+from pinpress.loads.process import ForceInterval
 
 MECHANISM = CrankSlide()
 GROUP = "Stiff forces for 2 s: runs"
@@ -26,7 +26,7 @@ ALLOWED = 1e-8  # rad at the end, of steps that err by 1e-11
 
 
 @dataclass(frozen=True)
-class SpeedLaw(Plain):
+class SpeedLaw(SpeedTorqueDrive):
     """Torque gain x (wanted speed - speed)."""
 
     gain: float
@@ -39,7 +39,7 @@ class SpeedLaw(Plain):
 
 
 @dataclass(frozen=True)
-class Rubbing(Plain):
+class Rubbing(SpeedTorqueDrive):
     """A torque less friction that passes through zero within the speed ``sharp``."""
 
     push: float
@@ -60,8 +60,8 @@ class GuideFriction:
     sharp: float
     datum: float = 0.0
 
-    def stretches(self, downwards: bool) -> tuple[Stretch, ...]:
-        return (Stretch(math.inf, -math.inf, self.force),)
+    def intervals(self, downwards: bool) -> tuple[ForceInterval, ...]:
+        return (ForceInterval(math.inf, -math.inf, self.force),)
 
     def force(self, height: Any, velocity: Any) -> Any:
         return -self.friction * np.tanh(velocity / self.sharp) + 0.0 * height

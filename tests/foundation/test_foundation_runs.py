@@ -11,7 +11,7 @@ import pinpress as pp
 from pinpress import PinpressError, foundation
 
 FLYWHEEL = pp.drives.Flywheel(136.0)
-PILING = pp.loads.Piling(force=1e5, height=4.86e-5)
+PILING = pp.loads.ConstantForce(force=1e5, height=4.86e-5)
 BED, CROWN = foundation.Frame(8000, (0, 0, -1.0), (3000, 2500, 3000)), foundation.Frame(7000, (0, 0.1, 0.4), (2500, 2000, 2500))
 MOUNTS = on_four((1e7, 1e7, 1e9), height=-1.3, loss_factor=0.15)
 
@@ -63,7 +63,7 @@ def test_flywheel_behind_a_slipping_clutch_is_refused():
         0.02,
         0.0,
         flywheel=pp.drives.Flywheel(136.0, speed=30.0),
-        clutch=pp.drives.Clutch(torque=2000.0, closes=pp.drives.At(time=0.0)),
+        clutch=pp.drives.Clutch(torque=2000.0, closes=pp.drives.SwitchPoint(time=0.0)),
         points=21,
     )
     system = foundation.mounted(press, *uneven())

@@ -131,13 +131,13 @@ def test_of_equal_dead_centres_the_first(folder):
 
 def test_bottom_dead_centre_of_loads(press):
     """Heights of process loads, in simulations too, are above the lowest point of all turns."""
-    from pinpress.loads.process import Piling
+    from pinpress.loads.process import ConstantForce
     from pinpress.loads.protocol import datum
     from pinpress.simulation.driven_press import _turning_points
 
     lowest = -peak(-everywhere(press).motion.slide_position)
-    assert abs(datum(Piling(1.0, 0.1), press) - lowest) < PARABOLA
-    assert abs(_turning_points(press, Piling(1.0, 0.1))[0] - lowest) < PARABOLA
+    assert abs(datum(ConstantForce(1.0, 0.1), press) - lowest) < PARABOLA
+    assert abs(_turning_points(press, ConstantForce(1.0, 0.1))[0] - lowest) < PARABOLA
 
 
 # What is read off the states
@@ -313,7 +313,7 @@ def test_ratings_of_a_press_that_is_geared_down(driven):
 
 def test_ratings_of_a_stroke_over_two_turns(folder):
     """Forces all the way down against inverse dynamics: what is permitted there just reaches a capacity."""
-    from pinpress.loads.process import Piling
+    from pinpress.loads.process import ConstantForce
     from pinpress.ratings.capacities import Capacities
     from pinpress.ratings.rating import ratings
 
@@ -323,7 +323,7 @@ def test_ratings_of_a_stroke_over_two_turns(folder):
     np.testing.assert_allclose(found.crank_angle[[0, -1]], [ends.top_angle, ends.bottom_angle], atol=1e-12)
     assert abs(found.height[0] - ends.stroke) < 1e-14
     for k in (5, 12, 17):
-        loads = [Piling(float(found.force[k]), 1.0)]
+        loads = [ConstantForce(float(found.force[k]), 1.0)]
         there = pp.inverse_dynamics(press, pp.cycle(press, SPEED, angle=found.crank_angle[k : k + 1]), loads)
         reached = {"torque": abs(there.driving_torque[0]) / 800.0, "bearing S": np.linalg.norm(there.bearing_force["S"]) / 5e5}
         assert abs(max(reached.values()) - 1) < 1e-9

@@ -100,7 +100,7 @@ def test_vibration_over_all_turns(press):
 def test_vibration_of_a_run_that_is_steady(name, folder):
     press = period_presses.repeating(name, folder)
     drive = pp.drives.InductionMotor(5e3, 40.0)
-    loads = [pp.loads.Piling(2e3, 0.02)]
+    loads = [pp.loads.ConstantForce(2e3, 0.02)]
     run = pp.steady_state(press, 39.5, drive=drive, flywheel=pp.drives.Flywheel(30.0), loads=loads, points=721)
     assert abs(abs(run.crank_angle[-1] - run.crank_angle[0]) - 2 * np.pi * TURNS[name]) < 1e-9
     system = foundation.mounted(press, *uneven())

@@ -2,7 +2,7 @@
 
 Source of the load cases: Zhang 2007, 5.7. The closed forms here use no pinpress: heights and slopes of the slide over the crank angle, and
 integrals of the laws by hand. Torques and works are compared to 1e-11 of their peaks, which leaves a hundred roundings of a position of
-0.3 m in a stretch of 5 mm.
+0.3 m in an interval of 5 mm.
 """
 
 import math
@@ -17,7 +17,7 @@ from support.texts import load, shipped
 
 import pinpress as pp
 from pinpress.loads import process as loads
-from pinpress.loads.process import Blanking, DeepDrawing, ElasticDie, ForceStroke, Idle, Piling, Stretch, TimeForce, step
+from pinpress.loads.process import Blanking, ConstantForce, DeepDrawing, ElasticDie, ForceInterval, ForceStroke, Idle, TimeForce, step
 
 ENGINES = ("plane", "pinocchio")
 SPEED = 300 * pp.RPM
@@ -28,7 +28,7 @@ TABLE = ForceStroke([0.012, 0.007, 0.004, 0.001], [0.0, 8e5, 3e5, 1.2e6])
 # one of every kind and branch
 LOADS: dict[str, Any] = {
     "idle": Idle(),
-    "piling": Piling(2e5, 0.003),
+    "piling": ConstantForce(2e5, 0.003),
     "blanking": BLANKING,
     "stripping": Blanking(FORCE, START, END, stripping=1e5),
     "drawing": DRAWING,
@@ -278,7 +278,7 @@ def test_at_rest_the_way_is_up(sense):
     middle = FORCE * math.sin(np.pi / 4)
     assert down - idle == pytest.approx(np.array([0, 0, 0, 0, -middle] if sense > 0 else [0, 0, 0, -middle, 0]), abs=1e-3)
     assert up - idle == pytest.approx(np.array([1e5, 1e5, 1e5, 1e5, 0] if sense > 0 else [1e5, 1e5, 1e5, 0, 1e5]), abs=1e-6)
-    held = pp.cycle(press, 0.0, angle=[angle_at(0.0075)])  # at rest within the stretch
+    held = pp.cycle(press, 0.0, angle=[angle_at(0.0075)])  # at rest within the interval
     torques = [pp.inverse_dynamics(press, held, given).driving_torque[0] for given in ([], [BLANKING])]
     assert torques[0] == torques[1]
 
@@ -287,8 +287,8 @@ def test_at_rest_the_way_is_up(sense):
 
 
 def at(load, downwards, height, velocity):
-    """Force of a load by its stretches, at one height."""
-    found = [stretch for stretch in load.stretches(downwards) if stretch.lower < height <= stretch.upper]
+    """Force of a load by its intervals, at one height."""
+    found = [interval for interval in load.intervals(downwards) if interval.lower < height <= interval.upper]
     assert len(found) <= 1  # disjoint
     force = found[0].force(height, velocity) if found else 0.0
     return np.maximum(force, 0.0) if found and found[0].one_sided else force
@@ -310,7 +310,7 @@ def test_stretches_for_numbers(name, downwards):
 
 # loads of one magnitude, or one a scenario
 SCENARIOS: dict[str, Any] = {
-    "piling": (lambda f: Piling(f, 0.003)),
+    "piling": (lambda f: ConstantForce(f, 0.003)),
     "stripping": (lambda f: Blanking(f, START, END, stripping=0.1 * f)),
     "drawing": (lambda f: DeepDrawing(f, START)),
     "table": (lambda f: ForceStroke([0.0, 0.004, 0.012], np.multiply.outer([1.0, 2.0, 0.5], f))),
@@ -323,14 +323,14 @@ SCENARIOS: dict[str, Any] = {
 def test_scenarios(name, downwards):
     """Magnitudes (S,) give at any heights (..., S), and at one height, what S loads give one by one."""
     make, magnitudes = SCENARIOS[name], np.array([1e5, 0.0, 4e5]) + 1.0
-    together = make(magnitudes).stretches(downwards)
-    alone = [make(float(magnitude)).stretches(downwards) for magnitude in magnitudes]
-    assert [len(stretches) for stretches in alone] == [len(together)] * 3
+    together = make(magnitudes).intervals(downwards)
+    alone = [make(float(magnitude)).intervals(downwards) for magnitude in magnitudes]
+    assert [len(intervals) for intervals in alone] == [len(together)] * 3
     rng = np.random.default_rng(1)
-    for k, stretch in enumerate(together):
-        low, high = max(stretch.lower, 0.0), stretch.upper
+    for k, interval in enumerate(together):
+        low, high = max(interval.lower, 0.0), interval.upper
         heights, velocities = rng.uniform(low, high, (4, 5, 3)), rng.normal(size=(4, 5, 3))
-        force = stretch.force(heights, velocities)
+        force = interval.force(heights, velocities)
         expected = np.array(
             [
                 [[alone[s][k].force(float(heights[i, j, s]), float(velocities[i, j, s])) for s in range(3)] for j in range(5)]
@@ -338,12 +338,12 @@ def test_scenarios(name, downwards):
             ]
         )
         close(force, expected, 1e-14)
-        close(stretch.force(0.5 * (low + high), -0.2), np.array([one[k].force(0.5 * (low + high), -0.2) for one in alone]), 1e-14)
+        close(interval.force(0.5 * (low + high), -0.2), np.array([one[k].force(0.5 * (low + high), -0.2) for one in alone]), 1e-14)
         assert alone[0][k].force(heights, velocities).shape == heights.shape
 
 
 def test_quarter_and_half_sine_at_marked_points():
-    (blanking,), (drawing,) = BLANKING.stretches(True), DRAWING.stretches(True)
+    (blanking,), (drawing,) = BLANKING.intervals(True), DRAWING.intervals(True)
     assert (blanking.upper, blanking.lower, drawing.upper, drawing.lower) == (START, END, START, 0.0)
     assert blanking.force(START, -1.0) == 0.0
     assert blanking.force(END, -1.0) == FORCE
@@ -351,7 +351,7 @@ def test_quarter_and_half_sine_at_marked_points():
     assert drawing.force(END, -1.0) == FORCE
     assert drawing.force(START - START / 6, -1.0) == pytest.approx(FORCE / 2, rel=1e-14)
     assert abs(drawing.force(0.0, -1.0)) < 1e-9
-    assert BLANKING.stretches(False) == DRAWING.stretches(False) == ()
+    assert BLANKING.intervals(False) == DRAWING.intervals(False) == ()
 
 
 def test_piling_pulse():
@@ -363,9 +363,9 @@ def test_piling_pulse():
     assert height == pytest.approx(4.86e-5, rel=2e-3)
     angles = SPEED * window * np.array([-1.001, -0.999, -0.5, 0.5, 0.999, 1.001])
     turning = pp.cycle(press, SPEED, angle=angles)
-    results = [pp.inverse_dynamics(press, turning, given).bearing_force["P4"][:, 2] for given in ([Piling(1e5, height)], [])]
+    results = [pp.inverse_dynamics(press, turning, given).bearing_force["P4"][:, 2] for given in ([ConstantForce(1e5, height)], [])]
     assert results[0] - results[1] == pytest.approx(np.array([0, -1e5, -1e5, -1e5, -1e5, 0]), abs=1e-6)
-    assert Piling(1e5, 0.0).stretches(True) == Piling(1e5, 0.0).stretches(False) == ()
+    assert ConstantForce(1e5, 0.0).intervals(True) == ConstantForce(1e5, 0.0).intervals(False) == ()
 
 
 def test_table_is_linear_interpolation_in_any_order():
@@ -376,18 +376,18 @@ def test_table_is_linear_interpolation_in_any_order():
         assert [at(table, True, height, -1.0) for height in some] == pytest.approx(np.interp(some, heights, forces), rel=1e-12, abs=1e-7)
         assert [at(table, True, h, -1.0) for h in heights[1:]] == pytest.approx(forces[1:], rel=1e-12)
         assert at(table, True, heights[-1] + 1e-9, -1.0) == at(table, True, heights[0] - 1e-9, -1.0) == 0.0
-        assert table.stretches(False) == ()
-        assert len(table.stretches(True)) == 8
+        assert table.intervals(False) == ()
+        assert len(table.intervals(True)) == 8
     heights[0] = -1.0  # the caller's array is not the table's
-    assert ForceStroke([0.0, 1.0], [1.0, 2.0]).stretches(True)[0].lower == 0.0
-    assert table.stretches(True)[0].lower > -1.0
+    assert ForceStroke([0.0, 1.0], [1.0, 2.0]).intervals(True)[0].lower == 0.0
+    assert table.intervals(True)[0].lower > -1.0
 
 
 def test_die_never_pulls():
     die = ElasticDie(0.004, 2e8, 3e6)
-    (stretch,) = die.stretches(False)
-    assert stretch.one_sided
-    assert stretch.force(0.003, 0.3) < 0.0 == at(die, False, 0.003, 0.3)  # the damper alone would hold the slide down
+    (interval,) = die.intervals(False)
+    assert interval.one_sided
+    assert interval.force(0.003, 0.3) < 0.0 == at(die, False, 0.003, 0.3)  # the damper alone would hold the slide down
     assert at(die, True, 0.003, -0.3) == pytest.approx(2e8 * 0.001 + 3e6 * 0.3)
     press = shipped("jf75g_125")
     motion = pp.cycle(press, SPEED, points=720)
@@ -491,7 +491,7 @@ def test_linkage_that_locks_needs_a_datum(folder):
     motion = pp.cycle(press, angle=np.linspace(0.0, 0.2, 5), speed=1.0)
     with pytest.raises(pp.PinpressError, match=r"ElasticDie: drawn has no bottom dead centre .*; give datum=, a slide position \[m\]"):
         pp.inverse_dynamics(press, motion, [ElasticDie(0.1, 1e4)])
-    pp.inverse_dynamics(press, motion, [Idle(), Piling(1.0, 0.0)])  # no force, no datum
+    pp.inverse_dynamics(press, motion, [Idle(), ConstantForce(1.0, 0.0)])  # no force, no datum
     middle = float(motion.slide_position[2])
     idle, loaded = (pp.inverse_dynamics(press, motion, given).driving_torque for given in ([], [ElasticDie(1.0, 1e4, datum=middle)]))
     force = 1e4 * (1.0 + middle - motion.slide_position)
@@ -514,8 +514,8 @@ class Cushion:
     def __init__(self, force):
         self.force = force
 
-    def stretches(self, downwards):
-        return (Stretch(0.002, 0.0, self.force),)
+    def intervals(self, downwards):
+        return (ForceInterval(0.002, 0.0, self.force),)
 
 
 def test_load_of_the_callers_own():
@@ -535,9 +535,9 @@ def test_load_of_the_callers_own():
 
 @pytest.mark.parametrize("name", LOADS)
 def test_loads_can_be_sent_to_another_process(name):
-    stretches = pickle.loads(pickle.dumps(LOADS[name].stretches(True)))
+    intervals = pickle.loads(pickle.dumps(LOADS[name].intervals(True)))
     copied = pickle.loads(pickle.dumps(LOADS[name]))
-    for one, other, original in zip(stretches, copied.stretches(True), LOADS[name].stretches(True), strict=True):
+    for one, other, original in zip(intervals, copied.intervals(True), LOADS[name].intervals(True), strict=True):
         assert one.force(0.005, -0.1) == other.force(0.005, -0.1) == original.force(0.005, -0.1)
         assert (one.upper, one.lower, one.one_sided) == (original.upper, original.lower, original.one_sided)
 
@@ -551,15 +551,15 @@ NAN, INF = math.nan, math.inf
 @pytest.mark.parametrize(
     ("make", "problem"),
     [
-        (partial(Piling, -1.0, 0.001), "Piling: force is -1.0; give it not negative"),
-        (partial(Piling, NAN, 0.001), "Piling: force is nan; give finite numbers"),
-        (partial(Piling, 1.0, -0.001), "Piling: height is -0.001; give the height above bottom dead centre"),
-        (partial(Piling, 1.0, INF), "Piling: height is inf"),
-        (partial(Piling, 1.0, [0.1, 0.2]), r"Piling: height has shape \(2,\); give one number"),
-        (partial(Piling, 1.0, None), "Piling: height is None"),
-        (partial(Piling, [], 0.1), r"Piling: force has shape \(0,\)"),
-        (partial(Piling, [[1.0]], 0.1), r"Piling: force has shape \(1, 1\)"),
-        (partial(Piling, True, 0.1), "Piling: force is True"),
+        (partial(ConstantForce, -1.0, 0.001), "ConstantForce: force is -1.0; give it not negative"),
+        (partial(ConstantForce, NAN, 0.001), "ConstantForce: force is nan; give finite numbers"),
+        (partial(ConstantForce, 1.0, -0.001), "ConstantForce: height is -0.001; give the height above bottom dead centre"),
+        (partial(ConstantForce, 1.0, INF), "ConstantForce: height is inf"),
+        (partial(ConstantForce, 1.0, [0.1, 0.2]), r"ConstantForce: height has shape \(2,\); give one number"),
+        (partial(ConstantForce, 1.0, None), "ConstantForce: height is None"),
+        (partial(ConstantForce, [], 0.1), r"ConstantForce: force has shape \(0,\)"),
+        (partial(ConstantForce, [[1.0]], 0.1), r"ConstantForce: force has shape \(1, 1\)"),
+        (partial(ConstantForce, True, 0.1), "ConstantForce: force is True"),
         (partial(Idle, datum="top"), "Idle: datum is 'top'; give finite numbers"),
         (partial(Idle, datum=NAN), "Idle: datum is nan"),
         (partial(Blanking, "1 MN", 0.01, 0.005), "Blanking: force is '1 MN'; give finite numbers"),
@@ -638,7 +638,7 @@ def test_bad_load_of_inverse_dynamics():
     with pytest.raises(pp.PinpressError, match="TimeForce: force is 'strong'; give finite numbers"):
         pp.inverse_dynamics(press, motion, [TimeForce(lambda time: "strong")])
     with pytest.raises(pp.PinpressError, match="give a PointForce, a SpringDamper, a process load"):
-        pp.inverse_dynamics(press, motion, [Piling])
+        pp.inverse_dynamics(press, motion, [ConstantForce])
     with pytest.raises(pp.PinpressError, match=r"loads is one Blanking: give a list, loads=\[...\]"):
         pp.inverse_dynamics(press, motion, BLANKING)
     with pytest.raises(pp.PinpressError, match="not finite"):

@@ -5,7 +5,7 @@ import pytest
 from support.texts import shipped
 
 import pinpress as pp
-from pinpress.loads.process import Blanking, Piling
+from pinpress.loads.process import Blanking, ConstantForce
 from pinpress.ratings.capacities import Capacities
 from pinpress.ratings.speed_limits import speed_limit
 
@@ -101,7 +101,7 @@ def test_a_torque_beside_the_capacities():
         speed_limit(press, Capacities(3e6, torque=3e4), torque=3e4)
 
 
-@pytest.mark.parametrize("load", [Piling(2e4, 0.01), Blanking(2e4, 0.02, 0.005)])
+@pytest.mark.parametrize("load", [ConstantForce(2e4, 0.01), Blanking(2e4, 0.02, 0.005)])
 def test_with_a_process_load(load):
     press, capacities = shipped("crank_slide"), Capacities(1e5, bearings={"W": 2.5e4}, torque=3e3)
     limit = speed_limit(press, capacities, loads=[load])
@@ -131,7 +131,7 @@ def test_errors():
     with pytest.raises(pp.PinpressError, match=f"bearing W is {at_rest:.6g} N at crank angle (90|270) deg at any speed, by weights, its"):
         speed_limit(press, Capacities(1e5, bearings={"W": 500.0}))
     with pytest.raises(pp.PinpressError, match="by weights and loads"):
-        speed_limit(press, Capacities(1e5, bearings={"W": 5e3}), loads=[Piling(2e4, 0.01)])
+        speed_limit(press, Capacities(1e5, bearings={"W": 5e3}), loads=[ConstantForce(2e4, 0.01)])
     with pytest.raises(pp.PinpressError, match="no bearing 'X'"):
         speed_limit(press, Capacities(1e5, bearings={"X": 5e3}))
     with pytest.raises(pp.PinpressError, match="depends on the slide's speed"):

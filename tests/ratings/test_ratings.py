@@ -12,7 +12,7 @@ from support.exploring import examples
 from support.texts import shipped
 
 import pinpress as pp
-from pinpress.loads.process import Piling
+from pinpress.loads.process import ConstantForce
 from pinpress.ratings.capacities import Capacities
 from pinpress.ratings.limits import largest_factor
 from pinpress.ratings.rating import ratings
@@ -41,7 +41,7 @@ def angle_of(above):
 def with_force(press, angle, speed, force, engine="auto"):
     """Reactions of a state with a process force, as a load on slide and frame."""
     motion = pp.cycle(press, speed=speed, angle=np.atleast_1d(angle), engine=engine)
-    loads = [Piling(force, 1e3)] if force else []
+    loads = [ConstantForce(force, 1e3)] if force else []
     return pp.inverse_dynamics(press, motion, loads, engine=engine)
 
 
@@ -239,7 +239,7 @@ def test_work_by_adaptive_quadrature():
 
     def power(angle):
         motion = pp.cycle(press, speed=1.0, angle=[angle])
-        idle, loaded = (pp.inverse_dynamics(press, motion, [Piling(f, 1e3)] if f else []) for f in (0.0, 1e6))
+        idle, loaded = (pp.inverse_dynamics(press, motion, [ConstantForce(f, 1e3)] if f else []) for f in (0.0, 1e6))
         rates[angle] = abs(motion.slide_velocity[0])
         torques[angle] = abs(loaded.driving_torque[0] - idle.driving_torque[0]) / 1e6
         forces[angle] = np.linalg.norm(loaded.bearing_force["B"][0] - idle.bearing_force["B"][0]) / 1e6

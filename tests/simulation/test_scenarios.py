@@ -20,8 +20,8 @@ from support.time_limit import within
 import pinpress as pp
 from pinpress.drives import transmission as drives
 from pinpress.loads import process as loads
-from pinpress.simulation import collocation as over_angle
-from pinpress.simulation.batch import Runs
+from pinpress.simulation import collocation
+from pinpress.simulation.batch import RunBatch
 
 pytestmark = pytest.mark.usefixtures("time_limit")
 
@@ -46,7 +46,7 @@ def alike(linkage, duration, build, values, which=None, **options):
     (S,) by name. Where a single run raises, the scenario must have its error, and rest where it stopped."""
     runs = pp.simulate(linkage, duration, **build(**{name: np.asarray(v, dtype=float) for name, v in values.items()}), **options)
     size = len(next(iter(values.values())))
-    assert isinstance(runs, Runs)
+    assert isinstance(runs, RunBatch)
     assert len(runs) == len(runs.errors) == size
     n = len(runs.time)
     assert runs.crank_angle.shape == runs.crank_speed.shape == (n, size)
@@ -131,11 +131,11 @@ BUILDS = {
         {"f": [1e6, 1e6, 0.0], "s": [0.0, 2e5, 1e5]},
     ),
     "drawing": (lambda f: blanked(None, loads=[loads.DeepDrawing(f, 0.012, 0.001)]), {"f": [1e5, 8e5]}),
-    "piling": (lambda f: blanked(None, loads=[loads.Piling(f, 5e-5)]), {"f": [0.0, 1e5, 2e6]}),
+    "piling": (lambda f: blanked(None, loads=[loads.ConstantForce(f, 5e-5)]), {"f": [0.0, 1e5, 2e6]}),
     "dies": (lambda k: blanked(None, loads=[loads.ElasticDie(0.002, k)]), {"k": [1e6, 1e8, 1e9]}),
     "damped dies": (lambda k, c: blanked(None, loads=[loads.ElasticDie(0.002, k, c)]), {"k": [1e7, 1e8], "c": [1e4, 2e5]}),
     "several loads": (
-        lambda f, p: blanked(None, loads=[loads.Blanking(f, 0.010, 0.005), loads.Piling(p, 0.002), loads.ElasticDie(0.001, 1e7)]),
+        lambda f, p: blanked(None, loads=[loads.Blanking(f, 0.010, 0.005), loads.ConstantForce(p, 0.002), loads.ElasticDie(0.001, 1e7)]),
         {"f": [0.0, 1e6], "p": [1e5, 1e4]},
     ),
     "all at once": (
@@ -186,7 +186,7 @@ def test_tables_of_force(press, size):
 )
 def test_one_scenario_is_still_an_array(press, change):
     runs = pp.simulate(press, 0.5, **blanked(press) | change)
-    assert isinstance(runs, Runs)
+    assert isinstance(runs, RunBatch)
     assert runs.crank_angle.shape == (121, 1)
     same(runs, 0, pp.simulate(press, 0.5, points=121, **blanked(press)))
 
@@ -203,7 +203,7 @@ def test_other_presses(name):
             "angle": 0.4,
             "flywheel": pp.drives.Flywheel(1000.0),
             "drive": pp.drives.ConstantTorque(500.0),
-            "loads": [loads.Piling(f, 0.004)],
+            "loads": [loads.ConstantForce(f, 0.004)],
         },
         {"speed": [fast, 1.1 * fast, -fast], "f": [1e4, 1e5, 3e4]},
     )
@@ -406,7 +406,7 @@ def test_arrays_are_read_only_and_times_are_even(three):
 
 def test_what_it_is_called(three):
     assert len(three) == 3
-    assert repr(three) == "<Runs: 3 scenarios, 41 states each>"
+    assert repr(three) == "<RunBatch: 3 scenarios, 41 states each>"
 
 
 def test_scenarios_one_after_the_other(three):
@@ -442,7 +442,7 @@ BAD = {
     "lengths": ({"speed": [30.0, 31.0], "flywheel": pp.drives.Flywheel(np.array([1.0, 2.0, 3.0]))}, "speed 2.*inertia 3"),
     "one and three": ({"speed": [30.0], "flywheel": pp.drives.Flywheel(np.array([1.0, 2.0, 3.0]))}, "speed 1.*inertia 3"),
     "lengths of loads": (
-        {"drive": pp.drives.ConstantTorque(np.ones(2)), "loads": [loads.Piling(np.ones(3), 0.01)]},
+        {"drive": pp.drives.ConstantTorque(np.ones(2)), "loads": [loads.ConstantForce(np.ones(3), 0.01)]},
         "value 2.*force 3",
     ),
     "angles": ({"speed": 30.0, "angle": [0.0, 1.0]}, "angle is an array"),
@@ -469,7 +469,7 @@ BAD = {
     "a number of loads": ({"loads": 3}, "loads"),
     "a prescribed speed": ({"drive": drives.PrescribedSpeed(30.0)}, "prescribes"),
     "loads at a prescribed speed": (
-        {"drive": drives.PrescribedSpeed(30.0), "speed": 30.0, "loads": [loads.Piling(np.ones(2), 0.01)]},
+        {"drive": drives.PrescribedSpeed(30.0), "speed": 30.0, "loads": [loads.ConstantForce(np.ones(2), 0.01)]},
         "prescribes",
     ),
     "too many turns": ({"duration": 1e6}, "turns"),
@@ -494,7 +494,7 @@ def test_bad_values_in_an_array():
     """Refused where drives and loads are made."""
     for wrong in (math.nan, -1.0):
         with pytest.raises(pp.PinpressError, match="force"):
-            loads.Piling(np.array([1.0, wrong]), 0.01)
+            loads.ConstantForce(np.array([1.0, wrong]), 0.01)
         with pytest.raises(pp.PinpressError, match="rated_power"):
             drives.InductionMotor(np.array([1.0, wrong]), 150.0)
     with pytest.raises(pp.PinpressError, match="inertia"):
@@ -603,7 +603,7 @@ def test_only_a_dataclass_declares_scenarios(press):
         per_scenario: ClassVar = {"datum": 0}
         datum = None
 
-        def stretches(self, downwards):
+        def intervals(self, downwards):
             return ()
 
     with pytest.raises(pp.PinpressError, match="Plain: per_scenario is for dataclasses"):
@@ -626,7 +626,7 @@ def test_a_scenario_whose_energy_does_not_balance_is_refused(press, monkeypatch)
     """Newton's method given up too early: torques that belong to other speeds, in one scenario much, in one a little. Alone they fare no
     better."""
     drive = drives.Geared(drives.InductionMotor(np.array([1e4, 3e4]), 1465 * RPM, inertia=0.1), 5.0)
-    monkeypatch.setattr(over_angle, "SETTLED", 1.0)
+    monkeypatch.setattr(collocation, "SETTLED", 1.0)
     runs = pp.simulate(press, 0.5, **blanked(press, speed=10.0, drive=drive, loads=[]))
     assert runs.errors[0] is None
     assert 1e-8 < runs.energy_error[0] < 1e-6

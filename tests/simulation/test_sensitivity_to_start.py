@@ -84,7 +84,11 @@ CLEAR = {
         "drive": drives.ServoMotor((0.0, 0.2, 0.4), (math.pi, math.pi, 4.0), 1e4, 1e3, 1e4, inertia=1.0),
     },
     "held at the top by a brake": {"angle": math.pi, "brake": pp.drives.Brake(500.0)},
-    "stopped by a brake": {"speed": 8.0, "flywheel": pp.drives.Flywheel(5.0), "brake": pp.drives.Brake(2000.0, pp.drives.At(time=0.05))},
+    "stopped by a brake": {
+        "speed": 8.0,
+        "flywheel": pp.drives.Flywheel(5.0),
+        "brake": pp.drives.Brake(2000.0, pp.drives.SwitchPoint(time=0.05)),
+    },
     "on a die": {"speed": 8.0, "flywheel": pp.drives.Flywheel(5.0), "loads": [loads.ElasticDie(0.02, 1e5)]},
 }
 

@@ -26,8 +26,7 @@ from pinpress.accuracy import scenes as accuracy_scenes
 from pinpress.accuracy.measurements import SPEED_LAW
 from pinpress.drives import transmission as drives
 from pinpress.loads import process as loads
-from pinpress.simulation import angle_solver as turning
-from pinpress.simulation import hybrid_system, reduced_model
+from pinpress.simulation import angle_solver, hybrid_system, reduced_model
 from pinpress.simulation import simulate as simulation
 from pinpress.simulation.driven_press import driven_press
 
@@ -278,7 +277,7 @@ DRAW = Window(0.010, 0.0, -1, lambda h, v: 1.25e6 * math.sin(math.pi * (0.010 - 
 
 # pinpress's load and the equation's windows
 CASES = {
-    "piling": (loads.Piling(6e5, 0.0021), [Window(0.0021, -1.0, 0, lambda h, v: 6e5)]),
+    "piling": (loads.ConstantForce(6e5, 0.0021), [Window(0.0021, -1.0, 0, lambda h, v: 6e5)]),
     "blanking": (LOADS["blanking_1250kN"], [BLANK]),
     "stripping": (loads.Blanking(1.25e6, 0.010, 0.005, stripping=1.5e5), [BLANK, Window(0.010, 0.005, 1, lambda h, v: -1.5e5)]),
     "drawing": (LOADS["drawing_1250kN"], [DRAW]),
@@ -385,7 +384,7 @@ def test_a_rebound_from_the_die(press, method):
 
 def test_swings_from_rest(press, method):
     """A cushion that pushes everywhere lets it swing about top dead centre; a load on the way down takes some of that at every swing."""
-    acting = [loads.Piling(2000.0, 0.05), loads.DeepDrawing(400.0, 0.020, 0.012)]
+    acting = [loads.ConstantForce(2000.0, 0.05), loads.DeepDrawing(400.0, 0.020, 0.012)]
     windows = [
         Window(0.05, -1.0, 0, lambda h, v: 2000.0),
         Window(0.020, 0.012, -1, lambda h, v: 400 * math.sin(math.pi * (0.020 - h) / 0.008)),
@@ -528,7 +527,7 @@ def driven(name, load):
     case = DRIVES[name]()
     given, windows = ([CASES[load][0]], CASES[load][1]) if load in CASES else ([], [])
     if name == "servo" and load in CASES:  # 5 kN m do not press 1250 kN
-        given, windows = [loads.Piling(8e4, 0.004)], [Window(0.004, -1.0, 0, lambda h, v: 8e4)]
+        given, windows = [loads.ConstantForce(8e4, 0.004)], [Window(0.004, -1.0, 0, lambda h, v: 8e4)]
     times = np.linspace(0.0, case.duration, 61)
     return case, given, equation.solve(times, case.speed, J0 + case.inertia, windows=windows, **case.options)
 
@@ -628,7 +627,7 @@ def close(run, angle, speed, lost=None, own=None):
 def test_a_clutch_joins_two_inertias(disc, method, second, rise):
     """J1 at 20 rad/s, J2 at another speed: 1/2 J1 J2 / (J1 + J2) dw^2 are lost, whatever the torque does on the way."""
     j1, first, torque, at = 5.0, 20.0, 90.0, 0.1
-    clutch = pp.drives.Clutch(torque, closes=pp.drives.At(time=at), rise=rise)
+    clutch = pp.drives.Clutch(torque, closes=pp.drives.SwitchPoint(time=at), rise=rise)
     run = spin(disc, method, 1.0, speed=second, flywheel=pp.drives.Flywheel(j1, speed=first), clutch=clutch)
     both, difference = j1 * J2 / (j1 + J2), first - second
     sign, end = math.copysign(1, difference), (j1 * first + J2 * second) / (j1 + J2)
@@ -679,7 +678,7 @@ def test_a_clutch_opens(disc, method):
         speed=3.0,
         drive=pp.drives.ConstantTorque(100.0),
         flywheel=pp.drives.Flywheel(1.0),
-        clutch=pp.drives.Clutch(80.0, opens=pp.drives.At(time=0.2)),
+        clutch=pp.drives.Clutch(80.0, opens=pp.drives.SwitchPoint(time=0.2)),
     )
     speed = lambda t: 3 + 25 * np.minimum(t, 0.2)  # noqa: E731
     angle = lambda t: 3 * t + 12.5 * np.minimum(t, 0.2) ** 2 + 5 * np.clip(t - 0.2, 0, None)  # noqa: E731
@@ -691,7 +690,7 @@ def test_a_clutch_opens(disc, method):
 def test_a_brake(disc, method, speed, rise):
     """It stops the disc in closed form, and holds it."""
     torque, at = 60.0, 0.15
-    run = spin(disc, method, 1.5, speed=speed, brake=pp.drives.Brake(torque, closes=pp.drives.At(time=at), rise=rise))
+    run = spin(disc, method, 1.5, speed=speed, brake=pp.drives.Brake(torque, closes=pp.drives.SwitchPoint(time=at), rise=rise))
     stop = at + J2 * abs(speed) / torque + rise / 2  # longer than the rise
     assert at + rise < stop < 1.4
 
@@ -720,7 +719,7 @@ def test_a_brake_against_a_drive(disc, method, torque, holds):
 
 
 def test_a_brake_opens(disc, method):
-    run = spin(disc, method, 0.5, drive=pp.drives.ConstantTorque(40.0), brake=pp.drives.Brake(60.0, opens=pp.drives.At(time=0.2)))
+    run = spin(disc, method, 0.5, drive=pp.drives.ConstantTorque(40.0), brake=pp.drives.Brake(60.0, opens=pp.drives.SwitchPoint(time=0.2)))
     since = lambda t: np.clip(t - 0.2, 0, None)  # noqa: E731
     close(run, lambda t: 40 / J2 * since(t) ** 2 / 2, lambda t: 40 / J2 * since(t), lost=lambda t: 0 * t)
 
@@ -728,14 +727,14 @@ def test_a_brake_opens(disc, method):
 def test_a_single_stroke(disc, method):
     """The clutch takes the disc along, opens after a turn, and the brake stops it there; the flywheel turns on."""
     j1, first, torque, turn = 50.0, 20.0, 600.0, 2 * math.pi
-    clutch = pp.drives.Clutch(torque, closes=pp.drives.At(time=0.05), opens=pp.drives.At(angle=turn))
+    clutch = pp.drives.Clutch(torque, closes=pp.drives.SwitchPoint(time=0.05), opens=pp.drives.SwitchPoint(angle=turn))
     run = spin(
         disc,
         method,
         1.0,
         flywheel=pp.drives.Flywheel(j1, speed=first),
         clutch=clutch,
-        brake=pp.drives.Brake(300.0, closes=pp.drives.At(angle=turn)),
+        brake=pp.drives.Brake(300.0, closes=pp.drives.SwitchPoint(angle=turn)),
         points=101,
     )
     both = j1 * J2 / (j1 + J2)
@@ -755,7 +754,7 @@ def test_a_single_stroke(disc, method):
 def test_braking_a_press(press, method):
     """The JF75G-125 in the exact equation: while it slips, a brake is a constant torque against the motion."""
     at, torque = 0.1, 20_000.0
-    run = zhang(press, 0.5, brake=pp.drives.Brake(torque, closes=pp.drives.At(time=at)), points=101, method=method)
+    run = zhang(press, 0.5, brake=pp.drives.Brake(torque, closes=pp.drives.SwitchPoint(time=at)), points=101, method=method)
     solution = equation.solve(run.time, W0, J0, torque=lambda t, q, w, s: M0 - (torque if t > at else 0.0), instants=[at])
     stop, angle = next((time, angle) for time, angle, speed in solution.crossings if speed == 0)
     moving = run.time < stop
@@ -813,7 +812,7 @@ def test_a_clutch_that_slips_again(press):
 def test_inverse_dynamics_gives_the_torque_back(press, method, name):
     """The torque that the motion takes is that of the drive, less what accelerates flywheel and rotor."""
     case = DRIVES[name]()
-    work = [loads.Piling(8e4, 0.004)]
+    work = [loads.ConstantForce(8e4, 0.004)]
     run = zhang(press, case.duration, speed=case.speed, drive=case.drive, loads=work, points=61, method=method)
     for engine in ("plane", "pinocchio"):
         result = pp.inverse_dynamics(press, run, loads=work, engine=engine)
@@ -1017,9 +1016,9 @@ def test_a_run_in_two_parts(press, method):
 
 def test_a_run_of_more_turns_than_are_kept_is_refused_before_it_begins():
     """Of the fastest scenario, either way; a run of one turn less is none of these."""
-    most = 2 * math.pi * turning.MOST_PERIODS
+    most = 2 * math.pi * angle_solver.MOST_PERIODS
     for speeds, until in (([1.0, -most * (1 + 1e-9)], 1.0), ([0.0, 2.0], 0.5 * most * (1 + 1e-9))):
-        with pytest.raises(pp.SimulationError, match=f"more than {turning.MOST_PERIODS} turns") as caught:
+        with pytest.raises(pp.SimulationError, match=f"more than {angle_solver.MOST_PERIODS} turns") as caught:
             simulation._refuse_long(np.array(speeds), until, 0.7)
         assert (caught.value.time, caught.value.crank_angle) == (0.0, 0.7)
     simulation._refuse_long(np.array([-most * (1 - 1e-9), 1.0]), 1.0, 0.7)

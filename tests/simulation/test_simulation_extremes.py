@@ -27,7 +27,7 @@ from support.texts import shipped
 import pinpress as pp
 from pinpress.drives import transmission as drives
 from pinpress.loads import process as loads
-from pinpress.loads.process import Blanking, DeepDrawing, ElasticDie, Piling, Stretch
+from pinpress.loads.process import Blanking, ConstantForce, DeepDrawing, ElasticDie, ForceInterval
 
 METHODS = ("reduced", "constraint")
 CLOSE = 1e-7  # rad; of speeds times the speed
@@ -313,7 +313,7 @@ def test_a_start_on_an_edge_and_inside(press, method, place, speed):
     """Of a pile, with an elastic die of the same force at the lower edge in its place."""
     angle = at_height(place)
     for load, law, bound in (
-        (Piling(5e3, 0.05), pile(5e3), CLOSE),
+        (ConstantForce(5e3, 0.05), pile(5e3), CLOSE),
         (ElasticDie(0.05, 2e5, 1e3), die(0.05, 2e5, 1e3), CLOSE),
     ):
         result = run(press, 0.6, 1e-7, angle=angle, speed=speed, flywheel=pp.drives.Flywheel(20.0), loads=[load], method=method)
@@ -328,14 +328,14 @@ BOTH_WAYS = {"speed": 10.0, "angle": 2.0, "flywheel": pp.drives.Flywheel(50.0)}
 @pytest.mark.parametrize("edge", [0.2, 0.2 - 1e-12, 0.2 + 1e-12, 1e9])
 def test_a_pile_up_to_top_dead_centre_and_beyond(press, method, edge):
     """It pushes all the time: the slide weighs less. Beneath an edge 1e-12 m below the top it does but for 1e-5 rad."""
-    result = run(press, 1.2, **BOTH_WAYS, loads=[Piling(500.0, edge)], method=method)
+    result = run(press, 1.2, **BOTH_WAYS, loads=[ConstantForce(500.0, edge)], method=method)
     same(result, reference(1.2, 10.0, 2.0, 50.0, law=pile(500.0), edge=1.0))
 
 
 @pytest.mark.filterwarnings("ignore::pinpress.PinpressWarning")  # such extremes are warned of
 @pytest.mark.parametrize(
     "load",
-    [Blanking(5e3, 0.3, 0.25), Blanking(5e3, -0.1, -0.2), Blanking(5e3, 0.05, 0.02, datum=100.0), Piling(0.0, 0.05), loads.Idle()],
+    [Blanking(5e3, 0.3, 0.25), Blanking(5e3, -0.1, -0.2), Blanking(5e3, 0.05, 0.02, datum=100.0), ConstantForce(0.0, 0.05), loads.Idle()],
     ids=["above", "below", "far", "nothing", "idle"],
 )
 def test_loads_that_are_never_met(press, method, load):
@@ -355,7 +355,7 @@ def test_a_pulse_of_no_width(press, method, width, speed):
 @pytest.mark.parametrize("width", [1e-9, 1e-6])
 def test_a_pile_of_no_height(press, method, width):
     """About bottom dead centre it takes nothing on the whole; of 1e9 N the edges lie 1e-13 m off, as far as the table knows heights."""
-    result = run(press, 0.7, **BOTH_WAYS, loads=[Piling(1.0 / width, width)], method=method)
+    result = run(press, 0.7, **BOTH_WAYS, loads=[ConstantForce(1.0 / width, width)], method=method)
     assert abs(result.load_work[-1]) < 5e-13 / width + 1e-9
 
 
@@ -385,7 +385,7 @@ def test_edges_close_together(press, method, beside):
 @pytest.mark.parametrize("speed", [10.0, -10.0])
 def test_a_pile_of_any_force(press, method, force, speed):
     """1 GN throws the slide back within 15 us and 3 um; the reference knows the edge to 1e-16 m, and with it these times to 1e-9 s."""
-    result = run(press, 1.2, **(BOTH_WAYS | {"speed": speed}), loads=[Piling(force, 0.05)], method=method)
+    result = run(press, 1.2, **(BOTH_WAYS | {"speed": speed}), loads=[ConstantForce(force, 0.05)], method=method)
     same(result, reference(1.2, speed, 2.0, 50.0, law=pile(force), edge=0.05), 5e-7)
 
 
@@ -460,7 +460,9 @@ def test_a_brake_on_a_slope(press, method, share):
 
 @pytest.mark.parametrize("torque", [500.0, 1e6])
 @pytest.mark.parametrize("speed", [5.0, -5.0])
-@pytest.mark.parametrize("closes", [None, pp.drives.At(angle=1.0), pp.drives.At(time=0.0)], ids=["closed", "angle", "time"])
+@pytest.mark.parametrize(
+    "closes", [None, pp.drives.SwitchPoint(angle=1.0), pp.drives.SwitchPoint(time=0.0)], ids=["closed", "angle", "time"]
+)
 def test_braking_to_standstill(press, method, torque, speed, closes):
     """Closed from the start, where the crank is, or at that time: it takes the kinetic energy and the weights' work."""
     brake = pp.drives.Brake(torque, closes=closes)
@@ -473,7 +475,7 @@ def test_braking_to_standstill(press, method, torque, speed, closes):
 
 def test_a_brake_that_opens_again(press, method):
     """What follows is a fall from rest."""
-    brake = pp.drives.Brake(1e4, opens=pp.drives.At(time=0.5))
+    brake = pp.drives.Brake(1e4, opens=pp.drives.SwitchPoint(time=0.5))
     result = run(press, 1.5, angle=1.0, brake=brake, method=method, points=151)
     assert np.abs(result.crank_angle[:51] - 1.0).max() < 1e-12
     same(result, reference(1.0, angle=1.0))
@@ -482,7 +484,7 @@ def test_a_brake_that_opens_again(press, method):
 @pytest.mark.parametrize("angle", [1000.0, -1000.0])
 def test_an_angle_that_is_never_reached(press, method, angle):
     options = {"speed": 5.0, "angle": 1.0, "flywheel": pp.drives.Flywheel(3.0), "method": method}
-    same(run(press, 0.5, **options, brake=pp.drives.Brake(100.0, closes=pp.drives.At(angle=angle))), reference(0.5, 5.0, 1.0, 3.0))
+    same(run(press, 0.5, **options, brake=pp.drives.Brake(100.0, closes=pp.drives.SwitchPoint(angle=angle))), reference(0.5, 5.0, 1.0, 3.0))
 
 
 @pytest.mark.parametrize("own", [10.0, 0.0, -10.0])
@@ -512,7 +514,7 @@ def test_a_clutch_of_any_strength(press, method, torque):
         assert abs(result.lost[-1] - 0.5 * inertia(0.0) * 20.0 / both * 100.0) < 2e3 / torque * 20
         assert abs(result.drive_speed[-1] - result.crank_speed[-1]) < 1e-9
     motor = {"drive": DRIVES["induction"], "flywheel": pp.drives.Flywheel(20.0, speed=7.8), "speed": 0.0}
-    clutch = pp.drives.Clutch(torque, pp.drives.At(time=0.2), pp.drives.At(time=0.6), rise=0.01)
+    clutch = pp.drives.Clutch(torque, pp.drives.SwitchPoint(time=0.2), pp.drives.SwitchPoint(time=0.6), rise=0.01)
     same(run(press, 0.9, **motor, clutch=clutch, method=method), end(run(press, 0.9, **motor, clutch=clutch, method="reduced")), 1e-6)
 
 
@@ -536,7 +538,7 @@ def test_a_clutch_on_a_standing_flywheel(press, method):
         press,
         0.5,
         angle=2.0,
-        clutch=pp.drives.Clutch(1e3, pp.drives.At(time=0.2)),
+        clutch=pp.drives.Clutch(1e3, pp.drives.SwitchPoint(time=0.2)),
         flywheel=pp.drives.Flywheel(20.0, speed=0.0),
         method=method,
     )
@@ -615,7 +617,7 @@ def test_a_period_of_several_turns(loaded, method, ratio):
         '<axis xyz="0 -1 0"/><mimic joint="O" multiplier="RATIO"/></joint></robot>'
     )
     press = loaded(TEXT.replace("</robot>", shaft.replace("RATIO", str(ratio))))
-    scene = {"speed": 10.0, "flywheel": pp.drives.Flywheel(50.0), "loads": [Piling(2e3, 0.05)], "method": method}
+    scene = {"speed": 10.0, "flywheel": pp.drives.Flywheel(50.0), "loads": [ConstantForce(2e3, 0.05)], "method": method}
     if method == "reduced" and ratio == 0.7071:
         with pytest.raises(pp.SimulationError, match="use method='constraint'"):
             run(press, 1.5, **scene)
@@ -649,7 +651,7 @@ def test_durations_of_no_length(press, method, duration):
         {},
         {"loads": [Blanking(5e3, 0.05, 0.02)]},
         {"step": 1.0},
-        {"brake": pp.drives.Brake(10.0, pp.drives.At(time=duration / 2))},
+        {"brake": pp.drives.Brake(10.0, pp.drives.SwitchPoint(time=duration / 2))},
     ):
         result = run(press, duration, speed=10.0, angle=5.5, method=method, **options)
         assert abs(result.crank_angle[-1] - 5.5 - 10.0 * duration) < 3e-14 + 1e4 * duration**2  # 5.5 has an ulp of 1e-15
@@ -723,7 +725,7 @@ def test_numbers_out_of_all_reason(press, method, name, value):
         pp.simulate(**({"press": press, "duration": 0.1, "speed": 1.0, "method": method} | {name: value}))
 
 
-THINGS = [True, 1.0, "1", object(), pp.drives.Flywheel, [1.0], [None], np.array([1.0]), Stretch(1.0, 0.0, lambda h, v: 0.0)]
+THINGS = [True, 1.0, "1", object(), pp.drives.Flywheel, [1.0], [None], np.array([1.0]), ForceInterval(1.0, 0.0, lambda h, v: 0.0)]
 
 
 NAMES_OF_THINGS = ("drive", "flywheel", "loads", "method", "clutch", "brake", "press", "progress")
@@ -748,7 +750,7 @@ class Load:
     def __init__(self, down=(), up=(), datum=None):
         self.ways, self.datum = {True: down, False: up}, datum
 
-    def stretches(self, downwards):
+    def intervals(self, downwards):
         return self.ways[downwards]
 
 
@@ -762,14 +764,14 @@ def drag(h, v):
 
 @pytest.mark.parametrize("law", [viscous, drag])
 def test_a_load_that_knows_speed_alone(press, method, law):
-    always = (Stretch(math.inf, -math.inf, law),)
+    always = (ForceInterval(math.inf, -math.inf, law),)
     result = run(press, 1.2, **BOTH_WAYS, loads=[Load(always, always)], method=method)
     same(result, reference(1.2, 10.0, 2.0, 50.0, law=law, edge=1.0))
 
 
 def test_friction_in_the_guide(press, method):
     """500 N against the slide's way, whichever that is: it loses 500 N times its way."""
-    down, up = (Stretch(math.inf, -math.inf, lambda h, v, sign=sign: 500.0 * sign + 0.0 * h) for sign in (1, -1))
+    down, up = (ForceInterval(math.inf, -math.inf, lambda h, v, sign=sign: 500.0 * sign + 0.0 * h) for sign in (1, -1))
     result = run(press, 1.2, **BOTH_WAYS, loads=[Load((down,), (up,))], method=method)
     turns = result.crank_angle // math.pi
     way = np.abs(result.slide_position - np.where(turns % 2 == 0, BOTTOM, BOTTOM + 2 * R)) + 2 * R * turns
@@ -781,14 +783,14 @@ def broken(*_):
 
 
 STRETCHES = {
-    "nan": [Stretch(0.05, 0.02, lambda h, v: h * math.nan)],
-    "infinite": [Stretch(0.05, 0.02, lambda h, v: h * 0 + math.inf)],
-    "error": [Stretch(0.05, 0.02, broken)],
-    "None": [Stretch(0.05, 0.02, lambda h, v: None)],
-    "text": [Stretch(0.05, 0.02, lambda h, v: "many")],
-    "upside down": [Stretch(0.02, 0.05, lambda h, v: h)],
-    "border nan": [Stretch(math.nan, 0.02, lambda h, v: h)],
-    "no stretches": [1.0],
+    "nan": [ForceInterval(0.05, 0.02, lambda h, v: h * math.nan)],
+    "infinite": [ForceInterval(0.05, 0.02, lambda h, v: h * 0 + math.inf)],
+    "error": [ForceInterval(0.05, 0.02, broken)],
+    "None": [ForceInterval(0.05, 0.02, lambda h, v: None)],
+    "text": [ForceInterval(0.05, 0.02, lambda h, v: "many")],
+    "upside down": [ForceInterval(0.02, 0.05, lambda h, v: h)],
+    "border nan": [ForceInterval(math.nan, 0.02, lambda h, v: h)],
+    "no intervals": [1.0],
     "not a tuple": 1.0,
 }
 
@@ -802,7 +804,9 @@ def test_broken_loads(press, method, name):
 @pytest.mark.parametrize("datum", ["x", math.nan, math.inf])
 def test_broken_datum(press, method, datum):
     with pytest.raises(pp.PinpressError, match="datum"):
-        pp.simulate(press, 1.0, **BOTH_WAYS, loads=[Load([Stretch(0.05, 0.02, lambda h, v: 1.0 + 0 * h)], datum=datum)], method=method)
+        pp.simulate(
+            press, 1.0, **BOTH_WAYS, loads=[Load([ForceInterval(0.05, 0.02, lambda h, v: 1.0 + 0 * h)], datum=datum)], method=method
+        )
 
 
 @pytest.mark.parametrize("force", [lambda t: t * math.nan, lambda t: None, broken], ids=["nan", "None", "error"])
@@ -949,7 +953,7 @@ def scene(seed):
     low, high = sorted(rng.uniform(0.02, 1.0, 2) * stroke)
     every = (
         Blanking(force, high, low, 0.1 * force),
-        Piling(force, low),
+        ConstantForce(force, low),
         DeepDrawing(force, high, low),
         ElasticDie(low, 3 * force / stroke),
         loads.ForceStroke([low, 0.5 * (low + high), high], [force, 0.5 * force, 0.0]),
@@ -963,7 +967,7 @@ def scene(seed):
     )
     chosen = [every[k] for k in rng.choice(len(every), rng.integers(0, 3), replace=False)]
     brake = (
-        pp.drives.Brake(torque, pp.drives.At(time=float(rng.uniform(0, 1 / abs(speed)))), rise=0.05 / abs(speed))
+        pp.drives.Brake(torque, pp.drives.SwitchPoint(time=float(rng.uniform(0, 1 / abs(speed)))), rise=0.05 / abs(speed))
         if rng.random() < 0.3
         else None
     )

@@ -18,7 +18,7 @@ from support.oracles.textbook_crank_slide import acceleration, lever, potential,
 import pinpress as pp
 from pinpress.drives import transmission as drives
 from pinpress.loads import process as loads
-from pinpress.loads.process import Stretch
+from pinpress.loads.process import ForceInterval
 
 pytestmark = pytest.mark.usefixtures("time_limit")
 
@@ -41,8 +41,8 @@ class Guide:
 
     datum = None
 
-    def stretches(self, downwards):
-        return (Stretch(math.inf, -math.inf, lambda h, v: (FRICTION if downwards else -FRICTION) + 0.0 * h),)
+    def intervals(self, downwards):
+        return (ForceInterval(math.inf, -math.inf, lambda h, v: (FRICTION if downwards else -FRICTION) + 0.0 * h),)
 
 
 class Rocking:

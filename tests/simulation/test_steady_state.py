@@ -201,7 +201,7 @@ def test_a_long_run_ends_in_the_steady_state(long_run, strokes, steady):
     """More than seventy strokes, each of which leaves a fifth of what the speed was off: period, speed along it, works."""
     assert len(strokes) == math.floor(long_run.crank_angle[-1] / 2 / math.pi) > 70
     last = strokes[-1]
-    read = long_run.path.read(last.start + steady.time * (last.duration / steady.time[-1]))
+    read = long_run.trajectory.at(last.start + steady.time * (last.duration / steady.time[-1]))
     np.testing.assert_allclose(read.speed[0], steady.crank_speed, rtol=1e-7)
     np.testing.assert_allclose(read.position[0] - read.position[0, 0], steady.crank_angle, rtol=0, atol=1e-7)
     assert last.duration == pytest.approx(steady.time[-1], rel=1e-7)
@@ -215,7 +215,7 @@ def test_power_balances_in_a_long_run(long_run, strokes):
     assert abs(strokes[0].drive_work / WORK - 1) > 0.5
     assert abs(strokes[-1].drive_work / WORK - 1) < 1e-6
     assert long_run.stats.energy_error < 1e-6
-    speeds = long_run.path.read(np.array([stroke.start for stroke in strokes])).speed[0]
+    speeds = long_run.trajectory.at(np.array([stroke.start for stroke in strokes])).speed[0]
     gained = 0.5 * (J0 + equation.coefficients(0.0).inertia) * np.diff(speeds**2)
     balance = [stroke.drive_work - stroke.load_work for stroke in strokes[:-1]]
     np.testing.assert_allclose(gained, balance, rtol=0, atol=1e-9 * ENERGY)
@@ -226,7 +226,7 @@ def test_a_long_run_ends_in_it_to_the_tolerance(press, steady):
     run = pp.simulate(press, 8.0, speed=SPEED, drive=slip_clutch(), flywheel=WHEEL, loads=[BLANK])
     last = pp.measures.strokes(run)[-1]
     assert last.duration == pytest.approx(steady.time[-1], rel=2e-10)
-    assert float(run.path.read(np.array([last.start])).speed[0, 0]) == pytest.approx(steady.crank_speed[0], rel=2e-10)
+    assert float(run.trajectory.at(np.array([last.start])).speed[0, 0]) == pytest.approx(steady.crank_speed[0], rel=2e-10)
 
 
 @pytest.mark.exhaustive
@@ -236,7 +236,7 @@ def test_a_long_run_with_a_lag(press):
     found = pp.steady_state(press, 30.0, slip_clutch(0.05), WHEEL, [BLANK])
     last = pp.measures.strokes(run)[-1]
     assert last.duration == pytest.approx(found.time[-1], rel=1e-9)
-    assert float(run.path.read(np.array([last.start])).speed[0, 0]) == pytest.approx(found.crank_speed[0], rel=1e-9)
+    assert float(run.trajectory.at(np.array([last.start])).speed[0, 0]) == pytest.approx(found.crank_speed[0], rel=1e-9)
 
 
 @pytest.mark.parametrize("name", ["induction", "lossy_induction", "inverter"])
@@ -248,7 +248,7 @@ def test_a_run_of_stiff_motors(press, name):
     found = pp.steady_state(press, SPEED, drive, WHEEL, [BLANK])
     last = pp.measures.strokes(run)[-1]
     assert last.duration == pytest.approx(found.time[-1], rel=1e-8)
-    assert float(run.path.read(np.array([last.start])).speed[0, 0]) == pytest.approx(found.crank_speed[0], rel=1e-8)
+    assert float(run.trajectory.at(np.array([last.start])).speed[0, 0]) == pytest.approx(found.crank_speed[0], rel=1e-8)
 
 
 # ------------------------------------------------------------------------------------------------------------------- other presses
@@ -303,8 +303,10 @@ def test_the_start_does_not_matter(press, name, angle):
     assert here.crank_angle[0] == pytest.approx(angle, rel=1e-14)
     assert here.time[-1] == pytest.approx(there.time[-1], rel=1e-10)
     assert here.motor_squared[-1] == pytest.approx(there.motor_squared[-1], rel=1e-8)
-    passed = brentq(lambda t: float(there.path.read(np.array([t])).position[0, 0]) - angle % (2 * math.pi), 0.0, there.time[-1], xtol=1e-15)
-    assert here.crank_speed[0] == pytest.approx(float(there.path.read(np.array([passed])).speed[0, 0]), rel=1e-10)
+    passed = brentq(
+        lambda t: float(there.trajectory.at(np.array([t])).position[0, 0]) - angle % (2 * math.pi), 0.0, there.time[-1], xtol=1e-15
+    )
+    assert here.crank_speed[0] == pytest.approx(float(there.trajectory.at(np.array([passed])).speed[0, 0]), rel=1e-10)
 
 
 @pytest.mark.parametrize("guess", [0.4, 0.8, 1.0, 1.3, 3.0])
@@ -616,7 +618,7 @@ def test_duty_of_a_constant_torque(press):
         assert duty.motor_rms == pytest.approx(100.0, rel=1e-9)
         assert duty.motor_peak == pytest.approx(100.0, rel=1e-12)
         assert duty.utilisation is None
-        turned = np.diff(run.path.read(np.array([start, 1.0 if end is None else end])).position[0])[0]
+        turned = np.diff(run.trajectory.at(np.array([start, 1.0 if end is None else end])).position[0])[0]
         assert duty.drive_work == pytest.approx(500 * turned, rel=1e-9)
         assert duty.mean_speed == pytest.approx(turned / duty.duration, rel=1e-12)
 
@@ -625,7 +627,7 @@ def test_strokes_make_up_the_run(long_run, strokes):
     """Each a turn long, one after the other; with what is left at the end their sums are the run's."""
     ends = np.array([stroke.start + stroke.duration for stroke in strokes])
     np.testing.assert_allclose([stroke.start for stroke in strokes[1:]], ends[:-1], rtol=1e-14)
-    np.testing.assert_allclose(long_run.path.read(ends).position[0], 2 * math.pi * np.arange(1, len(ends) + 1), rtol=0, atol=1e-9)
+    np.testing.assert_allclose(long_run.trajectory.at(ends).position[0], 2 * math.pi * np.arange(1, len(ends) + 1), rtol=0, atol=1e-9)
     rest = pp.measures.duty(long_run, float(ends[-1]))
     parts = [*strokes, rest]
     assert sum(part.duration for part in parts) == pytest.approx(long_run.time[-1], rel=1e-12)
@@ -696,7 +698,11 @@ def test_a_run_that_stands_still(textbook):
 def test_duty_of_a_brake_and_a_clutch(press):
     """What a clutch loses as it joins flywheel and press stands in the duty of that part."""
     run = pp.simulate(
-        press, 1.0, flywheel=pp.drives.Flywheel(J0, speed=30.0), clutch=pp.drives.Clutch(4e3, closes=pp.drives.At(time=0.2)), points=401
+        press,
+        1.0,
+        flywheel=pp.drives.Flywheel(J0, speed=30.0),
+        clutch=pp.drives.Clutch(4e3, closes=pp.drives.SwitchPoint(time=0.2)),
+        points=401,
     )
     before, after = pp.measures.duty(run, 0.0, 0.2), pp.measures.duty(run, 0.2)
     assert before.lost == 0.0
@@ -795,7 +801,7 @@ def test_strokes_of_a_run_that_turns_back(press):
     strokes = pp.measures.strokes(run)
     assert len(strokes) >= 4
     for one in strokes:
-        start, end = run.path.read(np.array([one.start, one.start + one.duration])).position[0]
+        start, end = run.trajectory.at(np.array([one.start, one.start + one.duration])).position[0]
         assert abs(abs(end - start) - 2 * math.pi) < 1e-8
     assert all(b.start >= a.start + a.duration - 1e-12 for a, b in itertools.pairwise(strokes))
 

@@ -61,7 +61,7 @@ def run():
 
 @cache
 def run_over_joints():
-    clutch = pp.drives.Clutch(torque=500.0, closes=pp.drives.At(time=0.01), rise=0.01)
+    clutch = pp.drives.Clutch(torque=500.0, closes=pp.drives.SwitchPoint(time=0.01), rise=0.01)
     return pp.simulate(press(), 0.05, SPEED, flywheel=pp.drives.Flywheel(20.0), clutch=clutch, method="constraint", points=10)
 
 
@@ -173,8 +173,8 @@ def made():
         *(
             pp.drives.Flywheel(2.0),
             pp.drives.ConstantTorque(3.0),
-            pp.drives.At(time=0.1),
-            pp.drives.Brake(10.0, pp.drives.At(time=0.1)),
+            pp.drives.SwitchPoint(time=0.1),
+            pp.drives.Brake(10.0, pp.drives.SwitchPoint(time=0.1)),
             pp.drives.Clutch(10.0),
         ),
         *(drives.InductionMotor(11e3, 150.0), drives.InverterMotor(70.0, 150.0, 30.0, curve=[(10.0, 70.0), (50.0, 60.0)])),
@@ -183,8 +183,15 @@ def made():
         *(FRAME, *MOUNTS[:1], mounted(), response(), foundation.modes(mounted()), foundation.RubberPad(0.1, 0.1, 0.01, hardness=50)),
         foundation.over_speeds(mounted(), [5.0, SPEED], {"head": (0.0, 0.0, 1.0)}),
         foundation.isolate(press(), FRAME, MOUNTS, [50.0, 60.0], 0.5),
-        *(DEEP, loads.ForceStroke([0.0, 0.1], [1e3, 2e3]), loads.TimeForce(even, edges=[0.1]), *DEEP.stretches(True)),
-        *(loads.Idle(), loads.Piling(1e5, 0.02), loads.Blanking(1e5, 0.02, 0.01), loads.ElasticDie(0.01, 1e7), ACCURACY, MEASUREMENT),
+        *(DEEP, loads.ForceStroke([0.0, 0.1], [1e3, 2e3]), loads.TimeForce(even, edges=[0.1]), *DEEP.intervals(True)),
+        *(
+            loads.Idle(),
+            loads.ConstantForce(1e5, 0.02),
+            loads.Blanking(1e5, 0.02, 0.01),
+            loads.ElasticDie(0.01, 1e7),
+            ACCURACY,
+            MEASUREMENT,
+        ),
         *(
             classical.as_crank_slider(press()),
             classical.unbalance(press(), "crank"),

@@ -309,7 +309,7 @@ def test_geometries_that_fail_are_refused():
 
 def test_what_is_not_known_exactly_is_refused():
     refused("constant PointForces", loads=[pp.loads.SpringDamper("frame", "slide", stiffness=1e3)])
-    refused("give datum=", loads=[pp.loads.Piling(1e3, 0.01)])
+    refused("give datum=", loads=[pp.loads.ConstantForce(1e3, 0.01)])
     refused("give a list", loads=pp.loads.PointForce("slide", (0, 0, 1)))
     refused("unknown method", method="best")
     two_point = texts.shipped("jf75g_125_two_point")

@@ -178,7 +178,7 @@ def _edges(loads: Sequence[ProcessLoad], at: Callable[[float], Reduced]) -> tupl
     bottom = at(dead).slide
     found = {dead}
     ends = {
-        end for load in loads for down in (True, False) for s in load.stretches(down) for end in (s.lower, s.upper) if math.isfinite(end)
+        end for load in loads for down in (True, False) for s in load.intervals(down) for end in (s.lower, s.upper) if math.isfinite(end)
     }
     for height in ends:
         for low, high in itertools.pairwise(angles):
@@ -187,8 +187,8 @@ def _edges(loads: Sequence[ProcessLoad], at: Callable[[float], Reduced]) -> tupl
 
     def acting(angle: float) -> tuple[Push, ...]:
         here = at(angle)
-        stretches = (s for load in loads for s in load.stretches(here.lever < 0))
-        return tuple((s.force, bottom) for s in stretches if s.lower < here.slide - bottom <= s.upper)
+        intervals = (s for load in loads for s in load.intervals(here.lever < 0))
+        return tuple((s.force, bottom) for s in intervals if s.lower < here.slide - bottom <= s.upper)
 
     return np.array(sorted(found)), acting
 

@@ -175,17 +175,17 @@ def calls() -> dict[str, Call]:
     measured = {"quantity": "bearing_force", "axis": "x", "bearing": "O", "about": (0.0, 0.0, 0.0)}
     kinds: list[tuple[str, Callable[..., Any], Callable[[], dict[str, Any]]]] = [
         # descriptions
-        ("At", pp.drives.At, lambda: {"time": 1.0}),
-        ("At", pp.drives.At, lambda: {"angle": 1.0}),
+        ("At", pp.drives.SwitchPoint, lambda: {"time": 1.0}),
+        ("At", pp.drives.SwitchPoint, lambda: {"angle": 1.0}),
         (
             "Brake",
             pp.drives.Brake,
-            lambda: {"torque": 100.0, "closes": pp.drives.At(time=1.0), "opens": pp.drives.At(time=2.0), "rise": 0.1},
+            lambda: {"torque": 100.0, "closes": pp.drives.SwitchPoint(time=1.0), "opens": pp.drives.SwitchPoint(time=2.0), "rise": 0.1},
         ),
         (
             "Clutch",
             pp.drives.Clutch,
-            lambda: {"torque": 100.0, "closes": pp.drives.At(time=1.0), "opens": pp.drives.At(time=2.0), "rise": 0.1},
+            lambda: {"torque": 100.0, "closes": pp.drives.SwitchPoint(time=1.0), "opens": pp.drives.SwitchPoint(time=2.0), "rise": 0.1},
         ),
         (
             "Capacities",
@@ -242,9 +242,9 @@ def calls() -> dict[str, Call]:
         ("loads.ElasticDie", loads.ElasticDie, lambda: {"height": 0.01, "stiffness": 1e5, "damping": 10.0, "datum": 0.0}),
         ("loads.ForceStroke", loads.ForceStroke, lambda: {"heights": [0.0, 0.01, 0.02], "forces": [100.0, 50.0, 0.0]}),
         ("loads.Idle", loads.Idle, lambda: {"datum": 0.0}),
-        ("loads.Piling", loads.Piling, lambda: {"force": 1e3, "height": 0.01, "datum": 0.0}),
+        ("loads.ConstantForce", loads.ConstantForce, lambda: {"force": 1e3, "height": 0.01, "datum": 0.0}),
         ("loads.TimeForce", loads.TimeForce, lambda: {"force": lambda t: 10.0 + 0.0 * t}),
-        ("loads.datum", loads.datum, lambda: {"load": loads.Piling(1e3, 0.01), "press": press()}),
+        ("loads.datum", loads.datum, lambda: {"load": loads.ConstantForce(1e3, 0.01), "press": press()}),
         ("loads.step", loads.step, lambda: {"x": [0.0, 0.5, 1.0], "x0": 0.0, "h0": 0.0, "x1": 1.0, "h1": 2.0}),
         (
             "drives.Geared",
@@ -380,7 +380,7 @@ def calls() -> dict[str, Call]:
                 "speed": 7.0,
                 "drive": drives.Geared(drives.InductionMotor(1e4, 150.0), 20.0),
                 "flywheel": pp.drives.Flywheel(100.0),
-                "loads": [loads.Piling(1e3, 0.01)],
+                "loads": [loads.ConstantForce(1e3, 0.01)],
                 "angle": 0.0,
                 "points": 11,
                 "tolerance": 1e-6,
@@ -398,7 +398,7 @@ def calls() -> dict[str, Call]:
                 "press": press(),
                 "speeds": [5.0, 6.0],
                 "forces": [1.0, 2.0],
-                "unit_load": loads.Piling(1.0, 0.01),
+                "unit_load": loads.ConstantForce(1.0, 0.01),
                 "loads": [],
                 "bearings": ["O"],
                 "points": 12,

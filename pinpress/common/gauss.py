@@ -1,0 +1,85 @@
+"""Gauss-Legendre quadrature on -1..1, and polynomials through its nodes."""
+
+from collections.abc import Sequence
+from functools import cache
+from typing import NamedTuple
+
+import numpy as np
+
+from .arrays import Array
+
+NODES = 14  # degree of the polynomials is one less
+
+
+class GaussRule(NamedTuple):
+    """Quadrature at q nodes on -1..1, and the polynomial through values at them.
+
+    Powers are found from values by way of Legendre polynomials, in two products: the product of the two matrices has entries so large that
+    their rounding would be a hundred times that of the values.
+
+    Attributes:
+        nodes: (q,) from -1 to 1.
+        weights: (q,) of the quadrature.
+        cumulative: (q, q) integrals from -1 to the nodes, of values at them.
+        legendre: (q, q) coefficients of Legendre polynomials, of values at the nodes.
+        powers: (q, q) coefficients in rising powers of the Legendre polynomials.
+        integrals: (q + 1, q) coefficients in rising powers of their integrals from -1.
+    """
+
+    nodes: Array
+    weights: Array
+    cumulative: Array
+    legendre: Array
+    powers: Array
+    integrals: Array
+
+    def polynomial(self, values: Array) -> Array:
+        """Coefficients (q, n) in rising powers of the polynomials through values (q, n) at the nodes."""
+        return np.asarray(self.powers @ (self.legendre @ values))
+
+    def integral(self, values: Array) -> Array:
+        """Coefficients (q + 1, n) in rising powers of the integrals from -1 of these polynomials."""
+        return np.asarray(self.integrals @ (self.legendre @ values))
+
+
+@cache
+def gauss_rule() -> GaussRule:
+    """The rule of `NODES` nodes."""
+    legendre = np.polynomial.legendre
+    nodes, weights = legendre.leggauss(NODES)
+    degrees = np.arange(NODES)
+    to_legendre = (degrees[:, None] + 0.5) * legendre.legvander(nodes, NODES - 1).T * weights
+    powers, integrals, cumulative = np.zeros((NODES, NODES)), np.zeros((NODES + 1, NODES)), np.zeros((NODES, NODES))
+    for k in degrees:
+        column, summed = legendre.leg2poly(np.eye(NODES)[k]), legendre.legint(np.eye(NODES)[k], lbnd=-1)
+        powers[: len(column), k] = column
+        integral = legendre.leg2poly(summed)
+        integrals[: len(integral), k] = integral
+        cumulative[:, k] = legendre.legval(nodes, summed)
+    return GaussRule(nodes, weights, cumulative @ to_legendre, to_legendre, powers, integrals)
+
+
+def polynomial_values(coefficients: Array, x: Array) -> Array:
+    """Values (..., n) at places x (n,) of polynomials with coefficients (..., k, n) of rising powers."""
+    value = coefficients[..., -1, :].copy()
+    for k in range(coefficients.shape[-2] - 2, -1, -1):
+        value *= x
+        value += coefficients[..., k, :]
+    return value
+
+
+def values_and_slopes(coefficients: Array, x: Array) -> tuple[Array, Array]:
+    """Values and derivatives (n,) at places x (n,) of polynomials with coefficients (k, n) of rising powers."""
+    value, slope = coefficients[-1].copy(), np.zeros_like(x)
+    for k in range(len(coefficients) - 2, -1, -1):
+        slope = slope * x + value
+        value = value * x + coefficients[k]
+    return value, slope
+
+
+def horner(falling: Sequence[float], x: float) -> float:
+    """Value of one polynomial, coefficients of falling powers."""
+    value = 0.0
+    for coefficient in falling:
+        value = value * x + coefficient
+    return value
