@@ -127,7 +127,7 @@ def _value(press: Linkage, joint: int, value: float) -> str:
 
 def _redundant(press: Linkage, poses: Array) -> Iterator[Finding]:
     across, further, among = freedom.redundancy(press, press.closed)
-    robot, shared = f'<robot name="{press.name}">', "is shared by least squares, result.indeterminate marks it"
+    robot, shared = f'<robot name="{press.name}">', "is shared by least squares, reactions.indeterminate marks it"
     if across:
         problem = f"{_equations(across)} redundant across the plane of the linkage, as in any with parallel pins"
         yield Finding("note", robot, None, problem, f"what bearings carry across it {shared}")

@@ -96,7 +96,7 @@ def test_page_of_a_healthy_press():
   F   spherical   rod - slide        0e-00 mm       E, slide_guide
 
 note: 2 equations are redundant across the plane of the linkage, as in any with parallel pins
-    what bearings carry across it is shared by least squares, result.indeterminate marks it"""
+    what bearings carry across it is shared by least squares, reactions.indeterminate marks it"""
     )
 
 

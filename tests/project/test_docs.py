@@ -44,9 +44,9 @@ def test_code_of_a_page_runs_and_prints_what_is_shown(page: str, tmp_path: Path,
 
 
 def _point_force_is_seen_by_the_drive_but_not_by_the_foundation(names: dict[str, Any]) -> None:
-    pressing, result = names["pressing"], names["result"]
-    assert pressing.driving_torque.max() > 1.5 * result.driving_torque.max()
-    np.testing.assert_allclose(pressing.shaking_force, result.shaking_force, atol=1e-6)
+    pressing, reactions = names["pressing"], names["reactions"]
+    assert pressing.driving_torque.max() > 1.5 * reactions.driving_torque.max()
+    np.testing.assert_allclose(pressing.shaking_force, reactions.shaking_force, atol=1e-6)
     before, after = (sum(inertia.mass for inertia in press.model.inertias) for press in (names["press"], pp.load("with_die.urdf")))
     assert after == pytest.approx(before + 500)
 

@@ -23,11 +23,11 @@ def test_python_example_runs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) ->
     assert (tmp_path / "cycle.csv").stat().st_size > 100_000
     assert (tmp_path / "press.html").stat().st_size > 500_000
     assert (tmp_path / "report.html").stat().st_size > 1_000_000
-    pressing, result, best = names["pressing"], names["result"], names["best"]
+    pressing, reactions, best = names["pressing"], names["reactions"], names["best"]
     assert isinstance(pressing, pp.Reactions)
-    assert isinstance(result, pp.Reactions)
+    assert isinstance(reactions, pp.Reactions)
     assert isinstance(best, pp.balancing.BalancedPress)
-    assert pressing.driving_torque.max() > result.driving_torque.max()
+    assert pressing.driving_torque.max() > reactions.driving_torque.max()
     assert best.changes[0].after < best.changes[0].before
     assert pp.load("balanced.urdf").bearings == pp.load("zxn2_3000b").bearings
 

@@ -79,7 +79,7 @@ def test_load_acts_through_the_slope(session: tuple[dict[str, Any], list[page_bl
     motion, bottom = names["motion"], names["ends"].bottom_position
     above = slide(motion.crank_angle) - bottom
     force = np.interp(above, [0.0, 0.0005, 0.001, 0.002], [1.6e6, 0.7e6, 0.3e6, 0.0]) * (slope(motion.crank_angle) < 0)
-    added = names["loaded"].driving_torque - names["result"].driving_torque
+    added = names["loaded"].driving_torque - names["reactions"].driving_torque
     np.testing.assert_allclose(added, -force * slope(motion.crank_angle), atol=1e-6 * np.abs(added).max())
 
 
