@@ -8,7 +8,7 @@ import numpy as np
 
 from ..common.arguments import typed
 from ..common.arrays import Array
-from ..ratings.limits import NOMINAL
+from ..ratings.permissible_force import NOMINAL
 from ..ratings.rating import Ratings
 from .style import COLOURS, GREY, LINES, SMALL, drawing, grid, legend, plain
 

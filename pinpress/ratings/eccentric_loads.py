@@ -27,7 +27,7 @@ from ..dynamics.inverse_dynamics import inverse_dynamics
 from ..kinematics.motion import Motion
 from ..linkage.linkage import Linkage
 from ..loads.link import PointForce
-from .limits import largest_factor, without_masses
+from .permissible_force import largest_factor, without_masses
 
 DIRECTION = 1e-9  # component along the guide that a gib's normal may have
 ROUNDING = 1e-12  # of the process force: a force that is none

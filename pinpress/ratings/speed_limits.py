@@ -26,7 +26,7 @@ from ..linkage.linkage import Linkage
 from ..loads.link import Load
 from ..loads.process import ProcessLoad
 from .capacities import Capacities, known_bearings
-from .limits import BEARING, TORQUE, largest_factor, without_masses
+from .permissible_force import BEARING, TORQUE, largest_factor, without_masses
 
 SHAKING, ACCELERATION = "shaking force", "slide acceleration"
 STATES = 360  # of a turn

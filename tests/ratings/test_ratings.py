@@ -14,7 +14,7 @@ from support.texts import shipped
 import pinpress as pp
 from pinpress.loads.process import ConstantForce
 from pinpress.ratings.capacities import Capacities
-from pinpress.ratings.limits import largest_factor
+from pinpress.ratings.permissible_force import largest_factor
 from pinpress.ratings.rating import ratings
 
 SPEED = 90 * pp.RPM
