@@ -7,7 +7,7 @@ the linkage is pulled: k |x| is its reverse load, and |x| the overshoot of the s
 is taken for balanced, the crank for held, its travel within the snap for small.
 
 With a clearance g in the bearings the spring is in touch for x > 0 and for x < -g; between them the slide flies freely, and is damped no
-more. Every stretch is solved in closed form; where it ends is found to rounding.
+more. Every segment is solved in closed form; where it ends is found to rounding.
 
 Closed forms, without clearance: at once, reverse load F exp(-zeta pi / sqrt(1 - zeta^2)); within tau, undamped,
 F |sin(w tau / 2) / (w tau / 2)|, w = sqrt(k / m) (a linear drop of force on a linear oscillator; any textbook of vibrations).
@@ -17,8 +17,9 @@ from __future__ import annotations
 
 import math
 import os
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -28,13 +29,17 @@ from ..common.arrays import Array
 from ..common.checks import number, numbers, positive
 from ..common.errors import PinpressError
 from ..common.frozen import Frozen
-from .snap_segments import STEPS, Release, Stretch, stretches, turning
 
 WEAKEST = 1e-6  # ratio of reverse load and force, below which no force counts as permitted
 GROWTH = 1.05  # of the force, in the search for one with clearance
 AT_ONCE = 1e-9  # w tau: the reverse load differs by (w tau)^2 / 24
 NO_CLEARANCE = 1e-13  # of the deflection F / k
 LONGEST = 1e3  # periods that a break-through may take
+STEPS = 32  # into which half a period is divided to look for what happens in it
+PERIODS = 6  # that are shown after the force is gone
+CALM = 1e-24  # of the elastic energy: what is left is rounding
+TOUCHING = 1e-13  # of the deflection F / k: what is beyond an edge by less is on it
+MOST = 20_000  # segments of half a period
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -47,7 +52,7 @@ class SnapThrough(Frozen):
         reverse_force: largest pull of the spring k |x| [N]. overshoot: of the slide beyond its unloaded position, clearance included [m].
         peak_acceleration: largest magnitude [m/s2].
         frequency: of the vibration after it, w sqrt(1 - zeta^2) [rad/s]; without the flights through a clearance, which slow it.
-        time, displacement, velocity: (n,) [s, m, m/s], x and x', in unequal steps, closest where stretches meet.
+        time, displacement, velocity: (n,) [s, m, m/s], x and x', in unequal steps, closest where segments meet.
         spring_force: (n,) of the spring on the linkage, positive where it is pressed [N].
     """
 
@@ -115,17 +120,17 @@ def snap_through(
         PinpressError: an argument out of range, a break-through longer than 1000 periods.
     """
     case = _case(force, stiffness, mass, damping_ratio, break_time, clearance)
-    parts = list(stretches(_resolved(case)))
+    parts = list(segments(_resolved(case)))
     lowest, overload = _lowest(parts), 0.0
     time, displacement, velocity = [], [], []
-    for stretch, span in parts:
+    for segment, span in parts:
         inside = np.linspace(0.0, span, STEPS + 1)
         if span > 0.0:
-            time.append(stretch.start + inside[:-1])
-            states = stretch.at(inside[:-1])
+            time.append(segment.start + inside[:-1])
+            states = segment.at(inside[:-1])
             displacement.append(states[0])
             velocity.append(states[1])
-        overload = max([overload, *(abs(stretch.acceleration(s)) for s in (0.0, *stretch.jerk_zeros(span), span))])
+        overload = max([overload, *(abs(segment.acceleration(s)) for s in (0.0, *segment.jerk_zeros(span), span))])
     last, span = parts[-1]
     end = last.at(span)
     x = np.append(np.concatenate(displacement), end[0])
@@ -193,7 +198,7 @@ def _permissible(reverse: float, stiffness: float, mass: float, damping_ratio: f
 
     def excess(force: float) -> float:
         case = _case(force, stiffness, mass, damping_ratio, break_time, clearance)
-        return max(0.0, -case.stiffness * (_lowest(stretches(_resolved(case), pressed=False)) + case.clearance)) - reverse
+        return max(0.0, -case.stiffness * (_lowest(segments(_resolved(case), pressed=False)) + case.clearance)) - reverse
 
     low = reverse / GROWTH  # without damping, and at once, the reverse load is the force; else it is less
     while excess(high := GROWTH * low) < 0.0:
@@ -203,9 +208,9 @@ def _permissible(reverse: float, stiffness: float, mass: float, damping_ratio: f
     return float(brentq(excess, low, high, xtol=1e-12 * high, rtol=1e-14))
 
 
-def _lowest(parts: Iterable[tuple[Stretch, float]]) -> float:
-    """The lowest place of the slide in these stretches [m], 0 where it stays above."""
-    return min(0.0, *(float(stretch.at(s)[0]) for stretch, span in parts for s in (0.0, *turning(stretch, span), span)))
+def _lowest(parts: Iterable[tuple[ResponseSegment, float]]) -> float:
+    """The lowest place of the slide in these segments [m], 0 where it stays above."""
+    return min(0.0, *(float(segment.at(s)[0]) for segment, span in parts for s in (0.0, *turning(segment, span), span)))
 
 
 def _case(force: float, stiffness: float, mass: float, damping_ratio: float, break_time: float, clearance: float) -> Release:
@@ -231,3 +236,166 @@ def _resolved(case: Release) -> Release:
 
 def _spring(case: Release, x: Array) -> Array:
     return case.stiffness * (np.maximum(x, 0.0) + np.minimum(x + case.clearance, 0.0))
+
+
+class Release(NamedTuple):
+    """F [N], k [N/m], m [kg], zeta, tau [s], g [m]."""
+
+    force: float
+    stiffness: float
+    mass: float
+    damping_ratio: float
+    break_time: float
+    clearance: float
+
+    @property
+    def frequency(self) -> float:
+        """Without damping and clearance [rad/s]."""
+        return math.sqrt(self.stiffness / self.mass)
+
+
+@dataclass(frozen=True)
+class ResponseSegment:
+    """The motion over a time s from its start, in closed form: in touch with the spring, which is slack at ``slack``, or in free flight (None). The
+    force is a + b s; x, v at s = 0."""
+
+    case: Release
+    start: float
+    x: float
+    v: float
+    a: float
+    b: float
+    slack: float | None
+
+    @property
+    def _wave(self) -> tuple[float, float, float, float]:
+        """Decay, damped frequency, and the amplitudes of cosine and sine."""
+        case = self.case
+        decay = case.damping_ratio * case.frequency
+        damped = case.frequency * math.sqrt(1 - case.damping_ratio**2)
+        at, rate = self._particular(0.0)
+        y, w = self.x - at, self.v - rate
+        return decay, damped, y, (w + decay * y) / damped
+
+    def _particular(self, s: Any) -> tuple[Any, float]:
+        """The particular solution, and its rate."""
+        case = self.case
+        assert self.slack is not None
+        rate = self.b / case.stiffness
+        return self.slack + (self.a + self.b * s) / case.stiffness - 2 * case.damping_ratio / case.frequency * rate, rate
+
+    def at(self, s: Any) -> Array:
+        """x and v, (2,) or (2, n)."""
+        if self.slack is None:
+            m = self.case.mass
+            x = self.x + s * (self.v + s * (self.a / 2 + s * self.b / 6) / m)
+            return np.array([x, self.v + s * (self.a + s * self.b / 2) / m])
+        decay, damped, c, d = self._wave
+        cos, sin, fade = np.cos(damped * s), np.sin(damped * s), np.exp(-decay * s)
+        particular, rate = self._particular(s)
+        return np.array(
+            [particular + fade * (c * cos + d * sin), rate + fade * ((damped * d - decay * c) * cos - (damped * c + decay * d) * sin)]
+        )
+
+    def pressed(self, span: float) -> float:
+        """For how long within the span x is positive whatever the phase of the vibration, in touch with a spring that is slack at 0."""
+        from scipy.optimize import brentq
+
+        decay, _, c, d = self._wave
+
+        def least(s: float) -> float:  # concave, so that it is positive up to a time, or to the end
+            return float(self._particular(s)[0] - math.hypot(c, d) * math.exp(-decay * s))
+
+        return span if least(span) > 0.0 else float(brentq(least, 0.0, span)) if least(0.0) > 0.0 else 0.0
+
+    def acceleration(self, s: float) -> float:
+        """x'' [m/s2]."""
+        if self.slack is None:
+            return (self.a + self.b * s) / self.case.mass
+        case = self.case
+        x, v = self.at(s)
+        return float((self.a + self.b * s - case.stiffness * (x - self.slack)) / case.mass - 2 * case.damping_ratio * case.frequency * v)
+
+    def jerk_zeros(self, span: float) -> list[float]:
+        """Times within the span at which the acceleration is extreme."""
+        if self.slack is None:
+            return []
+        decay, damped, c, d = self._wave
+        rate = complex(-decay, damped)  # x - particular is the real part of (c - i d) exp(rate s)
+        phase = np.angle(rate**3 * complex(c, -d))
+        first = (0.5 * np.pi - phase) % np.pi / damped
+        return [float(s) for s in np.arange(first, span, np.pi / damped)]
+
+
+def segments(case: Release, pressed: bool = True) -> Iterator[tuple[ResponseSegment, float]]:
+    """ResponseSegmentes of at most half a period and how long they last, until the force is gone, the slide has turned round below and `PERIODS`
+    are over; ``pressed``: from the start, or not before the slide might leave the spring, which most of a slow drop is before."""
+    period = 2 * np.pi / case.frequency
+    end, t, turned = case.break_time + PERIODS * period, 0.0, False
+    x, v = case.force / case.stiffness, 0.0
+    side = 1  # 1: pressed, 0: in flight, -1: pulled
+    slope = -case.force / case.break_time if case.break_time else 0.0
+    if not pressed and case.break_time:
+        first = ResponseSegment(case, 0.0, x, v, case.force, slope, 0.0)
+        t = 0.5 * period * max(0, int(first.pressed(case.break_time) / (0.5 * period)) - 1)  # one fewer, far from rounding
+        x, v = (float(number) for number in first.at(t))
+    for _ in range(MOST):
+        dropping = t < case.break_time
+        a = case.force * (1 - t / case.break_time) if dropping else 0.0
+        segment = ResponseSegment(
+            case, t, x, v, a, slope if dropping else 0.0, None if side == 0 else (0.0 if side > 0 else -case.clearance)
+        )
+        span = min(period / 2, case.break_time - t) if dropping else period / 2
+        if side == 0 and not dropping:
+            if case.mass * v * v <= CALM * case.force**2 / case.stiffness:
+                yield segment, max(end - t, 0.0)
+                return
+            edge = -case.clearance if v < 0.0 else 0.0
+            left: tuple[float, float, int] | None = ((edge - x) / v, edge, -1 if v < 0.0 else 1)
+        else:
+            left = _leaving(segment, span, side)
+        span = span if left is None else left[0]
+        yield segment, span
+        if not dropping and (side < 0 or case.clearance == 0.0):
+            turned = turned or any(segment.at(s)[0] < -case.clearance for s in turning(segment, span))
+        dropped = dropping and left is None and span == case.break_time - t
+        t = case.break_time if dropped else t + span
+        x, v = (float(number) for number in segment.at(span))
+        if left is not None:
+            x, side = left[1], left[2]
+        quiet = not dropping and 0.5 * case.mass * v * v + 0.5 * case.stiffness * x * x <= CALM * case.force**2 / case.stiffness
+        if t >= end and (turned or quiet):
+            return
+    raise PinpressError(f"the slide does not come to rest or to reverse load within {MOST} half periods: check clearance and damping")
+
+
+def _leaving(segment: ResponseSegment, span: float, side: int) -> tuple[float, float, int] | None:
+    """When within the span the slide leaves its side of the clearance, at which x, to which side; None: it does not."""
+    from scipy.optimize import brentq
+
+    gap = segment.case.clearance
+    if gap == 0.0:
+        return None
+    edges = {1: [(0.0, -1, 0)], 0: [(0.0, 1, 1), (-gap, -1, -1)], -1: [(-gap, 1, 0)]}[side]  # x, direction of leaving, next side
+    times = np.union1d(np.linspace(0.0, span, STEPS + 1), turning(segment, span))
+    places = segment.at(times)[0]
+    places[0] = segment.x
+    for i in range(1, len(times)):
+        for edge, way, after in edges:
+            if way * (places[i] - edge) > TOUCHING * segment.case.force / segment.case.stiffness:
+                begin = times[i - 1]
+                if way * (places[i - 1] - edge) >= 0.0:  # on the edge already
+                    return float(begin), edge, after
+                found = brentq(lambda s, edge=edge: float(segment.at(s)[0]) - edge, begin, times[i], xtol=1e-300, rtol=1e-15)
+                return float(found), edge, after
+    return None
+
+
+def turning(segment: ResponseSegment, span: float) -> list[float]:
+    """Times within the span at which the slide turns round."""
+    from scipy.optimize import brentq
+
+    times = np.linspace(0.0, span, STEPS + 1)
+    speeds = segment.at(times)[1]
+    signs = np.flatnonzero(speeds[:-1] * speeds[1:] < 0.0)
+    return [float(brentq(lambda s: float(segment.at(s)[1]), times[i], times[i + 1], xtol=1e-300, rtol=1e-15)) for i in signs]

@@ -1,4 +1,4 @@
-"""Snap-through against closed forms, energy, and a solver of differential equations that knows nothing of stretches."""
+"""Snap-through against closed forms, energy, and a solver of differential equations that knows nothing of segments."""
 
 import numpy as np
 import pytest
@@ -8,9 +8,8 @@ from scipy.integrate import solve_ivp
 from support.exploring import examples
 
 import pinpress as pp
-from pinpress.elasticity import snap_segments as snap_stretches
-from pinpress.elasticity.breakthrough import permissible_breakthrough, snap_through
-from pinpress.elasticity.snap_segments import Release, stretches
+from pinpress.elasticity import breakthrough
+from pinpress.elasticity.breakthrough import Release, permissible_breakthrough, segments, snap_through
 
 F, K, M = 1.25e6, 6e8, 2600.0
 W = np.sqrt(K / M)
@@ -146,7 +145,7 @@ def test_permissible_force():
 def test_what_is_passed_over_of_a_slow_drop_is_above_rest(zeta, turns):
     """The slide stays pressed there, and what follows is the same."""
     case = Release(F, K, M, zeta, turns * PERIOD, 1e-4)
-    every, some = (list(stretches(case, pressed=pressed)) for pressed in (True, False))
+    every, some = (list(segments(case, pressed=pressed)) for pressed in (True, False))
     passed = len(every) - len(some)
     assert passed >= 2 * turns - 3
     for stretch, span in every[:passed]:
@@ -162,8 +161,8 @@ def test_what_is_passed_over_of_a_slow_drop_is_above_rest(zeta, turns):
 def test_a_slow_drop_is_not_followed_wave_by_wave(monkeypatch):
     """Of 225 periods, with some 150 forces tried."""
     looked = []
-    leaving = snap_stretches._leaving
-    monkeypatch.setattr(snap_stretches, "_leaving", lambda *given: looked.append(1) or leaving(*given))
+    leaving = breakthrough._leaving
+    monkeypatch.setattr(breakthrough, "_leaving", lambda *given: looked.append(1) or leaving(*given))
     force = permissible_breakthrough(1e4, 1e9, 500.0, 0.05, 1.0, 1e-4)[0]
     assert 150 < len(looked) < 10_000
     assert snap_through(force, 1e9, 500.0, 0.05, 1.0, 1e-4).reverse_force == pytest.approx(1e4, rel=1e-9)
