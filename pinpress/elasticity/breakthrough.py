@@ -194,7 +194,7 @@ def _permissible(reverse: float, stiffness: float, mass: float, damping_ratio: f
         )
     if clearance == 0.0:
         return reverse / linear
-    from scipy.optimize import brentq
+    from scipy.optimize import brentq  # slow to import
 
     def excess(force: float) -> float:
         case = _case(force, stiffness, mass, damping_ratio, break_time, clearance)
@@ -256,8 +256,17 @@ class Release(NamedTuple):
 
 @dataclass(frozen=True)
 class ResponseSegment:
-    """The motion over a time s from its start, in closed form: in touch with the spring, which is slack at ``slack``, or in free flight (None). The
-    force is a + b s; x, v at s = 0."""
+    """The motion over a time s from its start, in closed form: in touch with the spring, or in free flight.
+
+    Attributes:
+        case: press and force.
+        start: time at s = 0 [s].
+        x: place at s = 0 [m].
+        v: velocity at s = 0 [m/s].
+        a: force at s = 0 [N].
+        b: rate of the force, a + b s [N/s].
+        slack: place at which the spring is slack [m]; None in free flight.
+    """
 
     case: Release
     start: float
@@ -299,7 +308,7 @@ class ResponseSegment:
 
     def pressed(self, span: float) -> float:
         """For how long within the span x is positive whatever the phase of the vibration, in touch with a spring that is slack at 0."""
-        from scipy.optimize import brentq
+        from scipy.optimize import brentq  # slow to import
 
         decay, _, c, d = self._wave
 
@@ -327,51 +336,76 @@ class ResponseSegment:
         return [float(s) for s in np.arange(first, span, np.pi / damped)]
 
 
+class Leaving(NamedTuple):
+    """The slide leaves its side of the clearance: after which time [s], at which x [m], to which side."""
+
+    after: float
+    x: float
+    side: int
+
+
 def segments(case: Release, pressed: bool = True) -> Iterator[tuple[ResponseSegment, float]]:
-    """ResponseSegmentes of at most half a period and how long they last, until the force is gone, the slide has turned round below and `PERIODS`
-    are over; ``pressed``: from the start, or not before the slide might leave the spring, which most of a slow drop is before."""
-    period = 2 * np.pi / case.frequency
-    end, t, turned = case.break_time + PERIODS * period, 0.0, False
-    x, v = case.force / case.stiffness, 0.0
-    side = 1  # 1: pressed, 0: in flight, -1: pulled
-    slope = -case.force / case.break_time if case.break_time else 0.0
-    if not pressed and case.break_time:
-        first = ResponseSegment(case, 0.0, x, v, case.force, slope, 0.0)
-        t = 0.5 * period * max(0, int(first.pressed(case.break_time) / (0.5 * period)) - 1)  # one fewer, far from rounding
-        x, v = (float(number) for number in first.at(t))
+    """Segments of at most half a period and how long they last.
+
+    They end when the force is gone, the slide has turned round below, and `PERIODS` are over.
+
+    Args:
+        case: press and force.
+        pressed: begin at the start; else not before the slide might leave the spring, which most of a slow drop is before.
+    """
+    half = np.pi / case.frequency
+    end = case.break_time + PERIODS * 2 * half
+    t, x, v = _start(case, half, pressed)
+    side, turned = 1, False  # 1: pressed, 0: in flight, -1: pulled
     for _ in range(MOST):
-        dropping = t < case.break_time
-        a = case.force * (1 - t / case.break_time) if dropping else 0.0
-        segment = ResponseSegment(
-            case, t, x, v, a, slope if dropping else 0.0, None if side == 0 else (0.0 if side > 0 else -case.clearance)
-        )
-        span = min(period / 2, case.break_time - t) if dropping else period / 2
-        if side == 0 and not dropping:
-            if case.mass * v * v <= CALM * case.force**2 / case.stiffness:
-                yield segment, max(end - t, 0.0)
-                return
-            edge = -case.clearance if v < 0.0 else 0.0
-            left: tuple[float, float, int] | None = ((edge - x) / v, edge, -1 if v < 0.0 else 1)
-        else:
-            left = _leaving(segment, span, side)
-        span = span if left is None else left[0]
+        segment, dropping = _segment(case, t, x, v, side), t < case.break_time
+        if side == 0 and not dropping and case.mass * v * v <= CALM * case.force**2 / case.stiffness:
+            yield segment, max(end - t, 0.0)
+            return
+        span = min(half, case.break_time - t) if dropping else half
+        left = _coasting(case, x, v) if side == 0 and not dropping else _leaving(segment, span, side)
+        dropped = dropping and left is None and span == case.break_time - t
+        span = span if left is None else left.after
         yield segment, span
         if not dropping and (side < 0 or case.clearance == 0.0):
             turned = turned or any(segment.at(s)[0] < -case.clearance for s in turning(segment, span))
-        dropped = dropping and left is None and span == case.break_time - t
         t = case.break_time if dropped else t + span
         x, v = (float(number) for number in segment.at(span))
         if left is not None:
-            x, side = left[1], left[2]
+            x, side = left.x, left.side
         quiet = not dropping and 0.5 * case.mass * v * v + 0.5 * case.stiffness * x * x <= CALM * case.force**2 / case.stiffness
         if t >= end and (turned or quiet):
             return
     raise PinpressError(f"the slide does not come to rest or to reverse load within {MOST} half periods: check clearance and damping")
 
 
-def _leaving(segment: ResponseSegment, span: float, side: int) -> tuple[float, float, int] | None:
-    """When within the span the slide leaves its side of the clearance, at which x, to which side; None: it does not."""
-    from scipy.optimize import brentq
+def _start(case: Release, half: float, pressed: bool) -> tuple[float, float, float]:
+    """Time, place and velocity at which the segments begin; see `segments`."""
+    x, v = case.force / case.stiffness, 0.0
+    if pressed or not case.break_time:
+        return 0.0, x, v
+    first = _segment(case, 0.0, x, v, 1)
+    t = half * max(0, int(first.pressed(case.break_time) / half) - 1)  # one fewer, far from rounding
+    x, v = (float(number) for number in first.at(t))
+    return t, x, v
+
+
+def _segment(case: Release, t: float, x: float, v: float, side: int) -> ResponseSegment:
+    """The segment that begins at a time, in a place, with a velocity, on a side of the clearance."""
+    force, rate = (case.force * (1 - t / case.break_time), -case.force / case.break_time) if t < case.break_time else (0.0, 0.0)
+    slack = None if side == 0 else (0.0 if side > 0 else -case.clearance)
+    return ResponseSegment(case, t, x, v, force, rate, slack)
+
+
+def _coasting(case: Release, x: float, v: float) -> Leaving:
+    """When free flight without a force ends."""
+    edge = -case.clearance if v < 0.0 else 0.0
+    return Leaving((edge - x) / v, edge, -1 if v < 0.0 else 1)
+
+
+def _leaving(segment: ResponseSegment, span: float, side: int) -> Leaving | None:
+    """When within the span the slide leaves its side of the clearance; None: it does not."""
+    from scipy.optimize import brentq  # slow to import
 
     gap = segment.case.clearance
     if gap == 0.0:
@@ -385,15 +419,15 @@ def _leaving(segment: ResponseSegment, span: float, side: int) -> tuple[float, f
             if way * (places[i] - edge) > TOUCHING * segment.case.force / segment.case.stiffness:
                 begin = times[i - 1]
                 if way * (places[i - 1] - edge) >= 0.0:  # on the edge already
-                    return float(begin), edge, after
+                    return Leaving(float(begin), edge, after)
                 found = brentq(lambda s, edge=edge: float(segment.at(s)[0]) - edge, begin, times[i], xtol=1e-300, rtol=1e-15)
-                return float(found), edge, after
+                return Leaving(float(found), edge, after)
     return None
 
 
 def turning(segment: ResponseSegment, span: float) -> list[float]:
     """Times within the span at which the slide turns round."""
-    from scipy.optimize import brentq
+    from scipy.optimize import brentq  # slow to import
 
     times = np.linspace(0.0, span, STEPS + 1)
     speeds = segment.at(times)[1]
