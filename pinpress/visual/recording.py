@@ -24,7 +24,7 @@ from ..kinematics.poses import poses
 from ..linkage.linkage import Linkage
 from . import overlays, pages
 from .key_frames import Keys, keys
-from .shapes import meshcat_commands as meshcat_scene
+from .shapes import meshcat_commands
 from .shapes.appearance import Body, bodies
 
 
@@ -68,7 +68,7 @@ def scene(
         overlays.belonging(press, motion, reactions)
     position = motion.joint_position[frames.states]
     at, drawn = poses(press, position), bodies(press, position)
-    of_body = {body.name: meshcat_scene.body_poses(press, at, body.frame) for body in drawn}
+    of_body = {body.name: meshcat_commands.body_poses(press, at, body.frame) for body in drawn}
     return {
         **_series(frames),
         "legend": _legend(drawn, of_body),
@@ -79,7 +79,7 @@ def scene(
         **overlays.bearings(press, at, frames, reactions),
         **overlays.shaking(reactions, frames),
         **overlays.traces(press, at, frames, traces),
-        "scene": meshcat_scene.pack(meshcat_scene.commands(drawn, of_body, frames.time)),
+        "scene": meshcat_commands.pack(meshcat_commands.commands(drawn, of_body, frames.time)),
     }
 
 
@@ -98,6 +98,6 @@ def _short(values: Array) -> list[float]:
 
 def _legend(drawn: Sequence[Body], of_body: dict[str, Array]) -> list[dict[str, str]]:
     """The moving links with the colour that most of their parts have."""
-    moving = [body for body in drawn if meshcat_scene.moves(of_body[body.name])]
-    colours = (Counter(meshcat_scene.hexadecimal(part.rgba) for part in body.parts).most_common(1)[0][0] for body in moving)
+    moving = [body for body in drawn if meshcat_commands.moves(of_body[body.name])]
+    colours = (Counter(meshcat_commands.hexadecimal(part.rgba) for part in body.parts).most_common(1)[0][0] for body in moving)
     return [{"name": body.name, "colour": f"#{colour}"} for body, colour in zip(moving, colours, strict=True)]

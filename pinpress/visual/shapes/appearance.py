@@ -12,7 +12,7 @@ from ...common.arrays import Array
 from ...common.errors import PinpressError
 from ...linkage.linkage import Linkage
 from ...linkage.urdf.document import Element
-from . import meshes as mesh_files
+from . import meshes
 from .solids import Box, Cylinder, Mesh, Part, Shape, Sphere, part
 from .stand_ins import plain_parts
 
@@ -137,7 +137,7 @@ def _shape(file: str, link: str, element: Element) -> Shape:
     if element.tag == "sphere":
         return Sphere(*sizes("radius"))
     if element.tag == "mesh":
-        return mesh_files.read(file, link, element.get("filename"), _numbers(link, element, "scale", "1 1 1"))
+        return meshes.read(file, link, element.get("filename"), _numbers(link, element, "scale", "1 1 1"))
     raise PinpressError(f"link {link!r}: <{element.tag}> cannot be drawn; use {SHAPES}")
 
 

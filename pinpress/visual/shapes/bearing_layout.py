@@ -1,5 +1,6 @@
-"""The skeleton of a linkage: where the links' bearings are in the drawn pose, for links to be drawn from."""
+"""The skeleton that plain shapes are put on: where the links' bearings are in the drawn pose, for links to be drawn from."""
 
+import math
 from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -18,6 +19,7 @@ SAME = 1e-6  # of the size: points closer than this are drawn as one
 TOWARDS = np.array([0.1, -1.0, 0.5])  # from where one looks
 WIDTH, LEAST_WIDTH = 0.042, 0.03  # of a bar, of the size
 SLIDE = 0.15  # of the size: how far a slide reaches at most for its centre of mass
+LARGEST_DISC = 0.1  # of the size: radius of a disc in place of a link that goes nowhere
 SHORTEST = 0.5  # of the shortest link: the width of a bar, if that is between these
 
 
@@ -42,7 +44,7 @@ class Bearing:
 
 
 @dataclass(frozen=True, eq=False)
-class Skeleton:
+class BearingLayout:
     """Bearings in the drawn pose, world axes.
 
     Attributes:
@@ -87,6 +89,13 @@ class Skeleton:
         """Points without their heights along the normal."""
         return points if self.normal is None else points - np.multiply.outer(points @ self.normal, self.normal)
 
+    def disc_radius(self, link: str, axis: Array, least: float) -> float:
+        """Radius of the disc about an axis (3,) that has the inertia of a link, within reason; without a mass it is the least one [m]."""
+        if link not in self.masses:
+            return least
+        gyration = float(axis @ self.masses[link][1] @ axis)
+        return float(np.clip(math.sqrt(2 * max(gyration, 0.0)), least, LARGEST_DISC * self.size))
+
     def _distinct(self, points: list[Array]) -> Array:
         kept: list[Array] = []
         for point in map(self.flat, points):
@@ -112,8 +121,8 @@ def tree(nodes: Array) -> list[tuple[Array, Array]]:
     return found
 
 
-def skeleton(press: Linkage, travel: Array, drawn: Collection[str]) -> Skeleton:
-    """The skeleton of a press.
+def lay_out_bearings(press: Linkage, travel: Array, drawn: Collection[str]) -> BearingLayout:
+    """Where the bearings of a press are in the drawn pose.
 
     Links that are welded together are drawn as one, the first of them, unless one of them has visuals.
 
@@ -157,18 +166,18 @@ def skeleton(press: Linkage, travel: Array, drawn: Collection[str]) -> Skeleton:
         reaches = (float(np.linalg.norm(centre - points[0]) + np.sqrt(np.trace(gyration) / 2)) for centre, gyration in found.values())
         size = 4 * max(reaches, default=0.0) or 1.0
     on_frame = frozenset(link for link in links if joint[link] == 0)
-    return _without_stubs(Skeleton(links, on_frame, placements, tuple(bearings), normal, welded, found, size))
+    return _without_stubs(BearingLayout(links, on_frame, placements, tuple(bearings), normal, welded, found, size))
 
 
-def _without_stubs(skeleton: Skeleton) -> Skeleton:
+def _without_stubs(layout: BearingLayout) -> BearingLayout:
     """Without links that are welded to one with visuals and go nowhere from there: that one stands for them."""
-    stubs = {link for link in skeleton.welded if len(skeleton.nodes(link)) < 2}
+    stubs = {link for link in layout.welded if len(layout.nodes(link)) < 2}
 
     def kept(link: str | None) -> str | None:
         return None if link in stubs else link
 
-    bearings = tuple(replace(bearing, links=(kept(bearing.links[0]), kept(bearing.links[1]))) for bearing in skeleton.bearings)
-    return replace(skeleton, links=tuple(link for link in skeleton.links if link not in stubs), bearings=bearings)
+    bearings = tuple(replace(bearing, links=(kept(bearing.links[0]), kept(bearing.links[1]))) for bearing in layout.bearings)
+    return replace(layout, links=tuple(link for link in layout.links if link not in stubs), bearings=bearings)
 
 
 def _bearings(press: Linkage, data: pin.Data, travel: Array, owner: Callable[[str], str | None], joint: Mapping[str, int]) -> list[Bearing]:

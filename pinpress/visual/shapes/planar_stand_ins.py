@@ -4,13 +4,12 @@ The frame stands behind, then come the links that it carries on pins, then the o
 true, but for the layers' offsets along the normal; those are about the true heights of the links.
 """
 
-import math
 from collections.abc import Iterator
 
 import numpy as np
 
 from ...common.arrays import Array
-from .bearing_layout import Bearing, Skeleton, tree
+from .bearing_layout import Bearing, BearingLayout, tree
 from .solids import Box, Cylinder, Solid
 
 # All beside the width of a bar.
@@ -18,8 +17,7 @@ THICKNESS = 0.5
 LAYER = 0.85
 EYE, EYE_LENGTH = 0.72, 0.62  # radius
 PIN, STUB = 0.34, 0.42  # radius, and how far it stands out of the middle of the outermost link
-DISC = 1.25  # least radius, the largest being
-LARGEST_DISC = 0.1  # of the size
+DISC = 1.25  # least radius
 COMPACT = 1.5  # a link shorter than this is a disc
 BLOCK, BLOCK_WIDTH = 1.15, 1.45  # from its outermost place to its ends along the guide, and across
 BLOCK_SHAPE = 0.3  # of a long block's length: half its least width
@@ -27,23 +25,23 @@ COLLAR, COLLAR_WIDTH, COLLAR_THICKNESS = 2.4, 1.9, 0.92
 RAIL, CLEARANCE = 0.7, 0.1
 
 
-def solids(skeleton: Skeleton, normal: Array) -> dict[str, list[Solid]]:
+def layered_solids(layout: BearingLayout, normal: Array) -> dict[str, list[Solid]]:
     """Solids of the links, in world axes in the drawn pose."""
-    layers = _Layers(skeleton, normal)
-    return {link: list(layers.frame(link) if link in skeleton.on_frame else layers.link(link)) for link in skeleton.links}
+    layers = _Layers(layout, normal)
+    return {link: list(layers.frame(link) if link in layout.on_frame else layers.link(link)) for link in layout.links}
 
 
 class _Layers:
-    """A skeleton with its links in layers."""
+    """A linkage with its links in layers."""
 
-    def __init__(self, skeleton: Skeleton, normal: Array) -> None:
-        self.skeleton, self.normal, self.width = skeleton, normal, skeleton.width
+    def __init__(self, layout: BearingLayout, normal: Array) -> None:
+        self.layout, self.normal, self.width = layout, normal, layout.width
         down = np.array([0.0, 0.0, -1.0]) if abs(normal[2]) < 0.9 else np.array([0.0, -1.0, 0.0])
         self.down = down - (down @ normal) * normal
         self.down /= np.linalg.norm(self.down)
-        self.nodes = {link: skeleton.nodes(link) for link in skeleton.links}
-        moving = [link for link in skeleton.links if link not in skeleton.on_frame]
-        self.collars = {link: bearing for link in moving for bearing, side in skeleton.ends(link) if self._is_collar(bearing, side)}
+        self.nodes = {link: layout.nodes(link) for link in layout.links}
+        moving = [link for link in layout.links if link not in layout.on_frame]
+        self.collars = {link: bearing for link in moving for bearing, side in layout.ends(link) if self._is_collar(bearing, side)}
         own = sorted((link for link in moving if not self._rides(link)), key=self._rank)
         middle = (len(own) - 1) / 2
         offsets = {link: (k - middle) * LAYER * self.width for k, link in enumerate(own)}
@@ -63,12 +61,12 @@ class _Layers:
         return link
 
     def _rank(self, link: str) -> int:
-        held = {bearing.kind for bearing, side in self.skeleton.ends(link) if bearing.on_frame[1 - side]}
+        held = {bearing.kind for bearing, side in self.layout.ends(link) if bearing.on_frame[1 - side]}
         return 2 if "guide" in held else 0 if "pin" in held else 1
 
     def _guide(self, link: str) -> Bearing | None:
         """The guide of a link on the frame."""
-        return next((b for b, side in self.skeleton.ends(link) if b.kind == "guide" and side == 1 and b.on_frame[0]), None)
+        return next((b for b, side in self.layout.ends(link) if b.kind == "guide" and side == 1 and b.on_frame[0]), None)
 
     def _height(self, bearing: Bearing, side: int) -> float:
         """At which a link meets its bearing; where it has visuals, the true one."""
@@ -83,7 +81,7 @@ class _Layers:
 
     def _middle(self, link: str) -> float:
         carrier = self._carrier(link)
-        heights = [bearing.points[side] @ self.normal for bearing, side in self.skeleton.ends(carrier)]
+        heights = [bearing.points[side] @ self.normal for bearing, side in self.layout.ends(carrier)]
         return float(np.mean(heights)) + self.offsets[carrier]
 
     # Moving links
@@ -97,7 +95,7 @@ class _Layers:
             yield from self._collar(link, self.collars[link])
         if guide is None and not self._rides(link) and len(nodes):
             yield from self._bars(link, nodes)
-        for bearing, side in self.skeleton.ends(link):
+        for bearing, side in self.layout.ends(link):
             if bearing.kind == "guide" and side == 0 and guide is None:
                 (low, high), more = self._ends(bearing), 0.5 * COLLAR * w * bearing.axis
                 yield self._bar(low - more, high + more, self._height(bearing, 0), 0.9 * w)
@@ -105,7 +103,7 @@ class _Layers:
 
     def _ends(self, bearing: Bearing) -> list[Array]:
         """Where the travel of a guide ends; for other bearings the same place twice."""
-        return [self.skeleton.flat(bearing.points[0]) + at * bearing.axis for at in bearing.travel]
+        return [self.layout.flat(bearing.points[0]) + at * bearing.axis for at in bearing.travel]
 
     def _bars(self, link: str, nodes: Array) -> Iterator[Solid]:
         w, height = self.width, self._middle(link)
@@ -119,8 +117,8 @@ class _Layers:
         else:
             for a, b in tree(nodes):
                 yield self._bar(a, b, height, w)
-        guides = [self.skeleton.flat(b.points[0]) for b, side in self.skeleton.ends(link) if b.kind == "guide" and side == 0]
-        others = [self.skeleton.flat(b.points[side]) for b, side in self.skeleton.ends(link) if b.kind != "guide" or side == 1]
+        guides = [self.layout.flat(b.points[0]) for b, side in self.layout.ends(link) if b.kind == "guide" and side == 0]
+        others = [self.layout.flat(b.points[side]) for b, side in self.layout.ends(link) if b.kind != "guide" or side == 1]
         for node in nodes:
             if self._near(node, guides) and not self._near(node, others):
                 continue  # the bar goes on there, nothing turns
@@ -131,22 +129,21 @@ class _Layers:
 
     def _pivot(self, link: str) -> Array:
         """The place about which a link turns on its parent, else its first one."""
-        ends = self.skeleton.ends(link)
+        ends = self.layout.ends(link)
         at = next((b.points[1] for b, side in ends if side == 1 and b.kind == "pin"), None)
-        return self.nodes[link][0] if at is None else self.skeleton.flat(at)
+        return self.nodes[link][0] if at is None else self.layout.flat(at)
 
     def _disc(self, link: str, nodes: Array) -> float:
         """Radius of the disc that has the inertia of a link which goes nowhere, within reason [m]."""
-        if len(nodes) > 1 or link not in self.skeleton.masses:
+        if len(nodes) > 1:
             return DISC * self.width
-        gyration = float(self.normal @ self.skeleton.masses[link][1] @ self.normal)
-        return float(np.clip(math.sqrt(2 * max(gyration, 0.0)), DISC * self.width, LARGEST_DISC * self.skeleton.size))
+        return self.layout.disc_radius(link, self.normal, DISC * self.width)
 
     def _block(self, link: str, guide: Bearing) -> Solid:
         """A block that holds all that the link joins."""
         (low, high), across = self._extent(link, guide)
         centre = guide.points[1] + (low + high) / 2 * guide.axis + (across[0] + across[1]) / 2 * self._across(guide)
-        heights = [self._height(bearing, side) for bearing, side in self.skeleton.ends(link)]
+        heights = [self._height(bearing, side) for bearing, side in self.layout.ends(link)]
         size = high - low, across[1] - across[0], np.ptp(heights) + THICKNESS * self.width
         return self._box(centre, guide.axis, (max(heights) + min(heights)) / 2, size)
 
@@ -155,9 +152,9 @@ class _Layers:
 
     def _extent(self, link: str | None, guide: Bearing) -> tuple[Array, Array]:
         """From where to where a block reaches along its guide and across it, from the guide's point (2,) each [m]."""
-        nodes = [self.skeleton.flat(guide.points[1])]
+        nodes = [self.layout.flat(guide.points[1])]
         if link is not None:
-            nodes += [*self.nodes[link], *(end for carried, side in self.skeleton.ends(link) if side == 0 for end in self._ends(carried))]
+            nodes += [*self.nodes[link], *(end for carried, side in self.layout.ends(link) if side == 0 for end in self._ends(carried))]
         w, places = self.width, (np.array(nodes) - guide.points[1]) @ np.array([guide.axis, self._across(guide)]).T
         (low, left), (high, right) = places.min(axis=0), places.max(axis=0)
         wider = max(BLOCK_WIDTH * w, BLOCK_SHAPE * (high - low))
@@ -171,7 +168,7 @@ class _Layers:
             yield self._between(guide.points[1], on, self._middle(link), EYE * w)
 
     def _pins(self, link: str) -> Iterator[Solid]:
-        for bearing, side in self.skeleton.ends(link):
+        for bearing, side in self.layout.ends(link):
             if bearing.kind == "pin" and (side == 0 or bearing.links[0] is None):
                 heights = sorted((self._height(bearing, 0), self._height(bearing, 1)))
                 stub = STUB * self.width
@@ -182,7 +179,7 @@ class _Layers:
     def frame(self, link: str) -> Iterator[Solid]:
         """Pedestals and rails."""
         w = self.width
-        for bearing, side in self.skeleton.ends(link):
+        for bearing, side in self.layout.ends(link):
             if bearing.kind == "guide":
                 yield from self._rails(bearing) if side == 0 else ()
                 continue
@@ -219,5 +216,5 @@ class _Layers:
     def _placed(self, centre: Array, along: Array, height: float) -> Array:
         placement = np.eye(4)
         placement[:3, 0], placement[:3, 1], placement[:3, 2] = along, np.cross(self.normal, along), self.normal
-        placement[:3, 3] = self.skeleton.flat(centre) + height * self.normal
+        placement[:3, 3] = self.layout.flat(centre) + height * self.normal
         return placement
