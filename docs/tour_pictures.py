@@ -29,11 +29,11 @@ def main() -> None:
     press = pp.load(HERE / "knuckle.urdf")
     motion = pp.cycle(press, speed=SPEED, points=720)
     loaded = pp.inverse_dynamics(press, motion, loads=[COINING])
-    pp.plots.save_plot(pp.plots.plot_slide(motion), HERE / "slide.svg")
-    pp.plots.save_plot(pp.plots.plot_bearings(loaded), HERE / "bearings.svg")
+    pp.plots.save(pp.plots.slide(motion), HERE / "slide.svg")
+    pp.plots.save(pp.plots.bearings(loaded), HERE / "bearings.svg")
     with tempfile.TemporaryDirectory() as folder:
         page = pp.record(press, motion, Path(folder) / "knuckle.html", loaded, traces=[("lower", (0.0, 0.0, 0.0))])
-        pp.video.still(page, HERE / "knuckle.png", NEAR_BOTTOM, (900, 720))
+        pp.video.image(page, HERE / "knuckle.png", NEAR_BOTTOM, (900, 720))
 
 
 def sketch() -> str:

@@ -1,2 +1,2 @@
 from .visual.film import film as film
-from .visual.film import still as still
+from .visual.film import image as image

@@ -26,7 +26,7 @@ NAMES = {  # method -> what the table calls it
 
 
 def table(path: Path = HERE / "accuracy.csv") -> str:
-    """The page's tables from a file that `Accuracy.to_csv` has written: inverse dynamics, then the least times of runs."""
+    """The page's tables from a file that `WorkPrecision.to_csv` has written: inverse dynamics, then the least times of runs."""
     with path.open(newline="", encoding="utf-8") as file:
         rows = list(csv.DictReader(file))
     turn = [row for row in rows if row["group"] == "inverse dynamics"]
@@ -102,7 +102,7 @@ def _times(ratio: float) -> str:
 
 
 if __name__ == "__main__":
-    measured = pp.accuracy.accuracy(pp.load("zxn2_3000b"), speed=70 * pp.RPM, repeats=4)
+    measured = pp.accuracy.compare(pp.load("zxn2_3000b"), speed=70 * pp.RPM, repeats=4)
     measured.to_csv(HERE / "accuracy.csv")
-    pp.plots.save_plot(pp.accuracy.plot_accuracy(measured), HERE / "accuracy.png")
+    pp.plots.save(pp.accuracy.plot(measured), HERE / "accuracy.png")
     print(f"{measured}\n\n{table()}")

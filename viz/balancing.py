@@ -7,7 +7,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pinpress as pp
-from pinpress.accuracy.timing import least_seconds
+from pinpress.accuracy.contests import least_seconds
 
 HERE = Path(__file__).parent
 VERTICAL, HORIZONTAL = pp.balancing.Range("shaking_force", "z"), pp.balancing.Range("shaking_force", "x")
@@ -144,4 +144,4 @@ if __name__ == "__main__":
     print("\nOne call of balance, with the reactions before and after:")
     for what, solve in {**jf75g(), **zxn2()}.items():
         print(f"  {what}: {1e3 * least_seconds([solve], REPEATED)[0]:.0f} ms")
-    print(pp.plots.save_plot(pp.plots.plot_trade_offs(curves()), HERE / "balancing.png"))
+    print(pp.plots.save(pp.plots.trade_offs(curves()), HERE / "balancing.png"))

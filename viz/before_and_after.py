@@ -23,19 +23,19 @@ def main() -> None:
     page = pp.report(balanced, after.motion, out / "before_and_after.html", after, before=before)
     print(page, picture(page, HERE / "report.png"))
     for name, figure in (
-        ("comparison", pp.plots.plot_comparison(before, after)),
-        ("polar", pp.plots.plot_polar(before)),
-        ("slide", pp.plots.plot_slide(before.motion)),
-        ("torque", pp.plots.plot_torque(before)),
-        ("bearings", pp.plots.plot_bearings(before)),
-        ("shaking", pp.plots.plot_shaking(before)),
+        ("comparison", pp.plots.comparison(before, after)),
+        ("polar", pp.plots.polar(before)),
+        ("slide", pp.plots.slide(before.motion)),
+        ("torque", pp.plots.torque(before)),
+        ("bearings", pp.plots.bearings(before)),
+        ("shaking", pp.plots.shaking(before)),
     ):
-        print(*(pp.plots.save_plot(figure, out / f"zxn2_3000b_{name}.{suffix}") for suffix in ("svg", "png")))
-    print(pp.plots.save_plot(pp.plots.plot_comparison(before, after), HERE / "comparison.png"))
+        print(*(pp.plots.save(figure, out / f"zxn2_3000b_{name}.{suffix}") for suffix in ("svg", "png")))
+    print(pp.plots.save(pp.plots.comparison(before, after), HERE / "comparison.png"))
 
 
 def picture(page: Path, target: Path) -> Path:
-    """A report in a window as wide as a desk's screen, scrolled to the bearings. (`pp.video.still` pictures the press.)"""
+    """A report in a window as wide as a desk's screen, scrolled to the bearings. (`pp.video.image` pictures the press.)"""
     from playwright.sync_api import sync_playwright
 
     executable = os.environ.get("CHROMIUM") or shutil.which("chromium")

@@ -16,7 +16,7 @@ from matplotlib.figure import Figure
 
 import pinpress as pp
 from pinpress.plots import style as figures
-from pinpress.plots.elasticity import draw_dead_centre_shift, draw_elasticity, draw_snap_through
+from pinpress.plots.elasticity import draw_compliance, draw_dead_centre_shift, draw_snap_through
 
 PICTURE = Path(__file__).with_suffix(".png")
 STEEL = 2.1e11  # modulus of elasticity [Pa]
@@ -143,7 +143,7 @@ def picture() -> Figure:
         for column, name in enumerate(SPRINGS):
             press = pp.load(name)
             found = elastic(press, name)
-            draw_elasticity(places[0, column], found)
+            draw_compliance(places[0, column], found)
             places[0, column].set_title(name, loc="left")
             curve = pp.elasticity.dead_centre_shift(press, SPRINGS[name], np.linspace(0.0, CURVE[name], 40) * pp.RPM)
             draw_dead_centre_shift(places[1, column], {"true bottom dead centre": curve})
@@ -154,4 +154,4 @@ def picture() -> Figure:
 
 if __name__ == "__main__":
     print(table())
-    figures.save_plot(picture(), PICTURE)
+    figures.save(picture(), PICTURE)

@@ -20,7 +20,7 @@ PICTURE = Path(__file__).with_suffix(".png")
 
 def page(model: vibration.Vibration) -> str:
     """The page; draws its picture too."""
-    figures.save_plot(picture(model), PICTURE)
+    figures.save(picture(model), PICTURE)
     real = model.machines[vibration.REAL]
     modes = foundation.modes(real)
     before = ["| press, idle at 350 per min | shaking force, rms | top beam, rms | floor, rms |", "|---|---:|---:|---:|"]

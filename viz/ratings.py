@@ -141,4 +141,4 @@ def at(one: pp.ratings.Ratings, values: np.ndarray, height: float) -> float:
 
 if __name__ == "__main__":
     print(table())
-    print(pp.plots.save_plot(pp.plots.plot_ratings(rated("zxn2_3000b")), HERE / "ratings.png"))
+    print(pp.plots.save(pp.plots.ratings(rated("zxn2_3000b")), HERE / "ratings.png"))

@@ -24,7 +24,7 @@ def main() -> None:
         page = pp.record(press, result.motion, out / f"{name}.html", result, TRACES.get(name, ()))
         print(page, pp.report(press, result.motion, out / f"{name}_report.html", result, TRACES.get(name, ())))
         if name in PICTURES:
-            print(pp.video.still(page, HERE / f"{name}.png", PICTURES[name], SIZE))
+            print(pp.video.image(page, HERE / f"{name}.png", PICTURES[name], SIZE))
 
 
 if __name__ == "__main__":

@@ -1,4 +1,4 @@
-from .measurements import Accuracy as Accuracy
+from .diagram import plot as plot
 from .measurements import Measurement as Measurement
-from .plots import plot_accuracy as plot_accuracy
-from .work_precision import accuracy as accuracy
+from .measurements import WorkPrecision as WorkPrecision
+from .work_precision import compare as compare

@@ -1,8 +1,7 @@
-"""`accuracy` of inverse dynamics: a turn at constant speed, from crank angles to the driving torque and every bearing force."""
+"""Contest of inverse dynamics: a turn at constant speed, from crank angles to the driving torque and every bearing force."""
 
 from collections.abc import Sequence
 from functools import partial
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -10,18 +9,19 @@ from ..common.arrays import Array
 from ..dynamics.inverse_dynamics import Reactions, inverse_dynamics
 from ..kinematics.motion import cycle
 from ..linkage.linkage import Linkage
-from .contestants import Contest, Contestant, Errors, force_error, peak_force, peak_of
+from .contests import Contest, Contestant, Errors, force_error, peak_force, peak_of
 from .measurements import INVERSE_DYNAMICS
-
-if TYPE_CHECKING:
-    from .peers import Answer, Peer
+from .peers.peer import Answer, Peer
 
 STATES = 48  # of a turn, in which forward dynamics gives the accelerations back
 
 
-def contest(press: Linkage, speed: float, points: int, peers: "Sequence[Peer]") -> Contest:
-    """Both engines and the peers. A planar press's engines, which share no equation, are each other's judge; a spatial one's torque is
-    judged by forward dynamics, that gives the accelerations back under it."""
+def inverse_dynamics_contest(press: Linkage, speed: float, points: int, peers: Sequence[Peer]) -> Contest:
+    """Both engines and the peers.
+
+    The engines of a planar press share no equation and judge each other. The torque of a press in space is judged by forward dynamics,
+    which gives the accelerations back under it.
+    """
     engines = ("plane", "pinocchio") if press.plane is not None else ("pinocchio",)
     answers = {engine: _solved(press, speed, points, engine) for engine in engines}
     judges = {"plane": answers["pinocchio"], "pinocchio": answers[engines[0]]}
@@ -37,7 +37,7 @@ def contest(press: Linkage, speed: float, points: int, peers: "Sequence[Peer]") 
             points,
         )
 
-    def by_peer(answer: "Answer") -> Errors:
+    def by_peer(answer: Answer) -> Errors:
         truth = answers[engines[0]]
         return Errors(
             _off(answer.torque, truth.driving_torque, torque), force_error(answer.force, truth, peak, determined=True), evaluations=points

@@ -1,4 +1,4 @@
-"""What `accuracy` measures: error against run time, as rows of a table, a CSV file and text."""
+"""What `compare` measures: error against run time, as rows of a table, a CSV file and text."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ FREE_RUN, CLUTCH, DIE, SPEED_LAW = SCENES = ("free run", "clutch and blanking", 
 INVERSE_DYNAMICS, PROXIMAL, TABLE = "inverse dynamics", "proximal settings", "reduced table"
 GROUPS = (INVERSE_DYNAMICS, *SCENES, PROXIMAL, TABLE)
 PROXIMAL_STATES = 24  # of a turn, that proximal settings are measured in
-UNITS = {  # what ``seconds`` and ``error`` of a group are
+UNITS = {  # what `seconds` and `error` of a group are
     INVERSE_DYNAMICS: ("of a turn", "of the driving torque, of its peak"),
     **dict.fromkeys(SCENES, ("of the run and the forces at its end", "of the crank angle at its end [rad]")),
     PROXIMAL: (f"of {PROXIMAL_STATES} states", "of the joint accelerations, of their peak"),
@@ -23,16 +23,21 @@ UNITS = {  # what ``seconds`` and ``error`` of a group are
 
 @dataclass(frozen=True)
 class Measurement:
-    """One method with one setting. A quantity that it has not is None.
+    """One method with one setting. A quantity that it does not have is None.
 
     Attributes:
-        group: one of `GROUPS`. method: "plane", "reduced", ..., or a peer with its version. setting: in words.
+        group: one of `GROUPS`.
+        method: "plane", "reduced", ..., or a peer with its version.
+        setting: in words.
         number: the setting: a tolerance, a step [s], a proximal parameter, a number of samples.
-        seconds: least run time [s], error: largest error; of what, says `UNITS`.
-        force_error: of bearing forces, of the largest peak of any [-]. loop_gap: largest distance between the two sides of a loop [m].
-        energy_error: of the power balance, of the peak power, or of the energy at the end, of the kinetic energy at the start [-].
+        seconds: least run time, of what `UNITS` says [s].
+        error: largest error, of what `UNITS` says.
+        force_error: largest error of a bearing force, as a share of the largest peak of any [-].
+        loop_gap: largest distance between the two sides of a loop [m].
+        energy_error: of the power balance, as a share of the peak power, or of the energy at the end, as a share of the kinetic energy at
+            the start [-].
         evaluations: crank angles, evaluations of the equation of motion, or samples.
-        problem: why there is no error: what the method answered instead; empty otherwise.
+        problem: what the method answered instead, where there is no error; else empty.
     """
 
     group: str
@@ -49,18 +54,21 @@ class Measurement:
 
 
 @dataclass(frozen=True)
-class Accuracy(Frozen):
+class WorkPrecision(Frozen):
     """Error against run time of everything that is offered for a press, and of its peers, measured in one run.
 
     Attributes:
-        press: its name. scene: what was computed, in words. machine: on what, in words.
+        press_name: name of the press.
+        scene: what was computed, in words.
+        machine: on what, in words.
         scenes: group of a simulation -> that scene in words.
         certificates: group -> difference of the two independent methods whose agreement makes the reference, in the unit of its errors.
         certified_by: group -> which two these are.
-        measurements: in the order of `GROUPS`. skipped: what could not be measured, and why, a line each.
+        measurements: in the order of `GROUPS`.
+        skipped: a line for each that could not be measured, with the reason.
     """
 
-    press: str
+    press_name: str
     scene: str
     machine: str
     scenes: Mapping[str, str]
@@ -100,7 +108,7 @@ class Accuracy(Frozen):
         return tables.frame(self.columns())
 
     def __str__(self) -> str:
-        lines = [f"{self.press}: {self.scene}", self.machine]
+        lines = [f"{self.press_name}: {self.scene}", self.machine]
         for group in GROUPS:
             rows = self.of(group)
             if rows:

@@ -1,4 +1,4 @@
-"""`accuracy` of the proximal settings of Pinocchio's constraint dynamics: accelerations and loop forces of states in a turn.
+"""Contest of the proximal settings of Pinocchio's constraint dynamics: accelerations and loop forces of states in a turn.
 
 Equations that say nothing new (every planar pin has one, across the plane) make the matrix of constraint dynamics singular. Its proximal
 parameter mu takes their place, and iterations take its error away again: too small a mu, and rounding is divided by it; too large, and the
@@ -15,7 +15,7 @@ from ..dynamics.inverse_dynamics import inverse_dynamics
 from ..kinematics.motion import cycle
 from ..linkage.linkage import Linkage
 from ..simulation.reduced_model import tabulated
-from .contestants import Contest, Contestant, Errors, peak_of
+from .contests import Contest, Contestant, Errors, peak_of
 from .measurements import PROXIMAL, PROXIMAL_STATES
 
 PARAMETERS = (0.0, *(10.0**k for k in range(-14, -1)))
@@ -25,9 +25,11 @@ SKIPPED = (
 )
 
 
-def contest(press: Linkage, speed: float, flywheel: float) -> Contest:
-    """Settings of `constraintDynamics`, of the crank turning with a flywheel and without torque, the one that method `constraint` takes
-    among them. The reference are null-space accelerations, in which there is no mu; those of the reduced equation have to be the same.
+def proximal_contest(press: Linkage, speed: float, flywheel: float) -> Contest:
+    """Settings of `constraintDynamics`, among them the one that method `constraint` takes.
+
+    The crank turns with a flywheel and without torque. The reference are null-space accelerations, in which there is no mu; those of the
+    reduced equation have to be the same.
     """
     crank = press.driver_indices[0]
     armature = np.zeros(press.model.nv)

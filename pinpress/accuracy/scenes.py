@@ -1,4 +1,4 @@
-"""Scenes of `accuracy`: what a press runs through in simulations, made for any press from a speed, a flywheel and a duration.
+"""Scenes of `compare`: what a press runs through in simulations, made for any press from a speed, a flywheel and a duration.
 
 A free run is smooth, and everything is easy there. A press at work is not: a clutch slips and grips, a blank breaks, a die is met, a drive
 holds its speed so hard that it forgets a disturbance within microseconds.
@@ -40,7 +40,8 @@ class SpeedLaw(SpeedTorqueDrive):
     """A drive that holds a speed: torque ``gain`` times the difference. It has no inertia.
 
     Attributes:
-        gain: [N m s/rad]. speed: that it holds [rad/s].
+        gain: [N m s/rad].
+        speed: that it holds [rad/s].
     """
 
     gain: float
@@ -60,11 +61,20 @@ class SpeedLaw(SpeedTorqueDrive):
 
 @dataclass(frozen=True, eq=False)
 class Scene:
-    """A run from a crank angle [rad] and speed [rad/s] over a duration [s].
+    """A run that all methods of simulation are asked for.
 
     Attributes:
-        group: one of `measurements.SCENES`. words: what happens. turn: about how long a turn takes [s]. certifying: the two
-            methods of simulation that make the reference.
+        group: one of `measurements.SCENES`.
+        words: what happens.
+        turn: about how long a turn takes [s].
+        duration: of the run [s].
+        angle: of the crank at the start [rad].
+        speed: of the crank at the start [rad/s].
+        flywheel: on the crank, or before the clutch.
+        drive: what turns the crank; None where nothing does.
+        clutch: between flywheel and crank; None where they are one.
+        loads: process loads.
+        certifying: the two methods of simulation that make the reference.
     """
 
     group: str
@@ -108,7 +118,7 @@ def free_run(speed: float, flywheel: float, duration: float) -> Scene:
     return Scene(FREE_RUN, words, 2 * math.pi / abs(speed), duration, 0.0, speed, Flywheel(flywheel), certifying=("constraint", "reduced"))
 
 
-def build(press: Linkage, group: str, speed: float, flywheel: float, duration: float) -> Scene:
+def build_scene(press: Linkage, group: str, speed: float, flywheel: float, duration: float) -> Scene:
     """The scene of a group.
 
     Raises:

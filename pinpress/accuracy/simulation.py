@@ -1,10 +1,9 @@
-"""`accuracy` of simulation: scenes, to the crank angle and every bearing force at their end; and of the table that the method `reduced`
-works with."""
+"""Contests of simulation: of scenes, to the crank angle and every bearing force at their end; and of the reduced table behind `reduced`."""
 
-from collections.abc import Callable, Sequence
-from dataclasses import replace
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
 from functools import partial
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -13,16 +12,14 @@ from ..dynamics.inverse_dynamics import Reactions, inverse_dynamics
 from ..kinematics.motion import carried
 from ..linkage.linkage import Linkage
 from ..linkage.memo import keep_all_but
-from ..simulation import reduced_model as reduced
+from ..simulation import reduced_model
 from ..simulation.reduced_model import tabulated
 from ..simulation.run import Run
 from ..simulation.simulate import LEAST_TOLERANCE, simulate
-from .contestants import Contest, Contestant, Errors, force_error, peak_force
+from .contests import Contest, Contestant, Errors, force_error, peak_force
 from .measurements import FREE_RUN, SPEED_LAW, TABLE
+from .peers.peer import End, Peer, Solver
 from .scenes import Scene
-
-if TYPE_CHECKING:
-    from .peers import End, Peer, Solver
 
 METHODS = ("reduced", "implicit", "constraint")
 TOLERANCES = (1e-4, 1e-6, 1e-8, 1e-9, 1e-10, 1e-11, 1e-12)
@@ -41,90 +38,133 @@ class Ended(NamedTuple):
     last: Reactions
 
 
-def contest(press: Linkage, scene: Scene, peers: "Sequence[Peer]", solvers: "Sequence[Solver]") -> Contest:
+@dataclass(frozen=True, eq=False)
+class Reference:
+    """The end of a scene by which all are judged. No error is said to be less than the difference of the two methods that make it.
+
+    Attributes:
+        last: forces in the last state.
+        angle: of the crank in the last state, unwrapped [rad].
+        peak: largest force of any bearing in the run [N].
+        certificate: difference of the two methods' crank angles [rad].
+        force_certificate: largest difference of their bearing forces, as a share of the peak [-].
+    """
+
+    last: Reactions
+    angle: float
+    peak: float
+    certificate: float
+    force_certificate: float
+
+    def judge(self, ended: Ended) -> Errors:
+        """Errors of a run of ours."""
+        stats = ended.run.stats
+        error, force = self._errors(float(ended.run.crank_angle[-1]), force_error(ended.last.bearing_force, self.last, self.peak))
+        return Errors(error, force, stats.closure_error, stats.energy_error, stats.evaluations)
+
+    def judge_peer(self, end: End) -> Errors:
+        """Errors of a run of a peer."""
+        forces = {name: force[None] for name, force in end.force.items()}
+        error, force = self._errors(end.crank_angle, force_error(forces, self.last, self.peak, determined=True))
+        return Errors(error, force, end.loop_gap, end.energy_error, end.evaluations)
+
+    def _errors(self, angle: float, force: float) -> tuple[float, float]:
+        return max(abs(angle - self.angle), self.certificate), max(force, self.force_certificate)
+
+
+def simulation_contest(press: Linkage, scene: Scene, peers: Sequence[Peer], solvers: Sequence[Solver]) -> Contest:
     """All methods over tolerances and fixed steps, peers over their steps, and solvers of the closed form over their tolerances.
 
     The reference is a run of all joints with the least tolerance. The reduced equation, which shares no equation of motion with it, has to
-    give the same; no error is said to be less than the difference of the two.
+    give the same.
     """
+    reference = _reference(press, scene)
+    entries = [*_adaptive_runs(press, scene, reference), *_fixed_step_runs(press, scene, reference)]
+    skipped = [f"{each.name} is left out in the {scene.group}: {each.left_out[scene.group]}" for each in _left_out(peers, solvers, scene)]
+    for peer in peers:
+        if peer.steps and scene.group not in peer.left_out:
+            entries += _peer_runs(peer, scene, reference)
+    for solver in solvers:
+        if scene.group not in solver.left_out:
+            entries += _solver_runs(solver, scene, reference)
+    if scene.group == SPEED_LAW:
+        skipped.append(UNSTABLE)
+    by = {"constraint": "all joints", "reduced": "the reduced equation", "implicit": "the reduced equation by Radau IIA"}
+    certified_by = " and ".join(by[method] for method in scene.certifying)
+    return Contest(scene.group, tuple(entries), reference.certificate, certified_by, tuple(skipped))
+
+
+def _reference(press: Linkage, scene: Scene) -> Reference:
     truth, other = (_ended(press, scene, method, tolerance=LEAST_TOLERANCE) for method in scene.certifying)
     whole = inverse_dynamics(press, _run(press, scene, scene.certifying[1], points=STATES))
     peak = peak_force({name: force[1:] for name, force in whole.bearing_force.items()})
     angle = float(truth.run.crank_angle[-1])
     certificate = max(abs(float(other.run.crank_angle[-1]) - angle), float(np.spacing(abs(angle))))
-    force_certificate = force_error(other.last.bearing_force, truth.last, peak)
+    return Reference(truth.last, angle, peak, certificate, force_error(other.last.bearing_force, truth.last, peak))
 
-    def own(ended: Ended) -> Errors:
-        stats, off = ended.run.stats, force_error(ended.last.bearing_force, truth.last, peak)
-        error = abs(float(ended.run.crank_angle[-1]) - angle)
-        return Errors(max(error, certificate), max(off, force_certificate), stats.closure_error, stats.energy_error, stats.evaluations)
 
-    def of_peer(end: "End") -> Errors:
-        off = force_error({name: force[None] for name, force in end.force.items()}, truth.last, peak, determined=True)
-        error = abs(end.crank_angle - angle)
-        return Errors(max(error, certificate), max(off, force_certificate), end.loop_gap, end.energy_error, end.evaluations)
+def _adaptive_runs(press: Linkage, scene: Scene, reference: Reference) -> Iterator[Contestant]:
+    """Runs of ours with steps by error."""
 
-    def entry(method: str, setting: str, number: float, work: Callable[[], Any]) -> Contestant:
-        return Contestant(scene.group, method, setting, number, work, own)
-
-    def toleranced(method: str, tolerance: float, setting: str = "") -> Contestant:
+    def toleranced(method: str, tolerance: float, setting: str) -> Contestant:
         work = partial(_ended, press, scene, method, tolerance=tolerance)
-        return entry(method, setting or f"tolerance {tolerance:.0e}", tolerance, work)
+        return Contestant(scene.group, method, setting, tolerance, work, reference.judge)
 
-    turn, entries = scene.turn, []
     for method in METHODS:
         if method == "reduced" and _alike(press, scene):
-            entries.append(toleranced(method, 1e-11, "any tolerance"))
+            yield toleranced(method, 1e-11, "any tolerance")
         else:
-            entries += [toleranced(method, tolerance) for tolerance in TOLERANCES]
+            yield from (toleranced(method, tolerance, f"tolerance {tolerance:.0e}") for tolerance in TOLERANCES)
     if scene.group == FREE_RUN:
-        entries.append(entry("reduced, its table anew", "tolerance 1e-11", 1e-11, lambda: _ended(_without_table(press), scene, "reduced")))
-    if scene.group != SPEED_LAW:
-        entries += [
-            entry(
-                f"{method}, Runge-Kutta 4", f"step {1e3 * turn / n:.3g} ms", turn / n, partial(_ended, press, scene, method, step=turn / n)
-            )
-            for method in ("reduced", "constraint")
-            for n in STEPS
-        ]
-    skipped = []
-    for peer in (peer for peer in peers if peer.steps):
-        if scene.group in peer.left_out:
-            skipped.append(f"{peer.name} is left out in the {scene.group}: {peer.left_out[scene.group]}")
-            continue
-        for step in (step * turn / PACE for step in peer.steps):
-            if scene.group == FREE_RUN:
-                work = partial(peer.free_run, scene.angle, scene.speed, float(scene.flywheel.inertia), scene.duration, step)
-            else:
-                work = partial(peer.run, scene, step)
-            entries.append(Contestant(scene.group, peer.name, f"step {1e3 * step:.3g} ms", step, work, of_peer))
-    for solver in solvers:
-        if scene.group in solver.left_out:
-            skipped.append(f"{solver.name} is left out in the {scene.group}: {solver.left_out[scene.group]}")
-            continue
-        run = solver.prepared(scene)
-        for tolerance in solver.tolerances:
-            entries.append(Contestant(scene.group, solver.name, f"tolerance {tolerance:.0e}", tolerance, partial(run, tolerance), of_peer))
+        method, setting = "reduced, its table anew", "tolerance 1e-11"
+        yield Contestant(scene.group, method, setting, 1e-11, lambda: _ended(_without_table(press), scene, "reduced"), reference.judge)
+
+
+def _fixed_step_runs(press: Linkage, scene: Scene, reference: Reference) -> Iterator[Contestant]:
+    """Runs of ours with fixed steps, which are stable in all scenes but the one with a stiff law."""
     if scene.group == SPEED_LAW:
-        skipped.append(UNSTABLE)
-    by = {"constraint": "all joints", "reduced": "the reduced equation", "implicit": "the reduced equation by Radau IIA"}
-    return Contest(scene.group, tuple(entries), certificate, " and ".join(by[method] for method in scene.certifying), tuple(skipped))
+        return
+    for method in ("reduced", "constraint"):
+        for step in (scene.turn / count for count in STEPS):
+            work = partial(_ended, press, scene, method, step=step)
+            yield Contestant(scene.group, f"{method}, Runge-Kutta 4", f"step {1e3 * step:.3g} ms", step, work, reference.judge)
 
 
-def tables(press: Linkage) -> Contest:
-    """Tables of the reduced inertia and potential energy with so many samples, between which they are looked at."""
-    chosen = reduced.build(press, ())
+def _peer_runs(peer: Peer, scene: Scene, reference: Reference) -> Iterator[Contestant]:
+    for step in (step * scene.turn / PACE for step in peer.steps):
+        if scene.group == FREE_RUN:
+            work = partial(peer.free_run, scene.angle, scene.speed, float(scene.flywheel.inertia), scene.duration, step)
+        else:
+            work = partial(peer.run, scene, step)
+        yield Contestant(scene.group, peer.name, f"step {1e3 * step:.3g} ms", step, work, reference.judge_peer)
+
+
+def _solver_runs(solver: Solver, scene: Scene, reference: Reference) -> Iterator[Contestant]:
+    run = solver.prepared(scene)
+    for tolerance in solver.tolerances:
+        setting = f"tolerance {tolerance:.0e}"
+        yield Contestant(scene.group, solver.name, setting, tolerance, partial(run, tolerance), reference.judge_peer)
+
+
+def _left_out(peers: Sequence[Peer], solvers: Sequence[Solver], scene: Scene) -> list[Peer | Solver]:
+    runners: list[Peer | Solver] = [*(peer for peer in peers if peer.steps), *solvers]
+    return [each for each in runners if scene.group in each.left_out]
+
+
+def table_contest(press: Linkage) -> Contest:
+    """Tables of the reduced inertia and potential energy with so many samples, judged between them."""
+    chosen = reduced_model.build(press, ())
     angles = np.random.default_rng(0).uniform(chosen.borders[0], chosen.borders[-1], BETWEEN)
-    exact = reduced.sampled(press, angles, ())[:2]
+    exact = reduced_model.sampled(press, angles, ())[:2]
     ranges = np.maximum(np.ptp(exact, axis=1), np.finfo(float).tiny)
 
-    def off(table: reduced.ReducedModel) -> float:
+    def off(table: reduced_model.ReducedModel) -> float:
         missed = table.at(angles)[0][:2] - exact
         missed[1] -= missed[1].mean()  # the zero of the potential energy means nothing
         return float((np.abs(missed).max(axis=1) / ranges).max())
 
     def entry(method: str, samples: int, panels: int | None) -> Contestant:
-        made = partial(reduced.build, press, (), panels)
+        made = partial(reduced_model.build, press, (), panels)
         number = None if panels is None else float(samples)
         return Contestant(
             TABLE, method, f"{samples} samples", number, made, lambda table: Errors(off(table), evaluations=table.evaluations)
@@ -132,7 +172,7 @@ def tables(press: Linkage) -> Contest:
 
     entries = [entry("reduced", panels * NODES, panels) for panels in PANELS]
     entries.append(entry("reduced, as many as resolve it", chosen.evaluations, None))
-    finest = reduced.build(press, (), 2 * PANELS[-1])
+    finest = reduced_model.build(press, (), 2 * PANELS[-1])
     return Contest(TABLE, tuple(entries), off(finest), f"the linkage itself and a table of {finest.evaluations} samples")
 
 

@@ -1,9 +1,6 @@
-"""Error against run time of everything that is offered for a press.
+"""Error against run time of everything that is offered for a press, beside other programs.
 
-    measured = pp.accuracy.accuracy(press, speed=70 * pp.RPM)
-    print(measured), measured.to_csv("accuracy.csv"), pp.plots.save_plot(pp.accuracy.plot_accuracy(measured), "accuracy.png")
-
-Every error is against a reference that two independent methods agree on; `Accuracy.certificates` says how far.
+Every error is against a reference that two independent methods agree on; `WorkPrecision.certificates` says how far.
 """
 
 from __future__ import annotations
@@ -23,75 +20,63 @@ from ..drives.transmission import Flywheel
 from ..kinematics.motion import MOST_POINTS
 from ..linkage.linkage import Linkage
 from ..simulation.reduced_model import tabulated
-from . import inverse_dynamics as accuracy_inverse
-from . import peers
-from . import proximal as accuracy_proximal
-from . import scenes as accuracy_scenes
-from . import simulation as accuracy_simulation
-from .contestants import measured
-from .measurements import SCENES, Accuracy
-from .scenes import Scene
+from .contests import measured
+from .inverse_dynamics import inverse_dynamics_contest
+from .measurements import SCENES, WorkPrecision
+from .peers.installed import find_peers, find_solvers
+from .proximal import proximal_contest
+from .scenes import Scene, build_scene
+from .simulation import simulation_contest, table_contest
 
 TURNS = 2.0  # of the runs
 HEAVY = 4.0  # times the linkage's largest reduced inertia: a flywheel that carries it on
 
 
 @typed
-def accuracy(
+def compare(
     press: Linkage,
     speed: float,
+    *,
     flywheel: Flywheel | None = None,
     duration: float | None = None,
     points: int = 360,
     repeats: int = 3,
     scenes: Sequence[str] = SCENES,
     progress: Callable[[float], None] | None = None,
-) -> Accuracy:
+) -> WorkPrecision:
     """Measure everything that is offered for a press, and the same press in other programs where they are installed (`peers`).
 
     Inverse dynamics of a period at constant speed by both engines. Simulations by all methods over tolerances and steps: a free run from
     crank angle 0, weights on; a start by a clutch under a motor, and a blank; a stiff elastic die, met under a motor; a drive that holds
     the speed so hard that the equation is stiff. The proximal settings of constraint dynamics. The number of samples of the reduced table.
-    Run times are the least of ``repeats`` rounds in which all take turns.
+    Run times are the least of several rounds in which all take turns.
 
     Args:
-        press: with one driver.
+        press: a linkage with one driver.
         speed: of the crank, in the period and in the runs [rad/s].
         flywheel: of the runs; by default with 4 times the largest reduced inertia of the linkage.
         duration: of the runs; by default the time of two turns at that speed [s].
         points: crank angles in the period.
-        repeats: rounds of timing. scenes: which of "free run", "clutch and blanking", "elastic die" and "stiff speed law" to simulate.
+        repeats: rounds of timing.
+        scenes: which of "free run", "clutch and blanking", "elastic die" and "stiff speed law" to simulate.
         progress: called with the share done, 0 to 1.
 
     Raises:
         PinpressError: an argument that makes no sense, a linkage with several drivers.
-        SingularityError, SimulationError: the crank does not turn fully, or the run has no end.
+        SingularityError: the crank does not turn fully.
+        SimulationError: a run has no end.
     """
-    if len(press.drivers) > 1:
-        raise PinpressError(f"{press.name} has {len(press.drivers)} drivers: accuracy is measured of a linkage with one")
-    speed = number("speed", speed)
-    if not SMALLEST <= abs(speed) <= LARGEST:
-        raise PinpressError(f"speed is {speed:g}: give the speed of the crank [rad/s], e.g. 70 * pinpress.RPM")
-    for name, value, most in (("points", points, MOST_POINTS), ("repeats", repeats, 1000)):
-        whole_number(name, value, 1 + (name == "points"), most)
-    if flywheel is not None and not isinstance(flywheel, Flywheel):
-        raise PinpressError(f"flywheel is {shown(flywheel)}: give a Flywheel(...)")
-    inertia = (
-        HEAVY * float(tabulated(press).at(tabulated(press).borders)[0][0].max())
-        if flywheel is None
-        else number("the flywheel's inertia", flywheel.inertia)
-    )
+    speed = _checked(press, speed, points, repeats, scenes)
+    inertia = _inertia(press, flywheel)
     lasting = TURNS * 2 * np.pi / abs(speed) if duration is None else positive("duration", duration, "s")
-    if isinstance(scenes, str) or not all(isinstance(scene, str) and scene in SCENES for scene in scenes):
-        raise PinpressError(f"scenes are {shown(scenes)}: give some of {', '.join(map(repr, SCENES))}")
-    found, skipped = peers.find(press)
-    solvers, missing = peers.solvers(press)
+    found, skipped = find_peers(press)
+    solvers, missing = find_solvers(press)
     made, unmade = _scenes(press, scenes, speed, inertia, lasting)
     contests = (
-        accuracy_inverse.contest(press, speed, points, found),
-        *(accuracy_simulation.contest(press, scene, found, solvers) for scene in made),
-        accuracy_proximal.contest(press, speed, inertia),
-        accuracy_simulation.tables(press),
+        inverse_dynamics_contest(press, speed, points, found),
+        *(simulation_contest(press, scene, found, solvers) for scene in made),
+        proximal_contest(press, speed, inertia),
+        table_contest(press),
     )
     total, done = (repeats + 1) * sum(len(contest.contestants) for contest in contests), 0
 
@@ -101,8 +86,8 @@ def accuracy(
         if progress is not None:
             progress(done / total)
 
-    return Accuracy(
-        press=press.name,
+    return WorkPrecision(
+        press_name=press.name,
         scene=f"{speed / RPM:g} r/min; runs of {lasting:.4g} s with a flywheel of {inertia:.4g} kg m2",
         machine=_machine(),
         scenes={scene.group: scene.words for scene in made},
@@ -113,6 +98,28 @@ def accuracy(
     )
 
 
+def _checked(press: Linkage, speed: object, points: object, repeats: object, scenes: Sequence[str]) -> float:
+    """The speed [rad/s], once all of these make sense."""
+    if len(press.drivers) > 1:
+        raise PinpressError(f"{press.name} has {len(press.drivers)} drivers: accuracy is measured of a linkage with one")
+    turning = number("speed", speed)
+    if not SMALLEST <= abs(turning) <= LARGEST:
+        raise PinpressError(f"speed is {turning:g}: give the speed of the crank [rad/s], e.g. 70 * pinpress.RPM")
+    whole_number("points", points, 2, MOST_POINTS)
+    whole_number("repeats", repeats, 1, 1000)
+    if isinstance(scenes, str) or not all(isinstance(scene, str) and scene in SCENES for scene in scenes):
+        raise PinpressError(f"scenes are {shown(scenes)}: give some of {', '.join(map(repr, SCENES))}")
+    return turning
+
+
+def _inertia(press: Linkage, flywheel: Flywheel | None) -> float:
+    """Of the flywheel [kg m2]."""
+    if flywheel is None:
+        table = tabulated(press)
+        return HEAVY * float(table.at(table.borders)[0][0].max())
+    return number("the flywheel's inertia", flywheel.inertia)
+
+
 def _scenes(
     press: Linkage, wanted: Sequence[str], speed: float, flywheel: float, duration: float
 ) -> tuple[tuple[Scene, ...], tuple[str, ...]]:
@@ -120,7 +127,7 @@ def _scenes(
     made, unmade = [], []
     for group in (scene for scene in SCENES if scene in wanted):
         try:
-            made.append(accuracy_scenes.build(press, group, speed, flywheel, duration))
+            made.append(build_scene(press, group, speed, flywheel, duration))
         except PinpressError as error:
             unmade.append(f"{group} is skipped: {error}")
     return tuple(made), tuple(unmade)

@@ -4,7 +4,7 @@ import argparse
 import importlib.util
 from pathlib import Path
 
-from ..accuracy.measurements import SCENES, Accuracy
+from ..accuracy.measurements import SCENES, WorkPrecision
 from ..common.files import make_folder
 from ..common.units import RPM
 from ..linkage.loading import load
@@ -51,7 +51,7 @@ def run(options: argparse.Namespace) -> int:
     Raises:
         PinpressError: whatever `load`, `accuracy` and writing raise.
     """
-    from ..accuracy.work_precision import accuracy
+    from ..accuracy.work_precision import compare  # slow to import: so a mistake in the words above is named at once
 
     flywheel = None if options.flywheel is None else scene_words.flywheel(options.flywheel)
     press = load(options.file, driver=options.driver, slide=options.slide)
@@ -59,22 +59,31 @@ def run(options: argparse.Namespace) -> int:
         make_folder(options.out)
     scenes = options.scene or SCENES
     with progress(1.0, BAR) as told:
-        measured = accuracy(press, options.speed * RPM, flywheel, options.duration, options.points, options.repeats, scenes, told)
+        measured = compare(
+            press,
+            options.speed * RPM,
+            flywheel=flywheel,
+            duration=options.duration,
+            points=options.points,
+            repeats=options.repeats,
+            scenes=scenes,
+            progress=told,
+        )
     print(measured)
     if options.out is not None:
         _write(measured, options.out)
     return 0
 
 
-def _write(measured: Accuracy, folder: Path) -> None:
+def _write(measured: WorkPrecision, folder: Path) -> None:
     """Write the files and say so; a minute's measurements are not lost where Matplotlib is missing."""
-    from ..accuracy.plots import plot_accuracy
-    from ..plots.style import NOT_INSTALLED, save_plot
+    from ..accuracy import diagram
+    from ..plots import style
 
     table, plot = folder / "accuracy.csv", folder / "accuracy.png"
     measured.to_csv(table)
     if importlib.util.find_spec("matplotlib") is None:
-        print(f"\nwrote {table}; {plot} is left out: {NOT_INSTALLED}")
+        print(f"\nwrote {table}; {plot} is left out: {style.NOT_INSTALLED}")
         return
-    save_plot(plot_accuracy(measured), plot)
+    style.save(diagram.plot(measured), plot)
     print(f"\nwrote {table} and {plot}")

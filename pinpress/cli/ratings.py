@@ -86,10 +86,9 @@ def _write(found: Ratings, folder: Path) -> None:
     if importlib.util.find_spec("matplotlib") is None:
         print(f"\nwrote {folder / 'ratings.csv'}; for the diagram: pip install 'pinpress[plots]'")
         return
-    from ..plots.ratings import plot_ratings
-    from ..plots.style import save_plot
+    from ..plots import force_stroke, style
 
-    save_plot(plot_ratings(found), folder / "ratings.png")
+    style.save(force_stroke.ratings(found), folder / "ratings.png")
     print(f"\nwrote {folder / 'ratings.csv'} and {folder / 'ratings.png'}")
 
 

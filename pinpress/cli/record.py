@@ -56,7 +56,7 @@ def run(options: argparse.Namespace) -> int:
     """Write what was asked for, and say so on stdout.
 
     Raises:
-        PinpressError: nothing asked for, and whatever `load`, `cycle`, `inverse_dynamics`, `record`, `film` and `still` raise.
+        PinpressError: nothing asked for, and whatever `load`, `cycle`, `inverse_dynamics`, `record`, `film` and `image` raise.
     """
     if options.out is options.video is options.png is None:
         raise PinpressError("nothing to write: give --out page.html, --video film.mp4 or --png picture.png")
@@ -65,7 +65,7 @@ def run(options: argparse.Namespace) -> int:
     paths = [path.absolute() for path in (options.out, options.video, options.png) if path is not None]
     if len(set(paths)) < len(paths):
         raise PinpressError("--out, --video and --png name one file: give each its own")
-    from ..visual.film import film, still
+    from ..visual.film import film, image
     from ..visual.recording import record
 
     press = load(options.file, driver=options.driver, slide=options.slide)
@@ -76,7 +76,7 @@ def run(options: argparse.Namespace) -> int:
         record(press, motion, page, reactions=reactions, traces=options.trace)
         size = {} if options.size is None else {"size": options.size}
         if options.png is not None:
-            still(page, options.png, _time(options.at, options.speed, press.period_turns), **size)
+            image(page, options.png, _time(options.at, options.speed, press.period_turns), **size)
         if options.video is not None:
             shown = {"frames_per_second": options.fps, "slowdown": options.slowdown, "repeats": options.repeats}
             with progress(1.0, "{percentage:3.0f} % |{bar}| {remaining} to go") as tell:

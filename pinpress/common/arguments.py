@@ -22,7 +22,7 @@ MAKERS = {
     "Guide": "Guide(length, width)",
     "Elasticity": "elasticity",
     "Ratings": "ratings",
-    "Accuracy": "accuracy",
+    "WorkPrecision": "accuracy.compare",
     "Flywheel": "Flywheel",
     "MountedPress": "mounted",
     "Frame": "Frame",

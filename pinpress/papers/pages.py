@@ -190,7 +190,7 @@ class Page:
 
 
 def _small(figure: "Figure") -> bytes:
-    """A figure as PNG for a page on a screen, where those of `save_plot` are for print. The same figure gives the same bytes."""
+    """A figure as PNG for a page on a screen, where those of `plots.save` are for print. The same figure gives the same bytes."""
     from matplotlib import style
 
     content = io.BytesIO()

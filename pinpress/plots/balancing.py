@@ -1,4 +1,4 @@
-"""Trade-offs between measures as a static chart; see `plots`."""
+"""Charts of balancing: trade-offs between measures."""
 
 from __future__ import annotations
 
@@ -20,9 +20,13 @@ HIGH = 6.5  # of a panel [cm]
 
 
 @typed
-def plot_trade_offs(curves: Mapping[str, TradeOffCurve]) -> Figure:
-    """Curves of `trade_off` under their names, the first measure over the second; those of the same two measures in one panel. A grey cross
-    is the press before balancing.
+def trade_offs(curves: Mapping[str, TradeOffCurve]) -> Figure:
+    """Draw curves of `trade_off`, the first measure over the second, those of the same two measures in one panel.
+
+    A grey cross is the press before balancing.
+
+    Args:
+        curves: what `pinpress.balancing.trade_off` returns, by the curves' names.
 
     Raises:
         PinpressError: Matplotlib is not installed, or there is no curve.

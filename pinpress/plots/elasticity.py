@@ -1,8 +1,8 @@
-"""Elastic presses as static charts: compliance by parts, bottom dead centre over speed, snap-through; see `plots`."""
+"""Charts of elastic presses: compliance by parts, bottom dead centre over speed, snap-through."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -25,43 +25,53 @@ SMALLEST = 5e-3  # of the largest compliance: parts that never give as much are 
 
 
 @typed
-def plot_elasticity(elasticity: Elasticity) -> Figure:
-    """Compliance at the slide over the crank angle, the shares of the parts stacked on each other; the largest lowest.
+def compliance(elasticity: Elasticity) -> Figure:
+    """Draw the compliance at the slide over the crank angle, the shares of the parts stacked on each other, the largest lowest.
+
+    Args:
+        elasticity: what `pinpress.elasticity.elasticity` returns.
 
     Raises:
         PinpressError: Matplotlib is not installed.
     """
-    with drawing(HIGH) as figure:
-        draw_elasticity(figure.subplots(), elasticity)
-    return figure
+    return _alone(draw_compliance, elasticity)
 
 
 @typed
-def plot_dead_centre_shift(shifts: Mapping[str, DeadCentreShift]) -> Figure:
-    """How much deeper the slides of presses go at speed than at standstill, under their names.
+def dead_centre_shift(shifts: Mapping[str, DeadCentreShift]) -> Figure:
+    """Draw how much deeper the slides of presses go at speed than at standstill, over the speed.
+
+    Args:
+        shifts: what `pinpress.elasticity.dead_centre_shift` returns, by the names of the presses.
 
     Raises:
         PinpressError: Matplotlib is not installed, or there is no press.
     """
-    with drawing(HIGH) as figure:
-        draw_dead_centre_shift(figure.subplots(), shifts)
-    return figure
+    return _alone(draw_dead_centre_shift, shifts)
 
 
 @typed
-def plot_snap_through(responses: Mapping[str, SnapThrough]) -> Figure:
-    """Force of the sprung press beside that at break-through over time, under the names of the cases; below zero the linkage is pulled.
+def snap_through(responses: Mapping[str, SnapThrough]) -> Figure:
+    """Draw the force of the sprung press as a share of that at break-through, over time; below zero the linkage is pulled.
+
+    Args:
+        responses: what `pinpress.elasticity.snap_through` returns, by the names of the cases.
 
     Raises:
         PinpressError: Matplotlib is not installed, or there is no case.
     """
+    return _alone(draw_snap_through, responses)
+
+
+def _alone(draw: Callable[[Axes, Any], None], shown: object) -> Figure:
+    """A chart as a figure of its own."""
     with drawing(HIGH) as figure:
-        draw_snap_through(figure.subplots(), responses)
+        draw(figure.subplots(), shown)
     return figure
 
 
-def draw_elasticity(axes: Axes, elasticity: Elasticity) -> None:
-    """The chart of `plot_elasticity` on given axes."""
+def draw_compliance(axes: Axes, elasticity: Elasticity) -> None:
+    """The chart of `compliance` on given axes."""
     from matplotlib.ticker import MaxNLocator
 
     order = np.argsort(elasticity.crank_angle)
@@ -86,7 +96,7 @@ def draw_elasticity(axes: Axes, elasticity: Elasticity) -> None:
 
 
 def draw_dead_centre_shift(axes: Axes, shifts: Mapping[str, DeadCentreShift]) -> None:
-    """The chart of `plot_dead_centre_shift` on given axes."""
+    """The chart of `dead_centre_shift` on given axes."""
     _refuse_none(shifts, "dead_centre_shift", DeadCentreShift)
     grid(axes, "shift of bottom dead centre [µm]")
     lines: list[Artist] = []
@@ -98,7 +108,7 @@ def draw_dead_centre_shift(axes: Axes, shifts: Mapping[str, DeadCentreShift]) ->
 
 
 def draw_snap_through(axes: Axes, responses: Mapping[str, SnapThrough]) -> None:
-    """The chart of `plot_snap_through` on given axes."""
+    """The chart of `snap_through` on given axes."""
     _refuse_none(responses, "snap_through", SnapThrough)
     grid(axes, "force by that at break-through [-]")
     axes.axhline(0.0, color=GREY, linewidth=0.6)

@@ -1,4 +1,4 @@
-"""Vibration of a press on its mounts, drawn: accelerations in time, acceleration and force on the floor over speed."""
+"""Charts of a press on its mounts: accelerations in time, acceleration and force on the floor over speed."""
 
 from __future__ import annotations
 
@@ -23,11 +23,13 @@ HIGH = 5.0  # of one panel [cm]
 
 
 @typed
-def plot_vibration(motions: Mapping[str, FrameMotion], axis: str = "z", last: float | None = None) -> Figure:
-    """Acceleration of all points along an axis over time, one panel a motion under its name.
+def vibration(motions: Mapping[str, FrameMotion], axis: str = "z", last: float | None = None) -> Figure:
+    """Draw the acceleration of all points along an axis over time, one panel a motion.
 
     Args:
-        axis: "x", "y" or "z". last: only so many seconds at the end of each [s].
+        motions: what `steady_response` or `time_response` returns, by the motions' names.
+        axis: "x", "y" or "z".
+        last: show this much time at the end of each motion; by default all [s].
 
     Raises:
         PinpressError: Matplotlib is not installed, there is no motion, or no such axis.
@@ -49,9 +51,12 @@ def plot_vibration(motions: Mapping[str, FrameMotion], axis: str = "z", last: fl
 
 
 @typed
-def plot_speeds(responses: Mapping[str, SpeedResponse], point: str) -> Figure:
-    """Acceleration of a point, root mean square of all directions, and force on the floor by shaking force, over the speed; a curve a
-    response, under its name.
+def speed_response(responses: Mapping[str, SpeedResponse], point: str) -> Figure:
+    """Draw the acceleration of a point, root mean square of all directions, and force on the floor by shaking force, over the speed.
+
+    Args:
+        responses: what `over_speeds` returns, by the names of the curves.
+        point: one of the points of all responses.
 
     Raises:
         PinpressError: Matplotlib is not installed, or there is no response.

@@ -1,8 +1,4 @@
-"""Static charts for papers: Matplotlib figures of 16 cm, made from `charts`, which has their signs and axes.
-
-Every function returns a `matplotlib.figure.Figure`; `save_plot` writes it. They raise `PinpressError` where Matplotlib is not installed
-(``pip install 'pinpress[plots]'``) or a value is not finite.
-"""
+"""Charts of a motion and its reactions, made from `visual.charts`, which has their signs and axes."""
 
 from __future__ import annotations
 
@@ -15,20 +11,18 @@ import numpy as np
 from ..common.arguments import typed
 from ..common.arrays import Array
 from ..common.errors import PinpressError
-from ..dynamics.harmonics import harmonics
+from ..dynamics.harmonics import Harmonics, harmonics
 from ..dynamics.inverse_dynamics import Reactions
 from ..kinematics.motion import Motion
 from ..visual import charts
 from ..visual.charts import Chart, Curve
-from .polar import draw_loci
-from .style import COLOURS, GREY, SMALL, Over, above, draw, drawing, grid, legend, plain, save_plot
+from .loci import draw_loci
+from .style import COLOURS, GREY, SMALL, Over, above, draw, drawing, grid, legend, plain
 
 if TYPE_CHECKING:
     from matplotlib.artist import Artist
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
-
-__all__ = ["plot_bearings", "plot_comparison", "plot_polar", "plot_shaking", "plot_slide", "plot_torque", "save_plot"]
 
 SAME = 1e-6  # of the largest value: curves that differ by less are one
 INTERPOLATED = 1e-6  # of the largest value: a mean below it is the error of interpolation
@@ -38,11 +32,14 @@ BEFORE, PALE, AFTER = GREY, "#b0b0b0", COLOURS[0]
 
 
 @typed
-def plot_slide(motion: Motion) -> Figure:
-    """Position, velocity and acceleration of the slide, and the speed of the crank where it is not constant.
+def slide(motion: Motion) -> Figure:
+    """Draw position, velocity and acceleration of the slide, and the speed of the crank where it is not constant.
+
+    Args:
+        motion: what `cycle`, `simulate` or `steady_state` returns.
 
     Raises:
-        PinpressError: the linkage has no slide.
+        PinpressError: the linkage has no slide, a value is not finite, or Matplotlib is not installed.
     """
     shown = [*charts.slide(motion)]
     if not shown:
@@ -52,34 +49,64 @@ def plot_slide(motion: Motion) -> Figure:
 
 
 @typed
-def plot_torque(reactions: Reactions) -> Figure:
-    """Driving torque of every driver; of a run beside the torque of its drive."""
+def torque(reactions: Reactions) -> Figure:
+    """Draw the driving torque of every driver; of a run beside the torque of its drive.
+
+    Args:
+        reactions: what `inverse_dynamics` returns.
+
+    Raises:
+        PinpressError: a value is not finite, or Matplotlib is not installed.
+    """
     return _stacked(reactions.motion, [charts.torque(reactions)], 6.0)
 
 
 @typed
-def plot_bearings(reactions: Reactions) -> Figure:
-    """Magnitudes of all bearing and guide forces, and of the moments they hold, where one does. Curves that coincide are drawn once."""
+def bearings(reactions: Reactions) -> Figure:
+    """Draw the magnitudes of all bearing and guide forces, and of the moments they hold, where one does.
+
+    Curves that coincide are drawn once, under both names.
+
+    Args:
+        reactions: what `inverse_dynamics` returns, with all bearings.
+
+    Raises:
+        PinpressError: a value is not finite, or Matplotlib is not installed.
+    """
     moments = charts.bearing_moment(reactions)
     shown = [_merged(chart) for chart in (charts.bearing(reactions), moments) if chart is not None]
     return _stacked(reactions.motion, shown, 7.5, 4.5)
 
 
 @typed
-def plot_polar(reactions: Reactions, *bearings: str) -> Figure:
-    """Polar diagrams of bearing forces, by default of all: path of the force vector's tip in world axes (solid) and in axes that turn with
-    the link it acts on (dashed), with dots at every quarter turn of the crank in the last period. Circles are of constant force.
+def polar(reactions: Reactions, *bearings: str) -> Figure:
+    """Draw polar diagrams of bearing forces.
+
+    A diagram shows the path of the force vector's tip in world axes (solid) and in axes that turn with the link on which the force acts
+    (dashed), with dots at every quarter turn of the crank in the last period. Circles are of constant force.
+
+    Args:
+        reactions: what `inverse_dynamics` returns.
+        *bearings: names of bearings and guides; by default all.
 
     Raises:
         UnknownNameError: there is no such bearing.
+        PinpressError: a value is not finite, or Matplotlib is not installed.
     """
     names = bearings or reactions._press.bearings
     return draw_loci(reactions.motion, [charts.locus(reactions, name) for name in names])
 
 
 @typed
-def plot_shaking(reactions: Reactions) -> Figure:
-    """World components of the shaking force, and the amplitudes of its harmonics in the last full period, where there is one."""
+def shaking(reactions: Reactions) -> Figure:
+    """Draw the world components of the shaking force, and the amplitudes of its harmonics in the last full period, where there is one.
+
+    Args:
+        reactions: what `inverse_dynamics` returns.
+
+    Raises:
+        PinpressError: a value is not finite, or Matplotlib is not installed.
+    """
     motion, chart = reactions.motion, charts.shaking(reactions)
     found = harmonics(motion, reactions.shaking_force)
     if found is None or len(found.orders) < 2:
@@ -87,33 +114,24 @@ def plot_shaking(reactions: Reactions) -> Figure:
     with drawing(12.0) as figure:
         top, bottom = figure.subplots(2, 1, height_ratios=(1.2, 1.0))
         _panel(top, Over(motion), chart)
-        factor = charts.factor(chart.quantity, chart.unit)
-        apart = float(found.orders[1])
-        width, bars, names = 0.8 * apart / len(chart.curves), [], []
-        for i, curve in enumerate(chart.curves):
-            axis = charts.AXES.index(curve.name)
-            place = found.orders[1:] + (i - 0.5 * (len(chart.curves) - 1)) * width
-            bars.append(bottom.bar(place, factor * found.amplitude[1:, axis], width, color=COLOURS[i]).patches[0])
-            mean = factor * found.amplitude[0, axis]
-            negligible = abs(mean) < INTERPOLATED * np.abs(curve.values).max()
-            names.append(f"{curve.name} (mean {_number(0.0 if negligible else mean)} {chart.unit})")
-        grid(bottom, f"amplitude [{chart.unit}]")
-        bottom.grid(False, axis="x")
-        bottom.set_xlim(0.4 * apart, found.orders[-1] + 0.6 * apart)
-        bottom.set_xticks(np.arange(1.0, found.orders[-1] + 1.0) if found.orders[-1] >= 1 else found.orders[1:])
-        bottom.set_xlabel("order of the crank's speed")
-        above(bottom, bars, names)
+        _amplitudes(bottom, chart, found)
         figure.align_ylabels()
     return figure
 
 
 @typed
-def plot_comparison(before: Reactions, after: Reactions) -> Figure:
-    """Two presses, or two operating points of one: driving torque, shaking force, peaks of the forces in the bearings they
-    both have, and by how much each changes.
+def comparison(before: Reactions, after: Reactions) -> Figure:
+    """Draw two presses, or two operating points of one, over each other.
+
+    Shown are driving torque, shaking force, peaks of the forces in the bearings that both have, and by how much each changes.
+
+    Args:
+        before: the reactions that are drawn dashed.
+        after: the reactions that are drawn solid.
 
     Raises:
-        PinpressError: no bearing of one name in both, or two motions that are not drawn over the same quantity, one way.
+        PinpressError: no bearing of one name in both, two motions that are not drawn over the same quantity, one way, or Matplotlib is not
+            installed.
     """
     peaks = _pairs(charts.bearing(before), charts.bearing(after))
     if not peaks:
@@ -139,6 +157,26 @@ def plot_comparison(before: Reactions, after: Reactions) -> Figure:
         names = [f"before: {before.motion.linkage}", f"after: {after.motion.linkage}"]
         legend(figure, lines, names, loc="outside upper center", ncols=2)
     return figure
+
+
+def _amplitudes(axes: Axes, chart: Chart, found: Harmonics) -> None:
+    """Amplitudes of the harmonics of the components of a chart, beside each other, with the components' means as names."""
+    factor = charts.factor(chart.quantity, chart.unit)
+    apart = float(found.orders[1])
+    width, bars, names = 0.8 * apart / len(chart.curves), [], []
+    for i, curve in enumerate(chart.curves):
+        axis = charts.AXES.index(curve.name)
+        place = found.orders[1:] + (i - 0.5 * (len(chart.curves) - 1)) * width
+        bars.append(axes.bar(place, factor * found.amplitude[1:, axis], width, color=COLOURS[i]).patches[0])
+        mean = factor * found.amplitude[0, axis]
+        negligible = abs(mean) < INTERPOLATED * np.abs(curve.values).max()
+        names.append(f"{curve.name} (mean {_number(0.0 if negligible else mean)} {chart.unit})")
+    grid(axes, f"amplitude [{chart.unit}]")
+    axes.grid(False, axis="x")
+    axes.set_xlim(0.4 * apart, found.orders[-1] + 0.6 * apart)
+    axes.set_xticks(np.arange(1.0, found.orders[-1] + 1.0) if found.orders[-1] >= 1 else found.orders[1:])
+    axes.set_xlabel("order of the crank's speed")
+    above(axes, bars, names)
 
 
 def _backwards(over: Over) -> bool:

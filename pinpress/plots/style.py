@@ -67,7 +67,7 @@ def drawing(height: float) -> Iterator[Figure]:
         figure.set_layout_engine("none")  # it would move everything a little each time that the figure is drawn
 
 
-def save_plot(figure: Figure, path: str | os.PathLike[str]) -> Path:
+def save(figure: Figure, path: str | os.PathLike[str]) -> Path:
     """Write a plot to an SVG, PNG or PDF file, as its suffix says, and return the path. The same plot gives the same bytes.
 
     Raises:
@@ -77,7 +77,7 @@ def save_plot(figure: Figure, path: str | os.PathLike[str]) -> Path:
     if suffix not in FORMATS:
         raise PinpressError(f"a plot cannot be written as {path}: end its name in {', '.join(FORMATS)}")
     if not callable(getattr(figure, "savefig", None)):
-        raise PinpressError(f"{shown(figure)} is no figure: give what one of plot_slide, plot_torque, ... returns")
+        raise PinpressError(f"{shown(figure)} is no figure: give what a function of pinpress.plots returns, e.g. torque")
     from matplotlib import style
 
     content = io.BytesIO()

@@ -34,7 +34,7 @@ ENCODING = {  # by the file's suffix, for ffmpeg
 }
 
 
-def still(page: str | os.PathLike[str], path: str | os.PathLike[str], time: float = 0.0, size: tuple[int, int] = (1280, 960)) -> Path:
+def image(page: str | os.PathLike[str], path: str | os.PathLike[str], time: float = 0.0, size: tuple[int, int] = (1280, 960)) -> Path:
     """Write a PNG of what a recording shows at a time, without its controls, and return its path.
 
     Args:
@@ -110,7 +110,7 @@ def slow_enough(duration: float) -> float:
 def _frames(duration: float, slowdown: float, rate: int) -> int:
     """How many: the frame after the last one would show the end of the recording, to half a frame."""
     if not duration > 0:
-        raise PinpressError("the recording is of one instant; there is nothing to film: take a still")
+        raise PinpressError("the recording is of one instant; there is nothing to film: take an image")
     frames = duration * slowdown * rate
     if not 0.5 < frames <= MOST_FRAMES:
         raise PinpressError(

@@ -1,4 +1,4 @@
-"""What `accuracy` measures: errors that fall as their methods' orders say, references that are what they claim, problems said as such.
+"""What `compare` measures: errors that fall as their methods' orders say, references that are what they claim, problems said as such.
 
 Times are not judged: they are the machine's.
 """
@@ -15,13 +15,13 @@ from support import texts
 from support.generators import small_linkages, spatial_linkages
 
 import pinpress as pp
-from pinpress.accuracy import measurements, peers, work_precision
-from pinpress.accuracy import scenes as accuracy_scenes
-from pinpress.accuracy import simulation as accuracy_simulation
-from pinpress.accuracy.contestants import Contestant, Errors
-from pinpress.accuracy.contestants import measured as measured_of
+from pinpress.accuracy import measurements, work_precision
+from pinpress.accuracy.contests import Contestant, Errors
+from pinpress.accuracy.contests import measured as measured_of
 from pinpress.accuracy.measurements import CLUTCH, DIE, FREE_RUN, GROUPS, INVERSE_DYNAMICS, PROXIMAL, SPEED_LAW, TABLE
 from pinpress.accuracy.peers.six_bar_equation import INTEGRATORS, SixBarEquation
+from pinpress.accuracy.scenes import build_scene
+from pinpress.accuracy.simulation import simulation_contest
 from pinpress.cli.main import main
 
 SPEED = 70 * pp.RPM
@@ -32,8 +32,8 @@ PUBLISHED = Path(__file__).resolve().parents[2] / "viz" / "accuracy.csv"
 def alone():
     """Without peers: they have their own tests, and take longer than all else."""
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(peers, "find", lambda press: ((), ("some peer is skipped: not installed",)))
-        patch.setattr(peers, "solvers", lambda press: ((), ()))
+        patch.setattr(work_precision, "find_peers", lambda press: ((), ("some peer is skipped: not installed",)))
+        patch.setattr(work_precision, "find_solvers", lambda press: ((), ()))
         yield
 
 
@@ -44,7 +44,7 @@ def told():
 
 @pytest.fixture(scope="module")
 def measured(alone, told):
-    return pp.accuracy.accuracy(texts.shipped("zxn2_3000b"), SPEED, points=36, repeats=1, scenes=[FREE_RUN], progress=told.append)
+    return pp.accuracy.compare(texts.shipped("zxn2_3000b"), SPEED, points=36, repeats=1, scenes=[FREE_RUN], progress=told.append)
 
 
 def test_all_groups_are_measured(measured, told):
@@ -132,8 +132,8 @@ def test_a_tolerance_that_changes_nothing_is_one_row(measured):
 def test_scenes_at_work(group):
     """All joints and the reduced equation agree on the end, and so does SciPy on the closed form, which shares no code with them."""
     press = texts.shipped("zxn2_3000b")
-    scene = accuracy_scenes.build(press, group, SPEED, 1360.0, 4 * math.pi / SPEED)
-    contest = accuracy_simulation.contest(press, scene, (), [SixBarEquation(name, balanced=False) for name in INTEGRATORS])
+    scene = build_scene(press, group, SPEED, 1360.0, 4 * math.pi / SPEED)
+    contest = simulation_contest(press, scene, (), [SixBarEquation(name, balanced=False) for name in INTEGRATORS])
     assert contest.group == group
     assert contest.certificate < 1e-11
     works = {(entry.method, entry.setting): entry for entry in contest.contestants}
@@ -152,7 +152,7 @@ def test_scenes_at_work(group):
 def test_a_clutch_is_not_stiff(tolerance):
     """Implicit steps, tried where nothing is stiff, took up to twice the evaluations of the whole run."""
     press = texts.shipped("zxn2_3000b")
-    scene = accuracy_scenes.build(press, CLUTCH, SPEED, 1360.0, 4 * math.pi / SPEED)
+    scene = build_scene(press, CLUTCH, SPEED, 1360.0, 4 * math.pi / SPEED)
     run = pp.simulate(
         press, scene.duration, 0.0, scene.angle, scene.drive, scene.flywheel, scene.loads, clutch=scene.clutch, tolerance=tolerance
     )
@@ -163,7 +163,7 @@ def test_a_clutch_is_not_stiff(tolerance):
 @pytest.mark.parametrize("group", [CLUTCH, DIE, SPEED_LAW])
 def test_tolerances_of_scenes_at_work(alone, group):
     press = texts.shipped("zxn2_3000b")
-    measured = pp.accuracy.accuracy(press, SPEED, points=12, repeats=1, scenes=[group])
+    measured = pp.accuracy.compare(press, SPEED, points=12, repeats=1, scenes=[group])
     for row in measured.of(group):
         assert row.error is not None, (row.method, row.setting, row.problem)
         if row.setting.startswith("tolerance"):
@@ -231,7 +231,7 @@ def test_csv_and_frame(measured, tmp_path):
 
 def test_plot(measured):
     pytest.importorskip("matplotlib")
-    figure = pp.accuracy.plot_accuracy(measured)
+    figure = pp.accuracy.plot(measured)
     inverse, angle, clutch, die, law, gap, proximal, table = figure.axes
     assert len(angle.lines) == len({m.method for m in measured.of(FREE_RUN)}) + 1  # what the reference is known to
     constraint = measured.of(FREE_RUN, "constraint")
@@ -241,7 +241,7 @@ def test_plot(measured):
     for axes in (inverse, angle, gap, proximal, table):
         assert axes.get_xscale() == axes.get_yscale() == "log"
     with pytest.raises(pp.PinpressError, match="accuracy"):
-        pp.accuracy.plot_accuracy(None)
+        pp.accuracy.plot(None)
 
 
 def test_a_problem_is_said():
@@ -267,7 +267,7 @@ def test_a_spatial_linkage(alone, tmp_path):
     """One engine alone: its torque gives the accelerations back under forward dynamics. Bennett's linkage has redundant rows in space."""
     file = tmp_path / "bennett.urdf"
     file.write_text(spatial_linkages.bennett(), encoding="utf-8")
-    measured = pp.accuracy.accuracy(pp.load(file), 10.0, duration=0.05, points=12, repeats=1, scenes=[FREE_RUN, DIE])
+    measured = pp.accuracy.compare(pp.load(file), 10.0, duration=0.05, points=12, repeats=1, scenes=[FREE_RUN, DIE])
     assert not measured.of(DIE)  # it has no slide
     assert any(line.startswith("elastic die is skipped") for line in measured.skipped)
     assert [row.method for row in measured.of(INVERSE_DYNAMICS)] == ["pinocchio"]
@@ -280,7 +280,7 @@ def test_a_spatial_linkage(alone, tmp_path):
 @pytest.mark.exhaustive
 def test_loops_that_hold_each_other(alone):
     """Proximal settings are skipped with a line; all else is measured."""
-    measured = pp.accuracy.accuracy(
+    measured = pp.accuracy.compare(
         texts.shipped("jf75g_125_two_point"), 300 * pp.RPM, duration=0.05, points=12, repeats=1, scenes=[FREE_RUN]
     )
     assert not measured.of(PROXIMAL)
@@ -308,12 +308,12 @@ def test_loops_that_hold_each_other(alone):
 def test_wrong_arguments(alone, arguments, problem):
     given = {"press": texts.shipped("crank_slide"), "speed": SPEED} | arguments
     with pytest.raises(pp.PinpressError, match=problem):
-        pp.accuracy.accuracy(**given)
+        pp.accuracy.compare(**given)
 
 
 def test_several_drivers(tmp_path):
     with pytest.raises(pp.PinpressError, match="2 drivers"):
-        pp.accuracy.accuracy(small_linkages.two_cranks(tmp_path), SPEED)
+        pp.accuracy.compare(small_linkages.two_cranks(tmp_path), SPEED)
 
 
 def test_measurements_are_plain_values(measured):

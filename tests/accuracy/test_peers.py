@@ -11,10 +11,10 @@ import numpy as np
 import pytest
 
 import pinpress as pp
-from pinpress.accuracy import peers
-from pinpress.accuracy import scenes as accuracy_scenes
 from pinpress.accuracy.measurements import DIE, SPEED_LAW
+from pinpress.accuracy.peers.installed import HandScript, find_peers
 from pinpress.accuracy.peers.six_bar_equation import reduced
+from pinpress.accuracy.scenes import build_scene
 from pinpress.simulation.reduced_model import tabulated
 
 SPEED = 70 * pp.RPM  # [rad/s]
@@ -74,7 +74,7 @@ def errors(press, peer, points, speed=SPEED):
 
 @pytest.mark.parametrize("name", ["zxn2_3000b", "zxn2_3000b_balanced"])
 def test_the_hand_script(presses, name):
-    assert max(errors(presses(name), peers.HandScript(presses(name)), 90)) < EXACT
+    assert max(errors(presses(name), HandScript(presses(name)), 90)) < EXACT
 
 
 @pytest.mark.parametrize("speed", [SPEED, -SPEED])
@@ -211,7 +211,7 @@ def test_a_step_too_long_is_said_or_seen(presses, made, kind, step, capfd, tmp_p
 def test_at_work(presses, made, kind, group, coarse, bounds):
     """Under a motor and against a die, or under a stiff law; steps that run over the edges of a load lose their order there."""
     press, peer = presses("zxn2_3000b"), made(kind, "zxn2_3000b")
-    scene = accuracy_scenes.build(press, group, SPEED, 1360.0, 1.0)
+    scene = build_scene(press, group, SPEED, 1360.0, 1.0)
     run = pp.simulate(press, 1.0, scene.speed, scene.angle, scene.drive, scene.flywheel, scene.loads)
     reactions = pp.inverse_dynamics(press, run)
     peak = max(np.linalg.norm(force[1:], axis=1).max() for force in reactions.bearing_force.values())
@@ -258,7 +258,7 @@ def test_mujoco_fails_in_silence(made, capfd, tmp_path, monkeypatch):
 def test_all_peers_of_the_six_bar(presses):
     pytest.importorskip("mujoco")
     pytest.importorskip("exudyn")
-    found, skipped = peers.find(presses("zxn2_3000b"))
+    found, skipped = find_peers(presses("zxn2_3000b"))
     assert [peer.name.split()[0] for peer in found] == ["hand", "MuJoCo", "MuJoCo", "Exudyn"]
     assert [peer.inverse for peer in found] == [True, True, False, True]
     assert skipped == ()
@@ -269,25 +269,25 @@ def test_all_peers_of_the_six_bar(presses):
 @pytest.mark.parametrize(("module", "name"), [("mujoco", "MuJoCo"), ("exudyn", "Exudyn")])
 def test_a_missing_program_is_skipped(presses, monkeypatch, module, name):
     monkeypatch.setitem(sys.modules, module, None)
-    found, skipped = peers.find(presses("zxn2_3000b"))
+    found, skipped = find_peers(presses("zxn2_3000b"))
     assert f"{name} is skipped: not installed; pip install 'pinpress[peers]'" in skipped
     assert not any(peer.name.startswith(name) for peer in found)
 
 
 def test_the_script_is_for_its_press(presses):
     line = "hand script is skipped: it is for zxn2_3000b and zxn2_3000b_balanced alone"
-    assert line in peers.find(presses("crank_slide"))[1]
-    assert line in peers.find(pp.load("zxn2_3000b", gravity=(0, 0, 0)))[1]
+    assert line in find_peers(presses("crank_slide"))[1]
+    assert line in find_peers(pp.load("zxn2_3000b", gravity=(0, 0, 0)))[1]
     with pytest.raises(pp.PinpressError, match="no free run"):
-        peers.HandScript(presses("zxn2_3000b")).free_run(0.0, SPEED, 0.0, 1.0, 0.1)
+        HandScript(presses("zxn2_3000b")).free_run(0.0, SPEED, 0.0, 1.0, 0.1)
 
 
 def test_what_exudyn_is_not_compared_on(presses):
     pytest.importorskip("exudyn")
-    assert any("Exudyn is skipped: jf75g_125_symmetric has gear pairs" in line for line in peers.find(presses("jf75g_125_symmetric"))[1])
-    assert any("Exudyn is skipped: loops of" in line for line in peers.find(presses("jf75g_125_two_point"))[1])
+    assert any("Exudyn is skipped: jf75g_125_symmetric has gear pairs" in line for line in find_peers(presses("jf75g_125_symmetric"))[1])
+    assert any("Exudyn is skipped: loops of" in line for line in find_peers(presses("jf75g_125_two_point"))[1])
 
 
 def test_nothing_is_imported_before():
-    code = "import sys, pinpress.accuracy.peers; sys.exit(any(name in sys.modules for name in ('mujoco', 'exudyn')))"
+    code = "import sys, pinpress.accuracy.peers.installed; sys.exit(any(name in sys.modules for name in ('mujoco', 'exudyn')))"
     assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0

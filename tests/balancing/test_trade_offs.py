@@ -65,7 +65,7 @@ def test_limits_hold_along_the_curve():
 
 
 def test_curves_of_the_same_measures_share_a_panel(forces, weight):
-    figure = pp.plots.plot_trade_offs({"661 kg": forces, "again": forces, "light": weight})
+    figure = pp.plots.trade_offs({"661 kg": forces, "again": forces, "light": weight})
     shared, alone = figure.axes
     assert len(shared.lines) == 3  # and the press before balancing
     assert [text.get_text() for text in shared.get_legend().get_texts()] == ["661 kg", "again"]
@@ -84,4 +84,4 @@ def test_what_is_no_curve_is_refused():
     with pytest.raises(pp.PinpressError, match="no measure"):
         pp.balancing.trade_off(PRESS, MOTION, regions=REGIONS, first=X, second="z")
     with pytest.raises(pp.PinpressError, match="no curve"):
-        pp.plots.plot_trade_offs({})
+        pp.plots.trade_offs({})

@@ -21,7 +21,7 @@ from support.oracles import andrews
 sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 import pinpress as pp
-from pinpress.accuracy.timing import least_seconds
+from pinpress.accuracy.contests import least_seconds
 
 DURATION = 0.05  # [s]
 WANTED = 1e-7  # relative

@@ -14,7 +14,7 @@ import numpy as np
 from scipy.optimize import linprog, minimize
 
 import pinpress as pp
-from pinpress.accuracy.timing import least_seconds
+from pinpress.accuracy.contests import least_seconds
 from pinpress.balancing.problem import BalancingProblem, build_problem
 from pinpress.balancing.program import objective_value, solve
 from pinpress.common.conic_program import AT_MOST, CONE

@@ -28,7 +28,7 @@ import pinocchio as pin
 sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 import pinpress as pp
-from pinpress.accuracy.timing import least_seconds
+from pinpress.accuracy.contests import least_seconds
 from pinpress.simulation.reduced_model import tabulated
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -245,7 +245,7 @@ INTERPRETERS = {
     "`load`, `simulate`": f"{LOAD}; pp.simulate(press, 2.0, speed=7.33, flywheel=pp.drives.Flywheel(500.0))",
     "`load` to `inverse_dynamics`, `record`": f'{SOLVE}; pp.record(press, motion, folder + "/press.html", result)',
     "`load` to `inverse_dynamics`, `report`": f'{SOLVE}; pp.report(press, motion, folder + "/report.html", result)',
-    "`load` to `inverse_dynamics`, `plot_torque`": f"{SOLVE}; pp.plots.plot_torque(result)",
+    "`load` to `inverse_dynamics`, `plots.torque`": f"{SOLVE}; pp.plots.torque(result)",
 }
 SEEN = """
 import sys

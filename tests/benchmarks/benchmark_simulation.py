@@ -22,7 +22,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 from support.oracles.pinocchio_run import free_run
 
 import pinpress as pp
-from pinpress.accuracy.timing import least_seconds
+from pinpress.accuracy.contests import least_seconds
 from pinpress.simulation.reduced_model import tabulated
 
 ANGLE, SPEED, DURATION = np.radians(154.0), 70 * pp.RPM, 2.0

@@ -22,7 +22,7 @@ from support.oracles import n_four_bar
 sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 import pinpress as pp
-from pinpress.accuracy.timing import least_seconds
+from pinpress.accuracy.contests import least_seconds
 
 KINDS: dict[str, Callable[[int], str]] = {"dyads": n_four_bar.urdf, "gear pairs": large_linkages.gear_train}
 SIZES = {"plane": (25, 50, 100, 200, 400), "pinocchio": (5, 10, 20, 40, 80)}

@@ -289,9 +289,7 @@ def test_pages_need_all_bearings(six_bar, turn, tmp_path):
 
 
 @pytest.mark.parametrize("bearings", [(), ("A",)], ids=["none", "one"])
-@pytest.mark.parametrize(
-    "read", [pp.measures.extremes, pp.plots.plot_bearings, pp.plots.plot_polar, lambda some: pp.plots.plot_comparison(some, some)]
-)
+@pytest.mark.parametrize("read", [pp.measures.extremes, pp.plots.bearings, pp.plots.polar, lambda some: pp.plots.comparison(some, some)])
 def test_charts_need_all_bearings(six_bar, turn, read, bearings):
     """They tell what is rounding by the largest force."""
     with pytest.raises(pp.PinpressError, match="left out"):

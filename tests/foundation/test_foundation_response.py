@@ -255,13 +255,13 @@ def test_responses_are_written(tmp_path):
 def test_plots_have_a_curve_a_point():
     system, result = shaken()
     response = foundation.steady_response(system, result, POINTS)
-    figure = pp.plots.plot_vibration({"idle": response, "again": response}, axis="x", last=0.1)
+    figure = pp.plots.vibration({"idle": response, "again": response}, axis="x", last=0.1)
     assert [len(axes.lines) for axes in figure.axes] == [2, 2]
     np.testing.assert_array_equal(
         figure.axes[0].lines[0].get_ydata(), response.acceleration["top"][response.time >= response.time[-1] - 0.1, 0]
     )
     over = foundation.over_speeds(system, [20.0, 30.0], POINTS)
-    figure = pp.plots.plot_speeds({"one": over}, "top")
+    figure = pp.plots.speed_response({"one": over}, "top")
     np.testing.assert_array_equal(figure.axes[1].lines[0].get_ydata(), over.transmitted)
 
 
@@ -290,8 +290,8 @@ def test_mounts_that_lift_off_are_named():
         (lambda s, r: foundation.transmissibility(s, [1.0], "up"), PinpressError, "axis is 'up'"),
         (lambda s, r: foundation.transmissibility(s, [1.0], {}), PinpressError, "axis is {}"),
         (lambda s, r: foundation.over_speeds(s, [3.0], POINTS).growth("top"), PinpressError, "needs two speeds"),
-        (lambda s, r: pp.plots.plot_vibration({}), PinpressError, "nothing to draw"),
-        (lambda s, r: pp.plots.plot_speeds({"a": foundation.over_speeds(s, [3.0], {})}, "top"), UnknownNameError, "no point 'top'"),
+        (lambda s, r: pp.plots.vibration({}), PinpressError, "nothing to draw"),
+        (lambda s, r: pp.plots.speed_response({"a": foundation.over_speeds(s, [3.0], {})}, "top"), UnknownNameError, "no point 'top'"),
     ],
 )
 def test_what_makes_no_sense_is_named(call, error, says):

@@ -208,7 +208,7 @@ def test_a_balanced_shaft_does_not_count_but_is_seen(folder, tmp_path):
 
 
 def test_plots_over_the_period(press, name):
-    from pinpress.plots.polar import _quarters
+    from pinpress.plots.loci import _quarters
     from pinpress.plots.style import Over
 
     turns = TURNS[name]
@@ -227,7 +227,7 @@ def test_plots_over_the_period(press, name):
 
 
 def test_bars_of_fractional_orders(press, name):
-    figure = pp.plots.plot_shaking(pp.inverse_dynamics(press, pp.cycle(press, SPEED)))
+    figure = pp.plots.shaking(pp.inverse_dynamics(press, pp.cycle(press, SPEED)))
     bars: list[Any] = list(figure.axes[1].patches)
     found = pp.measures.harmonics(pp.cycle(press, SPEED), pp.inverse_dynamics(press, pp.cycle(press, SPEED)).shaking_force)
     assert len(bars) == 2 * (len(found.orders) - 1)

@@ -10,7 +10,6 @@ from pinpress.elasticity.breakthrough import snap_through
 from pinpress.elasticity.compliance import elasticity
 from pinpress.elasticity.slide_under_load import dead_centre_shift
 from pinpress.elasticity.springs import Stiffness
-from pinpress.plots.elasticity import plot_dead_centre_shift, plot_elasticity, plot_snap_through
 
 PRESS = pp.load("zxn2_3000b")
 STIFFNESS = Stiffness(dict.fromkeys("ABCDEF", 2000000000.0), shaft=3e7, frame=4e9)
@@ -18,7 +17,7 @@ STIFFNESS = Stiffness(dict.fromkeys("ABCDEF", 2000000000.0), shaft=3e7, frame=4e
 
 def test_parts_are_stacked_to_the_whole():
     found = elasticity(PRESS, STIFFNESS, np.linspace(0.0, 6.0, 25))
-    axes = plot_elasticity(found).axes[0]
+    axes = pp.plots.compliance(found).axes[0]
     top = axes.collections[-1].get_paths()[0].vertices[:, 1].max()
     assert top == pytest.approx(1e9 * found.compliance.max(), rel=1e-12)
     assert {text.get_text() for text in axes.get_legend().get_texts()} <= {*found.parts, "others"}
@@ -32,20 +31,20 @@ def test_rounding_does_not_choose_the_order(names):
     alike = dict(zip(names, (half, half * (1 + 1e-13)), strict=True))
     found = replace(found, parts=alike, bottom_shares=dict(zip(names, (0.5, 0.5 * (1 + 1e-13)), strict=True)))
     assert [line.split()[0] for line in str(found).splitlines()[1:]] == list(names)
-    assert [text.get_text() for text in plot_elasticity(found).axes[0].get_legend().get_texts()] == list(names[::-1])  # from the top
+    assert [text.get_text() for text in pp.plots.compliance(found).axes[0].get_legend().get_texts()] == list(names[::-1])  # from the top
 
 
 def test_curves():
     shift = dead_centre_shift(PRESS, STIFFNESS, np.array([7.0, 2.0, 5.0]))
-    x, y = plot_dead_centre_shift({"six-bar": shift}).axes[0].lines[0].get_data()
+    x, y = pp.plots.dead_centre_shift({"six-bar": shift}).axes[0].lines[0].get_data()
     np.testing.assert_allclose(x, np.array([2.0, 5.0, 7.0]) / pp.RPM)
     np.testing.assert_allclose(y, 1e6 * shift.shift[[1, 2, 0]])
     response = snap_through(1e6, 6e8, 3e3, 0.05)
-    line = plot_snap_through({"a": response, "b": response}).axes[0].lines[1]  # after the axis
+    line = pp.plots.snap_through({"a": response, "b": response}).axes[0].lines[1]  # after the axis
     np.testing.assert_allclose(line.get_ydata(), response.spring_force / 1e6)
 
 
 def test_refusals():
-    for plot in (plot_dead_centre_shift, plot_snap_through):
+    for plot in (pp.plots.dead_centre_shift, pp.plots.snap_through):
         with pytest.raises(pp.PinpressError, match="no curve to draw"):
             plot({})

@@ -20,12 +20,12 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg  # noqa: E402
 from matplotlib.colors import to_rgb  # noqa: E402
 from PIL import Image  # noqa: E402
 
+from pinpress import plots  # noqa: E402
 from pinpress.dynamics.harmonics import harmonics  # noqa: E402
-from pinpress.plots import reactions as plots  # noqa: E402
 from pinpress.visual import charts  # noqa: E402
 
 NAMES = ("_P", "a$b_c^{$", "<W & co>")  # of bearings: left out of legends, broken mathematics, markup
-ALL = [plots.plot_torque, plots.plot_bearings, plots.plot_polar, plots.plot_shaking]
+ALL = [plots.torque, plots.bearings, plots.polar, plots.shaking]
 
 
 @pytest.fixture(scope="module")
@@ -41,12 +41,12 @@ def balanced():
 @pytest.fixture(scope="module")
 def torque(result):
     """To be looked at and saved: to lay it out takes longer than that."""
-    return plots.plot_torque(result)
+    return plots.torque(result)
 
 
 @pytest.fixture(scope="module")
 def comparison(result, balanced):
-    return plots.plot_comparison(result, balanced)
+    return plots.comparison(result, balanced)
 
 
 @pytest.fixture(scope="module")
@@ -90,7 +90,7 @@ def legend(owner):
 
 
 def picture(figure, tmp_path, name="plot.png"):
-    plots.save_plot(figure, tmp_path / name)
+    plots.save(figure, tmp_path / name)
     return np.asarray(Image.open(tmp_path / name).convert("RGB"), dtype=float) / 255
 
 
@@ -111,7 +111,7 @@ def drawn(image, colour):
 
 
 def test_slide(result):
-    figure, motion = plots.plot_slide(result.motion), result.motion
+    figure, motion = plots.slide(result.motion), result.motion
     position, velocity, acceleration = figure.axes
     labels = [axes.get_ylabel() for axes in figure.axes]
     assert labels == ["slide position [mm]", "slide velocity [m/s]", "slide acceleration [m/s²]"]
@@ -126,11 +126,11 @@ def test_slide(result):
 
 def test_no_slide(legs):
     with pytest.raises(pp.PinpressError, match="cassie has no slide"):
-        plots.plot_slide(legs.motion)
+        plots.slide(legs.motion)
 
 
 def test_bearings(result):
-    (axes,) = plots.plot_bearings(result).axes
+    (axes,) = plots.bearings(result).axes
     assert legend(axes) == list(result.bearing_force)
     assert axes.get_ylabel() == "bearing force [kN]"
     for line, force in zip(axes.lines, result.bearing_force.values(), strict=True):
@@ -140,29 +140,29 @@ def test_bearings(result):
 
 
 def test_two_halves_are_one_curve():
-    (axes,) = plots.plot_bearings(turn("jf75g_125_symmetric", 300)).axes
+    (axes,) = plots.bearings(turn("jf75g_125_symmetric", 300)).axes
     assert len(axes.lines) == 6
     assert legend(axes)[:2] == ["O_left,\nO_right", "P2_left,\nP2_right"]
 
 
 def test_moments_below_the_forces():
-    _, moment = plots.plot_bearings(turn("thin_wall", 72)).axes
+    _, moment = plots.bearings(turn("thin_wall", 72)).axes
     assert moment.get_ylabel() == "moment held [N m]"
     assert legend(moment) == ["slot"]
 
 
 def test_a_run(run):
-    figure = plots.plot_slide(run.motion)
+    figure = plots.slide(run.motion)
     assert figure.axes[3].get_ylabel() == "crank speed [r/min]"
     assert figure.axes[3].get_xlabel() == "time [s]"
-    (axes,) = plots.plot_torque(run).axes
+    (axes,) = plots.torque(run).axes
     assert legend(axes) == ["driving torque", "drive"]
     np.testing.assert_array_equal(axes.lines[1].get_xdata(), run.motion.time)
-    assert "mean" in legend(plots.plot_shaking(run).axes[1])[0]
+    assert "mean" in legend(plots.shaking(run).axes[1])[0]
 
 
 def test_shaking(result):
-    top, bottom = plots.plot_shaking(result).axes
+    top, bottom = plots.shaking(result).axes
     assert legend(top) == ["x", "z"]
     found = harmonics(result.motion, result.shaking_force)
     heights = [[bar.get_height() for bar in bars] for bars in bottom.containers]
@@ -174,11 +174,11 @@ def test_shaking(result):
 def test_shaking_of_less_than_a_turn():
     press = texts.shipped("crank_slide")
     motion = pp.cycle(press, 7.0, angle=np.linspace(0, 3, 40))
-    assert len(plots.plot_shaking(pp.inverse_dynamics(press, motion)).axes) == 1
+    assert len(plots.shaking(pp.inverse_dynamics(press, motion)).axes) == 1
 
 
 def test_polar(result):
-    figure = plots.plot_polar(result)
+    figure = plots.polar(result)
     diagrams = [axes for axes in figure.axes if axes.get_title()]
     assert [axes.get_title().strip() for axes in diagrams] == list(result.bearing_force)
     figure.canvas.draw()
@@ -197,7 +197,7 @@ def test_polar(result):
 
 def test_polar_marks(result):
     """Dots of the quarters lie on the path at these crank angles, each nearer to its label than to another's."""
-    (axes,) = plots.plot_polar(result, "A").axes
+    (axes,) = plots.polar(result, "A").axes
     dots = np.array([line.get_xydata()[0] for line in axes.lines if len(line.get_xdata()) == 1 and line.get_color() == "#0072B2"])
     np.testing.assert_allclose(1e3 * dots, result.bearing_force["A"][::90, [0, 2]], rtol=1e-12)
     labels = {text.get_text(): text.xy for text in axes.texts if text.get_color() == "#0072B2"}  # type: ignore[attr-defined]
@@ -207,7 +207,7 @@ def test_polar_marks(result):
 
 
 def test_polar_of_a_run_is_its_last_turn(run):
-    figure = plots.plot_polar(run, "O")
+    figure = plots.polar(run, "O")
     paths = [line for line in figure.axes[0].lines if line.get_color() == "#0072B2" and len(line.get_xdata()) > 20]
     angle = run.motion.crank_angle
     inside = np.count_nonzero(angle > angle[-1] - 2 * np.pi)
@@ -216,7 +216,7 @@ def test_polar_of_a_run_is_its_last_turn(run):
 
 def test_polar_of_unknown(result):
     with pytest.raises(pp.UnknownNameError, match="no bearing 'Z'"):
-        plots.plot_polar(result, "A", "Z")
+        plots.polar(result, "A", "Z")
 
 
 def test_comparison(result, balanced, comparison):
@@ -239,36 +239,36 @@ def test_comparison(result, balanced, comparison):
 def test_comparison_in_one_unit():
     """Slowly, the crank-slide shakes with 200 N along x, at speed with kilonewtons; a force that was nothing has no percentage."""
     slow, fast = turn("crank_slide", 10), turn("crank_slide", 400)
-    bars = plots.plot_comparison(slow, fast).axes[-1]
+    bars = plots.comparison(slow, fast).axes[-1]
     forces = [[np.linalg.norm(force, axis=1).max() for force in r.bearing_force.values()] for r in (slow, fast)]
     assert max(forces[0]) > 1e3 > forces[0][2]
     np.testing.assert_allclose([[1e3 * bar.get_width() for bar in group] for group in bars.containers], forces, rtol=1e-12)
-    axes = plots.plot_comparison(turn("thin_wall", 20), turn("thin_wall", 200)).axes[1]
+    axes = plots.comparison(turn("thin_wall", 20), turn("thin_wall", 200)).axes[1]
     assert axes.get_ylabel() == "force [kN]"
     for line, speed in zip(axes.lines, (20, 200), strict=True):  # below 1 kN the one, above it the other
         np.testing.assert_allclose(1e3 * line.get_ydata()[:-1], turn("thin_wall", speed).shaking_force[:, 0], rtol=1e-12, atol=1e-9)
     first, second = (turn(name, 300) for name in ("jf75g_125", "jf75g_125_symmetric"))
-    bars = plots.plot_comparison(first, second).axes[-1]
+    bars = plots.comparison(first, second).axes[-1]
     assert [label.get_text() for label in bars.get_yticklabels()] == ["counterweight_guide", "slide_guide"]
     assert [text.get_text() for text in bars.texts] == ["−100.0 %"] * 2
-    assert [text.get_text() for text in plots.plot_comparison(second, first).axes[-1].texts] == ["0 before"] * 2
+    assert [text.get_text() for text in plots.comparison(second, first).axes[-1].texts] == ["0 before"] * 2
 
 
 def test_nothing_to_compare(result, legs, run):
     with pytest.raises(pp.PinpressError, match="zxn2_3000b and cassie have no bearing of one name"):
-        plots.plot_comparison(result, legs)
+        plots.comparison(result, legs)
     with pytest.raises(pp.PinpressError, match="drawn over crank angle, the other over time: compare two cycles, or two runs"):
-        plots.plot_comparison(turn("crank_slide"), run)
+        plots.comparison(turn("crank_slide"), run)
 
 
 @pytest.mark.exhaustive
 def test_several_drivers(legs):
-    (axes,) = plots.plot_torque(legs).axes
+    (axes,) = plots.torque(legs).axes
     assert legend(axes) == list(legs.motion.drivers)
     assert len({(line.get_color(), str(line._dash_pattern)) for line in axes.lines}) == 12  # type: ignore[attr-defined]
-    figure = plots.plot_comparison(legs, legs)
+    figure = plots.comparison(legs, legs)
     assert figure.axes[0].get_title("left") == f"Driving torque {legs.motion.drivers[0]}, range ±0.0 %"
-    for figure in (plots.plot_polar(legs, *list(legs.bearing_force)[:2]), plots.plot_shaking(legs), plots.plot_bearings(legs)):
+    for figure in (plots.polar(legs, *list(legs.bearing_force)[:2]), plots.shaking(legs), plots.bearings(legs)):
         assert on_screen(figure).min() < 0.5
 
 
@@ -281,30 +281,30 @@ def test_states_of_any_kind(angle):
     figures = [plot(reactions) for plot in ALL]
     for figure in figures:
         assert drawn(on_screen(figure), "#0072B2") > 20
-    left, right = figures[ALL.index(plots.plot_torque)].axes[0].get_xlim()
+    left, right = figures[ALL.index(plots.torque)].axes[0].get_xlim()
     assert len(angle) != 30 or left > right
 
 
 # Names
 
 
-@pytest.mark.parametrize("plot", [*ALL, lambda r: plots.plot_slide(r.motion), lambda r: plots.plot_comparison(r, r)])
+@pytest.mark.parametrize("plot", [*ALL, lambda r: plots.slide(r.motion), lambda r: plots.comparison(r, r)])
 @pytest.mark.exhaustive
 def test_names_are_text(oddly_named, plot, tmp_path):
     assert set(NAMES) < set(oddly_named.bearing_force)
     figure = plot(oddly_named)
-    for suffix in (".svg", ".png", ".pdf") if plot is plots.plot_bearings else (".svg",):
-        plots.save_plot(figure, tmp_path / f"plot{suffix}")  # raises where a "$" is mathematics
+    for suffix in (".svg", ".png", ".pdf") if plot is plots.bearings else (".svg",):
+        plots.save(figure, tmp_path / f"plot{suffix}")  # raises where a "$" is mathematics
     ElementTree.parse(tmp_path / "plot.svg")
     shown = [
         text for text in figure.findobj(matplotlib.text.Text) if set(text.get_text().split()) & {"_P", "a$b_c^{$"} and text.get_visible()
     ]
     assert not any(text.get_parse_math() for text in shown)
-    assert bool(shown) == (plot not in (plots.plot_torque, plots.plot_shaking) and len(figure.axes) != 3)
+    assert bool(shown) == (plot not in (plots.torque, plots.shaking) and len(figure.axes) != 3)
 
 
 def test_a_name_that_begins_with_an_underscore_is_in_the_legend(oddly_named):
-    (axes,) = plots.plot_bearings(oddly_named).axes
+    (axes,) = plots.bearings(oddly_named).axes
     assert set(legend(axes)) == set(oddly_named.bearing_force)
     figure = io.BytesIO()
     axes.figure.savefig(figure, format="png")
@@ -320,9 +320,9 @@ STYLE = {"font.size": 20, "lines.linewidth": 9, "axes.grid": False, "figure.dpi"
 @pytest.fixture(scope="module")
 def twice(balanced):
     """One plot, made in the default style and in another."""
-    first = plots.plot_polar(balanced, "A", "B")
+    first = plots.polar(balanced, "A", "B")
     with matplotlib.rc_context(STYLE):
-        return first, plots.plot_polar(balanced, "A", "B")
+        return first, plots.polar(balanced, "A", "B")
 
 
 @pytest.mark.parametrize("suffix", [".svg", ".png", ".pdf"])
@@ -330,9 +330,9 @@ def test_same_bytes(suffix, twice, tmp_path):
     """Also saved twice, and where the caller has a style of his own."""
     first, second = twice
     for name in ("a", "b"):
-        assert plots.save_plot(first, tmp_path / f"{name}{suffix}") == tmp_path / f"{name}{suffix}"
+        assert plots.save(first, tmp_path / f"{name}{suffix}") == tmp_path / f"{name}{suffix}"
     with matplotlib.rc_context(STYLE):
-        plots.save_plot(second, tmp_path / f"c{suffix}")
+        plots.save(second, tmp_path / f"c{suffix}")
     contents = {(tmp_path / f"{name}{suffix}").read_bytes() for name in "abc"}
     assert len(contents) == 1
     assert sorted(os.listdir(tmp_path)) == [f"{name}{suffix}" for name in "abc"]
@@ -349,7 +349,7 @@ def test_a_picture_for_a_column(comparison, tmp_path):
 
 
 def test_svg_has_the_curve(torque, tmp_path):
-    plots.save_plot(torque, tmp_path / "torque.svg")
+    plots.save(torque, tmp_path / "torque.svg")
     root = ElementTree.parse(tmp_path / "torque.svg").getroot()
     assert root.get("width") == f"{16 / 2.54 * 72:.6f}pt"
     paths = [path.get("d") for path in root.iter("{http://www.w3.org/2000/svg}path") if "#0072b2" in (path.get("style") or "").lower()]
@@ -366,7 +366,7 @@ def test_svg_has_the_curve(torque, tmp_path):
 )
 def test_paths_that_cannot_be_written(torque, path, message, tmp_path):
     with pytest.raises(pp.PinpressError, match=message):
-        plots.save_plot(torque, tmp_path / path)
+        plots.save(torque, tmp_path / path)
     assert not list(tmp_path.iterdir())
 
 
@@ -375,7 +375,7 @@ def test_a_failure_leaves_the_file_as_it_was(torque, tmp_path, monkeypatch):
     file.write_text("before")
     monkeypatch.setattr(torque, "savefig", lambda content, **_: content.write(b"<svg") and 1 / 0)
     with pytest.raises(ZeroDivisionError):
-        plots.save_plot(torque, file)
+        plots.save(torque, file)
     assert file.read_text() == "before"
     assert list(tmp_path.iterdir()) == [file]
 
@@ -387,13 +387,13 @@ def test_not_finite(result):
     torque = np.array(result.driving_torque)
     torque[7] = np.inf
     with pytest.raises(pp.PinpressError, match="driving torque is not finite at index 7"):
-        plots.plot_torque(replace(result, driving_torque=torque))
+        plots.torque(replace(result, driving_torque=torque))
 
 
 def test_without_matplotlib(result, monkeypatch):
     monkeypatch.setitem(sys.modules, "matplotlib", None)
     with pytest.raises(pp.PinpressError, match=r"pip install 'pinpress\[plots\]'"):
-        plots.plot_torque(result)
+        plots.torque(result)
 
 
 @pytest.mark.exhaustive
@@ -402,8 +402,9 @@ def test_no_global_state(tmp_path):
     code = """
 import sys
 import pinpress as pp
+from pinpress import plots
 from pinpress.dynamics import harmonics
-from pinpress.plots import reactions as plots
+from pinpress.plots import reactions
 from pinpress.visual import charts, extremes
 assert "matplotlib" not in sys.modules
 import matplotlib
@@ -412,7 +413,7 @@ def style():  # but for the backend, as asking for it imports pyplot
 before = style()
 press = pp.load("crank_slide")
 result = pp.inverse_dynamics(press, pp.cycle(press, 7.0, points=24))
-for figure in (plots.plot_polar(result, "O"), plots.plot_comparison(result, result)):
+for figure in (plots.polar(result, "O"), plots.comparison(result, result)):
     figure.savefig(sys.argv[1], dpi=50)
 assert "matplotlib.pyplot" not in sys.modules
 assert style() == before

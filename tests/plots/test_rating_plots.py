@@ -7,7 +7,7 @@ import pytest
 from support.texts import shipped
 
 import pinpress as pp
-from pinpress.plots.ratings import GOVERNING, plot_ratings
+from pinpress.plots.force_stroke import GOVERNING
 from pinpress.ratings.capacities import Capacities
 from pinpress.ratings.rating import ratings
 
@@ -20,7 +20,7 @@ def rated():
 
 @pytest.fixture(scope="module")
 def figure(rated):
-    return plot_ratings(rated)
+    return pp.plots.ratings(rated)
 
 
 def test_the_curves_are_the_limits_and_the_thick_ones_those_that_govern(rated, figure):
@@ -52,12 +52,12 @@ def test_names_and_units(rated, figure):
 
 def test_a_press_that_only_its_nominal_force_limits():
     rated = ratings(shipped("crank_slide"), 9.0, Capacities(1e5), points=11)
-    assert plot_ratings(rated).axes[1].get_xlim() == (0.0, pytest.approx(200.0))
+    assert pp.plots.ratings(rated).axes[1].get_xlim() == (0.0, pytest.approx(200.0))
 
 
 def test_errors(rated, monkeypatch):
     with pytest.raises(pp.PinpressError, match="ratings is a dict"):
-        plot_ratings({})
+        pp.plots.ratings({})
     monkeypatch.setitem(sys.modules, "matplotlib.figure", None)
     with pytest.raises(pp.PinpressError, match="pip install"):
-        plot_ratings(rated)
+        pp.plots.ratings(rated)

@@ -22,8 +22,8 @@ from support.oracles import crank_slide_equation as equation
 from support.oracles.crank_slide_equation import Window
 
 import pinpress as pp
-from pinpress.accuracy import scenes as accuracy_scenes
 from pinpress.accuracy.measurements import SPEED_LAW
+from pinpress.accuracy.scenes import build_scene
 from pinpress.drives import transmission as drives
 from pinpress.loads import process as loads
 from pinpress.simulation import angle_solver, hybrid_system, reduced_model
@@ -1058,7 +1058,7 @@ def test_the_side_of_every_corner(corners):
 
 def test_a_stiff_law_at_the_least_tolerance():
     """Panels are not cut for the sake of rounding, which no cut makes less: a layer at the start, then as few as at looser tolerances."""
-    scene = accuracy_scenes.build(texts.shipped("zxn2_3000b"), SPEED_LAW, 7.0, 1360.0, 0.8)
+    scene = build_scene(texts.shipped("zxn2_3000b"), SPEED_LAW, 7.0, 1360.0, 0.8)
     loose, tight = (
         pp.simulate(
             texts.shipped("zxn2_3000b"), 0.8, scene.speed, drive=scene.drive, flywheel=scene.flywheel, tolerance=tolerance, points=2

@@ -22,7 +22,7 @@ CAPACITIES = pp.ratings.Capacities(1e5, nominal_height=0.01, bearings={"W": 2e5}
 MOUNTS = [foundation.Mount((x, y, -0.5), (1e6, 1e6, 2e6), (1e3, 1e3, 2e3)) for x in (-1.0, 1.0) for y in (-0.5, 0.5)]
 FRAME = foundation.Frame(6000.0, (0.0, 0.0, 0.2), np.diag([900.0, 1100.0, 700.0]))
 MEASUREMENT = pp.accuracy.Measurement("table", "reduced", "64 samples", 64.0, 1e-3, 1e-12)
-ACCURACY = pp.accuracy.Accuracy(
+ACCURACY = pp.accuracy.WorkPrecision(
     "crank_slide", "a turn", "a machine", {"free run": "a scene"}, {"table": 1e-14}, {"table": "two methods"}, (MEASUREMENT,), ()
 )
 TRIALS = []  # seen by the synthesis

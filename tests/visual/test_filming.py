@@ -28,7 +28,7 @@ import pinpress as pp
 from pinpress.cli import record as command_record
 from pinpress.visual import browser
 from pinpress.visual.browser import Screen
-from pinpress.visual.film import film, slow_enough, still
+from pinpress.visual.film import film, image, slow_enough
 
 SPEED = 70 * pp.RPM
 DURATION = 2 * np.pi / SPEED
@@ -153,7 +153,7 @@ def filmed(page: Path, tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, 
 @pytest.mark.usefixtures("running")
 def test_picture_is_what_the_page_shows(page: Path, turn: list[Any], tmp_path: Path) -> None:
     out = tmp_path / "out.png"
-    assert still(page, str(out), TIMES[1], SIZE) == out
+    assert image(page, str(out), TIMES[1], SIZE) == out
     distances = [difference(values(out.read_bytes()), shot) for shot in turn]
     assert distances[1] < 0.05
     assert min(distances[:1] + distances[2:]) > 1
@@ -165,7 +165,7 @@ def test_picture_is_what_the_page_shows(page: Path, turn: list[Any], tmp_path: P
 def test_larger_pictures_are_of_exact_size_and_show_the_same_more_sharply(page: Path, turn: list[Any], tmp_path: Path) -> None:
     from PIL import Image
 
-    png = still(page, tmp_path / "out.png", TIMES[1], (481, 361))
+    png = image(page, tmp_path / "out.png", TIMES[1], (481, 361))
     picture = values(png.read_bytes())
     assert picture.shape == (361, 481, 3)
     assert picture[-1].std(axis=0).max() < 60  # no bar of the browser's or the page's along the edges
@@ -241,7 +241,7 @@ def test_link_stays_a_link(fake_screen: Callable[[float], None], tmp_path: Path)
     fake_screen(1)
     page = tmp_path / "page.html"
     (tmp_path / "link.png").symlink_to(tmp_path / "real.png")
-    still(page, tmp_path / "link.png", size=(64, 64))
+    image(page, tmp_path / "link.png", size=(64, 64))
     assert (tmp_path / "link.png").is_symlink()
     assert (tmp_path / "real.png").read_bytes().startswith(b"\x89PNG")
 
@@ -252,14 +252,14 @@ def test_where_an_event_loop_runs(tmp_path: Path) -> None:
     page = stub(tmp_path, 1)
 
     async def cell() -> Path:
-        return still(page, tmp_path / "out.png", size=(64, 64))
+        return image(page, tmp_path / "out.png", size=(64, 64))
 
     with ThreadPoolExecutor(1) as thread:  # as the browser of the tests has a loop in this one
         assert thread.submit(asyncio.run, cell()).result().exists()
 
 
 def bad_picture(page: Path, folder: Path, **arguments: Any) -> None:
-    still(**{"page": page, "path": folder / "out.png", "size": (64, 64), **arguments})
+    image(**{"page": page, "path": folder / "out.png", "size": (64, 64), **arguments})
 
 
 def bad_film(page: Path, folder: Path, **arguments: Any) -> None:
@@ -315,7 +315,7 @@ def test_path_that_cannot_be_written_is_found_first(make: Any, name: str, page: 
 
 
 @pytest.mark.parametrize(
-    ("make", "name", "endings"), [(still, "out.jpg", ".png"), (film, "out.avi", ".mp4 or .gif"), (film, "mp4", ".mp4")]
+    ("make", "name", "endings"), [(image, "out.jpg", ".png"), (film, "out.avi", ".mp4 or .gif"), (film, "mp4", ".mp4")]
 )
 def test_unknown_suffix(make: Any, name: str, endings: str, page: Path, tmp_path: Path) -> None:
     with pytest.raises(pp.PinpressError, match=re.escape(f"cannot write {tmp_path / name}: the name of the file must end in {endings}")):
@@ -337,7 +337,7 @@ def test_no_recording(content: bytes | None, says: str, tmp_path: Path) -> None:
     if content is not None:
         html.write_bytes(content)
     with pytest.raises(pp.PinpressError, match=re.escape(says)):
-        still(html, tmp_path / "out.png")
+        image(html, tmp_path / "out.png")
     assert {p.name for p in tmp_path.iterdir()} <= {"out.html"}
 
 
@@ -354,7 +354,7 @@ def test_what_goes_wrong_in_the_page_is_said(wrong: str, says: str, tmp_path: Pa
     html, out = stub(tmp_path, 1), tmp_path / "out.png"
     html.write_text(html.read_text("utf-8") + wrong, encoding="utf-8")
     with pytest.raises(pp.PinpressError, match=says):
-        still(html, out, 0.6, (64, 64))
+        image(html, out, 0.6, (64, 64))
     assert not out.exists()
 
 
@@ -364,7 +364,7 @@ def test_without_webgl(page: Path, tmp_path: Path) -> None:
     none = "<body><script>HTMLCanvasElement.prototype.getContext = () => null</script>"
     html.write_text(page.read_text("utf-8").replace("<body>", none), encoding="utf-8")
     with pytest.raises(pp.PinpressError, match=r"fails in Chromium: .*WebGL"):
-        still(html, out, 0.6, (64, 64))
+        image(html, out, 0.6, (64, 64))
     assert not out.exists()
 
 
@@ -377,13 +377,13 @@ def test_lost_graphics_are_no_blank_picture(page: Path, tmp_path: Path) -> None:
         page.read_text("utf-8").replace("function seek(time) {", f"function seek(time) {{ if (time > 0.5) {lose}"), encoding="utf-8"
     )
     with pytest.raises(pp.PinpressError, match="lost its WebGL context"):
-        still(html, out, 0.6, (64, 64))
+        image(html, out, 0.6, (64, 64))
 
 
 def test_a_recording_of_one_instant(fake_screen: Callable[[float], None], tmp_path: Path) -> None:
     fake_screen(0)
     html = tmp_path / "page.html"
-    assert still(html, tmp_path / "out.png", size=(64, 64)).exists()
+    assert image(html, tmp_path / "out.png", size=(64, 64)).exists()
     with pytest.raises(pp.PinpressError, match="nothing to film"):
         film(html, tmp_path / "out.mp4")
 
@@ -391,14 +391,14 @@ def test_a_recording_of_one_instant(fake_screen: Callable[[float], None], tmp_pa
 def test_without_chromium(page: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("CHROMIUM", str(tmp_path / "chrome"))
     with pytest.raises(pp.PinpressError, match=r"CHROMIUM is .*chrome, which is no program"):
-        still(page, tmp_path / "out.png")
+        image(page, tmp_path / "out.png")
     monkeypatch.setenv("CHROMIUM", shutil.which("false") or "false")
     with pytest.raises(pp.PinpressError, match=r"false does not start: .*; set CHROMIUM to"):
-        still(page, tmp_path / "out.png")
+        image(page, tmp_path / "out.png")
     monkeypatch.delenv("CHROMIUM")
     monkeypatch.setenv("PATH", str(tmp_path))
     with pytest.raises(pp.PinpressError, match=r"none is on the PATH; .*apt-get install chromium"):
-        still(page, tmp_path / "out.png")
+        image(page, tmp_path / "out.png")
     program = tmp_path / "google-chrome"
     program.symlink_to(shutil.which(CHROMIUM or "", path=os.defpath) or CHROMIUM or "")
     assert browser._program() == str(program)
@@ -516,7 +516,7 @@ def test_command(
         return made
 
     fake_screen(DURATION)
-    for make in (still, film):
+    for make in (image, film):
         monkeypatch.setattr(f"pinpress.visual.film.{make.__name__}", watched(make))
     names = html, png, mp4 = [tmp_path / name for name in ("out.html", "out.png", "out.mp4")]
     asked = ["--out", html, "--png", png, "--video", mp4, "--at", 90, "--size", "160x120", "--fps", 1, "--trace", "rod:0,0,-0.1"]
@@ -526,7 +526,7 @@ def test_command(
     same = pp.record(press, motion, tmp_path / "same.html", reactions=pp.inverse_dynamics(press, motion), traces=[("rod", (0, 0, -0.1))])
     assert html.read_bytes() == same.read_bytes()
     at = pytest.approx(0.75 * DURATION)  # backwards, 90 deg comes late
-    assert asked_of["still"] == [same.read_bytes(), png, at, {"size": (160, 120)}]
+    assert asked_of["image"] == [same.read_bytes(), png, at, {"size": (160, 120)}]
     how = {"frames_per_second": 1, "slowdown": 2.0, "repeats": 2, "size": (160, 120), "progress": None}
     assert asked_of["film"] == [same.read_bytes(), mp4, how]
     assert png.read_bytes().startswith(b"\x89PNG")
@@ -537,7 +537,7 @@ def test_command(
 
 def test_command_without_forces_and_with_a_picture_alone(tmp_path: Path, press: Any, monkeypatch: pytest.MonkeyPatch) -> None:
     asked: list[Any] = []
-    monkeypatch.setattr("pinpress.visual.film.still", lambda page, *more, **size: asked.extend((page.read_bytes(), *more, size)))
+    monkeypatch.setattr("pinpress.visual.film.image", lambda page, *more, **size: asked.extend((page.read_bytes(), *more, size)))
     out = tmp_path / "out.png"
     assert command("crank_slide", "--speed", 70, "--png", out, "--no-forces", "--at", -270, "--points", 90, "--size", "64x64") == 0
     page = pp.record(press, pp.cycle(press, SPEED, 90), tmp_path / "same.html")

@@ -28,7 +28,7 @@ from ...kinematics.motion import cycle
 from ...linkage.linkage import Linkage
 from ..measurements import CLUTCH
 from ..scenes import Scene, SpeedLaw
-from . import Answer, End, steps_of
+from .peer import Answer, End, steps_of
 
 NEWTON = 1e-10  # relative tolerance; at 1e-8 the forces of single states are off
 RADIUS = 0.9  # of generalised alpha: with 1 stiff forces ring, with 0.6 it errs twenty times as much
@@ -37,11 +37,16 @@ FLAT = (0, 2)  # axes of the press's plane in the world
 
 @dataclass(frozen=True, eq=False)
 class System:
-    """A planar press in Exudyn. ``bodies`` and ``nodes`` in Pinocchio's order of joints, the ground first (without node).
+    """A planar press in Exudyn.
 
     Attributes:
-        container, mbs: Exudyn's, to be kept together. joints: name of a joint or loop -> number of its object.
-        centres: (joints + 1, 3) of mass in the joints' frames [m]. rotations: (joints + 1, 3, 3) of these in the drawn pose of the tree.
+        container: Exudyn's, to be kept together with ``mbs``.
+        mbs: Exudyn's system of bodies.
+        bodies: in Pinocchio's order of joints, the ground first.
+        nodes: as ``bodies``; the ground has None.
+        joints: name of a joint or loop -> number of its object.
+        centres: (joints + 1, 3) of mass in the joints' frames [m].
+        rotations: (joints + 1, 3, 3) of these in the drawn pose of the tree.
         signs: (joints + 1,) by which an angle about a joint's axis turns counter-clockwise in the plane; 0 where it slides.
         drawn: (joints + 1, 3) centres of mass in the world in the drawn pose of the tree [m].
     """
@@ -159,14 +164,15 @@ def solve(system: System, made: Any, solver: Any = exudyn.DynamicSolverType.Trap
 
 
 class Exudyn:
-    """A `pinpress.accuracy.peers.Peer`; see the module."""
+    """A `Peer`; see the module."""
 
     inverse = True
     left_out: ClassVar[Mapping[str, str]] = {CLUTCH: "its steps do not end where a clutch grips"}
     steps: tuple[float, ...] = (4e-3, 2e-3, 1e-3, 5e-4, 2e-4, 1e-4)
 
     def __init__(self, press: Linkage) -> None:
-        """
+        """Make the systems.
+
         Raises:
             PinpressError: as `build`; a crank that does not turn on the frame.
         """

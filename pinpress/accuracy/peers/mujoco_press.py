@@ -1,4 +1,4 @@
-"""A press in MuJoCo (see `mujoco_model`): its motion, forces and free runs.
+"""A press in MuJoCo: its motion, forces and free runs.
 
 MuJoCo's constraints are soft, and what it computes by itself is therefore no answer here. `mj_inverse` finds no force in loops that are
 exactly closed, and gives the torque of the open tree. So its expert takes Jacobians, mass matrix, bias and accelerations from MuJoCo and
@@ -17,6 +17,7 @@ squared loop forces, not pinpress's.
 
 from collections.abc import Callable, Mapping
 from dataclasses import replace
+from functools import partial
 from typing import ClassVar
 
 import mujoco
@@ -31,8 +32,7 @@ from ...kinematics.motion import cycle
 from ...linkage.linkage import Linkage
 from ..measurements import CLUTCH, DIE, SPEED_LAW
 from ..scenes import Scene
-from . import Answer, End, steps_of
-from .mujoco_model import compiled
+from .peer import Answer, End, steps_of
 
 SAMPLES = 512  # of a turn, walked when the model is made: where Newton's method starts later
 CLOSED = 1e-11  # [m, rad] largest last Newton step; the Jacobian is of the state before it
@@ -47,7 +47,7 @@ def free(x: Array, v: Array) -> float:
 
 
 class Mujoco:
-    """A `pinpress.accuracy.peers.Peer`; see the module."""
+    """A `Peer`; see the module."""
 
     inverse, how = True, " + NumPy"
     left_out: ClassVar[Mapping[str, str]] = {
@@ -57,7 +57,8 @@ class Mujoco:
     steps: tuple[float, ...] = (2e-2, 1e-2, 5e-3, 2.5e-3, 1e-3, 5e-4)
 
     def __init__(self, press: Linkage) -> None:
-        """
+        """Make the model.
+
         Raises:
             PinpressError: several drivers, no loops or one that holds rotations, a body that MuJoCo refuses, a crank that does not turn
                 fully.
@@ -71,7 +72,7 @@ class Mujoco:
                 raise PinpressError(f"it has no loop joint of type {loop.type} ({loop.name})")
         self.name = f"MuJoCo {mujoco.__version__}{self.how}"
         self._press = press
-        self._model = compiled(press)
+        self._model = _compiled(press)
         self._data = mujoco.MjData(self._model)
         self._driver = press.driver_indices[0]
         self._passive = [j for j in range(self._model.nv) if j != self._driver]
@@ -328,3 +329,45 @@ class MujocoSteps(Mujoco):
         if not (np.isfinite(states).all() and abs(data.time - duration) < 0.5 * duration / count):  # MuJoCo starts anew where it fails
             raise SimulationError(f"{self.name} does not keep {self._press.name} together: give a shorter step")
         return self._end(data.qpos.copy(), data.qvel.copy(), begin)
+
+
+def _compiled(press: Linkage) -> mujoco.MjModel:
+    """The press as a MuJoCo model: bodies and joints of its tree, loops as ``connect`` equalities, gear pairs as joint equalities.
+
+    Raises:
+        PinpressError: MuJoCo refuses it.
+    """
+    spec, tree = mujoco.MjSpec(), press.model
+    spec.option.gravity = tree.gravity.linear
+    spec.option.integrator = mujoco.mjtIntegrator.mjINT_RK4
+    spec.option.solver, spec.option.tolerance = mujoco.mjtSolver.mjSOL_NEWTON, 0.0
+    spec.option.iterations = 2  # of a quadratic cost: the first one is exact
+    spec.option.jacobian = mujoco.mjtJacobian.mjJAC_DENSE
+    off = mujoco.mjtDisableBit
+    spec.option.disableflags = int(off.mjDSBL_REFSAFE) | int(off.mjDSBL_CONTACT) | int(off.mjDSBL_ISLAND)
+    bodies = [spec.worldbody]
+    for j, (name, axis) in enumerate(zip(press.joints, press.axes, strict=True), start=1):
+        place, inertia = tree.jointPlacements[j], tree.inertias[j]
+        turned = np.empty(4)
+        mujoco.mju_mat2Quat(turned, place.rotation.ravel())
+        body = bodies[tree.parents[j]].add_body(name=name, pos=place.translation, quat=turned)
+        about = inertia.inertia
+        body.mass, body.ipos, body.explicitinertial = inertia.mass, inertia.lever, True
+        body.fullinertia = [about[0, 0], about[1, 1], about[2, 2], about[0, 1], about[0, 2], about[1, 2]]
+        kind = mujoco.mjtJoint.mjJNT_HINGE if axis.turns else mujoco.mjtJoint.mjJNT_SLIDE
+        body.add_joint(name=name, type=kind, axis=axis.direction)
+        bodies.append(body)
+    equality = partial(spec.add_equality, solimp=[0.9999, 0.9999, 0.001, 0.5, 2.0])
+    for loop in press.loops:
+        for end, joint, point in ((1, loop.joint1, loop.point1), (2, loop.joint2, loop.point2)):
+            bodies[joint].add_site(name=f"{loop.name}/{end}", pos=point)
+        site, kind = mujoco.mjtObj.mjOBJ_SITE, mujoco.mjtEq.mjEQ_CONNECT
+        equality(name=loop.name, type=kind, objtype=site, name1=f"{loop.name}/1", name2=f"{loop.name}/2")
+    for pair in press.couplings:
+        names = {"name1": press.joints[pair.follower], "name2": press.joints[pair.leader]}
+        geared = equality(type=mujoco.mjtEq.mjEQ_JOINT, objtype=mujoco.mjtObj.mjOBJ_JOINT, **names)
+        geared.data[:2] = pair.offset, pair.multiplier
+    try:
+        return spec.compile()
+    except ValueError as error:
+        raise PinpressError(f"it refuses {press.name}: {' '.join(str(error).split())}") from None

@@ -23,7 +23,7 @@ from ...common.errors import SimulationError
 from ...loads.protocol import ProcessLoad
 from ..measurements import SPEED_LAW
 from ..scenes import Scene
-from . import End
+from .peer import End
 from .six_bar_script import (
     AX,
     AY,
@@ -112,7 +112,7 @@ def reduced(angle: float, balanced: bool) -> Reduced:
 
 @dataclass(frozen=True, eq=False)
 class SixBarEquation:
-    """A `pinpress.accuracy.peers.Solver`: the integrator of SciPy with this name, on the press as it is or balanced."""
+    """A `Solver`: the integrator of SciPy with this name, on the press as it is or balanced."""
 
     integrator: str
     balanced: bool
@@ -130,7 +130,7 @@ class SixBarEquation:
         return {SPEED_LAW: UNSTABLE} if self.integrator == "DOP853" else {}
 
     def prepared(self, scene: Scene) -> Callable[[float], End]:
-        """See `peers.Solver`: the edges of the loads are found beforehand. The crank turns one way, the positive one, and the clutch, once
+        """See `Solver`: the edges of the loads are found beforehand. The crank turns one way, the positive one, and the clutch, once
         it holds, holds."""
         at = partial(reduced, balanced=self.balanced)
         return partial(self._run, scene, at, *_edges(scene.loads, at))

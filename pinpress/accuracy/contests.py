@@ -1,6 +1,11 @@
-"""Contestants of `accuracy`: a method with a setting, the work that is timed, and how its answer is judged."""
+"""Contests of `compare`: methods with their settings, the work that is timed, and how its answer is judged.
 
+Run times can be compared because contestants take turns: whatever else the machine does meets all of them.
+"""
+
+import gc
 import math
+import time
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
@@ -12,11 +17,13 @@ from ..common.arrays import Array
 from ..common.errors import PinpressError
 from ..dynamics.inverse_dynamics import Reactions
 from .measurements import Measurement
-from .timing import least_seconds
+
+TURN = 0.02  # of calls before the next one's turn: the first call after another contestant finds its data and code evicted [s]
+PATIENCE = 2.0  # after which a contestant, once timed, has had its turns [s]
 
 
 class Errors(NamedTuple):
-    """Of an answer, see `Measurement`."""
+    """Errors of an answer, see `Measurement`."""
 
     error: float
     force_error: float | None = None
@@ -27,7 +34,16 @@ class Errors(NamedTuple):
 
 @dataclass(frozen=True)
 class Contestant:
-    """``work`` is timed; what it returns is judged by ``errors``. A `PinpressError` of either is an answer too."""
+    """A method with a setting that takes part in a contest. A `PinpressError` that its work or its judge raises is an answer too.
+
+    Attributes:
+        group: of the contest.
+        method: "plane", "reduced", ..., or a peer with its version.
+        setting: in words.
+        number: the setting: a tolerance, a step [s], a proximal parameter, a number of samples; None where it has none.
+        work: what is timed.
+        errors: judges what the work returns.
+    """
 
     group: str
     method: str
@@ -39,11 +55,14 @@ class Contestant:
 
 @dataclass(frozen=True)
 class Contest:
-    """Contestants of a group, and the reference they are judged by.
+    """Contestants of a group, and the reference by which they are judged.
 
     Attributes:
-        certificate: difference of the two independent methods that make the reference; certified_by: which these are.
-        skipped: what is not among them, and why, a line each.
+        group: one of `measurements.GROUPS`.
+        contestants: all that take part.
+        certificate: difference of the two independent methods that make the reference.
+        certified_by: which two these are.
+        skipped: a line for each that takes no part, with the reason.
     """
 
     group: str
@@ -54,7 +73,13 @@ class Contest:
 
 
 def measured(contestants: Sequence[Contestant], repeats: int, done: Callable[[], None]) -> tuple[Measurement, ...]:
-    """All of them, judged once and timed in turn; ``done`` is called after every piece of work."""
+    """Judge every contestant once and time all in turn.
+
+    Args:
+        contestants: in the order of the result.
+        repeats: rounds of timing.
+        done: called after every piece of work.
+    """
     judged: list[tuple[Contestant, Errors | None, str]] = []
     for contestant in contestants:
         try:
@@ -67,8 +92,14 @@ def measured(contestants: Sequence[Contestant], repeats: int, done: Callable[[],
 
 
 def force_error(forces: Mapping[str, Array], expected: Reactions, peak: float, determined: bool = False) -> float:
-    """Largest length of the difference of a bearing's force (n, 3), of a peak [N]; ``determined``: without the components that rigid
-    mechanics leaves open, which other programs share in ways of their own."""
+    """Largest distance of a bearing's force from the expected one, as a share of a peak force [-].
+
+    Args:
+        forces: (n, 3) by bearing [N].
+        expected: has the forces that are right.
+        peak: [N].
+        determined: leave out the components that rigid mechanics leaves open, which other programs share in ways of their own.
+    """
     found = []
     for name, force in expected.bearing_force.items():
         off = forces[name] - force
@@ -86,6 +117,36 @@ def peak_force(forces: Mapping[str, Array]) -> float:
 def peak_of(values: Array) -> float:
     """The largest size among values; 1 where all are zero, of which a share cannot be given."""
     return float(np.abs(values).max()) or 1.0
+
+
+def least_seconds(works: Sequence[Callable[[], object]], repeats: int, done: Callable[[], None] = lambda: None) -> list[float]:
+    """Least time of a call of each piece of work [s].
+
+    Args:
+        works: called without arguments, in turn.
+        repeats: rounds, without the garbage collector.
+        done: called after every turn.
+    """
+    best, spent = [float("inf")] * len(works), [0.0] * len(works)
+    collecting = gc.isenabled()
+    gc.collect()
+    gc.disable()
+    try:
+        for _ in range(repeats):
+            for k, work in enumerate(works):
+                end = time.perf_counter() + TURN
+                while spent[k] < PATIENCE:
+                    start = time.perf_counter()
+                    work()
+                    now = time.perf_counter()
+                    best[k], spent[k] = min(best[k], now - start), spent[k] + now - start
+                    if now > end:
+                        break
+                done()
+    finally:
+        if collecting:
+            gc.enable()
+    return best
 
 
 def _tried(work: Callable[[], Any]) -> Callable[[], None]:

@@ -1,4 +1,4 @@
-"""The force-stroke-energy diagram of a press as a static chart; see `plots`."""
+"""The force-stroke-energy diagram of a press."""
 
 from __future__ import annotations
 
@@ -25,10 +25,14 @@ GOVERNING = 3.2  # width of the governing curve [pt]
 
 
 @typed
-def plot_ratings(ratings: Ratings) -> Figure:
-    """Permissible force over the height, of each limit and, thick in the colour of the one that governs, of all; left near bottom dead
-    centre, right over the stroke. Thin hyperbolas are of constant energy. Below the work that the force takes from a height down, and the
-    energies there are.
+def ratings(ratings: Ratings) -> Figure:
+    """Draw the permissible force over the slide's height, left near bottom dead centre, right over the stroke.
+
+    Each limit is a thin line; the permissible force of all is thick, in the colour of the limit that governs. Thin hyperbolas are of
+    constant energy. The lower panels show the work that the force takes from a height down, and the energies that limit it.
+
+    Args:
+        ratings: the ratings of a press.
 
     Raises:
         PinpressError: Matplotlib is not installed, or no ratings.

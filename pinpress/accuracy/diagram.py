@@ -1,4 +1,4 @@
-"""`Accuracy` as a figure: error against run time, both logarithmic, and what settings do to the error."""
+"""`WorkPrecision` as a figure: error against run time, both logarithmic, and what settings do to the error."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from ..common.arguments import typed
 from ..plots.style import COLOURS, GREY, SMALL, drawing, grid, legend, plain
-from .measurements import CLUTCH, DIE, FREE_RUN, INVERSE_DYNAMICS, PROXIMAL, SCENES, SPEED_LAW, TABLE, Accuracy, Measurement
+from .measurements import CLUTCH, DIE, FREE_RUN, INVERSE_DYNAMICS, PROXIMAL, SCENES, SPEED_LAW, TABLE, Measurement, WorkPrecision
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -21,14 +21,19 @@ Value = Callable[[Measurement], float | None]
 
 
 @typed
-def plot_accuracy(measured: Accuracy) -> Figure:
-    """Error against run time: of inverse dynamics; of every scene the crank angle at its end, under a stiff speed law, which leaves that no
-    choice, the bearing forces. Then loop gaps of the free run, error against the proximal parameter of constraint dynamics, and against the
-    number of samples of the reduced table. Errors of torque, forces and accelerations are of their peaks, those of a table of its range.
-    Grey lines: what the reference is known to.
+def plot(measured: WorkPrecision) -> Figure:
+    """Draw error against run time, of inverse dynamics and of every scene, and what settings do to the error.
+
+    The error of a scene is that of the crank angle at its end; under a stiff speed law, which leaves that no choice, that of the bearing
+    forces. Then come loop gaps of the free run, error against the proximal parameter of constraint dynamics, and against the number of
+    samples of the reduced table. Errors of torque, forces and accelerations are shares of their peaks, those of a table of its range. Grey
+    lines show to what the reference is known.
+
+    Args:
+        measured: what `compare` returns.
 
     Raises:
-        PinpressError: not an `Accuracy`; Matplotlib is not installed.
+        PinpressError: not a `WorkPrecision`; Matplotlib is not installed.
     """
     looks = _looks(measured)
     with drawing(HEIGHT) as figure:
@@ -58,11 +63,11 @@ def plot_accuracy(measured: Accuracy) -> Figure:
         _axes(panels[3, 1], "Reduced table", "samples", "error between them")
         _ticks(panels[3, 1], [row.evaluations for row in measured.of(TABLE, "reduced") if row.evaluations][::2])
         legend(figure, list(drawn.values()), list(drawn), loc="outside upper center", ncols=3)
-        plain(figure.supxlabel(f"{measured.press}: {measured.scene}", fontsize=SMALL, color=GREY))
+        plain(figure.supxlabel(f"{measured.press_name}: {measured.scene}", fontsize=SMALL, color=GREY))
     return figure
 
 
-def _settings(axes: Axes, measured: Accuracy, group: str) -> list[Any]:
+def _settings(axes: Axes, measured: WorkPrecision, group: str) -> list[Any]:
     """Lines of error over the setting, one a method."""
     lines = []
     for k, method in enumerate(_methods(measured, group)):
@@ -72,7 +77,7 @@ def _settings(axes: Axes, measured: Accuracy, group: str) -> list[Any]:
     return lines
 
 
-def _known(axes: Axes, measured: Accuracy, group: str) -> None:
+def _known(axes: Axes, measured: WorkPrecision, group: str) -> None:
     """A line at what the reference is known to."""
     if group in measured.certificates:
         axes.axhline(measured.certificates[group], color=GREY, linewidth=0.8, zorder=0)
@@ -85,7 +90,7 @@ def _ticks(axes: Axes, counts: Sequence[int]) -> None:
     axes.xaxis.set_minor_formatter(NullFormatter())
 
 
-def _looks(measured: Accuracy) -> dict[str, dict[str, Any]]:
+def _looks(measured: WorkPrecision) -> dict[str, dict[str, Any]]:
     """A colour for what pinpress, and what every other program offers; a marker for each of its methods; fixed steps dashed."""
     methods = [method for group in (INVERSE_DYNAMICS, *SCENES) for method in _methods(measured, group)]
     families: dict[str, str] = {}
@@ -98,7 +103,7 @@ def _looks(measured: Accuracy) -> dict[str, dict[str, Any]]:
     return looks
 
 
-def _methods(measured: Accuracy, group: str) -> list[str]:
+def _methods(measured: WorkPrecision, group: str) -> list[str]:
     return list(dict.fromkeys(m.method for m in measured.of(group)))
 
 
