@@ -356,7 +356,7 @@ def test_command(alone, capsys, tmp_path):
 
 def test_command_without_matplotlib(measured, capsys, tmp_path, monkeypatch):
     """The table is written all the same; `test_command` is the one that measures."""
-    monkeypatch.setattr(work_precision, "accuracy", lambda *given: measured)
+    monkeypatch.setattr(work_precision, "compare", lambda *given, **named: measured)
     find = importlib.util.find_spec
     monkeypatch.setattr(importlib.util, "find_spec", lambda name, *more: None if name == "matplotlib" else find(name, *more))
     words = ["crank_slide", "--speed", "300", "--points", "12", "--repeats", "1", "--duration", "0.02", "--out", str(tmp_path)]
