@@ -12,7 +12,7 @@ from pinpress.papers.chen2002 import DRAWN, SPEED, as_the_paper_asks, even_speed
 CREST = 0.3012  # stroke of the ZXN2-3000(B) [m]
 
 
-def less_torque() -> pp.synthesis.Synthesis:
+def less_torque() -> pp.synthesis.SynthesisResult:
     """The six-bar, running empty, with a lower peak of driving torque: the same stroke, no less time on the way down than up."""
     return pp.synthesis.synthesise(
         pp.load("zxn2_3000b"),
@@ -51,7 +51,7 @@ def table() -> str:
     return "\n".join(lines)
 
 
-def row(what: str, found: pp.synthesis.Synthesis) -> str:
+def row(what: str, found: pp.synthesis.SynthesisResult) -> str:
     held = [f"{active.name}, {active.side} bound" for active in found.active] + [f"{name} has no influence" for name in found.idle]
     return thin_wall_row(what, found.press, "; ".join(held))
 

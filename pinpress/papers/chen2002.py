@@ -16,7 +16,8 @@ from ..kinematics.measures import bearing_positions, flatness, pressure_angle, q
 from ..kinematics.motion import Motion, cycle
 from ..linkage.linkage import Linkage
 from ..linkage.loading import load
-from ..synthesis.synthesis import Synthesis, synthesise
+from ..synthesis.result import SynthesisResult
+from ..synthesis.synthesis import synthesise
 from ..synthesis.trial import Trial
 from .drawings import Panel, draw
 from .pages import BEYOND, CURVES, FORMULAS, NO_RESULT, NOT, PARTLY, Entry, Erratum, Page, Row
@@ -76,7 +77,7 @@ def design_rules(l1: Any, l4: Any) -> Mapping[tuple[str, str], Any]:
     }
 
 
-def as_the_paper_asks(press: Linkage, longest: float) -> Synthesis:
+def as_the_paper_asks(press: Linkage, longest: float) -> SynthesisResult:
     """Least v_max / v_mean of the working stroke, with a bound of the coupler's length [m], which the paper leaves out."""
     return synthesise(
         press,
@@ -88,7 +89,7 @@ def as_the_paper_asks(press: Linkage, longest: float) -> Synthesis:
     )
 
 
-def even_speed(press: Linkage, degrees: float) -> Synthesis:
+def even_speed(press: Linkage, degrees: float) -> SynthesisResult:
     """Least drop of speed over 120 mm, with a largest pressure angle [deg]; coupler and height of the ram are free."""
     return synthesise(
         press,
@@ -229,7 +230,7 @@ def _objective(press: Linkage, motion: Motion) -> Entry:
     return Entry(("(22), (23)",), "objective and its optimum", NOT, rows, reason, "chen2002_objective", shown, caption)
 
 
-def _even(motion: Motion, found: list[Synthesis]) -> Entry:
+def _even(motion: Motion, found: list[SynthesisResult]) -> Entry:
     rows = [Row("drop of speed over 120 mm, printed lengths [%]", "3.69", 100 * flatness(motion, DRAWN), 0.2, None, SOLVER)]
     for degrees, theirs, best in zip((40, 10), ("3.39", "3.64"), found, strict=True):
         rows += [

@@ -1,3 +1,3 @@
-from .synthesis import Synthesis as Synthesis
+from .result import SynthesisResult as SynthesisResult
 from .synthesis import synthesise as synthesise
 from .trial import Trial as Trial

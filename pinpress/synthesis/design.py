@@ -9,17 +9,16 @@ import numpy as np
 
 from ..common.arrays import Array, ComplexArray
 from ..common.named_arrays import ByBearing
-from ..derivatives import reactions as reaction_derivatives
 from ..derivatives.motion import STEP, Rates, States, Tangent, guide_shift
 from ..derivatives.pivots import Displacements, Shift, shift
-from ..derivatives.reactions import Balanced, Push, pushes
+from ..derivatives.reactions import Balanced, Push, pushes, tangent
 from ..derivatives.reshape import continue_geometry, redrawn
 from ..dynamics.applied_loads import apply, asked
 from ..dynamics.shaking import shaking
 from ..engines.constant_rows import product
 from ..engines.forces import Wrenches
-from ..engines.planar import inverse_dynamics as plane_dynamics
 from ..engines.planar.bodies import Bodies, build
+from ..engines.planar.inverse_dynamics import inverse_dynamics
 from ..engines.planar.model import Plane, flat, in_space
 from ..kinematics.motion import Motion, of_states
 from ..linkage.linkage import Linkage
@@ -29,7 +28,14 @@ from .trial import Positions, Trial, TrialReactions
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Start:
-    """The press that a search starts from, planar and drawn closed; its motion over one period from angle 0; and the loads on it."""
+    """What a search starts from.
+
+    Attributes:
+        press: planar, drawn closed.
+        plane: the constants of its planar equations.
+        motion: its motion over one period, from crank angle 0.
+        loads: the loads on it.
+    """
 
     press: Linkage
     plane: Plane
@@ -42,8 +48,15 @@ class Design:
     """The press of the start with its pivots displaced, closed at all crank angles, in the joint coordinates of the start.
 
     Attributes:
-        variables: name -> value. moved: displacements from the start. slopes: their derivatives by every variable.
-        plane: see `plane`. position: (nv, n) joint coordinates. first, second: their influence coefficients. gap: (n,) of the loops.
+        start: what the search starts from.
+        variables: name -> value [SI].
+        moved: the displacements of the pivots from the start.
+        slopes: the derivatives of the displacements by every variable.
+        plane: the constants of its planar equations.
+        position: (nv, n) joint coordinates.
+        first: (nv, n) their first influence coefficients, derivatives by the crank angle.
+        second: (nv, n) their second influence coefficients.
+        gap: (n,) of the loops [m].
     """
 
     start: Start
@@ -57,7 +70,16 @@ class Design:
     gap: Array
 
     def next(self, variables: dict[str, float], moved: Displacements, slopes: Sequence[Displacements]) -> "Design":
-        """Another design, its assembly carried over from this one. Raises as `continue_geometry`."""
+        """Another design, its assembly continued from this one.
+
+        Args:
+            variables: name -> value [SI].
+            moved: the displacements of its pivots from the start.
+            slopes: the derivatives of the displacements by every variable.
+
+        Raises:
+            AssemblyError, SingularityError: as `continue_geometry` does.
+        """
         start = self.start
         by = shift(start.press, start.plane, moved.less(self.moved))
         plane, closure = continue_geometry(self.plane, self.position, by)
@@ -69,7 +91,7 @@ class Design:
         return redrawn(self.start.press, self.moved, self.position[:, 0])
 
     def trial(self) -> Trial:
-        """What objectives see, with real arrays."""
+        """What objectives and constraints see, with real arrays."""
         return Trial(
             dict(self.variables),
             self.motion,
@@ -79,7 +101,12 @@ class Design:
         )
 
     def trial_towards(self, place: int, step: float) -> Trial:
-        """The same with complex arrays: values + i h derivatives by the variable at that place, h = STEP x ``step``."""
+        """What objectives and constraints see for their gradients: complex arrays, value + i h derivative with h = STEP x ``step``.
+
+        Args:
+            place: of the variable by which is differentiated.
+            step: by which that variable is scaled.
+        """
         h, name = STEP * step, list(self.variables)[place]
         return Trial(
             self.variables | {name: cast(float, self.variables[name] + 1j * h)},
@@ -110,7 +137,7 @@ class Design:
 
     @cached_property
     def motion(self) -> Motion:
-        """Over one period."""
+        """The motion over one period, from crank angle 0."""
         press, drawn = self.start.press, self.position[:, :1]
         motion = of_states(
             press, self.position - drawn, self._rates.v, self._rates.a, self.gap, self.start.motion.time, self.start.motion.period_turns
@@ -141,14 +168,14 @@ class Design:
         return _complex(self._point(bearing), h, self._point_slope(bearing, place))
 
     def _point(self, bearing: int) -> Array:
-        """(n, 3) where a bearing is."""
+        """World position (n, 3) of a bearing [m]."""
         plane, count = self.plane, len(self.plane.parents)
         row = plane.origins[bearing] if bearing < count else plane.loop_points[bearing - count]
         height = plane.heights[bearing] if bearing < count else plane.loop_heights[bearing - count]
         return np.asarray(in_space(plane, product(row[None], self._states.at)[0]) + height * plane.normal)
 
     def _point_slope(self, bearing: int, place: int) -> Array:
-        """(n, 3) its derivative."""
+        """Derivative (n, 3) of the position of a bearing by a variable."""
         plane, by, count = self.plane, self._by[place], len(self.plane.parents)
         rows = [(of.origins[bearing] if bearing < count else of.loop_points[bearing - count])[None] for of in (plane, by)]
         return in_space(plane, (product(rows[0], self._tangents[place].basis) + product(rows[1], self._states.at))[0])
@@ -158,7 +185,7 @@ class Design:
     @cached_property
     def _wrenches(self) -> Wrenches:
         applied, bearings = apply(asked(self.start.loads), self.press, self.motion), range(len(self.start.press.bearings))
-        return plane_dynamics.inverse_dynamics(
+        return inverse_dynamics(
             self.plane,
             self._bodies,
             self._states.at,
@@ -186,7 +213,7 @@ class Design:
 
     def _reactions_towards(self, place: int, h: float) -> TrialReactions:
         real, found, names = self._reactions, self._wrenches, self.start.press.bearings
-        slope = reaction_derivatives.tangent(self._known, self._tangents[place], self._by[place], self._pushes(place))
+        slope = tangent(self._known, self._tangents[place], self._by[place], self._pushes(place))
         force = moment = None
         if slope.forces is not None and slope.moments is not None:
             force = ByBearing(names, _complex(found.force, h, in_space(self.plane, slope.forces)))
@@ -218,7 +245,7 @@ class Design:
 
 
 def _complex(value: Array, h: float, derivative: Array) -> Array:
-    """value + i h derivative, read-only; in a gradient arrays of a `Trial` are complex, whatever their type says."""
+    """value + i h derivative, read-only. In a gradient the arrays of a `Trial` are complex, whatever their type says."""
     result: ComplexArray = value + 1j * h * derivative
     result.setflags(write=False)
     return cast(Array, result)

@@ -22,7 +22,9 @@ class ActiveBound:
     """A bound that holds the optimum.
 
     Attributes:
-        name: of the variable or constraint. side: "lower", "upper" or "equal". bound: [SI].
+        name: of the variable or constraint.
+        side: "lower", "upper" or "equal".
+        bound: [SI].
         multiplier: derivative of the optimum's value by the bound, in units of one per unit of the other. To raise an upper bound widens
             the search, so its multiplier is negative; that of a lower bound is positive.
     """
@@ -34,7 +36,13 @@ class ActiveBound:
 
 
 class Optimum(NamedTuple):
-    """``residual``: of the conditions, scaled; ``active``: bounds with their multipliers; ``idle``: variables without influence."""
+    """How well a point meets the conditions of an optimum.
+
+    Attributes:
+        residual: of the conditions, scaled.
+        active: the bounds that hold the point, with their multipliers.
+        idle: names of the variables without influence.
+    """
 
     residual: float
     active: tuple[ActiveBound, ...]
@@ -45,8 +53,13 @@ class _Force(NamedTuple):
     """A bound that may hold the point, and the way it pushes.
 
     Attributes:
-        gradient: (k,) of the slack, scaled. slack: scaled.
-        name, side, bound: as in `ActiveBound`. unit: by which it is scaled. rising: +1 where raising the bound narrows the search, else -1.
+        gradient: (k,) of the slack, scaled.
+        slack: scaled.
+        name: as in `ActiveBound`.
+        side: as in `ActiveBound`.
+        bound: as in `ActiveBound`.
+        unit: by which it is scaled [SI].
+        rising: +1 where raising the bound narrows the search, else -1.
     """
 
     gradient: Array
@@ -59,8 +72,8 @@ class _Force(NamedTuple):
 
 
 def optimum(point: Point) -> Optimum:
-    """Multipliers and residual at a point."""
-    from scipy.optimize import nnls
+    """The multipliers of all bounds that may hold a point, and the residual of the conditions there."""
+    from scipy.optimize import nnls  # slow to import
 
     problem = point.problem
     size = problem.measures[0].scale
@@ -105,7 +118,11 @@ def _of_limits(point: Point) -> list[_Force]:
 
 
 def _active(forces: list[_Force], multipliers: Array, size: float) -> tuple[ActiveBound, ...]:
-    """Bounds whose multipliers are not rounding, those of one constraint's elements added up; ``size`` of the objective."""
+    """The bounds whose multipliers are more than rounding; the multipliers of one constraint's elements are added up.
+
+    Args:
+        size: by which the objective is scaled [SI].
+    """
     sums: dict[tuple[str, str, float, float], float] = {}
     for force, share in zip(forces, multipliers, strict=True):
         key = (force.name, force.side, force.bound, force.unit)
@@ -114,7 +131,7 @@ def _active(forces: list[_Force], multipliers: Array, size: float) -> tuple[Acti
 
 
 def _idle(point: Point) -> tuple[str, ...]:
-    """Variables on which neither the objective nor a constraint depends, but for rounding."""
+    """The variables on which neither the objective nor a constraint depends, but for rounding."""
     slopes = [np.abs(s).max(axis=0) / m.scale for s, m in zip(point.slopes, point.problem.measures, strict=True)]
     strongest = np.max(slopes, axis=0)
     return tuple(v.name for v, slope in zip(point.problem.variables, strongest, strict=True) if slope <= WITHOUT)

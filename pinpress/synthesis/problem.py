@@ -23,7 +23,14 @@ Function = Callable[[Trial], ArrayLike]
 
 @dataclass(frozen=True)
 class Variable:
-    """A design variable and its bounds [SI]."""
+    """A design variable.
+
+    Attributes:
+        name: the name by which it is passed to the geometry.
+        lower: bound [SI].
+        start: value at the start [SI].
+        upper: bound [SI].
+    """
 
     name: str
     lower: float
@@ -32,13 +39,21 @@ class Variable:
 
     @property
     def range(self) -> float:
-        """What it is scaled by."""
+        """By what the variable is scaled [SI]."""
         return (self.upper - self.lower) or 1.0
 
 
 @dataclass(frozen=True, eq=False)
 class Measure:
-    """A function of a trial: the objective, which has no name and no bounds, or a constraint; ``scale``: its size."""
+    """A function of a trial: the objective or a constraint.
+
+    Attributes:
+        name: of the constraint; empty for the objective.
+        function: of a `Trial`.
+        lower: bound of the constraint [SI].
+        upper: bound of the constraint [SI].
+        scale: its size, by which it is scaled [SI].
+    """
 
     name: str
     function: Function
@@ -48,14 +63,14 @@ class Measure:
 
     @property
     def title(self) -> str:
-        """What errors call it."""
+        """The words by which errors call it."""
         return f"constraint {shown(self.name)}" if self.name else "the objective"
 
     def of(self, trial: Trial) -> Array:
-        """Its elements (m,), complex where the trial is.
+        """The elements (m,) for a trial, complex where the trial is.
 
         Raises:
-            PinpressError: it returns no numbers, or none that are finite.
+            PinpressError: the function returns no numbers, or some that are not finite.
         """
         try:
             values = np.atleast_1d(np.asarray(self.function(trial)))
@@ -70,7 +85,13 @@ class Measure:
 
 @dataclass(frozen=True)
 class Limit:
-    """A bound of a constraint: ``side`` "lower", "upper" or "equal"; ``measure`` counts the constraints from 1."""
+    """A bound of a constraint.
+
+    Attributes:
+        measure: index in `Problem.measures`, which counts the constraints from 1.
+        side: "lower", "upper" or "equal".
+        bound: [SI].
+    """
 
     measure: int
     side: str
@@ -78,13 +99,19 @@ class Limit:
 
     @property
     def sign(self) -> float:
-        """Of the value less the bound where it is kept."""
+        """The sign of the value less the bound where the bound is kept."""
         return -1.0 if self.side == "upper" else 1.0
 
 
 @dataclass(frozen=True, eq=False)
 class Problem:
-    """What is searched. ``measures``: the objective, then the constraints."""
+    """What is searched.
+
+    Attributes:
+        variables: the design variables.
+        geometry: function of the variables that returns pivots.
+        measures: the objective, then the constraints.
+    """
 
     variables: tuple[Variable, ...]
     geometry: Callable[..., Pivots]
@@ -103,17 +130,20 @@ class Problem:
         return tuple(found)
 
     def values(self, z: Array) -> dict[str, float]:
-        """The variables at scaled ones (k,)."""
+        """Name -> value of the variables at scaled ones (k,)."""
         return {v.name: float(v.lower * (1.0 - share) + v.upper * share) for v, share in zip(self.variables, z, strict=True)}
 
     def scaled(self, values: Mapping[str, float]) -> Array:
-        """The reverse."""
+        """The scaled variables (k,) at values by name."""
         return np.array([(values[v.name] - v.lower) / v.range for v in self.variables])
 
     def at(self, z: Array, near: Design) -> "Point":
-        """Objective and constraints at scaled variables (k,), the assembly carried over from a design nearby.
+        """Objective and constraints at scaled variables (k,), the assembly continued from a design nearby.
 
-        Raises as `continue_geometry`; AssemblyError where the geometry is not a number, PinpressError where functions fail.
+        Raises:
+            AssemblyError: the geometry is not a number, or cannot be assembled.
+            SingularityError: two assemblies meet on the way there.
+            PinpressError: a function fails.
         """
         values = self.values(z)
         press = near.start.press
@@ -126,11 +156,16 @@ class Problem:
         return Point(self, z.copy(), design, tuple(np.real(measure.of(trial)).astype(float) for measure in self.measures))
 
     def _slope(self, near: Design, values: dict[str, float], name: str) -> Displacements:
-        """Derivative of the displacements by a variable."""
+        """The derivative of the displacements by a variable."""
         pivots = self.pivots(values | {name: values[name] + 1j * STEP})
         return directed(near.start.press, {key: np.imag(np.asarray(position, dtype=complex)) / STEP for key, position in pivots.items()})
 
     def pivots(self, values: Mapping[str, Any]) -> Pivots:
+        """The pivots at values by name.
+
+        Raises:
+            PinpressError: the geometry fails, or returns no mapping.
+        """
         try:
             pivots = self.geometry(**values)
         except TypeError as error:
@@ -142,7 +177,14 @@ class Problem:
 
 @dataclass(frozen=True, eq=False)
 class Point:
-    """A problem at one set of scaled variables ``z`` (k,); ``values``: elements (m,) of every measure."""
+    """A problem at one set of variables.
+
+    Attributes:
+        problem: what is searched.
+        z: (k,) scaled variables.
+        design: the design that they give.
+        values: elements (m,) of every measure [SI].
+    """
 
     problem: Problem
     z: Array
@@ -151,7 +193,11 @@ class Point:
 
     @cached_property
     def slopes(self) -> tuple[Array, ...]:
-        """Derivatives (m, k) of every measure by the scaled variables."""
+        """Derivatives (m, k) of every measure by the scaled variables.
+
+        Raises:
+            PinpressError: a function fails for complex numbers, or returns another number of elements for them.
+        """
         variables = self.problem.variables
         trials = [self.design.trial_towards(place, variable.range) for place, variable in enumerate(variables)]
         result = []
@@ -164,30 +210,30 @@ class Point:
 
     @property
     def objective(self) -> float:
-        """What is minimised: the largest element."""
+        """What is minimised: the largest element of the objective [SI]."""
         return float(self.values[0].max())
 
     def slacks(self, limit: Limit) -> Array:
-        """(m,) how far a bound is kept, scaled; negative where it is not, of an equality the difference."""
+        """How far (m,) a bound is kept, scaled: negative where it is not; for an equality the difference."""
         return np.asarray(limit.sign * (self.values[limit.measure] - limit.bound) / self.problem.measures[limit.measure].scale)
 
     def slack_slopes(self, limit: Limit) -> Array:
-        """(m, k) their derivatives."""
+        """Derivatives (m, k) of the slacks by the scaled variables."""
         return np.asarray(limit.sign * self.slopes[limit.measure] / self.problem.measures[limit.measure].scale)
 
     def violation(self, limit: Limit) -> float:
-        """By how much a bound is missed, scaled."""
+        """By how much a bound is missed, scaled; 0 where it is kept."""
         slacks = self.slacks(limit)
         return float(np.abs(slacks).max() if limit.side == "equal" else max(0.0, -slacks.min()))
 
     @property
     def widest_violation(self) -> float:
-        """The largest of all."""
+        """The largest violation of any bound, scaled."""
         return max((self.violation(limit) for limit in self.problem.limits), default=0.0)
 
 
 def missed(point: Point) -> str:
-    """The constraints whose bounds are missed, worst first, in words."""
+    """List the constraints whose bounds are missed, worst first, in words."""
     problem = point.problem
     found = sorted(((point.violation(limit), limit) for limit in problem.limits), key=lambda each: -each[0])
     return ", ".join(
@@ -210,7 +256,14 @@ NOISE = 1e-6  # of the value: rounding of that, divided by the smallest step but
 
 
 def verify_gradients(point: Point, directions: Sequence[Array]) -> None:
-    """Raise PinpressError where the gradient of a function is not that of its values, along directions (k,) of the scaled variables."""
+    """Check the gradients of all measures against differences of their values.
+
+    Args:
+        directions: (k,) of the scaled variables, along which both are taken.
+
+    Raises:
+        PinpressError: a function's gradient is not that of its values.
+    """
     problem = point.problem
     for direction in directions:
         wrong = list(range(len(problem.measures)))

@@ -27,7 +27,14 @@ STARTS = 16  # of a global search beside the given one, a power of two as Sobol'
 
 
 class Search:
-    """Counts designs as it goes: ``evaluations`` those that were judged, ``infeasible`` those that could not be, ``why`` not the last."""
+    """A search for the optimum of a problem, which counts designs as it goes.
+
+    Attributes:
+        problem: what is searched.
+        evaluations: number of designs that were judged.
+        infeasible: number of designs that could not be assembled, or not be judged.
+        why: the error of the last of those.
+    """
 
     def __init__(self, problem: Problem) -> None:
         self.problem = problem
@@ -35,10 +42,10 @@ class Search:
         self.why: PinpressError | None = None
 
     def local(self, start: Point) -> Point:
-        """The optimum that SLSQP comes to from a design.
+        """The optimum to which SLSQP comes from a design.
 
         Raises:
-            PinpressError: it finds none: no design keeps the constraints, or it does not converge.
+            PinpressError: no design keeps the constraints, or the search does not converge.
         """
         point, reach, lost = start, 1.0, 0
         for _ in range(DESCENTS):
@@ -71,9 +78,10 @@ class Search:
     def best(self, start: Point, seed: int) -> Point:
         """The best of the optima that are found from a design and from others spread over the bounds.
 
-        Raises as `local` where there is none.
+        Raises:
+            PinpressError: none is found; the error is the first that `local` raised.
         """
-        from scipy.stats import qmc
+        from scipy.stats import qmc  # slow to import
 
         spread = qmc.Sobol(len(start.z), seed=seed).random(STARTS)
         found: list[Point] = []
@@ -92,8 +100,10 @@ class Search:
         return min(found, key=lambda point: point.objective)
 
     def at(self, z: Array, near: Point) -> Point | None:
-        """The problem at scaled variables, None where the linkage cannot be assembled there, or a function cannot judge it: what is wrong
-        with all designs was wrong with the start."""
+        """The problem at scaled variables (k,); None where the linkage cannot be assembled there, or a function cannot judge it.
+
+        What is wrong with all designs was wrong with the start, and has been refused there.
+        """
         try:
             point = self.problem.at(z, near.design)
         except PinpressError as error:
@@ -115,12 +125,18 @@ def _listed(point: Point) -> str:
 
 
 class _CreepingError(Exception):
-    """A descent meets ever more designs that cannot be assembled."""
+    """A descent meets more and more designs that cannot be assembled."""
 
 
 class _Descent:
-    """One run of SLSQP, in its variables x: the scaled ones, no further than ``reach`` from the start, and after them the level above all
-    elements of the objective. ``lost`` counts designs that could not be assembled."""
+    """One run of SLSQP.
+
+    Its variables x are the scaled ones, no further than ``reach`` from the start, and after them, where the objective has several elements,
+    the level above all of them.
+
+    Attributes:
+        lost: number of designs that could not be assembled.
+    """
 
     def __init__(self, search: Search, start: Point, reach: float) -> None:
         self.search, self.here, self.last = search, start, start
@@ -132,8 +148,8 @@ class _Descent:
         self.limits = start.problem.limits
 
     def end(self) -> Point:
-        """The design at which it stops."""
-        from scipy.optimize import minimize
+        """The design at which the descent stops."""
+        from scipy.optimize import minimize  # slow to import
 
         start = self.here
         bounds: list[tuple[float | None, float | None]] = [(max(0.0, z - self.reach), min(1.0, z + self.reach)) for z in start.z.tolist()]
@@ -154,11 +170,16 @@ class _Descent:
         return self.here if self.failed else self.last
 
     def _constraint(self, kind: str, limits: Sequence[Limit], below: bool) -> dict[str, Any]:
-        """As SciPy has it; ``below``: that all elements of the objective stay below the level."""
+        """Constraints in the form that SciPy takes.
+
+        Args:
+            kind: "eq" or "ineq".
+            below: whether all elements of the objective are to stay below the level, too.
+        """
         return {"type": kind, "fun": lambda x: self._slacks(x, limits, below), "jac": lambda x: self._slack_slopes(x, limits, below)}
 
     def _at(self, x: Array) -> Point:
-        """The problem at x; where it cannot be assembled there, that of the last design which could."""
+        """The problem at x; where the linkage cannot be assembled there, at the last x where it could."""
         z = x[: len(self.here.z)]
         z = np.where(z < ROUNDING, 0.0, np.where(z > 1.0 - ROUNDING, 1.0, z))
         if not np.array_equal(z, self.tried):

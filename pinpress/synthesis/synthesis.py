@@ -1,6 +1,6 @@
 """Synthesis: link lengths and pivots of a press that make an objective least under constraints.
 
-    synthesis = synthesise(
+    found = synthesise(
         load("thin_wall"),
         {"l4": (0.05, 0.22, 0.40), "h": (0.60, 0.63, 0.70)},  # lower bound, start, upper bound [m]
         minimise=lambda t: flatness(t.motion, 0.12),
@@ -8,28 +8,25 @@
         geometry=lambda l4, h: {("E", "coupler"): (l4, 0, 0), ("slide_guide", "frame"): (0, 0, h)},
         speed=7.54,
     )
-    synthesis.press, synthesis.variables, synthesis.active
+    found.press, found.variables, found.active
 
-Every gradient is exact (`pinpress.derivatives`), the assembly is carried over from design to design, and what is returned
-meets the conditions of an optimum, or is not returned.
+Every gradient is exact (`pinpress.derivatives`), and the assembly is continued from design to design. What is returned meets the conditions
+of an optimum.
 """
 
 from __future__ import annotations
 
 import math
-import os
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ..common import tables
 from ..common.arguments import typed
 from ..common.arrays import Array
 from ..common.errors import AssemblyError, PinpressError, SingularityError, UnknownNameError, shown
-from ..common.frozen import Frozen, FrozenMapping
+from ..common.frozen import FrozenMapping
 from ..derivatives.motion import planar
 from ..derivatives.pivots import Pivots, nowhere, pivot_positions
 from ..derivatives.reactions import refuse_unknown
@@ -37,11 +34,10 @@ from ..derivatives.reshape import reshaped
 from ..kinematics.motion import cycle
 from ..linkage.linkage import Linkage
 from ..loads.link import Load
-from . import result as synthesis_tables
 from .design import Design, Start
-from .optimality import ActiveBound, optimum
+from .optimality import optimum
 from .problem import Function, Measure, Point, Problem, Variable, verify_gradients
-from .result import Row
+from .result import Row, SynthesisResult
 from .search import Search
 
 SYNTHESISED = "_synthesised"  # the name of a press that was found ends so
@@ -49,114 +45,63 @@ UNCONSTRAINED: Mapping[str, Any] = FrozenMapping({})
 SAME = 1e-9  # share of the linkage's size to which the motion of the found press is that of the trial
 
 
-@dataclass(frozen=True, eq=False, repr=False)
-class Synthesis(Frozen):
-    """The optimum that was found.
-
-    Attributes:
-        press: the linkage with the lengths found, as `reshaped` makes it.
-        variables: name -> value [SI]. value, start_value: of the objective, at the optimum and at the start.
-        constraints: name -> value at the optimum, a number or (m,).
-        active: the bounds of variables and constraints that hold the optimum, with what they cost.
-        idle: variables on which neither the objective nor a constraint depends: they keep any value.
-        kkt: residual of the conditions of Karush, Kuhn and Tucker, in units of the objective's size for a change of a variable over its
-            whole range; at most 1e-6.
-        evaluations: designs that were judged. infeasible: designs that could not be assembled, or not be judged.
-    """
-
-    press: Linkage
-    variables: Mapping[str, float]
-    value: float
-    start_value: float
-    constraints: Mapping[str, float | Array]
-    active: tuple[ActiveBound, ...]
-    idle: tuple[str, ...]
-    kkt: float
-    evaluations: int
-    infeasible: int
-    _rows: tuple[Row, ...]
-
-    def __repr__(self) -> str:
-        found = ", ".join(f"{name} = {value:.6g}" for name, value in self.variables.items())
-        return f"<Synthesis of {self.press.name}: {self.start_value:.6g} to {self.value:.6g} with {found}>"
-
-    def __str__(self) -> str:
-        return synthesis_tables.text(self)
-
-    def table(self) -> tuple[Row, ...]:
-        """Variables, then constraints, a row each."""
-        return self._rows
-
-    def to_csv(self, path: str | os.PathLike[str]) -> None:
-        """Write the table, a row a line.
-
-        Raises:
-            PinpressError: the file cannot be written.
-        """
-        tables.write_csv(path, synthesis_tables.columns(self._rows))
-
-    def to_frame(self) -> tables.DataFrame:
-        """The table as a pandas DataFrame. Raises PinpressError where pandas is not installed."""
-        return tables.frame(synthesis_tables.columns(self._rows))
-
-
 @typed
 def synthesise(
     press: Linkage,
     variables: Mapping[str, tuple[float, float, float]],
+    *,
     minimise: Function,
     subject_to: Mapping[str, tuple[Function, float | None, float | None]] = UNCONSTRAINED,
     geometry: Callable[..., Pivots] | None = None,
-    *,
     speed: float,
     points: int | None = None,
     method: str = "local",
     loads: Sequence[Load] = (),
     seed: int = 0,
-) -> Synthesis:
+) -> SynthesisResult:
     """The lengths of a planar press that make an objective least, over one period at constant speed.
 
     Args:
+        press: a planar press; it keeps the lengths that no variable changes.
         variables: name -> (lower bound, start, upper bound) [SI].
         minimise: function of a `Trial` that returns a number, or (m,) of which the largest element is minimised.
         subject_to: name -> (function of a `Trial`, lower bound, upper bound); None or infinite for no bound, equal ones for an equation. Of
             an array every element keeps the bounds.
         geometry: function of the variables, by their names, that returns pivots as `reshaped` takes them; written with NumPy's functions.
             Design rules belong here. Left out, variables are single coordinates, named bearing.link.axis, as in "B.crank.x".
-        speed: of the crank [rad/s]. points: of the period at which trials are judged; by default 360 a turn.
-        method: "local", the optimum next to the start, or "global", the best of those next to many starts within the bounds.
-        loads: constant forces, and process loads with a datum. seed: of the starts.
+        speed: of the crank [rad/s].
+        points: of the period at which trials are judged; by default 360 a turn.
+        method: "local" for the optimum next to the start, "global" for the best of those next to many starts within the bounds.
+        loads: constant forces, and process loads with a datum.
+        seed: of the starts of a global search.
+
+    Returns:
+        The press that was found, and what holds it.
 
     Raises:
-        PinpressError: a linkage that is not planar; bounds or arguments that make no sense; a start that cannot be assembled, or whose
-            crank does not turn fully; a function that fails, or whose gradient is not that of its values; no design that keeps the
-            constraints; a search that does not converge.
+        PinpressError: the linkage is not planar; bounds or arguments make no sense; the start cannot be assembled, or its crank does not
+            turn fully; a function fails, or its gradient is not that of its values; no design keeps the constraints; the search does not
+            converge.
         UnknownNameError: a bearing or link that the linkage does not have.
     """
-    planar(press)
-    for name, mapping in (("variables", variables), ("subject_to", subject_to)):
-        if not isinstance(mapping, Mapping):
-            raise PinpressError(f"{name} is a {type(mapping).__name__}, no mapping from names")
+    problem = _problem(press, variables, minimise, subject_to, geometry)
     refuse_unknown(loads)
     if not isinstance(method, str) or method not in ("local", "global"):
         raise PinpressError(f"unknown method {shown(method)}: write 'local' or 'global'")
-    if geometry is not None and not callable(geometry):
-        raise PinpressError(f"geometry is a {type(geometry).__name__}, no function of the variables that returns pivots")
-    known = tuple(_variable(name, bounds) for name, bounds in variables.items())
-    if not known:
-        raise PinpressError("variables is empty: give {name: (lower bound, start, upper bound)}")
-    measures = (Measure("", minimise), *(_constraint(name, given) for name, given in subject_to.items()))
-    problem = Problem(known, geometry or _coordinates(press, tuple(variables)), measures)
-    point = _start(press, problem, speed, points, loads)
-    verify_gradients(point, [np.random.default_rng(0).uniform(0.5, 1.0, len(known))])
-    search = Search(point.problem)
-    found = search.local(point) if method == "local" else search.best(point, seed)
+    start = _start(press, problem, speed, points, loads)
+    verify_gradients(start, [np.random.default_rng(0).uniform(0.5, 1.0, len(problem.variables))])
+    search = Search(start.problem)
+    found = search.local(start) if method == "local" else search.best(start, seed)
     _verify(found, speed, points)
-    return _synthesis(point, found, search)
+    return _result(start, found, search)
 
 
 def _start(press: Linkage, problem: Problem, speed: float, points: int | None, loads: Sequence[Load]) -> Point:
-    """The start, with measures scaled by their size there."""
+    """The start, with measures scaled by their size there.
+
+    Raises:
+        PinpressError: it cannot be assembled, or locks.
+    """
     values = {variable.name: variable.start for variable in problem.variables}
     try:
         drawn = reshaped(press, problem.pivots(values))
@@ -174,19 +119,19 @@ def _start(press: Linkage, problem: Problem, speed: float, points: int | None, l
 
 
 def _scaled(measure: Measure, values: Array) -> Measure:
-    """With the size of its values, or of its bounds where these are larger."""
+    """The measure, scaled by the size of its values, or of its bounds where these are larger."""
     sizes = [float(np.abs(values).max()), *(abs(bound) for bound in (measure.lower, measure.upper) if math.isfinite(bound))]
     return Measure(measure.name, measure.function, measure.lower, measure.upper, max(sizes) or 1.0)
 
 
 def _verify(found: Point, speed: float, points: int | None) -> None:
-    """Raise where the press that was found does not move as its trial did: between the points it may lock."""
+    """Raise PinpressError where the press that was found does not move as its trial did: between the points it may lock."""
     motion, trial = cycle(found.design.press, speed, points), found.design.motion
     if not np.abs(motion.joint_position - trial.joint_position).max() <= SAME * (1 + found.design.plane.size):
         raise PinpressError("the press that was found moves in another assembly than it was drawn in: narrow the variables' bounds")
 
 
-def _synthesis(start: Point, found: Point, search: Search) -> Synthesis:
+def _result(start: Point, found: Point, search: Search) -> SynthesisResult:
     problem, held, press = found.problem, optimum(found), found.design.press
     constraints = {
         measure.name: float(values[0]) if len(values) == 1 else _fixed(values)
@@ -198,7 +143,7 @@ def _synthesis(start: Point, found: Point, search: Search) -> Synthesis:
         bounds = [bound if math.isfinite(bound) else None for bound in (measure.lower, measure.upper)]
         nearest = (_nearest(measure, point.values[k]) for point in (start, found))
         rows.append(Row(measure.name, "constraint", bounds[0], next(nearest), next(nearest), bounds[1]))
-    return Synthesis(
+    return SynthesisResult(
         press=press.with_inertias(list(press.model.inertias), name=press.name.removesuffix(SYNTHESISED) + SYNTHESISED),
         variables=FrozenMapping(values),
         value=found.objective,
@@ -214,7 +159,7 @@ def _synthesis(start: Point, found: Point, search: Search) -> Synthesis:
 
 
 def _nearest(measure: Measure, values: Array) -> float:
-    """The element nearest to a bound, or furthest beyond it."""
+    """The element that is nearest to a bound, or furthest beyond it."""
     return float(values[np.argmin(np.minimum(values - measure.lower, measure.upper - values))])
 
 
@@ -224,6 +169,21 @@ def _fixed(values: NDArray[np.float64]) -> Array:
 
 
 # ------------------------------------------------------------------------------------------------------------------------------ arguments
+
+
+def _problem(press: Linkage, variables: Any, minimise: Any, subject_to: Any, geometry: Any) -> Problem:
+    """The problem that checked arguments state; its measures are not scaled yet."""
+    planar(press)
+    for name, mapping in (("variables", variables), ("subject_to", subject_to)):
+        if not isinstance(mapping, Mapping):
+            raise PinpressError(f"{name} is a {type(mapping).__name__}, no mapping from names")
+    if geometry is not None and not callable(geometry):
+        raise PinpressError(f"geometry is a {type(geometry).__name__}, no function of the variables that returns pivots")
+    known = tuple(_variable(name, bounds) for name, bounds in variables.items())
+    if not known:
+        raise PinpressError("variables is empty: give {name: (lower bound, start, upper bound)}")
+    measures = (Measure("", minimise), *(_constraint(name, given) for name, given in subject_to.items()))
+    return Problem(known, geometry or _coordinates(press, tuple(variables)), measures)
 
 
 def _variable(name: str, bounds: Any) -> Variable:

@@ -1,9 +1,8 @@
 """What objectives and constraints of a synthesis see: the press with one set of variables, its motion and its reactions.
 
-An objective is a plain NumPy function of a `Trial`. Its exact gradient is found by a complex step: the function is called once a variable
-with a trial whose arrays are complex, value + i h derivative with h so small that h^2 is nothing; h times the derivative of the
-function is then the imaginary part of what it returns. Derivatives of motion and reactions inside are exact
-(`pinpress.derivatives`).
+An objective is a plain NumPy function of a `Trial`. Its exact gradient is found by a complex step: for every variable the function is
+called once with a trial whose arrays are complex, value + i h derivative with h so small that h^2 is nothing. The imaginary part of what it
+returns is then h times its derivative. The derivatives of motion and reactions are exact (`pinpress.derivatives`).
 """
 
 from __future__ import annotations
@@ -24,10 +23,11 @@ OUT_OF_PLANE = "the links lie in several planes, so the derivatives of moments a
 
 @dataclass(frozen=True, eq=False, repr=False)
 class TrialReactions(Frozen):
-    """Reactions of a trial, named as in `Reactions`: signs and units are the same.
+    """Reactions of a trial, with the names, signs and units of `Reactions`.
 
     Attributes:
-        driving_torque: (n,). shaking_force: (n, 3).
+        driving_torque: (n,) [N m].
+        shaking_force: (n, 3) [N].
     """
 
     driving_torque: Array
@@ -38,7 +38,7 @@ class TrialReactions(Frozen):
 
     @property
     def bearing_force(self) -> Mapping[str, Array]:
-        """Name of a joint or loop -> (n, 3).
+        """Name of a joint or loop -> (n, 3) force [N].
 
         Raises:
             PinpressError: in a gradient of a linkage in which several bearings share forces.
@@ -49,10 +49,10 @@ class TrialReactions(Frozen):
 
     @property
     def bearing_moment(self) -> Mapping[str, Array]:
-        """The same of moments.
+        """Name of a joint or loop -> (n, 3) moment [N m].
 
         Raises:
-            PinpressError: in such a gradient, or in that of a linkage whose links lie in several planes.
+            PinpressError: in a gradient of a linkage in which several bearings share forces, or whose links lie in several planes.
         """
         if self._bearing_moment is None:
             raise PinpressError(SHARED if self._bearing_force is None else OUT_OF_PLANE)
@@ -60,7 +60,7 @@ class TrialReactions(Frozen):
 
     @property
     def shaking_moment(self) -> Array:
-        """(n, 3)
+        """(n, 3) about the world origin [N m].
 
         Raises:
             PinpressError: in a gradient of a linkage whose links lie in several planes.
@@ -72,17 +72,17 @@ class TrialReactions(Frozen):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Trial(Frozen):
-    """A press with one set of variables, as objectives and constraints see it. Arrays are complex where a gradient is worked out, see the
-    module.
+    """A press with one set of variables, as objectives and constraints see it.
 
-    Write a function of a trial with NumPy's arithmetic, sums, ``min``, ``max``, ``ptp``, ``sqrt``, ``sin`` and the like, which take complex
-    numbers; compare real parts; instead of ``abs(x)``, ``hypot`` and ``arctan2`` write ``np.where(x.real < 0, -x, x)``,
+    Its arrays are complex where a gradient is worked out. Write a function of a trial with NumPy's arithmetic, sums, ``min``, ``max``,
+    ``ptp``, ``sqrt``, ``sin`` and the like, which take complex numbers, and compare real parts. Instead of ``abs(x)``, ``hypot`` and
+    ``arctan2`` write ``np.where(x.real < 0, -x, x)``,
     ``np.sqrt(x * x + y * y)`` and ``np.arctan(y / x)``. `synthesise` refuses a function whose gradient is not that of its values.
 
     Attributes:
         variables: name -> value [SI].
-        motion: one period at constant speed; see `cycle`.
-        positions: name of a bearing -> (n, 3) where it is in the world [m].
+        motion: over one period at constant speed; see `cycle`.
+        positions: name of a bearing -> (n, 3) its world position [m].
     """
 
     variables: Mapping[str, float]
@@ -93,12 +93,12 @@ class Trial(Frozen):
 
     @cached_property
     def press(self) -> Linkage:
-        """The press; real in a gradient too."""
+        """The press itself; its numbers are real in a gradient too."""
         return self._press()
 
     @cached_property
     def reactions(self) -> TrialReactions:
-        """Its reactions, worked out when they are first asked for."""
+        """The reactions of the press, worked out when they are first asked for."""
         return self._reactions()
 
 

@@ -33,7 +33,7 @@ MADE = {
     "Extreme",
 }
 MADE |= {"FailedPoint", "Harmonics", "Linkage", "Measurement", "Motion", "MotionSensitivity", "OperatingPoints", "MeasureChange"}
-MADE |= {"Ratings", "Reactions", "Run", "SlideDeflection", "SnapThrough", "SpeedLimit", "Sweep", "Synthesis"}
+MADE |= {"Ratings", "Reactions", "Run", "SlideDeflection", "SnapThrough", "SpeedLimit", "Sweep", "SynthesisResult"}
 MADE |= {
     "Correction",
     "CrankSlider",

@@ -289,7 +289,9 @@ def test_synthesis_judges_all_turns(folder):
     from pinpress.synthesis.synthesis import synthesise
 
     press = period_presses.repeating("half", folder)
-    found = synthesise(press, {"P.frame.z": (-0.02, 0.0, 0.02)}, lambda trial: -measures.stroke(trial.motion), speed=SPEED, points=360)
+    found = synthesise(
+        press, {"P.frame.z": (-0.02, 0.0, 0.02)}, minimise=lambda trial: -measures.stroke(trial.motion), speed=SPEED, points=360
+    )
     strokes = [pp.dead_centres(pp.derivatives.reshaped(press, {("P", "frame"): np.array([0.15, 0.0, z])})).stroke for z in (-0.02, 0.02)]
     assert found.value == pytest.approx(-max(strokes), rel=1e-6)
     assert pp.dead_centres(found.press).stroke == pytest.approx(max(strokes), rel=1e-6)

@@ -87,7 +87,9 @@ def balance():
 @cache
 def synthesis():
     limits = {"stroke": (long_stroke, None, 0.3)}
-    return pp.synthesis.synthesise(press(), {"radius": (0.05, 0.1, 0.2)}, shortest, limits, crank, speed=SPEED, points=24)
+    return pp.synthesis.synthesise(
+        press(), {"radius": (0.05, 0.1, 0.2)}, minimise=shortest, subject_to=limits, geometry=crank, speed=SPEED, points=24
+    )
 
 
 def shortest(trial):

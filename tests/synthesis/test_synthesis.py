@@ -56,7 +56,9 @@ def test_the_objective_of_chen_2002_is_degenerate():
     """As Chen 2002 states it: the coupler runs into its bound whatever that is, and the crank has no say."""
     press = texts.shipped("thin_wall")
     found = [
-        synthesise(press, {"l1": (0.08, 0.108, 0.14), "l4": (0.15, 0.22, bound)}, peak_ratio, geometry=chen, speed=CHEN_SPEED, points=1440)
+        synthesise(
+            press, {"l1": (0.08, 0.108, 0.14), "l4": (0.15, 0.22, bound)}, minimise=peak_ratio, geometry=chen, speed=CHEN_SPEED, points=1440
+        )
         for bound in (0.3, 3.0)
     ]
     for synthesis, bound in zip(found, (0.3, 3.0), strict=True):
@@ -78,9 +80,9 @@ def even(degrees):
     return synthesise(
         texts.shipped("thin_wall"),
         {"l4": (0.05, 0.22, 0.4), "h": (0.6, 0.63, 0.7)},
-        lambda trial: flatness(trial.motion, 0.12),
-        {"pressure angle": (pressure, None, math.radians(degrees))},
-        lambda l4, h: {("E", "coupler"): (l4, 0, 0), ("slide_guide", "frame"): (0, 0, h)},
+        minimise=lambda trial: flatness(trial.motion, 0.12),
+        subject_to={"pressure angle": (pressure, None, math.radians(degrees))},
+        geometry=lambda l4, h: {("E", "coupler"): (l4, 0, 0), ("slide_guide", "frame"): (0, 0, h)},
         speed=CHEN_SPEED,
         points=90,
     )
@@ -107,8 +109,8 @@ def test_the_shortest_rod_that_keeps_an_acceleration():
     synthesis = synthesise(
         texts.shipped("crank_slide"),
         {"P.crank.x": (0.05, 0.1, 0.2), "W.rod.x": (0.2, 0.7, 0.9)},
-        lambda trial: trial.variables["W.rod.x"],
-        {"stroke": (travel, s, s), "acceleration": (lambda trial: both_ways(trial.motion.slide_acceleration), None, a)},
+        minimise=lambda trial: trial.variables["W.rod.x"],
+        subject_to={"stroke": (travel, s, s), "acceleration": (lambda trial: both_ways(trial.motion.slide_acceleration), None, a)},
         speed=w,
     )
     r = s / 2
@@ -124,13 +126,15 @@ def test_the_shortest_rod_that_keeps_an_acceleration():
     assert rows["acceleration"].value == pytest.approx(a)
     assert (rows["acceleration"].lower, rows["acceleration"].upper) == (None, a)
     assert rows["W.rod.x"].start == 0.7
-    assert repr(synthesis).startswith("<Synthesis of crank_slide_synthesised: 0.7 to 0.48")
+    assert repr(synthesis).startswith("<SynthesisResult of crank_slide_synthesised: 0.7 to 0.48")
 
 
 def test_a_synthesis_is_a_table(tmp_path):
     press = texts.shipped("crank_slide")
     limit = {"stroke": (travel, None, 0.3)}
-    synthesis = synthesise(press, {"P.crank.x": (0.05, 0.1, 0.2), "W.rod.x": (0.3, 0.4, 0.5)}, lambda t: -travel(t), limit, speed=10.0)
+    synthesis = synthesise(
+        press, {"P.crank.x": (0.05, 0.1, 0.2), "W.rod.x": (0.3, 0.4, 0.5)}, minimise=lambda t: -travel(t), subject_to=limit, speed=10.0
+    )
     text = str(synthesis)
     assert re.search(r"P\.crank\.x +0\.05 +0\.1 +0\.15 +0\.2\n", text)
     assert re.search(r"stroke +- +0\.2 +0\.3 +0\.3\n", text)
@@ -146,16 +150,16 @@ def test_a_synthesis_is_a_table(tmp_path):
 
 def test_a_global_search_leaves_the_valley_it_starts_in():
     """cos(60 r) - r has a valley at every 0.105 m; the deepest within the bounds is the last."""
-    problem = (
-        texts.shipped("crank_slide"),
-        {"P.crank.x": (0.02, 0.06, 0.35)},
-        lambda t: np.cos(60 * t.variables["P.crank.x"]) - t.variables["P.crank.x"],
-    )
-    near, best = (synthesise(*problem, speed=SPEED, points=24, method=method) for method in ("local", "global"))
+    problem = {
+        "press": texts.shipped("crank_slide"),
+        "variables": {"P.crank.x": (0.02, 0.06, 0.35)},
+        "minimise": lambda t: np.cos(60 * t.variables["P.crank.x"]) - t.variables["P.crank.x"],
+    }
+    near, best = (synthesise(**problem, speed=SPEED, points=24, method=method) for method in ("local", "global"))
     valley = (np.pi + math.asin(1 / 60)) / 60  # where the slope, -60 sin(60 r) - 1, is zero and rising
     assert near.variables["P.crank.x"] == pytest.approx(valley, abs=1e-7)
     assert best.variables["P.crank.x"] == pytest.approx(valley + 4 * np.pi / 60, abs=1e-7)
-    again = synthesise(*problem, speed=SPEED, points=24, method="global")
+    again = synthesise(**problem, speed=SPEED, points=24, method="global")
     assert again.value == best.value
     assert again.evaluations == best.evaluations
 
@@ -172,9 +176,9 @@ def test_the_zxn2_3000b_needs_less_torque_at_the_same_stroke(tmp_path):
     synthesis = synthesise(
         texts.shipped("zxn2_3000b"),
         {"x": (1.1, 1.25, 1.4), "z": (-0.35, -0.2, -0.05), "l1": (0.12, 0.143, 0.17), "l2": (1.1, 1.243, 1.4), "l31": (0.33, 0.375, 0.42)},
-        torque,
-        {"stroke": (travel, 0.3012, 0.3012), "time ratio": (lambda trial: quick_return_ratio(trial.motion), 1.0, None)},
-        lambda x, z, l1, l2, l31: {
+        minimise=torque,
+        subject_to={"stroke": (travel, 0.3012, 0.3012), "time ratio": (lambda trial: quick_return_ratio(trial.motion), 1.0, None)},
+        geometry=lambda x, z, l1, l2, l31: {
             ("A", "frame"): (x, 0, z),
             ("B", "crank"): (l1, 0, 0),
             ("C", "coupler"): (l2, 0, 0),
@@ -205,7 +209,13 @@ def jerk(trial):
 
 def refused(words, variables=ROD, minimise=jerk, subject_to=None, **options):
     with pytest.raises(pp.PinpressError, match=words):
-        synthesise(texts.shipped("crank_slide"), variables, minimise, subject_to or {}, **{"speed": SPEED, "points": 24} | options)
+        synthesise(
+            texts.shipped("crank_slide"),
+            variables,
+            minimise=minimise,
+            subject_to=subject_to or {},
+            **{"speed": SPEED, "points": 24} | options,
+        )
 
 
 def test_constraints_that_no_design_keeps_are_named():
@@ -260,7 +270,12 @@ def test_a_search_that_oversteps_into_designs_that_lock_comes_back():
     """The same with a limit to the acceleration, r w^2 (1 + r / l), that keeps the crank shorter."""
     limit = {"acceleration": (lambda t: both_ways(t.motion.slide_acceleration), None, 30.0)}
     synthesis = synthesise(
-        texts.shipped("crank_slide"), {"P.crank.x": (0.05, 0.1, 0.5)}, lambda t: -travel(t), limit, speed=SPEED, points=60
+        texts.shipped("crank_slide"),
+        {"P.crank.x": (0.05, 0.1, 0.5)},
+        minimise=lambda t: -travel(t),
+        subject_to=limit,
+        speed=SPEED,
+        points=60,
     )
     r, w, rod = synthesis.variables["P.crank.x"], SPEED, 0.4
     assert r * w**2 * (1 + r / rod) == pytest.approx(30.0, rel=1e-7)
@@ -290,7 +305,7 @@ def test_a_geometry_without_numbers_is_stepped_back_from():
     synthesis = synthesise(
         texts.shipped("crank_slide"),
         {"u": (-0.1, 0.02, 0.1)},
-        lambda t: (travel(t) - 0.04) ** 2,
+        minimise=lambda t: (travel(t) - 0.04) ** 2,
         geometry=lambda u: {("P", "crank"): (np.sqrt(u), 0, 0)},
         speed=SPEED,
         points=24,
@@ -315,8 +330,8 @@ def test_what_is_not_known_exactly_is_refused():
     two_point = texts.shipped("jf75g_125_two_point")
     both = {"l": (0.25, 0.3, 0.4)}
     rods = {"geometry": lambda l: {(f"P4_{end}", f"main_rod_{end}"): (l, 0, 0) for end in ("front", "back")}, "speed": SPEED, "points": 60}  # noqa: E741
-    assert synthesise(two_point, both, torque, **rods).kkt <= CONVERGED
+    assert synthesise(two_point, both, minimise=torque, **rods).kkt <= CONVERGED
     with pytest.raises(pp.PinpressError, match="share forces"):
-        synthesise(two_point, both, lambda t: t.reactions.bearing_force["P4_front"][:, 0], **rods)
+        synthesise(two_point, both, minimise=lambda t: t.reactions.bearing_force["P4_front"][:, 0], **rods)
     with pytest.raises(pp.PinpressError, match="several planes"):
-        synthesise(two_point, both, lambda t: t.reactions.shaking_moment[:, 1], **rods)
+        synthesise(two_point, both, minimise=lambda t: t.reactions.shaking_moment[:, 1], **rods)
