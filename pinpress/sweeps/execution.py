@@ -86,51 +86,87 @@ def in_parallel(
     Raises:
         TaskError: a task was not carried out; after what others had finished has been given.
     """
-    finished: SimpleQueue[Task] = SimpleQueue()
-    pending: dict[Task, list[int]] = {}
-    waiting, alone, size = deque(numbers), deque[int](), 1
-    apart: Apart | None = None
+    work = _Tasks(executor, function, grid, numbers, in_flight)
     try:
-        while pending or waiting or alone:
-            some: list[int] = []
-            given = False
-            try:
-                while (waiting or alone) and len(pending) < in_flight:
-                    some = [alone.popleft()] if alone else [waiting.popleft() for _ in range(min(size, len(waiting)))]
-                    future = executor.submit(outcomes, function, [(number, grid.point(number)) for number in some])
-                    pending[future] = some
-                    future.add_done_callback(finished.put)
-                future = finished.get()
-                some, given = pending.pop(future), True
-                found, seconds = future.result()
-            except Exception as error:  # a pool that is broken or shut down, a cluster that is gone, a function that cannot be sent
-                if type(executor) is ProcessPoolExecutor and isinstance(error, BrokenProcessPool):
-                    wait(pending, timeout=LEAVE_TIME)
-                    for future, others in pending.items():
-                        good = future.done() and not future.cancelled() and future.exception() is None
-                        found = future.result()[0] if good else []
-                        alone.extend(others[len(found) :])
-                        yield from [found] if good else []
-                    alone.extend(some)
-                    pending, finished = {}, SimpleQueue()
-                    executor = apart = Apart(executor)
-                    in_flight = min(in_flight, apart.workers)
-                elif given and _killed(error) and len(some) == 1:
-                    yield [Outcome(some[0], {}, KILLS)]
-                elif given and _killed(error):
-                    alone.extend(some)
-                else:
-                    yield from _left(finished, len(pending))
-                    raise TaskError from error
-                continue
-            waiting.extendleft(reversed(some[len(found) :]))
-            size = max(1, min(2 * size, int(TASK * len(found) / max(seconds, 1e-9))))
-            yield found
+        while work.unfinished:
+            yield from work.next()
     finally:
-        for future in pending:
+        work.close()
+
+
+class _Tasks:
+    """The points of a sweep in the hands of an executor; see `in_parallel`."""
+
+    def __init__(self, executor: Executor, function: Function, grid: Grid, numbers: Sequence[int], in_flight: int) -> None:
+        self._executor, self._function, self._grid, self._in_flight = executor, function, grid, in_flight
+        self._waiting, self._alone = deque(numbers), deque[int]()  # points to be submitted: several a task, and each by itself
+        self._pending: dict[Task, list[int]] = {}
+        self._finished: SimpleQueue[Task] = SimpleQueue()
+        self._size = 1  # points of the next task
+
+    @property
+    def unfinished(self) -> bool:
+        return bool(self._pending or self._waiting or self._alone)
+
+    def next(self) -> Iterator[list[Outcome]]:
+        """Outcomes of the next task to end, and of others where it has broken the pool."""
+        points: list[int] = []
+        carried_out = False
+        try:
+            while (self._waiting or self._alone) and len(self._pending) < self._in_flight:
+                points = self._taken()
+                self._submit(points)
+            future = self._finished.get()
+            points, carried_out = self._pending.pop(future), True
+            found, seconds = future.result()
+        except Exception as error:  # a pool that is broken or shut down, a cluster that is gone, a function that cannot be sent
+            yield from self._after(error, points, carried_out)
+            return
+        self._waiting.extendleft(reversed(points[len(found) :]))
+        self._size = max(1, min(2 * self._size, int(TASK * len(found) / max(seconds, 1e-9))))
+        yield found
+
+    def close(self) -> None:
+        """Cancel what has not begun."""
+        for future in self._pending:
             future.cancel()
-        if apart is not None:
-            apart.close()
+        if isinstance(self._executor, Apart):
+            self._executor.close()
+
+    def _taken(self) -> list[int]:
+        if self._alone:
+            return [self._alone.popleft()]
+        return [self._waiting.popleft() for _ in range(min(self._size, len(self._waiting)))]
+
+    def _submit(self, points: list[int]) -> None:
+        future = self._executor.submit(outcomes, self._function, [(number, self._grid.point(number)) for number in points])
+        self._pending[future] = points
+        future.add_done_callback(self._finished.put)
+
+    def _after(self, error: Exception, points: list[int], carried_out: bool) -> Iterator[list[Outcome]]:
+        """What follows from the exception of a task with these points, or of its submission."""
+        if type(self._executor) is ProcessPoolExecutor and isinstance(error, BrokenProcessPool):
+            yield from self._leave_broken_pool(self._executor, points)
+        elif carried_out and _killed(error) and len(points) == 1:
+            yield [Outcome(points[0], {}, KILLS)]
+        elif carried_out and _killed(error):
+            self._alone.extend(points)
+        else:
+            yield from _left(self._finished, len(self._pending))
+            raise TaskError from error
+
+    def _leave_broken_pool(self, pool: ProcessPoolExecutor, points: list[int]) -> Iterator[list[Outcome]]:
+        """Give what the pool has finished; all else that it had in hand is done point by point, by pools of one process."""
+        wait(self._pending, timeout=LEAVE_TIME)
+        for future, others in self._pending.items():
+            good = future.done() and not future.cancelled() and future.exception() is None
+            found = future.result()[0] if good else []
+            self._alone.extend(others[len(found) :])
+            yield from [found] if good else []
+        self._alone.extend(points)
+        self._pending, self._finished = {}, SimpleQueue()
+        self._executor = apart = Apart(pool)
+        self._in_flight = min(self._in_flight, apart.workers)
 
 
 def outcomes(function: Function, points: Sequence[tuple[int, Mapping[str, object]]]) -> tuple[list[Outcome], float]:
