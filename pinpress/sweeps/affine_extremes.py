@@ -35,8 +35,11 @@ def largest(quantity: Affine, squares: Array, forces: Array, lengths: bool, stat
     """Largest value (n, m) over the states, or largest length of a vector, and a state that has it.
 
     Args:
-        squares: W (n,), rising. forces: F (m,), rising.
-        lengths: the quantity is a vector. states: wanted too, else None; they take as long again.
+        quantity: of which the largest value is wanted.
+        squares: W (n,), rising.
+        forces: F (m,), rising.
+        lengths: the quantity is a vector, and its length is wanted.
+        states: the states are wanted too, which takes as long again; else None stands for them.
     """
     rows, columns = _cuts(len(squares)), _cuts(len(forces))
     kept = _left_over(quantity, squares[_corners(rows)], forces[_corners(columns)], lengths)

@@ -21,8 +21,9 @@ class Grid:
     """Points of a sweep, numbered from 0 with the last axis fastest.
 
     Attributes:
-        axes: name -> labels, numbers or words. objects: name -> what is passed to the function, the labels themselves but where the axis
-            was given as a mapping. paired: the axes run side by side, as columns of equal length.
+        axes: name -> labels, numbers or words.
+        objects: name -> what is passed to the function: the labels themselves, but where the axis was given as a mapping.
+        paired: the axes run side by side, as columns of equal length.
     """
 
     axes: Mapping[str, tuple[Scalar, ...]]
