@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, fields
 
-from ..common import tables
-from ..common.frozen import Frozen
+from ..common.results import Tabular
 
 FREE_RUN, CLUTCH, DIE, SPEED_LAW = SCENES = ("free run", "clutch and blanking", "elastic die", "stiff speed law")
 INVERSE_DYNAMICS, PROXIMAL, TABLE = "inverse dynamics", "proximal settings", "reduced table"
@@ -53,8 +51,8 @@ class Measurement:
     problem: str = ""
 
 
-@dataclass(frozen=True)
-class WorkPrecision(Frozen):
+@dataclass(frozen=True, repr=False)
+class WorkPrecision(Tabular):
     """Error against run time of everything that is offered for a press, and of its peers, measured in one run.
 
     Attributes:
@@ -89,23 +87,16 @@ class WorkPrecision(Frozen):
                 best.setdefault(m.method, m)
         return tuple(best.values())
 
+    @property
+    def title(self) -> str:
+        fastest = min(measurement.seconds for measurement in self.measurements)
+        return f"WorkPrecision of {self.press_name}: {len(self.measurements)} measurements, {self.scene}, the fastest {fastest:.4g} s"
+
     def columns(self) -> dict[str, list[object]]:
         """The measurements as columns, None where there is no value."""
         units = {"seconds": " [s]", "loop_gap": " [m]"}
         names = [field.name for field in fields(Measurement)]
         return {name + units.get(name, ""): [getattr(m, name) for m in self.measurements] for name in names}
-
-    def to_csv(self, path: str | os.PathLike[str]) -> None:
-        """Write the columns, a measurement a line.
-
-        Raises:
-            PinpressError: the file cannot be written.
-        """
-        tables.write_csv(path, self.columns())
-
-    def to_frame(self) -> tables.DataFrame:
-        """The columns as a pandas DataFrame. Raises PinpressError where pandas is not installed."""
-        return tables.frame(self.columns())
 
     def __str__(self) -> str:
         lines = [f"{self.press_name}: {self.scene}", self.machine]

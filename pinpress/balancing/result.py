@@ -3,13 +3,11 @@
 from __future__ import annotations
 
 import math
-import os
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
-from ..common import tables
-from ..common.frozen import Frozen
+from ..common.results import Tabular
 from ..common.units import RPM
 from ..dynamics.inverse_dynamics import Reactions, inverse_dynamics
 from ..linkage.linkage import Linkage
@@ -58,7 +56,7 @@ class ActiveConstraint:
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class BalancedPress(Frozen):
+class BalancedPress(Tabular):
     """A press with its best counterweights.
 
     Attributes:
@@ -98,8 +96,9 @@ class BalancedPress(Frozen):
     reactions_before: tuple[Reactions, ...]
     reactions_after: tuple[Reactions, ...]
 
-    def __repr__(self) -> str:
-        return f"<BalancedPress {self.press.name}: {self.added_mass:.6g} kg added, {len(self.counterweights)} counterweights>"
+    @property
+    def title(self) -> str:
+        return f"BalancedPress {self.press.name}: {self.added_mass:.6g} kg added, {len(self.counterweights)} counterweights"
 
     def __str__(self) -> str:
         return _text(self)
@@ -136,18 +135,6 @@ class BalancedPress(Frozen):
             **{f"{axis} [m]": [weight.position[i] for weight in weights] for i, axis in enumerate(charts.AXES)},
             "inertia [kg m2]": [weight.inertia for weight in weights],
         }
-
-    def to_csv(self, path: str | os.PathLike[str]) -> None:
-        """Write the columns, one measure in one condition a line.
-
-        Raises:
-            PinpressError: The file cannot be written.
-        """
-        tables.write_csv(path, self.columns())
-
-    def to_frame(self) -> tables.DataFrame:
-        """The columns as a pandas DataFrame. Raises PinpressError where pandas is not installed."""
-        return tables.frame(self.columns())
 
 
 def _side_effects(balanced: BalancedPress) -> tuple[MeasureChange, ...]:

@@ -12,7 +12,7 @@ from ..common.arguments import typed
 from ..common.arrays import Array
 from ..common.checks import whole_number
 from ..common.errors import PinpressError, shown
-from ..common.frozen import Frozen
+from ..common.results import Tabular
 from ..kinematics.motion import Motion
 from ..linkage.linkage import Linkage
 from ..loads.link import Load
@@ -28,7 +28,7 @@ MOST_POINTS = 10_000  # each an optimisation
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class TradeOffCurve(Frozen):
+class TradeOffCurve(Tabular):
     """Balanced presses, none of which is better than another in one measure without being worse in the other.
 
     Attributes:
@@ -43,8 +43,16 @@ class TradeOffCurve(Frozen):
     designs: tuple[BalancedPress, ...]
     values: Array
 
-    def __repr__(self) -> str:
-        return f"<TradeOffCurve of the {self.first.words} and the {self.second.words}: {len(self.designs)} designs>"
+    @property
+    def title(self) -> str:
+        units = self.first.unit, self.second.unit
+        ends = " and ".join(f"{self.values[0, k]:.6g} to {self.values[-1, k]:.6g} {unit}" for k, unit in enumerate(units))
+        return f"TradeOffCurve of the {self.first.words} and the {self.second.words}: {len(self.designs)} designs, {ends}"
+
+    def columns(self) -> dict[str, Array]:
+        """Both measures and the added mass of every design as columns under their names with units."""
+        columns = {f"{target.words} [{target.unit}]": self.values[:, k] for k, target in enumerate((self.first, self.second))}
+        return columns | {"added mass [kg]": np.array([design.added_mass for design in self.designs])}
 
 
 @typed

@@ -7,14 +7,14 @@ from pathlib import Path
 
 from ..common.errors import PinpressError
 from ..common.files import make_folder
-from ..common.tables import write_csv
 from ..common.units import RPM
 from ..dynamics.inverse_dynamics import inverse_dynamics
 from ..linkage.loading import load
+from ..simulation.duty_cycle import strokes
 from ..simulation.run import Run
 from ..simulation.simulate import METHODS, simulate
 from ..simulation.steady_state import steady_state
-from ..simulation.summary import simulation_summary, stroke_columns
+from ..simulation.summary import simulation_summary
 from ..visual.overlays import traced
 from . import part_specs as scene_words
 from .options import DRIVER, FILE, SIGNS, SLIDE, TRACE, progress, trace, write_pages
@@ -133,7 +133,7 @@ def run(options: argparse.Namespace) -> int:
     print(f"  {'time taken':26}{1e3 * done.stats.wall_time:12.1f} ms simulation, {1e3 * took:.1f} ms torque and forces")
     if options.out is not None:
         result.to_csv(options.out / "simulation.csv")
-        write_csv(options.out / "strokes.csv", stroke_columns(done))
+        strokes(done).to_csv(options.out / "strokes.csv")
         write_pages(press, result, options.out, ["simulation.csv", "strokes.csv"], options.report, options.trace)
     return 0
 

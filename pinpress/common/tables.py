@@ -1,16 +1,21 @@
-"""Columns of numbers to files and frames that other programs read."""
+"""Columns of numbers and words, written to files and handed to programs that others have made.
 
+A column is an array (n,), or a sequence with None, or a masked array, where there is no value. Its name carries the unit: "force [N]".
+"""
+
+import html as markup
 import io
 import itertools
 import math
 import os
 from collections.abc import Iterable, Mapping, Sequence
 from types import SimpleNamespace
-from typing import TYPE_CHECKING, TypeAlias
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
+from numpy.typing import NDArray
 
-from . import files
+from . import files, text
 from .arrays import Array
 from .errors import PinpressError
 
@@ -18,6 +23,11 @@ if TYPE_CHECKING:
     import pandas
 
     DataFrame: TypeAlias = pandas.DataFrame
+
+Column: TypeAlias = NDArray[Any] | Sequence[object]
+Columns: TypeAlias = Mapping[str, Column]
+
+MOST_ROWS, MOST_COLUMNS = 20, 20  # shown of a table in a notebook
 
 
 def by_driver(name: str, unit: str, values: Array, drivers: Sequence[str]) -> dict[str, Array]:
@@ -27,32 +37,25 @@ def by_driver(name: str, unit: str, values: Array, drivers: Sequence[str]) -> di
     return {f"{name}_{driver} [{unit}]": values[:, i] for i, driver in enumerate(drivers)}
 
 
-def write_csv(path: str | os.PathLike[str], columns: Mapping[str, Array | Sequence[object]]) -> None:
-    """Write columns (n,) with their names as header: numbers, to full precision, or words; None is left empty.
+def by_axis(name: str, unit: str, vector: Array) -> dict[str, Array]:
+    """The columns of a vector (n, 3) along the world's axes."""
+    return {f"{name}_{axis} [{unit}]": vector[:, i] for i, axis in enumerate("xyz")}
+
+
+def write_csv(path: str | os.PathLike[str], columns: Columns) -> None:
+    """Write columns with their names as header, numbers to full precision; what has no value is left empty.
 
     Raises:
         PinpressError: a number that is not finite, or the file cannot be written.
     """
     _refuse_not_finite(columns)
-    lists = (column.astype(float).tolist() if isinstance(column, np.ndarray) else column for column in columns.values())
-    lines = csv_lines(itertools.chain([columns], zip(*lists, strict=True)))
+    lines = csv_lines(itertools.chain([columns], zip(*map(_values, columns.values()), strict=True)))
     files.write(path, "".join(f"{line}\n" for line in lines).encode())
-
-
-def _refuse_not_finite(columns: Mapping[str, Array | Sequence[object]]) -> None:
-    """Raise PinpressError where a column holds numbers that other programs would read as words, or not at all."""
-    for name, column in columns.items():
-        if isinstance(column, np.ndarray):
-            bad = ~np.isfinite(column)
-        else:
-            bad = np.array([isinstance(each, float) and not math.isfinite(each) for each in column])
-        if bad.any():
-            raise PinpressError(f"{name} is not finite in row {np.argwhere(bad)[0][0]}, counted from 0: it cannot be written")
 
 
 def csv_lines(rows: Iterable[Iterable[object]]) -> list[str]:
     """Rows as lines of a CSV, without their ends. One has line feeds in it where a text has."""
-    import csv
+    import csv  # takes a millisecond, and who writes no table needs none
 
     written: list[str] = []
     # with the end that it writes here the writer puts both characters that can end a line into quotes
@@ -60,9 +63,11 @@ def csv_lines(rows: Iterable[Iterable[object]]) -> list[str]:
     return [line[:-2] for line in written]
 
 
-def write_mat(path: str | os.PathLike[str], columns: Mapping[str, Array]) -> None:
-    """Write a MATLAB file; units are dropped and names made MATLAB's: "force_A_x [N]" becomes force_A_x. Where two become the
-    same, the later one gets a number: "force_A-1_x" and "force_A 1_x" become force_A_1_x and force_A_1_x_2.
+def write_mat(path: str | os.PathLike[str], columns: Columns) -> None:
+    """Write a MATLAB file: a vector for a column of numbers, NaN where there is no value, and a cell array of texts for one of words.
+
+    Units are dropped and names made MATLAB's: "force_A_x [N]" becomes force_A_x. Where two become the same, the later one gets a number:
+    "force_A-1_x" and "force_A 1_x" become force_A_1_x and force_A_1_x_2.
 
     Raises:
         PinpressError: a number that is not finite, or the file cannot be written.
@@ -70,24 +75,125 @@ def write_mat(path: str | os.PathLike[str], columns: Mapping[str, Array]) -> Non
     _refuse_not_finite(columns)
     from scipy.io import savemat  # its import takes longer than all else here
 
-    taken: dict[str, Array] = {}
+    taken: dict[str, NDArray[Any]] = {}
     for name, values in columns.items():
         plain = "".join(c if c.isascii() and c.isalnum() else "_" for c in name.rsplit(" [", 1)[0])
         number = next(k for k in itertools.count(1) if (plain if k == 1 else f"{plain}_{k}") not in taken)
-        taken[plain if number == 1 else f"{plain}_{number}"] = values
+        taken[plain if number == 1 else f"{plain}_{number}"] = _for_matlab(values)
     content = io.BytesIO()
     savemat(content, taken, long_field_names=True, oned_as="column")
     files.write(path, content.getvalue())
 
 
-def frame(columns: Mapping[str, Array | Sequence[object]]) -> "DataFrame":
+def write_parquet(path: str | os.PathLike[str], columns: Columns) -> None:
+    """Write a Parquet file; what has no value is null. Whole numbers beside others become floats, numbers beside words become words.
+
+    Raises:
+        PinpressError: the file cannot be written, or pyarrow is not installed.
+    """
+    try:
+        import pyarrow  # takes long, and is there only where it was asked for
+        import pyarrow.parquet
+    except ImportError:
+        raise PinpressError("pyarrow is not installed: pip install 'pinpress[sweeps]'") from None
+    with pyarrow.BufferOutputStream() as stream:
+        pyarrow.parquet.write_table(pyarrow.table({name: pyarrow.array(_of_one_type(column)) for name, column in columns.items()}), stream)
+        content = stream.getvalue().to_pybytes()
+    files.write(path, content)
+
+
+def frame(columns: Columns) -> "DataFrame":
     """The columns as a pandas DataFrame.
 
     Raises:
         PinpressError: pandas is not installed.
     """
     try:
-        import pandas
+        import pandas  # takes long, and is there only where it was asked for
     except ImportError:
         raise PinpressError("pandas is not installed: pip install 'pinpress[tables]'") from None
-    return pandas.DataFrame(dict(columns))
+    return pandas.DataFrame({name: column if _is_of_floats(column) else _values(column) for name, column in columns.items()})
+
+
+def html(title: str, columns: Columns) -> str:
+    """A table for a notebook; long ones are shortened in the middle."""
+    across, rows = text.shortened(list(columns), MOST_COLUMNS), []
+    for row in text.shortened(range(max(map(len, columns.values()), default=0)), MOST_ROWS):
+        rows.append([text.GAP if row is None or name is None else text.number(_value(columns[name][row])) for name in across])
+
+    def line(tag: str, cells: Iterable[str]) -> str:
+        return f"<tr>{''.join(f'<{tag}>{markup.escape(cell)}</{tag}>' for cell in cells)}</tr>"
+
+    head = line("th", (text.GAP if name is None else name for name in across))
+    body = "".join(line("td", row) for row in rows)
+    return f"<table><caption>{markup.escape(title)}</caption><thead>{head}</thead><tbody>{body}</tbody></table>"
+
+
+def ranges(columns: Columns, width: int) -> list[str]:
+    """Lines that say how far each column goes: its smallest and its largest number, or how many different words there are.
+
+    Args:
+        columns: as of all functions here.
+        width: letters for the names.
+    """
+    return text.table(([name, *_ends(column)] for name, column in columns.items()), [width, 14])
+
+
+def _ends(column: Column) -> list[str]:
+    if isinstance(column, np.ndarray) and column.dtype.kind == "f":
+        column = np.ma.compressed(column)
+        return [f"{column.min():.6g}", f"{column.max():.6g}"] if len(column) else []
+    values = [value for value in _values(column) if value is not None]
+    numbers = [value for value in values if isinstance(value, int | float) and not isinstance(value, bool)]
+    if numbers and len(numbers) == len(values):
+        return [f"{min(numbers):.6g}", f"{max(numbers):.6g}"]
+    return [f"{len(set(values))} different"]
+
+
+def _value(cell: object) -> object:
+    """A cell as Python's own number or word, None where it is masked."""
+    return None if cell is np.ma.masked else cell.item() if isinstance(cell, np.generic) else cell
+
+
+def _values(column: Column) -> Sequence[object]:
+    """A column as a list of Python's own numbers and words, None where there is no value."""
+    found: list[object] = column.tolist() if isinstance(column, np.ndarray) else list(column)
+    return found
+
+
+def _is_of_floats(column: Column) -> bool:
+    return isinstance(column, np.ndarray) and column.dtype.kind == "f" and not isinstance(column, np.ma.MaskedArray)
+
+
+def _refuse_not_finite(columns: Columns) -> None:
+    """Raise PinpressError where a column holds numbers that other programs would read as words, or not at all."""
+    for name, column in columns.items():
+        if isinstance(column, np.ndarray) and _is_of_floats(column):
+            bad = ~np.isfinite(column)
+        else:
+            bad = np.array([isinstance(each, float) and not math.isfinite(each) for each in _values(column)])
+        if bad.any():
+            raise PinpressError(f"{name} is not finite in row {np.argwhere(bad)[0][0]}, counted from 0: it cannot be written")
+
+
+def _for_matlab(column: Column) -> NDArray[Any]:
+    if _is_of_floats(column):
+        return np.asarray(column)
+    values = _values(column)
+    if all(isinstance(value, int | float | None) for value in values):  # truth values are numbers in MATLAB's files
+        return np.array([math.nan if value is None else value for value in values], dtype=float)
+    words = np.empty(len(values), dtype=object)  # made empty: NumPy would make a table of texts of equal length
+    words[:] = ["" if value is None else str(value) for value in values]
+    return words
+
+
+def _of_one_type(column: Column) -> Column:
+    """A column of one type, as Parquet wants it."""
+    if _is_of_floats(column):
+        return column
+    values = _values(column)
+    types = {type(value) for value in values} - {type(None)}
+    if len(types) < 2:
+        return values
+    to = float if types == {int, float} else str
+    return [None if value is None else to(value) for value in values]  # type: ignore[arg-type]  # numbers are what becomes a float

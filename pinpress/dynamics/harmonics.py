@@ -6,19 +6,20 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ..common import tables
 from ..common.arguments import typed
 from ..common.arrays import Array
 from ..common.checks import numbers
 from ..common.errors import PinpressError, expect, shown
-from ..common.frozen import Frozen
+from ..common.results import Tabular
 from ..kinematics.motion import Motion
 
 EQUAL = 1e-9  # difference of the steps of the crank angle [rad] that is none
 FINER = 8  # times as many angles as states that unequal ones are interpolated at
 
 
-@dataclass(frozen=True, eq=False)
-class Harmonics(Frozen):
+@dataclass(frozen=True, eq=False, repr=False)
+class Harmonics(Tabular):
     """A force over one period as a sum of amplitude cos(order x crank angle + phase) over the orders.
 
     Attributes:
@@ -31,6 +32,16 @@ class Harmonics(Frozen):
     orders: Array
     amplitude: Array
     phase: Array
+
+    @property
+    def title(self) -> str:
+        largest = self.amplitude[1:].max(initial=0.0)
+        mean = ", ".join(f"{component:.6g}" for component in self.amplitude[0])
+        return f"Harmonics of a force: orders 0 to {self.orders[-1]:g}, mean ({mean}) N, amplitudes up to {largest:.6g} N"
+
+    def columns(self) -> dict[str, Array]:
+        """Orders, amplitudes and phases along the axes as columns under their names with units."""
+        return {"order [-]": self.orders, **tables.by_axis("amplitude", "N", self.amplitude), **tables.by_axis("phase", "rad", self.phase)}
 
 
 @typed
@@ -67,10 +78,7 @@ def harmonics(motion: Motion, force: Array, orders: int = 12) -> Harmonics | Non
     sums[1:] *= 2
     amplitude, phase = np.abs(sums), np.angle(sums)
     amplitude[0], phase[0] = sums[0].real, 0.0
-    result = Harmonics(order, amplitude, phase)
-    for array in (result.orders, result.amplitude, result.phase):
-        array.setflags(write=False)
-    return result
+    return Harmonics(order, amplitude, phase)
 
 
 def last_period(motion: Motion) -> int | None:

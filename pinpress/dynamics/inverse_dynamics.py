@@ -10,7 +10,6 @@ included.
 from __future__ import annotations
 
 import math
-import os
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -23,8 +22,9 @@ from ..common import tables
 from ..common.arguments import typed
 from ..common.arrays import Array, ComplexArray
 from ..common.errors import PinpressError, SingularityError, UnknownNameError, shown
-from ..common.frozen import Frozen, FrozenMapping
+from ..common.frozen import FrozenMapping
 from ..common.named_arrays import ByBearing
+from ..common.results import Tabular
 from ..engines import change_points
 from ..engines.forces import AppliedForce, Wrenches
 from ..engines.friction import FrictionLaw
@@ -51,7 +51,7 @@ STATES_LOOKED_AT = 256  # of a motion, to find what is indeterminate: the rank i
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Reactions(Frozen):
+class Reactions(Tabular):
     """Torque and forces over a motion of n states. All arrays are read-only; signs: see the module.
 
     Attributes:
@@ -84,10 +84,13 @@ class Reactions(Frozen):
     _press: Linkage
     _under: _Under
 
-    def __repr__(self) -> str:
-        return (
-            f"<Reactions of {self._press.name}: {len(self.driving_torque)} states, bearings {', '.join(self.bearing_force) or 'left out'}>"
-        )
+    @property
+    def title(self) -> str:
+        sizes = {name: float(np.linalg.norm(force, axis=1).max()) for name, force in self.bearing_force.items()}
+        worst = max(sizes, key=lambda name: sizes[name], default=None)
+        force = "bearings left out" if worst is None else f"largest bearing force {sizes[worst]:.6g} N in {worst}"
+        low, high = self.driving_torque.min(), self.driving_torque.max()
+        return f"Reactions of {self._press.name}: {len(self.driving_torque)} states, driving torque {low:.6g} to {high:.6g} N m, {force}"
 
     @cached_property
     def coupling_torque(self) -> ByBearing[np.float64]:
@@ -182,27 +185,13 @@ class Reactions(Frozen):
         columns |= tables.by_driver("driving_torque", "N m", self.driving_torque, self.motion.drivers)
         for name, torque in self.coupling_torque.items():
             columns[f"coupling_torque_{name} [N m]"] = torque[:, 0]
-        vectors: list[tuple[str, str, Array]] = [("shaking_force", "N", self.shaking_force), ("shaking_moment", "N m", self.shaking_moment)]
-        for name in self.bearing_force:
-            vectors += [(f"force_{name}", "N", self.bearing_force[name]), (f"moment_{name}", "N m", self.bearing_moment[name])]
-        for name, unit, vector in vectors:
-            columns |= {f"{name}_{axis} [{unit}]": vector[:, i] for i, axis in enumerate("xyz")}
+        columns |= tables.by_axis("shaking_force", "N", self.shaking_force) | tables.by_axis("shaking_moment", "N m", self.shaking_moment)
+        for name, force in self.bearing_force.items():
+            columns |= tables.by_axis(f"force_{name}", "N", force) | tables.by_axis(f"moment_{name}", "N m", self.bearing_moment[name])
         for name, power in self.friction_power.items():
             if power.any():
                 columns[f"friction_power_{name} [W]"] = power
         return columns
-
-    def to_csv(self, path: str | os.PathLike[str]) -> None:
-        """Write the columns, one state a line, full precision, units in the header."""
-        tables.write_csv(path, self.columns())
-
-    def to_frame(self) -> tables.DataFrame:
-        """The columns as a pandas DataFrame."""
-        return tables.frame(self.columns())
-
-    def to_mat(self, path: str | os.PathLike[str]) -> None:
-        """Write a MATLAB file with one vector a column; names without units."""
-        tables.write_mat(path, self.columns())
 
 
 @typed

@@ -16,7 +16,6 @@ F |sin(w tau / 2) / (w tau / 2)|, w = sqrt(k / m) (a linear drop of force on a l
 from __future__ import annotations
 
 import math
-import os
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from typing import Any, NamedTuple
@@ -24,11 +23,10 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..common import tables
 from ..common.arrays import Array
 from ..common.checks import number, numbers, positive
 from ..common.errors import PinpressError
-from ..common.frozen import Frozen
+from ..common.results import Tabular
 
 WEAKEST = 1e-6  # ratio of reverse load and force, below which no force counts as permitted
 GROWTH = 1.05  # of the force, in the search for one with clearance
@@ -43,7 +41,7 @@ MOST = 20_000  # segments of half a period
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class SnapThrough(Frozen):
+class SnapThrough(Tabular):
     """Response of the slide and the sprung press to break-through. All arrays are read-only.
 
     Attributes:
@@ -77,8 +75,9 @@ class SnapThrough(Frozen):
         """Reverse load beside the force at break-through [-]."""
         return self.reverse_force / self.force
 
-    def __repr__(self) -> str:
-        return f"<SnapThrough: reverse load {self.reverse_force:.4g} N after {self.force:.4g} N>"
+    @property
+    def title(self) -> str:
+        return f"SnapThrough: reverse load {self.reverse_force:.4g} N after {self.force:.4g} N"
 
     def __str__(self) -> str:
         return (
@@ -95,14 +94,6 @@ class SnapThrough(Frozen):
             "velocity [m/s]": self.velocity,
             "spring_force [N]": self.spring_force,
         }
-
-    def to_csv(self, path: str | os.PathLike[str]) -> None:
-        """Write the columns, one instant a line, full precision, units in the header."""
-        tables.write_csv(path, self.columns())
-
-    def to_frame(self) -> tables.DataFrame:
-        """The columns as a pandas DataFrame."""
-        return tables.frame(self.columns())
 
 
 def snap_through(
@@ -135,8 +126,6 @@ def snap_through(
     end = last.at(span)
     x = np.append(np.concatenate(displacement), end[0])
     arrays = [np.append(np.concatenate(time), last.start + span), x, np.append(np.concatenate(velocity), end[1]), _spring(case, x)]
-    for array in arrays:
-        array.setflags(write=False)
     return SnapThrough(
         *case,
         energy=0.5 * case.force**2 / case.stiffness,

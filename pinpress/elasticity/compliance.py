@@ -8,7 +8,6 @@ under F = 1 N. (Castigliano's second theorem; any textbook of strength of materi
 from __future__ import annotations
 
 import itertools
-import os
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -17,11 +16,11 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import ArrayLike
 
-from ..common import tables
 from ..common.arguments import typed
 from ..common.arrays import Array
 from ..common.errors import PinpressError
-from ..common.frozen import Frozen, FrozenMapping
+from ..common.frozen import FrozenMapping
+from ..common.results import Tabular
 from ..dynamics.inverse_dynamics import inverse_dynamics
 from ..kinematics.dead_centres import dead_centres
 from ..kinematics.motion import Motion, cycle
@@ -37,7 +36,7 @@ SOFT = 1e9  # stiffness of a bearing without one, to share forces otherwise [N/m
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Elasticity(Frozen):
+class Elasticity(Tabular):
     """Compliance of a press at its slide, over n crank angles. All arrays are read-only.
 
     Attributes:
@@ -59,8 +58,9 @@ class Elasticity(Frozen):
     bottom_shares: Mapping[str, float]
     _held: Held
 
-    def __repr__(self) -> str:
-        return f"<Elasticity of {self.press}: {self.bottom_stiffness:.4g} N/m at bottom dead centre>"
+    @property
+    def title(self) -> str:
+        return f"Elasticity of {self.press}: {self.bottom_stiffness:.4g} N/m at bottom dead centre"
 
     def __str__(self) -> str:
         heading = f"{self.press}: stiffness at bottom dead centre {1e-6 * self.bottom_stiffness:.5g} kN/mm, of its deflection"
@@ -81,14 +81,6 @@ class Elasticity(Frozen):
         """Angle, position, height, compliance and its parts as (n,) columns under their names with units."""
         columns = {"crank_angle [rad]": self.crank_angle, "slide_position [m]": self.slide_position, "height [m]": self.height}
         return columns | {"compliance [m/N]": self.compliance} | {f"{name} [m/N]": part for name, part in self.parts.items()}
-
-    def to_csv(self, path: str | os.PathLike[str]) -> None:
-        """Write the columns, one crank angle a line, full precision, units in the header."""
-        tables.write_csv(path, self.columns())
-
-    def to_frame(self) -> tables.DataFrame:
-        """The columns as a pandas DataFrame."""
-        return tables.frame(self.columns())
 
 
 @typed
@@ -120,15 +112,12 @@ def elasticity(press: Linkage, stiffness: Stiffness, angle: ArrayLike | None = N
     if not total.min() > RIGID * max(float(total.max()), at_bottom) or not at_bottom > RIGID * total.max():
         where = np.degrees(motion.crank_angle[int(total.argmin())] if at_bottom > RIGID * total.max() else centres.bottom_angle)
         raise PinpressError(f"nothing of {press.name} yields at crank angle {where:.6g} deg: give a part in the line of force a stiffness")
-    arrays = [motion.slide_position - centres.bottom_position, total, *shares.values()]
-    for array in arrays:
-        array.setflags(write=False)
     return Elasticity(
         press=press.name,
         stiffness=stiffness,
         crank_angle=motion.crank_angle,
         slide_position=motion.slide_position,
-        height=arrays[0],
+        height=motion.slide_position - centres.bottom_position,
         compliance=total,
         parts=FrozenMapping(shares),
         bottom_stiffness=1 / at_bottom,

@@ -10,19 +10,17 @@ that of weight and other constant forces.
 
 from __future__ import annotations
 
-import os
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..common import tables
 from ..common.arguments import typed
 from ..common.arrays import Array
 from ..common.checks import LARGEST, numbers
 from ..common.errors import PinpressError, shown
-from ..common.frozen import Frozen, FrozenMapping
+from ..common.results import Tabular
 from ..common.units import RPM
 from ..kinematics.dead_centres import dead_centres
 from ..kinematics.motion import Motion, cycle
@@ -37,7 +35,7 @@ UNRESOLVED = 1e-9  # of a polynomial's largest coefficient: what its last ones m
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class SlideDeflection(Frozen):
+class SlideDeflection(Tabular):
     """Elastic deflection of the slide over a motion of n states. All arrays are read-only.
 
     Attributes:
@@ -50,8 +48,10 @@ class SlideDeflection(Frozen):
     parts: Mapping[str, Array]
     slide_position: Array
 
-    def __repr__(self) -> str:
-        return f"<SlideDeflection of {self.motion.linkage}: {len(self.deflection)} states>"
+    @property
+    def title(self) -> str:
+        low, high = self.deflection.min(), self.deflection.max()
+        return f"SlideDeflection of {self.motion.linkage}: {len(self.deflection)} states, {low:.4g} to {high:.4g} m"
 
     def __str__(self) -> str:
         low, high = int(self.deflection.argmin()), int(self.deflection.argmax())
@@ -66,17 +66,9 @@ class SlideDeflection(Frozen):
         columns = {"crank_angle [rad]": self.motion.crank_angle, "slide_position [m]": self.slide_position}
         return columns | {"deflection [m]": self.deflection} | {f"deflection_{name} [m]": part for name, part in self.parts.items()}
 
-    def to_csv(self, path: str | os.PathLike[str]) -> None:
-        """Write the columns, one state a line, full precision, units in the header."""
-        tables.write_csv(path, self.columns())
-
-    def to_frame(self) -> tables.DataFrame:
-        """The columns as a pandas DataFrame."""
-        return tables.frame(self.columns())
-
 
 @dataclass(frozen=True, eq=False, repr=False)
-class DeadCentreShift(Frozen):
+class DeadCentreShift(Tabular):
     """Bottom dead centre of an elastic press over S speeds. Deeper is negative. All arrays are read-only.
 
     Attributes:
@@ -108,8 +100,9 @@ class DeadCentreShift(Frozen):
         """(S,) what speed moves bottom dead centre by: true position less that at standstill [m]."""
         return self.position - self.standstill_position
 
-    def __repr__(self) -> str:
-        return f"<DeadCentreShift of {self.press}: {len(self.speed)} speeds>"
+    @property
+    def title(self) -> str:
+        return f"DeadCentreShift of {self.press}: {len(self.speed)} speeds, shift {self.shift.min():.4g} to {self.shift.max():.4g} m"
 
     def __str__(self) -> str:
         standing = 1e3 * (self.standstill_position - self.rigid_position)
@@ -127,14 +120,6 @@ class DeadCentreShift(Frozen):
             "deflection_at_rigid_angle [m]": self.at_rigid_angle,
         }
 
-    def to_csv(self, path: str | os.PathLike[str]) -> None:
-        """Write the columns, one speed a line, full precision, units in the header."""
-        tables.write_csv(path, self.columns())
-
-    def to_frame(self) -> tables.DataFrame:
-        """The columns as a pandas DataFrame."""
-        return tables.frame(self.columns())
-
 
 @typed
 def slide_deflection(press: Linkage, motion: Motion, stiffness: Stiffness, loads: Sequence[Load] = ()) -> SlideDeflection:
@@ -150,9 +135,7 @@ def slide_deflection(press: Linkage, motion: Motion, stiffness: Stiffness, loads
     shares = held.moved(held.in_motion(loads))
     deflection = np.sum(list(shares.values()), axis=0)
     position = motion.slide_position + deflection
-    for array in (deflection, position, *shares.values()):
-        array.setflags(write=False)
-    return SlideDeflection(motion, deflection, FrozenMapping(shares), position)
+    return SlideDeflection(motion, deflection, shares, position)
 
 
 @typed
@@ -199,18 +182,15 @@ def dead_centre_shift(
         return centres.bottom_angle + WINDOW * float(real[depths.argmin()]), centres.bottom_position + float(depths.min())
 
     found = np.array([lowest(w) for w in speeds])
-    arrays = [speeds, found[:, 0].copy(), found[:, 1].copy()]
-    for array in arrays:
-        array.setflags(write=False)
     return DeadCentreShift(
         press=press.name,
-        speed=arrays[0],
+        speed=speeds,
         rigid_angle=centres.bottom_angle,
         rigid_position=centres.bottom_position,
         constant=float(constant[-1]),
         by_squared_speed=float(inertia[-1]),
-        crank_angle=arrays[1],
-        position=arrays[2],
+        crank_angle=found[:, 0].copy(),
+        position=found[:, 1].copy(),
         standstill_position=lowest(0.0)[1],
     )
 

@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
 
-from ..common import tables
 from ..common.arrays import Array
 from ..common.errors import PinpressError, UnknownNameError
-from ..common.frozen import Frozen, FrozenMapping
+from ..common.frozen import FrozenMapping
+from ..common.results import Tabular
 from . import tables as frame_tables
 from .mounted_press import MountedPress
 
@@ -19,7 +18,7 @@ NOTHING = 1e-9  # of the weight: a shaking force that is rounding
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class FrameMotion(Frozen):
+class FrameMotion(Tabular):
     """Vibration about the static position at n states. All arrays are read-only.
 
     Attributes:
@@ -43,8 +42,10 @@ class FrameMotion(Frozen):
     floor_moment: Array
     shaking_force: Array
 
-    def __repr__(self) -> str:
-        return f"<FrameMotion of {self.system.press.name}: {len(self.time)} states, points {', '.join(self.displacement) or 'none'}>"
+    @property
+    def title(self) -> str:
+        points = ", ".join(self.displacement) or "none"
+        return f"FrameMotion of {self.system.press.name}: {len(self.time)} states, {self.time[-1]:.6g} s, points {points}"
 
     def __str__(self) -> str:
         return frame_tables.motion_text(self)
@@ -132,14 +133,6 @@ class FrameMotion(Frozen):
         ):
             columns |= {f"{name}_{axis} [{unit}]": values[:, i] for i, axis in enumerate("xyz")}
         return columns
-
-    def to_csv(self, path: str | os.PathLike[str]) -> None:
-        """Write the columns, one state a line, full precision, units in the header."""
-        tables.write_csv(path, self.columns())
-
-    def to_frame(self) -> tables.DataFrame:
-        """The columns as a pandas DataFrame."""
-        return tables.frame(self.columns())
 
 
 def spread(force: Array) -> float:

@@ -6,19 +6,17 @@ press sways on them, or tips.
 
 from __future__ import annotations
 
-import os
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..common import tables
 from ..common.arguments import typed
 from ..common.arrays import Array
 from ..common.checks import finite_numbers
 from ..common.errors import PinpressError, shown
-from ..common.frozen import Frozen
+from ..common.results import Tabular
 from ..common.units import RPM
 from ..linkage.linkage import Linkage
 from .mounted_press import MountedPress, mounted, with_mounts
@@ -33,7 +31,7 @@ REFINED = 1e-9  # of the stiffness found, relative
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Isolation(Frozen):
+class Isolation(Tabular):
     """The stiffest mounts that isolate. All arrays are read-only.
 
     Attributes:
@@ -47,8 +45,10 @@ class Isolation(Frozen):
     speed: Array
     transmitted: Array
 
-    def __repr__(self) -> str:
-        return f"<Isolation of {self.system.press.name}: stiffness times {self.factor:.4g}, {self.transmitted.max():.3g} transmitted>"
+    @property
+    def title(self) -> str:
+        most, speeds = self.transmitted.max(), f"{self.speed[0]:.4g} to {self.speed[-1]:.4g} rad/s"
+        return f"Isolation of {self.system.press.name}: {self.factor:.4g} times the stiffness, {most:.3g} transmitted at {speeds}"
 
     def __str__(self) -> str:
         x, y, z = self.stiffness
@@ -67,14 +67,6 @@ class Isolation(Frozen):
     def columns(self) -> dict[str, Array]:
         """Speed and share transmitted as columns; the mounts' are those of `system`."""
         return {"speed [rad/s]": self.speed, "transmitted [-]": self.transmitted}
-
-    def to_csv(self, path: str | os.PathLike[str]) -> None:
-        """Write the columns, one speed a line, full precision, units in the header."""
-        tables.write_csv(path, self.columns())
-
-    def to_frame(self) -> tables.DataFrame:
-        """The columns as a pandas DataFrame."""
-        return tables.frame(self.columns())
 
     @property
     def stiffness(self) -> Array:
@@ -152,8 +144,6 @@ def isolate(
             " more force, or raise the lowest speed"
         )
     share = passed(low)
-    for array in (share, speed):
-        array.setflags(write=False)
     return Isolation(system, chosen, low, speed, share)
 
 

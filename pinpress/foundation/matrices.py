@@ -48,7 +48,7 @@ def springs_together(springs: Iterable[tuple[ArrayLike, Array]]) -> Array:
 
 def turning_stiffness(
     mounts: Sequence[Mount],
-    columns: Sequence[Mount],
+    uprights: Sequence[Mount],
     between: Sequence[Array],
     rest: Array,
     load: Array,
@@ -57,9 +57,9 @@ def turning_stiffness(
 ) -> Array:
     """Stiffness (n, n) by the static forces as the frame turns."""
     forces = [(0, force, np.array(mount.point)) for force, mount in zip(load, mounts, strict=True)]
-    for column, at in zip(columns, between, strict=True):
-        force = -np.array(column.static) * (at @ rest)
-        forces += [(1, force, np.array(column.point)), (0, -force, np.array(column.point))]
+    for upright, at in zip(uprights, between, strict=True):
+        force = -np.array(upright.static) * (at @ rest)
+        forces += [(1, force, np.array(upright.point)), (0, -force, np.array(upright.point))]
     for part, body in enumerate(bodies):
         forces.append((part, body[0, 0] * gravity, centre_of(body)))
     stiffness = np.zeros((6 * len(bodies), 6 * len(bodies)))

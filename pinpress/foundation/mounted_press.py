@@ -17,7 +17,6 @@ f . p - (f p^T + p f^T) / 2. It makes a tall press on soft mounts tip, and pendu
 
 from __future__ import annotations
 
-import os
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -25,11 +24,12 @@ from functools import cached_property
 import numpy as np
 import pinocchio as pin
 
-from ..common import tables
 from ..common.arguments import typed
 from ..common.arrays import Array
 from ..common.errors import PinpressError, expect
-from ..common.frozen import Frozen, read_only
+from ..common.frozen import read_only
+from ..common.results import Tabular
+from ..common.tables import Column
 from ..engines.coordinates import data_of
 from ..kinematics.motion import cycle
 from ..linkage.linkage import Linkage
@@ -41,12 +41,12 @@ POSES = 180  # of a turn over which the moving mass is averaged: the mean of har
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class MountedPress(Frozen):
+class MountedPress(Tabular):
     """A press on its mounts; made by `mounted`. All arrays are read-only; n coordinates, 6 a part (see the module).
 
     Attributes:
         press: the press. frame: the frame, or its bed. crown: the part that carries crank and guides, None where the frame is one part.
-        mounts: between floor and frame. columns: between bed and crown.
+        mounts: between floor and frame. uprights: between bed and crown.
         mass: (n, n) of frame and press, moving masses at their mean. damping: (n, n) viscous.
         stiffness: (n, n) of vibrations, with what the weight takes away. loss: (n, n) imaginary part of it.
         weight: (n,) wrench of all weights about the world origin [N, N m]. press_weight: (6,) of that, the links of the press.
@@ -58,7 +58,7 @@ class MountedPress(Frozen):
     frame: Frame
     crown: Frame | None
     mounts: tuple[Mount, ...]
-    columns: tuple[Mount, ...]
+    uprights: tuple[Mount, ...]
     mass: Array
     damping: Array
     stiffness: Array
@@ -69,13 +69,14 @@ class MountedPress(Frozen):
     mount_load: Array
     sag: Array
 
-    def __repr__(self) -> str:
-        return f"<MountedPress {self.press.name}: {self.total_mass:.6g} kg on {len(self.mounts)} mounts>"
+    @property
+    def title(self) -> str:
+        return f"MountedPress {self.press.name}: {self.total_mass:.6g} kg on {len(self.mounts)} mounts"
 
     def __str__(self) -> str:
         return frame_tables.standing_text(self)
 
-    def table(self) -> dict[str, Sequence[float | None]]:
+    def columns(self) -> dict[str, Column]:
         """Mounts as columns, one a row: place, load and share of the weight, sag, pressure."""
         places = {f"{axis} [m]": [mount.point[i] for mount in self.mounts] for i, axis in enumerate("xyz")}
         return {
@@ -85,14 +86,6 @@ class MountedPress(Frozen):
             "sag [m]": (-self.sag[:, 2]).tolist(),
             "pressure [Pa]": list(self.pressure),
         }
-
-    def to_csv(self, path: str | os.PathLike[str]) -> None:
-        """Write the columns, one mount a line, full precision, units in the header."""
-        tables.write_csv(path, self.table())
-
-    def to_frame(self) -> tables.DataFrame:
-        """The columns as a pandas DataFrame."""
-        return tables.frame(self.table())
 
     @property
     def parts(self) -> int:
@@ -131,7 +124,7 @@ class MountedPress(Frozen):
 
 @typed
 def mounted(
-    press: Linkage, frame: Frame, mounts: Sequence[Mount], crown: Frame | None = None, columns: Sequence[Mount] = ()
+    press: Linkage, frame: Frame, mounts: Sequence[Mount], crown: Frame | None = None, uprights: Sequence[Mount] = ()
 ) -> MountedPress:
     """Stand a press on its mounts.
 
@@ -139,25 +132,25 @@ def mounted(
         press: its links ride with the frame, or with the crown; their inertia is averaged over a period, mostly one turn of the crank.
         frame: the frame in one part; with ``crown`` its lower part, the bed, on which the loads on the frame act (the process force).
         mounts: between floor and frame.
-        crown: upper part of the frame, which carries crank and guides. columns: springs between the two, as mounts.
+        crown: upper part of the frame, which carries crank and guides. uprights: springs between the two, as mounts.
 
     Raises:
         PinpressError: arguments of other kinds, a crank that does not turn fully, mounts that leave the frame free or are pulled by
             its weight, a press that tips.
     """
     mounts = listed_mounts(mounts, "mounts")
-    if (crown is None) != (len(columns) == 0):
-        raise PinpressError("crown and columns go together: give both, or neither for a frame in one part")
+    if (crown is None) != (len(uprights) == 0):
+        raise PinpressError("crown and uprights go together: give both, or neither for a frame in one part")
     if crown is not None:
         expect("crown", crown, Frame, "Frame")
-        columns = listed_mounts(columns, "columns")
-    return _assembled(press, frame, mounts, crown, tuple(columns), press_inertia(press))
+        uprights = listed_mounts(uprights, "uprights")
+    return _assembled(press, frame, mounts, crown, tuple(uprights), press_inertia(press))
 
 
 def with_mounts(system: MountedPress, mounts: Sequence[Mount]) -> MountedPress:
     """The same press on other mounts; quicker than `mounted`. Raises as that."""
     mounts = listed_mounts(mounts, "mounts")
-    return _assembled(system.press, system.frame, mounts, system.crown, system.columns, system.press_inertia)
+    return _assembled(system.press, system.frame, mounts, system.crown, system.uprights, system.press_inertia)
 
 
 @typed
@@ -179,7 +172,7 @@ def press_inertia(press: Linkage) -> Array:
 
 
 def _assembled(
-    press: Linkage, frame: Frame, mounts: tuple[Mount, ...], crown: Frame | None, columns: tuple[Mount, ...], moving: Array
+    press: Linkage, frame: Frame, mounts: tuple[Mount, ...], crown: Frame | None, uprights: tuple[Mount, ...], moving: Array
 ) -> MountedPress:
     parts, gravity = 1 if crown is None else 2, np.asarray(press.model.gravity.linear)
     bodies = [body_inertia(part) for part in (frame, crown) if part is not None]
@@ -190,8 +183,8 @@ def _assembled(
     for k, body in enumerate(bodies):
         mass[6 * k : 6 * k + 6, 6 * k : 6 * k + 6] = body
     rows = [rows_at(parts, 0, np.array(mount.point)) for mount in mounts]
-    between = [rows_at(parts, 1, np.array(column.point)) - rows_at(parts, 0, np.array(column.point)) for column in columns]
-    springs = list(zip((*mounts, *columns), rows + between, strict=True))
+    between = [rows_at(parts, 1, np.array(upright.point)) - rows_at(parts, 0, np.array(upright.point)) for upright in uprights]
+    springs = list(zip((*mounts, *uprights), rows + between, strict=True))
     refuse_loose(mass, "frame and press have no inertia for", "give the frame its mass and inertia")
     static = springs_together((mount.static, at) for mount, at in springs)
     refuse_loose(static, "the mounts leave the frame free in", "give mounts there, and stiffness in all directions")
@@ -200,13 +193,13 @@ def _assembled(
     load = -np.array([mount.static for mount in mounts]) * sag
     refuse_pulled(load, gravity)
     stiffness = springs_together((mount.stiffness, at) for mount, at in springs)
-    stiffness += turning_stiffness(mounts, columns, between, rest, load, bodies, gravity)
+    stiffness += turning_stiffness(mounts, uprights, between, rest, load, bodies, gravity)
     system = MountedPress(
         press=press,
         frame=frame,
         crown=crown,
         mounts=mounts,
-        columns=columns,
+        uprights=uprights,
         mass=mass,
         damping=springs_together((mount.damping, at) for mount, at in springs),
         stiffness=0.5 * (stiffness + stiffness.T),
@@ -221,6 +214,4 @@ def _assembled(
         raise PinpressError(
             f"{press.name} tips over on these mounts: its weight turns it further than they hold; set them wider apart, or stiffer"
         )
-    for array in (system.mass, system.damping, system.stiffness, system.loss, weight, press_weight, load, sag):
-        array.setflags(write=False)
     return system

@@ -6,19 +6,18 @@ grows with the speed squared; both are found from two cycles, and with them ever
 
 from __future__ import annotations
 
-import os
 from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..common import tables
 from ..common.arguments import typed
 from ..common.arrays import Array, ComplexArray
 from ..common.checks import finite_numbers
 from ..common.errors import PinpressError, shown
-from ..common.frozen import Frozen, FrozenMapping
+from ..common.frozen import FrozenMapping
+from ..common.results import Tabular
 from ..common.units import RPM
 from ..dynamics.inverse_dynamics import Reactions, inverse_dynamics
 from ..kinematics.motion import cycle
@@ -35,7 +34,7 @@ AXES = {"x": 0, "y": 1, "z": 2}
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class SpeedResponse(Frozen):
+class SpeedResponse(Tabular):
     """Steady vibration of an idle press at each of (s,) speeds. All arrays are read-only.
 
     Attributes:
@@ -52,8 +51,10 @@ class SpeedResponse(Frozen):
     shaking_force: Array
     floor_force: Array
 
-    def __repr__(self) -> str:
-        return f"<SpeedResponse of {self.press}: {len(self.speed)} speeds>"
+    @property
+    def title(self) -> str:
+        speeds, most = f"{self.speed[0]:.4g} to {self.speed[-1]:.4g} rad/s", self.floor_force.max()
+        return f"SpeedResponse of {self.press}: {len(self.speed)} speeds, {speeds}, force on the floor up to {most:.4g} N"
 
     def __str__(self) -> str:
         head = "".join(f"{point + ' [m/s2]':>20}" for point in self.rms)
@@ -94,14 +95,6 @@ class SpeedResponse(Frozen):
             for point, values in by_point.items():
                 columns |= {f"{quantity}_{point}_{axis} [{unit}]": values[:, i] for axis, i in AXES.items()}
         return columns | {"shaking_force [N]": self.shaking_force, "floor_force [N]": self.floor_force}
-
-    def to_csv(self, path: str | os.PathLike[str]) -> None:
-        """Write the columns, one speed a line, full precision, units in the header."""
-        tables.write_csv(path, self.columns())
-
-    def to_frame(self) -> tables.DataFrame:
-        """The columns as a pandas DataFrame."""
-        return tables.frame(self.columns())
 
 
 @typed

@@ -2,17 +2,16 @@
 
 from __future__ import annotations
 
-import os
 from dataclasses import dataclass
 
 import numpy as np
 
-from ..common import tables
 from ..common.arguments import typed
 from ..common.arrays import Array, ComplexArray
 from ..common.checks import finite_numbers, whole_number
 from ..common.errors import PinpressError
-from ..common.frozen import Frozen
+from ..common.results import Tabular
+from ..common.tables import Column
 from .matrices import centre_of
 from .mounted_press import MountedPress
 
@@ -21,7 +20,7 @@ MOTIONS = ("along x", "along y", "along z", "rocking about x", "rocking about y"
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Modes(Frozen):
+class Modes(Tabular):
     """Modes of free vibration, n of them in the order of their frequencies. All arrays are read-only.
 
     Attributes:
@@ -42,8 +41,9 @@ class Modes(Frozen):
     eigenvalues: ComplexArray
     motion: tuple[str, ...]
 
-    def __repr__(self) -> str:
-        return f"<Modes of {self.press}: {', '.join(f'{f / (2 * np.pi):.4g}' for f in self.natural_frequency)} Hz>"
+    @property
+    def title(self) -> str:
+        return f"Modes of {self.press}: {', '.join(f'{f / (2 * np.pi):.4g}' for f in self.natural_frequency)} Hz"
 
     def __str__(self) -> str:
         lines = [f"{self.press} on its mounts: modes", f"  {'motion':<18}{'frequency':>12}{'speed':>18}{'damping ratio':>15}"]
@@ -59,7 +59,7 @@ class Modes(Frozen):
         """
         return np.asarray(self.natural_frequency / np.arange(1, whole_number("orders", orders, 1, MOST_ORDERS) + 1)[:, None])
 
-    def columns(self) -> dict[str, object]:
+    def columns(self) -> dict[str, Column]:
         """The modes as columns, one a row."""
         return {
             "motion": list(self.motion),
@@ -68,14 +68,6 @@ class Modes(Frozen):
             "damping_ratio [-]": self.damping_ratio,
             "frequency [Hz]": self.natural_frequency / (2 * np.pi),
         }
-
-    def to_csv(self, path: str | os.PathLike[str]) -> None:
-        """Write the columns, one mode a line, full precision, units in the header."""
-        tables.write_csv(path, self.columns())  # type: ignore[arg-type]
-
-    def to_frame(self) -> tables.DataFrame:
-        """The columns as a pandas DataFrame."""
-        return tables.frame(self.columns())  # type: ignore[arg-type]
 
 
 @typed
@@ -98,8 +90,6 @@ def modes(system: MountedPress) -> Modes:
     loss = np.concatenate([-swinging.real, -0.5 * (slow + fast)])
     damped = np.concatenate([swinging.imag, np.zeros(half)])
     order = np.argsort(size)
-    for array in (frequency, shapes, eigenvalues):
-        array.setflags(write=False)
     return Modes(
         press=system.press.name,
         natural_frequency=frequency,

@@ -9,6 +9,7 @@ import numpy as np
 from ..common.arguments import typed
 from ..common.arrays import Array
 from ..common.errors import PinpressError
+from ..common.results import Record
 from ..engines.branch import beyond
 from ..linkage.linkage import Linkage
 from ..linkage.memo import per_linkage
@@ -20,8 +21,8 @@ SAMPLES = 720  # per turn; two dead centres closer than half a degree would be t
 EQUAL = 1e-9  # of the stroke: slide positions that differ by less differ by rounding
 
 
-@dataclass(frozen=True)
-class DeadCentres:
+@dataclass(frozen=True, repr=False)
+class DeadCentres(Record, units={"top_angle": "rad", "top_position": "m", "bottom_angle": "rad", "bottom_position": "m"}):
     """Outermost turning points of the slide along its guide's axis over one period; of equal ones the first.
 
     Attributes:

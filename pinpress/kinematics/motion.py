@@ -15,7 +15,7 @@ from ..common.arguments import typed
 from ..common.arrays import Array, ComplexArray
 from ..common.checks import numbers, whole_number
 from ..common.errors import PinpressError
-from ..common.frozen import Frozen
+from ..common.results import Tabular
 from ..engines.branch import Branch, beyond
 from ..engines.closure import Closure
 from ..engines.coordinates import Slot, configuration
@@ -31,7 +31,7 @@ KEPT = 1e6  # roundings of time that a step must have, for its length to be know
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Motion(Frozen):
+class Motion(Tabular):
     """States of a linkage, n of them, closed. All arrays are read-only.
 
     Attributes:
@@ -64,8 +64,11 @@ class Motion(Frozen):
     # Not taken over by dataclasses.replace: a motion with other positions must not keep the basis of this one.
     _closed_as: tuple[Linkage, ComplexArray] | None = field(default=None, init=False)
 
-    def __repr__(self) -> str:
-        return f"<Motion of {self.linkage}: {len(self.crank_angle)} states>"
+    @property
+    def title(self) -> str:
+        low, high = (f"{end(np.degrees(self.crank_angle)):.6g}" for end in (np.min, np.max))
+        slide = "" if self._guide is None else f", slide at {self.slide_position.min():.6g} to {self.slide_position.max():.6g} m"
+        return f"Motion of {self.linkage}: {len(self.crank_angle)} states, crank at {low} to {high} deg{slide}"
 
     def basis(self, press: Linkage) -> ComplexArray | None:
         """The planar engine's basis of these states (see `plane`), where it closed them for this same linkage; else None."""
@@ -102,7 +105,7 @@ class Motion(Frozen):
         return self.a[:, self._slide()[0]]
 
     def columns(self) -> dict[str, Array]:
-        """All quantities as (n,) columns under their names with units, as `to_csv` writes them."""
+        """Time, crank and slide as (n,) columns under their names with units, and the closure error."""
         columns = {} if self._time is None else {"time [s]": self._time}
         for name, unit, values in (
             ("crank_angle", "rad", self.crank_angle),
@@ -117,14 +120,6 @@ class Motion(Frozen):
                 "slide_acceleration [m/s2]": self.slide_acceleration,
             }
         return columns | {"closure_error [m]": self.closure_error}
-
-    def to_csv(self, path: str | os.PathLike[str]) -> None:
-        """Write the columns, one state a line, full precision, units in the header."""
-        tables.write_csv(path, self.columns())
-
-    def to_frame(self) -> tables.DataFrame:
-        """The columns as a pandas DataFrame."""
-        return tables.frame(self.columns())
 
     def to_mat(self, path: str | os.PathLike[str]) -> None:
         """Write a MATLAB file with one vector a column (names without units) and the matrices q, v, a."""

@@ -17,11 +17,12 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
+from ..common import tables
 from ..common.arguments import typed
 from ..common.arrays import Array
 from ..common.checks import finite_numbers, is_number, positive
 from ..common.errors import PinpressError, shown
-from ..common.frozen import Frozen
+from ..common.results import Tabular
 from ..dynamics.applied_loads import place
 from ..dynamics.inverse_dynamics import inverse_dynamics
 from ..kinematics.motion import Motion
@@ -65,7 +66,7 @@ class Guide:
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class EccentricLoad(Frozen):
+class EccentricLoad(Tabular):
     """What a process force beside the slide's axis does, at n states. All arrays are read-only; signs as in `reactions`, world axes.
 
     Attributes:
@@ -86,6 +87,22 @@ class EccentricLoad(Frozen):
     pressure: Array
     contact: Array
     indeterminate: bool
+
+    @property
+    def title(self) -> str:
+        size = np.linalg.norm(self.tilting_moment)
+        return f"EccentricLoad in {self.guide}: tilting moment {size:.6g} N m, pressure on the gibs up to {self.pressure.max():.6g} Pa"
+
+    def columns(self) -> dict[str, Array]:
+        """Force and moment of the guide, and what the gibs bear, as (n,) columns under their names with units."""
+        return {
+            **tables.by_axis("force", "N", self.force),
+            **tables.by_axis("moment", "N m", self.moment),
+            "normal_force [N]": self.normal_force,
+            "tilting [N m]": self.tilting,
+            "pressure [Pa]": self.pressure,
+            "contact [-]": self.contact,
+        }
 
 
 @typed
@@ -110,7 +127,7 @@ def eccentric_load(
     found = _reacting(press, motion, newtons * axis, point, guide, engine)
     normal, tilting = found.force @ across[0], found.moment @ across[1]
     pressure, contact = _pressure(guide, normal, tilting, motion)
-    result = EccentricLoad(
+    return EccentricLoad(
         guide=name,
         tilting_moment=np.cross(_rotation(press) @ point, newtons * axis),
         force=found.force,
@@ -121,9 +138,6 @@ def eccentric_load(
         contact=contact,
         indeterminate=bool(np.any(found.indeterminate & (np.abs(found.axes @ across[1]) > DIRECTION))),
     )
-    for array in (result.tilting_moment, found.force, found.moment, normal, tilting, pressure, contact):
-        array.setflags(write=False)
-    return result
 
 
 @typed

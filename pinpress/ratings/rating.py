@@ -3,18 +3,16 @@
 from __future__ import annotations
 
 import math
-import os
 from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
 
-from ..common import tables
 from ..common.arguments import typed
 from ..common.arrays import Array
 from ..common.checks import is_number, positive, whole_number
 from ..common.errors import PinpressError, shown
-from ..common.frozen import Frozen, FrozenMapping
+from ..common.results import Tabular
 from ..common.units import RPM
 from ..kinematics import measures
 from ..kinematics.motion import cycle
@@ -30,7 +28,7 @@ SLOWEST, FASTEST = 1e-12, 1e12  # speeds [rad/s] whose squares, and turns at whi
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Ratings(Frozen):
+class Ratings(Tabular):
     """What a press may do over its working stroke, n heights from top to bottom dead centre. All arrays are read-only.
 
     Attributes:
@@ -83,23 +81,16 @@ class Ratings(Frozen):
     speed_limit: SpeedLimit | None
     turns: int
 
-    def __repr__(self) -> str:
-        return f"<Ratings of {self.press}: {len(self.height)} heights, nominal force {self.capacities.nominal_force:.6g} N>"
+    @property
+    def title(self) -> str:
+        return f"Ratings of {self.press}: {len(self.height)} heights, nominal force {self.capacities.nominal_force:.6g} N"
 
     def __str__(self) -> str:
         return _text(self)
 
     def columns(self) -> dict[str, Array | list[str]]:
-        """All quantities over the height as columns under their names with units, as `to_csv` writes them."""
+        """All quantities over the height as (n,) columns under their names with units."""
         return _columns(self)
-
-    def to_csv(self, path: str | os.PathLike[str]) -> None:
-        """Write the columns, one height a line, full precision, units in the header."""
-        tables.write_csv(path, self.columns())
-
-    def to_frame(self) -> tables.DataFrame:
-        """The columns as a pandas DataFrame."""
-        return tables.frame(self.columns())
 
 
 @typed
@@ -163,18 +154,16 @@ def ratings(
         "force": np.min(list(found.forces.values()), axis=0),
         "work": work(scene, found.angle),
     }
-    for array in (*arrays.values(), *found.forces.values()):
-        array.setflags(write=False)
     return Ratings(
         press=press.name,
         capacities=capacities,
         speed=rate,
         at_speed=bool(at_speed),
         torque_capacity=scene.torque,
-        limits=FrozenMapping(found.forces),
+        limits=found.forces,
         limited_by=found.names,
         changes=tuple(float(height[k]) for k in found.changes),
-        energies=FrozenMapping(dict(scene.energies)),
+        energies=dict(scene.energies),
         stroke=measures.stroke(period),
         quick_return_ratio=quick_return,
         contact_height=None if contact is None else positive("contact_height", contact, "m"),

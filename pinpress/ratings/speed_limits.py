@@ -18,6 +18,7 @@ from ..common.arguments import typed
 from ..common.arrays import Array
 from ..common.checks import positive
 from ..common.errors import PinpressError
+from ..common.results import Record
 from ..common.units import RPM
 from ..dynamics.inverse_dynamics import Reactions, inverse_dynamics
 from ..kinematics.dead_centres import stroke_turns
@@ -37,8 +38,8 @@ NOTHING = 1e-12  # of the largest force by inertia: less is rounding
 FAST = 100.0  # times the speed at which inertia forces are as large as weights, about
 
 
-@dataclass(frozen=True)
-class SpeedLimit:
+@dataclass(frozen=True, repr=False)
+class SpeedLimit(Record, units={"speed": "rad/s", "crank_angle": "rad"}):
     """The highest speed at which a press keeps every capacity.
 
     Attributes:

@@ -15,8 +15,8 @@ from numpy.typing import NDArray
 
 from ..common.arrays import Array
 from ..common.errors import PinpressError, SimulationError, UnknownScenarioError, shown
-from ..common.frozen import Frozen
 from ..common.gauss import gauss_rule, polynomial_values
+from ..common.results import Tabular
 from ..common.scenario_fields import lengths
 from ..kinematics.motion import carried
 from ..loads.caller_laws import LawError
@@ -36,7 +36,7 @@ MOST_CUTS = 12  # rounds of cutting panels; scenarios that need more are run alo
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class RunBatch(Frozen):
+class RunBatch(Tabular):
     """S simulated scenarios of a press, n states each at the same times. Arrays are read-only; ``runs[k]`` is scenario k as a `Run`.
 
     Attributes:
@@ -69,6 +69,17 @@ class RunBatch(Frozen):
         position.setflags(write=False)
         return position
 
+    def columns(self) -> dict[str, Array]:
+        """All states, scenario by scenario, as (n S,) columns under their names with units."""
+        count = len(self)
+        return {
+            "scenario": np.repeat(np.arange(count), len(self.time)),
+            "time [s]": np.tile(self.time, count),
+            "crank_angle [rad]": self.crank_angle.T.ravel(),
+            "crank_speed [rad/s]": self.crank_speed.T.ravel(),
+            **({} if self.slide_position is None else {"slide_position [m]": self.slide_position.T.ravel()}),
+        }
+
     def __len__(self) -> int:
         return len(self.errors)
 
@@ -82,9 +93,11 @@ class RunBatch(Frozen):
         """The runs one after the other. Raises what stopped one."""
         return (self[k] for k in range(len(self)))
 
-    def __repr__(self) -> str:
+    @property
+    def title(self) -> str:
         stalled = sum(error is not None for error in self.errors)
-        return f"<RunBatch: {len(self)} scenarios, {len(self.time)} states each{f', {stalled} stalled' if stalled else ''}>"
+        said = f", {stalled} stalled" if stalled else ""
+        return f"RunBatch of {self._driven.press.name}: {len(self)} scenarios, {len(self.time)} states each, {self.time[-1]:.6g} s{said}"
 
 
 def count(speed: Any, angle: Any, drive: Any, flywheel: Any, loads: Any) -> int | None:

@@ -12,6 +12,7 @@ from ..common.arguments import typed
 from ..common.arrays import Array
 from ..common.checks import is_number
 from ..common.errors import PinpressError, shown
+from ..common.results import Record, Records
 from ..kinematics.dead_centres import stroke_turns
 from .run import Run
 from .trajectory import DRIVE_WORK, LOAD_WORK, LOST, MOTOR_SQUARED, Sample
@@ -20,8 +21,26 @@ ROUND = 1 + 1e-12  # rounding of times and turns
 STATES = 720  # looked at in a stroke, for extremes
 
 
-@dataclass(frozen=True)
-class Duty:
+UNITS = {
+    "start": "s",
+    "duration": "s",
+    "mean_speed": "rad/s",
+    "highest_speed": "rad/s",
+    "lowest_speed": "rad/s",
+    "speed_drop": "-",
+    "drive_work": "J",
+    "load_work": "J",
+    "lost": "J",
+    "flywheel_work": "J",
+    "recovery_time": "s",
+    "motor_rms": "N m",
+    "motor_peak": "N m",
+    "utilisation": "-",
+}
+
+
+@dataclass(frozen=True, repr=False)
+class Duty(Record, units=UNITS):
     """A stroke, or any other part of a run.
 
     Attributes:
@@ -70,7 +89,7 @@ def duty(run: Run, start: float = 0.0, end: float | None = None) -> Duty:
 
 
 @typed
-def strokes(run: Run) -> tuple[Duty, ...]:
+def strokes(run: Run) -> Records[Duty]:
     """One `Duty` for each stroke, from the angle at which the run began on: for each full turn of the crank, or each several turns, where
     gears bring the slide back only after these (`DeadCentres.turns`). None where the crank does not turn as far.
 
@@ -81,19 +100,19 @@ def strokes(run: Run) -> tuple[Duty, ...]:
     travelled = run.crank_angle - run.crank_angle[0]
     first = np.flatnonzero(travelled)
     if not len(first):
-        return ()
+        return Records(Duty, ())
     direction = float(np.sign(travelled[first[0]]))
     travelled = direction * travelled
     back = np.flatnonzero(np.diff(travelled) < 0)  # strokes end where the crank turns back
     upto = int(back[0]) + 1 if len(back) else len(travelled)
     turns = stroke_turns(run.problem.driven.press)
     if turns is None:
-        return ()
+        return Records(Duty, ())
     period = 2 * np.pi * turns
     turned = travelled[:upto] / period
     count = math.floor(float(turned[-1]) * ROUND + 1e-9)
     if count == 0:
-        return ()
+        return Records(Duty, ())
     marks = np.arange(count + 1)
     times = np.interp(marks, turned, run.time[:upto])
     for _ in range(6):  # Newton's method on the path itself
@@ -101,7 +120,7 @@ def strokes(run: Run) -> tuple[Duty, ...]:
         late = position - (run.crank_angle[0] + direction * period * marks)
         step = np.where((marks > 0) & (speed != 0), late / np.where(speed == 0, 1.0, speed), 0.0)
         times = np.clip(times - step, 0.0, run.time[-1])
-    return tuple(_duties(run, times))
+    return Records(Duty, _duties(run, times))
 
 
 def _check(run: Run) -> None:

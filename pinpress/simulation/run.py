@@ -82,8 +82,9 @@ class Run(Motion):
     problem: SimulationProblem
     trajectory: Trajectory
 
-    def __repr__(self) -> str:
-        return f"<Run of {self.linkage}: {len(self.crank_angle)} states, {self.time[-1]:.6g} s, {self.stats.method}>"
+    @property
+    def title(self) -> str:
+        return f"Run of {self.linkage}: {len(self.crank_angle)} states, {self.time[-1]:.6g} s, method {self.stats.method!r}"
 
     def columns(self) -> dict[str, Array]:
         """The motion's columns, then torque and speed of the drive, its work, that of the loads, and what clutch and brake have lost."""

@@ -1,11 +1,9 @@
-"""What an engineer reads off a simulated run, as text and as a table of its strokes."""
+"""What an engineer reads off a simulated run, as text."""
 
 from collections.abc import Sequence
-from dataclasses import fields
 
 import numpy as np
 
-from ..common.arrays import Array
 from ..common.units import RPM
 from ..dynamics.inverse_dynamics import Reactions
 from ..dynamics.summary import _bearings
@@ -16,23 +14,6 @@ from .run import Run
 
 MOST_STROKES = 8  # listed in full
 FIRST_STROKES = 5  # listed of more, with the last one
-
-UNITS = {
-    "start": "s",
-    "duration": "s",
-    "mean_speed": "rad/s",
-    "highest_speed": "rad/s",
-    "lowest_speed": "rad/s",
-    "speed_drop": "-",
-    "drive_work": "J",
-    "load_work": "J",
-    "lost": "J",
-    "flywheel_work": "J",
-    "recovery_time": "s",
-    "motor_rms": "N m",
-    "motor_peak": "N m",
-    "utilisation": "-",
-}
 
 
 def simulation_summary(press: Linkage, run: Run, result: Reactions, scene: Sequence[tuple[str, str]], steady: bool = False) -> str:
@@ -65,14 +46,6 @@ def simulation_summary(press: Linkage, run: Run, result: Reactions, scene: Seque
         f"  {'steps':26}{run.stats.steps:12d}        {run.stats.evaluations} evaluations",
     ]
     return "\n".join(lines)
-
-
-def stroke_columns(run: Run) -> dict[str, Array]:
-    """The strokes of a run as columns under their names with units; without the utilisation where no rated torque is known."""
-    found = strokes(run)
-    names = [field.name for field in fields(Duty)]
-    values = {name: [getattr(stroke, name) for stroke in found] for name in names}
-    return {f"{name} [{UNITS[name]}]": np.array(column, dtype=float) for name, column in values.items() if None not in column}
 
 
 def _end(run: Run, steady: bool) -> list[str]:

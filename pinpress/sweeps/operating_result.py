@@ -2,21 +2,19 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
 
-from ..common import tables
 from ..common.arrays import Array
 from ..common.errors import UnknownNameError
-from ..common.frozen import Frozen
+from ..common.results import Tabular
 from ..common.units import RPM
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class OperatingPoints(Frozen):
+class OperatingPoints(Tabular):
     """Extremes over a period at every speed and amplitude of a load. All arrays are read-only.
 
     Attributes:
@@ -33,8 +31,10 @@ class OperatingPoints(Frozen):
     results: Mapping[str, Array]
     angles: Mapping[str, Array]
 
-    def __repr__(self) -> str:
-        return f"<OperatingPoints of {self.linkage}: {len(self.speeds)} speeds, {len(self.forces)} forces>"
+    @property
+    def title(self) -> str:
+        speeds, forces = (f"{values.min():.6g} to {values.max():.6g}" for values in (self.speeds, self.forces))
+        return f"OperatingPoints of {self.linkage}: {len(self.speeds)} speeds, {speeds} rad/s, and {len(self.forces)} forces, {forces} N"
 
     def __str__(self) -> str:
         speeds, forces = self.speeds / RPM, self.forces
@@ -55,12 +55,12 @@ class OperatingPoints(Frozen):
         """The axes of the grid by their names in the columns."""
         return {"speed": self.speeds, "force": self.forces}
 
-    @property
     def columns(self) -> dict[str, Array]:
-        """All points, forces fastest, as (n m,) columns: speed, force, results and angles."""
+        """All points, forces fastest, as (n m,) columns under their names with units: speed, force, results and angles."""
         columns = {"speed": np.repeat(self.speeds, self.shape[1]), "force": np.tile(self.forces, self.shape[0])}
         columns |= {name: values.ravel() for name, values in self.results.items()}
-        return columns | {f"angle_of_{name}": values.ravel() for name, values in self.angles.items()}
+        columns |= {f"angle_of_{name}": values.ravel() for name, values in self.angles.items()}
+        return {f"{name} [{unit(name)}]": values for name, values in columns.items()}
 
     def grid(self, name: str) -> Array:
         """A result (n, m).
@@ -71,27 +71,6 @@ class OperatingPoints(Frozen):
         if name not in self.results:
             raise UnknownNameError("result", name, self.results)
         return self.results[name]
-
-    def to_frame(self) -> tables.DataFrame:
-        """The columns, their units with their names, as a pandas DataFrame."""
-        return tables.frame(self._with_units())
-
-    def to_csv(self, path: str | os.PathLike[str]) -> None:
-        """Write the columns, a point a line, full precision, units in the header."""
-        tables.write_csv(path, self._with_units())
-
-    def to_parquet(self, path: str | os.PathLike[str]) -> None:
-        """Write the same as a Parquet file. Needs pyarrow.
-
-        Raises:
-            PinpressError: the file cannot be written, or pyarrow is not installed.
-        """
-        from .parquet import write_columns
-
-        write_columns(path, self._with_units())
-
-    def _with_units(self) -> dict[str, Array]:
-        return {f"{name} [{unit(name)}]": values for name, values in self.columns.items()}
 
 
 def unit(name: str) -> str:

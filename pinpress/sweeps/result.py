@@ -2,18 +2,16 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Mapping
 from dataclasses import dataclass
-from functools import cached_property
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ..common import tables
 from ..common.errors import UnknownNameError
 from ..common.frozen import Frozen, read_only
+from ..common.results import Tabular
 from .execution import Outcome
 from .grid import Grid, Scalar
 
@@ -34,13 +32,13 @@ class FailedPoint(Frozen):
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Sweep(Frozen):
+class Sweep(Tabular):
     """Results at all points, in the order of the grid (last axis fastest), whatever the order in which they were finished.
 
     Attributes:
         function: name of the function. axes: name -> labels. paired: the axes run side by side. shape: lengths of the axes; (n,) where
             they run side by side.
-        columns: name -> (n,): the axes' labels, then the results: masked arrays, masked at points that failed or are missing. Read-only.
+        values: name -> (n,): the axes' labels, then the results: masked arrays, masked at points that failed or are missing. Read-only.
         failed: the points that failed, with their errors.
         missing: numbers of the points that are not done yet; there are none but in what `read` finds of a sweep that was stopped.
     """
@@ -49,12 +47,13 @@ class Sweep(Frozen):
     axes: Mapping[str, tuple[Scalar, ...]]
     paired: bool
     shape: tuple[int, ...]
-    columns: Mapping[str, Column]
+    values: Mapping[str, Column]
     failed: tuple[FailedPoint, ...]
     missing: tuple[int, ...] = ()
 
-    def __repr__(self) -> str:
-        return f"<Sweep of {self.function}: {self._size} points, {self._not_there}>"
+    @property
+    def title(self) -> str:
+        return f"Sweep of {self.function}: {self._size} points, {self._not_there}"
 
     def __str__(self) -> str:
         over = " side by side" if self.paired else ""
@@ -62,7 +61,7 @@ class Sweep(Frozen):
         lines += [f"  {name:26}{len(labels):6} values, {_ends(labels)}" for name, labels in self.axes.items()]
         lines += ["", f"{'Results':28}{'smallest':>14}{'largest':>14}"]
         for name in self._results:
-            values = np.ma.compressed(self.columns[name])
+            values = np.ma.compressed(self.values[name])
             numeric = values.dtype.kind in "if"
             ends = f"{values.min():14.6g}{values.max():14.6g}" if numeric and len(values) else f"{len(set(values.tolist())):14} different"
             lines.append(f"  {name:26}{ends}")
@@ -71,33 +70,22 @@ class Sweep(Frozen):
         lines += [f"  and {len(self.failed) - 5} more"] if len(self.failed) > 5 else []
         return "\n".join(lines)
 
+    def columns(self) -> dict[str, Column | list[str]]:
+        """The values, and the errors of points that failed."""
+        errors = [""] * self._size
+        for bad in self.failed:
+            errors[bad.number] = bad.error
+        return dict(self.values) | {"error": errors}
+
     def grid(self, name: str) -> Column:
         """A result as an array of the axes' lengths, masked at points that failed.
 
         Raises:
             UnknownNameError: no such result.
         """
-        if name not in self.columns:
+        if name not in self.values:
             raise UnknownNameError("result", name, self._results)
-        return self.columns[name].reshape(self.shape)
-
-    def to_frame(self) -> tables.DataFrame:
-        """The columns, and one of errors, as a pandas DataFrame; results of failed points are missing values there."""
-        return tables.frame(self._lists)
-
-    def to_csv(self, path: str | os.PathLike[str]) -> None:
-        """Write the columns, and one of errors, a point a line, to full precision; results of failed points are left empty."""
-        tables.write_csv(path, self._lists)
-
-    def to_parquet(self, path: str | os.PathLike[str]) -> None:
-        """Write the same as a Parquet file; results of failed points are null. Needs pyarrow.
-
-        Raises:
-            PinpressError: the file cannot be written, or pyarrow is not installed.
-        """
-        from .parquet import write_columns
-
-        write_columns(path, self._lists)
+        return self.values[name].reshape(self.shape)
 
     @property
     def _size(self) -> int:
@@ -109,14 +97,7 @@ class Sweep(Frozen):
 
     @property
     def _results(self) -> list[str]:
-        return [name for name in self.columns if name not in self.axes]
-
-    @cached_property
-    def _lists(self) -> dict[str, list[object]]:
-        errors = [""] * self._size
-        for bad in self.failed:
-            errors[bad.number] = bad.error
-        return {name: values.tolist() for name, values in self.columns.items()} | {"error": list[object](errors)}
+        return [name for name in self.values if name not in self.axes]
 
 
 def table(function: str, grid: Grid, kinds: Mapping[str, str], known: Mapping[int, Outcome]) -> Sweep:
@@ -133,7 +114,7 @@ def table(function: str, grid: Grid, kinds: Mapping[str, str], known: Mapping[in
         axes=dict(grid.axes),
         paired=grid.paired,
         shape=grid.shape,
-        columns=read_only(columns),
+        values=read_only(columns),
         failed=tuple(
             FailedPoint(number, dict(zip(grid.axes, grid.labels(number), strict=True)), known[number].error)
             for number in sorted(known)

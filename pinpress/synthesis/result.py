@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Mapping
 from dataclasses import dataclass, fields
 
-from ..common import tables
 from ..common.arrays import Array
-from ..common.frozen import Frozen
+from ..common.results import Tabular
 from ..linkage.linkage import Linkage
 from .optimality import ActiveBound
 
@@ -39,7 +37,7 @@ class Row:
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class SynthesisResult(Frozen):
+class SynthesisResult(Tabular):
     """The optimum that was found.
 
     Attributes:
@@ -68,9 +66,10 @@ class SynthesisResult(Frozen):
     infeasible: int
     _rows: tuple[Row, ...]
 
-    def __repr__(self) -> str:
+    @property
+    def title(self) -> str:
         found = ", ".join(f"{name} = {value:.6g}" for name, value in self.variables.items())
-        return f"<SynthesisResult of {self.press.name}: {self.start_value:.6g} to {self.value:.6g} with {found}>"
+        return f"SynthesisResult of {self.press.name}: {self.start_value:.6g} to {self.value:.6g} with {found}"
 
     def __str__(self) -> str:
         return _text(self)
@@ -82,22 +81,6 @@ class SynthesisResult(Frozen):
     def columns(self) -> dict[str, list[object]]:
         """The table as columns; None where there is no bound."""
         return {field.name: [getattr(row, field.name) for row in self._rows] for field in fields(Row)}
-
-    def to_csv(self, path: str | os.PathLike[str]) -> None:
-        """Write the table, a row a line.
-
-        Raises:
-            PinpressError: the file cannot be written.
-        """
-        tables.write_csv(path, self.columns())
-
-    def to_frame(self) -> tables.DataFrame:
-        """The table as a pandas DataFrame.
-
-        Raises:
-            PinpressError: pandas is not installed.
-        """
-        return tables.frame(self.columns())
 
 
 def _text(found: SynthesisResult) -> str:

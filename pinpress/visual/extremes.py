@@ -9,6 +9,7 @@ import numpy as np
 
 from ..common.arguments import typed
 from ..common.arrays import Array
+from ..common.results import Record, Records
 from ..common.units import RPM
 from ..dynamics.inverse_dynamics import Reactions
 from ..kinematics.motion import Motion
@@ -18,8 +19,8 @@ from . import charts
 NOTHING = 1e-12  # of the largest value: less is rounding
 
 
-@dataclass(frozen=True)
-class Extreme:
+@dataclass(frozen=True, repr=False)
+class Extreme(Record, units={"smallest_at": "deg", "largest_at": "deg"}):
     """Extremes of one quantity over a motion's states, in its unit.
 
     Attributes:
@@ -39,7 +40,7 @@ class Extreme:
 
 
 @typed
-def extremes(reactions: Reactions) -> tuple[Extreme, ...]:
+def extremes(reactions: Reactions) -> Records[Extreme]:
     """Extremes of slide, crank speed where it is not constant, torques, bearing forces, the moments that bearings hold
     (`charts.held_moments`), shaking force and shaking moment: components along the world's axes and magnitudes.
 
@@ -50,7 +51,9 @@ def extremes(reactions: Reactions) -> tuple[Extreme, ...]:
     """
     motion = charts.driven(reactions)
     angle = charts.finite("crank angle", motion.crank_degrees)
-    return tuple(_extreme(quantity, unit, charts.finite(quantity, values), angle) for quantity, unit, values in _series(reactions))
+    return Records(
+        Extreme, (_extreme(quantity, unit, charts.finite(quantity, values), angle) for quantity, unit, values in _series(reactions))
+    )
 
 
 def _series(reactions: Reactions) -> Iterator[tuple[str, str, Array]]:

@@ -406,7 +406,7 @@ def test_arrays_are_read_only_and_times_are_even(three):
 
 def test_what_it_is_called(three):
     assert len(three) == 3
-    assert repr(three) == "<RunBatch: 3 scenarios, 41 states each>"
+    assert repr(three) == "<RunBatch of jf75g_125: 3 scenarios, 41 states each, 0.5 s>"
 
 
 def test_scenarios_one_after_the_other(three):

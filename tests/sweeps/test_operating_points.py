@@ -179,9 +179,9 @@ def test_an_elastic_die_pushes_in_proportion():
 
 
 def test_table(found, tmp_path):
-    columns = found.columns
-    np.testing.assert_array_equal(columns["peak_force_A"].reshape(60, 70), found.grid("peak_force_A"))
-    assert (columns["speed"][71], columns["force"][71]) == (SPEEDS[1], FORCES[1])
+    columns = found.columns()
+    np.testing.assert_array_equal(columns["peak_force_A [N]"].reshape(60, 70), found.grid("peak_force_A"))
+    assert (columns["speed [rad/s]"][71], columns["force [N]"][71]) == (SPEEDS[1], FORCES[1])
     found.to_csv(tmp_path / "points.csv")
     with open(tmp_path / "points.csv", newline="") as lines:
         header, first, *others = csv.reader(lines)

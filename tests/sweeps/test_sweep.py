@@ -45,22 +45,22 @@ def rows(path):
 
 
 def same(one, other):
-    assert list(one.columns) == list(other.columns)
+    assert list(one.values) == list(other.values)
     assert one.failed == other.failed
-    for name, column in one.columns.items():
-        assert column.dtype == other.columns[name].dtype
-        np.testing.assert_array_equal(np.ma.getmaskarray(column), np.ma.getmaskarray(other.columns[name]))
-        assert column.tolist() == other.columns[name].tolist()
+    for name, column in one.values.items():
+        assert column.dtype == other.values[name].dtype
+        np.testing.assert_array_equal(np.ma.getmaskarray(column), np.ma.getmaskarray(other.values[name]))
+        assert column.tolist() == other.values[name].tolist()
 
 
 def test_last_axis_is_the_fastest():
     found = sweep(product, GRID)
     assert found.shape == (3, 2)
-    assert found.columns["a"].tolist() == [3, 3, 1, 1, 2, 2]
-    assert found.columns["b"].tolist() == [0.5, 4.0] * 3
+    assert found.values["a"].tolist() == [3, 3, 1, 1, 2, 2]
+    assert found.values["b"].tolist() == [0.5, 4.0] * 3
     np.testing.assert_array_equal(found.grid("product"), np.outer(GRID["a"], GRID["b"]))
-    assert found.columns["even"].dtype == bool
-    assert found.columns["which"].tolist() == ["a", "b, or, both", "a", "b, or, both", "a", "b, or, both"]
+    assert found.values["even"].dtype == bool
+    assert found.values["which"].tolist() == ["a", "b, or, both", "a", "b, or, both", "a", "b, or, both"]
     assert found.failed == ()
     with pytest.raises(pp.UnknownNameError, match="product"):
         found.grid("produkt")
@@ -81,7 +81,7 @@ def test_objects_under_labels():
         return {"torque": pp.inverse_dynamics(press, motion, loads, bearings=()).driving_torque.max()}
 
     found = sweep(torque, {"loads": dies, "speed": [5.0, 10.0]})
-    assert found.columns["loads"].tolist() == ["none", "none", "drawing", "drawing"]
+    assert found.values["loads"].tolist() == ["none", "none", "drawing", "drawing"]
     for i, loads in enumerate(dies.values()):
         for j, speed in enumerate((5.0, 10.0)):
             expected = pp.inverse_dynamics(press, pp.cycle(press, speed, points=60), loads).driving_torque.max()
@@ -106,9 +106,9 @@ def test_file_is_read_again_and_written_out(file, tmp_path):
     same(second, alone)
     assert os.listdir(tmp_path) == [file.name]
     frame = second.to_frame()
-    assert frame["product"].tolist() == alone.columns["product"].tolist()
+    assert frame["product"].tolist() == alone.values["product"].tolist()
     second.to_csv(tmp_path / "table.csv")
-    assert [float(row[2]) for row in rows(tmp_path / "table.csv")[1:]] == alone.columns["product"].tolist()
+    assert [float(row[2]) for row in rows(tmp_path / "table.csv")[1:]] == alone.values["product"].tolist()
     pandas = pytest.importorskip("pandas")
     second.to_parquet(tmp_path / "table.parquet")
     pandas.testing.assert_frame_equal(pandas.read_parquet(tmp_path / "table.parquet"), frame, check_dtype=False)
@@ -138,7 +138,7 @@ def test_failed_points_are_recorded_and_done_again_where_asked(file):
 def test_all_points_fail(file):
     found = sweep(fails_at_odd, {"a": [1, 3]}, to=file)
     assert len(found.failed) == 2
-    assert list(found.columns) == ["a"]
+    assert list(found.values) == ["a"]
     same(sweep(fails_at_odd, {"a": [1, 3]}, to=file), found)
 
 
@@ -165,7 +165,7 @@ def test_what_a_table_cannot_hold_has_failed(returned, words):
 def test_words_come_back_as_they_were(file):
     words = ["", "a,b", 'say "x"', "two\nlines", "two\r\nlines", "two\rlines", "\r", ",00000000\n0", "1.0", "True", "é 滑块"]
     found = sweep(lambda k: {"word": words[k]}, {"k": range(len(words))}, to=file)
-    assert sweep(lambda k: {}, {"k": range(len(words))}, to=file).columns["word"].tolist() == words == found.columns["word"].tolist()
+    assert sweep(lambda k: {}, {"k": range(len(words))}, to=file).values["word"].tolist() == words == found.values["word"].tolist()
     found.to_csv(file.with_name("table.csv"))
     assert [row[1] for row in rows(file.with_name("table.csv"))[1:]] == words
 
@@ -173,8 +173,8 @@ def test_words_come_back_as_they_were(file):
 def test_labels_of_several_kinds(file):
     grid = {"size": {1: 10, "large": 30, 2.5: 20}, "left": [True, False]}
     found = sweep(lambda size, left: {"x": -size if left else size}, grid, to=file)
-    assert found.columns["size"].tolist() == [1, 1, "large", "large", 2.5, 2.5]
-    assert found.columns["x"].tolist() == [-10, 10, -30, 30, -20, 20]
+    assert found.values["size"].tolist() == [1, 1, "large", "large", 2.5, 2.5]
+    assert found.values["x"].tolist() == [-10, 10, -30, 30, -20, 20]
     same(sweep(lambda size, left: {}, grid, to=file), found)
 
 
@@ -189,7 +189,7 @@ def test_names_may_come_in_any_order(file):
         return {"x": a, "y": -a} if a % 2 else {"y": -a, "x": a}
 
     found = sweep(either, {"a": range(4)}, to=file)
-    assert found.columns["x"].tolist() == [0, 1, 2, 3]
+    assert found.values["x"].tolist() == [0, 1, 2, 3]
     same(sweep(either, {"a": range(4)}, to=file), found)
 
 
@@ -197,9 +197,9 @@ def test_numbers_come_back_bit_by_bit(file):
     numbers = [0.1 + 0.2, -0.0, 5e-324, 1.7976931348623157e308, 2.0, 2, -(2**53), np.float64(1 / 3), np.float32(0.1), np.int64(7), 1e22]
     found = sweep(lambda k: {"x": numbers[k]}, {"k": range(len(numbers))}, to=file)
     again = sweep(lambda k: {}, {"k": range(len(numbers))}, to=file)
-    assert again.columns["x"].tobytes() == found.columns["x"].tobytes() == np.array([float(number) for number in numbers]).tobytes()
+    assert again.values["x"].tobytes() == found.values["x"].tobytes() == np.array([float(number) for number in numbers]).tobytes()
     sweep(lambda k: {"x": k}, {"k": range(3)}, to=file.with_name("whole.sqlite"))
-    assert sweep(lambda k: {}, {"k": range(3)}, to=file.with_name("whole.sqlite")).columns["x"].dtype == np.int64
+    assert sweep(lambda k: {}, {"k": range(3)}, to=file.with_name("whole.sqlite")).values["x"].dtype == np.int64
 
 
 def test_a_file_without_points_is_begun(file):
@@ -379,7 +379,7 @@ def test_a_sweep_that_was_stopped_can_be_read(file):
     whole = sweep(told, {"k": range(30)})
     assert found.missing == tuple(range(12, 30))
     assert found.failed == whole.failed[:2]
-    assert np.ma.compressed(found.columns["word"]).tolist() == np.ma.compressed(whole.columns["word"][:12]).tolist()
+    assert np.ma.compressed(found.values["word"]).tolist() == np.ma.compressed(whole.values["word"][:12]).tolist()
     assert "2 of which failed, 18 are not done" in str(found)
     found.to_csv(file.with_name("table.csv"))
     assert [row[1] for row in rows(file.with_name("table.csv"))[12:15]] == ["1.1", "", ""]
@@ -478,7 +478,7 @@ def test_a_point_that_kills_its_worker_has_failed(file, how):
     assert [bad.number for bad in found.failed] == [20, 200, 201]
     assert "ends the process that it runs in" in found.failed[0].error
     good = [a for a in range(300) if a not in (20, 200, 201)]
-    assert np.ma.compressed(found.columns["twice"]).tolist() == [2 * a for a in good]
+    assert np.ma.compressed(found.values["twice"]).tolist() == [2 * a for a in good]
     called = Counter(log.read_text().split())
     assert max(called[str(a)] for a in (20, 200, 201)) <= 3
     again = sweep(partial(dies, at=(), how=how, log=str(log)), {"a": range(300)}, to=file)
@@ -534,7 +534,7 @@ def test_whatever_a_function_raises_the_sweep_goes_on(error, processes):
         found = sweep(partial(raises_at_1, error=type(error)), {"a": [0, 1, 2]}, executor=pool)
     assert [bad.number for bad in found.failed] == [1]
     assert found.failed[0].error.startswith(f"{type(error).__name__}: ")
-    assert found.columns["twice"].tolist() == [0, None, 4]
+    assert found.values["twice"].tolist() == [0, None, 4]
 
 
 def test_few_points_are_in_flight_and_the_executor_stays_open():
@@ -558,7 +558,7 @@ def test_few_points_are_in_flight_and_the_executor_stays_open():
     with Counting(2) as pool:
         found = sweep(lambda a: {"x": a}, {"a": range(5000)}, executor=pool, in_flight=3)
         assert pool.submit(int, 3).result() == 3
-    assert found.columns["x"].tolist() == list(range(5000))
+    assert found.values["x"].tolist() == list(range(5000))
     assert most <= 3
 
 
@@ -578,14 +578,14 @@ def test_a_task_that_takes_longer_than_expected_hands_points_back():
             slow_at_the_end, {"a": range(1010)}, executor=pool, in_flight=1, progress=lambda share: shares.append((share, len(begun)))
         )
     assert begun == list(range(1000, 1010))
-    assert found.columns["x"].tolist() == list(range(1010))
+    assert found.values["x"].tolist() == list(range(1010))
     assert np.diff([count for _, count in shares]).max() <= 4
 
 
 def test_ctrl_c_in_a_worker_stops_the_sweep(file):
     with ProcessPoolExecutor(1) as pool, pytest.raises(KeyboardInterrupt):
         sweep(partial(raises_at_1, error=KeyboardInterrupt), {"a": [0, 1, 2]}, to=file, executor=pool)
-    assert sweep(partial(raises_at_1, error=ValueError), {"a": [0, 1, 2]}, to=file).columns["twice"].tolist() == [0, None, 4]
+    assert sweep(partial(raises_at_1, error=ValueError), {"a": [0, 1, 2]}, to=file).values["twice"].tolist() == [0, None, 4]
 
 
 def test_interrupted_and_resumed(file):
@@ -599,7 +599,7 @@ def test_interrupted_and_resumed(file):
     with pytest.raises(KeyboardInterrupt):
         sweep(interrupted, {"a": range(6)}, to=file)
     resumed = True
-    assert sweep(interrupted, {"a": range(6)}, to=file).columns["x"].tolist() == done == list(range(6))
+    assert sweep(interrupted, {"a": range(6)}, to=file).values["x"].tolist() == done == list(range(6))
 
 
 def test_one_at_a_time(tmp_path):
@@ -632,5 +632,5 @@ def test_one_at_a_time(tmp_path):
     finally:
         holder.send_signal(signal.SIGKILL)
         holder.wait()
-    assert sweep(partial(logged, log=str(log), pause=0), {"a": [1]}, to=other).columns["twice"].tolist() == [2]
+    assert sweep(partial(logged, log=str(log), pause=0), {"a": [1]}, to=other).values["twice"].tolist() == [2]
     assert sorted(os.listdir(tmp_path)) == ["log", "other.sqlite", "r.sqlite"]

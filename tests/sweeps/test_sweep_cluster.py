@@ -71,8 +71,8 @@ def test_a_worker_is_killed_in_the_middle(cluster, tmp_path):
         found = sweep(function, {"a": points}, to=file, executor=client.get_executor(), in_flight=8, progress=kill)
     assert killed == [workers[0].pid]
     assert found.failed == ()
-    assert found.columns["twice"].tolist() == [2 * a for a in points]
-    by = Counter(found.columns["process"].tolist())
+    assert found.values["twice"].tolist() == [2 * a for a in points]
+    by = Counter(found.values["process"].tolist())
     assert set(by) == {worker.pid for worker in workers}, "both have worked"
     done = Counter(int(line.split(",")[0]) for line in log.read_text().splitlines())
     assert sorted(done) == list(points)

@@ -81,8 +81,8 @@ def test_killed_twice_and_resumed(tmp_path):
     assert executions(log) == done  # all of it was there
     assert found.failed == ()
     for number in range(0, points, max(1, points // 20) + 1):
-        speed, inertia = (float(found.columns[name][number]) for name in ("speed", "inertia"))
+        speed, inertia = (float(found.values[name][number]) for name in ("speed", "inertia"))
         again = stroke(speed, inertia, log=os.devnull)
-        assert {name: found.columns[name][number] for name in again} == again
+        assert {name: found.values[name][number] for name in again} == again
         alone = pp.simulate(PRESS, DURATION, speed=speed, flywheel=pp.drives.Flywheel(inertia), points=2)
         np.testing.assert_allclose([again["angle"], again["speed_after"]], [alone.crank_angle[-1], alone.crank_speed[-1]], rtol=1e-12)

@@ -1,0 +1,141 @@
+"""Results: tables that print, write and show themselves.
+
+Every result class is a `Tabular`: it gives its `title` and its `columns`, all else follows from these. One of a single row is a `Record`,
+which gives but the units of its fields; several of these together are `Records`.
+"""
+
+import os
+from collections.abc import Iterable, Mapping
+from dataclasses import fields
+from typing import Any, ClassVar, TypeVar
+
+from . import tables, text
+from .frozen import Frozen, FrozenMapping
+from .tables import Column, Columns
+
+
+class Tabular(Frozen):
+    """Base of results: columns of equal length, whose names carry the units, as in "slide_velocity [m/s]"."""
+
+    @property
+    def title(self) -> str:
+        """What this is, in a line: its kind, of which press, and its main numbers with their units."""
+        raise NotImplementedError
+
+    def columns(self) -> Columns:
+        """All quantities as columns (n,) under their names with units."""
+        raise NotImplementedError
+
+    def to_csv(self, path: str | os.PathLike[str]) -> None:
+        """Write a CSV file: the columns' names, then a row a line, to full precision. What has no value is left empty.
+
+        Raises:
+            PinpressError: a number is not finite, or the file cannot be written.
+        """
+        tables.write_csv(path, self.columns())
+
+    def to_frame(self) -> "tables.DataFrame":
+        """The columns as a pandas DataFrame.
+
+        Raises:
+            PinpressError: pandas is not installed.
+        """
+        return tables.frame(self.columns())
+
+    def to_mat(self, path: str | os.PathLike[str]) -> None:
+        """Write a MATLAB file with one vector a column, under its name without the unit.
+
+        Raises:
+            PinpressError: a number is not finite, or the file cannot be written.
+        """
+        tables.write_mat(path, self.columns())
+
+    def to_parquet(self, path: str | os.PathLike[str]) -> None:
+        """Write a Parquet file. What has no value is null there. Needs pyarrow.
+
+        Raises:
+            PinpressError: the file cannot be written, or pyarrow is not installed.
+        """
+        tables.write_parquet(path, self.columns())
+
+    def __repr__(self) -> str:
+        return f"<{self.title}>"
+
+    def __str__(self) -> str:
+        columns = self.columns()
+        width = 4 + max(map(len, columns), default=0)
+        return "\n".join([self.title, *text.table([["", "smallest", "largest"]], [width, 14]), *tables.ranges(columns, width)])
+
+    def _repr_html_(self) -> str:
+        return tables.html(self.title, self.columns())
+
+
+class Record(Tabular):
+    """Base of results of one row: a dataclass of numbers and words, a field a column. Fields without a value are left out.
+
+    Args:
+        units: of the class: field -> unit, of those that have one.
+    """
+
+    units: ClassVar[Mapping[str, str]]
+
+    def __init_subclass__(cls, units: Mapping[str, str] = FrozenMapping({}), **others: Any) -> None:
+        super().__init_subclass__(**others)
+        cls.units = units
+
+    @property
+    def title(self) -> str:
+        """Its kind, and all fields with their units."""
+        return f"{type(self).__name__}: {', '.join(f'{name} {value} {unit}'.rstrip() for name, value, unit in self._cells())}"
+
+    def columns(self) -> dict[str, Column]:
+        """The fields as columns of one row."""
+        return Records(type(self), [self]).columns()
+
+    def __str__(self) -> str:
+        lines = text.table(([name.replace("_", " "), value, f" {unit}"] for name, value, unit in self._cells()), [26, 14, 0])
+        return "\n".join([type(self).__name__, *(line.rstrip() for line in lines)])
+
+    def _cells(self) -> list[tuple[str, str, str]]:
+        """Name, value and unit of every field that has a value."""
+        found = ((each.name, getattr(self, each.name)) for each in fields(self))  # type: ignore[arg-type]  # a dataclass
+        return [(name, text.number(value), self.units.get(name, "")) for name, value in found if value is not None]
+
+
+R = TypeVar("R", bound=Record)
+
+
+class Records(Tabular, tuple[R, ...]):
+    """A tuple of records of one kind, which is a table with one a row."""
+
+    kind: type[R]
+
+    def __new__(cls, kind: type[R], records: Iterable[R]) -> "Records[R]":
+        made = super().__new__(cls, records)
+        made.kind = kind
+        return made
+
+    def __getnewargs__(self) -> tuple[type[R], tuple[R, ...]]:  # to be copied and pickled
+        return self.kind, tuple(self)
+
+    @property
+    def title(self) -> str:
+        """How many there are of what."""
+        return f"{len(self)} x {self.kind.__name__}"
+
+    def columns(self) -> dict[str, Column]:
+        """The fields as columns (n,) under their names with units, those left out that have no value in any record."""
+        found: dict[str, Column] = {}
+        for each in fields(self.kind):  # type: ignore[arg-type]  # a dataclass
+            unit, values = self.kind.units.get(each.name), [getattr(record, each.name) for record in self]
+            if not values or any(value is not None for value in values):
+                found[f"{each.name} [{unit}]" if unit else each.name] = values
+        return found
+
+    def __repr__(self) -> str:
+        return tuple.__repr__(self)
+
+    def __str__(self) -> str:
+        columns = self.columns()
+        rows = zip(*columns.values(), strict=True)
+        return "\n".join([self.title, *text.fitted([list(columns), *([text.number(value) for value in row] for row in rows)])])

@@ -1,0 +1,42 @@
+"""Tables as lines of text: the first column flush left, all others flush right."""
+
+from collections.abc import Iterable, Sequence
+from typing import TypeVar
+
+T = TypeVar("T")
+
+GAP = "..."  # stands for what is left out of a long table
+
+
+def table(rows: Iterable[Sequence[str]], widths: Sequence[int], indent: str = "  ") -> list[str]:
+    """Lines of a table.
+
+    Args:
+        rows: cells of each line.
+        widths: letters of every column; a longer cell moves those after it. The last one counts for all columns that follow.
+        indent: what each line begins with.
+    """
+    return [indent + "".join(_cell(k, cell, widths[min(k, len(widths) - 1)]) for k, cell in enumerate(row)) for row in rows]
+
+
+def fitted(rows: Sequence[Sequence[str]], indent: str = "  ") -> list[str]:
+    """Lines of a table whose columns are as wide as their longest cell, two letters apart."""
+    longest = [max(map(len, column)) for column in zip(*rows, strict=True)]
+    return table(rows, [longest[0], *(2 + width for width in longest[1:])] if longest else [0], indent)
+
+
+def shortened(items: Sequence[T], most: int) -> list[T | None]:
+    """What is shown of rows or columns: all up to ``most``, else the first and last ones with None for those between."""
+    half = most // 2
+    return [*items] if len(items) <= most else [*items[:half], None, *items[-half:]]
+
+
+def number(value: object) -> str:
+    """A value as tables show it: six digits of a number, nothing for None."""
+    if value is None:
+        return ""
+    return f"{value:.6g}" if isinstance(value, float) else str(value)
+
+
+def _cell(place: int, cell: str, width: int) -> str:
+    return cell.rjust(width) if place else cell.ljust(width)
