@@ -1,20 +1,23 @@
-"""A press with its driveline and forces as equations over time: right-hand sides, and the functions whose zeros switch them.
+"""A driven press as equations over time that switch: its rates in a mode, and the events that end the mode.
 
-Between switchings everything is smooth: each force keeps to its interval, clutch and brake to their mode, also where an integrator looks
-beyond.
+In a mode everything is smooth: each force keeps to its interval, each coupling to its grip, the drive to one side of every corner of its
+torque, also where an integrator looks beyond. An `Event` has a margin, positive in the mode; where it falls below zero the event says which
+mode comes after. A brake is a coupling to the frame, whose speed is zero.
 """
 
 import math
+from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from dataclasses import dataclass
+from enum import Enum
 from functools import cached_property
-from typing import Any, NamedTuple, Protocol
+from typing import Any, Literal, NamedTuple, Protocol
 
 import numpy as np
 
 from ..common.arrays import Array
 from ..common.errors import SimulationError
-from ..drives.couplings import Brake, Clutch
+from ..drives.couplings import Brake, Clutch, SwitchPoint
 from ..loads.caller_laws import LawError
 from ..loads.process import ForceInterval
 from .driven_press import DrivenPress, GeneralizedForce
@@ -26,15 +29,15 @@ STARTS = 1e-9  # acceleration of a press that stands, beside that by the loads t
 AT_REST = 1e-9  # crank speed, beside the run's largest, at which a stop is one
 STALLED = "the press stalls: it comes to rest, and the load holds it there against the drive"
 
-OPEN, SLIPPING, HOLDING = "open", "slipping", "holding"
-
-Split = tuple[Any, float, tuple[float, ...]]
-"""The instant, speed of the drive's shaft, the drive's states."""
-
 
 class Dynamics(Protocol):
-    """The linkage as it is integrated: its crank alone, or all its joints. ``size``: of position and speed; ``crank``: its place there;
-    ``alone``: whether it is the only driver, so that the linkage rests where it does."""
+    """The linkage as it is integrated: its crank alone, or all its joints.
+
+    Attributes:
+        size: of position and speed.
+        crank: place of the crank in them.
+        alone: whether the crank is the only driver, so that the linkage rests where it does.
+    """
 
     size: int
     crank: int
@@ -63,33 +66,55 @@ class Dynamics(Protocol):
         """States (size, n) with their loops closed."""
 
 
-class Grip(NamedTuple):
-    """State of a clutch or brake.
+class Snapshot(NamedTuple):
+    """A state as forces see it: what `Dynamics.at` gives, speed of the drive's shaft, the drive's states."""
+
+    linkage: Any
+    shaft_speed: float
+    states: tuple[float, ...]
+
+
+# ------------------------------------------------------------------------------------------------------------------------------- modes
+
+Side = Literal["clutch", "brake"]
+"""Which coupling: a field of `Mode` and of `DrivenPress`."""
+
+
+class Grip(Enum):
+    """What a clutch or brake does."""
+
+    OPEN = "open"
+    SLIPPING = "slipping"
+    HOLDING = "holding"
+
+
+class CouplingMode(NamedTuple):
+    """Mode of a clutch or brake.
 
     Attributes:
-        state: `OPEN`, `SLIPPING` or `HOLDING`. sign: of the torque while it slips. since: when it closed [s].
-        spent: opened for good. way: +1 or -1, in which the crank has to pass the angle that switches it.
+        grip: what it does.
+        sign: of its torque on the crank while it slips.
+        since: when it closed [s].
+        spent: whether it has opened for good.
+        way: +1 or -1, in which the crank has to pass the angle that switches it.
     """
 
-    state: str
+    grip: Grip
     sign: int = 0
     since: float = -math.inf
     spent: bool = False
     way: int = 1
 
-    def capacity(self, friction: Clutch | Brake, time: float) -> float:
+    def capacity(self, coupling: Clutch | Brake, time: float) -> float:
         """Torque that it can transmit [N m]."""
-        return friction.torque * min(1.0, max(0.0, (time - self.since) / friction.rise)) if friction.rise else friction.torque
+        return coupling.torque * min(1.0, max(0.0, (time - self.since) / coupling.rise)) if coupling.rise else coupling.torque
+
+    def torque(self, coupling: Clutch | Brake | None, time: float) -> float:
+        """Friction torque on the crank, while it slips [N m]."""
+        return self.sign * self.capacity(coupling, time) if coupling is not None and self.grip is Grip.SLIPPING else 0.0
 
 
-class Mode(NamedTuple):
-    """Mode of a driveline."""
-
-    clutch: Grip
-    brake: Grip
-
-
-class Place(NamedTuple):
+class ForceMode(NamedTuple):
     """Where a force is: between two values of its coordinate, which rises or falls; the interval that acts there; whether that pushes."""
 
     low: float
@@ -99,55 +124,55 @@ class Place(NamedTuple):
     pushing: bool = True
 
 
-class Modes(NamedTuple):
-    """All that is switched: the driveline's mode, the place of every force (None of one in time), and on which side of the corners of its
-    torque the drive runs; whether the press is ``standing``, held by loads that resist either way."""
+class Mode(NamedTuple):
+    """All that is switched.
 
-    line: Mode
-    places: tuple[Place | None, ...]
+    Attributes:
+        clutch, brake: their modes; of one that is missing, holding and open.
+        forces: of every force; None of one in time.
+        sides: +1 or -1, on which side of the corners of its torque the drive runs.
+        standing: whether the press stands, held by loads that resist either way.
+    """
+
+    clutch: CouplingMode
+    brake: CouplingMode
+    forces: tuple[ForceMode | None, ...]
     sides: tuple[int, ...] = ()
     standing: bool = False
 
+    def with_coupling(self, side: Side, mode: CouplingMode) -> "Mode":
+        return self._replace(clutch=mode) if side == "clutch" else self._replace(brake=mode)
 
-class Switch(NamedTuple):
-    """What a switching function is of: a force ("low", "high", "turn", "contact"), the drive ("corner"), a clutch or brake ("grips",
-    "slips", "closes", "opens"), or a press that stands ("starts", +1 or -1)."""
-
-    what: str
-    of: int | str
+    def with_force(self, k: int, mode: ForceMode) -> "Mode":
+        return self._replace(forces=(*self.forces[:k], mode, *self.forces[k + 1 :]))
 
 
-def place_of(force: GeneralizedForce, inside: float, rising: bool, value: float, rate: float) -> Place:
-    """Place of a force at a value of its coordinate; ``inside`` is a value near it that is on no border."""
+def force_mode(force: GeneralizedForce, inside: float, rising: bool, value: float, rate: float) -> ForceMode:
+    """Mode of a force at a value of its coordinate; ``inside`` is a value near it that is on no border."""
     borders = force.borders()
     low = max((b for b in borders if b < inside), default=-math.inf)
     high = min((b for b in borders if b >= inside), default=math.inf)
     interval = next((s for s in force.intervals(rising) if s.lower < inside - force.datum <= s.upper), None)
     pushing = interval is None or not interval.one_sided or float(interval.force(value - force.datum, rate)) >= 0
-    return Place(low, high, rising, interval, pushing)
+    return ForceMode(low, high, rising, interval, pushing)
 
 
-def begin(driven: DrivenPress, angle: float, speed: float) -> tuple[Mode, tuple[float, ...]]:
-    """Mode of the couplings and states at the start: the drive's own, and of a clutch's driving side the speed."""
-    states = () if driven.drive is None else tuple(driven.drive.state)
-    own = speed
-    if driven.clutch is not None:
-        if driven.flywheel is not None and driven.flywheel.speed is not None:
-            own = driven.flywheel.speed
-        states = (*states, own)
-    clutch, brake = _grip(driven.clutch, angle, speed, own - speed, HOLDING), _grip(driven.brake, angle, speed, speed, OPEN)
-    return Mode(clutch, brake), states
-
-
-def _grip(friction: Clutch | Brake | None, angle: float, speed: float, relative: float, missing: str) -> Grip:
-    """State at the start, at a relative speed of the two sides; one that is ``missing`` is as if it did that for good."""
-    if friction is None:
-        return Grip(missing)
-    at = friction.closes or friction.opens
+def _at_start(coupling: Clutch | Brake | None, angle: float, speed: float, relative: float, missing: Grip) -> CouplingMode:
+    """Mode at the start, at a speed ``relative`` to the crank; one that is ``missing`` is as if it did that for good."""
+    if coupling is None:
+        return CouplingMode(missing)
+    at = coupling.closes or coupling.opens
     way = 1 if at is None or at.angle is None or at.angle > angle or (at.angle == angle and speed >= 0) else -1
-    if friction.closes is not None:
-        return Grip(OPEN, way=way)
-    return Grip(SLIPPING, 1 if relative > 0 else -1, way=way) if relative else Grip(HOLDING, way=way)
+    if coupling.closes is not None:
+        return CouplingMode(Grip.OPEN, way=way)
+    return CouplingMode(Grip.SLIPPING, _sign(relative), way=way) if relative else CouplingMode(Grip.HOLDING, way=way)
+
+
+def _sign(value: float) -> int:
+    return 1 if value > 0 else -1
+
+
+# ------------------------------------------------------------------------------------------------------------------------------ system
 
 
 @dataclass(frozen=True, eq=False)
@@ -158,16 +183,35 @@ class HybridSystem:
     dynamics: Dynamics
     driven: DrivenPress
 
-    def begin(self, position: Array, speed: Array, states: tuple[float, ...], integrals: Array) -> Array:
-        """The vector at the start."""
-        return np.concatenate([position, speed, states, integrals])
+    def begin(
+        self, time: float, position: Array, speed: Array, integrals: Array, states: tuple[float, ...] | None = None
+    ) -> tuple[Mode, Array]:
+        """Mode and vector at the start; ``states`` of the drive: None for those that it starts with.
 
-    def split(self, y: Array) -> Split:
-        """The instant, speed of the drive's shaft, the drive's states."""
+        Raises:
+            SimulationError: the press stalls there.
+        """
+        driven, crank = self.driven, self.dynamics.crank
+        angle, turning = float(position[crank]), float(speed[crank])
+        if states is None:
+            states = () if driven.drive is None else tuple(driven.drive.state)
+        shaft = turning
+        if driven.clutch is not None:
+            if driven.flywheel is not None and driven.flywheel.speed is not None:
+                shaft = driven.flywheel.speed
+            states = (*states, shaft)
+        clutch = _at_start(driven.clutch, angle, turning, shaft - turning, missing=Grip.HOLDING)
+        brake = _at_start(driven.brake, angle, turning, -turning, missing=Grip.OPEN)
+        y = np.concatenate([position, speed, states, integrals])
+        forces = tuple(None if force.time is not None else ForceMode(-math.inf, math.inf, True, None) for force in driven.forces)
+        return self.placed(self.past_corner(Mode(clutch, brake, forces), y), time, y), y
+
+    def at(self, y: Array) -> Snapshot:
+        """The state of a vector."""
         n = self.dynamics.size
-        instant = self.dynamics.at(y[:n], y[n : 2 * n])
+        linkage = self.dynamics.at(y[:n], y[n : 2 * n])
         states = tuple(y[2 * n : -len(INTEGRALS)].tolist())
-        return (instant, instant.speed, states) if self.driven.clutch is None else (instant, states[-1], states[:-1])
+        return Snapshot(linkage, linkage.speed, states) if self.driven.clutch is None else Snapshot(linkage, states[-1], states[:-1])
 
     def driving(self, times: Array, columns: Array) -> tuple[Array, Array, Array]:
         """Torque of the drive, and of its motor at its own shaft [N m], and the speed of the drive's side of the clutch [rad/s], (n,) each,
@@ -181,56 +225,55 @@ class HybridSystem:
         torque, motor = (np.array([float(np.ravel(law(*one))[0]) for one in at]) for law in (drive.torque, drive.motor_torque))
         return torque, motor, own
 
-    def rates(self, modes: Modes, time: float, y: Array) -> Array:
+    # Rates
+
+    def rates(self, mode: Mode, time: float, y: Array) -> Array:
         """dy/dt (len(y),)."""
         try:
-            return self._rates(modes, time, y)
+            return self._coasting(y) if self._free else self._rates(mode, time, y)
         except LawError as error:
-            raise error.within(time, float(self.split(y)[0].angle)) from error.__cause__
-
-    def _rates(self, modes: Modes, time: float, y: Array) -> Array:
-        n, driven = self.dynamics.size, self.driven
-        if self.free:
-            return self._coasting(y)
-        instant, own, states = self.split(y)
-        torque = self._drive_torque(own, instant.angle, time, states)
-        forces, taken, put_in, squared = self._forces(modes, time, instant)
-        through, braking = self._transmitted(modes.line, time, instant.speed, own)
-        result, accelerated = np.zeros(len(y)), 0.0
-        if modes.line.brake.state != HOLDING and not modes.standing:
-            rigid = modes.line.clutch.state == HOLDING
-            on_crank, inertia = (torque, driven.inertia) if rigid else (through, 0.0)
-            result[:n] = y[n : 2 * n]
-            result[n : 2 * n] = accelerations = self.dynamics.accelerations(instant, on_crank - braking, forces, inertia)
-            accelerated = self.dynamics.of_crank(accelerations)
-        if driven.drive is not None and states:
-            result[2 * n : 2 * n + len(states)] = driven.drive.rates(own, instant.angle, time, states)
-        if driven.clutch is not None:
-            result[2 * n + len(states)] = accelerated if modes.line.clutch.state == HOLDING else (torque - through) / driven.inertia
-        motor = 0.0 if driven.drive is None else driven.drive.motor_torque(own, instant.angle, time, states)
-        lost = through * (own - instant.speed) + braking * instant.speed
-        result[-len(INTEGRALS) :] = (torque * own + put_in, taken, motor * motor + squared, lost)
-        return result
+            raise error.within(time, float(self.at(y).linkage.angle)) from error.__cause__
 
     @cached_property
-    def free(self) -> bool:
+    def _free(self) -> bool:
         """Whether there are no forces but inertia and weight."""
         driven = self.driven
-        return driven.drive is None and driven.clutch is None and driven.brake is None and not self.driven.forces
+        return driven.drive is None and driven.clutch is None and driven.brake is None and not driven.forces
 
     def _coasting(self, y: Array) -> Array:
         n = self.dynamics.size
         result = np.zeros(len(y))
         result[:n] = speed = y[n : 2 * n]
-        instant = self.dynamics.at(y[:n], speed)
-        result[n : 2 * n] = self.dynamics.accelerations(instant, 0.0, (), self.driven.inertia)
+        linkage = self.dynamics.at(y[:n], speed)
+        result[n : 2 * n] = self.dynamics.accelerations(linkage, 0.0, (), self.driven.inertia)
         return result
 
-    def _forces(self, modes: Modes, time: float, instant: Any) -> tuple[list[float], float, float, float]:
+    def _rates(self, mode: Mode, time: float, y: Array) -> Array:
+        n, driven = self.dynamics.size, self.driven
+        linkage, shaft_speed, states = at = self.at(y)
+        torque = self.drive_torque(time, at)
+        forces, taken, put_in, squared = self._forces(mode, time, linkage)
+        through, braking = mode.clutch.torque(driven.clutch, time), mode.brake.torque(driven.brake, time)
+        rigid, result, accelerated = mode.clutch.grip is Grip.HOLDING, np.zeros(len(y)), 0.0
+        if mode.brake.grip is not Grip.HOLDING and not mode.standing:
+            on_crank, inertia = (torque, driven.inertia) if rigid else (through, 0.0)
+            result[:n] = y[n : 2 * n]
+            result[n : 2 * n] = accelerations = self.dynamics.accelerations(linkage, on_crank + braking, forces, inertia)
+            accelerated = self.dynamics.of_crank(accelerations)
+        if driven.drive is not None and states:
+            result[2 * n : 2 * n + len(states)] = driven.drive.rates(shaft_speed, linkage.angle, time, states)
+        if driven.clutch is not None:
+            result[2 * n + len(states)] = accelerated if rigid else (torque - through) / driven.inertia
+        motor = 0.0 if driven.drive is None else driven.drive.motor_torque(shaft_speed, linkage.angle, time, states)
+        lost = through * (shaft_speed - linkage.speed) - braking * linkage.speed
+        result[-len(INTEGRALS) :] = (torque * shaft_speed + put_in, taken, motor * motor + squared, lost)
+        return result
+
+    def _forces(self, mode: Mode, time: float, linkage: Any) -> tuple[list[float], float, float, float]:
         """The forces along every coordinate, the power that they take, that of further drives, and the square of these motors' torque."""
-        forces, taken, driven, squared = [0.0] * len(instant.coordinates), 0.0, 0.0, 0.0
-        for force, place in zip(self.driven.forces, modes.places, strict=True):
-            value, rate = instant.coordinates[force.row]
+        forces, taken, put_in, squared = [0.0] * len(linkage.coordinates), 0.0, 0.0, 0.0
+        for force, place in zip(self.driven.forces, mode.forces, strict=True):
+            value, rate = linkage.coordinates[force.row]
             if force.time is not None:
                 size = float(force.time(time))
             elif place is None or place.interval is None or not place.pushing:
@@ -241,271 +284,366 @@ class HybridSystem:
             if force.drive is None:
                 taken -= size * rate
             else:
-                driven += size * rate
+                put_in += size * rate
                 squared += float(force.drive.motor_torque(rate)) ** 2
-        return forces, taken, driven, squared
+        return forces, taken, put_in, squared
 
-    def heeds_speed(self, modes: Modes, time: float, y: Array) -> bool:
+    def drive_torque(self, time: float, at: Snapshot) -> Any:
+        """Torque of the drive at the driver joint [N m]."""
+        drive = self.driven.drive
+        return 0.0 if drive is None else drive.torque(at.shaft_speed, at.linkage.angle, time, at.states)
+
+    def acceleration(self, mode: Mode, time: float, at: Snapshot, more: float = 0.0) -> float:
+        """Acceleration of a crank that is free to turn, under so much more torque."""
+        driven = self.driven
+        forces = self._forces(mode, time, at.linkage)[0]
+        rigid = mode.clutch.grip is Grip.HOLDING
+        on_crank, inertia = (self.drive_torque(time, at), driven.inertia) if rigid else (mode.clutch.torque(driven.clutch, time), 0.0)
+        torque = on_crank + mode.brake.torque(driven.brake, time) + more
+        return self.dynamics.of_crank(self.dynamics.accelerations(at.linkage, torque, forces, inertia))
+
+    def heeds_speed(self, mode: Mode, time: float, y: Array) -> bool:
         """Whether anything but angle and speed of the crank counts, or forces in this state depend on its speed or way."""
         n, driven = self.dynamics.size, self.driven
         if n > 1 or len(y) > 2 + len(INTEGRALS) or driven.clutch is not None or driven.brake is not None:
             return True
-        if any(force.time is not None or force.rising is not force.falling for force in self.driven.forces):
+        if any(force.time is not None or force.rising is not force.falling for force in driven.forces):
             return True
         found = []
         for share in (1.0, 0.5, 0.0, -1.0):
-            instant = self.dynamics.at(y[:n], share * y[n : 2 * n])
-            found.append(
-                (*self._forces(modes, time, instant)[0], float(np.ravel(self._drive_torque(instant.speed, instant.angle, time, ()))[0]))
-            )
+            linkage = self.dynamics.at(y[:n], share * y[n : 2 * n])
+            torque = float(np.ravel(self.drive_torque(time, Snapshot(linkage, linkage.speed, ())))[0])
+            found.append((*self._forces(mode, time, linkage)[0], torque))
         return found.count(found[0]) < len(found)
 
-    def _transmitted(self, mode: Mode, time: float, speed: float, own: float) -> tuple[float, float]:
-        """Friction torques on the crank of a slipping clutch, along, and of a slipping brake, against the positive direction."""
-        through = braking = 0.0
-        if self.driven.clutch is not None and mode.clutch.state == SLIPPING:
-            through = mode.clutch.sign * mode.clutch.capacity(self.driven.clutch, time)
-        if self.driven.brake is not None and mode.brake.state == SLIPPING:
-            braking = mode.brake.sign * mode.brake.capacity(self.driven.brake, time)
-        return through, braking
+    # Events
 
-    def _drive_torque(self, speed: float, angle: float, time: float, states: tuple[float, ...]) -> Any:
-        """Torque of the drive at the driver joint, at its own side's speed [N m]."""
-        return 0.0 if self.driven.drive is None else self.driven.drive.torque(speed, angle, time, states)
+    def events(self, mode: Mode) -> "tuple[Event, ...]":
+        """All that ends a mode."""
+        couplings = [*self._of_coupling("clutch", mode.clutch), *self._of_coupling("brake", mode.brake)]
+        if mode.standing:
+            starts = () if mode.brake.grip is Grip.HOLDING else (PressStarts(1), PressStarts(-1))
+            return (*couplings, *starts)
+        found: list[Event] = []
+        for k, place in enumerate(mode.forces):
+            if place is not None:
+                found += self._of_force(k, place)
+        found += [CornerPassed(k, corner, side) for k, (corner, side) in enumerate(zip(self.driven.corners, mode.sides, strict=True))]
+        return (*found, *couplings)
 
-    # Switching
-
-    def switches(self, modes: Modes, time: float, y: Array) -> dict[Switch, float]:
-        """Switching functions: positive in these modes; where one falls below zero the modes change."""
-        state = instant, own, _ = self.split(y)
-        found: dict[Switch, float] = {}
-        if modes.standing:
-            return found | self._line_switches(modes, time, y, state) | self._starts(modes, time, y)
-        for k, (force, place) in enumerate(zip(self.driven.forces, modes.places, strict=True)):
-            if place is None:
-                continue
-            value, rate = instant.coordinates[force.row]
-            if math.isfinite(place.low):
-                found[Switch("low", k)] = value - place.low
-            if math.isfinite(place.high):
-                found[Switch("high", k)] = place.high - value
-            if force.rising is not force.falling:
-                found[Switch("turn", k)] = rate if place.rising else -rate
-            if place.interval is not None and place.interval.one_sided:
-                law = float(place.interval.force(value - force.datum, rate))
-                found[Switch("contact", k)] = law if place.pushing else -law
-        for k, (corner, side) in enumerate(zip(self.corners, modes.sides, strict=True)):
-            found[Switch("corner", k)] = side * (own - corner)
-        return found | self._line_switches(modes, time, y, state)
-
-    def _line_switches(self, modes: Modes, time: float, y: Array, state: Split) -> dict[Switch, float]:
-        """Switching functions of clutch and brake; ``state``: the vector, split."""
-        instant, own, _ = state
-        found: dict[Switch, float] = {}
-        for which, friction, grip, relative in (
-            ("clutch", self.driven.clutch, modes.line.clutch, own - instant.speed),
-            ("brake", self.driven.brake, modes.line.brake, instant.speed),
-        ):
-            if friction is None:
-                continue
-            at = friction.closes if grip.state == OPEN and not grip.spent else friction.opens if grip.state != OPEN else None
-            if at is not None:
-                along = time - at.time if at.time is not None else (instant.angle - (at.angle or 0.0)) * grip.way
-                found[Switch("closes" if grip.state == OPEN else "opens", which)] = -along
-            if grip.state == SLIPPING:
-                found[Switch("grips", which)] = grip.sign * relative
-            elif grip.state == HOLDING:
-                found[Switch("slips", which)] = grip.capacity(friction, time) - abs(self._held(modes, time, y, which, state))
+    def _of_force(self, k: int, place: ForceMode) -> "list[Event]":
+        force, found = self.driven.forces[k], list[Event]()
+        if math.isfinite(place.low):
+            found.append(BorderPassed(k, force.row, place.low, upwards=False))
+        if math.isfinite(place.high):
+            found.append(BorderPassed(k, force.row, place.high, upwards=True))
+        if force.rising is not force.falling:
+            found.append(CoordinateTurns(k, force.row, place.rising))
+        if place.interval is not None and place.interval.one_sided:
+            found.append(ContactChanges(k, force.row, force.datum, place.interval, place.pushing))
         return found
 
-    def _starts(self, modes: Modes, time: float, y: Array) -> dict[Switch, float]:
-        """Switching functions of a press that stands: it starts either way once the drive overcomes what resists that way."""
-        if modes.line.brake.state == HOLDING:
-            return {}
-        n, free = self.dynamics.size, {}
-        for way in (1, -1):
-            free[way] = self._accelerated(
-                self._looking(modes, *self.dynamics.moved(y[:n], way * LITTLE), moving=False), time, self.split(y)
-            )[0]
-        more = STARTS * abs(free[-1] - free[1])
-        return {Switch("starts", 1): more - free[1], Switch("starts", -1): more + free[-1]}
+    def _of_coupling(self, side: Side, mode: CouplingMode) -> "list[Event]":
+        coupling, found = getattr(self.driven, side), list[Event]()
+        if coupling is None:
+            return found
+        is_open = mode.grip is Grip.OPEN
+        at = coupling.closes if is_open and not mode.spent else coupling.opens if not is_open else None
+        if at is not None:
+            found.append(CouplingSwitched(side, at, mode.way, closes=is_open))
+        if mode.grip is Grip.SLIPPING:
+            found.append(CouplingGrips(side, mode.sign))
+        elif mode.grip is Grip.HOLDING:
+            found.append(CouplingSlips(side, mode, coupling))
+        return found
 
-    def _held(self, modes: Modes, time: float, y: Array, which: str, state: Split) -> float:
-        """Torque that a holding clutch or brake transmits: the clutch to the crank along, the brake against the positive direction."""
-        instant, own, states = state
-        torque = float(self._drive_torque(own, instant.angle, time, states))
-        if which == "clutch":
-            free, _ = self._accelerated(modes, time, state)
-            return torque if modes.line.brake.state == HOLDING else torque - self.driven.inertia * free
-        n, needed = self.dynamics.size, []
-        ways = (1.0, -1.0) if any(force.rising is not force.falling for force in self.driven.forces) else (0.0,)
-        for way in ways:
-            tried = self._looking(modes, *self.dynamics.moved(y[:n], way * LITTLE), moving=False) if way else modes
-            free, pushed = self._accelerated(tried, time, self.split(y))  # anew: looking elsewhere has moved the linkage
-            needed.append(free / (pushed - free))  # the torque that leaves the crank at rest
-        # at rest a load of one direction takes anything up to its force: it is the least that the brake has to hold
-        return 0.0 if min(needed) <= 0 <= max(needed) else min(needed, key=abs)
+    def margins(self, events: "Sequence[Event]", mode: Mode, time: float, y: Array) -> list[float]:
+        """How far each of the events is away: positive in this mode; where one falls below zero the mode ends."""
+        at = self.at(y)
+        return [event.margin(self, mode, time, y, at) for event in events]
 
-    def _accelerated(self, modes: Modes, time: float, state: Split) -> tuple[float, float]:
-        """The crank's acceleration, and that under 1 N m more."""
-        instant, own, states = state
-        forces = self._forces(modes, time, instant)[0]
-        through, braking = self._transmitted(modes.line, time, instant.speed, own)
-        rigid = modes.line.clutch.state == HOLDING
-        torque = self._drive_torque(own, instant.angle, time, states)
-        on_crank, inertia = (torque, self.driven.inertia) if rigid else (through, 0.0)
-        both = [self.dynamics.accelerations(instant, on_crank - braking + more, forces, inertia) for more in (0.0, 1.0)]
-        return self.dynamics.of_crank(both[0]), self.dynamics.of_crank(both[1])
-
-    def initial(self, time: float, y: Array, line: Mode) -> Modes:
-        """Modes of a state, at the start of a run or after a standstill."""
-        places = tuple(None if force.time is not None else Place(-math.inf, math.inf, True, None) for force in self.driven.forces)
-        return self.placed(self.past_corner(Modes(line, places), y), time, y)
-
-    @property
-    def corners(self) -> tuple[float, ...]:
-        """Speeds at which the drive's torque is not smooth."""
-        return self.driven.corners
-
-    def past_corner(self, modes: Modes, y: Array) -> Modes:
-        """The modes with the drive on the side of every corner to which its speed tends."""
-        if not self.corners:
-            return modes
-        own = self.split(y)[1]
-        sides = modes.sides or (0,) * len(self.corners)
-        near = min(range(len(self.corners)), key=lambda k: abs(own - self.corners[k]))
-        return modes._replace(
+    def past_corner(self, mode: Mode, y: Array) -> Mode:
+        """The mode with the drive on the side of every corner to which its speed tends."""
+        corners = self.driven.corners
+        if not corners:
+            return mode
+        own = self.at(y).shaft_speed
+        sides = mode.sides or (0,) * len(corners)
+        near = min(range(len(corners)), key=lambda k: abs(own - corners[k]))
+        return mode._replace(
             sides=tuple(
                 -side if side and k == near else side or (1 if own >= corner else -1)
-                for k, (corner, side) in enumerate(zip(self.corners, sides, strict=True))
+                for k, (corner, side) in enumerate(zip(corners, sides, strict=True))
             )
         )
 
-    def placed(self, modes: Modes, time: float, y: Array) -> Modes:
-        """The modes with every force put where it is; at rest the way is that in which the crank starts.
+    # Standstill
+
+    def placed(self, mode: Mode, time: float, y: Array) -> Mode:
+        """The mode with every force put where it is; at rest the way is that in which the crank starts.
 
         Raises:
             SimulationError: the loads hold the press from both sides, and nothing that depends on time can change that.
         """
-        modes = modes._replace(standing=False)
+        mode = mode._replace(standing=False)
         n = self.dynamics.size
-        speed = y[n : 2 * n]
-        instant = self.dynamics.at(y[:n], speed)
-        if not self.driven.forces or all(place is None for place in modes.places):
-            return modes
+        position, speed = y[:n], y[n : 2 * n]
+        linkage = self.dynamics.at(position, speed)
+        if not self.driven.forces or all(place is None for place in mode.forces):
+            return mode
         if not self.dynamics.alone:  # the first crank's rest is not the linkage's
-            return self._looking(modes, y[:n] + AHEAD * speed, speed, moving=True)
-        if instant.speed:
-            return self._looking(modes, y[:n] + LITTLE / abs(instant.speed) * speed, speed, moving=True)
-        still: Modes | None = None
+            return self._looking(mode, position + AHEAD * speed, speed, moving=True)
+        if linkage.speed:
+            return self._looking(mode, position + LITTLE / abs(linkage.speed) * speed, speed, moving=True)
+        still: Mode | None = None
         for way in (1.0, -1.0):
-            ahead = self.dynamics.moved(y[:n], way * LITTLE)
-            tried = self._looking(modes, *ahead, moving=False)
-            result = self.rates(tried, time, y)
-            acceleration = self.dynamics.of_crank(result[n : 2 * n])
-            if acceleration * way > 0 or modes.line.brake.state == HOLDING:
+            tried = self.looking(mode, position, way)
+            acceleration = self.dynamics.of_crank(self.rates(tried, time, y)[n : 2 * n])
+            if acceleration * way > 0 or mode.brake.grip is Grip.HOLDING:
                 return tried
             still = tried if acceleration == 0.0 else still
         if still is not None:
             return still
-        if self.waits:
-            return modes._replace(standing=True)
-        raise SimulationError(STALLED, time, instant.angle)
+        if self._waits:
+            return mode._replace(standing=True)
+        raise SimulationError(STALLED, time, linkage.angle)
 
     @cached_property
-    def waits(self) -> bool:
+    def _waits(self) -> bool:
         """Whether a press at rest may be started later: by the drive, a force in time, clutch or brake."""
         driven = self.driven
         drives = (driven.drive is not None and driven.drive.timed) or driven.clutch is not None or driven.brake is not None
-        return drives or any(force.time is not None for force in self.driven.forces)
+        return drives or any(force.time is not None for force in driven.forces)
 
-    def _looking(self, modes: Modes, position: Array, speed: Array, moving: bool) -> Modes:
-        """The modes with every force put where it is at a state a little ahead."""
-        instant = self.dynamics.at(position, speed)
+    def looking(self, mode: Mode, position: Array, way: float) -> Mode:
+        """The mode with every force put where it is when the crank starts from rest, one way or the other."""
+        return self._looking(mode, *self.dynamics.moved(position, way * LITTLE), moving=False)
+
+    def _looking(self, mode: Mode, position: Array, speed: Array, moving: bool) -> Mode:
+        """The mode with every force put where it is at a state a little ahead."""
+        linkage = self.dynamics.at(position, speed)
         places = []
-        for force, place in zip(self.driven.forces, modes.places, strict=True):
-            value, rate = instant.coordinates[force.row]
-            places.append(None if place is None else place_of(force, value, rate > 0, value, rate if moving else 0.0))
-        return modes._replace(places=tuple(places))
+        for force, place in zip(self.driven.forces, mode.forces, strict=True):
+            value, rate = linkage.coordinates[force.row]
+            places.append(None if place is None else force_mode(force, value, rate > 0, value, rate if moving else 0.0))
+        return mode._replace(forces=tuple(places))
 
-    def after(self, switch: Switch, modes: Modes, time: float, y: Array, fastest: float) -> tuple[Modes, Array]:
-        """Modes and vector after a switching.
+    def held(self, side: Side, mode: Mode, time: float, y: Array, at: Snapshot) -> float:
+        """Torque on the crank that a coupling has to transmit to hold [N m]."""
+        if side == "clutch":
+            free, torque = self.acceleration(mode, time, at), float(self.drive_torque(time, at))
+            return torque if mode.brake.grip is Grip.HOLDING else torque - self.driven.inertia * free
+        needed = []
+        ways = (1.0, -1.0) if any(force.rising is not force.falling for force in self.driven.forces) else (0.0,)
+        for way in ways:
+            tried = self.looking(mode, y[: self.dynamics.size], way) if way else mode
+            here = self.at(y)  # anew: looking elsewhere has moved the linkage
+            free, pushed = self.acceleration(tried, time, here), self.acceleration(tried, time, here, more=1.0)
+            needed.append(-free / (pushed - free))  # the torque that leaves the crank at rest
+        # at rest a load of one direction takes anything up to its force: it is the least that the brake has to hold
+        return 0.0 if min(needed) <= 0 <= max(needed) else min(needed, key=abs)
+
+
+# ------------------------------------------------------------------------------------------------------------------------------ events
+
+
+class Event(ABC):
+    """What ends a mode."""
+
+    @abstractmethod
+    def margin(self, system: HybridSystem, mode: Mode, time: float, y: Array, at: Snapshot) -> float:
+        """How far it is away: positive in the mode, below zero once it has come."""
+
+    @abstractmethod
+    def after(self, system: HybridSystem, mode: Mode, time: float, y: Array, fastest: float) -> tuple[Mode, Array]:
+        """Mode and vector after it; ``fastest``: largest crank speed of the run.
 
         Raises:
             SimulationError: the press stalls.
         """
-        if switch.what == "corner":
-            sides = tuple(-side if k == switch.of else side for k, side in enumerate(modes.sides))
-            return modes._replace(sides=sides), y
-        instant = self.split(y)[0]
-        stops = switch.what == "turn" and abs(instant.speed) <= AT_REST * fastest and self.dynamics.alone
-        if stops and modes.line.brake.state == SLIPPING:  # what happens at rest is for the brake to decide
-            return self._line_switched(Switch("grips", "brake"), "brake", modes, time, y)
-        n = self.dynamics.size
-        if switch.what == "starts":
-            way = float(switch.of)
-            return self._looking(modes, *self.dynamics.moved(y[:n], way * LITTLE), moving=False)._replace(standing=False), y
-        if isinstance(switch.of, int):
-            modes = self._force_switched(switch, switch.of, modes, time, y, fastest)
-            if modes.standing:
-                y = y.copy()
-                y[n : 2 * n] = 0.0
-            return modes, y
-        return self._line_switched(switch, str(switch.of), modes, time, y)
 
-    def _force_switched(self, switch: Switch, k: int, modes: Modes, time: float, y: Array, fastest: float) -> Modes:
-        place, force = modes.places[k], self.driven.forces[k]
+
+@dataclass(frozen=True, eq=False, slots=True)
+class BorderPassed(Event):
+    """The coordinate of a force leaves the interval between two of its borders."""
+
+    force: int
+    row: int
+    border: float
+    upwards: bool
+
+    def margin(self, system: HybridSystem, mode: Mode, time: float, y: Array, at: Snapshot) -> float:
+        value: float = at.linkage.coordinates[self.row][0]
+        return self.border - value if self.upwards else value - self.border
+
+    def after(self, system: HybridSystem, mode: Mode, time: float, y: Array, fastest: float) -> tuple[Mode, Array]:
+        force, place = system.driven.forces[self.force], mode.forces[self.force]
         assert place is not None
-        instant, _, _ = self.split(y)
-        value, rate = instant.coordinates[force.row]
-        if switch.what == "contact":
-            place = place._replace(pushing=not place.pushing)
-        elif switch.what == "turn":
-            if abs(instant.speed) <= AT_REST * fastest and self.dynamics.alone:  # not a dead centre: the crank itself stops
-                n = self.dynamics.size
-                rest = y.copy()
-                rest[n : 2 * n] = 0.0
-                return self.placed(modes, time, rest)
-            inside = 0.5 * (max(place.low, value - 1.0) + min(place.high, value + 1.0))
-            place = place_of(force, inside, not place.rising, value, rate)
+        if self.upwards:
+            following = min((b for b in force.borders() if b > self.border), default=self.border + 1.0)
         else:
-            border = place.low if switch.what == "low" else place.high
-            if switch.what == "low":
-                following = max((b for b in force.borders() if b < border), default=border - 1.0)
-            else:
-                following = min((b for b in force.borders() if b > border), default=border + 1.0)
-            place = place_of(force, 0.5 * (border + following), place.rising, border, rate)
-        return modes._replace(places=(*modes.places[:k], place, *modes.places[k + 1 :]))
+            following = max((b for b in force.borders() if b < self.border), default=self.border - 1.0)
+        rate = system.at(y).linkage.coordinates[self.row][1]
+        place = force_mode(force, 0.5 * (self.border + following), place.rising, self.border, rate)
+        return mode.with_force(self.force, place), y
 
-    def _line_switched(self, switch: Switch, which: str, modes: Modes, time: float, y: Array) -> tuple[Modes, Array]:
-        n = self.dynamics.size
-        instant, own, _ = self.split(y)
-        relative = own - instant.speed if which == "clutch" else instant.speed
-        friction: Clutch | Brake | None = self.driven.clutch if which == "clutch" else self.driven.brake
-        assert friction is not None
-        grip: Grip = getattr(modes.line, which)
-        if switch.what == "opens":
-            grip = Grip(OPEN, spent=True)
-        elif switch.what == "closes":
-            way = 1 if friction.opens is None or friction.opens.angle is None or friction.opens.angle > instant.angle else -1
-            grip = Grip(SLIPPING, 1 if relative > 0 else -1, time, way=way) if relative else Grip(HOLDING, 0, time, way=way)
-        elif switch.what == "grips":
-            y = y.copy()
-            if which == "clutch":
-                y[2 * n + len(y[2 * n : -len(INTEGRALS)]) - 1] = instant.speed
-            else:
-                self.dynamics.stands(instant, time)
-                y[n : 2 * n] = 0.0
-            grip = grip._replace(state=HOLDING)
+
+@dataclass(frozen=True, eq=False, slots=True)
+class CoordinateTurns(Event):
+    """The coordinate of a force, which depends on its way, turns back: at a dead centre, or where the crank itself stops."""
+
+    force: int
+    row: int
+    rising: bool
+
+    def margin(self, system: HybridSystem, mode: Mode, time: float, y: Array, at: Snapshot) -> float:
+        rate: float = at.linkage.coordinates[self.row][1]
+        return rate if self.rising else -rate
+
+    def after(self, system: HybridSystem, mode: Mode, time: float, y: Array, fastest: float) -> tuple[Mode, Array]:
+        linkage = system.at(y).linkage
+        if abs(linkage.speed) <= AT_REST * fastest and system.dynamics.alone:
+            return self._at_rest(system, mode, time, y)
+        force, place, (value, rate) = system.driven.forces[self.force], mode.forces[self.force], linkage.coordinates[self.row]
+        assert place is not None
+        inside = 0.5 * (max(place.low, value - 1.0) + min(place.high, value + 1.0))
+        return mode.with_force(self.force, force_mode(force, inside, not place.rising, value, rate)), y
+
+    def _at_rest(self, system: HybridSystem, mode: Mode, time: float, y: Array) -> tuple[Mode, Array]:
+        if mode.brake.grip is Grip.SLIPPING:  # what happens at rest is for the brake to decide
+            return CouplingGrips("brake", mode.brake.sign).after(system, mode, time, y, 0.0)
+        n, rest = system.dynamics.size, y.copy()
+        rest[n : 2 * n] = 0.0
+        mode = system.placed(mode, time, rest)
+        return mode, rest if mode.standing else y
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class ContactChanges(Event):
+    """A one-sided force would pull, or pushes again."""
+
+    force: int
+    row: int
+    datum: float
+    interval: ForceInterval
+    pushing: bool
+
+    def margin(self, system: HybridSystem, mode: Mode, time: float, y: Array, at: Snapshot) -> float:
+        value, rate = at.linkage.coordinates[self.row]
+        law = float(self.interval.force(value - self.datum, rate))
+        return law if self.pushing else -law
+
+    def after(self, system: HybridSystem, mode: Mode, time: float, y: Array, fastest: float) -> tuple[Mode, Array]:
+        place = mode.forces[self.force]
+        assert place is not None
+        return mode.with_force(self.force, place._replace(pushing=not place.pushing)), y
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class CornerPassed(Event):
+    """The drive's shaft passes a speed at which its torque is not smooth."""
+
+    corner: int
+    speed: float
+    side: int
+
+    def margin(self, system: HybridSystem, mode: Mode, time: float, y: Array, at: Snapshot) -> float:
+        return self.side * (at.shaft_speed - self.speed)
+
+    def after(self, system: HybridSystem, mode: Mode, time: float, y: Array, fastest: float) -> tuple[Mode, Array]:
+        return mode._replace(sides=tuple(-side if k == self.corner else side for k, side in enumerate(mode.sides))), y
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class CouplingSwitched(Event):
+    """A clutch or brake closes, or opens for good, at its time or angle."""
+
+    side: Side
+    when: SwitchPoint
+    way: int
+    closes: bool
+
+    def margin(self, system: HybridSystem, mode: Mode, time: float, y: Array, at: Snapshot) -> float:
+        past = time - self.when.time if self.when.time is not None else (at.linkage.angle - (self.when.angle or 0.0)) * self.way
+        return -past
+
+    def after(self, system: HybridSystem, mode: Mode, time: float, y: Array, fastest: float) -> tuple[Mode, Array]:
+        at = system.at(y)
+        if not self.closes:
+            return _released(system, self.side, mode.with_coupling(self.side, CouplingMode(Grip.OPEN, spent=True)), time, y, at)
+        opens, relative = getattr(system.driven, self.side).opens, _relative_speed(self.side, at)
+        way = 1 if opens is None or opens.angle is None or opens.angle > at.linkage.angle else -1
+        grip, sign = (Grip.SLIPPING, _sign(relative)) if relative else (Grip.HOLDING, 0)
+        return mode.with_coupling(self.side, CouplingMode(grip, sign, time, way=way)), y
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class CouplingGrips(Event):
+    """Both sides of a slipping coupling have come to the same speed."""
+
+    side: Side
+    sign: int
+
+    def margin(self, system: HybridSystem, mode: Mode, time: float, y: Array, at: Snapshot) -> float:
+        return self.sign * _relative_speed(self.side, at)
+
+    def after(self, system: HybridSystem, mode: Mode, time: float, y: Array, fastest: float) -> tuple[Mode, Array]:
+        n, linkage, y = system.dynamics.size, system.at(y).linkage, y.copy()
+        if self.side == "clutch":
+            y[-len(INTEGRALS) - 1] = linkage.speed
         else:
-            held = self._held(modes, time, y, which, self.split(y))
-            grip = grip._replace(state=SLIPPING, sign=1 if held > 0 else -1)
-        modes = modes._replace(line=modes.line._replace(**{which: grip}))
-        if switch.what == "grips":
-            held = self._held(modes, time, y, which, self.split(y))
-            if abs(held) > grip.capacity(friction, time):  # it cannot hold: it slips on, the other way
-                grip = grip._replace(state=SLIPPING, sign=1 if held > 0 else -1)
-                modes = modes._replace(line=modes.line._replace(**{which: grip}))
-        if which == "brake" and switch.what in ("opens", "slips") and not instant.speed:
-            modes = self.placed(modes, time, y)
-        return modes, y
+            system.dynamics.stands(linkage, time)
+            y[n : 2 * n] = 0.0
+        coupling: CouplingMode = getattr(mode, self.side)._replace(grip=Grip.HOLDING)
+        mode = mode.with_coupling(self.side, coupling)
+        held = system.held(self.side, mode, time, y, system.at(y))
+        if abs(held) > coupling.capacity(getattr(system.driven, self.side), time):  # it cannot hold: it slips on, the other way
+            mode = mode.with_coupling(self.side, coupling._replace(grip=Grip.SLIPPING, sign=_sign(held)))
+        return mode, y
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class CouplingSlips(Event):
+    """A holding coupling would have to transmit more than it can."""
+
+    side: Side
+    mode: CouplingMode
+    coupling: Clutch | Brake
+
+    def margin(self, system: HybridSystem, mode: Mode, time: float, y: Array, at: Snapshot) -> float:
+        return self.mode.capacity(self.coupling, time) - abs(system.held(self.side, mode, time, y, at))
+
+    def after(self, system: HybridSystem, mode: Mode, time: float, y: Array, fastest: float) -> tuple[Mode, Array]:
+        at = system.at(y)
+        held = system.held(self.side, mode, time, y, at)
+        mode = mode.with_coupling(self.side, self.mode._replace(grip=Grip.SLIPPING, sign=_sign(held)))
+        return _released(system, self.side, mode, time, y, at)
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class PressStarts(Event):
+    """The drive overcomes what resists a standing press one way."""
+
+    way: int
+
+    def margin(self, system: HybridSystem, mode: Mode, time: float, y: Array, at: Snapshot) -> float:
+        forward, back = (self._tending(system, mode, time, y, way) for way in (1, -1))
+        return STARTS * abs(back - forward) - self.way * (forward if self.way > 0 else back)
+
+    def _tending(self, system: HybridSystem, mode: Mode, time: float, y: Array, way: int) -> float:
+        """Acceleration with which the crank would start one way."""
+        tried = system.looking(mode, y[: system.dynamics.size], way)
+        return system.acceleration(tried, time, system.at(y))  # seen anew: looking elsewhere has moved the linkage
+
+    def after(self, system: HybridSystem, mode: Mode, time: float, y: Array, fastest: float) -> tuple[Mode, Array]:
+        return system.looking(mode, y[: system.dynamics.size], self.way)._replace(standing=False), y
+
+
+def _relative_speed(side: Side, at: Snapshot) -> float:
+    """Speed of a coupling's other side, beside the crank's."""
+    return at.shaft_speed - at.linkage.speed if side == "clutch" else -at.linkage.speed  # type: ignore[no-any-return]
+
+
+def _released(system: HybridSystem, side: Side, mode: Mode, time: float, y: Array, at: Snapshot) -> tuple[Mode, Array]:
+    """Mode after a coupling holds no longer: a press that a brake held at rest starts, or stands by its loads."""
+    return system.placed(mode, time, y) if side == "brake" and not at.linkage.speed else mode, y

@@ -152,9 +152,9 @@ def simulate(
     plausibility.speeds("speed", speeds)
     with np.errstate(all="ignore"):  # what is not finite is refused where it arises
         problem = _problem(press, method, (drive, flywheel, loads, clutch, brake), angles, speeds, until, tolerance, fixed)
-        path = march(problem, progress)
-        run = as_run(problem, path, points, began, start_sensitivity(problem, path))
-    if (since := path.standing) is not None:
+        trajectory = march(problem, progress)
+        run = as_run(problem, trajectory, points, began, start_sensitivity(problem, trajectory))
+    if (since := trajectory.standing) is not None:
         caution(
             f"the press stands from {since:.6g} s to the end, at crank angle {np.degrees(run.crank_angle[-1]):.6g} deg: the load holds it"
             " there against the drive"

@@ -18,7 +18,7 @@ from ..loads.caller_laws import LawError
 from .angle_solver import AngleSegment, AngleSolver
 from .collocation import LEAST
 from .driven_press import DrivenPress, not_positive, too_slow
-from .hybrid_system import HybridSystem, Mode, begin
+from .hybrid_system import HybridSystem, Mode
 from .reduced_model import INERTIA, POTENTIAL, ReducedDynamics
 from .trajectory import INTEGRALS, RepetitionSegment, Segment, StandstillSegment, State, Trajectory
 
@@ -153,7 +153,12 @@ class OverTime:
         return False
 
     def advance(self, state: State, before: Sequence[Segment]) -> Leg:
-        from . import time_solver as over_time  # SciPy's integrators take long to import, and a crank that turns does without
+        from .time_solver import (
+            BY_STIFFNESS,
+            IMPLICIT,
+            Settings,
+            integrate,
+        )  # SciPy's integrators take long to import, and turning needs none
 
         problem, driven = self.problem, self.problem.driven
         system = _reduced_system(driven)
@@ -161,26 +166,14 @@ class OverTime:
             self.threshold = _turning_energy(driven, state, before)
         elif state is self.handed:  # too early
             self.threshold *= AGAIN
-        solver = over_time.IMPLICIT if problem.method == "implicit" else over_time.BY_STIFFNESS
+        method = IMPLICIT if problem.method == "implicit" else BY_STIFFNESS
         segments: list[Segment] = []
         while True:
             mode, y = _begun(system, state)
+            settings = Settings(problem.tolerance, _sizes(driven, y), problem.step, method)
             followed = _Followed(driven, self.threshold, state.speed, self.swings) if self.turns else None
             try:
-                segment, y = over_time.run(
-                    system,
-                    system.initial(state.time, y, mode),
-                    state.time,
-                    y,
-                    problem.until,
-                    problem.tolerance,
-                    _sizes(driven, y),
-                    problem.step,
-                    driven.breaks,
-                    solver,
-                    followed,
-                    self.progress,
-                )
+                segment, y = integrate(system, mode, state.time, y, problem.until, settings, followed, self.progress)
             except SimulationError as error:
                 least, where = _least_inertia(driven)
                 if least > 0 or isinstance(error, LawError):
@@ -225,7 +218,7 @@ def _turning_energy(driven: DrivenPress, state: State, before: Sequence[Segment]
 def _swinging(system: HybridSystem, segment: "TimeSegment", tolerance: float, until: float) -> "list[Segment] | None":
     """A crank that swings to and fro under forces that do not depend on its speed: a whole swing, to a tolerance in its own measure, and
     its repetition. None where it does not come back."""
-    from . import time_solver as over_time  # imports SciPy's integrators
+    from .time_solver import IMPLICIT, Settings, integrate  # imports SciPy's integrators
 
     begin, turn, again = segment.stops()[-3:]
     sample = segment.at(np.array([begin, turn]), complete=False)
@@ -233,22 +226,11 @@ def _swinging(system: HybridSystem, segment: "TimeSegment", tolerance: float, un
     if at == beyond:  # it stands, but for rounding
         return None
     mode, y = _begun(system, State(begin, float(at), 0.0, sample.integrals[:, 0]))
-    scale = _sizes(system.driven, y)
-    scale[:2] = abs(beyond - at), abs(beyond - at) * 2 * np.pi / (again - begin)
+    sizes = _sizes(system.driven, y)
+    sizes[:2] = abs(beyond - at), abs(beyond - at) * 2 * np.pi / (again - begin)
     followed = _Followed(system.driven, np.inf, 0.0, swings=True)
-    swing, _ = over_time.run(
-        system,
-        system.initial(begin, y, mode),
-        begin,
-        y,
-        begin + 2 * (again - begin),
-        tolerance,
-        scale,
-        None,
-        (),
-        over_time.IMPLICIT,
-        followed,
-    )
+    end = begin + 2 * (again - begin)
+    swing, _ = integrate(system, mode, begin, y, end, Settings(tolerance, sizes, method=IMPLICIT), followed)
     stops = swing.stops()
     return [swing, RepetitionSegment(Trajectory([swing]), begin, stops[2], until)] if len(stops) > 2 else None
 
@@ -263,8 +245,8 @@ class AllJointsOverTime:
         return False
 
     def advance(self, state: State, before: Sequence[Segment]) -> Leg:
-        from . import time_solver as over_time  # imports SciPy's integrators
         from .full_dynamics import FullDynamics  # imports Pinocchio's constraint dynamics
+        from .time_solver import Settings, integrate  # imports SciPy's integrators
 
         problem, driven, press = self.problem, self.problem.driven, self.problem.driven.press
         angle, speed = problem.angle, problem.speed
@@ -272,26 +254,15 @@ class AllJointsOverTime:
         system = HybridSystem(joints, driven)
         several = len(press.drivers) > 1
         first = cycle(press, angle=angle[None], speed=speed[None]) if several else carried(press, angle, speed)
-        mode, states = begin(driven, state.angle, state.speed)
-        y = system.begin(first.joint_position[0], first.v[0], states, state.integrals)
+        mode, y = system.begin(state.time, first.joint_position[0], first.v[0], state.integrals)
         # sizes: of angles 1, of the speed that gravity gives them; travels count in lengths of the linkage
         rate = max(float(np.abs(speed).max()), math.sqrt(float(np.linalg.norm(press.model.gravity.linear)) / press.size)) or 1.0
         lengths = np.array([1.0 if axis.turns else press.size for axis in press.axes])
         energy = joints.energy(np.concatenate([first.joint_position[0], rate * np.ones(joints.size)]))
-        scale = np.concatenate([lengths, lengths * rate, _of_states(driven, len(states), rate), [energy, energy, np.inf, energy]])
-        segment, _ = over_time.run(
-            system,
-            system.initial(0.0, y, mode),
-            0.0,
-            y,
-            problem.until,
-            problem.tolerance,
-            scale,
-            problem.step,
-            driven.breaks,
-            over_time.BY_STIFFNESS,
-            progress=self.progress,
-        )
+        of_states = _of_states(driven, len(y) - 2 * joints.size - len(INTEGRALS), rate)
+        sizes = np.concatenate([lengths, lengths * rate, of_states, [energy, energy, np.inf, energy]])
+        settings = Settings(problem.tolerance, sizes, problem.step)
+        segment, _ = integrate(system, mode, state.time, y, problem.until, settings, progress=self.progress)
         return Leg([segment], None)
 
 
@@ -301,38 +272,35 @@ def one_period(driven: DrivenPress, angle: float, start: Array, tolerance: float
     Raises:
         SimulationError: the crank does not get that far.
     """
-    from . import time_solver as over_time  # imports SciPy's integrators
+    from .time_solver import Settings, integrate  # imports SciPy's integrators
 
     assert driven.model.period is not None
     system = _reduced_system(driven)
     direction = 1.0 if start[0] > 0 else -1.0
     target, patience = angle + direction * driven.model.period, PATIENCE * driven.model.period / abs(float(start[0]))
-    y = system.begin(np.array([angle]), start[:1], tuple(start[1:].tolist()), np.zeros(len(INTEGRALS)))
-    mode, _ = begin(driven, angle, float(start[0]))
+    mode, y = system.begin(0.0, np.array([angle]), start[:1], np.zeros(len(INTEGRALS)), tuple(start[1:].tolist()))
 
     def beyond(y: Array) -> bool:
         return bool((y[0] - target) * direction >= 0)
 
-    modes, explicit = system.initial(0.0, y, mode), over_time.BY_STIFFNESS
-    stepped, y = over_time.run(system, modes, 0.0, y, patience, tolerance, _sizes(driven, y), None, driven.breaks, explicit, beyond)
+    most, y = integrate(system, mode, 0.0, y, patience, Settings(tolerance, _sizes(driven, y)), beyond)
     if not beyond(y):
         raise too_slow(float(patience), float(y[0]))
     # the end by steps that meet it: the integrator's interpolation is less exact than its steps
-    since, modes, at, end = stepped.before(lambda y: float((y[0] - target) * direction))
-    segments, y = [stepped], at
+    since, mode, at, end = most.before(lambda y: float((y[0] - target) * direction))
+    segments, y = [most], at
     for _ in range(CLOSER):
         if end <= since:  # an event has ended the step before, just there
             break
-        last, y = over_time.run(system, modes, since, at, end, tolerance, _sizes(driven, at), None, driven.breaks, explicit)
-        segments = [stepped, last]
+        last, y = integrate(system, mode, since, at, end, Settings(tolerance, _sizes(driven, at)))
+        segments = [most, last]
         end += float((target - y[0]) / y[1])
     return Trajectory(segments), y[1 : -len(INTEGRALS)]
 
 
 def _begun(system: HybridSystem, state: State) -> tuple[Mode, Array]:
-    """Mode of the couplings and the vector of a state of the crank."""
-    mode, states = begin(system.driven, state.angle, state.speed)
-    return mode, system.begin(np.array([state.angle]), np.array([state.speed]), states, state.integrals)
+    """Mode and vector of a state of the crank."""
+    return system.begin(state.time, np.array([state.angle]), np.array([state.speed]), state.integrals)
 
 
 def _reduced_system(driven: DrivenPress) -> HybridSystem:

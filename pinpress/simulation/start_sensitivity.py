@@ -14,7 +14,7 @@ from ..common.errors import SimulationError, caution
 from ..linkage.linkage import Linkage
 from .angle_solver import NEAR, AngleSegment, nearly_at_rest
 from .driven_press import DrivenPress
-from .hybrid_system import HOLDING
+from .hybrid_system import Grip
 from .reduced_model import INERTIA, POTENTIAL, WEIGHT, ReducedModel, tabulated
 from .solvers import SimulationProblem, march
 from .trajectory import RepetitionSegment, StandstillSegment, Trajectory
@@ -26,7 +26,7 @@ ASTRAY = 1e3  # times the tolerance that a run may go astray
 LOST = np.pi  # difference of a run that ends in an error, where the other does not [rad]
 
 
-def start_sensitivity(problem: SimulationProblem, path: Trajectory) -> float | None:
+def start_sensitivity(problem: SimulationProblem, trajectory: Trajectory) -> float | None:
     """By how much more the crank angle goes astray in a run than its start is moved; None where it keeps clear of an unstable rest."""
     driven, until, tolerance = problem.driven, problem.until, problem.tolerance
     press = driven.press
@@ -36,18 +36,18 @@ def start_sensitivity(problem: SimulationProblem, path: Trajectory) -> float | N
         span = float(np.ptp(tabulated(press).coefficients[:, POTENTIAL, 0]))
     except SimulationError:  # its shafts do not come back together: no table
         return None
-    rest = next((segment for segment in path.segments if isinstance(segment, StandstillSegment)), None)
+    rest = next((segment for segment in trajectory.segments if isinstance(segment, StandstillSegment)), None)
     if rest is not None and _falls(driven, rest.state.angle):
         caution(
             f"the press rests at an unstable equilibrium from {rest.start:.6g} s on, at crank angle {np.degrees(rest.state.angle):.6g} deg:"
             " it stays there as nothing pushes it, but the least push would send it down"
         )
         return None
-    if not any(_beside_rest(press, segment, span) for segment in path.segments):
+    if not any(_beside_rest(press, segment, span) for segment in trajectory.segments):
         return None
     times = np.linspace(0.0, until, LOOKS + 1)
-    start = path.at(times[:1]).position[_row(press, path)]
-    angle, inertia = _angles(press, path, times), float(tabulated(press).at(start)[0][INERTIA, 0])
+    start = trajectory.at(times[:1]).position[_row(press, trajectory)]
+    angle, inertia = _angles(press, trajectory, times), float(tabulated(press).at(start)[0][INERTIA, 0])
     speed = max(float(np.abs(np.gradient(angle, times)).max()), float(np.sqrt(2 * span / (inertia + driven.inertia))))
     astray = 0.0
     for by in ((tolerance, 0.0), (0.0, tolerance * speed)):
@@ -78,15 +78,15 @@ def _beside_rest(press: Linkage, segment: Any, span: float) -> bool:
     slowly = np.flatnonzero(0.5 * least * speeds**2 < NEAR * span)
     for stretch in np.split(slowly, np.flatnonzero(np.diff(slowly) > 1) + 1) if len(slowly) else []:
         k = int(stretch[speeds[stretch].argmin()])  # the slowest of states one after the other
-        modes, time = segment.modes[max(k - 1, 0)], segment.start if k == 0 else segment.times[k - 1]
-        if modes.line.brake.state == HOLDING or modes.standing:
+        mode, time = segment.modes[max(k - 1, 0)], segment.start if k == 0 else segment.times[k - 1]
+        if mode.brake.grip is Grip.HOLDING or mode.standing:
             continue
         y = segment.pieces[max(k - 1, 0)](time)
         rate = {}
         for by in (-MOVED, 0.0, MOVED):
             moved = y.copy()
             moved[:n] = system.dynamics.moved(y[:n], by)[0] if by else y[:n]
-            rate[by] = system.dynamics.of_crank(system.rates(modes, time, moved)[n : 2 * n])
+            rate[by] = system.dynamics.of_crank(system.rates(mode, time, moved)[n : 2 * n])
         inertia = float(tabulated(press).at(y[[system.dynamics.crank]])[0][INERTIA, 0]) + own
         if rate[MOVED] > rate[-MOVED] and nearly_at_rest(np.array(0.5 * inertia * speeds[k] ** 2), np.array(inertia * rate[0.0]), span):
             return True
@@ -105,10 +105,10 @@ def _bend(table: ReducedModel, angle: Array) -> Array:
     return np.asarray(table.at(angle)[1][WEIGHT])
 
 
-def _row(press: Linkage, path: Trajectory) -> int:
-    return press.driver_indices[0] if path.at(np.zeros(1), False).position.shape[0] > 1 else 0
+def _row(press: Linkage, trajectory: Trajectory) -> int:
+    return press.driver_indices[0] if trajectory.at(np.zeros(1), False).position.shape[0] > 1 else 0
 
 
-def _angles(press: Linkage, path: Trajectory, times: Array) -> Array:
-    angles: Array = path.at(times, False).position[_row(press, path)]
+def _angles(press: Linkage, trajectory: Trajectory, times: Array) -> Array:
+    angles: Array = trajectory.at(times, False).position[_row(press, trajectory)]
     return angles

@@ -30,7 +30,6 @@ from . import reduced_model as reduced
 from .angle_solver import angle_segment
 from .collocation import cuts, interpolate_onto, stopping_panels
 from .driven_press import DrivenPress, driven_press, listed
-from .hybrid_system import begin
 from .mesh import build_mesh, mesh_borders
 from .run import Run, as_run, count_of
 from .simulate import tolerated
@@ -161,8 +160,8 @@ def _over_time(driven: DrivenPress, angle: float, speed: float, tolerance: float
     makes of them."""
     from .solvers import one_period  # imports SciPy's integrators
 
-    _, states = begin(driven, angle, speed)
-    at = np.array([speed, *states])
+    assert driven.drive is not None
+    at = np.array([speed, *driven.drive.state])
     try:
         before = np.inf
         for period in range(MOST_PERIODS):

@@ -1,16 +1,15 @@
 """Integration over time, whatever happens: stops, contacts, clutches, drives with states of their own, forces in time.
 
-An event is the zero of a switching function of the `HybridSystem`. It is located on the integrator's own interpolation, the modes are
-set anew, and the integration goes on from there. SciPy's DOP853 integrates with steps by error, and where forces are so stiff that it is
-held up by its stability, Radau IIA does (see `radau`); or the classical Runge-Kutta method with a fixed step, as Zhang 2007, 4.3, used it
-(its update of positions corrected: h^2/6, not h/6).
+An `Event` is located on the integrator's own interpolation, the mode is set anew, and the integration goes on from there. SciPy's DOP853
+integrates with steps by error, and where forces are so stiff that it is held up by its stability, Radau IIA does (see `radau`); or the
+classical Runge-Kutta method with a fixed step, as Zhang 2007, 4.3, used it (its update of positions corrected: h^2/6, not h/6).
 """
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import partial
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from scipy.integrate import DOP853, DenseOutput, OdeSolver
@@ -18,7 +17,7 @@ from scipy.optimize import brentq
 
 from ..common.arrays import Array
 from ..common.errors import PinpressError, SimulationError
-from .hybrid_system import HybridSystem, Modes, Switch
+from .hybrid_system import CornerPassed, CouplingGrips, Event, HybridSystem, Mode
 from .radau import RadauIIA, slopes
 from .trajectory import INTEGRALS, Sample
 
@@ -39,6 +38,7 @@ CREEPING, MOST_CREEPING = 1.0, 150_000  # angle between looks below which a pres
 VIBRATING = 0.5  # imaginary part of the swiftest motion's rate, beside its size, from which it is a vibration
 MOST_STEPS = 1_000_000  # in one run; each takes some memory
 SHORTEST = 1e-15  # step, beside the duration
+EPS = float(np.finfo(float).eps)
 
 
 class RungeKutta4(OdeSolver):  # type: ignore[misc]
@@ -85,14 +85,27 @@ class Cubic(DenseOutput):  # type: ignore[misc]
 
 @dataclass(eq=False, repr=False)
 class TimeSegment:
-    """A run over time, step by step: filled by `run`, read afterwards. ``speeds``: of the crank at the start and after every step."""
+    """A part of a run integrated over time, step by step: filled by `Integration`, read afterwards.
+
+    Attributes:
+        system: what was integrated.
+        start: [s].
+        from_rest: whether the crank rested at the start.
+        times: ends of the steps [s].
+        pieces: the vector over each step, a function of the time.
+        modes: of each step.
+        speeds: of the crank at the start and after every step [rad/s].
+        ran: the methods, in the order in which they came.
+        steps, evaluations: their numbers, steps given up counted in the latter.
+        travelled: angle that the crank has turned, either way [rad].
+    """
 
     system: HybridSystem
     start: float
     from_rest: bool = False
     times: list[float] = field(default_factory=list)
     pieces: list[Callable[[Any], Array]] = field(default_factory=list)
-    modes: list[Modes] = field(default_factory=list)
+    modes: list[Mode] = field(default_factory=list)
     speeds: list[float] = field(default_factory=list)
     ran: dict[str, None] = field(default_factory=dict)
     steps: int = 0
@@ -113,8 +126,8 @@ class TimeSegment:
     def solvers(self) -> tuple[str, ...]:
         return tuple(self.ran)
 
-    def before(self, late: Callable[[Array], float]) -> tuple[float, Modes, Array, float]:
-        """Give up the last step, in which a function of the vector has become positive: when it began, its modes, the vector there,
+    def before(self, late: Callable[[Array], float]) -> tuple[float, Mode, Array, float]:
+        """Give up the last step, in which a function of the vector has become positive: when it began, its mode, the vector there,
         and about when the function is zero."""
         begin = self.times[-2] if len(self.times) > 1 else self.start
         piece, end, modes = self.pieces.pop(), self.times.pop(), self.modes.pop()
@@ -156,130 +169,189 @@ class TimeSegment:
         return Sample(columns[:size], columns[size : 2 * size], accelerations, *driving, columns[-integrals:])
 
 
-def run(
+class Settings(NamedTuple):
+    """How an integration is done.
+
+    Attributes:
+        tolerance: of the error of a step, a share of the sizes.
+        sizes: (len(y),) of the entries of the vector.
+        step: of the classical Runge-Kutta method [s]; None: steps by error.
+        method: of steps by error: `EXPLICIT`, `IMPLICIT`, or whichever gets on faster, `BY_STIFFNESS`.
+    """
+
+    tolerance: float
+    sizes: Array
+    step: float | None = None
+    method: str = BY_STIFFNESS
+
+
+def integrate(
     system: HybridSystem,
-    modes: Modes,
+    mode: Mode,
     start: float,
     y: Array,
     until: float,
-    tolerance: float,
-    scale: Array,
-    step: float | None,
-    breaks: Sequence[float],
-    solver: str = EXPLICIT,
+    settings: Settings,
     finished: Callable[[Array], bool] | None = None,
     progress: Callable[[float], None] | None = None,
 ) -> tuple[TimeSegment, Array]:
-    """Integrate from a state and its modes to a time; the steps, and where it has come to.
-
-    Args:
-        y: vector of the `HybridSystem` at the start. scale: (len(y),) sizes of its entries, that the ``tolerance`` is a share of.
-        step: of the classical Runge-Kutta method [s]; None: steps by error.
-        breaks: instants at which something is not smooth.
-        solver: of steps by error: `EXPLICIT`, `IMPLICIT`, or one after the other `BY_STIFFNESS`.
-        finished: whether a vector, at the end of a step, is far enough.
+    """Integrate from a vector in a mode to a time, or until a vector at the end of a step is ``finished``; and where it has come to.
 
     Raises:
-        SimulationError: the press stalls, or runs against a lock; steps become too short.
+        SimulationError: the press stalls, or runs against a lock; steps become too short; the run would take too long.
     """
-    result = TimeSegment(system, start, bool(system.split(y)[0].speed == 0))
-    time, first, stuck = start, None, 0
-    angle, fastest = system.split(y)[0].angle, abs(system.split(y)[0].speed)
-    result.speeds.append(float(system.split(y)[0].speed))
-    pace = Pace(start, until)
-    ends = sorted({b for b in breaks if start < b < until} | {until})
-    shortest = SHORTEST * (until - start)
-    corner, tried = math.inf, 0  # time at which a drive's torque has a corner: a step must end there, not run over it
-    close = 8 * float(np.finfo(float).eps) * abs(until)
-    pacer = Pacer() if step is None and solver == BY_STIFFNESS else None
-    while time < until - close:
-        target = min(next(b for b in ends if b > time), corner)
+    integration = Integration(system, mode, start, y, until, settings)
+    while integration.goes_on and not integration.follow_mode(finished, progress):
+        pass
+    return integration.segment, integration.y
 
-        def rates(t: float, y: Array, modes: Modes = modes) -> Array:
-            return system.rates(modes, t, y)
 
-        using = FIXED if step is not None else pacer.using if pacer is not None and not modes.standing else solver
-        longest = (until - start) / LOOKS if modes.standing else math.inf  # what starts a press that stands must not be stepped over
-        integrator = _integrator(rates, time, y, target, step, using, tolerance, scale, first, longest)
-        if not np.isfinite(integrator.f).all():
-            raise SimulationError("a torque or force is not finite here, or the linkage locks: look at drive and loads", time, angle)
-        event, again = None, False
-        values = system.switches(modes, time, y)
-        while integrator.status == "running" and event is None:
-            message = integrator.step()
-            if integrator.status == "failed" or not np.isfinite(integrator.y).all():
-                raise _lost(system, time, y, message)
-            piece = integrator.dense_output()
-            if values:
-                event, values = _first_event(system, modes, piece, integrator, values)
-            if event is not None and event[0].what == "corner" and tried < MOST_TRIES and event[1] > time + shortest:
-                corner, tried, again = event[1], tried + 1, True
-                break
-            at = integrator.t if event is None else event[1]
-            result.steps += 1
-            result.pieces.append(piece)
-            result.times.append(at)
-            result.modes.append(modes)
-            result.ran[using] = None
-            first = getattr(integrator, "h_abs", None)
-            if event is None:
-                time, y = integrator.t, _closed(system, integrator)
-            else:
-                stuck = stuck + 1 if at <= time + shortest else 0
-                time, y = at, _project(system, piece(at), at)
-            instant = system.split(y)[0]
-            result.travelled += abs(instant.angle - angle)
-            result.speeds.append(float(instant.speed))
-            angle, fastest = instant.angle, max(fastest, abs(instant.speed))
+class Integration:
+    """An integration on its way: time, vector and mode that it has come to, and the segment that it has found."""
+
+    def __init__(self, system: HybridSystem, mode: Mode, start: float, y: Array, until: float, settings: Settings) -> None:
+        self.system, self.settings, self.start, self.until = system, settings, start, until
+        self.time, self.y, self.mode = start, y, mode
+        at = system.at(y).linkage
+        self.angle, self.fastest = at.angle, abs(at.speed)
+        self.segment = TimeSegment(system, start, from_rest=bool(at.speed == 0), speeds=[float(at.speed)])
+        # steps end at instants at which something is not smooth, and at a corner of the drive's torque, which must not be run over
+        self.ends = sorted({b for b in system.driven.breaks if start < b < until} | {until})
+        self.corner, self.tries = math.inf, 0
+        self.pace = Pace(start, until)
+        self.pacer = Pacer() if settings.step is None and settings.method == BY_STIFFNESS else None
+        self.first_step: float | None = None
+        self.at_once = 0  # events one after the other, without time going on
+        self.shortest = SHORTEST * (until - start)
+
+    @property
+    def goes_on(self) -> bool:
+        """Whether the end is still to come; a segment that has come to it ends there, not a rounding before, where an event was."""
+        if self.time < self.until - 8 * EPS * abs(self.until):
+            return True
+        if self.segment.times:
+            self.segment.times[-1] = self.until
+        return False
+
+    def follow_mode(self, finished: Callable[[Array], bool] | None, progress: Callable[[float], None] | None) -> bool:
+        """Steps of one method in one mode, to an event, an instant at which something is not smooth, or a change of method; whether the
+        run is finished there."""
+        method, stepper = self._stepper()
+        watch = EventFinder(self.system, self.mode, self.time, self.y)
+        event: Event | None = None
+        while stepper.status == "running" and event is None:
+            message = stepper.step()
+            if stepper.status == "failed" or not np.isfinite(stepper.y).all():
+                raise _lost(self.system, self.time, self.y, message)
+            piece = stepper.dense_output()
+            event, at = watch.first(piece, stepper.t_old, stepper.t)
+            if isinstance(event, CornerPassed) and self.tries < MOST_TRIES and at > self.time + self.shortest:
+                self.corner, self.tries = at, self.tries + 1
+                self.segment.evaluations += stepper.nfev
+                return False  # the step again, to end there
+            self._keep(piece, stepper, method, event, at)
             if progress is not None:
-                progress(time)
-            if step is None and pace.hopeless(time, result.evaluations + integrator.nfev, result.travelled):
-                raise SimulationError(_hopeless(integrator, time, y, scale, until), time, angle)
-            if result.steps == MOST_STEPS:
-                raise SimulationError(f"more than {MOST_STEPS} steps: simulate in parts, or with a larger tolerance or step", time, angle)
-            if finished is not None and finished(y):
-                result.evaluations += integrator.nfev
-                return result, y
-            if pacer is not None and event is None:
-                asked = partial(_swiftness, integrator, time, y, scale)
-                if pacer.changes(time, result.evaluations + integrator.nfev, asked):
-                    break
-        result.evaluations += integrator.nfev
-        if again:
-            continue
-        if event is None and time >= corner:
-            modes = system.past_corner(modes, y)
-        elif event is not None:
-            if stuck > MOST_AT_ONCE:
-                raise SimulationError("forces switch back and forth without end: it comes to rest where they hold it", time, angle)
-            modes, y = system.after(event[0], modes, time, y, fastest)
-        corner, tried = math.inf, 0
-    if result.times:
-        result.times[-1] = until  # an event there may have ended it a rounding before
-    return result, y
+                progress(self.time)
+            self._refuse_too_long(stepper)
+            if finished is not None and finished(self.y):
+                self.segment.evaluations += stepper.nfev
+                return True
+            if event is None and self._changes_method(stepper):
+                break
+        self.segment.evaluations += stepper.nfev
+        self._switch(event)
+        return False
+
+    def _stepper(self) -> tuple[str, OdeSolver]:
+        """The method, and its integrator from where it has come to."""
+        settings, mode, longest = self.settings, self.mode, math.inf
+        method = FIXED if settings.step is not None else settings.method
+        if self.pacer is not None and not mode.standing:
+            method = self.pacer.using
+        if mode.standing:
+            longest = (self.until - self.start) / LOOKS  # what starts a press that stands must not be stepped over
+        end = min(next(b for b in self.ends if b > self.time), self.corner)
+        rates = partial(self.system.rates, mode)
+        stepper = _stepper(rates, self.time, self.y, end, settings, method, self.first_step, longest)
+        if not np.isfinite(stepper.f).all():
+            raise SimulationError(
+                "a torque or force is not finite here, or the linkage locks: look at drive and loads", self.time, self.angle
+            )
+        return method, stepper
+
+    def _keep(self, piece: DenseOutput, stepper: OdeSolver, method: str, event: "Event | None", at: float) -> None:
+        """Take a step, up to its event, into the segment; the integration goes on from its end, with closed loops."""
+        segment = self.segment
+        segment.steps += 1
+        segment.pieces.append(piece)
+        segment.times.append(at)
+        segment.modes.append(self.mode)
+        segment.ran[method] = None
+        self.first_step = getattr(stepper, "h_abs", None)
+        if event is None:
+            self.time, self.y = stepper.t, _closed(self.system, stepper)
+        else:
+            self.at_once = self.at_once + 1 if at <= self.time + self.shortest else 0
+            self.time, self.y = at, _project(self.system, piece(at), at)
+        linkage = self.system.at(self.y).linkage
+        segment.travelled += abs(linkage.angle - self.angle)
+        segment.speeds.append(float(linkage.speed))
+        self.angle, self.fastest = linkage.angle, max(self.fastest, abs(linkage.speed))
+
+    def _refuse_too_long(self, stepper: OdeSolver) -> None:
+        """Raise where the run would take too long, or too many steps to be kept."""
+        evaluations = self.segment.evaluations + stepper.nfev
+        if self.settings.step is None and self.pace.hopeless(self.time, evaluations, self.segment.travelled):
+            reason = _hopeless(stepper, self.time, self.y, self.settings.sizes, self.until)
+            raise SimulationError(reason, self.time, self.angle)
+        if self.segment.steps == MOST_STEPS:
+            raise SimulationError(
+                f"more than {MOST_STEPS} steps: simulate in parts, or with a larger tolerance or step", self.time, self.angle
+            )
+
+    def _changes_method(self, stepper: OdeSolver) -> bool:
+        swiftness = partial(_swiftness, stepper, self.time, self.y, self.settings.sizes)
+        return self.pacer is not None and self.pacer.changes(self.time, self.segment.evaluations + stepper.nfev, swiftness)
+
+    def _switch(self, event: "Event | None") -> None:
+        """Go into the mode after an event, or over the corner at which the step has ended."""
+        if event is not None:
+            if self.at_once > MOST_AT_ONCE:
+                raise SimulationError(
+                    "forces switch back and forth without end: it comes to rest where they hold it", self.time, self.angle
+                )
+            self.mode, self.y = event.after(self.system, self.mode, self.time, self.y, self.fastest)
+        elif self.time >= self.corner:
+            self.mode = self.system.past_corner(self.mode, self.y)
+        self.corner, self.tries = math.inf, 0
 
 
-def _integrator(
+# ----------------------------------------------------------------------------------------------------------------------------- methods
+
+
+def _stepper(
     rates: Callable[[float, Array], Array],
     time: float,
     y: Array,
-    until: float,
-    step: float | None,
-    using: str,
-    tolerance: float,
-    scale: Array,
+    end: float,
+    settings: Settings,
+    method: str,
     first: float | None,
     longest: float,
 ) -> OdeSolver:
-    """The integrator from a vector at a time; ``first``: length of its first step, where it is known; ``longest``: of any. The others as
-    of `run`."""
-    if step is not None:
-        return RungeKutta4(rates, time, y, until, step)
-    first = None if first is None else min(first, until - time)
-    if using == IMPLICIT and longest == math.inf:
-        return RadauIIA(rates, time, y, until, tolerance * scale, LEAST_RELATIVE, len(INTEGRALS), scale, first)
+    """The integrator of a method from a vector to a time.
+
+    Args:
+        first: length of its first step [s], where it is known.
+        longest: length of any of its steps [s].
+    """
+    if settings.step is not None:
+        return RungeKutta4(rates, time, y, end, settings.step)
+    first, error = None if first is None else min(first, end - time), settings.tolerance * settings.sizes
+    if method == IMPLICIT and longest == math.inf:
+        return RadauIIA(rates, time, y, end, error, LEAST_RELATIVE, len(INTEGRALS), settings.sizes, first)
     more = {} if first is None else {"first_step": first}
-    return DOP853(rates, time, y, until, max_step=longest, rtol=LEAST_RELATIVE, atol=tolerance * scale, **more)
+    return DOP853(rates, time, y, end, max_step=longest, rtol=LEAST_RELATIVE, atol=error, **more)
 
 
 class Pacer:
@@ -334,10 +406,10 @@ class Pace:
         return self.slow >= PATIENCE
 
 
-def _hopeless(integrator: OdeSolver, time: float, y: Array, scale: Array, until: float) -> str:
+def _hopeless(integrator: OdeSolver, time: float, y: Array, sizes: Array, until: float) -> str:
     """Why a run is given up, and what to do."""
     size = len(y) - len(INTEGRALS)
-    jacobian = slopes(integrator.fun, time, y, integrator.f, scale[:size])[:size]
+    jacobian = slopes(integrator.fun, time, y, integrator.f, sizes[:size])[:size]
     swiftest = max(np.linalg.eigvals(jacobian), key=abs) if np.isfinite(jacobian).all() else 0.0
     if abs(swiftest.imag) > VIBRATING * abs(swiftest):
         frequency = abs(swiftest.imag) / (2 * np.pi)
@@ -351,56 +423,71 @@ def _hopeless(integrator: OdeSolver, time: float, y: Array, scale: Array, until:
     )
 
 
-def _swiftness(integrator: OdeSolver, time: float, y: Array, scale: Array) -> float:
+def _swiftness(integrator: OdeSolver, time: float, y: Array, sizes: Array) -> float:
     """The integrator's last step beside the shortest time constant of the motion."""
     size = len(y) - len(INTEGRALS)
-    jacobian = slopes(integrator.fun, time, y, integrator.f, scale[:size])[:size]
+    jacobian = slopes(integrator.fun, time, y, integrator.f, sizes[:size])[:size]
     return float(integrator.step_size * np.abs(np.linalg.eigvals(jacobian)).max()) if np.isfinite(jacobian).all() else 1.0
 
 
-def _first_event(
-    system: HybridSystem, modes: Modes, piece: DenseOutput, solver: OdeSolver, before: dict[Switch, float]
-) -> tuple[tuple[Switch, float] | None, dict[Switch, float]]:
-    """The first event of a step, and the switching functions at its end."""
-    since, low = solver.t_old, before
-    for share in LOOKED_AT:
-        at = solver.t if share == 1.0 else solver.t_old + share * (solver.t - solver.t_old)
-        values = system.switches(modes, at, piece(at))
-        fallen = [switch for switch, value in values.items() if value < 0]
-        if fallen:
-            return _located(system, modes, piece, since, low, at, fallen), values
-        since, low = at, values
-    return None, low
+# ------------------------------------------------------------------------------------------------------------------------------ events
 
 
-def _located(
-    system: HybridSystem, modes: Modes, piece: DenseOutput, since: float, low: dict[Switch, float], until: float, fallen: list[Switch]
-) -> tuple[Switch, float]:
-    """The first of the switching functions that have fallen below zero between two times, and when."""
+class EventFinder:
+    """The first event in the steps of a mode, one step after the other."""
 
-    def value(switch: Switch, t: float) -> float:  # with the loops closed, as the run goes on from there: a stiff edge wants all digits
-        y = _project(system, piece(t), t)
-        found = system.switches(modes, t, y)[switch]
-        if math.isnan(found):
-            raise _lost(system, t, y, None)
-        return found
+    def __init__(self, system: HybridSystem, mode: Mode, time: float, y: Array) -> None:
+        self.system, self.mode = system, mode
+        self.events = system.events(mode)
+        self.margins = self._margins(time, y)
 
-    first, rounding = (fallen[0], until), 8 * np.finfo(float).eps * max(abs(until), abs(since))
-    for _ in range(len(low) + 1):
-        found = [(_zero(partial(value, switch), since, first[1], low[switch]), switch) for switch in fallen]
-        when, which = min(found, key=lambda f: f[0])
-        # at one and the same instant a brake that grips comes first: what else happens at rest is for it to decide
-        which = next((switch for at, switch in found if switch.what == "grips" and at <= when + rounding), which)
-        if when > first[1] - rounding and first[1] != until:
-            break
-        first = (which, when)
-        # one that fell and rose again before the end of the step shows only at the others' events; where two come at once, as an elastic
-        # force ends with its stretch, one that has just switched is below zero by rounding
-        values = system.switches(modes, when, _project(system, piece(when), when))
-        fallen = [switch for switch, after in values.items() if after < 0 and switch != which and low[switch] > 0]
-        if when <= since or not fallen:
-            break
-    return first
+    def _margins(self, time: float, y: Array) -> list[float]:
+        return self.system.margins(self.events, self.mode, time, y) if self.events else []
+
+    def first(self, piece: DenseOutput, start: float, end: float) -> "tuple[Event | None, float]":
+        """The first event of a step, and its time; None at the step's end. The margins are then those of where it was found."""
+        if not self.events:
+            return None, end
+        since = start
+        for share in LOOKED_AT:
+            at = end if share == 1.0 else start + share * (end - start)
+            before, self.margins = self.margins, self._margins(at, piece(at))
+            fallen = [k for k, margin in enumerate(self.margins) if margin < 0]
+            if fallen:
+                first, when = self._located(piece, since, before, at, fallen)
+                return self.events[first], when
+            since = at
+        return None, end
+
+    def _located(self, piece: DenseOutput, since: float, before: list[float], until: float, fallen: list[int]) -> tuple[int, float]:
+        """The first of the events whose margins have fallen below zero between two times, and when; ``before``: margins at the first."""
+
+        def margins(t: float) -> list[float]:  # with the loops closed, as the run goes on from there: a stiff edge wants all digits
+            return self._margins(t, _project(self.system, piece(t), t))
+
+        def margin(k: int, t: float) -> float:
+            y = _project(self.system, piece(t), t)
+            found = self.events[k].margin(self.system, self.mode, t, y, self.system.at(y))
+            if math.isnan(found):
+                raise _lost(self.system, t, y, None)
+            return found
+
+        first, rounding = (fallen[0], until), 8 * EPS * max(abs(until), abs(since))
+        for _ in range(len(self.events) + 1):
+            found = [(_zero(partial(margin, k), since, first[1], before[k]), k) for k in fallen]
+            when, which = min(found, key=lambda f: f[0])
+            # at one and the same instant a brake that grips comes first: what else happens at rest is for it to decide
+            grips = (k for at, k in found if isinstance(self.events[k], CouplingGrips) and at <= when + rounding)
+            which = next(grips, which)
+            if when > first[1] - rounding and first[1] != until:
+                break
+            first = which, when
+            # one that fell and rose again before the end of the step shows only at the others' events; where two come at once, as an
+            # elastic force ends with its interval, one that has just switched is below zero by rounding
+            fallen = [k for k, after in enumerate(margins(when)) if after < 0 and k != which and before[k] > 0]
+            if when <= since or not fallen:
+                break
+        return first
 
 
 def _zero(value: Callable[[float], float], since: float, until: float, low: float) -> float:
@@ -435,7 +522,7 @@ def _project(system: HybridSystem, y: Array, time: float) -> Array:
 
 
 def _lost(system: HybridSystem, time: float, y: Array, message: str | None) -> SimulationError:
-    angle = float(system.split(y)[0].angle)
+    angle = float(system.at(y).linkage.angle)
     return SimulationError(
         f"the integration cannot go on ({message or 'values are not finite'}): the linkage locks ahead, or a force is too stiff",
         time,

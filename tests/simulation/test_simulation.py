@@ -1041,11 +1041,11 @@ def test_the_side_of_every_corner(corners):
     driven = driven_press(texts.shipped("crank_slide"), drive, None, [], None, None)
     driven.__dict__["corners"] = corners
     found = hybrid_system.HybridSystem(reduced_model.ReducedDynamics(driven.model), driven)
-    line, _ = hybrid_system.begin(driven, 0.0, 0.0)
+    begun, _ = found.begin(0.0, np.zeros(1), np.zeros(1), np.zeros(4))
 
     def sides(speed, before=()):
-        y = found.begin(np.zeros(1), np.array([speed]), (), np.zeros(4))
-        after = found.past_corner(hybrid_system.Modes(line, (), before), y).sides
+        _, y = found.begin(0.0, np.zeros(1), np.array([speed]), np.zeros(4))
+        after = found.past_corner(begun._replace(sides=before), y).sides
         return dict(zip(corners, after, strict=True))
 
     assert sides(3.0) == {1.0: 1, 2.0: 1, 4.0: -1}
