@@ -7,10 +7,10 @@ from .mounted_press import mounted as mounted
 from .mounted_press import press_inertia as press_inertia
 from .mounts import Frame as Frame
 from .mounts import Mount as Mount
+from .mounts import RubberPad as RubberPad
 from .mounts import pad_mount as pad_mount
 from .response import steady_response as steady_response
 from .response import time_response as time_response
-from .rubber_pad import RubberPad as RubberPad
 from .speed_response import SpeedResponse as SpeedResponse
 from .speed_response import over_speeds as over_speeds
 from .speed_response import transmissibility as transmissibility
