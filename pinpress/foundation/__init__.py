@@ -5,8 +5,8 @@
     frame = foundation.Frame(mass=15000, centre=(0, 0.1, -0.35), inertia=(9000, 8000, 4000))
     system = foundation.mounted(press, frame, mounts)                          # sag, load of every mount, pressure
     print(foundation.modes(system))                                            # natural frequencies, damping
-    idle = foundation.steady_response(system, result, {"top": (0, 0, 0.9)})    # one turn of cycle, or one of steady_state
-    shock = foundation.time_response(system, forces_of_a_run, {"top": (0, 0, 0.9)}, flywheel=pp.drives.Flywheel(136))
+    idle = foundation.steady_response(system, reactions, points={"top": (0, 0, 0.9)})    # one turn of cycle, or one of steady_state
+    shock = foundation.time_response(system, reactions_of_a_run, points={"top": (0, 0, 0.9)}, flywheel=pp.drives.Flywheel(136))
     foundation.over_speeds(system, np.linspace(200, 400, 41) * pp.RPM, {"top": (0, 0, 0.9)})
     foundation.isolate(press, frame, mounts, speeds, transmitted=0.1, sag=0.02)
 

@@ -19,7 +19,7 @@ EVEN = 1e-9  # difference of steps of time, or of the crank's speed, beside them
 SAME_SPEED = 1e-6  # of the crank at both ends of a period, and of flywheel and crank
 
 
-def forcing(system: MountedPress, result: Reactions, flywheel: Flywheel | None) -> Array:
+def forcing(system: MountedPress, reactions: Reactions, flywheel: Flywheel | None) -> Array:
     """Wrenches (states, n) about the world origin on the parts of the frame, beside the weight at its mean place [N, N m].
 
     Of a frame in two parts the loads on the frame act on the bed, all else on the crown. The torque of a motor on the frame is no load: its
@@ -32,19 +32,19 @@ def forcing(system: MountedPress, result: Reactions, flywheel: Flywheel | None) 
             slipping clutch.
     """
     expect("system", system, MountedPress, "mounted")
-    expect("result", result, Reactions, "inverse_dynamics")
+    expect("reactions", reactions, Reactions, "inverse_dynamics")
     press = system.press
-    if result._press is not press:
+    if reactions._press is not press:
         raise PinpressError(
-            f"the reactions are of {result._press.name}, loaded apart from the press on its mounts: use one Linkage for both"
+            f"the reactions are of {reactions._press.name}, loaded apart from the press on its mounts: use one Linkage for both"
         )
-    shaking = np.hstack([result.shaking_force, result.shaking_moment])
+    shaking = np.hstack([reactions.shaking_force, reactions.shaking_moment])
     wrench = np.zeros((len(shaking), 6 * system.parts))
     wrench[:, -6:] = shaking - system.press_weight
     if flywheel is not None:
-        wrench[:, -3:] += flywheel_moment(press, result.motion, flywheel)
+        wrench[:, -3:] += flywheel_moment(press, reactions.motion, flywheel)
     if system.parts == 2:
-        for load in result._under.loads:
+        for load in reactions._under.loads:
             if load.joint == 0:
                 on_bed = np.hstack([load.force, np.cross(load.point, load.force)])
                 wrench[:, :6] += on_bed
@@ -54,7 +54,20 @@ def forcing(system: MountedPress, result: Reactions, flywheel: Flywheel | None) 
 
 @typed
 def flywheel_moment(press: Linkage, motion: Motion, flywheel: Flywheel) -> Array:
-    """Moment (states, 3) of a flywheel on the frame, -J w' about the crank's axis [N m]. Raises as `forcing`."""
+    """Moment of a flywheel on the frame, -J w' about the crank's axis.
+
+    Args:
+        press: the press, whose driver joint is on the frame.
+        motion: of this press.
+        flywheel: on the crank's shaft, see `steady_response`.
+
+    Returns:
+        (states, 3) in world axes [N m].
+
+    Raises:
+        PinpressError: a flywheel with the inertias of several scenarios, on a driver that is not on the frame, or behind a clutch that
+            slips.
+    """
     if np.ndim(flywheel.inertia):
         raise PinpressError("flywheel has the inertias of several scenarios: give one")
     driver = press.driver_indices[0]

@@ -18,7 +18,7 @@ from ..common.checks import finite_numbers
 from ..common.errors import PinpressError, expect, shown
 from ..drives.transmission import Flywheel
 from ..dynamics.inverse_dynamics import Reactions
-from . import excitation as frame_forcing
+from .excitation import forcing, period, step
 from .frame_motion import FrameMotion
 from .matrices import rows_at
 from .mounted_press import MountedPress
@@ -32,20 +32,22 @@ Points = Mapping[str, "ArrayLike | tuple[str, ArrayLike]"]
 
 
 @typed
-def steady_response(system: MountedPress, result: Reactions, points: Points, flywheel: Flywheel | None = None) -> FrameMotion:
+def steady_response(system: MountedPress, reactions: Reactions, *, points: Points, flywheel: Flywheel | None = None) -> FrameMotion:
     """The vibration of one period, when all that began it has died away.
 
     Args:
-        result: of one period at constant speed (`cycle`), or of one period of `steady_state`.
-        points: name -> (3,) point of the frame [m]; of a frame in two parts (3,) of the bed, or ("crown", (3,)).
-        flywheel: on the crank's shaft, see `frame_forcing.forcing`; it matters where the speed changes.
+        system: the press on its mounts.
+        reactions: of one period at constant speed (`cycle`), or of one period of `steady_state`.
+        points: name -> (3,) point of the frame, world axes [m]; of a frame in two parts (3,) of the bed, or ("crown", (3,)).
+        flywheel: on the crank's shaft; it matters where the speed changes. Its inertia is its angular momentum about the crank's axis by
+            the crank's speed: of one on a shaft beside, its inertia times the ratio of its speed, negative where that turns the other way.
 
     Raises:
         PinpressError: an argument that makes no sense, a motion that is no period, or too few states for its shaking force.
     """
-    wrench = frame_forcing.forcing(system, result, flywheel)
+    wrench = forcing(system, reactions, flywheel)
     placed = named_points(system, points)
-    length, states = frame_forcing.period(result.motion)
+    length, states = period(reactions.motion)
     harmonics = resolved(np.fft.rfft(wrench[:states], axis=0), states, max(np.abs(wrench).max(), np.abs(system.weight[:3]).max()))
     frequency = np.linspace(0.0, 2 * np.pi / length * (len(harmonics) - 1), len(harmonics))
     amplitude = solved(system, frequency, harmonics)
@@ -66,14 +68,22 @@ def steady_response(system: MountedPress, result: Reactions, points: Points, fly
 
 
 @typed
-def time_response(system: MountedPress, result: Reactions, points: Points, flywheel: Flywheel | None = None) -> FrameMotion:
-    """The vibration from rest, in the static position, as the press runs: a run of `simulate`, or any motion in equal steps of time.
+def time_response(system: MountedPress, reactions: Reactions, *, points: Points, flywheel: Flywheel | None = None) -> FrameMotion:
+    """The vibration from rest, in the static position, as the press runs.
 
-    What begins in full swing shakes a frame at rest; that dies away with the modes' damping. Arguments and errors as `steady_response`,
-    but for the period.
+    What begins in full swing shakes a frame at rest; that dies away with the modes' damping.
+
+    Args:
+        system: the press on its mounts.
+        reactions: of a run of `simulate`, or of any motion in equal steps of time.
+        points: as of `steady_response`.
+        flywheel: as of `steady_response`.
+
+    Raises:
+        PinpressError: an argument that makes no sense, or states that are not at equal intervals of time.
     """
-    wrench = frame_forcing.forcing(system, result, flywheel)
-    placed, interval = named_points(system, points), frame_forcing.step(result.motion)
+    wrench = forcing(system, reactions, flywheel)
+    placed, interval = named_points(system, points), step(reactions.motion)
     u, velocity, acceleration = stepped(system, wrench, interval)
     rows = system.mount_rows
     stiffness, damping, loss = mount_constants(system)
@@ -81,7 +91,7 @@ def time_response(system: MountedPress, result: Reactions, points: Points, flywh
     later = np.einsum("mkj,nj->nmk", rows, velocity @ quadrature(system).T)
     return FrameMotion.of(
         system,
-        time=result.motion.time - result.motion.time[0],
+        time=reactions.motion.time - reactions.motion.time[0],
         points=placed,
         motion=(u, velocity, acceleration),
         mount_force=-(stiffness * displaced + damping * moving + loss * later),

@@ -76,14 +76,14 @@ class Vibration:
     def idle(self) -> FrameMotion:
         """One turn of the real press without load."""
         system = self.machines[REAL]
-        return foundation.steady_response(system, inverse_dynamics(system.press, cycle(system.press, AT)), POINTS)
+        return foundation.steady_response(system, inverse_dynamics(system.press, cycle(system.press, AT)), points=POINTS)
 
     @cached_property
     def struck(self) -> FrameMotion:
         """Seven strokes of piling, from rest."""
         system, duration = self.machines[REAL], 1.2
         run = simulate(system.press, duration, AT, flywheel=FLYWHEEL, loads=[PILING], points=round(duration / STEP) + 1)
-        motion = foundation.time_response(system, inverse_dynamics(system.press, run, loads=[PILING]), POINTS, FLYWHEEL)
+        motion = foundation.time_response(system, inverse_dynamics(system.press, run, loads=[PILING]), points=POINTS, flywheel=FLYWHEEL)
         if not motion.least_load.min() > 0:
             raise PinpressError("a foot lifts off: the linear model does not hold")
         return motion
@@ -167,7 +167,7 @@ def flywheel_alone(system: MountedPress) -> Array:
 
     # on the crank, whose bearing hands it to the crown
     result = inverse_dynamics(still, cycle(still, AT, 90), loads=[PointForce("crank", force)])
-    return foundation.steady_response(standing(still), result, POINTS).rms("top beam")
+    return foundation.steady_response(standing(still), result, points=POINTS).rms("top beam")
 
 
 def table(rows: Iterable[Finding]) -> str:

@@ -32,7 +32,7 @@ def one_mass(speed, loss_factor=0.0, damping=CZ):
     press = weightless()
     system = foundation.mounted(press, CENTRED, mounts)
     result = pp.inverse_dynamics(press, pp.cycle(press, speed, 32), loads=[harmonic_force(press, FORCE)])
-    return system, foundation.steady_response(system, result, {"centre": (0, 0, -1.0)})
+    return system, foundation.steady_response(system, result, points={"centre": (0, 0, -1.0)})
 
 
 @pytest.mark.parametrize("speed", [5.0, 20.0, 55.0, -20.0])
@@ -72,7 +72,7 @@ def test_power_of_the_machine_goes_into_the_dampers():
     """Over a period the wrench's work on the frame is what c v^2 loses; all six coordinates move."""
     system, result = shaken(states=360)
     response = foundation.steady_response(
-        system, result, {f"m{k}": mount.point for k, mount in enumerate(system.mounts)} | {"O": (0, 0, 0)}
+        system, result, points={f"m{k}": mount.point for k, mount in enumerate(system.mounts)} | {"O": (0, 0, 0)}
     )
     wrench = np.hstack([result.shaking_force, result.shaking_moment]) - system.press_weight
     rate = np.fft.irfft(
@@ -92,8 +92,8 @@ def test_force_on_the_floor_is_what_momentum_leaves(lossy):
     press = loaded("jf75g_125")
     system = foundation.mounted(press, frame, mounts)
     centre = {"centre": tuple(system.centre)}
-    steady = foundation.steady_response(system, pp.inverse_dynamics(press, pp.cycle(press, SPEED, 180)), centre)
-    starting = foundation.time_response(system, pp.inverse_dynamics(press, turns(press, SPEED, 2, 180)), centre)
+    steady = foundation.steady_response(system, pp.inverse_dynamics(press, pp.cycle(press, SPEED, 180)), points=centre)
+    starting = foundation.time_response(system, pp.inverse_dynamics(press, turns(press, SPEED, 2, 180)), points=centre)
     for response in (steady, starting):
         left = response.shaking_force - system.total_mass * response.acceleration["centre"]
         np.testing.assert_allclose(response.floor_force, left, atol=1e-9 * np.abs(response.shaking_force).max())
@@ -108,8 +108,8 @@ def settled(states):
     damped = [foundation.Mount(m.point, m.stiffness, tuple(8 * np.array(m.damping))) for m in mounts]
     press = loaded("jf75g_125")
     system = foundation.mounted(press, frame, damped)
-    steady = foundation.steady_response(system, pp.inverse_dynamics(press, pp.cycle(press, SPEED, states)), POINTS)
-    time = foundation.time_response(system, pp.inverse_dynamics(press, turns(press, SPEED, 12, states)), POINTS)
+    steady = foundation.steady_response(system, pp.inverse_dynamics(press, pp.cycle(press, SPEED, states)), points=POINTS)
+    time = foundation.time_response(system, pp.inverse_dynamics(press, turns(press, SPEED, 12, states)), points=POINTS)
     return steady, time
 
 
@@ -133,7 +133,7 @@ def test_speeds_at_once_are_those_one_by_one():
     speeds = np.array([15.0, 22.0, 40.0])
     together = foundation.over_speeds(system, speeds, POINTS)
     for k, speed in enumerate(speeds):
-        alone = foundation.steady_response(system, pp.inverse_dynamics(press, pp.cycle(press, speed, 360)), POINTS)
+        alone = foundation.steady_response(system, pp.inverse_dynamics(press, pp.cycle(press, speed, 360)), points=POINTS)
         for point in POINTS:
             np.testing.assert_allclose(together.rms[point][k], alone.rms(point), rtol=1e-6)
             np.testing.assert_allclose(together.peak[point][k], alone.peak(point), rtol=1e-6)
@@ -214,7 +214,7 @@ def nonlinear_and_linear(name, speed, scale, count=2, states=240):
     press = loaded(name)
     system = foundation.mounted(press, frame, mounts)
     motion = turns(press, speed, count, states)
-    linear = foundation.time_response(system, pp.inverse_dynamics(press, motion), POINTS).displacement["top"][::2]
+    linear = foundation.time_response(system, pp.inverse_dynamics(press, motion), points=POINTS).displacement["top"][::2]
     return Floating(system, motion).displacement(np.array(POINTS["top"])), linear
 
 
@@ -238,7 +238,7 @@ def test_linear_model_differs_by_second_order_from_the_full_equations(name, spee
 
 def test_responses_are_written(tmp_path):
     system, result = shaken()
-    response = foundation.steady_response(system, result, POINTS)
+    response = foundation.steady_response(system, result, points=POINTS)
     response.to_csv(tmp_path / "response.csv")
     table = np.genfromtxt(tmp_path / "response.csv", delimiter=",", names=True)
     np.testing.assert_array_equal(table["acceleration_top_x_ms2"], response.acceleration["top"][:, 0])
@@ -254,7 +254,7 @@ def test_responses_are_written(tmp_path):
 
 def test_plots_have_a_curve_a_point():
     system, result = shaken()
-    response = foundation.steady_response(system, result, POINTS)
+    response = foundation.steady_response(system, result, points=POINTS)
     figure = pp.plots.vibration({"idle": response, "again": response}, axis="x", last=0.1)
     assert [len(axes.lines) for axes in figure.axes] == [2, 2]
     np.testing.assert_array_equal(
@@ -270,7 +270,7 @@ def test_mounts_that_lift_off_are_named():
     system = foundation.mounted(press, CENTRED, on_four((1e6, 1e6, KZ)))
     heavy = harmonic_force(press, 1.5 * MASS * 9.81)
     result = pp.inverse_dynamics(press, pp.cycle(press, 0.5, 32), loads=[heavy])
-    response = foundation.steady_response(system, result, {})
+    response = foundation.steady_response(system, result, points={})
     assert response.least_load.max() < 0
     assert "lifts off" in str(response)
 
@@ -278,13 +278,17 @@ def test_mounts_that_lift_off_are_named():
 @pytest.mark.parametrize(
     ("call", "error", "says"),
     [
-        (lambda s, r: foundation.steady_response(s, r, {"top": (0, 0)}), PinpressError, "point 'top' is"),
-        (lambda s, r: foundation.steady_response(s, r, {"top": ("crown", (0, 0, 0))}), PinpressError, "frame is in one part"),
-        (lambda s, r: foundation.steady_response(s, r, [(0, 0, 0)]), PinpressError, "points is a list"),
-        (lambda s, r: foundation.steady_response(s, None, {}), PinpressError, "result is a NoneType"),
-        (lambda s, r: foundation.steady_response(s, r, POINTS).rms("tip"), UnknownNameError, "no point 'tip', did you mean 'top'"),
-        (lambda s, r: foundation.steady_response(s, r, {}, flywheel=136.0), PinpressError, "flywheel is a float"),
-        (lambda s, r: foundation.steady_response(s, r, {}, flywheel=pp.drives.Flywheel([1.0, 2.0])), PinpressError, "several scenarios"),
+        (lambda s, r: foundation.steady_response(s, r, points={"top": (0, 0)}), PinpressError, "point 'top' is"),
+        (lambda s, r: foundation.steady_response(s, r, points={"top": ("crown", (0, 0, 0))}), PinpressError, "frame is in one part"),
+        (lambda s, r: foundation.steady_response(s, r, points=[(0, 0, 0)]), PinpressError, "points is a list"),
+        (lambda s, r: foundation.steady_response(s, None, points={}), PinpressError, "reactions is a NoneType"),
+        (lambda s, r: foundation.steady_response(s, r, points=POINTS).rms("tip"), UnknownNameError, "no point 'tip', did you mean 'top'"),
+        (lambda s, r: foundation.steady_response(s, r, points={}, flywheel=136.0), PinpressError, "flywheel is a float"),
+        (
+            lambda s, r: foundation.steady_response(s, r, points={}, flywheel=pp.drives.Flywheel([1.0, 2.0])),
+            PinpressError,
+            "several scenarios",
+        ),
         (lambda s, r: foundation.over_speeds(s, [3.0, 2.0], {}), PinpressError, "speeds is"),
         (lambda s, r: foundation.over_speeds(s, 3.0, {}), PinpressError, "speeds is 3.0"),
         (lambda s, r: foundation.transmissibility(s, [1.0], "up"), PinpressError, "axis is 'up'"),
@@ -304,23 +308,23 @@ def test_motions_that_do_not_fit_are_refused():
     press = system.press
     apart = pp.load("jf75g_125")
     with pytest.raises(PinpressError, match="loaded apart"):
-        foundation.steady_response(system, pp.inverse_dynamics(apart, pp.cycle(apart, SPEED, 60)), {})
+        foundation.steady_response(system, pp.inverse_dynamics(apart, pp.cycle(apart, SPEED, 60)), points={})
     swinging = pp.inverse_dynamics(press, pp.cycle(press, [1.0, 2.0, 3.0], angle=[0.0, 0.1, 0.3], acceleration=0.0))
     with pytest.raises(PinpressError, match="no period"):
-        foundation.steady_response(system, swinging, {})
+        foundation.steady_response(system, swinging, points={})
     with pytest.raises(PinpressError, match="equal intervals"):
-        foundation.time_response(system, swinging, {})
+        foundation.time_response(system, swinging, points={})
     jumping = pp.loads.PointForce("frame", lambda m: np.outer(m.crank_angle > 3.0, [0, 0, 1e5]))
     with pytest.raises(PinpressError, match="no damping"):
         one_mass(np.sqrt(4 * KZ / MASS), damping=0.0)
     with pytest.raises(PinpressError, match="do not resolve"):
-        foundation.steady_response(system, pp.inverse_dynamics(press, pp.cycle(press, 30.0, 60), loads=[jumping]), {})
+        foundation.steady_response(system, pp.inverse_dynamics(press, pp.cycle(press, 30.0, 60), loads=[jumping]), points={})
 
 
 def test_a_press_that_shakes_nothing_transmits_nothing():
     press = weightless()
     system = foundation.mounted(press, CENTRED, on_four((1e6, 1e6, 1e6)))
-    response = foundation.steady_response(system, pp.inverse_dynamics(press, pp.cycle(press, 3.0, 32)), {})
+    response = foundation.steady_response(system, pp.inverse_dynamics(press, pp.cycle(press, 3.0, 32)), points={})
     with pytest.raises(PinpressError, match="nothing to transmit"):
         _ = response.transmitted
     with pytest.raises(PinpressError, match="nothing to transmit"):

@@ -49,10 +49,10 @@ def test_flywheel_rocks_the_frame_only_where_the_speed_changes():
     press = loaded("jf75g_125")
     system = foundation.mounted(press, *uneven())
     even = pp.inverse_dynamics(press, pp.cycle(press, 30.0, 90))
-    without, with_it = (foundation.steady_response(system, even, {}, flywheel) for flywheel in (None, FLYWHEEL))
+    without, with_it = (foundation.steady_response(system, even, points={}, flywheel=flywheel) for flywheel in (None, FLYWHEEL))
     np.testing.assert_array_equal(without.coordinates, with_it.coordinates)
     result = piling(press, 0.05, 501)
-    without, with_it = (foundation.time_response(system, result, {}, flywheel) for flywheel in (None, FLYWHEEL))
+    without, with_it = (foundation.time_response(system, result, points={}, flywheel=flywheel) for flywheel in (None, FLYWHEEL))
     assert np.abs(with_it.coordinates - without.coordinates)[:, 4].max() > 0.01 * np.abs(without.coordinates[:, 4]).max()
 
 
@@ -68,7 +68,7 @@ def test_flywheel_behind_a_slipping_clutch_is_refused():
     )
     system = foundation.mounted(press, *uneven())
     with pytest.raises(PinpressError, match="clutch slips"):
-        foundation.time_response(system, pp.inverse_dynamics(press, run), {}, FLYWHEEL)
+        foundation.time_response(system, pp.inverse_dynamics(press, run), points={}, flywheel=FLYWHEEL)
 
 
 # ----------------------------------------------------------------------------------------------------------------------- bed and crown
@@ -85,8 +85,8 @@ def test_stiff_columns_make_one_frame_of_two_parts():
     for one, two in ((rigid.mass, split.mass), (rigid.stiffness, split.stiffness), (rigid.loss, split.loss)):
         np.testing.assert_allclose(together.T @ two @ together, one, atol=1e-7 * np.abs(one).max())
     result = pp.inverse_dynamics(press, pp.cycle(press, 30.0, 720), loads=[pp.loads.DeepDrawing(1e5, start=0.03)])
-    whole = foundation.steady_response(rigid, result, {"top": (0, 0, 1)})
-    parts = foundation.steady_response(split, result, {"top": ("crown", (0, 0, 1)), "bed": (0, 0, 1)})
+    whole = foundation.steady_response(rigid, result, points={"top": (0, 0, 1)})
+    parts = foundation.steady_response(split, result, points={"top": ("crown", (0, 0, 1)), "bed": (0, 0, 1)})
     rigidly = whole.displacement["top"]
     for point in ("top", "bed"):
         np.testing.assert_allclose(parts.displacement[point], rigidly, atol=1e-4 * np.abs(rigidly).max())
@@ -102,7 +102,7 @@ def test_process_force_stretches_the_columns():
     points = {"crown": ("crown", (0, 0, 0)), "bed": (0, 0, 0)}
     motion = pp.cycle(press, 0.01, 720)
     forced, idle = (
-        foundation.steady_response(system, pp.inverse_dynamics(press, motion, loads=loads), points).displacement
+        foundation.steady_response(system, pp.inverse_dynamics(press, motion, loads=loads), points=points).displacement
         for loads in ([drawing], [])
     )
     parted = (forced["crown"] - forced["bed"] - idle["crown"] + idle["bed"])[:, 2]
@@ -118,7 +118,7 @@ def test_piling_rings_down_with_the_damping_of_the_stretching_mode():
     press = loaded("jf75g_125_symmetric")
     system = foundation.mounted(press, dataclasses.replace(BED, centre=(0, 0, -1)), MOUNTS, CROWN, columns(loss_factor=0.06))
     result = piling(press, 0.15, 6001)
-    response = foundation.time_response(system, result, {"crown": ("crown", (0, 0, 0)), "bed": (0, 0, 0)}, FLYWHEEL)
+    response = foundation.time_response(system, result, points={"crown": ("crown", (0, 0, 0)), "bed": (0, 0, 0)}, flywheel=FLYWHEEL)
     found = foundation.modes(system)
     place = list(found.motion).index("stretching")
     stretch = response.displacement["crown"][:, 2] - response.displacement["bed"][:, 2]
@@ -140,7 +140,7 @@ def test_time_of_a_run_converges_with_its_states():
     points = {"crown": ("crown", (0, 0, 0))}
     found = []
     for finer in (1, 8, 32):
-        response = foundation.time_response(system, piling(press, 0.1, finer * 200 + 1), points, FLYWHEEL)
+        response = foundation.time_response(system, piling(press, 0.1, finer * 200 + 1), points=points, flywheel=FLYWHEEL)
         found.append(response.displacement["crown"][::finer])
     errors = [np.abs(some - found[-1]).max() for some in found[:-1]]
     assert errors[1] < 0.3 * errors[0]
@@ -158,7 +158,9 @@ def test_a_period_of_a_steady_run_is_what_time_comes_to():
     loads = [pp.loads.DeepDrawing(1e5, start=0.01)]
     motor = pp.drives.Geared(pp.drives.InductionMotor(rated_power=30e3, rated_speed=1485 * pp.RPM), ratio=4.95)
     steady = pp.steady_state(press, 300 * pp.RPM, motor, pp.drives.Flywheel(20.0), loads, points=361)
-    response = foundation.steady_response(system, pp.inverse_dynamics(press, steady, loads), {"O": (0, 0, 0)}, pp.drives.Flywheel(20.0))
+    response = foundation.steady_response(
+        system, pp.inverse_dynamics(press, steady, loads), points={"O": (0, 0, 0)}, flywheel=pp.drives.Flywheel(20.0)
+    )
     one = np.s_[:-1]
     angle = np.concatenate([steady.crank_angle[one] + 2 * np.pi * k for k in range(16)])
     motion = pp.cycle(
@@ -168,7 +170,9 @@ def test_a_period_of_a_steady_run_is_what_time_comes_to():
         acceleration=np.tile(steady.crank_acceleration[one], 16),
         time=np.arange(len(angle)) * (steady.time[1] - steady.time[0]),
     )
-    time = foundation.time_response(system, pp.inverse_dynamics(press, motion, loads), {"O": (0, 0, 0)}, pp.drives.Flywheel(20.0))
+    time = foundation.time_response(
+        system, pp.inverse_dynamics(press, motion, loads), points={"O": (0, 0, 0)}, flywheel=pp.drives.Flywheel(20.0)
+    )
     size = np.abs(response.coordinates).max(axis=0)
     np.testing.assert_allclose(time.coordinates[-360:] / size, response.coordinates / size, atol=1e-3)
 
@@ -215,7 +219,8 @@ def test_backwards_shakes_as_forwards_mirrored_in_time():
     press = loaded("jf75g_125")
     system = foundation.mounted(press, *uneven())
     forwards, backwards = (
-        foundation.steady_response(system, pp.inverse_dynamics(press, pp.cycle(press, speed, 90)), {"O": (0, 0, 0)}) for speed in (20, -20)
+        foundation.steady_response(system, pp.inverse_dynamics(press, pp.cycle(press, speed, 90)), points={"O": (0, 0, 0)})
+        for speed in (20, -20)
     )
     wrench = [np.fft.rfft(response.shaking_force, axis=0) for response in (forwards, backwards)]
     np.testing.assert_allclose(wrench[1], wrench[0].conj(), atol=1e-9 * np.abs(wrench[0]).max())

@@ -71,7 +71,7 @@ def test_vibration_of_a_press_that_is_geared_down(driven, alone):
     points = {"top": (0.3, 0.2, 1.5)}
     systems = [foundation.mounted(each, *uneven()) for each in (driven, alone)]
     results = [pp.inverse_dynamics(each, pp.cycle(each, speed, points=540)) for each, speed in ((driven, 3 * 20.0), (alone, 20.0))]
-    mine, theirs = (foundation.steady_response(*each, points) for each in zip(systems, results, strict=True))
+    mine, theirs = (foundation.steady_response(*each, points=points) for each in zip(systems, results, strict=True))
     assert abs(mine.period / theirs.period - 1) < 1e-14
     size = np.abs(theirs.acceleration["top"]).max()
     np.testing.assert_allclose(mine.acceleration["top"], theirs.acceleration["top"], atol=1e-8 * size)
@@ -86,14 +86,14 @@ def test_vibration_over_all_turns(press):
     """The frame's response at one speed among several is the steady response at this speed, which has half and third orders in it."""
     points = {"top": (0.3, 0.2, 1.5)}
     system = foundation.mounted(press, *uneven())
-    response = foundation.steady_response(system, pp.inverse_dynamics(press, pp.cycle(press, SPEED)), points)
+    response = foundation.steady_response(system, pp.inverse_dynamics(press, pp.cycle(press, SPEED)), points=points)
     assert abs(response.period - 2 * np.pi * press.period_turns / SPEED) < 1e-14
     some = foundation.over_speeds(system, [0.5 * SPEED, SPEED], points)
     np.testing.assert_allclose(some.rms["top"][1], response.rms("top"), rtol=1e-7, atol=1e-12)
     np.testing.assert_allclose(some.peak["top"][1], np.abs(response.acceleration["top"]).max(axis=0), rtol=1e-7, atol=1e-12)
     one_turn = pp.inverse_dynamics(press, pp.cycle(press, SPEED, angle=np.radians(np.arange(360.0))))
     with pytest.raises(pp.PinpressError, match="no period"):
-        foundation.steady_response(system, one_turn, points)
+        foundation.steady_response(system, one_turn, points=points)
 
 
 @pytest.mark.parametrize("name", ["half", "geared_down"])
@@ -104,7 +104,7 @@ def test_vibration_of_a_run_that_is_steady(name, folder):
     run = pp.steady_state(press, 39.5, drive=drive, flywheel=pp.drives.Flywheel(30.0), loads=loads, points=721)
     assert abs(abs(run.crank_angle[-1] - run.crank_angle[0]) - 2 * np.pi * TURNS[name]) < 1e-9
     system = foundation.mounted(press, *uneven())
-    response = foundation.steady_response(system, pp.inverse_dynamics(press, run, loads), {"top": (0.3, 0.2, 1.5)})
+    response = foundation.steady_response(system, pp.inverse_dynamics(press, run, loads), points={"top": (0.3, 0.2, 1.5)})
     assert response.period == run.time[-1]
 
 

@@ -112,7 +112,7 @@ def mounted():
 
 @cache
 def response():
-    return foundation.steady_response(mounted(), reactions(), {"head": (0.0, 0.0, 1.0)})
+    return foundation.steady_response(mounted(), reactions(), points={"head": (0.0, 0.0, 1.0)})
 
 
 @cache

@@ -136,7 +136,7 @@ def response() -> foundation.SpeedResponse:
 
 @cache
 def vibration() -> foundation.FrameMotion:
-    return foundation.steady_response(system(), reactions(), {"top": (0.0, 0.0, 1.0)})
+    return foundation.steady_response(system(), reactions(), points={"top": (0.0, 0.0, 1.0)})
 
 
 @cache
@@ -601,12 +601,12 @@ def calls() -> dict[str, Call]:
         (
             "foundation.steady_response",
             foundation.steady_response,
-            lambda: {"system": system(), "result": reactions(), "points": POINTS, "flywheel": pp.drives.Flywheel(1.0)},
+            lambda: {"system": system(), "reactions": reactions(), "points": POINTS, "flywheel": pp.drives.Flywheel(1.0)},
         ),
         (
             "foundation.time_response",
             foundation.time_response,
-            lambda: {"system": system(), "result": reactions(), "points": POINTS, "flywheel": pp.drives.Flywheel(1.0)},
+            lambda: {"system": system(), "reactions": reactions(), "points": POINTS, "flywheel": pp.drives.Flywheel(1.0)},
         ),
         ("foundation.transmissibility", foundation.transmissibility, lambda: {"system": system(), "frequency": [5.0, 6.0]}),
         ("pp.plots.speed_response", pp.plots.speed_response, lambda: {"responses": {"one": response()}, "point": "top"}),
