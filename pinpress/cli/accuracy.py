@@ -7,9 +7,8 @@ from pathlib import Path
 from ..accuracy.measurements import SCENES, WorkPrecision
 from ..common.files import make_folder
 from ..common.units import RPM
-from ..linkage.loading import load
-from . import part_specs as scene_words
-from .options import DRIVER, FILE, SLIDE, progress
+from . import part_specs
+from .options import add_out_option, add_press_options, load_press, progress, say_written
 
 EPILOG = """\
 every error is against a reference that two independent methods agree on; the table says how far. Times are the least of several rounds
@@ -32,16 +31,14 @@ def add(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     option = parser.add_argument
-    option("file", metavar="FILE", help=FILE)
     option("--speed", type=float, required=True, metavar="RPM", help="of the crank, in the turn and in the runs, in r/min")
     option("--flywheel", metavar="J", help="its inertia at the driver joint, in kg m2 (default: 4 times the linkage's own)")
     option("--duration", type=float, metavar="S", help="of each run, in s (default: two turns at that speed)")
     option("--points", type=int, default=360, metavar="N", help="crank angles in the period (default: %(default)s)")
     option("--repeats", type=int, default=3, metavar="N", help="rounds of timing (default: %(default)s)")
     option("--scene", action="append", choices=SCENES, metavar="SCENE", help=f"simulate this one of: {', '.join(SCENES)} (default: all)")
-    option("--driver", metavar="JOINT", help=DRIVER)
-    option("--slide", metavar="LINK", help=SLIDE)
-    option("--out", type=Path, metavar="DIR", help="folder for accuracy.csv and accuracy.png; made if it is not there")
+    add_press_options(parser)
+    add_out_option(parser, "accuracy.csv and accuracy.png")
     parser.set_defaults(run=run)
 
 
@@ -53,8 +50,8 @@ def run(options: argparse.Namespace) -> int:
     """
     from ..accuracy.work_precision import compare  # slow to import: so a mistake in the words above is named at once
 
-    flywheel = None if options.flywheel is None else scene_words.flywheel(options.flywheel)
-    press = load(options.file, driver=options.driver, slide=options.slide)
+    flywheel = None if options.flywheel is None else part_specs.flywheel(options.flywheel)
+    press = load_press(options)
     if options.out is not None:
         make_folder(options.out)
     scenes = options.scene or SCENES
@@ -77,7 +74,7 @@ def run(options: argparse.Namespace) -> int:
 
 def _write(measured: WorkPrecision, folder: Path) -> None:
     """Write the files and say so; a minute's measurements are not lost where Matplotlib is missing."""
-    from ..accuracy import diagram
+    from ..accuracy import diagram  # slow to import
     from ..plots import style
 
     table, plot = folder / "accuracy.csv", folder / "accuracy.png"
@@ -86,4 +83,4 @@ def _write(measured: WorkPrecision, folder: Path) -> None:
         print(f"\nwrote {table}; {plot} is left out: {style.NOT_INSTALLED}")
         return
     style.save(diagram.plot(measured), plot)
-    print(f"\nwrote {table} and {plot}")
+    say_written(folder, [table.name, plot.name])

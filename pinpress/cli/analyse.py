@@ -2,7 +2,6 @@
 
 import argparse
 import time
-from pathlib import Path
 
 from ..common.errors import PinpressError
 from ..common.files import make_folder
@@ -13,7 +12,16 @@ from ..kinematics.motion import cycle
 from ..linkage.linkage import Linkage
 from ..linkage.loading import load
 from ..visual.overlays import traced
-from .options import DRIVER, FILE, SIGNS, SLIDE, TRACE, trace, write_pages
+from .options import (
+    SIGNS,
+    add_out_option,
+    add_press_options,
+    add_report_option,
+    add_trace_option,
+    load_press,
+    refuse_pages_without_folder,
+    write_pages,
+)
 
 POINTS = 720  # of a turn
 
@@ -31,16 +39,14 @@ def add(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     option = parser.add_argument
-    option("file", metavar="FILE", help=FILE)
     option("--speed", type=float, required=True, metavar="RPM", help="of the crank, in r/min; negative turns it backwards")
-    option("--out", type=Path, metavar="DIR", help="folder for the files; made if it is not there")
-    option("--report", action="store_true", help="also write report.html: the recording and charts that follow it")
+    add_out_option(parser, "the files")
+    add_report_option(parser)
     option("--before", metavar="FILE", help="another press, drawn beside this one in the report at the same speed")
-    option("--trace", type=trace, action="append", default=[], metavar="LINK:X,Y,Z", help=TRACE)
+    add_trace_option(parser)
     option("--points", type=int, metavar="N", help=f"crank angles, in all (default: {POINTS} a turn)")
     option("--engine", choices=("auto", "plane", "pinocchio"), default="auto", help="how to compute (default: the fast one)")
-    option("--driver", metavar="JOINT", help=DRIVER)
-    option("--slide", metavar="LINK", help=SLIDE)
+    add_press_options(parser)
     parser.set_defaults(run=run)
 
 
@@ -50,27 +56,26 @@ def run(options: argparse.Namespace) -> int:
     Raises:
         PinpressError: options that do not go together, and whatever computing and writing raise.
     """
-    if options.out is None and (options.report or options.trace):
-        raise PinpressError(f"--{'report' if options.report else 'trace'} needs a folder to write into: give --out DIR too")
+    refuse_pages_without_folder(options)
     if options.before is not None and not options.report:
         raise PinpressError("--before is for the report: give --report too")
-    press = load(options.file, driver=options.driver, slide=options.slide)
+    press = load_press(options)
     _ = traced(press, options.trace)  # a wrong one is found before the work
     walk = time.perf_counter()
     _ = press.branch  # followed here, so that the times below are those of any further motion
     start = time.perf_counter()
     motion = cycle(press, speed=options.speed * RPM, points=_points(press, options), engine=options.engine)
     middle = time.perf_counter()
-    result = inverse_dynamics(press, motion, engine=options.engine)
+    reactions = inverse_dynamics(press, motion, engine=options.engine)
     end = time.perf_counter()
-    print(summary(press, motion, result))
+    print(summary(press, motion, reactions))
     took = [1e3 * (until - since) for since, until in ((walk, start), (start, middle), (middle, end))]
     print(f"  {'time taken':26}{took[0]:12.1f} ms following the assembly once, {took[1]:.1f} ms motion, {took[2]:.1f} ms torque and forces")
     if options.out is not None:
         before = None if options.before is None else _before(options)
         make_folder(options.out)
-        result.to_csv(options.out / "cycle.csv")
-        write_pages(press, result, options.out, ["cycle.csv"], options.report, options.trace, before)
+        reactions.to_csv(options.out / "cycle.csv")
+        write_pages(press, reactions, options, ["cycle.csv"], before)
     return 0
 
 

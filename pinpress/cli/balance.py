@@ -17,11 +17,10 @@ from ..common.tables import write_csv
 from ..common.units import RPM
 from ..dynamics.inverse_dynamics import inverse_dynamics
 from ..kinematics.motion import cycle
-from ..linkage.loading import load
 from ..linkage.writing import write_urdf
-from . import part_specs as scene_words
-from .options import DRIVER, FILE, SLIDE
-from .part_specs import LOADS, keys
+from . import part_specs
+from .options import add_out_option, add_press_options, load_press, say_written
+from .part_specs import LOADS, keys, read_number
 
 KINDS = {"range": Range, "rms": Rms, "peak": Peak}
 MASS = "added_mass"
@@ -54,7 +53,6 @@ def add(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     option = parser.add_argument
-    option("file", metavar="FILE", help=FILE)
     option(
         "--speed",
         type=float,
@@ -82,9 +80,8 @@ def add(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None
     )
     option("--load", metavar="KIND:KEYS", action="append", default=[], help="process load, see below; may be given several times")
     option("--points", type=int, metavar="N", help="crank angles, in all (default: 360 a turn)")
-    option("--driver", metavar="JOINT", help=DRIVER)
-    option("--slide", metavar="LINK", help=SLIDE)
-    option("--out", type=Path, metavar="DIR", help="folder for the files; made if it is not there")
+    add_press_options(parser)
+    add_out_option(parser, "the files")
     option("--report", action="store_true", help="also write report.html, at the first of the speeds")
     parser.set_defaults(run=run)
 
@@ -99,8 +96,8 @@ def run(options: argparse.Namespace) -> int:
         raise PinpressError("--report needs a folder to write into: give --out DIR too")
     regions = [_region(words) for words in options.region]
     minimise, limits = _objective(options.minimise), _by_target("--limit", options.limit, "")
-    loads = [scene_words.load(words) for words in options.load]
-    press = load(options.file, driver=options.driver, slide=options.slide)
+    loads = [part_specs.load(words) for words in options.load]
+    press = load_press(options)
     conditions = [OperatingCondition(cycle(press, speed * RPM, options.points), loads) for speed in options.speed]
     balanced = balance(press, conditions, regions=regions, minimise=minimise, limits=limits)
     if options.out is not None:
@@ -126,8 +123,7 @@ def _write(balanced: BalancedPress, folder: Path, with_report: bool) -> None:
         after = inverse_dynamics(balanced.press, balanced.reactions_after[0].motion, loads)
         report(balanced.press, after.motion, folder / "report.html", after, before=before)
         written.append("report.html")
-    *first, last = (str(folder / name) for name in written)
-    print(f"\nwrote {', '.join(first)} and {last}")
+    say_written(folder, written)
 
 
 def _region(words: str) -> CounterweightRegion:
@@ -176,7 +172,7 @@ def _by_target(option: str, specs: Sequence[str], default: str) -> Mapping[Targe
         if not equals and not default:
             raise _wrong(option, spec, "it does not say how much")
         try:
-            found[target] = _number(text if equals else default)
+            found[target] = read_number(text if equals else default)
         except ValueError as error:
             raise _wrong(option, spec, f"{text!r} is {error}") from None
     return found
@@ -210,13 +206,6 @@ def _wrong(option: str, spec: str, problem: str) -> PinpressError:
     return PinpressError(f"{option} {spec}: {problem}; it takes {MEASURE}, with {number}; write e.g. {option} {example}")
 
 
-def _number(text: str) -> float:
-    try:
-        return float(text)
-    except ValueError:
-        raise ValueError("no number") from None
-
-
 def _point(text: str) -> Vector:
     try:
         x, y, z = map(float, text.split("/"))
@@ -233,11 +222,11 @@ def _alone(text: str) -> bool:
 
 KEYS: Mapping[str, Callable[[str], Any]] = {
     "at": _point,
-    "radius": _number,
+    "radius": read_number,
     "centre": _point,
     "corner": _point,
-    "least": _number,
-    "most": _number,
-    "gyration": _number,
+    "least": read_number,
+    "most": read_number,
+    "gyration": read_number,
     "replaces": _alone,
 }

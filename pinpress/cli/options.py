@@ -1,23 +1,56 @@
-"""What the commands share: how they explain themselves, show progress, and write their pages."""
+"""What the commands share: options that several have, how they explain themselves, show progress, and write their pages."""
 
 import argparse
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
+from typing import Any
 
+from ..common.errors import PinpressError
 from ..dynamics.inverse_dynamics import Reactions
 from ..linkage.linkage import Linkage
-from ..linkage.loading import presses
+from ..linkage.loading import load, presses
 
 SIGNS = """\
 angles are in degrees of the driver joint, 0 as the URDF draws it; forces are the action of parent on child (of a loop, of link1 on link2)
 in world axes, z up; the shaking force is the action of the machine on its foundation.
 """
 FILE = f"URDF file, or the name of a shipped press: {', '.join(presses())}"
-DRIVER = "driven joint, where the URDF has no <transmission> or another is meant"
-SLIDE = "slide, where it is not the link called slide"
-TRACE = "draw the path of a point, in m in the link's frame; may be given several times"
+
+
+def add_press_options(parser: argparse.ArgumentParser) -> None:
+    """Options of `load_press`: the file, the driver and the slide."""
+    parser.add_argument("file", metavar="FILE", help=FILE)
+    parser.add_argument("--driver", metavar="JOINT", help="driven joint, where the URDF has no <transmission> or another is meant")
+    parser.add_argument("--slide", metavar="LINK", help="slide, where it is not the link called slide")
+
+
+def load_press(options: argparse.Namespace, **more: Any) -> Linkage:
+    """The press that the options name; ``more`` goes to `load`."""
+    return load(options.file, driver=options.driver, slide=options.slide, **more)
+
+
+def add_out_option(parser: argparse.ArgumentParser, files: str) -> None:
+    """Where to write the files, which are named so in the help."""
+    parser.add_argument("--out", type=Path, metavar="DIR", help=f"folder for {files}; made if it is not there")
+
+
+def add_report_option(parser: argparse.ArgumentParser) -> None:
+    """Whether to write a report beside the recording."""
+    parser.add_argument("--report", action="store_true", help="also write report.html: the recording and charts that follow it")
+
+
+def add_trace_option(parser: argparse.ArgumentParser) -> None:
+    """Points whose paths are drawn."""
+    help = "draw the path of a point, in m in the link's frame; may be given several times"
+    parser.add_argument("--trace", type=trace, action="append", default=[], metavar="LINK:X,Y,Z", help=help)
+
+
+def refuse_pages_without_folder(options: argparse.Namespace) -> None:
+    """Raise PinpressError where a report or paths are asked for, and no folder to write them into."""
+    if options.out is None and (options.report or options.trace):
+        raise PinpressError(f"--{'report' if options.report else 'trace'} needs a folder to write into: give --out DIR too")
 
 
 def trace(words: str) -> tuple[str, tuple[float, float, float]]:
@@ -31,33 +64,50 @@ def trace(words: str) -> tuple[str, tuple[float, float, float]]:
 
 
 def write_pages(
-    press: Linkage,
-    result: Reactions,
-    folder: Path,
-    written: list[str],
-    with_report: bool,
-    traces: list[tuple[str, tuple[float, float, float]]],
-    before: Reactions | None = None,
+    press: Linkage, reactions: Reactions, options: argparse.Namespace, written: Sequence[str], before: Reactions | None = None
 ) -> None:
-    """Write recording.html, and report.html where it is wanted, and say what has been written."""
-    from ..visual.recording import record
+    """Write recording.html, and report.html where it is wanted, and say what has been written.
 
-    record(press, result.motion, folder / "recording.html", result, traces)
-    if with_report:
-        from ..visual.report import report
+    Args:
+        press: the linkage that is shown.
+        reactions: to the motion that is shown.
+        options: those of `add_out_option`, `add_report_option` and `add_trace_option`.
+        written: names of the files that have been written before, in the same folder.
+        before: reactions of another press, for the report.
+    """
+    from ..visual.recording import record  # the pages are slow to import
 
-        report(press, result.motion, folder / "report.html", result, traces, before)
-    *first, last = (str(folder / name) for name in (*written, "recording.html", *(["report.html"] if with_report else [])))
+    pages = ["recording.html"]
+    record(press, reactions.motion, options.out / "recording.html", reactions, options.trace)
+    if options.report:
+        from ..visual.report import report  # slow to import
+
+        report(press, reactions.motion, options.out / "report.html", reactions, options.trace, before)
+        pages.append("report.html")
+    say_written(options.out, [*written, *pages])
+
+
+def say_written(folder: Path, names: Sequence[str]) -> None:
+    """Print which files have been written."""
+    *first, last = (str(folder / name) for name in names)
     print(f"\nwrote {', '.join(first)} and {last}")
 
 
 @contextmanager
 def progress(total: float, shape: str) -> Iterator[Callable[[float], None] | None]:
-    """A bar on a terminal, once the work takes longer than a second; elsewhere nothing. ``shape``: tqdm's ``bar_format``."""
+    """A bar on a terminal, once the work takes longer than a second; elsewhere nothing.
+
+    Args:
+        total: what is reached at the end.
+        shape: tqdm's ``bar_format``.
+
+    Yields:
+        What is to be told how much has been reached; None where there is no terminal.
+    """
     if not sys.stderr.isatty():
         yield None
         return
-    from tqdm import tqdm
+    from tqdm import tqdm  # seldom needed
 
     with tqdm(total=total, file=sys.stderr, delay=1.0, miniters=0, leave=False, bar_format=shape) as bar:
         yield lambda reached: bar.update(reached - bar.n)

@@ -29,8 +29,6 @@ from ..drives.transmission import (
 )
 from ..loads.process import Blanking, ConstantForce, DeepDrawing, ElasticDie, ForceStroke, Idle, ProcessLoad
 
-__all__ = ["DRIVES", "LOADS", "brake", "clutch", "drive", "flywheel", "keys", "load"]
-
 
 @dataclass(frozen=True)
 class Table:
@@ -225,7 +223,7 @@ def _reader(field: Field[Any]) -> Callable[[str], Any]:
         return _at
     if field.type in (int, "int"):
         return _whole
-    return _speed if _is_speed(field.name) else _number
+    return _speed if _is_speed(field.name) else read_number
 
 
 def _is_speed(name: str) -> bool:
@@ -236,7 +234,7 @@ def _is_at(field: Field[Any]) -> bool:
     return SwitchPoint.__name__ in re.findall(r"\w+", str(field.type))
 
 
-def _number(text: str) -> float:
+def read_number(text: str) -> float:
     try:
         return float(text)
     except ValueError:
@@ -244,7 +242,7 @@ def _number(text: str) -> float:
 
 
 def _speed(text: str) -> float:
-    return _number(text) * RPM
+    return read_number(text) * RPM
 
 
 def _whole(text: str) -> int:

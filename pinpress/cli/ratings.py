@@ -8,10 +8,9 @@ from pathlib import Path
 from ..common.errors import PinpressError
 from ..common.files import make_folder
 from ..common.units import RPM
-from ..linkage.loading import load
 from ..ratings.capacities import Capacities
 from ..ratings.rating import Ratings, ratings
-from .options import DRIVER, FILE, SLIDE
+from .options import add_out_option, add_press_options, load_press, say_written
 
 EPILOG = """\
 numbers are in SI units, heights above bottom dead centre in m, but the speed is in r/min.
@@ -44,7 +43,6 @@ def add(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     option = parser.add_argument
-    option("file", metavar="FILE", help=FILE)
     option("--speed", type=float, required=True, metavar="RPM", help="of the crank, in r/min; negative: backwards")
     option("--nominal-force", type=float, required=True, metavar="N", help="largest process force at any height")
     for name, (value, words) in NUMBERS.items():
@@ -54,9 +52,8 @@ def add(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None
     )
     option("--at-speed", action="store_true", help="count weights and inertia forces at this speed; else the process force alone")
     option("--points", type=int, default=181, metavar="N", help="crank angles in the working stroke (default: %(default)s)")
-    option("--driver", metavar="JOINT", help=DRIVER)
-    option("--slide", metavar="LINK", help=SLIDE)
-    option("--out", type=Path, metavar="DIR", help="folder for the files; made if it is not there")
+    add_press_options(parser)
+    add_out_option(parser, "the files")
     parser.set_defaults(run=run)
 
 
@@ -70,7 +67,7 @@ def run(options: argparse.Namespace) -> int:
     extra = {name: given.pop(name) for name in NOT_CAPACITIES}
     numbers = {CAPACITIES.get(name, name): value for name, value in given.items()}
     capacities = Capacities(options.nominal_force, bearings=_bearings(options.bearing), **numbers)
-    press = load(options.file, driver=options.driver, slide=options.slide)
+    press = load_press(options)
     found = ratings(press, options.speed * RPM, capacities, options.at_speed, options.points, **extra)
     if options.out is not None:
         make_folder(options.out)
@@ -86,10 +83,10 @@ def _write(found: Ratings, folder: Path) -> None:
     if importlib.util.find_spec("matplotlib") is None:
         print(f"\nwrote {folder / 'ratings.csv'}; for the diagram: pip install 'pinpress[plots]'")
         return
-    from ..plots import force_stroke, style
+    from ..plots import force_stroke, style  # slow to import
 
     style.save(force_stroke.ratings(found), folder / "ratings.png")
-    print(f"\nwrote {folder / 'ratings.csv'} and {folder / 'ratings.png'}")
+    say_written(folder, ["ratings.csv", "ratings.png"])
 
 
 def _bearings(specs: Sequence[str]) -> dict[str, float]:

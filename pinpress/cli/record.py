@@ -9,8 +9,7 @@ from ..common.errors import PinpressError
 from ..common.units import RPM
 from ..dynamics.inverse_dynamics import inverse_dynamics
 from ..kinematics.motion import cycle
-from ..linkage.loading import load
-from .options import DRIVER, FILE, SIGNS, SLIDE, TRACE, progress, trace
+from .options import SIGNS, add_press_options, add_trace_option, load_press, progress
 
 EPILOG = f"""\
 {SIGNS}Films and pictures need Chromium and pip install 'pinpress[video]'.
@@ -29,7 +28,6 @@ def add(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     option = parser.add_argument
-    option("file", metavar="FILE", help=FILE)
     option("--speed", type=float, required=True, metavar="RPM", help="of the crank, in r/min; negative turns it backwards")
     option("--out", type=Path, metavar="HTML", help="the page")
     option("--video", type=Path, metavar="MP4", help="the film: .mp4, or .gif")
@@ -44,11 +42,10 @@ def add(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None
         help="times slower than the press; 1: real time (default: such that a period takes 4 s or more)",
     )
     option("--repeats", type=int, default=1, metavar="N", help="periods in the film (default: %(default)s)")
-    option("--trace", type=trace, action="append", default=[], metavar="LINK:X,Y,Z", help=TRACE)
+    add_trace_option(parser)
     option("--no-forces", dest="forces", action="store_false", help="leave the forces out")
     option("--points", type=int, metavar="N", help="crank angles, in all (default: 360 a turn)")
-    option("--driver", metavar="JOINT", help=DRIVER)
-    option("--slide", metavar="LINK", help=SLIDE)
+    add_press_options(parser)
     parser.set_defaults(run=run)
 
 
@@ -65,10 +62,10 @@ def run(options: argparse.Namespace) -> int:
     paths = [path.absolute() for path in (options.out, options.video, options.png) if path is not None]
     if len(set(paths)) < len(paths):
         raise PinpressError("--out, --video and --png name one file: give each its own")
-    from ..visual.film import film, image
+    from ..visual.film import film, image  # slow to import
     from ..visual.recording import record
 
-    press = load(options.file, driver=options.driver, slide=options.slide)
+    press = load_press(options)
     motion = cycle(press, speed=options.speed * RPM, points=options.points)
     reactions = inverse_dynamics(press, motion) if options.forces else None
     with tempfile.TemporaryDirectory() as folder:

@@ -3,21 +3,29 @@
 import argparse
 import math
 import time
-from pathlib import Path
 
 from ..common.errors import PinpressError
 from ..common.files import make_folder
 from ..common.units import RPM
 from ..dynamics.inverse_dynamics import inverse_dynamics
-from ..linkage.loading import load
 from ..simulation.duty_cycle import strokes
 from ..simulation.run import Run
 from ..simulation.simulate import METHODS, simulate
 from ..simulation.steady_state import steady_state
 from ..simulation.summary import simulation_summary
 from ..visual.overlays import traced
-from . import part_specs as scene_words
-from .options import DRIVER, FILE, SIGNS, SLIDE, TRACE, progress, trace, write_pages
+from . import part_specs
+from .options import (
+    SIGNS,
+    add_out_option,
+    add_press_options,
+    add_report_option,
+    add_trace_option,
+    load_press,
+    progress,
+    refuse_pages_without_folder,
+    write_pages,
+)
 from .part_specs import DRIVES, LOADS, keys
 
 BAR = "{percentage:3.0f} % |{bar}| {n:.3f} of {total:.3f} s, {remaining} to go"
@@ -25,7 +33,7 @@ BAR = "{percentage:3.0f} % |{bar}| {n:.3f} of {total:.3f} s, {remaining} to go"
 
 def add(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
     """Put `simulate` among the subcommands; parsed options have ``run``, see `run`."""
-    simulated = commands.add_parser(
+    parser = commands.add_parser(
         "simulate",
         help="let a press run under motor, flywheel and process load",
         description="Let a press run under drive, flywheel and process loads, or find its steady state. Prints speeds, energies, the\n"
@@ -35,33 +43,31 @@ def add(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None
         epilog=_scene_help(),
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
-    add = simulated.add_argument
-    add("file", metavar="FILE", help=FILE)
-    add("--speed", type=float, default=0.0, metavar="RPM", help="of the crank at the start, or about that of the steady state, in r/min")
-    add("--angle", type=float, default=0.0, metavar="DEG", help="of the crank at the start (default: 0, as the URDF draws it)")
-    until = simulated.add_mutually_exclusive_group(required=True)
+    option = parser.add_argument
+    option("--speed", type=float, default=0.0, metavar="RPM", help="of the crank at the start, or about that of the steady state, in r/min")
+    option("--angle", type=float, default=0.0, metavar="DEG", help="of the crank at the start (default: 0, as the URDF draws it)")
+    until = parser.add_mutually_exclusive_group(required=True)
     until.add_argument("--duration", type=float, metavar="S", help="how long it runs, in s")
     until.add_argument("--steady", action="store_true", help="a period of the steady state near --speed")
-    add("--drive", metavar="KIND:KEYS", help="what turns the crank, see below (default: nothing)")
-    add(
+    option("--drive", metavar="KIND:KEYS", help="what turns the crank, see below (default: nothing)")
+    option(
         "--flywheel",
         metavar="J",
         help="its inertia at the driver joint, in kg m2; inertia=J,speed=RPM where it turns before a clutch closes",
     )
-    add("--load", metavar="KIND:KEYS", action="append", default=[], help="process load, see below; may be given several times")
-    add("--clutch", metavar="KEYS", help="between flywheel and crank, see below")
-    add("--brake", metavar="KEYS", help="on the crank, see below")
-    add("--method", choices=METHODS, default="auto", help="how to compute (default: %(default)s, the fast one)")
-    add("--step", type=float, metavar="S", help="fixed step of integration, in s (default: steps by error)")
-    add("--tolerance", type=float, default=1e-11, metavar="T", help="of the error of a step, relative (default: %(default)g)")
-    add("--points", type=int, metavar="N", help="states in the results (default: 120 a turn, at least 120)")
-    add("--gravity", type=float, default=9.81, metavar="G", help="downwards, in m/s2 (default: %(default)s)")
-    add("--driver", metavar="JOINT", help=DRIVER)
-    add("--slide", metavar="LINK", help=SLIDE)
-    add("--out", type=Path, metavar="DIR", help="folder for the three files; made if it is not there")
-    add("--report", action="store_true", help="also write report.html: the recording and charts that follow it")
-    add("--trace", type=trace, action="append", default=[], metavar="LINK:X,Y,Z", help=TRACE)
-    simulated.set_defaults(run=run)
+    option("--load", metavar="KIND:KEYS", action="append", default=[], help="process load, see below; may be given several times")
+    option("--clutch", metavar="KEYS", help="between flywheel and crank, see below")
+    option("--brake", metavar="KEYS", help="on the crank, see below")
+    option("--method", choices=METHODS, default="auto", help="how to compute (default: %(default)s, the fast one)")
+    option("--step", type=float, metavar="S", help="fixed step of integration, in s (default: steps by error)")
+    option("--tolerance", type=float, default=1e-11, metavar="T", help="of the error of a step, relative (default: %(default)g)")
+    option("--points", type=int, metavar="N", help="states in the results (default: 120 a turn, at least 120)")
+    option("--gravity", type=float, default=9.81, metavar="G", help="downwards, in m/s2 (default: %(default)s)")
+    add_press_options(parser)
+    add_out_option(parser, "the three files")
+    add_report_option(parser)
+    add_trace_option(parser)
+    parser.set_defaults(run=run)
 
 
 def _scene_help() -> str:
@@ -74,7 +80,7 @@ def _scene_help() -> str:
             "loads, heights are slide positions above bottom dead centre, or above the slide position datum=:",
             *kinds[split:],
             "clutch and brake, switched at a time or a crank angle:",
-            f"  {keys(scene_words.CLUTCH)}",
+            f"  {keys(part_specs.CLUTCH)}",
             "e.g. --flywheel 2000 --load blanking:" + LOADS["blanking"].example,
             "     --drive induction:" + DRIVES["induction"].example,
             "files are CSV, two columns: "
@@ -91,14 +97,13 @@ def run(options: argparse.Namespace) -> int:
     Raises:
         PinpressError: options that do not go together, and whatever computing and writing raise.
     """
-    if options.out is None and (options.report or options.trace):
-        raise PinpressError(f"--{'report' if options.report else 'trace'} needs a folder to write into: give --out DIR too")
-    drive = None if options.drive is None else scene_words.drive(options.drive)
-    flywheel = None if options.flywheel is None else scene_words.flywheel(options.flywheel)
-    loads = [scene_words.load(words) for words in options.load]
-    clutch = None if options.clutch is None else scene_words.clutch(options.clutch)
-    brake = None if options.brake is None else scene_words.brake(options.brake)
-    press = load(options.file, driver=options.driver, slide=options.slide, gravity=(0.0, 0.0, -options.gravity))
+    refuse_pages_without_folder(options)
+    drive = None if options.drive is None else part_specs.drive(options.drive)
+    flywheel = None if options.flywheel is None else part_specs.flywheel(options.flywheel)
+    loads = [part_specs.load(words) for words in options.load]
+    clutch = None if options.clutch is None else part_specs.clutch(options.clutch)
+    brake = None if options.brake is None else part_specs.brake(options.brake)
+    press = load_press(options, gravity=(0.0, 0.0, -options.gravity))
     _ = traced(press, options.trace)  # a wrong one is found before the work
     if len(press.drivers) > 1:
         raise PinpressError(f"{press.name} has {len(press.drivers)} drivers: the command takes one; simulate it in Python")
@@ -127,14 +132,14 @@ def run(options: argparse.Namespace) -> int:
                 **shared,
             )
     began = time.perf_counter()
-    result = inverse_dynamics(press, done, loads=loads)
+    reactions = inverse_dynamics(press, done, loads=loads)
     took = time.perf_counter() - began
-    print(simulation_summary(press, done, result, _scene(options, done), options.steady))
+    print(simulation_summary(press, done, reactions, _scene(options, done), options.steady))
     print(f"  {'time taken':26}{1e3 * done.stats.wall_time:12.1f} ms simulation, {1e3 * took:.1f} ms torque and forces")
     if options.out is not None:
-        result.to_csv(options.out / "simulation.csv")
+        reactions.to_csv(options.out / "simulation.csv")
         strokes(done).to_csv(options.out / "strokes.csv")
-        write_pages(press, result, options.out, ["simulation.csv", "strokes.csv"], options.report, options.trace)
+        write_pages(press, reactions, options, ["simulation.csv", "strokes.csv"])
     return 0
 
 
