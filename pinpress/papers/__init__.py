@@ -9,9 +9,8 @@ Each document is a module with a function `page`; what a page is made of stands 
 
 from importlib import import_module
 
+from ..common.errors import UnknownNameError
 from .pages import Page
-
-__all__ = ["DOCUMENTS", "Page", "reproduced"]
 
 DOCUMENTS = ("kong2025", "zhang2007", "chen2002")
 
@@ -19,12 +18,13 @@ DOCUMENTS = ("kong2025", "zhang2007", "chen2002")
 def reproduced(document: str) -> Page:
     """The page of a document, worked out.
 
+    Args:
+        document: one of `DOCUMENTS`.
+
     Raises:
         UnknownNameError: there is no such document.
     """
-    from ..common.errors import UnknownNameError
-
     if document not in DOCUMENTS:
         raise UnknownNameError("document", document, DOCUMENTS)
-    page: Page = import_module(f".{document}", __name__).page()
+    page: Page = import_module(f".{document}", __name__).page()  # only the one that is asked for: they are slow to import
     return page

@@ -9,8 +9,15 @@ from . import DOCUMENTS, reproduced
 
 
 def main(arguments: list[str] | None = None) -> int:
-    """Run the command; exit code 1 where a number that counts as reproduced is not, 2 with a line on stderr where the input is at fault,
-    others see `command_end.ended`."""
+    """Run the command.
+
+    Args:
+        arguments: words behind ``python -m pinpress.papers``; by default those of this process.
+
+    Returns:
+        The exit code: 1 where a number that counts as reproduced is not, 2 with a line on stderr where the input is at fault, others see
+        `command_end.ended`.
+    """
     return ended("pinpress.papers", lambda: _run(arguments))
 
 

@@ -19,8 +19,7 @@ from ..linkage.loading import load
 from ..synthesis.result import SynthesisResult
 from ..synthesis.synthesis import synthesise
 from ..synthesis.trial import Trial
-from .drawings import Panel, draw
-from .pages import BEYOND, CURVES, FORMULAS, NO_RESULT, NOT, PARTLY, Entry, Erratum, Page, Row
+from .pages import BEYOND, CURVES, FORMULAS, NO_RESULT, NOT, PARTLY, Entry, Erratum, Page, Panel, Row, draw
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -1,17 +1,21 @@
-"""What a page of results is made of, and how it is written: a document's numbers, ours beside them, and the reason where they differ."""
+"""What a page of results is made of, and how it is written: a document's numbers and figures, ours beside them, and why they differ."""
 
 import io
 import os
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+import numpy as np
+
+from ..common.arrays import Array
 from ..common.errors import PinpressError
 from ..common.files import make_folder, write
-from ..plots.style import STYLE
+from ..plots.style import COLOURS, GREY, LINES, STYLE, above, drawing, grid, plain
 
 if TYPE_CHECKING:
+    from matplotlib.artist import Artist
     from matplotlib.figure import Figure
 
 REPRODUCED = "reproduced"  # every printed number, within the tolerance beside it
@@ -32,7 +36,9 @@ class Row:
     """One number of a document, and ours.
 
     Attributes:
-        quantity: what it is, with its unit. theirs: as it is printed; empty where nothing is. ours: None where it is not defined.
+        quantity: what it is, with its unit.
+        theirs: as it is printed; empty where nothing is.
+        ours: None where it is not defined.
         within: largest deviation [%] that counts as reproduced, 0 where theirs is zero and ours must be; None where the number is not
             claimed to be reproduced.
         places: decimals of ours; None: as many as are printed.
@@ -98,9 +104,14 @@ class Entry:
     """One table or figure of a document, several of one kind, or a claim of its text.
 
     Attributes:
-        numbers: as the document numbers them, e.g. "Table 2". title: what they show. kind: one of `KINDS`.
-        rows: its numbers. reason: why it is not reproduced, or what is to be said of it.
-        figure: name of ours, drawn by ``draw``. caption: below it.
+        numbers: as the document numbers them, e.g. "Table 2".
+        title: what they show.
+        kind: one of `KINDS`.
+        rows: its numbers.
+        reason: why it is not reproduced, or what is to be said of it.
+        figure: name of our figure; empty where there is none.
+        draw: draws our figure.
+        caption: below the figure.
     """
 
     numbers: tuple[str, ...]
@@ -129,7 +140,13 @@ class Entry:
 
 @dataclass(frozen=True)
 class Erratum:
-    """A mistake of a document: the equation or place, what is wrong, what is right."""
+    """A mistake of a document.
+
+    Attributes:
+        place: the equation, table or passage.
+        wrong: what is printed.
+        right: what is right.
+    """
 
     place: str
     wrong: str
@@ -138,7 +155,15 @@ class Erratum:
 
 @dataclass(frozen=True)
 class Page:
-    """All of a document."""
+    """All of a document.
+
+    Attributes:
+        name: of the page's file, without its suffix.
+        title: of the page.
+        introduction: what the document is, and which presses are its.
+        entries: its tables and figures, in their order.
+        errata: its mistakes.
+    """
 
     name: str
     title: str
@@ -175,7 +200,7 @@ class Page:
         return "\n\n".join(parts) + "\n"
 
     def write(self, out: str | os.PathLike[str]) -> tuple[Path, ...]:
-        """Write the page and its figures into a folder; the files written.
+        """Write the page and its figures into a folder, and return the files written.
 
         Raises:
             PinpressError: Matplotlib is not installed, or a file cannot be written.
@@ -204,3 +229,54 @@ def table(head: tuple[str, ...], rows: Iterable[tuple[str, ...]]) -> str:
     lines = [f"| {' | '.join(head)} |", "|---" * len(head) + "|"]
     lines += [f"| {' | '.join(cell.replace('|', chr(92) + '|') for cell in row)} |" for row in rows]
     return "\n".join(lines)
+
+
+@dataclass(frozen=True, eq=False)
+class Panel:
+    """One pair of axes.
+
+    Attributes:
+        label: of the upright axis, with its unit.
+        curves: name -> (x, y), both (n,).
+        levels: values of the upright axis that the document prints.
+        points: (x, y) that the document prints.
+        logarithmic: whether the upright axis is.
+    """
+
+    label: str
+    curves: dict[str, tuple[Array, Array]]
+    levels: Sequence[float] = ()
+    points: Sequence[tuple[float, float]] = ()
+    logarithmic: bool = False
+
+
+def draw(across: str, panels: Sequence[Panel], high: float = 4.2, columns: int = 1) -> "Figure":
+    """Draw our curves in the axes of a document's figure, with its printed numbers as grey dashes and crosses.
+
+    Args:
+        across: label of the axis that all panels share.
+        panels: row by row.
+        high: height of each panel [cm].
+        columns: number of panels in a row.
+    """
+    rows = -(-len(panels) // columns)
+    with drawing(1.0 + high * rows) as figure:
+        places = figure.subplots(rows, columns, sharex=True, squeeze=False)
+        for k, panel in enumerate(panels):
+            axes = places[k // columns, k % columns]
+            grid(axes, panel.label)
+            lines: list[Artist] = []
+            for i, (x, y) in enumerate(panel.curves.values()):
+                lines += axes.plot(x, y, color=COLOURS[i % len(COLOURS)], linestyle=LINES[i % len(LINES)])
+            for level in panel.levels:
+                axes.axhline(level, color=GREY, linestyle=(0, (2, 2)), linewidth=0.9)
+            if panel.points:
+                axes.plot(*np.transpose(panel.points), color=GREY, marker="x", markersize=5.0, linestyle="none")
+            if panel.logarithmic:
+                axes.set_yscale("log")
+            if len(lines) > 1:
+                above(axes, lines, list(panel.curves))
+            if k // columns == rows - 1:
+                plain(axes.set_xlabel(across))
+        figure.align_ylabels()
+    return figure

@@ -12,8 +12,7 @@ from ..common.arrays import Array
 from ..common.units import RPM
 from ..kinematics.motion import cycle
 from ..linkage.linkage import Linkage
-from .drawings import Panel, draw
-from .pages import CURVES, NOT, Entry, Row
+from .pages import CURVES, NOT, Entry, Panel, Row, draw
 from .zhang2007_presses import FLYWHEEL_MASS, GRAVITY, POINTS, SPEED, clean, turning, weight, with_masses
 
 if TYPE_CHECKING:

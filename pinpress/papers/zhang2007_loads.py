@@ -14,8 +14,7 @@ from ..linkage.linkage import Linkage
 from ..loads.process import Blanking, ConstantForce, DeepDrawing, ProcessLoad, step
 from ..simulation.run import Run
 from ..simulation.simulate import simulate
-from .drawings import Panel, draw
-from .pages import FORMULAS, NOT, Entry, Row
+from .pages import FORMULAS, NOT, Entry, Panel, Row, draw
 from .zhang2007_presses import FLYWHEEL_INERTIA, SPEED, START, TORQUE, figures, weight
 
 if TYPE_CHECKING:

@@ -11,8 +11,7 @@ from ..linkage.linkage import Linkage
 from ..loads.process import Blanking
 from ..simulation.simulate import simulate
 from ..simulation.steady_state import steady_state
-from .drawings import Panel, draw
-from .pages import CURVES, DATA, NO_RESULT, Entry, Row
+from .pages import CURVES, DATA, NO_RESULT, Entry, Panel, Row, draw
 from .zhang2007_presses import FLYWHEEL_INERTIA, SPEED, START, TORQUE, figures
 
 if TYPE_CHECKING:

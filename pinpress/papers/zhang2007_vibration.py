@@ -21,10 +21,10 @@ from ..foundation import Frame, FrameMotion, Mount, MountedPress, RubberPad, Spe
 from ..kinematics.motion import Motion, cycle
 from ..linkage.linkage import Linkage
 from ..linkage.loading import load
-from ..loads import process as loads
 from ..loads.link import PointForce
+from ..loads.process import ConstantForce
 from ..simulation.simulate import simulate
-from .drawings import Panel, draw
+from .pages import Panel, draw
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -40,7 +40,7 @@ SPRINGS = tuple(Mount(foot, (1e6, 1e6, 1e6), loss_factor=0.05) for foot in FEET)
 UNBALANCE = 940 * 0.04e-3  # of the flywheel, 940 kg of grade G 1.6 at 400 per min: 40 um eccentric [kg m]
 FLYWHEEL = Flywheel(136)
 # With 1250 kN, and with 100 kN, feet lift off, where the linear model ends. Vibration is proportional to the force, its decay the same.
-PILING = loads.ConstantForce(force=50e3, height=4.86e-5)
+PILING = ConstantForce(force=50e3, height=4.86e-5)
 POINTS = {"top beam": ("crown", (0, 0, 0.9)), "column": ("crown", (-0.6, 0.5, 0.1)), "lower beam": (0, 0, -1.1)}
 SPEEDS = np.linspace(150, 450, 121) * RPM
 WORKING = slice(20, 101)  # of these, 200 to 400 per min
@@ -196,3 +196,6 @@ def _decay(system: MountedPress, motion: FrameMotion) -> tuple[float, float]:
 
 def _size(vector: Array) -> float:
     return float(np.linalg.norm(vector))
+
+
+# FIX
