@@ -1,4 +1,4 @@
-"""The JF75G-125's crank-slide through the classical balancing arrangements, as the Markdown table viz/arrangements.md.
+"""The JF75G-125's crank-slider through the classical balancing arrangements, as the Markdown table viz/arrangements.md.
 
 python viz/arrangements.py
 """
@@ -16,12 +16,12 @@ SPEED = 300 * pp.RPM
 POINTS = 720
 RADIUS = 0.15  # of counterweights on the crank [m]
 ROD_RADIUS = 0.30  # of the one on the rod
-AUXILIARY = 0.0297  # crank radius of the opposed crank-slide [m]
+AUXILIARY = 0.0297  # crank radius of the opposed crank-slider [m]
 SHAFTS = 0.5  # between them [m]
 QUANTITIES = ("force along the slide", "force across the slide", "tilting moment")
 INTRODUCTION = f"""# Balancing arrangements of the JF75G-125
 
-The plain crank-slide of Zhang 2007 (its lengths are inferred, see `urdf/jf75g_125_plain.urdf`) at 300 strokes/min, without load, and what
+The plain crank-slider of Zhang 2007 (its lengths are inferred, see `urdf/jf75g_125_plain.urdf`) at 300 strokes/min, without load, and what
 the arrangements of its chapter 3 make of it: ranges over a turn, 0 where there is rounding alone; and which orders of the crank's speed, of
 those up to 6 that there were, are cancelled. Counterweights on the crank at {RADIUS:g} m, on the rod at {ROD_RADIUS:g} m; auxiliary crank
 {AUXILIARY:g} m, its rod of the same ratio; shafts {SHAFTS:g} m apart. The tilting moment is about the shaft, or midway between the shafts.
@@ -43,7 +43,7 @@ def presses() -> dict[str, pp.Linkage]:
     plain = pp.load("jf75g_125_plain")
     opposed = classical.with_opposed_balancer(plain, AUXILIARY)
     main = classical.as_crank_slider(plain)
-    similar = AUXILIARY / main.crank_radius  # lengths of the auxiliary crank-slide times this, masses divided by it
+    similar = AUXILIARY / main.crank_radius  # lengths of the auxiliary crank-slider times this, masses divided by it
     share = main.rod_share.real
     even = main.rod_mass * similar * main.rod_length**2 * share * (1 - share) - main.residual_inertia
     return {

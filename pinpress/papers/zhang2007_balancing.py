@@ -182,8 +182,8 @@ def _comparison(plain: Linkage, opposed: Linkage, symmetric: Linkage) -> Entry:
     rows.append(Row("original with its counterweight, 300 r/min, lateral range [N]", BEFORE[300][5], float(np.ptp(balanced[:, 0]))))
     reason = (
         "What the original is in this table, the thesis does not say. By Fig. 2-2 and the joints of 5.3 (3) and (4) it has a counterweight"
-        " on an opposed crank-slide, which would leave 119 N of the vertical range (last rows), not 67 kN. That size alone suggests a"
-        " crank-slide without counterweight, and the rows assume one. Nor does the thesis say which weights its forces include. Ours of"
+        " on an opposed crank-slider, which would leave 119 N of the vertical range (last rows), not 67 kN. That size alone suggests a"
+        " crank-slider without counterweight, and the rows assume one. Nor does the thesis say which weights its forces include. Ours of"
         " the original include the weight of what moves and of the 940 kg flywheel, 32 kN together, because the middle of the printed"
         " extremes lies about as low; ours of the improved press include none, because it hardly lies below zero. Ranges do not depend on"
         " that, but maxima and minima do: without the flywheel the maximum at 300 r/min is 9986 N instead of 768 N. The range is near ours"

@@ -34,7 +34,7 @@ TOP, PRIMARY, SET = 1320 * RPM, 1470 * RPM, 900 * RPM  # the thesis prints the f
 def entries(given: Mapping[str, Linkage]) -> tuple[Entry, ...]:
     """All tables and figures of the chapter."""
     return (
-        Entry(figures(4, 4, 5), "schemes of crank-slide and opposed arrangement", NO_RESULT),
+        Entry(figures(4, 4, 5), "schemes of crank-slider and opposed arrangement", NO_RESULT),
         Entry(figures(4, 6, 8), "drawing of the motor, block diagram of its control, drive train", NO_RESULT),
         _motor(given["jf75g_125_symmetric"]),
         Entry(("Fig. 4-9",), "screenshot of the program", NO_RESULT),

@@ -59,7 +59,7 @@ def drawn(seed, on_line=False, offset=0.0, ratio=None):
     beside = 0.0 if on_line else 1.0
     sizes["crank_centre"] = r * complex(rng.uniform(-1, 1), beside * rng.uniform(-1, 1))
     sizes["rod_centre"] = length * complex(rng.uniform(-0.2, 1.2), beside * rng.uniform(-0.3, 0.3))
-    mirrored = np.conj if sense < 0 else np.asarray  # numbers of a CrankSlide turn with the crank
+    with_sense = np.conj if sense < 0 else np.asarray  # numbers of a CrankSlider turn with the crank
     crank_pin = r * np.exp(1j * sense * sizes["drawn_angle"])
     slide_pin = crank_pin.real + np.sqrt(length**2 - (crank_pin.imag - offset) ** 2) + 1j * offset
     drawing = Drawing("drawn", world if np.linalg.det(world) > 0 else -world)
@@ -75,7 +75,7 @@ def drawn(seed, on_line=False, offset=0.0, ratio=None):
     inertias = {"crank_inertia": sizes["crank_mass"] * r**2, "rod_inertia": sizes["rod_mass"] * length**2 / 9}
     solid = np.array([[0.8, 0.0, 0.1], [0.0, 0.9, -0.15], [0.1, -0.15, 1.0]])
     tensors = {name: solid * value for name, value in inertias.items()}
-    crank_centre, rod_centre = (mirrored(sizes[name]) for name in ("crank_centre", "rod_centre"))
+    crank_centre, rod_centre = (with_sense(sizes[name]) for name in ("crank_centre", "rod_centre"))
     drawing.body("crank", sizes["crank_mass"], towards * crank_centre * crank_pin / r, 0.05 * r, tensors["crank_inertia"])
     drawing.body("rod", sizes["rod_mass"], towards * (crank_pin + rod_centre * line), -0.1 * r, tensors["rod_inertia"])
     drawing.body("slide", sizes["slide_mass"], towards * (slide_pin + 0.1 * length), 0.1 * r)

@@ -404,8 +404,8 @@ def refused(press, friction, speed, engine):
 @pytest.mark.parametrize("share", [0.1, 0.3, 0.5, 0.75, 0.9, 0.98, 1.01, 1.3, 5.0])
 @pytest.mark.exhaustive
 def test_near_self_locking(share, engine):
-    """The crank-slide's guide locks when mu is the cotangent of the rod's largest slope. Well below, forces are found; near and beyond they
-    are lawful, or an error names the crank angle: nothing else comes back."""
+    """The crank-slider's guide locks when mu is the cotangent of the rod's largest slope. Well below, forces are found; near and beyond,
+    they are lawful, or an error names the crank angle: nothing else comes back."""
     coefficient = share * np.sqrt(0.4**2 - 0.1**2) / 0.1
     message = refused(shipped("crank_slide"), {"slide_guide": pp.loads.Friction(coefficient)}, 5.0, engine)
     if share <= 0.75:

@@ -25,7 +25,7 @@ def yielding(press, frame=5e9, shaft=3e7):
 
 
 def geometry(press):
-    """Crank radius and rod length of a shipped crank-slide."""
+    """Crank radius and rod length of a shipped crank-slider."""
     found = as_crank_slider(press)
     return found.crank_radius, found.rod_length
 
@@ -205,7 +205,7 @@ def test_an_arm_that_would_share_with_the_rods():
 
 
 def test_a_rod_between_bearings_that_meet():
-    """The crank-slide's guide is measured at the origin of its joint, which is the slide's pin."""
+    """The crank-slider's guide is measured at the origin of its joint, which is the slide's pin."""
     with pytest.raises(pp.PinpressError, match="rod 'slide slide_guide-W': its bearings meet"):
         elasticity(pp.load("crank_slide"), Stiffness(rods=[Rod("slide", ("slide_guide", "W"), 1e9)]), ANGLES)
 

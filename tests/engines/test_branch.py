@@ -118,7 +118,7 @@ def test_tables_predict(press_name):
 
 
 def crank_slide(tmp_path, r, rod):
-    """The shipped crank-slide with other lengths."""
+    """The shipped crank-slider with other lengths."""
     text = texts.shipped("crank_slide").text.decode()
     for old, new, count in (
         ('<origin xyz="0.100 0 0"/><axis', f'<origin xyz="{r!r} 0 0"/><axis', 1),
@@ -358,7 +358,7 @@ FAR = "turns away: numbers as large are .* rad apart"
 
 @pytest.mark.parametrize("turns", [1e6, 1.5e6])
 def test_a_million_turns_away_the_slide_is_where_the_angle_says(turns):
-    """By the crank-slide's formula, at the very angle that was given, within half a rounding of it."""
+    """By the crank-slider's formula, at the very angle that was given, within half a rounding of it."""
     press, crank, rod = texts.shipped("crank_slide"), 0.100, 0.400
     angle = 2 * np.pi * turns + np.linspace(0.1, 6.2, 13)
     motion = pp.cycle(press, angle=angle, speed=1.0)

@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 from extremes.extreme_case import CLOSE, EPS, METHODS, ROUNDING, Case, Outcome, loaded, refusal
-from extremes.extreme_crank_slide import CrankSlide, spinning
+from extremes.extreme_crank_slide import CrankSlider, spinning
 from scipy.optimize import brentq
 from support.generators.random_linkages import four_bar
 
@@ -13,7 +13,7 @@ import pinpress as pp
 from pinpress.loads.process import Blanking
 
 QUARTER = 0.5 * math.pi
-ORDINARY = CrankSlide()
+ORDINARY = CrankSlider()
 FLYWHEEL = pp.drives.Flywheel(50.0)
 SAME = 2e-14  # lengths that differ by less, some ten roundings with all that is added to them, count as equal
 
@@ -35,7 +35,7 @@ def beside(one_less: float) -> Any:
 def nearly(power: int) -> Case:
     """Torque and motion at lambda = 1 - 10^-power."""
     one_less = 10.0**-power
-    near = CrankSlide(rod=rod_for(one_less))
+    near = CrankSlider(rod=rod_for(one_less))
     # At 90 degrees the slide's lever is the root of a difference of squares: what is lost there, no way of calculating regains.
     bound = ROUNDING + 10 * EPS / one_less
     judge = near.judge(bound)
@@ -61,15 +61,15 @@ def nearly(power: int) -> Case:
 def crossing(name: str, one_less: float, speed: float, duration: float, flywheel: float = 50.0, long: bool = False) -> Case:
     """A free run over change points, or close to them."""
     same = one_less < SAME  # the rod is as long as the crank but for some roundings
-    mechanism = CrankSlide(rod=rod_for(one_less))
+    mechanism = CrankSlider(rod=rod_for(one_less))
     near = math.sqrt(2 * one_less)
     corners = [place + share * near for place in (QUARTER, 3 * QUARTER) for share in (-100, -10, -3, 0, 3, 10, 100)] if one_less else []
 
-    def scene(method: str, mechanism: CrankSlide = mechanism) -> pp.Run:
+    def scene(method: str, mechanism: CrankSlider = mechanism) -> pp.Run:
         return pp.simulate(mechanism.press(), duration, speed=speed, flywheel=pp.drives.Flywheel(flywheel), method=method)
 
     told_apart = same or one_less > 5e-12
-    judged = (CrankSlide(rod=0.1) if same else mechanism).free_run(flywheel, at=[] if same else corners)
+    judged = (CrankSlider(rod=0.1) if same else mechanism).free_run(flywheel, at=[] if same else corners)
 
     def judge(found: Any) -> Outcome:
         refused = refusal(pp.SimulationError, [QUARTER, 3 * QUARTER], 1e-5)
@@ -89,7 +89,7 @@ def crossing(name: str, one_less: float, speed: float, duration: float, flywheel
     )
 
 
-EXACT = CrankSlide(rod=0.1)
+EXACT = CrankSlider(rod=0.1)
 
 
 def exactly(name: str, angles: dict[str, Any], expected: float) -> Case:
@@ -124,7 +124,7 @@ def up_to_it(share: float) -> Case:
 NONE = "Where mathematics has no answer"
 LOCKING = (1.0, 0.8, 0.3, 0.7, 0.9)  # ground, crank, coupler, rocker, drawn angle: at its locks coupler and rocker are in one line
 LOCKS = math.acos((1.0 + 0.64 - 1.0) / 1.6) - 0.9, math.acos((1.0 + 0.64 - 0.16) / 1.6) - 0.9
-SHORT = CrankSlide(rod=0.09)
+SHORT = CrankSlider(rod=0.09)
 BLANK = {"speed": 5.0, "angle": 3.0, "flywheel": pp.drives.Flywheel(5.0)}
 
 
@@ -132,7 +132,7 @@ def through_locks() -> Case:
     """The crank swings between its locks, while the rod turns: driven there, the same press has none."""
     driven = "P"
 
-    def scene(method: str, press: CrankSlide = SHORT) -> pp.Run:
+    def scene(method: str, press: CrankSlider = SHORT) -> pp.Run:
         return pp.simulate(press.press(), 0.6, speed=30.0, method=method, points=61)
 
     def judge(found: Any) -> Outcome:

@@ -1,4 +1,4 @@
-"""The textbook crank-slide of any proportions: its URDF, and all that is known of it in closed form, without pinpress.
+"""The textbook crank-slider of any proportions: its URDF, and all that is known of it in closed form, without pinpress.
 
 Crank angle q from bottom dead centre, positive turning x towards z; the slide moves along z, below the crankshaft at the origin. SI units.
 """
@@ -32,7 +32,7 @@ TEXT = """<robot name="crank_slide"><link name="frame"/>
 
 
 @dataclass(frozen=True)
-class CrankSlide:
+class CrankSlider:
     """Lengths of crank and rod [m]; masses [kg], centres of mass as shares of the lengths from O and P, and moments about them [kg m2].
 
     With a rod as long as the crank it is the assembly that is drawn, with the slide moving on below the crankshaft as -2 r cos q.

@@ -8,14 +8,14 @@ from typing import Any
 
 import numpy as np
 from extremes.extreme_case import CLOSE, METHODS, Case, Outcome, largest, shipped, worst
-from extremes.extreme_crank_slide import CrankSlide, lasting, spinning
+from extremes.extreme_crank_slide import CrankSlider, lasting, spinning
 from scipy.integrate import quad
 from scipy.optimize import brentq
 
 import pinpress as pp
 from pinpress.loads.process import ConstantForce, ElasticDie, TimeForce
 
-MECHANISM = CrankSlide()
+MECHANISM = CrankSlider()
 BOTTOM = -MECHANISM.crank - MECHANISM.rod
 ROUND = np.linspace(-0.3, 6.2, 25)
 EDGE = 0.02  # height at which dies and piles are met [m]
@@ -194,7 +194,7 @@ def by_virtual_work(force: float) -> Case:
 
     return Case(
         "Forces of 1 N and 1 GN",
-        f"{force:.0e} N on the slide of a crank-slide",
+        f"{force:.0e} N on the slide of a crank-slider",
         "closed form: virtual work, balance of the slide (1e-13)",
         scene,
         judge,

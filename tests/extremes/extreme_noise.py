@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pinocchio as pin
 from extremes.extreme_case import ROUNDING, Case, Outcome, compare, folder, largest, loaded, shipped
-from extremes.extreme_crank_slide import CrankSlide, spinning
+from extremes.extreme_crank_slide import CrankSlider, spinning
 from extremes.extreme_sizes import of_size
 from support.generators.small_linkages import bolted
 
@@ -60,7 +60,7 @@ def printed(digits: int) -> Case:
 
 def open_by(gap: float) -> list[Case]:
     """A slide that is drawn off its place: closed, nothing of it is left."""
-    mechanism = CrankSlide()
+    mechanism = CrankSlider()
 
     def six() -> pp.Linkage:
         place = -0.9579409746502484
@@ -76,7 +76,7 @@ def open_by(gap: float) -> list[Case]:
     return [
         Case(
             "Loops that are drawn open",
-            f"crank-slide, by {gap:.0e} m",
+            f"crank-slider, by {gap:.0e} m",
             "closed form",
             lambda engine: spinning(loaded(mechanism.text(gap)), engine, ROUND),
             mechanism.judge(ROUNDING),

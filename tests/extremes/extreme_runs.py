@@ -6,11 +6,11 @@ from collections.abc import Callable
 
 import numpy as np
 from extremes.extreme_case import CLOSE, METHODS, ROUNDING, Case, Outcome, largest
-from extremes.extreme_crank_slide import CrankSlide, slope, spinning
+from extremes.extreme_crank_slide import CrankSlider, slope, spinning
 
 import pinpress as pp
 
-MECHANISM = CrankSlide()
+MECHANISM = CrankSlider()
 ROUND = np.linspace(0.1, 6.2, 25)
 FLYWHEEL = 50.0
 

@@ -8,11 +8,11 @@ from typing import Any
 
 import numpy as np
 from extremes.extreme_case import EPS, METHODS, ROUNDING, Case, Outcome, largest, lever, loaded, refusal, shipped, short, worst
-from extremes.extreme_crank_slide import CrankSlide, spinning
+from extremes.extreme_crank_slide import CrankSlider, spinning
 
 import pinpress as pp
 
-ORDINARY = CrankSlide()
+ORDINARY = CrankSlider()
 ROUND = np.linspace(-0.3, 6.2, 25)  # crank angles
 CLOSED = "closed form"
 KEPT = "kept energy and the time by quadrature"
@@ -23,7 +23,7 @@ KEPT = "kept energy and the time by quadrature"
 
 def proportion(ratio: float) -> list[Case]:
     """Crank to rod."""
-    mechanism = CrankSlide(rod=0.1 / ratio) if ratio > 0.1 else CrankSlide(crank=0.4 * ratio)
+    mechanism = CrankSlider(rod=0.1 / ratio) if ratio > 0.1 else CrankSlider(crank=0.4 * ratio)
     bound = ROUNDING + 10 * EPS / (1 - ratio)
     inverse = Case(
         "Crank to rod from 0.001 to 0.9999",
@@ -34,7 +34,7 @@ def proportion(ratio: float) -> list[Case]:
         ordinary=lambda engine: spinning(ORDINARY.press(), engine, ROUND),
     )
 
-    def free(method: str, mechanism: CrankSlide = mechanism) -> pp.Run:
+    def free(method: str, mechanism: CrankSlider = mechanism) -> pp.Run:
         return pp.simulate(mechanism.press(), 0.8, speed=8.0, flywheel=pp.drives.Flywheel(50.0), method=method)
 
     corners = [place + share * math.sqrt(2 * (1 - ratio)) for place in (0.5 * math.pi, 1.5 * math.pi) for share in (-10, -3, 3, 10)]
@@ -69,7 +69,7 @@ MASSES = {
 }
 
 
-def masses(name: str, mechanism: CrankSlide) -> list[Case]:
+def masses(name: str, mechanism: CrankSlider) -> list[Case]:
     """Forces are judged beside the weights of all: nothing of 1e-16 of them can be seen in what they balance."""
     moved = max(mechanism.slide_mass, mechanism.rod_mass) * 9.81
     inverse = Case(
@@ -84,7 +84,7 @@ def masses(name: str, mechanism: CrankSlide) -> list[Case]:
     rise = float(mechanism.potential(math.pi) - mechanism.potential(0.0))
     speed = max(8.0, math.sqrt(4 * abs(rise) / float(mechanism.inertia(0.35))))
 
-    def free(method: str, mechanism: CrankSlide = mechanism, speed: float = speed) -> pp.Run:
+    def free(method: str, mechanism: CrankSlider = mechanism, speed: float = speed) -> pp.Run:
         return pp.simulate(mechanism.press(), 6.0 / speed, speed=speed, angle=0.35, method=method)
 
     run = Case(
@@ -265,7 +265,7 @@ def between_dead_centres() -> Case:
     """Where only the slide has mass there is inertia but at dead centres; between them it falls freely."""
     mechanism = MASSES["no mass but the slide's"]
 
-    def free(method: str, mechanism: CrankSlide = mechanism) -> pp.Run:
+    def free(method: str, mechanism: CrankSlider = mechanism) -> pp.Run:
         return pp.simulate(mechanism.press(), 0.1, speed=20.0, angle=0.5, method=method)
 
     return Case(

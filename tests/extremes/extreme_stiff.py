@@ -9,7 +9,7 @@ from typing import Any
 import mpmath
 import numpy as np
 from extremes.extreme_case import Case, Outcome
-from extremes.extreme_crank_slide import CrankSlide, slope
+from extremes.extreme_crank_slide import CrankSlider, slope
 from scipy.integrate import quad, solve_ivp
 from scipy.optimize import brentq
 
@@ -18,7 +18,7 @@ from pinpress.drives.protocol import SpeedTorqueDrive
 from pinpress.drives.transmission import ConstantTorque, ServoMotor
 from pinpress.loads.process import ForceInterval
 
-MECHANISM = CrankSlide()
+MECHANISM = CrankSlider()
 GROUP = "Stiff forces for 2 s: runs"
 START, SPEED, FLYWHEEL, DURATION = 1.0, 7.0, 100.0, 2.0
 BASE = -1.0  # height of the frame's end of a spring, below the slide [m]

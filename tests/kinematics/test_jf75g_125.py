@@ -1,7 +1,7 @@
 """The JF75G-125 in its four arrangements against published values, its exact equation of motion, and forces in closed form.
 
 Source: Zhang 2007 (master thesis): masses and moments of inertia; the lengths are inferred, see the URDF files. `reference/jf75g_125.json`
-was computed from them without pinpress. The closed form is that of two crank-slides on one shaft, as complex numbers x + iz in the picture
+was computed from them without pinpress. The closed form is that of two crank-sliders on one shaft, as complex numbers x + iz in the picture
 plane: the main one hangs down from the crankshaft, the counterweight's stands up on it.
 """
 
@@ -32,8 +32,8 @@ SERVO = {"angle": np.linspace(9, -4, 97), "speed": 30 * np.cos(np.linspace(0, 7,
 MOTIONS = {"turn": TURN, "servo": SERVO}
 
 
-class CrankSlide(NamedTuple):
-    """A crank-slide with its crank's centre of mass at the pin, and its rod's half-way. ``down``: direction of the slide from the shaft."""
+class CrankSlider(NamedTuple):
+    """A crank-slider with its crank's centre of mass at the pin, its rod's half-way. ``down``: direction of the slide from the shaft."""
 
     down: complex
     r: float  # [m]
@@ -45,8 +45,8 @@ class CrankSlide(NamedTuple):
     slide: float  # [kg]
 
 
-MAIN = CrankSlide(-1j, 0.015, 0.300, 52.25, 0.289, 77.49, 77.49 * 0.300**2 / 12, 2200.0)
-AUXILIARY = CrankSlide(1j, 0.0297, 0.600, 18.38, 0.217, 113.31, 113.31 * 0.600**2 / 12, 1045.0)
+MAIN = CrankSlider(-1j, 0.015, 0.300, 52.25, 0.289, 77.49, 77.49 * 0.300**2 / 12, 2200.0)
+AUXILIARY = CrankSlider(1j, 0.0297, 0.600, 18.38, 0.217, 113.31, 113.31 * 0.600**2 / 12, 1045.0)
 PARTS = {name: (MAIN,) if name == "jf75g_125_plain" else (MAIN, AUXILIARY) for name in PRESSES}
 
 

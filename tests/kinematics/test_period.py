@@ -1,5 +1,5 @@
 """Presses that repeat themselves only after several turns of their driver, against states all over these turns, at crank angles given one
-by one; and a crank-slide that its motor turns through a gear pair, against the crank-slide alone."""
+by one; and a crank-slider that its motor turns through a gear pair, against the crank-slider alone."""
 
 from functools import cache
 

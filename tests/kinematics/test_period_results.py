@@ -1,5 +1,5 @@
 """What is made from motions of presses that repeat themselves only after several turns: vibration on mounts, runs, recordings, plots,
-designs and files. Against the crank-slide alone for the one that its motor turns through a gear pair, or against sums over all turns."""
+designs and files. Against the crank-slider alone for the one that its motor turns through a gear pair, or against sums over all turns."""
 
 from typing import Any
 
@@ -49,7 +49,7 @@ def alone():
 
 
 def cam_shaft(folder, eccentricity):
-    """The crank-slide with a shaft on no loop that turns half as fast."""
+    """The crank-slider with a shaft on no loop that turns half as fast."""
     return texts.load(texts.shipped("crank_slide").text.decode().replace("</robot>", CAM.format(eccentricity)), folder)
 
 
@@ -129,7 +129,7 @@ def test_strokes_are_periods(press, name):
 
 @pytest.fixture(scope="module")
 def with_cam(folder):
-    """The textbook crank-slide; an unbalanced shaft beside it turns half as fast."""
+    """The textbook crank-slider; an unbalanced shaft beside it turns half as fast."""
     return cam_shaft(folder, 0.1)
 
 

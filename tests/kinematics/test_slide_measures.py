@@ -57,7 +57,7 @@ def derivative(measure, family, parameter, by=1e-30):
 
 
 def offset_crank_slide():
-    """Stroke and ratio of times of the crank-slide, from the triangles at its dead centres."""
+    """Stroke and ratio of times of the crank-slider, from the triangles at its dead centres."""
     outer, inner = ROD + RADIUS, ROD - RADIUS
     stroke = np.sqrt(outer**2 - OFFSET**2) - np.sqrt(inner**2 - OFFSET**2)
     bottom, top = -np.arcsin(OFFSET / outer), np.pi - np.arcsin(OFFSET / inner)  # crank and rod in line, on one side of the pivot or both
@@ -336,7 +336,7 @@ def test_a_real_motion_and_a_complex_one_have_the_same_measures():
 
 
 def test_pressure_angle_of_presses():
-    """Chen 2002: sin = (l3 - h) / l4, with the bar upright; a centred crank-slide: sin = r / l, with the crank square to the guide. A
+    """Chen 2002: sin = (l3 - h) / l4, with the bar upright; a centred crank-slider: sin = r / l, with the crank square to the guide. A
     smooth periodic function is known from few states: 1e-9 with 45, where its harmonics have fallen to that, rounding with 360."""
     for name, driven, other, axis, sine in (
         ("thin_wall", "E", "D", (1, 0, 0), (0.648 - 0.630) / 0.220),

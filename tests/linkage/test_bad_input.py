@@ -43,7 +43,7 @@ def result(press, motion):
 
 
 def edited(*edits: tuple[str, str]) -> str:
-    """The crank-slide with texts replaced at their first place, where each must occur."""
+    """The crank-slider with texts replaced at their first place, where each must occur."""
     text = CRANK_SLIDE
     for old, new in edits:
         assert old in text

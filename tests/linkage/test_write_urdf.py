@@ -34,7 +34,7 @@ def unit(*numbers):
     return np.array(numbers) / np.linalg.norm(numbers)
 
 
-# A crank-slide through space, which can be changed in every number and still moves. Its loop is between links that are welded to rod and
+# A crank-slider through space, which can be changed in every number and still moves. Its loop is between links that are welded to rod and
 # slide, turned against them; a gear runs with the crank, and a counterweight is welded to it.
 PIN_P, PIN_W = np.array([0.02, -0.05, -0.1]), np.array([0.06, 0.08, -0.5])
 ROD_END = pin.SE3(pin.rpy.rpyToMatrix(0.3, -1.2, 2.0), 0.9 * (PIN_W - PIN_P))

@@ -1,4 +1,4 @@
-"""Process loads: their laws, works and torques against closed forms of the crank-slide and the thin-wall press, and their balance.
+"""Process loads: their laws, works and torques against closed forms of the crank-slider and the thin-wall press, and their balance.
 
 Source of the load cases: Zhang 2007, 5.7. The closed forms here use no pinpress: heights and slopes of the slide over the crank angle, and
 integrals of the laws by hand. Torques and works are compared to 1e-11 of their peaks, which leaves a hundred roundings of a position of
@@ -218,7 +218,7 @@ def test_foundation_does_not_feel_a_load_and_the_bearings_do(engine, name):
 
 
 def drawn_crank_slide(crank, rod, world, angle=2.5):
-    """A crank-slide that works along 0.8 + 0.6i of any plane, origins of slide and tool off the pin, in the plane and out of it."""
+    """A crank-slider that works along 0.8 + 0.6i of any plane, origins of slide and tool off the pin, in the plane and out of it."""
     axis = 0.8 + 0.6j
     drawing = Drawing("drawn", world)
     pin = crank * np.exp(1j * angle)

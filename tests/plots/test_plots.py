@@ -70,7 +70,7 @@ def legs(tmp_path_factory):
 
 @pytest.fixture(scope="module")
 def oddly_named(tmp_path_factory):
-    """The crank-slide with names that a URDF may have and Matplotlib would read as something else."""
+    """The crank-slider with names that a URDF may have and Matplotlib would read as something else."""
     text = texts.shipped("crank_slide").text.decode()
     for old, new in zip(('"P"', '"O"', '"W"'), ("_P", "a$b_c^{$", "&lt;W &amp; co>"), strict=True):
         assert f"name={old}" in text
@@ -237,7 +237,7 @@ def test_comparison(result, balanced, comparison):
 
 
 def test_comparison_in_one_unit():
-    """Slowly, the crank-slide shakes with 200 N along x, at speed with kilonewtons; a force that was nothing has no percentage."""
+    """Slowly, the crank-slider shakes with 200 N along x, at speed with kilonewtons; a force that was nothing has no percentage."""
     slow, fast = turn("crank_slide", 10), turn("crank_slide", 400)
     bars = plots.comparison(slow, fast).axes[-1]
     forces = [[np.linalg.norm(force, axis=1).max() for force in r.bearing_force.values()] for r in (slow, fast)]

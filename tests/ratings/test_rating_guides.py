@@ -140,7 +140,7 @@ def test_the_guide_of_a_press_works_like_its_links():
 @pytest.mark.parametrize("share", [0.05, 0.15, 0.17, 0.3, 0.45])
 @pytest.mark.parametrize("one_sided", [False, True])
 def test_pressures_are_those_of_elastic_strips(share, one_sided):
-    """At one state of the crank-slide, moved to an eccentricity M / N of a share of the length."""
+    """At one state of the crank-slider, moved to an eccentricity M / N of a share of the length."""
     press = shipped("crank_slide")
     guide = Guide(0.3, 0.1, one_sided=one_sided)
     state = at(press, np.array([1.3]))

@@ -1,4 +1,4 @@
-"""Ratings against closed forms of the crank-slide, brute force on inverse dynamics, and quadrature."""
+"""Ratings against closed forms of the crank-slider, brute force on inverse dynamics, and quadrature."""
 
 import csv
 
@@ -45,7 +45,7 @@ def with_force(press, angle, speed, force, engine="auto"):
     return pp.inverse_dynamics(press, motion, loads, engine=engine)
 
 
-# The crank-slide in closed form
+# The crank-slider in closed form
 
 
 def test_torque_of_a_nominal_height():

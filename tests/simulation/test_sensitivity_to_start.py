@@ -1,6 +1,6 @@
 """Runs beside an unstable rest: what the start does not determine to the tolerance is said, and only that.
 
-The judge is the textbook crank-slide's equation, written out in `test_simulation_extremes`, integrated by SciPy; its rest at the top is
+The judge is the textbook crank-slider's equation, written out in `test_simulation_extremes`, integrated by SciPy; its rest at the top is
 unstable, with errors that grow as exp(26 t).
 """
 

@@ -1,7 +1,7 @@
 """Simulation where it is hardest: stops, dead centres, edges, stiff and tiny forces, clutch and brake, locks, wrong arguments.
 
 Whatever the input, a run is the right motion or an error that says when, where and why; never NaN, a warning, a foreign exception or an
-endless loop. Right is what the textbook crank-slide's equation says, written out here and integrated by SciPy from edge to edge of a load,
+endless loop. Right is what the textbook crank-slider's equation says, written out here and integrated by SciPy from edge to edge of a load,
 or a closed form, or what the two methods, which share no equation of motion, both say.
 
 Bounds: the methods keep to 1e-11 of the run's sizes a step, in tens to hundreds of steps; an edge passed or a stop multiplies what was
@@ -109,7 +109,7 @@ def refused(problem, press, duration, **arguments):
     return error
 
 
-# ------------------------------------------------------------------------------------- the textbook crank-slide's equation of motion
+# ------------------------------------------------------------------------------------- the textbook crank-slider's equation of motion
 
 
 @cache

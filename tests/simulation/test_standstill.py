@@ -1,6 +1,6 @@
 """A press that loads hold at rest, while a drive in time goes on: it stands until the drive overcomes them, and starts again.
 
-The reference is the textbook crank-slide's equation, written out in `test_simulation_extremes`, from stop to stop: between these it is
+The reference is the textbook crank-slider's equation, written out in `test_simulation_extremes`, from stop to stop: between these it is
 integrated by SciPy, and while it stands the time at which it starts is that at which the torque equals what holds it.
 """
 

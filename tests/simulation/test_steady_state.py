@@ -1,5 +1,5 @@
 """The steady state of a press, found directly, and what motor and flywheel bear: against the exact equation of the JF75G-125 in plain
-formulas (`crank_slide_equation`), closed forms, a period map of its own for the textbook crank-slide, long runs and the constraint method.
+formulas (`crank_slide_equation`), closed forms, a period map of its own for the textbook crank-slider, long runs and the constraint method.
 
 Bounds: a steady state comes back to 1e-10 of its speed, and each step's error is near 1e-11 of the run's sizes.
 """
@@ -447,7 +447,7 @@ def test_an_eccentric_disc_and_a_quadratic_drive(disc, angle):
     assert np.ptp(run.crank_speed) > 0.5
 
 
-# the textbook crank-slide, its bodies as its file has them: crank, rod, slide
+# the textbook crank-slider, its bodies as its file has them: crank, rod, slide
 
 
 def crank_slide(q):

@@ -2,7 +2,7 @@
 [WORKERS]`.
 
 Every execution of the function is logged by one line, appended in one step, which outlives the process. The simulations of one speed are
-solved at once, as scenarios: 25 of 50 ms of a crank-slide take as long as one alone, 3 ms.
+solved at once, as scenarios: 25 of 50 ms of a crank-slider take as long as one alone, 3 ms.
 """
 
 import os

@@ -100,7 +100,7 @@ def test_an_even_ram_speed_is_held_by_the_pressure_angle(degrees, drop):
     assert active.multiplier < 0
 
 
-# ----------------------------------------------------------------------------------------------------------------------------- crank-slide
+# ----------------------------------------------------------------------------------------------------------------------------- crank-slider
 
 
 def test_the_shortest_rod_that_keeps_an_acceleration():

@@ -106,7 +106,7 @@ def test_a_rotating_unbalance_has_one_order(folder):
 
 
 def test_textbook_series_of_the_crank_slide():
-    """Masses of crank-slide.urdf; a rod's forces are those of masses at its ends, and the slide's acceleration is the series in lambda."""
+    """Masses of crank-slider.urdf; a rod's forces are those of masses at its ends, and the slide's acceleration is the series in lambda."""
     result = turn("crank_slide", 300)
     found = harmonics(result.motion, result.shaking_force)
     speed, lam, r = 300 * pp.RPM, 0.25, 0.1

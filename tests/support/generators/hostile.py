@@ -14,7 +14,7 @@ NAMES = {
 
 
 def load_hostile(folder: Path) -> Any:
-    """The crank-slide with these names."""
+    """The crank-slider with these names."""
     text = pp.load("crank_slide").text.decode()
     for name, hostile in NAMES.items():
         escaped = hostile.replace("&", "&amp;").replace("<", "&lt;").replace(">", "&gt;")

@@ -1,5 +1,5 @@
 """Presses that repeat themselves only after several turns of their driver: five-bars whose two cranks are geared, and the textbook
-crank-slide, whose crank a motor turns by a gear pair."""
+crank-slider, whose crank a motor turns by a gear pair."""
 
 from pathlib import Path
 from typing import Any
@@ -50,7 +50,7 @@ def five_bar(ratio: float, folder: Path) -> Any:
 
 
 def geared_down(folder: Path) -> Any:
-    """The shipped crank-slide, its crank turned by a motor, the driver, three times as fast, whose rotor weighs next to nothing."""
+    """The shipped crank-slider, its crank turned by a motor, the driver, three times as fast, whose rotor weighs next to nothing."""
     text = texts.shipped("crank_slide").text.decode()
     axis = '<axis xyz="0 -1 0"/>'
     motor = LINK.format("rotor", 0, 0, 1e-9, 1e-12) + '<joint name="M" type="continuous"><parent link="frame"/><child link="rotor"/>'

@@ -35,7 +35,7 @@ def mimicking(text, follower, leader, multiplier, offset=0.0):
 
 
 def rods(count, kind="spherical"):
-    """A crank-slide with rods side by side, at uneven distances, and masses off the plane; its loops may be pins with an axis."""
+    """A crank-slider with rods side by side, at uneven distances, and masses off the plane; its loops may be pins with an axis."""
     drawing = Drawing("rods")
     pin_p, pin_w = 0.15 * np.exp(0.4j), 0.1 - 0.8j
     drawing.joint("O", "frame", "crank", 0j, 0.05)

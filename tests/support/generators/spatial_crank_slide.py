@@ -1,4 +1,4 @@
-"""A crank-slide through space: its crank axis and its guide are skew, and neither is square to anything."""
+"""A crank-slider through space: its crank axis and its guide are skew, and neither is square to anything."""
 
 import numpy as np
 

@@ -22,7 +22,7 @@ TIGHT = {"method": "DOP853", "rtol": 3e-14, "atol": 1e-12}
 
 
 class Side(NamedTuple):
-    """A crank-slide: crank radius, rod length, rod's centre of mass from the crank pin, its mass and inertia, mass of the slide, sign."""
+    """A crank-slider: crank radius, rod length, rod's centre of mass from the crank pin, its mass and inertia, mass of the slide, sign."""
 
     r: float
     length: float
