@@ -22,7 +22,7 @@ def inverse_dynamics_contest(press: Linkage, speed: float, points: int, peers: S
     The engines of a planar press share no equation and judge each other. The torque of a press in space is judged by forward dynamics,
     which gives the accelerations back under it.
     """
-    engines = ("plane", "pinocchio") if press.plane is not None else ("pinocchio",)
+    engines = press.engines
     answers = {engine: _solved(press, speed, points, engine) for engine in engines}
     judges = {"plane": answers["pinocchio"], "pinocchio": answers[engines[0]]}
     torque, peak = peak_of(answers["pinocchio"].driving_torque), peak_force(answers["pinocchio"].bearing_force)

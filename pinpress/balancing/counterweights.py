@@ -110,10 +110,8 @@ def rigid_body(mass: float, lever: Array, tensor: Array) -> pin.Inertia:
 
 def unit_tensor(press: Linkage, joint: int) -> Array:
     """Tensor (3, 3) in the joint's frame of material with unit inertia: a lamina in a planar press's plane, a ball in any other press."""
-    if press.plane is None:
-        return np.eye(3)
-    normal = press.plane.frames[joint - 1][2]
-    return np.asarray(0.5 * (np.eye(3) + np.outer(normal, normal)))
+    axes = press.engine().turning_axes(joint)
+    return np.asarray(0.5 * (np.eye(3) + axes.T @ axes))
 
 
 def refuse_unphysical(press: Linkage, joint: int, inertia: pin.Inertia) -> None:

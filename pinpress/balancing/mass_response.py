@@ -10,16 +10,11 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-import pinocchio as pin
 
 from ..common.arrays import Array
 from ..common.frozen import Frozen
 from ..dynamics.applied_loads import place
 from ..dynamics.inverse_dynamics import Reactions, inverse_dynamics
-from ..engines.constant_rows import product
-from ..engines.coordinates import data_of
-from ..engines.planar.kinematics import basis, basis_acceleration
-from ..engines.planar.model import Plane, in_space
 from ..kinematics.motion import Motion
 from ..linkage.linkage import Linkage
 from ..loads.link import Load, PointForce
@@ -110,32 +105,5 @@ def _inertia_forces(press: Linkage, motion: Motion, masses: PointMasses) -> tupl
     """World positions (p, n, 3) of the masses [m], and weight plus inertia force (p, n, 3) of each [N]."""
     places = [place(press, masses.link, tuple(point), "counterweight", "position") for point in masses.points]
     joint, points = places[0][0], np.array([point for _, point in places])
-    position, acceleration = (
-        _in_plane(press.plane, press, motion, joint, points) if press.plane else _in_space(press, motion, joint, points)
-    )
+    position, acceleration = press.engine().point_accelerations(motion.states(press), joint, points)
     return position, masses.masses[:, None, None] * (press.model.gravity.linear - acceleration)
-
-
-def _in_plane(plane: Plane, press: Linkage, motion: Motion, joint: int, points: Array) -> tuple[Array, Array]:
-    """World positions and accelerations (p, n, 3) of points (p, 3) in a joint's frame."""
-    at = motion.basis(press)
-    at = basis(plane, motion.joint_position.T) if at is None else at
-    x, y, height = plane.frames[joint - 1] @ points.T
-    rows = np.array([plane.point(joint - 1, complex(*arm)) for arm in zip(x, y, strict=True)])
-    position = in_space(plane, product(rows, at)) + (plane.heights[joint - 1] + height)[:, None, None] * plane.normal
-    return position, in_space(plane, product(rows, basis_acceleration(plane, at, motion.v.T, motion.a.T)))
-
-
-def _in_space(press: Linkage, motion: Motion, joint: int, points: Array) -> tuple[Array, Array]:
-    """World positions and accelerations as of `_in_plane`, by Pinocchio, one state at a time."""
-    position = np.empty((len(points), len(motion.v), 3))
-    acceleration, data = np.empty_like(position), data_of(press.model)
-    for i, (q, v, a) in enumerate(zip(np.array(motion.q), np.array(motion.v), np.array(motion.a), strict=True)):
-        pin.forwardKinematics(press.model, data, q, v, a)
-        body, velocity = data.oMi[joint], data.v[joint]
-        rate = pin.classicAcceleration(velocity, data.a[joint])
-        spin, turning = velocity.angular, data.a[joint].angular
-        for p, point in enumerate(points):
-            position[p, i] = body.act(point)
-            acceleration[p, i] = body.rotation @ (rate + np.cross(turning, point) + np.cross(spin, np.cross(spin, point)))
-    return position, acceleration

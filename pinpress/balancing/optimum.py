@@ -275,10 +275,7 @@ def _changes(problem: BalancingProblem, targets: Sequence[Target], after: Sequen
 def _counterweight(press: Linkage, variables: RegionVariables, filling: pin.Inertia) -> Counterweight:
     link = variables.region.link
     placement = press.model.frames[press.model.getFrameId(link, pin.BODY)].placement
-    about = np.trace(filling.inertia) / 3
-    if press.plane is not None:
-        normal = press.plane.frames[variables.joint - 1][2]
-        about = normal @ filling.inertia @ normal
+    about = np.mean([axis @ filling.inertia @ axis for axis in press.engine().turning_axes(variables.joint)])
     if abs(about) <= INERTIA_ROUNDING * abs(filling.mass) * (filling.lever @ filling.lever):
         about = 0.0
     x, y, z = placement.actInv(filling.lever)

@@ -210,13 +210,12 @@ class _Shape(NamedTuple):
 
 
 def _shape(press: Linkage, region: CounterweightRegion, joint: int) -> _Shape:
-    if press.plane is None:
-        raise PinpressError(f"{region.words}: {press.name} is not planar: give a point, at=..., there")
-    frame = press.plane.frames[joint - 1]
+    plane = press.plane_or_refuse(f"{region.words}: {press.name} is not planar: give a point, at=..., there")
+    frame = plane.frames[joint - 1]
     ends = np.array([carrying_joint(press, region.link, end, region.words)[1] for end in region.corners or [region.centre]])
     centre = ends.mean(axis=0)
     arms = (ends - centre) @ frame.T
-    if np.abs(arms[:, 2]).max() > FLAT * press.plane.size:
+    if np.abs(arms[:, 2]).max() > FLAT * plane.size:
         raise PinpressError(f"{region.words}: its corners are in different planes of motion: give them one coordinate along the normal")
     size = float(region.radius) if region.radius is not None else float(np.linalg.norm(arms, axis=1).max())
     if not size > 0:

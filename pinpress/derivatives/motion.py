@@ -104,9 +104,9 @@ def planar(press: Linkage) -> Plane:
     Raises:
         PinpressError: it is not planar.
     """
-    if press.plane is None:
-        raise PinpressError(f"exact derivatives are those of planar linkages with one driver and pins for loops, which {press.name} is not")
-    return press.plane.dense
+    return press.plane_or_refuse(
+        f"exact derivatives are those of planar linkages with one driver and pins for loops, which {press.name} is not"
+    ).dense
 
 
 def guide_shift(plane: Plane, by: Shift, guide: int) -> float:

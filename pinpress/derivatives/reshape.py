@@ -8,6 +8,7 @@ every block of equations stays well away from where two assemblies meet; else ha
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import singledispatch
 from typing import NamedTuple
 
 import numpy as np
@@ -18,10 +19,13 @@ from ..common.arrays import Array
 from ..common.errors import AssemblyError, SingularityError
 from ..engines.closure import ACCEPTED, Closure
 from ..engines.continuation import Lock, follow
+from ..engines.engine import Engine
 from ..engines.joints import Coupling
+from ..engines.planar.engine import PlanarEngine
 from ..engines.planar.kinematics import close
 from ..engines.planar.model import Plane
-from ..engines.spatial import model as spatial
+from ..engines.spatial.kinematics import Passive
+from ..engines.spatial.kinematics import close as close_drivers
 from ..linkage.linkage import Linkage
 from .motion import States
 from .pivots import Displacements, Pivots, Shift, displaced, shift, shifted
@@ -100,13 +104,11 @@ def _from_zero(coupling: Coupling) -> Coupling:
 
 def _closed(press: Linkage, moved: Displacements) -> Array:
     """Joint coordinates (nv,) that close the linkage with displaced pivots, counted from where it was drawn."""
-    if press.plane is not None:
-        plane = press.plane.dense
-        return continue_geometry(plane, press.closed[:, None], shift(press, plane, moved)).closure.position[:, 0]
-    return _closed_in_space(press, moved)
+    return _closed_by(press.engine(), press, moved)
 
 
-def _closed_in_space(press: Linkage, moved: Displacements) -> Array:
+@singledispatch
+def _closed_by(engine: Engine, press: Linkage, moved: Displacements) -> Array:
     """Joint coordinates (nv,) that close a linkage that need not be planar: its assembly is followed along the way to the new lengths.
 
     Raises:
@@ -116,13 +118,13 @@ def _closed_in_space(press: Linkage, moved: Displacements) -> Array:
 
     def close_part_way(share: Array, guess: Array) -> Closure:
         here = _placed(press, moved, float(share[0])).spatial
-        closure = spatial.close(here, here.equations(), drivers, [0.0] * len(press.drivers), guess)
+        closure = close_drivers(here, here.equations(), drivers, np.zeros(len(press.drivers)), guess)
         if not np.isfinite(closure.widest):
             return closure
         start, rows = press.equations(closure.position[:, 0]), here.equations().at(closure.position[:, 0])
         # Gaps change in proportion to displacements, as long as no joint moves.
         opened = target.at(closure.position[:, 0]).gaps - start.gaps
-        return replace(closure, first=spatial.Passive(rows.columns, here).rates(-opened)[:, None])
+        return replace(closure, first=Passive(rows.columns, here).rates(-opened)[:, None])
 
     end = follow(close_part_way, press.closed, 1.0, press.size, ACCEPTED * press.spatial.tolerance)
     if isinstance(end, Lock):
@@ -132,6 +134,13 @@ def _closed_in_space(press: Linkage, moved: Displacements) -> Array:
             end.margin,
         )
     return end
+
+
+@_closed_by.register(PlanarEngine)
+def _closed_in_plane(engine: PlanarEngine, press: Linkage, moved: Displacements) -> Array:
+    """Joint coordinates (nv,) that close a planar linkage."""
+    plane = engine.plane.dense
+    return continue_geometry(plane, press.closed[:, None], shift(press, plane, moved)).closure.position[:, 0]
 
 
 # ------------------------------------------------------------------- the assembly of a planar linkage, followed to other lengths

@@ -13,27 +13,21 @@ import math
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..common import tables
 from ..common.arguments import typed
-from ..common.arrays import Array, ComplexArray
+from ..common.arrays import Array
 from ..common.errors import PinpressError, SingularityError, UnknownNameError, shown
 from ..common.frozen import FrozenMapping
 from ..common.named_arrays import ByBearing
 from ..common.results import Tabular
 from ..engines import change_points
-from ..engines.forces import AppliedForce, Wrenches
-from ..engines.friction import FrictionLaw
+from ..engines.forces import AppliedConditions, Wrenches
 from ..engines.load_sharing import compliances
-from ..engines.planar import inverse_dynamics as plane_dynamics
-from ..engines.planar import out_of_plane as plane_axial
-from ..engines.planar import power_balance as plane_power
-from ..engines.planar.model import Plane
-from ..engines.spatial import inverse_dynamics as spatial_dynamics
 from ..kinematics.motion import Motion
 from ..linkage.linkage import Linkage
 from ..linkage.mobility import own_axes
@@ -82,7 +76,7 @@ class Reactions(Tabular):
     left_out: tuple[str, ...]
     _wrenches: Wrenches
     _press: Linkage
-    _under: _Under
+    _under: AppliedConditions
 
     @property
     def title(self) -> str:
@@ -97,7 +91,7 @@ class Reactions(Tabular):
         press, found = self._press, self._wrenches
         if not self._under.gears and press.couplings:
             with np.errstate(all="ignore"):  # what overflows is refused
-                found = _solved(press, press.planar(self.engine), self.motion, self._under._replace(gears=True), ())
+                found = _solved(press, self.engine, self.motion, self._under._replace(gears=True), ())
         pairs = [np.stack([torque, -c.multiplier * torque], axis=1) for c, torque in zip(press.couplings, found.coupling, strict=True)]
         return ByBearing(tuple(c.name for c in press.couplings), np.array(pairs))
 
@@ -137,10 +131,7 @@ class Reactions(Tabular):
     def _indeterminate(self) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
         positions, press = self.motion.joint_position.T, self._press
         some = positions[:, :: max(1, positions.shape[1] // STATES_LOOKED_AT)]
-        if self.engine == "plane" and press.plane is not None and not press.plane.redundant:
-            marks = plane_axial.indeterminate(press.plane, some, self.indeterminate_axes)
-            return marks, np.zeros(len(press.couplings), dtype=bool)
-        return spatial_dynamics.indeterminate(press.spatial, some, self.indeterminate_axes)
+        return press.engine(self.engine).indeterminate(some, self.indeterminate_axes)
 
     @property
     def shaking_force(self) -> Array:
@@ -157,7 +148,7 @@ class Reactions(Tabular):
         with np.errstate(all="ignore"):  # what overflows is refused below
             if not set(on_frame(press)) <= set(there):
                 there = sorted(on_frame(press))
-                found = _solved(press, press.planar(self.engine), self.motion, self._under, there)
+                found = _solved(press, self.engine, self.motion, self._under, there)
             forces, moments = (dict(zip(there, vectors, strict=True)) for vectors in (found.force, found.moment))
             force, moment = shaking(press, self.motion, forces, moments, self._under.loads)
             if not math.isfinite(force.sum() + moment.sum()):
@@ -168,13 +159,7 @@ class Reactions(Tabular):
 
     def _power_balance(self) -> tuple[Array, Array, Array]:
         press, motion = self._press, self.motion
-        if self.engine == "plane" and press.plane is not None and press.bodies is not None:
-            at = _basis(press, press.plane, motion)
-            balance, total, apparent = plane_power.power_balance(press.plane, press.bodies, at, motion.v.T, motion.a.T, self._under.loads)
-        else:
-            balance, total, apparent = spatial_dynamics.power_balance(
-                press.spatial, motion.joint_position.T, motion.v.T, motion.a.T, self._under.loads
-            )
+        balance, total, apparent = press.engine(self.engine).power_balance(motion.states(press), self._under.loads)
         torque = self.driving_torque.reshape(len(motion.crank_angle), -1).T
         driving, lost = torque * motion.v.T[list(press.driver_indices)], self._wrenches.friction.sum(axis=0)
         return balance + driving.sum(axis=0) - lost, total + np.abs(driving).sum(axis=0) + lost, apparent
@@ -228,7 +213,7 @@ def inverse_dynamics(
     """
     if motion.joints != press.joints or motion.drivers != press.drivers:
         raise PinpressError(f"the motion is of {motion.linkage} with other joints than {press.name}: make it with cycle(press, ...)")
-    plane = press.planar(engine)
+    chosen = press.engine(engine).name
     if not isinstance(loads, list | tuple) and isinstance(loads, Load):  # looking whether something follows a protocol takes long
         raise PinpressError(f"loads is one {type(loads).__name__}: give a list, loads=[...]")
     wanted = _wanted(press, bearings)
@@ -236,15 +221,15 @@ def inverse_dynamics(
     law, compliance = friction_law(friction, press), compliances(stiffness, press.bearings)
     asked = forces.asked(loads)
     with np.errstate(all="ignore"):  # what overflows is refused
-        under = _Under(forces.apply(asked, press, motion), law, compliance, gears=bool(wanted) or law is not None)
-        wrenches = _solved(press, plane, motion, under, wanted)
+        under = AppliedConditions(forces.apply(asked, press, motion), law, compliance, gears=bool(wanted) or law is not None)
+        wrenches = _solved(press, chosen, motion, under, wanted)
     names, several = press.bearings, len(press.drivers) > 1
     kept = names if len(wanted) == len(names) else tuple(names[k] for k in wanted)
     left_out = tuple(name for name in names if name not in kept) if len(kept) < len(names) else ()
     wrenches.torque.setflags(write=False)
     return Reactions(
         motion=motion,
-        engine="pinocchio" if plane is None else "plane",
+        engine=chosen,
         driving_torque=wrenches.torque.T if several else wrenches.torque[0],
         bearing_force=ByBearing(kept, wrenches.force, left_out),
         bearing_moment=ByBearing(kept, wrenches.moment, left_out),
@@ -256,20 +241,11 @@ def inverse_dynamics(
     )
 
 
-class _Under(NamedTuple):
-    """What acts on the linkage: loads, the friction of its bearings, their compliances; whether the torques of gear pairs are wanted."""
-
-    loads: list[AppliedForce]
-    law: FrictionLaw | None
-    compliance: Array | None
-    gears: bool
-
-
 def _refuse_change_points(press: Linkage, motion: Motion) -> None:
     """Raise where a run's state is at a change point: rigid links carry forces there that grow without bounds on the way."""
-    if len(press.drivers) > 1 or _between_locks(press, motion) or not press.passage.change_points:
+    if len(press.drivers) > 1 or _between_locks(press, motion) or not press.branch_through_change_points.change_points:
         return
-    at = change_points.met(press.passage.change_points, press.passage.period, motion.crank_angle)
+    at = change_points.met(press.branch_through_change_points.change_points, press.branch_through_change_points.period, motion.crank_angle)
     if at is not None:
         angle = float(motion.crank_angle[at])
         raise SingularityError(
@@ -300,21 +276,11 @@ def _wanted(press: Linkage, bearings: Collection[str] | None) -> Sequence[int]:
     return [k for k, name in enumerate(press.bearings) if name in bearings]
 
 
-def _solved(press: Linkage, plane: Plane | None, motion: Motion, under: _Under, wanted: Sequence[int]) -> Wrenches:
-    """Torques, and the wrenches of wanted bearings, by the engine that goes with ``plane``, or its absence."""
-    bodies = None if plane is None else press.bodies
-    if plane is not None and bodies is not None:
-        at = _basis(press, plane, motion)
-        found = plane_dynamics.inverse_dynamics(plane, bodies, at, motion.v.T, motion.a.T, *under, motion.crank_angle, wanted)
-    else:
-        found = spatial_dynamics.inverse_dynamics(press.spatial, motion.joint_position.T, motion.v.T, motion.a.T, *under, wanted)
+def _solved(press: Linkage, engine: str, motion: Motion, under: AppliedConditions, wanted: Sequence[int]) -> Wrenches:
+    """Torques, and the wrenches of wanted bearings."""
+    found = press.engine(engine).inverse_dynamics(motion.states(press), under, wanted)
     _refuse_not_finite(motion, found)
     return found
-
-
-def _basis(press: Linkage, plane: Plane, motion: Motion) -> ComplexArray:
-    at = motion.basis(press)
-    return plane_dynamics.closed_basis(plane, motion.joint_position.T) if at is None else at
 
 
 def _refuse_not_finite(motion: Motion, wrenches: Wrenches) -> None:

@@ -184,7 +184,7 @@ def hold(press: Linkage, stiffness: Stiffness, motion: Motion) -> Held:
     springs = parts(press, stiffness)
     held = Held(press, springs, motion, sharing(press, springs))
     apart = any(part.kind == "moment" or (part.kind == "rod" and len(part.bearings) == 1) for part in springs)
-    if apart and (press.plane is None or press.plane.redundant):
+    if apart and press.engine().redundant(press.closed):
         _refuse_unshared(held)
     return held
 
@@ -218,7 +218,7 @@ def _moving_mass(held: Held) -> Array:
     are found by unit forces at them.
     """
     press, total = held.press, np.zeros(len(held.motion.crank_angle))
-    directions = np.eye(3) if press.plane is None else press.plane.axes
+    directions = press.engine().directions
     for joint in range(1, press.model.njoints):
         inertia = press.model.inertias[joint]
         if not inertia.mass > 0:

@@ -146,7 +146,7 @@ def internal_forces(press: Linkage, springs: Sequence[Part], motion: Motion, rea
             found.append(reactions.driving_torque[:, None])
         elif part.kind == "moment":
             moment = reactions.bearing_moment[press.bearings[part.bearings[0][0]]]
-            found.append(moment if press.plane is None else (moment @ press.plane.normal)[:, None])
+            found.append(moment @ press.engine().turning_axes().T)
         else:
             force = sum((weight * reactions.bearing_force[press.bearings[k]] for k, weight in part.bearings), np.zeros(3))
             if part.kind == "bearing":
@@ -168,7 +168,8 @@ def _along(press: Linkage, line: Array, force: Array, across: Array, name: str) 
 
 def _in_plane(press: Linkage) -> Array:
     """(3, 3) projector on the plane of a planar press, whose forces across it rigid mechanics leaves open."""
-    return np.eye(3) if press.plane is None else np.asarray(press.plane.axes.T @ press.plane.axes)
+    directions = press.engine().directions
+    return np.asarray(directions.T @ directions)
 
 
 def _without_travel(press: Linkage, motion: Motion, bearing: int, force: Array) -> Array:

@@ -6,6 +6,8 @@ joint coordinates and their first two derivatives by the crank angle. It predict
 to have nothing, or one step, left to do.
 """
 
+from __future__ import annotations
+
 from dataclasses import dataclass
 from typing import NamedTuple
 

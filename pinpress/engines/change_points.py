@@ -7,6 +7,8 @@ sides, and polynomials through these configurations are the assembly between the
 both sides are one assembly; at a lock there is no other side.
 """
 
+from __future__ import annotations
+
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 

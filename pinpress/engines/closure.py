@@ -1,5 +1,7 @@
 """Closed configurations of a linkage, as an engine returns them."""
 
+from __future__ import annotations
+
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
@@ -7,6 +9,7 @@ import numpy as np
 
 from ..common.arrays import Array, ComplexArray
 
+PIECE = 2048  # crank angles worked through at a time: what is in flight stays in the cache
 ACCEPTED = 1e3  # times the tolerance of rounding: a loop whose gap is not below that is open
 
 

@@ -4,6 +4,8 @@ SciPy's sparse ones where it is large, so that time and memory grow with the ent
 Both take ``matrix @ columns``, slices of rows and transposition; for the rest there are the functions here.
 """
 
+from __future__ import annotations
+
 from collections.abc import Mapping, Sequence
 from typing import Any
 

@@ -1,5 +1,7 @@
 """Following an assembly of a linkage from one closed configuration to the next, in steps so small that another cannot be reached."""
 
+from __future__ import annotations
+
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
@@ -43,7 +45,7 @@ class Node:
     margins: Array
 
     @staticmethod
-    def of(angle: float, closure: Closure) -> "Node":
+    def of(angle: float, closure: Closure) -> Node:
         assert closure.margins is not None
         return Node(angle, closure.position[:, 0], closure.first[:, 0], closure.second[:, 0], closure.margins[:, 0])
 
@@ -102,7 +104,7 @@ def _belongs(closure: Closure, guess: Array, last: Node, h: float, weight: float
     return bool(correction <= 0.1 * abs(h) * (1.0 + weight * np.abs(last.first).max()))
 
 
-def follow(close: Close, start: Array, distance: float, size: float, tolerance: float) -> "Array | Lock":
+def follow(close: Close, start: Array, distance: float, size: float, tolerance: float) -> Array | Lock:
     """The closed configuration (nv,) a ``distance`` [rad] along a path, followed from the closed one ``start`` (nv,) at its beginning; or
     where the linkage locks on the way. ``close`` takes distances along the path for crank angles."""
     nodes = [Node.of(0.0, close(np.zeros(1), start[:, None]))]

@@ -4,6 +4,8 @@ A joint coordinate is one number a joint, in the order of v: an angle [rad], unw
 q has the same numbers, except for an unbounded (``continuous``) joint: its cosine and sine.
 """
 
+from __future__ import annotations
+
 from typing import NamedTuple
 
 import numpy as np

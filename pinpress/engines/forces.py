@@ -1,11 +1,15 @@
 """What either engine takes and returns, as arrays: forces on the links; efforts of drives, gear pairs and friction; the force and moment in
 every joint and loop."""
 
+from __future__ import annotations
+
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
 from ..common.arrays import Array
+from .friction import FrictionLaw
 
 
 @dataclass(frozen=True)
@@ -17,9 +21,29 @@ class AppliedForce:
     point: Array
     force: Array
 
-    def part(self, points: slice) -> "AppliedForce":
+    def part(self, points: slice) -> AppliedForce:
         """The same over a part of the motion."""
         return AppliedForce(self.joint, self.point, self.force[points])
+
+
+class AppliedConditions(NamedTuple):
+    """What acts on a linkage in motion, and what is asked of its gears.
+
+    Attributes:
+        loads: forces on links.
+        law: friction of the bearings, None where there is none.
+        compliance: (bearings,) by which bearings share forces [m/N], None where no stiffness is given.
+        gears: whether the torques of gear pairs are wanted; if not, they are one of several that balance.
+    """
+
+    loads: list[AppliedForce]
+    law: FrictionLaw | None
+    compliance: Array | None
+    gears: bool
+
+    def part(self, points: slice) -> AppliedConditions:
+        """The same over a part of the motion."""
+        return self._replace(loads=[load.part(points) for load in self.loads])
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -43,7 +67,7 @@ class Wrenches:
     moment: Array
 
     @staticmethod
-    def zeros(drivers: int, couplings: int, bearings: int, n: int, wanted: int) -> "Wrenches":
+    def zeros(drivers: int, couplings: int, bearings: int, n: int, wanted: int) -> Wrenches:
         """To be filled in; counts of each, ``wanted`` of the bearings."""
         return Wrenches(
             torque=np.zeros((drivers, n)),
@@ -53,7 +77,7 @@ class Wrenches:
             moment=np.zeros((wanted, n, 3)),
         )
 
-    def part(self, points: slice) -> "Wrenches":
+    def part(self, points: slice) -> Wrenches:
         """Views of a part of the motion."""
         return Wrenches(
             self.torque[:, points], self.coupling[:, points], self.friction[:, points], self.force[:, points], self.moment[:, points]

@@ -1,5 +1,7 @@
 """Friction in all bearings at once, found together with the forces that cause it."""
 
+from __future__ import annotations
+
 from collections.abc import Callable
 from dataclasses import dataclass
 

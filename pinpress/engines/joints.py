@@ -1,5 +1,7 @@
 """What holds the tree of a linkage together: the bearings at which its loops were cut, and the gear pairs between its joints."""
 
+from __future__ import annotations
+
 from collections.abc import Sequence
 from dataclasses import dataclass
 

@@ -11,6 +11,8 @@ Efforts about or along the axis in which a joint is free, those of drives, gear 
 (torques in a ring of gears) is taken as small as possible.
 """
 
+from __future__ import annotations
+
 from collections.abc import Iterable, Mapping, Sequence
 from typing import NamedTuple
 

@@ -7,10 +7,8 @@ import numpy as np
 from ..common.arrays import Array
 from ..common.errors import AssemblyError, PinpressError, SingularityError
 from ..engines.branch import LARGEST_CORRECTION, Branch, predict
-from ..engines.closure import ACCEPTED, Closure, joined
+from ..engines.closure import ACCEPTED, PIECE, Closure, joined
 from ..engines.continuation import Lock, follow
-from ..engines.planar.inverse_dynamics import PIECE
-from ..engines.spatial import model as spatial
 from ..linkage.linkage import Linkage
 
 MANY_PERIODS = 1000  # beyond which a crank angle's rounding is seen in the gaps of loops
@@ -67,8 +65,8 @@ def _through(press: Linkage, branch: Branch, angles: Array, engine: str) -> Clos
     if regular.any():
         closure = closed(press, replace(branch, change_points=()), local[regular], engine)
         position[:, regular], first[:, regular], second[:, regular] = closure.position, closure.first, closure.second
-    gap = press.gaps(position)
-    if not gap.max() <= ACCEPTED * press.spatial.tolerance:
+    gap = press.engine().gaps(position)
+    if not gap.max() <= ACCEPTED * press.engine("pinocchio").tolerance:
         raise AssemblyError("the loops do not close", float(angles[int(gap.argmax())]), float(gap.max()), 0)
     position += branch.advance[:, None] * turns
     position[press.driver_indices[0]] = angles
@@ -81,7 +79,8 @@ def followed(press: Linkage, angles: Array) -> Array:
     Raises:
         SingularityError: the linkage locks on the way.
     """
-    equations, tolerance = press.spatial.equations(), ACCEPTED * press.spatial.tolerance
+    chosen = press.engine()
+    close_drivers, tolerance = chosen.closer(), ACCEPTED * chosen.tolerance
     position, before, positions = press.closed, np.zeros(len(press.drivers)), []
     for after in angles:
         distance = float(np.linalg.norm(after - before))
@@ -89,7 +88,7 @@ def followed(press: Linkage, angles: Array) -> Array:
 
         def close(at: Array, guess: Array, before: Array = before, along: Array = along) -> Closure:
             drivers = before[:, None] + np.multiply.outer(along, at)
-            return spatial.close(press.spatial, equations, drivers, list(along), guess)
+            return close_drivers(drivers, along, guess)
 
         end = follow(close, position, distance, press.size, tolerance)
         if isinstance(end, Lock):
@@ -104,8 +103,8 @@ def followed(press: Linkage, angles: Array) -> Array:
 
 
 def _piece(press: Linkage, angles: Array, guess: Array, engine: str) -> Closure:
-    closure = press.close(angles, guess, engine)
-    tolerance = ACCEPTED * (press.planar(engine) or press.spatial).tolerance
+    chosen = press.engine(engine)
+    closure, tolerance = chosen.close(angles, guess), ACCEPTED * chosen.tolerance
     near = LARGEST_CORRECTION * (1 + press.size)  # another assembly would be far from the prediction
     if closure.widest <= tolerance and closure.iterations == 0:
         return closure

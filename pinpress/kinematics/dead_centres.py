@@ -55,9 +55,9 @@ def dead_centres(press: Linkage) -> DeadCentres:
         SingularityError: the linkage locks within the period.
     """
     _ = press.slide_guide  # it has a slide
-    period = press.passage.period
+    period = press.branch_through_change_points.period
     if period is None:
-        raise beyond(press.passage, upwards=press.passage.locks[True] is not None)
+        raise beyond(press.branch_through_change_points, upwards=press.branch_through_change_points.locks[True] is not None)
 
     def slide(angle: Array) -> tuple[Array, Array, Array]:
         motion = carried(press, angle, 1.0)

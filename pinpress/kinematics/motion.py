@@ -19,7 +19,7 @@ from ..common.results import Tabular
 from ..engines.branch import Branch, beyond
 from ..engines.closure import Closure
 from ..engines.coordinates import Slot, configuration
-from ..engines.spatial import model as spatial
+from ..engines.engine import ClosedStates
 from ..linkage.linkage import Linkage
 from .configurations import closed, followed, refuse_far
 
@@ -70,9 +70,10 @@ class Motion(Tabular):
         slide = "" if self._guide is None else f", slide at {self.slide_position.min():.6g} to {self.slide_position.max():.6g} m"
         return f"Motion of {self.linkage}: {len(self.crank_angle)} states, crank at {low} to {high} deg{slide}"
 
-    def basis(self, press: Linkage) -> ComplexArray | None:
-        """The planar engine's basis of these states (see `plane`), where it closed them for this same linkage; else None."""
-        return self._closed_as[1] if self._closed_as is not None and self._closed_as[0] is press else None
+    def states(self, press: Linkage) -> ClosedStates:
+        """The states as an engine takes them, with what it knows of them where it closed them for this same linkage."""
+        basis = self._closed_as[1] if self._closed_as is not None and self._closed_as[0] is press else None
+        return ClosedStates(self.joint_position.T, self.v.T, self.a.T, basis)
 
     @property
     def time(self) -> Array:
@@ -167,7 +168,7 @@ def cycle(
         PinpressWarning: what is hardly meant: a speed that varies without an acceleration, angle, speed and acceleration that are not each
             other's derivatives over the ``time`` given, speeds above 1000 rad/s.
     """
-    press.planar(engine)  # refuses an engine that does not suit before anything is computed
+    press.engine(engine)  # refuses an engine that does not suit before anything is computed
     if speed is None:
         raise PinpressError(
             "cycle needs the speed of the driver [rad/s]: give one number for a period, cycle(press, 7.0), or beside angle the speeds of"
@@ -187,9 +188,10 @@ def cycle(
 
 
 def carried(press: Linkage, angle: Array, speed: Array | float, acceleration: Array | float = 0.0, time: Array | None = None) -> Motion:
-    """As `cycle` of a linkage with one driver and states (n,), but through change points (`Linkage.passage`), where momentum decides."""
+    """As `cycle` of a linkage with one driver and states (n,), but through change points, where momentum decides: see
+    `Linkage.branch_through_change_points`."""
     angles, speeds, accelerations, times = _servo(angle, speed, acceleration, time, 1)
-    return _states(press, press.passage, angles, speeds, accelerations, times, "auto")
+    return _states(press, press.branch_through_change_points, angles, speeds, accelerations, times, "auto")
 
 
 def _states(
@@ -200,7 +202,7 @@ def _states(
     with np.errstate(all="ignore"):  # what overflows is refused below
         if closure is None:
             position = followed(press, angles)
-            v, a, gap = spatial.rates(press.spatial, position, speeds.T, accelerations.T)
+            v, a, gap = press.engine(engine).rates(position, speeds.T, accelerations.T)
         else:
             position, gap = closure.position, closure.gap
             even = not accelerations.any() and np.all(speeds == speeds[0])

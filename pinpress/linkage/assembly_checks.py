@@ -10,8 +10,8 @@ from ..common.errors import AssemblyError, SingularityError, UrdfError
 from ..engines.closure import ACCEPTED
 from ..engines.coordinates import configuration, data_of
 from ..engines.planar.model import PARALLEL
-from ..engines.spatial import model as spatial
 from ..engines.spatial.constraints import Rows
+from ..engines.spatial.kinematics import Passive, rank, singular_values
 from . import mobility as freedom
 from .linkage import Linkage
 from .urdf.findings import Finding
@@ -27,12 +27,12 @@ ROUNDED = 1e-2  # axes as near to parallel as this are meant to be parallel [rad
 def errors(press: Linkage) -> Iterator[Finding]:
     """All that is wrong; each carries a UrdfError, AssemblyError or SingularityError."""
     assembled = closes(press)
-    if assembled and press.mobility == len(press.drivers) and press.plane is not None:
-        yield from _unseen(press)  # all its joints are determined: the planar engine found so, block by block
+    if assembled and press.determined:
+        yield from _unseen(press)
         yield from _massless(press)
         return
     rows = press.closed_rows if assembled else press.equations(press.as_drawn)
-    free = press.model.nv - spatial.rank(rows.columns)
+    free = press.model.nv - rank(rows.columns)
     yield from _unseen(press)
     if assembled and free > len(press.drivers) and _free_beside(press) == len(press.drivers):
         yield _change_point(press, rows)
@@ -46,7 +46,7 @@ def errors(press: Linkage) -> Iterator[Finding]:
 
 def closes(press: Linkage) -> bool:
     """Whether the linkage closes near its drawn pose."""
-    tolerance = ACCEPTED * (press.plane or press.spatial).tolerance
+    tolerance = ACCEPTED * press.engine().tolerance
     near = CLOSE_TO_DRAWN * max(1.0, press.size)
     return bool(press.drawn.gap[0] <= tolerance) and bool(np.abs(press.closed - press.as_drawn).max() <= near)
 
@@ -110,14 +110,14 @@ def _free_beside(press: Linkage) -> int:
     count = int(press.model.nv)
     lengths = np.array([1.0 if axis.turns else press.size for axis in press.axes])
     beside = press.closed + BESIDE * lengths * np.random.default_rng(0).uniform(-1, 1, count)
-    return count - spatial.rank(press.equations(beside).columns)
+    return count - rank(press.equations(beside).columns)
 
 
 def _change_point(press: Linkage, rows: Rows) -> Finding:
     """Of a parallelogram drawn in one line, say: two assemblies meet there."""
     problem = "two assemblies meet in the drawn pose, and the loops do not say which of them it is"
     remedy = "draw the linkage a little further on"
-    smallest = float(spatial.singular_values(rows.columns)[press.model.nv - len(press.drivers) - 1])
+    smallest = float(singular_values(rows.columns)[press.model.nv - len(press.drivers) - 1])
     error = SingularityError(f"{press.file}: {problem}; {remedy}", 0.0, smallest)
     return Finding("error", f'<robot name="{press.name}">', None, problem, remedy, error)
 
@@ -131,7 +131,7 @@ def _open(press: Linkage, rows: Rows) -> Iterator[Finding]:
     still_open = [k for k in range(len(owners)) if min(gaps[k], left[k]) > ACCEPTED * press.spatial.tolerance]
     still_open = still_open or [int(np.argmax(gaps))]
     remedy = rounded(press) or "draw it closed, or change the link lengths"
-    if press.plane.redundant if press.plane else spatial.rank(rows.columns) < len(rows.gaps):
+    if press.engine().redundant(press.as_drawn):
         remedy += "; loops hold each other here, so that lengths and angles must fit to all digits"
     for k in sorted(still_open, key=lambda k: -gaps[k]):
         each, iterations = owners[k], press.drawn.iterations
@@ -142,8 +142,8 @@ def _open(press: Linkage, rows: Rows) -> Iterator[Finding]:
 
 def _dead_point(press: Linkage, rows: Rows) -> Iterator[Finding]:
     columns = rows.columns[:, press.spatial.passive]
-    values = spatial.singular_values(columns)
-    if spatial.rank(columns) == columns.shape[1]:
+    values = singular_values(columns)
+    if rank(columns) == columns.shape[1]:
         return
     problem = f"{_driver(press)} does not determine the drawn pose"
     remedy = f"draw the linkage away from its dead point ({_joints(freedom.undetermined(press, rows))} can move with the driver held still)"
@@ -175,7 +175,7 @@ def _massless(press: Linkage) -> Iterator[Finding]:
 def _rates(press: Linkage) -> Array:
     """(nv, drivers) rates of all joints at a unit rate of each driver alone, in the closed drawn pose."""
     rows, drivers = press.closed_rows, list(press.driver_indices)
-    passive = spatial.Passive(rows.columns, press.spatial)
+    passive = Passive(rows.columns, press.spatial)
     rates = np.array([passive.rates(-rows.columns[:, driver]) for driver in drivers]).T
     rates[drivers] = np.eye(len(drivers))
     return rates

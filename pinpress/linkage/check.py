@@ -135,7 +135,7 @@ def check(path: str | os.PathLike[str], driver: str | Sequence[str] | None = Non
 
 def _put_together(document: Document, driver: str | Sequence[str] | None, slide: str | None) -> tuple[list[Finding], Facts]:
     """Findings and facts of the linkage that the elements make; raises the errors of `assembled`."""
-    from ..engines.spatial import model as spatial
+    from ..engines.spatial.kinematics import rank as rank_of
     from . import assembly_checks as pose_checks
     from . import mobility as freedom
     from . import remarks as linkage_remarks
@@ -145,7 +145,7 @@ def _put_together(document: Document, driver: str | Sequence[str] | None, slide:
     press = assembled(document, driver, slide)
     errors = list(pose_checks.errors(press))
     findings = errors or list(linkage_remarks.remarks(press, document.robot))
-    rank = spatial.rank(press.equations(press.as_drawn).columns) if errors else press.rank
+    rank = rank_of(press.equations(press.as_drawn).columns) if errors else press.rank
     between = [(loop.link1.link, loop.link2.link) for loop in description.loops]
     between += [(press.joints[pair.follower], press.joints[pair.leader]) for pair in press.couplings]
     closings = tuple(
@@ -156,23 +156,19 @@ def _put_together(document: Document, driver: str | Sequence[str] | None, slide:
             *freedom.opening(press, each, press.drawn_gaps),
             joints,
         )
-        for k, each, joints in _in_order(press, freedom.held(press))
+        for k, each, joints in _in_order(press)
     )
-    engine = None if errors else "pinocchio" if press.plane is None else "plane"
+    engine = None if errors else press.engine().name
     return findings, Facts(press.drivers, press.slide, press.joints, len(press.drawn_gaps), rank, engine, closings)
 
 
-def _in_order(press: Linkage, owners: list[freedom.Held]) -> Iterator[tuple[int, freedom.Held, tuple[str, ...]]]:
+def _in_order(press: Linkage) -> Iterator[tuple[int, freedom.Held, tuple[str, ...]]]:
     """Index of every loop and gear pair, itself, and names of its joints: see `Closing`."""
-    count = len(press.loops)
-    if press.plane is not None:
-        for block in press.plane.blocks:
-            for k in (*block.loops, *(count + coupling for coupling in block.couplings)):
-                yield k, owners[k], tuple(press.joints[joint] for joint in block.joints)
-        return
-    for k, each in enumerate(owners):
-        around = np.flatnonzero(press.spatial.crossed[:, k]) if isinstance(each.by, LoopJoint) else (each.by.follower, each.by.leader)
-        yield k, each, tuple(press.joints[joint] for joint in around)
+    from . import mobility as freedom  # see `load`
+
+    owners = freedom.held(press)
+    for k, joints in press.engine().closing_order():
+        yield k, owners[k], tuple(press.joints[joint] for joint in joints)
 
 
 def _counted(report: Report) -> str:

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property, partial
-from typing import NamedTuple
+from functools import cached_property
 
 import numpy as np
 import pinocchio as pin
@@ -14,26 +13,22 @@ from ..common.arrays import Array
 from ..common.errors import PinpressError, shown
 from ..common.frozen import Frozen
 from ..engines import branch
-from ..engines.branch import Branch, Returning
-from ..engines.change_points import Gap
-from ..engines.closure import ACCEPTED, Close, Closure
-from ..engines.continuation import SMALLEST_MARGIN
+from ..engines.branch import Branch
+from ..engines.closure import Closure
 from ..engines.coordinates import Axis, Slot
+from ..engines.engine import Engine
 from ..engines.joints import Coupling, LoopJoint
-from ..engines.load_sharing import RANK
-from ..engines.planar import kinematics as plane_kinematics
-from ..engines.planar import model as plane
-from ..engines.planar.bodies import Bodies
-from ..engines.planar.bodies import build as bodies_of
+from ..engines.planar.engine import PlanarEngine
 from ..engines.planar.model import Plane
-from ..engines.spatial import constraints as spatial_equations
-from ..engines.spatial import model as spatial
+from ..engines.spatial import model as spatial_model
+from ..engines.spatial.constraints import Rows
 from ..engines.spatial.forward_dynamics import ForwardDynamics
+from ..engines.spatial.kinematics import rank
 from ..engines.spatial.model import Spatial
+from .assembly import Assembly, as_drawn, assembled, followed, through_change_points
 from .memo import Model, keep_geometry, per_linkage
 from .urdf.document import Document
 
-CLEAR = 1e-2  # margin of a block of redundant equations below which all are solved together
 EVEN = 1e-9  # of its moment of inertia, or of the linkage's size: unbalance of a shaft that is rounding
 
 
@@ -114,7 +109,6 @@ class Linkage(Frozen):
         return self.joints + tuple(loop.name for loop in self.loops)
 
     @property
-    @per_linkage
     def mobility(self) -> int:
         """Degrees of freedom of the closed linkage: joints less the rank of the equations. One a driver, or `load` had refused."""
         return int(self.model.nv) - self.rank
@@ -123,111 +117,89 @@ class Linkage(Frozen):
     @per_linkage
     def rank(self) -> int:
         """Rank of the equations of loops and couplings in the closed drawn pose."""
-        if self.plane is not None and plane_kinematics.moves(self.plane, self.drawn):
-            return int(self.model.nv) - 1  # each of its blocks gives its joints: that is what it has a plane for
-        return spatial.rank(self.closed_rows.columns)
+        return int(self.model.nv) - len(self.drivers) if self.determined else rank(self.closed_rows.columns)
 
     @property
     @per_linkage
     def spatial(self) -> Spatial:
-        """Constants of the Pinocchio engine."""
-        return spatial.build(self.model, self.loops, self.couplings, tuple(self.joints.index(driver) for driver in self.drivers))
+        """Constants of the linkage, planar or not."""
+        return spatial_model.build(self.model, self.loops, self.couplings, tuple(self.joints.index(driver) for driver in self.drivers))
 
     @property
-    @per_linkage
-    def plane(self) -> Plane | None:
-        """Constants of the planar engine, None where the linkage is not planar, or needs more than its blocks of equations."""
-        return self._assembly.plane
+    def engines(self) -> tuple[str, ...]:
+        """Names of the engines that can compute the linkage, the fastest first: "pinocchio" can compute any, "plane" a planar linkage with
+        one driver and pins for loops whose equations fall into blocks."""
+        return tuple(self._assembly.engines)
 
-    @property
-    @per_linkage
-    def bodies(self) -> Bodies | None:
-        """Inertial constants of the planar engine."""
-        return None if self.plane is None else bodies_of(self.plane, self.model)
+    def engine(self, name: str = "auto") -> Engine:
+        """An engine by its name, or the fastest ("auto").
+
+        Raises:
+            PinpressError: unknown engine, or "plane" for a linkage that is not planar.
+        """
+        engines = self._assembly.engines
+        if name == "auto":
+            return next(iter(engines.values()))
+        if isinstance(name, str) and name in engines:
+            return engines[name]
+        if name == "plane":
+            raise PinpressError(
+                f"{self.name} is not a planar linkage with one driver and pins for loops: use engine='pinocchio' (or 'auto')"
+            )
+        raise PinpressError(f"unknown engine {shown(name)}: write 'auto', 'plane' or 'pinocchio'")
+
+    def plane_or_refuse(self, refusal: str) -> Plane:
+        """The constants of the planar engine.
+
+        Raises:
+            PinpressError: the linkage is not planar, with this message.
+        """
+        engine = self.engine()
+        if not isinstance(engine, PlanarEngine):
+            raise PinpressError(refusal)
+        return engine.plane
 
     @property
     @per_linkage
     def as_drawn(self) -> Array:
-        """(nv,) joint coordinates of the drawn pose as the file has it, not yet closed: zero, and of gear pairs with an offset where these
-        put their joints while the drivers are at zero."""
-        position, found = np.zeros(self.model.nv), {self.joints.index(driver) for driver in self.drivers}
-        meshed: dict[int, list[tuple[int, float, float]]] = {}
-        for each in self.couplings:
-            meshed.setdefault(each.leader, []).append((each.follower, each.multiplier, each.offset))
-            if each.multiplier:
-                meshed.setdefault(each.follower, []).append((each.leader, 1 / each.multiplier, -each.offset / each.multiplier))
-        followers = {each.follower for each in self.couplings}
-        leaders = sorted({each.leader for each in self.couplings}, key=lambda joint: (joint in followers, joint))
-        for start in (*sorted(found), *leaders):
-            reached = [start]
-            found.add(start)
-            for joint in reached:  # grows as it goes
-                for other, multiplier, offset in meshed.get(joint, ()):
-                    if other not in found:
-                        position[other] = multiplier * position[joint] + offset
-                        found.add(other)
-                        reached.append(other)
-        return position
+        """(nv,) joint coordinates of the drawn pose as the file has it, not yet closed; see `assembly`."""
+        return as_drawn(self.spatial)
 
     @property
-    @per_linkage
     def drawn(self) -> Closure:
         """The drawn pose, its drivers at zero, closed as far as Newton's method came: `load` judges it."""
         return self._assembly.drawn
 
     @property
-    @per_linkage
-    def closed(self) -> Array:
-        """(nv,) joint coordinates of the drawn pose, closed exactly, drivers at zero [rad or m]."""
-        closed = self.drawn.position[:, 0]
-        closed.setflags(write=False)
-        return closed
+    def drawn_gaps(self) -> Array:
+        """(rows,) gaps of the equations of loops and couplings as drawn, see `spatial.constraints`."""
+        return self._assembly.gaps
+
+    @property
+    def determined(self) -> bool:
+        """Whether the drivers determine in the drawn pose how all joints move."""
+        return self._assembly.determined
 
     @property
     @per_linkage
-    def _assembly(self) -> _Assembly:
-        """The drawn pose closed by the engine that suits."""
-        start, general = self.as_drawn[:, None], self.spatial
-        for one_block in (False, True) if len(self.drivers) == 1 else ():
-            planar = plane.build(self.model, self.loops, self.couplings, general.drivers[0], one_block)
-            if planar is None:
-                break
-            closure = plane_kinematics.close(planar, np.zeros(1), start, with_margins=True)
-            # Of a redundant linkage one block may lock where the others hold it: a parallelogram with a third crank at its change point.
-            walked = self._full_turn(planar, closure) if planar.redundant and not one_block else None
-            fit = one_block or walked is not None or not planar.redundant
-            if fit and closure.margins is not None and np.abs(closure.margins).min(initial=1.0) > RANK:
-                return _Assembly(planar, closure, walked)
-        equations, along = general.equations(), [1.0] + [0.0] * (len(self.drivers) - 1)
-        closure = spatial.close(general, equations, np.zeros((len(self.drivers), 1)), along, start)
-        gaps = equations.at(start[:, 0]).gaps
-        rows = equations.at(closure.position[:, 0]) if np.isfinite(closure.position).all() else None
-        return _Assembly(None, closure, None, gaps, rows)
+    def closed(self) -> Array:
+        """(nv,) joint coordinates of the drawn pose, closed exactly, drivers at zero [rad or m]."""
+        return self.drawn.position[:, 0]
 
-    def _walk(
-        self,
-        planar: Plane | None,
-        closed: Array,
-        smallest_margin: float = SMALLEST_MARGIN,
-        gap: Gap | None = None,
-        begin: float = 0.0,
-    ) -> Branch:
-        general = self.spatial
-        returning = Returning(general.on_loop, np.array([axis.turns for axis in general.axes]))
-        if planar is not None:
-            close: Close = partial(plane_kinematics.close, planar, with_margins=True)
-        else:
-            close = self._close_spatial
-        tolerance = (planar or general).tolerance
-        return branch.walk(close, closed, returning, general.size, ACCEPTED * tolerance, smallest_margin, gap, begin)
+    @property
+    @per_linkage
+    def closed_rows(self) -> Rows:
+        """The equations in the closed drawn pose."""
+        return self._assembly.rows or self.equations(self.closed)
 
-    def _full_turn(self, planar: Plane, drawn: Closure) -> Branch | None:
-        """The branch where the driver turns fully with the equations in the blocks of this plane, well away from locks; else None."""
-        try:
-            walked = self._walk(planar, drawn.position[:, 0], smallest_margin=CLEAR)
-        except PinpressError:
-            return None
-        return walked if walked.period is not None else None
+    def equations(self, x: Array) -> Rows:
+        """The equations of loops and couplings at joint coordinates (nv,)."""
+        return self.spatial.equations().at(x)
+
+    @property
+    @per_linkage
+    def _assembly(self) -> Assembly:
+        return assembled(self.spatial)
 
     @property
     @per_linkage
@@ -257,23 +229,16 @@ class Linkage(Frozen):
         """
         if len(self.drivers) > 1:
             raise PinpressError(f"{self.name} has {len(self.drivers)} drivers: give angle, speed and acceleration of all, (n, drivers)")
-        if self._assembly.branch is not None:
-            return self._assembly.branch
-        return self._walk(self.plane, self.closed)
+        return self._assembly.branch or followed(self.engine(), self.spatial, self.closed)
 
     @property
     @per_linkage(of_geometry=True)
-    def passage(self) -> Branch:
+    def branch_through_change_points(self) -> Branch:
         """The same, carried on through change points: where two assemblies meet, a linkage in motion goes on in its own.
 
         Raises as `branch`.
         """
-        found = self.branch
-        if found.period is not None or not any(found.locks):
-            return found
-        middle = 0.5 * float(found.angles[0] + found.angles[-1])  # the drawn pose may be beside a change point
-        carried = self._walk(self.plane, branch.predict(found, np.array([middle]))[:, 0], gap=self.gaps, begin=middle)
-        return carried if carried.change_points else found
+        return through_change_points(self.engine(), self.spatial, self.branch)
 
     @property
     def period_turns(self) -> int:
@@ -286,8 +251,8 @@ class Linkage(Frozen):
         """
         if self.turns_until_back is not None:
             return self.turns_until_back
-        if self.passage.period is None:
-            raise branch.beyond(self.passage, upwards=self.passage.locks[True] is not None)
+        if self.branch_through_change_points.period is None:
+            raise branch.beyond(self.branch_through_change_points, upwards=self.branch_through_change_points.locks[True] is not None)
         raise PinpressError(
             f"{self.name} has no period: an unbalanced shaft is geared so that it is not back after {branch.MOST_TURNS} turns; give crank"
             " angles, cycle(press, speed, angle=[...]), or another gear ratio"
@@ -299,7 +264,7 @@ class Linkage(Frozen):
         """The same, None where it is not back, or has several drivers."""
         if len(self.drivers) > 1:
             return None
-        found = self.passage
+        found = self.branch_through_change_points
         if found.period is None:
             return None
         counts = [axis.turns and not self._is_balanced(k) for k, axis in enumerate(self.axes)]  # on loops all are back
@@ -346,75 +311,6 @@ class Linkage(Frozen):
             return self.root
         return next(str(frame.name) for frame in self.model.frames if frame.type == pin.BODY and frame.parentJoint == joint)
 
-    def gaps(self, position: Array) -> Array:
-        """Largest gaps (n,) of the loops at joint coordinates (nv, n) [m]."""
-        if self.plane is not None:
-            return plane_kinematics.gaps(self.plane, position, plane_kinematics.basis(self.plane, position))
-        equations = self.spatial.equations()
-        return np.array([equations.widest(equations.at(x).gaps) for x in position.T])
-
-    @property
-    @per_linkage
-    def drawn_gaps(self) -> Array:
-        """(rows,) gaps of the equations of loops and couplings as drawn, see `spatial_equations`."""
-        if self.plane is None:
-            assert self._assembly.gaps is not None
-            return self._assembly.gaps
-        x, size, axes = self.as_drawn, self.size, self.axes
-        turns = np.zeros(sum(loop.held for loop in self.loops))  # axes are parallel in the plane
-        slips = [
-            (x[each.follower] - each.multiplier * x[each.leader] - each.offset) * (size if axes[each.follower].turns else 1.0)
-            for each in self.couplings
-        ]
-        return np.concatenate([plane_kinematics.openings(self.plane, x).ravel(), turns, slips])
-
-    @property
-    @per_linkage
-    def closed_rows(self) -> spatial_equations.Rows:
-        """The equations in the closed drawn pose."""
-        return self._assembly.rows or self.equations(self.closed)
-
-    def equations(self, x: Array) -> spatial_equations.Rows:
-        """The equations of loops and couplings at joint coordinates (nv,)."""
-        return self.spatial.equations().at(x)
-
-    def close(self, angle: Array, guess: Array, engine: str = "auto", with_margins: bool = False) -> Closure:
-        """Close the loops at crank angles (n,) from guesses (nv, n); the caller judges the result. ``engine`` as in `cycle`."""
-        if plane := self.planar(engine):
-            return plane_kinematics.close(plane, angle, guess, with_margins)
-        return self._close_spatial(angle, guess)
-
-    def _close_spatial(self, angle: Array, guess: Array) -> Closure:
-        return spatial.close(self.spatial, self.spatial.equations(), angle[None], [1.0], guess)
-
-    def planar(self, engine: str) -> Plane | None:
-        """The constants of the planar engine where ``engine`` ("auto", "plane" or "pinocchio") means it, else None.
-
-        Raises:
-            PinpressError: unknown engine, or "plane" for a linkage that is not planar.
-        """
-        if not isinstance(engine, str) or engine not in ("auto", "plane", "pinocchio"):
-            raise PinpressError(f"unknown engine {shown(engine)}: write 'auto', 'plane' or 'pinocchio'")
-        if engine == "pinocchio":
-            return None
-        plane = self.plane
-        if plane is None and engine == "plane":
-            raise PinpressError(
-                f"{self.name} is not a planar linkage with one driver and pins for loops: use engine='pinocchio' (or 'auto')"
-            )
-        return plane
-
 
 # Outside the class, where it would be taken for the field's default.
 Linkage.model = Model()
-
-
-class _Assembly(NamedTuple):
-    """The planar engine's constants, None where the other engine suits; the closed drawn pose; its branch where it was walked to see; where
-    the other engine closed it the gaps as drawn, and its equations."""
-
-    plane: Plane | None
-    drawn: Closure
-    branch: Branch | None
-    gaps: Array | None = None
-    rows: spatial_equations.Rows | None = None

@@ -11,8 +11,8 @@ from ..common.arrays import Array
 from ..engines.coordinates import drawn
 from ..engines.joints import Coupling, LoopJoint
 from ..engines.planar.model import PARALLEL
-from ..engines.spatial import model as spatial
 from ..engines.spatial.constraints import Rows
+from ..engines.spatial.kinematics import Passive, rank
 from .linkage import Linkage
 
 TAKES_PART = 1e-6  # of a unit null vector
@@ -73,7 +73,7 @@ def opening(press: Linkage, each: Held, gaps: Array) -> tuple[float, float]:
 
 def undetermined(press: Linkage, rows: Rows) -> list[str]:
     """Names of the joints that can still move when the drivers are held still."""
-    passive = spatial.Passive(rows.columns, press.spatial)
+    passive = Passive(rows.columns, press.spatial)
     shares = np.linalg.norm(passive.right[passive.rank :], axis=0)
     return [press.joints[j] for j, share in zip(passive.joints, shares, strict=True) if share > TAKES_PART]
 
@@ -97,14 +97,14 @@ def _without_one(press: Linkage, rows: Rows) -> list[tuple[Held, Array]]:
 def _freedom(press: Linkage, columns: Array) -> tuple[int, int]:
     """Degrees of freedom, and how many of them are the drivers'."""
     passive = columns[:, press.spatial.passive]
-    mobility = int(columns.shape[1]) - spatial.rank(columns)
-    return mobility, mobility - (int(passive.shape[1]) - spatial.rank(passive))
+    mobility = int(columns.shape[1]) - rank(columns)
+    return mobility, mobility - (int(passive.shape[1]) - rank(passive))
 
 
 def redundancy(press: Linkage, x: Array) -> Redundancy:
     """How many equations say nothing new at closed joint coordinates (nv,), and of which loops and gear pairs."""
-    if press.plane is not None and not press.plane.redundant:
-        return Redundancy(sum(1 + loop.held for loop in press.loops), 0, ())
+    if not press.engine().redundant(x):
+        return Redundancy(sum(1 + loop.held for loop in press.loops) if lies_in_plane(press) else 0, 0, ())
     rows = press.closed_rows if x is press.closed else press.equations(x)
     single = np.eye(len(rows.gaps))
     parts, owners = [], []
@@ -118,7 +118,7 @@ def redundancy(press: Linkage, x: Array) -> Redundancy:
         parts.append(part)
         owners += [each] * len(part)
     equations = np.vstack(parts) if parts else single
-    idle = spatial.Passive(equations @ rows.columns, press.spatial).idle
+    idle = Passive(equations @ rows.columns, press.spatial).idle
     taking = [each for each, share in zip(owners, np.linalg.norm(idle, axis=1), strict=True) if share > TAKES_PART]
     return Redundancy(len(single) - len(equations), idle.shape[1], tuple(each for each in held(press) if each in taking))
 

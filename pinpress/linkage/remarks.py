@@ -47,8 +47,8 @@ def remarks(press: Linkage, robot: "Element") -> Iterator[Finding]:
             if branch.period is None and not any(branch.locks):
                 problem = f"the linkage is not back at its drawn pose after {MOST_TURNS} turns of it"
                 yield Finding("note", *where, problem, "it is followed through as many turns either way: keep motions inside")
-            elif branch.period is None and press.passage.change_points:
-                places = ", ".join(f"{place:.6g}" for place in sorted(np.degrees(point.angle) for point in press.passage.change_points))
+            elif branch.period is None and (points := press.branch_through_change_points.change_points):
+                places = ", ".join(f"{place:.6g}" for place in sorted(np.degrees(point.angle) for point in points))
                 problem = f"two assemblies meet at crank angles of {places} deg"
                 yield Finding("note", *where, problem, "a simulated run goes through, in the drawn one; a prescribed turn is refused there")
             elif branch.period is None:
@@ -144,7 +144,7 @@ def _equations(count: int) -> str:
 
 
 def _engine(press: Linkage) -> Iterator[Finding]:
-    if press.plane is None:
+    if "plane" not in press.engines:
         problem = f"engine 'pinocchio' computes it, one configuration at a time: {_not_planar(press)}"
         remedy, slower = rounded(press), "results are as exact, and take some hundred times longer"
         yield Finding("warning" if remedy else "note", f'<robot name="{press.name}">', None, problem, remedy or slower)

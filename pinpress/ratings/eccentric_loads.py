@@ -195,11 +195,10 @@ def _across(press: Linkage, guide: Guide) -> tuple[Array, Array]:
     _, axis = _slide_guide(press)
     if guide.normal is not None:
         normal = np.array(guide.normal, dtype=float)
-    elif press.plane is not None:
-        normal = np.cross(press.plane.normal, axis)
-        normal *= np.sign(normal[np.abs(normal).argmax()])
     else:
-        raise PinpressError(f"{press.name} is not planar: say which way the gibs face, Guide(..., normal=(x, y, z))")
+        refusal = f"{press.name} is not planar: say which way the gibs face, Guide(..., normal=(x, y, z))"
+        normal = np.cross(press.plane_or_refuse(refusal).normal, axis)
+        normal *= np.sign(normal[np.abs(normal).argmax()])
     normal = normal / np.abs(normal).max()  # so that nothing overflows
     normal = normal / np.linalg.norm(normal)
     if abs(normal @ axis) > DIRECTION:

@@ -407,7 +407,7 @@ def _turning_points(press: Linkage, load: ProcessLoad) -> tuple[float, float]:
         PinpressError: there is no bottom dead centre to measure the load's heights from.
     """
     name, everywhere = caller_laws.name(load), (-math.inf, math.inf)
-    if len(press.drivers) > 1 or press.passage.period is None:
+    if len(press.drivers) > 1 or press.branch_through_change_points.period is None:
         if load.datum is not None:
             return everywhere
         raise PinpressError(

@@ -38,8 +38,8 @@ class FullDynamics:
         self.loops = self._with(float(inertia[0]))
         self.alone = len(self.drivers) == 1
         # where the crank turns on the drawn assembly, all states at once are closed from its angles
-        self.turns = self.alone and press.passage.period is not None
-        self.change_points = press.passage.change_points if self.alone else ()
+        self.turns = self.alone and press.branch_through_change_points.period is not None
+        self.change_points = press.branch_through_change_points.change_points if self.alone else ()
         # speeds of joints as those of points [m/s]
         self.units = np.array([press.size if axis.turns else 1.0 for axis in press.axes])
 
@@ -80,7 +80,7 @@ class FullDynamics:
             )
 
     def moved(self, position: Array, angle: float) -> tuple[Array, Array]:
-        closure = self.press.close(np.array([position[self.crank] + angle]), position[:, None], "pinocchio")
+        closure = self.press.engine("pinocchio").close(np.array([position[self.crank] + angle]), position[:, None])
         return closure.position[:, 0], closure.first[:, 0] * np.sign(angle)
 
     def project(self, position: Array, speed: Array) -> tuple[Array, Array] | None:
@@ -92,12 +92,12 @@ class FullDynamics:
         """Joint coordinates and their first two derivatives by the crank angle (nv,) beside a change point, where the equations of the
         loops say too little; None elsewhere."""
         for point in self.change_points:
-            period = self.press.passage.period
+            period = self.press.branch_through_change_points.period
             turns = 0.0 if period is None else round((position[self.crank] - point.angle) / period)
             angle = position[self.crank] - turns * (period or 0.0)
             if abs(angle - point.angle) < point.half:
                 at, first, second = (values[:, 0] for values in point.at(np.array([angle])))
-                at = at + turns * self.press.passage.advance
+                at = at + turns * self.press.branch_through_change_points.advance
                 at[self.crank] = position[self.crank]
                 return at, first, second
         return None

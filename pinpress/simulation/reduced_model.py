@@ -16,15 +16,12 @@ from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
-import pinocchio as pin
 
 from ..common.arrays import Array
 from ..common.errors import SimulationError
 from ..common.gauss import NODES, gauss_rule, horner
 from ..common.roots import polynomial_root
 from ..engines.branch import MOST_TURNS, periods_until_back
-from ..engines.coordinates import configuration, data_of
-from ..engines.planar.kinematics import basis, basis_velocity
 from ..kinematics.motion import Motion, carried
 from ..linkage.linkage import Linkage
 from ..linkage.memo import per_linkage
@@ -125,7 +122,7 @@ def build(press: Linkage, coordinates: Sequence[Coordinate], panels: int | None 
     Raises:
         SingularityError, AssemblyError: see `Linkage.branch`.
     """
-    branch = press.passage
+    branch = press.branch_through_change_points
     period = None if branch.period is None else branch.period * _periods(press, branch.advance)
     low, high = (0.0, period) if period is not None else (float(branch.angles[0]), float(branch.angles[-1]))
     count = panels or max(2, math.ceil(PANELS * (high - low) / (2 * np.pi) - 1e-9))
@@ -186,42 +183,13 @@ def _periods(press: Linkage, advance: Array) -> int:
 def sampled(press: Linkage, angles: Array, coordinates: Sequence[Coordinate]) -> Array:
     """Rows (rows, n) at crank angles (n,)."""
     motion = carried(press, angles, 1.0)  # at unit speed rates are derivatives by the crank angle
-    kinetic, potential, weight = _energies(press, motion)
+    kinetic, potential, weight = press.engine().energies(motion.states(press))
     return np.array([2 * kinetic, potential, weight, *(coordinate(motion) for coordinate in coordinates)])
 
 
 def energies(press: Linkage, motion: Motion) -> tuple[Array, Array]:
     """Kinetic energy and potential energy of the weights (n,) of the states of a motion, without flywheel and drive [J]."""
-    return _energies(press, motion)[:2]
-
-
-def _energies(press: Linkage, motion: Motion) -> tuple[Array, Array, Array]:
-    """The same, and the rate of the potential energy [W]."""
-    plane, bodies = press.plane, press.bodies
-    if plane is None or bodies is None:
-        return _spatial_energies(press, motion)
-    at = motion.basis(press)
-    if at is None:
-        at = basis(plane, motion.joint_position.T)
-    v = motion.v.T
-    rows = plane.origins + plane.centers
-    mass = np.array([y.mass for y in press.model.inertias[1:]])
-    rate = basis_velocity(plane, at, v)
-    velocity = rows @ rate
-    kinetic = 0.5 * (mass @ (velocity.real**2 + velocity.imag**2) + ((bodies.inertia @ v) * (plane.spin @ v)).sum(axis=0))
-    lifted = -(mass @ rows) * complex(*(plane.axes @ press.model.gravity.linear)).conjugate()
-    return kinetic, (lifted @ at).real, (lifted @ rate).real
-
-
-def _spatial_energies(press: Linkage, motion: Motion) -> tuple[Array, Array, Array]:
-    model, data = press.model, data_of(press.model)
-    q = configuration(press.slots, motion.joint_position.T)
-    found = np.empty((3, len(motion.v)))
-    for i in range(len(motion.v)):
-        at, v = np.ascontiguousarray(q[:, i]), motion.v[i].copy()
-        found[0, i], found[1, i] = pin.computeKineticEnergy(model, data, at, v), pin.computePotentialEnergy(model, data, at)
-        found[2, i] = float(pin.computeGeneralizedGravity(model, data, at) @ v)
-    return found[0], found[1], found[2]
+    return press.engine().energies(motion.states(press))[:2]
 
 
 def roots(table: ReducedModel, row: int, level: float, slope: bool = False) -> Array:

@@ -105,7 +105,7 @@ def as_run(problem: SimulationProblem, trajectory: Trajectory, points: int | Non
     if len(position) == 1:
         motion = carried(press, position[0], speed[0], acceleration[0], times)
     else:
-        motion = of_states(press, position, speed, acceleration, press.gaps(position), times, press.turns_until_back)
+        motion = of_states(press, position, speed, acceleration, press.engine().gaps(position), times, press.turns_until_back)
     kinetic, potential = reduced.energies(press, motion)
     turning = speed[list(press.driver_indices)] if several else sample.drive_speed[None]
     kinetic = kinetic + 0.5 * driven.inertias @ turning**2

@@ -30,7 +30,7 @@ def start_sensitivity(problem: SimulationProblem, trajectory: Trajectory) -> flo
     """By how much more the crank angle goes astray in a run than its start is moved; None where it keeps clear of an unstable rest."""
     driven, until, tolerance = problem.driven, problem.until, problem.tolerance
     press = driven.press
-    if len(press.drivers) > 1 or press.passage.period is None or driven.prescribed is not None:
+    if len(press.drivers) > 1 or press.branch_through_change_points.period is None or driven.prescribed is not None:
         return None
     try:
         span = float(np.ptp(tabulated(press).coefficients[:, POTENTIAL, 0]))

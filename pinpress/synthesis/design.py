@@ -16,7 +16,8 @@ from ..derivatives.reshape import continue_geometry, redrawn
 from ..dynamics.applied_loads import apply, asked
 from ..dynamics.shaking import shaking
 from ..engines.constant_rows import product
-from ..engines.forces import Wrenches
+from ..engines.engine import ClosedStates
+from ..engines.forces import AppliedConditions, Wrenches
 from ..engines.planar.bodies import Bodies, build
 from ..engines.planar.inverse_dynamics import inverse_dynamics
 from ..engines.planar.model import Plane, flat, in_space
@@ -184,20 +185,9 @@ class Design:
 
     @cached_property
     def _wrenches(self) -> Wrenches:
-        applied, bearings = apply(asked(self.start.loads), self.press, self.motion), range(len(self.start.press.bearings))
-        return inverse_dynamics(
-            self.plane,
-            self._bodies,
-            self._states.at,
-            self._rates.v,
-            self._rates.a,
-            applied,
-            None,
-            None,
-            True,
-            self.motion.crank_angle,
-            bearings,
-        )
+        under = AppliedConditions(apply(asked(self.start.loads), self.press, self.motion), None, None, gears=True)
+        states = ClosedStates(self.position, self._rates.v, self._rates.a, self._states.at)
+        return inverse_dynamics(self._bodies, states, under, range(len(self.start.press.bearings)))
 
     @cached_property
     def _bodies(self) -> Bodies:

@@ -110,7 +110,7 @@ def _start(press: Linkage, problem: Problem, speed: float, points: int | None, l
         listed = ", ".join(f"{name} = {value:g}" for name, value in values.items())
         raise PinpressError(f"the start, {listed}, is no press: {error}; start elsewhere") from error
     plane = planar(drawn)
-    closure = drawn.close(motion.crank_angle, motion.joint_position.T)
+    closure = drawn.engine().close(motion.crank_angle, motion.joint_position.T)
     state = closure.position, closure.first, closure.second, closure.gap
     design = Design(Start(drawn, plane, motion, loads), values, nowhere(drawn), [], plane, *state)
     point = problem.at(problem.scaled(values), design)

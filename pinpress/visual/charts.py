@@ -193,10 +193,10 @@ def locus(reactions: Reactions, name: str) -> Locus:
 
 def _directions(press: Linkage, force: Array, least: float) -> tuple[tuple[str, str], Array]:
     """Names and world directions (2, 3) of a polar diagram's axes; forces (n, 3) below ``least`` are rounding."""
-    normal = None if press.plane is None else press.plane.normal
-    if normal is not None and np.abs(normal).max() < 1 - freedom.UPRIGHT:
+    normals = press.engine().turning_axes()  # one, of a planar press
+    if len(normals) == 1 and np.abs(normals).max() < 1 - freedom.UPRIGHT:
         return ("h", "u"), freedom.own_axes(press)[[0, 2]]
-    across = _least_moved(force, least) if normal is None else int(np.abs(normal).argmax())
+    across = _least_moved(force, least) if len(normals) > 1 else int(np.abs(normals[0]).argmax())
     first, second = (axis for axis in range(3) if axis != across)
     return (AXES[first], AXES[second]), np.eye(3)[[first, second]]
 

@@ -93,7 +93,7 @@ def _period(press: Linkage, motion: Motion) -> float | None:
     if motion.period_turns is None:
         return None
     period = 2 * np.pi * motion.period_turns
-    before, after = configuration(press.slots, predict(press.passage, np.array([0.0, period]))).T
+    before, after = configuration(press.slots, predict(press.branch_through_change_points, np.array([0.0, period]))).T
     return period if np.allclose(before, after, rtol=0.0, atol=1e-9 * (1 + press.size)) else None
 
 

@@ -127,7 +127,8 @@ def regions_of(press, rng):
     for kind in ("disc", "corners", "at"):
         link = str(rng.choice(moving(press)))
         in_link = press.model.frames[press.model.getFrameId(link)]
-        along = (in_link.placement.rotation.T @ press.plane.frames[in_link.parentJoint - 1].T).T  # the plane's axes in the link's frame
+        frame = press.engine("plane").plane.frames[in_link.parentJoint - 1]
+        along = (in_link.placement.rotation.T @ frame.T).T  # the plane's axes in the link's frame
         middle, arms = size * rng.normal(size=3), size * rng.normal(size=(4, 2)) @ along[:2]
         place = {
             "disc": {"radius": size, "centre": tuple(middle)},

@@ -194,7 +194,7 @@ def test_rooms_on_links_that_are_welded_together_are_in_their_own_frames(tmp_pat
     press = texts.load(drawing.urdf("O"), tmp_path)
     motion, model = pp.cycle(press, 20.0, points=40), press.model
     crank, plate = (model.frames[model.getFrameId(link)].placement for link in ("crank", "plate"))
-    along = press.plane.frames[0]  # the plane's axes in the frame of the crank's joint
+    along = press.engine("plane").plane.frames[0]  # the plane's axes in the frame of the crank's joint
     corners = [0.05 * along[0], 0.1 * along[1], -0.1 * along[0] + 0.02 * along[1]]
     for shape in ("disc", "corners"):
         found = []

@@ -24,7 +24,7 @@ def main() -> None:
             file.write_text(n_four_bar.urdf(count), encoding="utf-8")
             press = pp.load(file)
         start = time.perf_counter()
-        _ = press.passage
+        _ = press.branch_through_change_points
         print(f"N = {count}: {len(press.joints)} joints; branch followed once, {1e3 * (time.perf_counter() - start):.0f} ms")
         for method in methods:
 

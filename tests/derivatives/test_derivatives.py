@@ -43,7 +43,8 @@ def direction(press, rng):
     moved = {}
     for (bearing, link), position in pivot_positions(press).items():
         frame = press.model.frames[press.model.getFrameId(link, pin.BODY)]
-        body = press.plane.frames[frame.parentJoint - 1] if frame.parentJoint else np.array([*press.plane.axes, press.plane.normal])
+        plane = press.engine("plane").plane
+        body = plane.frames[frame.parentJoint - 1] if frame.parentJoint else np.array([*plane.axes, plane.normal])
         normal = frame.placement.rotation.T @ body[2]
         vector = press.size * rng.normal(size=len(position))
         moved[bearing, link] = vector - (vector @ normal) * normal
@@ -101,20 +102,22 @@ def test_motion_and_reaction_derivatives_of_random_linkages(tmp_path, spec):
 
 def start(press, motion, along, loads=()):
     """The design of a press as it is."""
-    closure = press.close(motion.crank_angle, motion.joint_position.T)
+    closure = press.engine().close(motion.crank_angle, motion.joint_position.T)
     states = closure.position, closure.first, closure.second, closure.gap
-    return Design(Start(press, press.plane, motion, loads), {"s": 0.0}, nowhere(press), (directed(press, along),), press.plane, *states)
+    plane = press.engine("plane").plane
+    return Design(Start(press, plane, motion, loads), {"s": 0.0}, nowhere(press), (directed(press, along),), plane, *states)
 
 
 def seen(press, trial):
     """Names and arrays of all that a trial shows."""
     reactions = trial.reactions
     result = {name: getattr(trial.motion, name) for name in MOTION[: 6 if press.slide else 3]}
-    result |= {name: getattr(reactions, name) for name in REACTIONS[: 3 if press.bodies.flat else 2]}
+    result |= {name: getattr(reactions, name) for name in REACTIONS[: 3 if press.engine("plane").bodies.flat else 2]}
     result |= {f"position of {name}": trial.positions[name] for name in press.bearings}
-    if not press.plane.redundant:
+    engine = press.engine("plane")
+    if not engine.plane.redundant:
         result |= {f"force in {name}": reactions.bearing_force[name] for name in press.bearings}
-    if not press.plane.redundant and press.bodies.flat:
+    if not engine.plane.redundant and engine.bodies.flat:
         result |= {f"moment in {name}": reactions.bearing_moment[name] for name in press.bearings}
     return result
 

@@ -29,7 +29,8 @@ def test_a_crank_slide_has_the_stroke_of_its_new_crank():
 def test_the_drawn_pose_is_closed_and_the_crank_angle_keeps_its_meaning():
     press = reshaped(texts.shipped("zxn2_3000b"), {("A", "frame"): (1.3, 0, -0.25), ("C", "coupler"): (1.3, 0, 0)})
     assert np.abs(press.closed).max() <= ROUNDING
-    along = press.plane.origins[press.joints.index("B")] - press.plane.origins[press.joints.index("A")]
+    origins = press.plane_or_refuse("").origins
+    along = origins[press.joints.index("B")] - origins[press.joints.index("A")]
     assert abs(np.angle(along.sum())) <= ROUNDING  # the crank lies along x, as it was drawn
 
 
@@ -42,7 +43,7 @@ def test_the_assembly_is_kept_where_another_one_is_nearer_in_one_step():
         steps = reshaped(
             steps, {("A", "frame"): (1.25 - 0.35 * share, 0, -0.2 - 0.4 * share), ("C", "coupler"): (1.243 - 0.243 * share, 0, 0)}
         )
-    margins = [p.close(np.zeros(1), p.closed[:, None], with_margins=True).margins for p in (press, far, steps)]
+    margins = [p.engine().close(np.zeros(1), p.closed[:, None], with_margins=True).margins for p in (press, far, steps)]
     assert (np.sign(margins[0]) == np.sign(margins[1])).all()
     assert np.abs(margins[1] - margins[2]).max() <= ROUNDING
 
@@ -86,7 +87,7 @@ def test_a_linkage_in_space_is_closed_with_its_new_lengths(tmp_path):
     file = tmp_path / "bennett.urdf"
     file.write_text(bennett(), encoding="utf-8")
     press = pp.load(file)
-    assert press.plane is None
+    assert "plane" not in press.engines
     larger = reshaped(press, {pivot: 1.5 * position for pivot, position in pivot_positions(press).items()})
     assert np.abs(larger.closed).max() <= 1e-9  # drawn closed
     for before, after in zip(press.model.jointPlacements, larger.model.jointPlacements, strict=True):

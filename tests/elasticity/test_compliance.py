@@ -189,7 +189,7 @@ def test_sharing_is_looked_at_in_presses_that_are_not_planar(tmp_path):
     """The same press with a shaft across its plane, which carries nothing."""
     planar = pp.load("jf75g_125_symmetric")
     press = texts.load(planar.text.decode().replace("</robot>", BEVEL.format(planar.driver)), tmp_path)
-    assert press.plane is None
+    assert "plane" not in press.engines
     even = Stiffness({"P4_left": 1e9, "P4_right": 1e9}, {"slide_guide": 1e7})
     assert elasticity(press, even, [0.4]).compliance[0] == pytest.approx(elasticity(planar, even, [0.4]).compliance[0], rel=1e-9)
     with pytest.raises(pp.PinpressError, match="make both sides alike"):

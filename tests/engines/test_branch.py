@@ -47,7 +47,7 @@ def gap(press, q):
 def test_the_false_assembly_exists(zxn2, engine):
     """What the tests below rule out can happen: Newton's method, started at the false assembly, finds it closed as well as the true one."""
     angle = np.linspace(0.0, 6.0, 7)
-    closure = zxn2.close(angle, folded(zxn2, angle), engine)
+    closure = zxn2.engine(engine).close(angle, folded(zxn2, angle))
     slide = closure.position[zxn2.joints.index("slide_guide")] + zxn2.slide_guide[1]
     assert np.abs(slide).max() < 1e-13
     assert closure.gap.max() < 1e-14
@@ -106,10 +106,10 @@ def test_tables_predict(press_name):
     press = texts.shipped(press_name)
     angle = np.random.default_rng(1).uniform(0, 2 * np.pi, 3000)
     guess = predict(press.branch, angle)
-    closed = press.close(angle, guess + 1e-6)
+    closed = press.engine().close(angle, guess + 1e-6)
     assert closed.iterations > 0
     assert np.abs(closed.position - guess).max() < 1e-13
-    predicted = press.close(angle, guess)
+    predicted = press.engine().close(angle, guess)
     assert predicted.iterations <= 1
     assert predicted.gap.max() < 1e-14
 

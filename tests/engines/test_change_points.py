@@ -71,10 +71,10 @@ def test_between_change_points_none_is_looked_for(loaded):
     press = loaded(equal_rod())
     near = math.pi / 2 - 1e-4
     pp.inverse_dynamics(press, pp.cycle(press, angle=[-1.5, 0.3, 1.5], speed=1.0))
-    assert not any(name.endswith(".passage") for known in vars(press)["_kept"] for name in known)
+    assert not any(name.endswith(".branch_through_change_points") for known in vars(press)["_kept"] for name in known)
     pp.inverse_dynamics(press, pp.cycle(press, angle=[0.0, near], speed=1.0))
-    assert any(name.endswith(".passage") for known in vars(press)["_kept"] for name in known)
-    assert len(press.passage.change_points) == 2
+    assert any(name.endswith(".branch_through_change_points") for known in vars(press)["_kept"] for name in known)
+    assert len(press.branch_through_change_points.change_points) == 2
 
 
 def test_both_methods_under_drive_and_load(equal):
@@ -164,12 +164,12 @@ def test_a_kite(loaded, method):
 
 
 def test_a_lock_is_none(loaded):
-    """At a lock there is no other side: `passage` is the branch itself."""
+    """At a lock there is no other side: `branch_through_change_points` is the branch itself."""
     press = loaded(random_linkages.four_bar(1.0, 0.8, 0.3, 0.7, 0.9).urdf("O"))
-    assert press.passage is press.branch
+    assert press.branch_through_change_points is press.branch
     whole = texts.shipped("zxn2_3000b")
-    assert whole.passage is whole.branch
-    assert not whole.passage.change_points
+    assert whole.branch_through_change_points is whole.branch
+    assert not whole.branch_through_change_points.change_points
 
 
 @examples(12)
@@ -186,7 +186,7 @@ def test_all_parallelograms(loaded, ground, share, drawn, way):
     run = pp.simulate(press, 1.0, speed=7.0 * way, flywheel=pp.drives.Flywheel(100.0 * ground**2), points=61)
     rocker = run.joint_position[:, run.joints.index("D")]
     np.testing.assert_allclose(rocker, run.crank_angle, atol=1e-11)
-    assert len(press.passage.change_points) == 2
+    assert len(press.branch_through_change_points.change_points) == 2
 
 
 @pytest.mark.parametrize("side", [-1.0, 1.0])

@@ -61,7 +61,7 @@ def test_closed_at_singular_poses(loaded, count):
     lebesgue = (
         np.abs(_fitted(PLACES, np.eye(len(PLACES))).T @ chebvander(np.linspace(-INNER, INNER, 101), len(PLACES) - 1).T).sum(axis=0).max()
     )
-    for point in press.passage.change_points:
+    for point in press.branch_through_change_points.change_points:
         angles = point.angle + point.inner * np.linspace(-0.999, 0.999, 101)
         motion = carried(press, angles, 1.0)
         off = np.abs(np.abs(motion.joint_position) - angles[:, None]).max()

@@ -43,7 +43,7 @@ def largest_difference(one, other):
 
 def check(press, states, loads):
     """Every comparison of one linkage."""
-    weight = np.array([1.0 if slot else 1.0 / press.size for slot in press.plane.sense])  # lengths in lengths of the linkage
+    weight = np.array([1.0 if axis.turns else 1.0 / press.size for axis in press.axes])  # lengths in lengths of the linkage
     motions = {engine: pp.cycle(press, **states, engine=engine) for engine in ENGINES}
     plane, other = (motions[engine] for engine in ENGINES)
     for name in ("v", "a"):
@@ -51,7 +51,7 @@ def check(press, states, loads):
         error = np.abs(weight * getattr(plane, name) - expected).max()
         assert error <= 1e-11 * np.abs(expected).max(), name  # two Newton iterations stop at gaps of rounding, conditioned as the drawing
     for motion in motions.values():
-        assert motion.closure_error.max() <= 1e3 * press.spatial.tolerance
+        assert motion.closure_error.max() <= 1e3 * press.engine("pinocchio").tolerance
 
     results = {engine: pp.inverse_dynamics(press, motions[engine], loads, engine=engine) for engine in ENGINES}
     force_peak, moment_peak = peaks(press, results["pinocchio"])
@@ -84,7 +84,7 @@ def test_engines_agree_and_balance(tmp_path, spec, load_count, in_plane):
     assume(drawing is not None)
     rng = np.random.default_rng(spec.seed + 1)
     press = loaded(drawing, tmp_path, gravity=rng.normal(size=3) * 10)
-    assert press.plane is not None
+    assert "plane" in press.engines
     check(press, servo(press, rng), random_loads(press, rng, load_count, in_plane))
 
 
@@ -96,7 +96,7 @@ def test_every_dyad_with_every_cut(tmp_path, kind, cut):
     spec = Spec(groups, 1000 + cut, tilted=True, stacked=True, solid=True, extra=True)
     rng = np.random.default_rng(cut)
     press = loaded(drawn(spec), tmp_path, gravity=(1.0, -2.0, -9.0))
-    assert [len(block.loops) for block in press.plane.blocks] == [1, 1]
+    assert [len(block.loops) for block in press.engine("plane").plane.blocks] == [1, 1]
     check(press, servo(press, rng), random_loads(press, rng, 2, False))
 
 
@@ -119,7 +119,7 @@ def stephenson():
 def test_two_loops_that_close_together(tmp_path):
     """A Stephenson linkage over a whole turn: one block of two loops, both engines the same, and energy and momentum in balance."""
     press = loaded(stephenson(), tmp_path)
-    assert [len(block.loops) for block in press.plane.blocks] == [2]
+    assert [len(block.loops) for block in press.engine("plane").plane.blocks] == [2]
     assert press.branch.period == pytest.approx(2 * np.pi)
     turn = 2 * np.pi * np.arange(12) / 12
     check(press, {"angle": turn, "speed": np.full(12, 7.0), "acceleration": np.linspace(-40, 40, 12)}, [])
@@ -132,5 +132,5 @@ def test_the_generator_draws_closed_linkages(tmp_path, tilted):
     groups = (Group("RRR", 0, (0, 0, 0)), Group("RPR", 1, (2, 1, 0)), Group("triad", 1, (0, 0, 3)))
     press = loaded(drawn(Spec(groups, 7, tilted=tilted, stacked=tilted, solid=tilted)), tmp_path)
     assert np.abs(press.closed).max() < 1e-13
-    assert sorted(len(block.loops) for block in press.plane.blocks) == [1, 1, 2]
+    assert sorted(len(block.loops) for block in press.engine("plane").plane.blocks) == [1, 1, 2]
     assert press.mobility == 1

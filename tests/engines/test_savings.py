@@ -27,6 +27,7 @@ from support.texts import shipped
 import pinpress as pp
 from pinpress.dynamics import inverse_dynamics as reactions
 from pinpress.engines import friction
+from pinpress.engines.planar import bodies as plane_bodies
 from pinpress.engines.planar import inverse_dynamics as plane_dynamics
 from pinpress.engines.planar import out_of_plane as plane_axial
 from pinpress.engines.planar import statics as plane_statics
@@ -74,7 +75,7 @@ def case(name, folder):
 def scene(kind, press):
     """Arguments of `pinpress.inverse_dynamics`."""
     links = [link for link in press.links if link != press.root]
-    normal = press.plane.normal
+    normal = press.engine("plane").plane.normal
     flat = np.array([100.0, 0.0, -700.0]) - (normal @ [100.0, 0.0, -700.0]) * normal
     return {
         "bare": {},
@@ -387,8 +388,8 @@ def test_what_is_not_redundant_shares_nothing(monkeypatch, folder, six_bar, turn
     for bearings, shared in ((None, True), (("O",), True), ((), False)):
         assert calls(monkeypatch, spatial_dynamics, "least", *stacked, engine="pinocchio", bearings=bearings) == shared
         stiff = {"stiffness": dict.fromkeys(stacked[0].bearings, 1e9)}
-        assert calls(monkeypatch, plane_axial, "least", *stacked, **stiff, bearings=bearings) == shared
-        assert not calls(monkeypatch, plane_axial, "least", *stacked, bearings=bearings)  # that is the press's, made once
+        assert calls(monkeypatch, plane_bodies, "least", *stacked, **stiff, bearings=bearings) == shared
+        assert not calls(monkeypatch, plane_bodies, "least", *stacked, bearings=bearings)  # that is the press's, made once
     assert not calls(monkeypatch, plane_statics, "_shares", six_bar, turn)
     assert calls(monkeypatch, plane_statics, "_shares", *case("three_rods", folder))
     assert not calls(monkeypatch, plane_statics, "_shares", *case("three_rods", folder), bearings=())

@@ -70,7 +70,7 @@ def test_the_pinocchio_engine_needs_one_data_to_load(datas):
 
 def stored(linkage):
     """Numbers kept of a planar linkage."""
-    arrays = [getattr(of, field.name) for of in (linkage.plane, linkage.bodies) for field in fields(of)]
+    arrays = [getattr(of, field.name) for of in (linkage.engine("plane").plane, linkage.engine("plane").bodies) for field in fields(of)]
     matrices = [array for array in arrays if hasattr(array, "nnz")]
     return sum(matrix.nnz for matrix in matrices) + sum(array.size for array in arrays if isinstance(array, np.ndarray))
 
@@ -134,7 +134,7 @@ def test_sparse_matrices_give_what_plain_ones_do(monkeypatch, name):
     _, plain = results()
     monkeypatch.setattr(constant_rows, "LARGE", 0)
     press, sparse = results()
-    assert not isinstance(press.plane.closure, np.ndarray)
+    assert not isinstance(press.engine("plane").plane.closure, np.ndarray)
     scale = max(np.abs(each).max() for each in plain)
     for one, other in zip(plain, sparse, strict=True):
         np.testing.assert_allclose(other, one, rtol=0, atol=1e-13 * scale)

@@ -490,7 +490,7 @@ def test_pins_join_links_nobody_thought_of(spec: Any, tmp_path: Path) -> None:
     shown = bodies(press, press.closed[None])
     assert len({press.model.frames[body.frame].parentJoint for body in shown}) == len(shown) == press.model.njoints
     assert all(np.isfinite(part.placement).all() for body in shown for part in body.parts)
-    joined(press, press.closed[None], press.plane.normal)
+    joined(press, press.closed[None], press.engine("plane").plane.normal)
 
 
 @pytest.mark.filterwarnings("ignore:.*density:pinpress.PinpressWarning")

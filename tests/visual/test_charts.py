@@ -411,8 +411,8 @@ def test_locus_in_axes_of_the_link(name):
     """In the plane a link's axes are turned by the sum of the joint angles on the way to it; turned back, the force is the frame's."""
     result = turn(name, points=36)
     press, motion = texts.shipped(name), result.motion
-    spin = press.plane.spin @ motion.joint_position.T  # about the normal
-    normal = press.plane.normal[1]  # +-1: of the x-z plane
+    spin = press.engine("plane").plane.spin @ motion.joint_position.T  # about the normal
+    normal = press.engine("plane").plane.normal[1]  # +-1: of the x-z plane
     for bearing in press.bearings:
         found = charts.locus(result, bearing)
         assert found.axes == ("x", "z")

@@ -72,9 +72,7 @@ def build(press: Linkage) -> System:
     Raises:
         PinpressError: a linkage that is not planar, has gear pairs or more equations than it needs.
     """
-    plane = press.plane
-    if plane is None:
-        raise PinpressError(f"only planar linkages are compared in it, and {press.name} is not planar")
+    plane = press.plane_or_refuse(f"only planar linkages are compared in it, and {press.name} is not planar")
     if press.couplings:
         raise PinpressError(f"{press.name} has gear pairs, which are not compared in it")
     if plane.redundant:

@@ -128,9 +128,7 @@ def as_crank_slider(press: Linkage) -> CrankSlider:
         PinpressError: The press is no crank-slider, or its slide's pin does not move on a line through the shaft; the message says what
             differs.
     """
-    if press.plane is None or len(press.drivers) > 1:
-        raise _refusal(press, "it is not planar, or has several drivers")
-    plane, at = press.plane, poses(press, press.closed[None])
+    plane, at = press.plane_or_refuse(str(_refusal(press, "it is not planar, or has several drivers"))), poses(press, press.closed[None])
     crank, rod, slide = _bodies(press)
     shaft, crank_pin, slide_pin = _pins(press, plane, at, crank, rod, slide)
     radius, length = complex(flat(plane, crank_pin - shaft)), complex(flat(plane, slide_pin - crank_pin))

@@ -56,16 +56,15 @@ def compare_harmonics(before: Reactions, after: Reactions, *, orders: int = 6) -
     for reactions in (before, after):
         expect("reactions", reactions, Reactions, "inverse_dynamics")
     press, (speed, other) = before._press, (np.abs(reactions.motion.crank_speed).max() for reactions in (before, after))
-    if press.plane is None:
-        raise PinpressError(f"{press.name} is not planar: look at the harmonics of its shaking force one axis at a time")
+    normal = press.plane_or_refuse(f"{press.name} is not planar: look at the harmonics of its shaking force one axis at a time").normal
     if not abs(other - speed) <= SAME_SPEED * speed:
         raise PinpressError("before and after are at different speeds, with whose squares forces grow: make both motions with one speed")
     guide, _ = press.slide_guide
     at = poses(press, press.closed[None])
     along = at.rotation[guide + 1, 0] @ press.axes[guide].direction
-    axes = np.array([along, np.cross(press.plane.normal, along)])
+    axes = np.array([along, np.cross(normal, along)])
     shaft = at.position[press.driver_indices[0] + 1, 0]
-    (first, least1), (second, least2) = (_amplitudes(each, axes, press.plane.normal, shaft, orders) for each in (before, after))
+    (first, least1), (second, least2) = (_amplitudes(each, axes, normal, shaft, orders) for each in (before, after))
     none = np.zeros(3)
     return tuple(
         HarmonicChange(quantity, order, was, now, _change(was, now, max(least1[k], least2[k])))

@@ -109,8 +109,10 @@ def plan_of(press: Linkage) -> PressPlan:
     Raises:
         PinpressError: The press is not planar, or has gear pairs or several drivers.
     """
-    if press.plane is None or press.couplings:
-        raise PinpressError(f"{press.name} is not planar with one driver, or has gear pairs: give a planar press of pins and guides")
+    refusal = f"{press.name} is not planar with one driver, or has gear pairs: give a planar press of pins and guides"
+    plane = press.plane_or_refuse(refusal)
+    if press.couplings:
+        raise PinpressError(refusal)
     model, at = press.model, poses(press, press.closed[None])
     links = {joint: press.link_of(joint) for joint in range(model.njoints)}
     if press.slide is not None:
@@ -125,7 +127,7 @@ def plan_of(press: Linkage) -> PressPlan:
         parent, direction = links[int(model.parents[j])], own.rotation.T @ axis.direction
         bodies.append(PlanBody(links[j], place, inertia, name, parent, direction, () if axis.turns else limits))
     pins = [PlanPin(k.name, k.type, links[k.joint1], links[k.joint2], at.points(k.joint1, k.point1)[0]) for k in press.loops]
-    normal, gravity = press.plane.normal, tuple(model.gravity.linear.tolist())
+    normal, gravity = plane.normal, tuple(model.gravity.linear.tolist())
     size = press.size
     return PressPlan(press.name, links[0], model.inertias[0], tuple(bodies), tuple(pins), press.driver, press.slide, normal, gravity, size)
 

@@ -1,5 +1,7 @@
 """In which order the equations of a planar linkage are solved: block by block, as a press linkage is a chain of dyads."""
 
+from __future__ import annotations
+
 from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -187,7 +189,7 @@ def groups(unknown: Mapping[int, set[int]], worth: Callable[[int], int]) -> list
     return [tuple(result[its]) for its in TopologicalSorter(before).static_order()]
 
 
-def _graph(entries: list[tuple[int, int]], shape: tuple[int, int]) -> "csr_array":
+def _graph(entries: list[tuple[int, int]], shape: tuple[int, int]) -> csr_array:
     from scipy.sparse import csr_array  # its import takes longer than loading a small press
 
     return csr_array((np.ones(len(entries)), np.array(entries).T), shape=shape)

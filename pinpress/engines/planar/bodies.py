@@ -3,6 +3,8 @@
 How bearings share what acts out of the plane depends on no configuration either, and stands here too.
 """
 
+from __future__ import annotations
+
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any, NamedTuple
@@ -23,6 +25,8 @@ class Bodies:
     """Inertial constants of a planar linkage, and the rows that give forces and arms from the basis.
 
     Attributes:
+        mass: (nv,) [kg].
+        gravity: (3,) in world axes [m/s2].
         axial_weight: (nv,) m g along the normal [N].
         inertia: (nv, nv) d/dt of the angular momentum about every centre of mass from joint accelerations.
         products: (nv,) products of inertia with the normal, I_1n + i I_2n, in the drawn pose [kg m2].
@@ -40,6 +44,8 @@ class Bodies:
     """
 
     plane: Plane
+    mass: Array
+    gravity: Array
     axial_weight: Array
     inertia: Matrix
     products: ComplexArray
@@ -55,12 +61,12 @@ class Bodies:
     flat: bool
 
     @cached_property
-    def spread_force(self) -> "Spread":
+    def spread_force(self) -> Spread:
         """How bearings share forces along the normal, without compliances."""
         return spread_forces(self.plane, None)
 
     @cached_property
-    def spread_moment(self) -> "Spread":
+    def spread_moment(self) -> Spread:
         """How they share tilting moments."""
         return spread_moments(self.plane)
 
@@ -93,6 +99,8 @@ def build(plane: Plane, model: pin.Model) -> Bodies:
     inertia = weighted(plane.spin, tensors[:, 2, 2])
     return Bodies(
         plane=plane,
+        mass=mass,
+        gravity=gravity.copy(),
         axial_weight=axial_weight,
         inertia=inertia,
         products=products,

@@ -1,11 +1,13 @@
 """Inverse dynamics of a planar linkage at all crank angles at once.
 
-Newton-Euler from the tips of the tree to the frame, the loops open; then the forces of loops and gear pairs (`plane_statics`); then every
+Newton-Euler from the tips of the tree to the frame, the loops open; then the forces of loops and gear pairs (`statics`); then every
 joint's force and moment. A lever arm r and a force f, both complex, make the moment Im(conj(r) f) about the normal. What acts out of the
-plane is computed in `plane_axial`, and only where there is something.
+plane is computed in `out_of_plane`, and only where there is something.
 
 Signs: forces and moments of a joint are the action of parent on child, of a loop the action of link1 on link2.
 """
+
+from __future__ import annotations
 
 from collections.abc import Sequence
 from typing import NamedTuple
@@ -14,57 +16,41 @@ import numpy as np
 
 from ...common.arrays import Array, ComplexArray
 from ...common.errors import AssemblyError
+from ..closure import PIECE
 from ..constant_rows import product
-from ..forces import AppliedForce, Wrenches
+from ..engine import ClosedStates
+from ..forces import AppliedConditions, AppliedForce, Wrenches
 from ..friction import FrictionLaw
-from . import out_of_plane as plane_axial
-from . import statics as plane_statics
-from . import torque_only as plane_torque
-from . import vectors as plane_vectors
+from . import out_of_plane, statics, torque_only
 from .bodies import Bodies, OpenTree
-from .kinematics import basis, basis_acceleration, gaps
-from .model import Plane, flat
+from .kinematics import basis, basis_acceleration, gaps, known_basis
+from .model import Plane, flat, put, put_normal
 
-PIECE = 2048  # crank angles worked through at a time: what is in flight stays in the cache
 LOOSEST = 1e-6  # gap, in lengths of the linkage, beyond which a motion is another linkage's
 
 
-def inverse_dynamics(
-    plane: Plane,
-    bodies: Bodies,
-    at: ComplexArray,
-    v: Array,
-    a: Array,
-    loads: Sequence[AppliedForce],
-    law: FrictionLaw | None,
-    compliance: Array | None,
-    gears: bool,
-    angle: Array,
-    wanted: Sequence[int],
-) -> Wrenches:
+def inverse_dynamics(bodies: Bodies, states: ClosedStates, under: AppliedConditions, wanted: Sequence[int]) -> Wrenches:
     """Driving torque and the wrenches of joints and loops.
 
     Args:
-        at: (nb, n) basis of the closed configurations.
-        v, a: (nv, n) joint rates and accelerations.
-        loads: forces on links. law: friction of the bearings. compliance: (bearings,) of the bearings [m/N].
-        gears: whether the torques of gear pairs are wanted; if not, they are one of several that balance.
-        angle: (n,) crank angles.
+        bodies: of the linkage.
+        states: with their basis.
+        under: what acts on it.
         wanted: the bearings whose wrenches are wanted, rising. Friction, and what is shared, needs all of them first.
     """
-    n = v.shape[1]
+    plane, law, n = bodies.plane, under.law, states.v.shape[1]
     result = Wrenches.zeros(1, len(plane.offsets), len(plane.parents) + len(plane.loop_heights), n, len(wanted))
     some = len(wanted) < len(result.friction)
-    few = some and law is None and plane_torque.suffices(plane, wanted, gears)
-    speeds = None if law is None else law.moving(np.concatenate([v, plane.crossed.T @ (plane.sense[:, None] * v)]))
+    few = some and law is None and torque_only.suffices(plane, wanted, under.gears)
+    speeds = None if law is None else law.moving(np.concatenate([states.v, plane.crossed.T @ (plane.sense[:, None] * states.v)]))
     for start in range(0, n, PIECE):
         s = slice(None) if n <= PIECE else slice(start, start + PIECE)
-        rubbing = None if law is None or speeds is None else Rubbing(law, speeds[:, s], angle[s])
-        part = [load.part(s) for load in loads]
-        if few and not (wanted and _across(plane, bodies, part)):
-            plane_torque.fill(plane, bodies, at[:, s], v[:, s], a[:, s], part, wanted, result.part(s))
+        rubbing = None if law is None or speeds is None else Rubbing(law, speeds[:, s], states.position[plane.driver, s])
+        part = under.part(s)
+        if few and not (wanted and _across(bodies, part.loads)):
+            torque_only.fill(bodies, states.part(s), part.loads, wanted, result.part(s))
         else:
-            _piece(plane, bodies, at[:, s], v[:, s], a[:, s], part, rubbing, compliance, wanted, result.part(s))
+            _piece(bodies, states.part(s), part, rubbing, wanted, result.part(s))
     return result
 
 
@@ -92,50 +78,43 @@ def closed_basis(plane: Plane, position: Array) -> ComplexArray:
 
 
 def _piece(
-    plane: Plane,
-    bodies: Bodies,
-    at: ComplexArray,
-    v: Array,
-    a: Array,
-    loads: Sequence[AppliedForce],
-    rubbing: Rubbing | None,
-    compliance: Array | None,
-    wanted: Sequence[int],
-    result: Wrenches,
+    bodies: Bodies, states: ClosedStates, under: AppliedConditions, rubbing: Rubbing | None, wanted: Sequence[int], result: Wrenches
 ) -> None:
     """Fill in the result of a piece of the motion."""
-    tree = _open_tree(plane, bodies, at, v, a, loads)
-    across = plane_axial.forces(plane, bodies, loads, compliance, v.shape[1]) if _across(plane, bodies, loads) else None
-    statics = plane_statics.build(plane, tree.closure, tree.carried, bodies.uncrossed, at, compliance)
+    plane, at, n = bodies.plane, known_basis(states), states.v.shape[1]
+    tree = _open_tree(bodies, states, under.loads)
+    across = out_of_plane.forces(bodies, under.loads, under.compliance, n) if _across(bodies, under.loads) else None
+    system = statics.build(plane, tree.closure, tree.carried, bodies.uncrossed, at, under.compliance)
     efforts, passive = None, tree.passive
     if rubbing is not None:
-        efforts = _friction(plane, statics, rubbing, passive, at, across)
+        efforts = _friction(plane, system, rubbing, passive, at, across)
         result.friction[:] = -efforts * rubbing.speeds
         passive -= _resisted(plane, efforts)
     count, gears = len(plane.parents), result.coupling
-    bearings = np.empty((count + len(plane.loop_heights), v.shape[1]), complex)
-    plane_statics.balance(statics, passive, gears, bearings)
+    bearings = np.empty((count + len(plane.loop_heights), n), complex)
+    statics.balance(system, passive, gears, bearings)
     result.torque[0] = passive[plane.driver]
     if wanted:
-        plane_vectors.put(plane, bearings if len(wanted) == len(bearings) else bearings[list(wanted)], result.force)
+        put(plane, bearings if len(wanted) == len(bearings) else bearings[list(wanted)], result.force)
         places = {bearing: place for place, bearing in enumerate(wanted)}
-        for bearing, moment in _about_normal(plane, bodies, tree, bearings[count:], passive[plane.driver], gears, efforts).items():
+        for bearing, moment in _about_normal(bodies, tree, bearings[count:], passive[plane.driver], gears, efforts).items():
             if bearing in places:
-                plane_vectors.put_normal(plane, moment, result.moment[places[bearing]])
+                put_normal(plane, moment, result.moment[places[bearing]])
         if across is not None:
-            plane_axial.add(plane, bodies, at, v, a, tree, bearings[count:], loads, across, wanted, result)
-    plane_statics.torques(plane, gears)
+            out_of_plane.add(bodies, states, tree, bearings[count:], under.loads, across, wanted, result)
+    statics.torques(plane, gears)
 
 
-def _across(plane: Plane, bodies: Bodies, loads: Sequence[AppliedForce]) -> bool:
+def _across(bodies: Bodies, loads: Sequence[AppliedForce]) -> bool:
     """Whether anything acts out of the plane."""
-    return not (bodies.flat and all(plane_axial.is_flat(plane, load) for load in loads))
+    return not (bodies.flat and all(out_of_plane.is_flat(bodies.plane, load) for load in loads))
 
 
-def _open_tree(plane: Plane, bodies: Bodies, at: ComplexArray, v: Array, a: Array, loads: Sequence[AppliedForce]) -> OpenTree:
+def _open_tree(bodies: Bodies, states: ClosedStates, loads: Sequence[AppliedForce]) -> OpenTree:
     """Newton's and Euler's equations from the tips to the frame."""
+    plane, at = bodies.plane, known_basis(states)
     count = len(plane.parents)
-    second = basis_acceleration(plane, at, v, a)
+    second = basis_acceleration(plane, at, states.v, states.a)
     second[0] = 1.0
     forces = product(bodies.forces, second)
     own, carried = forces[:count], forces[count:]
@@ -143,7 +122,7 @@ def _open_tree(plane: Plane, bodies: Bodies, at: ComplexArray, v: Array, a: Arra
     closure, row = arms[count : count + plane.closure.shape[0]], count + plane.closure.shape[0]
 
     moment = (arms[:count].conj() * own).imag
-    moment += bodies.inertia @ a
+    moment += bodies.inertia @ states.a
     for load in loads:
         if load.joint:
             _take_load(plane, at, carried, moment, load)
@@ -162,13 +141,13 @@ def _open_tree(plane: Plane, bodies: Bodies, at: ComplexArray, v: Array, a: Arra
 
 
 def _about_normal(
-    plane: Plane, bodies: Bodies, tree: OpenTree, pins: ComplexArray, torque: Array, gears: Array, efforts: Array | None
+    bodies: Bodies, tree: OpenTree, pins: ComplexArray, torque: Array, gears: Array, efforts: Array | None
 ) -> dict[int, Array]:
     """Moments (n,) about the normal of the bearings that transmit one: guides, the driver, geared joints, all that have friction.
 
     ``torque`` (n,) of the driver; ``gears`` (nc, n) multipliers of the couplings; ``efforts`` (bearings, n) of friction.
     """
-    moments = tree.turning
+    plane, moments = bodies.plane, tree.turning
     for (j, k), arm in zip(bodies.guided, tree.guided, strict=True):
         moments[j] -= plane.round_loops[j][k] * (arm.conj() * pins[k]).imag
     moments[plane.driver] = plane.sense[plane.driver] * torque
@@ -195,9 +174,7 @@ def _take_load(plane: Plane, at: ComplexArray, carried: ComplexArray, moment: Ar
     carried[plane.carriers(joint)] -= force
 
 
-def _friction(
-    plane: Plane, statics: plane_statics.Statics, rubbing: Rubbing, passive: Array, at: ComplexArray, across: Array | None
-) -> Array:
+def _friction(plane: Plane, system: statics.Statics, rubbing: Rubbing, passive: Array, at: ComplexArray, across: Array | None) -> Array:
     """Efforts (bearings, n) of friction: of joints along their axes, of loops about the normal."""
     count = len(plane.parents)
     bearings = np.empty((count + len(plane.loop_heights), passive.shape[1]), complex)
@@ -205,7 +182,7 @@ def _friction(
     slides = product(plane.directions, at).conj()
 
     def radial(efforts: Array) -> Array:
-        plane_statics.balance(statics, passive - _resisted(plane, efforts), gears, bearings)
+        statics.balance(system, passive - _resisted(plane, efforts), gears, bearings)
         sizes = np.abs(bearings)
         for joint, direction in zip(plane.prismatic, slides, strict=True):
             sizes[joint] = np.abs((direction * bearings[joint]).imag)

@@ -9,6 +9,8 @@ Where there are more equations than joints (a second rod to the same slide) thei
 say nothing new agree with the others, or the gap shows that they do not.
 """
 
+from __future__ import annotations
+
 from collections.abc import Sequence
 from typing import Any, NamedTuple
 
@@ -17,6 +19,7 @@ import numpy as np
 from ...common.arrays import Array, ComplexArray
 from ..closure import Closure
 from ..constant_rows import product
+from ..engine import ClosedStates
 from ..load_sharing import RANK
 from .blocks import Block
 from .model import Plane, in_space
@@ -52,18 +55,31 @@ def close(plane: Plane, angle: Array, guess: Array, with_margins: bool = False) 
             solve(plane, rows, factored(plane, rows), [*-gaps, *-slips], step)
             x += step
             steps += 1
-        factors = factored(plane, rows)
-        first = np.empty_like(x)
-        first[plane.driver] = 1.0
-        driven = [None if row is None else -rows[row] for row in plane.driven]
-        driven += [np.full(len(angle), -gear.get(plane.driver, 0.0)) for gear in plane.gears]
-        solve(plane, rows, factors, driven, first)
-        second = np.empty_like(x)
-        second[plane.driver] = 0.0
-        curvature = basis_acceleration(plane, at, first, None)
-        solve(plane, rows, factors, [*-product(plane.closure[:count], curvature), *[None] * len(slips)], second)
+        first, second = _influence(plane, at, rows)
         margins = _margins(plane, rows) if with_margins else None
     return Closure(x, first, second, gap, worst, steps, margins, at)
+
+
+def influence(plane: Plane, at: ComplexArray) -> tuple[Array, Array]:
+    """First-order and second-order influence coefficients (nv, n) of closed configurations with basis ``at``."""
+    with np.errstate(all="ignore"):
+        return _influence(plane, at, product(plane.closure, at))
+
+
+def _influence(plane: Plane, at: ComplexArray, rows: ComplexArray) -> tuple[Array, Array]:
+    """The same; ``rows``: of `Plane.closure`."""
+    factors, shape = factored(plane, rows), (len(plane.parents), at.shape[1])
+    first = np.empty(shape)
+    first[plane.driver] = 1.0
+    driven = [None if row is None else -rows[row] for row in plane.driven]
+    driven += [np.full(at.shape[1], -gear.get(plane.driver, 0.0)) for gear in plane.gears]
+    solve(plane, rows, factors, driven, first)
+    second = np.empty(shape)
+    second[plane.driver] = 0.0
+    curvature = basis_acceleration(plane, at, first, None)
+    opened = product(plane.closure[: len(plane.loop_heights)], curvature)
+    solve(plane, rows, factors, [*-opened, *[None] * len(plane.offsets)], second)
+    return first, second
 
 
 def moves(plane: Plane, drawn: Closure) -> bool:
@@ -86,6 +102,12 @@ def basis(plane: Plane, x: Array) -> ComplexArray:
     for row, (joint, rotor) in enumerate(zip(plane.prismatic, plane.guide_rotors, strict=True), 1 + turning):
         at[row] = x[joint] * at[rotor] if rotor else x[joint]
     return at
+
+
+def known_basis(states: ClosedStates) -> ComplexArray:
+    """The basis of states that have it."""
+    assert states.basis is not None
+    return states.basis
 
 
 def openings(plane: Plane, x: Array) -> Array:

@@ -12,6 +12,8 @@ basis' derivatives: one matrix product for all links and all crank angles. The r
 (all joints at zero); complex numbers are components along ``axes[0]`` and ``axes[1]``, which with ``normal`` make a right-handed frame.
 """
 
+from __future__ import annotations
+
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, fields, replace
 from functools import cached_property
@@ -103,12 +105,12 @@ class Plane:
         return any(block.redundant for block in self.blocks)
 
     @property
-    def dense(self) -> "Plane":
+    def dense(self) -> Plane:
         """The same with plain arrays for matrices."""
         return self if isinstance(self.closure, np.ndarray) else self._dense
 
     @cached_property
-    def _dense(self) -> "Plane":
+    def _dense(self) -> Plane:
         matrices = {field.name: plain(getattr(self, field.name)) for field in fields(self) if field.type is Matrix}
         return replace(self, **matrices)
 
@@ -135,6 +137,24 @@ def flat(plane: Plane, vectors: Array) -> ComplexArray:
 def in_space(plane: Plane, vectors: ComplexArray) -> Array:
     """Complex numbers (...) as world vectors (..., 3)."""
     return np.asarray(np.multiply.outer(vectors.real, plane.axes[0]) + np.multiply.outer(vectors.imag, plane.axes[1]))
+
+
+def put(plane: Plane, vectors: ComplexArray, out: Array) -> None:
+    """Fill ``out`` (..., 3), zero so far, with complex vectors (...). Most presses stand in a coordinate plane: zeros cost nothing."""
+    for i, (first, second) in enumerate(plane.axes.T):
+        if first:
+            np.multiply(vectors.real, first, out=out[..., i])
+        if second and first:
+            out[..., i] += second * vectors.imag
+        elif second:
+            np.multiply(vectors.imag, second, out=out[..., i])
+
+
+def put_normal(plane: Plane, values: Array, out: Array) -> None:
+    """Fill ``out`` (n, 3), zero so far, with vectors of lengths (n,) along the normal."""
+    for i, share in enumerate(plane.normal):
+        if share:
+            np.multiply(values, share, out=out[:, i])
 
 
 def build(

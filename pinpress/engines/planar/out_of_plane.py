@@ -7,6 +7,8 @@ says, and `Reactions.indeterminate` names it.
 With the axes of `Plane`, normal x f is i f and r x normal is -i r for complex f and r.
 """
 
+from __future__ import annotations
+
 from collections.abc import Sequence
 
 import numpy as np
@@ -14,10 +16,11 @@ from numpy.typing import NDArray
 
 from ...common.arrays import Array, ComplexArray
 from ..constant_rows import product
+from ..engine import ClosedStates
 from ..forces import AppliedForce, Wrenches
 from ..load_sharing import RANK
 from .bodies import Bodies, OpenTree, spread_forces
-from .kinematics import basis
+from .kinematics import basis, known_basis
 from .model import Plane, flat, in_space
 
 
@@ -29,8 +32,9 @@ def is_flat(plane: Plane, load: AppliedForce) -> bool:
     return bool(height == 0.0 and not np.any(load.force @ plane.normal))
 
 
-def forces(plane: Plane, bodies: Bodies, loads: Sequence[AppliedForce], compliance: Array | None, n: int) -> Array:
+def forces(bodies: Bodies, loads: Sequence[AppliedForce], compliance: Array | None, n: int) -> Array:
     """Forces (bearings, n) of all bearings along the normal."""
+    plane = bodies.plane
     axial = np.zeros((len(plane.parents), n)) - bodies.axial_weight[:, None]
     for load in loads:
         if load.joint:
@@ -40,11 +44,8 @@ def forces(plane: Plane, bodies: Bodies, loads: Sequence[AppliedForce], complian
 
 
 def add(
-    plane: Plane,
     bodies: Bodies,
-    at: ComplexArray,
-    v: Array,
-    a: Array,
+    states: ClosedStates,
     tree: OpenTree,
     pins: ComplexArray,
     loads: Sequence[AppliedForce],
@@ -55,10 +56,18 @@ def add(
     """Add the axial forces and tilting moments of the wanted bearings to a result that has the plane's.
 
     Args:
-        at: basis; v, a: joint rates and accelerations; tree: with its loops open; pins: loop forces; axial: what `forces` returned.
+        bodies: of the linkage.
+        states: with their basis.
+        tree: with its loops open.
+        pins: (loops, n) loop forces in the plane.
+        loads: forces on links.
+        axial: what `forces` returned.
+        wanted: indices of bearings.
+        result: of these.
     """
+    plane, at = bodies.plane, known_basis(states)
     count = len(plane.parents)
-    spin, acceleration = plane.spin @ v, plane.spin @ a
+    spin, acceleration = plane.spin @ states.v, plane.spin @ states.a
     rotors = at[list(plane.rotors)]
     weight = -bodies.axial_weight[:, None]
     tilt = (acceleration + 1j * spin**2) * bodies.products[:, None] * rotors

@@ -9,6 +9,8 @@ The redundant equations of a block leave idle forces open: the block can hold th
 those are added that `sharing` names.
 """
 
+from __future__ import annotations
+
 from collections.abc import Iterator
 from dataclasses import dataclass
 

@@ -3,8 +3,10 @@
 The efforts of the open tree's joints come from virtual work, without the forces that pass from link to link. Every point is a row of
 constants times the basis (see `plane`), so the inertia forces of all links do work on the basis functions: m conj(c) c'' summed over all
 centres of mass c is one small matrix of constants times the second derivative of the basis. Loops and gear pairs then act as in
-`plane_statics`.
+`statics`.
 """
+
+from __future__ import annotations
 
 from collections.abc import Sequence
 
@@ -12,12 +14,12 @@ import numpy as np
 
 from ...common.arrays import Array, ComplexArray
 from ..constant_rows import product
+from ..engine import ClosedStates
 from ..forces import AppliedForce, Wrenches
-from . import statics as plane_statics
+from . import statics
 from .bodies import Bodies
-from .kinematics import basis_acceleration
-from .model import Plane, flat
-from .vectors import put, put_normal
+from .kinematics import basis_acceleration, known_basis
+from .model import Plane, flat, put, put_normal
 
 
 def suffices(plane: Plane, wanted: Sequence[int], gears: bool) -> bool:
@@ -32,32 +34,25 @@ def suffices(plane: Plane, wanted: Sequence[int], gears: bool) -> bool:
     return not plane.redundant or not (wanted or (gears and len(plane.offsets)))
 
 
-def fill(
-    plane: Plane,
-    bodies: Bodies,
-    at: ComplexArray,
-    v: Array,
-    a: Array,
-    loads: Sequence[AppliedForce],
-    wanted: Sequence[int],
-    result: Wrenches,
-) -> None:
-    """Fill in a result with bearings that `suffices` allows. Arguments as `plane_dynamics.inverse_dynamics`."""
-    second = basis_acceleration(plane, at, v, a)
+def fill(bodies: Bodies, states: ClosedStates, loads: Sequence[AppliedForce], wanted: Sequence[int], result: Wrenches) -> None:
+    """Fill in a result with bearings that `suffices` allows. Arguments as of `inverse_dynamics`."""
+    plane, at = bodies.plane, known_basis(states)
+    second = basis_acceleration(plane, at, states.v, states.a)
     second[0] = 1.0
-    passive = _efforts(plane, bodies, at, a, second, loads)
-    pins = np.empty((len(plane.loop_heights), v.shape[1]), complex)
-    plane_statics.transmit(plane, product(bodies.closure, at), passive, pins, result.coupling)
+    passive = _efforts(bodies, at, states.a, second, loads)
+    pins = np.empty((len(plane.loop_heights), at.shape[1]), complex)
+    statics.transmit(plane, product(bodies.closure, at), passive, pins, result.coupling)
     result.torque[0] = passive[plane.driver]
     if wanted:
-        put(plane, _forces(plane, bodies, second, loads, pins, wanted), result.force)
-        for place, moment in _moments(plane, bodies, wanted, result).items():
+        put(plane, _forces(bodies, second, loads, pins, wanted), result.force)
+        for place, moment in _moments(bodies, wanted, result).items():
             put_normal(plane, moment, result.moment[place])
-    plane_statics.torques(plane, result.coupling)
+    statics.torques(plane, result.coupling)
 
 
-def _efforts(plane: Plane, bodies: Bodies, at: ComplexArray, a: Array, second: ComplexArray, loads: Sequence[AppliedForce]) -> Array:
+def _efforts(bodies: Bodies, at: ComplexArray, a: Array, second: ComplexArray, loads: Sequence[AppliedForce]) -> Array:
     """Efforts (nv, n) that the joints would have to transmit with all loops open."""
+    plane = bodies.plane
     work: ComplexArray = product(bodies.reduced, second)
     for load in loads:
         if load.joint:
@@ -76,10 +71,9 @@ def _efforts(plane: Plane, bodies: Bodies, at: ComplexArray, a: Array, second: C
     return efforts
 
 
-def _forces(
-    plane: Plane, bodies: Bodies, second: ComplexArray, loads: Sequence[AppliedForce], pins: ComplexArray, wanted: Sequence[int]
-) -> ComplexArray:
+def _forces(bodies: Bodies, second: ComplexArray, loads: Sequence[AppliedForce], pins: ComplexArray, wanted: Sequence[int]) -> ComplexArray:
     """Complex forces (wanted, n)."""
+    plane = bodies.plane
     count = len(plane.parents)
     joints = [j for j in wanted if j < count]
     forces = np.empty((len(wanted), pins.shape[1]), complex)
@@ -93,9 +87,9 @@ def _forces(
     return forces
 
 
-def _moments(plane: Plane, bodies: Bodies, wanted: Sequence[int], result: Wrenches) -> dict[int, Array]:
+def _moments(bodies: Bodies, wanted: Sequence[int], result: Wrenches) -> dict[int, Array]:
     """Those about the normal that are not zero, (n,) each, by place among the wanted; ``result`` has multipliers of the gear pairs."""
-    moments = {}
+    plane, moments = bodies.plane, {}
     meshed = plane.coupled.T @ result.coupling if any(j in bodies.geared for j in wanted) else result.coupling
     for place, j in enumerate(wanted):
         if j == plane.driver:

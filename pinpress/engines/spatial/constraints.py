@@ -5,6 +5,8 @@ of body 2 against body 1 about axes of end 1; then one a coupling. Rotations [ra
 rows are lengths and may be compared; a multiplier of such a row is a torque divided by that length.
 """
 
+from __future__ import annotations
+
 from dataclasses import dataclass
 
 import numpy as np

@@ -18,6 +18,8 @@ none), and no rows that become independent when a loop opens a little (it would 
 each time, and where one of them is near zero that should not be, the general way decides.
 """
 
+from __future__ import annotations
+
 import math
 from typing import Any, NamedTuple
 
@@ -30,8 +32,9 @@ from ...common.errors import AssemblyError, PinpressError, SingularityError
 from ..closure import ACCEPTED
 from ..continuation import SMALLEST_MARGIN
 from ..coordinates import Axis, data_of
-from .contact_points import End, contact_rows, contacts, ends_of
-from .model import MOST_NEWTON_STEPS, Spatial
+from ..joints import LoopJoint
+from .kinematics import MOST_NEWTON_STEPS
+from .model import Spatial
 
 MASSLESS = 1e-13  # share of the largest inertia below which what resists a motion is rounding
 CLEAR = 1e-6  # share of the largest pivot (of an inertia's own size) above which pivots of the quick way count as well away from zero
@@ -39,6 +42,10 @@ PROXIMAL = 1e-10  # its damping, as a share of the largest pivot: each iteration
 SETTLED = 1e-13  # change of a multiplier after which it stays [N], of its weight where the linkage weighs less than 1 N
 ITERATIONS = 6  # of these, most: redundant multipliers never settle, though the accelerations have
 OPENED = 1e-2  # how far joints are moved to see whether rows become independent [lengths of the linkage]
+
+
+_End = tuple[int, pin.SE3, int, pin.SE3]
+"""Two points that a loop holds together: joint and place in its frame, of either side."""
 
 
 class ForwardDynamics:
@@ -81,7 +88,7 @@ class ForwardDynamics:
         self.placements = self.data.oMi  # live: fetching it costs more than the algorithm that fills it
 
         pin.forwardKinematics(self.model, self.data, closed)
-        by_loop = [ends_of(loop, self.data, self.size) for loop in loops]
+        by_loop = [_ends_of(loop, self.data, self.size) for loop in loops]
         ends = [end for held in by_loop for end in held]
         self.points, self.data_of_points = pin.StdVec_ConstraintModel(), pin.StdVec_ConstraintData()
         for end in ends:
@@ -293,13 +300,13 @@ class ForwardDynamics:
         mass = sum(float(inertia.mass) for inertia in self.model.inertias)
         return mass * (float(np.linalg.norm(self.model.gravity.linear)) or self.size)
 
-    def _quick(self, closed: Array, ends: list[End], mass: Array) -> "_Quick | None":
+    def _quick(self, closed: Array, ends: list[_End], mass: Array) -> _Quick | None:
         """What the quick way needs, None where it does not suit."""
         if not ends or not ((mass.diagonal() * self.per_unit**2).min() > self.least**2):
             return None
-        data, (points, data_of_points) = data_of(self.model), contacts(self.model, ends)
+        data, (points, data_of_points) = data_of(self.model), _contacts(self.model, ends)
         opened = closed + OPENED * self.size * self.per_unit * np.random.default_rng(0).uniform(-1, 1, len(closed))
-        rows, opened_rows = (contact_rows(self.model, data, points, data_of_points, x) for x in (closed, opened))
+        rows, opened_rows = (_contact_rows(self.model, data, points, data_of_points, x) for x in (closed, opened))
         values = np.linalg.svd(opened_rows * self.per_unit, compute_uv=False)
         if values[self.rank :].max(initial=0.0) > SMALLEST_MARGIN * values[0]:
             return None
@@ -313,7 +320,7 @@ class ForwardDynamics:
         # none, comes last: else a row may be a combination of others with large coefficients, and its pivot seem to be none of rounding.
         lefts = np.linalg.svd(rows.reshape(-1, 3, len(closed)))[0]
         turned = [pin.SE3(left * np.linalg.det(left), end[1].translation) for left, end in zip(lefts, ends, strict=True)]
-        points, data_of_points = contacts(self.model, [(end[0], place, *end[2:]) for place, end in zip(turned, ends, strict=True)])
+        points, data_of_points = _contacts(self.model, [(end[0], place, *end[2:]) for place, end in zip(turned, ends, strict=True)])
         pin.initConstraintDynamics(self.model, data, points, data_of_points)
         return _Quick(
             clear=self.rank + len(closed),
@@ -351,3 +358,30 @@ def _bounded(model: pin.Model, axes: tuple[Axis, ...]) -> pin.Model:
         result.addJoint(model.parents[j], kind(axis.direction), model.jointPlacements[j], model.names[j])
         result.appendBodyToJoint(j, model.inertias[j], pin.SE3.Identity())
     return result
+
+
+def _ends_of(loop: LoopJoint, data: pin.Data, size: float) -> list[_End]:
+    """The points at which a loop is held (see the module); ``data`` has the closed pose."""
+    result = [(loop.joint1, pin.SE3(np.eye(3), loop.point1), loop.joint2, pin.SE3(np.eye(3), loop.point2))]
+    for axis in range({0: 0, 2: 1, 3: 2}[loop.held]):
+        along1, along2 = loop.rotation1[:, axis], loop.rotation2[:, axis]
+        worlds = data.oMi[loop.joint1].rotation @ along1, data.oMi[loop.joint2].rotation @ along2
+        turned = float(np.sign(worlds[0] @ worlds[1]))  # the axes of a revolute loop are aligned whichever way round
+        places = (pin.SE3(np.eye(3), point) for point in (loop.point1 + size * along1, loop.point2 + turned * size * along2))
+        result.append((loop.joint1, next(places), loop.joint2, next(places)))
+    return result
+
+
+def _contacts(model: pin.Model, ends: list[_End]) -> tuple[Any, Any]:
+    """Pinocchio's models and data of the points, for `constraintDynamics`."""
+    kind = pin.ContactType.CONTACT_3D
+    points = pin.StdVec_RigidConstraintModel([pin.RigidConstraintModel(kind, model, *end, pin.LOCAL) for end in ends])
+    return points, pin.StdVec_RigidConstraintData([point.createData() for point in points])
+
+
+def _contact_rows(model: pin.Model, data: pin.Data, points: Any, data_of_points: Any, x: Array) -> Array:
+    """Jacobian (3 points, nv) as `constraintDynamics` has it: in open states it differs from that of the anchors."""
+    pin.computeJointJacobians(model, data, x)
+    for point, datum in zip(points, data_of_points, strict=True):
+        point.calc(model, data, datum)
+    return np.array(pin.getConstraintsJacobian(model, data, points, data_of_points)).reshape(-1, model.nv)

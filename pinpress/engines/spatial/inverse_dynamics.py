@@ -6,7 +6,8 @@ open among them is shared as `sharing` says; then the tree once more, under the 
 Signs: forces and moments of a joint are the action of parent on child, of a loop the action of link1 on link2.
 """
 
-import math
+from __future__ import annotations
+
 from collections.abc import Iterator, Sequence
 
 import numpy as np
@@ -15,12 +16,14 @@ from numpy.typing import NDArray
 
 from ...common.arrays import Array
 from ...common.errors import AssemblyError
-from ..coordinates import configuration, data_of
-from ..forces import AppliedForce, Wrenches
+from ..coordinates import configuration
+from ..engine import ClosedStates
+from ..forces import AppliedConditions, Wrenches
 from ..friction import FrictionLaw
 from ..load_sharing import RANK, Objective, least
-from .constraints import Equations, Rows, cross
-from .model import Passive, Spatial
+from .constraints import Equations, Rows
+from .kinematics import Passive
+from .model import Spatial
 
 Wrench = tuple[int, Array, Array, Array]
 """Joint, point in its frame [m], force and couple in world axes [N, N m]."""
@@ -28,33 +31,22 @@ Wrench = tuple[int, Array, Array, Array]
 LOOSEST = 1e-6  # gap, in lengths of the linkage, beyond which a motion is another linkage's
 
 
-def inverse_dynamics(
-    spatial: Spatial,
-    position: Array,
-    v: Array,
-    a: Array,
-    loads: Sequence[AppliedForce],
-    law: FrictionLaw | None,
-    compliance: Array | None,
-    gears: bool,
-    wanted: Sequence[int],
-) -> Wrenches:
-    """Driving torque and the wrenches of joints and loops; arguments as `plane_dynamics.inverse_dynamics`."""
-    n, count = v.shape[1], spatial.model.nv
+def inverse_dynamics(spatial: Spatial, states: ClosedStates, under: AppliedConditions, wanted: Sequence[int]) -> Wrenches:
+    """Driving torque and the wrenches of joints and loops; see `Engine`."""
+    n, count, law = states.v.shape[1], spatial.model.nv, under.law
     result = Wrenches.zeros(len(spatial.drivers), len(spatial.couplings), count + len(spatial.loops), n, len(wanted))
-    shared = bool(wanted or (gears and spatial.couplings))  # how idle forces are shared changes no driving torque
+    shared = bool(wanted or (under.gears and spatial.couplings))  # how idle forces are shared changes no driving torque
     equations = spatial.equations()
-    spins = None if law is None else _loop_spins(spatial, equations, position, v)
-    speeds = None if law is None or spins is None else law.moving(np.concatenate([v, np.linalg.norm(spins, axis=2)]))
+    spins = None if law is None else _loop_spins(spatial, equations, states.position, states.v)
+    speeds = None if law is None or spins is None else law.moving(np.concatenate([states.v, np.linalg.norm(spins, axis=2)]))
     for i in range(n):
-        x = position[:, i]
-        applied = [(load.joint, load.point, load.force[i], np.zeros(3)) for load in loads]
-        state = _State(spatial, equations, x, v[:, i].copy(), a[:, i].copy(), applied)
+        applied = [(load.joint, load.point, load.force[i], np.zeros(3)) for load in under.loads]
+        state = _State(spatial, equations, states.position[:, i], states.v[:, i].copy(), states.a[:, i].copy(), applied)
         efforts, couples = np.zeros(count), np.zeros((len(spatial.loops), 3))
         if law is None or spins is None or speeds is None:
-            multipliers = state.multipliers(efforts, couples, compliance, shared)
+            multipliers = state.multipliers(efforts, couples, under.compliance, shared)
         else:
-            multipliers, efforts, couples, lost = state.with_friction(law, speeds[:, i], spins[:, i], compliance)
+            multipliers, efforts, couples, lost = state.with_friction(law, speeds[:, i], spins[:, i], under.compliance)
             result.friction[:, i] = lost
         state.fill(result, i, multipliers, efforts, couples, wanted)
     return result
@@ -77,35 +69,6 @@ def indeterminate(spatial: Spatial, position: Array, axes: Array) -> tuple[NDArr
                 marks[:, place : place + 3] |= np.abs(along).max(axis=2) > RANK * unit
             gears |= np.abs(idle[len(idle) - len(gears) :]).max(axis=1) > RANK
     return marks, gears
-
-
-def power_balance(spatial: Spatial, position: Array, v: Array, a: Array, loads: Sequence[AppliedForce]) -> tuple[Array, Array, Array]:
-    """Power of the loads less the rate of kinetic and potential energy, and what it is small beside, both (n,) [W]: the sum of the absolute
-    powers, and of those that there would be were all forces along the velocities.
-
-    Body by body from Pinocchio's forward kinematics.
-    """
-    model, data = spatial.model, data_of(spatial.model)
-    gravity, q = model.gravity.linear, configuration(spatial.slots, position)
-    balance, total, apparent = np.empty(v.shape[1]), np.empty(v.shape[1]), np.zeros(v.shape[1])
-    for i in range(v.shape[1]):
-        pin.forwardKinematics(model, data, np.ascontiguousarray(q[:, i]), v[:, i].copy(), a[:, i].copy())
-        powers = []
-        for j in range(1, model.njoints):
-            inertia, velocity = model.inertias[j], data.v[j]
-            momentum_rate = inertia * data.a[j] + velocity.cross(inertia * velocity)
-            lifted = data.oMi[j].rotation @ (velocity.linear + cross(velocity.angular, inertia.lever))
-            powers += [inertia.mass * float(gravity @ lifted), -momentum_rate.dot(velocity)]
-            pairs = ((inertia.mass * gravity, lifted), (momentum_rate.linear, velocity.linear), (momentum_rate.angular, velocity.angular))
-            apparent[i] += sum(math.sqrt((force @ force) * (moved @ moved)) for force, moved in pairs)
-        for load in loads:
-            if load.joint:
-                velocity = data.v[load.joint]
-                moved = data.oMi[load.joint].rotation @ (velocity.linear + np.cross(velocity.angular, load.point))
-                powers.append(float(load.force[i] @ moved))
-                apparent[i] += math.sqrt((load.force[i] @ load.force[i]) * (moved @ moved))
-        balance[i], total[i] = np.sum(powers), np.sum(np.abs(powers))
-    return balance, total, apparent
 
 
 class _State:

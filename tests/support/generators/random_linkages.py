@@ -402,7 +402,7 @@ def servo(press, rng, states=STATES):
 def random_loads(press, rng, count, in_plane):
     """Forces at points of random links, the frame among them."""
     across = 0.0 if in_plane else 1.0
-    normal = press.plane.normal
+    normal = press.engine("plane").plane.normal
     loads = []
     for _ in range(count):
         force = 100 * rng.normal(size=(STATES, 3))

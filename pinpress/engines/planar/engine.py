@@ -1,0 +1,127 @@
+"""The planar engine: a planar linkage at all crank angles at once, block by block."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...common.arrays import Array, ComplexArray
+from ...common.frozen import read_only
+from ..closure import Closure
+from ..constant_rows import product
+from ..engine import CloseDrivers, ClosedStates, EnergyRates, PowerBalance
+from ..forces import AppliedConditions, AppliedForce, Wrenches
+from ..spatial import inverse_dynamics as spatial_dynamics
+from ..spatial.model import Spatial
+from . import energy, kinematics, out_of_plane
+from . import inverse_dynamics as dynamics
+from .bodies import Bodies
+from .bodies import build as bodies_of
+from .model import Plane, build, in_space
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class PlanarEngine:
+    """See `Engine`.
+
+    Attributes:
+        plane: constants of the linkage.
+        general: those of the other engine, which knows which idle forces redundant equations leave open.
+    """
+
+    plane: Plane
+    general: Spatial
+
+    name = "plane"
+
+    @staticmethod
+    def of(general: Spatial, one_block: bool) -> PlanarEngine | None:
+        """The engine of a linkage with one driver; None where it is not planar. ``one_block``: solve all equations together."""
+        plane = build(general.model, general.loops, general.couplings, general.drivers[0], one_block)
+        return None if plane is None else PlanarEngine(plane, general)
+
+    @cached_property
+    def bodies(self) -> Bodies:
+        """Inertial constants."""
+        return read_only(bodies_of(self.plane, self.general.model))
+
+    @property
+    def tolerance(self) -> float:
+        return self.plane.tolerance
+
+    @property
+    def directions(self) -> Array:
+        return self.plane.axes
+
+    def turning_axes(self, joint: int = 0) -> Array:
+        return self.plane.frames[joint - 1][2:] if joint else self.plane.normal[None]
+
+    # ----------------------------------------------------------------------------------------------------------------- equations
+
+    def close(self, angle: Array, guess: Array, with_margins: bool = False) -> Closure:
+        return kinematics.close(self.plane, angle, guess, with_margins)
+
+    def closer(self) -> CloseDrivers:
+        def close(drivers: Array, along: Array, guess: Array) -> Closure:
+            found, rate = kinematics.close(self.plane, drivers[0], guess, with_margins=True), float(along[0])
+            return found if rate == 1.0 else replace(found, first=rate * found.first, second=rate**2 * found.second)
+
+        return close
+
+    def rates(self, position: Array, speed: Array, acceleration: Array) -> tuple[Array, Array, Array]:
+        at = kinematics.basis(self.plane, position)
+        first, second = kinematics.influence(self.plane, at)
+        return first * speed, first * acceleration + second * speed**2, kinematics.gaps(self.plane, position, at)
+
+    def gaps(self, position: Array) -> Array:
+        return kinematics.gaps(self.plane, position, kinematics.basis(self.plane, position))
+
+    def redundant(self, x: Array) -> bool:
+        return self.plane.redundant
+
+    def closing_order(self) -> Iterator[tuple[int, Sequence[int]]]:
+        for block in self.plane.blocks:
+            for k in (*block.loops, *(len(self.general.loops) + coupling for coupling in block.couplings)):
+                yield k, block.joints
+
+    # -------------------------------------------------------------------------------------------------------------------- motion
+
+    def point_motion(self, states: ClosedStates, joint: int, point: Array) -> tuple[Array, Array]:
+        plane, at = self.plane, self._basis(states)
+        x, y, height = plane.frames[joint - 1] @ point
+        row = plane.point(joint - 1, complex(x, y))
+        position, velocity = row @ at, row @ kinematics.basis_velocity(plane, at, states.v)
+        return in_space(plane, position) + (plane.heights[joint - 1] + height) * plane.normal, in_space(plane, velocity)
+
+    def point_accelerations(self, states: ClosedStates, joint: int, points: Array) -> tuple[Array, Array]:
+        plane, at = self.plane, self._basis(states)
+        x, y, height = plane.frames[joint - 1] @ points.T
+        rows = np.array([plane.point(joint - 1, complex(*arm)) for arm in zip(x, y, strict=True)])
+        position = in_space(plane, product(rows, at)) + (plane.heights[joint - 1] + height)[:, None, None] * plane.normal
+        return position, in_space(plane, product(rows, kinematics.basis_acceleration(plane, at, states.v, states.a)))
+
+    def _basis(self, states: ClosedStates) -> ComplexArray:
+        return kinematics.basis(self.plane, states.position) if states.basis is None else states.basis
+
+    # ------------------------------------------------------------------------------------------------------------------ dynamics
+
+    def inverse_dynamics(self, states: ClosedStates, under: AppliedConditions, wanted: Sequence[int]) -> Wrenches:
+        return dynamics.inverse_dynamics(self.bodies, self._closed(states), under, wanted)
+
+    def indeterminate(self, position: Array, axes: Array) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
+        if self.plane.redundant:
+            return spatial_dynamics.indeterminate(self.general, position, axes)
+        return out_of_plane.indeterminate(self.plane, position, axes), np.zeros(len(self.general.couplings), dtype=bool)
+
+    def power_balance(self, states: ClosedStates, loads: Sequence[AppliedForce]) -> PowerBalance:
+        return energy.power_balance(self.bodies, self._closed(states), loads)
+
+    def energies(self, states: ClosedStates) -> EnergyRates:
+        return energy.energies(self.bodies, self._basis(states), states.v)
+
+    def _closed(self, states: ClosedStates) -> ClosedStates:
+        return states if states.basis is not None else states._replace(basis=dynamics.closed_basis(self.plane, states.position))

@@ -1,0 +1,89 @@
+"""Pinocchio's engine: any linkage, one configuration at a time."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...common.arrays import Array
+from ..closure import Closure
+from ..engine import CloseDrivers, ClosedStates, EnergyRates, PowerBalance
+from ..forces import AppliedConditions, AppliedForce, Wrenches
+from . import energy, inverse_dynamics, kinematics
+from .model import Spatial
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class SpatialEngine:
+    """See `Engine`.
+
+    Attributes:
+        constants: of the linkage.
+    """
+
+    constants: Spatial
+
+    name = "pinocchio"
+
+    @property
+    def tolerance(self) -> float:
+        return self.constants.tolerance
+
+    @property
+    def directions(self) -> Array:
+        return np.eye(3)
+
+    def turning_axes(self, joint: int = 0) -> Array:
+        return np.eye(3)
+
+    # ----------------------------------------------------------------------------------------------------------------- equations
+
+    def close(self, angle: Array, guess: Array, with_margins: bool = False) -> Closure:
+        return kinematics.close(self.constants, self.constants.equations(), angle[None], np.ones(1), guess)
+
+    def closer(self) -> CloseDrivers:
+        equations = self.constants.equations()
+
+        def close(drivers: Array, along: Array, guess: Array) -> Closure:
+            return kinematics.close(self.constants, equations, drivers, along, guess)
+
+        return close
+
+    def rates(self, position: Array, speed: Array, acceleration: Array) -> tuple[Array, Array, Array]:
+        return kinematics.rates(self.constants, position, speed, acceleration)
+
+    def gaps(self, position: Array) -> Array:
+        equations = self.constants.equations()
+        return np.array([equations.widest(equations.at(x).gaps) for x in position.T])
+
+    def redundant(self, x: Array) -> bool:
+        return kinematics.redundant(self.constants, x)
+
+    def closing_order(self) -> Iterator[tuple[int, Sequence[int]]]:
+        loops, couplings = self.constants.round_loops, self.constants.couplings
+        yield from enumerate([*map(tuple, loops), *((pair.follower, pair.leader) for pair in couplings)])
+
+    # -------------------------------------------------------------------------------------------------------------------- motion
+
+    def point_motion(self, states: ClosedStates, joint: int, point: Array) -> tuple[Array, Array]:
+        return energy.point_motion(self.constants, states, joint, point)
+
+    def point_accelerations(self, states: ClosedStates, joint: int, points: Array) -> tuple[Array, Array]:
+        return energy.point_accelerations(self.constants, states, joint, points)
+
+    # ------------------------------------------------------------------------------------------------------------------ dynamics
+
+    def inverse_dynamics(self, states: ClosedStates, under: AppliedConditions, wanted: Sequence[int]) -> Wrenches:
+        return inverse_dynamics.inverse_dynamics(self.constants, states, under, wanted)
+
+    def indeterminate(self, position: Array, axes: Array) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
+        return inverse_dynamics.indeterminate(self.constants, position, axes)
+
+    def power_balance(self, states: ClosedStates, loads: Sequence[AppliedForce]) -> PowerBalance:
+        return energy.power_balance(self.constants, states, loads)
+
+    def energies(self, states: ClosedStates) -> EnergyRates:
+        return energy.energies(self.constants, states)

@@ -1,0 +1,126 @@
+"""Closing any linkage, one configuration at a time, by the singular value decomposition of its equations."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ...common.arrays import Array
+from ..closure import Closure
+from ..load_sharing import RANK
+from .constraints import Equations, Rows
+from .model import Spatial
+
+MOST_NEWTON_STEPS = 12
+
+
+def rank(columns: Array) -> int:
+    """Rank of a Jacobian (rows, columns) of the equations."""
+    values = singular_values(columns)
+    return int(np.count_nonzero(values > RANK * max(1.0, values.max(initial=0.0))))
+
+
+def singular_values(columns: Array) -> Array:
+    """Of a Jacobian (rows, columns), largest first, its columns scaled to unit length."""
+    return np.asarray(np.linalg.svd(_unit_columns(columns)[0], compute_uv=False))
+
+
+def redundant(spatial: Spatial, x: Array) -> bool:
+    """Whether some of the equations say nothing new at joint coordinates (nv,)."""
+    rows = spatial.equations().at(x)
+    return rank(rows.columns) < len(rows.gaps)
+
+
+def close(spatial: Spatial, equations: Equations, drivers: Array, along: Array, guess: Array) -> Closure:
+    """Close all loops at driver positions (drivers, n) by Newton's method from guesses (nv, n), with margins.
+
+    Args:
+        equations: of this linkage.
+        along: (drivers,) the rates of the drivers to which the influence coefficients belong; 1 where there is one driver.
+    """
+    results = []
+    for i in range(guess.shape[1]):
+        start = guess[:, i].copy()
+        start[list(spatial.drivers)] = drivers[:, i]
+        x, rows, gap, steps = _closed(spatial, equations, start)
+        passive = Passive(rows.columns, spatial) if np.isfinite(gap) else None
+        first = second = np.full_like(x, np.nan)
+        if passive is not None:
+            first = passive.rates(-rows.columns[:, spatial.drivers] @ along)
+            first[list(spatial.drivers)] = along
+            second = passive.rates(-equations.drift(rows, first))
+        results.append((x, first, second, gap, steps, 0.0 if passive is None else passive.margin()))
+    position, first, second = (np.array([r[k] for r in results]).T.reshape(guess.shape) for k in range(3))
+    gaps, counts, margins = (np.array([r[k] for r in results]) for k in (3, 4, 5))
+    return Closure(position, first, second, gaps, float(gaps.max()), int(counts.max(initial=0)), margins[None, :])
+
+
+def rates(spatial: Spatial, position: Array, speed: Array, acceleration: Array) -> tuple[Array, Array, Array]:
+    """Joint rates and accelerations (nv, n) at closed positions (nv, n) from those (drivers, n) of the drivers, and the gaps (n,)."""
+    equations, drivers = spatial.equations(), list(spatial.drivers)
+    v, a, gaps = np.empty_like(position), np.empty_like(position), np.empty(position.shape[1])
+    for i, x in enumerate(position.T):
+        rows = equations.at(x)
+        passive, columns = Passive(rows.columns, spatial), rows.columns[:, drivers]
+        v[:, i] = passive.rates(-columns @ speed[:, i])
+        v[drivers, i] = speed[:, i]
+        a[:, i] = passive.rates(-columns @ acceleration[:, i] - equations.drift(rows, v[:, i].copy()))
+        a[drivers, i] = acceleration[:, i]
+        gaps[i] = equations.widest(rows.gaps)
+    return v, a, gaps
+
+
+def _closed(spatial: Spatial, equations: Equations, start: Array) -> tuple[Array, Rows, float, int]:
+    """Joint coordinates, the equations there, their largest gap, not finite where Newton's method failed, and its steps."""
+    x, worst, steps = start, np.inf, 0
+    while True:
+        rows = equations.at(x)
+        if not np.all(np.isfinite(rows.columns)):
+            return x, rows, np.inf, steps
+        before, worst = worst, equations.widest(rows.gaps)
+        stalled = worst > 0.5 * before and worst < 1e3 * spatial.tolerance
+        if worst <= spatial.tolerance or stalled or steps == MOST_NEWTON_STEPS:
+            return x, rows, worst, steps
+        x = x + Passive(rows.columns, spatial).rates(-rows.gaps)
+        steps += 1
+
+
+class Passive:
+    """Singular value decomposition of the passive columns of the equations' Jacobian, scaled to unit length."""
+
+    def __init__(self, columns: Array, spatial: Spatial) -> None:
+        self.joints = list(spatial.passive)
+        self.scaled, self.lengths = _unit_columns(columns[:, self.joints])
+        self.left, self.values, self.right = np.linalg.svd(self.scaled, full_matrices=True)
+        self.rank = int(np.count_nonzero(self.values > RANK * max(1.0, self.values.max(initial=0.0))))
+        self.count = columns.shape[1]
+
+    def rates(self, target: Array) -> Array:
+        """Joint rates (nv,), the drivers' zero, that move the equations by ``target`` (rows,) in the least-squares sense."""
+        r = self.rank
+        result = np.zeros(self.count)
+        result[self.joints] = self.right[:r].T @ ((self.left[:, :r].T @ target) / self.values[:r]) / self.lengths
+        return result
+
+    def multipliers(self, effort: Array) -> Array:
+        """Least-norm multipliers (rows,) that balance the joint efforts (nv,) but for the drivers'."""
+        r = self.rank
+        return np.asarray(self.left[:, :r] @ ((self.right[:r] @ (effort[self.joints] / self.lengths)) / self.values[:r]))
+
+    @property
+    def idle(self) -> Array:
+        """Basis (rows, k) of the multipliers that move nothing."""
+        return np.asarray(self.left[:, self.rank :])
+
+    def margin(self) -> float:
+        """`Closure.margins` of the whole linkage, without a sign: redundant rows have no determinant."""
+        count = len(self.joints)
+        if count == 0:
+            return 1.0
+        return float(self.values[count - 1]) if len(self.values) >= count else 0.0
+
+
+def _unit_columns(columns: Array) -> tuple[Array, Array]:
+    lengths = np.linalg.norm(columns, axis=0)
+    still = lengths <= RANK * lengths.max(initial=0.0)  # rounding: these joints move nothing here
+    lengths[still] = 1.0
+    return np.where(still, 0.0, columns / lengths), lengths
