@@ -1,13 +1,15 @@
-from .dynamics.harmonics import Harmonics as Harmonics
+from .dynamics.extremes import ExtremeValues as ExtremeValues
+from .dynamics.extremes import extremes as extremes
+from .dynamics.harmonics import HarmonicAnalysis as HarmonicAnalysis
 from .dynamics.harmonics import harmonics as harmonics
 from .kinematics.dead_centres import DeadCentres as DeadCentres
 from .kinematics.measures import dwell_angle as dwell_angle
 from .kinematics.measures import dwell_time as dwell_time
-from .kinematics.measures import flatness as flatness
 from .kinematics.measures import mechanical_advantage as mechanical_advantage
 from .kinematics.measures import quick_return_ratio as quick_return_ratio
 from .kinematics.measures import speed_at as speed_at
 from .kinematics.measures import speed_ratio as speed_ratio
+from .kinematics.measures import speed_variation as speed_variation
 from .kinematics.measures import stroke as stroke
 from .kinematics.slide_path import SlideMotion as SlideMotion
 from .kinematics.transmission_angles import bearing_positions as bearing_positions
@@ -16,5 +18,3 @@ from .kinematics.transmission_angles import transmission_angle as transmission_a
 from .simulation.duty_cycle import Duty as Duty
 from .simulation.duty_cycle import duty as duty
 from .simulation.duty_cycle import strokes as strokes
-from .visual.extremes import Extreme as Extreme
-from .visual.extremes import extremes as extremes

@@ -6,7 +6,7 @@ python viz/synthesis.py
 import numpy as np
 
 import pinpress as pp
-from pinpress.kinematics.measures import flatness, quick_return_ratio, speed_ratio, stroke
+from pinpress.kinematics.measures import quick_return_ratio, speed_ratio, speed_variation, stroke
 from pinpress.papers.chen2002 import DRAWN, SPEED, as_the_paper_asks, even_speed, largest_pressure
 
 CREST = 0.3012  # stroke of the ZXN2-3000(B) [m]
@@ -36,7 +36,7 @@ def thin_wall_row(what: str, press: pp.Linkage, held: str) -> str:
     motion = pp.cycle(press, SPEED)
     coupler, height = press.loops[1].point1[0], press.model.jointPlacements[press.model.getJointId("slide_guide")].translation[2]
     lengths = f"{1e3 * coupler:.1f} | {1e3 * height:.1f} | {largest_pressure(press, motion):.2f}"
-    return f"| {what} | {lengths} | {speed_ratio(motion):.5f} | {100 * flatness(motion, DRAWN):.2f} % | {held} |"
+    return f"| {what} | {lengths} | {speed_ratio(motion):.5f} | {100 * speed_variation(motion, DRAWN):.2f} % | {held} |"
 
 
 def table() -> str:

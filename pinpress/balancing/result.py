@@ -10,8 +10,8 @@ from functools import cached_property
 from ..common.results import Tabular
 from ..common.units import RPM
 from ..dynamics.inverse_dynamics import Reactions, inverse_dynamics
+from ..dynamics.rounding import AXES, ROUNDING, Rounding, rounding
 from ..linkage.linkage import Linkage
-from ..visual import charts
 from .counterweights import Counterweight
 from .mass_response import OperatingCondition, moving_mass
 from .objectives import AddedMass, Measure, Peak, Range, Target, limit_words
@@ -132,7 +132,7 @@ class BalancedPress(Tabular):
         return {
             "link": [weight.link for weight in weights],
             "mass [kg]": [weight.mass for weight in weights],
-            **{f"{axis} [m]": [weight.position[i] for weight in weights] for i, axis in enumerate(charts.AXES)},
+            **{f"{axis} [m]": [weight.position[i] for weight in weights] for i, axis in enumerate(AXES)},
             "inertia [kg m2]": [weight.inertia for weight in weights],
         }
 
@@ -143,11 +143,11 @@ def _side_effects(balanced: BalancedPress) -> tuple[MeasureChange, ...]:
         [inverse_dynamics(press, some.motion, each.loads) for some, each in zip(known, balanced.conditions, strict=True)]
         for press, known in ((balanced.original, balanced.reactions_before), (balanced.press, balanced.reactions_after))
     )
-    rounding, found = [charts.rounding(reactions) for reactions in before], list[MeasureChange]()
+    least_of, found = [rounding(reactions) for reactions in before], list[MeasureChange]()
     for measure in _measures_of(balanced.original):
         rows = [
             MeasureChange(measure, number, _without_rounding(measure, then, least), _without_rounding(measure, now, least))
-            for number, (then, now, least) in enumerate(zip(before, after, rounding, strict=True))
+            for number, (then, now, least) in enumerate(zip(before, after, least_of, strict=True))
         ]
         if measure not in asked and any(row.before or row.after for row in rows):
             found += rows
@@ -157,10 +157,10 @@ def _side_effects(balanced: BalancedPress) -> tuple[MeasureChange, ...]:
 def _measures_of(press: Linkage) -> Iterator[Measure]:
     yield Range("driving_torque") if len(press.drivers) == 1 else Peak("driving_torque")
     yield from (Peak("bearing_force", bearing=bearing) for bearing in press.bearings)
-    yield from (Range(quantity, axis) for quantity in ("shaking_force", "shaking_moment") for axis in charts.AXES)
+    yield from (Range(quantity, axis) for quantity in ("shaking_force", "shaking_moment") for axis in AXES)
 
 
-def _without_rounding(measure: Measure, reactions: Reactions, least: charts.Rounding) -> float:
+def _without_rounding(measure: Measure, reactions: Reactions, least: Rounding) -> float:
     """A measure, 0 where it is rounding."""
     value = measure.value(reactions)
     return value if value > (least.force if measure.unit == "N" else least.moment) else 0.0
@@ -189,7 +189,7 @@ def _text(balanced: BalancedPress) -> str:
 
 def _condition_words(condition: OperatingCondition) -> str:
     speed, states = condition.motion.crank_speed, f"{len(condition.motion.crank_angle)} states"
-    even = speed.ndim == 1 and abs(speed - speed[0]).max() <= charts.ROUNDING * abs(speed[0])
+    even = speed.ndim == 1 and abs(speed - speed[0]).max() <= ROUNDING * abs(speed[0])
     loads = f", {len(condition.loads)} load{'s' if len(condition.loads) > 1 else ''}" if condition.loads else ""
     return f"{speed[0] / RPM:g} r/min of joint {condition.motion.drivers[0]}, {states}{loads}" if even else f"a motion of {states}{loads}"
 

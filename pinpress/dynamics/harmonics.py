@@ -19,7 +19,7 @@ FINER = 8  # times as many angles as states that unequal ones are interpolated a
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Harmonics(Tabular):
+class HarmonicAnalysis(Tabular):
     """A force over one period as a sum of amplitude cos(order x crank angle + phase) over the orders.
 
     Attributes:
@@ -37,7 +37,7 @@ class Harmonics(Tabular):
     def title(self) -> str:
         largest = self.amplitude[1:].max(initial=0.0)
         mean = ", ".join(f"{component:.6g}" for component in self.amplitude[0])
-        return f"Harmonics of a force: orders 0 to {self.orders[-1]:g}, mean ({mean}) N, amplitudes up to {largest:.6g} N"
+        return f"HarmonicAnalysis of a force: orders 0 to {self.orders[-1]:g}, mean ({mean}) N, amplitudes up to {largest:.6g} N"
 
     def columns(self) -> dict[str, Array]:
         """Orders, amplitudes and phases along the axes as columns under their names with units."""
@@ -45,7 +45,7 @@ class Harmonics(Tabular):
 
 
 @typed
-def harmonics(motion: Motion, force: Array, orders: int = 12) -> Harmonics | None:
+def harmonics(motion: Motion, force: Array, orders: int = 12) -> HarmonicAnalysis | None:
     """Harmonics of a force (n, 3) [N] over the last full period, up to order ``orders``, or as far as the states carry.
 
     The states of a `cycle` of one period are equally spaced, and their sums exact; other motions, runs among them, are interpolated by
@@ -78,7 +78,7 @@ def harmonics(motion: Motion, force: Array, orders: int = 12) -> Harmonics | Non
     sums[1:] *= 2
     amplitude, phase = np.abs(sums), np.angle(sums)
     amplitude[0], phase[0] = sums[0].real, 0.0
-    return Harmonics(order, amplitude, phase)
+    return HarmonicAnalysis(order, amplitude, phase)
 
 
 def last_period(motion: Motion) -> int | None:

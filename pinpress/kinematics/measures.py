@@ -35,12 +35,12 @@ __all__ = [
     "bearing_positions",
     "dwell_angle",
     "dwell_time",
-    "flatness",
     "mechanical_advantage",
     "pressure_angle",
     "quick_return_ratio",
     "speed_at",
     "speed_ratio",
+    "speed_variation",
     "stroke",
     "transmission_angle",
 ]
@@ -73,7 +73,7 @@ def speed_ratio(motion: SlideMotion, downwards: bool = True) -> float:
 
 
 @typed
-def flatness(motion: SlideMotion, length: float, downwards: bool = True) -> float:
+def speed_variation(motion: SlideMotion, length: float, downwards: bool = True) -> float:
     """Least drop of speed, 1 - lowest / highest, over any stretch of this length of the working stroke [-]; 0 is an even speed.
 
     Args:

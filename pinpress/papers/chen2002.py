@@ -12,7 +12,7 @@ import numpy as np
 from ..common.arrays import Array
 from ..derivatives.reshape import reshaped
 from ..kinematics.dead_centres import dead_centres
-from ..kinematics.measures import bearing_positions, flatness, pressure_angle, quick_return_ratio, speed_ratio, stroke
+from ..kinematics.measures import bearing_positions, pressure_angle, quick_return_ratio, speed_ratio, speed_variation, stroke
 from ..kinematics.motion import Motion, cycle
 from ..linkage.linkage import Linkage
 from ..linkage.loading import load
@@ -93,7 +93,7 @@ def even_speed(press: Linkage, degrees: float) -> SynthesisResult:
     return synthesise(
         press,
         {"l4": (0.050, 0.220, 0.600), "h": (0.600, 0.630, 0.700)},
-        minimise=lambda trial: flatness(trial.motion, DRAWN),
+        minimise=lambda trial: speed_variation(trial.motion, DRAWN),
         subject_to={"pressure angle": (_pressure, None, math.radians(degrees))},
         geometry=lambda l4, h: {("E", "coupler"): (l4, 0, 0), ("slide_guide", "frame"): (0, 0, h)},
         speed=SPEED,
@@ -187,7 +187,7 @@ def _uniform(press: Linkage, motion: Motion) -> Entry:
         Row("travel from 60 to 120 deg [mm]", "more than 120", travel, places=2),
         Row("the same [mm]", "156.63", travel, 0.01, None, SOLVER),
         Row("drop of speed within it [%]", "", 100 * float(1 - speed.min() / speed.max()), places=2),
-        Row("least drop of speed over any 120 mm [%]", "3.69", 100 * flatness(motion, DRAWN), 0.2, None, SOLVER),
+        Row("least drop of speed over any 120 mm [%]", "3.69", 100 * speed_variation(motion, DRAWN), 0.2, None, SOLVER),
     )
     reason = (
         "The paper claims at least 120 mm at a nearly uniform speed, from 60 to 120 deg. The travel is so; how uniform it is is not said."
@@ -230,7 +230,7 @@ def _objective(press: Linkage, motion: Motion) -> Entry:
 
 
 def _even(motion: Motion, found: list[SynthesisResult]) -> Entry:
-    rows = [Row("drop of speed over 120 mm, printed lengths [%]", "3.69", 100 * flatness(motion, DRAWN), 0.2, None, SOLVER)]
+    rows = [Row("drop of speed over 120 mm, printed lengths [%]", "3.69", 100 * speed_variation(motion, DRAWN), 0.2, None, SOLVER)]
     for degrees, theirs, best in zip((40, 10), ("3.39", "3.64"), found, strict=True):
         rows += [
             Row(f"least drop, pressure angle up to {degrees} deg [%]", theirs, 100 * best.value, 0.3, None, SOLVER),

@@ -11,8 +11,9 @@ import numpy as np
 from ..common.arguments import typed
 from ..common.arrays import Array
 from ..common.errors import PinpressError
-from ..dynamics.harmonics import Harmonics, harmonics
+from ..dynamics.harmonics import HarmonicAnalysis, harmonics
 from ..dynamics.inverse_dynamics import Reactions
+from ..dynamics.rounding import AXES
 from ..kinematics.motion import Motion
 from ..visual import charts
 from ..visual.charts import Chart, Curve
@@ -159,13 +160,13 @@ def comparison(before: Reactions, after: Reactions) -> Figure:
     return figure
 
 
-def _amplitudes(axes: Axes, chart: Chart, found: Harmonics) -> None:
+def _amplitudes(axes: Axes, chart: Chart, found: HarmonicAnalysis) -> None:
     """Amplitudes of the harmonics of the components of a chart, beside each other, with the components' means as names."""
     factor = charts.factor(chart.quantity, chart.unit)
     apart = float(found.orders[1])
     width, bars, names = 0.8 * apart / len(chart.curves), [], []
     for i, curve in enumerate(chart.curves):
-        axis = charts.AXES.index(curve.name)
+        axis = AXES.index(curve.name)
         place = found.orders[1:] + (i - 0.5 * (len(chart.curves) - 1)) * width
         bars.append(axes.bar(place, factor * found.amplitude[1:, axis], width, color=COLOURS[i]).patches[0])
         mean = factor * found.amplitude[0, axis]
@@ -253,7 +254,7 @@ def _without_drive(reactions: Reactions) -> Chart:
 def _shaking(before: Reactions, after: Reactions) -> list[_Pair]:
     """Components of the shaking force; one that only one of them has is zero in the other."""
     pair = charts.shaking(before), charts.shaking(after)
-    names = sorted({curve.name for chart in pair for curve in chart.curves if curve.values.any()}) or list(charts.AXES)
+    names = sorted({curve.name for chart in pair for curve in chart.curves if curve.values.any()}) or list(AXES)
     first, second = (_with_components(chart, names) for chart in pair)
     return [pair._replace(title=f"{first.title} {pair.title}") for pair in _pairs(first, second)]
 

@@ -3,7 +3,7 @@
     found = synthesise(
         load("thin_wall"),
         {"l4": (0.05, 0.22, 0.40), "h": (0.60, 0.63, 0.70)},  # lower bound, start, upper bound [m]
-        minimise=lambda t: flatness(t.motion, 0.12),
+        minimise=lambda t: speed_variation(t.motion, 0.12),
         subject_to={"pressure angle": (lambda t: pressure_angle(t.motion, t.positions["E"], t.positions["D"], (1, 0, 0)), None, 0.7)},
         geometry=lambda l4, h: {("E", "coupler"): (l4, 0, 0), ("slide_guide", "frame"): (0, 0, h)},
         speed=7.54,

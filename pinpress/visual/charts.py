@@ -7,7 +7,6 @@ force times the linkage's size) are zero here. Everything raises `PinpressError`
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import NamedTuple
 
 import numpy as np
 
@@ -15,14 +14,13 @@ from ..common.arrays import Array
 from ..common.errors import PinpressError, UnknownNameError, expect
 from ..common.units import RPM
 from ..dynamics.inverse_dynamics import Reactions
+from ..dynamics.rounding import AXES, ROUNDING, finite, finite_forces, held_moments, is_constant, rounding, torque_without_rounding
 from ..kinematics.motion import Motion
 from ..kinematics.poses import loaded_bodies, poses
 from ..linkage import mobility as freedom
 from ..linkage.linkage import Linkage
 from ..simulation.run import Run
 
-AXES = ("x", "y", "z")
-ROUNDING = 1e-9  # of the largest force, and of a constant crank speed
 UNITS = {  # quantity -> (up to which largest value, unit, how many of it an SI unit is)
     "position": ((1e-4, "µm", 1e6), (10.0, "mm", 1e3), (math.inf, "m", 1.0)),
     "velocity": ((1e-2, "mm/s", 1e3), (math.inf, "m/s", 1.0)),
@@ -85,7 +83,7 @@ def abscissa(motion: Motion) -> Abscissa:
     expect("motion", motion, Motion, "cycle or simulate")
     angle, speed = finite("crank angle", motion.crank_angle), finite("crank speed", motion.crank_speed)
     one_way = angle.ndim == 1 and _one_way(angle)
-    if one_way and np.ptp(angle) <= 2 * np.pi * (motion.period_turns or 1) * (1 + ROUNDING) and _constant(speed):
+    if one_way and np.ptp(angle) <= 2 * np.pi * (motion.period_turns or 1) * (1 + ROUNDING) and is_constant(speed):
         return Abscissa("crank angle", "deg", _fixed(np.degrees(angle)))
     try:
         return Abscissa("time", "s", _fixed(finite("time", motion.time)))
@@ -109,37 +107,33 @@ def slide(motion: Motion) -> tuple[Chart, ...]:
 def crank_speed(motion: Motion) -> Chart | None:
     """Speed of every driver, where one is not constant; else None."""
     curves = _by_driver("crank speed", motion, motion.crank_speed)
-    if all(_constant(finite("crank speed", values)) for values in curves.values()):
+    if all(is_constant(finite("crank speed", values)) for values in curves.values()):
         return None
     return _chart("Crank speed", "speed", curves)
 
 
 def torque(reactions: Reactions) -> Chart:
     """Driving torque, a curve a driver; of a `Run` also its drive's torque, which turns the flywheel too."""
-    motion = driven(reactions)
-    curves = _by_driver("driving torque", motion, clean_torque(reactions))
+    motion = _motion_of(reactions)
+    curves = _by_driver("driving torque", motion, torque_without_rounding(reactions))
     if isinstance(motion, Run):
         drives = _by_driver("drive", motion, motion.drive_torque)
         curves |= {name if name == "drive" else f"drive of {name}": values for name, values in drives.items()}
     return _chart("Driving torque", "torque", curves)
 
 
-def driven(reactions: Reactions) -> Motion:
+def _motion_of(reactions: Reactions) -> Motion:
     """The motion of reactions."""
     expect("reactions", reactions, Reactions, "inverse_dynamics")
     return reactions.motion
 
 
-def clean_torque(reactions: Reactions) -> Array:
-    """Driving torque (n,) or (n, drivers), zero where it is rounding throughout [N m]."""
-    torque = finite("driving torque", reactions.driving_torque)
-    return np.where(np.abs(torque).max(axis=0) > rounding(reactions).force * reactions._press.size, torque, 0.0)
-
-
 def bearing(reactions: Reactions) -> Chart:
     """Magnitude of the force in every bearing and guide."""
     least = rounding(reactions).force
-    return _chart("Bearing forces", "force", {name: np.linalg.norm(_clean(f, least), axis=1) for name, f in _forces(reactions).items()})
+    return _chart(
+        "Bearing forces", "force", {name: np.linalg.norm(_clean(f, least), axis=1) for name, f in finite_forces(reactions).items()}
+    )
 
 
 def components(reactions: Reactions, name: str) -> Chart:
@@ -176,7 +170,7 @@ def locus(reactions: Reactions, name: str) -> Locus:
     Raises:
         UnknownNameError: there is no such bearing.
     """
-    motion, press = driven(reactions), reactions._press
+    motion, press = _motion_of(reactions), reactions._press
     if not isinstance(name, str) or name not in press.bearings:
         raise UnknownNameError("bearing", name, press.bearings)
     least = rounding(reactions).force
@@ -210,65 +204,9 @@ def _least_moved(force: Array, least: float) -> int:
     return left[0]
 
 
-def held_moments(reactions: Reactions) -> dict[str, Array]:
-    """(n, 3) moments [N m] that hold links against turning, by bearing: about a turning joint's own axis there is but the torque of drive,
-    gear pair and friction, which is left out, and a spherical loop holds none."""
-    press, moments = reactions._press, {}
-    rotation = poses(press, reactions.motion.joint_position).rotation
-    joints = enumerate(zip(press.joints, press.axes, strict=True), 1)
-    turning = {name: (body, axis.direction) for body, (name, axis) in joints if axis.turns}
-    turning |= {loop.name: (loop.joint1, loop.rotation1[:, 0]) for loop in press.loops if loop.type == "revolute"}
-    spherical = {loop.name for loop in press.loops if loop.type == "spherical"}
-    for name, moment in reactions.bearing_moment.items():
-        held = finite(f"moment in {name}", moment)
-        if name in turning:
-            body, direction = turning[name]
-            axis = rotation[body] @ direction
-            held = held - np.sum(held * axis, axis=1, keepdims=True) * axis
-        moments[name] = np.zeros_like(held) if name in spherical else held
-    return moments
-
-
-class Rounding(NamedTuple):
-    """Force [N] and moment [N m] below which a component is rounding."""
-
-    force: float
-    moment: float
-
-
-def rounding(reactions: Reactions) -> Rounding:
-    """Of a motion's forces, and of its moments and torques."""
-    expect("reactions", reactions, Reactions, "inverse_dynamics")
-    largest = max((float(np.abs(force).max(initial=0.0)) for force in _forces(reactions).values()), default=0.0)
-    torque = float(np.abs(finite("driving torque", reactions.driving_torque)).max(initial=0.0))
-    return Rounding(ROUNDING * largest, ROUNDING * max(torque, largest * reactions._press.size))
-
-
-def finite(quantity: str, values: Array) -> Array:
-    """The values (n, ...) themselves.
-
-    Raises:
-        PinpressError: there is none, or one is not finite.
-    """
-    if not len(values):
-        raise PinpressError(f"{quantity} has no states: give a motion of at least one")
-    if not np.isfinite(values).all():
-        at = int(np.argwhere(~np.isfinite(values))[0][0])
-        raise PinpressError(f"{quantity} is not finite at index {at}: give what cycle, simulate and inverse_dynamics return")
-    return values
-
-
 def factor(quantity: str, unit: str) -> float:
     """How many of a chart's unit an SI unit of the quantity is."""
     return next(factor for _, known, factor in UNITS[quantity] if known == unit)
-
-
-def _forces(reactions: Reactions) -> dict[str, Array]:
-    if reactions.left_out:  # the largest force tells what is rounding
-        raise PinpressError(
-            f"charts need all bearings, and {', '.join(reactions.left_out)} were left out: make the reactions without bearings=..."
-        )
-    return {name: finite(f"force in {name}", force) for name, force in reactions.bearing_force.items()}
 
 
 def _components(title: str, quantity: str, name: str, vector: Array, least: float) -> Chart:
@@ -296,10 +234,6 @@ def _chart(title: str, quantity: str, series: Mapping[str, Array]) -> Chart:
 
 def _unit(quantity: str, largest: float) -> tuple[str, float]:
     return next((unit, factor) for limit, unit, factor in UNITS[quantity] if largest < limit)
-
-
-def _constant(speed: Array) -> bool:
-    return bool(np.all(np.ptp(speed, axis=0) <= ROUNDING * np.abs(speed).max(axis=0)))
 
 
 def _one_way(angle: Array) -> bool:

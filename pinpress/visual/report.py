@@ -15,14 +15,15 @@ from ..common import files
 from ..common.arguments import typed
 from ..common.errors import PinpressError, expect
 from ..common.units import RPM
-from ..dynamics.harmonics import Harmonics, harmonics
+from ..dynamics.extremes import ExtremeValues, extremes
+from ..dynamics.harmonics import HarmonicAnalysis, harmonics
 from ..dynamics.inverse_dynamics import Reactions, inverse_dynamics
+from ..dynamics.rounding import AXES, rounding
 from ..kinematics.motion import Motion
 from ..linkage.linkage import Linkage
 from ..simulation.run import Run
 from . import charts, pages
 from .charts import Chart
-from .extremes import Extreme, extremes
 from .key_frames import Keys, keys
 from .pages import packed
 from .recording import scene
@@ -142,11 +143,11 @@ def _bearing(result: Reactions, name: str, frames: Keys, before: Reactions | Non
 
 def _left_open(result: Reactions, name: str) -> str:
     """What rigid mechanics does not decide of a bearing, and is not zero, in words; empty where there is nothing."""
-    least = charts.rounding(result)
+    least = rounding(result)
     axes = result.indeterminate_axes.T
     sizes = [np.abs(vector @ axes).max(axis=0) for vector in (result.bearing_force[name], result.bearing_moment[name])]
     shown = np.concatenate([sizes[0] > least.force, sizes[1] > least.moment]) & result.indeterminate[name]
-    names = charts.AXES if np.array_equal(axes, np.eye(3)) else ("h", "across the plane", "u")
+    names = AXES if np.array_equal(axes, np.eye(3)) else ("h", "across the plane", "u")
     components = [f"{kind} {axis}" for kind in ("force", "moment") for axis in names]
     return ", ".join(itertools.compress(components, shown))
 
@@ -162,10 +163,10 @@ def _harmonics(result: Reactions, before: Reactions | None) -> dict[str, Any] | 
 
     every = sorted({*found.orders[1:], *([] if other is None else other.orders[1:])})  # one may repeat itself after more turns
 
-    def bars(shown: Harmonics) -> dict[str, list[float]]:
+    def bars(shown: HarmonicAnalysis) -> dict[str, list[float]]:
         amplitude = dict(zip(shown.orders, factor * shown.amplitude, strict=True))
         none = np.zeros(3)
-        return {curve.name: [float(amplitude.get(order, none)[charts.AXES.index(curve.name)]) for order in every] for curve in chart.curves}
+        return {curve.name: [float(amplitude.get(order, none)[AXES.index(curve.name)]) for order in every] for curve in chart.curves}
 
     return {
         "unit": chart.unit,
@@ -190,7 +191,7 @@ def _words(motion: Motion) -> str:
     return "prescribed motion"
 
 
-def _cards(values: Sequence[Extreme]) -> list[dict[str, str]]:
+def _cards(values: Sequence[ExtremeValues]) -> list[dict[str, str]]:
     """What is looked for first."""
     by_name = {value.quantity: value for value in values}
     cards = []
@@ -218,7 +219,7 @@ def _with_prefix(value: float, unit: str) -> str:
     return f"{value / 10.0**power:.4g} {prefix}{unit}"
 
 
-def _table(values: Sequence[Extreme], before: Sequence[Extreme] | None) -> dict[str, Any]:
+def _table(values: Sequence[ExtremeValues], before: Sequence[ExtremeValues] | None) -> dict[str, Any]:
     head = ["", "unit", "smallest", "at [deg]", "largest", "at [deg]", "range", "rms"]
     if before is None:
         return {"head": head, "rows": [_row(value) for value in values]}
@@ -233,7 +234,7 @@ def _table(values: Sequence[Extreme], before: Sequence[Extreme] | None) -> dict[
     return {"head": [*head[:-1], "before", "changes by", "rms"], "rows": rows}
 
 
-def _row(value: Extreme) -> list[str]:
+def _row(value: ExtremeValues) -> list[str]:
     at = (f"{value.smallest_at:.1f}", f"{value.largest_at:.1f}")
     return [value.quantity, value.unit, _five(value.smallest), at[0], _five(value.largest), at[1], _five(value.range), _five(value.rms)]
 

@@ -30,9 +30,9 @@ MADE = {
     "Duty",
     "EccentricLoad",
     "Elasticity",
-    "Extreme",
+    "ExtremeValues",
 }
-MADE |= {"FailedPoint", "Harmonics", "Linkage", "Measurement", "Motion", "MotionSensitivity", "OperatingPoints", "MeasureChange"}
+MADE |= {"FailedPoint", "HarmonicAnalysis", "Linkage", "Measurement", "Motion", "MotionSensitivity", "OperatingPoints", "MeasureChange"}
 MADE |= {"Ratings", "Reactions", "Run", "SlideDeflection", "SnapThrough", "SpeedLimit", "Sweep", "SynthesisResult"}
 MADE |= {
     "Correction",

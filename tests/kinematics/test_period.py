@@ -144,7 +144,7 @@ def test_bottom_dead_centre_of_loads(press):
 
 
 def test_extremes_and_peaks(press):
-    from pinpress.visual.extremes import extremes
+    from pinpress.dynamics.extremes import extremes
 
     whole = 360.0 * period_turns(press)
     some = {one.quantity: one for one in extremes(pp.inverse_dynamics(press, pp.cycle(press, SPEED)))}

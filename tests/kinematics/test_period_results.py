@@ -140,7 +140,7 @@ def test_measures_of_a_slide_that_is_back_before_other_links(with_cam, alone):
         (measures.stroke, ()),
         (measures.quick_return_ratio, ()),
         (measures.speed_ratio, ()),
-        (measures.flatness, (0.05,)),
+        (measures.speed_variation, (0.05,)),
         (measures.speed_at, (0.02,)),
         (measures.mechanical_advantage, (0.02,)),
         (measures.dwell_angle, (0.001,)),

@@ -24,8 +24,8 @@ ALL = {
     "quick_return_ratio": measures.quick_return_ratio,
     "speed_ratio": measures.speed_ratio,
     "speed_ratio of the return": functools.partial(measures.speed_ratio, downwards=False),
-    "flatness": functools.partial(measures.flatness, length=0.06),
-    "flatness of the return": functools.partial(measures.flatness, length=0.12, downwards=False),
+    "speed_variation": functools.partial(measures.speed_variation, length=0.06),
+    "speed_variation of the return": functools.partial(measures.speed_variation, length=0.12, downwards=False),
     "speed_at": functools.partial(measures.speed_at, height=0.03),
     "mechanical_advantage": functools.partial(measures.mechanical_advantage, height=0.03),
     "speed_at of the return": functools.partial(measures.speed_at, height=0.03, downwards=False),
@@ -81,7 +81,7 @@ def test_a_crank_that_turns_backwards_returns_as_quickly_as_it_worked():
     np.testing.assert_allclose(measures.quick_return_ratio(backwards), 1 / measures.quick_return_ratio(forwards), rtol=1e-12)
     for name in ("stroke", "dwell_angle", "dwell_time"):
         np.testing.assert_allclose(ALL[name](backwards), ALL[name](forwards), rtol=1e-12)
-    for name in ("speed_ratio", "flatness", "speed_at"):  # the way down is the way up in a mirror
+    for name in ("speed_ratio", "speed_variation", "speed_at"):  # the way down is the way up in a mirror
         np.testing.assert_allclose(ALL[name](backwards), ALL[name](forwards, downwards=False), rtol=1e-11)
 
 
@@ -91,7 +91,7 @@ def test_measures_of_a_scotch_yoke():
     np.testing.assert_allclose(measures.stroke(motion), 2 * RADIUS, rtol=1e-12)
     np.testing.assert_allclose(measures.quick_return_ratio(motion), 1.0, rtol=1e-12)
     np.testing.assert_allclose(measures.speed_ratio(motion), np.pi / 2, rtol=1e-12)
-    np.testing.assert_allclose(measures.flatness(motion, 0.07), 1 - np.sqrt(1 - (0.07 / (2 * RADIUS)) ** 2), rtol=1e-11)
+    np.testing.assert_allclose(measures.speed_variation(motion, 0.07), 1 - np.sqrt(1 - (0.07 / (2 * RADIUS)) ** 2), rtol=1e-11)
     np.testing.assert_allclose(measures.speed_at(motion, 0.03), SPEED * np.sqrt(RADIUS**2 - 0.07**2), rtol=1e-12)
     np.testing.assert_allclose(measures.dwell_angle(motion, 0.002), 2 * np.arccos(1 - 0.002 / RADIUS), rtol=1e-12)
     np.testing.assert_allclose(measures.dwell_time(motion, 0.002), 2 * np.arccos(1 - 0.002 / RADIUS) / SPEED, rtol=1e-12)
@@ -131,7 +131,7 @@ def test_the_press_of_chen_2002():
     np.testing.assert_allclose(measures.quick_return_ratio(motion), (np.pi + 2 * swing) / (np.pi - 2 * swing), rtol=1e-12)
     np.testing.assert_allclose(measures.stroke(motion), 2 * 0.648 * 0.108 / 0.350, rtol=1e-12)
     assert round(measures.speed_ratio(motion), 8) == 1.44069493
-    assert round(100 * measures.flatness(motion, 0.120), 2) == 3.69
+    assert round(100 * measures.speed_variation(motion, 0.120), 2) == 3.69
 
 
 def test_the_objective_of_chen_2002_falls_with_the_coupler_to_a_limit():
@@ -177,7 +177,7 @@ def test_every_measure_converges_with_the_states(measure):
 
         def error(points, states=states, exact=exact):
             begins = np.array([0.0, 0.3, 0.6]) * 2 * np.pi / points
-            scale = 1.0 if "flatness" in measure else exact
+            scale = 1.0 if "speed_variation" in measure else exact
             return max(abs(ALL[measure](of(states, points, begin=begin)) - exact) / scale for begin in begins)
 
         assert error(180) < error(45) / 4**4
@@ -218,11 +218,11 @@ def test_the_complex_step_differentiates_every_kind_of_window(kind):
     coefficients, share = WINDOWS[kind]
     length, step = share * measures.stroke(of(humped(humps(coefficients)))), 1e-30
 
-    def flatness(change):
-        return measures.flatness(of(humped(humps(coefficients) + change * np.eye(7)[0]), points=720), length, downwards=False)
+    def speed_variation(change):
+        return measures.speed_variation(of(humped(humps(coefficients) + change * np.eye(7)[0]), points=720), length, downwards=False)
 
-    quotient = (flatness(1e-5) - flatness(-1e-5)) / 2e-5
-    assert abs(flatness(1j * step).imag / step - quotient) < 1e-8
+    quotient = (speed_variation(1e-5) - speed_variation(-1e-5)) / 2e-5
+    assert abs(speed_variation(1j * step).imag / step - quotient) < 1e-8
 
 
 def humps(coefficients):
@@ -254,7 +254,7 @@ def assert_least(coefficients, share):
     slide = humped(coefficients)
     motion = of(slide, points=720)
     length = share * measures.stroke(motion)
-    assert abs(measures.flatness(motion, length, downwards=False) - searched(slide, length)) < 1e-4
+    assert abs(measures.speed_variation(motion, length, downwards=False) - searched(slide, length)) < 1e-4
 
 
 def searched(slide, length):
@@ -305,7 +305,7 @@ def test_derivatives_of_closed_forms():
     assert abs(measures.quick_return_ratio(motion).imag / step) < 1e-10
     assert abs(measures.speed_ratio(motion).imag / step) < 1e-10
     even = np.sqrt(1 - (length / (2 * RADIUS)) ** 2)
-    np.testing.assert_allclose(measures.flatness(motion, length).imag / step, -(length**2) / (4 * RADIUS**3 * even), rtol=1e-10)
+    np.testing.assert_allclose(measures.speed_variation(motion, length).imag / step, -(length**2) / (4 * RADIUS**3 * even), rtol=1e-10)
     height = 0.03
     at_height = SPEED * height / np.sqrt(2 * RADIUS * height - height**2)
     np.testing.assert_allclose(measures.speed_at(motion, height).imag / step, at_height, rtol=1e-10)
@@ -319,7 +319,7 @@ def test_derivatives_by_the_crank_speed():
     step = 1e-30
     motion = of(crank_slide(), speed=SPEED + 1j * step)
     powers = {"speed_at": 1, "dwell_time": -1}
-    for name in (*powers, "dwell_angle", "mechanical_advantage", "stroke", "flatness", "speed_ratio"):
+    for name in (*powers, "dwell_angle", "mechanical_advantage", "stroke", "speed_variation", "speed_ratio"):
         power = powers.get(name, 0)
         value = ALL[name](motion)
         assert abs(value.imag / step - power * value.real / SPEED) <= 1e-12 * value.real
@@ -480,7 +480,7 @@ def test_a_slide_with_two_strokes_a_turn_has_no_one_working_stroke():
 @pytest.mark.parametrize("value", [0.0, -0.01, 0.2, 1.0, float("nan"), float("inf"), True, "a", None])
 def test_distances_outside_the_stroke_are_refused(value):
     motion = of(scotch_yoke(0.05))
-    for name, measure in {"length": measures.flatness, "height": measures.speed_at, "tolerance": measures.dwell_angle}.items():
+    for name, measure in {"length": measures.speed_variation, "height": measures.speed_at, "tolerance": measures.dwell_angle}.items():
         with pytest.raises(pp.PinpressError, match=f"{name} is .*: give a distance between 0 and the stroke of 0.1 m"):
             measure(motion, value)
 
@@ -490,7 +490,7 @@ def test_distances_next_to_the_limits_are_measured_or_refused():
     motion = of(crank_slide())
     stroke = measures.stroke(motion)
     for share in (1e-15, 1e-12, 1e-6, 1 - 1e-6, 1 - 1e-12, 1 - 2e-16):
-        for measure, least, most in ((measures.flatness, 0, 1), (measures.speed_at, 0, 2), (measures.dwell_angle, 0, 2 * np.pi)):
+        for measure, least, most in ((measures.speed_variation, 0, 1), (measures.speed_at, 0, 2), (measures.dwell_angle, 0, 2 * np.pi)):
             try:
                 value = measure(motion, share * stroke)
             except pp.PinpressError:

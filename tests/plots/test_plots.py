@@ -405,7 +405,8 @@ import pinpress as pp
 from pinpress import plots
 from pinpress.dynamics import harmonics
 from pinpress.plots import reactions
-from pinpress.visual import charts, extremes
+from pinpress.dynamics import extremes
+from pinpress.visual import charts
 assert "matplotlib" not in sys.modules
 import matplotlib
 def style():  # but for the backend, as asking for it imports pyplot

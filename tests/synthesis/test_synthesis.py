@@ -9,7 +9,7 @@ import pytest
 from support import texts
 
 import pinpress as pp
-from pinpress.kinematics.measures import flatness, pressure_angle, quick_return_ratio, stroke
+from pinpress.kinematics.measures import pressure_angle, quick_return_ratio, speed_variation, stroke
 from pinpress.synthesis.search import Search
 from pinpress.synthesis.synthesis import synthesise
 
@@ -80,7 +80,7 @@ def even(degrees):
     return synthesise(
         texts.shipped("thin_wall"),
         {"l4": (0.05, 0.22, 0.4), "h": (0.6, 0.63, 0.7)},
-        minimise=lambda trial: flatness(trial.motion, 0.12),
+        minimise=lambda trial: speed_variation(trial.motion, 0.12),
         subject_to={"pressure angle": (pressure, None, math.radians(degrees))},
         geometry=lambda l4, h: {("E", "coupler"): (l4, 0, 0), ("slide_guide", "frame"): (0, 0, h)},
         speed=CHEN_SPEED,

@@ -14,9 +14,10 @@ from support.generators.spatial_linkages import bennett
 from support.oracles import cassie
 
 import pinpress as pp
+from pinpress.dynamics.extremes import extremes
 from pinpress.dynamics.harmonics import harmonics, is_cycle, last_period
+from pinpress.dynamics.rounding import held_moments
 from pinpress.visual import charts
-from pinpress.visual.extremes import extremes
 
 MASS, RADIUS, SPEED = 3.0, 0.2, 31.0
 ROTOR = f"""
@@ -366,7 +367,7 @@ def test_held_moments():
     assert [curve.name for curve in chart.curves] == ["slide_guide"]
     np.testing.assert_allclose(raw(chart)["slide_guide"], 5e5 * 0.03, rtol=1e-9)
     result = pp.inverse_dynamics(press, motion, loads=[pp.loads.PointForce("slide", (0.0, 0.0, -5e5), (0.0, 0.02, 0.0))])
-    held = charts.held_moments(result)  # beside the plane: about x, and nowhere about the axes that turn
+    held = held_moments(result)  # beside the plane: about x, and nowhere about the axes that turn
     np.testing.assert_allclose(np.abs(sum(held.values())).max(axis=0) > 1.0, [True, False, False])
 
 
@@ -378,7 +379,7 @@ def test_a_pin_in_space_holds_all_moments_but_the_one_about_its_axis(folder):
     moment = result.bearing_moment[loop.name]
     assert loop.type == "revolute"
     assert np.all(np.abs(moment).max(axis=0) > 1e-3 * np.abs(moment).max())
-    np.testing.assert_allclose(charts.held_moments(result)[loop.name], moment, rtol=0, atol=1e-9 * np.abs(moment).max())
+    np.testing.assert_allclose(held_moments(result)[loop.name], moment, rtol=0, atol=1e-9 * np.abs(moment).max())
 
 
 # Polar diagrams

@@ -563,7 +563,7 @@ def calls() -> dict[str, Call]:
         ("measures.bearing_positions", measures.bearing_positions, lambda: {"press": press(), "motion": motion()}),
         ("measures.dwell_angle", measures.dwell_angle, lambda: {"motion": motion(), "tolerance": 1e-3}),
         ("measures.dwell_time", measures.dwell_time, lambda: {"motion": motion(), "tolerance": 1e-3}),
-        ("measures.flatness", measures.flatness, lambda: {"motion": motion(), "length": 0.05, "downwards": True}),
+        ("measures.speed_variation", measures.speed_variation, lambda: {"motion": motion(), "length": 0.05, "downwards": True}),
         ("measures.mechanical_advantage", measures.mechanical_advantage, lambda: {"motion": motion(), "height": 0.05, "downwards": True}),
         ("measures.quick_return_ratio", measures.quick_return_ratio, lambda: {"motion": motion(), "downwards": True}),
         ("measures.speed_at", measures.speed_at, lambda: {"motion": motion(), "height": 0.05, "downwards": True}),
