@@ -52,9 +52,9 @@ def balance(
 ) -> BalancedPress:
     """Find the best counterweights of a press.
 
-    Of those that are equally good they are the lightest: to save the press's whole moving mass is worth 1e-6 of the objective before. Range
-    and peak are over the motion's states: between these they are larger, by about (pi / states)^2 / 2 of the harmonic that they consist
-    of.
+    Of counterweights that are equally good they are the lightest: to save the press's whole moving mass is worth 1e-6 of the objective
+    before. Range and peak are those of the motion's states. Between states the forces exceed them by about (pi / states)^2 / 2 of the
+    harmonic that they consist of.
 
     Args:
         press: The press.

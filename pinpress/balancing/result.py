@@ -7,6 +7,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
+from ..common import text
 from ..common.results import Tabular
 from ..common.units import RPM
 from ..dynamics.inverse_dynamics import Reactions, inverse_dynamics
@@ -199,15 +200,13 @@ def _counterweight_lines(balanced: BalancedPress) -> list[str]:
     width = max(26, *(len(weight.link) + 2 for weight in weights)) if weights else 26
     heads = ("mass [kg]", "x [m]", "y [m]", "z [m]", "inertia [kg m2]")
     limited = "" if most is None else f", at most {most:g} kg"
+    rows = [[weight.link, *(text.number(value) for value in (weight.mass, *weight.position, weight.inertia))] for weight in weights]
+    *lines, added = text.table([["", *heads], *rows, ["added mass", text.number(balanced.added_mass)]], [width, 16])
     return [
         "",
         "Counterweights (centre of mass in the link's own frame; one in place of the link's own mass is all of that link's)",
-        f"  {'':{width}}" + "".join(f"{head:>16}" for head in heads),
-        *(
-            f"  {weight.link:{width}}" + "".join(f"{number:16.6g}" for number in (weight.mass, *weight.position, weight.inertia))
-            for weight in weights
-        ),
-        f"  {'added mass':{width}}{balanced.added_mass:16.6g} kg, to {moving_mass(balanced.original):.6g} kg that move{limited}",
+        *lines,
+        f"{added} kg, to {moving_mass(balanced.original):.6g} kg that move{limited}",
     ]
 
 
@@ -266,8 +265,9 @@ def _measure_lines(title: str, balanced: BalancedPress, rows: list[list[str]], w
     several, limited = len(balanced.conditions) > 1, any(row[5] for row in rows)
     heads = [title, "case" if several else "", "before", "after", "change", "at most" if limited else ""]
     kept = [k for k in range(len(heads)) if heads[k]]
-    lines = [
-        "".join(f"{indent}{cells[k]:{width + 4 - len(indent)}}" if k == 0 else f"{cells[k]:>{6 if k == 1 else 14}}" for k in kept).rstrip()
+    widths = [6 if k == 1 else 14 for k in kept[1:]]
+    head, *lines = (
+        text.table([[cells[k] for k in kept]], [width + 4 - len(indent), *widths], indent)[0].rstrip()
         for indent, cells in [("", heads), *(("  ", row) for row in rows)]
-    ]
-    return ["", *lines] if rows else []
+    )
+    return ["", head, *lines] if rows else []
