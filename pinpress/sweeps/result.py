@@ -23,7 +23,9 @@ class FailedPoint(Frozen):
     """A point at which the function failed.
 
     Attributes:
-        number: of the point in the order of the grid. point: name of every axis -> label. error: type and text of the exception.
+        number: of the point in the order of the grid.
+        point: name of every axis -> label.
+        error: type and text of the exception.
     """
 
     number: int
@@ -32,12 +34,14 @@ class FailedPoint(Frozen):
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Sweep(Tabular):
+class SweepTable(Tabular):
     """Results at all points, in the order of the grid (last axis fastest), whatever the order in which they were finished.
 
     Attributes:
-        function: name of the function. axes: name -> labels. paired: the axes run side by side. shape: lengths of the axes; (n,) where
-            they run side by side.
+        function: name of the function.
+        axes: name -> labels.
+        paired: the axes run side by side.
+        shape: lengths of the axes; (n,) where they run side by side.
         values: name -> (n,): the axes' labels, then the results: masked arrays, masked at points that failed or are missing. Read-only.
         failed: the points that failed, with their errors.
         missing: numbers of the points that are not done yet; there are none but in what `read` finds of a sweep that was stopped.
@@ -53,7 +57,7 @@ class Sweep(Tabular):
 
     @property
     def title(self) -> str:
-        return f"Sweep of {self.function}: {self._size} points, {self._not_there}"
+        return f"SweepTable of {self.function}: {self._size} points, {self._not_there}"
 
     def __str__(self) -> str:
         over = " side by side" if self.paired else ""
@@ -100,7 +104,7 @@ class Sweep(Tabular):
         return [name for name in self.values if name not in self.axes]
 
 
-def table(function: str, grid: Grid, kinds: Mapping[str, str], known: Mapping[int, Outcome]) -> Sweep:
+def table(function: str, grid: Grid, kinds: Mapping[str, str], known: Mapping[int, Outcome]) -> SweepTable:
     """The table of a sweep of which the outcomes of some points are known, or of all."""
     nothing = Outcome(-1, {}, "")
     values = [known.get(number, nothing).values for number in range(len(grid))]
@@ -109,7 +113,7 @@ def table(function: str, grid: Grid, kinds: Mapping[str, str], known: Mapping[in
     columns |= {
         name: np.ma.MaskedArray(_filled([found.get(name) for found in values], kind), masked.copy()) for name, kind in kinds.items()
     }
-    return Sweep(
+    return SweepTable(
         function=function,
         axes=dict(grid.axes),
         paired=grid.paired,

@@ -15,7 +15,7 @@ from ..common.errors import PinpressError, shown
 from ..common.regular_files import path_of
 from .execution import Function, TaskError, in_parallel, serially
 from .grid import Grid, gridded
-from .result import Sweep, table
+from .result import SweepTable, table
 from .store import Results, opened, results
 
 
@@ -30,7 +30,7 @@ def sweep(
     retry_failed: bool = False,
     in_flight: int = 64,
     progress: Callable[[float], None] | None = None,
-) -> Sweep:
+) -> SweepTable:
     """A function at every point of a grid.
 
     Args:
@@ -69,7 +69,7 @@ def sweep(
 
 
 @typed
-def read(path: str | os.PathLike[str]) -> Sweep:
+def read(path: str | os.PathLike[str]) -> SweepTable:
     """What is in the file of a sweep, finished or stopped; results of points that are not done yet are masked, as of those that failed.
 
     Args:

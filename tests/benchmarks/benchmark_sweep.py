@@ -21,7 +21,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 from support.sweep_points import product
 
 import pinpress as pp
-from pinpress.sweeps.operating_points import operating_points
+from pinpress.sweeps.operating_map import operating_points
 from pinpress.sweeps.sweeping import sweep
 
 START = 0.020  # m above bottom dead centre
@@ -61,7 +61,7 @@ def points() -> None:
         ("and the crank angles of extremes", {"angles": True}),
     ):
         alone = {} if "angles" in how else how
-        rate = size / cpu(lambda how=how: operating_points(press, SPEEDS, FORCES, load, **how))
+        rate = size / cpu(lambda how=how: operating_points(press, SPEEDS, forces=FORCES, unit_load=load, **how))
         loop = 200 / cpu(lambda alone=alone: one_by_one(press, 200, **alone))
         print(f"  {name:42}{rate:12.3g}{loop:12.3g}")
 

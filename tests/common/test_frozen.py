@@ -128,7 +128,7 @@ def computed(press):
         pp.simulate(press, 0.02, 2.0, method="constraint", points=3).joint_position,
         pp.simulate(press, 0.1, np.array([2.0, 3.0]), points=3).crank_angle,
         pp.dead_centres(press),
-        pp.sweeps.operating_points(press, [5.0, 7.0], [0.0, 1e3], every_result.DEEP, points=8),
+        pp.sweeps.operating_points(press, [5.0, 7.0], forces=[0.0, 1e3], unit_load=every_result.DEEP, points=8),
     )
 
 

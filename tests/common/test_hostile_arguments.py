@@ -32,8 +32,8 @@ MADE = {
     "Elasticity",
     "ExtremeValues",
 }
-MADE |= {"FailedPoint", "HarmonicAnalysis", "Linkage", "Measurement", "Motion", "MotionSensitivity", "OperatingPoints", "MeasureChange"}
-MADE |= {"Ratings", "Reactions", "Run", "SlideDeflection", "SnapThrough", "SpeedLimit", "Sweep", "SynthesisResult"}
+MADE |= {"FailedPoint", "HarmonicAnalysis", "Linkage", "Measurement", "Motion", "MotionSensitivity", "OperatingMap", "MeasureChange"}
+MADE |= {"Ratings", "Reactions", "Run", "SlideDeflection", "SnapThrough", "SpeedLimit", "SweepTable", "SynthesisResult"}
 MADE |= {
     "Correction",
     "CrankSlider",

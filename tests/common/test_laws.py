@@ -381,9 +381,9 @@ def test_warnings_of_a_load_over_many_speeds_are_the_callers(press):
     for make in (of_motion, on_the_way_down):
         (unit,) = make(logarithm)
         with pytest.warns(RuntimeWarning, match="divide by zero"):
-            pp.sweeps.operating_points(press, [5.0, 6.0], [1.0, 2.0], unit, points=12)
+            pp.sweeps.operating_points(press, [5.0, 6.0], forces=[1.0, 2.0], unit_load=unit, points=12)
         with pytest.raises(pp.PinpressError, match=r"(slide'|Push): force.* cannot be worked out: ZeroDivisionError: a table ends here$"):
-            pp.sweeps.operating_points(press, [5.0, 6.0], [1.0, 2.0], make(fails)[0], points=12)
+            pp.sweeps.operating_points(press, [5.0, 6.0], forces=[1.0, 2.0], unit_load=make(fails)[0], points=12)
 
 
 def test_a_law_that_fails_is_not_taken_for_missing_mass():

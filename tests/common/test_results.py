@@ -19,7 +19,7 @@ from pinpress.simulation.batch import RunBatch
 
 KINDS = sorted({kind for kind in every_result.public() if issubclass(kind, Tabular)} | {RunBatch}, key=lambda kind: kind.__name__)
 UNIT = r"\d (N m|N|m/s2|m/s|m|rad/s|rad|deg|s|Hz|kg|Pa|J|W|kW)\b"
-WITHOUT_UNIT = {"Sweep", "SynthesisResult"}  # their numbers are of the caller's functions
+WITHOUT_UNIT = {"SweepTable", "SynthesisResult"}  # their numbers are of the caller's functions
 
 
 @pytest.fixture(params=KINDS, ids=lambda kind: kind.__name__)

@@ -168,7 +168,7 @@ def made():
         ),
         pp.ratings.eccentric_load(press(), pp.cycle(press(), 0.0, angle=[0.1]), 1e5, (0.02, 0.0, 0.0), pp.ratings.Guide(0.3, 0.1)),
         *(
-            pp.sweeps.operating_points(press(), [5.0, SPEED], [0.0, 1e3], DEEP, points=8, angles=True),
+            pp.sweeps.operating_points(press(), [5.0, SPEED], forces=[0.0, 1e3], unit_load=DEEP, points=8, angles=True),
             pp.measures.harmonics(motion(), motion().v),
         ),
         *(pp.measures.extremes(reactions())[0], *pp.derivatives.motion_derivatives(press(), motion(), [{("P", "crank"): (1, 0, 0)}])),

@@ -11,7 +11,7 @@ from support.generators.small_linkages import two_cranks
 
 import pinpress as pp
 from pinpress.sweeps.affine_extremes import Affine, largest
-from pinpress.sweeps.operating_points import operating_points
+from pinpress.sweeps.operating_map import operating_points
 
 SIX_BAR = pp.load("zxn2_3000b")
 SPEEDS = np.linspace(20.0, 100.0, 60) * pp.RPM
@@ -44,7 +44,7 @@ def test_every_shipped_press(name, sign):
     stroke = pp.dead_centres(press).stroke
     points = 24 if "plane" not in press.engines else 72
     speeds, forces = sign * np.array([3.0, 0.5, 20.0]), np.array([0.0, 2e6, 3e4])
-    found = operating_points(press, speeds, forces, pp.loads.DeepDrawing(force=1.0, start=0.3 * stroke), points=points)
+    found = operating_points(press, speeds, forces=forces, unit_load=pp.loads.DeepDrawing(force=1.0, start=0.3 * stroke), points=points)
     assert found.shape == (3, 3)
     for i, j in ((0, 0), (1, 1), (2, 2), (2, 1)):
         load = pp.loads.DeepDrawing(force=forces[j], start=0.3 * stroke)
@@ -54,7 +54,7 @@ def test_every_shipped_press(name, sign):
 @pytest.fixture(scope="module")
 def found():
     """A downward blow at the slide and a push at the coupler, amplitudes of both signs, with a spring."""
-    return operating_points(SIX_BAR, SPEEDS, FORCES, unit_loads(1.0), loads=[SPRING], angles=True)
+    return operating_points(SIX_BAR, SPEEDS, forces=FORCES, unit_load=unit_loads(1.0), loads=[SPRING], angles=True)
 
 
 SPRING = pp.loads.SpringDamper("frame", "slide", stiffness=2e5, free_length=0.4, point1=(0, 0, 0.5))
@@ -92,7 +92,7 @@ def test_angles_are_where_the_extremes_are(found):
 
 def test_order_of_speeds_and_forces_is_the_callers(found):
     i, j = np.random.default_rng(2).permutation(60), np.random.default_rng(3).permutation(70)
-    mixed = operating_points(SIX_BAR, SPEEDS[i], FORCES[j], unit_loads(1.0), loads=[SPRING], bearings=["A"])
+    mixed = operating_points(SIX_BAR, SPEEDS[i], forces=FORCES[j], unit_load=unit_loads(1.0), loads=[SPRING], bearings=["A"])
     assert [name for name in mixed.results if name.startswith("peak")] == ["peak_force_A"]
     for name in mixed.results:
         expected = found.grid(name)[np.ix_(i, j)]
@@ -173,7 +173,7 @@ def test_several_drivers_are_refused(tmp_path):
 
 def test_an_elastic_die_pushes_in_proportion():
     """At a given motion its force depends on the height alone."""
-    found = operating_points(SIX_BAR, [2.0, 6.0], [1e7, 4e7], pp.loads.ElasticDie(0.02, 1.0))
+    found = operating_points(SIX_BAR, [2.0, 6.0], forces=[1e7, 4e7], unit_load=pp.loads.ElasticDie(0.02, 1.0))
     for i, j in ((0, 1), (1, 0)):
         agrees(found, i, j, one_by_one(SIX_BAR, found.speeds[i], [pp.loads.ElasticDie(0.02, found.forces[j])]))
 

@@ -10,7 +10,7 @@ accelerations, which go with w^2, and in the forces. Three calls of inverse dyna
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any
@@ -21,7 +21,9 @@ from numpy.typing import ArrayLike
 from ..common.arguments import typed
 from ..common.arrays import Array
 from ..common.checks import numbers
-from ..common.errors import PinpressError, shown
+from ..common.errors import PinpressError, UnknownNameError, shown
+from ..common.results import Tabular
+from ..common.units import RPM
 from ..dynamics.applied_loads import asked
 from ..dynamics.inverse_dynamics import Reactions, inverse_dynamics
 from ..kinematics.motion import Motion, cycle
@@ -29,7 +31,6 @@ from ..linkage.linkage import Linkage
 from ..loads.link import Load, PointForce, SpringDamper
 from ..loads.process import ForceInterval, ProcessLoad, TimeForce
 from .affine_extremes import Affine, largest
-from .operating_result import OperatingPoints
 
 SLOW = 1e-9  # of the highest speed: inertia is below rounding, and the slide still has its direction of travel
 BETWEEN = 0.37  # of highest speed and amplitude: where the coefficients are tried
@@ -40,18 +41,79 @@ Quantities = dict[str, Array]
 """Name -> (k, s): components, states."""
 
 
+@dataclass(frozen=True, eq=False, repr=False)
+class OperatingMap(Tabular):
+    """Extremes over a period at every speed and amplitude of a load. All arrays are read-only.
+
+    Attributes:
+        press_name: of the press.
+        speeds: (n,) of the driver [rad/s].
+        forces: (m,) amplitudes of the load [N].
+        results: name -> (n, m): largest_driving_torque and smallest_driving_torque [N m], peak_force_A of every bearing asked for, the
+            largest magnitude [N], range_shaking_force_x, _y and _z, largest less smallest [N].
+        angles: name of an extreme torque or peak -> (n, m) crank angle at which it is [rad]; empty where they were not asked for.
+    """
+
+    press_name: str
+    speeds: Array
+    forces: Array
+    results: Mapping[str, Array]
+    angles: Mapping[str, Array]
+
+    @property
+    def title(self) -> str:
+        speeds, forces = (f"{values.min():.6g} to {values.max():.6g}" for values in (self.speeds, self.forces))
+        return f"OperatingMap of {self.press_name}: {len(self.speeds)} speeds, {speeds} rad/s, and {len(self.forces)} forces, {forces} N"
+
+    def __str__(self) -> str:
+        speeds, forces = self.speeds / RPM, self.forces
+        lines = [
+            f"{self.press_name} at {len(speeds)} speeds, {speeds.min():g} to {speeds.max():g} r/min, and {len(forces)} forces,"
+            f" {forces.min():g} to {forces.max():g} N",
+            f"  {'over a turn':32}{'smallest':>14}{'largest':>14}",
+        ]
+        lines += [f"  {f'{name} [{_unit(name)}]':32}{values.min():14.6g}{values.max():14.6g}" for name, values in self.results.items()]
+        return "\n".join(lines)
+
+    @property
+    def shape(self) -> tuple[int, int]:
+        return len(self.speeds), len(self.forces)
+
+    @property
+    def axes(self) -> dict[str, Array]:
+        """The axes of the grid by their names in the columns."""
+        return {"speed": self.speeds, "force": self.forces}
+
+    def columns(self) -> dict[str, Array]:
+        """All points, forces fastest, as (n m,) columns under their names with units: speed, force, results and angles."""
+        columns = {"speed": np.repeat(self.speeds, self.shape[1]), "force": np.tile(self.forces, self.shape[0])}
+        columns |= {name: values.ravel() for name, values in self.results.items()}
+        columns |= {f"angle_of_{name}": values.ravel() for name, values in self.angles.items()}
+        return {f"{name} [{_unit(name)}]": values for name, values in columns.items()}
+
+    def grid(self, name: str) -> Array:
+        """A result (n, m).
+
+        Raises:
+            UnknownNameError: no such result.
+        """
+        if name not in self.results:
+            raise UnknownNameError("result", name, self.results)
+        return self.results[name]
+
+
 @typed
 def operating_points(
     press: Linkage,
     speeds: ArrayLike,
+    *,
     forces: ArrayLike = (0.0,),
     unit_load: Load | Sequence[Load] = (),
-    *,
     loads: Sequence[Load] = (),
     bearings: Collection[str] | None = None,
     points: int | None = None,
     angles: bool = False,
-) -> OperatingPoints:
+) -> OperatingMap:
     """Extremes of torque and forces over a period at constant speed, at every speed and every amplitude of a load.
 
     They are those of `inverse_dynamics` of `cycle`, exactly but for rounding, at a million points a second.
@@ -79,13 +141,9 @@ def operating_points(
         raise PinpressError("speeds: give them all positive or all negative, as loads depend on the direction of travel; none zero")
     if not isinstance(angles, bool):
         raise PinpressError(f"angles is {shown(angles)}: give True or False")
-    units, constant = (asked(_listed(name, given)) for name, given in (("unit_load", unit_load), ("loads", loads)))
+    units, constant = _loads(unit_load, loads)
     if not units and force.any():
         raise PinpressError("forces are amplitudes of unit_load, and there is none: give e.g. pp.loads.DeepDrawing(force=1.0, start=0.010)")
-    if any(isinstance(load, SpringDamper) for load in units):
-        raise PinpressError("unit_load has a spring or damper, which has no amplitude: give it in loads")
-    if any(isinstance(load, TimeForce) for load in (*units, *constant)):
-        raise PinpressError("a TimeForce depends on time, and so on the speed: sweep does such points each by itself")
 
     at = partial(_cycle, press, units, constant, bearings, points)
     fastest, most = float(speed[np.abs(speed).argmax()]), float(force[np.abs(force).argmax()])
@@ -98,7 +156,17 @@ def operating_points(
         if not np.isfinite(values).all():
             raise PinpressError(f"{name} of {press.name} is too large for floating point: lower speeds or forces")
     crank_angles = {name: motion.crank_angle[state] for name, state in states.items()}
-    return OperatingPoints(press.name, speed, force, results, crank_angles)
+    return OperatingMap(press.name, speed, force, results, crank_angles)
+
+
+def _loads(unit_load: Load | Sequence[Load], loads: Sequence[Load]) -> tuple[Sequence[Load], Sequence[Load]]:
+    """What is multiplied, and what acts at every point the same."""
+    units, constant = (asked(_listed(name, given)) for name, given in (("unit_load", unit_load), ("loads", loads)))
+    if any(isinstance(load, SpringDamper) for load in units):
+        raise PinpressError("unit_load has a spring or damper, which has no amplitude: give it in loads")
+    if any(isinstance(load, TimeForce) for load in (*units, *constant)):
+        raise PinpressError("a TimeForce depends on time, and so on the speed: sweep does such points each by itself")
+    return units, constant
 
 
 @dataclass(frozen=True)
@@ -239,3 +307,10 @@ def _listed(name: str, loads: Any) -> list[Load]:
     if name == "loads":
         raise PinpressError(f"loads is one {type(loads).__name__}: give a list, loads=[...]")
     return [loads]
+
+
+def _unit(name: str) -> str:
+    """Unit of a column."""
+    if name.startswith("angle_of_"):
+        return "rad"
+    return "rad/s" if name == "speed" else "N m" if name.endswith("driving_torque") else "N"
