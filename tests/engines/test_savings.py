@@ -27,10 +27,8 @@ from support.texts import shipped
 import pinpress as pp
 from pinpress.dynamics import inverse_dynamics as reactions
 from pinpress.engines import friction
-from pinpress.engines.planar import bodies as plane_bodies
+from pinpress.engines.planar import bodies, out_of_plane, statics
 from pinpress.engines.planar import inverse_dynamics as plane_dynamics
-from pinpress.engines.planar import out_of_plane as plane_axial
-from pinpress.engines.planar import statics as plane_statics
 from pinpress.engines.spatial import inverse_dynamics as spatial_dynamics
 
 ENGINES = ("plane", "pinocchio")
@@ -347,10 +345,10 @@ def test_a_flat_press_computes_nothing_across_its_plane(monkeypatch, folder, six
     along, across = (pp.loads.PointForce("slide", force) for force in ((0.0, 0.0, 1e5), (0.0, 10.0, 0.0)))
     on_frame = pp.loads.PointForce("frame", (0.0, 10.0, 0.0))
     for function in ("forces", "add"):
-        assert not calls(monkeypatch, plane_axial, function, six_bar, turn, [along, on_frame])
-        assert calls(monkeypatch, plane_axial, function, six_bar, turn, [across])
-        assert calls(monkeypatch, plane_axial, function, *stacked)
-        assert not calls(monkeypatch, plane_axial, function, *stacked, bearings=())
+        assert not calls(monkeypatch, out_of_plane, function, six_bar, turn, [along, on_frame])
+        assert calls(monkeypatch, out_of_plane, function, six_bar, turn, [across])
+        assert calls(monkeypatch, out_of_plane, function, *stacked)
+        assert not calls(monkeypatch, out_of_plane, function, *stacked, bearings=())
 
 
 def test_torque_alone_needs_no_forces_from_link_to_link(monkeypatch, folder, six_bar, turn):
@@ -388,11 +386,11 @@ def test_what_is_not_redundant_shares_nothing(monkeypatch, folder, six_bar, turn
     for bearings, shared in ((None, True), (("O",), True), ((), False)):
         assert calls(monkeypatch, spatial_dynamics, "least", *stacked, engine="pinocchio", bearings=bearings) == shared
         stiff = {"stiffness": dict.fromkeys(stacked[0].bearings, 1e9)}
-        assert calls(monkeypatch, plane_bodies, "least", *stacked, **stiff, bearings=bearings) == shared
-        assert not calls(monkeypatch, plane_bodies, "least", *stacked, bearings=bearings)  # that is the press's, made once
-    assert not calls(monkeypatch, plane_statics, "_shares", six_bar, turn)
-    assert calls(monkeypatch, plane_statics, "_shares", *case("three_rods", folder))
-    assert not calls(monkeypatch, plane_statics, "_shares", *case("three_rods", folder), bearings=())
+        assert calls(monkeypatch, bodies, "least", *stacked, **stiff, bearings=bearings) == shared
+        assert not calls(monkeypatch, bodies, "least", *stacked, bearings=bearings)  # that is the press's, made once
+    assert not calls(monkeypatch, statics, "_shares", six_bar, turn)
+    assert calls(monkeypatch, statics, "_shares", *case("three_rods", folder))
+    assert not calls(monkeypatch, statics, "_shares", *case("three_rods", folder), bearings=())
 
 
 def test_no_friction_is_no_iteration(monkeypatch, six_bar, turn, engine):
