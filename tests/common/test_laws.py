@@ -12,8 +12,6 @@ from support.generators import large_linkages
 from support.texts import without_mass
 
 import pinpress as pp
-from pinpress.drives import transmission as drives
-from pinpress.loads import process as loads
 from pinpress.loads.process import ForceInterval
 
 pytestmark = pytest.mark.usefixtures("time_limit")
@@ -99,7 +97,7 @@ DEPENDS = {
 @pytest.mark.parametrize("name", DEPENDS)
 def test_a_drive_that_depends_on_more_than_it_declares(press, method, name):
     law, problem = DEPENDS[name]
-    for drive in (Own(law), drives.Geared(Own(law), 2.0)):
+    for drive in (Own(law), pp.drives.Geared(Own(law), 2.0)):
         with pytest.raises(pp.PinpressError, match=rf"(Own|Geared): torque.*{problem}"):
             pp.simulate(press, 0.2, drive=drive, method=method, **START)
 
@@ -184,7 +182,7 @@ def test_stretches_that_move(press, method):
 @pytest.mark.parametrize("law", [Count(), lambda t: np.max(t) + 0.0 * np.asarray(t)], ids=["calls", "the whole array"])
 def test_a_force_in_time_that_depends_on_more(press, method, law):
     with pytest.raises(pp.PinpressError, match="TimeForce: force"):
-        pp.simulate(press, 0.2, loads=[loads.TimeForce(law)], method=method, **START)
+        pp.simulate(press, 0.2, loads=[pp.loads.TimeForce(law)], method=method, **START)
 
 
 # ---------------------------------------------------------------------------------------------------- what fails in the middle of a run
@@ -250,7 +248,7 @@ def test_a_force_in_time_that_fails_in_the_middle(press, method):
         return fails(t) if np.max(t) > 0.1 and np.max(t) < 0.3 else 10.0 + 0.0 * np.asarray(t)
 
     with pytest.raises(pp.SimulationError, match=r"TimeForce: force at time 0\.1.* s cannot be worked out") as caught:
-        pp.simulate(press, 0.25, loads=[loads.TimeForce(law)], method=method, **START)
+        pp.simulate(press, 0.25, loads=[pp.loads.TimeForce(law)], method=method, **START)
     assert 0.0 < caught.value.time < 0.3
 
 
@@ -322,7 +320,7 @@ def on_the_way_down(law):
 
 
 def in_time(law):
-    return [loads.TimeForce(lambda time: law(np.asarray(time)))]
+    return [pp.loads.TimeForce(lambda time: law(np.asarray(time)))]
 
 
 KINDS = {

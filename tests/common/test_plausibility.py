@@ -12,7 +12,6 @@ from support import texts
 from support.exploring import examples
 
 import pinpress as pp
-from pinpress.loads import process as loads
 
 URDF = Path(__file__).resolve().parents[2] / "urdf"
 CRANK_SLIDE = (URDF / "crank_slide.urdf").read_text(encoding="utf-8")
@@ -164,11 +163,11 @@ def test_sensible_presses_are_never_warned_of(tmp_path, stroke, ratio, strokes, 
 
 
 IN_MM = {
-    "blanking": loads.Blanking(1e5, 10.0, 5.0),
-    "blanking, thin": loads.Blanking(1e5, 0.9, 0.4),
-    "table": loads.ForceStroke([0.0, 10.0, 20.0], [0.0, 1e5, 2e5]),
-    "piling, datum": loads.ConstantForce(1e5, 0.008, datum=-500.0),
-    "datum": loads.DeepDrawing(1e5, 0.02, datum=-500.0),
+    "blanking": pp.loads.Blanking(1e5, 10.0, 5.0),
+    "blanking, thin": pp.loads.Blanking(1e5, 0.9, 0.4),
+    "table": pp.loads.ForceStroke([0.0, 10.0, 20.0], [0.0, 1e5, 2e5]),
+    "piling, datum": pp.loads.ConstantForce(1e5, 0.008, datum=-500.0),
+    "datum": pp.loads.DeepDrawing(1e5, 0.02, datum=-500.0),
 }
 
 
@@ -208,12 +207,12 @@ def test_loads_on_the_stroke_are_never_warned_of(height, thin, datum):
     press = texts.shipped("crank_slide")
     place = pp.dead_centres(press).bottom_position if datum else None
     given = [
-        loads.Blanking(1e3, height, thin * height, datum=place),
-        loads.DeepDrawing(1e3, height, datum=place),
-        loads.ConstantForce(1e3, height, datum=place),
-        loads.ElasticDie(-height, 1e3, datum=place),
-        loads.ElasticDie(50 * height, 1e3, datum=place),
-        loads.ForceStroke([thin * height, height], [0.0, 1e3], datum=place),
+        pp.loads.Blanking(1e3, height, thin * height, datum=place),
+        pp.loads.DeepDrawing(1e3, height, datum=place),
+        pp.loads.ConstantForce(1e3, height, datum=place),
+        pp.loads.ElasticDie(-height, 1e3, datum=place),
+        pp.loads.ElasticDie(50 * height, 1e3, datum=place),
+        pp.loads.ForceStroke([thin * height, height], [0.0, 1e3], datum=place),
     ]
     with warnings.catch_warnings():
         warnings.simplefilter("error")

@@ -9,7 +9,6 @@ from pinpress.balancing.classical import as_crank_slider
 from pinpress.elasticity.compliance import elasticity
 from pinpress.elasticity.slide_under_load import dead_centre_shift, slide_deflection
 from pinpress.elasticity.springs import Rod, Stiffness
-from pinpress.loads import process as loads
 
 
 def stiffness_of(press):
@@ -76,7 +75,7 @@ def test_process_force_deflects_by_the_compliance():
     """Of a press without weight that turns slowly; without a load nothing of it yields."""
     press = pp.load("jf75g_125", gravity=(0.0, 0.0, 0.0))
     stiffness, motion = stiffness_of(press), pp.cycle(press, 1e-3, points=72)
-    load = loads.Blanking(1.25e6, 0.010, 0.005)
+    load = pp.loads.Blanking(1.25e6, 0.010, 0.005)
     found = slide_deflection(press, motion, stiffness, [load])
     height = motion.slide_position - pp.dead_centres(press).bottom_position
     working = (motion.slide_velocity < 0) & (height > 0.005) & (height <= 0.010)
@@ -119,7 +118,7 @@ def test_refusals():
         with pytest.raises(pp.PinpressError, match="speed"):
             dead_centre_shift(press, stiffness, speed)
     for load in (
-        loads.ElasticDie(0.0, 1e9),
+        pp.loads.ElasticDie(0.0, 1e9),
         pp.loads.PointForce("slide", lambda motion: (0, 0, 1.0)),
         pp.loads.SpringDamper("frame", "slide", 1.0, 2.0),
     ):

@@ -9,10 +9,8 @@ import pytest
 
 import pinpress as pp
 from pinpress import foundation
-from pinpress.drives import transmission as drives
 from pinpress.drives.protocol import SpeedTorqueDrive
 from pinpress.kinematics import measures
-from pinpress.loads import process as loads
 
 ODD = {
     "masked": np.ma.masked_array([1.0, 2.0, 3.0], mask=[0, 1, 0]),
@@ -63,25 +61,27 @@ ENTRIES: dict[str, Callable[[Any], object]] = {
     "end of a spring": lambda v: under(pp.loads.SpringDamper("slide", "frame", 1.0, point2=v)),
     "friction": lambda v: pp.inverse_dynamics(press(), turn(), friction={"P": pp.loads.Friction(v, 0.1)}),
     "stiffness": lambda v: pp.inverse_dynamics(press(), turn(), stiffness={"P": v}),
-    "load": lambda v: loads.ConstantForce(v, 0.01),
-    "height of a load": lambda v: loads.ConstantForce(1.0, v),
-    "heights of a table": lambda v: loads.ForceStroke(v, [1.0, 2.0, 3.0]),
-    "forces of a table": lambda v: loads.ForceStroke([0.0, 0.1, 0.2], v),
-    "force in time": lambda v: under(loads.TimeForce(lambda time: v)),
-    "edges in time": lambda v: loads.TimeForce(lambda time: 0 * time, v),
-    "step": lambda v: loads.step(v, 0.0, 0.0, 1.0, 1.0),
-    "begin of a step": lambda v: loads.step(0.5, v, 0.0, 1.0, 1.0),
+    "load": lambda v: pp.loads.ConstantForce(v, 0.01),
+    "height of a load": lambda v: pp.loads.ConstantForce(1.0, v),
+    "heights of a table": lambda v: pp.loads.ForceStroke(v, [1.0, 2.0, 3.0]),
+    "forces of a table": lambda v: pp.loads.ForceStroke([0.0, 0.1, 0.2], v),
+    "force in time": lambda v: under(pp.loads.TimeForce(lambda time: v)),
+    "edges in time": lambda v: pp.loads.TimeForce(lambda time: 0 * time, v),
+    "step": lambda v: pp.loads.step(v, 0.0, 0.0, 1.0, 1.0),
+    "begin of a step": lambda v: pp.loads.step(0.5, v, 0.0, 1.0, 1.0),
     "duration": lambda v: pp.simulate(press(), v, 1.0),
     "speed at the start": lambda v: pp.simulate(press(), 0.01, v),
     "angle at the start": lambda v: pp.simulate(press(), 0.01, 1.0, v),
-    "steady state": lambda v: pp.steady_state(press(), v, drives.InductionMotor(1e4, 95 * pp.RPM)),
+    "steady state": lambda v: pp.steady_state(press(), v, pp.drives.InductionMotor(1e4, 95 * pp.RPM)),
     "flywheel": lambda v: pp.drives.Flywheel(v),
     "torque": lambda v: pp.drives.ConstantTorque(v),
-    "gear": lambda v: drives.Geared(pp.drives.ConstantTorque(1.0), v),
+    "gear": lambda v: pp.drives.Geared(pp.drives.ConstantTorque(1.0), v),
     "switch": lambda v: pp.drives.SwitchPoint(time=v),
     "clutch": lambda v: pp.drives.Clutch(v),
     "speeds of operating points": lambda v: pp.sweeps.operating_points(press(), v),
-    "forces of operating points": lambda v: pp.sweeps.operating_points(press(), [1.0], forces=v, unit_load=[loads.DeepDrawing(1.0, 0.01)]),
+    "forces of operating points": lambda v: pp.sweeps.operating_points(
+        press(), [1.0], forces=v, unit_load=[pp.loads.DeepDrawing(1.0, 0.01)]
+    ),
     "unit load": lambda v: pp.sweeps.operating_points(press(), [1.0], forces=[1.0], unit_load=[pp.loads.PointForce("slide", v)]),
     "capacity": lambda v: pp.ratings.Capacities(nominal_force=v),
     "capacity of a bearing": lambda v: pp.ratings.Capacities(nominal_force=1e5, bearings={"P": v}),

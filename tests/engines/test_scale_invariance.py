@@ -15,13 +15,11 @@ from extremes.extreme_sizes import scaled
 from support.generators import large_linkages
 
 import pinpress as pp
-from pinpress.drives import couplings
-from pinpress.drives import transmission as drives
-from pinpress.dynamics import applied_loads as forces
+from pinpress.drives import couplings, transmission
+from pinpress.dynamics import applied_loads
 from pinpress.engines import forces as engine_forces
 from pinpress.engines import friction as engine_friction
-from pinpress.loads import friction, link
-from pinpress.loads import process as loads
+from pinpress.loads import friction, link, process
 
 pytestmark = pytest.mark.filterwarnings("ignore::pinpress.PinpressWarning")  # that no press is as large, dense or fast
 
@@ -57,19 +55,19 @@ DIMENSIONS: dict[type, dict[str, tuple[int, int, int] | None]] = {
         "point1": LENGTH,
         "point2": LENGTH,
     },
-    loads.Idle: {"datum": LENGTH},
-    loads.ConstantForce: {"force": FORCE, "height": LENGTH, "datum": LENGTH},
-    loads.Blanking: {"force": FORCE, "start": LENGTH, "end": LENGTH, "stripping": FORCE, "datum": LENGTH},
-    loads.DeepDrawing: {"force": FORCE, "start": LENGTH, "end": LENGTH, "datum": LENGTH},
-    loads.ForceStroke: {"heights": LENGTH, "forces": FORCE, "datum": LENGTH},
-    loads.ElasticDie: {"height": LENGTH, "stiffness": (0, 1, -2), "damping": (0, 1, -1), "datum": LENGTH},
-    loads.TimeForce: {"force": FORCE, "edges": TIME},
+    pp.loads.Idle: {"datum": LENGTH},
+    pp.loads.ConstantForce: {"force": FORCE, "height": LENGTH, "datum": LENGTH},
+    pp.loads.Blanking: {"force": FORCE, "start": LENGTH, "end": LENGTH, "stripping": FORCE, "datum": LENGTH},
+    pp.loads.DeepDrawing: {"force": FORCE, "start": LENGTH, "end": LENGTH, "datum": LENGTH},
+    pp.loads.ForceStroke: {"heights": LENGTH, "forces": FORCE, "datum": LENGTH},
+    pp.loads.ElasticDie: {"height": LENGTH, "stiffness": (0, 1, -2), "damping": (0, 1, -1), "datum": LENGTH},
+    pp.loads.TimeForce: {"force": FORCE, "edges": TIME},
     friction.Friction: {"coefficient": PLAIN, "radius": LENGTH, "viscous": (2, 1, -1)},
-    drives.Flywheel: {"inertia": INERTIA, "speed": RATE},
-    drives.PrescribedSpeed: {"speed": RATE},
-    drives.ConstantTorque: {"value": TORQUE},
-    drives.Geared: {"drive": INSIDE, "ratio": PLAIN, "gear_inertia": INERTIA, "efficiency": PLAIN},
-    drives.InductionMotor: {
+    pp.drives.Flywheel: {"inertia": INERTIA, "speed": RATE},
+    pp.drives.PrescribedSpeed: {"speed": RATE},
+    pp.drives.ConstantTorque: {"value": TORQUE},
+    pp.drives.Geared: {"drive": INSIDE, "ratio": PLAIN, "gear_inertia": INERTIA, "efficiency": PLAIN},
+    pp.drives.InductionMotor: {
         "rated_power": POWER,
         "rated_speed": RATE,
         "frequency": RATE,
@@ -77,7 +75,7 @@ DIMENSIONS: dict[type, dict[str, tuple[int, int, int] | None]] = {
         "breakdown_ratio": PLAIN,
         "inertia": INERTIA,
     },
-    drives.InverterMotor: {
+    pp.drives.InverterMotor: {
         "rated_torque": TORQUE,
         "rated_speed": RATE,
         "frequency": RATE,
@@ -88,7 +86,7 @@ DIMENSIONS: dict[type, dict[str, tuple[int, int, int] | None]] = {
         "curve": PLAIN,
         "inertia": INERTIA,
     },
-    drives.ServoMotor: {
+    pp.drives.ServoMotor: {
         "times": TIME,
         "angles": PLAIN,
         "stiffness": TORQUE,
@@ -97,7 +95,7 @@ DIMENSIONS: dict[type, dict[str, tuple[int, int, int] | None]] = {
         "inertia": INERTIA,
         "rated_torque": TORQUE,
     },
-    drives.SlipClutchMotor: {
+    pp.drives.SlipClutchMotor: {
         "rated_torque": TORQUE,
         "primary_speed": RATE,
         "top_speed": RATE,
@@ -114,8 +112,9 @@ DIMENSIONS: dict[type, dict[str, tuple[int, int, int] | None]] = {
 
 def test_no_field_is_left_out():
     """Of any load, drive, clutch or friction of the library."""
-    public = {cls for room in (loads, drives, couplings, link, friction) for cls in vars(room).values() if dataclasses.is_dataclass(cls)}
-    inner = {loads.ForceInterval, engine_forces.AppliedForce, engine_friction.FrictionLaw}
+    rooms = (process, transmission, couplings, link, friction)
+    public = {cls for room in rooms for cls in vars(room).values() if dataclasses.is_dataclass(cls)}
+    inner = {pp.loads.ForceInterval, engine_forces.AppliedForce, engine_friction.FrictionLaw}
     assert {cls for cls in public if cls.__module__.startswith("pinpress.") and cls not in inner} == set(DIMENSIONS)
     for cls, dimensions in DIMENSIONS.items():
         assert [field.name for field in fields(cls)] == list(dimensions)
@@ -153,12 +152,12 @@ SPRING = pp.loads.SpringDamper("frame", "slide", stiffness=2e5, damping=500.0, f
 LOADS = {
     "point force": pp.loads.PointForce("coupler", (100.0, 0.0, -50.0), (0.1, 0.0, 0.2)),
     "spring": SPRING,
-    "piling": loads.ConstantForce(1e4, 0.05),
-    "blanking": loads.Blanking(3e4, 0.04, -0.01, stripping=5e3),
-    "drawing": loads.DeepDrawing(3e4, 0.05),
-    "table": loads.ForceStroke([0.0, 0.02, 0.06], [2e4, 1e4, 0.0]),
-    "die": loads.ElasticDie(0.02, 1e6, 1e3),
-    "in time": loads.TimeForce(lambda time: 1e3 * np.sin(20.0 * time)),
+    "piling": pp.loads.ConstantForce(1e4, 0.05),
+    "blanking": pp.loads.Blanking(3e4, 0.04, -0.01, stripping=5e3),
+    "drawing": pp.loads.DeepDrawing(3e4, 0.05),
+    "table": pp.loads.ForceStroke([0.0, 0.02, 0.06], [2e4, 1e4, 0.0]),
+    "die": pp.loads.ElasticDie(0.02, 1e6, 1e3),
+    "in time": pp.loads.TimeForce(lambda time: 1e3 * np.sin(20.0 * time)),
 }
 RUBBING = {"A": pp.loads.Friction(0.1, 0.05, 2.0), "C": pp.loads.Friction(0.1, 0.05)}
 
@@ -207,7 +206,7 @@ def test_travel_near_rest_is_told_by_the_size_of_the_press():
     """Punch and stripping: which way the slide moves is decided beside bottom dead centre alike in all units, and as the angles say."""
     blanking, downward = LOADS["blanking"], [True, True, False, False, False]
     for units in (SI, *UNITS):
-        force = forces.apply([grown(blanking, units)], press(units), states(units))[0].force[-5:, 2]
+        force = applied_loads.apply([grown(blanking, units)], press(units), states(units))[0].force[-5:, 2]
         np.testing.assert_array_equal(force > 0, downward)
 
 
@@ -229,11 +228,11 @@ def test_ends_of_a_spring_meet_at_a_share_of_the_press(units):
 
 
 DRIVES = {
-    "torque": drives.ConstantTorque(400.0),
-    "motor": drives.Geared(drives.InductionMotor(30e3, 1460 * pp.RPM, inertia=0.3), 20.0, 5.0, 0.95),
-    "inverter": drives.Geared(drives.InverterMotor(200.0, 1460 * pp.RPM, 45.0, inertia=0.3), 20.0),
-    "slip clutch": drives.Geared(drives.SlipClutchMotor(190.0, 150.0, 138.0, 130.0, lag=0.05, inertia=0.3), 18.0),
-    "servo": drives.ServoMotor([0.0, 0.1, 0.3], [0.0, 0.5, 1.5], 1e6, 1e5, 1e6, inertia=50.0),
+    "torque": pp.drives.ConstantTorque(400.0),
+    "motor": pp.drives.Geared(pp.drives.InductionMotor(30e3, 1460 * pp.RPM, inertia=0.3), 20.0, 5.0, 0.95),
+    "inverter": pp.drives.Geared(pp.drives.InverterMotor(200.0, 1460 * pp.RPM, 45.0, inertia=0.3), 20.0),
+    "slip clutch": pp.drives.Geared(pp.drives.SlipClutchMotor(190.0, 150.0, 138.0, 130.0, lag=0.05, inertia=0.3), 18.0),
+    "servo": pp.drives.ServoMotor([0.0, 0.1, 0.3], [0.0, 0.5, 1.5], 1e6, 1e5, 1e6, inertia=50.0),
 }
 SCENES: dict[str, dict[str, object]] = {
     **{name: {"drive": drive} for name, drive in DRIVES.items()},
@@ -248,10 +247,10 @@ def run(scene, units):
         name: [grown(each, units) for each in value] if isinstance(value, list) else grown(value, units)
         for name, value in SCENES[scene].items()
     }
-    flywheel = grown(drives.Flywheel(500.0), units)
+    flywheel = grown(pp.drives.Flywheel(500.0), units)
     speed = 0.0 if scene in ("servo", "clutch") else SPEED * units.of(*RATE)
     if scene == "clutch":
-        flywheel = grown(drives.Flywheel(500.0, SPEED), units)
+        flywheel = grown(pp.drives.Flywheel(500.0, SPEED), units)
     return pp.simulate(press(units), 0.2 * units.time, speed, 0.0 if scene == "servo" else 3.3, flywheel=flywheel, points=21, **given)
 
 

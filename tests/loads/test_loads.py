@@ -16,7 +16,6 @@ from support.generators.random_linkages import Drawing, four_bar, momentum_balan
 from support.texts import load, shipped
 
 import pinpress as pp
-from pinpress.loads import process as loads
 from pinpress.loads.process import Blanking, ConstantForce, DeepDrawing, ElasticDie, ForceInterval, ForceStroke, Idle, TimeForce, step
 
 ENGINES = ("plane", "pinocchio")
@@ -478,8 +477,8 @@ def test_edges_are_sorted():
 
 def test_datum_is_bottom_dead_centre_or_the_loads_own():
     press = shipped("jf75g_125")
-    assert loads.datum(BLANKING, press) == pytest.approx(-(R + L), abs=1e-14)
-    assert loads.datum(DeepDrawing(FORCE, START, datum=-0.31), press) == -0.31
+    assert pp.loads.datum(BLANKING, press) == pytest.approx(-(R + L), abs=1e-14)
+    assert pp.loads.datum(DeepDrawing(FORCE, START, datum=-0.31), press) == -0.31
     motion = pp.cycle(press, SPEED, angle=ANGLES)
     raised = DeepDrawing(FORCE, START - 0.002, -0.002, datum=-(R + L) + 0.002)
     ours, expected = (pp.inverse_dynamics(press, motion, [given]).driving_torque for given in (raised, DRAWING))
@@ -649,8 +648,8 @@ def test_bad_load_of_inverse_dynamics():
 def test_loads_are_frozen(name):
     with pytest.raises(AttributeError):
         LOADS[name].datum = 1.0
-    assert isinstance(LOADS[name], loads.ProcessLoad)
-    assert not isinstance(TimeForce(piling), loads.ProcessLoad)
+    assert isinstance(LOADS[name], pp.loads.ProcessLoad)
+    assert not isinstance(TimeForce(piling), pp.loads.ProcessLoad)
 
 
 def test_magnitudes_are_copied_and_read_only():

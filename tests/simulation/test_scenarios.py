@@ -18,8 +18,6 @@ from support.oracles import crank_slide_equation as equation
 from support.time_limit import within
 
 import pinpress as pp
-from pinpress.drives import transmission as drives
-from pinpress.loads import process as loads
 from pinpress.simulation import collocation
 from pinpress.simulation.batch import RunBatch
 
@@ -27,7 +25,7 @@ pytestmark = pytest.mark.usefixtures("time_limit")
 
 RPM = pp.RPM
 WHEEL = pp.drives.Flywheel(136.0)  # Zhang 2007, 4.3
-BLANK = loads.Blanking(1.25e6, 0.010, 0.005)
+BLANK = pp.loads.Blanking(1.25e6, 0.010, 0.005)
 BOUND = 1e-9
 
 
@@ -99,21 +97,23 @@ BUILDS = {
     "flywheels": (lambda j: blanked(None, flywheel=pp.drives.Flywheel(j)), {"j": [60.0, 136.0, 400.0, 2000.0]}),
     "torques": (lambda m: blanked(None, drive=pp.drives.ConstantTorque(m)), {"m": [-300.0, 0.0, 567.0, 2000.0]}),
     "motors": (
-        lambda power, j: blanked(None, speed=29.0, drive=drives.Geared(drives.InductionMotor(power, 1465 * RPM, inertia=j), 5.0, 1.0)),
+        lambda power, j: blanked(
+            None, speed=29.0, drive=pp.drives.Geared(pp.drives.InductionMotor(power, 1465 * RPM, inertia=j), 5.0, 1.0)
+        ),
         {"power": [5e3, 1e4, 3e4, 9e4], "j": [0.05, 0.1, 0.2, 0.8]},
     ),
     "lossy motors": (
-        lambda power: blanked(None, drive=drives.Geared(drives.InductionMotor(power, 1465 * RPM), 5.0, efficiency=0.9)),
+        lambda power: blanked(None, drive=pp.drives.Geared(pp.drives.InductionMotor(power, 1465 * RPM), 5.0, efficiency=0.9)),
         {"power": [1.5e4, 3e4]},
     ),
-    "gears": (lambda j: blanked(None, drive=drives.Geared(drives.InductionMotor(3e4, 1465 * RPM), 5.0, j)), {"j": [0.0, 2.0, 50.0]}),
+    "gears": (lambda j: blanked(None, drive=pp.drives.Geared(pp.drives.InductionMotor(3e4, 1465 * RPM), 5.0, j)), {"j": [0.0, 2.0, 50.0]}),
     "inverters": (
-        lambda j: blanked(None, speed=28.0, drive=drives.Geared(drives.InverterMotor(200.0, 1450 * RPM, 45.0, inertia=j), 5.0)),
+        lambda j: blanked(None, speed=28.0, drive=pp.drives.Geared(pp.drives.InverterMotor(200.0, 1450 * RPM, 45.0, inertia=j), 5.0)),
         {"j": [0.0, 0.5]},
     ),
     "slip clutches": (
         lambda speed: blanked(
-            None, speed=speed, drive=drives.Geared(drives.SlipClutchMotor(189.0, 1470 * RPM, 1320 * RPM, 900 * RPM), 3.0)
+            None, speed=speed, drive=pp.drives.Geared(pp.drives.SlipClutchMotor(189.0, 1470 * RPM, 1320 * RPM, 900 * RPM), 3.0)
         ),
         {"speed": [28.0, 31.0, 33.0]},
     ),
@@ -121,34 +121,36 @@ BUILDS = {
         lambda j: blanked(
             None,
             flywheel=pp.drives.Flywheel(j),
-            drive=drives.Geared(drives.SlipClutchMotor(189.0, 1470 * RPM, 1320 * RPM, 900 * RPM, lag=0.1), 3.0),
+            drive=pp.drives.Geared(pp.drives.SlipClutchMotor(189.0, 1470 * RPM, 1320 * RPM, 900 * RPM, lag=0.1), 3.0),
         ),
         {"j": [100.0, 200.0]},
     ),
-    "forces": (lambda f: blanked(None, loads=[loads.Blanking(f, 0.010, 0.005)]), {"f": [0.0, 1e5, 1.25e6, 2e6]}),
+    "forces": (lambda f: blanked(None, loads=[pp.loads.Blanking(f, 0.010, 0.005)]), {"f": [0.0, 1e5, 1.25e6, 2e6]}),
     "stripping": (
-        lambda f, s: blanked(None, loads=[loads.Blanking(f, 0.010, 0.005, stripping=s)]),
+        lambda f, s: blanked(None, loads=[pp.loads.Blanking(f, 0.010, 0.005, stripping=s)]),
         {"f": [1e6, 1e6, 0.0], "s": [0.0, 2e5, 1e5]},
     ),
-    "drawing": (lambda f: blanked(None, loads=[loads.DeepDrawing(f, 0.012, 0.001)]), {"f": [1e5, 8e5]}),
-    "piling": (lambda f: blanked(None, loads=[loads.ConstantForce(f, 5e-5)]), {"f": [0.0, 1e5, 2e6]}),
-    "dies": (lambda k: blanked(None, loads=[loads.ElasticDie(0.002, k)]), {"k": [1e6, 1e8, 1e9]}),
-    "damped dies": (lambda k, c: blanked(None, loads=[loads.ElasticDie(0.002, k, c)]), {"k": [1e7, 1e8], "c": [1e4, 2e5]}),
+    "drawing": (lambda f: blanked(None, loads=[pp.loads.DeepDrawing(f, 0.012, 0.001)]), {"f": [1e5, 8e5]}),
+    "piling": (lambda f: blanked(None, loads=[pp.loads.ConstantForce(f, 5e-5)]), {"f": [0.0, 1e5, 2e6]}),
+    "dies": (lambda k: blanked(None, loads=[pp.loads.ElasticDie(0.002, k)]), {"k": [1e6, 1e8, 1e9]}),
+    "damped dies": (lambda k, c: blanked(None, loads=[pp.loads.ElasticDie(0.002, k, c)]), {"k": [1e7, 1e8], "c": [1e4, 2e5]}),
     "several loads": (
-        lambda f, p: blanked(None, loads=[loads.Blanking(f, 0.010, 0.005), loads.ConstantForce(p, 0.002), loads.ElasticDie(0.001, 1e7)]),
+        lambda f, p: blanked(
+            None, loads=[pp.loads.Blanking(f, 0.010, 0.005), pp.loads.ConstantForce(p, 0.002), pp.loads.ElasticDie(0.001, 1e7)]
+        ),
         {"f": [0.0, 1e6], "p": [1e5, 1e4]},
     ),
     "all at once": (
         lambda speed, j, m, f: {
             "speed": speed,
             "flywheel": pp.drives.Flywheel(j),
-            "drive": drives.Geared(pp.drives.ConstantTorque(m), 2.0, efficiency=0.95),
-            "loads": [loads.Blanking(f, 0.010, 0.005)],
+            "drive": pp.drives.Geared(pp.drives.ConstantTorque(m), 2.0, efficiency=0.95),
+            "loads": [pp.loads.Blanking(f, 0.010, 0.005)],
         },
         {"speed": [30.0, 25.0, 40.0], "j": [100.0, 136.0, 80.0], "m": [100.0, 300.0, 0.0], "f": [1e6, 1e5, 5e5]},
     ),
     "a force in time": (
-        lambda j: blanked(None, flywheel=pp.drives.Flywheel(j), loads=[loads.TimeForce(lambda t: 1e5 * np.sin(30 * t))]),
+        lambda j: blanked(None, flywheel=pp.drives.Flywheel(j), loads=[pp.loads.TimeForce(lambda t: 1e5 * np.sin(30 * t))]),
         {"j": [50.0, 136.0]},
     ),
 }
@@ -168,10 +170,10 @@ def test_tables_of_force(press, size):
     """(n, S) forces; S = 1 too. One falling table, a load that pulls, and heights with no force."""
     heights = [0.012, 0.008, 0.004, 0.0]
     forces = np.array([[0.0, 1e5, 0.0], [8e5, 2e5, -1e4], [1e6, 3e5, 5e5], [0.0, 0.0, 1e6]])[:, :size]
-    runs = pp.simulate(press, 0.7, **blanked(press, loads=[loads.ForceStroke(heights, forces)]))
+    runs = pp.simulate(press, 0.7, **blanked(press, loads=[pp.loads.ForceStroke(heights, forces)]))
     assert len(runs) == size
     for k in range(size):
-        same(runs, k, pp.simulate(press, 0.7, points=121, **blanked(press, loads=[loads.ForceStroke(heights, forces[:, k])])))
+        same(runs, k, pp.simulate(press, 0.7, points=121, **blanked(press, loads=[pp.loads.ForceStroke(heights, forces[:, k])])))
 
 
 @pytest.mark.parametrize(
@@ -180,7 +182,7 @@ def test_tables_of_force(press, size):
         {"speed": [31.0]},
         {"flywheel": pp.drives.Flywheel(np.array([136.0]))},
         {"drive": pp.drives.ConstantTorque(np.array([567.0]))},
-        {"loads": [loads.Blanking(np.array([1.25e6]), 0.010, 0.005)]},
+        {"loads": [pp.loads.Blanking(np.array([1.25e6]), 0.010, 0.005)]},
     ],
     ids=["speed", "flywheel", "drive", "load"],
 )
@@ -203,7 +205,7 @@ def test_other_presses(name):
             "angle": 0.4,
             "flywheel": pp.drives.Flywheel(1000.0),
             "drive": pp.drives.ConstantTorque(500.0),
-            "loads": [loads.ConstantForce(f, 0.004)],
+            "loads": [pp.loads.ConstantForce(f, 0.004)],
         },
         {"speed": [fast, 1.1 * fast, -fast], "f": [1e4, 1e5, 3e4]},
     )
@@ -214,7 +216,7 @@ def test_more_than_fit_at_once(press):
     rng = np.random.default_rng(3)
     values = {"speed": rng.uniform(25, 40, 130), "j": rng.uniform(100, 300, 130), "f": rng.uniform(0, 1.5e6, 130)}
     values["speed"][::3] *= -1
-    build = lambda speed, j, f: blanked(None, speed=speed, flywheel=pp.drives.Flywheel(j), loads=[loads.Blanking(f, 0.010, 0.005)])  # noqa: E731
+    build = lambda speed, j, f: blanked(None, speed=speed, flywheel=pp.drives.Flywheel(j), loads=[pp.loads.Blanking(f, 0.010, 0.005)])  # noqa: E731
     runs = alike(press, 0.4, build, values, which=[*range(0, 130, 16), 63, 64, 127, 129])
     np.testing.assert_allclose(runs.crank_speed[0], values["speed"], rtol=1e-11)
     np.testing.assert_array_equal(np.sign(runs.crank_angle[-1]), np.sign(values["speed"]))
@@ -260,7 +262,7 @@ def test_energy_in_plain_formulas(press):
         speed,
         drive=pp.drives.ConstantTorque(torque),
         flywheel=pp.drives.Flywheel(wheel),
-        loads=[loads.Blanking(force, 0.010, 0.005)],
+        loads=[pp.loads.Blanking(force, 0.010, 0.005)],
         points=51,
     )
     assert runs.errors == (None,) * 12
@@ -354,7 +356,7 @@ def sets(draw):
 @given(values=sets(), angle=st.sampled_from([0.0, 1.0, -2.5, 9.0]))
 def test_random_sets(press, values, angle):
     def build(speed, j, m, f, s):
-        load = loads.Blanking(f, 0.010, 0.005, stripping=s)
+        load = pp.loads.Blanking(f, 0.010, 0.005, stripping=s)
         return {"speed": speed, "angle": angle, "flywheel": pp.drives.Flywheel(j), "drive": pp.drives.ConstantTorque(m), "loads": [load]}
 
     alike(press, 0.4, build, values, points=31)
@@ -385,8 +387,10 @@ def test_a_scenario_is_a_full_run(press, three):
 def test_a_scenario_keeps_its_own_values(press):
     """Of drive, flywheel and load, also inside a gear."""
     power, wheel, force = np.array([1e4, 3e4]), np.array([100.0, 200.0]), np.array([1e5, 5e5])
-    drive = drives.Geared(drives.InductionMotor(power, 1465 * RPM), 5.0)
-    runs = pp.simulate(press, 0.3, speed=29.0, drive=drive, flywheel=pp.drives.Flywheel(wheel), loads=[loads.Blanking(force, 0.010, 0.005)])
+    drive = pp.drives.Geared(pp.drives.InductionMotor(power, 1465 * RPM), 5.0)
+    runs = pp.simulate(
+        press, 0.3, speed=29.0, drive=drive, flywheel=pp.drives.Flywheel(wheel), loads=[pp.loads.Blanking(force, 0.010, 0.005)]
+    )
     for k in range(2):
         run = runs[k]
         assert run.problem.driven.inertia == wheel[k]
@@ -442,7 +446,7 @@ BAD = {
     "lengths": ({"speed": [30.0, 31.0], "flywheel": pp.drives.Flywheel(np.array([1.0, 2.0, 3.0]))}, "speed 2.*inertia 3"),
     "one and three": ({"speed": [30.0], "flywheel": pp.drives.Flywheel(np.array([1.0, 2.0, 3.0]))}, "speed 1.*inertia 3"),
     "lengths of loads": (
-        {"drive": pp.drives.ConstantTorque(np.ones(2)), "loads": [loads.ConstantForce(np.ones(3), 0.01)]},
+        {"drive": pp.drives.ConstantTorque(np.ones(2)), "loads": [pp.loads.ConstantForce(np.ones(3), 0.01)]},
         "value 2.*force 3",
     ),
     "angles": ({"speed": 30.0, "angle": [0.0, 1.0]}, "angle is an array"),
@@ -467,9 +471,9 @@ BAD = {
     "flywheel": ({"flywheel": 136.0}, "flywheel is a float"),
     "no loads": ({"loads": None}, "loads"),
     "a number of loads": ({"loads": 3}, "loads"),
-    "a prescribed speed": ({"drive": drives.PrescribedSpeed(30.0)}, "prescribes"),
+    "a prescribed speed": ({"drive": pp.drives.PrescribedSpeed(30.0)}, "prescribes"),
     "loads at a prescribed speed": (
-        {"drive": drives.PrescribedSpeed(30.0), "speed": 30.0, "loads": [loads.ConstantForce(np.ones(2), 0.01)]},
+        {"drive": pp.drives.PrescribedSpeed(30.0), "speed": 30.0, "loads": [pp.loads.ConstantForce(np.ones(2), 0.01)]},
         "prescribes",
     ),
     "too many turns": ({"duration": 1e6}, "turns"),
@@ -494,9 +498,9 @@ def test_bad_values_in_an_array():
     """Refused where drives and loads are made."""
     for wrong in (math.nan, -1.0):
         with pytest.raises(pp.PinpressError, match="force"):
-            loads.ConstantForce(np.array([1.0, wrong]), 0.01)
+            pp.loads.ConstantForce(np.array([1.0, wrong]), 0.01)
         with pytest.raises(pp.PinpressError, match="rated_power"):
-            drives.InductionMotor(np.array([1.0, wrong]), 150.0)
+            pp.drives.InductionMotor(np.array([1.0, wrong]), 150.0)
     with pytest.raises(pp.PinpressError, match="inertia"):
         pp.drives.Flywheel(np.array([1.0, math.nan]))
 
@@ -515,8 +519,8 @@ def test_arrays_that_are_no_scenarios(press):
     for load in (pp.loads.PointForce("slide", np.array([0.0, 0.0, -100.0]), point=point), spring):
         run = pp.simulate(press, 0.1, speed=30.0, flywheel=WHEEL, loads=[load])
         assert isinstance(run, pp.Run)
-    table = loads.ForceStroke(np.array([0.0, 0.01]), np.array([1e3, 0.0]))
-    motor = drives.Geared(drives.InverterMotor(200.0, 1450 * RPM, 45.0, curve=np.array([[10.0, 300.0], [60.0, 250.0]])), 5.0)
+    table = pp.loads.ForceStroke(np.array([0.0, 0.01]), np.array([1e3, 0.0]))
+    motor = pp.drives.Geared(pp.drives.InverterMotor(200.0, 1450 * RPM, 45.0, curve=np.array([[10.0, 300.0], [60.0, 250.0]])), 5.0)
     assert isinstance(pp.simulate(press, 0.1, speed=28.0, flywheel=WHEEL, drive=motor, loads=[table]), pp.Run)
     runs = pp.simulate(press, 0.1, speed=[28.0, 29.0], flywheel=WHEEL, drive=motor, loads=[table, spring])
     assert len(runs) == 2
@@ -573,11 +577,11 @@ def test_a_torque_curve_of_six_points_is_one_drive(press):
     assert isinstance(run, pp.Run)
     expected = pp.simulate(press, 0.3, **blanked(press, drive=Curve(tuple(POINTS), tuple(TORQUES))))
     np.testing.assert_array_equal(run.crank_angle, expected.crank_angle)
-    assert isinstance(pp.steady_state(press, 30.0, Curve(POINTS, TORQUES), WHEEL, [loads.Blanking(1e5, 0.010, 0.005)]), pp.Run)
+    assert isinstance(pp.steady_state(press, 30.0, Curve(POINTS, TORQUES), WHEEL, [pp.loads.Blanking(1e5, 0.010, 0.005)]), pp.Run)
 
 
 def test_a_drive_that_declares_its_scenarios(press):
-    build = lambda j: blanked(None, drive=drives.Geared(Scaled(POINTS, TORQUES, j), 1.2))  # noqa: E731
+    build = lambda j: blanked(None, drive=pp.drives.Geared(Scaled(POINTS, TORQUES, j), 1.2))  # noqa: E731
     runs = alike(press, 0.3, build, {"j": [0.0, 5.0, 50.0]})
     assert np.ptp(runs.drive_work) > 10.0
 
@@ -625,7 +629,7 @@ def test_every_scenario_keeps_its_energy(press):
 def test_a_scenario_whose_energy_does_not_balance_is_refused(press, monkeypatch):
     """Newton's method given up too early: torques that belong to other speeds, in one scenario much, in one a little. Alone they fare no
     better."""
-    drive = drives.Geared(drives.InductionMotor(np.array([1e4, 3e4]), 1465 * RPM, inertia=0.1), 5.0)
+    drive = pp.drives.Geared(pp.drives.InductionMotor(np.array([1e4, 3e4]), 1465 * RPM, inertia=0.1), 5.0)
     monkeypatch.setattr(collocation, "SETTLED", 1.0)
     runs = pp.simulate(press, 0.5, **blanked(press, speed=10.0, drive=drive, loads=[]))
     assert runs.errors[0] is None

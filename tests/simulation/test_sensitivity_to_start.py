@@ -14,8 +14,6 @@ from support import texts
 from support.oracles.textbook_crank_slide import acceleration, inertia, potential
 
 import pinpress as pp
-from pinpress.drives import transmission as drives
-from pinpress.loads import process as loads
 
 pytestmark = pytest.mark.usefixtures("time_limit")
 
@@ -81,7 +79,7 @@ CLEAR = {
     "started from the top by a motor": {"angle": math.pi, "drive": pp.drives.ConstantTorque(300.0), "flywheel": pp.drives.Flywheel(20.0)},
     "held at the top by a servo": {
         "angle": math.pi,
-        "drive": drives.ServoMotor((0.0, 0.2, 0.4), (math.pi, math.pi, 4.0), 1e4, 1e3, 1e4, inertia=1.0),
+        "drive": pp.drives.ServoMotor((0.0, 0.2, 0.4), (math.pi, math.pi, 4.0), 1e4, 1e3, 1e4, inertia=1.0),
     },
     "held at the top by a brake": {"angle": math.pi, "brake": pp.drives.Brake(500.0)},
     "stopped by a brake": {
@@ -89,7 +87,7 @@ CLEAR = {
         "flywheel": pp.drives.Flywheel(5.0),
         "brake": pp.drives.Brake(2000.0, pp.drives.SwitchPoint(time=0.05)),
     },
-    "on a die": {"speed": 8.0, "flywheel": pp.drives.Flywheel(5.0), "loads": [loads.ElasticDie(0.02, 1e5)]},
+    "on a die": {"speed": 8.0, "flywheel": pp.drives.Flywheel(5.0), "loads": [pp.loads.ElasticDie(0.02, 1e5)]},
 }
 
 

@@ -24,8 +24,6 @@ from support.oracles.crank_slide_equation import Window
 import pinpress as pp
 from pinpress.accuracy.measurements import SPEED_LAW
 from pinpress.accuracy.scenes import build_scene
-from pinpress.drives import transmission as drives
-from pinpress.loads import process as loads
 from pinpress.simulation import angle_solver, hybrid_system, reduced_model
 from pinpress.simulation import simulate as simulation
 from pinpress.simulation.driven_press import driven_press
@@ -121,7 +119,7 @@ def test_jf75g_idle(press, method):
         assert abs(run.slide_acceleration[i] + expected["a_down"]) < 1e-7
 
 
-LOADS = {"blanking_1250kN": loads.Blanking(1.25e6, 0.010, 0.005), "drawing_1250kN": loads.DeepDrawing(1.25e6, 0.010)}
+LOADS = {"blanking_1250kN": pp.loads.Blanking(1.25e6, 0.010, 0.005), "drawing_1250kN": pp.loads.DeepDrawing(1.25e6, 0.010)}
 
 
 @pytest.mark.parametrize("name", LOADS)
@@ -217,7 +215,7 @@ def under_load(name):
 def test_the_fixed_step_with_loads(press, method, name):
     """Edges are located, where forces jump too: order 4 all the same. How the steps fall between them is by chance, and with it the size of
     the errors: they are held below a line of slope 4. An edge that was stepped over would leave 1e-6 or more."""
-    load = {**LOADS, "die": loads.ElasticDie(0.004, 1.5e8, 4e5)}[name]
+    load = {**LOADS, "die": pp.loads.ElasticDie(0.004, 1.5e8, 4e5)}[name]
     steps = np.array([1.6e-3, 8e-4])  # the next takes longer than both
     runs = [zhang(press, 0.45, step=step, points=2, loads=[load], method=method) for step in steps]
     errors = np.array([run.crank_angle[-1] - under_load(name) for run in runs])
@@ -277,17 +275,17 @@ DRAW = Window(0.010, 0.0, -1, lambda h, v: 1.25e6 * math.sin(math.pi * (0.010 - 
 
 # pinpress's load and the equation's windows
 CASES = {
-    "piling": (loads.ConstantForce(6e5, 0.0021), [Window(0.0021, -1.0, 0, lambda h, v: 6e5)]),
+    "piling": (pp.loads.ConstantForce(6e5, 0.0021), [Window(0.0021, -1.0, 0, lambda h, v: 6e5)]),
     "blanking": (LOADS["blanking_1250kN"], [BLANK]),
-    "stripping": (loads.Blanking(1.25e6, 0.010, 0.005, stripping=1.5e5), [BLANK, Window(0.010, 0.005, 1, lambda h, v: -1.5e5)]),
+    "stripping": (pp.loads.Blanking(1.25e6, 0.010, 0.005, stripping=1.5e5), [BLANK, Window(0.010, 0.005, 1, lambda h, v: -1.5e5)]),
     "drawing": (LOADS["drawing_1250kN"], [DRAW]),
     "table": (
-        loads.ForceStroke([0.012, 0.009, 0.004, 0.001], [1e5, 7e5, 9e5, 2e5]),
+        pp.loads.ForceStroke([0.012, 0.009, 0.004, 0.001], [1e5, 7e5, 9e5, 2e5]),
         [line(0.009, 7e5, 0.012, 1e5), line(0.004, 9e5, 0.009, 7e5), line(0.001, 2e5, 0.004, 9e5)],
     ),
-    "die": (loads.ElasticDie(0.003, 2e8), [die(0.003, 2e8, 0.0)]),
-    "damped_die": (loads.ElasticDie(0.003, 2e8, 5e5), [die(0.003, 2e8, 5e5)]),
-    "cushion_that_lags": (loads.ElasticDie(0.012, 1e7, 2e6), [die(0.012, 1e7, 2e6)]),  # contact is lost on the way up, below its height
+    "die": (pp.loads.ElasticDie(0.003, 2e8), [die(0.003, 2e8, 0.0)]),
+    "damped_die": (pp.loads.ElasticDie(0.003, 2e8, 5e5), [die(0.003, 2e8, 5e5)]),
+    "cushion_that_lags": (pp.loads.ElasticDie(0.012, 1e7, 2e6), [die(0.012, 1e7, 2e6)]),  # contact is lost on the way up, below its height
 }
 
 
@@ -311,7 +309,7 @@ def test_where_heights_are_measured_from_does_not_change_how_a_die_is_solved(pre
     """Panels are cut where the contact is lost; cut elsewhere they are twice as many, or the end is missed by some 1e-6."""
     height, stiffness, damping = die
     bottom = pp.dead_centres(press).bottom_position
-    given = [loads.ElasticDie(height, stiffness, damping), loads.ElasticDie(bottom + height, stiffness, damping, datum=0.0)]
+    given = [pp.loads.ElasticDie(height, stiffness, damping), pp.loads.ElasticDie(bottom + height, stiffness, damping, datum=0.0)]
     by_bottom, by_zero = (zhang(press, 0.45, loads=[each], points=61) for each in given)
     assert by_bottom.stats.steps == by_zero.stats.steps
     np.testing.assert_allclose(by_bottom.crank_angle, by_zero.crank_angle, rtol=0.0, atol=1e-12)
@@ -324,7 +322,10 @@ def test_several_loads_at_once(press, method):
 
 
 def test_two_dies_that_part_at_different_times(press, method):
-    acting, windows = [loads.ElasticDie(0.006, 1e8, 1e5), loads.ElasticDie(0.006, 5e7, 5e5)], [die(0.006, 1e8, 1e5), die(0.006, 5e7, 5e5)]
+    acting, windows = (
+        [pp.loads.ElasticDie(0.006, 1e8, 1e5), pp.loads.ElasticDie(0.006, 5e7, 5e5)],
+        [die(0.006, 1e8, 1e5), die(0.006, 5e7, 5e5)],
+    )
     run = zhang(press, 0.45, loads=acting, points=61, method=method)
     same(run, equation.solve(run.time, W0, J0, torque=constant, windows=windows))
 
@@ -333,7 +334,7 @@ def test_a_force_in_time(press, method):
     """Zhang's pulse about 0.2 s, made of ADAMS' STEP: the press comes by with its slide elsewhere."""
 
     def pulse(time):
-        return 4e5 * (loads.step(time, 0.1975, 0.0, 0.199, 1.0) - loads.step(time, 0.201, 0.0, 0.2025, 1.0))
+        return 4e5 * (pp.loads.step(time, 0.1975, 0.0, 0.199, 1.0) - pp.loads.step(time, 0.201, 0.0, 0.2025, 1.0))
 
     def plain(time):
         if 0.199 <= time <= 0.201:
@@ -342,7 +343,7 @@ def test_a_force_in_time(press, method):
         return 4e5 * share * share * (3 - 2 * share) if share > 0 else 0.0
 
     edges = (0.1975, 0.199, 0.201, 0.2025)
-    run = zhang(press, 0.3, loads=[loads.TimeForce(pulse, edges)], points=61, method=method)
+    run = zhang(press, 0.3, loads=[pp.loads.TimeForce(pulse, edges)], points=61, method=method)
     same(run, equation.solve(run.time, W0, J0, torque=constant, in_time=plain, instants=edges))
     assert np.abs(run.load_work).max() > 40
 
@@ -350,7 +351,7 @@ def test_a_force_in_time(press, method):
 def test_a_datum_of_its_own(press, method):
     """Heights from a slide position other than that of bottom dead centre."""
     bottom = pp.dead_centres(press).bottom_position
-    moved = loads.Blanking(1.25e6, 0.010 - 0.2, 0.005 - 0.2, datum=bottom + 0.2)
+    moved = pp.loads.Blanking(1.25e6, 0.010 - 0.2, 0.005 - 0.2, datum=bottom + 0.2)
     runs = [zhang(press, 0.3, loads=[load], points=31, method=method) for load in (moved, LOADS["blanking_1250kN"])]
     np.testing.assert_allclose(runs[0].crank_angle, runs[1].crank_angle, rtol=0, atol=1e-9)
 
@@ -374,7 +375,7 @@ def test_backwards(press, method, name):
 
 def test_a_rebound_from_the_die(press, method):
     """Too slow to pass bottom dead centre: the slide stops on the die, and its damper takes energy on the way down and up."""
-    load, windows = loads.ElasticDie(0.006, 2e8, 2e5), [die(0.006, 2e8, 2e5)]
+    load, windows = pp.loads.ElasticDie(0.006, 2e8, 2e5), [die(0.006, 2e8, 2e5)]
     run = zhang(press, 1.5, speed=5.0, angle=math.pi, drive=None, loads=[load], points=76, method=method)
     solution = equation.solve(run.time, 5.0, J0, angle=math.pi, windows=windows)
     assert sum(speed == 0 for _, _, speed in solution.crossings) == 1
@@ -384,7 +385,7 @@ def test_a_rebound_from_the_die(press, method):
 
 def test_swings_from_rest(press, method):
     """A cushion that pushes everywhere lets it swing about top dead centre; a load on the way down takes some of that at every swing."""
-    acting = [loads.ConstantForce(2000.0, 0.05), loads.DeepDrawing(400.0, 0.020, 0.012)]
+    acting = [pp.loads.ConstantForce(2000.0, 0.05), pp.loads.DeepDrawing(400.0, 0.020, 0.012)]
     windows = [
         Window(0.05, -1.0, 0, lambda h, v: 2000.0),
         Window(0.020, 0.012, -1, lambda h, v: 400 * math.sin(math.pi * (0.020 - h) / 0.008)),
@@ -470,7 +471,7 @@ def geared_induction(efficiency):
         shaft = motor(time, angle, speed, states)
         return i * shaft * (efficiency if shaft * speed >= 0 else 1 / efficiency)
 
-    drive = drives.Geared(drives.InductionMotor(3e4, 1465 * pp.RPM, breakdown_ratio=2.6, inertia=0.3), i, 2.0, efficiency)
+    drive = pp.drives.Geared(pp.drives.InductionMotor(3e4, 1465 * pp.RPM, breakdown_ratio=2.6, inertia=0.3), i, 2.0, efficiency)
     corner = lambda time, angle, speed, states: i * speed - synchronous  # noqa: E731
     return Driven(drive, 32.5, 0.45, 0.3 * i**2 + 2.0, {"torque": torque, "motor": motor, "corners": [corner]})
 
@@ -482,13 +483,13 @@ def inverter():
     def motor(time, angle, speed, states):
         return min(max(slope * (synchronous - i * speed), -240.0), 240.0)
 
-    motor_ = drives.InverterMotor(200.0, 1450 * pp.RPM, 40.0, overload=1.2)
+    motor_ = pp.drives.InverterMotor(200.0, 1450 * pp.RPM, 40.0, overload=1.2)
     corners = [lambda t, q, w, s, side=side: i * w - synchronous - side * 240.0 / slope for side in (1, -1)]
-    return Driven(drives.Geared(motor_, i), 29.0, 0.45, 0.0, {"torque": lambda *a: i * motor(*a), "motor": motor, "corners": corners})
+    return Driven(pp.drives.Geared(motor_, i), 29.0, 0.45, 0.0, {"torque": lambda *a: i * motor(*a), "motor": motor, "corners": corners})
 
 
 def slipping(lag):
-    drive = drives.SlipClutchMotor(189.0, 36.0, 34.0, 30.0, lag=lag, inertia=1.5)
+    drive = pp.drives.SlipClutchMotor(189.0, 36.0, 34.0, 30.0, lag=lag, inertia=1.5)
     corners = [lambda t, q, w, s: w - 30.0, lambda t, q, w, s: GAIN * (30.0 - w) - 1.0]
     if not lag:
         return Driven(drive, 29.0, 0.6, 1.5, {"torque": lambda t, q, w, s: slip_clutch(w, wanted(w)), "corners": corners})
@@ -497,7 +498,7 @@ def slipping(lag):
 
 
 def servo_motor():
-    drive = drives.ServoMotor([0.0, 1.0], [0.0, 4 * math.pi], 2e5, 3e3, 5e3, inertia=4.0)
+    drive = pp.drives.ServoMotor([0.0, 1.0], [0.0, 4 * math.pi], 2e5, 3e3, 5e3, inertia=4.0)
     torque = lambda t, q, w, s: min(max(servo(t, q, w), -5e3), 5e3)  # noqa: E731
     corners = [lambda t, q, w, s, side=side: servo(t, q, w) - side * 5e3 for side in (1, -1)]
     return Driven(drive, 0.0, 1.2, 4.0, {"torque": torque, "corners": corners, "instants": (1.0,)})
@@ -506,7 +507,7 @@ def servo_motor():
 DRIVES = {
     "constant": lambda: Driven(pp.drives.ConstantTorque(M0), W0, 0.45, 0.0, {"torque": constant}),
     "induction": lambda: Driven(
-        drives.InductionMotor(3e4, 30.5, poles=20, inertia=6.0),
+        pp.drives.InductionMotor(3e4, 30.5, poles=20, inertia=6.0),
         30.0,
         0.45,
         6.0,
@@ -527,7 +528,7 @@ def driven(name, load):
     case = DRIVES[name]()
     given, windows = ([CASES[load][0]], CASES[load][1]) if load in CASES else ([], [])
     if name == "servo" and load in CASES:  # 5 kN m do not press 1250 kN
-        given, windows = [loads.ConstantForce(8e4, 0.004)], [Window(0.004, -1.0, 0, lambda h, v: 8e4)]
+        given, windows = [pp.loads.ConstantForce(8e4, 0.004)], [Window(0.004, -1.0, 0, lambda h, v: 8e4)]
     times = np.linspace(0.0, case.duration, 61)
     return case, given, equation.solve(times, case.speed, J0 + case.inertia, windows=windows, **case.options)
 
@@ -548,7 +549,7 @@ def test_a_drive(press, method, name, load):
 @pytest.mark.parametrize("name", ["geared", "lossy_induction", "slip_clutch", "inverter"])
 def test_a_drive_through_standstill(press, method, name):
     """Braked and turned round by its drive, or brought forward; with losses in the gears its torque jumps there."""
-    geared = Driven(drives.Geared(pp.drives.ConstantTorque(-400.0), 1.0, 0.0, 0.9), 3.0, 1.5, 0.0, {})
+    geared = Driven(pp.drives.Geared(pp.drives.ConstantTorque(-400.0), 1.0, 0.0, 0.9), 3.0, 1.5, 0.0, {})
     geared.options["torque"] = lambda t, q, w, s: -400.0 * (0.9 if w <= 0 else 1 / 0.9)
     case = geared if name == "geared" else DRIVES[name]()
     speed = 3.0 if name == "geared" else -4.0
@@ -560,9 +561,11 @@ def test_a_drive_through_standstill(press, method, name):
 
 def test_a_drive_that_turns_backwards(press, method):
     """Through gears of negative ratio a motor turns the crank the other way: a mirrored run, as the JF75G-125 is its own mirror image."""
-    motor = drives.InductionMotor(3e4, 1465 * pp.RPM)
+    motor = pp.drives.InductionMotor(3e4, 1465 * pp.RPM)
     runs = [
-        zhang(press, 0.4, speed=29.0 * way, drive=drives.Geared(motor, way * 5.0), loads=[CASES["stripping"][0]], points=41, method=method)
+        zhang(
+            press, 0.4, speed=29.0 * way, drive=pp.drives.Geared(motor, way * 5.0), loads=[CASES["stripping"][0]], points=41, method=method
+        )
         for way in (1, -1)
     ]
     np.testing.assert_allclose(runs[1].crank_angle, -runs[0].crank_angle, rtol=0, atol=1e-8)
@@ -573,7 +576,7 @@ def test_swings_through_both_limits_of_a_drive():
     """A crank that swings through the corners of an inverter's torque: where it stops is known only once these are. One integration, whose
     progress goes forward, and the motion that the other method finds."""
     press, told = texts.shipped("crank_slide"), []
-    motor = drives.Geared(drives.InverterMotor(0.0147, 1440 * pp.RPM, 50.0), 72.455)
+    motor = pp.drives.Geared(pp.drives.InverterMotor(0.0147, 1440 * pp.RPM, 50.0), 72.455)
     options = {"speed": -2.07, "angle": 7.3377, "flywheel": pp.drives.Flywheel(1.846), "drive": motor, "points": 31}
     run, other = pp.simulate(press, 1.147, progress=told.append, **options), pp.simulate(press, 1.147, method="constraint", **options)
     assert told == sorted(told)
@@ -585,7 +588,9 @@ def test_swings_through_both_limits_of_a_drive():
 def test_a_prescribed_speed(press, speed):
     """The torque that it takes, in closed form, whatever the flywheel; for the drive's work the slide's is added to what is stored."""
     load, windows = CASES["stripping"]
-    run = pp.simulate(press, 0.5, drive=drives.PrescribedSpeed(speed), flywheel=pp.drives.Flywheel(J0), loads=[load], points=101, angle=0.3)
+    run = pp.simulate(
+        press, 0.5, drive=pp.drives.PrescribedSpeed(speed), flywheel=pp.drives.Flywheel(J0), loads=[load], points=101, angle=0.3
+    )
     np.testing.assert_allclose(run.crank_angle, 0.3 + speed * run.time, rtol=0, atol=1e-9)
     np.testing.assert_allclose(run.crank_speed, speed, rtol=1e-12)
     np.testing.assert_allclose(run.crank_acceleration, 0, atol=1e-6)
@@ -812,7 +817,7 @@ def test_a_clutch_that_slips_again(press):
 def test_inverse_dynamics_gives_the_torque_back(press, method, name):
     """The torque that the motion takes is that of the drive, less what accelerates flywheel and rotor."""
     case = DRIVES[name]()
-    work = [loads.ConstantForce(8e4, 0.004)]
+    work = [pp.loads.ConstantForce(8e4, 0.004)]
     run = zhang(press, case.duration, speed=case.speed, drive=case.drive, loads=work, points=61, method=method)
     for engine in ("plane", "pinocchio"):
         result = pp.inverse_dynamics(press, run, loads=work, engine=engine)
@@ -915,7 +920,7 @@ def test_both_methods_on_the_presses(name):
     press = texts.shipped(name)
     heavy = name.startswith("zxn2")
     ends = pp.dead_centres(press)
-    work = loads.Blanking(3e4 if heavy else 4e3, 0.3 * ends.stroke, 0.1 * ends.stroke, stripping=500.0)
+    work = pp.loads.Blanking(3e4 if heavy else 4e3, 0.3 * ends.stroke, 0.1 * ends.stroke, stripping=500.0)
     spring = pp.loads.SpringDamper("frame", press.slide, 2e4, 300.0, 0.2, point1=(0.1, 0.0, -1.5))
     push = pp.loads.PointForce(press.slide, (30.0, 0.0, -200.0), (0.05, 0.0, 0.1))
     options = {
@@ -1037,7 +1042,7 @@ def test_states_are_counted_by_the_way_that_the_crank_makes(speed):
 @pytest.mark.parametrize("corners", [(1.0, 2.0, 4.0), (4.0, 1.0, 2.0)])
 def test_the_side_of_every_corner(corners):
     """Of one that is passed it changes, of the others it stays; at the start it is where the speed is, or tends to from the corner up."""
-    drive = drives.InverterMotor(200.0, 1450 * pp.RPM, 40.0)
+    drive = pp.drives.InverterMotor(200.0, 1450 * pp.RPM, 40.0)
     driven = driven_press(texts.shipped("crank_slide"), drive, None, [], None, None)
     driven.__dict__["corners"] = corners
     found = hybrid_system.HybridSystem(reduced_model.ReducedDynamics(driven.model), driven)

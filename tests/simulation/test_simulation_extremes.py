@@ -25,8 +25,6 @@ from support.oracles.textbook_crank_slide import BOTTOM, GRAVITY, R, acceleratio
 from support.texts import shipped
 
 import pinpress as pp
-from pinpress.drives import transmission as drives
-from pinpress.loads import process as loads
 from pinpress.loads.process import Blanking, ConstantForce, DeepDrawing, ElasticDie, ForceInterval
 
 METHODS = ("reduced", "constraint")
@@ -165,16 +163,16 @@ def at_height(wanted):
 
 # ------------------------------------------------------------------------------------------------------------------------------- stalls
 
-MOTOR = drives.InductionMotor(5e3, 1440 * pp.RPM, inertia=0.02)
+MOTOR = pp.drives.InductionMotor(5e3, 1440 * pp.RPM, inertia=0.02)
 DRIVES = {
     "none": None,
     "constant": pp.drives.ConstantTorque(600.0),
-    "induction": drives.Geared(MOTOR, 20.0, 1.0),
-    "induction with losses": drives.Geared(MOTOR, 20.0, 1.0, 0.9),
-    "inverter": drives.Geared(drives.InverterMotor(30.0, 1440 * pp.RPM, 50.0, inertia=0.02), 20.0),
-    "slip clutch": drives.Geared(drives.SlipClutchMotor(30.0, 1450 * pp.RPM, 1320 * pp.RPM, 1200 * pp.RPM, inertia=0.1), 20.0),
-    "slip clutch with lag": drives.Geared(drives.SlipClutchMotor(30.0, 1450 * pp.RPM, 1320 * pp.RPM, 1200 * pp.RPM, lag=0.1), 20.0),
-    "servo": drives.ServoMotor([0.0, 1.0], [3.0, 9.0], 1e4, 1e2, 5e3, inertia=2.0),
+    "induction": pp.drives.Geared(MOTOR, 20.0, 1.0),
+    "induction with losses": pp.drives.Geared(MOTOR, 20.0, 1.0, 0.9),
+    "inverter": pp.drives.Geared(pp.drives.InverterMotor(30.0, 1440 * pp.RPM, 50.0, inertia=0.02), 20.0),
+    "slip clutch": pp.drives.Geared(pp.drives.SlipClutchMotor(30.0, 1450 * pp.RPM, 1320 * pp.RPM, 1200 * pp.RPM, inertia=0.1), 20.0),
+    "slip clutch with lag": pp.drives.Geared(pp.drives.SlipClutchMotor(30.0, 1450 * pp.RPM, 1320 * pp.RPM, 1200 * pp.RPM, lag=0.1), 20.0),
+    "servo": pp.drives.ServoMotor([0.0, 1.0], [3.0, 9.0], 1e4, 1e2, 5e3, inertia=2.0),
 }
 
 
@@ -226,7 +224,7 @@ def test_an_inverter_at_its_limit(press, method):
 
 def test_an_inverter_passed_through(press, method):
     """The crank swings through its synchronous speed: from one limit to the other within 0.3 rad/s, back and forth."""
-    motor = drives.Geared(drives.InverterMotor(0.0147, 1440 * pp.RPM, 50.0), 72.455)
+    motor = pp.drives.Geared(pp.drives.InverterMotor(0.0147, 1440 * pp.RPM, 50.0), 72.455)
     result = run(press, 1.147, speed=-2.07, angle=7.3377, flywheel=pp.drives.Flywheel(1.846), drive=motor, method=method)
     same(result, reference(1.147, -2.07, 7.3377, 1.846, lambda speed: float(motor.torque(speed))), 1e-6)  # steps across corners
 
@@ -335,7 +333,13 @@ def test_a_pile_up_to_top_dead_centre_and_beyond(press, method, edge):
 @pytest.mark.filterwarnings("ignore::pinpress.PinpressWarning")  # such extremes are warned of
 @pytest.mark.parametrize(
     "load",
-    [Blanking(5e3, 0.3, 0.25), Blanking(5e3, -0.1, -0.2), Blanking(5e3, 0.05, 0.02, datum=100.0), ConstantForce(0.0, 0.05), loads.Idle()],
+    [
+        Blanking(5e3, 0.3, 0.25),
+        Blanking(5e3, -0.1, -0.2),
+        Blanking(5e3, 0.05, 0.02, datum=100.0),
+        ConstantForce(0.0, 0.05),
+        pp.loads.Idle(),
+    ],
     ids=["above", "below", "far", "nothing", "idle"],
 )
 def test_loads_that_are_never_met(press, method, load):
@@ -549,7 +553,7 @@ def test_a_clutch_on_a_standing_flywheel(press, method):
 def test_a_brake_that_holds_a_load(method):
     """A load that pushes on the way down alone, and a closed brake: the press stands, which is no error."""
     zxn2 = shipped("zxn2_3000b")
-    stroke = loads.ForceStroke([0.02, 0.05, 0.08], [1e7, 1.3e7, 0.0])
+    stroke = pp.loads.ForceStroke([0.02, 0.05, 0.08], [1e7, 1.3e7, 0.0])
     result = run(zxn2, 0.1, speed=-60.0, angle=1.7, loads=[stroke], brake=pp.drives.Brake(1.2e5), method=method)
     assert result.crank_speed[-1] == 0.0
 
@@ -812,7 +816,7 @@ def test_broken_datum(press, method, datum):
 @pytest.mark.parametrize("force", [lambda t: t * math.nan, lambda t: None, broken], ids=["nan", "None", "error"])
 def test_broken_forces_in_time(press, method, force):
     with pytest.raises(pp.PinpressError, match="TimeForce"):
-        pp.simulate(press, 1.0, **BOTH_WAYS, loads=[loads.TimeForce(force)], method=method)
+        pp.simulate(press, 1.0, **BOTH_WAYS, loads=[pp.loads.TimeForce(force)], method=method)
 
 
 class Drive:
@@ -956,14 +960,14 @@ def scene(seed):
         ConstantForce(force, low),
         DeepDrawing(force, high, low),
         ElasticDie(low, 3 * force / stroke),
-        loads.ForceStroke([low, 0.5 * (low + high), high], [force, 0.5 * force, 0.0]),
+        pp.loads.ForceStroke([low, 0.5 * (low + high), high], [force, 0.5 * force, 0.0]),
     )
     torque = wheel * speed**2 / 20
     motors = (
         None,
         pp.drives.ConstantTorque(torque * float(rng.choice([-1, 1]))),
-        drives.Geared(drives.InductionMotor(5 * torque, 1440 * pp.RPM), 150 / speed, efficiency=0.9),
-        drives.Geared(drives.InverterMotor(abs(torque * speed) / 150, 1440 * pp.RPM, 50.0), 150 / speed),
+        pp.drives.Geared(pp.drives.InductionMotor(5 * torque, 1440 * pp.RPM), 150 / speed, efficiency=0.9),
+        pp.drives.Geared(pp.drives.InverterMotor(abs(torque * speed) / 150, 1440 * pp.RPM, 50.0), 150 / speed),
     )
     chosen = [every[k] for k in rng.choice(len(every), rng.integers(0, 3), replace=False)]
     brake = (

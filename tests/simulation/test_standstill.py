@@ -16,8 +16,6 @@ from support import texts
 from support.oracles.textbook_crank_slide import acceleration, lever, potential, slope
 
 import pinpress as pp
-from pinpress.drives import transmission as drives
-from pinpress.loads import process as loads
 from pinpress.loads.process import ForceInterval
 
 pytestmark = pytest.mark.usefixtures("time_limit")
@@ -124,8 +122,8 @@ HEIGHTS, FORCES = [0.0, 0.002, 0.004], [1.2e6, 4e5, 0.0]
 def test_a_servo_press_that_dwells_on_its_work(knuckle, method):
     """The program turns back beside bottom dead centre; the table holds the slide on its way down until the servo overcomes it."""
     aim = pp.dead_centres(knuckle).bottom_angle - 0.2
-    servo = drives.ServoMotor((0.0, 0.6, 2.2, 2.8), (0.0, aim, aim, 2 * np.pi), 1e5, 5e3, 2e5, inertia=50.0)
-    coining = loads.ForceStroke(HEIGHTS, FORCES)
+    servo = pp.drives.ServoMotor((0.0, 0.6, 2.2, 2.8), (0.0, aim, aim, 2 * np.pi), 1e5, 5e3, 2e5, inertia=50.0)
+    coining = pp.loads.ForceStroke(HEIGHTS, FORCES)
     run = pp.simulate(knuckle, 1.1, drive=servo, flywheel=pp.drives.Flywheel(10.0), loads=[coining], points=551, method=method)
     still = np.flatnonzero((run.crank_speed == 0.0) & (run.time > 0.1))
     assert len(still) > 20
@@ -143,10 +141,10 @@ def test_a_servo_press_that_dwells_on_its_work(knuckle, method):
 
 
 def test_a_press_that_stands_to_the_end_says_so(press, method):
-    servo = drives.ServoMotor([0.0, 1.0], [3.0, 9.0], 1e4, 1e2, 5e3, inertia=2.0)
+    servo = pp.drives.ServoMotor([0.0, 1.0], [3.0, 9.0], 1e4, 1e2, 5e3, inertia=2.0)
     with pytest.warns(pp.PinpressWarning, match=r"the press stands from 0\.\d+ s to the end, at crank angle .* deg"):
         run = pp.simulate(
-            press, 1.0, 5.0, 3.0, drive=servo, flywheel=pp.drives.Flywheel(5.0), loads=[loads.Blanking(1e6, 0.05, 0.02)], method=method
+            press, 1.0, 5.0, 3.0, drive=servo, flywheel=pp.drives.Flywheel(5.0), loads=[pp.loads.Blanking(1e6, 0.05, 0.02)], method=method
         )
     assert run.crank_speed[-1] == 0.0
     assert np.ptp(run.crank_angle[run.time > 0.9]) == 0.0

@@ -20,15 +20,13 @@ from support.oracles.crank_slide_equation import Window
 from support.time_limit import LIMIT, within
 
 import pinpress as pp
-from pinpress.drives import transmission as drives
-from pinpress.loads import process as loads
 
 pytestmark = pytest.mark.usefixtures("time_limit")
 
 RPM = pp.RPM
 J0, SPEED = 136.0, 300 * RPM  # Zhang 2007, 4.3: flywheel and speed of the JF75G-125
 WHEEL = pp.drives.Flywheel(J0)
-BLANK = loads.Blanking(1.25e6, 0.010, 0.005)
+BLANK = pp.loads.Blanking(1.25e6, 0.010, 0.005)
 WORK = 2 / math.pi * 1.25e6 * 0.005  # of a quarter sine
 ENERGY = 0.5 * J0 * SPEED**2
 
@@ -44,15 +42,15 @@ def textbook():
 
 
 def slip_clutch(lag=0.0, ratio=3.0):
-    return drives.Geared(drives.SlipClutchMotor(189.0, 1470 * RPM, 1320 * RPM, 900 * RPM, lag=lag), ratio)
+    return pp.drives.Geared(pp.drives.SlipClutchMotor(189.0, 1470 * RPM, 1320 * RPM, 900 * RPM, lag=lag), ratio)
 
 
 def induction(power=3e4, ratio=5.0, inertia=0.2, efficiency=1.0):
-    return drives.Geared(drives.InductionMotor(power, 1465 * RPM, inertia=inertia), ratio, 0.0, efficiency)
+    return pp.drives.Geared(pp.drives.InductionMotor(power, 1465 * RPM, inertia=inertia), ratio, 0.0, efficiency)
 
 
 def inverter():
-    return drives.Geared(drives.InverterMotor(200.0, 1450 * RPM, 45.0), 5.0)
+    return pp.drives.Geared(pp.drives.InverterMotor(200.0, 1450 * RPM, 45.0), 5.0)
 
 
 @pytest.fixture(scope="module")
@@ -133,7 +131,7 @@ CASES = {
 PRESSED = {
     "blanking": (BLANK, [Window(0.010, 0.005, -1, lambda h, v: 1.25e6 * math.sin(math.pi / 2 * (0.010 - h) / 0.005))], WORK),
     "stripping": (
-        loads.Blanking(6e5, 0.010, 0.005, stripping=1.5e5),
+        pp.loads.Blanking(6e5, 0.010, 0.005, stripping=1.5e5),
         [
             Window(0.010, 0.005, -1, lambda h, v: 6e5 * math.sin(math.pi / 2 * (0.010 - h) / 0.005)),
             Window(0.010, 0.005, 1, lambda h, v: -1.5e5),
@@ -253,14 +251,14 @@ def test_a_run_of_stiff_motors(press, name):
 
 # ------------------------------------------------------------------------------------------------------------------- other presses
 
-TEXTBOOK_MOTOR = drives.Geared(drives.InductionMotor(7.5e3, 1440 * RPM, inertia=0.02), 20.0)
+TEXTBOOK_MOTOR = pp.drives.Geared(pp.drives.InductionMotor(7.5e3, 1440 * RPM, inertia=0.02), 20.0)
 PRESSES = {
-    "zxn2_3000b": (70 * RPM, induction(7.5e4, 20.0, 0.6), 2000.0, loads.DeepDrawing(1e6, 0.05), 2 / math.pi * 1e6 * 0.05),
-    "zxn2_3000b_balanced": (70 * RPM, induction(7.5e4, 20.0, 0.6), 2000.0, loads.DeepDrawing(1e6, 0.05), 2 / math.pi * 1e6 * 0.05),
-    "thin_wall": (70 * RPM, induction(7.5e3, 20.0, 0.0), 500.0, loads.Blanking(2e5, 0.05, 0.04), 2 / math.pi * 2e5 * 0.01),
+    "zxn2_3000b": (70 * RPM, induction(7.5e4, 20.0, 0.6), 2000.0, pp.loads.DeepDrawing(1e6, 0.05), 2 / math.pi * 1e6 * 0.05),
+    "zxn2_3000b_balanced": (70 * RPM, induction(7.5e4, 20.0, 0.6), 2000.0, pp.loads.DeepDrawing(1e6, 0.05), 2 / math.pi * 1e6 * 0.05),
+    "thin_wall": (70 * RPM, induction(7.5e3, 20.0, 0.0), 500.0, pp.loads.Blanking(2e5, 0.05, 0.04), 2 / math.pi * 2e5 * 0.01),
     "jf75g_125_symmetric": (SPEED, induction(), J0, BLANK, WORK),
     "jf75g_125_two_point": (SPEED, induction(), J0, BLANK, WORK),
-    "crank_slide": (75 * RPM, TEXTBOOK_MOTOR, 50.0, loads.Blanking(2e4, 0.05, 0.02), 2 / math.pi * 2e4 * 0.03),
+    "crank_slide": (75 * RPM, TEXTBOOK_MOTOR, 50.0, pp.loads.Blanking(2e4, 0.05, 0.02), 2 / math.pi * 2e4 * 0.03),
 }
 
 
@@ -334,7 +332,7 @@ def test_backwards_is_another_orbit_of_a_press_with_quick_return():
     speed, drive, inertia, load, _ = PRESSES["thin_wall"]
     periods = []
     for way in (1, -1):
-        turned = drives.Geared(drive.drive, way * 20.0)
+        turned = pp.drives.Geared(drive.drive, way * 20.0)
         linkage = texts.shipped("thin_wall")
         run = pp.steady_state(linkage, way * speed, turned, pp.drives.Flywheel(inertia), [load])
         comes_back(run)
@@ -348,7 +346,7 @@ def test_a_coarser_tolerance_is_kept(textbook):
     """With fewer panels, the errors stay below it."""
     fine, coarse = (
         pp.steady_state(
-            textbook, 75 * RPM, TEXTBOOK_MOTOR, pp.drives.Flywheel(50.0), [loads.Blanking(2e4, 0.05, 0.02)], tolerance=tolerance
+            textbook, 75 * RPM, TEXTBOOK_MOTOR, pp.drives.Flywheel(50.0), [pp.loads.Blanking(2e4, 0.05, 0.02)], tolerance=tolerance
         )
         for tolerance in (1e-11, 1e-5)
     )
@@ -489,7 +487,7 @@ def test_a_period_map_of_ones_own(textbook):
 
     speed = brentq(lambda w: turn(w)[0] - w, 8.0, 12.0, xtol=1e-13, rtol=1e-14)
     _, period, work, squared = turn(speed)
-    run = pp.steady_state(textbook, 10.0, Own(a, b), pp.drives.Flywheel(wheel), [loads.Blanking(force, 0.05, 0.02)])
+    run = pp.steady_state(textbook, 10.0, Own(a, b), pp.drives.Flywheel(wheel), [pp.loads.Blanking(force, 0.05, 0.02)])
     comes_back(run, 2 / math.pi * force * 0.03)
     assert run.crank_speed[0] == pytest.approx(speed, rel=1e-10)
     assert run.time[-1] == pytest.approx(period, rel=1e-10)
@@ -503,13 +501,13 @@ def test_a_period_map_of_ones_own(textbook):
 NONE = {
     "constant_torque": (pp.drives.ConstantTorque(567.0), BLANK),
     "no_torque": (pp.drives.ConstantTorque(0.0), BLANK),
-    "brakes": (pp.drives.ConstantTorque(-50.0), loads.Idle()),
+    "brakes": (pp.drives.ConstantTorque(-50.0), pp.loads.Idle()),
     "weak_motor": (induction(1.5e3), BLANK),
-    "beyond_breakdown": (induction(), loads.Blanking(1.25e7, 0.010, 0.005)),
-    "far_beyond": (inverter(), loads.Blanking(1.25e8, 0.010, 0.005)),
+    "beyond_breakdown": (induction(), pp.loads.Blanking(1.25e7, 0.010, 0.005)),
+    "far_beyond": (inverter(), pp.loads.Blanking(1.25e8, 0.010, 0.005)),
     "turns_the_other_way": (slip_clutch(ratio=-3.0), BLANK),
-    "weak_clutch": (slip_clutch(), loads.Blanking(8e6, 0.010, 0.005)),
-    "lag_stalls": (slip_clutch(0.05), loads.Blanking(1.25e8, 0.010, 0.005)),
+    "weak_clutch": (slip_clutch(), pp.loads.Blanking(8e6, 0.010, 0.005)),
+    "lag_stalls": (slip_clutch(0.05), pp.loads.Blanking(1.25e8, 0.010, 0.005)),
 }
 
 
@@ -534,11 +532,11 @@ BAD = {
     "points": ({"points": 1}, "points is 1"),
     "no tolerance": ({"tolerance": 0.0}, "tolerance is 0"),
     "no drive": ({"drive": None}, "needs a motor"),
-    "prescribed": ({"drive": drives.PrescribedSpeed(7.0)}, "needs a motor"),
+    "prescribed": ({"drive": pp.drives.PrescribedSpeed(7.0)}, "needs a motor"),
     "a number for a drive": ({"drive": 567.0}, "drive is 567"),
     "a number for a flywheel": ({"flywheel": 50.0}, "flywheel is a float"),
     "one load": ({"loads": BLANK}, "give a list"),
-    "a force in time": ({"loads": [loads.TimeForce(lambda t: 0 * t)]}, "time"),
+    "a force in time": ({"loads": [pp.loads.TimeForce(lambda t: 0 * t)]}, "time"),
     "no linkage": ({"press": None}, "Linkage"),
     "negative inertia": ({"flywheel": pp.drives.Flywheel(-1e3)}, "inertia"),
 }
@@ -612,7 +610,7 @@ def test_duty_of_a_stroke(press, name):
 
 def test_duty_of_a_constant_torque(press):
     """Its rms and its peak are the torque, whatever the part of the run; rms and work have closed forms."""
-    run = pp.simulate(press, 1.0, speed=29.0, drive=drives.Geared(pp.drives.ConstantTorque(-100.0), -5.0), flywheel=WHEEL, loads=[BLANK])
+    run = pp.simulate(press, 1.0, speed=29.0, drive=pp.drives.Geared(pp.drives.ConstantTorque(-100.0), -5.0), flywheel=WHEEL, loads=[BLANK])
     for start, end in ((0.0, None), (0.3, 0.35), (0.123, 0.987)):
         duty = pp.measures.duty(run, start, end)
         assert duty.motor_rms == pytest.approx(100.0, rel=1e-9)
@@ -735,10 +733,10 @@ def test_duty_of_several_drivers(tmp_path):
 @pytest.mark.parametrize(
     ("name", "drive", "flywheel", "load", "period"),
     [
-        ("thin_wall", induction(7.5e4, 20.0, 0.6), 500.0, loads.Blanking(2e5, 0.05, 0.04), 0.800379548),
-        ("jf75g_125", induction(), None, loads.Blanking(2e5, 0.010, 0.005), 0.200502386),
-        ("jf75g_125", slip_clutch(), None, loads.Blanking(2e5, 0.010, 0.005), 0.168282186),
-        ("crank_slide", induction(7.5e3, 20.0, 0.02), 50.0, loads.Blanking(2e4, 0.05, 0.02), None),
+        ("thin_wall", induction(7.5e4, 20.0, 0.6), 500.0, pp.loads.Blanking(2e5, 0.05, 0.04), 0.800379548),
+        ("jf75g_125", induction(), None, pp.loads.Blanking(2e5, 0.010, 0.005), 0.200502386),
+        ("jf75g_125", slip_clutch(), None, pp.loads.Blanking(2e5, 0.010, 0.005), 0.168282186),
+        ("crank_slide", induction(7.5e3, 20.0, 0.02), 50.0, pp.loads.Blanking(2e4, 0.05, 0.02), None),
     ],
 )
 def test_stiff_motors_and_little_inertia(name, drive, flywheel, load, period):
@@ -753,8 +751,8 @@ def test_stiff_motors_and_little_inertia(name, drive, flywheel, load, period):
     ("way", "load", "period"),
     [
         (-1, BLANK, 0.205494058),
-        (1, loads.Blanking(1.25e6, 0.010, 0.005, stripping=1.5e5), 0.206186989),
-        (1, loads.ElasticDie(0.003, 2e8, 1e5), 0.200901097),
+        (1, pp.loads.Blanking(1.25e6, 0.010, 0.005, stripping=1.5e5), 0.206186989),
+        (1, pp.loads.ElasticDie(0.003, 2e8, 1e5), 0.200901097),
     ],
 )
 @pytest.mark.exhaustive
@@ -773,7 +771,7 @@ def test_tolerances_out_of_range(textbook, tolerance):
 
 def test_a_program_in_time_has_none(textbook):
     with within(2.0), pytest.raises(pp.PinpressError, match="time") as raised:
-        pp.steady_state(textbook, 7.8, drives.ServoMotor([0, 1.0], [0, 6.0], 1e5, 1e3, 1e4), pp.drives.Flywheel(50.0))
+        pp.steady_state(textbook, 7.8, pp.drives.ServoMotor([0, 1.0], [0, 6.0], 1e5, 1e3, 1e4), pp.drives.Flywheel(50.0))
     assert not isinstance(raised.value, pp.SimulationError)
 
 
@@ -782,7 +780,7 @@ def test_a_program_in_time_has_none(textbook):
     [
         {"flywheel": pp.drives.Flywheel(np.array([50.0, 60.0]))},
         {"drive": induction(np.array([7.5e3, 8e3]), 20.0)},
-        {"loads": [loads.Blanking(np.array([1e3, 2e3]), 0.05, 0.02)]},
+        {"loads": [pp.loads.Blanking(np.array([1e3, 2e3]), 0.05, 0.02)]},
         {"loads": 3},
     ],
     ids=["flywheel", "drive", "load", "no list"],

@@ -10,12 +10,10 @@ from support.sweep_points import fails_at_odd
 import pinpress as pp
 from pinpress import foundation
 from pinpress.balancing import classical
-from pinpress.drives import transmission as drives
 from pinpress.kinematics.measures import stroke
-from pinpress.loads import process as loads
 
 SPEED = 7.0
-DEEP = loads.DeepDrawing(force=1e4, start=0.05)
+DEEP = pp.loads.DeepDrawing(force=1e4, start=0.05)
 X, Z = pp.balancing.Range("shaking_force", "x"), pp.balancing.Range("shaking_force", "z")
 STIFFNESS = pp.elasticity.Stiffness({"W": 1e9, "P": 2e9, "O": 4e9}, {}, [pp.elasticity.Rod("rod", ("P", "W"), 5e8)], frame=8e9)
 CAPACITIES = pp.ratings.Capacities(1e5, nominal_height=0.01, bearings={"W": 2e5}, flywheel_inertia=100.0, speed_drop=0.1, motor_power=2e4)
@@ -68,7 +66,7 @@ def run_over_joints():
 @cache
 def runs():
     """The last one stalls."""
-    load = loads.ForceStroke([0.0, 1.0], [3e4, 3e4])
+    load = pp.loads.ForceStroke([0.0, 1.0], [3e4, 3e4])
     return pp.simulate(press(), 0.3, np.array([SPEED, 20.0, 0.1]), flywheel=pp.drives.Flywheel(20.0), loads=[load], points=5)
 
 
@@ -179,18 +177,18 @@ def made():
             pp.drives.Brake(10.0, pp.drives.SwitchPoint(time=0.1)),
             pp.drives.Clutch(10.0),
         ),
-        *(drives.InductionMotor(11e3, 150.0), drives.InverterMotor(70.0, 150.0, 30.0, curve=[(10.0, 70.0), (50.0, 60.0)])),
-        *(drives.ServoMotor([0.0, 1.0], [0.0, 7.0], 1e3, 1e2, 500.0), drives.SlipClutchMotor(70.0, 160.0, 150.0, 100.0)),
-        *(drives.PrescribedSpeed(7.0), drives.Geared(pp.drives.ConstantTorque(3.0), 4.0)),
+        *(pp.drives.InductionMotor(11e3, 150.0), pp.drives.InverterMotor(70.0, 150.0, 30.0, curve=[(10.0, 70.0), (50.0, 60.0)])),
+        *(pp.drives.ServoMotor([0.0, 1.0], [0.0, 7.0], 1e3, 1e2, 500.0), pp.drives.SlipClutchMotor(70.0, 160.0, 150.0, 100.0)),
+        *(pp.drives.PrescribedSpeed(7.0), pp.drives.Geared(pp.drives.ConstantTorque(3.0), 4.0)),
         *(FRAME, *MOUNTS[:1], mounted(), response(), foundation.modes(mounted()), foundation.RubberPad(0.1, 0.1, 0.01, hardness=50)),
         foundation.over_speeds(mounted(), [5.0, SPEED], {"head": (0.0, 0.0, 1.0)}),
         foundation.isolate(press(), FRAME, MOUNTS, [50.0, 60.0], 0.5),
-        *(DEEP, loads.ForceStroke([0.0, 0.1], [1e3, 2e3]), loads.TimeForce(even, edges=[0.1]), *DEEP.intervals(True)),
+        *(DEEP, pp.loads.ForceStroke([0.0, 0.1], [1e3, 2e3]), pp.loads.TimeForce(even, edges=[0.1]), *DEEP.intervals(True)),
         *(
-            loads.Idle(),
-            loads.ConstantForce(1e5, 0.02),
-            loads.Blanking(1e5, 0.02, 0.01),
-            loads.ElasticDie(0.01, 1e7),
+            pp.loads.Idle(),
+            pp.loads.ConstantForce(1e5, 0.02),
+            pp.loads.Blanking(1e5, 0.02, 0.01),
+            pp.loads.ElasticDie(0.01, 1e7),
             ACCURACY,
             MEASUREMENT,
         ),

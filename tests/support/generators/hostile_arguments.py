@@ -24,9 +24,7 @@ from support.time_limit import within
 import pinpress as pp
 from pinpress import foundation
 from pinpress.balancing import classical
-from pinpress.drives import transmission as drives
 from pinpress.kinematics import measures
-from pinpress.loads import process as loads
 
 SECONDS = 30.0  # that a call may take, on a machine with much else to do; most take milliseconds
 FOLDER = Path("/nowhere")  # nothing is written
@@ -237,28 +235,28 @@ def calls() -> dict[str, Call]:
             },
         ),
         ("Stiffness", pp.elasticity.Stiffness, lambda: bare),
-        ("loads.Blanking", loads.Blanking, lambda: {"force": 1e3, "start": 0.01, "end": 0.005, "stripping": 10.0, "datum": 0.0}),
-        ("loads.DeepDrawing", loads.DeepDrawing, lambda: {"force": 1e3, "start": 0.01, "end": 0.0, "datum": 0.0}),
-        ("loads.ElasticDie", loads.ElasticDie, lambda: {"height": 0.01, "stiffness": 1e5, "damping": 10.0, "datum": 0.0}),
-        ("loads.ForceStroke", loads.ForceStroke, lambda: {"heights": [0.0, 0.01, 0.02], "forces": [100.0, 50.0, 0.0]}),
-        ("loads.Idle", loads.Idle, lambda: {"datum": 0.0}),
-        ("loads.ConstantForce", loads.ConstantForce, lambda: {"force": 1e3, "height": 0.01, "datum": 0.0}),
-        ("loads.TimeForce", loads.TimeForce, lambda: {"force": lambda t: 10.0 + 0.0 * t}),
-        ("loads.datum", loads.datum, lambda: {"load": loads.ConstantForce(1e3, 0.01), "press": press()}),
-        ("loads.step", loads.step, lambda: {"x": [0.0, 0.5, 1.0], "x0": 0.0, "h0": 0.0, "x1": 1.0, "h1": 2.0}),
+        ("loads.Blanking", pp.loads.Blanking, lambda: {"force": 1e3, "start": 0.01, "end": 0.005, "stripping": 10.0, "datum": 0.0}),
+        ("loads.DeepDrawing", pp.loads.DeepDrawing, lambda: {"force": 1e3, "start": 0.01, "end": 0.0, "datum": 0.0}),
+        ("loads.ElasticDie", pp.loads.ElasticDie, lambda: {"height": 0.01, "stiffness": 1e5, "damping": 10.0, "datum": 0.0}),
+        ("loads.ForceStroke", pp.loads.ForceStroke, lambda: {"heights": [0.0, 0.01, 0.02], "forces": [100.0, 50.0, 0.0]}),
+        ("loads.Idle", pp.loads.Idle, lambda: {"datum": 0.0}),
+        ("loads.ConstantForce", pp.loads.ConstantForce, lambda: {"force": 1e3, "height": 0.01, "datum": 0.0}),
+        ("loads.TimeForce", pp.loads.TimeForce, lambda: {"force": lambda t: 10.0 + 0.0 * t}),
+        ("loads.datum", pp.loads.datum, lambda: {"load": pp.loads.ConstantForce(1e3, 0.01), "press": press()}),
+        ("loads.step", pp.loads.step, lambda: {"x": [0.0, 0.5, 1.0], "x0": 0.0, "h0": 0.0, "x1": 1.0, "h1": 2.0}),
         (
             "drives.Geared",
-            drives.Geared,
+            pp.drives.Geared,
             lambda: {"drive": pp.drives.ConstantTorque(1.0), "ratio": 3.0, "gear_inertia": 0.1, "efficiency": 0.9},
         ),
         (
             "drives.InductionMotor",
-            drives.InductionMotor,
+            pp.drives.InductionMotor,
             lambda: {"rated_power": 1e4, "rated_speed": 150.0, "frequency": 50.0, "poles": 4, "breakdown_ratio": 2.5, "inertia": 0.1},
         ),
         (
             "drives.InverterMotor",
-            drives.InverterMotor,
+            pp.drives.InverterMotor,
             lambda: {
                 "rated_torque": 60.0,
                 "rated_speed": 150.0,
@@ -270,10 +268,10 @@ def calls() -> dict[str, Call]:
                 "inertia": 0.1,
             },
         ),
-        ("drives.PrescribedSpeed", drives.PrescribedSpeed, lambda: {"speed": 7.0}),
+        ("drives.PrescribedSpeed", pp.drives.PrescribedSpeed, lambda: {"speed": 7.0}),
         (
             "drives.ServoMotor",
-            drives.ServoMotor,
+            pp.drives.ServoMotor,
             lambda: {
                 "times": [0.0, 0.5, 1.0],
                 "angles": [0.0, 3.0, 7.0],
@@ -285,7 +283,7 @@ def calls() -> dict[str, Call]:
         ),
         (
             "drives.SlipClutchMotor",
-            drives.SlipClutchMotor,
+            pp.drives.SlipClutchMotor,
             lambda: {
                 "rated_torque": 100.0,
                 "primary_speed": 150.0,
@@ -378,9 +376,9 @@ def calls() -> dict[str, Call]:
             lambda: {
                 "press": press(),
                 "speed": 7.0,
-                "drive": drives.Geared(drives.InductionMotor(1e4, 150.0), 20.0),
+                "drive": pp.drives.Geared(pp.drives.InductionMotor(1e4, 150.0), 20.0),
                 "flywheel": pp.drives.Flywheel(100.0),
-                "loads": [loads.ConstantForce(1e3, 0.01)],
+                "loads": [pp.loads.ConstantForce(1e3, 0.01)],
                 "angle": 0.0,
                 "points": 11,
                 "tolerance": 1e-6,
@@ -398,7 +396,7 @@ def calls() -> dict[str, Call]:
                 "press": press(),
                 "speeds": [5.0, 6.0],
                 "forces": [1.0, 2.0],
-                "unit_load": loads.ConstantForce(1.0, 0.01),
+                "unit_load": pp.loads.ConstantForce(1.0, 0.01),
                 "loads": [],
                 "bearings": ["O"],
                 "points": 12,
