@@ -103,6 +103,25 @@ def test_links_between_files_lead_somewhere() -> None:
             assert (path.parent / target).exists(), f"{path.relative_to(ROOT)}: {target}"
 
 
+def test_names_and_files_in_sentences_exist() -> None:
+    """Code is run; this is for what stands between it."""
+    pages = {path.name: path.read_text(encoding="utf-8") for path in (*DOCS.glob("*.md"), ROOT / "README.md", ROOT / "CONTRIBUTING.md")}
+    missing = [
+        f"{page}: pp.{name}" for page, words in pages.items() for name in re.findall(r"`pp\.([\w.]*\w)", words) if not _is_public(name)
+    ]
+    files = r"(?:python |`)((?:tests|viz|docs|pinpress)/[\w/.]*\w)"
+    missing += [f"{page}: {file}" for page, words in pages.items() for file in re.findall(files, words) if not (ROOT / file).exists()]
+    assert missing == []
+
+
+def _is_public(name: str) -> bool:
+    try:
+        attrgetter(name)(pp)
+    except AttributeError:
+        return False
+    return True
+
+
 def test_reference_has_every_public_name() -> None:
     """The pages are those that their script writes, and none of a namespace is left out of it."""
     scripts = runpy.run_path(str(DOCS / "reference_pages.py"))
