@@ -84,7 +84,7 @@ def _known(axes: Axes, measured: WorkPrecision, group: str) -> None:
 
 
 def _ticks(axes: Axes, counts: Sequence[int]) -> None:
-    from matplotlib.ticker import NullFormatter
+    from matplotlib.ticker import NullFormatter  # optional, and slow to import
 
     axes.set_xticks(counts, [str(count) for count in counts])
     axes.xaxis.set_minor_formatter(NullFormatter())

@@ -115,7 +115,7 @@ def _write(balanced: BalancedPress, folder: Path, with_report: bool) -> None:
     write_csv(folder / "counterweights.csv", balanced.counterweight_columns())
     written = ["balanced.urdf", "balance.csv", "counterweights.csv"]
     if with_report:
-        from ..visual.report import report
+        from ..visual.report import report  # Plotly is optional, and slow to import
 
         # with all bearings, of which balancing computes only those that are asked for
         loads = balanced.conditions[0].loads

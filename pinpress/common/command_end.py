@@ -20,7 +20,7 @@ def ended(program: str, run: Callable[[], int]) -> int:
     Returns its exit code; 2 where the input is at fault, or the output cannot be written; 0 where nobody reads it any more, as with
     ``| head``; 130 after Ctrl-C.
     """
-    from .errors import PinpressError
+    from .errors import PinpressError  # only once Ctrl-C is seen to
 
     if signal.getsignal(signal.SIGINT) is _end_at_once:
         signal.signal(signal.SIGINT, signal.default_int_handler)

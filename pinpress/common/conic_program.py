@@ -74,7 +74,7 @@ def least(cost: Array, rows: Sequence[Rows]) -> Optimum:
         InfeasibleError: there is no solution, which the solver has proved.
         PinpressError: it found none and no proof, or one whose optimality conditions are not fulfilled.
     """
-    import clarabel
+    import clarabel  # slow to import
     from scipy import sparse  # slow to import
 
     cones = {EQUAL: clarabel.ZeroConeT, AT_MOST: clarabel.NonnegativeConeT, CONE: clarabel.SecondOrderConeT}

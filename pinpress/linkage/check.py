@@ -135,7 +135,7 @@ def check(path: str | os.PathLike[str], driver: str | Sequence[str] | None = Non
 
 def _put_together(document: Document, driver: str | Sequence[str] | None, slide: str | None) -> tuple[list[Finding], Facts]:
     """Findings and facts of the linkage that the elements make; raises the errors of `assembled`."""
-    from ..engines.spatial.kinematics import rank as rank_of
+    from ..engines.spatial.kinematics import rank as rank_of  # only checking needs these, and they are slow to import
     from . import assembly_checks as pose_checks
     from . import mobility as freedom
     from . import remarks as linkage_remarks

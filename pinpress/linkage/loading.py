@@ -68,7 +68,7 @@ def load(
 
 def check_drawn_pose(press: Linkage, command: str | None = None) -> None:
     """Raise the first of the errors that `pose_checks` finds in a linkage; ``command`` lists all of them."""
-    from . import assembly_checks as pose_checks
+    from . import assembly_checks as pose_checks  # only reading needs it, and it is slow to import
 
     findings.refuse(pose_checks.errors(press), command or findings.command(press.file))
 

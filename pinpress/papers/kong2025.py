@@ -10,6 +10,7 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
+import pinocchio as pin
 from numpy.typing import ArrayLike
 
 from ..balancing.counterweights import Counterweight, with_counterweights
@@ -291,8 +292,6 @@ def _curves(press: Linkage, motion: Motion, loads: Sequence[PointForce]) -> Arra
 
 def _without_inertia(press: Linkage, joint: str) -> Linkage:
     """A press whose link at this joint has no moment of inertia about its centre of mass."""
-    import pinocchio as pin
-
     model = press.model.copy()
     body = model.inertias[model.getJointId(joint)]
     model.inertias[model.getJointId(joint)] = pin.Inertia(body.mass, body.lever, np.zeros((3, 3)))
@@ -318,25 +317,25 @@ def _torque_figure(before: State, after: State) -> Entry:
 def _bearings(before: State, after: State) -> Entry:
     def shown() -> "Figure":
         panels = []
-        for pin in PINS:
+        for bearing in PINS:
             for axis, words in ((0, "x"), (2, "y")):
                 curves = {
-                    when: (each.motion.time, each.result.bearing_force[pin][:, axis] / 1e3)
+                    when: (each.motion.time, each.result.bearing_force[bearing][:, axis] / 1e3)
                     for when, each in (("before", before), ("after", after))
                 }
-                panels.append(Panel(f"{pin}, F{words} [kN]", curves))
+                panels.append(Panel(f"{bearing}, F{words} [kN]", curves))
         return draw("time [s]", panels, 3.4, 2)
 
     rows = []
-    for pin in PINS:
+    for bearing in PINS:
         for axis, words in ((0, "x"), (2, "vertical")):
-            ranges = [float(np.ptp(each.result.bearing_force[pin][:, axis])) for each in (before, after)]
-            rows.append(Row(f"{pin}, {words}, change of the range [%]", "", 100 * (ranges[1] / ranges[0] - 1), places=2))
+            ranges = [float(np.ptp(each.result.bearing_force[bearing][:, axis])) for each in (before, after)]
+            rows.append(Row(f"{bearing}, {words}, change of the range [%]", "", 100 * (ranges[1] / ranges[0] - 1), places=2))
     bottom = int(before.motion.slide_position.argmin())
-    for pin in "ABC":
-        size = np.linalg.norm(before.result.bearing_force[pin], axis=1)
-        rows.append(Row(f"{pin}, force at bottom dead centre by its peak [%]", "", float(100 * size[bottom] / size.max()), places=1))
-        rows.append(Row(f"{pin}, smallest force by its peak [%]", "", float(100 * size.min() / size.max()), places=1))
+    for bearing in "ABC":
+        size = np.linalg.norm(before.result.bearing_force[bearing], axis=1)
+        rows.append(Row(f"{bearing}, force at bottom dead centre by its peak [%]", "", float(100 * size[bottom] / size.max()), places=1))
+        rows.append(Row(f"{bearing}, smallest force by its peak [%]", "", float(100 * size.min() / size.max()), places=1))
     reason = (
         f"No numbers are printed but those of table 3. {WHY_NOT} That A alone changes much is so; that the forces in all bearings fall"
         " (conclusion 4) is not: the ranges in B, C, D and E rise by a quarter to a third of a percent, while in F nothing changes."
@@ -369,8 +368,6 @@ def _claims(before: State, after: State) -> Entry:
 
 def _centre_of_mass(press: Linkage, points: int = 720) -> Array:
     """Of all that moves, (points, 3) over a turn [m]."""
-    import pinocchio as pin
-
     data = press.model.createData()
     return np.array([pin.centerOfMass(press.model, data, q).copy() for q in cycle(press, SPEED, points).q])
 

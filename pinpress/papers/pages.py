@@ -216,7 +216,7 @@ class Page:
 
 def _small(figure: "Figure") -> bytes:
     """A figure as PNG for a page on a screen, where those of `plots.save` are for print. The same figure gives the same bytes."""
-    from matplotlib import style
+    from matplotlib import style  # optional, and slow to import
 
     content = io.BytesIO()
     with style.context(["default", STYLE]):

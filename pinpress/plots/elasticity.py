@@ -72,7 +72,7 @@ def _alone(draw: Callable[[Axes, Any], None], shown: object) -> Figure:
 
 def draw_compliance(axes: Axes, elasticity: Elasticity) -> None:
     """The chart of `compliance` on given axes."""
-    from matplotlib.ticker import MaxNLocator
+    from matplotlib.ticker import MaxNLocator  # optional, and slow to import
 
     order = np.argsort(elasticity.crank_angle)
     largest = float(elasticity.compliance.max())

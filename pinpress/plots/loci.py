@@ -135,7 +135,7 @@ def _clearest(locus: Locus, radii: Array) -> Array:
 
 def _haloed(text: "Text") -> "Text":
     """Small and with a white edge, so that it can be read on lines."""
-    from matplotlib.patheffects import withStroke
+    from matplotlib.patheffects import withStroke  # optional, and slow to import
 
     text.set_fontsize(TINY)
     text.set_path_effects([withStroke(linewidth=1.2, foreground="white")])

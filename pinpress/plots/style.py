@@ -56,8 +56,8 @@ def drawing(height: float) -> Iterator[Figure]:
         PinpressError: Matplotlib is not installed.
     """
     try:
-        from matplotlib import style
-        from matplotlib.figure import Figure
+        from matplotlib import style  # optional, and slow to import
+        from matplotlib.figure import Figure  # optional, and slow to import
     except ImportError:
         raise PinpressError(NOT_INSTALLED) from None
     with style.context(["default", STYLE]):
@@ -78,7 +78,7 @@ def save(figure: Figure, path: str | os.PathLike[str]) -> Path:
         raise PinpressError(f"a plot cannot be written as {path}: end its name in {', '.join(FORMATS)}")
     if not callable(getattr(figure, "savefig", None)):
         raise PinpressError(f"{shown(figure)} is no figure: give what a function of pinpress.plots returns, e.g. torque")
-    from matplotlib import style
+    from matplotlib import style  # optional, and slow to import
 
     content = io.BytesIO()
     with style.context(["default", STYLE, {"svg.hashsalt": "pinpress", "svg.fonttype": "path"}]):
@@ -102,7 +102,7 @@ class Over:
 
     def label(self, axes: Axes, wide: bool = True) -> None:
         """Give the last of a column of axes its lower axis: label, limits, ticks; others share it."""
-        from matplotlib.ticker import MaxNLocator, MultipleLocator
+        from matplotlib.ticker import MaxNLocator, MultipleLocator  # optional, and slow to import
 
         plain(axes.set_xlabel(f"{self.abscissa.quantity} [{self.abscissa.unit}]" if self.abscissa.unit else self.abscissa.quantity))
         first, last = float(self.x[0]), float(self.x[-1])

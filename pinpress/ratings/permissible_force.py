@@ -198,7 +198,7 @@ def angle_at(rated: Rated, name: str, height: float) -> float:
     Raises:
         PinpressError: a height that is not between 0 and the stroke.
     """
-    from scipy.optimize import brentq
+    from scipy.optimize import brentq  # slow to import
 
     stroke = dead_centres(rated.press).stroke
     if not 0.0 < height < stroke:
@@ -246,7 +246,7 @@ def _in_order(rated: Rated, angles: Array) -> Array:
 
 def _crossing(rated: Rated, first: str, second: str, low: float, high: float) -> float:
     """Crank angle between two at which the second limit begins to permit less than the first."""
-    from scipy.optimize import brentq
+    from scipy.optimize import brentq  # slow to import
 
     def ahead(angle: float) -> float:
         """How much more the first limit permits, some number where both permit more than the nominal force."""

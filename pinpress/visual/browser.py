@@ -97,7 +97,7 @@ class _Tab:
         return base64.b64decode(shot["data"])
 
     def _do(self, action: Callable[..., Any], *arguments: Any) -> Any:
-        from playwright.sync_api import Error
+        from playwright.sync_api import Error  # optional, and slow to import
 
         try:
             result = action(*arguments)
@@ -109,7 +109,7 @@ class _Tab:
 
 
 def _open(opening: ExitStack, page: str | os.PathLike[str], content: str, program: str, size: tuple[int, int]) -> _Tab:
-    from playwright.sync_api import Error, sync_playwright
+    from playwright.sync_api import Error, sync_playwright  # optional, and slow to import
 
     root = hasattr(os, "geteuid") and os.geteuid() == 0  # for whom Chromium has no sandbox
     try:
@@ -131,7 +131,7 @@ def _open(opening: ExitStack, page: str | os.PathLike[str], content: str, progra
 
 
 def _close(browser: "Browser") -> None:
-    from playwright.sync_api import Error
+    from playwright.sync_api import Error  # optional, and slow to import
 
     with suppress(Error):  # it is gone already
         browser.close()

@@ -17,7 +17,7 @@ echo "$(basename "$0") $*" >> "$CALLS"
 [ "$(wc -l < "$CALLS")" = "$FAILS_AT" ] && exit 3
 if [ "$1 $2" = "-m venv" ]; then
   mkdir -p "$3/bin"
-  for name in python pip ruff mypy uv pinpress; do cp "$0" "$3/bin/$name"; done
+  for name in python pip ruff mypy lint-imports uv pinpress; do cp "$0" "$3/bin/$name"; done
 fi
 exit 0
 """

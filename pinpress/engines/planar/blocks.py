@@ -166,7 +166,7 @@ def groups(unknown: Mapping[int, set[int]], worth: Callable[[int], int]) -> list
     Args:
         unknown: joints by loop or coupling. worth: how many joints each can determine.
     """
-    from scipy.sparse.csgraph import connected_components, maximum_bipartite_matching
+    from scipy.sparse.csgraph import connected_components, maximum_bipartite_matching  # slow to import
 
     members = list(unknown)
     equations = [place for place, k in enumerate(members) for _ in range(worth(k))]

@@ -158,7 +158,7 @@ class Spread:
         """Of ``own`` (nv, n) of the joints with all loops open, what the ``kept`` bearings carry (kept, n): the least squares of all."""
         if self.every is not None:
             return product(self.every[kept].astype(own.dtype), own)
-        from scipy.sparse.linalg import splu
+        from scipy.sparse.linalg import splu  # slow to import
 
         squares = splu((self.response.T @ self.response).tocsc())
         carried = self.alone @ own

@@ -71,7 +71,7 @@ def pack(commands: Iterable[dict[str, Any]]) -> list[str]:
             apart.
     """
     try:
-        import umsgpack
+        import umsgpack  # optional: it comes with Meshcat
     except ImportError as error:
         raise PinpressError(NO_MESHCAT) from error
 

@@ -1,0 +1,91 @@
+"""The stubs are the only lists of public names: `dir`, imports and type checkers agree with them, and no two names can be mixed up."""
+
+import ast
+import importlib
+import inspect
+from pathlib import Path
+
+import pytest
+
+import pinpress as pp
+
+ROOT = Path(pp.__file__).resolve().parents[1]
+STUBS = {path.relative_to(ROOT).as_posix(): ast.parse(path.read_bytes()) for path in sorted(ROOT.glob("pinpress/**/*.pyi"))}
+SPACES = {stub.removesuffix(".pyi").removesuffix("/__init__").replace("/", "."): tree for stub, tree in STUBS.items()}
+
+
+def listed(tree: ast.Module) -> dict[str, str]:
+    """The names of a stub, and where each is taken from."""
+    return {
+        alias.asname or alias.name: "." * node.level + (node.module or "")
+        for node in tree.body
+        if isinstance(node, ast.ImportFrom)
+        for alias in node.names
+    }
+
+
+def alike(first: str, second: str) -> bool:
+    """Whether names are the same but for case, underscores and at most one letter that is changed, added or left out."""
+    short, long = sorted((name.replace("_", "").lower() for name in (first, second)), key=len)
+    if len(long) > len(short) + 1:
+        return False
+    same = next((k for k, (a, b) in enumerate(zip(short, long, strict=False)) if a != b), len(short))
+    return short[same + (len(short) == len(long)) :] == long[same + 1 :]
+
+
+def test_every_namespace_has_its_list() -> None:
+    modules = [name for name in dir(pp) if inspect.ismodule(getattr(pp, name))]
+    assert {f"pinpress.{name}" for name in modules} <= set(SPACES)
+
+
+@pytest.mark.parametrize("space", SPACES)
+def test_the_list_is_what_a_user_sees(space: str) -> None:
+    """`dir` shows the names of the stub and no other; each can be had, and is what stands where the stub takes it from."""
+    namespace, names = importlib.import_module(space), listed(SPACES[space])
+    assert sorted(namespace.__all__) == sorted(names)
+    assert dir(namespace) == sorted(names)
+    package = space if hasattr(namespace, "__path__") else space.rpartition(".")[0]
+    for name, source in names.items():
+        origin = importlib.import_module(source, package)
+        assert getattr(namespace, name) is getattr(origin, name)
+
+
+@pytest.mark.parametrize("space", SPACES)
+def test_no_module_hides_a_name(space: str) -> None:
+    """A module that has been imported is an attribute of its package: it would stand before a function of the same name."""
+    folder = ROOT / space.replace(".", "/")
+    names = {name for name, source in listed(SPACES[space]).items() if source.strip(".")}
+    assert names & {path.stem for path in folder.glob("*")} == set()
+
+
+@pytest.mark.parametrize("space", SPACES)
+def test_every_name_is_described(space: str) -> None:
+    namespace = importlib.import_module(space)
+    assert namespace.__doc__
+    for name in namespace.__all__:
+        value = getattr(namespace, name)
+        if inspect.ismodule(value) or inspect.isroutine(value):
+            assert value.__doc__, name
+        elif inspect.isclass(value):
+            written = value.__dict__.get("__doc__") or ""
+            assert written, name
+            assert not written.startswith(f"{name}("), f"{name}: only the signature that dataclasses write"
+
+
+@pytest.mark.parametrize(
+    ("first", "second", "answer"),
+    [
+        ("Report", "report", True),
+        ("TradeOff", "trade_off", True),
+        ("load", "loads", True),
+        ("Extreme", "extremes", True),
+        ("Synthesis", "synthesise", True),
+        ("stroke", "strike", True),
+        ("Rod", "Frame", False),
+        ("speed_at", "speed_ratio", False),
+        ("abc", "bcd", False),
+        ("abcd", "acd", True),
+    ],
+)
+def test_names_that_can_be_mixed_up_are_found(first: str, second: str, answer: bool) -> None:
+    assert alike(first, second) == alike(second, first) == answer
