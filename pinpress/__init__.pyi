@@ -24,6 +24,7 @@ from .dynamics.inverse_dynamics import inverse_dynamics as inverse_dynamics
 from .kinematics.dead_centres import dead_centres as dead_centres
 from .kinematics.motion import Motion as Motion
 from .kinematics.motion import cycle as cycle
+from .kinematics.motion import servo_cycle as servo_cycle
 from .linkage.check import check as check
 from .linkage.linkage import Linkage as Linkage
 from .linkage.loading import load as load

@@ -64,7 +64,7 @@ def table() -> str:
     lines = ["| " + " | ".join([*titles, "cancelled: vertical", "lateral", "tilting"]) + " |", "|---" + "|---:" * 5 + "|---" * 3 + "|"]
     before, plain = None, 0.0
     for name, press in presses().items():
-        result = pp.inverse_dynamics(press, pp.cycle(press, SPEED, POINTS))
+        result = pp.inverse_dynamics(press, pp.cycle(press, SPEED, points=POINTS))
         mass = sum(inertia.mass for inertia in press.model.inertias)
         before, plain = before or result, plain or mass
         changes = classical.compare_harmonics(before, result)

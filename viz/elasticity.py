@@ -72,7 +72,7 @@ def at_heights(press: pp.Linkage, name: str, heights: Sequence[float]) -> pp.ela
     """On the way down, at heights above bottom dead centre [m]."""
     ends = pp.dead_centres(press)
     angle = ends.bottom_angle - np.radians(np.linspace(0.0, 90.0, 3601))
-    above = pp.cycle(press, 1.0, angle=angle).slide_position - ends.bottom_position
+    above = pp.servo_cycle(press, speed=1.0, angle=angle).slide_position - ends.bottom_position
     return pp.elasticity.elasticity(press, SPRINGS[name], np.interp(heights, above, angle))
 
 

@@ -104,7 +104,7 @@ def eccentricity(name: str) -> str:
     """In the plane, at all crank angles from the nominal height down, with the pressure that a centred force makes there."""
     press, one = pp.load(name), rated(name)
     assert one.capacities.nominal_height is not None
-    motion = pp.cycle(press, speed=0.0, angle=one.crank_angle[one.height <= one.capacities.nominal_height + 1e-12])
+    motion = pp.servo_cycle(press, speed=0.0, angle=one.crank_angle[one.height <= one.capacities.nominal_height + 1e-12])
     force = one.capacities.nominal_force
     left, right = pp.ratings.permissible_eccentricity(press, motion, force, GUIDES[name], PRESSURE)
     central = pp.ratings.eccentric_load(press, motion, force, (0.0, 0.0, 0.0), GUIDES[name]).pressure.max()

@@ -12,7 +12,7 @@ import pinocchio as pin
 
 from ..common.arrays import Array
 from ..dynamics.inverse_dynamics import inverse_dynamics
-from ..kinematics.motion import cycle
+from ..kinematics.motion import cycle, servo_cycle
 from ..linkage.linkage import Linkage
 from ..simulation.reduced_model import tabulated
 from .contests import Contest, Contestant, Errors, peak_of
@@ -40,7 +40,7 @@ def proximal_contest(press: Linkage, speed: float, flywheel: float) -> Contest:
     turn = cycle(press, speed=speed, points=PROXIMAL_STATES)
     states = list(zip(turn.joint_position.copy(), turn.v.copy(), strict=True))
     truth = np.array([dynamics.acceleration_in_null_space(x, v, dynamics.still) for x, v in states])
-    motion = cycle(press, angle=turn.crank_angle, speed=speed, acceleration=truth[:, crank])
+    motion = servo_cycle(press, angle=turn.crank_angle, speed=speed, acceleration=truth[:, crank])
     at_loops = inverse_dynamics(press, motion).bearing_force
     expected = np.array([at_loops[loop.name] for loop in press.loops]).transpose(1, 0, 2)
     peak, peak_at_loops = peak_of(truth), peak_of(np.linalg.norm(expected, axis=2))

@@ -98,7 +98,7 @@ def run(options: argparse.Namespace) -> int:
     minimise, limits = _objective(options.minimise), _by_target("--limit", options.limit, "")
     loads = [part_specs.load(words) for words in options.load]
     press = load_press(options)
-    conditions = [OperatingCondition(cycle(press, speed * RPM, options.points), loads) for speed in options.speed]
+    conditions = [OperatingCondition(cycle(press, speed * RPM, points=options.points), loads) for speed in options.speed]
     balanced = balance(press, conditions, regions=regions, minimise=minimise, limits=limits)
     if options.out is not None:
         make_folder(options.out)

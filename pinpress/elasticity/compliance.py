@@ -23,7 +23,7 @@ from ..common.frozen import FrozenMapping
 from ..common.results import Tabular
 from ..dynamics.inverse_dynamics import inverse_dynamics
 from ..kinematics.dead_centres import dead_centres
-from ..kinematics.motion import Motion, cycle
+from ..kinematics.motion import Motion, servo_cycle
 from ..linkage.linkage import Linkage
 from ..loads.link import Load, PointForce
 from .springs import Part, Stiffness, internal_forces, parts, sharing
@@ -103,7 +103,7 @@ def elasticity(press: Linkage, stiffness: Stiffness, angle: ArrayLike | None = N
     parts(press, stiffness)  # refuses what makes no sense before anything is computed
     centres = dead_centres(press)
     angles = np.arange(POINTS * press.period_turns) * (2 * np.pi / POINTS) if angle is None else angle
-    motion = cycle(press, 0.0, angle=angles)
+    motion = servo_cycle(press, speed=0.0, angle=angles)
     held = hold(press, stiffness, motion)
     shares = held.moved(held.unit)
     total = np.sum(list(shares.values()), axis=0)
@@ -128,7 +128,7 @@ def elasticity(press: Linkage, stiffness: Stiffness, angle: ArrayLike | None = N
 
 def bottom_shares(press: Linkage, stiffness: Stiffness, angle: float) -> dict[str, float]:
     """Compliances of the parts [m/N] at one crank angle [rad]."""
-    held = hold(press, stiffness, cycle(press, 0.0, angle=[angle]))
+    held = hold(press, stiffness, servo_cycle(press, speed=0.0, angle=[angle]))
     return {name: float(share[0]) for name, share in held.moved(held.unit).items()}
 
 

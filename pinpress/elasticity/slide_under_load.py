@@ -23,7 +23,7 @@ from ..common.errors import PinpressError, shown
 from ..common.results import Tabular
 from ..common.units import RPM
 from ..kinematics.dead_centres import dead_centres
-from ..kinematics.motion import Motion, cycle
+from ..kinematics.motion import Motion, servo_cycle
 from ..linkage.linkage import Linkage
 from ..loads.link import Load, PointForce, SpringDamper
 from .compliance import Held, hold
@@ -163,9 +163,9 @@ def dead_centre_shift(
     series = np.polynomial.chebyshev
     nodes = centres.bottom_angle + WINDOW * series.chebpts1(NODES)
     angles = np.append(nodes, centres.bottom_angle)
-    rest, turning = (_total(hold(press, stiffness, cycle(press, w, angle=angles)), loads) for w in (0.0, 1.0))
+    rest, turning = (_total(hold(press, stiffness, servo_cycle(press, speed=w, angle=angles)), loads) for w in (0.0, 1.0))
     constant, inertia = rest, turning - rest
-    way = cycle(press, 1.0, angle=nodes).slide_position - centres.bottom_position
+    way = servo_cycle(press, speed=1.0, angle=nodes).slide_position - centres.bottom_position
     curves = [_series(press, values) for values in (way, constant[:-1], inertia[:-1])]
 
     def lowest(w: float) -> tuple[float, float]:

@@ -160,7 +160,7 @@ def press_inertia(press: Linkage) -> Array:
     Raises:
         PinpressError: the crank does not turn fully, or there are several.
     """
-    model, period = press.model, cycle(press, 1.0, POSES * press.period_turns)
+    model, period = press.model, cycle(press, 1.0, points=POSES * press.period_turns)
     data = data_of(model)
     total = np.zeros((6, 6))
     for q in period.q:

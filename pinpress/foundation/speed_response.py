@@ -183,7 +183,7 @@ def rising(name: str, given: ArrayLike) -> Array:
 
 
 def _idle(press: Linkage, speed: float) -> Reactions:
-    return inverse_dynamics(press, cycle(press, speed, STATES * press.period_turns), bearings=())
+    return inverse_dynamics(press, cycle(press, speed, points=STATES * press.period_turns), bearings=())
 
 
 def _states(system: MountedPress) -> int:

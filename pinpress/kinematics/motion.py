@@ -41,7 +41,7 @@ class Motion(Tabular):
         joint_position: (n, nv) joint coordinates, zero in the drawn pose, angles unwrapped [rad or m].
         v, a: (n, nv) in Pinocchio's order [rad/s or m/s, rad/s2 or m/s2]. q: (n, nq) the configurations.
         closure_error: (n,) largest distance between the two sides of a loop [m].
-        time: (n,) [s]. See `cycle` for states that are not in time.
+        time: (n,) [s]. See `servo_cycle` for states that are not in time.
         slide_position, slide_velocity, slide_acceleration: (n,) of the slide link's origin along its guide's axis in world coordinates,
             positive along the axis (upwards) [m, m/s, m/s2].
         period_turns: as of `Linkage`; None where the linkage has no period, or several drivers.
@@ -78,7 +78,7 @@ class Motion(Tabular):
     @property
     def time(self) -> Array:
         if self._time is None:
-            raise PinpressError("these states are no motion in time (angle and speed do not fit together): pass time= to cycle")
+            raise PinpressError("these states are no motion in time (angle and speed do not fit together): pass time= to servo_cycle")
         return self._time
 
     @cached_property
@@ -133,55 +133,77 @@ class Motion(Tabular):
 
 
 @typed
-def cycle(
+def cycle(press: Linkage, speed: float | None = None, *, points: int | None = None, engine: str = "auto") -> Motion:
+    """Move a press through one period at constant speed.
+
+    The period is one turn of the crank. Only where gear ratios bring the linkage back later is it several turns, see
+    `Linkage.period_turns`: so peaks and extremes over it are those of all turns. It begins at crank angle 0 and goes on in equal steps,
+    the end left out.
+
+    Args:
+        press: The press, with one driver.
+        speed: Speed of the driver joint [rad/s], which must be given; backwards where it is negative.
+        points: States in all; by default 360 a turn.
+        engine: "plane" (all crank angles at once), "pinocchio" (any linkage), or "auto": the plane where the linkage is planar.
+
+    Raises:
+        PinpressError: There is no speed or it is 0, fewer than two points, several drivers, or a linkage that is not back after many turns.
+        SingularityError: The linkage locks within the period.
+        AssemblyError: The loops do not close.
+
+    Warns:
+        PinpressWarning: The speed is above 1000 rad/s, which is hardly meant.
+    """
+    press.engine(engine)  # refuses an engine that does not suit before anything is computed
+    if speed is None:
+        raise PinpressError("cycle needs the speed of the driver [rad/s]: give one number for a period, cycle(press, 7.0)")
+    angles, speeds, accelerations, times = _period(press, press.branch, speed, points)
+    plausibility.speeds("speed", speeds)
+    return _states(press, press.branch, angles, speeds, accelerations, times, engine)
+
+
+@typed
+def servo_cycle(
     press: Linkage,
+    angle: ArrayLike,
+    *,
     speed: ArrayLike | None = None,
-    points: int | None = None,
-    angle: ArrayLike | None = None,
     acceleration: ArrayLike | None = None,
     time: ArrayLike | None = None,
     engine: str = "auto",
 ) -> Motion:
-    """The motion of a press: one period at constant speed, or a servo motion.
+    """Move a press as a servo drive prescribes it, state by state.
 
-    The period is one turn of the crank. Only where gear ratios bring the linkage back later is it several turns, see
-    `Linkage.period_turns`: so peaks and extremes over it are those of all turns.
+    A linkage with several drivers takes (n, drivers) of angle, speed and acceleration, in the order of `Linkage.drivers`. There the
+    assembly is followed from the drawn pose to the first state and from state to state, on straight lines between the drivers' positions.
 
     Args:
-        speed: of the driver joint [rad/s]; it must be given. One number, with ``points`` in all (default 360 a turn): one period from crank
-            angle 0 in equal steps, the end left out, backwards where it is negative. With ``angle``: (n,) or one number.
-        angle, acceleration: (n,) of the driver joint, any angles up to 1e7 rad in any order [rad, rad/s2]; ``acceleration`` may be one
-            number. A linkage with several drivers takes (n, drivers) of all three, in the order of `Linkage.drivers`; there the assembly
-            is followed from the drawn pose to the first state and from state to state, on straight lines between the drivers' positions.
-            An acceleration that is not given is 0.
-        time: (n,) of a servo motion, rising [s]. By default it is found from angle and speed by the trapezoidal rule; states in which
-            these do not fit together have no time, and `Motion.time` says so.
+        press: The press.
+        angle: (n,) of the driver joint, any angles up to 1e7 rad in any order [rad].
+        speed: (n,) of the driver joint, or one number [rad/s]; it must be given.
+        acceleration: (n,) of the driver joint, or one number [rad/s2]; 0 where it is not given.
+        time: (n,), rising [s]. By default it is found from angle and speed by the trapezoidal rule; states in which these do not fit
+            together have no time, and `Motion.time` says so.
         engine: "plane" (all crank angles at once), "pinocchio" (any linkage), or "auto": the plane where the linkage is planar.
 
     Raises:
-        PinpressError: no speed, a number that is not finite, arrays of different lengths, fewer than two points, a period at speed zero,
-            or of a linkage that is not back after many turns.
-        SingularityError: the linkage locks within the motion.
-        AssemblyError: the loops do not close.
+        PinpressError: There is no speed, a number is not finite, arrays differ in length, or time does not rise.
+        SingularityError: The linkage locks within the motion.
+        AssemblyError: The loops do not close.
 
     Warns:
-        PinpressWarning: what is hardly meant: a speed that varies without an acceleration, angle, speed and acceleration that are not each
+        PinpressWarning: What is hardly meant: a speed that varies without an acceleration, angle, speed and acceleration that are not each
             other's derivatives over the ``time`` given, speeds above 1000 rad/s.
     """
     press.engine(engine)  # refuses an engine that does not suit before anything is computed
     if speed is None:
         raise PinpressError(
-            "cycle needs the speed of the driver [rad/s]: give one number for a period, cycle(press, 7.0), or beside angle the speeds of"
-            " all states, e.g. speed=numpy.gradient(angle, time)"
+            "servo_cycle needs the speed of the driver [rad/s]: give one number, or those of all states, e.g."
+            " speed=numpy.gradient(angle, time)"
         )
-    if angle is None:
-        angles, speeds, accelerations, times = _period(press, press.branch, speed, points, acceleration, time)
-    else:
-        if points is not None:
-            raise PinpressError("points goes with one period at constant speed: leave it out where angle is given")
-        angles, speeds, accelerations, times = _servo(angle, speed, 0.0 if acceleration is None else acceleration, time, len(press.drivers))
-        given = None if acceleration is None else accelerations, None if time is None else times
-        plausibility.servo_motion(angles, speeds, *given)
+    angles, speeds, accelerations, times = _servo(angle, speed, 0.0 if acceleration is None else acceleration, time, len(press.drivers))
+    given = None if acceleration is None else accelerations, None if time is None else times
+    plausibility.servo_motion(angles, speeds, *given)
     plausibility.speeds("speed", speeds)
     branch = None if len(press.drivers) > 1 else press.branch
     return _states(press, branch, angles, speeds, accelerations, times, engine)
@@ -253,12 +275,10 @@ def _rates(closure: Closure, speed: Array | np.float64, acceleration: Array | No
     return closure.first * speed, a
 
 
-def _period(
-    press: Linkage, branch: Branch, speed: ArrayLike, points: int | None, acceleration: ArrayLike | None, time: ArrayLike | None
-) -> tuple[Array, Array, Array, Array | None]:
+def _period(press: Linkage, branch: Branch, speed: ArrayLike, points: int | None) -> tuple[Array, Array, Array, Array]:
     given = numbers("speed", speed)
     if given.ndim:
-        raise PinpressError("speed is an array, but a turn at constant speed takes one number: give angle too, for a servo motion")
+        raise PinpressError("speed is an array, but a turn at constant speed takes one number: write servo_cycle for a servo motion")
     rate = float(given)
     if branch.period is None:  # a prescribed turn does not go through change points
         raise beyond(branch, upwards=rate > 0)
@@ -266,8 +286,6 @@ def _period(
     period = 2 * np.pi * turns
     if not (rate and math.isfinite(period / rate)):
         raise PinpressError(f"speed is {abs(rate):g}: a turn never ends; give a speed [rad/s], e.g. 70 * pinpress.RPM")
-    if time is not None or not (acceleration is None or (np.isscalar(acceleration) and acceleration == 0.0)):
-        raise PinpressError("time and acceleration belong to a servo motion: give angle too")
     count = POINTS * turns if points is None else whole_number("points", points, 2, MOST_POINTS)
     angles: Array = np.arange(count, dtype=float) * (math.copysign(period, rate) / count)
     return angles, np.full(count, rate), np.zeros(count), angles / rate

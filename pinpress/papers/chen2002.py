@@ -13,7 +13,7 @@ from ..common.arrays import Array
 from ..derivatives.reshape import reshaped
 from ..kinematics.dead_centres import dead_centres
 from ..kinematics.measures import bearing_positions, pressure_angle, quick_return_ratio, speed_ratio, speed_variation, stroke
-from ..kinematics.motion import Motion, cycle
+from ..kinematics.motion import Motion, cycle, servo_cycle
 from ..linkage.linkage import Linkage
 from ..linkage.loading import load
 from ..synthesis.result import SynthesisResult
@@ -43,7 +43,7 @@ ERRATA = (
 def page() -> Page:
     """All figures of the paper (it has no tables), and what its text claims."""
     press = load("thin_wall")
-    motion = cycle(press, SPEED, POINTS)
+    motion = cycle(press, SPEED, points=POINTS)
     even = [even_speed(press, degrees) for degrees in (40, 10)]
     return Page(
         "chen2002",
@@ -131,9 +131,9 @@ def _working(motion: Motion) -> tuple[Array, Array]:
 
 def _speeds(press: Linkage, motion: Motion, even: Linkage) -> Entry:
     def down(degrees: float) -> float:
-        return -1e3 * float(cycle(press, SPEED, angle=[math.radians(degrees)]).slide_velocity[0])
+        return -1e3 * float(servo_cycle(press, speed=SPEED, angle=[math.radians(degrees)]).slide_velocity[0])
 
-    fine = cycle(press, SPEED, 72000)  # extremes to 1e-9
+    fine = cycle(press, SPEED, points=72000)  # extremes to 1e-9
     fastest = int(fine.slide_velocity.argmin())
     ends = dead_centres(press)
     mean = 1e3 * ends.stroke / ((ends.bottom_angle - ends.top_angle + 2 * np.pi) / SPEED)
@@ -147,7 +147,7 @@ def _speeds(press: Linkage, motion: Motion, even: Linkage) -> Entry:
     )
 
     def shown() -> "Figure":
-        curves = {"printed lengths": _working(motion), "even speed, ours, up to 40 deg": _working(cycle(even, SPEED, POINTS))}
+        curves = {"printed lengths": _working(motion), "even speed, ours, up to 40 deg": _working(cycle(even, SPEED, points=POINTS))}
         return draw("crank angle [deg]", [Panel("speed of the ram [mm/s]", curves)], 6.5)
 
     reason = "No number is printed in the figure; what the text says of it follows below."
@@ -180,7 +180,7 @@ def _example(press: Linkage, motion: Motion) -> Entry:
 
 
 def _uniform(press: Linkage, motion: Motion) -> Entry:
-    part = cycle(press, SPEED, angle=np.radians(np.linspace(60.0, 120.0, 601)))
+    part = servo_cycle(press, speed=SPEED, angle=np.radians(np.linspace(60.0, 120.0, 601)))
     travel = 1e3 * float(part.slide_position[0] - part.slide_position[-1])
     speed = -part.slide_velocity
     rows = (
@@ -197,7 +197,7 @@ def _uniform(press: Linkage, motion: Motion) -> Entry:
 
 def _objective(press: Linkage, motion: Motion) -> Entry:
     def value(l1: float, l4: float) -> float:
-        return speed_ratio(cycle(reshaped(press, design_rules(l1, l4)), SPEED, 360))
+        return speed_ratio(cycle(reshaped(press, design_rules(l1, l4)), SPEED, points=360))
 
     limit = (math.pi + 2 * HALF) / (2 * (1 + math.sin(HALF)))
     found = as_the_paper_asks(press, 0.220)

@@ -74,7 +74,7 @@ class State:
 def state(name: str, points: int = POINTS, gravity: float = 9.81) -> State:
     """A shipped press at 70 strokes/min."""
     press = load(name, gravity=(0, 0, -gravity))
-    motion = cycle(press, SPEED, points)
+    motion = cycle(press, SPEED, points=points)
     return State(press, motion, inverse_dynamics(press, motion))
 
 
@@ -156,7 +156,7 @@ def _kinematics(before: State) -> Entry:
         Row("bottom dead centre, crank angle [deg]", "", float(np.degrees(ends.bottom_angle)), places=4),
         Row("top dead centre [s]", "", ends.top_angle / SPEED, places=4),
         Row("top dead centre, crank angle [deg]", "", float(np.degrees(ends.top_angle)), places=4),
-        Row("time within 1 mm of bottom dead centre [s]", "", dwell_time(cycle(before.press, SPEED, 720), 1e-3), places=4),
+        Row("time within 1 mm of bottom dead centre [s]", "", dwell_time(cycle(before.press, SPEED, points=720), 1e-3), places=4),
     )
 
     def shown() -> "Figure":
@@ -369,7 +369,7 @@ def _claims(before: State, after: State) -> Entry:
 def _centre_of_mass(press: Linkage, points: int = 720) -> Array:
     """Of all that moves, (points, 3) over a turn [m]."""
     data = press.model.createData()
-    return np.array([pin.centerOfMass(press.model, data, q).copy() for q in cycle(press, SPEED, points).q])
+    return np.array([pin.centerOfMass(press.model, data, q).copy() for q in cycle(press, SPEED, points=points).q])
 
 
 def _moments(before: State, after: State) -> Entry:
@@ -381,7 +381,7 @@ def _moments(before: State, after: State) -> Entry:
         for when, each in zip(("before", "after"), pair, strict=True)
     )
     paper = (Counterweight("crank", 605.496, (-0.1428, 0.0, 0.0)), Counterweight("rod", 55.536, (-0.0456, 0.0, 0.0)))
-    again = inverse_dynamics(press := with_counterweights(before.press, paper), cycle(press, SPEED, 720))
+    again = inverse_dynamics(press := with_counterweights(before.press, paper), cycle(press, SPEED, points=720))
     ours = float(np.ptp(again.shaking_moment[:, 1]))
     rows += (Row("the same, by counterweights as point masses, after [N m]", "", ours, places=0),)
     reason = "The paper says nothing of the shaking moment. It falls too; inertias are ours, so it is no more certain than they are."

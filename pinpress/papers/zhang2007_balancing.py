@@ -98,7 +98,7 @@ def _search(press: Linkage) -> Entry:
         for k, ((rod, counterweight, theirs), found) in enumerate(zip(SEARCH, ours, strict=True), 1)
     ]
     regions = [CounterweightRegion("auxiliary_rod", replaces=True), CounterweightRegion("counterweight", replaces=True)]
-    best = balance(press, cycle(press, SPEED, POINTS), regions=regions, minimise=Range("shaking_force", "z"))
+    best = balance(press, cycle(press, SPEED, points=POINTS), regions=regions, minimise=Range("shaking_force", "z"))
     rod_mass, counter_mass = (float(weight.mass) for weight in best.counterweights)
     least = float(best.changes[0].after)
     rows += [

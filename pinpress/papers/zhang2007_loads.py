@@ -9,7 +9,7 @@ import numpy as np
 from ..common.arrays import Array
 from ..drives.transmission import ConstantTorque, Flywheel
 from ..dynamics.inverse_dynamics import inverse_dynamics
-from ..kinematics.motion import cycle
+from ..kinematics.motion import cycle, servo_cycle
 from ..linkage.linkage import Linkage
 from ..loads.process import Blanking, ConstantForce, DeepDrawing, ProcessLoad, step
 from ..simulation.run import Run
@@ -145,7 +145,7 @@ _WHY = {
 
 def _windows(press: Linkage) -> tuple[Row, ...]:
     """Both readings of the window of 5.7.4: what the sine is at its end, and the crank radius that follows from a sheet of 5 mm."""
-    turn = cycle(press, SPEED, 7200)
+    turn = cycle(press, SPEED, points=7200)
     heights, down = turn.slide_position - turn.slide_position[0], turn.slide_velocity < 0
     when = [float(np.interp(-height, -heights[down], turn.time[down])) for height in (START_HEIGHT, BREAK_HEIGHT)]
     names = ("slide at 10 mm, from which the crank radius is inferred [s]", "slide at 5 mm, likewise [s]")
@@ -190,7 +190,7 @@ def _speed_at(press: Linkage, stroke: Run, height: float) -> float:
     bottom = stroke.slide_position[0]
 
     def above(angle: float) -> float:
-        return float(cycle(press, 1.0, angle=[angle]).slide_position[0] - bottom - height)
+        return float(servo_cycle(press, speed=1.0, angle=[angle]).slide_position[0] - bottom - height)
 
     angle = brentq(above, np.pi, 2 * np.pi - 1e-9, xtol=1e-14) if height else 2 * np.pi
     driver = press.driver_indices[0]

@@ -24,7 +24,7 @@ def presses() -> dict[str, Linkage]:
 
 def turning(press: Linkage, speed: float = SPEED) -> Reactions:
     """A turn at constant speed [rad/s]."""
-    return inverse_dynamics(press, cycle(press, speed, POINTS))
+    return inverse_dynamics(press, cycle(press, speed, points=POINTS))
 
 
 def with_masses(press: Linkage, rod: float, counterweight: float) -> Linkage:

@@ -166,7 +166,7 @@ def flywheel_alone(system: MountedPress) -> Array:
         return UNBALANCE * AT**2 * np.stack([np.cos(angle), 0 * angle, np.sin(angle)], axis=1)
 
     # on the crank, whose bearing hands it to the crown
-    result = inverse_dynamics(still, cycle(still, AT, 90), loads=[PointForce("crank", force)])
+    result = inverse_dynamics(still, cycle(still, AT, points=90), loads=[PointForce("crank", force)])
     return foundation.steady_response(standing(still), result, points=POINTS).rms("top beam")
 
 

@@ -19,7 +19,7 @@ from ..common.errors import PinpressError, shown
 from ..common.units import RPM
 from ..dynamics.inverse_dynamics import Reactions, inverse_dynamics
 from ..kinematics.dead_centres import dead_centres
-from ..kinematics.motion import Motion, cycle
+from ..kinematics.motion import Motion, servo_cycle
 from ..linkage.linkage import Linkage
 from ..loads.process import ConstantForce
 from .capacities import Capacities, known_bearings
@@ -68,7 +68,7 @@ class Rated:
 
     def motion(self, angle: Array) -> Motion:
         """The motion at crank angles (n,)."""
-        return cycle(self.press, speed=self.speed, angle=angle, engine=self.engine)
+        return servo_cycle(self.press, speed=self.speed, angle=angle, engine=self.engine)
 
     def height(self, motion: Motion) -> Array:
         """Heights (n,) above bottom dead centre, not below it by rounding [m]."""

@@ -22,7 +22,7 @@ from ..common.results import Record
 from ..common.units import RPM
 from ..dynamics.inverse_dynamics import Reactions, inverse_dynamics
 from ..kinematics.dead_centres import stroke_turns
-from ..kinematics.motion import Motion, cycle
+from ..kinematics.motion import Motion, servo_cycle
 from ..linkage.linkage import Linkage
 from ..loads.link import Load
 from ..loads.process import ProcessLoad
@@ -162,7 +162,7 @@ class _Scene:
         if not self.loads:
             return None
         found = self.reactions(self.massless, motion, self.loads)
-        faster = cycle(self.press, speed=2 * self.fast, angle=motion.crank_angle, engine=self.engine)
+        faster = servo_cycle(self.press, speed=2 * self.fast, angle=motion.crank_angle, engine=self.engine)
         again = self.reactions(self.massless, faster, self.loads)
         if np.abs(again.driving_torque - found.driving_torque).max() > NOTHING * np.abs(found.driving_torque).max():
             raise PinpressError("a load depends on the slide's speed: a limit of speed takes loads that depend on height alone")
@@ -172,7 +172,7 @@ class _Scene:
 def _items(scene: _Scene, angle: Array) -> Iterator[_Item]:
     """Everything that has a capacity, at crank angles (n,)."""
     press, capacities, square = scene.press, scene.capacities, scene.fast**2
-    fast = cycle(press, speed=scene.fast, angle=angle, engine=scene.engine)
+    fast = servo_cycle(press, speed=scene.fast, angle=angle, engine=scene.engine)
     still = replace(fast, crank_speed=0 * fast.crank_speed, v=0 * fast.v, a=0 * fast.a)  # in the same poses
     at_rest, running, loaded = scene.reactions(press, still), scene.reactions(press, fast), scene.under_loads(fast)
     largest = max(float(np.abs(force - at_rest.bearing_force[name]).max()) for name, force in running.bearing_force.items())

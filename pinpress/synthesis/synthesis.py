@@ -105,7 +105,7 @@ def _start(press: Linkage, problem: Problem, speed: float, points: int | None, l
     values = {variable.name: variable.start for variable in problem.variables}
     try:
         drawn = reshaped(press, problem.pivots(values))
-        motion = cycle(drawn, speed, points)
+        motion = cycle(drawn, speed, points=points)
     except (AssemblyError, SingularityError) as error:
         listed = ", ".join(f"{name} = {value:g}" for name, value in values.items())
         raise PinpressError(f"the start, {listed}, is no press: {error}; start elsewhere") from error
@@ -126,7 +126,7 @@ def _scaled(measure: Measure, values: Array) -> Measure:
 
 def _verify(found: Point, speed: float, points: int | None) -> None:
     """Raise PinpressError where the press that was found does not move as its trial did: between the points it may lock."""
-    motion, trial = cycle(found.design.press, speed, points), found.design.motion
+    motion, trial = cycle(found.design.press, speed, points=points), found.design.motion
     if not np.abs(motion.joint_position - trial.joint_position).max() <= SAME * (1 + found.design.plane.size):
         raise PinpressError("the press that was found moves in another assembly than it was drawn in: narrow the variables' bounds")
 

@@ -88,11 +88,11 @@ def drawn_press(seed, folder, on_line=False):
 
 
 def turn(press, speed=W, points=24, loads=()):
-    return pp.inverse_dynamics(press, pp.cycle(press, speed, points), loads)
+    return pp.inverse_dynamics(press, pp.cycle(press, speed, points=points), loads)
 
 
 def servo(press):
-    return pp.inverse_dynamics(press, pp.cycle(press, **SERVO))
+    return pp.inverse_dynamics(press, pp.servo_cycle(press, **SERVO))
 
 
 def weight(press):
@@ -205,7 +205,7 @@ def test_harmonic_coefficients_begin_like_the_textbooks_series():
 def test_slide_accelerates_by_the_harmonics():
     """The textbook crank-slider at bottom dead centre, upwards positive: r w^2 (1 + A2 + A4 + ...), lambda = 0.25."""
     press = texts.shipped("crank_slide")
-    motion = pp.cycle(press, W, 64)
+    motion = pp.cycle(press, W, points=64)
     waves = np.cos(np.multiply.outer(motion.crank_angle, np.arange(41)))
     expected = 0.1 * W**2 * waves @ classical.harmonic_coefficients(0.25, 40)
     np.testing.assert_allclose(motion.slide_acceleration, expected, atol=1e-12 * np.abs(expected).max())

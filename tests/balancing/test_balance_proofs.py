@@ -51,7 +51,7 @@ def swing(press, engine="auto"):
     """A motion with speeds and accelerations that have nothing to do with its angles."""
     rng, drivers = np.random.default_rng(3), len(press.drivers)
     shape = (STATES, drivers) if drivers > 1 else STATES
-    return pp.cycle(
+    return pp.servo_cycle(
         press,
         angle=rng.uniform(-0.05, 0.05, shape),
         speed=rng.uniform(-9, 9, shape),
@@ -197,7 +197,7 @@ def test_no_counterweights_beat_the_bound(planar, number):
 def test_no_masses_beat_the_bound_in_space(folder):
     """Bennett's linkage: masses at points, a hole among them, and one in place of a link's own, which keeps its shape."""
     press = texts.load(bennett(), folder)
-    motion = pp.cycle(press, angle=np.linspace(-0.5, 0.5, STATES), speed=9.0)
+    motion = pp.servo_cycle(press, angle=np.linspace(-0.5, 0.5, STATES), speed=9.0)
     own = press.model.inertias[1].mass
     regions = [
         pp.balancing.CounterweightRegion("link1", mass=(0.5, 10.0), replaces=True),

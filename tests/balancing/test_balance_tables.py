@@ -242,7 +242,7 @@ def test_several_drivers_and_uneven_motion(tmp_path: Path) -> None:
     (tmp_path / "arms.urdf").write_text(ARMS, encoding="utf-8")
     arms = pp.load(tmp_path / "arms.urdf")
     angle = np.linspace(0, 1, 20)
-    motion = pp.cycle(arms, angle=np.stack([angle, 2 * angle], axis=1), speed=np.tile([1.0, 2.0], (20, 1)))
+    motion = pp.servo_cycle(arms, angle=np.stack([angle, 2 * angle], axis=1), speed=np.tile([1.0, 2.0], (20, 1)))
     balance = pp.balancing.balance(
         arms, motion, regions=[pp.balancing.CounterweightRegion("two", at=(-0.3, 0, 0), mass=(0, 0.5))], minimise=Z
     )

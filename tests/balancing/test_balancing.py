@@ -310,7 +310,7 @@ def test_a_force_that_symmetry_cancels_can_be_limited_but_not_improved():
 
 def test_several_torques_have_no_range_but_an_rms(tmp_path):
     press = two_cranks(tmp_path)
-    motion = pp.cycle(press, angle=np.linspace(0, [6.0, 12.0], 60), speed=np.tile([3.0, 6.0], (60, 1)))
+    motion = pp.servo_cycle(press, angle=np.linspace(0, [6.0, 12.0], 60), speed=np.tile([3.0, 6.0], (60, 1)))
     regions = [pp.balancing.CounterweightRegion("pinion", at=(0.1, 0, 0), mass=(0, 1))]
     with pytest.raises(pp.PinpressError, match=r"2 driving torques.*Rms or Peak"):
         pp.balancing.balance(press, motion, regions=regions, minimise=TORQUE)

@@ -55,7 +55,7 @@ def test_a_counterweight_is_a_body_more_by_the_law_of_momentum(tmp_path):
     assert sum(i.mass for i in made.model.inertias) == pytest.approx(
         sum(i.mass for i in press.model.inertias) + sum(w.mass for w in weights)
     )
-    motion = pp.cycle(press, angle=[-0.02, 0.01, 0.03], speed=[5.0, -3.0, 8.0], acceleration=[10.0, 40.0, -20.0])
+    motion = pp.servo_cycle(press, angle=[-0.02, 0.01, 0.03], speed=[5.0, -3.0, 8.0], acceleration=[10.0, 40.0, -20.0])
     result = pp.inverse_dynamics(made, motion)
     force, moment = momentum_balance(made, motion, [])
     assert np.abs(result.shaking_force - force).max() < 1e-10 * np.abs(force).max()

@@ -105,7 +105,7 @@ def test_the_lightest_flywheel_is_a_rim(tmp_path, gyration):
     press, needed, radius = texts.load(drawing.urdf("O"), tmp_path), 7.0, 0.4
     angle = np.linspace(0.0, 2 * np.pi, 40, endpoint=False)
     acceleration = 30 * np.cos(2 * angle) + 5
-    servo = pp.cycle(press, angle=angle, speed=4.0, acceleration=acceleration)
+    servo = pp.servo_cycle(press, angle=angle, speed=4.0, acceleration=acceleration)
     force = needed * acceleration[:, None] * np.stack([-np.sin(angle), 0 * angle, np.cos(angle)], axis=1)  # on arms of half a metre
     loads = [pp.loads.PointForce("rotor", sign * force, (0.5 * sign, 0.0, 0.0)) for sign in (1, -1)]
     b = pp.balancing.balance(

@@ -43,7 +43,7 @@ def folder(tmp_path_factory):
 
 def turning(press, engine="auto"):
     """Force and moment of the bearing of a rotor at constant speed, (n, 3) each."""
-    motion = pp.cycle(press, SPEED, 12, engine=engine)
+    motion = pp.cycle(press, SPEED, points=12, engine=engine)
     result = pp.inverse_dynamics(press, motion, engine=engine)
     return result.bearing_force["O"], result.bearing_moment["O"]
 

@@ -42,7 +42,7 @@ def seconds(text: str, engine: str) -> dict[str, float]:
     angles = np.linspace(0.05, 1.2, ANGLES[engine])
 
     def motion() -> pp.Motion:
-        return pp.cycle(press, angle=angles, speed=7.0, engine=engine)
+        return pp.servo_cycle(press, angle=angles, speed=7.0, engine=engine)
 
     states = motion()
     works: dict[str, Callable[[], object]] = {

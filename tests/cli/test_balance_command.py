@@ -43,7 +43,7 @@ def refused(capsys: pytest.CaptureFixture[str], *arguments: object) -> str:
 def six_bar(*speeds: float, points: int = 120) -> pp.balancing.BalancedPress:
     """What the command is asked for, by the library."""
     press = shipped("zxn2_3000b")
-    cases = [pp.balancing.OperatingCondition(pp.cycle(press, speed * pp.RPM, points)) for speed in speeds]
+    cases = [pp.balancing.OperatingCondition(pp.cycle(press, speed * pp.RPM, points=points)) for speed in speeds]
     regions = [pp.balancing.CounterweightRegion("crank", radius=0.3), pp.balancing.CounterweightRegion("rod", (0, 200), radius=0.3)]
     return pp.balancing.balance(press, cases, regions=regions, minimise=Z, limits={X: 1000.0, pp.balancing.AddedMass(): 400.0})
 
@@ -81,7 +81,7 @@ def read(path: Path) -> dict[str, list[str]]:
 def test_the_balanced_press_does_what_is_printed(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
     text = printed(capsys, "zxn2_3000b", "--speed", 70, "--points", 120, *REGIONS, *ASKED, "--out", tmp_path)
     press = pp.load(tmp_path / "balanced.urdf")
-    result = pp.inverse_dynamics(press, pp.cycle(press, 70 * pp.RPM, 120))
+    result = pp.inverse_dynamics(press, pp.cycle(press, 70 * pp.RPM, points=120))
     table = read(tmp_path / "balance.csv")
     after = dict(zip(table["measure"], map(float, table["after"]), strict=True))
     expected = {
@@ -109,7 +109,7 @@ def test_under_a_load(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> Non
     target = pp.balancing.Peak("driving_torque")
     expected = pp.balancing.balance(
         press,
-        pp.cycle(press, 70 * pp.RPM, 120),
+        pp.cycle(press, 70 * pp.RPM, points=120),
         regions=[pp.balancing.CounterweightRegion("crank", radius=0.3)],
         minimise=target,
         limits={pp.balancing.AddedMass(): 300.0},
@@ -117,7 +117,7 @@ def test_under_a_load(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> Non
     )
     idle = pp.balancing.balance(
         press,
-        pp.cycle(press, 70 * pp.RPM, 120),
+        pp.cycle(press, 70 * pp.RPM, points=120),
         regions=[pp.balancing.CounterweightRegion("crank", radius=0.3)],
         minimise=target,
         limits={pp.balancing.AddedMass(): 300.0},
@@ -126,7 +126,7 @@ def test_under_a_load(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> Non
     rest = ["--limit", "added_mass=300", "--points", 120, "--out", tmp_path, "--report"]
     assert printed(capsys, "zxn2_3000b", "--speed", 70, *words, *rest).startswith(f"{expected}\n")
     assert str(expected) != str(idle)
-    motion = pp.cycle(expected.press, 70 * pp.RPM, 120)
+    motion = pp.cycle(expected.press, 70 * pp.RPM, points=120)
     largest = max(
         np.linalg.norm(force, axis=1).max() for force in pp.inverse_dynamics(expected.press, motion, [load]).bearing_force.values()
     )

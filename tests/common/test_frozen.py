@@ -141,7 +141,7 @@ def test_results_do_not_depend_on_what_was_computed_before(press):
     used = pp.load(press.name)
     pp.dead_centres(used)
     pp.simulate(used, 0.3, -5.0, angle=2.0, points=7)
-    pp.inverse_dynamics(used, pp.cycle(used, 3.0, angle=np.array([9.0, -4.0, 0.3])), engine="pinocchio")
+    pp.inverse_dynamics(used, pp.servo_cycle(used, speed=3.0, angle=np.array([9.0, -4.0, 0.3])), engine="pinocchio")
     pp.simulate(used, 0.05, 3.0, loads=[every_result.DEEP], points=7)
     same(computed(used), computed(pp.load(press.name)))
 

@@ -154,7 +154,7 @@ def test_sensible_presses_are_never_warned_of(tmp_path, stroke, ratio, strokes, 
         warnings.simplefilter("error")
         press = load(tmp_path, *bodies, *lengths)
         turn = pp.cycle(press, speed=strokes * pp.RPM, points=24)
-        again = pp.cycle(press, turn.crank_speed, angle=turn.crank_angle, acceleration=0.0, time=turn.time)
+        again = pp.servo_cycle(press, speed=turn.crank_speed, angle=turn.crank_angle, acceleration=0.0, time=turn.time)
         pp.inverse_dynamics(press, again)
         pp.simulate(press, 1e-3, strokes * pp.RPM, points=3)
 
@@ -175,7 +175,7 @@ IN_MM = {
 def test_heights_in_mm_are_warned_of(press, name):
     said = f"{type(IN_MM[name]).__name__} acts from .* m above its datum, .*: give heights and datum in m"
     for ask in (
-        lambda: pp.inverse_dynamics(press, pp.cycle(press, 7.0, 36), [IN_MM[name]]),
+        lambda: pp.inverse_dynamics(press, pp.cycle(press, 7.0, points=36), [IN_MM[name]]),
         lambda: pp.simulate(press, 0.05, 7.0, flywheel=pp.drives.Flywheel(1e4), loads=[IN_MM[name]]),
     ):
         with pytest.warns(pp.PinpressWarning, match=said) as caught:
@@ -192,7 +192,7 @@ def test_heights_in_mm_are_warned_of(press, name):
 )
 def test_points_in_mm_are_warned_of(press, load, said):
     for ask in (
-        lambda: pp.inverse_dynamics(press, pp.cycle(press, 7.0, 36), [load]),
+        lambda: pp.inverse_dynamics(press, pp.cycle(press, 7.0, points=36), [load]),
         lambda: pp.simulate(press, 1e-3, 7.0, flywheel=pp.drives.Flywheel(1e4), loads=[load]),
     ):
         with pytest.warns(pp.PinpressWarning, match=said) as caught:
@@ -216,7 +216,7 @@ def test_loads_on_the_stroke_are_never_warned_of(height, thin, datum):
     ]
     with warnings.catch_warnings():
         warnings.simplefilter("error")
-        pp.inverse_dynamics(press, pp.cycle(press, 7.0, 12), given)
+        pp.inverse_dynamics(press, pp.cycle(press, 7.0, points=12), given)
         pp.simulate(press, 1e-3, 7.0, flywheel=pp.drives.Flywheel(1e4), loads=given, points=3)
 
 
@@ -238,12 +238,12 @@ def dwell(points):
 def test_columns_that_fit_are_not_warned_of(press, points):
     with warnings.catch_warnings():
         warnings.simplefilter("error")
-        pp.cycle(press, **dwell(points))
+        pp.servo_cycle(press, **dwell(points))
         differences = dwell(points)
         if points > 9:
             differences["speed"] = np.gradient(differences["angle"], differences["time"])
             differences["acceleration"] = np.gradient(differences["speed"], differences["time"])
-        pp.cycle(press, **differences)
+        pp.servo_cycle(press, **differences)
 
 
 ANGLE, ACCELERATION = "angle and speed do not fit together over time", "speed and acceleration do not fit together over time"
@@ -267,7 +267,7 @@ def test_columns_that_are_not_each_others_derivatives_are_warned_of(press, point
     motion = dwell(points)
     motion[column] = factor * motion[column]
     with pytest.warns(pp.PinpressWarning, match=said) as caught:
-        pp.cycle(press, **motion)
+        pp.servo_cycle(press, **motion)
     assert [warning.filename for warning in caught] == [__file__]
 
 
@@ -278,10 +278,10 @@ def test_columns_of_several_drivers_are_looked_at_one_by_one(tmp_path):
     both = {name: values if name == "time" else np.stack([0.1 * values, -0.1 * values], axis=1) for name, values in motion.items()}
     with warnings.catch_warnings():
         warnings.simplefilter("error")
-        pp.cycle(press, **both)
+        pp.servo_cycle(press, **both)
     both["speed"][:, 1] *= -1
     with pytest.warns(pp.PinpressWarning, match=ANGLE):
-        pp.cycle(press, **both)
+        pp.servo_cycle(press, **both)
 
 
 def test_a_coarse_motion_that_is_fastest_between_its_states_is_sensible(press):
@@ -289,24 +289,24 @@ def test_a_coarse_motion_that_is_fastest_between_its_states_is_sensible(press):
     time = np.array([-0.6, 0.6])
     with warnings.catch_warnings():
         warnings.simplefilter("error")
-        pp.cycle(press, np.cos(time), angle=np.sin(time), acceleration=-np.sin(time), time=time)
+        pp.servo_cycle(press, speed=np.cos(time), angle=np.sin(time), acceleration=-np.sin(time), time=time)
 
 
 def test_an_acceleration_that_is_left_out_of_a_servo_motion_is_warned_of(press):
     motion = dwell(30)
     del motion["acceleration"]
     with pytest.warns(pp.PinpressWarning, match="the speed varies, but no acceleration is given, so that it counts as 0"):
-        found = pp.cycle(press, **motion)
+        found = pp.servo_cycle(press, **motion)
     assert not found.crank_acceleration.any()
     with warnings.catch_warnings():
         warnings.simplefilter("error")
-        pp.cycle(press, motion["speed"], angle=motion["angle"], acceleration=0.0)  # it is said
-        pp.cycle(press, 3.0, angle=motion["angle"])  # there is none
+        pp.servo_cycle(press, speed=motion["speed"], angle=motion["angle"], acceleration=0.0)  # it is said
+        pp.servo_cycle(press, speed=3.0, angle=motion["angle"])  # there is none
 
 
 SPEEDS = {
     "cycle": lambda press, speed: pp.cycle(press, speed),
-    "servo motion": lambda press, speed: pp.cycle(press, [speed, speed], angle=[0.0, 1.0]),
+    "servo motion": lambda press, speed: pp.servo_cycle(press, speed=[speed, speed], angle=[0.0, 1.0]),
     "simulate": lambda press, speed: pp.simulate(press, 1e-3, speed, points=2),
     "scenarios": lambda press, speed: pp.simulate(press, 1e-3, [speed, 5.0], points=2),
     "operating points": lambda press, speed: pp.sweeps.operating_points(press, [speed]),

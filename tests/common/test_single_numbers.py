@@ -76,7 +76,7 @@ def test_a_number_of_any_honest_kind(value):
 def test_single_numbers_of_parts_are_held_to_the_same(use, value):
     press = texts.shipped("crank_slide")
     with pytest.raises(pp.PinpressError):
-        use(press, pp.cycle(press, 7.0, 24), value)
+        use(press, pp.cycle(press, 7.0, points=24), value)
 
 
 def test_arrays_pass_unchanged_and_are_not_the_callers():

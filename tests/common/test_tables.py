@@ -137,6 +137,6 @@ def test_mat_file_has_the_name_given(tmp_path, motion):
 
 def test_states_without_time_or_slide_have_no_such_columns():
     press = texts.shipped("crank_slide")
-    states = pp.cycle(press, speed=1.0, angle=[1.0, 0.5])
+    states = pp.servo_cycle(press, speed=1.0, angle=[1.0, 0.5])
     assert list(states.columns()) == MOTION[1:]
     assert list(states.to_frame().columns) == MOTION[1:]

@@ -65,9 +65,9 @@ def check(exact, differences, name):
 
 
 def check_motion(press, states, along):
-    motion = pp.cycle(press, **states)
+    motion = pp.servo_cycle(press, **states)
     (derivative,) = motion_derivatives(press, motion, [along])
-    pairs = [[pp.cycle(moved(press, along, sign * h), **states) for sign in (1, -1)] for h in (H, H / 2)]
+    pairs = [[pp.servo_cycle(moved(press, along, sign * h), **states) for sign in (1, -1)] for h in (H, H / 2)]
     for name in MOTION[: 6 if press.slide else 3]:
         values = [[getattr(changed, name) for changed in pair] for pair in pairs]
         differences = [(ahead - back) / (2 * h) for (ahead, back), h in zip(values, (H, H / 2), strict=True)]
@@ -94,7 +94,7 @@ def test_motion_and_reaction_derivatives_of_random_linkages(tmp_path, spec):
     low, high = (-1.0, 1.0) if press.branch.period else press.branch.angles[[0, -1]]
     states = {"angle": np.array([0.0, 0.01, 0.02]) * min(1.0, 10 * high, -10 * low), "speed": SPEED}
     along = {pivot: 0.1 * vector for pivot, vector in direction(press, np.random.default_rng(spec.seed)).items()}
-    check_trials(press, pp.cycle(press, **states), along)
+    check_trials(press, pp.servo_cycle(press, **states), along)
 
 
 # ------------------------------------------------------------------------------------------------------------------------------ reactions
@@ -145,25 +145,25 @@ def test_reaction_derivatives_are_those_of_changed_presses(name):
     """With a constant force on a link."""
     press = texts.shipped(name)
     load = pp.loads.PointForce(press.links[1], (2e3, 0.0, -5e3), (0.1, 0.0, 0.05))
-    check_trials(press, pp.cycle(press, SPEED, 24), direction(press, np.random.default_rng(4)), [load])
+    check_trials(press, pp.cycle(press, SPEED, points=24), direction(press, np.random.default_rng(4)), [load])
 
 
 def test_a_process_load_follows_the_slide():
     """A die 0.15 m above bottom dead centre, met and left between two of the states whatever the step."""
     press = texts.shipped("zxn2_3000b")
     load = pp.loads.ElasticDie(height=0.15, stiffness=2e6, damping=1e4, datum=pp.dead_centres(press).bottom_position)
-    check_trials(press, pp.cycle(press, SPEED, 24), direction(press, np.random.default_rng(5)), [load])
+    check_trials(press, pp.cycle(press, SPEED, points=24), direction(press, np.random.default_rng(5)), [load])
 
 
 @pytest.mark.parametrize("name", ["zxn2_3000b", "jf75g_125_symmetric", "thin_wall"])
 def test_a_trial_shows_the_motion_and_reactions_of_its_press(name):
     press = texts.shipped(name)
-    motion = pp.cycle(press, SPEED, 24)
+    motion = pp.cycle(press, SPEED, points=24)
     load = pp.loads.PointForce(press.links[1], (2e3, 0.0, -5e3), (0.1, 0.0, 0.05))
     design = start(press, motion, direction(press, np.random.default_rng(6)), [load])
     slope = design.slopes[0]
     trial = design.next({"s": 0.01}, Displacements(0.01 * slope.joints, 0.01 * slope.ends), [slope]).trial()
-    expected = pp.cycle(trial.press, SPEED, 24)
+    expected = pp.cycle(trial.press, SPEED, points=24)
     result = pp.inverse_dynamics(trial.press, expected, [load])
     for attribute in MOTION:
         values = getattr(expected, attribute)
@@ -191,7 +191,7 @@ def test_a_crank_slide_has_the_derivatives_of_its_formula():
         second = r * c + r**2 * (c**2 - s**2) / root + r**4 * s**2 * c**2 / root**3
         return -(r * c + root), first * speed, second * speed**2 + first * acceleration
 
-    motion = pp.cycle(press, angle=angle, speed=speed, acceleration=acceleration)
+    motion = pp.servo_cycle(press, angle=angle, speed=speed, acceleration=acceleration)
     derivatives = motion_derivatives(press, motion, [{("P", "crank"): (1, 0, 0)}, {("W", "rod"): (1, 0, 0)}])
     for derivative, lengths in zip(derivatives, ((0.1 + 1j * STEP, 0.4), (0.1, 0.4 + 1j * STEP)), strict=True):
         for name, values in zip(MOTION[3:], slide(*lengths), strict=True):
@@ -203,7 +203,7 @@ def test_a_crank_slide_has_the_derivatives_of_its_formula():
 def test_a_press_made_larger_moves_to_scale(name):
     """Along its own positions all travels grow in proportion, and no angle changes."""
     press = texts.shipped(name)
-    motion = pp.cycle(press, SPEED, 24)
+    motion = pp.cycle(press, SPEED, points=24)
     positions = pivot_positions(press)
     flat = {pivot: position - (position @ [0, 1, 0]) * np.array([0, 1, 0]) for pivot, position in positions.items()}
     (derivative,) = motion_derivatives(press, motion, [flat])
@@ -220,7 +220,7 @@ def test_a_press_made_larger_moves_to_scale(name):
 
 def test_a_direction_in_which_bearings_contradict_each_other_is_refused():
     press = texts.shipped("jf75g_125_two_point")
-    motion = pp.cycle(press, SPEED, 12)
+    motion = pp.cycle(press, SPEED, points=12)
     with pytest.raises(pp.PinpressError, match="do not stay closed"):
         motion_derivatives(press, motion, [{("P4_front", "main_rod_front"): (1, 0, 0)}])
 
@@ -230,12 +230,12 @@ def test_a_spatial_linkage_has_no_derivatives(tmp_path):
     file.write_text(spatial_linkages.bennett(), encoding="utf-8")
     press = pp.load(file)
     with pytest.raises(pp.PinpressError, match=f"exact derivatives are those of planar linkages .*, which {press.name} is not"):
-        motion_derivatives(press, pp.cycle(press, SPEED, 12), [])
+        motion_derivatives(press, pp.cycle(press, SPEED, points=12), [])
 
 
 def test_a_direction_out_of_the_plane_and_a_motion_of_another_press_are_refused():
     press, other = texts.shipped("crank_slide"), texts.shipped("thin_wall")
-    motion = pp.cycle(press, SPEED, 12)
+    motion = pp.cycle(press, SPEED, points=12)
     with pytest.raises(pp.PinpressError, match="out of the plane"):
         motion_derivatives(press, motion, [{("P", "crank"): (0, 1, 0)}])
     with pytest.raises(pp.PinpressError, match="other joints"):

@@ -38,7 +38,7 @@ def same(one, other, bound):
 
 @pytest.fixture(scope="module")
 def motion(zxn2):
-    return pp.cycle(zxn2, **SERVO)
+    return pp.servo_cycle(zxn2, **SERVO)
 
 
 # ---------------------------------------------------------------------------------------------------------------------------- loads
@@ -69,7 +69,7 @@ def test_virtual_work(zxn2, motion, engine):
 
     The change is a difference of torques ten times as large, so it has a digit less. Rates are taken at crank speed 1.
     """
-    unit = pp.cycle(zxn2, angle=motion.crank_angle, speed=1.0)
+    unit = pp.servo_cycle(zxn2, angle=motion.crank_angle, speed=1.0)
     bare = pp.inverse_dynamics(zxn2, motion, engine=engine)
     force = np.linspace(-3e6, 2e6, len(motion.crank_angle))
     load = pp.loads.PointForce("slide", force[:, None] * np.array([0.0, 0.0, 1.0]), (0.3, -0.1, -0.7))
@@ -123,7 +123,9 @@ def test_torque_and_forces_are_affine(zxn2, engine):
 
     def at(speed, acceleration, load):
         loads = [pp.loads.PointForce("rod", load * np.array([1e5, 2e4, 7e5]), (0.2, 0.05, 0.1))]
-        return numbers(pp.inverse_dynamics(zxn2, pp.cycle(zxn2, angle=angle, speed=speed, acceleration=acceleration), loads, engine=engine))
+        return numbers(
+            pp.inverse_dynamics(zxn2, pp.servo_cycle(zxn2, angle=angle, speed=speed, acceleration=acceleration), loads, engine=engine)
+        )
 
     weight, fast, sped_up, loaded = at(0, 0, 0), at(2.0, 0, 0), at(0, 3.0, 0), at(0, 0, 0.5)
     for k, whole in enumerate(at(-7.0, -20.0, 1.3)):
@@ -137,7 +139,7 @@ def test_weight_is_what_gravity_adds(engine):
     """Without gravity, speed and load nothing acts at all; with it, forces are proportional to it."""
     free, earth, double = (texts.shipped("zxn2_3000b", gravity=(0, 0, g)) for g in (0.0, -9.81, -19.62))
     poses = {"angle": np.linspace(0, 6, 9), "speed": 0.0}
-    still = [pp.inverse_dynamics(p, pp.cycle(p, **poses, engine=engine), engine=engine) for p in (free, earth, double)]
+    still = [pp.inverse_dynamics(p, pp.servo_cycle(p, **poses, engine=engine), engine=engine) for p in (free, earth, double)]
     for values in numbers(still[0]):
         assert not values.any()
     assert not still[0].power_residual.any()
@@ -176,7 +178,7 @@ def test_scale(zxn2, tmp_path, length, mass, engine):
     library may be an absolute one: 1e-12 of the peak is rounding."""
     other = scaled(zxn2, tmp_path, length, mass)
     weight = np.array([length if name == "slide_guide" else 1.0 for name in zxn2.joints])
-    motions = [pp.cycle(p, **SERVO, engine=engine) for p in (zxn2, other)]
+    motions = [pp.servo_cycle(p, **SERVO, engine=engine) for p in (zxn2, other)]
     for name in ("v", "a"):
         one, two = (getattr(m, name) for m in motions)
         assert np.abs(one - two / weight).max() <= 1e-12 * np.abs(one).max()
@@ -203,9 +205,9 @@ def test_power_balance(zxn2, motion, engine):
     residual = pp.inverse_dynamics(zxn2, motion, loads, engine=engine).power_residual
     assert residual.shape == (23,)
     assert np.abs(residual).max() < 1e-13
-    rest = pp.inverse_dynamics(zxn2, pp.cycle(zxn2, angle=[0.0, 1.0, 2.0], speed=0.0, acceleration=5.0), loads, engine=engine)
+    rest = pp.inverse_dynamics(zxn2, pp.servo_cycle(zxn2, angle=[0.0, 1.0, 2.0], speed=0.0, acceleration=5.0), loads, engine=engine)
     np.testing.assert_array_equal(rest.power_residual, np.zeros(3))
-    through = pp.cycle(zxn2, angle=[1.0, 1.1, 1.1, 1.0], speed=[2.0, 0.0, 0.0, -2.0], acceleration=-3.0)
+    through = pp.servo_cycle(zxn2, angle=[1.0, 1.1, 1.1, 1.0], speed=[2.0, 0.0, 0.0, -2.0], acceleration=-3.0)
     assert np.abs(pp.inverse_dynamics(zxn2, through, loads, engine=engine).power_residual).max() < 1e-13
 
 
@@ -232,8 +234,8 @@ def test_work_is_energy(zxn2):
     nodes, weights = np.polynomial.legendre.leggauss(60)
     start, end = 0.4, 3.1
     angle = start + (end - start) * (nodes + 1) / 2
-    work = (pp.inverse_dynamics(zxn2, pp.cycle(zxn2, angle=angle, speed=SPEED)).driving_torque @ weights) * (end - start) / 2
-    ends = pp.cycle(zxn2, angle=[start, end], speed=SPEED)
+    work = (pp.inverse_dynamics(zxn2, pp.servo_cycle(zxn2, angle=angle, speed=SPEED)).driving_torque @ weights) * (end - start) / 2
+    ends = pp.servo_cycle(zxn2, angle=[start, end], speed=SPEED)
     data = zxn2.model.createData()
     energy = [
         pin.computeKineticEnergy(zxn2.model, data, q, v) + pin.computePotentialEnergy(zxn2.model, data, q)
@@ -250,11 +252,11 @@ def test_another_driver_does_the_same_work(engine):
     """Driven at the rod's pin P instead of the crank, with the motion that the crank gave it: the same states and power; 1e-12."""
     by_crank, by_rod = texts.shipped("crank_slide"), pp.load("crank_slide", driver="P")
     assert by_rod.driver == "P"
-    motion = pp.cycle(by_crank, angle=np.linspace(-4, 5, 31), speed=np.linspace(3, 6, 31), acceleration=-20.0, engine=engine)
+    motion = pp.servo_cycle(by_crank, angle=np.linspace(-4, 5, 31), speed=np.linspace(3, 6, 31), acceleration=-20.0, engine=engine)
     p, o = (by_crank.joints.index(name) for name in "PO")
     # rod's angle against the crank: sin psi = lam sin q, turned back by q
     angle = -(motion.crank_angle + np.arcsin(0.25 * np.sin(motion.crank_angle)))
-    driven = pp.cycle(by_rod, angle=angle, speed=motion.v[:, p], acceleration=motion.a[:, p], engine=engine)
+    driven = pp.servo_cycle(by_rod, angle=angle, speed=motion.v[:, p], acceleration=motion.a[:, p], engine=engine)
     for name in ("v", "a", "q"):
         expected = getattr(motion, name)
         assert np.abs(getattr(driven, name) - expected).max() <= 1e-12 * np.abs(expected).max()
@@ -273,7 +275,7 @@ def test_another_driver_does_the_same_work(engine):
 def test_a_motion_serves_another_press_of_the_same_lengths(zxn2, motion, engine):
     """The balanced press moves as the unbalanced one: its forces from either motion are the same to rounding (1e-12 of the peak)."""
     balanced = texts.shipped("zxn2_3000b_balanced")
-    own = pp.inverse_dynamics(balanced, pp.cycle(balanced, **SERVO), engine=engine)
+    own = pp.inverse_dynamics(balanced, pp.servo_cycle(balanced, **SERVO), engine=engine)
     lent = pp.inverse_dynamics(balanced, motion, engine=engine)
     same(own, lent, 1e-12)
     assert np.abs(lent.power_residual).max() < 1e-13
@@ -307,7 +309,7 @@ def test_a_motion_of_another_linkage_is_refused(zxn2, motion, tmp_path, engine):
 def test_what_is_not_finite_is_named_with_its_angle(load, named):
     """Of two loads that overflow together, in one of five states."""
     press = texts.shipped("zxn2_3000b")
-    motion = pp.cycle(press, angle=np.radians([10.0, 20.0, 30.0, 40.0, 50.0]), speed=7.0)
+    motion = pp.servo_cycle(press, angle=np.radians([10.0, 20.0, 30.0, 40.0, 50.0]), speed=7.0)
     force = np.zeros((5, 3))
     force[3] = load.force
     with pytest.raises(pp.PinpressError, match=f"^the {named} of zxn2_3000b is not finite at crank angle 40 deg"):
@@ -330,7 +332,7 @@ def horizontal(tmp_path_factory):
 def kept_in(press, angle, speed):
     """States that go through the same crank angle again and again."""
     none = np.zeros(5)
-    return pp.cycle(press, angle=none + angle, speed=none + speed, acceleration=none)
+    return pp.servo_cycle(press, angle=none + angle, speed=none + speed, acceleration=none)
 
 
 @pytest.mark.parametrize("engine", ENGINES)
@@ -351,7 +353,7 @@ def test_where_all_powers_are_rounding_their_residual_is_small(horizontal, engin
 def test_a_small_torque_that_is_wrong_shows_all_the_same(horizontal, engine, share):
     """Some 5e-3 N m accelerate the disc, whose centre is held to its circle by 430 N: the share by which a torque is wrong shows."""
     n = 9
-    motion = pp.cycle(horizontal, angle=np.linspace(0, 1, n), speed=np.full(n, 7.0), acceleration=np.full(n, 1e-3))
+    motion = pp.servo_cycle(horizontal, angle=np.linspace(0, 1, n), speed=np.full(n, 7.0), acceleration=np.full(n, 1e-3))
     result = pp.inverse_dynamics(horizontal, motion, engine=engine)
     torque = float(np.abs(result.driving_torque).max())
     assert np.abs(result.power_residual).max() < 1e-9

@@ -162,7 +162,7 @@ def by_hand(name):
 def test_hand_script(name, rubs, engine):
     """Torque and all forces of a servo motion with a forming force, 1e-12 of the peaks. Friction changes all of them."""
     press, friction, rubbing, smooth = by_hand(name)
-    motion = pp.cycle(press, **SERVO, engine=engine)
+    motion = pp.servo_cycle(press, **SERVO, engine=engine)
     loads = [pp.loads.PointForce("slide", np.outer(LIFT, UP))]
     result = pp.inverse_dynamics(press, motion, loads, friction=friction if rubs else {}, engine=engine)
     expected = rubbing if rubs else smooth
@@ -269,10 +269,10 @@ def test_backwards_is_the_mirror_in_time(engine):
     friction = {bearing: pp.loads.Friction(0.1, None if bearing == "slide_guide" else 0.06) for bearing in press.bearings}
     angle = np.linspace(0.05, 6.2, 20)
     forward, backward = (
-        pp.inverse_dynamics(press, pp.cycle(press, angle=angle, speed=sign * 7.0, engine=engine), friction=friction, engine=engine)
+        pp.inverse_dynamics(press, pp.servo_cycle(press, angle=angle, speed=sign * 7.0, engine=engine), friction=friction, engine=engine)
         for sign in (1, -1)
     )
-    bare = pp.inverse_dynamics(press, pp.cycle(press, angle=angle, speed=7.0, engine=engine), engine=engine)
+    bare = pp.inverse_dynamics(press, pp.servo_cycle(press, angle=angle, speed=7.0, engine=engine), engine=engine)
     for result, sign in ((forward, 1), (backward, -1)):
         lost = sum(result.friction_power.values())
         assert np.all(sign * (result.driving_torque - bare.driving_torque) > 0)
@@ -305,7 +305,7 @@ def test_all_laws_over_a_turn(name, engine):
 def test_a_slide_in_its_dead_centre_does_not_rub(angle, engine):
     """Its speed there is rounding: no Coulomb friction, whether or not the motion has other states; and nothing is NaN."""
     press = shipped("crank_slide")
-    motion = pp.cycle(press, angle=angle, speed=5.0, engine=engine)
+    motion = pp.servo_cycle(press, angle=angle, speed=5.0, engine=engine)
     friction = {bearing: pp.loads.Friction(0.1, None if bearing == "slide_guide" else 0.05) for bearing in press.bearings}
     result = pp.inverse_dynamics(press, motion, friction=friction, engine=engine)
     still = np.isin(np.mod(np.round(np.degrees(motion.crank_angle)), 180), 0)
@@ -324,7 +324,7 @@ def test_dead_centres_as_they_are_found(name, engine):
     """`dead_centres` gives them exactly enough for the slide to rest there."""
     press = shipped(name)
     ends = pp.dead_centres(press)
-    motion = pp.cycle(press, angle=[ends.bottom_angle, ends.top_angle], speed=7.0, engine=engine)
+    motion = pp.servo_cycle(press, angle=[ends.bottom_angle, ends.top_angle], speed=7.0, engine=engine)
     result = pp.inverse_dynamics(press, motion, friction={"slide_guide": pp.loads.Friction(0.2)}, engine=engine)
     peak = np.abs(result.bearing_force["slide_guide"]).max()
     assert np.abs(result.bearing_force["slide_guide"][:, 2]).max() <= 1e-12 * peak
@@ -333,7 +333,7 @@ def test_dead_centres_as_they_are_found(name, engine):
 def test_at_standstill_nothing_rubs(engine):
     """Speed zero throughout: the same forces as without friction."""
     press = shipped("zxn2_3000b")
-    motion = pp.cycle(press, angle=np.linspace(0, 6, 7), speed=0.0, acceleration=5.0, engine=engine)
+    motion = pp.servo_cycle(press, angle=np.linspace(0, 6, 7), speed=0.0, acceleration=5.0, engine=engine)
     bare, result = (pp.inverse_dynamics(press, motion, friction=each, engine=engine) for each in ({}, random_friction(press)))
     for bearing in press.bearings:
         np.testing.assert_array_equal(result.bearing_force[bearing], bare.bearing_force[bearing])
@@ -382,11 +382,11 @@ def test_where_the_thrust_changes_sides(coefficient, engine):
     low, high = 3.0, 3.2  # [rad]
     for _ in range(60):
         middle = (low + high) / 2
-        thrust = pp.inverse_dynamics(press, pp.cycle(press, angle=[middle], speed=5.0)).bearing_force["slide_guide"][0, 0]
+        thrust = pp.inverse_dynamics(press, pp.servo_cycle(press, angle=[middle], speed=5.0)).bearing_force["slide_guide"][0, 0]
         low, high = (middle, high) if thrust < 0 else (low, middle)
     angle = (low + high) / 2 + 1e-15 * np.arange(-30, 31, 3)
     friction = {"slide_guide": pp.loads.Friction(coefficient)}
-    result = pp.inverse_dynamics(press, pp.cycle(press, angle=angle, speed=5.0, engine=engine), friction=friction, engine=engine)
+    result = pp.inverse_dynamics(press, pp.servo_cycle(press, angle=angle, speed=5.0, engine=engine), friction=friction, engine=engine)
     assert np.abs(result.bearing_force["slide_guide"]).max() <= 1e-9 * np.abs(result.bearing_force["W"]).max()
 
 
@@ -430,10 +430,10 @@ def test_many_states(name):
     press = shipped(name)
     friction = random_friction(press, seed=5)
     angle = 2 * np.pi * np.arange(6000) / 6000
-    whole = pp.inverse_dynamics(press, pp.cycle(press, angle=angle, speed=7.0), friction=friction)
+    whole = pp.inverse_dynamics(press, pp.servo_cycle(press, angle=angle, speed=7.0), friction=friction)
     peak = np.abs(whole.driving_torque).max()
     for part in (slice(0, 500), slice(1900, 2200), slice(5500, 6000)):
-        some = pp.inverse_dynamics(press, pp.cycle(press, angle=angle[part], speed=7.0), friction=friction)
+        some = pp.inverse_dynamics(press, pp.servo_cycle(press, angle=angle[part], speed=7.0), friction=friction)
         assert np.abs(some.driving_torque - whole.driving_torque[part]).max() <= 1e-12 * peak
     assert np.abs(whole.power_residual).max() <= 1e-12
 
@@ -463,7 +463,7 @@ def test_all_laws_of_other_linkages(folder, name, engine):
     states = np.linspace(0.1, 0.6, 6)
     if len(press.drivers) == 2:
         states = np.stack([states, -0.5 * states], axis=1)
-    motion = pp.cycle(press, angle=states, speed=7 * np.cos(9 * states), acceleration=30 * np.sin(8 * states), engine=engine)
+    motion = pp.servo_cycle(press, angle=states, speed=7 * np.cos(9 * states), acceleration=30 * np.sin(8 * states), engine=engine)
     friction = random_friction(press, seed=11, viscous=5.0)
     loads = [pp.loads.PointForce(link, (50.0, -80.0, 300.0), (0.1, 0.0, -0.1)) for link in press.links[1:3]]
     stiffness = {"W0": 2e9, "W1": 1e9} if name == "rods" else {}
@@ -476,7 +476,7 @@ def test_friction_of_a_spherical_loop_is_in_its_moment(folder):
     """mu r times the force across its turning, against it, in both loops of a planar and of a spatial linkage."""
     for text, loop in ((SPATIAL, "W"), (rods(1), "W0")):
         press = load(text, folder)
-        motion = pp.cycle(press, angle=[0.1, 0.4], speed=5.0)
+        motion = pp.servo_cycle(press, angle=[0.1, 0.4], speed=5.0)
         friction = {loop: pp.loads.Friction(0.1, 0.05)}
         result = pp.inverse_dynamics(press, motion, friction=friction)
         axis = Turning(press, motion).axis[press.bearings.index(loop)]
@@ -498,7 +498,7 @@ def test_random_linkages(tmp_path, spec):
     press = load(drawing.urdf("crank"), tmp_path, gravity=tuple(rng.normal(size=3) * 10))
     low, high = (-np.inf, np.inf) if press.branch.period else press.branch.angles[[0, -1]]
     angle = rng.uniform(max(-0.05, 0.5 * low), min(0.05, 0.5 * high), 3)
-    motion = pp.cycle(press, angle=angle, speed=rng.uniform(3, 10, 3), acceleration=rng.uniform(-50, 50, 3))
+    motion = pp.servo_cycle(press, angle=angle, speed=rng.uniform(3, 10, 3), acceleration=rng.uniform(-50, 50, 3))
     loads = [pp.loads.PointForce(str(rng.choice(press.links)), 100 * rng.normal(size=3), tuple(rng.normal(size=3)))]
     size = press.size
     friction = {
@@ -581,4 +581,4 @@ def test_friction_of_a_fixed_loop_is_refused(folder):
         drawing.body(link, 1.0, 0.5 + 0.2j)
     press = load(drawing.urdf("O").replace("spherical", "fixed"), folder)
     with pytest.raises(pp.PinpressError, match="'W': a fixed loop does not turn"):
-        pp.inverse_dynamics(press, pp.cycle(press, angle=[0.1], speed=1.0), friction={"W": pp.loads.Friction(0.1, 0.05)})
+        pp.inverse_dynamics(press, pp.servo_cycle(press, angle=[0.1], speed=1.0), friction={"W": pp.loads.Friction(0.1, 0.05)})

@@ -38,7 +38,7 @@ def presses():
 def at(press, degrees, engine="auto"):
     """Motion at one or more crank angles, at the reference's speed."""
     angle = np.radians(np.atleast_1d(degrees))
-    return pp.cycle(press, angle=angle, speed=SPEED, engine=engine)
+    return pp.servo_cycle(press, angle=angle, speed=SPEED, engine=engine)
 
 
 def column(name):
@@ -154,7 +154,7 @@ def test_hand_script(presses, press_name, engine, motion_name):
     motion = {
         "turn": lambda: pp.cycle(press, SPEED, points=720, engine=engine),
         "backward": lambda: pp.cycle(press, -SPEED, points=90, engine=engine),
-        "servo": lambda: pp.cycle(press, **SERVO, engine=engine),
+        "servo": lambda: pp.servo_cycle(press, **SERVO, engine=engine),
     }[motion_name]()
     expected = six_bar(motion.crank_angle, motion.crank_speed, motion.crank_acceleration, BALANCED[press_name])
     result = pp.inverse_dynamics(press, motion, engine=engine)
@@ -179,7 +179,7 @@ def test_hand_script(presses, press_name, engine, motion_name):
 def test_moments_of_the_hand_script(presses):
     """Turning pins carry no moment but the driver's torque. (The guide's is the slide's own, of which the script knows nothing.)"""
     press = presses["zxn2_3000b"]
-    motion = pp.cycle(press, **SERVO)
+    motion = pp.servo_cycle(press, **SERVO)
     tau = six_bar(motion.crank_angle, motion.crank_speed, motion.crank_acceleration)["tau"]
     for engine in ENGINES:
         moment = pp.inverse_dynamics(press, motion, engine=engine).bearing_moment
@@ -242,7 +242,7 @@ def crank_slide(angle):
 
 CRANK_SLIDE_MOTIONS = {
     "turn": lambda press, engine: pp.cycle(press, 12.0, points=90, engine=engine),
-    "servo": lambda press, engine: pp.cycle(
+    "servo": lambda press, engine: pp.servo_cycle(
         press,
         angle=np.linspace(-8, 5, 61),
         speed=10 * np.cos(np.linspace(0, 9, 61)),

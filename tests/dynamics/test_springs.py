@@ -114,7 +114,7 @@ def same(one, other, bound):
 def test_a_spring_is_the_pair_of_its_forces(folder, name, spring, engine):
     """Everything as with the two forces on its links, 1e-12 of the peaks; and it changes something."""
     press, between = made(name, folder)
-    motion = pp.cycle(press, **SERVO, engine=engine)
+    motion = pp.servo_cycle(press, **SERVO, engine=engine)
     sprung = pp.inverse_dynamics(press, motion, [pp.loads.SpringDamper(**between, **SPRINGS[spring])], engine=engine)
     same(sprung, pp.inverse_dynamics(press, motion, pulled(press, motion, between, **SPRINGS[spring]), engine=engine), 1e-12)
     bare = pp.inverse_dynamics(press, motion, engine=engine)
@@ -126,7 +126,7 @@ def test_a_spring_is_the_pair_of_its_forces(folder, name, spring, engine):
 def test_ends_may_be_swapped(folder, name, engine):
     press, between = made(name, folder)
     swapped = {key: between[key[:-1] + {"1": "2", "2": "1"}[key[-1]]] for key in between}
-    motion = pp.cycle(press, **SERVO, engine=engine)
+    motion = pp.servo_cycle(press, **SERVO, engine=engine)
     one, two = (
         pp.inverse_dynamics(press, motion, [pp.loads.SpringDamper(**ends, **SPRINGS["both"])], engine=engine) for ends in (between, swapped)
     )
@@ -137,7 +137,7 @@ def test_ends_may_be_swapped(folder, name, engine):
 def test_a_spring_does_not_shake_the_foundation(folder, name, engine):
     """Both its ends are on the machine, also where one is on the frame: what shakes is the rate of momentum alone; 1e-12 of the peaks."""
     press, between = made(name, folder)
-    motion = pp.cycle(press, **SERVO, engine=engine)
+    motion = pp.servo_cycle(press, **SERVO, engine=engine)
     result = pp.inverse_dynamics(press, motion, [pp.loads.SpringDamper(**between, **SPRINGS["both"])], engine=engine)
     force, moment = momentum_balance(press, motion, [])
     peak = max(np.abs(values).max() for values in result.bearing_force.values())
@@ -162,7 +162,7 @@ def test_a_balance_spring_in_closed_form(engine):
 def test_a_spring_within_a_link_does_nothing(engine):
     """Its two forces are on one line of one body: 1e-13 of what they are themselves."""
     press = shipped("zxn2_3000b")
-    motion = pp.cycle(press, **SERVO, engine=engine)
+    motion = pp.servo_cycle(press, **SERVO, engine=engine)
     spring = pp.loads.SpringDamper("rod", "rod", 1e6, 1e4, 0.1, (0.1, 0.2, 0.0), (0.3, -0.1, 0.1))
     held, free = (pp.inverse_dynamics(press, motion, loads, engine=engine) for loads in ([spring], []))
     same(held, free, 1e-13)
@@ -172,7 +172,7 @@ def test_springs_of_linkages_with_several_drivers(folder):
     """A four-bar on a turntable, driven at both."""
     press = load(spatial_four_bar("revolute", table="table"), folder)
     angle = np.stack([ANGLE, -0.5 * ANGLE], axis=1)
-    motion = pp.cycle(press, angle=angle, speed=3.0, acceleration=-5.0)
+    motion = pp.servo_cycle(press, angle=angle, speed=3.0, acceleration=-5.0)
     between = {"link1": "rocker", "link2": "frame", "point1": (0.1, 0.2, 0.0), "point2": (0.3, 0.1, 0.9)}
     sprung = pp.inverse_dynamics(press, motion, [pp.loads.SpringDamper(**between, **SPRINGS["both"])])
     same(sprung, pp.inverse_dynamics(press, motion, pulled(press, motion, between, **SPRINGS["both"])), 1e-12)
@@ -183,7 +183,7 @@ def test_springs_of_linkages_with_several_drivers(folder):
 def test_springs_and_friction_together(engine):
     """A spring's force is in the radial forces that rub."""
     press = shipped("zxn2_3000b")
-    motion = pp.cycle(press, **SERVO, engine=engine)
+    motion = pp.servo_cycle(press, **SERVO, engine=engine)
     between = {"link1": "rocker", "link2": "frame", "point1": (0.1, 0.0, 0.2), "point2": (1.0, 0.0, 0.9)}
     friction = {name: pp.loads.Friction(0.1, None if name == "slide_guide" else 0.05, 20.0) for name in press.bearings}
     results = [
@@ -223,10 +223,10 @@ def test_work_on_a_spring_is_its_energy(engine):
     nodes, weights = np.polynomial.legendre.leggauss(60)
     between = {"link1": "rocker", "link2": "frame", "point1": (0.1, 0.0, 0.2), "point2": (1.0, 0.3, 0.9)}
     spring = pp.loads.SpringDamper(**between, stiffness=5e5, free_length=0.4)
-    motion = pp.cycle(press, angle=0.4 + 2.7 * (nodes + 1) / 2, speed=7.0, engine=engine)
+    motion = pp.servo_cycle(press, angle=0.4 + 2.7 * (nodes + 1) / 2, speed=7.0, engine=engine)
     sprung, bare = (pp.inverse_dynamics(press, motion, loads, engine=engine).driving_torque for loads in ([spring], []))
     work = ((sprung - bare) @ weights) * 2.7 / 2
-    length, _, _ = stretch(press, pp.cycle(press, angle=[0.4, 3.1], speed=7.0), **between)
+    length, _, _ = stretch(press, pp.servo_cycle(press, angle=[0.4, 3.1], speed=7.0), **between)
     energy = 5e5 * (length - 0.4) ** 2 / 2
     assert work == pytest.approx(energy[1] - energy[0], rel=1e-11)
 
@@ -252,10 +252,10 @@ def test_ends_may_meet_where_a_spring_has_no_free_length(engine):
 def test_ends_that_meet_are_refused(values, engine):
     """Where the force needs a direction there; the crank angle is named."""
     press = shipped("crank_slide")
-    motion = pp.cycle(press, angle=[-0.3, 0.0, 0.3], speed=5.0, engine=engine)
+    motion = pp.servo_cycle(press, angle=[-0.3, 0.0, 0.3], speed=5.0, engine=engine)
     with pytest.raises(pp.PinpressError, match=r"'slide' and 'frame': its ends meet at crank angle -?0 deg"):
         pp.inverse_dynamics(press, motion, [pp.loads.SpringDamper(**MEETING, **values)], engine=engine)
-    others = pp.cycle(press, angle=[-0.3, 0.3], speed=5.0, engine=engine)
+    others = pp.servo_cycle(press, angle=[-0.3, 0.3], speed=5.0, engine=engine)
     assert np.isfinite(pp.inverse_dynamics(press, others, [pp.loads.SpringDamper(**MEETING, **values)], engine=engine).driving_torque).all()
 
 
@@ -300,6 +300,6 @@ def test_loads_that_are_none_are_refused(loads):
 @pytest.mark.parametrize("values", [{"stiffness": 1e300, "free_length": 0.1}, {"damping": 1e308}])
 def test_a_spring_too_strong_for_floating_point_is_refused(values, engine):
     press = shipped("crank_slide")
-    motion = pp.cycle(press, angle=[0.5, 1.0], speed=1e10, engine=engine)
+    motion = pp.servo_cycle(press, angle=[0.5, 1.0], speed=1e10, engine=engine)
     with pytest.raises(pp.PinpressError, match="floating point"):
         pp.inverse_dynamics(press, motion, [pp.loads.SpringDamper("slide", "frame", **values)], engine=engine).power_residual  # noqa: B018

@@ -61,7 +61,7 @@ def test_castigliano(name):
     stiffness = yielding(press)
     if name == "jf75g_125_symmetric":  # whose guides would share with the rods
         stiffness = replace(stiffness, moments={})
-    motion = pp.cycle(press, 9.0, angle=ANGLES)
+    motion = pp.servo_cycle(press, speed=9.0, angle=ANGLES)
     guide = press.slide_guide[0]
     axis = press.model.jointPlacements[guide + 1].rotation @ press.axes[guide].direction
 
@@ -96,7 +96,7 @@ def test_displaced_pins_of_the_six_bar():
     stiff = {name: 1e9 * (1 + 0.2 * i) for i, name in enumerate(names)}
     rods = [Rod("coupler", ("B", "C"), 8e8), Rod("rod", ("E", "F"), 9e8), Rod("rocker", ("D", "E"), 2e9)]
     angle, load = 5.2, pp.loads.PointForce("slide", (0, 0, 2e6))
-    motion = pp.cycle(press, 7.33, angle=[angle])
+    motion = pp.servo_cycle(press, speed=7.33, angle=[angle])
     found = pp.inverse_dynamics(press, motion, [load])
     force = {name: complex(*found.bearing_force[name][0, [0, 2]]) for name in names}
     torque, crown = found.driving_torque[0], -(force["A"] + force["D"]).imag
@@ -211,7 +211,7 @@ def test_a_rod_between_bearings_that_meet():
 
 
 def mass_of(press, stiffness, angles):
-    held = hold(press, stiffness, pp.cycle(press, 0.0, angle=angles))
+    held = hold(press, stiffness, pp.servo_cycle(press, speed=0.0, angle=angles))
     return _moving_mass(held) / np.sum(list(held.moved(held.unit).values()), axis=0) ** 2
 
 
@@ -228,7 +228,7 @@ def test_effective_mass_of_single_springs():
     assert elasticity(press, Stiffness({"O": 1e9}), [0.0]).effective_mass[0] == pytest.approx(moving, rel=1e-12)
     for name in ("crank_slide", "zxn2_3000b", "jf75g_125_two_point"):
         press, angles = pp.load(name), np.array([0.7, 2.0, 4.4])
-        motion = pp.cycle(press, 1.0, angle=angles)
+        motion = pp.servo_cycle(press, speed=1.0, angle=angles)
         data = press.model.createData()
         energy = [pin.computeKineticEnergy(press.model, data, q, v) for q, v in zip(np.array(motion.q), np.array(motion.v), strict=True)]
         expected = 2 * np.array(energy) / motion.slide_velocity**2

@@ -42,7 +42,7 @@ def test_bottom_dead_centre_by_brute_force(name, speed):
     found = dead_centre_shift(press, stiffness, [0.5 * speed, speed])
 
     def position(angle, w):
-        return slide_deflection(press, pp.cycle(press, w, angle=np.atleast_1d(angle)), stiffness).slide_position
+        return slide_deflection(press, pp.servo_cycle(press, speed=w, angle=np.atleast_1d(angle)), stiffness).slide_position
 
     for w, angle, lowest in zip(found.speed, found.crank_angle, found.position, strict=True):
         around = found.rigid_angle + np.linspace(-0.1, 0.1, 401)
@@ -52,7 +52,7 @@ def test_bottom_dead_centre_by_brute_force(name, speed):
         )
         assert lowest == pytest.approx(result.fun, abs=1e-14)
         assert angle == pytest.approx(result.x, abs=2e-6)
-    assert found.rigid_position == pytest.approx(pp.cycle(press, 1.0, angle=[found.rigid_angle]).slide_position[0], abs=1e-15)
+    assert found.rigid_position == pytest.approx(pp.servo_cycle(press, speed=1.0, angle=[found.rigid_angle]).slide_position[0], abs=1e-15)
     assert found.rigid_position <= pp.cycle(press, 1.0, points=3600).slide_position.min()
     still = dead_centre_shift(press, stiffness, 0.0)
     resting = position(found.rigid_angle + np.linspace(-1e-2, 1e-2, 2001), 0.0).min()
@@ -67,7 +67,7 @@ def test_bottom_dead_centre_by_brute_force(name, speed):
 def test_affine_in_the_squared_speed():
     press = pp.load("zxn2_3000b")
     stiffness, angles = stiffness_of(press), np.linspace(0.0, 6.0, 7)
-    at = [slide_deflection(press, pp.cycle(press, w, angle=angles), stiffness).deflection for w in (0.0, 3.0, 8.0)]
+    at = [slide_deflection(press, pp.servo_cycle(press, speed=w, angle=angles), stiffness).deflection for w in (0.0, 3.0, 8.0)]
     np.testing.assert_allclose((at[1] - at[0]) / 9, (at[2] - at[0]) / 64, rtol=1e-9, atol=1e-16)
 
 

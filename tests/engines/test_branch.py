@@ -77,13 +77,13 @@ def test_servo_angles_from_anywhere(zxn2, engine):
     To the rounding of the angle: 1e4 rad has a spacing of 2e-12, and the slide moves by at most 0.2 m/rad.
     """
     angle = np.random.default_rng(3).uniform(-1e4, 1e4, 5000 if engine == "plane" else 60)
-    motion = pp.cycle(zxn2, angle=angle, speed=0.0, engine=engine)
+    motion = pp.servo_cycle(zxn2, angle=angle, speed=0.0, engine=engine)
     assert STROKE[0] < motion.slide_position.min()
     assert motion.slide_position.max() < STROKE[1]
-    first_turn = pp.cycle(zxn2, angle=np.mod(angle, 2 * np.pi), speed=0.0, engine=engine)
+    first_turn = pp.servo_cycle(zxn2, angle=np.mod(angle, 2 * np.pi), speed=0.0, engine=engine)
     np.testing.assert_allclose(motion.slide_position, first_turn.slide_position, rtol=0, atol=2e-12)
     for i in range(5):
-        alone = pp.cycle(zxn2, angle=angle[i : i + 1], speed=0.0, engine=engine)
+        alone = pp.servo_cycle(zxn2, angle=angle[i : i + 1], speed=0.0, engine=engine)
         np.testing.assert_allclose(alone.q[0], motion.q[i], rtol=0, atol=2e-12)
 
 
@@ -140,7 +140,7 @@ def four_bar_press(tmp_path, *args, **options):
 
 def locked(press, **motion):
     with pytest.raises(pp.SingularityError) as caught:
-        pp.cycle(press, **motion)
+        (pp.servo_cycle if "angle" in motion else pp.cycle)(press, **motion)
     assert 0.0 <= caught.value.smallest_singular_value < 1e-3
     return caught.value.crank_angle
 
@@ -159,13 +159,13 @@ def test_a_crank_longer_than_its_rod_locks(tmp_path):
         pp.cycle(press, speed=1.0)
     for direction in (1, -1):
         angle = direction * np.linspace(-0.999 * lock, 0.999 * lock, 201)
-        motion = pp.cycle(press, angle=angle, speed=float(direction))
+        motion = pp.servo_cycle(press, angle=angle, speed=float(direction))
         root = np.sqrt(rod**2 - (r * np.sin(angle)) ** 2)
         np.testing.assert_allclose(motion.slide_position, -r * np.cos(angle) - root, rtol=1e-12)
         slope = r * np.sin(angle) + r**2 * np.sin(angle) * np.cos(angle) / root
         np.testing.assert_allclose(motion.slide_velocity, direction * slope, rtol=1e-10, atol=1e-12)
     # close to the lock both engines still say the same
-    one, other = (pp.cycle(press, angle=[0.0, 0.9999 * lock], speed=1.0, engine=engine) for engine in ENGINES)
+    one, other = (pp.servo_cycle(press, angle=[0.0, 0.9999 * lock], speed=1.0, engine=engine) for engine in ENGINES)
     np.testing.assert_allclose(one.slide_velocity, other.slide_velocity, rtol=1e-9, atol=1e-12)
 
 
@@ -175,7 +175,7 @@ def test_a_crank_as_long_as_its_rod_is_refused_where_two_assemblies_meet(tmp_pat
     assert locked(press, speed=1.0) == pytest.approx(np.pi / 2, abs=1e-6)
     assert locked(press, speed=-1.0) == pytest.approx(-np.pi / 2, abs=1e-6)
     angle = np.linspace(-1.5, 1.5, 31)
-    np.testing.assert_allclose(pp.cycle(press, angle=angle, speed=1.0).slide_position, -0.8 * np.cos(angle), rtol=1e-12)
+    np.testing.assert_allclose(pp.servo_cycle(press, angle=angle, speed=1.0).slide_position, -0.8 * np.cos(angle), rtol=1e-12)
 
 
 @pytest.mark.parametrize("shorter", [1e-3, 1e-5, 1e-7])
@@ -185,7 +185,7 @@ def test_a_crank_a_little_shorter_than_its_rod_goes_round(tmp_path, shorter):
     r = rod * (1 - shorter)
     press = crank_slide(tmp_path, r, rod)
     angle = np.linspace(0, 2 * np.pi, 2001)
-    motion = pp.cycle(press, angle=angle, speed=1.0)
+    motion = pp.servo_cycle(press, angle=angle, speed=1.0)
     assert np.abs(motion.slide_position + r * np.cos(angle) + np.sqrt(rod**2 - (r * np.sin(angle)) ** 2)).max() < 1e-11
 
 
@@ -203,7 +203,7 @@ def test_a_parallelogram_is_refused_at_its_change_points(tmp_path, degrees):
     assert locked(press, speed=1.0) == pytest.approx(np.radians(180 - degrees), abs=1e-6)
     assert locked(press, speed=-1.0) == pytest.approx(np.radians(-degrees), abs=1e-6)
     angle = np.radians(np.linspace(1, 179, 45) - degrees)
-    motion = pp.cycle(press, angle=angle, speed=1.0)
+    motion = pp.servo_cycle(press, angle=angle, speed=1.0)
     np.testing.assert_allclose(motion.q[:, press.model.joints[press.joints.index("D") + 1].idx_q], angle, atol=1e-11)
     np.testing.assert_allclose(motion.v[:, press.joints.index("B")], -1.0, rtol=1e-9)
 
@@ -219,7 +219,7 @@ def test_a_double_rocker_locks_both_ways(tmp_path, side):
     assert locked(press, speed=1.0) == pytest.approx(high - drawn, abs=1e-6)
     assert locked(press, speed=-1.0) == pytest.approx(low - drawn, abs=1e-6)
     angle = np.linspace(low + 1e-3, high - 1e-3, 50) - drawn
-    motion = pp.cycle(press, angle=angle, speed=1.0)
+    motion = pp.servo_cycle(press, angle=angle, speed=1.0)
     assert gap(press, motion.q).max() < 1e-13
     # the rocker stays on its side of the line from the crank pin to its own pivot
     pin_b = crank * np.exp(1j * (angle + drawn))
@@ -244,13 +244,13 @@ def test_a_drag_link_goes_round(tmp_path, bounded):
     gained = dict(zip(press.joints, press.branch.advance, strict=True))
     assert gained == {"O": 2 * np.pi, "B": 0.0, "D": 2 * np.pi}
     angle = np.linspace(-13, 21, 400)
-    motion = pp.cycle(press, angle=angle, speed=1.0)
+    motion = pp.servo_cycle(press, angle=angle, speed=1.0)
     assert gap(press, motion.q).max() < 1e-13
     joint = press.joints.index("D")
     assert motion.v[:, joint].min() > 0.0  # never turns back
     if bounded:
         rocker = motion.q[:, press.model.joints[joint + 1].idx_q]
-        turned = pp.cycle(press, angle=angle + 6 * np.pi, speed=1.0).q[:, press.model.joints[joint + 1].idx_q]
+        turned = pp.servo_cycle(press, angle=angle + 6 * np.pi, speed=1.0).q[:, press.model.joints[joint + 1].idx_q]
         np.testing.assert_allclose(turned, rocker + 6 * np.pi, rtol=0, atol=1e-12)
         assert np.diff(rocker).min() > 0.0
         assert abs((rocker[-1] - rocker[0]) - 34) < 2 * np.pi
@@ -314,12 +314,12 @@ def never_back(tmp_path_factory):
 def test_a_geared_linkage_that_is_never_back(never_back, engine):
     """With an irrational ratio it is followed through 16 turns either way; further on it says so."""
     press = never_back
-    motion = pp.cycle(press, angle=np.linspace(-99.0, 99.0, 40), speed=3.0, engine=engine)
+    motion = pp.servo_cycle(press, angle=np.linspace(-99.0, 99.0, 40), speed=3.0, engine=engine)
     assert motion.closure_error.max() < 5e-14  # the last bit of the angle of the second crank, 140 rad
     result = pp.inverse_dynamics(press, motion, engine=engine)
     assert np.abs(result.power_residual).max() < 1e-12
     with pytest.raises(pp.PinpressError, match=r"not back at its drawn pose after 16 turns .* between -5760 and 5760 deg"):
-        pp.cycle(press, angle=[101.0], speed=3.0, engine=engine)
+        pp.servo_cycle(press, angle=[101.0], speed=3.0, engine=engine)
 
 
 def test_a_geared_linkage_that_is_never_back_is_remarked(never_back):
@@ -344,8 +344,8 @@ def test_joints_many_turns_away_have_turned_as_often(tmp_path, engine, turns):
     """Of a drag link all that turns fully has made the crank's turns, one that swings has not, and the crank is where it was sent."""
     press = four_bar_press(tmp_path, 0.5, 1.0, 1.1, 0.9, np.radians(70))
     angle = np.linspace(0.1, 6.2, 101)
-    here = pp.cycle(press, angle=angle, speed=1.0, engine=engine)
-    there = pp.cycle(press, angle=angle + 2 * np.pi * turns, speed=1.0, engine=engine)
+    here = pp.servo_cycle(press, angle=angle, speed=1.0, engine=engine)
+    there = pp.servo_cycle(press, angle=angle + 2 * np.pi * turns, speed=1.0, engine=engine)
     np.testing.assert_array_equal(there.crank_angle, angle + 2 * np.pi * turns)
     gained = there.joint_position - here.joint_position
     for name, made in (("O", turns), ("D", turns), ("B", 0)):
@@ -361,7 +361,7 @@ def test_a_million_turns_away_the_slide_is_where_the_angle_says(turns):
     """By the crank-slider's formula, at the very angle that was given, within half a rounding of it."""
     press, crank, rod = texts.shipped("crank_slide"), 0.100, 0.400
     angle = 2 * np.pi * turns + np.linspace(0.1, 6.2, 13)
-    motion = pp.cycle(press, angle=angle, speed=1.0)
+    motion = pp.servo_cycle(press, angle=angle, speed=1.0)
     expected = -crank * np.cos(angle) - np.sqrt(rod**2 - (crank * np.sin(angle)) ** 2)
     rounding = 0.5 * np.spacing(angle.max()) * crank * 1.2
     np.testing.assert_allclose(motion.slide_position, expected, rtol=0, atol=rounding + 1e-15)
@@ -371,8 +371,8 @@ def test_a_million_turns_away_the_slide_is_where_the_angle_says(turns):
 def test_angles_whose_rounding_would_be_seen_are_refused(angle):
     press = texts.shipped("crank_slide")
     for asked in (
-        lambda: pp.cycle(press, angle=[0.0, angle], speed=1.0),
-        lambda: pp.cycle(press, angle=[angle], speed=1.0, engine="pinocchio"),
+        lambda: pp.servo_cycle(press, angle=[0.0, angle], speed=1.0),
+        lambda: pp.servo_cycle(press, angle=[angle], speed=1.0, engine="pinocchio"),
         lambda: pp.simulate(press, 0.1, 1.0, angle),
         lambda: pp.simulate(press, 0.1, 1.0, angle, method="constraint"),
         lambda: pp.simulate(press, 0.1, [1.0, 2.0], angle, drive=pp.drives.ConstantTorque(1.0)),
@@ -385,8 +385,8 @@ def test_angles_whose_rounding_would_be_seen_are_refused(angle):
 def test_times_whose_steps_are_lost_in_rounding_are_refused():
     press, steps = texts.shipped("crank_slide"), 1e-3 * np.arange(4)
     with pytest.raises(pp.PinpressError, match="its steps are lost in rounding: count it from where the motion begins"):
-        pp.cycle(press, angle=steps, speed=1.0, time=1e12 + np.arange(4))
-    pp.cycle(press, angle=steps, speed=1.0, time=1e6 + steps)
+        pp.servo_cycle(press, angle=steps, speed=1.0, time=1e12 + np.arange(4))
+    pp.servo_cycle(press, angle=steps, speed=1.0, time=1e6 + steps)
 
 
 @pytest.mark.parametrize("turns", [-2500, 1500])
@@ -394,7 +394,7 @@ def test_times_whose_steps_are_lost_in_rounding_are_refused():
 def test_joints_far_away_have_turned_as_often(name, turns):
     """What a joint gains in a turn, followed in small steps, it has gained as often as the crank has turned."""
     press = texts.shipped(name)
-    followed = pp.cycle(press, angle=np.linspace(0.3, 0.3 + 2 * np.pi, 200), speed=1.0).joint_position
+    followed = pp.servo_cycle(press, angle=np.linspace(0.3, 0.3 + 2 * np.pi, 200), speed=1.0).joint_position
     assert np.abs(np.diff(followed, axis=0)).max() < 0.2
-    far = pp.cycle(press, angle=[0.3 + 2 * np.pi * turns], speed=1.0).joint_position[0]
+    far = pp.servo_cycle(press, angle=[0.3 + 2 * np.pi * turns], speed=1.0).joint_position[0]
     np.testing.assert_allclose(far, followed[0] + turns * (followed[-1] - followed[0]), rtol=0, atol=1e-9)

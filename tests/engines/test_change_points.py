@@ -70,9 +70,9 @@ def test_between_change_points_none_is_looked_for(loaded):
     """Forces of a motion that stays clear of both, by the branch alone; within 1e-4 rad of one it is looked for, and the forces stand."""
     press = loaded(equal_rod())
     near = math.pi / 2 - 1e-4
-    pp.inverse_dynamics(press, pp.cycle(press, angle=[-1.5, 0.3, 1.5], speed=1.0))
+    pp.inverse_dynamics(press, pp.servo_cycle(press, angle=[-1.5, 0.3, 1.5], speed=1.0))
     assert not any(name.endswith(".branch_through_change_points") for known in vars(press)["_kept"] for name in known)
-    pp.inverse_dynamics(press, pp.cycle(press, angle=[0.0, near], speed=1.0))
+    pp.inverse_dynamics(press, pp.servo_cycle(press, angle=[0.0, near], speed=1.0))
     assert any(name.endswith(".branch_through_change_points") for known in vars(press)["_kept"] for name in known)
     assert len(press.branch_through_change_points.change_points) == 2
 
@@ -108,9 +108,9 @@ def test_a_prescribed_turn_is_refused_there(equal):
     """Without momentum mechanics does not say which way: the error has the crank angle; a turn up to it is fine."""
     for angle in (math.pi / 2 + 1e-3, math.pi, -math.pi / 2 - 1e-3):
         with pytest.raises(pp.SingularityError, match="locks") as caught:
-            pp.cycle(equal, angle=[0.0, angle], speed=1.0)
+            pp.servo_cycle(equal, angle=[0.0, angle], speed=1.0)
         assert abs(abs(caught.value.crank_angle) - math.pi / 2) < 1e-6
-    near = pp.cycle(equal, angle=[math.pi / 2 - 1e-3], speed=1.0)
+    near = pp.servo_cycle(equal, angle=[math.pi / 2 - 1e-3], speed=1.0)
     assert abs(near.slide_position[0] + 2 * R * math.sin(1e-3)) < 1e-14
 
 

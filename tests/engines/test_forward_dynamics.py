@@ -88,7 +88,7 @@ def case(request, load):
     argument = np.multiply.outer(TIMES, frequency) + phase
     parts = middle + swing * np.sin(argument), swing * frequency * np.cos(argument), -swing * frequency**2 * np.sin(argument)
     angle, speed, acceleration = (part[:, 0] if count == 1 else part for part in parts)
-    motion = pp.cycle(press, angle=angle, speed=speed, acceleration=acceleration)
+    motion = pp.servo_cycle(press, angle=angle, speed=speed, acceleration=acceleration)
     armature = np.zeros(press.model.nv)
     armature[list(press.driver_indices)] = 0.3
     return Case(request.param, press, motion, armature, press.forward_dynamics(armature), Loops(press.text.decode(), press.model))
@@ -186,7 +186,7 @@ def test_redundant_cranks_in_closed_form(load):
     press = load(three_cranks())
     inertia = sum(m * (abs(r) ** 2 + 0.01) for m, r in ((4, 0.12), (3, 0.15), (2, 0.18))) + 9 * 0.3**2
     lever = 4 * 0.12 + 3 * 0.15 + 2 * 0.18 * np.exp(0.3j) + 9 * 0.3
-    motion = pp.cycle(press, angle=np.linspace(-1, 1.5, 9), speed=np.linspace(-6, 6, 9), acceleration=0.0)
+    motion = pp.servo_cycle(press, angle=np.linspace(-1, 1.5, 9), speed=np.linspace(-6, 6, 9), acceleration=0.0)
     for extra in (0.0, 5.0):
         dynamics = press.forward_dynamics(extra * np.array([joint == "O" for joint in press.joints]))
         for angle, x, v in zip(motion.crank_angle, motion.joint_position, motion.v, strict=True):
@@ -215,7 +215,7 @@ def test_axes_the_other_way_round(load):
     press = load(four_bar("revolute"))
     (loop,) = press.loops
     other = dataclasses.replace(press, loops=(dataclasses.replace(loop, rotation2=loop.rotation2 @ np.diag([-1.0, -1.0, 1.0])),))
-    x, v = press.closed, pp.cycle(press, angle=[0.0], speed=2.0).v[0]
+    x, v = press.closed, pp.servo_cycle(press, angle=[0.0], speed=2.0).v[0]
     first, second = (p.forward_dynamics(np.zeros(3)) for p in (press, other))
     assert second.gap(x) <= 1e-14
     np.testing.assert_allclose(second.acceleration(x, v, np.ones(3)), first.acceleration(x, v, np.ones(3)), rtol=1e-12)
@@ -227,11 +227,11 @@ def test_the_driver_at_a_dead_point(load):
     by_crank, by_rocker = (load(drawing.urdf(driver)) for driver in ("O", "D"))
     closest = (1 + (0.9 - 0.3) ** 2 - 0.7**2) / (2 * (0.9 - 0.3))  # cosine at the frame, coupler folded over the crank
     dead = math.acos(closest) - 0.5 - math.pi
-    motion = pp.cycle(by_crank, angle=[dead, dead + 1e-9], speed=3.0)
+    motion = pp.servo_cycle(by_crank, angle=[dead, dead + 1e-9], speed=3.0)
     rocker = by_rocker.joints.index("D")
     assert abs(motion.v[0, rocker]) < 1e-12
     with pytest.raises(pp.SingularityError):
-        pp.cycle(by_rocker, angle=[motion.joint_position[0, rocker]], speed=0.0)
+        pp.servo_cycle(by_rocker, angle=[motion.joint_position[0, rocker]], speed=0.0)
     one, other = (press.forward_dynamics(np.zeros(3)) for press in (by_crank, by_rocker))
     for x, v in zip(np.array(motion.joint_position), np.array(motion.v), strict=True):
         moved = x + np.array([1e-4, -2e-4, 3e-4])
@@ -282,14 +282,14 @@ def test_links_without_mass():
     crank = press.joints.index(press.driver)
     dynamics, efforts = light.forward_dynamics(np.zeros(3)), 50.0 * (np.arange(3) == crank)
     angle = np.array([0.4, 1.0, 2.0, 4.0])
-    motion, unit = (pp.cycle(light, angle=angle, speed=s) for s in (7.0, 1.0))
+    motion, unit = (pp.servo_cycle(light, angle=angle, speed=s) for s in (7.0, 1.0))
     for i in range(len(angle)):
         first, second = unit.slide_velocity[i], unit.slide_acceleration[i]
         expected = (50.0 - mass * first * (second * 49.0 + 9.81)) / (mass * first**2)
         found = dynamics.acceleration(motion.joint_position[i], motion.v[i], efforts)
         assert abs(found[crank] - expected) <= 1e-10 * abs(expected)
     dead = pp.dead_centres(press)
-    at = pp.cycle(light, angle=[dead.top_angle], speed=1.0)
+    at = pp.servo_cycle(light, angle=[dead.top_angle], speed=1.0)
     with pytest.raises(pp.PinpressError, match="no mass resists"):
         dynamics.acceleration(at.joint_position[0], at.v[0], efforts)
     wheel = light.forward_dynamics(2.0 * (np.arange(3) == crank))
@@ -368,7 +368,7 @@ def test_energy_of_a_free_run():
     dynamics = press.forward_dynamics(2000.0 * (np.arange(5) == crank))
     drifts = []
     for steps in (200, 400):
-        state = np.array(pp.cycle(press, angle=[0.0], speed=7.0).v[0])
+        state = np.array(pp.servo_cycle(press, angle=[0.0], speed=7.0).v[0])
         x, v, h, none = press.closed.copy(), state, 0.5 / steps, np.zeros(5)
         start = sum(dynamics.energy(x, v))
         for _ in range(steps):
@@ -461,7 +461,7 @@ def test_the_gap(load):
     dynamics = press.forward_dynamics(np.zeros(5))
     slide = press.slide_guide[0]
     assert dynamics.gap(press.closed + 1e-3 * (np.arange(5) == slide)) == pytest.approx(1e-3, rel=1e-9)
-    x = pp.cycle(press, angle=[0.7], speed=1.0).joint_position[0] + 1e5 * press.branch.advance
+    x = pp.servo_cycle(press, angle=[0.7], speed=1.0).joint_position[0] + 1e5 * press.branch.advance
     x[slide] += 1e-6
     at, _, gap = dynamics.project(x, np.zeros(5))
     assert gap < 1e-9

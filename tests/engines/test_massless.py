@@ -44,7 +44,7 @@ def test_hooke_joint_in_closed_form(joint):
     """The torque accelerates both shafts; the cross piece needs none."""
     w, alpha = 9.0, -4.0
     ratio, rate = transmission(ANGLES)
-    motion = pp.cycle(joint, angle=ANGLES, speed=w, acceleration=alpha)
+    motion = pp.servo_cycle(joint, angle=ANGLES, speed=w, acceleration=alpha)
     result = pp.inverse_dynamics(joint, motion)
     expected = 0.2 * alpha + 0.2 * ratio * (ratio * alpha + rate * w**2)
     np.testing.assert_allclose(result.driving_torque, expected, rtol=0, atol=1e-12 * np.abs(expected).max())
@@ -67,7 +67,7 @@ def test_hooke_joint_keeps_its_energy(joint, method):
 def test_rod_without_mass_pulls_along_itself(engine):
     """Of the textbook press: its force at either end is along the line of its pins, and the same."""
     press = large_linkages.load(without_mass(texts.shipped("crank_slide").text.decode(), "rod"))
-    result = pp.inverse_dynamics(press, pp.cycle(press, angle=ANGLES, speed=9.0, engine=engine), engine=engine)
+    result = pp.inverse_dynamics(press, pp.servo_cycle(press, angle=ANGLES, speed=9.0, engine=engine), engine=engine)
     force = result.bearing_force["P"]
     np.testing.assert_allclose(force, result.bearing_force["W"], atol=1e-9 * np.abs(force).max())
     crank_pin = 0.1 * np.stack([np.sin(ANGLES), -np.cos(ANGLES)])

@@ -48,11 +48,11 @@ def under(load: Any) -> pp.Reactions:
 
 SPRINGS = pp.elasticity.Stiffness(bearings={"O": 1e9, "P": 1e9, "W": 1e9})
 ENTRIES: dict[str, Callable[[Any], object]] = {
-    "angle of a motion": lambda v: pp.cycle(press(), 1.0, angle=v),
-    "speed of a motion": lambda v: pp.cycle(press(), v, angle=[0.0, 1.0, 2.0]),
+    "angle of a motion": lambda v: pp.servo_cycle(press(), speed=1.0, angle=v),
+    "speed of a motion": lambda v: pp.servo_cycle(press(), speed=v, angle=[0.0, 1.0, 2.0]),
     "speed of a turn": lambda v: pp.cycle(press(), v),
-    "acceleration": lambda v: pp.cycle(press(), 1.0, angle=[0.0, 1.0, 2.0], acceleration=v),
-    "time": lambda v: pp.cycle(press(), 1.0, angle=[0.0, 1.0, 2.0], time=v),
+    "acceleration": lambda v: pp.servo_cycle(press(), speed=1.0, angle=[0.0, 1.0, 2.0], acceleration=v),
+    "time": lambda v: pp.servo_cycle(press(), speed=1.0, angle=[0.0, 1.0, 2.0], time=v),
     "gravity": lambda v: pp.load("crank_slide", gravity=v),
     "force": lambda v: under(pp.loads.PointForce("slide", v)),
     "force of a function": lambda v: under(pp.loads.PointForce("slide", lambda motion: v)),

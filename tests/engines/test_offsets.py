@@ -23,7 +23,7 @@ def test_offset_is_a_shaft_mounted_turned(engine):
         train(f'<mimic joint="shaft_0" multiplier="-1" offset="{OFFSET!r}"/>'),
         train('<mimic joint="shaft_0" multiplier="-1"/>', mounted=OFFSET),
     )
-    motions = [pp.cycle(press, angle=angles, speed=5.0, engine=engine) for press in presses]
+    motions = [pp.servo_cycle(press, angle=angles, speed=5.0, engine=engine) for press in presses]
     # the third shaft mimics the second, offset and all: as a mounted one it would not
     np.testing.assert_allclose(motions[0].joint_position[:, 1], OFFSET - angles, atol=1e-12)
     np.testing.assert_allclose(motions[0].joint_position[:, 2], angles - OFFSET, atol=1e-12)
@@ -40,7 +40,7 @@ def test_a_driver_that_follows():
     """The driven shaft is itself the follower: its leader is drawn where that puts it."""
     text = large_linkages.gear_train(1).replace('multiplier="-1"/>', f'multiplier="-2" offset="{OFFSET!r}"/>')
     press = large_linkages.load(text, driver="shaft_1")
-    motion = pp.cycle(press, angle=[0.0, 1.0], speed=5.0)
+    motion = pp.servo_cycle(press, angle=[0.0, 1.0], speed=5.0)
     np.testing.assert_allclose(motion.joint_position[:, press.joints.index("shaft_0")], (np.array([0.0, 1.0]) - OFFSET) / -2, atol=1e-14)
 
 

@@ -44,7 +44,7 @@ def largest_difference(one, other):
 def check(press, states, loads):
     """Every comparison of one linkage."""
     weight = np.array([1.0 if axis.turns else 1.0 / press.size for axis in press.axes])  # lengths in lengths of the linkage
-    motions = {engine: pp.cycle(press, **states, engine=engine) for engine in ENGINES}
+    motions = {engine: pp.servo_cycle(press, **states, engine=engine) for engine in ENGINES}
     plane, other = (motions[engine] for engine in ENGINES)
     for name in ("v", "a"):
         expected = weight * getattr(other, name)

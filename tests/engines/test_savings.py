@@ -67,7 +67,7 @@ def case(name, folder):
     else:
         made = LINKAGES[name]()
         press = made if isinstance(made, pp.Linkage) else read(made, folder)
-    return press, pp.cycle(press, **SERVO)
+    return press, pp.servo_cycle(press, **SERVO)
 
 
 def scene(kind, press):
@@ -162,7 +162,7 @@ def test_any_bearings_of_any_linkage(tmp_path, spec, load_count, in_plane, chose
     assume(drawing is not None)
     rng = np.random.default_rng(spec.seed + 3)
     press = loaded(drawing, tmp_path, gravity=rng.normal(size=3) * 10)
-    motion, loads = pp.cycle(press, **servo(press, rng)), random_loads(press, rng, load_count, in_plane)
+    motion, loads = pp.servo_cycle(press, **servo(press, rng)), random_loads(press, rng, load_count, in_plane)
     names = {press.bearings[k % len(press.bearings)] for k in chosen}
     full = pp.inverse_dynamics(press, motion, loads, engine=engine)
     some = pp.inverse_dynamics(press, motion, loads, engine=engine, bearings=names)
@@ -187,7 +187,7 @@ def test_linkages_of_the_other_engine(folder, make):
     press = make(folder)
     if len(press.drivers) > 1:
         states = np.stack([SERVO["angle"], 0.3 * SERVO["angle"]], axis=1)
-        motion = pp.cycle(press, angle=states, speed=np.cos(states), acceleration=np.sin(states))
+        motion = pp.servo_cycle(press, angle=states, speed=np.cos(states), acceleration=np.sin(states))
     else:
         motion = pp.cycle(press, speed=5.0, points=12)
     full = pp.inverse_dynamics(press, motion)
@@ -207,7 +207,7 @@ def test_long_motions(six_bar, points):
 
 def test_at_rest(six_bar, engine):
     """Where no rate says how the joints move together."""
-    motion = pp.cycle(six_bar, angle=np.linspace(0.0, 6.0, 9), speed=0.0, acceleration=0.0)
+    motion = pp.servo_cycle(six_bar, angle=np.linspace(0.0, 6.0, 9), speed=0.0, acceleration=0.0)
     full, bare = (pp.inverse_dynamics(six_bar, motion, engine=engine, bearings=names) for names in (None, ()))
     agree(bare, full)
     assert np.abs(bare.driving_torque).max() > 100.0

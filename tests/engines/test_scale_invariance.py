@@ -167,7 +167,7 @@ def at_rest():
     """Crank angles beside bottom dead centre at which the slide moves a little slower, and a little faster, than what counts as rest."""
     linkage = press(SI)
     bottom = pp.dead_centres(linkage).bottom_angle
-    bend = float(pp.cycle(linkage, angle=[bottom], speed=1.0).slide_acceleration[0])
+    bend = float(pp.servo_cycle(linkage, angle=[bottom], speed=1.0).slide_acceleration[0])
     step = engine_friction.REST * linkage.size / bend
     return bottom + step * np.array([-40.0, -4.0, -0.25, 0.25, 4.0])
 
@@ -177,7 +177,7 @@ def states(units):
     angles = np.concatenate([np.linspace(0.0, 6.0, 13), at_rest()])
     speed, alpha = SPEED * units.of(*RATE), 20.0 * units.of(0, 0, -2)
     times = np.arange(len(angles)) * 0.01 * units.time
-    return pp.cycle(press(units), angle=angles, speed=speed, acceleration=alpha, time=times)
+    return pp.servo_cycle(press(units), angle=angles, speed=speed, acceleration=alpha, time=times)
 
 
 def reactions(units, load=None, rubbing=None):
@@ -213,7 +213,7 @@ def test_travel_near_rest_is_told_by_the_size_of_the_press():
 @pytest.mark.parametrize("units", [SI, *UNITS])
 def test_ends_of_a_spring_meet_at_a_share_of_the_press(units):
     linkage = press(units)
-    size, motion = linkage.size, pp.cycle(press(units), angle=[1.0], speed=SPEED * units.of(*RATE))
+    size, motion = linkage.size, pp.servo_cycle(press(units), angle=[1.0], speed=SPEED * units.of(*RATE))
     there = (0.0, 0.0, float(motion.slide_position[0]))
     stretched = pp.loads.SpringDamper("frame", "slide", stiffness=1.0, free_length=0.1 * units.length, point1=there)
     joint, along = linkage.slide_guide[0], np.array([0.0, 0.0, 1.0])

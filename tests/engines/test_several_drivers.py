@@ -29,14 +29,14 @@ def test_where_two_drivers_pull_the_linkage_straight(tmp_path):
     """The pins are 0.5 - 0.2 cos s apart: two couplers of 0.25 m are straight at a right angle, and there C is halfway on their line."""
     press, last = five_bar(tmp_path), np.radians(89.0)
     turned = np.linspace(0.0, last, 30)
-    motion = pp.cycle(press, angle=np.column_stack([turned, -turned]), speed=0.0)
+    motion = pp.servo_cycle(press, angle=np.column_stack([turned, -turned]), speed=0.0)
     half = 0.25 - 0.1 * np.cos(turned)
     inclined = np.arctan2(np.sqrt(0.25**2 - half**2), half)  # of coupler 1 over the ground, and drawn
     coupler = motion.joint_position[:, press.joints.index("A")] + motion.joint_position[:, press.joints.index("P")]
     np.testing.assert_allclose(coupler, inclined - np.arctan2(0.2, 0.15), rtol=0, atol=1e-9)
     turned = np.linspace(0.0, 2.0, 21)
     with pytest.raises(pp.SingularityError, match=r"five_bar locks between driver positions \[ 85\.\d* -85\.\d*\] and") as caught:
-        pp.cycle(press, angle=np.column_stack([turned, -turned]), speed=0.0)
+        pp.servo_cycle(press, angle=np.column_stack([turned, -turned]), speed=0.0)
     assert caught.value.crank_angle == pytest.approx(np.pi / 2, abs=1e-6)
 
 
@@ -54,7 +54,7 @@ def test_a_free_fall(legs):
     assert run.closure_error.max() < 1e-10
     assert run.crank_angle.shape == run.drive_torque.shape == (121, 12)
     torque = pp.inverse_dynamics(legs, run).driving_torque
-    weight = pp.inverse_dynamics(legs, pp.cycle(legs, angle=run.crank_angle[:1], speed=0.0)).driving_torque
+    weight = pp.inverse_dynamics(legs, pp.servo_cycle(legs, angle=run.crank_angle[:1], speed=0.0)).driving_torque
     assert np.abs(torque).max() < 1e-9 * np.abs(weight).max()
 
 

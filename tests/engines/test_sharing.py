@@ -47,7 +47,7 @@ def case(name, folder):
     made = LINKAGES[name]()
     press = made if isinstance(made, pp.Linkage) else load(made, folder)
     loads = [pp.loads.PointForce(link, (100.0, -300.0, 900.0), (0.05, 0.1, -0.1)) for link in press.links[1:3]]
-    return Case(press, pp.cycle(press, **SERVO), loads)
+    return Case(press, pp.servo_cycle(press, **SERVO), loads)
 
 
 @cache
@@ -121,7 +121,7 @@ def test_momentum(folder, name, engine):
 def test_gear_train_in_closed_form(folder, engine):
     """Three eccentric shafts: each needs I alpha + weight x lever, the crank what all need, times their ratios; 1e-12."""
     press = load(wheels(("s1", "crank", -2.0, 0.03), ("s2", "s1", 1.5, -0.01), linked=False), folder)
-    result = pp.inverse_dynamics(press, pp.cycle(press, **SERVO), engine=engine)
+    result = pp.inverse_dynamics(press, pp.servo_cycle(press, **SERVO), engine=engine)
     shafts = {"crank": (4.0, 0.05 + 0.1j, 1.0, 0.0, 1), "s1": (3.0, 0.05 + 0.1j, -2.0, 0.03, 1), "s2": (4.0, 0.05 + 0.1j, -3.0, 0.035, -1)}
     needed = {}
     for name, (mass, lever, ratio, offset, sense) in shafts.items():
@@ -143,7 +143,7 @@ def test_gear_train_in_closed_form(folder, engine):
 def test_rack_and_pinion_in_closed_form(folder, engine):
     """A rack of 7 kg on a slope of 0.3 rad, 0.2 m by the radian: the pinion pushes it along with m (a + g sin), 1e-12."""
     press = load(wheels(("rack", "crank", 0.2, 0.05), linked=False), folder)
-    motion = pp.cycle(press, **SERVO)
+    motion = pp.servo_cycle(press, **SERVO)
     at = press.joints.index("rack")
     assert np.abs(motion.joint_position[:, at] - 0.2 * SERVO["angle"] - 0.05).max() <= 1e-15
     result = pp.inverse_dynamics(press, motion, engine=engine)
@@ -174,9 +174,9 @@ def test_any_gear_ratio_can_be_driven(folder, ratio, engine):
     press = load(wheels(("s1", "crank", ratio)), folder)
     with pytest.raises(pp.PinpressError, match="has no period"):
         pp.cycle(press, 5.0, points=12, engine=engine)
-    motion = pp.cycle(press, angle=np.linspace(0.0, 6.0, 12), speed=5.0, engine=engine)
+    motion = pp.servo_cycle(press, angle=np.linspace(0.0, 6.0, 12), speed=5.0, engine=engine)
     assert np.abs(motion.joint_position[:, press.joints.index("s1")] - ratio * motion.crank_angle).max() <= 1e-13
-    far = pp.cycle(press, angle=[1e3], speed=5.0, engine=engine)
+    far = pp.servo_cycle(press, angle=[1e3], speed=5.0, engine=engine)
     assert far.joint_position[0, press.joints.index("s1")] == pytest.approx(1e3 * ratio, rel=1e-13)
 
 
@@ -185,7 +185,7 @@ def test_any_gear_ratio_can_be_driven(folder, ratio, engine):
 def test_a_rack_need_not_come_back(folder, ratio, engine):
     """It travels on, turn by turn, whatever the pinion's radius."""
     press = load(wheels(("rack", "crank", ratio)), folder)
-    motion = pp.cycle(press, angle=np.linspace(0.0, 40.0, 9), speed=5.0, engine=engine)
+    motion = pp.servo_cycle(press, angle=np.linspace(0.0, 40.0, 9), speed=5.0, engine=engine)
     assert np.abs(motion.joint_position[:, press.joints.index("rack")] - ratio * motion.crank_angle).max() <= 1e-13
 
 
@@ -209,7 +209,7 @@ def test_a_stiffness_of_any_one_bearing(folder, name):
     for bearing in press.bearings:
         state = cut_free(press, motion, 1, loads, {bearing: 1e9})
         for engine in ENGINES:
-            moved = pp.cycle(press, **{key: values[1:2] for key, values in SERVO.items()}, engine=engine)
+            moved = pp.servo_cycle(press, **{key: values[1:2] for key, values in SERVO.items()}, engine=engine)
             result = pp.inverse_dynamics(press, moved, loads, stiffness={bearing: 1e9}, engine=engine)
             assert max(errors(press, result, [state])) <= 1e-10, (bearing, engine)
 
@@ -252,7 +252,7 @@ def test_a_soft_rod_carries_nothing_but_itself(folder, engine):
 def test_stiffness_does_not_matter_where_nothing_is_open(engine):
     """The six-bar in its plane: the same to rounding, 1e-13."""
     press = texts.shipped("zxn2_3000b")
-    motion = pp.cycle(press, **SERVO)
+    motion = pp.servo_cycle(press, **SERVO)
     one, two = (pp.inverse_dynamics(press, motion, stiffness=each, engine=engine) for each in ({}, {"B": 1e6, "slide_guide": 1e9}))
     for bearing in press.bearings:
         assert np.abs(one.bearing_force[bearing] - two.bearing_force[bearing]).max() <= 1e-13 * np.abs(one.bearing_force["A"]).max()
@@ -298,7 +298,7 @@ def test_links_side_by_side(tmp_path, spec, count, soft):
     press = load(drawing.urdf("crank"), tmp_path, gravity=tuple(rng.normal(size=3) * 10))
     low, high = (-np.inf, np.inf) if press.branch.period else press.branch.angles[[0, -1]]
     angle = rng.uniform(max(-0.05, 0.5 * low), min(0.05, 0.5 * high), 2)
-    motion = pp.cycle(press, angle=angle, speed=rng.uniform(-10, 10, 2), acceleration=rng.uniform(-50, 50, 2))
+    motion = pp.servo_cycle(press, angle=angle, speed=rng.uniform(-10, 10, 2), acceleration=rng.uniform(-50, 50, 2))
     loads = [pp.loads.PointForce(str(rng.choice(press.links)), 100 * rng.normal(size=3), tuple(rng.normal(size=3)))]
     stiffness = {name: 10 ** rng.uniform(8, 9) for name in press.bearings if soft and rng.integers(2)}
     states = [cut_free(press, motion, i, loads, stiffness) for i in range(2)]
@@ -315,6 +315,6 @@ def test_a_second_rod_nearly_in_line_with_another(tmp_path):
     drawing = drawn(Spec((Group("triad", 0, (0, 0, 0)),), seed=1186975, stacked=True))
     double(drawing, np.random.default_rng(1186977), 1)
     press = load(drawing.urdf("crank"), tmp_path)
-    motion = pp.cycle(press, angle=[-0.02, 0.02], speed=3.0)
+    motion = pp.servo_cycle(press, angle=[-0.02, 0.02], speed=3.0)
     result = pp.inverse_dynamics(press, motion)
     assert max(errors(press, result, [cut_free(press, motion, i) for i in range(2)])) <= 1e-10

@@ -36,7 +36,7 @@ def datas(monkeypatch):
 @pytest.mark.parametrize("kind", KINDS)
 def test_planar_linkages_need_no_pinocchio_data(datas, kind):
     press = large_linkages.load(KINDS[kind](20))
-    result = pp.inverse_dynamics(press, pp.cycle(press, angle=ANGLES, speed=3.0))
+    result = pp.inverse_dynamics(press, pp.servo_cycle(press, angle=ANGLES, speed=3.0))
     assert np.abs(result.power_residual).max() < 1e-13
     assert np.isfinite(result.shaking_moment).all()
     loop_forces = [flags[:3].tolist() for name, flags in result.indeterminate.items() if name not in press.joints]
@@ -86,7 +86,7 @@ def test_chain_of_dyads_in_closed_form():
     count = 60
     press = large_linkages.load(n_four_bar.urdf(count))
     w, alpha = 3.0, -2.0
-    result = pp.inverse_dynamics(press, pp.cycle(press, angle=ANGLES, speed=w, acceleration=alpha))
+    result = pp.inverse_dynamics(press, pp.servo_cycle(press, angle=ANGLES, speed=w, acceleration=alpha))
     expected = n_four_bar.inertia(count) * alpha - n_four_bar.moment(count) * n_four_bar.GRAVITY * np.sin(ANGLES)
     np.testing.assert_allclose(result.driving_torque, expected, rtol=0, atol=1e-12 * np.abs(expected).max())
     # all rods turn by phi; the tops move as the tips do: mass times acceleration of the centres, less the weight
@@ -100,7 +100,7 @@ def test_gear_train_in_closed_form():
     """Every pair turns the shaft behind it and all that this one drives."""
     count = 61
     press = large_linkages.load(large_linkages.gear_train(count))
-    result = pp.inverse_dynamics(press, pp.cycle(press, angle=ANGLES, speed=3.0, acceleration=-2.0))
+    result = pp.inverse_dynamics(press, pp.servo_cycle(press, angle=ANGLES, speed=3.0, acceleration=-2.0))
     inertia, weight = 0.1 + 0.1**2, 9.81 * 0.1
     needed = inertia * -2.0 * (-1.0) ** np.arange(count + 1)[:, None] + weight * np.cos(ANGLES)
     torques = np.zeros_like(ANGLES)

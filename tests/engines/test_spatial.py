@@ -91,7 +91,7 @@ def test_slide_in_closed_form(spatial):
     """Position to 1e-13 m, velocity by complex step (exact), acceleration by an eighth-order difference of that, 1e-11."""
     speed, acceleration = np.linspace(-4, 9, 40), np.linspace(30, -10, 40)
     angle = np.linspace(-9, 12, 40)
-    motion = pp.cycle(spatial, angle=angle, speed=speed, acceleration=acceleration)
+    motion = pp.servo_cycle(spatial, angle=angle, speed=speed, acceleration=acceleration)
     offset = GUIDE_AXIS @ PIN_W
     np.testing.assert_allclose(motion.slide_position, offset + travel(angle), rtol=0, atol=1e-13)
 
@@ -109,13 +109,13 @@ def test_rates_are_derivatives_of_configurations(spatial):
     angle = np.linspace(0.0, 6.0, 11)
 
     def turned(x, d):
-        ends = [pp.cycle(spatial, angle=x + e, speed=1.0).q for e in (-d, d)]
+        ends = [pp.servo_cycle(spatial, angle=x + e, speed=1.0).q for e in (-d, d)]
         return np.array([pin.difference(spatial.model, one, two) for one, two in zip(*ends, strict=True)])
 
     def sped_up(x, d):
-        return pp.cycle(spatial, angle=x + d, speed=1.0).v - pp.cycle(spatial, angle=x - d, speed=1.0).v
+        return pp.servo_cycle(spatial, angle=x + d, speed=1.0).v - pp.servo_cycle(spatial, angle=x - d, speed=1.0).v
 
-    motion = pp.cycle(spatial, angle=angle, speed=1.0)
+    motion = pp.servo_cycle(spatial, angle=angle, speed=1.0)
     for values, expected, bound in ((motion.v, slope(turned, angle), 1e-11), (motion.a, slope(sped_up, angle), 1e-10)):
         assert np.abs(values - expected).max() <= bound * np.abs(expected).max()
         assert np.abs(expected).max(axis=0).min() > 0 or bound == 1e-10  # every joint moves; the crank has no acceleration
@@ -134,7 +134,7 @@ def test_a_full_turn(spatial, direction):
         pin.framesForwardKinematics(spatial.model, data, q)
         ends = data.oMf[spatial.model.getFrameId("rod")].act(PIN_W - PIN_P), data.oMf[spatial.model.getFrameId("slide")].translation
         assert np.linalg.norm(ends[0] - ends[1]) < 1e-12
-    turns = pp.cycle(spatial, angle=0.3 + 2 * np.pi * np.arange(-3, 4), speed=1.0)
+    turns = pp.servo_cycle(spatial, angle=0.3 + 2 * np.pi * np.arange(-3, 4), speed=1.0)
     for name in ("q", "v", "a"):
         values = getattr(turns, name)
         np.testing.assert_allclose(values, np.tile(values[3], (7, 1)), rtol=0, atol=1e-12)
@@ -146,7 +146,7 @@ def test_forces(spatial):
     The torque once more by virtual work of the open tree, which needs no loop force at all; and nothing is indeterminate.
     """
     states = np.linspace(0, 6, 15)
-    motion = pp.cycle(spatial, angle=states, speed=SPEED * np.cos(states), acceleration=30 * np.sin(3 * states))
+    motion = pp.servo_cycle(spatial, angle=states, speed=SPEED * np.cos(states), acceleration=30 * np.sin(3 * states))
     loads = [
         pp.loads.PointForce("slide", (50.0, -80.0, 3000.0), (0.1, 0.0, -0.1)),
         pp.loads.PointForce("rod", (7.0, 90.0, -60.0), (0.0, 0.1, -0.2)),
@@ -165,7 +165,7 @@ def test_forces(spatial):
     assert np.abs(idle).max() <= 1e-12 * moment_peak
     assert not any(flags.any() for flags in result.indeterminate.values())
 
-    unit = pp.cycle(spatial, angle=states, speed=1.0).v
+    unit = pp.servo_cycle(spatial, angle=states, speed=1.0).v
     data = spatial.model.createData()
     bare = pp.inverse_dynamics(spatial, motion).driving_torque
     efforts = [pin.rnea(spatial.model, data, q, v, a) @ u for q, v, a, u in zip(motion.q, motion.v, motion.a, unit, strict=True)]
@@ -186,8 +186,10 @@ def test_a_redundant_linkage_moves(write, turn, engine):
     assert press.engine("plane").plane.redundant
     assert press.mobility == 1
     assert press.rank == 3
-    some = {"points": 24} if turn else {"angle": np.linspace(-1.0, 1.5, 9)}
-    motion = pp.cycle(press, 5.0, engine=engine, **some)
+    if turn:
+        motion = pp.cycle(press, 5.0, points=24, engine=engine)
+    else:
+        motion = pp.servo_cycle(press, np.linspace(-1.0, 1.5, 9), speed=5.0, engine=engine)
     assert motion.closure_error.max() < 1e-12
     expected = {"O": 5.0, "B": -5.0, "D": 5.0, "G": 5.0}
     for name, rate in expected.items():
@@ -202,7 +204,7 @@ def test_a_redundant_linkage_in_closed_form(write, offset, engine):
     press = write(three_cranks(offset).urdf("O"))
     angle = np.linspace(-1, 1.5, 19)
     acceleration = 20 * np.cos(angle)
-    motion = pp.cycle(press, angle=angle, speed=np.linspace(-6, 6, 19), acceleration=acceleration)
+    motion = pp.servo_cycle(press, angle=angle, speed=np.linspace(-6, 6, 19), acceleration=acceleration)
     result = pp.inverse_dynamics(press, motion, engine=engine)
     assert result.engine == engine
     turned = np.exp(1j * (0.5 + angle))
@@ -234,7 +236,7 @@ def test_redundant_forces_are_the_smallest(write, engine):
     found, 1e-12 of their product.
     """
     press = write(three_cranks().urdf("O"))
-    motion = pp.cycle(press, angle=np.linspace(-1.0, 1.5, 9), speed=4.0)
+    motion = pp.servo_cycle(press, angle=np.linspace(-1.0, 1.5, 9), speed=4.0)
     result = pp.inverse_dynamics(press, motion, engine=engine)
     along = np.exp(1j * (0.5 + motion.crank_angle))
     # axial forces x of second and y of third crank on the coupler, and any force of the driven one that balances sum and moment about B:
@@ -252,7 +254,7 @@ def test_redundant_forces_are_the_smallest(write, engine):
 @pytest.fixture(scope="module")
 def open_components(write):
     press = write(three_cranks().urdf("O"))
-    return press, pp.inverse_dynamics(press, pp.cycle(press, 5.0, angle=np.linspace(-1.0, 1.5, 7))).indeterminate
+    return press, pp.inverse_dynamics(press, pp.servo_cycle(press, speed=5.0, angle=np.linspace(-1.0, 1.5, 7))).indeterminate
 
 
 def test_all_forces_of_a_redundant_linkage_are_open(open_components):

@@ -99,7 +99,7 @@ def swing(name, time):
 def swinging(press, name, time):
     """The motion with these drivers."""
     angle, speed, acceleration = (part[:, 0] if len(press.drivers) == 1 else part for part in swing(name, time))
-    return pp.cycle(press, angle=angle, speed=speed, acceleration=acceleration, engine="pinocchio")
+    return pp.servo_cycle(press, angle=angle, speed=speed, acceleration=acceleration, engine="pinocchio")
 
 
 def slope(function, h):
@@ -237,7 +237,7 @@ def test_equation_of_motion(name, load):
     model, data = press.model, press.model.createData()
 
     def energies(offset):
-        unit = pp.cycle(press, angle=x + offset, speed=1.0)
+        unit = pp.servo_cycle(press, angle=x + offset, speed=1.0)
         inertia = [2 * pin.computeKineticEnergy(model, data, q, v) for q, v in zip(unit.q, unit.v, strict=True)]
         return np.array([inertia, [pin.computePotentialEnergy(model, data, q) for q in unit.q]])
 
@@ -267,7 +267,7 @@ def test_bennett_goes_round(load):
 def test_bricard_in_closed_form(load):
     """cos 1 + cos 2 + cos 1 cos 2 = 0, and every other pin turns alike; 1e-13."""
     press = load(bricard())
-    motion = pp.cycle(press, speed=2.0, angle=np.linspace(-1.9, 1.9, 40) - BRICARD_DRAWN)
+    motion = pp.servo_cycle(press, speed=2.0, angle=np.linspace(-1.9, 1.9, 40) - BRICARD_DRAWN)
     position, rate = (dict(zip(press.joints, part.T, strict=True)) for part in (motion.joint_position, motion.v))
     second, slope_of_second = bricard_angle(BRICARD_DRAWN + motion.crank_angle)
     turned = second - bricard_angle(BRICARD_DRAWN)[0]
@@ -283,7 +283,7 @@ def test_bricard_locks_at_120_degrees(load):
     assert high.angle == pytest.approx(2 * np.pi / 3 - BRICARD_DRAWN, abs=1e-5)
     assert low.angle == pytest.approx(-2 * np.pi / 3 - BRICARD_DRAWN, abs=1e-5)
     with pytest.raises(pp.SingularityError, match="locks"):
-        pp.cycle(press, speed=1.0, angle=[2 * np.pi / 3 - BRICARD_DRAWN + 0.01])
+        pp.servo_cycle(press, speed=1.0, angle=[2 * np.pi / 3 - BRICARD_DRAWN + 0.01])
 
 
 @pytest.mark.parametrize(("make", "cuts", "swing"), [(bennett, (2, 3, 4), 4.0), (bricard, (2, 6), 1.0)])
@@ -293,7 +293,7 @@ def test_where_a_ring_is_cut_changes_nothing(make, cuts, swing, load):
 
     def solved(cut):
         press = load(make(cut))
-        motion = pp.cycle(press, angle=angle, speed=np.linspace(-2, 2, 7), acceleration=np.linspace(3, 5, 7))
+        motion = pp.servo_cycle(press, angle=angle, speed=np.linspace(-2, 2, 7), acceleration=np.linspace(3, 5, 7))
         result = pp.inverse_dynamics(press, motion)
         signs = {f"J{k}": 1.0 if k <= cut else -1.0 for k in range(1, cuts[-1] + 1)}  # a pin beyond the cut carries the link before it
         force, moment = (

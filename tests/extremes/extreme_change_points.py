@@ -138,7 +138,7 @@ def through_locks() -> Case:
     def judge(found: Any) -> Outcome:
         press = SHORT.press()
         by_rod = pp.load(press.file, driver=driven)
-        speed = float(pp.cycle(press, angle=[0.0], speed=30.0).v[0, press.joints.index(driven)])
+        speed = float(pp.servo_cycle(press, angle=[0.0], speed=30.0).v[0, press.joints.index(driven)])
         expected = pp.simulate(by_rod, 0.6, speed=speed, points=61)
         return Outcome(float(np.abs(found.joint_position - expected.joint_position).max()), CLOSE)
 
@@ -179,7 +179,7 @@ def whole_turn(name: str, linkage: Any, angles: list[float], given: dict[str, An
         NONE,
         name,
         "SingularityError at the lock (1e-6 rad)",
-        lambda engine: pp.cycle(linkage(), 7.0, engine=engine, **given),
+        lambda engine: (pp.servo_cycle if "angle" in given else pp.cycle)(linkage(), speed=7.0, engine=engine, **given),
         refusal(pp.SingularityError, angles, 1e-6),
         ordinary=lambda engine: pp.cycle(turning(), 7.0, engine=engine, points=90),
         refused=True,

@@ -181,5 +181,5 @@ def lasting(pace: Callable[[float], float], begin: float, end: float, at: Sequen
 
 def spinning(press: pp.Linkage, engine: str, angles: Any, speed: float = 7.0, acceleration: float = 3.0, **more: Any) -> pp.Reactions:
     """Inverse dynamics at crank angles by one engine throughout."""
-    motion = pp.cycle(press, speed, angle=angles, acceleration=acceleration, engine=engine)
+    motion = pp.servo_cycle(press, speed=speed, angle=angles, acceleration=acceleration, engine=engine)
     return pp.inverse_dynamics(press, motion, engine=engine, **more)

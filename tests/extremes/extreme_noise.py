@@ -111,7 +111,7 @@ def pressed(which: str) -> pp.Linkage:
 def asked(which: str) -> tuple[pp.Motion, Any]:
     """States, and the torques that give them their accelerations."""
     angle, speed, acceleration = map(np.array, zip(*STATES, strict=True))
-    motion = pp.cycle(pressed(which), speed, angle=angle, acceleration=acceleration)
+    motion = pp.servo_cycle(pressed(which), speed=speed, angle=angle, acceleration=acceleration)
     return motion, pp.inverse_dynamics(pressed(which), motion).driving_torque
 
 

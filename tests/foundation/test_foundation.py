@@ -72,7 +72,7 @@ def test_weight_is_the_mean_of_the_shaking_force(name):
     """Momentum comes back after a turn: what the machine exerts on the mean is its weight at its mean place."""
     press = loaded(name)
     system = foundation.mounted(press, *uneven(20.0))
-    result = pp.inverse_dynamics(press, pp.cycle(press, 30 * pp.RPM, 720))
+    result = pp.inverse_dynamics(press, pp.cycle(press, 30 * pp.RPM, points=720))
     mean = np.concatenate([result.shaking_force.mean(axis=0), result.shaking_moment.mean(axis=0)])
     np.testing.assert_allclose(system.press_weight, mean, atol=1e-9 * np.abs(mean).max())
     assert system.total_mass == pytest.approx(120e3 + sum(inertia.mass for inertia in press.model.inertias), rel=1e-12)

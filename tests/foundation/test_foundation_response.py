@@ -18,7 +18,7 @@ def shaken(name="jf75g_125", speed=SPEED, frame=None, mounts=None, states=180):
     press = loaded(name)
     usual = uneven()
     system = foundation.mounted(press, frame or usual[0], mounts or usual[1])
-    return system, pp.inverse_dynamics(press, pp.cycle(press, speed, states))
+    return system, pp.inverse_dynamics(press, pp.cycle(press, speed, points=states))
 
 
 # ------------------------------------------------------------------------------------------------------------------------ one mass
@@ -31,7 +31,7 @@ def one_mass(speed, loss_factor=0.0, damping=CZ):
     mounts = on_four((1e6, 1e6, KZ), (0.0, 0.0, damping), loss_factor=loss_factor)
     press = weightless()
     system = foundation.mounted(press, CENTRED, mounts)
-    result = pp.inverse_dynamics(press, pp.cycle(press, speed, 32), loads=[harmonic_force(press, FORCE)])
+    result = pp.inverse_dynamics(press, pp.cycle(press, speed, points=32), loads=[harmonic_force(press, FORCE)])
     return system, foundation.steady_response(system, result, points={"centre": (0, 0, -1.0)})
 
 
@@ -92,7 +92,7 @@ def test_force_on_the_floor_is_what_momentum_leaves(lossy):
     press = loaded("jf75g_125")
     system = foundation.mounted(press, frame, mounts)
     centre = {"centre": tuple(system.centre)}
-    steady = foundation.steady_response(system, pp.inverse_dynamics(press, pp.cycle(press, SPEED, 180)), points=centre)
+    steady = foundation.steady_response(system, pp.inverse_dynamics(press, pp.cycle(press, SPEED, points=180)), points=centre)
     starting = foundation.time_response(system, pp.inverse_dynamics(press, turns(press, SPEED, 2, 180)), points=centre)
     for response in (steady, starting):
         left = response.shaking_force - system.total_mass * response.acceleration["centre"]
@@ -108,7 +108,7 @@ def settled(states):
     damped = [foundation.Mount(m.point, m.stiffness, tuple(8 * np.array(m.damping))) for m in mounts]
     press = loaded("jf75g_125")
     system = foundation.mounted(press, frame, damped)
-    steady = foundation.steady_response(system, pp.inverse_dynamics(press, pp.cycle(press, SPEED, states)), points=POINTS)
+    steady = foundation.steady_response(system, pp.inverse_dynamics(press, pp.cycle(press, SPEED, points=states)), points=POINTS)
     time = foundation.time_response(system, pp.inverse_dynamics(press, turns(press, SPEED, 12, states)), points=POINTS)
     return steady, time
 
@@ -133,7 +133,7 @@ def test_speeds_at_once_are_those_one_by_one():
     speeds = np.array([15.0, 22.0, 40.0])
     together = foundation.over_speeds(system, speeds, POINTS)
     for k, speed in enumerate(speeds):
-        alone = foundation.steady_response(system, pp.inverse_dynamics(press, pp.cycle(press, speed, 360)), points=POINTS)
+        alone = foundation.steady_response(system, pp.inverse_dynamics(press, pp.cycle(press, speed, points=360)), points=POINTS)
         for point in POINTS:
             np.testing.assert_allclose(together.rms[point][k], alone.rms(point), rtol=1e-6)
             np.testing.assert_allclose(together.peak[point][k], alone.peak(point), rtol=1e-6)
@@ -269,7 +269,7 @@ def test_mounts_that_lift_off_are_named():
     press = weightless()
     system = foundation.mounted(press, CENTRED, on_four((1e6, 1e6, KZ)))
     heavy = harmonic_force(press, 1.5 * MASS * 9.81)
-    result = pp.inverse_dynamics(press, pp.cycle(press, 0.5, 32), loads=[heavy])
+    result = pp.inverse_dynamics(press, pp.cycle(press, 0.5, points=32), loads=[heavy])
     response = foundation.steady_response(system, result, points={})
     assert response.least_load.max() < 0
     assert "lifts off" in str(response)
@@ -308,8 +308,8 @@ def test_motions_that_do_not_fit_are_refused():
     press = system.press
     apart = pp.load("jf75g_125")
     with pytest.raises(PinpressError, match="loaded apart"):
-        foundation.steady_response(system, pp.inverse_dynamics(apart, pp.cycle(apart, SPEED, 60)), points={})
-    swinging = pp.inverse_dynamics(press, pp.cycle(press, [1.0, 2.0, 3.0], angle=[0.0, 0.1, 0.3], acceleration=0.0))
+        foundation.steady_response(system, pp.inverse_dynamics(apart, pp.cycle(apart, SPEED, points=60)), points={})
+    swinging = pp.inverse_dynamics(press, pp.servo_cycle(press, speed=[1.0, 2.0, 3.0], angle=[0.0, 0.1, 0.3], acceleration=0.0))
     with pytest.raises(PinpressError, match="no period"):
         foundation.steady_response(system, swinging, points={})
     with pytest.raises(PinpressError, match="equal intervals"):
@@ -318,13 +318,13 @@ def test_motions_that_do_not_fit_are_refused():
     with pytest.raises(PinpressError, match="no damping"):
         one_mass(np.sqrt(4 * KZ / MASS), damping=0.0)
     with pytest.raises(PinpressError, match="do not resolve"):
-        foundation.steady_response(system, pp.inverse_dynamics(press, pp.cycle(press, 30.0, 60), loads=[jumping]), points={})
+        foundation.steady_response(system, pp.inverse_dynamics(press, pp.cycle(press, 30.0, points=60), loads=[jumping]), points={})
 
 
 def test_a_press_that_shakes_nothing_transmits_nothing():
     press = weightless()
     system = foundation.mounted(press, CENTRED, on_four((1e6, 1e6, 1e6)))
-    response = foundation.steady_response(system, pp.inverse_dynamics(press, pp.cycle(press, 3.0, 32)), points={})
+    response = foundation.steady_response(system, pp.inverse_dynamics(press, pp.cycle(press, 3.0, points=32)), points={})
     with pytest.raises(PinpressError, match="nothing to transmit"):
         _ = response.transmitted
     with pytest.raises(PinpressError, match="nothing to transmit"):

@@ -37,7 +37,7 @@ def test_flywheel_turns_the_frame_as_if_it_were_part_of_the_crank():
     inertias[crank] = pin.Inertia(body.mass, body.lever, body.inertia + np.diag([0.0, FLYWHEEL.inertia, 0.0]))
     whole = press.with_inertias(inertias)
     angle = np.linspace(0.0, 3.0, 50)
-    motion = pp.cycle(press, 20 + angle, angle=angle, acceleration=20 + angle)
+    motion = pp.servo_cycle(press, speed=20 + angle, angle=angle, acceleration=20 + angle)
     apart, within = pp.inverse_dynamics(press, motion), pp.inverse_dynamics(whole, motion)
     moment = foundation.flywheel_moment(press, motion, FLYWHEEL)
     assert np.abs(moment[:, 1]).min() > 1000.0
@@ -48,7 +48,7 @@ def test_flywheel_turns_the_frame_as_if_it_were_part_of_the_crank():
 def test_flywheel_rocks_the_frame_only_where_the_speed_changes():
     press = loaded("jf75g_125")
     system = foundation.mounted(press, *uneven())
-    even = pp.inverse_dynamics(press, pp.cycle(press, 30.0, 90))
+    even = pp.inverse_dynamics(press, pp.cycle(press, 30.0, points=90))
     without, with_it = (foundation.steady_response(system, even, points={}, flywheel=flywheel) for flywheel in (None, FLYWHEEL))
     np.testing.assert_array_equal(without.coordinates, with_it.coordinates)
     result = piling(press, 0.05, 501)
@@ -84,7 +84,7 @@ def test_stiff_columns_make_one_frame_of_two_parts():
     together = np.vstack([np.eye(6), np.eye(6)])  # bed and crown as one: columns and their static forces cancel
     for one, two in ((rigid.mass, split.mass), (rigid.stiffness, split.stiffness), (rigid.loss, split.loss)):
         np.testing.assert_allclose(together.T @ two @ together, one, atol=1e-7 * np.abs(one).max())
-    result = pp.inverse_dynamics(press, pp.cycle(press, 30.0, 720), loads=[pp.loads.DeepDrawing(1e5, start=0.03)])
+    result = pp.inverse_dynamics(press, pp.cycle(press, 30.0, points=720), loads=[pp.loads.DeepDrawing(1e5, start=0.03)])
     whole = foundation.steady_response(rigid, result, points={"top": (0, 0, 1)})
     parts = foundation.steady_response(split, result, points={"top": ("crown", (0, 0, 1)), "bed": (0, 0, 1)})
     rigidly = whole.displacement["top"]
@@ -100,7 +100,7 @@ def test_process_force_stretches_the_columns():
     system = foundation.mounted(press, BED, MOUNTS, CROWN, columns(loss_factor=0.0))
     drawing = pp.loads.DeepDrawing(1e5, start=0.03)
     points = {"crown": ("crown", (0, 0, 0)), "bed": (0, 0, 0)}
-    motion = pp.cycle(press, 0.01, 720)
+    motion = pp.cycle(press, 0.01, points=720)
     forced, idle = (
         foundation.steady_response(system, pp.inverse_dynamics(press, motion, loads=loads), points=points).displacement
         for loads in ([drawing], [])
@@ -163,9 +163,9 @@ def test_a_period_of_a_steady_run_is_what_time_comes_to():
     )
     one = np.s_[:-1]
     angle = np.concatenate([steady.crank_angle[one] + 2 * np.pi * k for k in range(16)])
-    motion = pp.cycle(
+    motion = pp.servo_cycle(
         press,
-        np.tile(steady.crank_speed[one], 16),
+        speed=np.tile(steady.crank_speed[one], 16),
         angle=angle,
         acceleration=np.tile(steady.crank_acceleration[one], 16),
         time=np.arange(len(angle)) * (steady.time[1] - steady.time[0]),
@@ -219,7 +219,7 @@ def test_backwards_shakes_as_forwards_mirrored_in_time():
     press = loaded("jf75g_125")
     system = foundation.mounted(press, *uneven())
     forwards, backwards = (
-        foundation.steady_response(system, pp.inverse_dynamics(press, pp.cycle(press, speed, 90)), points={"O": (0, 0, 0)})
+        foundation.steady_response(system, pp.inverse_dynamics(press, pp.cycle(press, speed, points=90)), points={"O": (0, 0, 0)})
         for speed in (20, -20)
     )
     wrench = [np.fft.rfft(response.shaking_force, axis=0) for response in (forwards, backwards)]

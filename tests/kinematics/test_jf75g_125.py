@@ -137,7 +137,7 @@ def engine(request):
 
 
 def solved(press, engine, motion="servo", loads=(), **options):
-    moved = pp.cycle(press, **MOTIONS[motion], engine=engine)
+    moved = pp.servo_cycle(press, **MOTIONS[motion], engine=engine)
     return pp.inverse_dynamics(press, moved, loads, engine=engine, **options)
 
 
@@ -153,7 +153,7 @@ def near(values, expected, tolerance, peak=None):
 def test_kinematics_equal_the_reference(name, engine):
     """Height above bottom dead centre, speed and acceleration at 300 r/min: 1e-12 of the peak, of the height 1e-12 of the rod: rounding."""
     rows = KINEMATICS.items()
-    motion = pp.cycle(load(name), angle=np.radians([float(degrees) for degrees, _ in rows]), speed=SPEED, engine=engine)
+    motion = pp.servo_cycle(load(name), angle=np.radians([float(degrees) for degrees, _ in rows]), speed=SPEED, engine=engine)
     height, down, faster = (np.array([row[key] for _, row in rows]) for key in ("height_mm", "v_down_m_s", "a_down_m_s2"))
     near(motion.slide_position + 0.315, height / 1000, 1e-12, peak=0.3)
     near(motion.slide_velocity, -down, 1e-12)
@@ -162,7 +162,7 @@ def test_kinematics_equal_the_reference(name, engine):
 
 @pytest.mark.parametrize("name", PRESSES)
 def test_slide_in_closed_form(name, engine):
-    motion = pp.cycle(load(name), **SERVO, engine=engine)
+    motion = pp.servo_cycle(load(name), **SERVO, engine=engine)
     slide = paths(MAIN, motion.crank_angle)[2]
     near(motion.slide_position, slide.value.imag, 1e-12)
     near(motion.slide_velocity, slide.velocity(motion).imag, 1e-12)
@@ -172,7 +172,7 @@ def test_slide_in_closed_form(name, engine):
 @pytest.mark.parametrize("name", COUNTERWEIGHTED)
 def test_counterweight_in_closed_form(name, engine):
     press = load(name)
-    motion = pp.cycle(press, **SERVO, engine=engine)
+    motion = pp.servo_cycle(press, **SERVO, engine=engine)
     guide = press.joints.index("counterweight_guide")
     counterweight = paths(AUXILIARY, motion.crank_angle)[2]
     near(0.6297 + motion.joint_position[:, guide], counterweight.value.imag, 1e-12)
@@ -214,7 +214,7 @@ def test_stroke(name):
 
 
 def at_angles(press, speed, engine, angles):
-    return pp.inverse_dynamics(press, pp.cycle(press, angle=angles, speed=speed, engine=engine), engine=engine)
+    return pp.inverse_dynamics(press, pp.servo_cycle(press, angle=angles, speed=speed, engine=engine), engine=engine)
 
 
 @cache

@@ -44,7 +44,7 @@ def everywhere(press, speed=SPEED, states=FINE):
     """Reactions all over the period, away from the angles that the library looks at, and far from its first turn."""
     turns = period_turns(press)
     angles = 2 * np.pi * (LATER + np.arange(states * turns)) / states
-    return pp.inverse_dynamics(press, pp.cycle(press, speed, angle=angles))
+    return pp.inverse_dynamics(press, pp.servo_cycle(press, speed=speed, angle=angles))
 
 
 def period_turns(press):
@@ -62,7 +62,7 @@ def peak(curve):
 
 
 def at(press, angle, speed=SPEED):
-    return pp.inverse_dynamics(press, pp.cycle(press, speed, angle=np.atleast_1d(angle)))
+    return pp.inverse_dynamics(press, pp.servo_cycle(press, speed=speed, angle=np.atleast_1d(angle)))
 
 
 # The period and the motion over it
@@ -83,14 +83,14 @@ def test_a_cycle_is_one_period(press, name, way):
     np.testing.assert_allclose(motion.time, np.arange(states) * np.pi / 180 / SPEED, atol=1e-12)
     few = pp.cycle(press, way * SPEED, points=50)
     np.testing.assert_allclose(few.crank_angle, way * np.arange(50) * 2 * np.pi * TURNS[name] / 50, atol=1e-12)
-    back = [pp.cycle(press, SPEED, angle=[1.0 + 2 * np.pi * turn]).slide_position[0] for turn in range(TURNS[name] + 1)]
+    back = [pp.servo_cycle(press, speed=SPEED, angle=[1.0 + 2 * np.pi * turn]).slide_position[0] for turn in range(TURNS[name] + 1)]
     assert abs(back[-1] - back[0]) < 1e-13
     assert np.abs(np.array(back[1:-1]) - back[0]).min() > 1e-3
 
 
 def test_crank_degrees_are_those_of_the_period(press, name):
     whole = 360.0 * TURNS[name]
-    motion = pp.cycle(press, SPEED, angle=np.radians([10.0, whole - 10.0, whole + 10.0, -10.0, 3 * whole + 20.0]))
+    motion = pp.servo_cycle(press, speed=SPEED, angle=np.radians([10.0, whole - 10.0, whole + 10.0, -10.0, 3 * whole + 20.0]))
     np.testing.assert_allclose(motion.crank_degrees, [10.0, whole - 10.0, 10.0, whole - 10.0, 20.0], atol=1e-9)
 
 
@@ -98,7 +98,7 @@ def test_dead_centres(press):
     found, positions = pp.dead_centres(press), everywhere(press).motion.slide_position
     assert found.turns == period_turns(press)
     for angle, position in ((found.top_angle, found.top_position), (found.bottom_angle, found.bottom_position)):
-        there = pp.cycle(press, 1.0, angle=[angle])
+        there = pp.servo_cycle(press, speed=1.0, angle=[angle])
         assert abs(there.slide_position[0] - position) < 1e-15
         assert abs(there.slide_velocity[0]) < 1e-12
         assert 0.0 <= angle < 2 * np.pi * period_turns(press)
@@ -157,7 +157,7 @@ def test_extremes_and_peaks(press):
         if not quantity.endswith("magnitude"):  # smallest in a sharp corner
             assert abs(one.smallest - other.smallest) <= tolerance
         assert 0.0 <= one.largest_at < whole
-    slide = pp.cycle(press, SPEED, angle=np.radians([some["slide position"].largest_at, some["slide position"].smallest_at]))
+    slide = pp.servo_cycle(press, speed=SPEED, angle=np.radians([some["slide position"].largest_at, some["slide position"].smallest_at]))
     np.testing.assert_allclose(1e3 * slide.slide_position, [some["slide position"].largest, some["slide position"].smallest], rtol=1e-12)
 
 
@@ -171,7 +171,7 @@ def test_the_summary_says_where(press, name):
             degrees, time = rest.removesuffix(" s").split(" deg, ")
             angle = way * SPEED * float(time)
             for there in (np.radians(float(degrees)), angle):
-                assert abs(1e3 * pp.cycle(press, 1.0, angle=[there]).slide_position[0] - float(place)) < 2e-3
+                assert abs(1e3 * pp.servo_cycle(press, speed=1.0, angle=[there]).slide_position[0] - float(place)) < 2e-3
         line = next(line for line in lines if line.strip().startswith("largest ") and " N m " in line)
         torque, degrees = line.split(" N m ")[0].split()[-1], line.split(" at ")[1].split()[0]
         np.testing.assert_allclose(at(press, np.radians(float(degrees)), way * SPEED).driving_torque[0], float(torque), rtol=1e-4)
@@ -179,7 +179,7 @@ def test_the_summary_says_where(press, name):
 
 def test_harmonics(press, name):
     """They are the force, all over the period."""
-    motion = pp.cycle(press, SPEED, angle=np.linspace(1.0, 1.0 + 2 * np.pi * TURNS[name], 400, endpoint=False))
+    motion = pp.servo_cycle(press, speed=SPEED, angle=np.linspace(1.0, 1.0 + 2 * np.pi * TURNS[name], 400, endpoint=False))
     found = pp.measures.harmonics(motion, pp.inverse_dynamics(press, motion).shaking_force, orders=60)
     np.testing.assert_allclose(found.orders, np.arange(len(found.orders)) / TURNS[name], rtol=1e-15)
     truth = everywhere(press)
@@ -187,7 +187,7 @@ def test_harmonics(press, name):
     force = np.sum(found.amplitude[:, None, :] * np.cos(phases), axis=0)
     assert np.abs(force - truth.shaking_force[::50]).max() < 1e-9 * np.abs(truth.shaking_force).max()
     assert (
-        pp.measures.harmonics(pp.cycle(press, SPEED, angle=np.linspace(0.0, 2 * np.pi, 90)), np.zeros((90, 3))) is None
+        pp.measures.harmonics(pp.servo_cycle(press, speed=SPEED, angle=np.linspace(0.0, 2 * np.pi, 90)), np.zeros((90, 3))) is None
     )  # one turn of several
 
 
@@ -236,7 +236,7 @@ def test_measures_of_the_working_stroke(press):
     ends = pp.dead_centres(press)
     height = 0.3 * ends.stroke
     k = np.flatnonzero(backwards & (truth.slide_position < ends.bottom_position + height))[0]
-    near = pp.cycle(press, SPEED, angle=truth.crank_angle[k] - np.linspace(0.0, 2 * np.pi / FINE, 2000))
+    near = pp.servo_cycle(press, speed=SPEED, angle=truth.crank_angle[k] - np.linspace(0.0, 2 * np.pi / FINE, 2000))
     speed = abs(near.slide_velocity[np.abs(near.slide_position - ends.bottom_position - height).argmin()])
     assert abs(measures.speed_at(motion, height) / speed - 1) < 1e-5
     assert abs(measures.mechanical_advantage(motion, height) / (SPEED / speed) - 1) < 1e-5
@@ -245,10 +245,10 @@ def test_measures_of_the_working_stroke(press):
 
 
 def test_a_part_of_the_period_is_none(press, name):
-    one_turn = pp.cycle(press, SPEED, angle=np.radians(np.arange(360.0)))
+    one_turn = pp.servo_cycle(press, speed=SPEED, angle=np.radians(np.arange(360.0)))
     with pytest.raises(pp.PinpressError, match=f"the motion is not a period, {TURNS[name]} turns of the crank"):
         measures.stroke(one_turn)
-    several = pp.cycle(texts.shipped("crank_slide"), SPEED, angle=np.radians(np.arange(720.0)))
+    several = pp.servo_cycle(texts.shipped("crank_slide"), speed=SPEED, angle=np.radians(np.arange(720.0)))
     with pytest.raises(pp.PinpressError, match="the motion is not one turn of the crank"):
         measures.stroke(several)
 
@@ -324,7 +324,7 @@ def test_ratings_of_a_stroke_over_two_turns(folder):
     assert abs(found.height[0] - ends.stroke) < 1e-14
     for k in (5, 12, 17):
         loads = [ConstantForce(float(found.force[k]), 1.0)]
-        there = pp.inverse_dynamics(press, pp.cycle(press, SPEED, angle=found.crank_angle[k : k + 1]), loads)
+        there = pp.inverse_dynamics(press, pp.servo_cycle(press, speed=SPEED, angle=found.crank_angle[k : k + 1]), loads)
         reached = {"torque": abs(there.driving_torque[0]) / 800.0, "bearing S": np.linalg.norm(there.bearing_force["S"]) / 5e5}
         assert abs(max(reached.values()) - 1) < 1e-9
 

@@ -59,7 +59,7 @@ def cam_shaft(folder, eccentricity):
 def test_moving_mass_is_the_mean_over_all_turns(press, name):
     system = foundation.mounted(press, *uneven())
     states = 200 * TURNS[name]
-    motion = pp.cycle(press, SPEED, angle=2 * np.pi * TURNS[name] * np.arange(states) / states)
+    motion = pp.servo_cycle(press, speed=SPEED, angle=2 * np.pi * TURNS[name] * np.arange(states) / states)
     data, mean = press.model.createData(), np.zeros((6, 6))
     for q in motion.q:
         pin.forwardKinematics(press.model, data, q)
@@ -91,7 +91,7 @@ def test_vibration_over_all_turns(press):
     some = foundation.over_speeds(system, [0.5 * SPEED, SPEED], points)
     np.testing.assert_allclose(some.rms["top"][1], response.rms("top"), rtol=1e-7, atol=1e-12)
     np.testing.assert_allclose(some.peak["top"][1], np.abs(response.acceleration["top"]).max(axis=0), rtol=1e-7, atol=1e-12)
-    one_turn = pp.inverse_dynamics(press, pp.cycle(press, SPEED, angle=np.radians(np.arange(360.0))))
+    one_turn = pp.inverse_dynamics(press, pp.servo_cycle(press, speed=SPEED, angle=np.radians(np.arange(360.0))))
     with pytest.raises(pp.PinpressError, match="no period"):
         foundation.steady_response(system, one_turn, points=points)
 
@@ -168,7 +168,8 @@ def test_ratings_of_a_slide_that_is_back_before_other_links(with_cam, alone, spe
     needed = np.abs(found.travel_per_angle)
     signs = np.sign(speed)
     idle = [
-        pp.inverse_dynamics(with_cam, pp.cycle(with_cam, speed, angle=found.crank_angle + turn)).driving_torque for turn in (0, 2 * np.pi)
+        pp.inverse_dynamics(with_cam, pp.servo_cycle(with_cam, speed=speed, angle=found.crank_angle + turn)).driving_torque
+        for turn in (0, 2 * np.pi)
     ]
     assert np.abs(idle[1] - idle[0]).max() > 1.0
     with np.errstate(divide="ignore"):
@@ -191,9 +192,9 @@ def test_a_recording_is_closed_after_the_period(press, name, tmp_path):
     assert data["period"] == 360 * turns
     assert abs(data["crank"][-1] - 360 * turns) < 1e-6
     assert abs(data["slide"][-1] - data["slide"][0]) < 1e-9
-    one_turn = pp.cycle(press, SPEED, angle=2 * np.pi * np.arange(24) / 24)
+    one_turn = pp.servo_cycle(press, speed=SPEED, angle=2 * np.pi * np.arange(24) / 24)
     assert len(data_in(pp.record(press, one_turn, tmp_path / "part.html"))["time"]) == 24  # the next turn is another one
-    longer = pp.cycle(press, SPEED, angle=2 * np.pi * np.arange(48 * turns + 1) / 24)
+    longer = pp.servo_cycle(press, speed=SPEED, angle=2 * np.pi * np.arange(48 * turns + 1) / 24)
     assert data_in(pp.record(press, longer, tmp_path / "longer.html"))["turn"] == 24 * turns + 1  # paths are drawn once
 
 
@@ -201,7 +202,7 @@ def test_a_balanced_shaft_does_not_count_but_is_seen(folder, tmp_path):
     """One turn is a period of motion and forces; a picture of it does not come back before the shaft."""
     press = cam_shaft(folder, 0.0)
     assert press.period_turns == 1
-    one, two = pp.cycle(press, SPEED, points=24), pp.cycle(press, SPEED, angle=2 * np.pi * np.arange(48) / 24)
+    one, two = pp.cycle(press, SPEED, points=24), pp.servo_cycle(press, speed=SPEED, angle=2 * np.pi * np.arange(48) / 24)
     torque = pp.inverse_dynamics(press, two).driving_torque
     np.testing.assert_allclose(torque[24:], torque[:24], atol=1e-10)
     assert len(data_in(pp.record(press, one, tmp_path / "one.html"))["time"]) == 24
@@ -221,7 +222,7 @@ def test_plots_over_the_period(press, name):
         marked = _quarters(motion)
         assert [degrees for degrees, _ in marked] == list(range(0, 360 * turns, 90))
         np.testing.assert_allclose([motion.crank_degrees[state] for _, state in marked], [degrees for degrees, _ in marked], atol=1e-9)
-    run = pp.cycle(press, SPEED, angle=np.radians(np.arange(360 * turns + 50.0)))
+    run = pp.servo_cycle(press, speed=SPEED, angle=np.radians(np.arange(360 * turns + 50.0)))
     assert Over(run).abscissa.unit == "s"  # more than a period
     assert {state for _, state in _quarters(run)} <= set(range(50, 360 * turns + 50))  # of the last one
 
@@ -304,7 +305,7 @@ def test_a_counterweight_that_is_back_later_is_refused_on_a_motion_that_is_short
     regions = [pp.balancing.CounterweightRegion("cam", (0.0, 50.0), radius=0.2)]
     with pytest.raises(pp.PinpressError, match=r"counterweight on a geared shaft that was balanced .* only after 2 turns"):
         pp.balancing.balance(press, pp.cycle(press, SPEED, points=90), regions=regions, minimise=pp.balancing.Range("shaking_force", "x"))
-    both = pp.cycle(press, SPEED, angle=2 * np.pi * np.arange(180) / 90)
+    both = pp.servo_cycle(press, speed=SPEED, angle=2 * np.pi * np.arange(180) / 90)
     result = pp.balancing.balance(
         press,
         both,
@@ -358,7 +359,7 @@ def test_a_linkage_that_is_never_back_has_no_dead_centres(folder):
     for ask in (pp.dead_centres, lambda press: pp.cycle(press, SPEED), lambda press: press.period_turns):
         with pytest.raises(pp.PinpressError, match="not back at its drawn pose after 16 turns"):
             ask(press)
-    some = pp.cycle(press, SPEED, angle=np.linspace(0.0, 20.0, 50))
+    some = pp.servo_cycle(press, speed=SPEED, angle=np.linspace(0.0, 20.0, 50))
     assert some.period_turns is None
     np.testing.assert_allclose(some.crank_degrees, np.degrees(some.crank_angle))
 
@@ -369,7 +370,7 @@ def test_a_linkage_that_locks_after_more_than_a_turn_has_no_cycle(folder):
     text = period_presses.FIVE_BAR.format(links=links, ratio="0.5")
     press = texts.load(text.replace("-0.35", "-0.15").replace("-0.28", "-0.08").replace("-0.65", "-0.45"), folder)
     assert press.branch.angles[0] < -2 * np.pi
-    assert pp.cycle(press, -SPEED, angle=-np.linspace(0.0, 7.0, 20)).period_turns is None
+    assert pp.servo_cycle(press, speed=-SPEED, angle=-np.linspace(0.0, 7.0, 20)).period_turns is None
     for ask in (pp.dead_centres, lambda press: pp.cycle(press, SPEED), lambda press: pp.cycle(press, -SPEED)):
         with pytest.raises(pp.SingularityError, match="the linkage locks"):
             ask(press)
@@ -378,6 +379,6 @@ def test_a_linkage_that_locks_after_more_than_a_turn_has_no_cycle(folder):
 def test_a_turn_of_a_press_that_never_comes_back_is_not_measured(tmp_path):
     """One turn of its crank ends where it began, the second is another one."""
     press = period_presses.five_bar(0.5**0.5, tmp_path)
-    turn = pp.cycle(press, 1.0, angle=np.arange(360) * (2 * np.pi / 360))
+    turn = pp.servo_cycle(press, speed=1.0, angle=np.arange(360) * (2 * np.pi / 360))
     with pytest.raises(pp.PinpressError, match="the linkage of the motion has no period after which all is where it was"):
         pp.measures.stroke(turn)

@@ -411,7 +411,7 @@ def test_bearing_positions_are_where_pinocchio_has_them():
 @pytest.mark.parametrize("name", [name for name in ALL if "return" not in name])
 def test_what_is_no_turn_at_constant_speed_is_refused(name):
     press = texts.shipped("crank_slide")
-    servo = pp.cycle(press, angle=np.linspace(0, 1, 50), speed=1.0)
+    servo = pp.servo_cycle(press, angle=np.linspace(0, 1, 50), speed=1.0)
     slowing = dataclasses.replace(pp.cycle(press, speed=1.0), crank_speed=np.linspace(1, 2, 360))
     for motion, words in ((servo, "not one turn"), (slowing, "constant speed"), (3, "no Motion")):
         with pytest.raises(pp.PinpressError, match=words):

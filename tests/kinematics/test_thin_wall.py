@@ -38,7 +38,7 @@ def column(name):
 
 def at(press, engine, angle):
     """Motion at one or more crank angles [rad], at the paper's speed."""
-    return pp.cycle(press, angle=np.atleast_1d(angle), speed=SPEED, engine=engine)
+    return pp.servo_cycle(press, angle=np.atleast_1d(angle), speed=SPEED, engine=engine)
 
 
 def links(press, motion):
@@ -167,7 +167,7 @@ def test_closed_form_of_the_ram(press, engine):
     """The paper's equations at random angles and speeds, 1e-12 of the peak: rounding."""
     random = np.random.default_rng(2002)
     angle, speed = random.uniform(-20, 20, 200), random.uniform(-10, 10, 200)
-    motion = pp.cycle(press, angle=angle, speed=speed, acceleration=0.0, engine=engine)
+    motion = pp.servo_cycle(press, angle=angle, speed=speed, acceleration=0.0, engine=engine)
     position, velocity = closed_form(angle, speed)
     assert np.abs(motion.slide_position - position).max() <= 1e-12 * np.abs(position).max()
     assert np.abs(motion.slide_velocity - velocity).max() <= 1e-12 * np.abs(velocity).max()

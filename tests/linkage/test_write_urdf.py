@@ -589,7 +589,7 @@ def test_forces_of_the_file_are_those_of_the_changed_linkage(press, tmp_path):
     rest = {"angle": np.linspace(0, 0.3, 5), "speed": np.full(5, 8.0), "acceleration": np.full(5, -3.0)}
 
     def motion_of(linkage):
-        return pp.cycle(linkage, **rest)
+        return pp.servo_cycle(linkage, **rest)
 
     before = pp.inverse_dynamics(press, motion_of(press))
     other = all_changed(press)

@@ -94,7 +94,7 @@ def law(name, height, velocity):
 @cache
 def solved(name, angles, speed, engine, load_name=None):
     press, at = shipped(name), np.array(angles)
-    motion = pp.cycle(press, speed, angle=at)
+    motion = pp.servo_cycle(press, speed=speed, angle=at)
     given = [] if load_name is None else [LOADS[load_name]]
     return pp.inverse_dynamics(press, motion, given, engine=engine)
 
@@ -172,7 +172,7 @@ def test_thin_wall_press_works_towards_negative_x(engine):
     position, slope = thin_wall(angles)
     force = np.where(slope < 0, np.interp(position - ends.bottom_position, [0.05, 0.20, 0.30], [1e4, 4e4, 0.0], left=0.0, right=0.0), 0.0)
     assert slope[np.argmax(force)] < 0
-    motion = pp.cycle(press, 7.54, angle=angles)
+    motion = pp.servo_cycle(press, speed=7.54, angle=angles)
     idle, loaded = (pp.inverse_dynamics(press, motion, given, engine=engine) for given in ([], [table]))
     close(loaded.driving_torque - idle.driving_torque, -force * slope)
     pin = loaded.bearing_force["E"] - idle.bearing_force["E"]  # the coupler pushes the ram towards -x, against the load
@@ -190,7 +190,7 @@ def test_thin_wall_press_works_towards_negative_x(engine):
     work = 0.0
     for upper, lower in ((0.30, 0.20), (0.20, 0.05)):
         begin, finish = angle_of(upper), angle_of(lower)
-        motion = pp.cycle(press, 7.54, angle=begin + (finish - begin) * (nodes + 1) / 2)
+        motion = pp.servo_cycle(press, speed=7.54, angle=begin + (finish - begin) * (nodes + 1) / 2)
         torque = [pp.inverse_dynamics(press, motion, given, engine=engine).driving_torque for given in ([], [table])]
         work += weights @ (torque[1] - torque[0]) * (finish - begin) / 2
     assert work == pytest.approx(0.5 * 0.10 * 4e4 + 0.15 * 2.5e4, rel=1e-11)
@@ -271,13 +271,13 @@ def test_same_as_a_pair_of_point_forces(engine):
 def test_at_rest_the_way_is_up(sense):
     """In bottom dead centre, where the speed is rounding, a load of the way down is over and one of the way up has begun."""
     press = shipped("jf75g_125")
-    motion = pp.cycle(press, sense * SPEED, angle=[0.0, 2 * np.pi, -2 * np.pi, 1e-9, -1e-9, 3.0])
+    motion = pp.servo_cycle(press, speed=sense * SPEED, angle=[0.0, 2 * np.pi, -2 * np.pi, 1e-9, -1e-9, 3.0])
     through = [Blanking(FORCE, START, -START), Blanking(0.0, START, -START, stripping=1e5)]
     down, up, idle = (pp.inverse_dynamics(press, motion, given).bearing_force["P4"][:5, 2] for given in (through[:1], through[1:], []))
     middle = FORCE * math.sin(np.pi / 4)
     assert down - idle == pytest.approx(np.array([0, 0, 0, 0, -middle] if sense > 0 else [0, 0, 0, -middle, 0]), abs=1e-3)
     assert up - idle == pytest.approx(np.array([1e5, 1e5, 1e5, 1e5, 0] if sense > 0 else [1e5, 1e5, 1e5, 0, 1e5]), abs=1e-6)
-    held = pp.cycle(press, 0.0, angle=[angle_at(0.0075)])  # at rest within the interval
+    held = pp.servo_cycle(press, speed=0.0, angle=[angle_at(0.0075)])  # at rest within the interval
     torques = [pp.inverse_dynamics(press, held, given).driving_torque[0] for given in ([], [BLANKING])]
     assert torques[0] == torques[1]
 
@@ -356,12 +356,12 @@ def test_quarter_and_half_sine_at_marked_points():
 def test_piling_pulse():
     """Height of the window of +-2.5 ms at 300 strokes/min: 0.0486 mm by the formula in its docstring, against the slide's own motion."""
     press, window = shipped("jf75g_125"), 0.0025
-    motion = pp.cycle(press, SPEED, angle=[0.0, SPEED * window], time=[0.0, window])
+    motion = pp.servo_cycle(press, speed=SPEED, angle=[0.0, SPEED * window], time=[0.0, window])
     height = float(motion.slide_position[1] - motion.slide_position[0])
     assert R * (1 + R / L) * (SPEED * window) ** 2 / 2 == pytest.approx(height, rel=1e-3)
     assert height == pytest.approx(4.86e-5, rel=2e-3)
     angles = SPEED * window * np.array([-1.001, -0.999, -0.5, 0.5, 0.999, 1.001])
-    turning = pp.cycle(press, SPEED, angle=angles)
+    turning = pp.servo_cycle(press, speed=SPEED, angle=angles)
     results = [pp.inverse_dynamics(press, turning, given).bearing_force["P4"][:, 2] for given in ([ConstantForce(1e5, height)], [])]
     assert results[0] - results[1] == pytest.approx(np.array([0, -1e5, -1e5, -1e5, -1e5, 0]), abs=1e-6)
     assert ConstantForce(1e5, 0.0).intervals(True) == ConstantForce(1e5, 0.0).intervals(False) == ()
@@ -405,7 +405,7 @@ def test_die_without_damper_gives_its_energy_back():
     nodes, weights = np.polynomial.legendre.leggauss(24)
     works = []
     for low, high in ((begin, 2 * np.pi), (2 * np.pi, 4 * np.pi - begin)):
-        motion = pp.cycle(press, SPEED, angle=low + (high - low) * (nodes + 1) / 2)
+        motion = pp.servo_cycle(press, speed=SPEED, angle=low + (high - low) * (nodes + 1) / 2)
         loaded, idle = (pp.inverse_dynamics(press, motion, given).driving_torque for given in ([die], []))
         works.append(weights @ (loaded - idle) * (high - low) / 2)
     assert works == pytest.approx([1600.0, -1600.0], rel=1e-11)
@@ -446,7 +446,7 @@ def test_piling_of_the_thesis_as_a_function_of_time(engine):
 
     press, some = shipped("jf75g_125"), np.linspace(0.0, 0.4, 401)
     load = TimeForce(piling, PILING_EDGES)
-    motion = pp.cycle(press, SPEED, angle=SPEED * some + np.pi, time=some)  # bottom dead centre at 0.1 s
+    motion = pp.servo_cycle(press, speed=SPEED, angle=SPEED * some + np.pi, time=some)  # bottom dead centre at 0.1 s
     loaded, idle = (pp.inverse_dynamics(press, motion, given, engine=engine) for given in ([load], []))
     pin = loaded.bearing_force["P4"][:, 2] - idle.bearing_force["P4"][:, 2]
     assert np.abs(pin + piling(some)).max() <= 1e-12 * np.abs(idle.bearing_force["P4"]).max()
@@ -462,7 +462,7 @@ def test_piling_of_the_thesis_as_a_function_of_time(engine):
 def test_numbers_that_are_as_many_as_the_states_are_no_force_in_time(count):
     """A function that does not look at the time has as many values for any states."""
     press = shipped("crank_slide")
-    motion = pp.cycle(press, 7.0, 24)
+    motion = pp.cycle(press, 7.0, points=24)
     with pytest.raises(pp.PinpressError, match="TimeForce: force"):
         pp.inverse_dynamics(press, motion, [TimeForce(lambda time: 1e3 * np.arange(1.0, count + 1))])
 
@@ -479,7 +479,7 @@ def test_datum_is_bottom_dead_centre_or_the_loads_own():
     press = shipped("jf75g_125")
     assert pp.loads.datum(BLANKING, press) == pytest.approx(-(R + L), abs=1e-14)
     assert pp.loads.datum(DeepDrawing(FORCE, START, datum=-0.31), press) == -0.31
-    motion = pp.cycle(press, SPEED, angle=ANGLES)
+    motion = pp.servo_cycle(press, speed=SPEED, angle=ANGLES)
     raised = DeepDrawing(FORCE, START - 0.002, -0.002, datum=-(R + L) + 0.002)
     ours, expected = (pp.inverse_dynamics(press, motion, [given]).driving_torque for given in (raised, DRAWING))
     close(ours, expected)
@@ -487,7 +487,7 @@ def test_datum_is_bottom_dead_centre_or_the_loads_own():
 
 def test_linkage_that_locks_needs_a_datum(folder):
     press = load(drawn_crank_slide(0.4, 0.3, np.eye(3), angle=0.4), folder)
-    motion = pp.cycle(press, angle=np.linspace(0.0, 0.2, 5), speed=1.0)
+    motion = pp.servo_cycle(press, angle=np.linspace(0.0, 0.2, 5), speed=1.0)
     with pytest.raises(pp.PinpressError, match=r"ElasticDie: drawn has no bottom dead centre .*; give datum=, a slide position \[m\]"):
         pp.inverse_dynamics(press, motion, [ElasticDie(0.1, 1e4)])
     pp.inverse_dynamics(press, motion, [Idle(), ConstantForce(1.0, 0.0)])  # no force, no datum
@@ -519,7 +519,7 @@ class Cushion:
 
 def test_load_of_the_callers_own():
     press = shipped("jf75g_125")
-    motion = pp.cycle(press, SPEED, angle=ANGLES)
+    motion = pp.servo_cycle(press, speed=SPEED, angle=ANGLES)
     idle, loaded = (pp.inverse_dynamics(press, motion, given).driving_torque for given in ([], [Cushion(lambda h, v: 5e5)]))
     height, slope = crank_slide(ANGLES)
     close(loaded - idle, np.where(height <= 0.002, -5e5 * slope, 0.0))
@@ -627,7 +627,7 @@ def test_scenarios_are_refused_by_inverse_dynamics(name, count):
 
 def test_bad_load_of_inverse_dynamics():
     press = shipped("jf75g_125")
-    motion, standing = pp.cycle(press, SPEED, points=6), pp.cycle(press, [1.0, -1.0], angle=[0.0, 1.0], acceleration=0.0)
+    motion, standing = pp.cycle(press, SPEED, points=6), pp.servo_cycle(press, speed=[1.0, -1.0], angle=[0.0, 1.0], acceleration=0.0)
     with pytest.raises(pp.PinpressError, match="no motion in time"):
         pp.inverse_dynamics(press, standing, [TimeForce(piling)])
     with pytest.raises(pp.PinpressError, match=r"TimeForce: force has shape \(3,\); give \(1,\)"):

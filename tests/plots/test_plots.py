@@ -65,7 +65,7 @@ def legs(tmp_path_factory):
     angle, speed, acceleration = (
         np.multiply.outer(law, legs) for law in (0.05 * np.sin(6 * time), 0.3 * np.cos(6 * time), -1.8 * np.sin(6 * time))
     )
-    return pp.inverse_dynamics(press, pp.cycle(press, speed, angle=angle, acceleration=acceleration, time=time))
+    return pp.inverse_dynamics(press, pp.servo_cycle(press, speed=speed, angle=angle, acceleration=acceleration, time=time))
 
 
 @pytest.fixture(scope="module")
@@ -81,7 +81,8 @@ def oddly_named(tmp_path_factory):
 
 def turn(name, speed=70.0, **more):
     press = texts.shipped(name)
-    return pp.inverse_dynamics(press, pp.cycle(press, speed * pp.RPM, **more))
+    made_by = pp.servo_cycle if "angle" in more else pp.cycle
+    return pp.inverse_dynamics(press, made_by(press, speed=speed * pp.RPM, **more))
 
 
 def legend(owner):
@@ -173,7 +174,7 @@ def test_shaking(result):
 
 def test_shaking_of_less_than_a_turn():
     press = texts.shipped("crank_slide")
-    motion = pp.cycle(press, 7.0, angle=np.linspace(0, 3, 40))
+    motion = pp.servo_cycle(press, speed=7.0, angle=np.linspace(0, 3, 40))
     assert len(plots.shaking(pp.inverse_dynamics(press, motion)).axes) == 1
 
 
@@ -277,7 +278,7 @@ def test_several_drivers(legs):
 def test_states_of_any_kind(angle):
     """One state; states not in time; a crank that turns backwards, whose time runs to the right."""
     press = texts.shipped("crank_slide")
-    reactions = pp.inverse_dynamics(press, pp.cycle(press, -1.0, angle=angle))
+    reactions = pp.inverse_dynamics(press, pp.servo_cycle(press, speed=-1.0, angle=angle))
     figures = [plot(reactions) for plot in ALL]
     for figure in figures:
         assert drawn(on_screen(figure), "#0072B2") > 20

@@ -16,7 +16,7 @@ ANGLES = np.array([0.0, 0.4, 1.3, 5.0, 5.9])
 
 
 def at(press, angles=ANGLES):
-    return pp.cycle(press, speed=0.0, angle=angles)
+    return pp.servo_cycle(press, speed=0.0, angle=angles)
 
 
 def by_strips(guide, n, m, strips=5_001):

@@ -28,9 +28,9 @@ def worst(press, speed, item, loads=(), angles=None):
 
 def sizes(press, speed, item, loads, angles):
     """Sizes (n,) of an item at crank angles (n,)."""
-    motion = pp.cycle(press, speed=speed, angle=angles)
+    motion = pp.servo_cycle(press, speed=speed, angle=angles)
     result = pp.inverse_dynamics(press, motion, list(loads))
-    rest = pp.inverse_dynamics(press, pp.cycle(press, speed=0.0, angle=angles))
+    rest = pp.inverse_dynamics(press, pp.servo_cycle(press, speed=0.0, angle=angles))
     return {
         "torque": lambda: np.abs(result.driving_torque),
         "slide acceleration": lambda: np.abs(motion.slide_acceleration),

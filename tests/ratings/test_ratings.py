@@ -40,7 +40,7 @@ def angle_of(above):
 
 def with_force(press, angle, speed, force, engine="auto"):
     """Reactions of a state with a process force, as a load on slide and frame."""
-    motion = pp.cycle(press, speed=speed, angle=np.atleast_1d(angle), engine=engine)
+    motion = pp.servo_cycle(press, speed=speed, angle=np.atleast_1d(angle), engine=engine)
     loads = [ConstantForce(force, 1e3)] if force else []
     return pp.inverse_dynamics(press, motion, loads, engine=engine)
 
@@ -117,7 +117,7 @@ def test_travel_by_angle_is_the_slope_of_the_slide_over_the_crank(speed):
     press = shipped("zxn2_3000b")
     found = ratings(press, speed, Capacities(3e6, nominal_height=0.013), points=31)
     step = 1e-5
-    after, before = (pp.cycle(press, 1.0, angle=found.crank_angle + way * step).slide_position for way in (1, -1))
+    after, before = (pp.servo_cycle(press, speed=1.0, angle=found.crank_angle + way * step).slide_position for way in (1, -1))
     scale = np.abs(found.travel_per_angle).max()
     np.testing.assert_allclose(found.travel_per_angle, (after - before) / (2 * step), atol=1e-8 * scale)
     assert np.all(np.sign(found.travel_per_angle[1:-1]) == -np.sign(speed))  # the slide goes down
@@ -128,7 +128,7 @@ def test_travel_by_angle_is_the_slope_of_the_slide_over_the_crank(speed):
 def test_an_overload_on_the_return_stroke_is_refused(speed):
     """There the idle thin-wall press, which returns quickly, loads pin C twice as much as on its working stroke."""
     press, ends = shipped("thin_wall"), pp.dead_centres(shipped("thin_wall"))
-    motion = pp.cycle(press, speed, angle=np.copysign(1.0, speed) * np.linspace(0.0, 2 * np.pi, 3601))
+    motion = pp.servo_cycle(press, speed=speed, angle=np.copysign(1.0, speed) * np.linspace(0.0, 2 * np.pi, 3601))
     force = np.linalg.norm(pp.inverse_dynamics(press, motion).bearing_force["C"], axis=1)
     working = motion.slide_velocity < 0
     (low, at_low), (high, at_high) = sorted(
@@ -238,7 +238,7 @@ def test_work_by_adaptive_quadrature():
     rates, torques, forces = {}, {}, {}
 
     def power(angle):
-        motion = pp.cycle(press, speed=1.0, angle=[angle])
+        motion = pp.servo_cycle(press, speed=1.0, angle=[angle])
         idle, loaded = (pp.inverse_dynamics(press, motion, [ConstantForce(f, 1e3)] if f else []) for f in (0.0, 1e6))
         rates[angle] = abs(motion.slide_velocity[0])
         torques[angle] = abs(loaded.driving_torque[0] - idle.driving_torque[0]) / 1e6

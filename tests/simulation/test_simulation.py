@@ -871,7 +871,7 @@ def test_a_run_is_a_motion(press, method, tmp_path):
     assert 2 <= len(run.time) / turned <= 2000
     np.testing.assert_allclose(np.diff(run.time), 0.4 / (len(run.time) - 1), rtol=1e-9)
     # the same states, put into a motion by hand
-    motion = pp.cycle(press, angle=run.crank_angle, speed=run.crank_speed, acceleration=run.crank_acceleration, time=run.time)
+    motion = pp.servo_cycle(press, angle=run.crank_angle, speed=run.crank_speed, acceleration=run.crank_acceleration, time=run.time)
     for field in ("joint_position", "v", "a", "slide_position", "slide_acceleration"):
         np.testing.assert_allclose(getattr(run, field), getattr(motion, field), rtol=1e-12, atol=1e-12)
     result, other = (pp.inverse_dynamics(press, run, loads=[CASES["blanking"][0]], engine=engine) for engine in ("plane", "pinocchio"))
@@ -968,7 +968,7 @@ def test_both_methods_on_random_linkages(tmp_path, spec):
     press = pp.load(file)
     reach = 0.3 if press.branch.period else min(0.3, 0.5 * float(np.abs(press.branch.angles[[0, -1]]).min()))
     assume(reach > 1e-3)
-    start = pp.cycle(press, angle=[0.0, 0.0], speed=0.0, acceleration=[0.0, 1.0], time=[0.0, 1.0])
+    start = pp.servo_cycle(press, angle=[0.0, 0.0], speed=0.0, acceleration=[0.0, 1.0], time=[0.0, 1.0])
     torques = pp.inverse_dynamics(press, start).driving_torque
     inertia = float(torques[1] - torques[0])
     # so heavy a flywheel that nothing turns the crank much further than its speed does, and everything shows

@@ -1003,7 +1003,7 @@ def outcome(press, **arguments):
 def test_the_equation_of_these_tests(press):
     """Against inverse dynamics, as all else here rests on it."""
     q = np.linspace(0.0, 6.0, 25)
-    motion = pp.cycle(press, angle=q, speed=2.0, acceleration=3.0)
+    motion = pp.servo_cycle(press, angle=q, speed=2.0, acceleration=3.0)
     torque = pp.inverse_dynamics(press, motion).driving_torque
     expected = inertia(q) * 3.0 + 0.5 * slope(inertia, q) * 4.0 + slope(potential, q)
     np.testing.assert_allclose(torque, expected, atol=1e-9 * np.abs(expected).max())

@@ -131,8 +131,8 @@ def test_a_servo_press_that_dwells_on_its_work(knuckle, method):
     assert run.crank_angle[-1] < run.crank_angle[still[0]] - 0.1  # on its way back
     # what the table holds lies between nothing, as on the way up, and its force on the way down: it starts as that is reached
     at = run.crank_angle[still]
-    lever = pp.cycle(knuckle, angle=at, speed=np.ones(len(still))).slide_velocity
-    weight = pp.inverse_dynamics(knuckle, pp.cycle(knuckle, angle=at, speed=np.zeros(len(still)))).driving_torque
+    lever = pp.servo_cycle(knuckle, angle=at, speed=np.ones(len(still))).slide_velocity
+    weight = pp.inverse_dynamics(knuckle, pp.servo_cycle(knuckle, angle=at, speed=np.zeros(len(still)))).driving_torque
     held = (weight - run.drive_torque[still]) / lever
     largest = np.interp(run.slide_position[still] - pp.dead_centres(knuckle).bottom_position, HEIGHTS, FORCES)
     assert np.all((held > -1e-3) & (held < largest + 1e-3))

@@ -359,7 +359,7 @@ def test_it_is_a_run(press, steady):
     assert len(steady.time) == 121
     assert steady.stats.method == "reduced"
     assert len(pp.measures.strokes(steady)) == 1
-    motion = pp.cycle(press, angle=steady.crank_angle, speed=steady.crank_speed, acceleration=steady.crank_acceleration)
+    motion = pp.servo_cycle(press, angle=steady.crank_angle, speed=steady.crank_speed, acceleration=steady.crank_acceleration)
     acting = pp.inverse_dynamics(press, motion)
     idle = np.array([loads_of(steady, k) for k in range(121)])
     given = steady.drive_torque - J0 * steady.crank_acceleration

@@ -164,7 +164,9 @@ def made():
             pp.ratings.speed_limit(press(), CAPACITIES),
             pp.ratings.Guide(0.3, 0.1),
         ),
-        pp.ratings.eccentric_load(press(), pp.cycle(press(), 0.0, angle=[0.1]), 1e5, (0.02, 0.0, 0.0), pp.ratings.Guide(0.3, 0.1)),
+        pp.ratings.eccentric_load(
+            press(), pp.servo_cycle(press(), speed=0.0, angle=[0.1]), 1e5, (0.02, 0.0, 0.0), pp.ratings.Guide(0.3, 0.1)
+        ),
         *(
             pp.sweeps.operating_points(press(), [5.0, SPEED], forces=[0.0, 1e3], unit_load=DEEP, points=8, angles=True),
             pp.measures.harmonics(motion(), motion().v),

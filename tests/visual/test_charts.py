@@ -55,7 +55,8 @@ def rotor(folder, more=""):
 
 def turn(name, speed=70.0, **more):
     press = texts.shipped(name)
-    return pp.inverse_dynamics(press, pp.cycle(press, speed * pp.RPM, **more))
+    made_by = pp.servo_cycle if "angle" in more else pp.cycle
+    return pp.inverse_dynamics(press, made_by(press, speed=speed * pp.RPM, **more))
 
 
 BLANKING = {
@@ -148,12 +149,12 @@ def test_turns_of_other_states(start):
     """A servo motion of uneven steps over one and a half turns at constant speed: the harmonics are those of the cycle."""
     press = texts.shipped("thin_wall")
     angle = start + 3 * np.pi * (np.linspace(0, 1, 400) + 0.02 * np.sin(np.linspace(0, 25, 400)))
-    motion = pp.cycle(press, 7.0, angle=angle)
+    motion = pp.servo_cycle(press, speed=7.0, angle=angle)
     expected = turn("thin_wall", 7.0 / pp.RPM)
     expected = harmonics(expected.motion, expected.shaking_force)
     force = pp.inverse_dynamics(press, motion).shaking_force
     assert not is_cycle(motion)
-    for case in ((motion, force), (pp.cycle(press, 7.0, angle=angle[::-1]), force[::-1])):
+    for case in ((motion, force), (pp.servo_cycle(press, speed=7.0, angle=angle[::-1]), force[::-1])):
         found = harmonics(*case)
         a, b = (h.amplitude * np.exp(1j * h.phase) for h in (found, expected))
         np.testing.assert_allclose(a, b, rtol=0, atol=1e-5 * np.abs(force).max())
@@ -188,12 +189,12 @@ def test_no_full_turn(legs):
     def of(motion):
         return harmonics(motion, np.zeros((len(motion.crank_angle), 3)))
 
-    assert of(pp.cycle(press, 7.0, angle=np.linspace(0, 6.28, 50))) is None
-    assert of(pp.cycle(press, 7.0, angle=np.linspace(0, 2 * np.pi, 50))) is not None
-    assert of(pp.cycle(press, 7.0, angle=np.linspace(0, 2 * np.pi, 50, endpoint=False))) is not None
-    assert of(pp.cycle(press, 7.0, angle=4 + 4 * np.sin(np.linspace(0, 6, 50)))) is None  # back and forth
-    assert of(pp.cycle(press, 0.0, angle=np.linspace(0, 7, 50))) is None  # a crank that stands has made none
-    assert of(pp.cycle(legs, angle=np.zeros((4, 12)), speed=0.0)) is None
+    assert of(pp.servo_cycle(press, speed=7.0, angle=np.linspace(0, 6.28, 50))) is None
+    assert of(pp.servo_cycle(press, speed=7.0, angle=np.linspace(0, 2 * np.pi, 50))) is not None
+    assert of(pp.servo_cycle(press, speed=7.0, angle=np.linspace(0, 2 * np.pi, 50, endpoint=False))) is not None
+    assert of(pp.servo_cycle(press, speed=7.0, angle=4 + 4 * np.sin(np.linspace(0, 6, 50)))) is None  # back and forth
+    assert of(pp.servo_cycle(press, speed=0.0, angle=np.linspace(0, 7, 50))) is None  # a crank that stands has made none
+    assert of(pp.servo_cycle(legs, angle=np.zeros((4, 12)), speed=0.0)) is None
 
 
 @pytest.mark.parametrize(("ratio", "turns"), [("0.5", 2), ("-2", 1), ("1.2", 5), ("3", 1)])
@@ -203,7 +204,7 @@ def test_a_geared_shaft_is_back_after_whole_turns(folder, ratio, turns):
     press = rotor(folder, SHAFT.replace("RATIO", ratio))
     motion = pp.cycle(press, SPEED, points=90 * turns)
     assert is_cycle(motion)
-    longer = pp.cycle(press, SPEED, angle=np.linspace(0.0, 4 * np.pi * turns, 180 * turns + 1))
+    longer = pp.servo_cycle(press, speed=SPEED, angle=np.linspace(0.0, 4 * np.pi * turns, 180 * turns + 1))
     for some, rtol in ((motion, 1e-12), (longer, 1e-5)):  # the second by splines
         found = harmonics(some, pp.inverse_dynamics(press, some).shaking_force)
         np.testing.assert_allclose(found.orders, np.arange(12 * turns + 1) / turns, rtol=1e-15)
@@ -212,7 +213,7 @@ def test_a_geared_shaft_is_back_after_whole_turns(folder, ratio, turns):
         np.testing.assert_allclose(size.pop(round(order * turns)), 2 * 0.1 * (order * SPEED) ** 2, rtol=rtol)
         np.testing.assert_allclose(size.pop(turns), MASS * RADIUS * SPEED**2, rtol=rtol)
         assert max(size.values()) < rtol * MASS * RADIUS * SPEED**2
-    assert harmonics(pp.cycle(press, SPEED, angle=np.linspace(0.0, 2 * np.pi * turns - 0.1, 90)), np.zeros((90, 3))) is None
+    assert harmonics(pp.servo_cycle(press, speed=SPEED, angle=np.linspace(0.0, 2 * np.pi * turns - 0.1, 90)), np.zeros((90, 3))) is None
 
 
 def test_an_unbalanced_shaft_that_is_never_back_has_no_period(folder):
@@ -220,7 +221,7 @@ def test_an_unbalanced_shaft_that_is_never_back_has_no_period(folder):
     shaft = SHAFT.replace("RATIO", "1.01")
     with pytest.raises(pp.PinpressError, match="rotor has no period: an unbalanced shaft"):
         pp.cycle(rotor(folder, shaft), SPEED)
-    somewhere = pp.cycle(rotor(folder, shaft), SPEED, angle=np.linspace(0.0, 7.0, 50))
+    somewhere = pp.servo_cycle(rotor(folder, shaft), speed=SPEED, angle=np.linspace(0.0, 7.0, 50))
     assert somewhere.period_turns is None
     assert harmonics(somewhere, np.zeros((50, 3))) is None
     balanced = pp.cycle(rotor(folder, shaft.replace('"0.1 0 0"', '"0 0.1 0"')), SPEED)
@@ -263,17 +264,17 @@ def test_abscissa(legs):
     cases = [
         (pp.cycle(press, 7.0, points=8), "crank angle", np.arange(8) * 45.0),
         (pp.cycle(press, -7.0, points=8), "crank angle", np.arange(8) * -45.0),
-        (pp.cycle(press, 7.0, angle=np.linspace(1, 1 + 2 * np.pi, 5)), "crank angle", np.degrees(1) + np.arange(5) * 90.0),
-        (pp.cycle(press, 7.0, angle=[0.0, 3.5, 7.0]), "time", [0.0, 0.5, 1.0]),  # more than a turn
-        (pp.cycle(press, [1.0, 3.0], angle=[0.0, 2.0], acceleration=2.0), "time", [0.0, 1.0]),  # faster and faster
+        (pp.servo_cycle(press, speed=7.0, angle=np.linspace(1, 1 + 2 * np.pi, 5)), "crank angle", np.degrees(1) + np.arange(5) * 90.0),
+        (pp.servo_cycle(press, speed=7.0, angle=[0.0, 3.5, 7.0]), "time", [0.0, 0.5, 1.0]),  # more than a turn
+        (pp.servo_cycle(press, speed=[1.0, 3.0], angle=[0.0, 2.0], acceleration=2.0), "time", [0.0, 1.0]),  # faster and faster
         (
-            pp.cycle(press, [1.0, -3.0], angle=[0.0, 2.0], acceleration=0.0),
+            pp.servo_cycle(press, speed=[1.0, -3.0], angle=[0.0, 2.0], acceleration=0.0),
             "crank angle",
             np.degrees([0.0, 2.0]),
         ),  # not in time, but one way
-        (pp.cycle(press, 0.0, angle=[0.0, 2.0, 1.0]), "state", [0.0, 1.0, 2.0]),
-        (pp.cycle(legs, angle=np.zeros((3, 12)), speed=0.0, time=[0.0, 0.1, 0.3]), "time", [0.0, 0.1, 0.3]),
-        (pp.cycle(legs, angle=np.zeros((3, 12)), speed=0.0), "state", [0.0, 1.0, 2.0]),
+        (pp.servo_cycle(press, speed=0.0, angle=[0.0, 2.0, 1.0]), "state", [0.0, 1.0, 2.0]),
+        (pp.servo_cycle(legs, angle=np.zeros((3, 12)), speed=0.0, time=[0.0, 0.1, 0.3]), "time", [0.0, 0.1, 0.3]),
+        (pp.servo_cycle(legs, angle=np.zeros((3, 12)), speed=0.0), "state", [0.0, 1.0, 2.0]),
     ]
     for motion, quantity, values in cases:
         found = over(motion)
@@ -448,7 +449,7 @@ def test_locus_in_space(legs):
     """Of a spatial linkage: the two axes of largest range; the link is the one the force acts on. The first joint carries a weight at rest:
     its force ranges along no axis but by rounding, which must not choose the axes."""
     angle = 0.05 * np.sin(np.linspace(0, 6, 20))[:, None] * np.ones(12)
-    result = pp.inverse_dynamics(legs, pp.cycle(legs, angle=angle, speed=0.0))
+    result = pp.inverse_dynamics(legs, pp.servo_cycle(legs, angle=angle, speed=0.0))
     ranges = {name: np.ptp(result.bearing_force[name], axis=0) for name in (legs.joints[0], legs.loops[0].name)}
     still, moved = ranges.values()
     assert still.max() < 1e-12 * np.abs(result.bearing_force[legs.joints[0]]).max()

@@ -522,7 +522,7 @@ def test_command(
     asked = ["--out", html, "--png", png, "--video", mp4, "--at", 90, "--size", "160x120", "--fps", 1, "--trace", "rod:0,0,-0.1"]
     assert command("crank_slide", "--speed", -70, "--slowdown", 2, "--repeats", 2, *asked) == 0
     assert capsys.readouterr() == (f"wrote {html}, {png}, {mp4}\n", "")
-    motion = pp.cycle(press, -SPEED, 360)
+    motion = pp.cycle(press, -SPEED, points=360)
     same = pp.record(press, motion, tmp_path / "same.html", reactions=pp.inverse_dynamics(press, motion), traces=[("rod", (0, 0, -0.1))])
     assert html.read_bytes() == same.read_bytes()
     at = pytest.approx(0.75 * DURATION)  # backwards, 90 deg comes late
@@ -540,7 +540,7 @@ def test_command_without_forces_and_with_a_picture_alone(tmp_path: Path, press: 
     monkeypatch.setattr("pinpress.visual.film.image", lambda page, *more, **size: asked.extend((page.read_bytes(), *more, size)))
     out = tmp_path / "out.png"
     assert command("crank_slide", "--speed", 70, "--png", out, "--no-forces", "--at", -270, "--points", 90, "--size", "64x64") == 0
-    page = pp.record(press, pp.cycle(press, SPEED, 90), tmp_path / "same.html")
+    page = pp.record(press, pp.cycle(press, SPEED, points=90), tmp_path / "same.html")
     assert asked == [page.read_bytes(), out, pytest.approx(DURATION / 4), {"size": (64, 64)}]
 
 

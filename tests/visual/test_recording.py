@@ -471,7 +471,7 @@ def broken(motion: Any, field: str, value: float) -> Any:
 @pytest.mark.parametrize(
     ("change", "says"),
     [
-        (lambda m: dataclasses.replace(m, _time=None), "pass time= to cycle"),
+        (lambda m: dataclasses.replace(m, _time=None), "pass time= to servo_cycle"),
         (lambda m: broken(m, "joint_position", np.nan), "motion.joint_position is not finite at index 17"),
         (lambda m: broken(m, "_time", 0.0), "motion.time does not increase"),
     ],
@@ -557,7 +557,7 @@ def test_traces_that_are_none(traces: Any, says: str, press: Any, motion: Any, t
 
 def test_more_turns_than_a_page_holds(press: Any, tmp_path: Path) -> None:
     angle = np.arange(0, 2 * np.pi * 600, 0.5)
-    motion = pp.cycle(press, angle=angle, speed=1.0)
+    motion = pp.servo_cycle(press, angle=angle, speed=1.0)
     with pytest.raises(pp.PinpressError, match=r"600 turns are more than a recording holds \(555\)"):
         pp.record(press, motion, tmp_path / "out.html")
 
@@ -595,5 +595,5 @@ def test_several_drivers(tmp_path: Path) -> None:
     """The angle of the first one is shown; a picture of such a linkage is in tests/visual/test_report.py."""
     press = two_cranks(tmp_path)
     time = np.linspace(0, 1, 9)
-    motion = pp.cycle(press, angle=np.stack([time, -3 * time], axis=1), speed=[[1.0, -3.0]] * 9, time=time)
+    motion = pp.servo_cycle(press, angle=np.stack([time, -3 * time], axis=1), speed=[[1.0, -3.0]] * 9, time=time)
     assert_allclose(data_in(pp.record(press, motion, tmp_path / "two.html"))["crank"], np.degrees(time), atol=1e-4)

@@ -364,7 +364,7 @@ def test_several_drivers(tmp_path: Path, view: Callable[..., Any]) -> None:
     """Two cranks on one frame: a curve of torque for each, over time."""
     press = two_cranks(tmp_path)
     time = np.linspace(0, 1, 30)
-    motion = pp.cycle(press, angle=np.stack([time, -3 * time], axis=1), speed=[[1.0, -3.0]] * 30, time=time)
+    motion = pp.servo_cycle(press, angle=np.stack([time, -3 * time], axis=1), speed=[[1.0, -3.0]] * 30, time=time)
     result = pp.inverse_dynamics(press, motion)
     page = view(pp.report(press, motion, tmp_path / "out.html"), "#t=0.5", SMALL)
     curves = page.evaluate(CURVES)
@@ -377,7 +377,7 @@ def test_several_drivers(tmp_path: Path, view: Callable[..., Any]) -> None:
 
 
 def test_states_that_are_not_in_time(press: Any, tmp_path: Path) -> None:
-    motion = pp.cycle(press, angle=[0.0, 1.0, 0.5], speed=1.0)
+    motion = pp.servo_cycle(press, angle=[0.0, 1.0, 0.5], speed=1.0)
     with pytest.raises(pp.PinpressError, match="no motion in time"):
         pp.report(press, motion, tmp_path / "out.html")
     assert list(tmp_path.iterdir()) == []

@@ -24,7 +24,7 @@ from exudyn import itemInterface as items  # noqa: N813
 from ...common.arrays import Array
 from ...common.errors import PinpressError, SimulationError
 from ...kinematics.dead_centres import dead_centres
-from ...kinematics.motion import cycle
+from ...kinematics.motion import cycle, servo_cycle
 from ...linkage.linkage import Linkage
 from ..measurements import CLUTCH
 from ..scenes import Scene, SpeedLaw
@@ -115,7 +115,7 @@ def build(press: Linkage) -> System:
 
 def begin(press: Linkage, system: System, angle: float, speed: float) -> None:
     """Set the initial state of an assembled system: closed, at a crank angle [rad] and speed [rad/s]."""
-    state = cycle(press, angle=[angle], speed=[speed])
+    state = servo_cycle(press, angle=[angle], speed=[speed])
     tree, data = press.model, press.model.createData()
     pin.forwardKinematics(tree, data, state.q[0], state.v[0])
     places, rates = np.zeros((tree.njoints, 3)), np.zeros((tree.njoints, 3))

@@ -48,4 +48,4 @@ def harmonic_force(press, amplitude, orders=(1,)):
 
 def turns(press, speed, count, states):
     """So many turns at constant speed, as one motion in time."""
-    return pp.cycle(press, speed, angle=np.sign(speed) * np.linspace(0.0, 2 * np.pi * count, count * states + 1))
+    return pp.servo_cycle(press, speed=speed, angle=np.sign(speed) * np.linspace(0.0, 2 * np.pi * count, count * states + 1))

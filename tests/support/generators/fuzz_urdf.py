@@ -265,7 +265,7 @@ def moves(press: pp.Linkage, data: bytes) -> str:
     for angles in (ANGLES, ANGLES[:1]):
         angle = angles if count == 1 else np.multiply.outer(angles, 0.3 * np.ones(count))
         try:
-            motion = pp.cycle(press, speed=2.0, angle=angle, acceleration=3.0)
+            motion = pp.servo_cycle(press, speed=2.0, angle=angle, acceleration=3.0)
             result = pp.inverse_dynamics(press, motion)
             residual = np.abs(result.power_residual).max()
         except pp.PinpressError:

@@ -325,8 +325,8 @@ def calls() -> dict[str, Call]:
         ("check", pp.check, lambda: {"path": "crank_slide", "driver": "O", "slide": "slide"}),
         ("cycle", pp.cycle, lambda: {"press": press(), "speed": 7.0, "points": 12, "engine": "auto"}),
         (
-            "cycle",
-            pp.cycle,
+            "servo_cycle",
+            pp.servo_cycle,
             lambda: {
                 "press": press(),
                 "speed": [7.0, 7.0, 7.0],
@@ -576,7 +576,7 @@ def calls() -> dict[str, Call]:
         (
             "foundation.mounted",
             foundation.mounted,
-            lambda: {"press": press(), "frame": system().frame, "mounts": system().mounts, "crown": None, "columns": ()},
+            lambda: {"press": press(), "frame": system().frame, "mounts": system().mounts, "crown": None, "uprights": ()},
         ),
         ("foundation.modes", foundation.modes, lambda: {"system": system()}),
         ("foundation.press_inertia", foundation.press_inertia, lambda: {"press": press()}),
