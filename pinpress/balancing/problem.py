@@ -134,29 +134,29 @@ def _signals(
     press: Linkage,
     condition: OperatingCondition,
     number: int,
-    before: Reactions,
+    reactions: Reactions,
     variables: Sequence[RegionVariables],
     measures: Sequence[Measure],
 ) -> list[Signal]:
     """The signals of one operating condition."""
     inner_forces = any(not measure.quantity.startswith("shaking") for measure in measures)
-    responses = [mass_response(press, condition, before, part, inner_forces) for each in variables for part in each.parts]
+    responses = [mass_response(press, condition, reactions, part, inner_forces) for each in variables for part in each.parts]
     replaced = [points_of(press, each.region.link, each.own) for each in variables if each.own is not None]
-    own = [mass_response(press, condition, before, masses, inner_forces) for masses in replaced]
-    return [_signal(measure, number, before, responses, own) for measure in measures]
+    own = [mass_response(press, condition, reactions, masses, inner_forces) for masses in replaced]
+    return [_signal(measure, number, reactions, responses, own) for measure in measures]
 
 
-def _signal(measure: Measure, number: int, before: Reactions, responses: Sequence[MassResponse], own: Sequence[MassResponse]) -> Signal:
+def _signal(measure: Measure, number: int, reactions: Reactions, responses: Sequence[MassResponse], own: Sequence[MassResponse]) -> Signal:
     """A measure's signal.
 
     Args:
         measure: The measure.
         number: Number of the operating condition.
-        before: Reactions without counterweights.
+        reactions: Reactions without counterweights.
         responses: Response to one of each variable.
         own: Response to the masses that regions replace.
     """
-    forces: list[Forces] = [before, *responses, *own]
+    forces: list[Forces] = [reactions, *responses, *own]
     fixed, *others = (measure.varying(measure.series(each)) for each in forces)
     effects, replaced = np.stack(others[: len(responses)], axis=2), others[len(responses) :]
     # Where there is nothing before, what the regions do gives the size; where they do nothing either, all is rounding of what cancels.
