@@ -14,7 +14,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..common.arrays import Array
-from ..common.conic_program import AT_MOST, CONE, EQUAL, InfeasibleError, Optimum, Rows, least
+from ..common.conic_program import AT_MOST, CONE, EQUAL, InfeasibleError, Optimum, Rows, minimise
 from ..common.errors import PinpressError
 from .objectives import AddedMass, Range, Rms, Target, limit_words
 from .problem import BalancingProblem, Signal
@@ -120,7 +120,7 @@ def _over_all_states(
     """The optimum over all states. ``program`` makes the program over those taken in, which are in ``states`` and grow."""
     for _ in range(MOST_ROUNDS):
         cost, rows = program()
-        optimum = least(cost, rows)
+        optimum = minimise(cost, rows)
         found = {signal: _violated(signal, optimum.x[: len(problem.mass)], taken) for signal, taken in states.items()}
         if not any(len(more) for more in found.values()):
             return optimum, rows

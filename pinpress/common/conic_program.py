@@ -1,7 +1,7 @@
-"""Convex programs: the least of a linear cost under linear and second-order-cone constraints, by Clarabel's interior-point method, and the
+"""Convex programs: the minimum of a linear cost under linear and second-order-cone constraints, by Clarabel's interior-point method, and the
 proof of the optimum, worked out again from what it returns.
 
-    least cost @ x  with  bound - coefficients @ x  in a cone, for each `Rows`
+    minimise cost @ x  with  bound - coefficients @ x  in a cone, for each `Rows`
 
 The dual variables z, of the same rows, prove it: cost + sum(coefficients' z) = 0 with all z in their dual cones makes -sum(bound z) a lower
 bound of the cost of every x that fulfils the constraints.
@@ -26,9 +26,11 @@ class Rows:
     than the length of the others (`CONE`).
 
     Attributes:
-        kind: one of these. coefficients: (rows, variables). bound: (rows,).
-        name: in words, for messages; empty for what only defines a quantity.
-        unit: what one of the bound is in the unit of what the constraint is on.
+        kind: One of these.
+        coefficients: (rows, variables).
+        bound: (rows,).
+        name: Name in words, for messages; empty for a constraint that only defines a quantity.
+        unit: What one of the bound means, in the unit of the constrained quantity; 0 where it has none.
     """
 
     kind: str
@@ -51,9 +53,11 @@ class Optimum:
     """A solution and its proof.
 
     Attributes:
-        x: (variables,). value: its cost. bound: the dual cost, no x has less.
-        residual: largest violation of the optimality conditions: of constraints, of the dual equations and cones, and of value = bound.
-        prices: the dual variables of every `Rows`: by how much the cost falls where the bound is raised by one.
+        x: (variables,).
+        value: Cost of x.
+        bound: Dual cost; no x costs less.
+        residual: Largest violation of the optimality conditions: of constraints, of the dual equations and cones, and of value = bound.
+        prices: Dual variables of every `Rows`: by how much the cost falls where the bound is raised by one.
     """
 
     x: Array
@@ -67,12 +71,12 @@ class InfeasibleError(Exception):
     """No x fulfils the constraints."""
 
 
-def least(cost: Array, rows: Sequence[Rows]) -> Optimum:
+def minimise(cost: Array, rows: Sequence[Rows]) -> Optimum:
     """The optimum of a program.
 
     Raises:
-        InfeasibleError: there is no solution, which the solver has proved.
-        PinpressError: it found none and no proof, or one whose optimality conditions are not fulfilled.
+        InfeasibleError: The solver proved that there is no solution.
+        PinpressError: The solver found neither a solution nor that proof, or a solution that violates the optimality conditions.
     """
     import clarabel  # slow to import
     from scipy import sparse  # slow to import
