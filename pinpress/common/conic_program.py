@@ -1,10 +1,10 @@
-"""Convex programs: the minimum of a linear cost under linear and second-order-cone constraints, by Clarabel's interior-point method, and the
-proof of the optimum, worked out again from what it returns.
+"""Convex programs: the minimum of a linear cost under linear and second-order-cone constraints, by Clarabel's interior-point method.
 
     minimise cost @ x  with  bound - coefficients @ x  in a cone, for each `Rows`
 
-The dual variables z, of the same rows, prove it: cost + sum(coefficients' z) = 0 with all z in their dual cones makes -sum(bound z) a lower
-bound of the cost of every x that fulfils the constraints.
+The proof of the optimum is worked out again from what the solver returns. The dual variables z, of the same rows, prove it:
+cost + sum(coefficients' z) = 0 with all z in their dual cones makes -sum(bound z) a lower bound of the cost of every x that fulfils the
+constraints.
 """
 
 from collections.abc import Sequence
