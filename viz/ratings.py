@@ -44,7 +44,7 @@ def capacities(name: str) -> pp.ratings.Capacities:
 
 @cache
 def rated(name: str, at_speed: bool = False) -> pp.ratings.Ratings:
-    return pp.ratings.ratings(pp.load(name), SPEEDS[name], capacities(name), at_speed, POINTS)
+    return pp.ratings.rate(pp.load(name), SPEEDS[name], capacities(name), at_speed=at_speed, points=POINTS)
 
 
 def table() -> str:
@@ -106,8 +106,8 @@ def eccentricity(name: str) -> str:
     assert one.capacities.nominal_height is not None
     motion = pp.servo_cycle(press, speed=0.0, angle=one.crank_angle[one.height <= one.capacities.nominal_height + 1e-12])
     force = one.capacities.nominal_force
-    left, right = pp.ratings.permissible_eccentricity(press, motion, force, GUIDES[name], PRESSURE)
-    central = pp.ratings.eccentric_load(press, motion, force, (0.0, 0.0, 0.0), GUIDES[name]).pressure.max()
+    left, right = pp.ratings.permissible_eccentricity(press, motion, force=force, guide=GUIDES[name], pressure=PRESSURE)
+    central = pp.ratings.eccentric_load(press, motion, force=force, offset=(0.0, 0.0, 0.0), guide=GUIDES[name]).pressure.max()
     return f"{1e3 * left:.1f} to {1e3 * right:+.1f} mm (centred: {central / 1e6:.2f} MPa)"
 
 

@@ -9,7 +9,7 @@ from ..common.errors import PinpressError
 from ..common.files import make_folder
 from ..common.units import RPM
 from ..ratings.capacities import Capacities
-from ..ratings.rating import Ratings, ratings
+from ..ratings.rating import Ratings, rate
 from .options import add_out_option, add_press_options, load_press, say_written
 
 EPILOG = """\
@@ -68,7 +68,7 @@ def run(options: argparse.Namespace) -> int:
     numbers = {CAPACITIES.get(name, name): value for name, value in given.items()}
     capacities = Capacities(options.nominal_force, bearings=_bearings(options.bearing), **numbers)
     press = load_press(options)
-    found = ratings(press, options.speed * RPM, capacities, options.at_speed, options.points, **extra)
+    found = rate(press, options.speed * RPM, capacities, at_speed=options.at_speed, points=options.points, **extra)
     if options.out is not None:
         make_folder(options.out)
     print(found)

@@ -21,7 +21,7 @@ MAKERS = {
     "Capacities": "Capacities",
     "Guide": "Guide(length, width)",
     "Elasticity": "elasticity",
-    "Ratings": "ratings",
+    "Ratings": "rate",
     "WorkPrecision": "accuracy.compare",
     "Flywheel": "Flywheel",
     "MountedPress": "mounted",

@@ -1,9 +1,9 @@
 from .capacities import Capacities as Capacities
-from .eccentric_loads import EccentricLoad as EccentricLoad
 from .eccentric_loads import Guide as Guide
+from .eccentric_loads import GuideReaction as GuideReaction
 from .eccentric_loads import eccentric_load as eccentric_load
 from .eccentric_loads import permissible_eccentricity as permissible_eccentricity
 from .rating import Ratings as Ratings
-from .rating import ratings as ratings
-from .speed_limits import SpeedLimit as SpeedLimit
+from .rating import rate as rate
+from .speed_limits import PermissibleSpeed as PermissibleSpeed
 from .speed_limits import speed_limit as speed_limit

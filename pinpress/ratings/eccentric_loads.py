@@ -39,7 +39,8 @@ class Guide:
     """Gibs of a slide that face one way and the opposite one.
 
     Attributes:
-        length: along the guide's axis [m]. width: across it [m].
+        length: along the guide's axis [m].
+        width: across it [m].
         normal: (3,) direction in which the gibs face, in world axes; None: the one across the guide in the plane of a planar press.
         middle: of the gibs' length, above the slide link's origin along the guide's axis [m]; the gibs' length moves with the slide.
         one_sided: gibs with clearance: only one of them is in contact, and may lift off. Else two without clearance.
@@ -66,15 +67,18 @@ class Guide:
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class EccentricLoad(Tabular):
+class GuideReaction(Tabular):
     """What a process force beside the slide's axis does, at n states. All arrays are read-only; signs as in `reactions`, world axes.
 
     Attributes:
         guide: name of the slide's bearing in its guide.
         tilting_moment: (3,) of the process force on the slide, about the slide link's origin [N m].
-        force: (n, 3) of the guide on the slide [N]. moment: (n, 3), about the middle of the gibs [N m].
-        normal_force: (n,) along the gibs' normal [N]. tilting: (n,) moment that tilts the slide between these gibs, about the middle [N m].
-        pressure: (n,) largest on a gib [Pa]. contact: (n,) share of the gibs' length that is in contact.
+        force: (n, 3) of the guide on the slide [N].
+        moment: (n, 3) of the guide on the slide, about the middle of the gibs [N m].
+        normal_force: (n,) along the gibs' normal [N].
+        tilting: (n,) moment that tilts the slide between these gibs, about their middle [N m].
+        pressure: (n,) largest on a gib [Pa].
+        contact: (n,) share of the gibs' length that is in contact [-].
         indeterminate: whether rigid mechanics leaves the tilting moment open: rods beside one another may share it with the guide.
     """
 
@@ -91,7 +95,7 @@ class EccentricLoad(Tabular):
     @property
     def title(self) -> str:
         size = np.linalg.norm(self.tilting_moment)
-        return f"EccentricLoad in {self.guide}: tilting moment {size:.6g} N m, pressure on the gibs up to {self.pressure.max():.6g} Pa"
+        return f"GuideReaction in {self.guide}: tilting moment {size:.6g} N m, pressure on the gibs up to {self.pressure.max():.6g} Pa"
 
     def columns(self) -> dict[str, Array]:
         """Force and moment of the guide, and what the gibs bear, as (n,) columns under their names with units."""
@@ -107,14 +111,17 @@ class EccentricLoad(Tabular):
 
 @typed
 def eccentric_load(
-    press: Linkage, motion: Motion, force: float, offset: Sequence[float], guide: Guide, engine: str = "auto"
-) -> EccentricLoad:
+    press: Linkage, motion: Motion, *, force: float, offset: Sequence[float], guide: Guide, engine: str = "auto"
+) -> GuideReaction:
     """Guide reaction and gib pressure under a process force beside the slide's axis, without weights and inertia forces.
 
     Args:
-        motion: at whose states the force acts, e.g. ``cycle(press, speed=0.0, angle=[...])``.
+        press: with a slide.
+        motion: at whose n states the force acts, e.g. ``cycle(press, speed=0.0, angle=[...])``.
         force: on the slide along the guide's axis, against the working stroke [N].
         offset: (3,) point at which it acts, in the slide link's own frame [m]; along the guide's axis it makes no difference.
+        guide: the gibs.
+        engine: as in `cycle`.
 
     Raises:
         PinpressError: arguments that make no sense, a linkage without a slide, a gib normal along the guide, a single gib that would have
@@ -124,10 +131,10 @@ def eccentric_load(
     point = _vector("offset", offset)
     across = _across(press, guide)
     name, axis = _slide_guide(press)
-    found = _reacting(press, motion, newtons * axis, point, guide, engine)
+    found = _guide_reaction(press, motion, newtons * axis, point, guide, engine)
     normal, tilting = found.force @ across[0], found.moment @ across[1]
     pressure, contact = _pressure(guide, normal, tilting, motion)
-    return EccentricLoad(
+    return GuideReaction(
         guide=name,
         tilting_moment=np.cross(_rotation(press) @ point, newtons * axis),
         force=found.force,
@@ -142,12 +149,17 @@ def eccentric_load(
 
 @typed
 def permissible_eccentricity(
-    press: Linkage, motion: Motion, force: float, guide: Guide, pressure: float, engine: str = "auto"
+    press: Linkage, motion: Motion, *, force: float, guide: Guide, pressure: float, engine: str = "auto"
 ) -> tuple[float, float]:
     """How far beside the slide's origin a process force may act before a gib's pressure is reached at a state of the motion [m].
 
     Args:
-        force: as in `eccentric_load`. pressure: permissible on the gibs [Pa].
+        press: with a slide.
+        motion: as of `eccentric_load`.
+        force: as of `eccentric_load` [N].
+        guide: the gibs.
+        pressure: permissible on the gibs [Pa].
+        engine: as in `cycle`.
 
     Returns:
         Least and largest coordinate along the gibs' normal, the first not positive: both may differ, as the guide carries the lateral force
@@ -160,8 +172,8 @@ def permissible_eccentricity(
     normal, about = _across(press, guide)
     _, axis = _slide_guide(press)
     local = _rotation(press).T @ normal  # 1 m beside the origin
-    central = _reacting(press, motion, newtons * axis, np.zeros(3), guide, engine)
-    beside = _reacting(press, motion, newtons * axis, local, guide, engine)
+    central = _guide_reaction(press, motion, newtons * axis, np.zeros(3), guide, engine)
+    beside = _guide_reaction(press, motion, newtons * axis, local, guide, engine)
     across = central.force @ normal
     most = _largest_moment(guide, np.where(np.abs(across) > ROUNDING * newtons, across, 0.0), allowed)
     constant, slope = central.moment @ about, (beside.moment - central.moment) @ about
@@ -207,8 +219,14 @@ def _across(press: Linkage, guide: Guide) -> tuple[Array, Array]:
 
 
 class _Reaction(NamedTuple):
-    """Force (n, 3) of the guide on the slide and its moment (n, 3) about the middle of the gibs; the components (3,) of this moment along
-    ``axes`` (3, 3) that are indeterminate."""
+    """What the guide does to the slide, in world axes.
+
+    Attributes:
+        force: (n, 3) on the slide [N].
+        moment: (n, 3) about the middle of the gibs [N m].
+        indeterminate: (3,) components of the moment along ``axes`` that rigid mechanics leaves open.
+        axes: (3, 3), a direction a row.
+    """
 
     force: Array
     moment: Array
@@ -216,7 +234,7 @@ class _Reaction(NamedTuple):
     axes: Array
 
 
-def _reacting(press: Linkage, motion: Motion, force: Array, point: Array, guide: Guide, engine: str) -> _Reaction:
+def _guide_reaction(press: Linkage, motion: Motion, force: Array, point: Array, guide: Guide, engine: str) -> _Reaction:
     """What the guide does under a force (3,) at a point (3,) of the slide, in its own frame."""
     slide = str(press.slide)
     joint, _ = place(press, slide, point, "the process force", "offset")

@@ -7,8 +7,8 @@ most C then lets F grow until |R0 + F R1| = C, a quadratic equation.
 
 import functools
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
-from functools import cached_property, partial
+from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
@@ -31,16 +31,20 @@ GAUSS = np.polynomial.legendre.leggauss(3)
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Rated:
+class RatedPress:
     """A press that is rated.
 
     Attributes:
-        press: with one driver, and a slide that turns back twice in a period. speed: of the driver joint, with its sign [rad/s].
+        press: with one driver, and a slide that turns back twice in a period.
+        capacities: what its parts can bear.
+        speed: of the driver joint, with its sign [rad/s].
         torque: capacity at the driver joint [N m], None where it limits nothing.
-        at_speed: whether weights and inertia forces count. engine: as in `cycle`.
-        top, bottom: crank angles of the dead centres between which the working stroke is, in the order of the turn, unwrapped [rad].
+        at_speed: whether weights and inertia forces count.
+        engine: as in `cycle`.
+        top: crank angle of the dead centre at which the working stroke begins [rad].
+        bottom: crank angle at which it ends, unwrapped: less than ``top`` where the crank turns backwards [rad].
+        bottom_position: of the slide there [m].
         turns: from stroke to stroke. All of the press may be back only after several strokes, in which forces are not the same.
-        bottom_position: of the slide [m].
     """
 
     press: Linkage
@@ -84,7 +88,11 @@ def under_unit_force(massless: Linkage, motion: Motion, bottom: float, bearings:
     """Reactions to a process force of 1 N at every height of a motion, without weights and inertia forces.
 
     Args:
-        bottom: slide position of bottom dead centre [m]. bearings: as in `inverse_dynamics`.
+        massless: the press with links that weigh nothing.
+        motion: of the press.
+        bottom: slide position of bottom dead centre [m].
+        bearings: as in `inverse_dynamics`.
+        engine: as in `cycle`.
     """
     above = 2 * max(float(np.ptp(motion.slide_position)), float(np.abs(motion.slide_position - bottom).max()), massless.size)
     return inverse_dynamics(massless, motion, [ConstantForce(1.0, above, bottom)], engine=engine, bearings=bearings)
@@ -107,13 +115,15 @@ def largest_factor(constant: Array, slope: Array, capacity: Array | float) -> Ar
         return np.where(half >= 0, outwards, (root - half) / square) * (scale / unit)[:, 0]
 
 
-def permissible(rated: Rated, motion: Motion, energy: bool = True) -> dict[str, Array]:
+def permitted_forces(rated: RatedPress, motion: Motion, energy: bool = True) -> dict[str, Array]:
     """Name of a limit -> process force (n,) that it permits [N], infinite where it permits any: the nominal force first.
 
     Args:
+        rated: the press.
+        motion: of it, n states.
         energy: also the forces that, constant from here to bottom dead centre, take all usable energy.
     """
-    strokes = (_permissible(rated, again) for again in _in_every_stroke(rated, motion))
+    strokes = (_in_one_stroke(rated, again) for again in _in_every_stroke(rated, motion))
     found = functools.reduce(lambda some, others: {name: np.minimum(force, others[name]) for name, force in some.items()}, strokes)
     if energy:
         height = rated.height(motion)
@@ -122,15 +132,15 @@ def permissible(rated: Rated, motion: Motion, energy: bool = True) -> dict[str, 
     return found
 
 
-def _in_every_stroke(rated: Rated, motion: Motion) -> Iterator[Motion]:
+def _in_every_stroke(rated: RatedPress, motion: Motion) -> Iterator[Motion]:
     """The motion, and the same way of the slide in the other strokes of the period."""
     yield motion
     for stroke in range(1, rated.press.period_turns // rated.turns):
         yield rated.motion(motion.crank_angle + 2 * np.pi * rated.turns * stroke)
 
 
-def _permissible(rated: Rated, motion: Motion) -> dict[str, Array]:
-    """What torque, bearings and the nominal force permit in one stroke; see `permissible`."""
+def _in_one_stroke(rated: RatedPress, motion: Motion) -> dict[str, Array]:
+    """What torque, bearings and the nominal force permit in one stroke; see `permitted_forces`."""
     capacities, count = rated.capacities, len(motion.crank_angle)
     found = {NOMINAL: np.full(count, capacities.nominal_force)}
     unit = under_unit_force(rated.massless, motion, rated.bottom_position, rated.bearings, rated.engine)
@@ -144,7 +154,7 @@ def _permissible(rated: Rated, motion: Motion) -> dict[str, Array]:
     return found
 
 
-def refuse_overloaded_idle(rated: Rated) -> None:
+def refuse_overloaded_idle(rated: RatedPress) -> None:
     """Raise where the idle press at its speed is beyond a capacity of torque or bearings, anywhere in a period."""
     whole = rated.top + np.arange(TURN * rated.press.period_turns) * (2 * np.pi / TURN)
     stroke = np.linspace(rated.top, rated.bottom, TURN)
@@ -163,12 +173,13 @@ def refuse_overloaded_idle(rated: Rated) -> None:
             )
 
 
-class Limited(NamedTuple):
+class GoverningLimits(NamedTuple):
     """Limits over the working stroke.
 
     Attributes:
-        angle: (n,) of the crank, from top to bottom dead centre [rad]. forces: name of a limit -> (n,) force it permits, none above the
-            nominal one [N]. names: (n,) of the limit that governs; where it changes, of the one that begins to.
+        angle: (n,) of the crank, from top to bottom dead centre [rad].
+        forces: name of a limit -> (n,) force it permits, none above the nominal one [N].
+        names: (n,) of the limit that governs; where it changes, of the one that begins to.
         changes: indices of the states at which it changes.
     """
 
@@ -178,21 +189,31 @@ class Limited(NamedTuple):
     changes: tuple[int, ...]
 
 
-def rated(press: Linkage, capacities: Capacities, speed: float, at_speed: bool, engine: str) -> Rated:
+def rated_press(press: Linkage, capacities: Capacities, speed: float, at_speed: bool, engine: str) -> RatedPress:
     """What is rated, its torque capacity found where a nominal height stands for it. Raises as `angle_at`."""
     ends = dead_centres(press)
     way = 1.0 if speed > 0 else -1.0
     bottom = ends.top_angle + way * ((way * (ends.bottom_angle - ends.top_angle)) % (2 * np.pi * ends.turns))
-    make = partial(Rated, press, capacities, speed, at_speed=at_speed, engine=engine, top=ends.top_angle, bottom=bottom, turns=ends.turns)
-    given = make(torque=capacities.torque, bottom_position=ends.bottom_position)
+    given = RatedPress(
+        press=press,
+        capacities=capacities,
+        speed=speed,
+        torque=capacities.torque,
+        at_speed=at_speed,
+        engine=engine,
+        top=ends.top_angle,
+        bottom=bottom,
+        bottom_position=ends.bottom_position,
+        turns=ends.turns,
+    )
     if capacities.nominal_height is None:
         return given
     at = given.motion(np.array([angle_at(given, "nominal_height", capacities.nominal_height)]))
     needed = under_unit_force(without_masses(press), at, ends.bottom_position, (), engine).driving_torque[0]
-    return make(torque=capacities.nominal_force * abs(float(needed)), bottom_position=ends.bottom_position)
+    return replace(given, torque=capacities.nominal_force * abs(float(needed)))
 
 
-def angle_at(rated: Rated, name: str, height: float) -> float:
+def angle_at(rated: RatedPress, name: str, height: float) -> float:
     """Crank angle of the working stroke, unwrapped, at a height above bottom dead centre [m].
 
     Raises:
@@ -210,7 +231,7 @@ def angle_at(rated: Rated, name: str, height: float) -> float:
     return float(brentq(above, rated.top, rated.bottom, xtol=ROUNDING, rtol=ROUNDING))
 
 
-def limited(rated: Rated, points: int) -> Limited:
+def governing_limits(rated: RatedPress, points: int) -> GoverningLimits:
     """Limits at ``points`` crank angles in equal steps, the nominal height and the angles at which another limit begins to govern."""
     height = rated.capacities.nominal_height
     marks = [] if height is None else [angle_at(rated, "nominal_height", height)]
@@ -224,33 +245,33 @@ def limited(rated: Rated, points: int) -> Limited:
     forces = _capped(rated, every)
     # At a change two limits permit the same but for rounding, which must not decide.
     governing = tuple(next_names.get(float(at), name) for at, name in zip(every, _governing(forces), strict=True))
-    return Limited(every, forces, governing, tuple(k for k, at in enumerate(every) if float(at) in next_names))
+    return GoverningLimits(every, forces, governing, tuple(k for k, at in enumerate(every) if float(at) in next_names))
 
 
-def work(rated: Rated, angle: Array) -> Array:
+def work(rated: RatedPress, angle: Array) -> Array:
     """Work (n,) of the permissible force but for energy from crank angles (n,) to the last of them [J], by Gauss's rule between them."""
     nodes, weights = GAUSS
     middle, half = 0.5 * (angle[1:] + angle[:-1]), 0.5 * np.abs(np.diff(angle))
     motion = rated.motion((middle[:, None] + 0.5 * np.diff(angle)[:, None] * nodes).ravel())
-    forces = permissible(rated, motion, energy=False)
+    forces = permitted_forces(rated, motion, energy=False)
     power = np.min(list(forces.values()), axis=0) * np.abs(motion.slide_velocity / rated.speed)
     steps = half * (power.reshape(-1, len(nodes)) @ weights)
     return np.append(np.cumsum(steps[::-1])[::-1], 0.0)
 
 
-def _in_order(rated: Rated, angles: Array) -> Array:
+def _in_order(rated: RatedPress, angles: Array) -> Array:
     """Crank angles in the order of the working stroke, each once."""
     rising = np.unique(angles)
     return (rising if rated.bottom > rated.top else rising[::-1]).copy()
 
 
-def _crossing(rated: Rated, first: str, second: str, low: float, high: float) -> float:
+def _crossing(rated: RatedPress, first: str, second: str, low: float, high: float) -> float:
     """Crank angle between two at which the second limit begins to permit less than the first."""
     from scipy.optimize import brentq  # slow to import
 
     def ahead(angle: float) -> float:
         """How much more the first limit permits, some number where both permit more than the nominal force."""
-        found = permissible(rated, rated.motion(np.array([angle])))
+        found = permitted_forces(rated, rated.motion(np.array([angle])))
         one, other = (min(float(found[name][0]), 2 * rated.capacities.nominal_force) for name in (first, second))
         return one - other
 
@@ -260,8 +281,8 @@ def _crossing(rated: Rated, first: str, second: str, low: float, high: float) ->
     return float(brentq(ahead, low, high, xtol=ROUNDING, rtol=ROUNDING))
 
 
-def _capped(rated: Rated, angle: Array) -> dict[str, Array]:
-    return {name: np.minimum(force, rated.capacities.nominal_force) for name, force in permissible(rated, rated.motion(angle)).items()}
+def _capped(rated: RatedPress, angle: Array) -> dict[str, Array]:
+    return {name: np.minimum(force, rated.capacities.nominal_force) for name, force in permitted_forces(rated, rated.motion(angle)).items()}
 
 
 def _governing(forces: Mapping[str, Array]) -> tuple[str, ...]:

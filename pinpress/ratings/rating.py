@@ -18,8 +18,8 @@ from ..kinematics import measures
 from ..kinematics.motion import cycle
 from ..linkage.linkage import Linkage
 from .capacities import Capacities, known_bearings
-from .permissible_force import limited, rated, refuse_overloaded_idle, work
-from .speed_limits import SpeedLimit, limiting_speed
+from .permissible_force import governing_limits, rated_press, refuse_overloaded_idle, work
+from .speed_limits import PermissibleSpeed, limiting_speed
 
 DWELL = 0.01  # of the stroke
 MOST_POINTS = 10**5
@@ -32,10 +32,13 @@ class Ratings(Tabular):
     """What a press may do over its working stroke, n heights from top to bottom dead centre. All arrays are read-only.
 
     Attributes:
-        press: its name. capacities: as given. speed: of the driver joint [rad/s]; negative: backwards.
+        press_name: of the press.
+        capacities: as given.
+        speed: of the driver joint [rad/s]; negative: backwards.
         at_speed: whether weights and inertia forces at this speed are in the forces (False: the process force alone, as catalogues print).
         torque_capacity: at the driver joint [N m], given or found from nominal force and height; None where there is none.
-        crank_angle: (n,) of the driver joint, unwrapped [rad]. height: (n,) of the slide above bottom dead centre, falling to 0 [m].
+        crank_angle: (n,) of the driver joint, unwrapped [rad].
+        height: (n,) of the slide above bottom dead centre, falling to 0 [m].
         travel_per_angle: (n,) ds/dtheta of the slide along its guide's axis [m/rad]. Its magnitude is the driving torque that a process
             force of 1 N needs without losses [N m/N], its inverse the mechanical advantage, which has no bounds at the dead centres.
         slide_velocity: (n,) along the guide's axis [m/s].
@@ -48,15 +51,18 @@ class Ratings(Tabular):
         work: (n,) that the permissible force but for energy takes from there to bottom dead centre [J]; more than an energy where that
             ends before the stroke does.
         energies: name of a source -> work that a stroke may take of it [J]: "flywheel energy", "motor energy".
-        stroke: [m]. quick_return_ratio: time of the working stroke beside that of the return stroke.
-        contact_height, contact_speed, contact_advantage: where the tool meets the work [m], the slide's speed there [m/s], and the
-            mechanical advantage [1/m], force on the slide for each N m on the crank; None without a height.
-        dwell_tolerance, dwell_time: distance from bottom dead centre [m], and how long the slide stays within it [s].
+        stroke: of the slide [m].
+        quick_return_ratio: time of the working stroke by that of the return stroke [-].
+        contact_height: where the tool meets the work, above bottom dead centre [m]; None: not given.
+        contact_speed: of the slide there [m/s]; None without a height.
+        contact_advantage: mechanical advantage there, force on the slide for each N m on the crank [1/m]; None without a height.
+        dwell_tolerance: distance from bottom dead centre that counts as dwell [m].
+        dwell_time: how long the slide stays within it [s].
         speed_limit: at which the idle press reaches a capacity; None where no speed does.
         turns: of the driver joint from stroke to stroke.
     """
 
-    press: str
+    press_name: str
     capacities: Capacities
     speed: float
     at_speed: bool
@@ -78,26 +84,49 @@ class Ratings(Tabular):
     contact_advantage: float | None
     dwell_tolerance: float
     dwell_time: float
-    speed_limit: SpeedLimit | None
+    speed_limit: PermissibleSpeed | None
     turns: int
 
     @property
     def title(self) -> str:
-        return f"Ratings of {self.press}: {len(self.height)} heights, nominal force {self.capacities.nominal_force:.6g} N"
+        return f"Ratings of {self.press_name}: {len(self.height)} heights, nominal force {self.capacities.nominal_force:.6g} N"
 
     def __str__(self) -> str:
-        return _text(self)
+        """Main data, energies, and permissible force at some heights; units beside every number."""
+        rpm = abs(self.speed) / RPM / self.turns
+        what = "with weights and inertia forces at this speed" if self.at_speed else "the process force alone, as catalogues print it"
+        head = f"{'height [mm]':>14}{'crank angle [deg]':>20}{'torque per force [mm]':>24}{'force [kN]':>14}{'work [kJ]':>13}  limited by"
+        return "\n".join(
+            [
+                f"{self.press_name}, ratings at {rpm:g} strokes/min{'' if self.speed > 0 else ', backwards'}; forces: {what}",
+                *(f"  {name:38}{value}" for name, value in _data(self)),
+                "",
+                "Permissible force",
+                f"  {head}",
+                *(_row(self, k) for k in _shown(self)),
+            ]
+        )
 
     def columns(self) -> dict[str, Array | list[str]]:
-        """All quantities over the height as (n,) columns under their names with units."""
-        return _columns(self)
+        """All quantities over the height as (n,) columns under their names with units, from top to bottom dead centre."""
+        return {
+            "height [m]": self.height,
+            "crank_angle [rad]": self.crank_angle,
+            "travel_per_angle [m/rad]": self.travel_per_angle,
+            "slide_velocity [m/s]": self.slide_velocity,
+            "force [N]": self.force,
+            "limited_by": list(self.limited_by),
+            **{f"{name} [N]": force for name, force in self.limits.items()},
+            "work [J]": self.work,
+        }
 
 
 @typed
-def ratings(
+def rate(
     press: Linkage,
     speed: float,
     capacities: Capacities,
+    *,
     at_speed: bool = False,
     points: int = 181,
     contact_height: float | None = None,
@@ -113,6 +142,7 @@ def ratings(
     Args:
         press: with one driver, and a slide that turns back twice in a period.
         speed: of the driver joint in operation [rad/s]; negative: backwards.
+        capacities: what its parts can bear.
         at_speed: False: torque and bearings carry the process force alone, as catalogues print ratings; True: weights and inertia forces
             at this speed too, which is what they carry in operation. The torque capacity of a nominal height is the same in both, so
             that at speed the force at this height differs from the nominal one.
@@ -130,40 +160,37 @@ def ratings(
         SingularityError: the linkage locks within the period.
     """
     known_bearings(capacities, press)
-    rate = _speed(speed)
+    speed, points = _speed(speed), whole_number("points", points, 3, MOST_POINTS)
     if not isinstance(at_speed, bool | np.bool_):
         raise PinpressError(f"at_speed is {shown(at_speed)}: give True or False")
-    points = whole_number("points", points, 3, MOST_POINTS)
     if len(press.drivers) > 1:
         raise PinpressError(f"{press.name} has {len(press.drivers)} drivers: ratings are those of a press with one")
-    period = cycle(press, rate, engine=engine)
+    period = cycle(press, speed, engine=engine)
     quick_return = measures.quick_return_ratio(period)  # refuses what has no one working stroke
-    scene = rated(press, capacities, rate, bool(at_speed), engine)
+    rated = rated_press(press, capacities, speed, bool(at_speed), engine)
     if at_speed:
-        refuse_overloaded_idle(scene)
-    found = limited(scene, points)
+        refuse_overloaded_idle(rated)
+    found = governing_limits(rated, points)
+    motion = rated.motion(found.angle)
+    height = rated.height(motion)
     contact = capacities.nominal_height if contact_height is None else contact_height
     tolerance = DWELL * measures.stroke(period) if dwell_tolerance is None else positive("dwell_tolerance", dwell_tolerance, "m")
-    motion = scene.motion(found.angle)
-    height = scene.height(motion)
-    arrays = {
-        "crank_angle": found.angle,
-        "height": height,
-        "travel_per_angle": motion.slide_velocity / rate,
-        "slide_velocity": motion.slide_velocity,
-        "force": np.min(list(found.forces.values()), axis=0),
-        "work": work(scene, found.angle),
-    }
     return Ratings(
-        press=press.name,
+        press_name=press.name,
         capacities=capacities,
-        speed=rate,
+        speed=speed,
         at_speed=bool(at_speed),
-        torque_capacity=scene.torque,
+        torque_capacity=rated.torque,
+        crank_angle=found.angle,
+        height=height,
+        travel_per_angle=motion.slide_velocity / speed,
+        slide_velocity=motion.slide_velocity,
+        force=np.min(list(found.forces.values()), axis=0),
         limits=found.forces,
         limited_by=found.names,
         changes=tuple(float(height[k]) for k in found.changes),
-        energies=dict(scene.energies),
+        work=work(rated, found.angle),
+        energies=dict(rated.energies),
         stroke=measures.stroke(period),
         quick_return_ratio=quick_return,
         contact_height=None if contact is None else positive("contact_height", contact, "m"),
@@ -171,9 +198,8 @@ def ratings(
         contact_advantage=None if contact is None else measures.mechanical_advantage(period, contact),
         dwell_tolerance=tolerance,
         dwell_time=measures.dwell_time(period, tolerance),
-        speed_limit=limiting_speed(press, capacities, scene.torque, math.copysign(1.0, rate), engine=engine),
-        turns=scene.turns,
-        **arrays,
+        speed_limit=limiting_speed(press, capacities, rated.torque, math.copysign(1.0, speed), engine=engine),
+        turns=rated.turns,
     )
 
 
@@ -183,37 +209,8 @@ def _speed(speed: float) -> float:
     return float(speed)
 
 
-def _columns(ratings: Ratings) -> dict[str, Array | list[str]]:
-    """Columns (n,) from top to bottom dead centre."""
-    return {
-        "height [m]": ratings.height,
-        "crank_angle [rad]": ratings.crank_angle,
-        "travel_per_angle [m/rad]": ratings.travel_per_angle,
-        "slide_velocity [m/s]": ratings.slide_velocity,
-        "force [N]": ratings.force,
-        "limited_by": list(ratings.limited_by),
-        **{f"{name} [N]": force for name, force in ratings.limits.items()},
-        "work [J]": ratings.work,
-    }
-
-
-def _text(ratings: Ratings) -> str:
-    """Main data, energies, and permissible force at some heights; units beside every number."""
-    rpm = abs(ratings.speed) / RPM / ratings.turns
-    what = "with weights and inertia forces at this speed" if ratings.at_speed else "the process force alone, as catalogues print it"
-    return "\n".join(
-        [
-            f"{ratings.press}, ratings at {rpm:g} strokes/min{'' if ratings.speed > 0 else ', backwards'}; forces: {what}",
-            *(f"  {name:38}{value}" for name, value in _data(ratings)),
-            "",
-            "Permissible force",
-            f"  {'height [mm]':>14}{'crank angle [deg]':>20}{'torque per force [mm]':>24}{'force [kN]':>14}{'work [kJ]':>13}  limited by",
-            *(_row(ratings, k) for k in _shown(ratings)),
-        ]
-    )
-
-
 def _data(ratings: Ratings) -> list[tuple[str, str]]:
+    """Names and values of the main data that there are."""
     given, limit = ratings.capacities, ratings.speed_limit
     rows: list[tuple[str, str | None]] = [
         ("nominal force", f"{given.nominal_force / 1e3:.6g} kN"),

@@ -39,11 +39,12 @@ FAST = 100.0  # times the speed at which inertia forces are as large as weights,
 
 
 @dataclass(frozen=True, repr=False)
-class SpeedLimit(Record, units={"speed": "rad/s", "crank_angle": "rad"}):
+class PermissibleSpeed(Record, units={"speed": "rad/s", "crank_angle": "rad"}):
     """The highest speed at which a press keeps every capacity.
 
     Attributes:
-        speed: of the driver joint [rad/s]. limited_by: "torque", "bearing NAME", "slide acceleration" or "shaking force".
+        speed: of the driver joint [rad/s].
+        limited_by: "torque", "bearing NAME", "slide acceleration" or "shaking force".
         crank_angle: at which that is reached, from 0 to the end of the period, which mostly is 2 pi [rad].
         turns: of the driver joint from stroke to stroke; where there is no slide, those of the period.
     """
@@ -63,14 +64,16 @@ class SpeedLimit(Record, units={"speed": "rad/s", "crank_angle": "rad"}):
 def speed_limit(
     press: Linkage,
     capacities: Capacities,
+    *,
     torque: float | None = None,
     loads: Sequence[ProcessLoad] = (),
     engine: str = "auto",
-) -> SpeedLimit | None:
+) -> PermissibleSpeed | None:
     """The highest constant speed at which torque, bearings, slide acceleration and shaking force keep to their capacities over a period.
 
     Args:
-        capacities: of which nominal force and height and the energies limit no speed.
+        press: with one driver.
+        capacities: what its parts can bear; nominal force and height and the energies limit no speed.
         torque: capacity at the driver joint [N m], where it is not among the capacities: `Ratings.torque_capacity`.
         loads: process loads whose forces depend on height and direction of travel alone; by default the press runs idle.
         engine: as in `cycle`.
@@ -96,14 +99,23 @@ def speed_limit(
 
 def limiting_speed(
     press: Linkage, capacities: Capacities, torque: float | None, way: float, loads: Sequence[ProcessLoad] = (), engine: str = "auto"
-) -> SpeedLimit | None:
-    """The same, with the crank turning forwards or backwards (``way`` 1 or -1), which decides where loads act."""
-    scene = _Scene(press, capacities, torque, way, tuple(loads), engine)
-    if not scene.limits_something:
+) -> PermissibleSpeed | None:
+    """The highest speed as `speed_limit` finds it, with the crank turning either way.
+
+    Args:
+        press: with one driver.
+        capacities: as of `speed_limit`.
+        torque: capacity at the driver joint [N m]; None: it limits nothing.
+        way: 1 or -1, forwards or backwards, which decides where loads act.
+        loads: as of `speed_limit`.
+        engine: as in `cycle`.
+    """
+    turning = _TurningPress(press, capacities, torque, way, tuple(loads), engine)
+    if not turning.limits_something:
         return None
     step, turns = 2 * np.pi / STATES, press.period_turns
     angle: Array = np.arange(STATES * turns, dtype=float) * step
-    first = {item.name: item for item in _items(scene, angle)}
+    first = {item.name: item for item in _limits(turning, angle)}
     least = min(float(item.square.min()) for item in first.values())
     if not math.isfinite(least):
         return None
@@ -113,17 +125,19 @@ def limiting_speed(
     offsets = np.linspace(-1.0, 1.0, AROUND)
     for _ in range(ROUNDS):  # all at once, each about its own worst state
         places = centre[:, None] + step * offsets
-        again = {item.name: item.square.reshape(places.shape) for item in _items(scene, places.ravel())}
+        again = {item.name: item.square.reshape(places.shape) for item in _limits(turning, places.ravel())}
         for k, name in enumerate(names):
             square = again[name][k]
             if square.min() <= best[k]:
                 best[k], centre[k] = float(square.min()), float(places[k, int(square.argmin())])
         step *= 2 / (AROUND - 1)
     worst = int(np.argmin(best))
-    return SpeedLimit(math.sqrt(best[worst]), names[worst], float(centre[worst]) % (2 * math.pi * turns), stroke_turns(press) or turns)
+    return PermissibleSpeed(
+        math.sqrt(best[worst]), names[worst], float(centre[worst]) % (2 * math.pi * turns), stroke_turns(press) or turns
+    )
 
 
-class _Item(NamedTuple):
+class _SpeedLimit(NamedTuple):
     """Something with a capacity, and the squares of the speeds (n,) at which it is reached [rad2/s2], infinite where it is not."""
 
     name: str
@@ -131,7 +145,9 @@ class _Item(NamedTuple):
 
 
 @dataclass(frozen=True, eq=False)
-class _Scene:
+class _TurningPress:
+    """A press that turns at constant speed under loads; see `limiting_speed`."""
+
     press: Linkage
     capacities: Capacities
     torque: float | None
@@ -169,16 +185,16 @@ class _Scene:
         return found
 
 
-def _items(scene: _Scene, angle: Array) -> Iterator[_Item]:
+def _limits(turning: _TurningPress, angle: Array) -> Iterator[_SpeedLimit]:
     """Everything that has a capacity, at crank angles (n,)."""
-    press, capacities, square = scene.press, scene.capacities, scene.fast**2
-    fast = servo_cycle(press, speed=scene.fast, angle=angle, engine=scene.engine)
+    press, capacities, square = turning.press, turning.capacities, turning.fast**2
+    fast = servo_cycle(press, speed=turning.fast, angle=angle, engine=turning.engine)
     still = replace(fast, crank_speed=0 * fast.crank_speed, v=0 * fast.v, a=0 * fast.a)  # in the same poses
-    at_rest, running, loaded = scene.reactions(press, still), scene.reactions(press, fast), scene.under_loads(fast)
+    at_rest, running, loaded = turning.reactions(press, still), turning.reactions(press, fast), turning.under_loads(fast)
     largest = max(float(np.abs(force - at_rest.bearing_force[name]).max()) for name, force in running.bearing_force.items())
     size = press.size
 
-    def reached(name: str, running: Array, resting: Array, load: Array | float, capacity: float, unit: str, least: float) -> _Item:
+    def reached(name: str, running: Array, resting: Array, load: Array | float, capacity: float, unit: str, least: float) -> _SpeedLimit:
         slope = np.where(np.abs(running - resting) > least, running - resting, 0.0) / square
         constant = resting + load
         amount = np.linalg.norm(constant, axis=1)
@@ -186,14 +202,14 @@ def _items(scene: _Scene, angle: Array) -> Iterator[_Item]:
         if amount[worst] > capacity:
             raise PinpressError(
                 f"{name} is {amount[worst]:.6g} {unit} at crank angle {fast.crank_degrees[worst]:.6g} deg at any speed, by weights"
-                f"{' and loads' if scene.loads else ''}, its capacity {capacity:.6g} {unit}: more capacity, or less load"
+                f"{' and loads' if turning.loads else ''}, its capacity {capacity:.6g} {unit}: more capacity, or less load"
             )
-        return _Item(name, largest_factor(constant, slope, capacity))
+        return _SpeedLimit(name, largest_factor(constant, slope, capacity))
 
-    if scene.torque is not None:
+    if turning.torque is not None:
         load = 0.0 if loaded is None else loaded.driving_torque[:, None]
         yield reached(
-            TORQUE, running.driving_torque[:, None], at_rest.driving_torque[:, None], load, scene.torque, "N m", NOTHING * largest * size
+            TORQUE, running.driving_torque[:, None], at_rest.driving_torque[:, None], load, turning.torque, "N m", NOTHING * largest * size
         )
     for name in known_bearings(capacities, press):
         load = 0.0 if loaded is None else loaded.bearing_force[name]

@@ -9,14 +9,14 @@ from support.texts import shipped
 import pinpress as pp
 from pinpress.cli.main import main
 from pinpress.ratings.capacities import Capacities
-from pinpress.ratings.rating import ratings
+from pinpress.ratings.rating import rate
 
 ASKED = ["zxn2_3000b", "--speed", "70", "--nominal-force", "3000e3", "--nominal-height", "0.013", "--points", "31"]
 MORE = ["--flywheel", "2000", "--speed-drop", "0.2", "--bearing", "A=2e6", "--bearing", "slide_guide=1e6", "--motor-power", "75e3"]
 
 
 def library(at_speed=False, **more):
-    return ratings(shipped("zxn2_3000b"), 70 * pp.RPM, Capacities(3000e3, nominal_height=0.013, **more), at_speed, points=31)
+    return rate(shipped("zxn2_3000b"), 70 * pp.RPM, Capacities(3000e3, nominal_height=0.013, **more), at_speed=at_speed, points=31)
 
 
 def printed(capsys, *arguments):

@@ -28,12 +28,12 @@ MADE = {
     "DeadCentreShift",
     "DeadCentres",
     "Duty",
-    "EccentricLoad",
+    "GuideReaction",
     "Elasticity",
     "ExtremeValues",
 }
 MADE |= {"FailedPoint", "HarmonicAnalysis", "Linkage", "Measurement", "Motion", "MotionSensitivity", "OperatingMap", "MeasureChange"}
-MADE |= {"Ratings", "Reactions", "Run", "SlideDeflection", "SnapThrough", "SpeedLimit", "SweepTable", "SynthesisResult"}
+MADE |= {"Ratings", "Reactions", "Run", "SlideDeflection", "SnapThrough", "PermissibleSpeed", "SweepTable", "SynthesisResult"}
 MADE |= {
     "Correction",
     "CrankSlider",
@@ -64,8 +64,8 @@ def test_what_was_wrong_once():
             [
                 ("cycle", "press", "text"),
                 ("cycle", "points", "beyond"),
-                ("ratings", "speed", "tiny"),
-                ("ratings", "speed", "beyond"),
+                ("rate", "speed", "tiny"),
+                ("rate", "speed", "beyond"),
                 ("trade_off", "points", "whole"),
                 ("foundation.Frame", "mass", "beyond"),
                 ("drives.InductionMotor", "poles", "span"),

@@ -290,14 +290,14 @@ def test_speed_limit(press, item):
 def test_ratings_of_a_press_that_is_geared_down(driven):
     """Its motor turns three times as fast as the crank, with a third of the torque."""
     from pinpress.ratings.capacities import Capacities
-    from pinpress.ratings.rating import ratings
+    from pinpress.ratings.rating import rate
 
     alone = texts.shipped("crank_slide")
     given = {"bearings": {"W": 2e5}, "flywheel_inertia": 8.0, "speed_drop": 0.1, "motor_power": 2e3}
     slow, fast = Capacities(1e5, torque=6e3, **given), Capacities(1e5, torque=2e3, **given | {"flywheel_inertia": 8.0 / 9})
     for at_speed, way in ((False, 1.0), (True, -1.0)):
-        mine = ratings(driven, way * 3 * SPEED, fast, at_speed=at_speed, contact_height=0.02)
-        theirs = ratings(alone, way * SPEED, slow, at_speed=at_speed, contact_height=0.02)
+        mine = rate(driven, way * 3 * SPEED, fast, at_speed=at_speed, contact_height=0.02)
+        theirs = rate(alone, way * SPEED, slow, at_speed=at_speed, contact_height=0.02)
         np.testing.assert_allclose(mine.crank_angle, 3 * theirs.crank_angle, atol=1e-7)
         for quantity in ("height", "force", "slide_velocity", "work"):
             scale = np.abs(getattr(theirs, quantity)).max()
@@ -315,10 +315,10 @@ def test_ratings_of_a_stroke_over_two_turns(folder):
     """Forces all the way down against inverse dynamics: what is permitted there just reaches a capacity."""
     from pinpress.loads.process import ConstantForce
     from pinpress.ratings.capacities import Capacities
-    from pinpress.ratings.rating import ratings
+    from pinpress.ratings.rating import rate
 
     press = period_presses.repeating("half", folder)
-    found = ratings(press, SPEED, Capacities(1e6, torque=800.0, bearings={"S": 5e5}), at_speed=True, points=21)
+    found = rate(press, SPEED, Capacities(1e6, torque=800.0, bearings={"S": 5e5}), at_speed=True, points=21)
     ends = pp.dead_centres(press)
     np.testing.assert_allclose(found.crank_angle[[0, -1]], [ends.top_angle, ends.bottom_angle], atol=1e-12)
     assert abs(found.height[0] - ends.stroke) < 1e-14
@@ -332,7 +332,7 @@ def test_ratings_of_a_stroke_over_two_turns(folder):
 def test_an_overload_in_any_turn_is_refused(folder):
     """Of a slow press, on the return stroke in the second turn: more than ever else."""
     from pinpress.ratings.capacities import Capacities
-    from pinpress.ratings.rating import ratings
+    from pinpress.ratings.rating import rate
 
     press, slow = period_presses.repeating("half", folder), 3.0
     result = everywhere(press, slow)
@@ -341,7 +341,7 @@ def test_an_overload_in_any_turn_is_refused(folder):
     others = sizes[(since_top < 2 * np.pi) | (result.motion.slide_velocity < 0)].max()
     assert sizes.max() > 1.3 * others
     with pytest.raises(pp.PinpressError, match="the force in bearing 'O' of the idle press") as refused:
-        ratings(press, slow, Capacities(1e6, bearings={"O": 0.999 * sizes.max()}), at_speed=True)
+        rate(press, slow, Capacities(1e6, bearings={"O": 0.999 * sizes.max()}), at_speed=True)
     angle = float(str(refused.value).split("at crank angle ")[1].split(" deg")[0])
     assert abs(np.linalg.norm(at(press, np.radians(angle), slow).bearing_force["O"][0]) / sizes.max() - 1) < 1e-3
 

@@ -155,16 +155,16 @@ def test_measures_of_a_slide_that_is_back_before_other_links(with_cam, alone):
 def test_ratings_of_a_slide_that_is_back_before_other_links(with_cam, alone, speed):
     """The process force alone does not know of the shaft; at speed the worse of two strokes counts."""
     from pinpress.ratings.capacities import Capacities
-    from pinpress.ratings.rating import ratings
+    from pinpress.ratings.rating import rate
 
     capacities = Capacities(1e5, torque=900.0, motor_power=1e3)
-    mine, theirs = ratings(with_cam, speed, capacities), ratings(alone, speed, capacities)
+    mine, theirs = rate(with_cam, speed, capacities), rate(alone, speed, capacities)
     np.testing.assert_allclose(mine.crank_angle, theirs.crank_angle, atol=1e-9)
     np.testing.assert_allclose(mine.force, theirs.force, rtol=1e-9)
     assert mine.energies == pytest.approx(theirs.energies, rel=1e-14)
     assert str(mine).splitlines()[0].split(",")[1] == str(theirs).splitlines()[0].split(",")[1]  # strokes/min
     assert mine.speed_limit.strokes_per_minute == pytest.approx(mine.speed_limit.speed / pp.RPM)
-    found = ratings(with_cam, speed, capacities, at_speed=True, points=19)
+    found = rate(with_cam, speed, capacities, at_speed=True, points=19)
     needed = np.abs(found.travel_per_angle)
     signs = np.sign(speed)
     idle = [

@@ -9,13 +9,13 @@ from support.texts import shipped
 import pinpress as pp
 from pinpress.plots.force_stroke import GOVERNING
 from pinpress.ratings.capacities import Capacities
-from pinpress.ratings.rating import ratings
+from pinpress.ratings.rating import rate
 
 
 @pytest.fixture(scope="module")
 def rated():
     capacities = Capacities(3e6, nominal_height=0.013, bearings={"A": 2e6}, flywheel_inertia=4000.0, speed_drop=0.3)
-    return ratings(shipped("zxn2_3000b"), 70 * pp.RPM, capacities, points=61)
+    return rate(shipped("zxn2_3000b"), 70 * pp.RPM, capacities, points=61)
 
 
 @pytest.fixture(scope="module")
@@ -51,7 +51,7 @@ def test_names_and_units(rated, figure):
 
 
 def test_a_press_that_only_its_nominal_force_limits():
-    rated = ratings(shipped("crank_slide"), 9.0, Capacities(1e5), points=11)
+    rated = rate(shipped("crank_slide"), 9.0, Capacities(1e5), points=11)
     assert pp.plots.ratings(rated).axes[1].get_xlim() == (0.0, pytest.approx(200.0))
 
 

@@ -15,7 +15,7 @@ import pinpress as pp
 from pinpress.loads.process import ConstantForce
 from pinpress.ratings.capacities import Capacities
 from pinpress.ratings.permissible_force import largest_factor
-from pinpress.ratings.rating import ratings
+from pinpress.ratings.rating import rate
 
 SPEED = 90 * pp.RPM
 R, L = 0.1, 0.4  # crank_slide
@@ -49,7 +49,7 @@ def with_force(press, angle, speed, force, engine="auto"):
 
 
 def test_torque_of_a_nominal_height():
-    found = ratings(shipped("crank_slide"), SPEED, Capacities(1e5, nominal_height=0.006), points=25)
+    found = rate(shipped("crank_slide"), SPEED, Capacities(1e5, nominal_height=0.006), points=25)
     capacity = 1e5 * lever(angle_of(0.006))
     np.testing.assert_allclose(found.torque_capacity, capacity, rtol=1e-11)
     to_bottom = 2 * np.pi - found.crank_angle  # the crank falls from pi to 2 pi
@@ -68,8 +68,8 @@ def test_torque_of_a_nominal_height():
 
 def test_a_given_torque_is_that_of_its_nominal_height():
     press = shipped("crank_slide")
-    one = ratings(press, SPEED, Capacities(1e5, nominal_height=0.006))
-    other = ratings(press, SPEED, Capacities(1e5, torque=one.torque_capacity))
+    one = rate(press, SPEED, Capacities(1e5, nominal_height=0.006))
+    other = rate(press, SPEED, Capacities(1e5, torque=one.torque_capacity))
     np.testing.assert_allclose(np.interp(one.crank_angle, other.crank_angle, other.force), one.force, rtol=1e-9)
     assert other.contact_height is None
     assert other.contact_speed is None
@@ -77,7 +77,7 @@ def test_a_given_torque_is_that_of_its_nominal_height():
 
 
 def test_stroke_speeds_and_dwell():
-    found = ratings(shipped("crank_slide"), SPEED, Capacities(1e5), contact_height=0.02, dwell_tolerance=0.003)
+    found = rate(shipped("crank_slide"), SPEED, Capacities(1e5), contact_height=0.02, dwell_tolerance=0.003)
     np.testing.assert_allclose(found.stroke, 2 * R, rtol=1e-12)
     np.testing.assert_allclose(found.quick_return_ratio, 1.0, rtol=1e-12)
     np.testing.assert_allclose(found.contact_speed, SPEED * lever(angle_of(0.02)), rtol=1e-10)
@@ -92,7 +92,7 @@ def test_stroke_speeds_and_dwell():
 def test_the_rod_of_the_crank_slide_limits_by_its_angle():
     """Static: the rod carries F / cos(phi), the guide F tan(phi), sin(phi) = lam sin(q); the largest rod force is where q is right."""
     capacity = 1e5 * 1.01
-    found = ratings(shipped("crank_slide"), SPEED, Capacities(1e5, bearings={"W": capacity, "slide_guide": 2e4}))
+    found = rate(shipped("crank_slide"), SPEED, Capacities(1e5, bearings={"W": capacity, "slide_guide": 2e4}))
     sine = LAM * np.sin(found.crank_angle)
     np.testing.assert_allclose(found.limits["bearing W"], np.minimum(1e5, capacity * np.sqrt(1 - sine**2)), rtol=1e-11)
     with np.errstate(divide="ignore"):
@@ -102,7 +102,7 @@ def test_the_rod_of_the_crank_slide_limits_by_its_angle():
 
 def test_a_press_that_turns_backwards_works_on_the_other_side():
     press, capacities = shipped("zxn2_3000b"), Capacities(3e6, nominal_height=0.013, bearings={"B": 2.5e6})
-    forwards, backwards = ratings(press, SPEED, capacities), ratings(press, -SPEED, capacities)
+    forwards, backwards = rate(press, SPEED, capacities), rate(press, -SPEED, capacities)
     assert np.all(np.diff(forwards.crank_angle) > 0)
     assert np.all(np.diff(backwards.crank_angle) < 0)
     for found in (forwards, backwards):
@@ -115,7 +115,7 @@ def test_a_press_that_turns_backwards_works_on_the_other_side():
 @pytest.mark.parametrize("speed", [SPEED, -SPEED])
 def test_travel_by_angle_is_the_slope_of_the_slide_over_the_crank(speed):
     press = shipped("zxn2_3000b")
-    found = ratings(press, speed, Capacities(3e6, nominal_height=0.013), points=31)
+    found = rate(press, speed, Capacities(3e6, nominal_height=0.013), points=31)
     step = 1e-5
     after, before = (pp.servo_cycle(press, speed=1.0, angle=found.crank_angle + way * step).slide_position for way in (1, -1))
     scale = np.abs(found.travel_per_angle).max()
@@ -136,10 +136,10 @@ def test_an_overload_on_the_return_stroke_is_refused(speed):
     )
     assert high > 1.5 * low
     with pytest.raises(pp.PinpressError, match="bearing 'C' of the idle press is") as refused:
-        ratings(press, speed, Capacities(1e5, bearings={"C": 0.99 * high}), at_speed=True)
+        rate(press, speed, Capacities(1e5, bearings={"C": 0.99 * high}), at_speed=True)
     assert abs(float(str(refused.value).split("crank angle ")[1].split(" deg")[0]) - at_high) < 1.0
     assert abs(at_high - at_low) > 30.0
-    assert ratings(press, speed, Capacities(1e5, bearings={"C": 1.01 * high}), at_speed=True).stroke == pytest.approx(ends.stroke)
+    assert rate(press, speed, Capacities(1e5, bearings={"C": 1.01 * high}), at_speed=True).stroke == pytest.approx(ends.stroke)
 
 
 # Any press, by brute force
@@ -155,7 +155,7 @@ def test_what_is_permissible_at_speed_is_just_kept(name):
     some = dict.fromkeys(press.bearings[:3], 1.2 * nominal) | {press.bearings[-1]: 0.7 * nominal}
     bearings = {b: c + 3 * np.linalg.norm(idle.bearing_force[b], axis=1).max() for b, c in some.items()}
     torque = 0.2 * nominal * pp.dead_centres(press).stroke + np.abs(idle.driving_torque).max()
-    found = ratings(press, speed, Capacities(nominal, torque=torque, bearings=bearings), at_speed=True, points=13)
+    found = rate(press, speed, Capacities(nominal, torque=torque, bearings=bearings), at_speed=True, points=13)
 
     def excess(angle, force):
         result = with_force(press, angle, speed, force)
@@ -177,7 +177,7 @@ def test_what_is_permissible_at_speed_is_just_kept(name):
 
 def test_where_the_governing_limit_changes_two_permit_the_same():
     capacities = Capacities(3e6, nominal_height=0.013, bearings={"A": 1.2e6, "D": 4e6}, flywheel_inertia=6000, speed_drop=0.3)
-    coarse, fine = (ratings(shipped("zxn2_3000b"), 70 * pp.RPM, capacities, points=n) for n in (31, 301))
+    coarse, fine = (rate(shipped("zxn2_3000b"), 70 * pp.RPM, capacities, points=n) for n in (31, 301))
     assert len(coarse.changes) >= 2
     np.testing.assert_allclose(coarse.changes, fine.changes, rtol=1e-10)
     for change in coarse.changes:
@@ -210,7 +210,7 @@ def test_a_factor_that_nothing_limits_is_infinite():
 
 def test_energy_of_flywheel_and_motor():
     capacities = Capacities(1e5, nominal_height=0.006, flywheel_inertia=20.0, speed_drop=0.2, motor_power=500.0)
-    found = ratings(shipped("crank_slide"), SPEED, capacities)
+    found = rate(shipped("crank_slide"), SPEED, capacities)
     flywheel = 0.5 * 20.0 * (SPEED**2 - (0.8 * SPEED) ** 2)
     np.testing.assert_allclose(found.energies["flywheel energy"], flywheel, rtol=1e-13)
     np.testing.assert_allclose(found.energies["motor energy"], 500.0 / 1.5, rtol=1e-13)  # 90 strokes/min
@@ -221,7 +221,7 @@ def test_energy_of_flywheel_and_motor():
 
 def test_work_of_the_torque_limited_force_is_torque_times_angle():
     """F ds = C dtheta where the torque governs; F_N h below the nominal height."""
-    found = ratings(shipped("crank_slide"), SPEED, Capacities(1e5, nominal_height=0.006), points=31)
+    found = rate(shipped("crank_slide"), SPEED, Capacities(1e5, nominal_height=0.006), points=31)
     at = angle_of(0.006)
     top = brentq(lambda q: lever(q) - lever(at), 2.0, np.pi - 1e-3, xtol=1e-15)  # from which up the nominal force is permissible again
     q = 2 * np.pi - found.crank_angle
@@ -234,7 +234,7 @@ def test_work_of_the_torque_limited_force_is_torque_times_angle():
 
 def test_work_by_adaptive_quadrature():
     press, capacities = shipped("thin_wall"), Capacities(2e4, torque=2500.0, bearings={"B": 2.2e4})
-    found = ratings(press, 7.54, capacities, at_speed=False, points=91)
+    found = rate(press, 7.54, capacities, at_speed=False, points=91)
     rates, torques, forces = {}, {}, {}
 
     def power(angle):
@@ -259,7 +259,7 @@ def test_every_shipped_press(name, at_speed):
     press = shipped(name)
     stroke = pp.dead_centres(press).stroke
     capacities = Capacities(1e6, nominal_height=stroke / 20, bearings={press.bearings[0]: 3e6}, flywheel_inertia=500.0, speed_drop=0.2)
-    found = ratings(press, 70 * pp.RPM, capacities, at_speed, points=19)
+    found = rate(press, 70 * pp.RPM, capacities, at_speed=at_speed, points=19)
     assert found.height[-1] == 0.0
     np.testing.assert_allclose(found.height[0], stroke, rtol=1e-12)
     np.testing.assert_allclose(found.force, np.min(list(found.limits.values()), axis=0), rtol=0)
@@ -276,7 +276,7 @@ def test_every_shipped_press(name, at_speed):
 def test_both_engines_agree():
     press = shipped("thin_wall")
     capacities = Capacities(1e6, nominal_height=pp.dead_centres(press).stroke / 8, bearings=dict.fromkeys(press.bearings[::4], 2e6))
-    one, other = (ratings(press, 70 * pp.RPM, capacities, at_speed=True, points=7, engine=e) for e in ("plane", "pinocchio"))
+    one, other = (rate(press, 70 * pp.RPM, capacities, at_speed=True, points=7, engine=e) for e in ("plane", "pinocchio"))
     assert one.limited_by == other.limited_by
     np.testing.assert_allclose(one.force, other.force, rtol=1e-9)
     np.testing.assert_allclose(one.work, other.work, rtol=1e-9, atol=1e-9)
@@ -284,7 +284,7 @@ def test_both_engines_agree():
 
 
 def test_columns_to_file_and_frame(tmp_path):
-    found = ratings(shipped("zxn2_3000b"), SPEED, Capacities(3e6, nominal_height=0.013), points=11)
+    found = rate(shipped("zxn2_3000b"), SPEED, Capacities(3e6, nominal_height=0.013), points=11)
     found.to_csv(tmp_path / "ratings.csv")
     with (tmp_path / "ratings.csv").open(encoding="utf-8", newline="") as file:
         rows = list(csv.DictReader(file))
@@ -319,7 +319,7 @@ def test_columns_to_file_and_frame(tmp_path):
 def test_bad_arguments(changed, words):
     given = {"press": shipped("crank_slide"), "speed": SPEED, "capacities": Capacities(1e5)} | changed
     with pytest.raises(pp.PinpressError, match=words):
-        ratings(**given)
+        rate(**given)
 
 
 @pytest.mark.parametrize(
@@ -352,8 +352,8 @@ def test_an_idle_press_beyond_a_capacity_is_named():
         rf"bearing 'W' of the idle press is .* at crank angle {np.degrees(idle.motion.crank_angle[peak.argmax()]):.0f} deg and 300 r/min"
     )
     with pytest.raises(pp.PinpressError, match=words):
-        ratings(press, 300 * pp.RPM, capacities, at_speed=True)
-    assert ratings(press, 300 * pp.RPM, capacities).speed_limit.strokes_per_minute < 300
+        rate(press, 300 * pp.RPM, capacities, at_speed=True)
+    assert rate(press, 300 * pp.RPM, capacities).speed_limit.strokes_per_minute < 300
     torque = np.abs(idle.driving_torque).max()
     with pytest.raises(pp.PinpressError, match="driving torque of the idle press"):
-        ratings(press, 300 * pp.RPM, Capacities(1e5, torque=0.9 * torque), at_speed=True)
+        rate(press, 300 * pp.RPM, Capacities(1e5, torque=0.9 * torque), at_speed=True)

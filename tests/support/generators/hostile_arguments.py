@@ -139,7 +139,7 @@ def vibration() -> foundation.FrameMotion:
 
 @cache
 def rated() -> pp.ratings.Ratings:
-    return pp.ratings.ratings(press(), 7.0, pp.ratings.Capacities(1e5), points=9)
+    return pp.ratings.rate(press(), 7.0, pp.ratings.Capacities(1e5), points=9)
 
 
 @cache
@@ -404,8 +404,8 @@ def calls() -> dict[str, Call]:
             },
         ),
         (
-            "ratings",
-            pp.ratings.ratings,
+            "rate",
+            pp.ratings.rate,
             lambda: {
                 "press": press(),
                 "speed": 7.0,
