@@ -16,10 +16,11 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from support.oracles import andrews
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
+from support.oracles import andrews
+
 import pinpress as pp
 from pinpress.accuracy.contests import least_seconds
 

@@ -23,10 +23,12 @@ from typing import Any
 
 import numpy as np
 import pinocchio as pin
-from support.oracles.pinocchio_loop import PinocchioLoop, inverse_dynamics
 
 ROOT = Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT))
+sys.path.insert(0, str(ROOT / "tests"))
+from support.oracles.pinocchio_loop import PinocchioLoop, inverse_dynamics  # noqa: E402
+
 from pinpress.accuracy.peers.six_bar_script import Array, six_bar, world_forces  # noqa: E402
 
 SPEED = 70 * 2 * np.pi / 60  # [rad/s]

@@ -9,10 +9,10 @@ import tempfile
 import time
 from pathlib import Path
 
-from support.oracles import n_four_bar
-
 sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
+from support.oracles import n_four_bar
+
 import pinpress as pp
 from pinpress.accuracy.contests import least_seconds
 

@@ -16,11 +16,12 @@ from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
-from support.generators import large_linkages
-from support.oracles import n_four_bar
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
+from support.generators import large_linkages
+from support.oracles import n_four_bar
+
 import pinpress as pp
 from pinpress.accuracy.contests import least_seconds
 

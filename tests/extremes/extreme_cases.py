@@ -14,6 +14,7 @@ from itertools import groupby
 from pathlib import Path
 from typing import Any
 
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 from extremes import extreme_change_points, extreme_loads, extreme_noise, extreme_redundancy, extreme_runs, extreme_sizes, extreme_stiff
 from extremes.extreme_case import Case, Outcome, short
 

@@ -68,6 +68,19 @@ def test_files_that_commands_name_are_there(page: str) -> None:
     assert [path for path in expanded if not any((ROOT / each).exists() for each in (path, f"{path}.py"))] == []
 
 
+SCRIPTS = re.findall(r"bin/python (\w+/\S+\.py)", (ROOT / "CONTRIBUTING.md").read_text(encoding="utf-8"))
+FROM_ELSEWHERE = "import runpy, sys; sys.path[0] = sys.argv[1].rpartition('/')[0]; runpy.run_path(sys.argv[1], run_name='imported')"
+
+
+@pytest.mark.exhaustive
+@pytest.mark.parametrize("script", SCRIPTS)
+def test_scripts_find_what_they_import_from_any_folder(script: str, tmp_path: Path) -> None:
+    environment = {name: value for name, value in os.environ.items() if name != "PYTHONPATH"}
+    command = [sys.executable, "-c", FROM_ELSEWHERE, str(ROOT / script)]
+    done = subprocess.run(command, cwd=tmp_path, env=environment, capture_output=True, text=True, check=False)
+    assert (done.returncode, done.stderr) == (0, "")
+
+
 def test_nothing_is_skipped(pytester: pytest.Pytester, monkeypatch: pytest.MonkeyPatch) -> None:
     pytester.makepyfile(
         test_module="import pytest; pytest.importorskip('no_such_package')\ndef test(): pass",
