@@ -30,6 +30,8 @@ from .linkage.linkage import Linkage as Linkage
 from .linkage.loading import load as load
 from .linkage.loading import presses as presses
 from .linkage.writing import write_urdf as write_urdf
+from .simulation.batch import RunBatch as RunBatch
+from .simulation.batch import simulate_batch as simulate_batch
 from .simulation.run import Run as Run
 from .simulation.simulate import simulate as simulate
 from .simulation.steady_state import steady_state as steady_state

@@ -16,18 +16,11 @@ from typing import Any
 from ..common.errors import PinpressError, suggestion
 from ..common.units import RPM
 from ..drives.couplings import Brake, Clutch, SwitchPoint
-from ..drives.transmission import (
-    ConstantTorque,
-    Drive,
-    Flywheel,
-    Geared,
-    InductionMotor,
-    InverterMotor,
-    PrescribedSpeed,
-    ServoMotor,
-    SlipClutchMotor,
-)
-from ..loads.process import Blanking, ConstantForce, DeepDrawing, ElasticDie, ForceStroke, Idle, ProcessLoad
+from ..drives.motors import ConstantTorque, InductionMotor, InverterMotor, ServoMotor, SlipClutchMotor
+from ..drives.protocol import Drive
+from ..drives.transmission import Flywheel, Geared, PrescribedSpeed
+from ..loads.process import Blanking, ConstantForce, DeepDrawing, ElasticDie, ForceStroke, Idle
+from ..loads.protocol import ProcessLoad
 
 
 @dataclass(frozen=True)

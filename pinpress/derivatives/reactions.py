@@ -32,7 +32,7 @@ from ..kinematics.motion import Motion
 from ..linkage.linkage import Linkage
 from ..loads.caller_laws import OWN_LOADS, LawError
 from ..loads.link import Load, PointForce
-from ..loads.process import ForceInterval, ProcessLoad
+from ..loads.protocol import ForceInterval, ProcessLoad
 from .motion import STEP, Rates, States, Tangent
 from .pivots import Shift
 

@@ -7,6 +7,8 @@ from typing import Protocol, runtime_checkable
 import numpy as np
 
 from ..common.arrays import Array
+from ..common.parameters import Checked
+from ..common.parameters import parameter as parameter  # named in pinpress.drives
 
 Values = float | Array
 """A number, or an array of them: one of each scenario on the last axis."""
@@ -61,8 +63,12 @@ class Drive(Protocol):
         ...
 
 
-class SpeedTorqueDrive:
-    """What most drives have in common: torque by speed alone and smooth, no states, a shaft that is the motor's own."""
+class SpeedTorqueDrive(Checked):
+    """Base of most drives: torque by speed alone and smooth, no states, a shaft that is the motor's own.
+
+    A dataclass made from it has its declared parameters checked (see `parameter`), and must give ``torque``, ``inertia`` and
+    ``rated_torque``; what differs from the above it overrides.
+    """
 
     @property
     def state(self) -> tuple[float, ...]:
@@ -74,6 +80,11 @@ class SpeedTorqueDrive:
 
     @property
     def corners(self) -> tuple[Values, ...]:
+        return ()
+
+    @property
+    def reversals(self) -> tuple[float, ...]:
+        """Speeds at which the torque changes its sign, where a `Geared` with losses has corners [rad/s]; () where none is known."""
         return ()
 
     def torque(self, speed: Values, angle: Values = 0.0, time: Values = 0.0, state: tuple[Values, ...] = ()) -> Values:
@@ -89,7 +100,7 @@ class SpeedTorqueDrive:
         return self.torque(speed, angle, time, state)
 
 
-def between(lowest: float, value: Values, highest: float) -> Values:
+def limited(lowest: float, value: Values, highest: float) -> Values:
     """Value limited to a range. Python's own min and max take a tenth of the time of NumPy's on one number."""
     if isinstance(value, float):
         return min(max(value, lowest), highest)

@@ -19,7 +19,8 @@ from ..kinematics.dead_centres import dead_centres
 from ..kinematics.point_motion import point_motion
 from ..loads import caller_laws
 from ..loads.link import Load, PointForce, SpringDamper
-from ..loads.process import ForceInterval, ProcessLoad, TimeForce, datum
+from ..loads.process import TimeForce
+from ..loads.protocol import ForceInterval, ProcessLoad, datum
 
 if TYPE_CHECKING:
     from ..kinematics.motion import Motion

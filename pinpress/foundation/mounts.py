@@ -14,7 +14,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -24,7 +24,7 @@ from ..common.arrays import Array
 from ..common.checks import finite_numbers
 from ..common.errors import PinpressError, shown
 from ..common.frozen import Frozen, read_only
-from ..common.scenario_numbers import check, set_field
+from ..common.parameters import Checked, parameter, set_field
 
 Vector = tuple[float, float, float]
 
@@ -61,9 +61,9 @@ class Frame(Frozen):
         least, middle, largest = np.linalg.eigvalsh(inertia)
         if least < -1e-9 * largest or largest > (least + middle) * (1 + 1e-9):
             raise PinpressError("Frame: no body has this inertia: each principal moment must be at most the sum of the two others")
-        for field in ("centre", "inertia"):  # a copy, as what a caller keeps is his to change
-            if isinstance(getattr(self, field), np.ndarray):
-                set_field(self, field, read_only(np.array(getattr(self, field))))
+        for name in ("centre", "inertia"):  # a copy, as what a caller keeps is his to change
+            if isinstance(getattr(self, name), np.ndarray):
+                set_field(self, name, read_only(np.array(getattr(self, name))))
 
     @property
     def tensor(self) -> Array:
@@ -101,18 +101,18 @@ class Mount:
     area: float | None = None
 
     def __post_init__(self) -> None:
-        for field, unit in (("point", "m"), ("stiffness", "N/m"), ("damping", "N s/m"), ("static_stiffness", "N/m")):
-            if getattr(self, field) is None and field == "static_stiffness":
+        for name, unit in (("point", "m"), ("stiffness", "N/m"), ("damping", "N s/m"), ("static_stiffness", "N/m")):
+            if getattr(self, name) is None and name == "static_stiffness":
                 continue
-            values = _checked("Mount", field, getattr(self, field), (3,), f"x, y, z [{unit}]")
-            if field != "point" and values.min() < 0:
-                raise PinpressError(f"Mount: {field} is {shown(getattr(self, field))}; give numbers that are not negative [{unit}]")
-            set_field(self, field, tuple(values.tolist()))
-        for field in ("loss_factor", "area"):
-            if getattr(self, field) is not None:
-                value = _checked("Mount", field, getattr(self, field), (), "one number")
-                if value < 0 or (field == "area" and value == 0):
-                    raise PinpressError(f"Mount: {field} is {shown(getattr(self, field))}; give a positive number")
+            values = _checked("Mount", name, getattr(self, name), (3,), f"x, y, z [{unit}]")
+            if name != "point" and values.min() < 0:
+                raise PinpressError(f"Mount: {name} is {shown(getattr(self, name))}; give numbers that are not negative [{unit}]")
+            set_field(self, name, tuple(values.tolist()))
+        for name in ("loss_factor", "area"):
+            if getattr(self, name) is not None:
+                value = _checked("Mount", name, getattr(self, name), (), "one number")
+                if value < 0 or (name == "area" and value == 0):
+                    raise PinpressError(f"Mount: {name} is {shown(getattr(self, name))}; give a positive number")
 
     @property
     def static(self) -> Vector:
@@ -121,7 +121,7 @@ class Mount:
 
 
 @dataclass(frozen=True)
-class RubberPad:
+class RubberPad(Checked):
     """A rectangular pad of rubber, bonded or held by friction between two plates.
 
     Attributes:
@@ -138,30 +138,24 @@ class RubberPad:
         PinpressError: a number that makes no sense, both hardness and shear modulus, or neither.
     """
 
-    length: float
-    width: float
-    thickness: float
-    hardness: float | None = None
-    shear_modulus: float | None = None
-    loss_factor: float = 0.0
-    stiffening: float = 1.0
-    bulk_modulus: float = 2e9
+    length: float = field(metadata=parameter("m", "positive"))
+    width: float = field(metadata=parameter("m", "positive"))
+    thickness: float = field(metadata=parameter("m", "positive"))
+    hardness: float | None = field(default=None, metadata=parameter("Shore A", "positive"))
+    shear_modulus: float | None = field(default=None, metadata=parameter("Pa", "positive"))
+    loss_factor: float = field(default=0.0, metadata=parameter("-", "not negative"))
+    stiffening: float = field(default=1.0, metadata=parameter("-", "positive"))
+    bulk_modulus: float = field(default=2e9, metadata=parameter("Pa", "positive"))
 
     def __post_init__(self) -> None:
-        for field, unit in (("length", "m"), ("width", "m"), ("thickness", "m"), ("stiffening", "-"), ("bulk_modulus", "Pa")):
-            check(self, field, "positive", unit)
-        check(self, "loss_factor", "not negative", "-")
+        super().__post_init__()
         if (self.hardness is None) == (self.shear_modulus is None):
             raise PinpressError("RubberPad: give either hardness= (Shore A) or shear_modulus= [Pa], one of the two")
-        if self.shear_modulus is not None:
-            check(self, "shear_modulus", "positive", "Pa")
-        else:
-            check(self, "hardness", "positive", "Shore A")
-            if self.hardness is not None and not SOFTEST <= self.hardness <= HARDEST:
-                raise PinpressError(
-                    f"RubberPad: hardness is {self.hardness:g}; give {SOFTEST:g} to {HARDEST:g} Shore A, for which Gent's formula holds,"
-                    " or shear_modulus="
-                )
+        if self.hardness is not None and not SOFTEST <= self.hardness <= HARDEST:
+            raise PinpressError(
+                f"RubberPad: hardness is {self.hardness:g}; give {SOFTEST:g} to {HARDEST:g} Shore A, for which Gent's formula holds,"
+                " or shear_modulus="
+            )
         if self.stiffening < 1.0:
             raise PinpressError(f"RubberPad: stiffening is {self.stiffening:g}; rubber is stiffer when it moves: give 1 or more")
 

@@ -12,3 +12,4 @@ from .process import step as step
 from .protocol import ForceInterval as ForceInterval
 from .protocol import ProcessLoad as ProcessLoad
 from .protocol import datum as datum
+from .protocol import parameter as parameter

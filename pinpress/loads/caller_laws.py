@@ -13,9 +13,10 @@ from typing import Any
 import numpy as np
 
 from ..common.errors import PinpressError, SimulationError, said, shown
-from ..common.scenario_fields import lengths
+from ..common.parameters import scenario_lengths
 from . import process as own_loads
-from .process import ForceInterval, ProcessLoad, TimeForce
+from .process import TimeForce
+from .protocol import ForceInterval, ProcessLoad
 
 OWN_LOADS = (
     own_loads.Idle,
@@ -116,7 +117,7 @@ class Law:
     def _checked(self, value: Any, at: tuple[Any, ...]) -> Any:
         try:
             numbers = np.asarray(value)
-        except ValueError:  # rows of different lengths
+        except ValueError:  # rows of different scenario_lengths
             numbers = np.asarray(None)
         if numbers.dtype.kind not in "iuf":
             what = f"holds {value.dtype} values" if isinstance(value, np.ndarray) else f"is {shown(value)}"
@@ -170,7 +171,7 @@ class AskedLoad(Asked):
             raise PinpressError(f"{name(self)}: intervals({downwards}) cannot be worked out: {said(error)}") from error
         if not isinstance(found, tuple | list) or not all(isinstance(s, ForceInterval) for s in found):
             return found  # refused where it is checked
-        scenarios = next(iter(lengths(self.part).values()), None)
+        scenarios = next(iter(scenario_lengths(self.part).values()), None)
         return tuple(
             ForceInterval(s.upper, s.lower, Law(f"{name(self)}: force", OF_LOAD, s.force, self.errors, scenarios), s.one_sided)
             for s in found

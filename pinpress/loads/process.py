@@ -12,74 +12,60 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
 from functools import partial
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from ..common.arrays import Array
-from ..common.checks import any_numbers, number
+from ..common.checks import any_numbers, finite_numbers, number
 from ..common.errors import PinpressError, shown
-from ..common.frozen import Frozen
-from ..common.scenario_numbers import set_field
-from .checks import check_datum, check_height, check_magnitude, check_scenarios, check_span, checked_numbers, fixed
-from .protocol import ForceInterval, ProcessLoad, datum
+from ..common.frozen import read_only
+from ..common.parameters import Checked, parameter, set_field
+from .protocol import ForceInterval
 
-if TYPE_CHECKING:
-    pass
+RESISTS = "positive resists the slide's work"
 
-__all__ = [
-    "Blanking",
-    "ConstantForce",
-    "DeepDrawing",
-    "ElasticDie",
-    "ForceInterval",
-    "ForceStroke",
-    "Idle",
-    "ProcessLoad",
-    "TimeForce",
-    "datum",
-    "step",
-]
+Values = float | Array
+"""A number, or (S,) of them, one of each scenario."""
 
 
 @dataclass(frozen=True)
-class Idle:
-    """The press runs empty: no force. Zhang 2007, 5.7.1 (1)."""
+class Idle(Checked):
+    """The press runs empty: no force. Zhang 2007, 5.7.1 (1).
 
-    datum: float | None = None
+    Attributes:
+        datum: see the module.
+    """
 
-    def __post_init__(self) -> None:
-        check_datum(self)
+    datum: float | None = field(default=None, metadata=parameter("m"))
 
     def intervals(self, downwards: bool) -> tuple[ForceInterval, ...]:
         return ()
 
 
 @dataclass(frozen=True, eq=False)
-class ConstantForce:
+class ConstantForce(Checked):
     """Pulse about bottom dead centre: constant force wherever the slide is lower than a height, both ways. Zhang 2007, 5.7.1 (2).
 
     The window in time of 5.7.3, t = 2.5 ms before and after bottom dead centre, is for a crank r and a rod l at crank speed w, nearly,
     the height r (1 + r/l) (w t)^2 / 2: for r = 15 mm, l = 300 mm and 300 strokes/min 0.0486 mm.
 
     Attributes:
-        force: [N], one number or (S,), not negative. height: [m], not negative; with 0 it acts nowhere. datum: see the module.
+        force: [N], or (S,) for S scenarios; not negative.
+        height: below which it acts [m], not negative; with 0 it acts nowhere.
+        datum: see the module.
     """
 
-    per_scenario: ClassVar[Mapping[str, int]] = {"force": 0}
-
-    force: float | Array
-    height: float
-    datum: float | None = None
+    force: Values = field(metadata=parameter("N", "not negative", scenarios=True, remark=RESISTS))
+    height: float = field(metadata=parameter("m"))
+    datum: float | None = field(default=None, metadata=parameter("m"))
 
     def __post_init__(self) -> None:
-        check_magnitude(self, "force")
-        check_height(self, "height")
-        check_datum(self)
+        super().__post_init__()
         if self.height < 0:
             raise PinpressError(f"ConstantForce: height is {self.height:g}; give the height above bottom dead centre [m], not negative")
 
@@ -88,29 +74,27 @@ class ConstantForce:
 
 
 @dataclass(frozen=True, eq=False)
-class Blanking:
+class Blanking(Checked):
     """Quarter sine on the way down: F sin(pi/2 (start - h)/(start - end)) until the blank breaks through. Zhang 2007, 5.7.1 (3).
 
     Attributes:
-        force: the largest, F, at the height end [N]. stripping: constant force that holds the slide back over the same heights on the way
-            up, as the punch leaves the strip [N]. One number or (S,), not negative.
-        start, end: heights at which the punch meets the blank and breaks through [m]; start above end. datum: see the module.
+        force: the largest, F, at the height ``end`` [N], or (S,) for S scenarios; not negative.
+        start: height at which the punch meets the blank [m].
+        end: height at which it breaks through [m], below ``start``.
+        stripping: constant force that holds the slide back over the same heights on the way up, as the punch leaves the strip [N], or
+            (S,); not negative.
+        datum: see the module.
     """
 
-    per_scenario: ClassVar[Mapping[str, int]] = {"force": 0, "stripping": 0}
-
-    force: float | Array
-    start: float
-    end: float
-    stripping: float | Array = 0.0
-    datum: float | None = None
+    force: Values = field(metadata=parameter("N", "not negative", scenarios=True, remark=RESISTS))
+    start: float = field(metadata=parameter("m"))
+    end: float = field(metadata=parameter("m"))
+    stripping: Values = field(default=0.0, metadata=parameter("N", "not negative", scenarios=True, remark=RESISTS))
+    datum: float | None = field(default=None, metadata=parameter("m"))
 
     def __post_init__(self) -> None:
-        check_magnitude(self, "force")
-        check_magnitude(self, "stripping")
-        check_scenarios(self, "force", "stripping")
-        check_span(self)
-        check_datum(self)
+        super().__post_init__()
+        _check_span(self)
 
     def intervals(self, downwards: bool) -> tuple[ForceInterval, ...]:
         if downwards:
@@ -119,25 +103,24 @@ class Blanking:
 
 
 @dataclass(frozen=True, eq=False)
-class DeepDrawing:
+class DeepDrawing(Checked):
     """Half sine on the way down: F sin(pi (start - h)/(start - end)). Zhang 2007, 5.7.1 (4).
 
     Attributes:
-        force: the largest, F, midway [N], one number or (S,), not negative.
-        start, end: heights at which the punch meets the blank and the cup is drawn [m]; start above end. datum: see the module.
+        force: the largest, F, midway [N], or (S,) for S scenarios; not negative.
+        start: height at which the punch meets the blank [m].
+        end: height at which the cup is drawn [m], below ``start``.
+        datum: see the module.
     """
 
-    per_scenario: ClassVar[Mapping[str, int]] = {"force": 0}
-
-    force: float | Array
-    start: float
-    end: float = 0.0
-    datum: float | None = None
+    force: Values = field(metadata=parameter("N", "not negative", scenarios=True, remark=RESISTS))
+    start: float = field(metadata=parameter("m"))
+    end: float = field(default=0.0, metadata=parameter("m"))
+    datum: float | None = field(default=None, metadata=parameter("m"))
 
     def __post_init__(self) -> None:
-        check_magnitude(self, "force")
-        check_span(self)
-        check_datum(self)
+        super().__post_init__()
+        _check_span(self)
 
     def intervals(self, downwards: bool) -> tuple[ForceInterval, ...]:
         if not downwards:
@@ -146,25 +129,25 @@ class DeepDrawing:
 
 
 @dataclass(frozen=True, eq=False)
-class ForceStroke(Frozen):
+class ForceStroke(Checked):
     """Table of force over height, on the way down: linear between its points, no force beyond them.
 
     Attributes:
         heights: (n,) [m], at least two, strictly rising or falling; kept rising.
-        forces: (n,) or (n, S) at the heights [N]; negative where the slide is drawn down. datum: see the module.
+        forces: (n,) at the heights [N], or (n, S) for S scenarios; negative where the slide is drawn down.
+        datum: see the module.
     """
 
-    per_scenario: ClassVar[Mapping[str, int]] = {"forces": 1}
-
-    heights: ArrayLike
-    forces: ArrayLike
-    datum: float | None = None
+    heights: ArrayLike = field(metadata=parameter("m", axes=1))
+    forces: ArrayLike = field(metadata=parameter("N", axes=1, scenarios=True))
+    datum: float | None = field(default=None, metadata=parameter("m"))
 
     def __post_init__(self) -> None:
-        heights, forces = checked_numbers(self, "heights"), checked_numbers(self, "forces")
-        if heights.ndim != 1 or len(heights) < 2:
+        super().__post_init__()
+        heights, forces = np.asarray(self.heights), np.asarray(self.forces)
+        if len(heights) < 2:
             raise PinpressError(f"ForceStroke: heights has shape {heights.shape}; give (n,) of at least two [m]")
-        if forces.ndim not in (1, 2) or len(forces) != len(heights) or not forces.size:
+        if len(forces) != len(heights):
             raise PinpressError(f"ForceStroke: forces has shape {forces.shape}; give one force for each of the {len(heights)} heights [N]")
         if heights[0] > heights[-1]:
             heights, forces = heights[::-1], forces[::-1]
@@ -174,9 +157,8 @@ class ForceStroke(Frozen):
             slopes = np.diff(forces, axis=0).T / np.diff(heights)
         if not np.isfinite(slopes).all():
             raise PinpressError("ForceStroke: heights are too close together for the change of forces between them; move them apart")
-        set_field(self, "heights", fixed(heights))
-        set_field(self, "forces", fixed(forces))
-        check_datum(self)
+        set_field(self, "heights", read_only(heights))
+        set_field(self, "forces", read_only(forces))
 
     def intervals(self, downwards: bool) -> tuple[ForceInterval, ...]:
         if not downwards:
@@ -191,31 +173,22 @@ class ForceStroke(Frozen):
 
 
 @dataclass(frozen=True, eq=False)
-class ElasticDie:
+class ElasticDie(Checked):
     """A die, stop or cushion met at a height: spring and damper side by side below it, both ways, that push but never pull.
 
     Its force is k (height - h) - c v, zero where that is negative. Where the slide meets it with a damper, the force begins with a jump.
 
     Attributes:
         height: at which the slide touches the unloaded die [m].
-        stiffness: k, positive [N/m]. damping: c, not negative [N s/m]. One number or (S,). datum: see the module.
+        stiffness: k, positive [N/m], or (S,) for S scenarios.
+        damping: c, not negative [N s/m], or (S,).
+        datum: see the module.
     """
 
-    per_scenario: ClassVar[Mapping[str, int]] = {"stiffness": 0, "damping": 0}
-
-    height: float
-    stiffness: float | Array
-    damping: float | Array = 0.0
-    datum: float | None = None
-
-    def __post_init__(self) -> None:
-        check_height(self, "height")
-        check_magnitude(self, "stiffness")
-        check_magnitude(self, "damping")
-        check_scenarios(self, "stiffness", "damping")
-        check_datum(self)
-        if not np.all(np.asarray(self.stiffness) > 0):
-            raise PinpressError(f"ElasticDie: stiffness is {shown(self.stiffness)}; give a positive one [N/m]")
+    height: float = field(metadata=parameter("m"))
+    stiffness: Values = field(metadata=parameter("N/m", "positive", scenarios=True))
+    damping: Values = field(default=0.0, metadata=parameter("N s/m", "not negative", scenarios=True))
+    datum: float | None = field(default=None, metadata=parameter("m"))
 
     def intervals(self, downwards: bool) -> tuple[ForceInterval, ...]:
         return (ForceInterval(self.height, -math.inf, partial(_contact, self.height, self.stiffness, self.damping), one_sided=True),)
@@ -228,7 +201,7 @@ class TimeForce:
     It stays where it is in time when the press slows down under its load: prefer a process load.
 
     Attributes:
-        force: time [s] (n,) -> force on the slide along its guide's axis [N] (n,), or one number.
+        force: function of time (n,) [s] that returns the force on the slide along its guide's axis (n,) [N], or one number.
         edges: instants at which it is not smooth [s]; kept sorted.
     """
 
@@ -238,9 +211,10 @@ class TimeForce:
     def __post_init__(self) -> None:
         if not callable(self.force):
             raise PinpressError(f"TimeForce: force is {shown(self.force)}; give a function of time [s]")
-        edges = checked_numbers(self, "edges")
-        if edges.ndim != 1:
-            raise PinpressError(f"TimeForce: edges has shape {edges.shape}; give a sequence of instants [s]")
+        edges = finite_numbers(self.edges)
+        if edges is None or edges.ndim != 1:
+            problem = f"is {shown(self.edges)}" if edges is None else f"has shape {edges.shape}"
+            raise PinpressError(f"TimeForce: edges {problem}; give a sequence of instants [s]")
         set_field(self, "edges", tuple(np.unique(edges).tolist()))
 
 
@@ -263,6 +237,15 @@ def step(x: ArrayLike, x0: float, h0: float, x1: float, h1: float) -> Array:
     share = np.clip((at - begin) / (end - begin), 0.0, 1.0)
     share = share * share * (3.0 - 2.0 * share)
     return np.asarray(before * (1.0 - share) + after * share)
+
+
+def _check_span(load: Blanking | DeepDrawing) -> None:
+    """Raise PinpressError where a load does not start above its end, or so near to it that the rate of its force overflows."""
+    extent = load.start - load.end
+    if not (extent > 0 and math.isfinite(extent) and math.isfinite(math.pi / extent)):
+        raise PinpressError(
+            f"{type(load).__name__}: start is {load.start:g}, not above end, {load.end:g}; give heights [m] with start above end"
+        )
 
 
 # The laws are module functions that `partial` binds, not closures: loads can then be sent to other processes.

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any, Protocol, runtime_checkable
 
 from ..common.arguments import typed
 from ..common.errors import PinpressError
+from ..common.parameters import parameter as parameter  # named in pinpress.loads
 
 if TYPE_CHECKING:
     from ..linkage.linkage import Linkage

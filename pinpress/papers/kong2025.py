@@ -16,7 +16,8 @@ from numpy.typing import ArrayLike
 from ..balancing.counterweights import Counterweight, with_counterweights
 from ..common.arrays import Array
 from ..common.units import RPM
-from ..drives.transmission import Flywheel, InverterMotor
+from ..drives.motors import InverterMotor
+from ..drives.transmission import Flywheel
 from ..dynamics.inverse_dynamics import Reactions, inverse_dynamics
 from ..kinematics.dead_centres import dead_centres
 from ..kinematics.measures import dwell_time

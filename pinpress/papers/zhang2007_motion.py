@@ -6,7 +6,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ..common.units import RPM
-from ..drives.transmission import ConstantTorque, Flywheel, Geared, SlipClutchMotor
+from ..drives.motors import ConstantTorque, SlipClutchMotor
+from ..drives.transmission import Flywheel, Geared
 from ..linkage.linkage import Linkage
 from ..loads.process import Blanking
 from ..simulation.simulate import simulate

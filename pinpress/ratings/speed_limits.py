@@ -25,7 +25,7 @@ from ..kinematics.dead_centres import stroke_turns
 from ..kinematics.motion import Motion, servo_cycle
 from ..linkage.linkage import Linkage
 from ..loads.link import Load
-from ..loads.process import ProcessLoad
+from ..loads.protocol import ProcessLoad
 from .capacities import Capacities, known_bearings
 from .permissible_force import BEARING, TORQUE, largest_factor, without_masses
 

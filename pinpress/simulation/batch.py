@@ -1,48 +1,63 @@
-"""Many scenarios at once: speeds, and the declared parameters of drives, flywheels and loads, as arrays, one value a scenario.
+"""Many scenarios at once: speeds, and the parameters of drives, flywheels and loads that are declared so, one value for each scenario.
 
-All scenarios of a press run over the same crank angles, so that one period of all of them is solved as one array (see `over_angle`). A
+All scenarios of a press run over the same crank angles, so that one period of all of them is solved as one array (see `collocation`). A
 scenario that stops, that depends on more than angle and speed, or whose energy does not balance so, is simulated on its own.
 """
 
+from __future__ import annotations
+
 import time as clock
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from functools import cached_property, partial
+from functools import cached_property
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
+from ..common import plausibility
+from ..common.arguments import typed
 from ..common.arrays import Array
+from ..common.checks import finite_numbers, number
 from ..common.errors import PinpressError, SimulationError, UnknownScenarioError, shown
 from ..common.gauss import gauss_rule, polynomial_values
+from ..common.parameters import pick_scenarios, scenario_lengths
 from ..common.results import Tabular
-from ..common.scenario_fields import lengths
+from ..drives.protocol import Drive
+from ..drives.transmission import Flywheel, PrescribedSpeed
+from ..kinematics.configurations import refuse_far
 from ..kinematics.motion import carried
+from ..linkage.linkage import Linkage
+from ..loads import caller_laws
 from ..loads.caller_laws import LawError
+from ..loads.link import Load
 from . import collocation
+from . import law_trials as laws
 from .angle_solver import MOST_PERIODS, drive_torque, nearly_at_rest, place_at, too_long
 from .collocation import CollocationSolution, cuts, interpolate_onto, panel_integrals, stopping_panels
-from .driven_press import DrivenPress, GeneralizedForce
+from .driven_press import DrivenPress, GeneralizedForce, driven_press, listed
 from .mesh import Indices, build_mesh, mesh_borders
 from .reduced_model import COORDINATES, INERTIA, energies, tabulated
-from .run import energy_error
+from .run import Run, allowed_error, count_of, energy_error
+from .simulate import refuse_long, simulate, tolerated
 
 Mask = NDArray[np.bool_]
 
 AT_ONCE = 128  # scenarios in one array: what is in flight stays in the cache
-MOST_KEPT = 24  # panels more than the table's, that are taken over into the next period
+MOST_KEPT = 24  # panels more than the model's, that are taken over into the next period
 MOST_CUTS = 12  # rounds of cutting panels; scenarios that need more are run alone
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class RunBatch(Tabular):
-    """S simulated scenarios of a press, n states each at the same times. Arrays are read-only; ``runs[k]`` is scenario k as a `Run`.
+    """S simulated scenarios of a press, n states each at the same times; ``runs[k]`` is scenario k as a `Run`. Arrays are read-only.
 
     Attributes:
         time: (n,) [s].
-        crank_angle, crank_speed: (n, S) [rad, rad/s]. Of one that stalls: at rest where it did.
-        drive_work, load_work: (S,) over the whole run [J].
+        crank_angle: (n, S) [rad]; of one that stalls, at rest where it did.
+        crank_speed: (n, S) [rad/s].
+        drive_work: (S,) of the drive over the whole run [J].
+        load_work: (S,) against the loads over the whole run [J].
         energy_error: (S,) as of `Stats`, from the states at start and end.
         errors: (S,) why a scenario stalled or could not go on, None of all others.
         wall_time: of the whole call [s].
@@ -56,13 +71,12 @@ class RunBatch(Tabular):
     energy_error: Array
     errors: tuple[SimulationError | None, ...]
     wall_time: float
-    _alone: Callable[[int], Any]
-    _driven: DrivenPress
+    _scenarios: _Scenarios
 
     @cached_property
     def slide_position(self) -> Array | None:
         """(n, S) along the guide's axis [m]; None where there is no slide."""
-        press = self._driven.press
+        press = self._scenarios.press
         if press.slide is None:
             return None
         position: Array = tabulated(press).at(self.crank_angle)[0][COORDINATES].copy()
@@ -83,13 +97,13 @@ class RunBatch(Tabular):
     def __len__(self) -> int:
         return len(self.errors)
 
-    def __getitem__(self, k: int) -> Any:
+    def __getitem__(self, k: int) -> Run:
         """Scenario k, simulated once more with all that a `Run` has. Raises what stopped it."""
         if isinstance(k, bool | np.timedelta64) or not isinstance(k, int | np.integer) or not -len(self) <= k < len(self):
             raise UnknownScenarioError(k, len(self))
-        return self._alone(int(k) % len(self))
+        return self._scenarios.alone(int(k) % len(self))
 
-    def __iter__(self) -> Iterator[Any]:
+    def __iter__(self) -> Iterator[Run]:
         """The runs one after the other. Raises what stopped one."""
         return (self[k] for k in range(len(self)))
 
@@ -97,23 +111,76 @@ class RunBatch(Tabular):
     def title(self) -> str:
         stalled = sum(error is not None for error in self.errors)
         said = f", {stalled} stalled" if stalled else ""
-        return f"RunBatch of {self._driven.press.name}: {len(self)} scenarios, {len(self.time)} states each, {self.time[-1]:.6g} s{said}"
+        return f"RunBatch of {self._scenarios.press.name}: {len(self)} scenarios, {len(self.time)} states each, {self.time[-1]:.6g} s{said}"
 
 
-def count(speed: Any, angle: Any, drive: Any, flywheel: Any, loads: Any) -> int | None:
-    """Number of scenarios, None where nothing is an array.
+@typed
+def simulate_batch(
+    press: Linkage,
+    duration: float,
+    *,
+    speed: ArrayLike = 0.0,
+    angle: float = 0.0,
+    drive: Drive | None = None,
+    flywheel: Flywheel | None = None,
+    loads: Sequence[Load] = (),
+    points: int | None = None,
+    tolerance: float = 1e-11,
+) -> RunBatch:
+    """Let a press with one driver run in S scenarios at once.
+
+    ``speed``, and the parameters of drive, flywheel and loads that may differ between scenarios, are (S,), or one number for all. A drive,
+    flywheel or load of your own declares such fields with `parameter` (``scenarios=True``).
+
+    Args:
+        press: the linkage.
+        duration: [s].
+        speed: of the crank at the start [rad/s], one number or (S,).
+        angle: of the crank at the start, the same in all scenarios [rad].
+        drive: what turns the crank, see `pinpress.drives`; None: nothing.
+        flywheel: its inertia at the driver joint; None: none.
+        loads: process loads of `pinpress.loads`, constant forces on links, springs and dampers.
+        points: number of states returned; by default 121.
+        tolerance: of the error of a step, beside 1 rad and the speeds of the crank.
+
+    Returns:
+        The batch. A scenario that stalls has its error in ``errors``, and rests where it stopped.
 
     Raises:
-        PinpressError: arrays of different lengths; several crank angles to start from.
+        PinpressError: an argument that makes no sense, or arrays for different numbers of scenarios.
+        SimulationError: the crank would make too many turns.
     """
+    began = clock.perf_counter()
+    if not isinstance(press, Linkage) or len(press.drivers) > 1:
+        raise PinpressError("scenarios are those of a press with one driver: give the Linkage that load returns")
+    until, tolerance = number("duration", duration, positive=True), tolerated(tolerance)
+    states = count_of(points, 0.0)
+    listed(loads)
     if not _is_number(angle):
         raise PinpressError("angle is an array: scenarios start from the same crank angle; give one number [rad]")
-    found = {} if _is_number(speed) else {"speed": _of_speed(speed)}
-    for item in (drive, flywheel, *(loads if isinstance(loads, Sequence) else ())):
-        found |= lengths(item)
-    if len(set(found.values())) > 1:
-        raise PinpressError(f"arrays for different numbers of scenarios: {', '.join(f'{name} {size}' for name, size in found.items())}")
-    return next(iter(found.values()), None)
+    speeds, start = _speeds(speed, (drive, flywheel, *loads)), number("angle", angle)
+    refuse_far("angle", np.array(start))
+    drive, loads = laws.asked_drive(drive, float(np.abs(speeds).max())), caller_laws.asked_loads(loads)
+    if isinstance(drive, PrescribedSpeed):
+        raise PinpressError("a drive that prescribes the speed leaves nothing to simulate in scenarios: use simulate")
+    refuse_long(speeds, until, start)
+    plausibility.speeds("speed", speeds)
+    scenarios = _Scenarios(press, until, start, speeds, (drive, flywheel, *loads), states, tolerance)
+    with np.errstate(all="ignore"):  # what is not finite is refused where it arises
+        return _solved(scenarios, began)
+
+
+def _speeds(speed: ArrayLike, parts: Sequence[Any]) -> Array:
+    """(S,) speeds at the start, S after the arrays that are given, 1 where none is [rad/s]."""
+    given = finite_numbers(speed)
+    if given is None or given.ndim > 1 or not given.size:
+        raise PinpressError(f"speed is {shown(speed)}: give one finite number, or (S,) of them [rad/s]")
+    counts = {} if given.ndim == 0 else {"speed": len(given)}
+    for part in parts:
+        counts |= scenario_lengths(part)
+    if len(set(counts.values())) > 1:
+        raise PinpressError(f"arrays for different numbers of scenarios: {', '.join(f'{name} {size}' for name, size in counts.items())}")
+    return np.broadcast_to(given, (next(iter(counts.values()), 1),)).copy()
 
 
 def _is_number(value: Any) -> bool:
@@ -121,21 +188,124 @@ def _is_number(value: Any) -> bool:
     return isinstance(value, str) or not hasattr(value, "__len__") or (isinstance(value, np.ndarray) and value.ndim == 0)
 
 
-def _of_speed(speed: Any) -> int:
+@dataclass(frozen=True, eq=False)
+class _Scenarios:
+    """What is simulated.
+
+    Attributes:
+        press: the linkage.
+        until: end [s].
+        angle: of the crank at the start [rad].
+        speeds: (S,) of the crank at the start [rad/s].
+        parts: drive, flywheel and loads, with the values of all scenarios.
+        points: number of states.
+        tolerance: as of `simulate`.
+    """
+
+    press: Linkage
+    until: float
+    angle: float
+    speeds: Array
+    parts: tuple[Any, ...]
+    points: int
+    tolerance: float
+
+    def together(self, some: Indices) -> DrivenPress:
+        """The press of the scenarios with these indices, as one array."""
+        drive, flywheel, *loads = (pick_scenarios(part, some) for part in self.parts)
+        return driven_press(self.press, drive, flywheel, loads, None, None)
+
+    def alone(self, k: int, end: float | None = None) -> Run:
+        """Scenario k as a run, up to a time or, as the others, with all its states."""
+        drive, flywheel, *loads = (pick_scenarios(part, k) for part in self.parts)
+        until, points = (self.until, self.points) if end is None else (end, 2)
+        return simulate(
+            self.press,
+            until,
+            speed=float(self.speeds[k]),
+            angle=self.angle,
+            drive=drive,
+            flywheel=flywheel,
+            loads=loads,
+            points=points,
+            tolerance=self.tolerance,
+        )
+
+
+def _solved(scenarios: _Scenarios, began: float) -> RunBatch:
+    """All scenarios, together those that can be, the others one by one."""
+    count, times = len(scenarios.speeds), np.linspace(0.0, scenarios.until, scenarios.points)
+    angles, speeds, works = np.empty((len(times), count)), np.empty((len(times), count)), np.zeros((2, count))
+    errors: list[SimulationError | None] = [None] * count
+    missing = np.zeros(count)
+    left = list(np.flatnonzero(scenarios.speeds == 0))
+    for some in _blocks(scenarios.speeds):
+        solver = BatchSolver(scenarios.together(some), scenarios.angle, scenarios.speeds[some], times)
+        solver.run(0.1 * scenarios.tolerance)
+        missing[some] = found = solver.energy_error()
+        solver.alone |= ~(found <= allowed_error(scenarios.tolerance))
+        angles[:, some], speeds[:, some], works[:, some] = solver.angle, solver.speed, solver.works
+        left += list(some[solver.alone])
+    for k in map(int, left):
+        angles[:, k], speeds[:, k], works[:, k], missing[k], errors[k] = _solved_alone(scenarios, k, times)
+    for array in (times, angles, speeds, works, missing):
+        array.setflags(write=False)
+    took = clock.perf_counter() - began
+    return RunBatch(times, angles, speeds, works[0], works[1], missing, tuple(errors), took, scenarios)
+
+
+def _blocks(speeds: Array) -> Iterator[Indices]:
+    """Scenarios that are solved together: of one direction of travel, and not too many."""
+    for direction in (1, -1):
+        ones = np.flatnonzero(np.sign(speeds) == direction)
+        for start in range(0, len(ones), AT_ONCE):
+            yield ones[start : start + AT_ONCE]
+
+
+Alone = tuple[Array, Array, tuple[float, float], float, SimulationError | None]
+"""Angles and speeds (n,) of a scenario, the works of its drive and loads, its energy error, and why it stalled."""
+
+
+def _solved_alone(scenarios: _Scenarios, k: int, times: Array) -> Alone:
+    """A scenario on its own; one that stalls is at rest from there on, with works and energy error up to there."""
     try:
-        array = np.array(speed)
-    except ValueError:
-        array = np.array("x")
-    if array.ndim != 1 or not array.size or array.dtype.kind not in "iuf":
-        raise PinpressError(f"speed is {shown(speed)}: give one number, or (S,) of them [rad/s]")
-    return len(array)
+        run = scenarios.alone(k)
+    except SimulationError as error:
+        return _up_to(error, scenarios, k, times)
+    return run.crank_angle, run.crank_speed, (float(run.drive_work[-1]), float(run.load_work[-1])), run.stats.energy_error, None
+
+
+def _up_to(error: SimulationError, scenarios: _Scenarios, k: int, times: Array) -> Alone:
+    end = 0.0 if error.time is None else error.time * (1 - 1e-9)
+    stopped = scenarios.angle if error.crank_angle is None else error.crank_angle
+    angles, speeds = np.full(len(times), stopped), np.zeros(len(times))
+    before = times < end
+    if not before.any():
+        return angles, speeds, (0.0, 0.0), 0.0, error
+    try:
+        run = scenarios.alone(k, end)
+    except SimulationError:  # it does not even get there: at rest from the start
+        return np.full(len(times), scenarios.angle), speeds, (0.0, 0.0), 0.0, error
+    sample = run.trajectory.at(times[before])
+    angles[before], speeds[before] = sample.position[0], sample.speed[0]
+    return angles, speeds, (float(run.drive_work[-1]), float(run.load_work[-1])), run.stats.energy_error, error
+
+
+# ----------------------------------------------------------------------------------------------------------------------- solved together
 
 
 class BatchSolver:
-    """Scenarios of one direction of travel, that are solved as one array; filled period by period."""
+    """Solves scenarios of one direction of travel as one array, period by period.
+
+    Attributes:
+        angle: (n, S) of the crank at the times [rad].
+        speed: (n, S) of the crank at the times [rad/s].
+        works: (2, S) of the drive, and against the loads [J].
+        alone: (S,) whether a scenario has to be run on its own.
+    """
 
     def __init__(self, driven: DrivenPress, angle: float, speed: Array, times: Array) -> None:
-        """``speed`` (S,) at the start, none of them zero; ``times`` (n,) of the states to be returned."""
+        """Begin at a crank angle, with speeds (S,) of which none is zero; states are wanted at ``times`` (n,)."""
         self.driven, self.times = driven, times
         self.direction = 1 if speed[0] > 0 else -1
         self.first, self.begin = angle, speed
@@ -149,8 +319,8 @@ class BatchSolver:
 
     def run(self, tolerance: float) -> None:
         """Run all to the last of the times, or mark them as ``alone``."""
-        until = float(self.times[-1])
-        if self.driven.timed or not np.all(self.energy > 0) or any(_sticks(force) for force in self.driven.forces):
+        until, period = float(self.times[-1]), self.driven.model.period
+        if self.driven.timed or not np.all(self.energy > 0) or any(_sticks(force) for force in self.driven.forces) or period is None:
             self.alone[:] = True
             return
         periods = 0
@@ -158,40 +328,37 @@ class BatchSolver:
             periods += 1
             if periods > MOST_PERIODS:
                 raise too_long(float(self.clock.max()), self.at)
-            extent = self.driven.model.period
-            if extent is None:
-                self.alone |= going
-                return
             try:
-                solution, passed = self._period(extent, going, until, tolerance)
+                solution, passed = self._period(period, going, until, tolerance)
             except LawError as error:
                 raise error.within(float(self.clock[going].min()), self.at) from error.__cause__
             self.alone |= going & self._beside_rest(solution, passed, until)
-            going &= ~self.alone
-            parts = self._parts(solution)
-            self._read(solution, passed, going, until, parts)
-            through = going & (passed[-1] < until)
-            for k, part in parts:
-                self.works[k] += np.where(through, panel_integrals(solution, part).sum(axis=0), 0.0)
-            self.before = solution if len(solution.mesh.kinds) < len(self.driven.model.borders) + MOST_KEPT else None
-            self.clock = np.where(going, passed[-1], self.clock)
-            self.energy = np.where(going, solution.ends[-1], self.energy)
-            self.at = self.anchor + self.direction * periods * extent
+            self._advance(solution, passed, going & ~self.alone, until)
+            self.at = self.anchor + self.direction * periods * period
 
-    def _period(self, extent: float, going: Mask, until: float, tolerance: float) -> tuple[CollocationSolution, Array]:
+    def _advance(self, solution: CollocationSolution, passed: Array, going: Mask, until: float) -> None:
+        """Take over what a period holds, and go to its end."""
+        forces = self._forces(solution)
+        self._fill(solution, passed, going, until, forces)
+        through = going & (passed[-1] < until)
+        for k, force in forces:
+            self.works[k] += np.where(through, panel_integrals(solution, force).sum(axis=0), 0.0)
+        self.before = solution if len(solution.mesh.kinds) < len(self.driven.model.borders) + MOST_KEPT else None
+        self.clock = np.where(going, passed[-1], self.clock)
+        self.energy = np.where(going, solution.ends[-1], self.energy)
+
+    def _period(self, period: float, going: Mask, until: float, tolerance: float) -> tuple[CollocationSolution, Array]:
         """The period solved well enough for all that are ``going``, and the times (p + 1, S) at its borders."""
         driven, guess = self.driven, None
         if self.before is not None:
             mesh, guess = self.before.mesh, self.before.energy
         else:
-            ends = mesh_borders(driven, self.anchor, self.direction, extent)
-            mesh = build_mesh(driven, self.anchor, self.direction, ends)
+            mesh = build_mesh(driven, self.anchor, self.direction, mesh_borders(driven, self.anchor, self.direction, period))
         for _ in range(MOST_CUTS):
             solution = collocation.solve(driven, mesh, self.energy, guess)
             passed = np.concatenate([self.clock[None], panel_integrals(solution, 1 / solution.speed)]).cumsum(axis=0)
-            stopping = stopping_panels(solution)
             # what comes after the end of the run does not matter
-            self.alone |= going & (stopping & (passed[:-1] < until)).any(axis=0)
+            self.alone |= going & (stopping_panels(solution) & (passed[:-1] < until)).any(axis=0)
             which = np.flatnonzero(going & ~self.alone)
             if not len(which):
                 return solution, passed
@@ -199,46 +366,48 @@ class BatchSolver:
             coarse = cuts(solution, upto, tolerance, which=which)
             if not len(coarse):
                 return solution, passed
-            ends = np.sort(np.concatenate([mesh.borders, coarse]))
-            mesh = build_mesh(driven, self.anchor, self.direction, ends)
+            mesh = build_mesh(driven, self.anchor, self.direction, np.sort(np.concatenate([mesh.borders, coarse])))
             guess = interpolate_onto(solution, mesh)
         self.alone |= going
         return solution, passed
 
     def _beside_rest(self, solution: CollocationSolution, passed: Array, until: float) -> Mask:
         """Scenarios (S,) that come nearly to rest: whether that is an unstable one is seen when they are run alone."""
-        span = self.driven.model.potential_range
-        return np.asarray((nearly_at_rest(solution.energy, solution.force, span) & (passed[:-1] < until)).any(axis=(0, 1)))
+        slow = nearly_at_rest(solution.energy, solution.force, self.driven.model.potential_range)
+        return np.asarray((slow & (passed[:-1] < until)).any(axis=(0, 1)))
 
-    def _read(self, solution: CollocationSolution, passed: Array, going: Mask, until: float, parts: "list[tuple[int, Array]]") -> None:
-        """Fill in the states within a period."""
-        r, mesh = gauss_rule(), solution.mesh
-        first = self.times.searchsorted(passed[0])
-        last = np.where(passed[-1] >= until, len(self.times), self.times.searchsorted(passed[-1]))
-        counts = np.where(going, last - first, 0)
-        scenario = np.repeat(np.arange(len(counts)), counts)
-        place = np.arange(len(scenario)) - np.repeat(counts.cumsum() - counts, counts) + first[scenario]
+    def _forces(self, solution: CollocationSolution) -> list[tuple[int, Array]]:
+        """Forces of the drive along the travel, and of the loads against it, where there are any; each with its row in ``works``."""
+        driven = self.driven
+        driving = [(0, drive_torque(driven.drive, solution))] if driven.drive is not None else []
+        return driving + ([(1, -solution.resisting)] if driven.forces else [])
+
+    def _fill(self, solution: CollocationSolution, passed: Array, going: Mask, until: float, forces: list[tuple[int, Array]]) -> None:
+        """Fill in the states within a period, and of those that end here the work up to the end."""
+        rule, mesh = gauss_rule(), solution.mesh
+        scenario, place = self._within(passed, going, until)
         time = self.times[place]
         panel = np.clip((passed[:, scenario] <= time).sum(axis=0) - 1, 0, len(mesh.kinds) - 1)
         slowness = (mesh.measure[:, :, None] / solution.speed)[:, panel, scenario]
         since = time - passed[panel, scenario]
-        x = place_at(r.integral(slowness), since, passed[panel + 1, scenario] - passed[panel, scenario])
+        x = place_at(rule.integral(slowness), since, passed[panel + 1, scenario] - passed[panel, scenario])
         along, measure = mesh.travelled(panel, x)
         self.angle[place, scenario] = self.at + self.direction * along
-        self.speed[place, scenario] = self.direction * measure / polynomial_values(r.polynomial(slowness), x)
-        # of those that end here, the work up to the end
+        self.speed[place, scenario] = self.direction * measure / polynomial_values(rule.polynomial(slowness), x)
         ending = np.flatnonzero(place == len(self.times) - 1)
         of, at = scenario[ending], panel[ending]
-        for k, part in parts:
-            before = np.concatenate([np.zeros((1, len(going))), panel_integrals(solution, part).cumsum(axis=0)])[at, of]
-            within = polynomial_values(r.integral((part * mesh.measure[:, :, None])[:, at, of]), x[ending])
+        for k, force in forces:
+            before = np.concatenate([np.zeros((1, len(going))), panel_integrals(solution, force).cumsum(axis=0)])[at, of]
+            within = polynomial_values(rule.integral((force * mesh.measure[:, :, None])[:, at, of]), x[ending])
             self.works[k, of] += before + within
 
-    def _parts(self, solution: CollocationSolution) -> "list[tuple[int, Array]]":
-        """Forces of the drive along the travel, and of the loads against it, where there are any; each with its row in ``works``."""
-        driven = self.driven
-        parts = [(0, drive_torque(driven.drive, solution))] if driven.drive is not None else []
-        return parts + ([(1, -solution.resisting)] if driven.forces else [])
+    def _within(self, passed: Array, going: Mask, until: float) -> tuple[Indices, Indices]:
+        """Scenarios and places among the times (m,) of all states within a period."""
+        first = self.times.searchsorted(passed[0])
+        last = np.where(passed[-1] >= until, len(self.times), self.times.searchsorted(passed[-1]))
+        counts = np.where(going, last - first, 0)
+        scenario = np.repeat(np.arange(len(counts)), counts)
+        return scenario, np.arange(len(scenario)) - np.repeat(counts.cumsum() - counts, counts) + first[scenario]
 
     def energy_error(self) -> Array:
         """(S,) of those that are not ``alone``, from their states at start and end."""
@@ -247,8 +416,8 @@ class BatchSolver:
         at, speed = np.where(self.alone, self.first, at), np.where(self.alone, self.begin, speed)
         motion = carried(press, at.ravel(), speed.ravel())
         kinetic, potential = (energy.reshape(2, count) for energy in energies(press, motion))
-        driven, taken = np.concatenate([np.zeros((2, 1, count)), self.works[:, None]], axis=1)
-        found: Array = energy_error(kinetic + 0.5 * self.driven.inertia * speed**2, potential, driven, taken, np.zeros_like(taken))[-1]
+        driving, taken = np.concatenate([np.zeros((2, 1, count)), self.works[:, None]], axis=1)
+        found: Array = energy_error(kinetic + 0.5 * self.driven.inertia * speed**2, potential, driving, taken, np.zeros_like(taken))[-1]
         return found
 
 
@@ -260,71 +429,3 @@ def _sticks(force: GeneralizedForce) -> bool:
             if np.any(interval.force(height, 1.0) != interval.force(height, 2.0)):
                 return True
     return False
-
-
-def simulate(
-    speed: Array,
-    angle: float,
-    times: Array,
-    tolerance: float,
-    driven: Callable[[Indices], DrivenPress],
-    alone: Callable[..., Any],
-    allowed: float,
-) -> RunBatch:
-    """Run S scenarios.
-
-    Args:
-        speed: (S,) at the start [rad/s]. times: (n,) of the states [s].
-        driven: the press of the scenarios with these indices, as one array.
-        alone: the `Run` of one scenario, with these n states; or up to a time.
-        allowed: energy error from which a scenario is run alone, with finer panels of its own.
-    """
-    began, count = clock.perf_counter(), len(speed)
-    angles, speeds, works = np.empty((len(times), count)), np.empty((len(times), count)), np.zeros((2, count))
-    errors: list[SimulationError | None] = [None] * count
-    missing = np.zeros(count)
-    left = list(np.flatnonzero(speed == 0))
-    for direction in (1, -1):
-        ones = np.flatnonzero(np.sign(speed) == direction)
-        for start in range(0, len(ones), AT_ONCE):
-            some = ones[start : start + AT_ONCE]
-            together = BatchSolver(driven(some), angle, speed[some], times)
-            together.run(tolerance)
-            missing[some] = found = together.energy_error()
-            together.alone |= ~(found <= allowed)
-            angles[:, some], speeds[:, some], works[:, some] = together.angle, together.speed, together.works
-            left += list(some[together.alone])
-    for k in map(int, left):
-        try:
-            run = alone(k)
-        except SimulationError as error:
-            errors[k] = error
-            angles[:, k], speeds[:, k], works[:, k], missing[k] = _up_to(error, angle, speed[k], times, partial(alone, k))
-            continue
-        angles[:, k], speeds[:, k], works[:, k] = run.crank_angle, run.crank_speed, (run.drive_work[-1], run.load_work[-1])
-        missing[k] = run.stats.energy_error
-    for array in (angles, speeds, works, missing):
-        array.setflags(write=False)
-    took = clock.perf_counter() - began
-    return RunBatch(times, angles, speeds, works[0], works[1], missing, tuple(errors), took, alone, driven(np.arange(1)))
-
-
-def _up_to(
-    error: SimulationError, angle: float, speed: float, times: Array, alone: Callable[[float], Any]
-) -> tuple[Array, Array, tuple[float, float], float]:
-    """Angles and speeds (n,) of a scenario that stalls, at rest from there on, the works of its drive and loads and the energy error up to
-    there."""
-    end = 0.0 if error.time is None else error.time * (1 - 1e-9)
-    stopped = angle if error.crank_angle is None else error.crank_angle
-    angles, speeds, works = np.full(len(times), stopped), np.zeros(len(times)), (0.0, 0.0)
-    missing = 0.0
-    before = times < end
-    if before.any():
-        try:
-            run = alone(end)
-        except SimulationError:  # it does not even get there: at rest from the start
-            return np.full(len(times), angle), speeds, works, missing
-        sample = run.trajectory.at(times[before])
-        angles[before], speeds[before] = sample.position[0], sample.speed[0]
-        works, missing = (float(run.drive_work[-1]), float(run.load_work[-1])), run.stats.energy_error
-    return angles, speeds, works, missing

@@ -18,7 +18,8 @@ from numpy.typing import NDArray
 from ..common.arrays import Array
 from ..common.gauss import gauss_rule, horner
 from ..common.roots import polynomial_root
-from ..drives.transmission import Drive, PrescribedSpeed
+from ..drives.protocol import Drive
+from ..drives.transmission import PrescribedSpeed
 from .driven_press import DrivenPress, not_positive
 from .mesh import FROM_REST, SAME, STEADY, TO_REST, Indices, Mesh, PanelForce
 

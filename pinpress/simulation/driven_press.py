@@ -18,7 +18,8 @@ from ..common.arrays import Array
 from ..common.checks import numbers
 from ..common.errors import PinpressError, SimulationError, UnknownNameError, shown
 from ..drives.couplings import Brake, Clutch
-from ..drives.transmission import Drive, Flywheel, PrescribedSpeed
+from ..drives.protocol import Drive
+from ..drives.transmission import Flywheel, PrescribedSpeed
 from ..dynamics import applied_loads
 from ..kinematics.dead_centres import dead_centres
 from ..kinematics.motion import Motion, carried
@@ -26,7 +27,8 @@ from ..kinematics.point_motion import point_motion
 from ..linkage.linkage import Linkage
 from ..loads import caller_laws
 from ..loads.link import Load, PointForce, SpringDamper
-from ..loads.process import ForceInterval, ProcessLoad, TimeForce
+from ..loads.process import TimeForce
+from ..loads.protocol import ForceInterval, ProcessLoad
 from . import reduced_model
 from .law_trials import check_drive, check_load
 from .reduced_model import COORDINATES, ReducedModel

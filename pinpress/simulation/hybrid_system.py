@@ -19,7 +19,7 @@ from ..common.arrays import Array
 from ..common.errors import SimulationError
 from ..drives.couplings import Brake, Clutch, SwitchPoint
 from ..loads.caller_laws import LawError
-from ..loads.process import ForceInterval
+from ..loads.protocol import ForceInterval
 from .driven_press import DrivenPress, GeneralizedForce
 from .trajectory import INTEGRALS
 

@@ -20,12 +20,14 @@ import numpy as np
 from ..common.arrays import Array
 from ..common.checks import any_numbers, is_number
 from ..common.errors import PinpressError, said, shown
-from ..common.scenario_fields import lengths
+from ..common.parameters import scenario_lengths
+from ..drives.motors import ConstantTorque, InductionMotor, InverterMotor, ServoMotor, SlipClutchMotor
 from ..drives.protocol import Drive, Values
-from ..drives.transmission import ConstantTorque, Geared, InductionMotor, InverterMotor, ServoMotor, SlipClutchMotor
+from ..drives.transmission import Geared
 from ..loads.caller_laws import Asked, AskedLoad, Law, LawError
 from ..loads.caller_laws import name as name_of
-from ..loads.process import ForceInterval, ProcessLoad, TimeForce
+from ..loads.process import TimeForce
+from ..loads.protocol import ForceInterval, ProcessLoad
 
 OWN_DRIVES = (ConstantTorque, InductionMotor, InverterMotor, ServoMotor, SlipClutchMotor)
 SHARES = np.concatenate([np.linspace(-2.0, 2.0, 33), [1e-3, -1e-3]])  # of the run's speed, at which a drive is tried
@@ -96,7 +98,7 @@ class AskedDrive(Asked):
 
     @cached_property
     def _laws(self) -> dict[str, Law]:
-        scenarios = next(iter(lengths(self.part).values()), None)
+        scenarios = next(iter(scenario_lengths(self.part).values()), None)
         return {
             law: Law(f"{name_of(self)}: {law}", OF_DRIVE, getattr(self.part, law), self.errors, scenarios)
             for law in ("torque", "motor_torque", "motor_speed")

@@ -15,8 +15,6 @@ from __future__ import annotations
 
 import time as clock
 from collections.abc import Callable, Mapping, Sequence
-from functools import partial
-from typing import Any, overload
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -26,20 +24,18 @@ from ..common.arguments import typed
 from ..common.arrays import Array
 from ..common.checks import finite_numbers, number
 from ..common.errors import PinpressError, SimulationError, caution, shown
-from ..common.scenario_fields import pick
+from ..common.parameters import refuse_scenarios
 from ..drives.couplings import Brake, Clutch
-from ..drives.transmission import Drive, Flywheel, PrescribedSpeed
+from ..drives.protocol import Drive
+from ..drives.transmission import Flywheel, PrescribedSpeed
 from ..kinematics.configurations import refuse_far
 from ..linkage.linkage import Linkage
 from ..loads import caller_laws
 from ..loads.link import Load
-from . import batch as scenarios
 from . import law_trials as laws
 from .angle_solver import MOST_PERIODS
-from .batch import RunBatch
-from .driven_press import DrivenPress, driven_press, listed, press_with_drives
-from .mesh import Indices
-from .run import Run, allowed_error, as_run, count_of
+from .driven_press import driven_press, listed, press_with_drives
+from .run import Run, as_run, count_of
 from .solvers import SimulationProblem, march
 from .start_sensitivity import start_sensitivity
 
@@ -48,40 +44,6 @@ MOST_STEPS = 1_000_000  # of the Runge-Kutta method
 LEAST_TOLERANCE = 1e-13
 
 
-@overload
-def simulate(
-    press: Linkage,
-    duration: float,
-    speed: float = ...,
-    angle: ArrayLike = ...,
-    drive: Drive | PrescribedSpeed | Mapping[str, Drive] | None = ...,
-    flywheel: Flywheel | Mapping[str, Flywheel] | None = ...,
-    loads: Sequence[Load] = ...,
-    method: str = ...,
-    clutch: Clutch | None = ...,
-    brake: Brake | None = ...,
-    points: int | None = ...,
-    step: float | None = ...,
-    tolerance: float = ...,
-    progress: Callable[[float], None] | None = ...,
-) -> Run: ...
-@overload
-def simulate(
-    press: Linkage,
-    duration: float,
-    speed: ArrayLike = ...,
-    angle: ArrayLike = ...,
-    drive: Drive | PrescribedSpeed | Mapping[str, Drive] | None = ...,
-    flywheel: Flywheel | Mapping[str, Flywheel] | None = ...,
-    loads: Sequence[Load] = ...,
-    method: str = ...,
-    clutch: Clutch | None = ...,
-    brake: Brake | None = ...,
-    points: int | None = ...,
-    step: float | None = ...,
-    tolerance: float = ...,
-    progress: Callable[[float], None] | None = ...,
-) -> Run | RunBatch: ...
 @typed
 def simulate(
     press: Linkage,
@@ -98,8 +60,8 @@ def simulate(
     step: float | None = None,
     tolerance: float = 1e-11,
     progress: Callable[[float], None] | None = None,
-) -> Run | RunBatch:
-    """Let a press run.
+) -> Run:
+    """Let a press run; several scenarios at once: `simulate_batch`.
 
     Args:
         duration: [s]. speed, angle: of the crank at the start [rad/s, rad].
@@ -111,10 +73,7 @@ def simulate(
         points: number of states returned; by default 120 a turn, and at least 120.
         step: fixed step of the classical Runge-Kutta method over time [s]; None: steps by error.
         tolerance: of the error of a step, beside 1 rad and the speeds of the crank.
-        progress: called with the time reached [s], now and then; not for arrays of scenarios.
-
-    Scenarios at once: ``speed`` and the parameters of drive, flywheel and loads that their classes declare ``per_scenario`` may be arrays
-    (S,); `RunBatch` come back.
+        progress: called with the time reached [s], now and then.
 
     A linkage with several drivers takes (drivers,) of ``speed`` and ``angle``, and drives (of torque by speed alone) and flywheels by the
     names of the drivers' joints; its method is "auto" or "constraint".
@@ -141,14 +100,12 @@ def simulate(
         raise PinpressError(f"progress is {shown(progress)}: give a function of the time reached [s]")
     count_of(points, 0.0)
     listed(loads)
-    if len(press.drivers) == 1 and (count := scenarios.count(speed, angle, drive, flywheel, loads)) is not None:
-        if method != "reduced" or clutch is not None or brake is not None:
-            raise PinpressError("arrays of scenarios are for method='reduced' without clutch and brake: simulate these one by one")
-        return _scenarios(press, count, until, speed, angle, drive, flywheel, loads, points, fixed, tolerance)
+    if len(press.drivers) == 1:
+        refuse_scenarios("simulate", speed, (drive, flywheel, *loads))
     angles, speeds = _start(press, "angle", angle), _start(press, "speed", speed)
     drive, loads = laws.asked_drive(drive, float(np.abs(speeds).max())), caller_laws.asked_loads(loads)
     refuse_far("angle", angles)
-    _refuse_long(speeds, until, float(angles[0]))
+    refuse_long(speeds, until, float(angles[0]))
     plausibility.speeds("speed", speeds)
     with np.errstate(all="ignore"):  # what is not finite is refused where it arises
         problem = _problem(press, method, (drive, flywheel, loads, clutch, brake), angles, speeds, until, tolerance, fixed)
@@ -197,65 +154,7 @@ def _problem(
     return SimulationProblem(driven, method, angles, speeds, until, tolerance, step)
 
 
-def _scenarios(
-    press: Linkage,
-    count: int,
-    until: float,
-    speed: ArrayLike,
-    angle: ArrayLike,
-    drive: Any,
-    flywheel: Any,
-    loads: Sequence[Load],
-    points: int | None,
-    step: float | None,
-    tolerance: float,
-) -> RunBatch:
-    """Many scenarios; arguments as of `simulate`."""
-    given = finite_numbers(speed)
-    if given is None or given.shape not in ((), (count,)):
-        raise PinpressError(f"speed is {shown(speed)}: give one finite number, or (S,) of them [rad/s]")
-    speeds = np.broadcast_to(given, (count,)).copy()
-    start = number("angle", angle)
-    refuse_far("angle", np.array(start))
-    drive, loads = laws.asked_drive(drive, float(np.abs(speeds).max())), caller_laws.asked_loads(loads)
-    times = np.linspace(0.0, until, count_of(points, 0.0))
-    times.setflags(write=False)
-
-    def driven(some: Indices) -> DrivenPress:
-        parts = [pick(item, some) for item in (drive, flywheel, *loads)]
-        return driven_press(press, parts[0], parts[1], parts[2:], None, None)
-
-    if step is not None:
-        raise PinpressError("step is for one scenario: arrays are solved over the crank angle")
-    if isinstance(drive, PrescribedSpeed):
-        raise PinpressError("a drive that prescribes the speed has one scenario: leave the arrays out")
-    _refuse_long(speeds, until, start)
-    plausibility.speeds("speed", speeds)
-    alone = partial(_alone, press, until, len(times), speeds, start, (drive, flywheel, *loads), tolerance)
-    with np.errstate(all="ignore"):
-        return scenarios.simulate(speeds, start, times, 0.1 * tolerance, driven, alone, allowed_error(tolerance))
-
-
-def _alone(
-    press: Linkage,
-    until: float,
-    points: int,
-    speeds: Array,
-    start: float,
-    parts: Sequence[Any],
-    tolerance: float,
-    k: int,
-    end: float | None = None,
-) -> Run:
-    """Scenario k as a run, up to a time or, as the others, with all its states."""
-    drive, flywheel, *loads = (pick(item, k) for item in parts)
-    lasting, states = (until, points) if end is None else (end, 2)
-    run = simulate(press, lasting, float(speeds[k]), start, drive, flywheel, loads, points=states, tolerance=tolerance)
-    assert isinstance(run, Run)
-    return run
-
-
-def _refuse_long(speeds: Array, until: float, angle: float) -> None:
+def refuse_long(speeds: Array, until: float, angle: float) -> None:
     """Raise SimulationError where the run would be too long to be kept."""
     if not float(np.abs(speeds).max()) * until <= 2 * np.pi * MOST_PERIODS:
         raise SimulationError(f"at this speed the crank makes more than {MOST_PERIODS} turns: simulate in parts", 0.0, angle)

@@ -17,13 +17,14 @@ from ..common.arguments import typed
 from ..common.arrays import Array
 from ..common.checks import LARGEST, number
 from ..common.errors import PinpressError, SimulationError, shown
-from ..drives.transmission import Drive, Flywheel
+from ..common.parameters import refuse_scenarios
+from ..drives.protocol import Drive
+from ..drives.transmission import Flywheel
 from ..kinematics.configurations import refuse_far
 from ..linkage.linkage import Linkage
 from ..loads import caller_laws
 from ..loads.caller_laws import LawError
 from ..loads.link import Load
-from . import batch as scenarios
 from . import collocation
 from . import law_trials as laws
 from . import reduced_model as reduced
@@ -77,9 +78,8 @@ def steady_state(
         raise PinpressError(f"speed is {guess:g}: give rad/s, {LARGEST:g} at most")
     if guess == 0.0:
         raise PinpressError("speed is 0: give the speed about which the press runs [rad/s]")
-    if scenarios.count(speed, angle, drive, flywheel, loads) is not None:
-        raise PinpressError("a steady state is found for one scenario at a time: give numbers, not arrays")
     listed(loads)
+    refuse_scenarios("steady_state", speed, (drive, flywheel, *loads))
     drive, loads = laws.asked_drive(drive, guess), caller_laws.asked_loads(loads)
     driven = driven_press(press, drive, flywheel, loads, None, None)
     if drive is None or not isinstance(drive, Drive):

@@ -29,7 +29,8 @@ from ..dynamics.inverse_dynamics import Reactions, inverse_dynamics
 from ..kinematics.motion import Motion, cycle
 from ..linkage.linkage import Linkage
 from ..loads.link import Load, PointForce, SpringDamper
-from ..loads.process import ForceInterval, ProcessLoad, TimeForce
+from ..loads.process import TimeForce
+from ..loads.protocol import ForceInterval, ProcessLoad
 from .affine_extremes import Affine, largest
 
 SLOW = 1e-9  # of the highest speed: inertia is below rounding, and the slide still has its direction of travel

@@ -223,7 +223,8 @@ def scenarios() -> Contestants:
     drive = pp.drives.ConstantTorque(500.0)
 
     def run(inertia: Any) -> Any:
-        return pp.simulate(press, 2.0, speed=SPEED, flywheel=pp.drives.Flywheel(inertia), drive=drive, points=121)
+        function = pp.simulate_batch if np.ndim(inertia) else pp.simulate
+        return function(press, 2.0, speed=SPEED, flywheel=pp.drives.Flywheel(inertia), drive=drive, points=121)
 
     return {
         "one": lambda: run(inertias[0]),

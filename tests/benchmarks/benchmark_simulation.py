@@ -107,7 +107,8 @@ def scenarios(repeats: int) -> None:
     for name, more in cases:
 
         def run(which: Any, more: Callable[[Any], dict[str, Any]] = more) -> Any:
-            return pp.simulate(
+            function = pp.simulate if isinstance(which, int) else pp.simulate_batch
+            return function(
                 press, 2.0, speed=speed[which], flywheel=pp.drives.Flywheel(inertia[which]), points=121, **more(which)
             ).crank_angle
 

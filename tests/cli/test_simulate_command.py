@@ -20,7 +20,8 @@ from pinpress.cli import main as __main__
 from pinpress.cli import options as command_output
 from pinpress.cli import part_specs as scene_words
 from pinpress.cli import simulate as command_simulate
-from pinpress.drives.transmission import Geared, InductionMotor, InverterMotor, PrescribedSpeed, ServoMotor, SlipClutchMotor
+from pinpress.drives.motors import InductionMotor, InverterMotor, ServoMotor, SlipClutchMotor
+from pinpress.drives.transmission import Geared, PrescribedSpeed
 from pinpress.loads.process import Blanking, ConstantForce, DeepDrawing, ElasticDie, ForceStroke, Idle
 from pinpress.simulation.summary import FIRST_STROKES, MOST_STROKES
 

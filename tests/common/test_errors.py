@@ -64,7 +64,7 @@ def unknown_bearing(name="Q"):
 
 
 def unknown_scenario(_=None):
-    pp.simulate(pp.load("crank_slide"), 0.01, np.array([1.0, 2.0]), points=2)[5]
+    pp.simulate_batch(pp.load("crank_slide"), 0.01, speed=np.array([1.0, 2.0]), points=2)[5]
 
 
 def raised(call, *arguments):

@@ -126,7 +126,7 @@ def computed(press):
         pp.inverse_dynamics(press, motion, [every_result.DEEP]),
         pp.simulate(press, 0.1, 2.0, flywheel=pp.drives.Flywheel(20.0)).joint_position,
         pp.simulate(press, 0.02, 2.0, method="constraint", points=3).joint_position,
-        pp.simulate(press, 0.1, np.array([2.0, 3.0]), points=3).crank_angle,
+        pp.simulate_batch(press, 0.1, speed=np.array([2.0, 3.0]), points=3).crank_angle,
         pp.dead_centres(press),
         pp.sweeps.operating_points(press, [5.0, 7.0], forces=[0.0, 1e3], unit_load=every_result.DEEP, points=8),
     )

@@ -12,7 +12,7 @@ from support.generators import large_linkages
 from support.texts import without_mass
 
 import pinpress as pp
-from pinpress.loads.process import ForceInterval
+from pinpress.loads.protocol import ForceInterval
 
 pytestmark = pytest.mark.usefixtures("time_limit")
 
@@ -254,7 +254,9 @@ def test_a_force_in_time_that_fails_in_the_middle(press, method):
 
 def test_scenarios_name_a_law_that_fails(press):
     with pytest.raises(pp.SimulationError, match=r"Own: torque at speed .* is nan.*time") as caught:
-        pp.simulate(press, 5.0, **START | {"speed": [8.0, 10.0]}, drive=Own(above(25.0, lambda w: np.where(np.abs(w) > 25.0, np.nan, 0.0))))
+        pp.simulate_batch(
+            press, 5.0, **START | {"speed": [8.0, 10.0]}, drive=Own(above(25.0, lambda w: np.where(np.abs(w) > 25.0, np.nan, 0.0)))
+        )
     assert caught.value.time < 5.0
 
 

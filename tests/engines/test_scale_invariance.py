@@ -15,7 +15,7 @@ from extremes.extreme_sizes import scaled
 from support.generators import large_linkages
 
 import pinpress as pp
-from pinpress.drives import couplings, transmission
+from pinpress.drives import couplings, motors, transmission
 from pinpress.dynamics import applied_loads
 from pinpress.engines import forces as engine_forces
 from pinpress.engines import friction as engine_friction
@@ -112,7 +112,7 @@ DIMENSIONS: dict[type, dict[str, tuple[int, int, int] | None]] = {
 
 def test_no_field_is_left_out():
     """Of any load, drive, clutch or friction of the library."""
-    rooms = (process, transmission, couplings, link, friction)
+    rooms = (process, motors, transmission, couplings, link, friction)
     public = {cls for room in rooms for cls in vars(room).values() if dataclasses.is_dataclass(cls)}
     inner = {pp.loads.ForceInterval, engine_forces.AppliedForce, engine_friction.FrictionLaw}
     assert {cls for cls in public if cls.__module__.startswith("pinpress.") and cls not in inner} == set(DIMENSIONS)

@@ -14,9 +14,9 @@ from scipy.integrate import quad, solve_ivp
 from scipy.optimize import brentq
 
 import pinpress as pp
+from pinpress.drives.motors import ConstantTorque, ServoMotor
 from pinpress.drives.protocol import SpeedTorqueDrive
-from pinpress.drives.transmission import ConstantTorque, ServoMotor
-from pinpress.loads.process import ForceInterval
+from pinpress.loads.protocol import ForceInterval
 
 MECHANISM = CrankSlider()
 GROUP = "Stiff forces for 2 s: runs"

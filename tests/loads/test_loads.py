@@ -16,7 +16,8 @@ from support.generators.random_linkages import Drawing, four_bar, momentum_balan
 from support.texts import load, shipped
 
 import pinpress as pp
-from pinpress.loads.process import Blanking, ConstantForce, DeepDrawing, ElasticDie, ForceInterval, ForceStroke, Idle, TimeForce, step
+from pinpress.loads.process import Blanking, ConstantForce, DeepDrawing, ElasticDie, ForceStroke, Idle, TimeForce, step
+from pinpress.loads.protocol import ForceInterval
 
 ENGINES = ("plane", "pinocchio")
 SPEED = 300 * pp.RPM
@@ -550,18 +551,18 @@ NAN, INF = math.nan, math.inf
 @pytest.mark.parametrize(
     ("make", "problem"),
     [
-        (partial(ConstantForce, -1.0, 0.001), "ConstantForce: force is -1.0; give it not negative"),
-        (partial(ConstantForce, NAN, 0.001), "ConstantForce: force is nan; give finite numbers"),
+        (partial(ConstantForce, -1.0, 0.001), "ConstantForce: force is -1.0; give a finite number that is not negative"),
+        (partial(ConstantForce, NAN, 0.001), "ConstantForce: force is nan; give a finite number"),
         (partial(ConstantForce, 1.0, -0.001), "ConstantForce: height is -0.001; give the height above bottom dead centre"),
         (partial(ConstantForce, 1.0, INF), "ConstantForce: height is inf"),
-        (partial(ConstantForce, 1.0, [0.1, 0.2]), r"ConstantForce: height has shape \(2,\); give one number"),
+        (partial(ConstantForce, 1.0, [0.1, 0.2]), r"ConstantForce: height has shape \(2,\); give a finite number"),
         (partial(ConstantForce, 1.0, None), "ConstantForce: height is None"),
         (partial(ConstantForce, [], 0.1), r"ConstantForce: force has shape \(0,\)"),
         (partial(ConstantForce, [[1.0]], 0.1), r"ConstantForce: force has shape \(1, 1\)"),
         (partial(ConstantForce, True, 0.1), "ConstantForce: force is True"),
-        (partial(Idle, datum="top"), "Idle: datum is 'top'; give finite numbers"),
+        (partial(Idle, datum="top"), "Idle: datum is 'top'; give a finite number"),
         (partial(Idle, datum=NAN), "Idle: datum is nan"),
-        (partial(Blanking, "1 MN", 0.01, 0.005), "Blanking: force is '1 MN'; give finite numbers"),
+        (partial(Blanking, "1 MN", 0.01, 0.005), "Blanking: force is '1 MN'; give a finite number"),
         (partial(Blanking, [1.0, -1.0], 0.01, 0.005), "Blanking: force is"),
         (partial(Blanking, 1.0, 0.005, 0.01), "Blanking: start is 0.005, not above end, 0.01"),
         (partial(Blanking, 1.0, 0.005, 0.005), "Blanking: start is 0.005, not above end, 0.005"),
@@ -590,7 +591,7 @@ NAN, INF = math.nan, math.inf
         (partial(ForceStroke, [[0.1, 0.2], [0.3]], [1.0, 2.0]), "ForceStroke: heights is .*; give finite numbers"),
         (partial(ForceStroke, [0.0, 1e-300], [0.0, 1e300]), "ForceStroke: heights are too close together"),
         (partial(ForceStroke, [0.0, 1e-300, 1.0], [0.0, 1e300, 0.0]), "ForceStroke: heights are too close together"),
-        (partial(ElasticDie, 0.01, 0.0), "ElasticDie: stiffness is 0.0; give a positive one"),
+        (partial(ElasticDie, 0.01, 0.0), "ElasticDie: stiffness is 0.0; give a finite number that is positive"),
         (partial(ElasticDie, 0.01, [1.0, 0.0]), "ElasticDie: stiffness is"),
         (partial(ElasticDie, 0.01, -1.0), "ElasticDie: stiffness is -1.0"),
         (partial(ElasticDie, 0.01, 1.0, -1.0), "ElasticDie: damping is -1.0"),

@@ -6,7 +6,6 @@ and its own run differ by rounding and that. 1e-9 rad is a hundred times as much
 
 import dataclasses
 import math
-from typing import ClassVar
 
 import numpy as np
 import pytest
@@ -42,7 +41,7 @@ def textbook():
 def alike(linkage, duration, build, values, which=None, **options):
     """Runs of arrays of values, compared with the runs of single values. ``build``: values by name to arguments of `simulate`; ``values``:
     (S,) by name. Where a single run raises, the scenario must have its error, and rest where it stopped."""
-    runs = pp.simulate(linkage, duration, **build(**{name: np.asarray(v, dtype=float) for name, v in values.items()}), **options)
+    runs = pp.simulate_batch(linkage, duration, **build(**{name: np.asarray(v, dtype=float) for name, v in values.items()}), **options)
     size = len(next(iter(values.values())))
     assert isinstance(runs, RunBatch)
     assert len(runs) == len(runs.errors) == size
@@ -170,7 +169,7 @@ def test_tables_of_force(press, size):
     """(n, S) forces; S = 1 too. One falling table, a load that pulls, and heights with no force."""
     heights = [0.012, 0.008, 0.004, 0.0]
     forces = np.array([[0.0, 1e5, 0.0], [8e5, 2e5, -1e4], [1e6, 3e5, 5e5], [0.0, 0.0, 1e6]])[:, :size]
-    runs = pp.simulate(press, 0.7, **blanked(press, loads=[pp.loads.ForceStroke(heights, forces)]))
+    runs = pp.simulate_batch(press, 0.7, **blanked(press, loads=[pp.loads.ForceStroke(heights, forces)]))
     assert len(runs) == size
     for k in range(size):
         same(runs, k, pp.simulate(press, 0.7, points=121, **blanked(press, loads=[pp.loads.ForceStroke(heights, forces[:, k])])))
@@ -187,7 +186,7 @@ def test_tables_of_force(press, size):
     ids=["speed", "flywheel", "drive", "load"],
 )
 def test_one_scenario_is_still_an_array(press, change):
-    runs = pp.simulate(press, 0.5, **blanked(press) | change)
+    runs = pp.simulate_batch(press, 0.5, **blanked(press) | change)
     assert isinstance(runs, RunBatch)
     assert runs.crank_angle.shape == (121, 1)
     same(runs, 0, pp.simulate(press, 0.5, points=121, **blanked(press)))
@@ -226,11 +225,11 @@ def test_more_than_fit_at_once(press):
 
 def test_neither_order_nor_company_matters(press):
     values = np.array([33.0, -28.0, 41.0, 25.0, -35.0, 30.0])
-    whole = pp.simulate(press, 0.6, **blanked(press, speed=values))
+    whole = pp.simulate_batch(press, 0.6, **blanked(press, speed=values))
     order = np.array([4, 2, 0, 5, 1, 3])
-    turned = pp.simulate(press, 0.6, **blanked(press, speed=values[order]))
-    part = pp.simulate(press, 0.6, **blanked(press, speed=values[:2]))
-    twice = pp.simulate(press, 0.6, **blanked(press, speed=np.repeat(values, 2)))
+    turned = pp.simulate_batch(press, 0.6, **blanked(press, speed=values[order]))
+    part = pp.simulate_batch(press, 0.6, **blanked(press, speed=values[:2]))
+    twice = pp.simulate_batch(press, 0.6, **blanked(press, speed=np.repeat(values, 2)))
     for name in ("crank_angle", "crank_speed", "slide_position", "drive_work", "load_work"):
         of = getattr(whole, name)
         bound = BOUND * max(1.0, float(np.abs(of).max()))
@@ -256,10 +255,10 @@ def test_energy_in_plain_formulas(press):
     """(I + J) w^2 / 2 + V of all states is what the torque has put in, less a quarter sine a stroke; I from `crank_slide_equation`."""
     rng = np.random.default_rng(5)
     speed, wheel, torque, force = (rng.uniform(*limits, 12) for limits in ((20, 45), (80, 300), (-200, 800), (0, 1e6)))
-    runs = pp.simulate(
+    runs = pp.simulate_batch(
         press,
         1.0,
-        speed,
+        speed=speed,
         drive=pp.drives.ConstantTorque(torque),
         flywheel=pp.drives.Flywheel(wheel),
         loads=[pp.loads.Blanking(force, 0.010, 0.005)],
@@ -279,7 +278,9 @@ def test_energy_in_plain_formulas(press):
     np.testing.assert_allclose(runs.drive_work, torque * angle[-1], rtol=0, atol=1e-9 * fastest.max())
     np.testing.assert_allclose(runs.load_work, work[-1], rtol=0, atol=1e-9 * fastest.max())
     # and time: a path whose rate is its speed, by Simpson's rule over 2000 intervals (its error 1e-9)
-    fine = pp.simulate(press, 1.0, speed, drive=pp.drives.ConstantTorque(torque), flywheel=pp.drives.Flywheel(wheel), points=2001)
+    fine = pp.simulate_batch(
+        press, 1.0, speed=speed, drive=pp.drives.ConstantTorque(torque), flywheel=pp.drives.Flywheel(wheel), points=2001
+    )
     w = fine.crank_speed
     travelled = (w[0] + w[-1] + 4 * w[1:-1:2].sum(axis=0) + 2 * w[2:-1:2].sum(axis=0)) / 6000
     np.testing.assert_allclose(travelled, fine.crank_angle[-1], rtol=1e-8)
@@ -336,7 +337,7 @@ def test_some_stall(press):
 def test_before_a_stall_it_is_the_run(press):
     """The states before it are those of a run that ends before it."""
     options = {"flywheel": pp.drives.Flywheel(50.0), "drive": pp.drives.ConstantTorque(300.0), "loads": [BLANK]}
-    runs = pp.simulate(press, 2.0, speed=np.array([10.0, 31.0]), points=201, **options)
+    runs = pp.simulate_batch(press, 2.0, speed=np.array([10.0, 31.0]), points=201, **options)
     assert runs.errors[0].time > 1.5
     run = pp.simulate(press, 1.5, speed=10.0, points=151, **options)
     np.testing.assert_allclose(runs.crank_angle[:151, 0], run.crank_angle, rtol=0, atol=1e-8)
@@ -367,7 +368,7 @@ def test_random_sets(press, values, angle):
 
 @pytest.fixture(scope="module")
 def three(press):
-    return pp.simulate(press, 0.5, **blanked(press, speed=[25.0, 30.0, -35.0]), points=41)
+    return pp.simulate_batch(press, 0.5, **blanked(press, speed=[25.0, 30.0, -35.0]), points=41)
 
 
 def test_a_scenario_is_a_full_run(press, three):
@@ -388,7 +389,7 @@ def test_a_scenario_keeps_its_own_values(press):
     """Of drive, flywheel and load, also inside a gear."""
     power, wheel, force = np.array([1e4, 3e4]), np.array([100.0, 200.0]), np.array([1e5, 5e5])
     drive = pp.drives.Geared(pp.drives.InductionMotor(power, 1465 * RPM), 5.0)
-    runs = pp.simulate(
+    runs = pp.simulate_batch(
         press, 0.3, speed=29.0, drive=drive, flywheel=pp.drives.Flywheel(wheel), loads=[pp.loads.Blanking(force, 0.010, 0.005)]
     )
     for k in range(2):
@@ -433,7 +434,9 @@ def test_a_press_without_a_slide(tmp_path):
         encoding="utf-8",
     )
     torque, speed = np.array([-2.0, 0.0, 5.0]), np.array([4.0, 5.0, 6.0])
-    runs = pp.simulate(pp.load(file), 2.0, speed=speed, drive=pp.drives.ConstantTorque(torque), flywheel=pp.drives.Flywheel(2.0), points=21)
+    runs = pp.simulate_batch(
+        pp.load(file), 2.0, speed=speed, drive=pp.drives.ConstantTorque(torque), flywheel=pp.drives.Flywheel(2.0), points=21
+    )
     assert runs.slide_position is None
     time = runs.time[:, None]
     np.testing.assert_allclose(runs.crank_speed, speed + torque / 5 * time, rtol=1e-10)
@@ -452,10 +455,6 @@ BAD = {
     "angles": ({"speed": 30.0, "angle": [0.0, 1.0]}, "angle is an array"),
     "one angle in an array": ({"angle": np.array([0.0])}, "angle is an array"),
     "angle": ({"angle": math.nan}, "angle is nan"),
-    "constraint": ({"method": "constraint"}, "reduced"),
-    "clutch": ({"clutch": pp.drives.Clutch(1e3)}, "clutch"),
-    "brake": ({"brake": pp.drives.Brake(1e3)}, "brake"),
-    "step": ({"step": 1e-3}, "step"),
     "NaN": ({"speed": [30.0, math.nan]}, "speed is"),
     "infinite": ({"speed": [30.0, math.inf]}, "speed is"),
     "a table": ({"speed": [[30.0, 31.0]]}, "speed is"),
@@ -486,12 +485,12 @@ def test_bad_arguments(press, name):
     change, message = BAD[name]
     good = {"press": press, "duration": 0.1, "speed": [30.0, 31.0], "flywheel": WHEEL}
     with within(5.0), pytest.raises(pp.PinpressError, match=message):
-        pp.simulate(**good | change)
+        pp.simulate_batch(**good | change)
 
 
 def test_one_load_is_no_list(press):
     with pytest.raises(pp.PinpressError, match="give a list"):
-        pp.simulate(press, 0.1, speed=[30.0, 31.0], flywheel=WHEEL, loads=BLANK)
+        pp.simulate_batch(press, 0.1, speed=[30.0, 31.0], flywheel=WHEEL, loads=BLANK)
 
 
 def test_bad_values_in_an_array():
@@ -507,9 +506,9 @@ def test_bad_values_in_an_array():
 
 def test_no_inertia_in_one(press):
     """Only that one has an error."""
-    runs = pp.simulate(press, 0.2, speed=30.0, flywheel=pp.drives.Flywheel(np.array([100.0, -100.0])))
-    assert runs.errors[0] is None  # type: ignore[attr-defined]
-    assert "inertia" in str(runs.errors[1])  # type: ignore[attr-defined]
+    runs = pp.simulate_batch(press, 0.2, speed=30.0, flywheel=pp.drives.Flywheel(np.array([100.0, -100.0])))
+    assert runs.errors[0] is None
+    assert "inertia" in str(runs.errors[1])
 
 
 def test_arrays_that_are_no_scenarios(press):
@@ -522,7 +521,7 @@ def test_arrays_that_are_no_scenarios(press):
     table = pp.loads.ForceStroke(np.array([0.0, 0.01]), np.array([1e3, 0.0]))
     motor = pp.drives.Geared(pp.drives.InverterMotor(200.0, 1450 * RPM, 45.0, curve=np.array([[10.0, 300.0], [60.0, 250.0]])), 5.0)
     assert isinstance(pp.simulate(press, 0.1, speed=28.0, flywheel=WHEEL, drive=motor, loads=[table]), pp.Run)
-    runs = pp.simulate(press, 0.1, speed=[28.0, 29.0], flywheel=WHEEL, drive=motor, loads=[table, spring])
+    runs = pp.simulate_batch(press, 0.1, speed=[28.0, 29.0], flywheel=WHEEL, drive=motor, loads=[table, spring])
     assert len(runs) == 2
 
 
@@ -556,10 +555,11 @@ class Curve:
         return speed
 
 
+@dataclasses.dataclass(frozen=True)
 class Scaled(Curve):
     """The same with a gain, one for each scenario."""
 
-    per_scenario: ClassVar = {"inertia": 0}
+    inertia: float = dataclasses.field(default=0.0, metadata=pp.drives.parameter("kg m2", "not negative", scenarios=True))
 
     def torque(self, speed, angle=0.0, time=0.0, state=()):
         return np.interp(speed, self.speeds, self.torques) * (1.0 + 0.01 * self.inertia)
@@ -587,31 +587,38 @@ def test_a_drive_that_declares_its_scenarios(press):
 
 
 @pytest.mark.parametrize(
-    ("declared", "field", "message"),
-    [
-        ({"gain": 0}, 0.0, r"per_scenario is \{'gain': 0\}"),
-        ("inertia", 0.0, "per_scenario is 'inertia'"),
-        ({"inertia": -1}, 0.0, "per_scenario is"),
-        ({"inertia": 0}, np.ones((2, 2)), r"inertia has shape \(2, 2\)"),
-        ({"inertia": 1}, 0.0, r"inertia has shape \(\)"),
-    ],
+    ("sign", "axes", "message"),
+    [("huge", 0, "sign is 'huge'; give one of finite"), ("positive", -1, "axes is -1"), ("positive", True, "axes is True")],
 )
-def test_declarations_that_make_no_sense(press, declared, field, message):
-    drive = type("Odd", (Curve,), {"per_scenario": declared})(POINTS, TORQUES, field)
+def test_declarations_that_make_no_sense(sign, axes, message):
     with pytest.raises(pp.PinpressError, match=message):
-        pp.simulate(press, 0.1, **blanked(press, drive=drive))
+        pp.drives.parameter("kg m2", sign, scenarios=True, axes=axes)
 
 
-def test_only_a_dataclass_declares_scenarios(press):
-    class Plain:
-        per_scenario: ClassVar = {"datum": 0}
-        datum = None
+def test_a_declared_field_of_another_shape(press):
+    with pytest.raises(pp.PinpressError, match=r"Scaled: inertia has shape \(2, 2\); give a finite number that is not negative \[kg m2\]"):
+        pp.simulate_batch(press, 0.1, **blanked(press, drive=Scaled(POINTS, TORQUES, np.ones((2, 2)))))
 
-        def intervals(self, downwards):
-            return ()
 
-    with pytest.raises(pp.PinpressError, match="Plain: per_scenario is for dataclasses"):
-        pp.simulate(press, 0.1, **blanked(press, loads=[Plain()]))
+SEVERAL = {
+    "speed": ({"speed": [30.0, 31.0]}, "speed has 2 scenarios"),
+    "drive": ({"drive": pp.drives.Geared(pp.drives.ConstantTorque(np.ones(3)), 2.0)}, "ConstantTorque.value has 3 scenarios"),
+    "flywheel": ({"flywheel": pp.drives.Flywheel(np.ones(2))}, "Flywheel.inertia has 2 scenarios"),
+    "load": ({"loads": [pp.loads.ConstantForce(np.ones(2), 0.01)]}, "ConstantForce.force has 2 scenarios"),
+}
+
+
+@pytest.mark.parametrize("what", SEVERAL)
+def test_several_scenarios_are_asked_for_in_words(press, what):
+    change, message = SEVERAL[what]
+    with pytest.raises(pp.PinpressError, match=f"{message}, and simulate takes one: .* simulate_batch"):
+        pp.simulate(press, 0.1, **blanked(press) | change)
+
+
+def test_a_batch_without_arrays_is_one_scenario(press):
+    runs = pp.simulate_batch(press, 0.3, **blanked(press), points=31)
+    assert len(runs) == 1
+    same(runs, 0, pp.simulate(press, 0.3, points=31, **blanked(press)))
 
 
 # ---------------------------------------------------------------------------------------------------------------------- energy audit
@@ -620,7 +627,7 @@ def test_only_a_dataclass_declares_scenarios(press):
 def test_every_scenario_keeps_its_energy(press):
     """Of those solved together, and of those that stall, which run alone, up to there."""
     options = {"flywheel": pp.drives.Flywheel(50.0), "drive": pp.drives.ConstantTorque(np.array([300.0, 200.0, -300.0])), "loads": [BLANK]}
-    runs = pp.simulate(press, 1.8, speed=[10.0, 31.0, 4.0], **options)
+    runs = pp.simulate_batch(press, 1.8, speed=[10.0, 31.0, 4.0], **options)
     assert [error is None for error in runs.errors] == [False, True, False]
     assert runs.energy_error.shape == (3,)
     assert np.all((runs.energy_error > 0) & (runs.energy_error < 1e-9))
@@ -631,7 +638,7 @@ def test_a_scenario_whose_energy_does_not_balance_is_refused(press, monkeypatch)
     better."""
     drive = pp.drives.Geared(pp.drives.InductionMotor(np.array([1e4, 3e4]), 1465 * RPM, inertia=0.1), 5.0)
     monkeypatch.setattr(collocation, "SETTLED", 1.0)
-    runs = pp.simulate(press, 0.5, **blanked(press, speed=10.0, drive=drive, loads=[]))
+    runs = pp.simulate_batch(press, 0.5, **blanked(press, speed=10.0, drive=drive, loads=[]))
     assert runs.errors[0] is None
     assert 1e-8 < runs.energy_error[0] < 1e-6
     assert "energy does not balance" in str(runs.errors[1])

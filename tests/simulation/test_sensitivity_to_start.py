@@ -129,7 +129,7 @@ def test_dry_friction_holds_it_on_the_top(press):
 def test_scenarios_beside_it_are_run_alone(press):
     """One that creeps away from the top, beside one that runs fast."""
     with pytest.warns(pp.PinpressWarning, match="not determined"):
-        runs = pp.simulate(press, 0.6, [1e-5, 20.0], math.pi, points=21)
+        runs = pp.simulate_batch(press, 0.6, speed=[1e-5, 20.0], angle=math.pi, points=21)
     assert runs.errors == (None, None)
     assert runs.crank_angle[-1, 1] > 2 * math.pi
 
@@ -139,5 +139,5 @@ def test_a_scenario_that_barely_gets_over_the_top(press):
     rise = potential(math.pi) - potential(0.0)
     speed = math.sqrt(2 * rise * (1 + 1e-7) / inertia(0.0))
     with pytest.warns(pp.PinpressWarning, match="not determined"):
-        runs = pp.simulate(press, 1.0, [speed, 20.0 + speed], points=21)
+        runs = pp.simulate_batch(press, 1.0, speed=[speed, 20.0 + speed], points=21)
     assert runs.crank_angle[-1, 0] > math.pi

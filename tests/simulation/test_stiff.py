@@ -5,7 +5,7 @@ import pytest
 from extremes.extreme_stiff import CASES, FLYWHEEL, MECHANISM, SPEED, START, Rubbing, between, run, swung
 
 import pinpress as pp
-from pinpress.drives.transmission import ConstantTorque
+from pinpress.drives.motors import ConstantTorque
 from pinpress.loads.process import ElasticDie
 from pinpress.simulation.radau import STAGES, RadauIIA, rule
 

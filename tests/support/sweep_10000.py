@@ -33,7 +33,7 @@ def stroke(speed, inertia, log):
 
 @lru_cache(maxsize=1)
 def strokes(speed):
-    return pp.simulate(PRESS, DURATION, speed=speed, flywheel=pp.drives.Flywheel(INERTIAS), points=2)
+    return pp.simulate_batch(PRESS, DURATION, speed=speed, flywheel=pp.drives.Flywheel(INERTIAS), points=2)
 
 
 def grid(speeds):
