@@ -84,11 +84,7 @@ def build_problem(
     press: Linkage, conditions: Sequence[OperatingCondition], regions: Sequence[CounterweightRegion], targets: Sequence[Target]
 ) -> BalancingProblem:
     """The problem of some measures. Arguments and errors are those of `balance`."""
-    if not isinstance(regions, list | tuple) or not regions or not all(isinstance(each, CounterweightRegion) for each in regions):
-        raise PinpressError(
-            "regions is no list of CounterweightRegion: say on which links counterweights may be,"
-            " [CounterweightRegion('crank', radius=0.3)]"
-        )
+    _refuse_no_regions(regions)
     measures = list(dict.fromkeys(target for target in targets if isinstance(target, Measure)))
     for measure in measures:
         refuse_unknown(measure, press)
@@ -116,6 +112,14 @@ def build_problem(
         own=sum(each.own.mass for each in variables if each.own is not None),
         moving=moving,
     )
+
+
+def _refuse_no_regions(regions: Sequence[CounterweightRegion]) -> None:
+    if not isinstance(regions, list | tuple) or not regions or not all(isinstance(each, CounterweightRegion) for each in regions):
+        raise PinpressError(
+            "regions is no list of CounterweightRegion: say on which links counterweights may be,"
+            " [CounterweightRegion('crank', radius=0.3)]"
+        )
 
 
 def _variables(

@@ -78,12 +78,8 @@ def _auxiliary(
     main: CrankSlider, crank_radius: float, rod_length: float | None, rod_mass: float | None, rod_inertia: float | None
 ) -> CrankSlider:
     """The auxiliary crank-slider."""
-    radius = positive("crank_radius", crank_radius, "m")
+    radius, length, mass = _auxiliary_sizes(main, crank_radius, rod_length, rod_mass)
     scale = radius / main.crank_radius
-    length = main.rod_length * scale if rod_length is None else positive("rod_length", rod_length, "m")
-    if not length > radius:
-        raise PinpressError(f"rod_length is {length:g} m, crank_radius {radius:g} m: for a full turn the rod must be longer")
-    mass = main.rod_mass / scale if rod_mass is None else positive("rod_mass", rod_mass, "kg")
     similar = main.rod_inertia * mass / main.rod_mass * (length / main.rod_length) ** 2
     # A centre beside the line gives a mass moment, which must be the same times the crank radius.
     share = complex(main.rod_share.real, main.rod_share.imag * main.rod_mass / (scale * mass))
@@ -110,6 +106,18 @@ def _auxiliary(
         direction=-main.direction,
         across=-main.across,
     )
+
+
+def _auxiliary_sizes(
+    main: CrankSlider, crank_radius: float, rod_length: float | None, rod_mass: float | None
+) -> tuple[float, float, float]:
+    """Crank radius [m], rod length [m] and rod mass [kg] of the auxiliary crank-slider."""
+    radius = positive("crank_radius", crank_radius, "m")
+    scale = radius / main.crank_radius
+    length = main.rod_length * scale if rod_length is None else positive("rod_length", rod_length, "m")
+    if not length > radius:
+        raise PinpressError(f"rod_length is {length:g} m, crank_radius {radius:g} m: for a full turn the rod must be longer")
+    return radius, length, main.rod_mass / scale if rod_mass is None else positive("rod_mass", rod_mass, "kg")
 
 
 def _with_auxiliary(drawn: PressPlan, main: CrankSlider, auxiliary: CrankSlider) -> PressPlan:
