@@ -44,13 +44,13 @@ def inverse_dynamics(bodies: Bodies, states: ClosedStates, under: AppliedConditi
     few = some and law is None and torque_only.suffices(plane, wanted, under.gears)
     speeds = None if law is None else law.moving(np.concatenate([states.v, plane.crossed.T @ (plane.sense[:, None] * states.v)]))
     for start in range(0, n, PIECE):
-        s = slice(None) if n <= PIECE else slice(start, start + PIECE)
+        s = slice(start, start + PIECE)
+        piece, conditions, filled = (states, under, result) if n <= PIECE else (states.part(s), under.part(s), result.part(s))
         rubbing = None if law is None or speeds is None else Rubbing(law, speeds[:, s], states.position[plane.driver, s])
-        part = under.part(s)
-        if few and not (wanted and _across(bodies, part.loads)):
-            torque_only.fill(bodies, states.part(s), part.loads, wanted, result.part(s))
+        if few and not (wanted and _across(bodies, conditions.loads)):
+            torque_only.fill(bodies, piece, conditions.loads, wanted, filled)
         else:
-            _piece(bodies, states.part(s), part, rubbing, wanted, result.part(s))
+            _piece(bodies, piece, conditions, rubbing, wanted, filled)
     return result
 
 
