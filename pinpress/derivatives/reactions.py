@@ -206,7 +206,7 @@ def tangent(known: Balanced, moved: Tangent, by: Shift, pushes: Sequence[Push]) 
 
     moment = _moment(centers_turned, own) + _moment(centers, own_turned) + spin
     _add_bearings(known, moved, by, origins_turned, moment)
-    subtree = plane.carried @ own_turned
+    subtree = plane.subtree @ own_turned
     shaking_force = -own_turned.sum(axis=0)
     shaking_moment = -(_moment(origins_turned + centers_turned, own) + _moment(origins + centers, own_turned) + spin).sum(axis=0)
     for push in pushes:

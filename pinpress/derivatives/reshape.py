@@ -18,7 +18,7 @@ from ..common.arguments import typed
 from ..common.arrays import Array
 from ..common.errors import AssemblyError, SingularityError
 from ..engines.closure import ACCEPTED, Closure
-from ..engines.continuation import Lock, follow
+from ..engines.continuation import SingularPosition, follow
 from ..engines.engine import Engine
 from ..engines.joints import Coupling
 from ..engines.planar.engine import PlanarEngine
@@ -127,7 +127,7 @@ def _closed_by(engine: Engine, press: Linkage, moved: Displacements) -> Array:
         return replace(closure, first=Passive(rows.columns, here).rates(-opened)[:, None])
 
     end = follow(close_part_way, press.closed, 1.0, press.size, ACCEPTED * press.spatial.tolerance)
-    if isinstance(end, Lock):
+    if isinstance(end, SingularPosition):
         raise SingularityError(
             f"{press.name} cannot be brought to the new lengths: {100 * end.angle:.3g} % of the way it locks, or cannot be assembled",
             0.0,

@@ -19,7 +19,7 @@ from ..common.errors import AssemblyError, PinpressError, SingularityError
 from . import change_points
 from .change_points import ChangePoint, Gap
 from .closure import Close
-from .continuation import COARSE_STEP, FIRST_STEP, SMALLEST_MARGIN, Follower, Lock, Node, advance, hermite
+from .continuation import COARSE_STEP, FIRST_STEP, SMALLEST_MARGIN, Follower, Node, SingularPosition, advance, hermite
 
 SUBDIVISION = 8  # nodes of the table per step of the walk
 LARGEST_CORRECTION = 1e-3  # Newton's method may move a joint so far from its prediction [rad, or lengths of the linkage]
@@ -44,7 +44,7 @@ class Branch:
     coefficients: Array
     period: float | None
     advance: Array
-    locks: tuple[Lock | None, Lock | None]
+    locks: tuple[SingularPosition | None, SingularPosition | None]
     change_points: tuple[ChangePoint, ...] = ()
 
 
@@ -106,7 +106,7 @@ class _Walked(NamedTuple):
     """Nodes over rising crank angles, of a full period, or from lock to lock, or of as many turns as are followed; see `Branch`."""
 
     nodes: list[Node]
-    locks: tuple[Lock | None, Lock | None]
+    locks: tuple[SingularPosition | None, SingularPosition | None]
     advance: Array | None
     passed: tuple[ChangePoint, ...]
 
@@ -127,7 +127,7 @@ def _around(follower: Follower, begin: float, drawn: Array, returning: Returning
     return _Walked(downward[:0:-1] + upward, (low, high), None, tuple(passed))
 
 
-def _on(follower: Follower, nodes: list[Node], target: float, gap: Gap | None, passed: list[ChangePoint]) -> Lock | None:
+def _on(follower: Follower, nodes: list[Node], target: float, gap: Gap | None, passed: list[ChangePoint]) -> SingularPosition | None:
     """Append nodes up to the crank angle ``target``, through change points where there are gaps to tell them by; the lock before it."""
     while (lock := advance(follower, nodes, target)) is not None:
         found = None if gap is None else change_points.across(follower, nodes, lock.angle, target, gap)

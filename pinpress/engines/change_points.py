@@ -43,7 +43,8 @@ class ChangePoint:
     """The drawn assembly around a change point.
 
     Attributes:
-        angle: crank angle [rad]. half: half width of the stretch [rad].
+        angle: crank angle [rad].
+        half: half width of the stretch [rad].
         coefficients: (terms, 3, nv) of Chebyshev polynomials over the stretch: joint coordinates and their first two derivatives by the
             crank angle.
     """

@@ -67,7 +67,7 @@ def stacked(parts: Sequence[Matrix]) -> Matrix:
     """The rows of all parts, one below the other."""
     if isinstance(parts[0], np.ndarray):
         return np.concatenate(parts)
-    from scipy.sparse import vstack  # slow to import
+    from scipy.sparse import vstack  # see `matrix`
 
     return vstack(parts, format="csr")
 

@@ -17,7 +17,7 @@ SMALLEST_STEP = 1e-10  # the walk ends where it would need a shorter one: the li
 SMALLEST_MARGIN = 1e-6  # below it rounding of the loop equations decides where two assemblies meet: the walk ends there too
 
 
-class Lock(NamedTuple):
+class SingularPosition(NamedTuple):
     """Where a walk ended: the crank angle [rad] at which the linkage locks or two assemblies meet, and the margin left before it."""
 
     angle: float
@@ -50,7 +50,7 @@ class Node:
         return Node(angle, closure.position[:, 0], closure.first[:, 0], closure.second[:, 0], closure.margins[:, 0])
 
 
-def advance(follower: Follower, nodes: list[Node], target: float) -> Lock | None:
+def advance(follower: Follower, nodes: list[Node], target: float) -> SingularPosition | None:
     """Append nodes up to the crank angle ``target``; where the linkage locks before it, say where."""
     direction = 1.0 if target > nodes[-1].angle else -1.0
     step = FIRST_STEP
@@ -60,7 +60,7 @@ def advance(follower: Follower, nodes: list[Node], target: float) -> Lock | None
         ahead = _singularity_ahead(nodes[-2], last) if len(nodes) > 1 else np.inf
         margin = float(np.abs(last.margins).min(initial=1.0))
         if margin < follower.smallest_margin:
-            return Lock(last.angle + direction * min(ahead, follower.longest), margin)
+            return SingularPosition(last.angle + direction * min(ahead, follower.longest), margin)
         step = min(step, 0.5 * ahead)
         remaining = abs(target - last.angle)
         # the last step of a turn is stretched or cut to end on it exactly
@@ -74,7 +74,7 @@ def advance(follower: Follower, nodes: list[Node], target: float) -> Lock | None
         else:
             step = min(step, abs(h)) / 2
             if step < SMALLEST_STEP:
-                return Lock(last.angle, margin)
+                return SingularPosition(last.angle, margin)
     return None
 
 
@@ -104,7 +104,7 @@ def _belongs(closure: Closure, guess: Array, last: Node, h: float, weight: float
     return bool(correction <= 0.1 * abs(h) * (1.0 + weight * np.abs(last.first).max()))
 
 
-def follow(close: Close, start: Array, distance: float, size: float, tolerance: float) -> Array | Lock:
+def follow(close: Close, start: Array, distance: float, size: float, tolerance: float) -> Array | SingularPosition:
     """The closed configuration (nv,) a ``distance`` [rad] along a path, followed from the closed one ``start`` (nv,) at its beginning; or
     where the linkage locks on the way. ``close`` takes distances along the path for crank angles."""
     nodes = [Node.of(0.0, close(np.zeros(1), start[:, None]))]

@@ -20,7 +20,9 @@ class FrictionLaw:
     """The friction of all bearings, joints in Pinocchio's order, then loops.
 
     Attributes:
-        arm: (bearings,) mu r [m], of guides mu [-]. viscous: (bearings,). turns: (bearings,) true but for guides.
+        arm: (bearings,) mu r [m], of guides mu [-].
+        viscous: (bearings,).
+        turns: (bearings,) true but for guides.
         size: length of the linkage [m].
     """
 

@@ -35,7 +35,7 @@ class Objective(NamedTuple):
     scale: float
 
 
-def least(objectives: Iterable[Objective]) -> Array:
+def lexicographic_least_squares(objectives: Iterable[Objective]) -> Array:
     """y (..., k) that makes the first objective least, of those that do so the one that makes the second least, and so on; the shortest of
     those left open."""
     share, free = None, None

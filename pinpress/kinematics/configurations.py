@@ -8,7 +8,7 @@ from ..common.arrays import Array
 from ..common.errors import AssemblyError, PinpressError, SingularityError
 from ..engines.branch import LARGEST_CORRECTION, Branch, predict
 from ..engines.closure import ACCEPTED, PIECE, Closure, joined
-from ..engines.continuation import Lock, follow
+from ..engines.continuation import SingularPosition, follow
 from ..linkage.linkage import Linkage
 
 MANY_PERIODS = 1000  # beyond which a crank angle's rounding is seen in the gaps of loops
@@ -91,7 +91,7 @@ def followed(press: Linkage, angles: Array) -> Array:
             return close_drivers(drivers, along, guess)
 
         end = follow(close, position, distance, press.size, tolerance)
-        if isinstance(end, Lock):
+        if isinstance(end, SingularPosition):
             raise SingularityError(
                 f"{press.name} locks between driver positions {np.degrees(before).round(3)} and {np.degrees(after).round(3)} deg",
                 float((before + end.angle * along)[0]),

@@ -12,7 +12,7 @@ from ..engines.coordinates import configuration, data_of
 from ..engines.planar.model import PARALLEL
 from ..engines.spatial.constraints import Rows
 from ..engines.spatial.kinematics import Passive, rank, singular_values
-from . import mobility as freedom
+from . import mobility
 from .linkage import Linkage
 from .urdf.findings import Finding
 
@@ -51,9 +51,9 @@ def closes(press: Linkage) -> bool:
     return bool(press.drawn.gap[0] <= tolerance) and bool(np.abs(press.closed - press.as_drawn).max() <= near)
 
 
-def apart(press: Linkage, each: freedom.Held, gaps: Array) -> str:
+def apart(press: Linkage, each: mobility.Held, gaps: Array) -> str:
     """How far a loop or gear pair is open, in words."""
-    distance, angle = freedom.opening(press, each, gaps)
+    distance, angle = mobility.opening(press, each, gaps)
     shown = [f"{short(1e3 * distance)} mm"] if distance > SEEN * press.size or angle <= SEEN else []
     return " and ".join(shown + [f"{short(np.degrees(angle))} deg"] * (angle > SEEN))
 
@@ -74,9 +74,9 @@ def rounded(press: Linkage) -> str | None:
 def _off(press: Linkage) -> tuple[float, str, int | None]:
     """By how much the joint or loop that does so most misses the plane, its element and line."""
     joints: list[tuple[float, str, int | None]]
-    joints = [(off, f'<joint name="{name}">', None) for off, name in zip(freedom.joints_off_plane(press), press.joints, strict=True)]
+    joints = [(off, f'<joint name="{name}">', None) for off, name in zip(mobility.joints_off_plane(press), press.joints, strict=True)]
     loops = [
-        (off, f'<loop_joint name="{loop.name}">', loop.line) for off, loop in zip(freedom.loops_off_plane(press), press.loops, strict=True)
+        (off, f'<loop_joint name="{loop.name}">', loop.line) for off, loop in zip(mobility.loops_off_plane(press), press.loops, strict=True)
     ]
     return max([*joints, *loops], key=lambda each: each[0])
 
@@ -93,13 +93,13 @@ def _mobility(press: Linkage, rows: Rows, free: int) -> Finding:
     drive = "one joint drives" if len(press.drivers) == 1 else f"{len(press.drivers)} joints drive"
     problem = f"mobility is {free}, but {drive}"
     if free > len(press.drivers):
-        problem += f": with {_driver(press)} held still, {_joints(freedom.undetermined(press, rows))} can move"
+        problem += f": with {_driver(press)} held still, {_joints(mobility.undetermined(press, rows))} can move"
         remedy = "a <loop_joint> is missing, a link hangs free, or a driver is missing"
     else:
-        if alone := freedom.too_many(press, rows):
+        if alone := mobility.overconstraining(press, rows):
             problem += f": {' or '.join(each.title for each in alone)} contradicts the others"
-        elif free == 0 and (holding := freedom.holding(press, rows)):
-            problem += f": held by {', '.join(each.title for each in holding)}"
+        elif free == 0 and (locking := mobility.locking(press, rows)):
+            problem += f": held by {', '.join(each.title for each in locking)}"
         stuck = rounded(press) or "a loop, a gear pair or a fixed joint too many: nothing can move"
         remedy = "drive fewer joints" if free > 0 else stuck
     return Finding.of(UrdfError(press.file, f'<robot name="{press.name}">', None, problem, remedy))
@@ -124,7 +124,7 @@ def _change_point(press: Linkage, rows: Rows) -> Finding:
 
 def _open(press: Linkage, rows: Rows) -> Iterator[Finding]:
     """The loops and gear pairs that Newton's method left open, widest as drawn first."""
-    owners = freedom.held(press)
+    owners = mobility.held(press)
     closest = press.closed_rows.gaps if np.isfinite(press.drawn.gap[0]) else rows.gaps
     gaps, left = ([each.gap(of) for each in owners] for of in (rows.gaps, closest))
     # Where loops hold each other, all of them may be left open; those that are drawn closed are not to blame.
@@ -146,7 +146,8 @@ def _dead_point(press: Linkage, rows: Rows) -> Iterator[Finding]:
     if rank(columns) == columns.shape[1]:
         return
     problem = f"{_driver(press)} does not determine the drawn pose"
-    remedy = f"draw the linkage away from its dead point ({_joints(freedom.undetermined(press, rows))} can move with the driver held still)"
+    free = _joints(mobility.undetermined(press, rows))
+    remedy = f"draw the linkage away from its dead point ({free} can move with the driver held still)"
     smallest = float(values.min()) if len(values) == columns.shape[1] else 0.0
     error = SingularityError(f"{press.file}: {problem}; {remedy}", 0.0, smallest)
     yield Finding("error", f'<robot name="{press.name}">', None, problem, remedy, error)

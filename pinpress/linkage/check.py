@@ -6,21 +6,19 @@ import os
 import textwrap
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ..common.errors import UrdfError
 from ..engines.joints import LoopJoint
+from ..engines.spatial.kinematics import rank as rank_of
+from . import assembly_checks, assembly_remarks, mobility
 from .assembly_checks import short
+from .linkage import Linkage
 from .loading import assembled, located
+from .urdf import element_remarks, reader
+from .urdf.document import Document, parse
 from .urdf.findings import SEVERITIES, Finding
-
-if TYPE_CHECKING:
-    from . import mobility as freedom
-    from .linkage import Linkage
-    from .urdf.document import Document
-
 
 WIDTH = 120  # of a line of text
 
@@ -30,9 +28,11 @@ class Closing:
     """A loop or gear pair of a linkage.
 
     Attributes:
-        name: of the loop; of a gear pair, of the joint with the ``<mimic>``. type: "spherical", "revolute", "fixed" or "gear pair".
+        name: of the loop; of a gear pair, of the joint with the ``<mimic>``.
+        type: "spherical", "revolute", "fixed" or "gear pair".
         between: names of the links, of a gear pair of the joints.
-        gap: between its two sides as drawn [m]. misalignment: of its axes or links as drawn [rad].
+        gap: between its two sides as drawn [m].
+        misalignment: of its axes or links as drawn [rad].
         joints: names of the joints whose coordinates it determines, where the linkage is planar; else, of those it closes a loop of.
     """
 
@@ -49,8 +49,10 @@ class Facts:
     """What the elements of a URDF make, put together.
 
     Attributes:
-        drivers, slide: names. joints: names of those that move.
-        equations, rank: of loops and gear pairs in the drawn pose. mobility: degrees of freedom.
+        drivers, slide: names.
+        joints: names of those that move.
+        equations, rank: of loops and gear pairs in the drawn pose.
+        mobility: degrees of freedom.
         engine: that computes it, "plane" or "pinocchio"; None where it cannot be loaded.
         closings: loops, then gear pairs. Those of a planar linkage close in the order of the joints that they determine.
     """
@@ -69,11 +71,12 @@ class Facts:
 
 
 @dataclass(frozen=True)
-class Report:
+class CheckResult:
     """What `check` found; as text, a page to read.
 
     Attributes:
-        file: path of the URDF. findings: errors first, the one that `load` raises in front, then warnings, then notes.
+        file: path of the URDF.
+        findings: errors first, the one that `load` raises in front, then warnings, then notes.
         facts: None where the errors leave open what the elements make.
     """
 
@@ -103,7 +106,7 @@ class Report:
         return "\n".join(lines)
 
 
-def check(path: str | os.PathLike[str], driver: str | Sequence[str] | None = None, slide: str | None = None) -> Report:
+def check(path: str | os.PathLike[str], driver: str | Sequence[str] | None = None, slide: str | None = None) -> CheckResult:
     """Find all errors of a URDF, of which `load` raises the first, and whatever else is odd in it or worth knowing.
 
     Args:
@@ -114,15 +117,11 @@ def check(path: str | os.PathLike[str], driver: str | Sequence[str] | None = Non
         UnknownNameError: no such driver or slide.
         PinpressError: the slide is not guided by the frame, or a driver is named twice.
     """
-    from .urdf import reader as urdf  # see `load`
-    from .urdf import remarks as urdf_remarks
-    from .urdf.document import parse
-
     file = os.fspath(located(path))
     findings, facts = [], None
     try:
         document = parse(file)
-        findings += [*urdf.errors(document), *urdf_remarks.remarks(document.robot)]
+        findings += [*reader.errors(document), *element_remarks.remarks(document.robot)]
         if all(finding.error is None for finding in findings):
             found, facts = _put_together(document, driver, slide)
             findings += found
@@ -130,21 +129,15 @@ def check(path: str | os.PathLike[str], driver: str | Sequence[str] | None = Non
         if not os.path.exists(file):
             raise
         findings.append(Finding.of(error))
-    return Report(file, tuple(sorted(findings, key=lambda finding: SEVERITIES.index(finding.severity))), facts)
+    return CheckResult(file, tuple(sorted(findings, key=lambda finding: SEVERITIES.index(finding.severity))), facts)
 
 
 def _put_together(document: Document, driver: str | Sequence[str] | None, slide: str | None) -> tuple[list[Finding], Facts]:
     """Findings and facts of the linkage that the elements make; raises the errors of `assembled`."""
-    from ..engines.spatial.kinematics import rank as rank_of  # only checking needs these, and they are slow to import
-    from . import assembly_checks as pose_checks
-    from . import mobility as freedom
-    from . import remarks as linkage_remarks
-    from .urdf import reader as urdf
-
-    description = urdf.describe(document)
+    description = reader.describe(document)
     press = assembled(document, driver, slide)
-    errors = list(pose_checks.errors(press))
-    findings = errors or list(linkage_remarks.remarks(press, document.robot))
+    errors = list(assembly_checks.errors(press))
+    findings = errors or list(assembly_remarks.remarks(press, document.robot))
     rank = rank_of(press.equations(press.as_drawn).columns) if errors else press.rank
     between = [(loop.link1.link, loop.link2.link) for loop in description.loops]
     between += [(press.joints[pair.follower], press.joints[pair.leader]) for pair in press.couplings]
@@ -153,7 +146,7 @@ def _put_together(document: Document, driver: str | Sequence[str] | None, slide:
             each.by.name,
             each.by.type if isinstance(each.by, LoopJoint) else "gear pair",
             between[k],
-            *freedom.opening(press, each, press.drawn_gaps),
+            *mobility.opening(press, each, press.drawn_gaps),
             joints,
         )
         for k, each, joints in _in_order(press)
@@ -162,19 +155,17 @@ def _put_together(document: Document, driver: str | Sequence[str] | None, slide:
     return findings, Facts(press.drivers, press.slide, press.joints, len(press.drawn_gaps), rank, engine, closings)
 
 
-def _in_order(press: Linkage) -> Iterator[tuple[int, freedom.Held, tuple[str, ...]]]:
+def _in_order(press: Linkage) -> Iterator[tuple[int, mobility.Held, tuple[str, ...]]]:
     """Index of every loop and gear pair, itself, and names of its joints: see `Closing`."""
-    from . import mobility as freedom  # see `load`
-
-    owners = freedom.held(press)
+    owners = mobility.held(press)
     for k, joints in press.engine().closing_order():
         yield k, owners[k], tuple(press.joints[joint] for joint in joints)
 
 
-def _counted(report: Report) -> str:
+def _counted(result: CheckResult) -> str:
     numbers = [
         f"{len(found) or 'no'} {word}{'' if len(found) == 1 else 's'}"
-        for found, word in ((report.errors, "error"), (report.warnings, "warning"), (report.notes, "note"))
+        for found, word in ((result.errors, "error"), (result.warnings, "warning"), (result.notes, "note"))
     ]
     return ", ".join(numbers)
 

@@ -44,8 +44,10 @@ class Linkage(Frozen):
         name: the URDF's robot name.
         document: the URDF it was read from.
         model: Pinocchio's model of the tree, loops cut, gravity set.
-        links: names of all links, in document order. root: the frame's.
-        loops: the bearings at which loops were cut. couplings: gear pairs and the like.
+        links: names of all links, in document order.
+        root: the frame's.
+        loops: the bearings at which loops were cut.
+        couplings: gear pairs and the like.
         drivers: names of the driver joints, as many as degrees of freedom.
         slide: name of the slide link, None where the linkage has none.
     """

@@ -5,7 +5,6 @@ from __future__ import annotations
 import os
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import numpy as np
 import pinocchio as pin
@@ -16,12 +15,10 @@ from ..common.checks import LARGEST, numbers
 from ..common.errors import PinpressError, UnknownNameError, UrdfError, caution, shown, suggestion
 from ..common.regular_files import path_of
 from ..engines.joints import Coupling, LoopJoint
+from . import assembly_checks, assembly_remarks
 from .linkage import Linkage
-from .urdf import findings
-
-if TYPE_CHECKING:
-    from .urdf import reader as urdf
-    from .urdf.document import Document
+from .urdf import findings, reader
+from .urdf.document import Document
 
 
 def presses() -> tuple[str, ...]:
@@ -55,22 +52,17 @@ def load(
         PinpressWarning: a linkage that is hardly meant: a loop drawn far open, lengths or inertias that are not in SI units, a slide's axis
             that points down. `check` says more.
     """
-    from . import remarks as linkage_remarks  # only reading needs it, and it is a tenth of the package's import
-    from .urdf import reader as urdf  # only reading needs it, and it is a tenth of the package's import
-
-    document = urdf.checked(located(path))
+    document = reader.checked(located(path))
     press = assembled(document, driver, slide, gravity)
     check_drawn_pose(press, findings.command(press.file, () if driver is None else press.drivers, slide))
-    for finding in linkage_remarks.severe(press, document.robot):
+    for finding in assembly_remarks.severe(press, document.robot):
         caution(finding.message(press.file))
     return press
 
 
 def check_drawn_pose(press: Linkage, command: str | None = None) -> None:
-    """Raise the first of the errors that `pose_checks` finds in a linkage; ``command`` lists all of them."""
-    from . import assembly_checks as pose_checks  # only reading needs it, and it is slow to import
-
-    findings.refuse(pose_checks.errors(press), command or findings.command(press.file))
+    """Raise the first of the errors that `assembly_checks` finds in a linkage; ``command`` lists all of them."""
+    findings.refuse(assembly_checks.errors(press), command or findings.command(press.file))
 
 
 def located(path: str | os.PathLike[str]) -> str | os.PathLike[str]:
@@ -92,9 +84,7 @@ def assembled(
     gravity: Sequence[float] = (0.0, 0.0, -9.81),
 ) -> Linkage:
     """The linkage of a URDF without problems, not yet closed; arguments and errors as of `load`."""
-    from .urdf import reader as urdf  # see `load`
-
-    description = urdf.describe(document)
+    description = reader.describe(document)
     drivers = _drivers(description, driver)
     try:
         model = pin.buildModelFromXML(description.text.decode())
@@ -132,11 +122,11 @@ def _library() -> Path:
     return next(folder for folder in (here / "urdf", here.parent / "urdf") if folder.is_dir())
 
 
-def _line(description: urdf.Urdf, joint: str) -> int:
+def _line(description: reader.Urdf, joint: str) -> int:
     return next(j.line for j in description.joints if j.name == joint)
 
 
-def _drivers(description: urdf.Urdf, driver: str | Sequence[str] | None) -> tuple[str, ...]:
+def _drivers(description: reader.Urdf, driver: str | Sequence[str] | None) -> tuple[str, ...]:
     moving = [joint.name for joint in description.joints if joint.type != "fixed"]
     given: tuple[str, ...] = description.drivers
     if driver is not None:
@@ -157,7 +147,7 @@ def _drivers(description: urdf.Urdf, driver: str | Sequence[str] | None) -> tupl
     return given
 
 
-def _loop_joint(model: pin.Model, loop: urdf.Loop) -> LoopJoint:
+def _loop_joint(model: pin.Model, loop: reader.Loop) -> LoopJoint:
     ends: list[tuple[int, Array, Array]] = []
     turned = pin.Quaternion.FromTwoVectors(np.array([1.0, 0.0, 0.0]), np.array(loop.axis)).matrix()  # the first axis to the loop's
     for end in (loop.link1, loop.link2):
@@ -167,7 +157,7 @@ def _loop_joint(model: pin.Model, loop: urdf.Loop) -> LoopJoint:
     return LoopJoint(loop.name, loop.type, *ends[0], *ends[1], loop.line)
 
 
-def _slide(description: urdf.Urdf, model: pin.Model, slide: str | None) -> str | None:
+def _slide(description: reader.Urdf, model: pin.Model, slide: str | None) -> str | None:
     guided = {j.child: j.name for j in description.joints if j.type == "prismatic" and model.parents[model.getJointId(j.name)] == 0}
     if slide is not None:
         if not isinstance(slide, str):

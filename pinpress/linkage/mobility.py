@@ -45,7 +45,8 @@ class Redundancy(NamedTuple):
 
     Attributes:
         across: those across the plane of a planar linkage, which parallel axes fulfil anyway.
-        further: all others, in the plane or in space. among: the loops and gear pairs that take part in these.
+        further: all others, in the plane or in space.
+        among: the loops and gear pairs that take part in these.
     """
 
     across: int
@@ -78,13 +79,13 @@ def undetermined(press: Linkage, rows: Rows) -> list[str]:
     return [press.joints[j] for j, share in zip(passive.joints, shares, strict=True) if share > TAKES_PART]
 
 
-def too_many(press: Linkage, rows: Rows) -> list[Held]:
+def overconstraining(press: Linkage, rows: Rows) -> list[Held]:
     """The loops and gear pairs without any one of which the drivers would move the linkage, and determine it."""
     wanted = len(press.drivers)
     return [each for each, columns in _without_one(press, rows) if _freedom(press, columns) == (wanted, wanted)]
 
 
-def holding(press: Linkage, rows: Rows) -> list[Held]:
+def locking(press: Linkage, rows: Rows) -> list[Held]:
     """The loops and gear pairs of a linkage that cannot move, without any one of which some of the drivers could."""
     return [each for each, columns in _without_one(press, rows) if _freedom(press, columns)[1] > 0]
 

@@ -14,7 +14,7 @@ from ..common.arrays import Array
 from ..engines.coordinates import Axis, Slot, axes, slots
 from ..engines.joints import LoopJoint
 from .linkage import Linkage
-from .urdf import reader as urdf
+from .urdf import reader
 from .urdf.document import Document, Element
 from .urdf.text_edits import Text, tag
 
@@ -29,7 +29,7 @@ _FIRST = (1.0, 0.0, 0.0)  # the axis of a loop's end about which it turns
 
 def edited(document: Document, before: Linkage, now: Linkage) -> bytes:
     """The URDF's text with the numbers of ``now``, but for those that are the same ``before``, as the text was read."""
-    text, description = Text(document), urdf.describe(document)
+    text, description = Text(document), reader.describe(document)
     if now.name != before.name:
         text.set(text.robot, {"name": now.name})
     joints = list(zip(description.joints, text.robot.all("joint"), strict=True))
@@ -66,7 +66,7 @@ def placement(press: Linkage, link: str) -> pin.SE3:
 # --------------------------------------------------------------------------------------------------------------- joints, loops and drivers
 
 
-def _origin(press: Linkage, joint: urdf.Joint) -> pin.SE3:
+def _origin(press: Linkage, joint: reader.Joint) -> pin.SE3:
     """Placement of a joint in the frame of its parent link."""
     place = placement(press, joint.child) if joint.type == "fixed" else press.model.jointPlacements[press.joints.index(joint.name) + 1]
     return placement(press, joint.parent).inverse() * place
@@ -80,7 +80,7 @@ def _edit_joint(text: Text, element: Element, j: int, before: Linkage, now: Link
         text.set_child(element, child, _changed(limits))
 
 
-def _edit_loop(text: Text, element: Element, loop: urdf.Loop, k: int, before: Linkage, now: Linkage) -> None:
+def _edit_loop(text: Text, element: Element, loop: reader.Loop, k: int, before: Linkage, now: Linkage) -> None:
     old, new, axis = before.loops[k], now.loops[k], loop.axis
     if new.type != old.type:
         axis = _FIRST
@@ -91,7 +91,7 @@ def _edit_loop(text: Text, element: Element, loop: urdf.Loop, k: int, before: Li
         text.set(element.all(end)[0], _changed_place(was, place))
 
 
-def _ends(press: Linkage, loop: urdf.Loop, bearing: LoopJoint, axis: tuple[float, float, float]) -> tuple[pin.SE3, pin.SE3]:
+def _ends(press: Linkage, loop: reader.Loop, bearing: LoopJoint, axis: tuple[float, float, float]) -> tuple[pin.SE3, pin.SE3]:
     """Placements of a loop's ends in the frames of their links, where the loop turns about this axis of theirs."""
     turned = pin.Quaternion.FromTwoVectors(np.array(_FIRST), np.array(axis)).matrix()  # as `load` has it
     end1, end2 = pin.SE3(bearing.rotation1 @ turned.T, bearing.point1), pin.SE3(bearing.rotation2 @ turned.T, bearing.point2)

@@ -20,10 +20,9 @@ from ..common.arrays import Array
 from ..common.errors import PinpressError
 from ..common.regular_files import path_of
 from ..engines.coordinates import axes
-from . import assembly_checks as pose_checks
-from . import loading
+from . import assembly_checks, loading
 from .linkage import Linkage
-from .urdf import reader as urdf
+from .urdf import reader
 from .urdf.document import Document
 from .urdf.findings import Finding
 from .urdf_edits import DYNAMICS, LIMITS, POSITION_LIMITS, edited, placement
@@ -74,14 +73,14 @@ def write_urdf(press: Linkage, path: str | os.PathLike[str]) -> Path:
     for what, gap in gaps.items():
         if not gap <= ACCEPTED:
             raise PinpressError(f"{unwritten}: a URDF cannot hold the changed {what} of {press.name}; leave it as in {press.file}")
-    _raise_first(pose_checks.errors(reached))
+    _raise_first(assembly_checks.errors(reached))
     return files.write(path, text)
 
 
 def _read(text: bytes, file: str) -> Document:
     """A text as if it stood in that file; raises its first error."""
     document = Document(file, text)
-    _raise_first(urdf.errors(document))
+    _raise_first(reader.errors(document))
     return document
 
 

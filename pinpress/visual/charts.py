@@ -17,7 +17,7 @@ from ..dynamics.inverse_dynamics import Reactions
 from ..dynamics.rounding import AXES, ROUNDING, finite, finite_forces, held_moments, is_constant, rounding, torque_without_rounding
 from ..kinematics.motion import Motion
 from ..kinematics.poses import loaded_bodies, poses
-from ..linkage import mobility as freedom
+from ..linkage import mobility
 from ..linkage.linkage import Linkage
 from ..simulation.run import Run
 
@@ -188,8 +188,8 @@ def locus(reactions: Reactions, name: str) -> Locus:
 def _directions(press: Linkage, force: Array, least: float) -> tuple[tuple[str, str], Array]:
     """Names and world directions (2, 3) of a polar diagram's axes; forces (n, 3) below ``least`` are rounding."""
     normals = press.engine().turning_axes()  # one, of a planar press
-    if len(normals) == 1 and np.abs(normals).max() < 1 - freedom.UPRIGHT:
-        return ("h", "u"), freedom.own_axes(press)[[0, 2]]
+    if len(normals) == 1 and np.abs(normals).max() < 1 - mobility.UPRIGHT:
+        return ("h", "u"), mobility.own_axes(press)[[0, 2]]
     across = _least_moved(force, least) if len(normals) > 1 else int(np.abs(normals[0]).argmax())
     first, second = (axis for axis in range(3) if axis != across)
     return (AXES[first], AXES[second]), np.eye(3)[[first, second]]

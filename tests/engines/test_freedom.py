@@ -8,7 +8,7 @@ from support.generators.malformed_linkages import AXIS, GEAR, PENDULUM, STAYS, c
 
 import pinpress as pp
 from pinpress.engines.joints import Coupling
-from pinpress.linkage import mobility as freedom
+from pinpress.linkage import mobility
 
 SECOND_GEAR = '<mimic joint="G" multiplier="0.1"/>'
 
@@ -25,7 +25,7 @@ def test_every_equation_belongs_to_one_loop_or_gear_pair(text):
     """In its rows are the joints that it holds together, and no others."""
     press = large_linkages.load(text)
     rows = press.equations(press.closed)
-    held = freedom.held(press)
+    held = mobility.held(press)
     assert sorted(row for each in held for row in each.points + each.turns) == list(range(len(rows.gaps)))
     for each in held:
         if isinstance(each.by, Coupling):

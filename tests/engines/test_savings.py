@@ -31,6 +31,8 @@ from pinpress.engines.planar import bodies, out_of_plane, statics
 from pinpress.engines.planar import inverse_dynamics as plane_dynamics
 from pinpress.engines.spatial import inverse_dynamics as spatial_dynamics
 
+LEAST = "lexicographic_least_squares"
+
 ENGINES = ("plane", "pinocchio")
 SAME = 1e-12
 NAMES = ("crank_slide", "zxn2_3000b", "thin_wall", "jf75g_125", "flat_gears", *(name for name in LINKAGES if name not in NOT_PLANAR))
@@ -384,10 +386,10 @@ def test_what_is_not_redundant_shares_nothing(monkeypatch, folder, six_bar, turn
     stacked = case("two_point", folder)
     pp.inverse_dynamics(*stacked)  # what the press keeps is made
     for bearings, shared in ((None, True), (("O",), True), ((), False)):
-        assert calls(monkeypatch, spatial_dynamics, "least", *stacked, engine="pinocchio", bearings=bearings) == shared
+        assert calls(monkeypatch, spatial_dynamics, LEAST, *stacked, engine="pinocchio", bearings=bearings) == shared
         stiff = {"stiffness": dict.fromkeys(stacked[0].bearings, 1e9)}
-        assert calls(monkeypatch, bodies, "least", *stacked, **stiff, bearings=bearings) == shared
-        assert not calls(monkeypatch, bodies, "least", *stacked, bearings=bearings)  # that is the press's, made once
+        assert calls(monkeypatch, bodies, LEAST, *stacked, **stiff, bearings=bearings) == shared
+        assert not calls(monkeypatch, bodies, LEAST, *stacked, bearings=bearings)  # that is the press's, made once
     assert not calls(monkeypatch, statics, "_shares", six_bar, turn)
     assert calls(monkeypatch, statics, "_shares", *case("three_rods", folder))
     assert not calls(monkeypatch, statics, "_shares", *case("three_rods", folder), bearings=())

@@ -17,7 +17,7 @@ from support.generators.random_linkages import drawn, linkages
 from support.generators.spatial_linkages import bennett, four_bar
 
 import pinpress as pp
-from pinpress.linkage.urdf import reader as urdf
+from pinpress.linkage.urdf import reader
 
 EPS = np.finfo(float).eps
 LEVER = 1.0  # centre of mass [ulp of its largest component]: Pinocchio reads (m c) (1 / m)
@@ -448,7 +448,7 @@ def test_drivers_named_at_load(file, tmp_path, transmissions, drivers):
     again = written(press, tmp_path)
     assert again.drivers == drivers
     assert len(re.findall(rb'<joint name="\w"/>', again.text)) == 2
-    assert (again.text == press.text) == (urdf.read(file).drivers == drivers)
+    assert (again.text == press.text) == (reader.read(file).drivers == drivers)
     assert not re.findall(rb"<transmission[^>]*>\s*</transmission>", again.text)
     assert len(re.findall(rb"\n *\n", again.text)) == len(re.findall(rb"\n *\n", press.text))
 

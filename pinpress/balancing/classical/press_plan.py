@@ -17,8 +17,7 @@ from ...common.errors import PinpressError
 from ...kinematics.poses import poses
 from ...linkage import loading
 from ...linkage.linkage import Linkage
-from ...linkage.urdf import findings
-from ...linkage.urdf import reader as urdf
+from ...linkage.urdf import findings, reader
 from ...linkage.urdf.document import Document
 from ...linkage.urdf.text_edits import tag
 
@@ -144,7 +143,7 @@ def press_of(plan: PressPlan, comment: str) -> Linkage:
     text = f'<?xml version="1.0"?>\n<!--\n  {comment}\n-->\n{robot}\n'.encode()
     file = f"{plan.name}.urdf (not written)"  # the file's name in errors
     document = Document(file, text)
-    findings.refuse(urdf.errors(document), findings.command(file))
+    findings.refuse(reader.errors(document), findings.command(file))
     press = loading.assembled(document, None, plan.slide, plan.gravity)
     loading.check_drawn_pose(press)
     return press

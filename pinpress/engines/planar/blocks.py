@@ -58,7 +58,8 @@ def ordered(
 
     Args:
         owners: (loop, joint) of every column of the loop Jacobian, in the order of `Plane.closure`.
-        loops, joints: how many there are. driver: index of its joint.
+        loops, joints: how many there are.
+        driver: index of its joint.
         one_block: all equations in one.
     """
     waiting = _Waiting(owners, loops, couplings, driver)
@@ -86,7 +87,8 @@ class _Waiting:
     """The loops, then couplings, that are in no block yet.
 
     Attributes:
-        involved: joints that take part in each. unknown: those of them that no block gives yet, by loop or coupling, couplings first so
+        involved: joints that take part in each.
+        unknown: those of them that no block gives yet, by loop or coupling, couplings first so
             that it is not them that are found to be redundant.
     """
 
@@ -164,9 +166,10 @@ def groups(unknown: Mapping[int, set[int]], worth: Callable[[int], int]) -> list
     Every joint is given to one equation that determines it, which then needs whoever has its other joints.
 
     Args:
-        unknown: joints by loop or coupling. worth: how many joints each can determine.
+        unknown: joints by loop or coupling.
+        worth: how many joints each can determine.
     """
-    from scipy.sparse.csgraph import connected_components, maximum_bipartite_matching  # slow to import
+    from scipy.sparse.csgraph import connected_components, maximum_bipartite_matching  # see `_graph`
 
     members = list(unknown)
     equations = [place for place, k in enumerate(members) for _ in range(worth(k))]

@@ -14,7 +14,7 @@ import pinocchio as pin
 
 from ...common.arrays import Array, ComplexArray
 from ..constant_rows import Matrix, compressed, matrix, plain, product, stacked, weighted, with_column
-from ..load_sharing import Objective, least
+from ..load_sharing import Objective, lexicographic_least_squares
 from .model import Plane
 
 ROUNDING = 1e-13  # relative size below which an offset from the plane is rounding
@@ -105,7 +105,7 @@ def build(plane: Plane, model: pin.Model) -> Bodies:
         inertia=inertia,
         products=products,
         uncrossed=-plane.crossed.astype(complex),
-        forces=stacked([body_forces, compressed(plane.carried @ body_forces)]),
+        forces=stacked([body_forces, compressed(plane.subtree @ body_forces)]),
         reduced=compressed(centers.conj().T)[1:] @ body_forces,
         spins=compressed(plane.spin.T @ inertia),
         arms=arms,
@@ -125,15 +125,17 @@ class OpenTree(NamedTuple):
     """The tree with all loops open, at n configurations.
 
     Attributes:
-        own: (nv, n) inertia force less weight of every body. carried: of all that hang on a joint, loads taken off.
-        centers: (nv, n) arms of the centres of mass from their joints. closure: `plane_statics.Statics.closure`.
+        own: (nv, n) inertia force less weight of every body.
+        subtree_force: of all that hang on a joint, loads taken off.
+        centers: (nv, n) arms of the centres of mass from their joints.
+        closure: `plane_statics.Statics.closure`.
         passive: (nv, n) efforts that the joints would have to transmit.
         turning: for every prismatic joint the moment (n,) that it would have to transmit about the normal.
         guided: arms (n,) of the ``guided`` loops of `Bodies`.
     """
 
     own: ComplexArray
-    carried: ComplexArray
+    subtree_force: ComplexArray
     centers: ComplexArray
     closure: ComplexArray
     passive: Array
@@ -146,7 +148,8 @@ class Spread:
     """What all bearings carry of what joints do with all loops open, some of the loops sharing in it. Configurations do not matter.
 
     Attributes:
-        alone: (bearings, nv) what joints would carry with all loops open. response: (bearings, shares) what a unit of each share adds.
+        alone: (bearings, nv) what joints would carry with all loops open.
+        response: (bearings, shares) what a unit of each share adds.
         every: (bearings, nv) both together, worked out; None of a large linkage, where its entries would be too many.
     """
 
@@ -154,18 +157,18 @@ class Spread:
     response: Matrix
     every: Array | None
 
-    def carried(self, own: Any, kept: slice | list[int]) -> Any:
+    def shared(self, own: Any, kept: slice | list[int]) -> Any:
         """Of ``own`` (nv, n) of the joints with all loops open, what the ``kept`` bearings carry (kept, n): the least squares of all."""
         if self.every is not None:
             return product(self.every[kept].astype(own.dtype), own)
-        from scipy.sparse.linalg import splu  # slow to import
+        from scipy.sparse.linalg import splu  # its import takes longer than loading a small press
 
         squares = splu((self.response.T @ self.response).tocsc())
-        carried = self.alone @ own
-        across = self.response.T @ carried
+        unshared = self.alone @ own
+        across = self.response.T @ unshared
         parts = [across.real, across.imag] if np.iscomplexobj(across) else [across]
         shares = [squares.solve(np.ascontiguousarray(part)) for part in parts]
-        return (carried - self.response @ (shares[0] + 1j * shares[1] if len(shares) > 1 else shares[0]))[kept]
+        return (unshared - self.response @ (shares[0] + 1j * shares[1] if len(shares) > 1 else shares[0]))[kept]
 
 
 def spread_forces(plane: Plane, compliance: Array | None) -> Spread:
@@ -191,5 +194,5 @@ def _spread(plane: Plane, sharing: list[int], compliance: Array | None) -> Sprea
     if compliance is not None:
         weights = np.sqrt(compliance)
         objectives.insert(0, Objective(weights[:, None] * response, weights * every, float(weights.max())))
-    found = alone + response @ least(objectives).T @ alone if sharing else alone
+    found = alone + response @ lexicographic_least_squares(objectives).T @ alone if sharing else alone
     return Spread(alone, response, found)

@@ -84,7 +84,7 @@ def _piece(
     plane, at, n = bodies.plane, known_basis(states), states.v.shape[1]
     tree = _open_tree(bodies, states, under.loads)
     across = out_of_plane.forces(bodies, under.loads, under.compliance, n) if _across(bodies, under.loads) else None
-    system = statics.build(plane, tree.closure, tree.carried, bodies.uncrossed, at, under.compliance)
+    system = statics.build(plane, tree.closure, tree.subtree_force, bodies.uncrossed, at, under.compliance)
     efforts, passive = None, tree.passive
     if rubbing is not None:
         efforts = _friction(plane, system, rubbing, passive, at, across)
@@ -117,7 +117,7 @@ def _open_tree(bodies: Bodies, states: ClosedStates, loads: Sequence[AppliedForc
     second = basis_acceleration(plane, at, states.v, states.a)
     second[0] = 1.0
     forces = product(bodies.forces, second)
-    own, carried = forces[:count], forces[count:]
+    own, subtree_force = forces[:count], forces[count:]
     arms = product(bodies.arms, at)
     closure, row = arms[count : count + plane.closure.shape[0]], count + plane.closure.shape[0]
 
@@ -125,19 +125,19 @@ def _open_tree(bodies: Bodies, states: ClosedStates, loads: Sequence[AppliedForc
     moment += bodies.inertia @ states.a
     for load in loads:
         if load.joint:
-            _take_load(plane, at, carried, moment, load)
+            _take_load(plane, at, subtree_force, moment, load)
     for j in bodies.inner:
-        moment[plane.parents[j]] += moment[j] + (arms[row].conj() * carried[j]).imag
+        moment[plane.parents[j]] += moment[j] + (arms[row].conj() * subtree_force[j]).imag
         row += 1
     turning = {j: moment[j].copy() for j in plane.prismatic}
     passive = moment  # from here on: efforts
     for j in plane.prismatic:
-        passive[j] = (arms[row].conj() * carried[j]).real
+        passive[j] = (arms[row].conj() * subtree_force[j]).real
         row += 1
     for j in plane.revolute:
         if plane.sense[j] < 0:
             np.negative(passive[j], out=passive[j])
-    return OpenTree(own, carried, arms[:count], closure, passive, turning, arms[row:])
+    return OpenTree(own, subtree_force, arms[:count], closure, passive, turning, arms[row:])
 
 
 def _about_normal(
@@ -165,13 +165,13 @@ def _about_normal(
     return moments
 
 
-def _take_load(plane: Plane, at: ComplexArray, carried: ComplexArray, moment: Array, load: AppliedForce) -> None:
+def _take_load(plane: Plane, at: ComplexArray, subtree_force: ComplexArray, moment: Array, load: AppliedForce) -> None:
     """Relieve the joints that carry the loaded link; its own joint of the moment too, the others get theirs in the recursion."""
     joint = load.joint - 1
     force = flat(plane, load.force)
     arm = complex(*(plane.frames[joint] @ load.point)[:2]) * at[plane.rotor(joint)]
     moment[joint] -= (arm.conj() * force).imag
-    carried[plane.carriers(joint)] -= force
+    subtree_force[plane.carriers(joint)] -= force
 
 
 def _friction(plane: Plane, system: statics.Statics, rubbing: Rubbing, passive: Array, at: ComplexArray, across: Array | None) -> Array:

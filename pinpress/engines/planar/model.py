@@ -44,7 +44,8 @@ class Plane:
         parents: index of every joint's parent joint, -1 for the frame.
         sense: (nv,) +1 or -1 where a revolute axis lies along or against the normal, 0 for a prismatic joint.
         revolute, prismatic: joint indices in the order of the basis.
-        turn: (nr, nv) absolute angles of the rotors from joint angles. spin: (nv, nv) the same of every link, also where it only slides.
+        turn: (nr, nv) absolute angles of the rotors from joint angles.
+        spin: (nv, nv) the same of every link, also where it only slides.
         frames: (nv, 3, 3) a vector in a joint's frame to its components along axes[0], axes[1], normal in the drawn pose.
         rotors: (nv,) basis row of the rotor of every joint's link; 0 of links that only translate.
         guide_rotors: (np,) basis row of the rotor that carries each prismatic direction.
@@ -52,13 +53,18 @@ class Plane:
         heights, center_heights: (nv,) the same along the normal, centres from the world origin [m].
         directions: (np, nb) prismatic directions.
         closure: (nl + columns, nb) loop gaps (point 2 minus point 1), then the columns of the loop Jacobian.
-        loop_points: (nl, nb) point 1 of every loop. loop_heights: (nl,) along the normal [m].
+        loop_points: (nl, nb) point 1 of every loop.
+        loop_heights: (nl,) along the normal [m].
         holding: (nl,) whether the loop's bearing holds its links upright: a revolute one does.
-        coupled: (nc, nv) coefficients of the coupling equations, turning ones in lengths of the linkage. offsets: (nc,) right-hand sides.
-        gears: the same row by row, coefficients by joints, rising. followers: (nc,) joints whose coordinate the couplings give.
-        blocks: the order in which equations are solved. driven: per loop, row of the driver's column, None where it does not move the loop.
-        carried: (nv, nv) 1 where the link of joint k hangs on joint j.
-        crossed: (nv, nl) +1 / -1 where loop l's point 2 / 1 hangs on joint j. round_loops: the same joint by joint, by loops, rising.
+        coupled: (nc, nv) coefficients of the coupling equations, turning ones in lengths of the linkage.
+        offsets: (nc,) right-hand sides.
+        gears: the same row by row, coefficients by joints, rising.
+        followers: (nc,) joints whose coordinate the couplings give.
+        blocks: the order in which equations are solved.
+        driven: per loop, row of the driver's column, None where it does not move the loop.
+        subtree: (nv, nv) 1 where the link of joint k hangs on joint j.
+        crossed: (nv, nl) +1 / -1 where loop l's point 2 / 1 hangs on joint j.
+        round_loops: the same joint by joint, by loops, rising.
         size: of the largest loop: sum of the lengths round it [m].
     """
 
@@ -89,7 +95,7 @@ class Plane:
     followers: tuple[int, ...]
     blocks: tuple[Block, ...]
     driven: tuple[int | None, ...]
-    carried: Matrix
+    subtree: Matrix
     crossed: Matrix
     round_loops: tuple[Mapping[int, float], ...]
     size: float
@@ -248,7 +254,7 @@ def build(
         followers=tuple(coupling.follower for coupling in couplings),
         blocks=blocks,
         driven=tuple(driven.get(k) for k in range(len(loops))),
-        carried=matrix(_turned_over([dict.fromkeys(line, 1.0) for line in lines], count), count, count, float),
+        subtree=matrix(_turned_over([dict.fromkeys(line, 1.0) for line in lines], count), count, count, float),
         crossed=matrix(_turned_over(crossed, count), len(loops), count, float),
         round_loops=tuple(_turned_over(crossed, count)),
         size=size,

@@ -40,7 +40,7 @@ def forces(bodies: Bodies, loads: Sequence[AppliedForce], compliance: Array | No
         if load.joint:
             axial[load.joint - 1] -= load.force @ plane.normal
     spread = bodies.spread_force if compliance is None else spread_forces(plane, compliance)
-    return np.asarray(spread.carried(plane.carried @ axial, slice(None)))
+    return np.asarray(spread.shared(plane.subtree @ axial, slice(None)))
 
 
 def add(
@@ -82,14 +82,16 @@ def add(
     for j in reversed(range(count)):
         p = plane.parents[j]
         if p >= 0:
-            tilt[p] += tilt[j] + 1j * (plane.heights[j] - plane.heights[p]) * tree.carried[j] - 1j * (origins[j] - origins[p]) * hanging[j]
+            tilt[p] += (
+                tilt[j] + 1j * (plane.heights[j] - plane.heights[p]) * tree.subtree_force[j] - 1j * (origins[j] - origins[p]) * hanging[j]
+            )
     points = plane.loop_points @ at
     for j in range(count):
         for k, sign in plane.round_loops[j].items():
             arm = points[k] - origins[j]
             tilt[j] -= sign * (1j * (plane.loop_heights[k] - plane.heights[j]) * pins[k] - 1j * arm * axial[count + k])
     kept = slice(None) if len(wanted) == len(axial) else list(wanted)
-    tilting, axial = bodies.spread_moment.carried(tilt, kept), axial[kept]
+    tilting, axial = bodies.spread_moment.shared(tilt, kept), axial[kept]
     for i, (along, first, second) in enumerate(zip(plane.normal, *plane.axes, strict=True)):
         # most presses stand in a coordinate plane: zeros cost nothing
         if along:

@@ -18,7 +18,7 @@ import numpy as np
 
 from ...common.arrays import Array, ComplexArray
 from ..constant_rows import Matrix, product
-from ..load_sharing import Objective, least
+from ..load_sharing import Objective, lexicographic_least_squares
 from .blocks import Block
 from .kinematics import block_matrix, dyad_columns
 from .model import Plane
@@ -30,16 +30,18 @@ class Statics:
 
     Attributes:
         closure: rows of `Plane.closure`, its columns times i: that spares a factor, and Re(conj(c) p) is -Im(conj(i c) p).
-        carried: (nv, n) forces of the joints of the open tree. uncrossed: (nv, nl) what pin forces relieve them of.
+        subtree_force: (nv, n) of the joints of the open tree.
+        uncrossed: (nv, nl) what pin forces relieve them of.
         idle: forces that move nothing: of pins (nl, n), multipliers of couplings (nc, n) each.
         responses: the forces (bearings, n) that these add to all bearings.
-        compliance: (bearings,) or None, see `sharing.compliances`. slides: directions (n,) of the coupled prismatic joints. Both only where
+        compliance: (bearings,) or None, see `sharing.compliances`.
+        slides: directions (n,) of the coupled prismatic joints. Both only where
             there are idle forces to be shared.
     """
 
     plane: Plane
     closure: ComplexArray
-    carried: ComplexArray
+    subtree_force: ComplexArray
     uncrossed: Matrix
     idle: list[tuple[ComplexArray, Array]]
     responses: list[ComplexArray]
@@ -48,16 +50,16 @@ class Statics:
 
 
 def build(
-    plane: Plane, closure: ComplexArray, carried: ComplexArray, uncrossed: Matrix, at: ComplexArray, compliance: Array | None
+    plane: Plane, closure: ComplexArray, subtree_force: ComplexArray, uncrossed: Matrix, at: ComplexArray, compliance: Array | None
 ) -> Statics:
     """The equations at configurations with basis ``at``."""
     if not plane.redundant:
-        return Statics(plane, closure, carried, uncrossed, [], [], None, {})
+        return Statics(plane, closure, subtree_force, uncrossed, [], [], None, {})
     idle = list(_idle(plane, closure))
     responses = [np.concatenate([product(uncrossed, pins), pins]) for pins, _ in idle]
     coupled = set().union(*plane.gears)
     slides = {j: product(plane.directions[[k]], at)[0] for k, j in enumerate(plane.prismatic) if j in coupled}
-    return Statics(plane, closure, carried, uncrossed, idle, responses, compliance, slides)
+    return Statics(plane, closure, subtree_force, uncrossed, idle, responses, compliance, slides)
 
 
 def balance(statics: Statics, passive: Array, gears: Array, bearings: ComplexArray) -> None:
@@ -65,10 +67,10 @@ def balance(statics: Statics, passive: Array, gears: Array, bearings: ComplexArr
 
     ``passive`` (nv, n): efforts that loops and couplings have to bring about; it is left with the driver's.
     """
-    count = len(statics.carried)
+    count = len(statics.subtree_force)
     pins = bearings[count:]
     transmit(statics.plane, statics.closure, passive, pins, gears)
-    np.add(product(statics.uncrossed, pins), statics.carried, out=bearings[:count])
+    np.add(product(statics.uncrossed, pins), statics.subtree_force, out=bearings[:count])
     if statics.idle:
         for share, (_, idle_gears), response in zip(_shares(statics, bearings), statics.idle, statics.responses, strict=True):
             bearings += share * response
@@ -164,7 +166,7 @@ def _shares(statics: Statics, bearings: ComplexArray) -> Array:
         forces = np.concatenate([parts.real, parts.imag], axis=1).transpose(2, 1, 0)  # (n, 2 bearings, k + 1)
         weights = np.tile(np.sqrt(statics.compliance), 2)[:, None]
         objectives = ((weights * forces, float(weights.max())), (forces, 1.0))
-        return np.asarray(least(Objective(parts[:, :, :-1], parts[:, :, -1], scale) for parts, scale in objectives).T)
+        return np.asarray(lexicographic_least_squares(Objective(parts[:, :, :-1], parts[:, :, -1], scale) for parts, scale in objectives).T)
     # The normal equations serve: among the squares are those of the idle forces' own pins, so their matrix is far from singular.
     count = len(statics.idle)
     products = np.array([[(a.conj() * b).real.sum(axis=0) for b in parts] for a in parts[:count]])

@@ -79,11 +79,11 @@ def _forces(bodies: Bodies, second: ComplexArray, loads: Sequence[AppliedForce],
     forces = np.empty((len(wanted), pins.shape[1]), complex)
     forces[len(joints) :] = pins[[k - count for k in wanted if k >= count]]
     if joints:
-        carried = product(bodies.forces[[count + j for j in joints]], second)
+        subtree_force = product(bodies.forces[[count + j for j in joints]], second)
         for load in loads:
             if load.joint:
-                carried[[place for place, j in enumerate(joints) if j in plane.carriers(load.joint - 1)]] -= flat(plane, load.force)
-        np.add(product(bodies.uncrossed[joints], pins), carried, out=forces[: len(joints)])
+                subtree_force[[place for place, j in enumerate(joints) if j in plane.carriers(load.joint - 1)]] -= flat(plane, load.force)
+        np.add(product(bodies.uncrossed[joints], pins), subtree_force, out=forces[: len(joints)])
     return forces
 
 

@@ -24,7 +24,9 @@ class Rows:
     """The equations at one configuration.
 
     Attributes:
-        q: (nq,) the configuration. gaps: (rows,) [m]. columns: (rows, nv) their Jacobian.
+        q: (nq,) the configuration.
+        gaps: (rows,) [m].
+        columns: (rows, nv) their Jacobian.
         held: per loop (3, 0 to 3) world directions, as columns, of the rotations it holds.
     """
 

@@ -20,7 +20,7 @@ from ..coordinates import configuration
 from ..engine import ClosedStates
 from ..forces import AppliedConditions, Wrenches
 from ..friction import FrictionLaw
-from ..load_sharing import RANK, Objective, least
+from ..load_sharing import RANK, Objective, lexicographic_least_squares
 from .constraints import Equations, Rows
 from .kinematics import Passive
 from .model import Spatial
@@ -63,8 +63,8 @@ def indeterminate(spatial: Spatial, position: Array, axes: Array) -> tuple[NDArr
         if idle.shape[1]:
             forces, moments, _ = _parts(spatial, rows, idle)
             moments = _moments(spatial, equations.placements, forces, moments)
-            carried = spatial.share @ idle[: 3 * len(spatial.loops)]
-            for place, vectors, unit in ((0, carried, 1.0), (3, moments, spatial.size)):
+            forces_shared = spatial.share @ idle[: 3 * len(spatial.loops)]
+            for place, vectors, unit in ((0, forces_shared, 1.0), (3, moments, spatial.size)):
                 along = axes @ vectors.reshape(len(marks), 3, -1)
                 marks[:, place : place + 3] |= np.abs(along).max(axis=2) > RANK * unit
             gears |= np.abs(idle[len(idle) - len(gears) :]).max(axis=1) > RANK
@@ -90,7 +90,11 @@ class _State:
         """Multipliers (rows,) of the equations under friction efforts (nv,) of the joints and couples (nl, 3) of the loops;
         the least, where what is open need not be ``shared``."""
         found, idle = self.passive.multipliers(self._needed(efforts, couples)), self.passive.idle
-        return found + idle @ least(self._objectives(found, idle, couples, compliance)) if shared and idle.shape[1] else found
+        return (
+            found + idle @ lexicographic_least_squares(self._objectives(found, idle, couples, compliance))
+            if shared and idle.shape[1]
+            else found
+        )
 
     def with_friction(self, law: FrictionLaw, speeds: Array, spins: Array, compliance: Array | None) -> tuple[Array, Array, Array, Array]:
         """Multipliers (rows,), friction efforts (nv,) of the joints and couples (nl, 3) of the loops, and the power lost (bearings,).
@@ -107,7 +111,7 @@ class _State:
 
         def radial(efforts: Array) -> Array:
             forces = self.spatial.share @ multipliers(efforts[:, 0])[: 3 * len(self.spatial.loops)]
-            forces[: 3 * count] += self._carried()
+            forces[: 3 * count] += self._tree_forces()
             return np.asarray(np.linalg.norm(np.cross(forces.reshape(-1, 3), directions), axis=1)[:, None])
 
         efforts = law.efforts(speeds[:, None], radial, self.x[self.spatial.drivers[0]][None])[:, 0]
@@ -142,7 +146,7 @@ class _State:
                 needed -= (turning * crossed).T @ couple
         return needed
 
-    def _carried(self) -> Array:
+    def _tree_forces(self) -> Array:
         """Forces (3 nv,) of the joints of the open tree."""
         forces: list[Array] = [self.rotations[j + 1] @ self.wrenches[j + 1].linear for j in range(len(self.effort))]
         return np.concatenate(forces)
@@ -151,7 +155,7 @@ class _State:
         """What `sharing` makes least; the next is only worked out where the ones before leave something open."""
         spatial, count, k = self.spatial, 3 * len(self.spatial.loops), idle.shape[1]
         forces = spatial.share @ np.concatenate([idle[:count], found[:count, None]], axis=1)
-        forces[: 3 * len(self.effort), k] += self._carried()
+        forces[: 3 * len(self.effort), k] += self._tree_forces()
         self._across(forces, turning=False)
         if compliance is not None:
             weights = np.repeat(np.sqrt(compliance), 3)[:, None]

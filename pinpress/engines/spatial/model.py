@@ -25,10 +25,13 @@ class Spatial:
     """Constants of a linkage for this engine.
 
     Attributes:
-        model: the Pinocchio model. loops, couplings: in declared order.
-        drivers: indices of the driver joints in v. passive: of all others.
+        model: the Pinocchio model.
+        loops, couplings: in declared order.
+        drivers: indices of the driver joints in v.
+        passive: of all others.
         round_loops: of every loop the joints round it, +1 / -1 where its end 2 / 1 hangs on them.
-        size: length of the linkage [m]. tolerance: gap at which a loop is closed to rounding [m].
+        size: length of the linkage [m].
+        tolerance: gap at which a loop is closed to rounding [m].
         slots, axes: of the joints.
     """
 

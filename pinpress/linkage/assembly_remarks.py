@@ -1,7 +1,6 @@
 """What is odd or worth knowing about a linkage that can be loaded: warnings and notes."""
 
 from collections.abc import Iterator
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -10,14 +9,12 @@ from ..common.errors import PinpressError
 from ..engines.branch import MOST_TURNS, Branch, predict
 from ..engines.coordinates import drawn
 from ..engines.planar.model import PARALLEL
-from . import mobility as freedom
+from . import mobility
 from .assembly_checks import apart, rounded
 from .linkage import Linkage
-from .urdf import remarks as urdf_remarks
+from .urdf import element_remarks
+from .urdf.document import Element
 from .urdf.findings import Finding
-
-if TYPE_CHECKING:
-    from .urdf.document import Element
 
 OPEN = 1e-6  # a loop drawn further open than this is said to be [lengths of the linkage, rad]
 FAR_OPEN, CLOSED_FAR = 0.02, 0.05  # a loop that is drawn as far open [lengths], or moved as far to close it [rad or m], is hardly meant
@@ -31,7 +28,7 @@ POSES = 6  # looked at for redundancy: one may be a dead centre, where idle forc
 
 def remarks(press: Linkage, robot: "Element") -> Iterator[Finding]:
     """All of them; ``robot``: root element of the linkage's URDF."""
-    yield from _drawn_open(press, freedom.held(press), OPEN)
+    yield from _drawn_open(press, mobility.held(press), OPEN)
     yield from _units(press, robot)
     yield from _slide_axis(press, robot)
     poses = press.closed[:, None]
@@ -64,7 +61,7 @@ def remarks(press: Linkage, robot: "Element") -> Iterator[Finding]:
 def severe(press: Linkage, robot: "Element") -> Iterator[Finding]:
     """The warnings of what makes results of another linkage than was meant, found in a moment: `load` passes them on."""
     far = np.abs(press.closed - press.as_drawn).max() > CLOSED_FAR
-    yield from _drawn_open(press, freedom.held(press)[: len(press.loops)], OPEN if far else FAR_OPEN)
+    yield from _drawn_open(press, mobility.held(press)[: len(press.loops)], OPEN if far else FAR_OPEN)
     yield from _units(press, robot)
     yield from _slide_axis(press, robot)
 
@@ -74,7 +71,7 @@ def _units(press: Linkage, robot: "Element") -> Iterator[Finding]:
     if press.size > LARGEST:
         problem = f"the linkage is {press.size:.4g} m long"
         yield Finding("warning", str(robot), robot.line, problem, "write lengths in metres, 0.001 for a millimetre")
-    yield from urdf_remarks.inertias(robot, press.size)
+    yield from element_remarks.inertias(robot, press.size)
 
 
 def _slide_axis(press: Linkage, robot: "Element") -> Iterator[Finding]:
@@ -92,7 +89,7 @@ def _slide_axis(press: Linkage, robot: "Element") -> Iterator[Finding]:
         yield Finding("warning", str(joint), joint.line, problem, "turn the <axis> round, so that it points up")
 
 
-def _drawn_open(press: Linkage, among: list[freedom.Held], beyond: float) -> Iterator[Finding]:
+def _drawn_open(press: Linkage, among: list[mobility.Held], beyond: float) -> Iterator[Finding]:
     """Of those among loops and gear pairs that are drawn open by more than a part of the linkage's length."""
     gaps, moves = press.drawn_gaps, press.closed - press.as_drawn
     most = int(np.argmax(np.abs(moves)))
@@ -108,7 +105,7 @@ def _limits(press: Linkage, branch: Branch, robot: "Element") -> Iterator[Findin
     low, high = branch.angles[0], branch.angles[-1]
     angles = np.linspace(low, high, 1 + max(1, round(SAMPLES * (high - low) / (2 * np.pi))))
     positions = predict(branch, angles)
-    for name, (lower, upper, element) in urdf_remarks.limits(robot).items():
+    for name, (lower, upper, element) in element_remarks.limits(robot).items():
         joint = press.joints.index(name)
         if not lower <= 0.0 <= upper and not press.as_drawn[joint]:
             continue  # said of the drawn pose
@@ -126,15 +123,15 @@ def _value(press: Linkage, joint: int, value: float) -> str:
 
 
 def _redundant(press: Linkage, poses: Array) -> Iterator[Finding]:
-    across, further, among = freedom.redundancy(press, press.closed)
+    across, further, among = mobility.redundancy(press, press.closed)
     robot, shared = f'<robot name="{press.name}">', "is shared by least squares, reactions.indeterminate marks it"
     if across:
         problem = f"{_equations(across)} redundant across the plane of the linkage, as in any with parallel pins"
         yield Finding("note", robot, None, problem, f"what bearings carry across it {shared}")
     if further:
-        found = [*among, *(each for x in poses.T for each in freedom.redundancy(press, x).among)]
-        where = "in the plane" if freedom.lies_in_plane(press) else "in space"
-        problem = f"{_equations(further)} redundant {where}, of {', '.join(each.title for each in freedom.held(press) if each in found)}"
+        found = [*among, *(each for x in poses.T for each in mobility.redundancy(press, x).among)]
+        where = "in the plane" if mobility.lies_in_plane(press) else "in space"
+        problem = f"{_equations(further)} redundant {where}, of {', '.join(each.title for each in mobility.held(press) if each in found)}"
         remedy = f"their load {shared}; or give inverse_dynamics a stiffness=; lengths and angles have to fit to all digits"
         yield Finding("note", robot, None, problem, remedy)
 
@@ -154,7 +151,7 @@ def _not_planar(press: Linkage) -> str:
     """Why the planar engine does not take it."""
     if len(press.drivers) > 1:
         return f"there are {len(press.drivers)} drivers"
-    joints, loops = freedom.joints_off_plane(press), freedom.loops_off_plane(press)
+    joints, loops = mobility.joints_off_plane(press), mobility.loops_off_plane(press)
     plane = f"the plane in which joint {press.driver!r} turns"
     if (off := max(joints)) > PARALLEL:
         joint = joints.index(off)
