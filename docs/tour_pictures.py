@@ -32,8 +32,8 @@ def main() -> None:
     pp.plots.save(pp.plots.slide(motion), HERE / "slide.svg")
     pp.plots.save(pp.plots.bearings(loaded), HERE / "bearings.svg")
     with tempfile.TemporaryDirectory() as folder:
-        page = pp.record(press, motion, Path(folder) / "knuckle.html", loaded, traces=[("lower", (0.0, 0.0, 0.0))])
-        pp.video.image(page, HERE / "knuckle.png", NEAR_BOTTOM, (900, 720))
+        page = pp.record(press, motion, Path(folder) / "knuckle.html", reactions=loaded, traces=[("lower", (0.0, 0.0, 0.0))])
+        pp.video.image(page, HERE / "knuckle.png", time=NEAR_BOTTOM, size=(900, 720))
 
 
 def sketch() -> str:

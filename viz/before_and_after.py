@@ -20,7 +20,7 @@ def main() -> None:
     out.mkdir(exist_ok=True)
     plain, balanced = pp.load("zxn2_3000b"), pp.load("zxn2_3000b_balanced")
     before, after = (pp.inverse_dynamics(press, pp.cycle(press, speed=SPEED, points=720)) for press in (plain, balanced))
-    page = pp.report(balanced, after.motion, out / "before_and_after.html", after, before=before)
+    page = pp.report(balanced, after.motion, out / "before_and_after.html", reactions=after, before=before)
     print(page, picture(page, HERE / "report.png"))
     for name, figure in (
         ("comparison", pp.plots.comparison(before, after)),

@@ -21,10 +21,10 @@ def main() -> None:
         speed = next(rate for start, rate in STROKES_A_MINUTE.items() if name.startswith(start)) * pp.RPM
         press = pp.load(name)
         result = pp.inverse_dynamics(press, pp.cycle(press, speed=speed))
-        page = pp.record(press, result.motion, out / f"{name}.html", result, TRACES.get(name, ()))
-        print(page, pp.report(press, result.motion, out / f"{name}_report.html", result, TRACES.get(name, ())))
+        page = pp.record(press, result.motion, out / f"{name}.html", reactions=result, traces=TRACES.get(name, ()))
+        print(page, pp.report(press, result.motion, out / f"{name}_report.html", reactions=result, traces=TRACES.get(name, ())))
         if name in PICTURES:
-            print(pp.video.image(page, HERE / f"{name}.png", PICTURES[name], SIZE))
+            print(pp.video.image(page, HERE / f"{name}.png", time=PICTURES[name], size=SIZE))
 
 
 if __name__ == "__main__":

@@ -121,7 +121,7 @@ def _write(balanced: BalancedPress, folder: Path, with_report: bool) -> None:
         loads = balanced.conditions[0].loads
         before = inverse_dynamics(balanced.original, balanced.reactions_before[0].motion, loads)
         after = inverse_dynamics(balanced.press, balanced.reactions_after[0].motion, loads)
-        report(balanced.press, after.motion, folder / "report.html", after, before=before)
+        report(balanced.press, after.motion, folder / "report.html", reactions=after, before=before)
         written.append("report.html")
     say_written(folder, written)
 

@@ -78,11 +78,11 @@ def write_pages(
     from ..visual.recording import record  # the pages are slow to import
 
     pages = ["recording.html"]
-    record(press, reactions.motion, options.out / "recording.html", reactions, options.trace)
+    record(press, reactions.motion, options.out / "recording.html", reactions=reactions, traces=options.trace)
     if options.report:
         from ..visual.report import report  # slow to import
 
-        report(press, reactions.motion, options.out / "report.html", reactions, options.trace, before)
+        report(press, reactions.motion, options.out / "report.html", reactions=reactions, traces=options.trace, before=before)
         pages.append("report.html")
     say_written(options.out, [*written, *pages])
 

@@ -73,7 +73,7 @@ def run(options: argparse.Namespace) -> int:
         record(press, motion, page, reactions=reactions, traces=options.trace)
         size = {} if options.size is None else {"size": options.size}
         if options.png is not None:
-            image(page, options.png, _time(options.at, options.speed, press.period_turns), **size)
+            image(page, options.png, time=_time(options.at, options.speed, press.period_turns), **size)
         if options.video is not None:
             shown = {"frames_per_second": options.fps, "slowdown": options.slowdown, "repeats": options.repeats}
             with progress(1.0, "{percentage:3.0f} % |{bar}| {remaining} to go") as tell:

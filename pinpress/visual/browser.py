@@ -45,7 +45,12 @@ LOST = "Boolean(viewer.renderer) && viewer.renderer.getContext().isContextLost()
 
 @dataclass(frozen=True)
 class Screen:
-    """A recording, opened. duration: of the recording [s]. picture: PNG of what it shows at a time [s] of it."""
+    """A recording, opened.
+
+    Attributes:
+        duration: of the recording [s].
+        picture: makes a PNG of what it shows at a time [s].
+    """
 
     duration: float
     picture: Callable[[float], bytes]
@@ -53,7 +58,11 @@ class Screen:
 
 @contextmanager
 def opened(page: str | os.PathLike[str], size: tuple[int, int]) -> Iterator[Screen]:
-    """The page that `record` or `report` wrote, without its controls, for pictures of exactly ``size``, width and height in pixels.
+    """Open a recording in a browser, without its controls.
+
+    Args:
+        page: the HTML file that `record` or `report` wrote.
+        size: width and height of the pictures, in pixels.
 
     Raises:
         PinpressError: no such file, or not one of these; Playwright or Chromium missing; anything that goes wrong in the page, now or

@@ -34,7 +34,13 @@ ENCODING = {  # by the file's suffix, for ffmpeg
 }
 
 
-def image(page: str | os.PathLike[str], path: str | os.PathLike[str], time: float = 0.0, size: tuple[int, int] = (1280, 960)) -> Path:
+def image(
+    page: str | os.PathLike[str],
+    path: str | os.PathLike[str],
+    *,
+    time: float = 0.0,
+    size: tuple[int, int] = (1280, 960),
+) -> Path:
     """Write a PNG of what a recording shows at a time, without its controls, and return its path.
 
     Args:
@@ -61,6 +67,7 @@ def image(page: str | os.PathLike[str], path: str | os.PathLike[str], time: floa
 def film(
     page: str | os.PathLike[str],
     path: str | os.PathLike[str],
+    *,
     size: tuple[int, int] = (1280, 720),
     frames_per_second: int = 30,
     slowdown: float | None = None,
@@ -76,10 +83,10 @@ def film(
         path: of the film, ending in `.mp4` (H.264) or `.gif` (whose times are rounded to 0.01 s).
         size: width and height in pixels, even numbers. A larger picture is sharper; it does not show more.
         frames_per_second: a whole number from 1 to 120.
-        slowdown: how many times slower than the press the film is; 1: real time. Default: the least of 1, 2, 5, 10, 20, 50, ... with which
-            the recording takes 4 s.
+        slowdown: how many times slower than the press the film is; 1 is real time. By default the least of 1, 2, 5, 10, 20, 50, ... with
+            which the recording takes 4 s.
         repeats: how often the recording is played.
-        progress: called after every frame with the part of them that is done, up to 1.
+        progress: called after every frame with the share of frames done, up to 1.
 
     Raises:
         PinpressError: a page that is no recording or fails in Chromium, numbers that make no sense, a path that cannot be written,
@@ -108,7 +115,7 @@ def slow_enough(duration: float) -> float:
 
 
 def _frames(duration: float, slowdown: float, rate: int) -> int:
-    """How many: the frame after the last one would show the end of the recording, to half a frame."""
+    """Number of frames: the one after the last would show the end of the recording, to half a frame."""
     if not duration > 0:
         raise PinpressError("the recording is of one instant; there is nothing to film: take an image")
     frames = duration * slowdown * rate

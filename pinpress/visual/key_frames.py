@@ -23,9 +23,11 @@ class Keys:
     """Key frames, k of them.
 
     Attributes:
-        states: (k,) indices of states of the motion. time: (k,) from the first one [s]. crank: (k,) angle of the (first) driver [rad].
-        slide: (k,) slide position [m], None where there is no slide. turn: how many keys, from the first, one period takes, after
-            which the linkage repeats its path; all of them where it does not.
+        states: (k,) indices of states of the motion.
+        time: (k,) from the first one [s].
+        crank: (k,) angle of the (first) driver [rad].
+        slide: (k,) slide position [m]; None where there is no slide.
+        turn: how many keys, from the first, one period takes, after which the linkage repeats its path; all of them where it does not.
     """
 
     states: NDArray[np.intp]
@@ -36,7 +38,7 @@ class Keys:
 
 
 def keys(press: Linkage, motion: Motion) -> Keys:
-    """Key frames of a motion; one of a period is closed to a loop, a long one thinned to `PER_TURN` a turn of the crank.
+    """Choose key frames: a motion of one period is closed to a loop, a long one is thinned to `PER_TURN` a turn of the crank.
 
     Raises:
         PinpressError: a motion of a linkage with other joints, no time in it, a value that is not finite, states that are too far apart,

@@ -63,7 +63,14 @@ def traces(press: Linkage, at: Poses, keys: Keys, chosen: Sequence[tuple[str, Ar
 
 
 class Trace(NamedTuple):
-    """A point whose path is drawn: its name and link, and the joint in whose frame it is fixed, with its place there (3,) [m]."""
+    """A point whose path is drawn.
+
+    Attributes:
+        name: of the path.
+        link: on which the point is.
+        joint: in whose frame the point is fixed.
+        point: (3,) place in that frame [m].
+    """
 
     name: str
     link: str
@@ -72,7 +79,11 @@ class Trace(NamedTuple):
 
 
 def traced(press: Linkage, chosen: Sequence[tuple[str, ArrayLike]]) -> list[Trace]:
-    """The points whose paths are drawn. Raises as `traces`."""
+    """The points whose paths are drawn.
+
+    Raises:
+        PinpressError: an unknown link, or a point that is none.
+    """
     found = []
     if press.slide is not None:
         joint, origin = forces.place(press, press.slide, (0, 0, 0), "slide", "origin")
@@ -85,7 +96,11 @@ def traced(press: Linkage, chosen: Sequence[tuple[str, ArrayLike]]) -> list[Trac
 
 
 def belonging(press: Linkage, motion: Motion, reactions: Reactions) -> None:
-    """Raise PinpressError where reactions are not those of the motion of the press."""
+    """Refuse reactions that are not those to the motion of the press.
+
+    Raises:
+        PinpressError: they are of another press or motion.
+    """
     expect("reactions", reactions, Reactions, "inverse_dynamics")
     other, its = reactions.motion, reactions._press
     same = other is motion or (

@@ -24,11 +24,12 @@ NO_PLOTLY = "reports need Plotly, which is not installed; pip install 'pinpress[
 
 
 def page(template: str, title: str, data: Mapping[str, Any], scripts: dict[str, str]) -> bytes:
-    """A page from the files of `templates/`: every ``{{name}}`` is replaced, once.
+    """Make a page from the files of `templates/`: every ``{{name}}`` is replaced, once.
 
     Args:
         template: name of an HTML file; ``{{file.css}}`` and ``{{file.js}}`` in it are files beside it.
-        title: any text. data: for the page's own scripts, as JSON; its numbers must be finite.
+        title: any text.
+        data: for the page's own scripts, as JSON; its numbers must be finite.
         scripts: libraries' text by name, see `as_script` and `as_text`.
     """
     folder = importlib.resources.files(__package__) / "templates"

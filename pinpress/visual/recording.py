@@ -33,23 +33,24 @@ def record(
     press: Linkage,
     motion: Motion,
     path: str | os.PathLike[str],
+    *,
     reactions: Reactions | None = None,
     traces: Sequence[tuple[str, ArrayLike]] = (),
 ) -> Path:
     """Write a self-contained page that shows the press moving, and return its path.
 
-    It plays in real time; where a period takes less than half a second it begins slowed down. A motion over one period is closed to a loop.
-    Long motions are thinned to 360 key frames per turn of the crank. The same input gives the same bytes. ``#t=0.25`` at the end of the
-    page's address stops it at 0.25 s.
+    The page plays in real time; where a period takes less than half a second it begins slowed down. A motion over one period is closed to
+    a loop. Long motions are thinned to 360 key frames per turn of the crank. The same input gives the same bytes. ``#t=0.25`` at the end of
+    the page's address stops it at 0.25 s.
 
     Args:
-        press: the linkage. Its URDF's ``<visual>`` boxes, cylinders, spheres and meshes are drawn; links without get shapes from their
-            joints.
+        press: the linkage. The boxes, cylinders, spheres and meshes of its URDF's ``<visual>`` are drawn; links without any get shapes from
+            their joints.
         motion: configurations with their times [s].
         path: the file to write, usually ending in `.html`. It is replaced only once the page is complete.
-        reactions: of this motion: bearing and guide forces (on child and link2, from where they act) and the shaking force (its tip at the
+        reactions: to this motion. Bearing and guide forces (on child and link2, from where they act) and the shaking force (its tip at the
             foot of the press) are drawn as arrows, with one scale of length and colour for all.
-        traces: points whose paths are drawn, each the name of a link and x, y, z in its frame [m]; the slide's path always is.
+        traces: points whose paths are drawn, each the name of a link and x, y, z in its frame [m]. The slide's path is always drawn.
 
     Raises:
         PinpressError: no time in the motion, states more than 90 deg of the crank apart, more than 555 turns, a value that is not finite,
@@ -63,7 +64,7 @@ def record(
 def scene(
     press: Linkage, motion: Motion, frames: Keys, reactions: Reactions | None, traces: Sequence[tuple[str, ArrayLike]]
 ) -> dict[str, Any]:
-    """What the page's player (`pages/playback.js`) shows, as JSON; ``frames``: the key frames of the motion. Raises as `record`."""
+    """What the page's player (`templates/playback.js`) shows, as JSON. Args and Raises as of `record`; ``frames`` are the motion's."""
     if reactions is not None:
         overlays.belonging(press, motion, reactions)
     position = motion.joint_position[frames.states]

@@ -34,22 +34,26 @@ def report(
     press: Linkage,
     motion: Motion,
     path: str | os.PathLike[str],
+    *,
     reactions: Reactions | None = None,
     traces: Sequence[tuple[str, ArrayLike]] = (),
     before: Reactions | None = None,
 ) -> Path:
     """Write a self-contained page with the recording (see `record`) and interactive charts whose cursor follows it; return its path.
 
-    Charts: slide position, velocity and acceleration; driving torque, crank speed where it is not constant; every bearing and guide force,
-    its magnitude, components, and polar diagrams in the world's axes and in those of the link on which it acts; moments in guides;
-    shaking force with its harmonics, shaking moment; and a table of extremes over all states. Curves have the recording's key
-    frames, at most 360 a turn.
+    The charts show slide position, velocity and acceleration; driving torque, and crank speed where it is not constant; every bearing and
+    guide force, its magnitude, components, and polar diagrams in the world's axes and in those of the link on which it acts; moments in
+    guides; shaking force with its harmonics, and shaking moment. A table lists the extremes over all states. Curves have the recording's
+    key frames, at most 360 a turn.
 
     Args:
-        press, motion, traces: as in `record`.
-        reactions: of this motion; by default those without loads and friction, for a motion without.
-        before: reactions of another press, or of this one at another operating point, drawn beside these as dashed curves, and whose
-            ranges stand beside these in the table.
+        press: as of `record`.
+        motion: as of `record`.
+        path: the file to write, as of `record`.
+        reactions: to this motion; by default those without loads and friction, for a motion without.
+        traces: as of `record`.
+        before: reactions of another press, or of this one at another operating point. They are drawn beside these as dashed curves, and
+            their ranges stand beside these in the table.
 
     Raises:
         PinpressError: as `record`; a run under loads without its reactions; Plotly not installed; ``before`` over time where the motion is
@@ -58,40 +62,41 @@ def report(
     frames = keys(press, motion)
     if reactions is None and isinstance(motion, Run) and any(force.drive is None for force in motion.problem.driven.forces):
         raise PinpressError("the run has loads: give its reactions with them, inverse_dynamics(press, run, loads=[...])")
-    result = inverse_dynamics(press, motion) if reactions is None else reactions
+    if reactions is None:
+        reactions = inverse_dynamics(press, motion)
     if before is not None:
         expect("before", before, Reactions, "inverse_dynamics")
-    data = scene(press, motion, frames, result, traces) | {"report": _report(press, result, frames, before)}
+    data = scene(press, motion, frames, reactions, traces) | {"report": _report(press, reactions, frames, before)}
     content = pages.page("report.html", press.name, data, pages.meshcat() | pages.plotly())
     return files.write(path, content)
 
 
-def _report(press: Linkage, result: Reactions, frames: Keys, before: Reactions | None) -> dict[str, Any]:
-    over = charts.abscissa(result.motion).quantity
-    other = None if before is None else _other(before, result.motion, over)
-    values = extremes(result)
+def _report(press: Linkage, reactions: Reactions, frames: Keys, before: Reactions | None) -> dict[str, Any]:
+    over = charts.abscissa(reactions.motion).quantity
+    other = None if before is None else _other(before, reactions.motion, over)
+    values = extremes(reactions)
     return {
-        "subtitle": _subtitle(result, other),
+        "subtitle": _subtitle(reactions, other),
         "cards": _cards(values),
         "over": {"quantity": over, "unit": {"crank angle": "deg", "time": "s"}[over]},
         "before": None if other is None else other["x"],
         "sections": [
             {"title": title, "charts": [_chart(chart, frames, matching) for chart, matching in _paired(all_charts, other, title)]}
-            for title, all_charts in _sections(result)
+            for title, all_charts in _sections(reactions)
         ],
-        "bearings": [_bearing(result, name, frames, before, other) for name in press.bearings],
-        "harmonics": _harmonics(result, before),
+        "bearings": [_bearing(reactions, name, frames, before, other) for name in press.bearings],
+        "harmonics": _harmonics(reactions, before),
         "table": _table(values, None if before is None else extremes(before)),
     }
 
 
-def _sections(result: Reactions) -> list[tuple[str, list[Chart]]]:
-    speed, moments = charts.crank_speed(result.motion), charts.bearing_moment(result)
+def _sections(reactions: Reactions) -> list[tuple[str, list[Chart]]]:
+    speed, moments = charts.crank_speed(reactions.motion), charts.bearing_moment(reactions)
     sections = [
-        ("Slide", list(charts.slide(result.motion))),
-        ("Drive", [charts.torque(result), *([] if speed is None else [speed])]),
-        ("Bearings and guides", [charts.bearing(result), *([] if moments is None else [moments])]),
-        ("Foundation", [charts.shaking(result), charts.shaking_moment(result)]),
+        ("Slide", list(charts.slide(reactions.motion))),
+        ("Drive", [charts.torque(reactions), *([] if speed is None else [speed])]),
+        ("Bearings and guides", [charts.bearing(reactions), *([] if moments is None else [moments])]),
+        ("Foundation", [charts.shaking(reactions), charts.shaking_moment(reactions)]),
     ]
     return [(title, some) for title, some in sections if some]
 
@@ -128,8 +133,8 @@ def _chart(chart: Chart, frames: Keys, beside: tuple[Chart, Keys] | None = None)
     return {"title": chart.title, "unit": chart.unit, "curves": curves}
 
 
-def _bearing(result: Reactions, name: str, frames: Keys, before: Reactions | None, other: dict[str, Any] | None) -> dict[str, Any]:
-    locus, beside = charts.locus(result, name), None
+def _bearing(reactions: Reactions, name: str, frames: Keys, before: Reactions | None, other: dict[str, Any] | None) -> dict[str, Any]:
+    locus, beside = charts.locus(reactions, name), None
     bearing: dict[str, Any] = {"name": name, "link": locus.link, "axes": locus.axes, "unit": locus.unit, "before": None}
     bearing |= {key: packed(getattr(locus, key)[frames.states], name) for key in ("frame", "own")}
     if before is not None and other is not None and name in before.bearing_force:
@@ -138,29 +143,28 @@ def _bearing(result: Reactions, name: str, frames: Keys, before: Reactions | Non
         if old.axes == locus.axes:
             factor = charts.factor("force", locus.unit) / charts.factor("force", old.unit)
             bearing["before"] = {key: packed(factor * getattr(old, key)[its.states], name) for key in ("frame", "own")}
-    return bearing | {"open": _left_open(result, name), "components": _chart(charts.components(result, name), frames, beside)}
+    return bearing | {"open": _left_open(reactions, name), "components": _chart(charts.components(reactions, name), frames, beside)}
 
 
-def _left_open(result: Reactions, name: str) -> str:
+def _left_open(reactions: Reactions, name: str) -> str:
     """What rigid mechanics does not decide of a bearing, and is not zero, in words; empty where there is nothing."""
-    least = rounding(result)
-    axes = result.indeterminate_axes.T
-    sizes = [np.abs(vector @ axes).max(axis=0) for vector in (result.bearing_force[name], result.bearing_moment[name])]
-    shown = np.concatenate([sizes[0] > least.force, sizes[1] > least.moment]) & result.indeterminate[name]
+    least = rounding(reactions)
+    axes = reactions.indeterminate_axes.T
+    sizes = [np.abs(vector @ axes).max(axis=0) for vector in (reactions.bearing_force[name], reactions.bearing_moment[name])]
+    shown = np.concatenate([sizes[0] > least.force, sizes[1] > least.moment]) & reactions.indeterminate[name]
     names = AXES if np.array_equal(axes, np.eye(3)) else ("h", "across the plane", "u")
     components = [f"{kind} {axis}" for kind in ("force", "moment") for axis in names]
     return ", ".join(itertools.compress(components, shown))
 
 
-def _harmonics(result: Reactions, before: Reactions | None) -> dict[str, Any] | None:
+def _harmonics(reactions: Reactions, before: Reactions | None) -> dict[str, Any] | None:
     """Amplitudes of the shaking force by axis, those that are not zero; None where the motion has no full period."""
-    found = harmonics(result.motion, result.shaking_force)
+    found = harmonics(reactions.motion, reactions.shaking_force)
     if found is None:
         return None
     other = None if before is None else harmonics(before.motion, before.shaking_force)
-    chart = charts.shaking(result)
+    chart = charts.shaking(reactions)
     factor = charts.factor(chart.quantity, chart.unit)
-
     every = sorted({*found.orders[1:], *([] if other is None else other.orders[1:])})  # one may repeat itself after more turns
 
     def bars(shown: HarmonicAnalysis) -> dict[str, list[float]]:
@@ -176,10 +180,10 @@ def _harmonics(result: Reactions, before: Reactions | None) -> dict[str, Any] | 
     }
 
 
-def _subtitle(result: Reactions, other: dict[str, Any] | None) -> str:
-    count = len(result.motion.crank_angle)
+def _subtitle(reactions: Reactions, other: dict[str, Any] | None) -> str:
+    count = len(reactions.motion.crank_angle)
     beside = "" if other is None else f"; dashed: {other['words']}"
-    return f"{_words(result.motion)}, {count} {'states' if count > 1 else 'state'}{beside}"
+    return f"{_words(reactions.motion)}, {count} {'states' if count > 1 else 'state'}{beside}"
 
 
 def _words(motion: Motion) -> str:

@@ -452,8 +452,8 @@ def test_new_presses_can_be_written_and_loaded_again(make, tmp_path):
 def test_new_presses_can_be_recorded_and_reported(tmp_path):
     press = mirrored(with_opposed_balancer(texts.shipped("crank_slide"), 0.15), 0.6)
     result = turn(press)
-    assert pp.record(press, result.motion, tmp_path / "press.html", result).stat().st_size > 100_000
-    assert pp.report(press, result.motion, tmp_path / "report.html", result).stat().st_size > 100_000
+    assert pp.record(press, result.motion, tmp_path / "press.html", reactions=result).stat().st_size > 100_000
+    assert pp.report(press, result.motion, tmp_path / "report.html", reactions=result).stat().st_size > 100_000
 
 
 def test_a_changed_press_can_be_arranged():

@@ -23,8 +23,8 @@ def main() -> None:
         page = Path(folder) / "page.html"
         for name, write in (
             ("`record` without forces", lambda: pp.record(press, result.motion, page)),
-            ("`record` with arrows", lambda: pp.record(press, result.motion, page, result)),
-            ("`report`", lambda: pp.report(press, result.motion, page, result)),
+            ("`record` with arrows", lambda: pp.record(press, result.motion, page, reactions=result)),
+            ("`report`", lambda: pp.report(press, result.motion, page, reactions=result)),
         ):
             first, later = taken(write), statistics.median(taken(write) for _ in range(REPEATS))
             print(f"| {name} | {later:.3f} s (first {first:.3f} s) | {page.stat().st_size / 1e6:.2f} MB |")

@@ -241,7 +241,7 @@ def test_bars_of_fractional_orders(press, name):
 def test_a_report_beside_a_press_with_another_period(press, alone, tmp_path):
     mine, theirs = (pp.inverse_dynamics(each, pp.cycle(each, SPEED)) for each in (press, alone))
     for first, second in ((mine, theirs), (theirs, mine)):
-        page = pp.report(first._press, first.motion, tmp_path / "report.html", first, before=second)
+        page = pp.report(first._press, first.motion, tmp_path / "report.html", reactions=first, before=second)
         drawn = data_in(page)["report"]["harmonics"]
         assert drawn["orders"] == pytest.approx(sorted({*pp.measures.harmonics(mine.motion, mine.shaking_force).orders[1:], *range(1, 13)}))
         for shown, result in ((drawn["amplitude"], first), (drawn["before"], second)):

@@ -147,13 +147,15 @@ def turn(browser: Any, page: Path) -> list[Any]:
 def filmed(page: Path, tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, list[float]]:
     """A film with a frame at each of `TIMES`, and the progress that was told."""
     told: list[float] = []
-    return film(page, tmp_path_factory.mktemp("film") / "out.mp4", SIZE, RATE, slowdown=1, repeats=2, progress=told.append), told
+    return film(
+        page, tmp_path_factory.mktemp("film") / "out.mp4", size=SIZE, frames_per_second=RATE, slowdown=1, repeats=2, progress=told.append
+    ), told
 
 
 @pytest.mark.usefixtures("running")
 def test_picture_is_what_the_page_shows(page: Path, turn: list[Any], tmp_path: Path) -> None:
     out = tmp_path / "out.png"
-    assert image(page, str(out), TIMES[1], SIZE) == out
+    assert image(page, str(out), time=TIMES[1], size=SIZE) == out
     distances = [difference(values(out.read_bytes()), shot) for shot in turn]
     assert distances[1] < 0.05
     assert min(distances[:1] + distances[2:]) > 1
@@ -165,7 +167,7 @@ def test_picture_is_what_the_page_shows(page: Path, turn: list[Any], tmp_path: P
 def test_larger_pictures_are_of_exact_size_and_show_the_same_more_sharply(page: Path, turn: list[Any], tmp_path: Path) -> None:
     from PIL import Image
 
-    png = image(page, tmp_path / "out.png", TIMES[1], (481, 361))
+    png = image(page, tmp_path / "out.png", time=TIMES[1], size=(481, 361))
     picture = values(png.read_bytes())
     assert picture.shape == (361, 481, 3)
     assert picture[-1].std(axis=0).max() < 60  # no bar of the browser's or the page's along the edges
@@ -178,7 +180,7 @@ def test_larger_pictures_are_of_exact_size_and_show_the_same_more_sharply(page: 
 @pytest.mark.exhaustive
 def test_same_page_same_bytes(page: Path, filmed: tuple[Path, list[float]], tmp_path: Path) -> None:
     """Also in another Chromium."""
-    assert film(page, tmp_path / "out.mp4", SIZE, RATE, slowdown=1, repeats=2).read_bytes() == filmed[0].read_bytes()
+    assert film(page, tmp_path / "out.mp4", size=SIZE, frames_per_second=RATE, slowdown=1, repeats=2).read_bytes() == filmed[0].read_bytes()
 
 
 def frames(path: Path) -> tuple[dict[str, Any], list[Any]]:
@@ -211,7 +213,7 @@ def test_film_shows_the_recording_at_the_times_of_its_frames(filmed: tuple[Path,
 
 @pytest.mark.usefixtures("running")
 def test_one_turn_is_slowed_down_for_the_eye(tmp_path: Path) -> None:
-    _, shown = frames(film(stub(tmp_path, DURATION), tmp_path / "out.mp4", (64, 64), 2))
+    _, shown = frames(film(stub(tmp_path, DURATION), tmp_path / "out.mp4", size=(64, 64), frames_per_second=2))
     assert len(shown) == round(5 * DURATION * 2) == 9
     for k, frame in enumerate(shown):  # at 0.5 s the film is at 0.1 s of the press
         assert frame.mean() == pytest.approx(GREY * k / 10 / DURATION, abs=2)
@@ -227,7 +229,7 @@ def test_slow_enough(duration: float, slowdown: float) -> None:
 def test_gif(tmp_path: Path) -> None:
     from PIL import Image
 
-    with Image.open(film(stub(tmp_path, DURATION), tmp_path / "out.GIF", (64, 64), 10, slowdown=1)) as gif:
+    with Image.open(film(stub(tmp_path, DURATION), tmp_path / "out.GIF", size=(64, 64), frames_per_second=10, slowdown=1)) as gif:
         assert gif.format == "GIF"
         assert gif.n_frames == 9  # type: ignore[attr-defined]
         assert gif.info["loop"] == 0  # for ever
@@ -354,7 +356,7 @@ def test_what_goes_wrong_in_the_page_is_said(wrong: str, says: str, tmp_path: Pa
     html, out = stub(tmp_path, 1), tmp_path / "out.png"
     html.write_text(html.read_text("utf-8") + wrong, encoding="utf-8")
     with pytest.raises(pp.PinpressError, match=says):
-        image(html, out, 0.6, (64, 64))
+        image(html, out, time=0.6, size=(64, 64))
     assert not out.exists()
 
 
@@ -364,7 +366,7 @@ def test_without_webgl(page: Path, tmp_path: Path) -> None:
     none = "<body><script>HTMLCanvasElement.prototype.getContext = () => null</script>"
     html.write_text(page.read_text("utf-8").replace("<body>", none), encoding="utf-8")
     with pytest.raises(pp.PinpressError, match=r"fails in Chromium: .*WebGL"):
-        image(html, out, 0.6, (64, 64))
+        image(html, out, time=0.6, size=(64, 64))
     assert not out.exists()
 
 
@@ -377,7 +379,7 @@ def test_lost_graphics_are_no_blank_picture(page: Path, tmp_path: Path) -> None:
         page.read_text("utf-8").replace("function seek(time) {", f"function seek(time) {{ if (time > 0.5) {lose}"), encoding="utf-8"
     )
     with pytest.raises(pp.PinpressError, match="lost its WebGL context"):
-        image(html, out, 0.6, (64, 64))
+        image(html, out, time=0.6, size=(64, 64))
 
 
 def test_a_recording_of_one_instant(fake_screen: Callable[[float], None], tmp_path: Path) -> None:
@@ -424,7 +426,7 @@ def test_film_that_ffmpeg_gives_up(fake_screen: Callable[[float], None], tmp_pat
     fake_screen(1)
     monkeypatch.setitem(importlib.import_module("pinpress.visual.film").ENCODING, ".mp4", ("-c:v", "no_such_codec"))
     with pytest.raises(pp.PinpressError, match=r"ffmpeg cannot make the film: .*no_such_codec"):
-        film(tmp_path / "page.html", tmp_path / "out.mp4", (64, 64), 1)
+        film(tmp_path / "page.html", tmp_path / "out.mp4", size=(64, 64), frames_per_second=1)
     assert list(tmp_path.iterdir()) == []
 
 

@@ -79,7 +79,7 @@ def test_loads_are_given_where_the_mechanics_puts_them(name: str, tmp_path: Path
     """Every press, without a browser; the next test sees the one of most links and bearings in one."""
     press = texts.shipped(name)
     result = pp.inverse_dynamics(press, pp.cycle(press, speed=SPEED, points=24))
-    page = data_in(pp.record(press, result.motion, tmp_path / "out.html", result))
+    page = data_in(pp.record(press, result.motion, tmp_path / "out.html", reactions=result))
     assert {row["name"] for row in page["legend"]} == set(press.links) - {press.model.frames[1].name}
     assert [bearing["name"] for bearing in page["bearings"]] == list(press.bearings)
     places = [floats(path) for path in page["places"]]
@@ -110,7 +110,7 @@ def test_links_and_loads_are_seen_where_the_mechanics_puts_them(view: Callable[.
     press = texts.shipped("jf75g_125_symmetric")
     motion = pp.cycle(press, speed=SPEED, points=120)
     result = pp.inverse_dynamics(press, motion)
-    path = pp.record(press, motion, tmp_path / "out.html", result)
+    path = pp.record(press, motion, tmp_path / "out.html", reactions=result)
     assert path.stat().st_size < 2e6
     page = view(path, "#t=0", MIDDLE)
     page.evaluate("document.querySelector('header').hidden = true")  # it would lie on the press
@@ -255,7 +255,7 @@ def test_hostile_names_are_text(recording: Path, tmp_path: Path) -> None:
     """The page has the tags of any other; in tests/visual/test_report.py a browser shows such names."""
     hostile = load_hostile(tmp_path)
     motion = pp.cycle(hostile, speed=SPEED, points=36)
-    path = pp.record(hostile, motion, tmp_path / "out.html", pp.inverse_dynamics(hostile, motion))
+    path = pp.record(hostile, motion, tmp_path / "out.html", reactions=pp.inverse_dynamics(hostile, motion))
     found, plain = Tags(path.read_text("utf-8")), Tags(recording.read_text("utf-8"))
     assert found.names == plain.names
     assert found.text["h1"].strip() == found.text["title"].strip() == NAMES["crank_slide"]
@@ -270,7 +270,7 @@ def traced(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Any, Any]:
     press = texts.shipped("zxn2_3000b")
     result = pp.inverse_dynamics(press, pp.cycle(press, speed=SPEED, points=120))
     path = tmp_path_factory.mktemp("traced") / "out.html"
-    return pp.record(press, result.motion, path, result, traces=[("coupler", ON_COUPLER)]), press, result
+    return pp.record(press, result.motion, path, reactions=result, traces=[("coupler", ON_COUPLER)]), press, result
 
 
 def test_arrows_take_colour_with_load(traced: tuple[Path, Any, Any], shared_view: Callable[..., Any]) -> None:
@@ -369,7 +369,7 @@ def test_paths_of_slide_and_coupler_point(traced: tuple[Path, Any, Any], shared_
 def test_a_page_of_360_frames_with_arrows_is_small(tmp_path: Path) -> None:
     press = texts.shipped("zxn2_3000b")
     motion = pp.cycle(press, speed=SPEED, points=360)
-    page = pp.record(press, motion, tmp_path / "out.html", pp.inverse_dynamics(press, motion))
+    page = pp.record(press, motion, tmp_path / "out.html", reactions=pp.inverse_dynamics(press, motion))
     assert len(data_in(page)["time"]) == 361
     assert page.stat().st_size < 2e6
 
@@ -380,7 +380,7 @@ def test_run_that_swings_back_and_stops(tmp_path: Path) -> None:
     run = pp.simulate(press, duration=2.0, speed=0.0, angle=1.0)
     assert np.any(np.diff(run.crank_angle) > 0)
     assert np.any(np.diff(run.crank_angle) < 0)
-    data = data_in(pp.record(press, run, tmp_path / "out.html", pp.inverse_dynamics(press, run)))
+    data = data_in(pp.record(press, run, tmp_path / "out.html", reactions=pp.inverse_dynamics(press, run)))
     assert data["time"][-1] == pytest.approx(run.time[-1], abs=1e-6)
     assert_allclose(data["slide"], np.interp(data["time"], run.time, run.slide_position), atol=1e-4)
     assert_allclose(data["crank"], np.degrees(np.interp(data["time"], run.time, run.crank_angle)), atol=0.05)
@@ -489,7 +489,7 @@ def test_reactions_of_another_motion(press: Any, motion: Any, tmp_path: Path) ->
         pp.inverse_dynamics(other, pp.cycle(other, speed=SPEED, points=120)),
     ):
         with pytest.raises(pp.PinpressError, match="the reactions are of another motion"):
-            pp.record(press, motion, tmp_path / "out.html", result)
+            pp.record(press, motion, tmp_path / "out.html", reactions=result)
     assert list(tmp_path.iterdir()) == []
 
 
@@ -500,12 +500,14 @@ def test_what_does_not_belong_together(tmp_path: Path) -> None:
     faster = pp.inverse_dynamics(press, pp.cycle(press, speed=3 * SPEED, points=36))
     heavier = pp.inverse_dynamics(balanced, pp.cycle(balanced, speed=SPEED, points=36))
     file = tmp_path / "out.html"
-    assert pp.record(pp.load("zxn2_3000b"), motion, file, result).exists()  # the same press, loaded again
+    assert pp.record(pp.load("zxn2_3000b"), motion, file, reactions=result).exists()  # the same press, loaded again
     for says, call in {
-        "the reactions are of another motion": lambda: pp.record(press, motion, file, faster),
-        "the reactions are of zxn2_3000b_balanced, another press than zxn2_3000b": lambda: pp.record(press, motion, file, heavier),
+        "the reactions are of another motion": lambda: pp.record(press, motion, file, reactions=faster),
+        "the reactions are of zxn2_3000b_balanced, another press than zxn2_3000b": lambda: pp.record(
+            press, motion, file, reactions=heavier
+        ),
         "the motion is of zxn2_3000b with other joints than crank_slide": lambda: pp.record(other, motion, file),
-        "reactions is a Motion, no Reactions: give what inverse_dynamics returns": lambda: pp.record(press, motion, file, motion),
+        "reactions is a Motion, no Reactions: give what inverse_dynamics returns": lambda: pp.record(press, motion, file, reactions=motion),
         "motion is a Reactions, no Motion: give what cycle or simulate returns": lambda: pp.record(press, result, file),
         "press is a str, no Linkage: give what load returns": lambda: pp.report("zxn2_3000b", motion, file),
         "before is a str, no Reactions": lambda: pp.report(press, motion, file, before="zxn2_3000b"),
@@ -535,7 +537,7 @@ def test_forces_that_cannot_be_drawn(press: Any, motion: Any, tmp_path: Path) ->
     result._shaking[0].setflags(write=True)
     result._shaking[0][5, 2] = np.nan
     with pytest.raises(pp.PinpressError, match="shaking_force is not finite"):
-        pp.record(press, motion, tmp_path / "out.html", result)
+        pp.record(press, motion, tmp_path / "out.html", reactions=result)
     assert list(tmp_path.iterdir()) == []
 
 

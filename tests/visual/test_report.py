@@ -48,7 +48,7 @@ def result(press: Any) -> Any:
 
 @pytest.fixture(scope="module")
 def written(press: Any, result: Any, tmp_path_factory: pytest.TempPathFactory) -> Path:
-    return pp.report(press, result.motion, tmp_path_factory.mktemp("report") / "out.html", result)
+    return pp.report(press, result.motion, tmp_path_factory.mktemp("report") / "out.html", reactions=result)
 
 
 @pytest.fixture
@@ -231,8 +231,8 @@ def test_before_and_after_backwards(press: Any, result: Any, view: Callable[...,
     balanced = texts.shipped("zxn2_3000b_balanced")
     after = pp.inverse_dynamics(balanced, pp.cycle(balanced, speed=-SPEED, points=90))
     with pytest.raises(pp.PinpressError, match="turns the other way"):
-        pp.report(balanced, after.motion, tmp_path / "out.html", after, before=result)
-    page = view(pp.report(balanced, after.motion, tmp_path / "out.html", after, before=plain), "#t=0", SMALL)
+        pp.report(balanced, after.motion, tmp_path / "out.html", reactions=after, before=result)
+    page = view(pp.report(balanced, after.motion, tmp_path / "out.html", reactions=after, before=plain), "#t=0", SMALL)
     curves = page.evaluate(CURVES)
     names = [curve["name"] for curve in curves["Shaking force [kN]"]]
     assert names == ["x", "x, before", "z", "z, before"]
@@ -261,7 +261,7 @@ def test_run_is_over_time(view: Callable[..., Any], tmp_path: Path) -> None:
     load = pp.loads.Blanking(1e6, 0.006, 0.002)
     run = pp.simulate(press, 0.3, 300 * pp.RPM, flywheel=pp.drives.Flywheel(30.0), drive=pp.drives.ConstantTorque(900.0), loads=[load])
     result = pp.inverse_dynamics(press, run, loads=[load])
-    page = view(pp.report(press, run, tmp_path / "out.html", result), "#t=0.15", SMALL)
+    page = view(pp.report(press, run, tmp_path / "out.html", reactions=result), "#t=0.15", SMALL)
     curves = page.evaluate(CURVES)
     assert "Crank speed [r/min]" in curves
     torque = curves["Driving torque [kN m]"]
@@ -293,13 +293,13 @@ def test_hostile_names_are_text(tmp_path: Path, view: Callable[..., Any]) -> Non
 
 
 def test_same_input_same_bytes(written: Path, press: Any, result: Any, tmp_path: Path) -> None:
-    assert pp.report(press, result.motion, tmp_path / "again.html", result).read_bytes() == written.read_bytes()
+    assert pp.report(press, result.motion, tmp_path / "again.html", reactions=result).read_bytes() == written.read_bytes()
 
 
 def test_what_cannot_be_compared(press: Any, result: Any, tmp_path: Path) -> None:
     run = pp.simulate(press, 1.0, SPEED, flywheel=pp.drives.Flywheel(2000.0))
     with pytest.raises(pp.PinpressError, match="before is over time, the motion over crank angle"):
-        pp.report(press, result.motion, tmp_path / "out.html", result, before=pp.inverse_dynamics(press, run))
+        pp.report(press, result.motion, tmp_path / "out.html", reactions=result, before=pp.inverse_dynamics(press, run))
     assert list(tmp_path.iterdir()) == []
 
 
@@ -388,17 +388,17 @@ def test_without_an_extra(missing: str, extra: str, press: Any, result: Any, tmp
     find = importlib.util.find_spec
     monkeypatch.setattr(importlib.util, "find_spec", lambda name: None if name == missing else find(name))
     with pytest.raises(pp.PinpressError, match=re.escape(f"pip install 'pinpress[{extra}]'")):
-        pp.report(press, result.motion, tmp_path / "out.html", result)
+        pp.report(press, result.motion, tmp_path / "out.html", reactions=result)
     assert list(tmp_path.iterdir()) == []
 
 
 def test_path_that_cannot_be_written(press: Any, result: Any, tmp_path: Path) -> None:
     with pytest.raises(pp.PinpressError, match="cannot write"):
-        pp.report(press, result.motion, tmp_path / "missing" / "out.html", result)
+        pp.report(press, result.motion, tmp_path / "missing" / "out.html", reactions=result)
     assert list(tmp_path.iterdir()) == []
 
 
 def test_recording_is_in_the_report(written: Path, press: Any, result: Any, tmp_path: Path) -> None:
-    recording = data_in(pp.record(press, result.motion, tmp_path / "recording.html", result))
+    recording = data_in(pp.record(press, result.motion, tmp_path / "recording.html", reactions=result))
     report = data_in(written)
     assert {name: report[name] for name in recording} == recording

@@ -26,9 +26,10 @@ class Body:
     """A link that is shown.
 
     Attributes:
-        name: of the link. frame: its index in the frames of the model.
+        name: of the link.
+        frame: its index in the frames of the model.
         parts: its solids, in the link's frame; at least one.
-        drawn: True: they are the URDF's visuals. False: they are made up from the link's bearings.
+        drawn: whether the parts are the URDF's visuals; else they are made up from the link's bearings.
     """
 
     name: str

@@ -31,7 +31,8 @@ class Bearing:
         kind: "pin", "ball" (in space alone: it turns about all axes), "guide" (it slides) or "weld".
         links: that need plain shapes; None for a side whose link does not.
         on_frame: whether a side is fixed to the frame.
-        points: (2, 3) [m]. axis: (3,) unit vector; of a ball and a weld in space it means nothing.
+        points: (2, 3) places of the two sides [m].
+        axis: (3,) unit vector; of a ball and a weld in space it means nothing.
         travel: lowest and highest position of a guide [m].
     """
 
@@ -53,6 +54,7 @@ class BearingLayout:
         placements: link -> (4, 4) its frame.
         normal: (3,) of a planar linkage, towards one who looks at it; None of one in space.
         welded: link -> origin (3,) [m], at which it is welded to others, of links whose body has visuals that are not theirs.
+        bearings: joints, then cut loops.
         masses: link -> centre of mass (3,) [m] and radii of gyration as a tensor (3, 3) [m2], of links with a mass.
         size: of the linkage [m].
     """
@@ -127,6 +129,7 @@ def lay_out_bearings(press: Linkage, travel: Array, drawn: Collection[str]) -> B
     Links that are welded together are drawn as one, the first of them, unless one of them has visuals.
 
     Args:
+        press: the linkage.
         travel: (2, nv) lowest and highest positions of the joints [rad or m].
         drawn: links that have visuals.
 

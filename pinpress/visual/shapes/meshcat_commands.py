@@ -40,10 +40,12 @@ def moves(poses: Array) -> bool:
 
 
 def commands(bodies: Iterable[Body], poses: dict[str, Array], time: Array) -> Iterator[dict[str, Any]]:
-    """In the order in which the page handles them: the animation refers to groups, so it comes last.
+    """Commands in the order in which the page handles them: the animation refers to groups, so it comes last.
 
     Args:
-        poses: name of a body -> (k, 7), see `body_poses`. time: (k,) of the keys [s].
+        bodies: the links that are shown.
+        poses: name of a body -> (k, 7), see `body_poses`.
+        time: (k,) of the key frames [s].
 
     Raises:
         PinpressError: a shape too large for single precision.

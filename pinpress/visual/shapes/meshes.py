@@ -35,12 +35,15 @@ _FACES = ("triangles", "tristrips", "trifans", "polylist", "polygons")
 
 
 def read(file: str, link: str, name: str, scale: tuple[float, ...]) -> Mesh:
-    """A mesh, by the name that the URDF ``file`` gives it: a path, which may be relative to the URDF, ``file://...`` or ``package://...``.
+    """Read a mesh.
 
     A package is looked for in ROS_PACKAGE_PATH, among the folders that the URDF is in, and beside them.
 
     Args:
-        link: whose visual it is. scale: along x, y, z.
+        file: the URDF.
+        link: whose visual the mesh is.
+        name: that the URDF gives the mesh: a path, which may be relative to the URDF, ``file://...`` or ``package://...``.
+        scale: along x, y, z.
 
     Raises:
         PinpressError: the mesh is not found, no mesh, without triangles, or flat or not finite after scaling.

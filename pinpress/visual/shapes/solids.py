@@ -10,14 +10,23 @@ from ...common.arrays import Array
 
 @dataclass(frozen=True)
 class Box:
-    """A box about its own origin; size along x, y, z [m]."""
+    """A box about its own origin.
+
+    Attributes:
+        size: along x, y, z [m].
+    """
 
     size: tuple[float, float, float]
 
 
 @dataclass(frozen=True)
 class Cylinder:
-    """A cylinder about its own origin, along z [m]."""
+    """A cylinder about its own origin, along z.
+
+    Attributes:
+        radius: [m].
+        length: [m].
+    """
 
     radius: float
     length: float
@@ -25,14 +34,23 @@ class Cylinder:
 
 @dataclass(frozen=True)
 class Sphere:
-    """A sphere about its own origin [m]."""
+    """A sphere about its own origin.
+
+    Attributes:
+        radius: [m].
+    """
 
     radius: float
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Mesh:
-    """Triangles: vertices (n, 3) [m], and faces (m, 3), whose corners are vertices, anticlockwise seen from outside. Read-only."""
+    """Triangles. Arrays are read-only.
+
+    Attributes:
+        vertices: (n, 3) [m].
+        faces: (m, 3) indices of the vertices at their corners, anticlockwise seen from outside.
+    """
 
     vertices: Array
     faces: NDArray[np.int64]
@@ -49,6 +67,7 @@ class Part:
     """A solid on a link, in a colour. Arrays are read-only.
 
     Attributes:
+        shape: of the solid.
         placement: (4, 4) of the solid in the link's frame [m].
         rgba: (4,) red, green, blue and opacity, from 0 to 1.
     """
@@ -68,7 +87,13 @@ def part(shape: Shape, placement: Array, rgba: Array | tuple[float, ...]) -> Par
 
 @dataclass(frozen=True, eq=False)
 class Solid:
-    """A solid of a link that is made up, in world axes in the drawn pose: placement (4, 4) [m], and whether it is a pin, not the link."""
+    """A solid of a link that is made up, in world axes in the drawn pose.
+
+    Attributes:
+        shape: of the solid.
+        placement: (4, 4) of the solid [m].
+        steel: whether it is a pin, in the colour of pins, not of the link.
+    """
 
     shape: Shape
     placement: Array

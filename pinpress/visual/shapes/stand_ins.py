@@ -43,6 +43,7 @@ def plain_parts(press: Linkage, travel: Array, drawn: Collection[str]) -> dict[s
     """Parts of the links that need plain shapes, by their names; none for a link that has no bearing of its own.
 
     Args:
+        press: the linkage.
         travel: (2, nv) lowest and highest positions of the joints [rad or m].
         drawn: links that have visuals.
     """
