@@ -2,14 +2,16 @@
 
     import pinpress as pp
 
-    press = pp.load("zxn2_3000b")
+    press = pp.load("zxn2_3000b")  # or the path of your URDF
     motion = pp.cycle(press, speed=70 * pp.RPM, points=360)
-    result = pp.inverse_dynamics(press, motion)
-    result.driving_torque, result.bearing_force["A"], result.shaking_force
-    pp.record(press, motion, "press.html", result)
-    pp.report(press, motion, "report.html", result)
+    reactions = pp.inverse_dynamics(press, motion)
+    reactions.driving_torque, reactions.bearing_force["A"], reactions.shaking_force
+    pp.record(press, motion, "press.html", reactions=reactions)
+    pp.report(press, motion, "report.html", reactions=reactions)
 
-SI units and radians throughout. World z is up; a planar press stands in the x-z plane.
+SI units and radians throughout. World z is up; a planar press stands in the x-z plane. What not everyone needs stands in namespaces:
+`loads`, `drives`, `measures`, `ratings`, `elasticity`, `foundation`, `balancing`, `synthesis`, `sweeps`, `derivatives`, `plots`, `video`
+and `accuracy`.
 """
 
 import lazy_loader

@@ -1,4 +1,11 @@
-"""Films and pictures of recordings, made with a browser."""
+"""Films and pictures of recordings, made with a browser and without a window.
+
+    page = pp.record(press, motion, "press.html", reactions=reactions)
+    pp.video.image(page, "press.png", time=0.2)  # s from the start of the recording
+    pp.video.film(page, "press.mp4", slowdown=5)
+
+They need Chromium or Chrome, and ``pip install 'pinpress[video]'``. A report is filmed like a recording.
+"""
 
 import lazy_loader
 

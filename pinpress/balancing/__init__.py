@@ -1,4 +1,14 @@
-"""Counterweights: proved best, or the classical arrangements (`pinpress.balancing.classical`)."""
+"""Counterweights that make shaking forces, torque or bearing forces least, with a proof that none are better.
+
+    regions = [pp.balancing.CounterweightRegion("crank", radius=0.3), pp.balancing.CounterweightRegion("rod", radius=0.3)]  # m
+    vertical = pp.balancing.Range("shaking_force", "z")
+    best = pp.balancing.balance(press, motion, regions=regions, minimise=vertical, limits={pp.balancing.AddedMass(): 600.0})
+    print(best)  # counterweights, what holds them back, and all forces before and after
+    pp.inverse_dynamics(best.press, motion)
+
+Forces are linear in the masses at a given motion, so that the search is a convex program with one optimum. The textbooks' arrangements
+are in `pinpress.balancing.classical`.
+"""
 
 import lazy_loader
 

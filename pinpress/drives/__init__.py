@@ -1,4 +1,13 @@
-"""What turns the crank: motors, flywheel, gears, clutch and brake. They know no press."""
+"""What turns the crank: motors, flywheel, gears, clutch and brake.
+
+    motor = pp.drives.InductionMotor(rated_power=75e3, rated_speed=1485 * pp.RPM, inertia=1.2)
+    drive = pp.drives.Geared(motor, ratio=20.7, efficiency=0.95)  # as the crank sees it
+    flywheel = pp.drives.Flywheel(inertia=2000.0)  # kg m2 at the crank
+    pp.simulate(press, duration=1.0, speed=70 * pp.RPM, drive=drive, flywheel=flywheel).crank_speed
+
+Drives know no press: they give a torque by speed, angle and time, positive along the driver's axis. A drive of your own is a class with the
+methods of `Drive`. `SwitchPoint` says when a clutch or a brake closes and opens.
+"""
 
 import lazy_loader
 

@@ -1,4 +1,12 @@
-"""Plots with Matplotlib."""
+"""Charts for papers: Matplotlib figures in the width of a text column.
+
+    pp.plots.save(pp.plots.torque(reactions), "torque.svg")
+    pp.plots.save(pp.plots.polar(reactions, "A", "D"), "polar.pdf")
+    pp.plots.slide(motion).axes[0].set_title("slide")  # a figure can be changed before it is saved
+
+Signs and axes are those of `Reactions`; units are chosen by size. Every function raises `PinpressError` where Matplotlib is not installed
+(``pip install 'pinpress[plots]'``) or a value is not finite.
+"""
 
 import lazy_loader
 

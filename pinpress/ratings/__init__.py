@@ -1,4 +1,13 @@
-"""What a press may be used with."""
+"""What a press may be used with: permissible force over the stroke, work, speed, eccentric loads.
+
+    capacities = pp.ratings.Capacities(3e6, nominal_height=0.013, bearings={"A": 2e6}, flywheel_inertia=2000.0, speed_drop=0.2)
+    rated = pp.ratings.ratings(press, 70 * pp.RPM, capacities)
+    print(rated)  # which limit governs at which height
+    pp.plots.ratings(rated)
+
+Capacities are what the parts stand: nominal force, crank torque, bearings, flywheel, motor. Heights are slide positions above bottom dead
+centre [m].
+"""
 
 import lazy_loader
 

@@ -1,4 +1,16 @@
-"""Lengths of a linkage that meet requirements best."""
+"""Lengths of a linkage that meet requirements best.
+
+    found = pp.synthesis.synthesise(
+        press,
+        {"B.crank.x": (0.12, 0.143, 0.16)},  # least, first and largest value of a pivot's coordinate [m]
+        minimise=lambda trial: trial.reactions.driving_torque.max(),
+        subject_to={"stroke": (lambda trial: pp.measures.stroke(trial.motion), 0.30, None)},
+        speed=70 * pp.RPM,
+    )
+    print(found)
+
+Goals and limits are functions of a `Trial`: the motion and forces of the press with the lengths that are tried. Their gradients are exact.
+"""
 
 import lazy_loader
 

@@ -22,6 +22,7 @@ from support.generators.spatial_linkages import bennett, bricard, four_bar
 from support.oracles import cassie
 
 import pinpress as pp
+from pinpress.linkage.urdf.document import Document
 from pinpress.visual.shapes import appearance
 from pinpress.visual.shapes.appearance import bodies
 from pinpress.visual.shapes.solids import Box, Cylinder, Mesh, Sphere
@@ -37,7 +38,12 @@ def bare(press: Any, *links: str) -> Any:
         start = text.index(f'<link name="{link}">')
         end = text.index("</link>", start)
         text = text[:start] + re.sub("<visual.*?</visual>", "", text[start:end], flags=re.DOTALL) + text[end:]
-    return dataclasses.replace(press, text=text.encode())
+    return with_text(press, text.encode())
+
+
+def with_text(press: Any, text: bytes) -> Any:
+    """The linkage with another text of its URDF."""
+    return dataclasses.replace(press, document=Document(press.file, text))
 
 
 def loaded(folder: Path, text: str) -> Any:
@@ -197,12 +203,12 @@ def test_sizes_that_cannot_be_drawn(shape: str, says: str, tmp_path: Path) -> No
     press = rotor(tmp_path)  # `load` refuses most of these, but the text may come from elsewhere
     text = ROTOR.format(visual=VISUAL.format(shape, ""), materials="", more="", inertial=MASS)
     with pytest.raises(pp.PinpressError, match=re.escape(says)):
-        shown_rotor(dataclasses.replace(press, text=text.encode()))
+        shown_rotor(with_text(press, text.encode()))
 
 
 def test_origin_that_is_not_finite(tmp_path: Path) -> None:
     press = rotor(tmp_path, VISUAL.format('<sphere radius="1"/>', ""))
-    broken = dataclasses.replace(press, text=press.text.replace(b'rpy="0.4', b'rpy="inf'))
+    broken = with_text(press, press.text.replace(b'rpy="0.4', b'rpy="inf'))
     with pytest.raises(pp.PinpressError, match=re.escape("link 'rotor': <origin> has rpy='inf 0.5 0.6'; give finite numbers")):
         shown_rotor(broken)
 

@@ -528,7 +528,7 @@ def test_command(
     same = pp.record(press, motion, tmp_path / "same.html", reactions=pp.inverse_dynamics(press, motion), traces=[("rod", (0, 0, -0.1))])
     assert html.read_bytes() == same.read_bytes()
     at = pytest.approx(0.75 * DURATION)  # backwards, 90 deg comes late
-    assert asked_of["image"] == [same.read_bytes(), png, at, {"size": (160, 120)}]
+    assert asked_of["image"] == [same.read_bytes(), png, {"time": at, "size": (160, 120)}]
     how = {"frames_per_second": 1, "slowdown": 2.0, "repeats": 2, "size": (160, 120), "progress": None}
     assert asked_of["film"] == [same.read_bytes(), mp4, how]
     assert png.read_bytes().startswith(b"\x89PNG")
@@ -543,7 +543,7 @@ def test_command_without_forces_and_with_a_picture_alone(tmp_path: Path, press: 
     out = tmp_path / "out.png"
     assert command("crank_slide", "--speed", 70, "--png", out, "--no-forces", "--at", -270, "--points", 90, "--size", "64x64") == 0
     page = pp.record(press, pp.cycle(press, SPEED, points=90), tmp_path / "same.html")
-    assert asked == [page.read_bytes(), out, pytest.approx(DURATION / 4), {"size": (64, 64)}]
+    assert asked == [page.read_bytes(), out, {"time": pytest.approx(DURATION / 4), "size": (64, 64)}]
 
 
 @pytest.mark.parametrize(

@@ -1,0 +1,84 @@
+"""What help says of a namespace: a short text with an example that runs, and signatures that can be read."""
+
+import importlib.util
+import inspect
+import re
+import textwrap
+from operator import attrgetter
+
+import numpy as np
+import pytest
+
+import pinpress as pp
+
+NAMESPACES = [name for name in pp.__all__ if inspect.ismodule(getattr(pp, name))]
+NEEDS = {"plots": "matplotlib", "ratings": "matplotlib", "accuracy": "matplotlib", "sweeps": "pandas"}
+SLOW = ("accuracy", "video")  # a browser, and a comparison
+LONGEST = 20  # lines of a text
+
+
+def torque_of(speed):
+    press = pp.load("crank_slide")
+    return {"torque": pp.inverse_dynamics(press, pp.cycle(press, speed=speed, points=24)).driving_torque.max()}
+
+
+@pytest.fixture
+def names():
+    press = pp.load("zxn2_3000b")
+    motion = pp.cycle(press, speed=70 * pp.RPM, points=90)
+    reactions = pp.inverse_dynamics(press, motion)
+    return {"pp": pp, "np": np, "press": press, "motion": motion, "reactions": reactions, "torque_of": torque_of}
+
+
+def example(name):
+    """The indented part of a namespace's text."""
+    (code,) = re.findall(r"(?:^    .*\n|^\n(?=    ))+", attrgetter(name)(pp).__doc__, flags=re.MULTILINE)
+    return textwrap.dedent(code)
+
+
+def run(name, names, folder, monkeypatch):
+    if name in NEEDS and importlib.util.find_spec(NEEDS[name]) is None:
+        pytest.skip(f"needs {NEEDS[name]}")
+    monkeypatch.chdir(folder)
+    exec(compile(example(name), name, "exec"), names)
+
+
+@pytest.mark.parametrize("name", [name for name in NAMESPACES if name not in SLOW])
+def test_example_of_a_namespace_runs(name, names, tmp_path, monkeypatch):
+    run(name, names, tmp_path, monkeypatch)
+
+
+@pytest.mark.exhaustive
+@pytest.mark.parametrize("name", SLOW)
+def test_slow_example_of_a_namespace_runs(name, names, tmp_path, monkeypatch):
+    if name == "video" and any(importlib.util.find_spec(each) is None for each in ("playwright", "imageio_ffmpeg", "meshcat")):
+        pytest.skip("needs pip install 'pinpress[video,recording]'")
+    run(name, names, tmp_path, monkeypatch)
+
+
+@pytest.mark.parametrize("name", NAMESPACES)
+def test_text_is_short_and_has_an_example(name):
+    assert 6 <= getattr(pp, name).__doc__.count("\n") <= LONGEST
+    assert f"pp.{name}." in example(name)
+
+
+def test_package_names_every_namespace():
+    assert [name for name in NAMESPACES if f"`{name}`" not in pp.__doc__] == []
+
+
+def test_signatures_name_types_as_they_are_written():
+    """Resolved, an array-like alone has 600 letters."""
+    signatures = {name: str(inspect.signature(thing)) for name, thing in functions_and_classes()}
+    assert [name for name, shown in signatures.items() if re.search(r"numpy\._typing|numpy\.ndarray|typing\.", shown)] == []
+
+
+def functions_and_classes():
+    """Those of all namespaces, and the classes' methods."""
+    for space in (pp, *(getattr(pp, name) for name in NAMESPACES), pp.balancing.classical):
+        for thing in map(space.__getattr__, dir(space)):
+            if inspect.isfunction(thing):
+                yield f"{space.__name__}.{thing.__name__}", thing
+            elif inspect.isclass(thing) and not issubclass(thing, Exception):
+                yield f"{space.__name__}.{thing.__name__}", thing
+                methods = (method for name, method in vars(thing).items() if inspect.isfunction(method) and not name.startswith("_"))
+                yield from ((method.__qualname__, method) for method in methods)
