@@ -11,7 +11,7 @@ import pytest
 
 import pinpress as pp
 
-NAMESPACES = [name for name in pp.__all__ if inspect.ismodule(getattr(pp, name))]
+NAMESPACES = [name for name in dir(pp) if inspect.ismodule(getattr(pp, name))]
 NEEDS = {"plots": "matplotlib", "ratings": "matplotlib", "accuracy": "matplotlib", "sweeps": "pandas"}
 SLOW = ("accuracy", "video")  # a browser, and a comparison
 LONGEST = 20  # lines of a text
