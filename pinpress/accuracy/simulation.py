@@ -9,7 +9,7 @@ import numpy as np
 
 from ..common.gauss import NODES
 from ..dynamics.inverse_dynamics import Reactions, inverse_dynamics
-from ..kinematics.motion import carried
+from ..kinematics.motion import motion_through_change_points
 from ..linkage.linkage import Linkage
 from ..linkage.memo import keep_all_but
 from ..simulation import reduced_model
@@ -184,7 +184,7 @@ def _alike(press: Linkage, scene: Scene) -> bool:
 
 def _ended(press: Linkage, scene: Scene, method: str, **how: float) -> Ended:
     run = _run(press, scene, method, points=2, **how)
-    last = carried(press, run.crank_angle[-1:], run.crank_speed[-1:], run.crank_acceleration[-1:])
+    last = motion_through_change_points(press, run.crank_angle[-1:], run.crank_speed[-1:], run.crank_acceleration[-1:])
     return Ended(run, inverse_dynamics(press, last))
 
 

@@ -16,7 +16,7 @@ from ..common.errors import PinpressError, UnknownNameError, shown
 from ..engines.forces import AppliedForce
 from ..engines.friction import REST
 from ..kinematics.dead_centres import dead_centres
-from ..kinematics.point_motion import point_motion
+from ..kinematics.poses import point_motion
 from ..loads import caller_laws
 from ..loads.link import Load, PointForce, SpringDamper
 from ..loads.process import TimeForce

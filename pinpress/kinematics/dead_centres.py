@@ -10,13 +10,13 @@ from ..common.arguments import typed
 from ..common.arrays import Array
 from ..common.errors import PinpressError
 from ..common.results import Record
+from ..common.roots import bracketed_roots
 from ..engines.branch import beyond
 from ..linkage.linkage import Linkage
 from ..linkage.memo import per_linkage
-from .motion import carried
+from .motion import motion_through_change_points
 
 ROUNDING = 4 * float(np.finfo(float).eps)  # of a crank angle [rad]
-MOST_STEPS = 60  # halve half a degree down to that
 SAMPLES = 720  # per turn; two dead centres closer than half a degree would be taken for none
 EQUAL = 1e-9  # of the stroke: slide positions that differ by less differ by rounding
 
@@ -60,7 +60,7 @@ def dead_centres(press: Linkage) -> DeadCentres:
         raise beyond(press.branch_through_change_points, upwards=press.branch_through_change_points.locks[True] is not None)
 
     def slide(angle: Array) -> tuple[Array, Array, Array]:
-        motion = carried(press, angle, 1.0)
+        motion = motion_through_change_points(press, angle, 1.0)
         return motion.slide_position, motion.slide_velocity, motion.slide_acceleration
 
     # A press is often drawn at a dead centre: a grid that starts off the drawn pose has no sample on it.
@@ -69,17 +69,7 @@ def dead_centres(press: Linkage) -> DeadCentres:
     turning = np.flatnonzero(np.signbit(speeds[:-1]) != np.signbit(speeds[1:]))
     if len(turning) < 2:
         raise PinpressError(f"the slide of {press.name} does not turn back within its period: it has no dead centres")
-    low, high = samples[turning], samples[turning + 1]
-    before, angles = np.signbit(speeds[turning]), 0.5 * (low + high)
-    for _ in range(MOST_STEPS):
-        _, velocity, acceleration = slide(angles)
-        same = np.signbit(velocity) == before
-        low, high = np.where(same, angles, low), np.where(same, high, angles)
-        with np.errstate(all="ignore"):  # Newton's method, fenced in: where it leads out, or nowhere, halves
-            closer = angles - velocity / acceleration
-        last, angles = angles, np.where((closer >= low) & (closer <= high), closer, 0.5 * (low + high))
-        if np.abs(angles - last).max() <= ROUNDING:
-            break
+    angles = bracketed_roots(lambda angle: slide(angle)[1:], samples[turning], samples[turning + 1], absolute=ROUNDING)
     positions = slide(angles)[0]
     angles = np.where(np.abs(angles) < 1e-12, 0.0, angles % period)  # not 360 degrees for one drawn there
     top, bottom = (int(np.argmax(sign * positions >= (sign * positions).max() - EQUAL * np.ptp(positions))) for sign in (1, -1))

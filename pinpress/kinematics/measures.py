@@ -15,19 +15,17 @@ the working stroke for a slide that turns back more than twice in it too.
 
 from __future__ import annotations
 
+import itertools
 import math
 
 import numpy as np
 
 from ..common.arguments import typed
-from ..common.arrays import ComplexArray
+from ..common.arrays import Array, ComplexArray
 from ..common.checks import is_number, number
 from ..common.errors import PinpressError, shown
-from . import periodic_curve as over_turn
-from . import slide_path as slide_strokes
-from .periodic_curve import Curve, Numbers
-from .slide_path import SlideMotion
-from .speed_evenness import least_drop
+from .periodic_curve import Curve, Numbers, step_angle, step_time, zeros
+from .slide_path import SlideMotion, Stroke, slide_path, working_stroke
 from .transmission_angles import bearing_positions, pressure_angle, transmission_angle
 
 __all__ = [
@@ -48,7 +46,7 @@ __all__ = [
 
 def stroke(motion: SlideMotion) -> float:
     """Distance between the slide's outermost turning points [m]."""
-    path = slide_strokes.slide_path(motion)
+    path = slide_path(motion)
     bottom, top = path.extremes()
     return path.number(top - bottom)
 
@@ -59,7 +57,7 @@ def quick_return_ratio(motion: SlideMotion, downwards: bool = True) -> float:
 
     K = (pi + theta) / (pi - theta), the working stroke taking the crank angle pi + theta (Chen 2002).
     """
-    way = slide_strokes.working_stroke(motion, downwards)
+    way = working_stroke(motion, downwards)
     working = way.end - way.start
     return way.path.number(working / (way.path.states - working))
 
@@ -67,7 +65,7 @@ def quick_return_ratio(motion: SlideMotion, downwards: bool = True) -> float:
 @typed
 def speed_ratio(motion: SlideMotion, downwards: bool = True) -> float:
     """Highest speed of the slide in the working stroke beside its mean, stroke by time (objective of Chen 2002)."""
-    way = slide_strokes.working_stroke(motion, downwards)
+    way = working_stroke(motion, downwards)
     speeds = way.speed(way.speed_extremes)
     return way.path.number(speeds[speeds.real.argmax()] * (way.end - way.start) / way.length)
 
@@ -82,8 +80,8 @@ def speed_variation(motion: SlideMotion, length: float, downwards: bool = True) 
     Raises:
         PinpressError: a length that is not between 0 and the stroke.
     """
-    way = slide_strokes.working_stroke(motion, downwards)
-    return way.path.number(least_drop(way, _within(way.length, "length", length)))
+    way = working_stroke(motion, downwards)
+    return way.path.number(_least_drop(way, _within(way.length, "length", length)))
 
 
 @typed
@@ -94,7 +92,7 @@ def speed_at(motion: SlideMotion, height: float, downwards: bool = True) -> floa
         PinpressError: a height that is not between 0 and the stroke.
     """
     path, speed = _speed_by_state(motion, height, downwards)
-    return path.number(speed / over_turn.step_time(motion))
+    return path.number(speed / step_time(motion))
 
 
 @typed
@@ -106,7 +104,7 @@ def mechanical_advantage(motion: SlideMotion, height: float, downwards: bool = T
         PinpressError: a height that is not between 0 and the stroke.
     """
     path, speed = _speed_by_state(motion, height, downwards)
-    return path.number(abs(over_turn.step_angle(motion)) / speed)
+    return path.number(abs(step_angle(motion)) / speed)
 
 
 def dwell_angle(motion: SlideMotion, tolerance: float) -> float:
@@ -116,18 +114,18 @@ def dwell_angle(motion: SlideMotion, tolerance: float) -> float:
         PinpressError: a tolerance that is not between 0 and the stroke.
     """
     path, states = _dwell(motion, tolerance)
-    return path.number(states * abs(over_turn.step_angle(motion)))
+    return path.number(states * abs(step_angle(motion)))
 
 
 def dwell_time(motion: SlideMotion, tolerance: float) -> float:
     """The same as a time [s]. Raises as `dwell_angle`."""
     path, states = _dwell(motion, tolerance)
-    return path.number(states * over_turn.step_time(motion))
+    return path.number(states * step_time(motion))
 
 
 def _speed_by_state(motion: SlideMotion, height: float, downwards: bool) -> tuple[Curve, complex]:
     """The slide's path, and its speed at a height, in metres from state to state."""
-    way = slide_strokes.working_stroke(motion, downwards)
+    way = working_stroke(motion, downwards)
     above = _within(way.length, "height", height)
     place = way.place_at(np.array([way.length - above if downwards else above + 0j]))
     return way.path, complex(way.speed(place)[0])
@@ -135,7 +133,7 @@ def _speed_by_state(motion: SlideMotion, height: float, downwards: bool) -> tupl
 
 def _dwell(motion: SlideMotion, tolerance: float) -> tuple[Curve, complex]:
     """The slide's path, and how many states long it stays within the tolerance."""
-    path = slide_strokes.slide_path(motion)
+    path = slide_path(motion)
     least, most = path.extremes()
     level = least + _within(most - least, "tolerance", tolerance)
     turning = path.turning_places().real
@@ -152,7 +150,7 @@ def _dwell(motion: SlideMotion, tolerance: float) -> tuple[Curve, complex]:
         value, slope, _, _ = path.at(place)
         return value - level, slope
 
-    until, since = over_turn.zeros(above, places[[leaves - 1, returns]], places[[leaves, returns + 1]])
+    until, since = zeros(above, places[[leaves - 1, returns]], places[[leaves, returns + 1]])
     return path, complex(until - since) + path.states
 
 
@@ -162,3 +160,92 @@ def _within(stroke: complex, name: str, value: object) -> float:
     if not 0.0 < distance < stroke.real:
         raise PinpressError(f"{name} is {shown(value)}: give a distance between 0 and the stroke of {stroke.real:.6g} m")
     return distance
+
+
+def _least_drop(stroke: Stroke, length: float) -> complex:
+    """Least drop of speed, beside its largest, in a window of a length between nothing and the stroke [m].
+
+    A window of this length is moved along the stroke. The speed drops in it from its largest to its least value, each of which is at an
+    end of the window or at an extreme of the speed in it. Where the drop is least, either the largest or the least value passes from one
+    of these to another, or both are at the ends and the drop is stationary: these windows are few, and all are tried.
+
+    Raises:
+        PinpressError: The window cannot be found, as states are too far apart.
+    """
+    last = float(stroke.place_at(np.array([stroke.length - length]))[0].real)
+    grid = np.append(stroke.nodes[stroke.nodes < last], last)
+    with np.errstate(all="ignore"):  # at the dead centres, where the speed is zero, ratios are not finite
+        starts = np.concatenate([_equal_ends(stroke, length, grid), _stationary(stroke, length, grid), _levels(stroke, length)])
+    starts = starts[(starts.real > grid[0]) & (starts.real < last)]
+    if not len(starts):
+        raise PinpressError(f"no window of {length:g} m is inside the stroke but for rounding: give a shorter length")
+    drops = _drops(stroke, length, starts)
+    return complex(drops[drops.real.argmin()])
+
+
+def _end_of_window(stroke: Stroke, length: float, start: Numbers) -> ComplexArray:
+    return stroke.place_at(stroke.travel(start) + length)
+
+
+def _equal_ends(stroke: Stroke, length: float, grid: Array) -> ComplexArray:
+    """Starts of the windows with equal speeds at both ends."""
+
+    def difference(start: Numbers) -> tuple[ComplexArray, ComplexArray]:
+        (_, v, a, _), (_, v_end, a_end, _) = stroke.path.at(start), stroke.path.at(_end_of_window(stroke, length, start))
+        return v - v_end, a - a_end * v / v_end
+
+    return zeros(difference, *_sign_changes(difference(grid)[0].real, grid))
+
+
+def _stationary(stroke: Stroke, length: float, grid: Array) -> ComplexArray:
+    """Starts of the windows whose ratio of the speeds at both ends is stationary."""
+    inner = grid[1:-1]  # at the stroke's ends the speed is zero
+
+    def growth(place: Numbers) -> tuple[ComplexArray, ComplexArray, ComplexArray]:
+        """Of the speed's logarithm with travel; its derivative by the place; the speed."""
+        _, v, a, jerk = stroke.path.at(place)
+        return a / v**2, jerk / v**2 - 2 * a**2 / v**3, v
+
+    def difference(start: Numbers) -> tuple[ComplexArray, ComplexArray]:
+        value, slope, v = growth(start)
+        value_end, slope_end, v_end = growth(_end_of_window(stroke, length, start))
+        return value - value_end, slope - slope_end * v / v_end
+
+    return zeros(difference, *_sign_changes(difference(inner)[0].real, inner))
+
+
+def _levels(stroke: Stroke, length: float) -> ComplexArray:
+    """Starts of the windows that have at one end the speed of one of its extremes."""
+    found = [np.empty(0, complex)]
+    extremes, nodes = stroke.speed_extremes, stroke.nodes
+    speeds = stroke.speed(nodes).real
+    for place, level in zip(extremes, stroke.speed(extremes), strict=True):
+
+        def above(at: Numbers, level: complex = level) -> tuple[ComplexArray, ComplexArray]:
+            return stroke.speed(at) - level, stroke.path.at(at)[2]
+
+        low, high = _sign_changes(speeds - level.real, nodes)
+        beside = (low == place.real) | (high == place.real)  # where the speed touches its extreme
+        ends = zeros(above, low[~beside], high[~beside])
+        travel = stroke.travel(ends)
+        found += [ends[(travel + length).real < stroke.length.real]]
+        found += [stroke.place_at(travel[travel.real > length] - length)]
+    return np.concatenate(found)
+
+
+def _sign_changes(values: Array, places: Array) -> tuple[Array, Array]:
+    """Stretches between neighbouring places in which a quantity (m,) changes sign."""
+    negative = np.signbit(values)
+    before = np.flatnonzero(negative[1:] != negative[:-1])
+    return places[before], places[before + 1]
+
+
+def _drops(stroke: Stroke, length: float, starts: ComplexArray) -> ComplexArray:
+    """Drop of speed (m,) in windows with these starts."""
+    ends = _end_of_window(stroke, length, starts)
+    peaks, peak_speeds = stroke.speed_extremes.real, stroke.speed(stroke.speed_extremes)
+    drops = []
+    for start, end, *own in zip(starts.real, ends.real, stroke.speed(starts), stroke.speed(ends), strict=True):
+        speeds = np.array([*own, *itertools.compress(peak_speeds, (peaks > start) & (peaks < end))])
+        drops.append(1 - speeds[speeds.real.argmin()] / speeds[speeds.real.argmax()])
+    return np.array(drops)

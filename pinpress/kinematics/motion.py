@@ -15,6 +15,7 @@ from ..common.arguments import typed
 from ..common.arrays import Array, ComplexArray
 from ..common.checks import numbers, whole_number
 from ..common.errors import PinpressError
+from ..common.frozen import read_only
 from ..common.results import Tabular
 from ..engines.branch import Branch, beyond
 from ..engines.closure import Closure
@@ -83,12 +84,12 @@ class Motion(Tabular):
 
     @cached_property
     def q(self) -> Array:
-        return _fixed(configuration(self._slots, self.joint_position.T).T)
+        return read_only(configuration(self._slots, self.joint_position.T).T)
 
     @cached_property
     def slide_position(self) -> Array:
         guide, offset = self._slide()
-        return _fixed(self.joint_position[:, guide] + offset)
+        return read_only(self.joint_position[:, guide] + offset)
 
     @property
     def crank_degrees(self) -> Array:
@@ -209,7 +210,9 @@ def servo_cycle(
     return _states(press, branch, angles, speeds, accelerations, times, engine)
 
 
-def carried(press: Linkage, angle: Array, speed: Array | float, acceleration: Array | float = 0.0, time: Array | None = None) -> Motion:
+def motion_through_change_points(
+    press: Linkage, angle: Array, speed: Array | float, acceleration: Array | float = 0.0, time: Array | None = None
+) -> Motion:
     """As `cycle` of a linkage with one driver and states (n,), but through change points, where momentum decides: see
     `Linkage.branch_through_change_points`."""
     angles, speeds, accelerations, times = _servo(angle, speed, acceleration, time, 1)
@@ -253,14 +256,14 @@ def of_states(
         linkage=press.name,
         drivers=press.drivers,
         joints=press.joints,
-        crank_angle=_fixed(position.T[:, drivers].copy()),
-        crank_speed=_fixed(v.T[:, drivers].copy()),
-        crank_acceleration=_fixed(a.T[:, drivers].copy()),
-        joint_position=_fixed(position.T),
-        v=_fixed(v.T),
-        a=_fixed(a.T),
-        closure_error=_fixed(gap),
-        _time=None if times is None else _fixed(times),
+        crank_angle=read_only(position.T[:, drivers].copy()),
+        crank_speed=read_only(v.T[:, drivers].copy()),
+        crank_acceleration=read_only(a.T[:, drivers].copy()),
+        joint_position=read_only(position.T),
+        v=read_only(v.T),
+        a=read_only(a.T),
+        closure_error=read_only(gap),
+        _time=None if times is None else read_only(times),
         _slots=press.slots,
         _guide=None if press.slide is None else press.slide_guide,
         period_turns=period_turns,
@@ -325,8 +328,3 @@ def _times(angles: Array, speeds: Array) -> Array | None:
     if not np.all(np.isfinite(steps) & (steps > 0)):
         return None
     return np.concatenate([[0.0], np.cumsum(steps)])
-
-
-def _fixed(array: Array) -> Array:
-    array.setflags(write=False)
-    return array

@@ -10,7 +10,6 @@ tiny changes with a parameter, while all decisions are made on real parts.
 
 import cmath
 import math
-from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Protocol, runtime_checkable
 
@@ -19,16 +18,13 @@ from numpy.typing import NDArray
 
 from ..common.arrays import Array, ComplexArray
 from ..common.errors import PinpressError
+from ..common.roots import ValueAndSlope, bracketed_roots
 
 MISSED = 1e-5  # of the quantity's range: what the end-corrected trapezoidal rule may miss the next state by; measures err by less
 UNEQUAL = 1e-9  # difference of steps of the crank angle [rad], or of crank speeds beside them, that is none
 ROUNDING = 4 * float(np.finfo(float).eps)  # of a place
-MOST_STEPS = 60  # halve a step down to that
 
 Numbers = NDArray[np.float64] | NDArray[np.complex128]
-
-ValueAndSlope = Callable[[Numbers], tuple[ComplexArray, ComplexArray]]
-"""Places (m,) -> a quantity there and its derivative by the place, (m,) each."""
 
 
 @runtime_checkable
@@ -153,17 +149,8 @@ def curve(what: str, value: Numbers, first: Numbers, second: Numbers, real: bool
 
 def zeros(function: ValueAndSlope, low: Array, high: Array) -> ComplexArray:
     """Places (m,) at which a quantity changes sign, one in each of the stretches from ``low`` to ``high``, to rounding."""
-    before, place = np.signbit(function(low)[0].real), 0.5 * (low + high)
-    for _ in range(MOST_STEPS):
-        value, slope = function(place)
-        same = np.signbit(value.real) == before
-        low, high = np.where(same, place, low), np.where(same, high, place)
-        with np.errstate(all="ignore"):  # Newton's method, fenced in: where it leads out, or nowhere, halves
-            closer = place - value.real / slope.real
-        last, place = place, np.where((closer >= low) & (closer <= high), closer, 0.5 * (low + high))
-        if np.all(np.abs(place - last) <= ROUNDING * np.abs(place)):
-            break
+    place = bracketed_roots(function, low, high, relative=ROUNDING)
     value, slope = function(place)
     with np.errstate(all="ignore"):  # the same step for the imaginary part, which one step makes exact: it is tiny
         moved = np.divide(value.imag, slope.real, out=np.zeros_like(place), where=value.imag != 0)
-    return place - 1j * moved
+    return np.asarray(place - 1j * moved)

@@ -1,4 +1,6 @@
-"""Where the bodies and bearings of a linkage are, over many states at once."""
+"""Where the bodies, bearings and points of a linkage are, over many states at once."""
+
+from __future__ import annotations
 
 from dataclasses import dataclass
 
@@ -7,6 +9,7 @@ import pinocchio as pin
 
 from ..common.arrays import Array
 from ..linkage.linkage import Linkage
+from .motion import Motion
 
 
 @dataclass(frozen=True, eq=False)
@@ -14,7 +17,8 @@ class Poses:
     """Poses of the bodies of all Pinocchio joints (0: the frame) in n states, in world axes.
 
     Attributes:
-        rotation: (joints + 1, n, 3, 3). position: (joints + 1, n, 3) of the joints' frames [m].
+        rotation: (joints + 1, n, 3, 3) rotation matrices of the joints' frames.
+        position: (joints + 1, n, 3) positions of the joints' frames [m].
     """
 
     rotation: Array
@@ -46,6 +50,14 @@ def bearing_points(press: Linkage, at: Poses) -> Array:
     joint frame, of a loop its point."""
     joints = [at.position[j] for j in range(1, press.model.njoints)]
     return np.array([*joints, *(at.points(loop.joint1, loop.point1) for loop in press.loops)])
+
+
+def point_motion(press: Linkage, motion: Motion, joint: int, point: Array) -> tuple[Array, Array]:
+    """World position [m] and velocity [m/s], (n, 3) each, of a point (3,) fixed to the body of a Pinocchio joint (0: the frame)."""
+    n = len(motion.crank_angle)
+    if joint == 0:
+        return np.broadcast_to(point, (n, 3)), np.zeros((n, 3))
+    return press.engine().point_motion(motion.states(press), joint, point)
 
 
 def loaded_bodies(press: Linkage) -> tuple[int, ...]:

@@ -11,8 +11,7 @@ import numpy as np
 
 from ..common.arrays import Array, ComplexArray
 from ..common.errors import PinpressError
-from . import periodic_curve as over_turn
-from .periodic_curve import CrankMotion, Curve, Numbers
+from .periodic_curve import CrankMotion, Curve, Numbers, curve, step_angle, step_time, zeros
 
 SAME = 1e-9  # of a range: values that differ by less differ by rounding
 
@@ -54,7 +53,7 @@ class Stroke:
         """Places (k,) at which the speed is at a local extreme, dead centres left out."""
         backwards = np.signbit(self.path.at(self._states)[2].real)
         before = np.flatnonzero(backwards[1:] != backwards[:-1])
-        return over_turn.zeros(lambda place: self.path.at(place)[2:4], self._states[before], self._states[before + 1])
+        return zeros(lambda place: self.path.at(place)[2:4], self._states[before], self._states[before + 1])
 
     @property
     def _states(self) -> Array:
@@ -80,7 +79,7 @@ class Stroke:
             position, speed, _, _ = self.path.at(place)
             return position - (self._begin + travel), speed
 
-        return over_turn.zeros(ahead, self.nodes[after - 1], self.nodes[after])
+        return zeros(ahead, self.nodes[after - 1], self.nodes[after])
 
     @cached_property
     def _begin(self) -> complex:
@@ -97,14 +96,14 @@ def slide_path(motion: SlideMotion) -> Curve:
     Raises:
         PinpressError: not one period at constant crank speed, no slide, one that does not turn back, or states too far apart.
     """
-    time = over_turn.step_time(motion)
+    time = step_time(motion)
     if not isinstance(motion, SlideMotion):
         raise PinpressError(f"motion is a {type(motion).__name__} without the slide's position, velocity and acceleration: give a Motion")
     position, velocity, acceleration = motion.slide_position, motion.slide_velocity, motion.slide_acceleration
     real = not any(map(np.iscomplexobj, (position, velocity, acceleration, motion.crank_speed)))
     scaled = [np.asarray(values * scale) for values, scale in ((position, 1.0), (velocity, time), (acceleration, time**2))]
-    states = _until_back(scaled, round(abs(over_turn.step_angle(motion)) * len(position) / (2 * np.pi)))
-    path = over_turn.curve("the slide's position", scaled[0][:states], scaled[1][:states], scaled[2][:states], real)
+    states = _until_back(scaled, round(abs(step_angle(motion)) * len(position) / (2 * np.pi)))
+    path = curve("the slide's position", scaled[0][:states], scaled[1][:states], scaled[2][:states], real)
     if len(path.turning_places()) < 2:
         raise PinpressError("the slide does not turn back within the period: it has no dead centres, and no stroke to measure")
     return path

@@ -16,9 +16,8 @@ from ..common.checks import numbers
 from ..common.errors import PinpressError, shown
 from ..common.named_arrays import ByBearing
 from ..linkage.linkage import Linkage
-from . import periodic_curve as over_turn
 from .motion import Motion
-from .periodic_curve import CrankMotion, Curve, Numbers
+from .periodic_curve import CrankMotion, Curve, Numbers, curve, step_angle
 from .poses import bearing_points, poses
 
 FINER = 8  # times as many places as states that an angle's cosine or squared sine is worked out at
@@ -87,7 +86,7 @@ def transmission_angle(motion: CrankMotion, pin: Numbers, one: Numbers, another:
 
 def _line(motion: CrankMotion, name: str, to: Numbers, beginning_name: str, beginning: Numbers) -> ComplexArray:
     """Vectors (n, 3) from one pin to another."""
-    over_turn.step_angle(motion)  # refuses what is no full period
+    step_angle(motion)  # refuses what is no full period
     states = len(motion.crank_angle)
     for what, positions in ((name, to), (beginning_name, beginning)):
         if not isinstance(positions, np.ndarray):
@@ -118,4 +117,4 @@ def _smooth(what: str, values: ComplexArray, *given: Numbers) -> Curve:
         real, imaginary = (FINER * np.fft.irfft((2j * np.pi / finer * orders) ** order * harmonic, finer) for harmonic in harmonics)
         return np.asarray(real + 1j * imaginary)
 
-    return over_turn.curve(what, derivative(0), derivative(1), derivative(2), not any(map(np.iscomplexobj, given)))
+    return curve(what, derivative(0), derivative(1), derivative(2), not any(map(np.iscomplexobj, given)))

@@ -26,7 +26,7 @@ from ..common.results import Tabular
 from ..drives.protocol import Drive
 from ..drives.transmission import Flywheel, PrescribedSpeed
 from ..kinematics.configurations import refuse_far
-from ..kinematics.motion import carried
+from ..kinematics.motion import motion_through_change_points
 from ..linkage.linkage import Linkage
 from ..loads import caller_laws
 from ..loads.caller_laws import LawError
@@ -414,7 +414,7 @@ class BatchSolver:
         press, count = self.driven.press, len(self.begin)
         at, speed = np.concatenate([self.angle[[0, -1]], self.speed[[0, -1]]]).reshape(2, 2, count)
         at, speed = np.where(self.alone, self.first, at), np.where(self.alone, self.begin, speed)
-        motion = carried(press, at.ravel(), speed.ravel())
+        motion = motion_through_change_points(press, at.ravel(), speed.ravel())
         kinetic, potential = (energy.reshape(2, count) for energy in energies(press, motion))
         driving, taken = np.concatenate([np.zeros((2, 1, count)), self.works[:, None]], axis=1)
         found: Array = energy_error(kinetic + 0.5 * self.driven.inertia * speed**2, potential, driving, taken, np.zeros_like(taken))[-1]

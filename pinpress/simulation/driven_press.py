@@ -22,8 +22,8 @@ from ..drives.protocol import Drive
 from ..drives.transmission import Flywheel, PrescribedSpeed
 from ..dynamics import applied_loads
 from ..kinematics.dead_centres import dead_centres
-from ..kinematics.motion import Motion, carried
-from ..kinematics.point_motion import point_motion
+from ..kinematics.motion import Motion, motion_through_change_points
+from ..kinematics.poses import point_motion
 from ..linkage.linkage import Linkage
 from ..loads import caller_laws
 from ..loads.link import Load, PointForce, SpringDamper
@@ -425,7 +425,7 @@ def _turning_points(press: Linkage, load: ProcessLoad) -> tuple[float, float]:
         return everywhere
     if not len(turns):
         raise PinpressError(f"{name}: the slide of {press.name} does not turn back; give datum=, a slide position [m]")
-    position = carried(press, turns, 1.0).slide_position  # exact, for stiff dies
+    position = motion_through_change_points(press, turns, 1.0).slide_position  # exact, for stiff dies
     return float(position.min()), float(position.max())
 
 

@@ -8,7 +8,7 @@ import numpy as np
 from ..common.arrays import Array
 from ..common.errors import PinpressError, SimulationError
 from ..engines.spatial.forward_dynamics import ForwardDynamics
-from ..kinematics.motion import carried
+from ..kinematics.motion import motion_through_change_points
 from ..linkage.linkage import Linkage
 from .driven_press import Coordinate
 
@@ -104,7 +104,7 @@ class FullDynamics:
 
     def closed(self, position: Array, speed: Array) -> tuple[Array, Array]:
         if self.turns:
-            motion = carried(self.press, position[self.crank], speed[self.crank])
+            motion = motion_through_change_points(self.press, position[self.crank], speed[self.crank])
             return motion.joint_position.T, motion.v.T
         pairs = [self.loops.project(x, v)[:2] for x, v in zip(position.T.copy(), speed.T.copy(), strict=True)]
         states = np.array(pairs).transpose(1, 2, 0)

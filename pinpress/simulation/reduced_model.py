@@ -22,7 +22,7 @@ from ..common.errors import SimulationError
 from ..common.gauss import NODES, gauss_rule, horner
 from ..common.roots import polynomial_root
 from ..engines.branch import MOST_TURNS, periods_until_back
-from ..kinematics.motion import Motion, carried
+from ..kinematics.motion import Motion, motion_through_change_points
 from ..linkage.linkage import Linkage
 from ..linkage.memo import per_linkage
 
@@ -182,7 +182,7 @@ def _periods(press: Linkage, advance: Array) -> int:
 
 def sampled(press: Linkage, angles: Array, coordinates: Sequence[Coordinate]) -> Array:
     """Rows (rows, n) at crank angles (n,)."""
-    motion = carried(press, angles, 1.0)  # at unit speed rates are derivatives by the crank angle
+    motion = motion_through_change_points(press, angles, 1.0)  # at unit speed rates are derivatives by the crank angle
     kinetic, potential, weight = press.engine().energies(motion.states(press))
     return np.array([2 * kinetic, potential, weight, *(coordinate(motion) for coordinate in coordinates)])
 

@@ -13,7 +13,7 @@ from ..common.arrays import Array
 from ..common.checks import whole_number
 from ..common.errors import PinpressError, SimulationError
 from ..drives.protocol import Drive
-from ..kinematics.motion import Motion, carried, of_states
+from ..kinematics.motion import Motion, motion_through_change_points, of_states
 from . import law_trials as laws
 from . import reduced_model as reduced
 from .driven_press import DrivenPress, JointAngle
@@ -103,7 +103,7 @@ def as_run(problem: SimulationProblem, trajectory: Trajectory, points: int | Non
     sample = trajectory.at(times)
     position, speed, acceleration = sample.position, sample.speed, sample.acceleration
     if len(position) == 1:
-        motion = carried(press, position[0], speed[0], acceleration[0], times)
+        motion = motion_through_change_points(press, position[0], speed[0], acceleration[0], times)
     else:
         motion = of_states(press, position, speed, acceleration, press.engine().gaps(position), times, press.turns_until_back)
     kinetic, potential = reduced.energies(press, motion)

@@ -13,7 +13,7 @@ import numpy as np
 
 from ..common.arrays import Array
 from ..common.errors import SimulationError
-from ..kinematics.motion import carried, servo_cycle
+from ..kinematics.motion import motion_through_change_points, servo_cycle
 from ..loads.caller_laws import LawError
 from .angle_solver import AngleSegment, AngleSolver
 from .collocation import LEAST
@@ -253,7 +253,7 @@ class AllJointsOverTime:
         joints = FullDynamics(press, driven.coordinates, driven.inertias)
         system = HybridSystem(joints, driven)
         several = len(press.drivers) > 1
-        first = servo_cycle(press, angle=angle[None], speed=speed[None]) if several else carried(press, angle, speed)
+        first = servo_cycle(press, angle=angle[None], speed=speed[None]) if several else motion_through_change_points(press, angle, speed)
         mode, y = system.begin(state.time, first.joint_position[0], first.v[0], state.integrals)
         # sizes: of angles 1, of the speed that gravity gives them; travels count in lengths of the linkage
         rate = max(float(np.abs(speed).max()), math.sqrt(float(np.linalg.norm(press.model.gravity.linear)) / press.size)) or 1.0

@@ -17,7 +17,7 @@ from support.exploring import examples
 from support.generators import random_linkages
 
 import pinpress as pp
-from pinpress.kinematics.motion import carried
+from pinpress.kinematics.motion import motion_through_change_points
 
 METHODS = ("reduced", "constraint")
 TEXT = (Path(__file__).parents[2] / "urdf" / "crank_slide.urdf").read_text(encoding="utf-8")
@@ -195,6 +195,6 @@ def test_forces_at_a_change_point_are_refused(equal, side):
     corner = side * 0.5 * math.pi
     assert equal.branch.period is None  # it ends at both
     with pytest.raises(pp.SingularityError, match="no value at the change point"):
-        pp.inverse_dynamics(equal, carried(equal, np.array([0.0, corner]), 8.0))
-    result = pp.inverse_dynamics(equal, carried(equal, np.array([0.0, 0.99 * corner]), 8.0))
+        pp.inverse_dynamics(equal, motion_through_change_points(equal, np.array([0.0, corner]), 8.0))
+    result = pp.inverse_dynamics(equal, motion_through_change_points(equal, np.array([0.0, 0.99 * corner]), 8.0))
     assert np.isfinite(result.bearing_force["W"]).all()

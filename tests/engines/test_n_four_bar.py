@@ -8,7 +8,7 @@ from support.oracles import n_four_bar
 
 import pinpress as pp
 from pinpress.engines.change_points import INNER, PLACES, _fitted
-from pinpress.kinematics.motion import carried
+from pinpress.kinematics.motion import motion_through_change_points
 
 # Of the state after 10 s, relative to its angle. `reduced` is at rounding that the falls make grow; of `constraint` every step may be off
 # by 1e-11.
@@ -63,7 +63,7 @@ def test_closed_at_singular_poses(loaded, count):
     )
     for point in press.branch_through_change_points.change_points:
         angles = point.angle + point.inner * np.linspace(-0.999, 0.999, 101)
-        motion = carried(press, angles, 1.0)
+        motion = motion_through_change_points(press, angles, 1.0)
         off = np.abs(np.abs(motion.joint_position) - angles[:, None]).max()
         assert off <= lebesgue * 0.5 * np.spacing(angles.max())
         assert motion.closure_error.max() < ROUNDING
