@@ -58,37 +58,41 @@ def table() -> str:
 def tables(name: str) -> str:
     press = pp.load(name)
     found = elastic(press, name)
-    shift = pp.elasticity.dead_centre_shift(press, SPRINGS[name], np.array(SPEEDS[name]) * pp.RPM)
+    shift = pp.elasticity.dead_centre_shift(press, SPRINGS[name], speed=np.array(SPEEDS[name]) * pp.RPM)
     shown = compliance_table(name, found), shift_table(name, shift), snap_table(name, snaps(press, name))
     return "\n\n".join([*shown, permissible_table(press, name)])
 
 
-def elastic(press: pp.Linkage, name: str) -> pp.elasticity.Elasticity:
+def elastic(press: pp.Linkage, name: str) -> pp.elasticity.SlideCompliance:
     """About bottom dead centre."""
-    return pp.elasticity.elasticity(press, SPRINGS[name], pp.dead_centres(press).bottom_angle + np.radians(np.arange(-60.0, 60.1, 0.25)))
+    return pp.elasticity.compliance(
+        press, SPRINGS[name], angle=pp.dead_centres(press).bottom_angle + np.radians(np.arange(-60.0, 60.1, 0.25))
+    )
 
 
-def at_heights(press: pp.Linkage, name: str, heights: Sequence[float]) -> pp.elasticity.Elasticity:
+def at_heights(press: pp.Linkage, name: str, heights: Sequence[float]) -> pp.elasticity.SlideCompliance:
     """On the way down, at heights above bottom dead centre [m]."""
     ends = pp.dead_centres(press)
     angle = ends.bottom_angle - np.radians(np.linspace(0.0, 90.0, 3601))
     above = pp.servo_cycle(press, speed=1.0, angle=angle).slide_position - ends.bottom_position
-    return pp.elasticity.elasticity(press, SPRINGS[name], np.interp(heights, above, angle))
+    return pp.elasticity.compliance(press, SPRINGS[name], angle=np.interp(heights, above, angle))
 
 
-def snaps(press: pp.Linkage, name: str) -> dict[str, pp.elasticity.SnapThrough]:
+def snaps(press: pp.Linkage, name: str) -> dict[str, pp.elasticity.SnapThroughResponse]:
     """At nominal force, with more and more in it."""
     found = at_heights(press, name, [HEIGHT])
     case = FORCE[name], 1 / found.compliance[0], found.effective_mass[0] + DIE[name]
     return {
         "at once, undamped": pp.elasticity.snap_through(*case),
-        f"damping ratio {DAMPING:g}": pp.elasticity.snap_through(*case, DAMPING),
-        f"within {1e3 * BREAK_TIME:g} ms": pp.elasticity.snap_through(*case, DAMPING, BREAK_TIME),
-        f"clearance {1e3 * CLEARANCE:g} mm": pp.elasticity.snap_through(*case, DAMPING, BREAK_TIME, CLEARANCE),
+        f"damping ratio {DAMPING:g}": pp.elasticity.snap_through(*case, damping_ratio=DAMPING),
+        f"within {1e3 * BREAK_TIME:g} ms": pp.elasticity.snap_through(*case, damping_ratio=DAMPING, break_time=BREAK_TIME),
+        f"clearance {1e3 * CLEARANCE:g} mm": pp.elasticity.snap_through(
+            *case, damping_ratio=DAMPING, break_time=BREAK_TIME, clearance=CLEARANCE
+        ),
     }
 
 
-def compliance_table(name: str, found: pp.elasticity.Elasticity) -> str:
+def compliance_table(name: str, found: pp.elasticity.SlideCompliance) -> str:
     """Shares of the parts at bottom dead centre, the largest first."""
     shares = sorted(found.bottom_shares.items(), key=lambda item: -round(item[1], 9))  # equal ones differ by rounding
     rows = [f"| {part} | {100 * share:.1f} % |" for part, share in shares if share > 5e-4]
@@ -96,7 +100,7 @@ def compliance_table(name: str, found: pp.elasticity.Elasticity) -> str:
     return "\n".join([heading, "", "| part | share of the deflection |", "|---|---:|", *rows])
 
 
-def shift_table(name: str, shift: pp.elasticity.DeadCentreShift) -> str:
+def shift_table(name: str, shift: pp.elasticity.ElasticDeadCentre) -> str:
     """Depth over speed."""
     rows = [
         f"| {round(w / pp.RPM)} | {1e6 * inertia:+.1f} | {1e6 * true:+.1f} |"
@@ -107,7 +111,7 @@ def shift_table(name: str, shift: pp.elasticity.DeadCentreShift) -> str:
     return "\n".join([heading, "", "| strokes/min | inertia at the rigid angle [µm] | true shift [µm] |", "|---:|---:|---:|", *rows])
 
 
-def snap_table(name: str, cases: dict[str, pp.elasticity.SnapThrough]) -> str:
+def snap_table(name: str, cases: dict[str, pp.elasticity.SnapThroughResponse]) -> str:
     """Reverse load, overshoot, acceleration, frequency."""
     rows = [
         f"| {what} | {1e-3 * s.reverse_force:.0f} kN, {100 * s.reverse_ratio:.1f} % | {1e3 * s.overshoot:.3f} | {s.peak_acceleration:.0f} |"
@@ -126,7 +130,9 @@ def permissible_table(press: pp.Linkage, name: str) -> str:
     """Force at break-through that a reverse load of `PERMITTED` allows, over height."""
     found = at_heights(press, name, HEIGHTS)
     stiffness, mass, permitted = 1 / found.compliance, found.effective_mass, PERMITTED * FORCE[name]
-    forces = pp.elasticity.permissible_breakthrough(permitted, stiffness, mass + DIE[name], DAMPING, BREAK_TIME)
+    forces = pp.elasticity.permissible_breakthrough(
+        permitted, stiffness, mass=mass + DIE[name], damping_ratio=DAMPING, break_time=BREAK_TIME
+    )
     heading = f"`{name}`: reverse load of {1e-3 * permitted:g} kN permitted"
     titles = "| height [mm] | stiffness [kN/mm] | effective mass without die [kg] | permissible break-through force [kN] |"
     rows = [
@@ -145,7 +151,7 @@ def picture() -> Figure:
             found = elastic(press, name)
             draw_compliance(places[0, column], found)
             places[0, column].set_title(name, loc="left")
-            curve = pp.elasticity.dead_centre_shift(press, SPRINGS[name], np.linspace(0.0, CURVE[name], 40) * pp.RPM)
+            curve = pp.elasticity.dead_centre_shift(press, SPRINGS[name], speed=np.linspace(0.0, CURVE[name], 40) * pp.RPM)
             draw_dead_centre_shift(places[1, column], {"true bottom dead centre": curve})
             cases = snaps(press, name)
             draw_snap_through(places[2, column], {what: cases[what] for what in list(cases)[1::2]})

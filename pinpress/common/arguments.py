@@ -20,7 +20,7 @@ MAKERS = {
     "Stiffness": "Stiffness",
     "Capacities": "Capacities",
     "Guide": "Guide(length, width)",
-    "Elasticity": "elasticity",
+    "SlideCompliance": "compliance",
     "Ratings": "rate",
     "WorkPrecision": "accuracy.compare",
     "Flywheel": "Flywheel",

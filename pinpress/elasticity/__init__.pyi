@@ -1,11 +1,11 @@
-from .breakthrough import SnapThrough as SnapThrough
+from .breakthrough import SnapThroughResponse as SnapThroughResponse
 from .breakthrough import permissible_breakthrough as permissible_breakthrough
 from .breakthrough import snap_through as snap_through
-from .compliance import Elasticity as Elasticity
-from .compliance import elasticity as elasticity
-from .slide_under_load import DeadCentreShift as DeadCentreShift
-from .slide_under_load import SlideDeflection as SlideDeflection
+from .slide_under_load import DeflectedSlide as DeflectedSlide
+from .slide_under_load import ElasticDeadCentre as ElasticDeadCentre
 from .slide_under_load import dead_centre_shift as dead_centre_shift
 from .slide_under_load import slide_deflection as slide_deflection
 from .springs import Rod as Rod
 from .springs import Stiffness as Stiffness
+from .unit_load import SlideCompliance as SlideCompliance
+from .unit_load import compliance as compliance

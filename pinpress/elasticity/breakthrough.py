@@ -41,16 +41,24 @@ MOST = 20_000  # segments of half a period
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class SnapThrough(Tabular):
+class SnapThroughResponse(Tabular):
     """Response of the slide and the sprung press to break-through. All arrays are read-only.
 
     Attributes:
-        force: F [N]. stiffness: k [N/m]. mass: m [kg]. damping_ratio: zeta. break_time: tau [s]. clearance: g [m].
+        force: F, at break-through [N].
+        stiffness: k, of the press [N/m].
+        mass: m, of the slide and what yields with it [kg].
+        damping_ratio: zeta [-].
+        break_time: tau, in which the force falls to zero [s].
+        clearance: g, of the bearings together [m].
         energy: F^2 / (2 k), elastic energy stored at break-through [J].
-        reverse_force: largest pull of the spring k |x| [N]. overshoot: of the slide beyond its unloaded position, clearance included [m].
+        reverse_force: largest pull of the spring k |x| [N].
+        overshoot: of the slide beyond its unloaded position, clearance included [m].
         peak_acceleration: largest magnitude [m/s2].
         frequency: of the vibration after it, w sqrt(1 - zeta^2) [rad/s]; without the flights through a clearance, which slow it.
-        time, displacement, velocity: (n,) [s, m, m/s], x and x', in unequal steps, closest where segments meet.
+        time: (n,) in unequal steps, closest where segments meet [s].
+        displacement: (n,) x [m].
+        velocity: (n,) x' [m/s].
         spring_force: (n,) of the spring on the linkage, positive where it is pressed [N].
     """
 
@@ -77,7 +85,7 @@ class SnapThrough(Tabular):
 
     @property
     def title(self) -> str:
-        return f"SnapThrough: reverse load {self.reverse_force:.4g} N after {self.force:.4g} N"
+        return f"SnapThroughResponse: reverse load {self.reverse_force:.4g} N after {self.force:.4g} N"
 
     def __str__(self) -> str:
         return (
@@ -97,15 +105,17 @@ class SnapThrough(Tabular):
 
 
 def snap_through(
-    force: float, stiffness: float, mass: float, damping_ratio: float = 0.0, break_time: float = 0.0, clearance: float = 0.0
-) -> SnapThrough:
+    force: float, stiffness: float, mass: float, *, damping_ratio: float = 0.0, break_time: float = 0.0, clearance: float = 0.0
+) -> SnapThroughResponse:
     """Reverse load, overshoot and vibration of a press after break-through.
 
     Args:
-        force: of blanking as the blank breaks through [N]. stiffness: of the press at that height, 1 / `Elasticity.compliance` [N/m].
-        mass: of the slide and what yields with it, with the upper die: `Elasticity.effective_mass` and the die's [kg].
-        damping_ratio: zeta, from 0 to below 1. break_time: in which the force falls to zero [s]. clearance: of the bearings in the line
-            of force, together [m].
+        force: of blanking as the blank breaks through [N].
+        stiffness: of the press at that height, 1 / `SlideCompliance.compliance` [N/m].
+        mass: of the slide and what yields with it, with the upper die: `SlideCompliance.effective_mass` and the die's [kg].
+        damping_ratio: zeta, from 0 to below 1 [-].
+        break_time: in which the force falls to zero [s].
+        clearance: of the bearings in the line of force, together [m].
 
     Raises:
         PinpressError: an argument out of range, a break-through longer than 1000 periods.
@@ -126,7 +136,7 @@ def snap_through(
     end = last.at(span)
     x = np.append(np.concatenate(displacement), end[0])
     arrays = [np.append(np.concatenate(time), last.start + span), x, np.append(np.concatenate(velocity), end[1]), _spring(case, x)]
-    return SnapThrough(
+    return SnapThroughResponse(
         *case,
         energy=0.5 * case.force**2 / case.stiffness,
         reverse_force=max(0.0, -case.stiffness * (lowest + case.clearance)),
@@ -144,6 +154,7 @@ def permissible_breakthrough(
     reverse_force: ArrayLike,
     stiffness: ArrayLike,
     mass: ArrayLike,
+    *,
     damping_ratio: float = 0.0,
     break_time: float = 0.0,
     clearance: float = 0.0,
@@ -152,9 +163,15 @@ def permissible_breakthrough(
     that are more than a twentieth apart.
 
     Args:
-        reverse_force: permitted; builders often name 10 to 20 % of the nominal force [N]. stiffness, mass: of the press, over height:
-            1 / `Elasticity.compliance` and `Elasticity.effective_mass` with the upper die [N/m, kg]. (n,) each, or one number.
-        damping_ratio, break_time, clearance: as of `snap_through`.
+        reverse_force: permitted; builders often name 10 to 20 % of the nominal force [N].
+        stiffness: of the press, over height: 1 / `SlideCompliance.compliance` [N/m].
+        mass: over height: `SlideCompliance.effective_mass` and that of the upper die [kg].
+        damping_ratio: as of `snap_through` [-].
+        break_time: as of `snap_through` [s].
+        clearance: as of `snap_through` [m].
+
+    Returns:
+        (n,) of the first three, (n,) each or one number.
 
     Raises:
         PinpressError: arrays of different lengths, an argument out of range, a break-through so slow that no force brings the reverse load
@@ -176,7 +193,7 @@ def permissible_breakthrough(
 
 def _permissible(reverse: float, stiffness: float, mass: float, damping_ratio: float, break_time: float, clearance: float) -> float:
     positive("reverse_force", reverse, "N")
-    linear = snap_through(reverse, stiffness, mass, damping_ratio, break_time).reverse_ratio
+    linear = snap_through(reverse, stiffness, mass=mass, damping_ratio=damping_ratio, break_time=break_time).reverse_ratio
     if linear < WEAKEST:
         raise PinpressError(
             f"after a break-through of {break_time:g} s the reverse load is below 1e-6 of the force: it permits any force; shorten the time"

@@ -26,8 +26,8 @@ from ..kinematics.dead_centres import dead_centres
 from ..kinematics.motion import Motion, servo_cycle
 from ..linkage.linkage import Linkage
 from ..loads.link import Load, PointForce, SpringDamper
-from .compliance import Held, hold
 from .springs import Stiffness
+from .unit_load import HeldPress, hold
 
 WINDOW = np.radians(6.0)  # on both sides of the rigid bottom dead centre, in which the elastic one is looked for [rad]
 NODES = 24  # of the polynomials in it
@@ -35,11 +35,13 @@ UNRESOLVED = 1e-9  # of a polynomial's largest coefficient: what its last ones m
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class SlideDeflection(Tabular):
+class DeflectedSlide(Tabular):
     """Elastic deflection of the slide over a motion of n states. All arrays are read-only.
 
     Attributes:
-        motion: of the rigid press. deflection: (n,) [m]. parts: name of a part -> (n,) its share [m].
+        motion: of the rigid press.
+        deflection: (n,) of the slide along the guide's axis [m].
+        parts: name of a part -> (n,) its share of the deflection [m].
         slide_position: (n,) of the elastic press [m].
     """
 
@@ -51,7 +53,7 @@ class SlideDeflection(Tabular):
     @property
     def title(self) -> str:
         low, high = self.deflection.min(), self.deflection.max()
-        return f"SlideDeflection of {self.motion.linkage}: {len(self.deflection)} states, {low:.4g} to {high:.4g} m"
+        return f"DeflectedSlide of {self.motion.linkage}: {len(self.deflection)} states, {low:.4g} to {high:.4g} m"
 
     def __str__(self) -> str:
         low, high = int(self.deflection.argmin()), int(self.deflection.argmax())
@@ -68,19 +70,22 @@ class SlideDeflection(Tabular):
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class DeadCentreShift(Tabular):
+class ElasticDeadCentre(Tabular):
     """Bottom dead centre of an elastic press over S speeds. Deeper is negative. All arrays are read-only.
 
     Attributes:
-        press: its name. speed: (S,) of the crank [rad/s].
-        rigid_angle, rigid_position: bottom dead centre of the rigid press [rad, m].
+        press_name: of the press.
+        speed: (S,) of the crank [rad/s].
+        rigid_angle: of the crank at bottom dead centre of the rigid press [rad].
+        rigid_position: of its slide there [m].
         constant: d0, deflection under weight and constant forces with the crank there [m].
         by_squared_speed: d2, deflection there by the squared speed of the crank [m s2/rad2].
-        crank_angle, position: (S,) true bottom dead centre, where the elastic slide is lowest [rad, m].
-        standstill_position: the same of a press that turns infinitely slowly [m].
+        crank_angle: (S,) at true bottom dead centre, where the elastic slide is lowest [rad].
+        position: (S,) of the elastic slide there [m].
+        standstill_position: of the elastic slide at the true bottom dead centre of a press that turns infinitely slowly [m].
     """
 
-    press: str
+    press_name: str
     speed: Array
     rigid_angle: float
     rigid_position: float
@@ -102,11 +107,11 @@ class DeadCentreShift(Tabular):
 
     @property
     def title(self) -> str:
-        return f"DeadCentreShift of {self.press}: {len(self.speed)} speeds, shift {self.shift.min():.4g} to {self.shift.max():.4g} m"
+        return f"ElasticDeadCentre of {self.press_name}: {len(self.speed)} speeds, shift {self.shift.min():.4g} to {self.shift.max():.4g} m"
 
     def __str__(self) -> str:
         standing = 1e3 * (self.standstill_position - self.rigid_position)
-        rows = [f"{self.press}: bottom dead centre {standing:+.5g} mm off the rigid one at standstill"]
+        rows = [f"{self.press_name}: bottom dead centre {standing:+.5g} mm off the rigid one at standstill"]
         rows += [f"  {w / RPM:8.4g} strokes/min  {1e3 * s:+.5f} mm" for w, s in zip(self.speed, self.shift, strict=True)]
         return "\n".join(rows)
 
@@ -122,35 +127,42 @@ class DeadCentreShift(Tabular):
 
 
 @typed
-def slide_deflection(press: Linkage, motion: Motion, stiffness: Stiffness, loads: Sequence[Load] = ()) -> SlideDeflection:
+def slide_deflection(press: Linkage, motion: Motion, stiffness: Stiffness, *, loads: Sequence[Load] = ()) -> DeflectedSlide:
     """Elastic deflection of the slide over a motion, under loads, weight and inertia.
 
     Args:
-        motion: of this press, by `cycle` or of a run. loads: as of `inverse_dynamics`.
+        press: with one driver and a slide.
+        motion: of this press, by `cycle` or of a run.
+        stiffness: of its parts.
+        loads: as of `inverse_dynamics`.
 
     Raises:
-        PinpressError, UnknownNameError, SingularityError: as `elasticity` and `inverse_dynamics`.
+        PinpressError: as `compliance` and `inverse_dynamics`.
+        UnknownNameError: as `compliance` and `inverse_dynamics`.
+        SingularityError: the linkage locks.
     """
     held = hold(press, stiffness, motion)
     shares = held.moved(held.in_motion(loads))
     deflection = np.sum(list(shares.values()), axis=0)
     position = motion.slide_position + deflection
-    return SlideDeflection(motion, deflection, shares, position)
+    return DeflectedSlide(motion, deflection, shares, position)
 
 
 @typed
 def dead_centre_shift(
-    press: Linkage, stiffness: Stiffness, speed: ArrayLike, loads: Sequence[PointForce | SpringDamper] = ()
-) -> DeadCentreShift:
+    press: Linkage, stiffness: Stiffness, *, speed: ArrayLike, loads: Sequence[PointForce | SpringDamper] = ()
+) -> ElasticDeadCentre:
     """How deep the slide of an elastic press goes at constant speeds, without process load.
 
     Args:
+        press: with one driver and a slide.
+        stiffness: of its parts.
         speed: (S,) of the crank, or one number [rad/s].
         loads: constant forces, and springs without dampers, such as those that balance the slide's weight.
 
     Raises:
         PinpressError: a speed that is not finite, a load that depends on the speed, a press so soft that it has no bottom dead centre
-            within 6 degrees of the rigid one, a slide that is back before all that moves with it; else as `elasticity`.
+            within 6 degrees of the rigid one, a slide that is back before all that moves with it; else as `compliance`.
     """
     speeds = _speeds(speed)
     _refuse_dependent(loads)
@@ -182,8 +194,8 @@ def dead_centre_shift(
         return centres.bottom_angle + WINDOW * float(real[depths.argmin()]), centres.bottom_position + float(depths.min())
 
     found = np.array([lowest(w) for w in speeds])
-    return DeadCentreShift(
-        press=press.name,
+    return ElasticDeadCentre(
+        press_name=press.name,
         speed=speeds,
         rigid_angle=centres.bottom_angle,
         rigid_position=centres.bottom_position,
@@ -195,7 +207,7 @@ def dead_centre_shift(
     )
 
 
-def _total(held: Held, loads: Sequence[Load]) -> Array:
+def _total(held: HeldPress, loads: Sequence[Load]) -> Array:
     return np.asarray(np.sum(list(held.moved(held.in_motion(loads)).values()), axis=0))
 
 

@@ -10,9 +10,9 @@ import numpy as np
 from ..common.arguments import typed
 from ..common.errors import PinpressError
 from ..common.units import RPM
-from ..elasticity.breakthrough import SnapThrough
-from ..elasticity.compliance import Elasticity
-from ..elasticity.slide_under_load import DeadCentreShift
+from ..elasticity.breakthrough import SnapThroughResponse
+from ..elasticity.slide_under_load import ElasticDeadCentre
+from ..elasticity.unit_load import SlideCompliance
 from .style import COLOURS, GREY, LINES, drawing, grid, legend, plain
 
 if TYPE_CHECKING:
@@ -25,11 +25,11 @@ SMALLEST = 5e-3  # of the largest compliance: parts that never give as much are 
 
 
 @typed
-def compliance(elasticity: Elasticity) -> Figure:
+def compliance(elasticity: SlideCompliance) -> Figure:
     """Draw the compliance at the slide over the crank angle, the shares of the parts stacked on each other, the largest lowest.
 
     Args:
-        elasticity: what `pinpress.elasticity.elasticity` returns.
+        elasticity: what `pinpress.elasticity.compliance` returns.
 
     Raises:
         PinpressError: Matplotlib is not installed.
@@ -38,7 +38,7 @@ def compliance(elasticity: Elasticity) -> Figure:
 
 
 @typed
-def dead_centre_shift(shifts: Mapping[str, DeadCentreShift]) -> Figure:
+def dead_centre_shift(shifts: Mapping[str, ElasticDeadCentre]) -> Figure:
     """Draw how much deeper the slides of presses go at speed than at standstill, over the speed.
 
     Args:
@@ -51,7 +51,7 @@ def dead_centre_shift(shifts: Mapping[str, DeadCentreShift]) -> Figure:
 
 
 @typed
-def snap_through(responses: Mapping[str, SnapThrough]) -> Figure:
+def snap_through(responses: Mapping[str, SnapThroughResponse]) -> Figure:
     """Draw the force of the sprung press as a share of that at break-through, over time; below zero the linkage is pulled.
 
     Args:
@@ -70,7 +70,7 @@ def _alone(draw: Callable[[Axes, Any], None], shown: object) -> Figure:
     return figure
 
 
-def draw_compliance(axes: Axes, elasticity: Elasticity) -> None:
+def draw_compliance(axes: Axes, elasticity: SlideCompliance) -> None:
     """The chart of `compliance` on given axes."""
     from matplotlib.ticker import MaxNLocator  # optional, and slow to import
 
@@ -95,9 +95,9 @@ def draw_compliance(axes: Axes, elasticity: Elasticity) -> None:
     legend(axes, areas[::-1], names[::-1], loc="upper center", ncols=3, columnspacing=1.0, borderaxespad=0.1)
 
 
-def draw_dead_centre_shift(axes: Axes, shifts: Mapping[str, DeadCentreShift]) -> None:
+def draw_dead_centre_shift(axes: Axes, shifts: Mapping[str, ElasticDeadCentre]) -> None:
     """The chart of `dead_centre_shift` on given axes."""
-    _refuse_none(shifts, "dead_centre_shift", DeadCentreShift)
+    _refuse_none(shifts, "dead_centre_shift", ElasticDeadCentre)
     grid(axes, "shift of bottom dead centre [µm]")
     lines: list[Artist] = []
     for i, shift in enumerate(shifts.values()):
@@ -107,9 +107,9 @@ def draw_dead_centre_shift(axes: Axes, shifts: Mapping[str, DeadCentreShift]) ->
     legend(axes, lines, list(shifts), loc="lower left")
 
 
-def draw_snap_through(axes: Axes, responses: Mapping[str, SnapThrough]) -> None:
+def draw_snap_through(axes: Axes, responses: Mapping[str, SnapThroughResponse]) -> None:
     """The chart of `snap_through` on given axes."""
-    _refuse_none(responses, "snap_through", SnapThrough)
+    _refuse_none(responses, "snap_through", SnapThroughResponse)
     grid(axes, "force by that at break-through [-]")
     axes.axhline(0.0, color=GREY, linewidth=0.6)
     lines: list[Artist] = []

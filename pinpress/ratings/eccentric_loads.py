@@ -117,7 +117,7 @@ def eccentric_load(
 
     Args:
         press: with a slide.
-        motion: at whose n states the force acts, e.g. ``cycle(press, speed=0.0, angle=[...])``.
+        motion: at whose n states the force acts, e.g. ``servo_cycle(press, speed=0.0, angle=[...])``.
         force: on the slide along the guide's axis, against the working stroke [N].
         offset: (3,) point at which it acts, in the slide link's own frame [m]; along the guide's axis it makes no difference.
         guide: the gibs.

@@ -92,7 +92,7 @@ def test_shown_in_a_line(result):
 
 def test_printed(result):
     assert all(line == line.rstrip() or line.startswith(" ") for line in str(result).splitlines())
-    assert len(str(result).splitlines()) > 1 or type(result).__name__ in ("SnapThrough", "SlideDeflection")
+    assert len(str(result).splitlines()) > 1 or type(result).__name__ in ("SnapThroughResponse", "DeflectedSlide")
 
 
 def test_shown_in_a_notebook(result):

@@ -18,7 +18,7 @@ FEW = examples(8)
 
 
 def test_at_once_and_without_damping():
-    found = snap_through(F, K, M)
+    found = snap_through(F, K, mass=M)
     assert found.reverse_force == pytest.approx(F, rel=1e-13)
     assert found.overshoot == pytest.approx(F / K, rel=1e-13)
     assert found.peak_acceleration == pytest.approx(F / M, rel=1e-13)
@@ -30,7 +30,7 @@ def test_at_once_and_without_damping():
 
 @pytest.mark.parametrize("zeta", [0.01, 0.05, 0.3, 0.9])
 def test_at_once_with_damping(zeta):
-    found = snap_through(F, K, M, zeta)
+    found = snap_through(F, K, mass=M, damping_ratio=zeta)
     assert found.reverse_ratio == pytest.approx(np.exp(-zeta * np.pi / np.sqrt(1 - zeta**2)), rel=1e-12)
     assert found.frequency == pytest.approx(W * np.sqrt(1 - zeta**2), rel=1e-15)
 
@@ -38,17 +38,17 @@ def test_at_once_with_damping(zeta):
 @pytest.mark.parametrize("turns", [0.01, 0.3, 0.5, 0.77, 1.4, 2.5, 12.3])
 def test_linear_drop_without_damping(turns):
     half = np.pi * turns
-    found = snap_through(F, K, M, 0.0, turns * PERIOD)
+    found = snap_through(F, K, mass=M, damping_ratio=0.0, break_time=turns * PERIOD)
     assert found.reverse_ratio == pytest.approx(abs(np.sin(half) / half), rel=1e-10)
 
 
 @pytest.mark.parametrize("gap", [0.0, 1e-12, 1e-5])
 def test_drop_over_a_whole_period_leaves_nothing(gap):
     """The slide comes to rest just as the force is gone, on the edge of the clearance."""
-    found = snap_through(F, K, M, 0.0, PERIOD, gap)
+    found = snap_through(F, K, mass=M, damping_ratio=0.0, break_time=PERIOD, clearance=gap)
     assert found.reverse_ratio == pytest.approx(0.0, abs=1e-13)
     with pytest.raises(pp.PinpressError, match="permits any force"):
-        permissible_breakthrough(1e5, K, M, 0.0, PERIOD)
+        permissible_breakthrough(1e5, K, mass=M, damping_ratio=0.0, break_time=PERIOD)
 
 
 def solved(zeta, tau, gap, end):
@@ -93,7 +93,7 @@ def solved(zeta, tau, gap, end):
     ("zeta", "tau", "gap"), [(0.0, 0.0, 3e-4), (0.05, 0.0, 1e-3), (0.03, 0.4, 2e-4), (0.0, 0.8, 1e-3), (0.1, 1.7, 1e-4), (0.02, 2.6, 5e-5)]
 )
 def test_clearance_against_a_solver(zeta, tau, gap):
-    found = snap_through(F, K, M, zeta, tau * PERIOD, gap)
+    found = snap_through(F, K, mass=M, damping_ratio=zeta, break_time=tau * PERIOD, clearance=gap)
     lowest, peak, state = solved(zeta, tau * PERIOD, gap, found.time[-1])
     assert found.overshoot == pytest.approx(-lowest, rel=1e-9)
     assert found.reverse_force == pytest.approx(max(0.0, K * (-lowest - gap)), rel=1e-8)
@@ -105,7 +105,7 @@ def test_clearance_against_a_solver(zeta, tau, gap):
 @FEW
 @given(tau=st.floats(0.0, 3.0), gap=st.floats(0.0, 2e-3))
 def test_energy_is_kept_once_the_force_is_gone(tau, gap):
-    found = snap_through(F, K, M, 0.0, tau * PERIOD, gap)
+    found = snap_through(F, K, mass=M, damping_ratio=0.0, break_time=tau * PERIOD, clearance=gap)
     after = found.time >= tau * PERIOD
     energy = 0.5 * M * found.velocity**2 + 0.5 * found.spring_force**2 / K
     np.testing.assert_allclose(energy[after], energy[-1], atol=1e-12 * found.energy)
@@ -118,26 +118,28 @@ def test_energy_is_kept_once_the_force_is_gone(tau, gap):
 @given(zeta=st.floats(0.0, 0.5), tau=st.floats(1e-3, 3.0), gap=st.floats(0.0, 2e-3), size=st.floats(0.1, 10.0))
 def test_balance_of_energy_and_scaling(zeta, tau, gap, size):
     """Stored energy and work of the force are not less than what is left; and forces with clearances to scale give the same ratio."""
-    found = snap_through(F, K, M, zeta, tau * PERIOD, gap)
+    found = snap_through(F, K, mass=M, damping_ratio=zeta, break_time=tau * PERIOD, clearance=gap)
     t, x, v = found.time, found.displacement, found.velocity
     push = F * np.maximum(0.0, 1 - t / (tau * PERIOD))
     work = np.concatenate([[0.0], np.cumsum(0.5 * (push[1:] + push[:-1]) * np.diff(x))])
     left = 0.5 * M * v**2 + 0.5 * found.spring_force**2 / K
     assert np.all(left <= found.energy + work + 2e-3 * found.energy)
-    scaled = snap_through(size * F, K, M, zeta, tau * PERIOD, size * gap)
+    scaled = snap_through(size * F, K, mass=M, damping_ratio=zeta, break_time=tau * PERIOD, clearance=size * gap)
     assert scaled.reverse_ratio == pytest.approx(found.reverse_ratio, rel=1e-9, abs=1e-9)
 
 
 def test_permissible_force():
     """Without clearance reverse load is in proportion to force; with it the force found brings about just what is permitted."""
     stiffness, mass = np.linspace(4e8, 7e8, 5), np.linspace(2500.0, 2600.0, 5)
-    permitted = permissible_breakthrough(1.5e5, stiffness, mass, 0.04, 2e-3)
+    permitted = permissible_breakthrough(1.5e5, stiffness, mass=mass, damping_ratio=0.04, break_time=2e-3)
     for force, k, m in zip(permitted, stiffness, mass, strict=True):
-        assert snap_through(force, k, m, 0.04, 2e-3).reverse_force == pytest.approx(1.5e5, rel=1e-12)
-    assert permissible_breakthrough(1.5e5, K, M)[0] == pytest.approx(1.5e5, rel=1e-12)
-    force = permissible_breakthrough(1.5e5, K, M, 0.04, 2e-3, 3e-4)[0]
-    assert snap_through(force, K, M, 0.04, 2e-3, 3e-4).reverse_force == pytest.approx(1.5e5, rel=1e-9)
-    assert snap_through(0.9 * force, K, M, 0.04, 2e-3, 3e-4).reverse_force < 1.5e5
+        assert snap_through(force, k, mass=m, damping_ratio=0.04, break_time=2e-3).reverse_force == pytest.approx(1.5e5, rel=1e-12)
+    assert permissible_breakthrough(1.5e5, K, mass=M)[0] == pytest.approx(1.5e5, rel=1e-12)
+    force = permissible_breakthrough(1.5e5, K, mass=M, damping_ratio=0.04, break_time=2e-3, clearance=3e-4)[0]
+    assert snap_through(force, K, mass=M, damping_ratio=0.04, break_time=2e-3, clearance=3e-4).reverse_force == pytest.approx(
+        1.5e5, rel=1e-9
+    )
+    assert snap_through(0.9 * force, K, mass=M, damping_ratio=0.04, break_time=2e-3, clearance=3e-4).reverse_force < 1.5e5
 
 
 @pytest.mark.parametrize("zeta", [0.0, 0.05, 0.9])
@@ -163,13 +165,15 @@ def test_a_slow_drop_is_not_followed_wave_by_wave(monkeypatch):
     looked = []
     leaving = breakthrough._leaving
     monkeypatch.setattr(breakthrough, "_leaving", lambda *given: looked.append(1) or leaving(*given))
-    force = permissible_breakthrough(1e4, 1e9, 500.0, 0.05, 1.0, 1e-4)[0]
+    force = permissible_breakthrough(1e4, 1e9, mass=500.0, damping_ratio=0.05, break_time=1.0, clearance=1e-4)[0]
     assert 150 < len(looked) < 10_000
-    assert snap_through(force, 1e9, 500.0, 0.05, 1.0, 1e-4).reverse_force == pytest.approx(1e4, rel=1e-9)
+    assert snap_through(force, 1e9, mass=500.0, damping_ratio=0.05, break_time=1.0, clearance=1e-4).reverse_force == pytest.approx(
+        1e4, rel=1e-9
+    )
 
 
 def test_tables(tmp_path):
-    found = snap_through(F, K, M, 0.05, 1e-3, 1e-4)
+    found = snap_through(F, K, mass=M, damping_ratio=0.05, break_time=1e-3, clearance=1e-4)
     assert "reverse load" in str(found)
     found.to_csv(tmp_path / "b.csv")
     assert (tmp_path / "b.csv").read_text().splitlines()[0].split(",") == list(found.to_frame().columns)
@@ -181,29 +185,29 @@ def test_tables(tmp_path):
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        ((0.0, K, M), "force is 0.0"),
-        ((F, -K, M), "stiffness is"),
-        ((F, K, np.inf), "mass is inf"),
-        ((F, K, M, 1.0), "damping_ratio is 1"),
-        ((F, K, M, -0.1), "damping_ratio is -0.1"),
-        ((F, K, M, 0.0, -1.0), "break_time is -1"),
-        ((F, K, M, 0.0, 0.0, np.nan), "clearance is nan"),
-        ((F, K, M, 0.0, 100.0), "more than 1000 periods"),
+        ({"force": 0.0}, "force is 0.0"),
+        ({"stiffness": -K}, "stiffness is"),
+        ({"mass": np.inf}, "mass is inf"),
+        ({"damping_ratio": 1.0}, "damping_ratio is 1"),
+        ({"damping_ratio": -0.1}, "damping_ratio is -0.1"),
+        ({"break_time": -1.0}, "break_time is -1"),
+        ({"clearance": np.nan}, "clearance is nan"),
+        ({"break_time": 100.0}, "more than 1000 periods"),
     ],
 )
 def test_refusals(arguments, message):
     with pytest.raises(pp.PinpressError, match=message):
-        snap_through(*arguments)
+        snap_through(**{"force": F, "stiffness": K, "mass": M} | arguments)
 
 
 def test_refusals_of_permissible_forces():
     with pytest.raises(pp.PinpressError, match="reverse_force is 0"):
-        permissible_breakthrough(0.0, K, M)
+        permissible_breakthrough(0.0, K, mass=M)
     with pytest.raises(pp.PinpressError, match="of one length"):
-        permissible_breakthrough([1e5, 2e5], [K, K, K], M)
+        permissible_breakthrough([1e5, 2e5], [K, K, K], mass=M)
 
 
 def test_what_only_rounding_could_tell():
     """The smallest numbers there are give what zero gives."""
-    plain, tiny = snap_through(F, K, M), snap_through(F, K, M, 0.0, 5e-324, 5e-324)
+    plain, tiny = snap_through(F, K, mass=M), snap_through(F, K, mass=M, damping_ratio=0.0, break_time=5e-324, clearance=5e-324)
     assert (tiny.reverse_force, tiny.peak_acceleration) == (plain.reverse_force, plain.peak_acceleration)

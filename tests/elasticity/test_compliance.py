@@ -10,9 +10,9 @@ from support import texts
 
 import pinpress as pp
 from pinpress.balancing.classical import as_crank_slider
-from pinpress.elasticity.compliance import _moving_mass, elasticity, hold
 from pinpress.elasticity.slide_under_load import slide_deflection
 from pinpress.elasticity.springs import Rod, Stiffness
+from pinpress.elasticity.unit_load import _moving_mass, compliance, hold
 
 ANGLES = np.array([0.0, 0.4, 1.3, 2.2, 3.6, 5.1])
 
@@ -35,7 +35,7 @@ def test_crank_slide_by_hand():
     press = pp.load("crank_slide")
     r, length = geometry(press)
     stiffness = Stiffness({"O": 2e9, "P": 1e9, "W": 3e9, "slide_guide": 5e8}, {}, [Rod("rod", ("P", "W"), 7e8)], 1e6, 4e9)
-    found = elasticity(press, stiffness, ANGLES)
+    found = compliance(press, stiffness, angle=ANGLES)
     beta = np.arcsin(r * np.sin(ANGLES) / length)
     along = 1 / np.cos(beta) ** 2
     by_hand = {
@@ -81,7 +81,7 @@ def test_castigliano(name):
 
     force = 1e5
     slope = (energy(force + 1e5) - energy(force - 1e5)) / 2e5
-    expected = slide_deflection(press, motion, stiffness, [pp.loads.PointForce(press.slide, force * axis)]).deflection
+    expected = slide_deflection(press, motion, stiffness, loads=[pp.loads.PointForce(press.slide, force * axis)]).deflection
     np.testing.assert_allclose(slope, expected, rtol=1e-9, atol=1e-9 * np.abs(expected).max())
 
 
@@ -141,7 +141,7 @@ def test_displaced_pins_of_the_six_bar():
     t4 = -np.arccos(-end_e.real / L4)
     guess = np.array([t2, t3, t4, end_e.imag + L4 * np.sin(t4)])
     assert guess[3] == pytest.approx(motion.slide_position[0], abs=1e-9)
-    linear = slide_deflection(press, motion, Stiffness(stiff, {}, rods, 4e7, 6e9), [load]).deflection[0]
+    linear = slide_deflection(press, motion, Stiffness(stiff, {}, rods, 4e7, 6e9), loads=[load]).deflection[0]
     rigid = solved(0.0)
     errors = np.array([abs(solved(share) - rigid - share * linear) for share in (1.0, 0.5, 0.25)])
     assert abs(linear) > 2e-3
@@ -151,10 +151,10 @@ def test_displaced_pins_of_the_six_bar():
 
 def test_two_shafts_are_twice_as_stiff():
     one, two = pp.load("jf75g_125_plain"), pp.load("jf75g_125_symmetric")
-    single = elasticity(one, Stiffness({"O": 2e9, "P2": 1e9, "P4": 3e9}, {}, [Rod("main_rod", ("P2", "P4"), 7e8)]), ANGLES)
+    single = compliance(one, Stiffness({"O": 2e9, "P2": 1e9, "P4": 3e9}, {}, [Rod("main_rod", ("P2", "P4"), 7e8)]), angle=ANGLES)
     halves = {f"{name}_{side}": k for name, k in (("O", 2e9), ("P2", 1e9), ("P4", 3e9)) for side in ("left", "right")}
     rods = [Rod(f"main_rod_{side}", (f"P2_{side}", f"P4_{side}"), 7e8) for side in ("left", "right")]
-    double = elasticity(two, Stiffness(halves, {}, rods), ANGLES)
+    double = compliance(two, Stiffness(halves, {}, rods), angle=ANGLES)
     np.testing.assert_allclose(single.compliance, 2 * double.compliance, rtol=1e-11)
     assert double.bottom_stiffness == pytest.approx(2 * single.bottom_stiffness, rel=1e-12)
 
@@ -166,7 +166,7 @@ def test_uneven_rods_side_by_side():
     rods = [Rod("main_rod_front", ("P2_front", "P4_front"), 6e8), Rod("main_rod_back", ("P2_back", "P4_back"), 2e9)]
     paths = 1 / (1 / 1e9 + 1 / 3e9 + 1 / 6e8) + 1 / (1 / 2e9 + 1 / 5e9 + 1 / 2e9)
     beta = np.arcsin(0.05 * np.sin(ANGLES))
-    found = elasticity(press, Stiffness(stiff, {}, rods), ANGLES)
+    found = compliance(press, Stiffness(stiff, {}, rods), angle=ANGLES)
     np.testing.assert_allclose(found.compliance, (1 / 4e9 + 1 / paths) / np.cos(beta) ** 2, rtol=1e-9)
 
 
@@ -174,9 +174,9 @@ def test_guides_that_would_share_with_the_rods():
     """Symmetric halves leave nothing for the guide to hold; uneven ones would turn the slide in it."""
     press = pp.load("jf75g_125_symmetric")
     even = Stiffness({"P4_left": 1e9, "P4_right": 1e9}, {"slide_guide": 1e7})
-    assert elasticity(press, even, ANGLES).bottom_stiffness == pytest.approx(2e9, rel=1e-12)
+    assert compliance(press, even, angle=ANGLES).bottom_stiffness == pytest.approx(2e9, rel=1e-12)
     with pytest.raises(pp.PinpressError, match="make both sides alike"):
-        elasticity(press, replace(even, bearings={"P4_left": 1e9, "P4_right": 2e9}), ANGLES)
+        compliance(press, replace(even, bearings={"P4_left": 1e9, "P4_right": 2e9}), angle=ANGLES)
 
 
 BEVEL = """<link name="cross"><inertial><mass value="1e-9"/>
@@ -191,9 +191,11 @@ def test_sharing_is_looked_at_in_presses_that_are_not_planar(tmp_path):
     press = texts.load(planar.text.decode().replace("</robot>", BEVEL.format(planar.driver)), tmp_path)
     assert "plane" not in press.engines
     even = Stiffness({"P4_left": 1e9, "P4_right": 1e9}, {"slide_guide": 1e7})
-    assert elasticity(press, even, [0.4]).compliance[0] == pytest.approx(elasticity(planar, even, [0.4]).compliance[0], rel=1e-9)
+    assert compliance(press, even, angle=[0.4]).compliance[0] == pytest.approx(
+        compliance(planar, even, angle=[0.4]).compliance[0], rel=1e-9
+    )
     with pytest.raises(pp.PinpressError, match="make both sides alike"):
-        elasticity(press, replace(even, bearings={"P4_left": 1e9, "P4_right": 2e9}), [0.4])
+        compliance(press, replace(even, bearings={"P4_left": 1e9, "P4_right": 2e9}), angle=[0.4])
 
 
 def test_an_arm_that_would_share_with_the_rods():
@@ -201,13 +203,13 @@ def test_an_arm_that_would_share_with_the_rods():
     press = pp.load("jf75g_125_symmetric")
     even = {"P4_left": 1e9, "P4_right": 1e9}
     with pytest.raises(pp.PinpressError, match="make both sides alike"):
-        elasticity(press, Stiffness(even, rods=[Rod("slide", ("slide_guide", "P4_left"), 1e8)]), ANGLES)
+        compliance(press, Stiffness(even, rods=[Rod("slide", ("slide_guide", "P4_left"), 1e8)]), angle=ANGLES)
 
 
 def test_a_rod_between_bearings_that_meet():
     """The crank-slider's guide is measured at the origin of its joint, which is the slide's pin."""
     with pytest.raises(pp.PinpressError, match="rod 'slide slide_guide-W': its bearings meet"):
-        elasticity(pp.load("crank_slide"), Stiffness(rods=[Rod("slide", ("slide_guide", "W"), 1e9)]), ANGLES)
+        compliance(pp.load("crank_slide"), Stiffness(rods=[Rod("slide", ("slide_guide", "W"), 1e9)]), angle=ANGLES)
 
 
 def mass_of(press, stiffness, angles):
@@ -222,10 +224,10 @@ def test_effective_mass_of_single_springs():
     slide, rod = (press.model.inertias[press.model.getJointId(name)] for name in ("slide_guide", "P"))
     sine = r * np.sin(ANGLES) / length
     turning = rod.inertia[1, 1] + rod.mass * rod.lever @ rod.lever  # about P: the rod turns so that the slide's pin stays on its line
-    found = elasticity(press, Stiffness({"W": 1e9}), ANGLES)
+    found = compliance(press, Stiffness({"W": 1e9}), angle=ANGLES)
     np.testing.assert_allclose(found.effective_mass, slide.mass + turning * sine**2 / length**2, rtol=1e-12)
     moving = sum(inertia.mass for inertia in list(press.model.inertias)[1:])
-    assert elasticity(press, Stiffness({"O": 1e9}), [0.0]).effective_mass[0] == pytest.approx(moving, rel=1e-12)
+    assert compliance(press, Stiffness({"O": 1e9}), angle=[0.0]).effective_mass[0] == pytest.approx(moving, rel=1e-12)
     for name in ("crank_slide", "zxn2_3000b", "jf75g_125_two_point"):
         press, angles = pp.load(name), np.array([0.7, 2.0, 4.4])
         motion = pp.servo_cycle(press, speed=1.0, angle=angles)
@@ -236,7 +238,7 @@ def test_effective_mass_of_single_springs():
 
 
 def test_tables(tmp_path):
-    found = elasticity(pp.load("crank_slide"), Stiffness({"O": 2e9, "P": 1e9}), ANGLES)
+    found = compliance(pp.load("crank_slide"), Stiffness({"O": 2e9, "P": 1e9}), angle=ANGLES)
     assert "666.67 kN/mm" in str(found)
     found.to_csv(tmp_path / "c.csv")
     header, *rows = (tmp_path / "c.csv").read_text().splitlines()
@@ -271,4 +273,4 @@ def test_tables(tmp_path):
 )
 def test_refusals(stiffness, message):
     with pytest.raises(pp.PinpressError, match=message.replace("(", r"\(")):
-        elasticity(pp.load("crank_slide"), stiffness)
+        compliance(pp.load("crank_slide"), stiffness)

@@ -6,9 +6,9 @@ from scipy.optimize import minimize_scalar
 
 import pinpress as pp
 from pinpress.balancing.classical import as_crank_slider
-from pinpress.elasticity.compliance import elasticity
 from pinpress.elasticity.slide_under_load import dead_centre_shift, slide_deflection
 from pinpress.elasticity.springs import Rod, Stiffness
+from pinpress.elasticity.unit_load import compliance
 
 
 def stiffness_of(press):
@@ -21,7 +21,9 @@ def test_crank_slide_at_bottom_dead_centre_by_hand():
     press = pp.load("crank_slide")
     parts = as_crank_slider(press)
     r, length, g = parts.crank_radius, parts.rod_length, 9.81
-    found = dead_centre_shift(press, Stiffness({"W": 1e9, "P": 2e9, "O": 4e9}, {}, [Rod("rod", ("P", "W"), 5e8)], frame=8e9), [0.0, 20.0])
+    found = dead_centre_shift(
+        press, Stiffness({"W": 1e9, "P": 2e9, "O": 4e9}, {}, [Rod("rod", ("P", "W"), 5e8)], frame=8e9), speed=[0.0, 20.0]
+    )
 
     def by_hand(weight, squared):
         slide = parts.slide_mass * (weight * g + squared * r * (1 + r / length))
@@ -39,7 +41,7 @@ def test_crank_slide_at_bottom_dead_centre_by_hand():
 def test_bottom_dead_centre_by_brute_force(name, speed):
     press = pp.load(name)
     stiffness = stiffness_of(press)
-    found = dead_centre_shift(press, stiffness, [0.5 * speed, speed])
+    found = dead_centre_shift(press, stiffness, speed=[0.5 * speed, speed])
 
     def position(angle, w):
         return slide_deflection(press, pp.servo_cycle(press, speed=w, angle=np.atleast_1d(angle)), stiffness).slide_position
@@ -54,7 +56,7 @@ def test_bottom_dead_centre_by_brute_force(name, speed):
         assert angle == pytest.approx(result.x, abs=2e-6)
     assert found.rigid_position == pytest.approx(pp.servo_cycle(press, speed=1.0, angle=[found.rigid_angle]).slide_position[0], abs=1e-15)
     assert found.rigid_position <= pp.cycle(press, 1.0, points=3600).slide_position.min()
-    still = dead_centre_shift(press, stiffness, 0.0)
+    still = dead_centre_shift(press, stiffness, speed=0.0)
     resting = position(found.rigid_angle + np.linspace(-1e-2, 1e-2, 2001), 0.0).min()
     assert found.standstill_position == pytest.approx(resting, abs=1e-11)
     assert still.position[0] == still.standstill_position == found.standstill_position
@@ -76,11 +78,13 @@ def test_process_force_deflects_by_the_compliance():
     press = pp.load("jf75g_125", gravity=(0.0, 0.0, 0.0))
     stiffness, motion = stiffness_of(press), pp.cycle(press, 1e-3, points=72)
     load = pp.loads.Blanking(1.25e6, 0.010, 0.005)
-    found = slide_deflection(press, motion, stiffness, [load])
+    found = slide_deflection(press, motion, stiffness, loads=[load])
     height = motion.slide_position - pp.dead_centres(press).bottom_position
     working = (motion.slide_velocity < 0) & (height > 0.005) & (height <= 0.010)
     force = np.where(working, 1.25e6 * np.sin(np.pi / 2 * (0.010 - height) / 0.005), 0.0)
-    np.testing.assert_allclose(found.deflection, force * elasticity(press, stiffness, motion.crank_angle).compliance, rtol=1e-9, atol=1e-9)
+    np.testing.assert_allclose(
+        found.deflection, force * compliance(press, stiffness, angle=motion.crank_angle).compliance, rtol=1e-9, atol=1e-9
+    )
     assert working.sum() > 3
     np.testing.assert_allclose(found.slide_position, motion.slide_position + found.deflection, rtol=0, atol=0)
 
@@ -89,8 +93,8 @@ def test_weight_balanced_by_a_constant_force():
     press = pp.load("crank_slide", gravity=(0.0, 0.0, -9.81))
     slide = press.model.inertias[press.model.getJointId("slide_guide")].mass
     stiffness = Stiffness({"W": 1e9})
-    balanced = dead_centre_shift(press, stiffness, 15.0, [pp.loads.PointForce("slide", (0.0, 0.0, slide * 9.81))])
-    plain = dead_centre_shift(press, stiffness, 15.0)
+    balanced = dead_centre_shift(press, stiffness, speed=15.0, loads=[pp.loads.PointForce("slide", (0.0, 0.0, slide * 9.81))])
+    plain = dead_centre_shift(press, stiffness, speed=15.0)
     assert balanced.constant == pytest.approx(0.0, abs=1e-12 * abs(plain.by_squared_speed) + 1e-18)
     assert plain.constant == pytest.approx(-slide * 9.81 / 1e9, rel=1e-9)
     assert balanced.by_squared_speed == pytest.approx(plain.by_squared_speed, rel=1e-9)
@@ -98,7 +102,7 @@ def test_weight_balanced_by_a_constant_force():
 
 def test_tables(tmp_path):
     press = pp.load("jf75g_125")
-    shift = dead_centre_shift(press, stiffness_of(press), np.array([150.0, 300.0]) * pp.RPM)
+    shift = dead_centre_shift(press, stiffness_of(press), speed=np.array([150.0, 300.0]) * pp.RPM)
     assert "300 strokes/min" in str(shift)
     shift.to_csv(tmp_path / "s.csv")
     assert (tmp_path / "s.csv").read_text().splitlines()[0].split(",") == list(shift.to_frame().columns)
@@ -116,15 +120,15 @@ def test_refusals():
     stiffness = Stiffness({"W": 1e9})
     for speed in ([np.nan], [], [[1.0]], "fast"):
         with pytest.raises(pp.PinpressError, match="speed"):
-            dead_centre_shift(press, stiffness, speed)
+            dead_centre_shift(press, stiffness, speed=speed)
     for load in (
         pp.loads.ElasticDie(0.0, 1e9),
         pp.loads.PointForce("slide", lambda motion: (0, 0, 1.0)),
         pp.loads.SpringDamper("frame", "slide", 1.0, 2.0),
     ):
         with pytest.raises(pp.PinpressError, match="may depend on the speed"):
-            dead_centre_shift(press, stiffness, 1.0, [load])
+            dead_centre_shift(press, stiffness, speed=1.0, loads=[load])
     with pytest.raises(pp.PinpressError, match="too soft"):
-        dead_centre_shift(press, Stiffness(shaft=1e-3, bearings={"W": 1e9}), 300.0)
+        dead_centre_shift(press, Stiffness(shaft=1e-3, bearings={"W": 1e9}), speed=300.0)
     with pytest.raises(pp.PinpressError, match="motion is a Linkage"):
         slide_deflection(press, press, stiffness)

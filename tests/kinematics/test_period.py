@@ -363,20 +363,20 @@ def test_operating_points(press):
 
 
 def test_elasticity(press):
-    from pinpress.elasticity.compliance import elasticity
     from pinpress.elasticity.slide_under_load import dead_centre_shift
     from pinpress.elasticity.springs import Stiffness
+    from pinpress.elasticity.unit_load import compliance
 
     rods = ("A", "B", "C", "S") if press.name == "geared_five_bar" else ("P", "W")
     stiffness = Stiffness(dict.fromkeys(rods, 1e8), shaft=1e6)
-    found = elasticity(press, stiffness)
+    found = compliance(press, stiffness)
     np.testing.assert_allclose(found.crank_angle, np.radians(np.arange(360.0 * period_turns(press))), atol=1e-12)
     positions = everywhere(press).motion.slide_position
     bottom = everywhere(press).motion.crank_angle[positions.argmin()]
-    there = elasticity(press, stiffness, angle=[bottom])
+    there = compliance(press, stiffness, angle=[bottom])
     assert abs(found.bottom_stiffness * there.compliance[0] - 1) < 1e-3
     assert abs(there.height[0]) < 1e-6
     assert found.height.min() > -1e-15
-    shift = dead_centre_shift(press, stiffness, [SPEED])
+    shift = dead_centre_shift(press, stiffness, speed=[SPEED])
     assert abs(shift.rigid_position - positions.min()) < 1e-6
     assert abs(shift.position[0] - shift.rigid_position) < 1e-3

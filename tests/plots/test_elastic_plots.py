@@ -7,16 +7,16 @@ import pytest
 
 import pinpress as pp
 from pinpress.elasticity.breakthrough import snap_through
-from pinpress.elasticity.compliance import elasticity
 from pinpress.elasticity.slide_under_load import dead_centre_shift
 from pinpress.elasticity.springs import Stiffness
+from pinpress.elasticity.unit_load import compliance
 
 PRESS = pp.load("zxn2_3000b")
 STIFFNESS = Stiffness(dict.fromkeys("ABCDEF", 2000000000.0), shaft=3e7, frame=4e9)
 
 
 def test_parts_are_stacked_to_the_whole():
-    found = elasticity(PRESS, STIFFNESS, np.linspace(0.0, 6.0, 25))
+    found = compliance(PRESS, STIFFNESS, angle=np.linspace(0.0, 6.0, 25))
     axes = pp.plots.compliance(found).axes[0]
     top = axes.collections[-1].get_paths()[0].vertices[:, 1].max()
     assert top == pytest.approx(1e9 * found.compliance.max(), rel=1e-12)
@@ -26,7 +26,7 @@ def test_parts_are_stacked_to_the_whole():
 @pytest.mark.parametrize("names", [("P", "W"), ("W", "P")])
 def test_rounding_does_not_choose_the_order(names):
     """Of parts that yield alike, in the text and in the chart, the one that was given first comes first."""
-    found = elasticity(pp.load("crank_slide"), Stiffness(dict.fromkeys(names, 1e9)), np.linspace(0.0, 6.0, 25))
+    found = compliance(pp.load("crank_slide"), Stiffness(dict.fromkeys(names, 1e9)), angle=np.linspace(0.0, 6.0, 25))
     half = 0.5 * found.compliance
     alike = dict(zip(names, (half, half * (1 + 1e-13)), strict=True))
     found = replace(found, parts=alike, bottom_shares=dict(zip(names, (0.5, 0.5 * (1 + 1e-13)), strict=True)))
@@ -35,11 +35,11 @@ def test_rounding_does_not_choose_the_order(names):
 
 
 def test_curves():
-    shift = dead_centre_shift(PRESS, STIFFNESS, np.array([7.0, 2.0, 5.0]))
+    shift = dead_centre_shift(PRESS, STIFFNESS, speed=np.array([7.0, 2.0, 5.0]))
     x, y = pp.plots.dead_centre_shift({"six-bar": shift}).axes[0].lines[0].get_data()
     np.testing.assert_allclose(x, np.array([2.0, 5.0, 7.0]) / pp.RPM)
     np.testing.assert_allclose(y, 1e6 * shift.shift[[1, 2, 0]])
-    response = snap_through(1e6, 6e8, 3e3, 0.05)
+    response = snap_through(1e6, 6e8, mass=3e3, damping_ratio=0.05)
     line = pp.plots.snap_through({"a": response, "b": response}).axes[0].lines[1]  # after the axis
     np.testing.assert_allclose(line.get_ydata(), response.spring_force / 1e6)
 

@@ -25,15 +25,15 @@ MADE = {
     "ActiveConstraint",
     "AddedMass",
     "BalancedPress",
-    "DeadCentreShift",
+    "ElasticDeadCentre",
     "DeadCentres",
     "Duty",
     "GuideReaction",
-    "Elasticity",
+    "SlideCompliance",
     "ExtremeValues",
 }
 MADE |= {"FailedPoint", "HarmonicAnalysis", "Linkage", "Measurement", "Motion", "MotionSensitivity", "OperatingMap", "MeasureChange"}
-MADE |= {"Ratings", "Reactions", "Run", "SlideDeflection", "SnapThrough", "PermissibleSpeed", "SweepTable", "SynthesisResult"}
+MADE |= {"Ratings", "Reactions", "Run", "DeflectedSlide", "SnapThroughResponse", "PermissibleSpeed", "SweepTable", "SynthesisResult"}
 MADE |= {
     "Correction",
     "CrankSlider",

@@ -154,10 +154,10 @@ def made():
         *(
             STIFFNESS,
             *STIFFNESS.rods,
-            pp.elasticity.elasticity(press(), STIFFNESS, [0.1, 0.5]),
+            pp.elasticity.compliance(press(), STIFFNESS, angle=[0.1, 0.5]),
             pp.elasticity.slide_deflection(press(), motion(), STIFFNESS),
         ),
-        *(pp.elasticity.dead_centre_shift(press(), STIFFNESS, [1.0, SPEED]), pp.elasticity.snap_through(1e6, 6e8, 2600.0)),
+        *(pp.elasticity.dead_centre_shift(press(), STIFFNESS, speed=[1.0, SPEED]), pp.elasticity.snap_through(1e6, 6e8, mass=2600.0)),
         *(
             CAPACITIES,
             pp.ratings.rate(press(), SPEED, CAPACITIES, points=9),

@@ -120,8 +120,8 @@ def mount(x: float, y: float) -> foundation.Mount:
 
 
 @cache
-def elastic() -> pp.elasticity.Elasticity:
-    return pp.elasticity.elasticity(press(), stiffness())
+def elastic() -> pp.elasticity.SlideCompliance:
+    return pp.elasticity.compliance(press(), stiffness())
 
 
 @cache
@@ -145,8 +145,8 @@ def rated() -> pp.ratings.Ratings:
 
 
 @cache
-def shift() -> pp.elasticity.DeadCentreShift:
-    return pp.elasticity.dead_centre_shift(press(), stiffness(), [5.0, 6.0])
+def shift() -> pp.elasticity.ElasticDeadCentre:
+    return pp.elasticity.dead_centre_shift(press(), stiffness(), speed=[5.0, 6.0])
 
 
 def swept(x: float) -> dict[str, float]:
@@ -440,7 +440,7 @@ def calls() -> dict[str, Call]:
             pp.ratings.permissible_eccentricity,
             lambda: {"press": press(), "motion": motion(), "force": 1e3, "guide": pp.ratings.Guide(0.5, 0.1), "pressure": 1e6},
         ),
-        ("elasticity", pp.elasticity.elasticity, lambda: {"press": press(), "stiffness": stiffness(), "angle": [0.1, 0.2]}),
+        ("compliance", pp.elasticity.compliance, lambda: {"press": press(), "stiffness": stiffness(), "angle": [0.1, 0.2]}),
         (
             "slide_deflection",
             pp.elasticity.slide_deflection,
@@ -557,7 +557,7 @@ def calls() -> dict[str, Call]:
         ("plots.ratings", pp.plots.ratings, lambda: {"ratings": rated()}),
         ("plots.shaking", pp.plots.shaking, lambda: {"reactions": reactions()}),
         ("plots.slide", pp.plots.slide, lambda: {"motion": motion()}),
-        ("plots.snap_through", pp.plots.snap_through, lambda: {"responses": {"one": pp.elasticity.snap_through(1e5, 1e9, 500.0)}}),
+        ("plots.snap_through", pp.plots.snap_through, lambda: {"responses": {"one": pp.elasticity.snap_through(1e5, 1e9, mass=500.0)}}),
         ("plots.torque", pp.plots.torque, lambda: {"reactions": reactions()}),
         ("plots.trade_offs", pp.plots.trade_offs, lambda: {"curves": {"one": curve()}}),
         ("measures.bearing_positions", measures.bearing_positions, lambda: {"press": press(), "motion": motion()}),

@@ -36,18 +36,22 @@ SOFT = 1e9  # stiffness of a bearing without one, to share forces otherwise [N/m
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Elasticity(Tabular):
+class SlideCompliance(Tabular):
     """Compliance of a press at its slide, over n crank angles. All arrays are read-only.
 
     Attributes:
-        press: its name. stiffness: what yields.
-        crank_angle: (n,) [rad]. slide_position: (n,) of the rigid press [m]. height: (n,) above bottom dead centre [m].
+        press_name: of the press.
+        stiffness: what yields.
+        crank_angle: (n,) of the driver joint [rad].
+        slide_position: (n,) of the rigid press [m].
+        height: (n,) of the slide above bottom dead centre [m].
         compliance: (n,) of the slide against the table along the guide, the crank held [m/N].
-        parts: name of a part -> (n,) its share of it [m/N].
-        bottom_stiffness: stiffness at bottom dead centre [N/m]. bottom_shares: name of a part -> its share of the deflection there [-].
+        parts: name of a part -> (n,) its share of the compliance [m/N].
+        bottom_stiffness: stiffness at bottom dead centre [N/m].
+        bottom_shares: name of a part -> its share of the deflection there [-].
     """
 
-    press: str
+    press_name: str
     stiffness: Stiffness
     crank_angle: Array
     slide_position: Array
@@ -56,23 +60,25 @@ class Elasticity(Tabular):
     parts: Mapping[str, Array]
     bottom_stiffness: float
     bottom_shares: Mapping[str, float]
-    _held: Held
+    _held: HeldPress
 
     @property
     def title(self) -> str:
-        return f"Elasticity of {self.press}: {self.bottom_stiffness:.4g} N/m at bottom dead centre"
+        return f"SlideCompliance of {self.press_name}: {self.bottom_stiffness:.4g} N/m at bottom dead centre"
 
     def __str__(self) -> str:
-        heading = f"{self.press}: stiffness at bottom dead centre {1e-6 * self.bottom_stiffness:.5g} kN/mm, of its deflection"
+        heading = f"{self.press_name}: stiffness at bottom dead centre {1e-6 * self.bottom_stiffness:.5g} kN/mm, of its deflection"
         width = max(map(len, self.bottom_shares))
         most_first = sorted(self.bottom_shares.items(), key=lambda item: -round(item[1], 9))  # equal ones differ by rounding
         return "\n".join([heading, *(f"  {name:<{width}}  {100 * share:6.2f} %" for name, share in most_first)])
 
     @cached_property
     def effective_mass(self) -> Array:
-        """(n,) mass of the slide and what moves with it while the press yields, the crank held [kg]: twice the kinetic energy at a slide
-        velocity of 1 m/s when everything moves in proportion to the deflection under a force on the slide (Rayleigh's method). The
-        frame's own mass is not in it. Computed when it is first asked for."""
+        """(n,) mass of the slide and what moves with it while the press yields, the crank held [kg].
+
+        It is twice the kinetic energy at a slide velocity of 1 m/s when everything moves in proportion to the deflection under a force on
+        the slide (Rayleigh's method). The frame's own mass is not in it. It is computed when it is first asked for.
+        """
         mass = _moving_mass(self._held) / self.compliance**2
         mass.setflags(write=False)
         return np.asarray(mass)
@@ -84,13 +90,14 @@ class Elasticity(Tabular):
 
 
 @typed
-def elasticity(press: Linkage, stiffness: Stiffness, angle: ArrayLike | None = None) -> Elasticity:
+def compliance(press: Linkage, stiffness: Stiffness, *, angle: ArrayLike | None = None) -> SlideCompliance:
     """Compliance of a press at its slide over the crank angle, and which part gives how much.
 
     Where loops hold the slide several times over, parallel rods share the force as their stiffness and that of their bearings asks. A
     guide's moment, or an arm of a link with more than two bearings, takes no part in that; where it should, this is refused.
 
     Args:
+        press: with one driver and a slide.
         stiffness: of its parts.
         angle: (n,) crank angles [rad]; by default 360 a turn of one period, its end left out.
 
@@ -107,13 +114,13 @@ def elasticity(press: Linkage, stiffness: Stiffness, angle: ArrayLike | None = N
     held = hold(press, stiffness, motion)
     shares = held.moved(held.unit)
     total = np.sum(list(shares.values()), axis=0)
-    bottom = bottom_shares(press, stiffness, centres.bottom_angle)
+    bottom = _compliances_at(press, stiffness, centres.bottom_angle)
     at_bottom = sum(bottom.values())
     if not total.min() > RIGID * max(float(total.max()), at_bottom) or not at_bottom > RIGID * total.max():
         where = np.degrees(motion.crank_angle[int(total.argmin())] if at_bottom > RIGID * total.max() else centres.bottom_angle)
         raise PinpressError(f"nothing of {press.name} yields at crank angle {where:.6g} deg: give a part in the line of force a stiffness")
-    return Elasticity(
-        press=press.name,
+    return SlideCompliance(
+        press_name=press.name,
         stiffness=stiffness,
         crank_angle=motion.crank_angle,
         slide_position=motion.slide_position,
@@ -126,20 +133,21 @@ def elasticity(press: Linkage, stiffness: Stiffness, angle: ArrayLike | None = N
     )
 
 
-def bottom_shares(press: Linkage, stiffness: Stiffness, angle: float) -> dict[str, float]:
+def _compliances_at(press: Linkage, stiffness: Stiffness, angle: float) -> dict[str, float]:
     """Compliances of the parts [m/N] at one crank angle [rad]."""
     held = hold(press, stiffness, servo_cycle(press, speed=0.0, angle=[angle]))
     return {name: float(share[0]) for name, share in held.moved(held.unit).items()}
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Held:
+class HeldPress:
     """A press in the poses of a motion, its crank held there against what the deflection does.
 
     Attributes:
-        press: the press. springs: its parts. motion: the motion. shared: see `elastic_elements.sharing`.
-        unloaded: internal forces under weight and inertia alone, at the speeds of the motion. size: of a load beside which they do not
-            drown it in rounding [N]. unit: internal forces under 1 N on the slide along its guide.
+        press: the press.
+        springs: its parts.
+        motion: whose poses they are.
+        shared: stiffnesses by which bearings share forces, see `springs.sharing`.
     """
 
     press: Linkage
@@ -149,14 +157,17 @@ class Held:
 
     @cached_property
     def unloaded(self) -> list[Array]:
+        """Internal forces under weight and inertia alone, at the speeds of the motion [N, N m]."""
         return self.in_motion([])
 
     @cached_property
     def size(self) -> float:
+        """Of a load beside which weight and inertia do not drown it in rounding [N]."""
         return max([1.0, *(float(np.abs(force).max()) for force in self.unloaded)])
 
     @cached_property
     def unit(self) -> list[Array]:
+        """Internal forces under 1 N on the slide along its guide [N, N m]."""
         guide, _ = self.press.slide_guide
         axis = self.press.model.jointPlacements[guide + 1].rotation @ self.press.axes[guide].direction
         return self.under(str(self.press.slide), axis, np.zeros(3))
@@ -179,23 +190,26 @@ class Held:
         return internal_forces(self.press, self.springs, self.motion, reactions)
 
 
-def hold(press: Linkage, stiffness: Stiffness, motion: Motion) -> Held:
-    """The press in the poses of a motion; raises as `elastic_elements.parts`, or where parallel rods would share as moments or arms ask."""
+def hold(press: Linkage, stiffness: Stiffness, motion: Motion) -> HeldPress:
+    """The press in the poses of a motion; raises as `springs.parts`, or where parallel rods would share as moments or arms ask."""
     springs = parts(press, stiffness)
-    held = Held(press, springs, motion, sharing(press, springs))
+    held = HeldPress(press, springs, motion, sharing(press, springs))
     apart = any(part.kind == "moment" or (part.kind == "rod" and len(part.bearings) == 1) for part in springs)
     if apart and press.engine().redundant(press.closed):
         _refuse_unshared(held)
     return held
 
 
-def _refuse_unshared(held: Held) -> None:
-    """Raise where idle forces do work on the deflection of the parts: the forces are then not those of the elastic press. Idle forces are
-    the difference between two ways of sharing; the error of the deflection is (N . z)^2 / (z . z) beside N . N, all by compliance."""
-    compliance = [part.compliance for part in held.springs]
+def _refuse_unshared(held: HeldPress) -> None:
+    """Raise where idle forces do work on the deflection of the parts: the forces are then not those of the elastic press.
+
+    Idle forces z are the difference between two ways of sharing; the error of the deflection is (N . z)^2 / (z . z) beside N . N, all by
+    compliance.
+    """
+    compliances = [part.compliance for part in held.springs]
 
     def work(one: Sequence[Array], another: Sequence[Array]) -> Array:
-        return np.asarray(sum(c * np.einsum("nk,nk->n", a, b) for c, a, b in zip(compliance, one, another, strict=True)))
+        return np.asarray(sum(c * np.einsum("nk,nk->n", a, b) for c, a, b in zip(compliances, one, another, strict=True)))
 
     for name in held.press.bearings:
         otherwise = replace(held, shared={**held.shared, name: 0.5 * held.shared.get(name, SOFT)})
@@ -211,7 +225,7 @@ def _refuse_unshared(held: Held) -> None:
                 )
 
 
-def _moving_mass(held: Held) -> Array:
+def _moving_mass(held: HeldPress) -> Array:
     """(n,) sum of mass times squared displacement under 1 N on the slide [kg m2/N2].
 
     A rigid body moves as six equal masses would, two on each of its central axes (equimomental bodies): their displacements in world axes
