@@ -254,7 +254,7 @@ def _refuse_longer_period(conditions: Sequence[OperatingCondition], press: Linka
         after = "never" if turns is None else f"only after {turns} turns"
         raise PinpressError(
             f"with a counterweight on a geared shaft that was balanced {press.name} is back {after}, and the motion is shorter: give one"
-            " over as many turns, cycle(press, speed, angle=[...]), or no region on that shaft"
+            " over as many turns, servo_cycle(press, angle, speed=...), or no region on that shaft"
         )
 
 

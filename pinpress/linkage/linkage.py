@@ -257,7 +257,7 @@ class Linkage(Frozen):
             raise branch.beyond(self.branch_through_change_points, upwards=self.branch_through_change_points.locks[True] is not None)
         raise PinpressError(
             f"{self.name} has no period: an unbalanced shaft is geared so that it is not back after {branch.MOST_TURNS} turns; give crank"
-            " angles, cycle(press, speed, angle=[...]), or another gear ratio"
+            " angles, servo_cycle(press, angle, speed=...), or another gear ratio"
         )
 
     @property
