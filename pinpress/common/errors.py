@@ -77,11 +77,13 @@ class SimulationError(PinpressError):
     """A simulation cannot go on, or has no answer.
 
     Attributes:
-        time: [s], None where it is of no instant. crank_angle: [rad], None where it is of none.
+        time: [s], None where it is of no instant.
+        crank_angle: [rad], None where it is of none.
+        reason: the kind of failure in a word or two, e.g. "stalls"; None where it is of no kind of its own.
     """
 
-    def __init__(self, problem: str, time: float | None = None, crank_angle: float | None = None) -> None:
-        self.time, self.crank_angle = time, crank_angle
+    def __init__(self, problem: str, time: float | None = None, crank_angle: float | None = None, reason: str | None = None) -> None:
+        self.time, self.crank_angle, self.reason = time, crank_angle, reason
         at = [] if time is None else [f"time {time:.6g} s"]
         at += [] if crank_angle is None else [f"crank angle {_degrees(crank_angle)}"]
         super().__init__(problem + (f" ({', '.join(at)})" if at else ""))

@@ -15,7 +15,12 @@ from ..common.errors import PinpressError, shown
 
 @dataclass(frozen=True)
 class SwitchPoint:
-    """When a clutch or brake is switched: at a ``time`` [s], or where the crank passes an ``angle`` (unwrapped, either way) [rad]."""
+    """When a clutch or brake is switched: at a time, or where the crank passes an angle either way.
+
+    Attributes:
+        time: [s]; None: at an angle.
+        angle: unwrapped [rad]; None: at a time.
+    """
 
     time: float | None = None
     angle: float | None = None
@@ -29,12 +34,14 @@ class SwitchPoint:
 
 
 @dataclass(frozen=True)
-class Clutch:
-    """A friction clutch between the flywheel, with the drive, and the crank.
+class Coupling:
+    """What a clutch and a brake have in common.
 
     Attributes:
-        torque: that it transmits while it slips, at the driver joint [N m]. rise: time in which it builds up to that [s].
-        closes: when it closes; None: closed, and holding, from the start. opens: when it opens for good; None: never.
+        torque: that it transmits while it slips, at the driver joint [N m].
+        closes: when it closes; None: it is closed from the start, and holds what turns alike.
+        opens: when it opens for good; None: never.
+        rise: time in which its torque builds up [s].
     """
 
     torque: float
@@ -43,35 +50,37 @@ class Clutch:
     rise: float = 0.0
 
     def __post_init__(self) -> None:
-        _check(self)
+        name = type(self).__name__
+        for field, least, unit in (("torque", "positive", "N m"), ("rise", "not negative", "s")):
+            value = getattr(self, field)
+            if not is_number(value) or value < 0 or (value == 0 and least == "positive"):
+                raise PinpressError(f"{name}: {field} is {shown(value)}; give a number that is {least} [{unit}]")
+        for field in ("closes", "opens"):
+            if not isinstance(getattr(self, field), SwitchPoint | None):
+                raise PinpressError(
+                    f"{name}: {field} is {shown(getattr(self, field))}; give SwitchPoint(time=...) or SwitchPoint(angle=...)"
+                )
 
 
 @dataclass(frozen=True)
-class Brake:
-    """A friction brake on the crank.
+class Clutch(Coupling):
+    """A friction clutch between the flywheel, with the drive, and the crank.
 
     Attributes:
-        torque: that it brakes with while it slips, at the driver joint [N m]. rise: time in which it builds up to that [s].
-        closes: when it closes; None: closed from the start. opens: when it opens for good; None: never.
+        torque: that it transmits while it slips, at the driver joint [N m].
+        closes: when it closes; None: it is closed from the start, and holds where flywheel and crank turn alike.
+        opens: when it opens for good; None: never.
+        rise: time in which its torque builds up [s].
     """
 
-    torque: float
-    closes: SwitchPoint | None = None
-    opens: SwitchPoint | None = None
-    rise: float = 0.0
 
-    def __post_init__(self) -> None:
-        _check(self)
+@dataclass(frozen=True)
+class Brake(Coupling):
+    """A friction brake on the crank: a coupling to the frame.
 
-
-def _check(friction: Clutch | Brake) -> None:
-    name = type(friction).__name__
-    for field, least in (("torque", "positive"), ("rise", "not negative")):
-        value = getattr(friction, field)
-        if not is_number(value) or value < 0 or (value == 0 and least == "positive"):
-            raise PinpressError(f"{name}: {field} is {shown(value)}; give a number that is {least} [{'N m' if field == 'torque' else 's'}]")
-    for field in ("closes", "opens"):
-        if not isinstance(getattr(friction, field), SwitchPoint | None):
-            raise PinpressError(
-                f"{name}: {field} is {shown(getattr(friction, field))}; give SwitchPoint(time=...) or SwitchPoint(angle=...)"
-            )
+    Attributes:
+        torque: that it brakes with while it slips, at the driver joint [N m].
+        closes: when it closes; None: it is closed from the start.
+        opens: when it opens for good; None: never.
+        rise: time in which its torque builds up [s].
+    """

@@ -9,14 +9,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..common.arrays import Array
-from ..common.errors import SimulationError
 from ..common.gauss import gauss_rule, horner, polynomial_values, values_and_slopes
 from ..common.roots import polynomial_root
 from ..drives.protocol import Drive
 from ..loads.caller_laws import LawError
 from . import collocation
 from .collocation import CollocationSolution, cuts, interpolate_onto, stopping_panels
-from .driven_press import DrivenPress, not_positive
+from .driven_press import DrivenPress
+from .failures import failure
 from .mesh import SAME, STEADY, TO_REST, Indices, Mesh, angle_to, build_mesh, mesh_borders, range_ahead
 from .reduced_model import COORDINATES, INERTIA, WEIGHT, beyond
 from .trajectory import INTEGRALS, RepetitionSegment, Sample, Segment, State, Trajectory
@@ -46,11 +46,6 @@ class Stop(NamedTuple):
 
     state: State
     at_rest: bool
-
-
-def too_long(time: float, angle: float) -> SimulationError:
-    """The error of a run that has more periods than are kept."""
-    return SimulationError(f"more than {MOST_PERIODS} periods of the press: simulate in parts", time, angle)
 
 
 class AngleSolver:
@@ -90,7 +85,7 @@ class AngleSolver:
         """
         while self.state.time < self.until:
             if len(self.segments) == MOST_PERIODS:
-                raise too_long(self.state.time, self.state.angle)
+                raise failure("too many periods", self.state.time, self.state.angle, most=MOST_PERIODS)
             direction = _direction(self.driven, self.state)
             if direction == 0:
                 return Stop(self.state, at_rest=True)
@@ -187,7 +182,7 @@ class AngleSolver:
         """(1,) kinetic energy of the state [J]."""
         inertia = float(self.model.at(np.array([self.anchor]))[0][INERTIA, 0]) + self.driven.inertia
         if not inertia > 0:
-            raise not_positive(inertia, self.state.time, self.state.angle)
+            raise failure("no inertia", self.state.time, self.state.angle, inertia=inertia)
         return np.array([0.5 * inertia * self.state.speed**2])
 
 

@@ -33,9 +33,10 @@ from ..loads.caller_laws import LawError
 from ..loads.link import Load
 from . import collocation
 from . import law_trials as laws
-from .angle_solver import MOST_PERIODS, drive_torque, nearly_at_rest, place_at, too_long
+from .angle_solver import MOST_PERIODS, drive_torque, nearly_at_rest, place_at
 from .collocation import CollocationSolution, cuts, interpolate_onto, panel_integrals, stopping_panels
 from .driven_press import DrivenPress, GeneralizedForce, driven_press, listed
+from .failures import failure
 from .mesh import Indices, build_mesh, mesh_borders
 from .reduced_model import COORDINATES, INERTIA, energies, tabulated
 from .run import Run, allowed_error, count_of, energy_error
@@ -327,7 +328,7 @@ class BatchSolver:
         while (going := ~self.alone & (self.clock < until)).any():
             periods += 1
             if periods > MOST_PERIODS:
-                raise too_long(float(self.clock.max()), self.at)
+                raise failure("too many periods", float(self.clock.max()), self.at, most=MOST_PERIODS)
             try:
                 solution, passed = self._period(period, going, until, tolerance)
             except LawError as error:

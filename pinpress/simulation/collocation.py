@@ -20,7 +20,8 @@ from ..common.gauss import gauss_rule, horner
 from ..common.roots import polynomial_root
 from ..drives.protocol import Drive
 from ..drives.transmission import PrescribedSpeed
-from .driven_press import DrivenPress, not_positive
+from .driven_press import DrivenPress
+from .failures import failure
 from .mesh import FROM_REST, SAME, STEADY, TO_REST, Indices, Mesh, PanelForce
 
 ROUNDS = 30
@@ -96,7 +97,7 @@ def _inertia(driven: DrivenPress, mesh: Mesh) -> Array:
     inertia: Array = mesh.inertia[:, :, None] + driven.inertia
     if not inertia.min() > 0:
         worst = np.unravel_index(int(inertia.min(axis=2).argmin()), mesh.angle.shape)
-        raise not_positive(float(inertia.min()), None, float(mesh.angle[worst]))
+        raise failure("no inertia", None, float(mesh.angle[worst]), inertia=float(inertia.min()))
     return inertia
 
 

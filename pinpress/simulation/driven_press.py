@@ -456,18 +456,3 @@ def _spring(press: Linkage, load: SpringDamper, row: int) -> tuple[Coordinate, G
 
     always = (ForceInterval(math.inf, -math.inf, push),)
     return Length(*applied_loads.spring_ends(load, press)), GeneralizedForce(row, 0.0, always, always)
-
-
-def not_positive(inertia: float, time: float | None, angle: float) -> SimulationError:
-    """The inertia at the crank is zero or less."""
-    return SimulationError(
-        f"the inertia of linkage, flywheel and drive at the crank is {inertia:.6g} kg m2, so no torque determines the motion;"
-        " give masses or a flywheel",
-        time,
-        angle,
-    )
-
-
-def too_slow(time: float, angle: float) -> SimulationError:
-    """A period has not come to its end."""
-    return SimulationError("the press does not get through a stroke: the drive is too weak for the load", time, angle)

@@ -6,11 +6,12 @@ from typing import NamedTuple
 import numpy as np
 
 from ..common.arrays import Array
-from ..common.errors import PinpressError, SimulationError
+from ..common.errors import PinpressError
 from ..engines.spatial.forward_dynamics import ForwardDynamics
 from ..kinematics.motion import motion_through_change_points
 from ..linkage.linkage import Linkage
 from .driven_press import Coordinate
+from .failures import failure
 
 STANDING = 1e-6  # speed of a joint that stands [m/s]
 MOVING = 1e3  # times the crank's speed, beyond which a joint moves though the crank stands
@@ -75,9 +76,7 @@ class FullDynamics:
     def stands(self, instant: LinkageState, time: float) -> None:
         crank = self.units[self.crank] * abs(instant.speed)
         if float(np.abs(self.units * instant.v).max()) > max(MOVING * crank, STANDING):
-            raise SimulationError(
-                "the crank stops where the linkage locks, and the links go on: a brake cannot hold it", time, instant.angle
-            )
+            raise failure("stops at a lock", time, instant.angle)
 
     def moved(self, position: Array, angle: float) -> tuple[Array, Array]:
         closure = self.press.engine("pinocchio").close(np.array([position[self.crank] + angle]), position[:, None])

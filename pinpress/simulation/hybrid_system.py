@@ -16,18 +16,17 @@ from typing import Any, Literal, NamedTuple, Protocol
 import numpy as np
 
 from ..common.arrays import Array
-from ..common.errors import SimulationError
-from ..drives.couplings import Brake, Clutch, SwitchPoint
+from ..drives.couplings import Coupling, SwitchPoint
 from ..loads.caller_laws import LawError
 from ..loads.protocol import ForceInterval
 from .driven_press import DrivenPress, GeneralizedForce
+from .failures import failure
 from .trajectory import INTEGRALS
 
 AHEAD = 1e-9  # time looked ahead, where there are several drivers [s]
 LITTLE = 1e-7  # of a turn of the crank, looked ahead to see into which interval a force goes [rad]
 STARTS = 1e-9  # acceleration of a press that stands, beside that by the loads that hold it, with which it starts
 AT_REST = 1e-9  # crank speed, beside the run's largest, at which a stop is one
-STALLED = "the press stalls: it comes to rest, and the load holds it there against the drive"
 
 
 class Dynamics(Protocol):
@@ -88,6 +87,9 @@ class Grip(Enum):
     HOLDING = "holding"
 
 
+OPEN, SLIPPING, HOLDING = Grip
+
+
 class CouplingMode(NamedTuple):
     """Mode of a clutch or brake.
 
@@ -105,13 +107,13 @@ class CouplingMode(NamedTuple):
     spent: bool = False
     way: int = 1
 
-    def capacity(self, coupling: Clutch | Brake, time: float) -> float:
+    def capacity(self, coupling: Coupling, time: float) -> float:
         """Torque that it can transmit [N m]."""
         return coupling.torque * min(1.0, max(0.0, (time - self.since) / coupling.rise)) if coupling.rise else coupling.torque
 
-    def torque(self, coupling: Clutch | Brake | None, time: float) -> float:
+    def torque(self, coupling: Coupling | None, time: float) -> float:
         """Friction torque on the crank, while it slips [N m]."""
-        return self.sign * self.capacity(coupling, time) if coupling is not None and self.grip is Grip.SLIPPING else 0.0
+        return self.sign * self.capacity(coupling, time) if coupling is not None and self.grip is SLIPPING else 0.0
 
 
 class ForceMode(NamedTuple):
@@ -157,15 +159,15 @@ def force_mode(force: GeneralizedForce, inside: float, rising: bool, value: floa
     return ForceMode(low, high, rising, interval, pushing)
 
 
-def _at_start(coupling: Clutch | Brake | None, angle: float, speed: float, relative: float, missing: Grip) -> CouplingMode:
+def _at_start(coupling: Coupling | None, angle: float, speed: float, relative: float, missing: Grip) -> CouplingMode:
     """Mode at the start, at a speed ``relative`` to the crank; one that is ``missing`` is as if it did that for good."""
     if coupling is None:
         return CouplingMode(missing)
     at = coupling.closes or coupling.opens
     way = 1 if at is None or at.angle is None or at.angle > angle or (at.angle == angle and speed >= 0) else -1
     if coupling.closes is not None:
-        return CouplingMode(Grip.OPEN, way=way)
-    return CouplingMode(Grip.SLIPPING, _sign(relative), way=way) if relative else CouplingMode(Grip.HOLDING, way=way)
+        return CouplingMode(OPEN, way=way)
+    return CouplingMode(SLIPPING, _sign(relative), way=way) if relative else CouplingMode(HOLDING, way=way)
 
 
 def _sign(value: float) -> int:
@@ -200,8 +202,8 @@ class HybridSystem:
             if driven.flywheel is not None and driven.flywheel.speed is not None:
                 shaft = driven.flywheel.speed
             states = (*states, shaft)
-        clutch = _at_start(driven.clutch, angle, turning, shaft - turning, missing=Grip.HOLDING)
-        brake = _at_start(driven.brake, angle, turning, -turning, missing=Grip.OPEN)
+        clutch = _at_start(driven.clutch, angle, turning, shaft - turning, missing=HOLDING)
+        brake = _at_start(driven.brake, angle, turning, -turning, missing=OPEN)
         y = np.concatenate([position, speed, states, integrals])
         forces = tuple(None if force.time is not None else ForceMode(-math.inf, math.inf, True, None) for force in driven.forces)
         return self.placed(self.past_corner(Mode(clutch, brake, forces), y), time, y), y
@@ -253,9 +255,10 @@ class HybridSystem:
         linkage, shaft_speed, states = at = self.at(y)
         torque = self.drive_torque(time, at)
         forces, taken, put_in, squared = self._forces(mode, time, linkage)
-        through, braking = mode.clutch.torque(driven.clutch, time), mode.brake.torque(driven.brake, time)
-        rigid, result, accelerated = mode.clutch.grip is Grip.HOLDING, np.zeros(len(y)), 0.0
-        if mode.brake.grip is not Grip.HOLDING and not mode.standing:
+        through = 0.0 if driven.clutch is None else mode.clutch.torque(driven.clutch, time)
+        braking = 0.0 if driven.brake is None else mode.brake.torque(driven.brake, time)
+        rigid, result, accelerated = mode.clutch.grip is HOLDING, np.zeros(len(y)), 0.0
+        if mode.brake.grip is not HOLDING and not mode.standing:
             on_crank, inertia = (torque, driven.inertia) if rigid else (through, 0.0)
             result[:n] = y[n : 2 * n]
             result[n : 2 * n] = accelerations = self.dynamics.accelerations(linkage, on_crank + braking, forces, inertia)
@@ -297,7 +300,7 @@ class HybridSystem:
         """Acceleration of a crank that is free to turn, under so much more torque."""
         driven = self.driven
         forces = self._forces(mode, time, at.linkage)[0]
-        rigid = mode.clutch.grip is Grip.HOLDING
+        rigid = mode.clutch.grip is HOLDING
         on_crank, inertia = (self.drive_torque(time, at), driven.inertia) if rigid else (mode.clutch.torque(driven.clutch, time), 0.0)
         torque = on_crank + mode.brake.torque(driven.brake, time) + more
         return self.dynamics.of_crank(self.dynamics.accelerations(at.linkage, torque, forces, inertia))
@@ -322,7 +325,7 @@ class HybridSystem:
         """All that ends a mode."""
         couplings = [*self._of_coupling("clutch", mode.clutch), *self._of_coupling("brake", mode.brake)]
         if mode.standing:
-            starts = () if mode.brake.grip is Grip.HOLDING else (PressStarts(1), PressStarts(-1))
+            starts = () if mode.brake.grip is HOLDING else (PressStarts(1), PressStarts(-1))
             return (*couplings, *starts)
         found: list[Event] = []
         for k, place in enumerate(mode.forces):
@@ -347,13 +350,13 @@ class HybridSystem:
         coupling, found = getattr(self.driven, side), list[Event]()
         if coupling is None:
             return found
-        is_open = mode.grip is Grip.OPEN
+        is_open = mode.grip is OPEN
         at = coupling.closes if is_open and not mode.spent else coupling.opens if not is_open else None
         if at is not None:
             found.append(CouplingSwitched(side, at, mode.way, closes=is_open))
-        if mode.grip is Grip.SLIPPING:
+        if mode.grip is SLIPPING:
             found.append(CouplingGrips(side, mode.sign))
-        elif mode.grip is Grip.HOLDING:
+        elif mode.grip is HOLDING:
             found.append(CouplingSlips(side, mode, coupling))
         return found
 
@@ -399,14 +402,14 @@ class HybridSystem:
         for way in (1.0, -1.0):
             tried = self.looking(mode, position, way)
             acceleration = self.dynamics.of_crank(self.rates(tried, time, y)[n : 2 * n])
-            if acceleration * way > 0 or mode.brake.grip is Grip.HOLDING:
+            if acceleration * way > 0 or mode.brake.grip is HOLDING:
                 return tried
             still = tried if acceleration == 0.0 else still
         if still is not None:
             return still
         if self._waits:
             return mode._replace(standing=True)
-        raise SimulationError(STALLED, time, linkage.angle)
+        raise failure("stalls", time, linkage.angle)
 
     @cached_property
     def _waits(self) -> bool:
@@ -432,7 +435,7 @@ class HybridSystem:
         """Torque on the crank that a coupling has to transmit to hold [N m]."""
         if side == "clutch":
             free, torque = self.acceleration(mode, time, at), float(self.drive_torque(time, at))
-            return torque if mode.brake.grip is Grip.HOLDING else torque - self.driven.inertia * free
+            return torque if mode.brake.grip is HOLDING else torque - self.driven.inertia * free
         needed = []
         ways = (1.0, -1.0) if any(force.rising is not force.falling for force in self.driven.forces) else (0.0,)
         for way in ways:
@@ -510,7 +513,7 @@ class CoordinateTurns(Event):
         return mode.with_force(self.force, force_mode(force, inside, not place.rising, value, rate)), y
 
     def _at_rest(self, system: HybridSystem, mode: Mode, time: float, y: Array) -> tuple[Mode, Array]:
-        if mode.brake.grip is Grip.SLIPPING:  # what happens at rest is for the brake to decide
+        if mode.brake.grip is SLIPPING:  # what happens at rest is for the brake to decide
             return CouplingGrips("brake", mode.brake.sign).after(system, mode, time, y, 0.0)
         n, rest = system.dynamics.size, y.copy()
         rest[n : 2 * n] = 0.0
@@ -570,10 +573,10 @@ class CouplingSwitched(Event):
     def after(self, system: HybridSystem, mode: Mode, time: float, y: Array, fastest: float) -> tuple[Mode, Array]:
         at = system.at(y)
         if not self.closes:
-            return _released(system, self.side, mode.with_coupling(self.side, CouplingMode(Grip.OPEN, spent=True)), time, y, at)
+            return _released(system, self.side, mode.with_coupling(self.side, CouplingMode(OPEN, spent=True)), time, y, at)
         opens, relative = getattr(system.driven, self.side).opens, _relative_speed(self.side, at)
         way = 1 if opens is None or opens.angle is None or opens.angle > at.linkage.angle else -1
-        grip, sign = (Grip.SLIPPING, _sign(relative)) if relative else (Grip.HOLDING, 0)
+        grip, sign = (SLIPPING, _sign(relative)) if relative else (HOLDING, 0)
         return mode.with_coupling(self.side, CouplingMode(grip, sign, time, way=way)), y
 
 
@@ -594,11 +597,11 @@ class CouplingGrips(Event):
         else:
             system.dynamics.stands(linkage, time)
             y[n : 2 * n] = 0.0
-        coupling: CouplingMode = getattr(mode, self.side)._replace(grip=Grip.HOLDING)
+        coupling: CouplingMode = getattr(mode, self.side)._replace(grip=HOLDING)
         mode = mode.with_coupling(self.side, coupling)
         held = system.held(self.side, mode, time, y, system.at(y))
         if abs(held) > coupling.capacity(getattr(system.driven, self.side), time):  # it cannot hold: it slips on, the other way
-            mode = mode.with_coupling(self.side, coupling._replace(grip=Grip.SLIPPING, sign=_sign(held)))
+            mode = mode.with_coupling(self.side, coupling._replace(grip=SLIPPING, sign=_sign(held)))
         return mode, y
 
 
@@ -608,7 +611,7 @@ class CouplingSlips(Event):
 
     side: Side
     mode: CouplingMode
-    coupling: Clutch | Brake
+    coupling: Coupling
 
     def margin(self, system: HybridSystem, mode: Mode, time: float, y: Array, at: Snapshot) -> float:
         return self.mode.capacity(self.coupling, time) - abs(system.held(self.side, mode, time, y, at))
@@ -616,7 +619,7 @@ class CouplingSlips(Event):
     def after(self, system: HybridSystem, mode: Mode, time: float, y: Array, fastest: float) -> tuple[Mode, Array]:
         at = system.at(y)
         held = system.held(self.side, mode, time, y, at)
-        mode = mode.with_coupling(self.side, self.mode._replace(grip=Grip.SLIPPING, sign=_sign(held)))
+        mode = mode.with_coupling(self.side, self.mode._replace(grip=SLIPPING, sign=_sign(held)))
         return _released(system, self.side, mode, time, y, at)
 
 

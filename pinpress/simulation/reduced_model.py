@@ -25,6 +25,7 @@ from ..engines.branch import MOST_TURNS, periods_until_back
 from ..kinematics.motion import Motion, motion_through_change_points
 from ..linkage.linkage import Linkage
 from ..linkage.memo import per_linkage
+from .failures import failure
 
 PANELS = 16  # a turn to begin with
 RESOLVED = 1e-11  # size of a polynomial's last terms beside the function
@@ -104,7 +105,7 @@ class ReducedModel:
 def beyond(table: ReducedModel, angle: float, time: float | None = None) -> SimulationError:
     """Why a motion leaves a table without a period."""
     low, high = np.degrees([table.borders[0], table.borders[-1]])
-    return SimulationError(f"the linkage locks: its crank turns only from {low:.6g} to {high:.6g} deg, and runs against that", time, angle)
+    return failure("runs against a lock", time, angle, low=low, high=high)
 
 
 @per_linkage
@@ -174,10 +175,7 @@ def _periods(press: Linkage, advance: Array) -> int:
     count = periods_until_back(advance[[axis.turns for axis in press.axes]])
     if count is not None:
         return count
-    raise SimulationError(
-        f"a shaft of {press.name} comes back only after more than {MOST_TURNS} turns, so that there is no period to tabulate:"
-        " use method='constraint', or another gear ratio"
-    )
+    raise failure("no period", press_name=press.name, most=MOST_TURNS)
 
 
 def sampled(press: Linkage, angles: Array, coordinates: Sequence[Coordinate]) -> Array:

@@ -11,12 +11,13 @@ import numpy as np
 
 from ..common.arrays import Array
 from ..common.checks import whole_number
-from ..common.errors import PinpressError, SimulationError
+from ..common.errors import PinpressError
 from ..drives.protocol import Drive
 from ..kinematics.motion import Motion, motion_through_change_points, of_states
 from . import law_trials as laws
 from . import reduced_model as reduced
 from .driven_press import DrivenPress, JointAngle
+from .failures import failure
 from .solvers import SimulationProblem
 from .trajectory import DRIVE_WORK, INTEGRALS, LOAD_WORK, LOST, Sample, Trajectory
 
@@ -26,10 +27,6 @@ LOOSE = 1e3  # energy error, in tolerances, that is none
 BALANCED = 1e-6  # energy error of a run, steps by error, that is none; more where a large tolerance is asked for
 ROUNDED = 1e-6  # of the potential energy
 ROUNDINGS, EPS = 8.0, float(np.finfo(float).eps)  # of a stiff drive's angle and speed, that the energy may tell
-UNBALANCED = (
-    "the energy does not balance: a torque or force changes too sharply for this tolerance; name the speeds at which the drive's torque is"
-    " not smooth in its corners, or give a smaller tolerance"
-)
 
 
 @dataclass(frozen=True)
@@ -120,7 +117,7 @@ def as_run(problem: SimulationProblem, trajectory: Trajectory, points: int | Non
         and error.max() > allowed + _rounding(driven, times, motion, sample.drive_speed) / size
     ):
         worst = int(error.argmax())
-        raise SimulationError(UNBALANCED, float(times[worst]), float(np.ravel(motion.crank_angle[worst])[0]))
+        raise failure("unbalanced", float(times[worst]), float(np.ravel(motion.crank_angle[worst])[0]))
     if several:
         torque = _torques(driven, turning)
         sample = sample._replace(drive_torque=torque.T.copy(), drive_speed=turning.T.copy())

@@ -23,7 +23,7 @@ from ..common import plausibility
 from ..common.arguments import typed
 from ..common.arrays import Array
 from ..common.checks import finite_numbers, number
-from ..common.errors import PinpressError, SimulationError, caution, shown
+from ..common.errors import PinpressError, caution, shown
 from ..common.parameters import refuse_scenarios
 from ..drives.couplings import Brake, Clutch
 from ..drives.protocol import Drive
@@ -35,6 +35,7 @@ from ..loads.link import Load
 from . import law_trials as laws
 from .angle_solver import MOST_PERIODS
 from .driven_press import driven_press, listed, press_with_drives
+from .failures import failure
 from .run import Run, as_run, count_of
 from .solvers import SimulationProblem, march
 from .start_sensitivity import start_sensitivity
@@ -157,7 +158,7 @@ def _problem(
 def refuse_long(speeds: Array, until: float, angle: float) -> None:
     """Raise SimulationError where the run would be too long to be kept."""
     if not float(np.abs(speeds).max()) * until <= 2 * np.pi * MOST_PERIODS:
-        raise SimulationError(f"at this speed the crank makes more than {MOST_PERIODS} turns: simulate in parts", 0.0, angle)
+        raise failure("too many turns", 0.0, angle, most=MOST_PERIODS)
 
 
 def _start(press: Linkage, name: str, value: ArrayLike) -> Array:

@@ -17,7 +17,8 @@ from ..kinematics.motion import motion_through_change_points, servo_cycle
 from ..loads.caller_laws import LawError
 from .angle_solver import AngleSegment, AngleSolver
 from .collocation import LEAST
-from .driven_press import DrivenPress, not_positive, too_slow
+from .driven_press import DrivenPress
+from .failures import failure
 from .hybrid_system import HybridSystem, Mode
 from .reduced_model import INERTIA, POTENTIAL, ReducedDynamics
 from .trajectory import INTEGRALS, RepetitionSegment, Segment, StandstillSegment, State, Trajectory
@@ -110,7 +111,7 @@ def _least_inertia(driven: DrivenPress, needed: bool = False) -> tuple[float, fl
     inertia, angle = driven.model.lightest
     least = inertia + driven.inertia
     if needed and not least > 0:
-        raise not_positive(least, None, angle)
+        raise failure("no inertia", None, angle, inertia=least)
     return least, angle
 
 
@@ -178,7 +179,8 @@ class OverTime:
                 least, where = _least_inertia(driven)
                 if least > 0 or isinstance(error, LawError):
                     raise
-                raise not_positive(least, error.time, where if error.crank_angle is None else error.crank_angle) from error
+                angle = where if error.crank_angle is None else error.crank_angle
+                raise failure("no inertia", error.time, angle, inertia=least) from error
             segments.append(segment)
             if segment.end >= problem.until:
                 return Leg(segments, None)
@@ -285,7 +287,7 @@ def one_period(driven: DrivenPress, angle: float, start: Array, tolerance: float
 
     most, y = integrate(system, mode, 0.0, y, patience, Settings(tolerance, _sizes(driven, y)), beyond)
     if not beyond(y):
-        raise too_slow(float(patience), float(y[0]))
+        raise failure("too weak", float(patience), float(y[0]))
     # the end by steps that meet it: the integrator's interpolation is less exact than its steps
     since, mode, at, end = most.before(lambda y: float((y[0] - target) * direction))
     segments, y = [most], at

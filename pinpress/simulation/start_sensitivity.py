@@ -14,7 +14,7 @@ from ..common.errors import SimulationError, caution
 from ..linkage.linkage import Linkage
 from .angle_solver import NEAR, AngleSegment, nearly_at_rest
 from .driven_press import DrivenPress
-from .hybrid_system import Grip
+from .hybrid_system import HOLDING
 from .reduced_model import INERTIA, POTENTIAL, WEIGHT, ReducedModel, tabulated
 from .solvers import SimulationProblem, march
 from .trajectory import RepetitionSegment, StandstillSegment, Trajectory
@@ -79,7 +79,7 @@ def _beside_rest(press: Linkage, segment: Any, span: float) -> bool:
     for stretch in np.split(slowly, np.flatnonzero(np.diff(slowly) > 1) + 1) if len(slowly) else []:
         k = int(stretch[speeds[stretch].argmin()])  # the slowest of states one after the other
         mode, time = segment.modes[max(k - 1, 0)], segment.start if k == 0 else segment.times[k - 1]
-        if mode.brake.grip is Grip.HOLDING or mode.standing:
+        if mode.brake.grip is HOLDING or mode.standing:
             continue
         y = segment.pieces[max(k - 1, 0)](time)
         rate = {}

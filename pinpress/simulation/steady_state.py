@@ -31,6 +31,7 @@ from . import reduced_model as reduced
 from .angle_solver import angle_segment
 from .collocation import cuts, interpolate_onto, stopping_panels
 from .driven_press import DrivenPress, driven_press, listed
+from .failures import failure
 from .mesh import build_mesh, mesh_borders
 from .run import Run, as_run, count_of
 from .simulate import tolerated
@@ -144,7 +145,7 @@ def _near(driven: DrivenPress, ends: Array, angle: float, speed: float) -> float
         energies = 0.5 * (mesh.inertia_ends[0] + driven.inertia) * speeds**2
         solution = collocation.solve(driven, mesh, energies)
         if solution.speed_free:  # nothing depends on the speed: no speed is better than another
-            raise _none(speed)
+            raise failure("no steady state", speed=speed)
         good = np.flatnonzero(~stopping_panels(solution).any(axis=0))
         gained = (solution.ends[-1] - energies)[good]
         found = np.flatnonzero((gained[:-1] > 0) & (gained[1:] <= 0))
@@ -180,12 +181,5 @@ def _over_time(driven: DrivenPress, angle: float, speed: float, tolerance: float
     except LawError:  # of the caller, whatever steady state there is
         raise
     except (SimulationError, np.linalg.LinAlgError) as error:
-        raise _none(speed) from error
-    raise _none(speed)
-
-
-def _none(speed: float) -> SimulationError:
-    return SimulationError(
-        f"no steady state is found near {speed:g} rad/s: the drive is too weak for the loads, or gives as much or more at every speed there"
-        " (a constant torque has none); try another speed, or let the press run with simulate"
-    )
+        raise failure("no steady state", speed=speed) from error
+    raise failure("no steady state", speed=speed)

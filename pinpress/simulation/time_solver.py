@@ -17,6 +17,7 @@ from scipy.optimize import brentq
 
 from ..common.arrays import Array
 from ..common.errors import PinpressError, SimulationError
+from .failures import failure
 from .hybrid_system import CornerPassed, CouplingGrips, Event, HybridSystem, Mode
 from .radau import RadauIIA, slopes
 from .trajectory import INTEGRALS, Sample
@@ -274,9 +275,7 @@ class Integration:
         rates = partial(self.system.rates, mode)
         stepper = _stepper(rates, self.time, self.y, end, settings, method, self.first_step, longest)
         if not np.isfinite(stepper.f).all():
-            raise SimulationError(
-                "a torque or force is not finite here, or the linkage locks: look at drive and loads", self.time, self.angle
-            )
+            raise failure("not finite", self.time, self.angle)
         return method, stepper
 
     def _keep(self, piece: DenseOutput, stepper: OdeSolver, method: str, event: "Event | None", at: float) -> None:
@@ -302,12 +301,9 @@ class Integration:
         """Raise where the run would take too long, or too many steps to be kept."""
         evaluations = self.segment.evaluations + stepper.nfev
         if self.settings.step is None and self.pace.hopeless(self.time, evaluations, self.segment.travelled):
-            reason = _hopeless(stepper, self.time, self.y, self.settings.sizes, self.until)
-            raise SimulationError(reason, self.time, self.angle)
+            raise _hopeless(stepper, self.time, self.y, self.settings.sizes, self.until, self.angle)
         if self.segment.steps == MOST_STEPS:
-            raise SimulationError(
-                f"more than {MOST_STEPS} steps: simulate in parts, or with a larger tolerance or step", self.time, self.angle
-            )
+            raise failure("too many steps", self.time, self.angle, most=MOST_STEPS)
 
     def _changes_method(self, stepper: OdeSolver) -> bool:
         swiftness = partial(_swiftness, stepper, self.time, self.y, self.settings.sizes)
@@ -317,9 +313,7 @@ class Integration:
         """Go into the mode after an event, or over the corner at which the step has ended."""
         if event is not None:
             if self.at_once > MOST_AT_ONCE:
-                raise SimulationError(
-                    "forces switch back and forth without end: it comes to rest where they hold it", self.time, self.angle
-                )
+                raise failure("chatters", self.time, self.angle)
             self.mode, self.y = event.after(self.system, self.mode, self.time, self.y, self.fastest)
         elif self.time >= self.corner:
             self.mode = self.system.past_corner(self.mode, self.y)
@@ -406,21 +400,15 @@ class Pace:
         return self.slow >= PATIENCE
 
 
-def _hopeless(integrator: OdeSolver, time: float, y: Array, sizes: Array, until: float) -> str:
+def _hopeless(integrator: OdeSolver, time: float, y: Array, sizes: Array, until: float, angle: float) -> SimulationError:
     """Why a run is given up, and what to do."""
     size = len(y) - len(INTEGRALS)
     jacobian = slopes(integrator.fun, time, y, integrator.f, sizes[:size])[:size]
     swiftest = max(np.linalg.eigvals(jacobian), key=abs) if np.isfinite(jacobian).all() else 0.0
     if abs(swiftest.imag) > VIBRATING * abs(swiftest):
         frequency = abs(swiftest.imag) / (2 * np.pi)
-        return (
-            f"a stiff force makes the press vibrate at {frequency:.3g} Hz, {frequency * (until - time):.2g} times until the end, and each"
-            " swing would be followed: give the force a damper, or simulate a shorter time or with a larger tolerance"
-        )
-    return (
-        "at this pace the run would take too long: the linkage locks ahead, or a torque or force is too stiff for this method, or jumps to"
-        " and fro; use method='auto', give the force a slope, or simulate in parts"
-    )
+        return failure("vibrates", time, angle, frequency=frequency, swings=frequency * (until - time))
+    return failure("too slow", time, angle)
 
 
 def _swiftness(integrator: OdeSolver, time: float, y: Array, sizes: Array) -> float:
@@ -517,14 +505,10 @@ def _project(system: HybridSystem, y: Array, time: float) -> Array:
     try:
         projected = system.dynamics.project(y[:size], y[size : 2 * size])
     except PinpressError as error:
-        raise SimulationError(f"the loops do not close any more ({error}): the linkage locks, or the step is too long", time) from error
+        raise failure("loops open", time, error=error) from error
     return y if projected is None else np.concatenate([*projected, y[2 * size :]])
 
 
 def _lost(system: HybridSystem, time: float, y: Array, message: str | None) -> SimulationError:
     angle = float(system.at(y).linkage.angle)
-    return SimulationError(
-        f"the integration cannot go on ({message or 'values are not finite'}): the linkage locks ahead, or a force is too stiff",
-        time,
-        angle if math.isfinite(angle) else None,
-    )
+    return failure("cannot go on", time, angle if math.isfinite(angle) else None, message=message or "values are not finite")

@@ -114,7 +114,7 @@ def test_no_field_is_left_out():
     """Of any load, drive, clutch or friction of the library."""
     rooms = (process, motors, transmission, couplings, link, friction)
     public = {cls for room in rooms for cls in vars(room).values() if dataclasses.is_dataclass(cls)}
-    inner = {pp.loads.ForceInterval, engine_forces.AppliedForce, engine_friction.FrictionLaw}
+    inner = {couplings.Coupling, pp.loads.ForceInterval, engine_forces.AppliedForce, engine_friction.FrictionLaw}
     assert {cls for cls in public if cls.__module__.startswith("pinpress.") and cls not in inner} == set(DIMENSIONS)
     for cls, dimensions in DIMENSIONS.items():
         assert [field.name for field in fields(cls)] == list(dimensions)

@@ -1,0 +1,53 @@
+"""Why a simulation cannot go on, or has no answer: all reasons, with what to do."""
+
+from ..common.errors import SimulationError
+
+REASONS = {
+    "stalls": "the press stalls: it comes to rest, and the load holds it there against the drive",
+    "too weak": "the press does not get through a stroke: the drive is too weak for the load",
+    "no inertia": (
+        "the inertia of linkage, flywheel and drive at the crank is {inertia:.6g} kg m2, so no torque determines the motion;"
+        " give masses or a flywheel"
+    ),
+    "runs against a lock": "the linkage locks: its crank turns only from {low:.6g} to {high:.6g} deg, and runs against that",
+    "stops at a lock": "the crank stops where the linkage locks, and the links go on: a brake cannot hold it",
+    "loops open": "the loops do not close any more ({error}): the linkage locks, or the step is too long",
+    "not finite": "a torque or force is not finite here, or the linkage locks: look at drive and loads",
+    "cannot go on": "the integration cannot go on ({message}): the linkage locks ahead, or a force is too stiff",
+    "chatters": "forces switch back and forth without end: it comes to rest where they hold it",
+    "vibrates": (
+        "a stiff force makes the press vibrate at {frequency:.3g} Hz, {swings:.2g} times until the end, and each swing would be followed:"
+        " give the force a damper, or simulate a shorter time or with a larger tolerance"
+    ),
+    "too slow": (
+        "at this pace the run would take too long: the linkage locks ahead, or a torque or force is too stiff for this method, or jumps to"
+        " and fro; use method='auto', give the force a slope, or simulate in parts"
+    ),
+    "too many steps": "more than {most} steps: simulate in parts, or with a larger tolerance or step",
+    "too many periods": "more than {most} periods of the press: simulate in parts",
+    "too many turns": "at this speed the crank makes more than {most} turns: simulate in parts",
+    "unbalanced": (
+        "the energy does not balance: a torque or force changes too sharply for this tolerance; name the speeds at which the drive's torque"
+        " is not smooth in its corners, or give a smaller tolerance"
+    ),
+    "no steady state": (
+        "no steady state is found near {speed:g} rad/s: the drive is too weak for the loads, or gives as much or more at every speed there"
+        " (a constant torque has none); try another speed, or let the press run with simulate"
+    ),
+    "no period": (
+        "a shaft of {press_name} comes back only after more than {most} turns, so that there is no period to tabulate:"
+        " use method='constraint', or another gear ratio"
+    ),
+}
+
+
+def failure(reason: str, time: float | None = None, crank_angle: float | None = None, **details: object) -> SimulationError:
+    """The error of one of the `REASONS`.
+
+    Args:
+        reason: a key of the table.
+        time: at which it shows [s], if at any.
+        crank_angle: at which it shows [rad], if at any.
+        details: that its sentence names.
+    """
+    return SimulationError(REASONS[reason].format(**details), time, crank_angle, reason)
