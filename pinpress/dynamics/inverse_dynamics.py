@@ -60,7 +60,7 @@ class Reactions(Tabular):
         shaking_force: (n, 3) [N]; shaking_moment: (n, 3) about the world origin [N m]. Computed when they are first asked for, from the
             bearings on the frame, also where these were left out.
         indeterminate: name -> (6,) bool: components of force and moment, three each, that rigid mechanics leaves open because a loop closes
-            more than it must; shared as `sharing` says, by default with the least sum of squared bearing forces. In a planar press whose
+            more than it must; shared by least squares, by default with the least sum of squared bearing forces. In a planar press whose
             equations in the plane are all needed they are the forces along the normal and the moments that tilt.
         indeterminate_axes: (3, 3) the directions of these components, as rows: world x, y, z; of a planar linkage whose plane is inclined
             against all of these the horizontal in the plane, the normal, and the way up in the plane.

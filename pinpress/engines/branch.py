@@ -1,4 +1,4 @@
-"""The drawn assembly of a linkage, carried over the crank angle.
+"""The drawn assembly of a linkage, followed over the crank angle.
 
 Loop equations have several solutions at one crank angle, and a closure residual cannot tell them apart. The branch is therefore walked once
 from the drawn pose, in steps so small that another assembly cannot be reached, and kept as a table: quintic Hermite polynomials through the
@@ -37,7 +37,7 @@ class Branch:
         coefficients: (m, 6, nv) of the polynomials in (crank angle - node).
         advance: (nv,) what every joint gains over a period (whole turns; 0 for a joint that swings).
         locks: crank angle [rad] and smallest margin where the linkage locks, downwards and upwards; None where it does not.
-        change_points: those that it has been carried through, if it was.
+        change_points: those that it has been followed through, if it was.
     """
 
     angles: Array
@@ -80,7 +80,7 @@ def walk(
         size: length of the linkage [m], to weigh travels against angles.
         tolerance: gap at which a loop counts as closed [m].
         smallest_margin: at which it locks.
-        gap: the engine's gaps; with them it is carried on through change points.
+        gap: the engine's gaps; with them it is followed through change points too.
         begin: crank angle of the configuration [rad].
 
     Raises:

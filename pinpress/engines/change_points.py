@@ -90,7 +90,7 @@ def across(follower: Follower, nodes: list[Node], angle: float, target: float, g
 
 
 def _across(follower: Follower, nodes: list[Node], angle: float, reach: float, gap: Gap) -> tuple[ChangePoint, list[Node]] | None:
-    """The same with one half width: ``reach``, positive to cross the point forwards."""
+    """What `across` finds with one half width, ``reach``: positive to cross the point forwards."""
     share = [(angle - node.angle) / reach for node in nodes]
     start = next((k for k in reversed(range(len(nodes))) if share[k] >= LEAP), None)
     if start is None or share[start] > 0.5:

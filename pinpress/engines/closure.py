@@ -27,7 +27,7 @@ class Closure:
         margins: (blocks, n) distance of every block of loops from singularity: the smallest singular value of its Jacobian, columns scaled
             to unit length, with the sign of its determinant (the Pinocchio engine has one block, and no sign). Zero where two assemblies
             meet. None unless asked for.
-        basis: of the planar engine, see `plane`; None from the other.
+        basis: of the planar engine, see `planar.model`; None from the other.
     """
 
     position: Array

@@ -59,7 +59,7 @@ def product(rows: Matrix, columns: Any) -> Any:
 
 
 def plain(rows: Matrix) -> Any:
-    """As a NumPy array."""
+    """The matrix as a NumPy array."""
     return rows if isinstance(rows, np.ndarray) else rows.toarray()
 
 
@@ -83,7 +83,7 @@ def compressed(rows: Matrix) -> Matrix:
 
 
 def with_column(rows: Matrix, column: int, entries: ComplexArray) -> Matrix:
-    """The same with one column replaced."""
+    """The matrix with one column replaced."""
     changed = rows.copy() if isinstance(rows, np.ndarray) else rows.tolil()
     changed[:, [column]] = entries[:, None]
     return compressed(changed)

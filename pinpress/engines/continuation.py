@@ -25,7 +25,7 @@ class SingularPosition(NamedTuple):
 
 
 class Follower(NamedTuple):
-    """How a branch is followed: see `walk`; in steps up to the ``longest``."""
+    """How a branch is followed, see `branch.walk`: in steps up to the ``longest``."""
 
     close: Close
     size: float

@@ -22,7 +22,7 @@ class AppliedForce:
     force: Array
 
     def part(self, points: slice) -> AppliedForce:
-        """The same over a part of the motion."""
+        """The load over a part of the motion."""
         return AppliedForce(self.joint, self.point, self.force[points])
 
 
@@ -42,7 +42,7 @@ class AppliedConditions(NamedTuple):
     gears: bool
 
     def part(self, points: slice) -> AppliedConditions:
-        """The same over a part of the motion."""
+        """The conditions over a part of the motion."""
         return self._replace(loads=[load.part(points) for load in self.loads])
 
 

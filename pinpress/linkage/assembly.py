@@ -120,7 +120,7 @@ def followed(
 
 
 def through_change_points(engine: Engine, general: Spatial, found: Branch) -> Branch:
-    """A branch carried on through change points: where two assemblies meet, a linkage in motion goes on in its own."""
+    """A branch followed further, through change points: where two assemblies meet, a linkage in motion goes on in its own."""
     if found.period is not None or not any(found.locks):
         return found
     middle = 0.5 * float(found.angles[0] + found.angles[-1])  # the drawn pose may be beside a change point

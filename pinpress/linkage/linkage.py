@@ -236,7 +236,7 @@ class Linkage(Frozen):
     @property
     @per_linkage(of_geometry=True)
     def branch_through_change_points(self) -> Branch:
-        """The same, carried on through change points: where two assemblies meet, a linkage in motion goes on in its own.
+        """The branch followed further, through change points: where two assemblies meet, a linkage in motion goes on in its own.
 
         Raises as `branch`.
         """
@@ -263,7 +263,7 @@ class Linkage(Frozen):
     @property
     @per_linkage
     def turns_until_back(self) -> int | None:
-        """The same, None where it is not back, or has several drivers."""
+        """Turns of the driver in one period, None where the linkage is not back after many turns, or has several drivers."""
         if len(self.drivers) > 1:
             return None
         found = self.branch_through_change_points
@@ -287,8 +287,12 @@ class Linkage(Frozen):
         return bool(np.abs(uneven).max() <= EVEN * along and eccentric <= EVEN * inertia.mass * self.size)
 
     def with_inertias(self, inertias: Sequence[pin.Inertia], name: str | None = None) -> Linkage:
-        """The same linkage with other bodies, and perhaps another name: inertias of all joints, the frame's first, in their frames. What is
-        known of its geometry is kept, as loops do not feel masses."""
+        """The linkage with other masses. What is known of its geometry is kept, as loops do not feel masses.
+
+        Args:
+            inertias: of the bodies of all joints, the frame's first, in their frames.
+            name: of the changed linkage; by default that of this one.
+        """
         model = self.model.copy()
         for joint, inertia in enumerate(inertias):
             model.inertias[joint] = inertia

@@ -55,7 +55,7 @@ class Redundancy(NamedTuple):
 
 
 def held(press: Linkage) -> list[Held]:
-    """All loops, then couplings, with their rows (see `spatial_equations`)."""
+    """All loops, then couplings, with their rows (see `spatial.constraints`)."""
     result, row = [], 3 * len(press.loops)
     for k, loop in enumerate(press.loops):
         result.append(Held(loop, (3 * k, 3 * k + 1, 3 * k + 2), tuple(range(row, row + loop.held))))

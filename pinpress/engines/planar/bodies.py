@@ -128,7 +128,7 @@ class OpenTree(NamedTuple):
         own: (nv, n) inertia force less weight of every body.
         subtree_force: of all that hang on a joint, loads taken off.
         centers: (nv, n) arms of the centres of mass from their joints.
-        closure: `plane_statics.Statics.closure`.
+        closure: rows of `Plane.closure`, its columns times i.
         passive: (nv, n) efforts that the joints would have to transmit.
         turning: for every prismatic joint the moment (n,) that it would have to transmit about the normal.
         guided: arms (n,) of the ``guided`` loops of `Bodies`.

@@ -1,6 +1,6 @@
 """Closing a planar linkage at all crank angles at once, with the exact influence coefficients of every joint.
 
-A loop's gap and the columns of its Jacobian are rows of one matrix product with the basis (see `plane`). Blocks are solved in the order in
+A loop's gap and the columns of its Jacobian are rows of one matrix product with the basis (see `model`). Blocks are solved in the order in
 which they depend on each other; a dyad's 2x2 system a x + b y = c, complex a, b, c and real x, y, has the closed solution
 
     x = -Im(conj(b) c) / D,   y = Im(conj(a) c) / D,   D = Im(conj(a) b)
@@ -67,7 +67,7 @@ def influence(plane: Plane, at: ComplexArray) -> tuple[Array, Array]:
 
 
 def _influence(plane: Plane, at: ComplexArray, rows: ComplexArray) -> tuple[Array, Array]:
-    """The same; ``rows``: of `Plane.closure`."""
+    """Influence coefficients, given the ``rows`` of `Plane.closure` at these configurations."""
     factors, shape = factored(plane, rows), (len(plane.parents), at.shape[1])
     first = np.empty(shape)
     first[plane.driver] = 1.0
@@ -272,7 +272,7 @@ def _margins(plane: Plane, rows: ComplexArray) -> Array:
 
 
 def _dyad_margin(a: ComplexArray, b: ComplexArray) -> Array:
-    """The same of a 2x2 block with columns (n,). Of columns of unit length, at an angle with the cosine c, the singular values are the
+    """The margin of a 2x2 block with columns (n,). Of columns of unit length, at an angle with the cosine c, the singular values are the
     roots of 1 + |c| and 1 - |c|, and their product is the determinant: so the smaller one keeps its digits."""
     between = a.conj() * b
     length = np.abs(between)

@@ -112,7 +112,7 @@ class Plane:
 
     @property
     def dense(self) -> Plane:
-        """The same with plain arrays for matrices."""
+        """The constants with plain arrays for matrices."""
         return self if isinstance(self.closure, np.ndarray) else self._dense
 
     @cached_property

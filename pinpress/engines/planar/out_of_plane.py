@@ -1,8 +1,8 @@
 """What a planar linkage carries out of its plane: forces along the normal, and moments that tilt the links.
 
 They come from links in parallel planes, products of inertia, gravity or loads across the plane. How the loops share a force along the
-normal, or where several bearings of a link hold it upright its tilting moment, is not decided by rigid mechanics: it is shared as `sharing`
-says, and `Reactions.indeterminate` names it.
+normal, or where several bearings of a link hold it upright its tilting moment, is not decided by rigid mechanics: it is shared as
+`load_sharing` says, and `Reactions.indeterminate` names it.
 
 With the axes of `Plane`, normal x f is i f and r x normal is -i r for complex f and r.
 """

@@ -6,7 +6,7 @@ of work per unit rate of the joint; for a dyad with columns a, b:
     Re(conj(a) p) = s,  Re(conj(b) p) = t    have the solution    p = i (t a - s b) / Im(conj(a) b)
 
 The redundant equations of a block leave idle forces open: the block can hold them, and the earlier blocks answer. Of all their multiples
-those are added that `sharing` names.
+those are added that `load_sharing` names.
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ class Statics:
         uncrossed: (nv, nl) what pin forces relieve them of.
         idle: forces that move nothing: of pins (nl, n), multipliers of couplings (nc, n) each.
         responses: the forces (bearings, n) that these add to all bearings.
-        compliance: (bearings,) or None, see `sharing.compliances`.
+        compliance: (bearings,) or None, see `load_sharing.compliances`.
         slides: directions (n,) of the coupled prismatic joints. Both only where
             there are idle forces to be shared.
     """

@@ -1,7 +1,7 @@
 """Driving torque of a planar linkage at all crank angles at once, and the forces of few bearings, without what the others carry.
 
 The efforts of the open tree's joints come from virtual work, without the forces that pass from link to link. Every point is a row of
-constants times the basis (see `plane`), so the inertia forces of all links do work on the basis functions: m conj(c) c'' summed over all
+constants times the basis (see `model`), so the inertia forces of all links do work on the basis functions: m conj(c) c'' summed over all
 centres of mass c is one small matrix of constants times the second derivative of the basis. Loops and gear pairs then act as in
 `statics`.
 """

@@ -222,7 +222,7 @@ class ForwardDynamics:
         return np.asarray(local.dot(columns[:3]) + pin.skew(point).dot(local).dot(columns[3:]))
 
     def acceleration_in_null_space(self, x: Array, v: Array, efforts: Array) -> Array:
-        """As `acceleration`, the general way."""
+        """Joint accelerations (nv,) by the null space of the constraints; see `acceleration`, and the module."""
         model, data, rank = self.model, self.data, self.rank
         pin.forwardKinematics(model, data, x, v, self.still)
         mass = pin.crba(model, data, x, pin.Convention.WORLD)  # fills the Jacobian too
@@ -350,7 +350,7 @@ class _Quick(NamedTuple):
 
 
 def _bounded(model: pin.Model, axes: tuple[Axis, ...]) -> pin.Model:
-    """The same tree with joints whose configuration is the joint coordinate itself, unbounded ones too."""
+    """A tree with the same motions, of joints whose configuration is the joint coordinate itself, unbounded ones too."""
     result = pin.Model()
     result.gravity = model.gravity
     for j, axis in enumerate(axes, 1):

@@ -1,7 +1,7 @@
 """Inverse dynamics of any linkage, one configuration at a time, by Pinocchio's recursive Newton-Euler algorithm.
 
 The open tree's efforts and wrenches first; then the multipliers of the equations that leave the passive joints to their friction; what is
-open among them is shared as `sharing` says; then the tree once more, under the wrenches of the loops.
+open among them is shared as `load_sharing` says; then the tree once more, under the wrenches of the loops.
 
 Signs: forces and moments of a joint are the action of parent on child, of a loop the action of link1 on link2.
 """
@@ -152,7 +152,7 @@ class _State:
         return np.concatenate(forces)
 
     def _objectives(self, found: Array, idle: Array, couples: Array, compliance: Array | None) -> Iterator[Objective]:
-        """What `sharing` makes least; the next is only worked out where the ones before leave something open."""
+        """What is made least, one objective after the other; the next is only worked out where the ones before leave something open."""
         spatial, count, k = self.spatial, 3 * len(self.spatial.loops), idle.shape[1]
         forces = spatial.share @ np.concatenate([idle[:count], found[:count, None]], axis=1)
         forces[: 3 * len(self.effort), k] += self._tree_forces()

@@ -1,7 +1,7 @@
 """Any linkage, one configuration at a time, by Pinocchio's constraint models and recursive Newton-Euler algorithm.
 
 The general path, and the judge of the planar one: loops in space, any number of drivers, more equations than are needed. The rank of the
-equations is found from singular values; forces that rigid mechanics does not decide are shared as `sharing` says.
+equations is found from singular values; forces that rigid mechanics does not decide are shared as `load_sharing` says.
 """
 
 from __future__ import annotations

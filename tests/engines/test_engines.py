@@ -1,0 +1,134 @@
+"""Both engines offer the same, and agree; nobody above them asks which of them there is."""
+
+import inspect
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+from support import texts
+from support.generators.spatial_linkages import four_bar
+
+import pinpress as pp
+from pinpress.engines.engine import ClosedStates, Engine
+from pinpress.engines.forces import AppliedConditions, AppliedForce
+from pinpress.engines.planar.engine import PlanarEngine
+from pinpress.engines.spatial.engine import SpatialEngine
+
+PRESSES = ["crank_slide", "zxn2_3000b", "jf75g_125_symmetric", "thin_wall"]
+SPEED = 7.0
+OFFERED = sorted(name for name, member in vars(Engine).items() if name[0] != "_" and (callable(member) or isinstance(member, property)))
+
+
+@pytest.fixture(scope="module", params=PRESSES)
+def press(request):
+    return pp.load(request.param)
+
+
+@pytest.fixture(scope="module")
+def states(press):
+    motion = pp.cycle(press, speed=SPEED, points=24)
+    return ClosedStates(motion.joint_position.T, motion.v.T, motion.a.T)
+
+
+def both(press):
+    return press.engine("plane"), press.engine("pinocchio")
+
+
+@pytest.mark.parametrize("kind", [PlanarEngine, SpatialEngine])
+def test_an_engine_offers_what_the_interface_names_and_takes_the_same(kind):
+    for name in OFFERED:
+        offered, asked = getattr(kind, name), getattr(Engine, name)
+        if callable(asked):
+            assert list(inspect.signature(offered).parameters) == list(inspect.signature(asked).parameters), name
+    further = {name for name, member in vars(kind).items() if not name.startswith("_") and callable(member)} - set(OFFERED)
+    assert further <= {"of"}, "what one engine alone offers is asked of no engine"
+
+
+def test_chosen_by_name(press):
+    assert press.engines == ("plane", "pinocchio")
+    assert press.engine() is press.engine("auto") is press.engine("plane")
+    assert [press.engine(name).name for name in press.engines] == list(press.engines)
+    assert press.engine("pinocchio") is press.engine("pinocchio")
+    for wrong in ("planar", None, 3):
+        with pytest.raises(pp.PinpressError, match="unknown engine"):
+            press.engine(wrong)
+
+
+def test_a_linkage_in_space_has_one(tmp_path):
+    press = texts.load(four_bar("fixed"), tmp_path)
+    assert press.engines == ("pinocchio",)
+    assert press.engine().name == "pinocchio"
+    with pytest.raises(pp.PinpressError, match="not a planar linkage"):
+        press.engine("plane")
+    with pytest.raises(pp.PinpressError, match="because"):
+        press.plane_or_refuse("because")
+
+
+def test_rates_and_gaps_agree(press, states):
+    speed, acceleration = np.full((1, 24), SPEED), np.full((1, 24), 2.0)
+    (v1, a1, gap1), (v2, a2, gap2) = (engine.rates(states.position, speed, acceleration) for engine in both(press))
+    np.testing.assert_allclose(v1, v2, rtol=0, atol=1e-9 * np.abs(v1).max())
+    np.testing.assert_allclose(a1, a2, rtol=0, atol=1e-9 * np.abs(a1).max())
+    assert max(gap1.max(), gap2.max()) < 1e-12
+    np.testing.assert_allclose(v1, states.v, rtol=0, atol=1e-9 * np.abs(v1).max())
+
+
+def test_closing_along_a_way_is_closing_by_angle_in_other_units(press):
+    start, along = press.closed[:, None], np.array([2.5])
+    for engine in both(press):
+        by_angle, by_way = engine.close(np.zeros(1), start), engine.closer()(np.zeros((1, 1)), along, start)
+        np.testing.assert_array_equal(by_way.position, by_angle.position)
+        np.testing.assert_allclose(by_way.first, 2.5 * by_angle.first, rtol=1e-12, atol=1e-12)
+        np.testing.assert_allclose(by_way.second, 2.5**2 * by_angle.second, rtol=1e-9, atol=1e-9)
+
+
+def test_points_energies_and_power_agree(press, states):
+    joint, point = len(press.joints), np.array([0.03, 0.0, 0.07])
+    load = AppliedForce(joint, point, np.tile([10.0, 0.0, -500.0], (24, 1)))
+    one, other = both(press)
+    for first, second in (
+        (one.point_motion(states, joint, point), other.point_motion(states, joint, point)),
+        (one.point_accelerations(states, joint, point[None]), other.point_accelerations(states, joint, point[None])),
+        (one.energies(states), other.energies(states)),
+    ):
+        for mine, theirs in zip(first, second, strict=True):
+            size = max(np.abs(theirs).max(), 1e-3)
+            np.testing.assert_allclose(mine, theirs, rtol=0, atol=1e-9 * size)
+    mine, theirs = (engine.power_balance(states, [load]) for engine in (one, other))
+    np.testing.assert_allclose(mine.balance, theirs.balance, rtol=0, atol=1e-9 * theirs.total.max())
+
+
+def test_inverse_dynamics_agree(press, states):
+    under = AppliedConditions([], None, None, gears=True)
+    (one, other) = (engine.inverse_dynamics(states, under, range(len(press.bearings))) for engine in both(press))
+    np.testing.assert_allclose(one.torque, other.torque, rtol=0, atol=1e-8 * np.abs(other.torque).max())
+    np.testing.assert_allclose(one.force, other.force, rtol=0, atol=1e-8 * np.abs(other.force).max())
+
+
+def test_what_links_can_do_is_said_in_the_world_and_in_a_joint(press):
+    plane, space = both(press)
+    np.testing.assert_array_equal(space.directions, np.eye(3))
+    np.testing.assert_allclose(plane.directions @ plane.turning_axes()[0], 0.0, atol=1e-15)
+    for joint in range(1, press.model.njoints):
+        assert plane.turning_axes(joint).shape == (1, 3)
+        assert np.linalg.norm(plane.turning_axes(joint)) == pytest.approx(1.0, abs=1e-14)
+
+
+def test_every_loop_is_closed_once(press):
+    for engine in both(press):
+        order = list(engine.closing_order())
+        assert sorted(k for k, _ in order) == list(range(len(press.loops) + len(press.couplings)))
+
+
+def test_nobody_above_asks_whether_there_is_a_plane():
+    asks = re.compile(r"plane is (not )?None|\bif (\w+\.)*plane\b(?!\.)|\.planar\(")
+    package = Path(pp.__file__).parent
+    asking = [
+        f"{file.relative_to(package)}:{number}"
+        for file in sorted(package.rglob("*.py"))
+        if file.relative_to(package).parts[0] != "engines"
+        for number, line in enumerate(file.read_text(encoding="utf-8").splitlines(), 1)
+        if asks.search(line)
+    ]
+    assert not asking
