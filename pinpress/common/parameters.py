@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from . import plausibility
+from .arguments import typed
 from .checks import finite_numbers
 from .errors import PinpressError, shown
 from .frozen import Frozen
@@ -70,17 +71,18 @@ class Parameter(NamedTuple):
         return values if values.ndim else float(values)
 
 
+@typed
 def parameter(unit: str, sign: str = "finite", *, scenarios: bool = False, axes: int = 0, remark: str = "") -> Mapping[str, Parameter]:
     """The metadata that declare a dataclass's field a parameter; arguments as the attributes of `Parameter`.
 
     Raises:
         PinpressError: an unknown sign, or a number of axes that is none.
     """
-    if sign not in _SIGNS:
+    if not isinstance(sign, str) or sign not in _SIGNS:
         raise PinpressError(f"parameter: sign is {shown(sign)}; give one of {', '.join(_SIGNS)}")
     if isinstance(axes, bool) or not isinstance(axes, int) or axes < 0:
         raise PinpressError(f"parameter: axes is {shown(axes)}; give the number of axes that one scenario's value has, 0 for a number")
-    return {_KEY: Parameter(unit, sign, bool(scenarios), axes, remark)}
+    return {_KEY: Parameter(unit, sign, scenarios, axes, remark)}
 
 
 class Checked(Frozen):

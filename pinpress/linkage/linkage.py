@@ -140,14 +140,15 @@ class Linkage(Frozen):
             PinpressError: unknown engine, or "plane" for a linkage that is not planar.
         """
         engines = self._assembly.engines
-        if name == "auto":
-            return next(iter(engines.values()))
-        if isinstance(name, str) and name in engines:
-            return engines[name]
-        if name == "plane":
-            raise PinpressError(
-                f"{self.name} is not a planar linkage with one driver and pins for loops: use engine='pinocchio' (or 'auto')"
-            )
+        if isinstance(name, str):
+            if name == "auto":
+                return next(iter(engines.values()))
+            if name in engines:
+                return engines[name]
+            if name == "plane":
+                raise PinpressError(
+                    f"{self.name} is not a planar linkage with one driver and pins for loops: use engine='pinocchio' (or 'auto')"
+                )
         raise PinpressError(f"unknown engine {shown(name)}: write 'auto', 'plane' or 'pinocchio'")
 
     def plane_or_refuse(self, refusal: str) -> Plane:

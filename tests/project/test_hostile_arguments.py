@@ -45,7 +45,7 @@ MADE |= {
     "SpeedResponse",
     "ForceInterval",
 }
-MADE |= {"TradeOffCurve", "Trial", "RotorUnbalance", "WorkPrecision", "presses"}
+MADE |= {"RunBatch", "SpeedTorqueDrive", "TradeOffCurve", "Trial", "RotorUnbalance", "WorkPrecision", "presses"}
 
 
 def wrong(some):

@@ -175,8 +175,8 @@ def calls() -> dict[str, Call]:
     measured = {"quantity": "bearing_force", "axis": "x", "bearing": "O", "about": (0.0, 0.0, 0.0)}
     kinds: list[tuple[str, Callable[..., Any], Callable[[], dict[str, Any]]]] = [
         # descriptions
-        ("At", pp.drives.SwitchPoint, lambda: {"time": 1.0}),
-        ("At", pp.drives.SwitchPoint, lambda: {"angle": 1.0}),
+        ("SwitchPoint", pp.drives.SwitchPoint, lambda: {"time": 1.0}),
+        ("SwitchPoint", pp.drives.SwitchPoint, lambda: {"angle": 1.0}),
         (
             "Brake",
             pp.drives.Brake,
@@ -371,6 +371,26 @@ def calls() -> dict[str, Call]:
                 "brake": None,
                 "progress": None,
             },
+        ),
+        (
+            "simulate_batch",
+            pp.simulate_batch,
+            lambda: {
+                "press": press(),
+                "duration": 0.2,
+                "speed": [7.0, 8.0],
+                "angle": 0.0,
+                "drive": pp.drives.ConstantTorque(1.0),
+                "flywheel": pp.drives.Flywheel(1.0),
+                "loads": [],
+                "points": 11,
+                "tolerance": 1e-9,
+            },
+        ),
+        (
+            "drives.parameter",
+            pp.drives.parameter,
+            lambda: {"unit": "N m", "sign": "positive", "scenarios": True, "axes": 0, "remark": ""},
         ),
         (
             "steady_state",
