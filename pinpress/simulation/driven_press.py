@@ -58,35 +58,22 @@ class Coordinate(Protocol):
 
 
 @dataclass(frozen=True)
-class SlidePosition:
-    """Position of the slide along its guide's axis; ``guide`` its place in v, ``offset`` its position in the drawn pose."""
+class JointPosition:
+    """Position of a joint: the angle of a pin, along which a force is a torque, or where a slide stands along its guide.
 
-    guide: int
-    offset: float
-
-    def over(self, press: Linkage, motion: Motion) -> Array:
-        return motion.joint_position[:, self.guide] + self.offset
-
-    def at(self, dynamics: "ForwardDynamics", x: Array, v: Array) -> tuple[float, float]:
-        return float(x[self.guide]) + self.offset, float(v[self.guide])
-
-    def efforts(self, dynamics: "ForwardDynamics", x: Array, force: float) -> Array:
-        result = np.zeros(len(x))
-        result[self.guide] = force
-        return result
-
-
-@dataclass(frozen=True)
-class JointAngle:
-    """Angle of a joint, by its place in v; a force along it is a torque."""
+    Attributes:
+        joint: its place in v.
+        offset: added to the joint's own position.
+    """
 
     joint: int
+    offset: float = 0.0
 
     def over(self, press: Linkage, motion: Motion) -> Array:
-        return motion.joint_position[:, self.joint]
+        return motion.joint_position[:, self.joint] + self.offset
 
     def at(self, dynamics: "ForwardDynamics", x: Array, v: Array) -> tuple[float, float]:
-        return float(x[self.joint]), float(v[self.joint])
+        return float(x[self.joint]) + self.offset, float(v[self.joint])
 
     def efforts(self, dynamics: "ForwardDynamics", x: Array, force: float) -> Array:
         result = np.zeros(len(x))
@@ -143,10 +130,13 @@ class GeneralizedForce:
     """A force along a coordinate of the press.
 
     Attributes:
-        row: of the coordinate. datum: its value from which the intervals count [m].
-        rising, falling: what acts while the coordinate rises, and falls; the same object where that does not matter.
-        time: the force as a function of time in place of these; edges: instants at which that is not smooth.
-        drive: of which it is the torque, None where it is a load.
+        row: of the coordinate.
+        datum: value of the coordinate from which the intervals count [m].
+        rising: what acts while the coordinate rises.
+        falling: what acts while it falls; the same object where that does not matter.
+        time: the force as a function of time [s], in place of these.
+        edges: instants at which that is not smooth [s].
+        drive: the drive whose torque it is; None: a load.
     """
 
     row: int
@@ -293,7 +283,7 @@ def press_with_drives(press: Linkage, drive: object, flywheel: object, loads: Se
             check_drive(drives[name])
             inertias[k] += drives[name].inertia
             forces.append(_driving(len(coordinates), drives[name]))
-            coordinates.append(JointAngle(joint))
+            coordinates.append(JointPosition(joint))
     return DrivenPress(press, None, None, None, None, None, float(inertias[0]), inertias, tuple(coordinates), tuple(forces))
 
 
@@ -322,7 +312,7 @@ def listed(loads: object) -> None:
 
 def _of_loads(press: Linkage, loads: Sequence[Load]) -> "tuple[list[Coordinate], list[GeneralizedForce]]":
     """The forces of the loads, and the coordinates along which they act."""
-    coordinates: list[Coordinate] = [] if press.slide is None else [SlidePosition(*press.slide_guide)]
+    coordinates: list[Coordinate] = [] if press.slide is None else [JointPosition(*press.slide_guide)]
     forces: list[GeneralizedForce] = []
     for load in loads:
         coordinate: Coordinate | None = None
@@ -348,10 +338,7 @@ def _of_loads(press: Linkage, loads: Sequence[Load]) -> "tuple[list[Coordinate],
 def _driving(row: int, drive: Drive) -> GeneralizedForce:
     """The torque of a drive along the angle of its joint, coordinate ``row``."""
 
-    def torque(angle: Any, speed: Any) -> Any:
-        return drive.torque(speed)
-
-    always = (ForceInterval(math.inf, -math.inf, torque),)
+    always = (ForceInterval(math.inf, -math.inf, partial(_torque, drive)),)
     return GeneralizedForce(row, 0.0, always, always, drive=drive)
 
 
@@ -451,8 +438,16 @@ def _one(position: Any, velocity: Any) -> Any:
 
 
 def _spring(press: Linkage, load: SpringDamper, row: int) -> tuple[Coordinate, GeneralizedForce]:
-    def push(length: Any, rate: Any) -> Any:
-        return load.stiffness * (load.free_length - length) - load.damping * rate
-
-    always = (ForceInterval(math.inf, -math.inf, push),)
+    always = (ForceInterval(math.inf, -math.inf, partial(_push, load)),)
     return Length(*applied_loads.spring_ends(load, press)), GeneralizedForce(row, 0.0, always, always)
+
+
+# Functions of the module, and not within others, so that what is simulated can be pickled.
+
+
+def _push(spring: SpringDamper, length: Any, rate: Any) -> Any:
+    return spring.stiffness * (spring.free_length - length) - spring.damping * rate
+
+
+def _torque(drive: Drive, angle: Any, speed: Any) -> Any:
+    return drive.torque(speed)

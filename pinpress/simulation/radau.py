@@ -40,8 +40,10 @@ class Rule(NamedTuple):
 
     Attributes:
         nodes: (s,) of a step, from 0 to 1, the last one at its end.
-        matrix: (s, s) integral over the step up to a node, from rates at the nodes. inverse: (s, s) its inverse.
-        embedded: (s,) difference of the embedded formula's weights and the method's. start: weight of the rate at the start in it.
+        matrix: (s, s) integral over the step up to a node, from rates at the nodes.
+        inverse: (s, s) of the matrix.
+        embedded: (s,) difference of the embedded formula's weights and the method's.
+        start: weight of the rate at the start in the embedded formula.
         series: (s + 1, s) Legendre series over the step of the polynomial through changes at the nodes, and none at the start.
         integral: (s + 1, s) Legendre series over the step, of the integral of the polynomial through values at the nodes.
     """

@@ -16,7 +16,7 @@ from ..drives.protocol import Drive
 from ..kinematics.motion import Motion, motion_through_change_points, of_states
 from . import law_trials as laws
 from . import reduced_model as reduced
-from .driven_press import DrivenPress, JointAngle
+from .driven_press import DrivenPress, JointPosition
 from .failures import failure
 from .solvers import SimulationProblem
 from .trajectory import DRIVE_WORK, INTEGRALS, LOAD_WORK, LOST, Sample, Trajectory
@@ -170,7 +170,7 @@ def _torques(driven: DrivenPress, speed: Array) -> Array:
     rows = {joint: k for k, joint in enumerate(press.driver_indices)}
     for force in driven.forces:
         coordinate = driven.coordinates[force.row]
-        if force.drive is not None and isinstance(coordinate, JointAngle):
+        if force.drive is not None and isinstance(coordinate, JointPosition):
             k = rows[coordinate.joint]
             torque[k] = force.drive.torque(speed[k])
     return torque

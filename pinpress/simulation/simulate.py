@@ -65,12 +65,17 @@ def simulate(
     """Let a press run; several scenarios at once: `simulate_batch`.
 
     Args:
-        duration: [s]. speed, angle: of the crank at the start [rad/s, rad].
-        drive: what turns the crank, see `pinpress.drives`; None: nothing. flywheel: its inertia at the driver joint.
+        press: the linkage.
+        duration: of the run [s].
+        speed: of the crank at the start [rad/s].
+        angle: of the crank at the start [rad].
+        drive: what turns the crank, see `pinpress.drives`; None: nothing.
+        flywheel: its inertia stands at the driver joint, on the drive's side of a clutch.
         loads: process loads of `pinpress.loads`, constant forces on links, springs and dampers.
         method: "auto", "reduced", "implicit" or "constraint", see the module. Where a linkage locks the first three end, "constraint" runs
             on through the lock.
-        clutch: between flywheel and crank; brake: on the crank.
+        clutch: between flywheel and crank; None: they turn together.
+        brake: on the crank.
         points: number of states returned; by default 120 a turn, and at least 120.
         step: fixed step of the classical Runge-Kutta method over time [s]; None: steps by error.
         tolerance: of the error of a step, beside 1 rad and the speeds of the crank.
@@ -81,8 +86,8 @@ def simulate(
 
     Raises:
         PinpressError: an argument that makes no sense.
-        SimulationError: the press stalls, runs against a lock, or has no inertia, or the energy does not balance: the error says when and
-            where.
+        SimulationError: the press stalls, runs against a lock, or has no inertia, or the energy does not balance: the error says when,
+            where, and for which reason of `failures`.
     """
     began = clock.perf_counter()
     if not isinstance(press, Linkage):
