@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import TYPE_CHECKING
 
 import numpy as np
 import pinocchio as pin
@@ -22,12 +23,14 @@ from ..engines.planar.engine import PlanarEngine
 from ..engines.planar.model import Plane
 from ..engines.spatial import model as spatial_model
 from ..engines.spatial.constraints import Rows
-from ..engines.spatial.forward_dynamics import ForwardDynamics
 from ..engines.spatial.kinematics import rank
 from ..engines.spatial.model import Spatial
 from .assembly import Assembly, as_drawn, assembled, followed, through_change_points
 from .memo import Model, keep_geometry, per_linkage
 from .urdf.document import Document
+
+if TYPE_CHECKING:
+    from ..engines.spatial.forward_dynamics import ForwardDynamics
 
 EVEN = 1e-9  # of its moment of inertia, or of the linkage's size: unbalance of a shaft that is rounding
 
@@ -310,6 +313,8 @@ class Linkage(Frozen):
         Raises:
             PinpressError: an armature of another shape, or not finite.
         """
+        from ..engines.spatial.forward_dynamics import ForwardDynamics  # only simulation over time needs it, and it is slow to import
+
         return ForwardDynamics(self.spatial, self.closed, self.rank, armature, self.name)
 
     def link_of(self, joint: int) -> str:

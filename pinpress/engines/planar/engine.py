@@ -15,10 +15,8 @@ from ..closure import Closure
 from ..constant_rows import product
 from ..engine import CloseDrivers, ClosedStates, EnergyRates, PowerBalance
 from ..forces import AppliedConditions, AppliedForce, Wrenches
-from ..spatial import inverse_dynamics as spatial_dynamics
 from ..spatial.model import Spatial
-from . import energy, kinematics, out_of_plane
-from . import inverse_dynamics as dynamics
+from . import kinematics
 from .bodies import Bodies
 from .bodies import build as bodies_of
 from .model import Plane, build, in_space
@@ -110,18 +108,30 @@ class PlanarEngine:
     # ------------------------------------------------------------------------------------------------------------------ dynamics
 
     def inverse_dynamics(self, states: ClosedStates, under: AppliedConditions, wanted: Sequence[int]) -> Wrenches:
-        return dynamics.inverse_dynamics(self.bodies, self._closed(states), under, wanted)
+        from .inverse_dynamics import inverse_dynamics  # slow to import, and not needed to load
+
+        return inverse_dynamics(self.bodies, self._closed(states), under, wanted)
 
     def indeterminate(self, position: Array, axes: Array) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
+        # slow to import, and not needed to load
+        from ..spatial.inverse_dynamics import indeterminate as indeterminate_in_space
+        from .out_of_plane import indeterminate
+
         if self.plane.redundant:
-            return spatial_dynamics.indeterminate(self.general, position, axes)
-        return out_of_plane.indeterminate(self.plane, position, axes), np.zeros(len(self.general.couplings), dtype=bool)
+            return indeterminate_in_space(self.general, position, axes)
+        return indeterminate(self.plane, position, axes), np.zeros(len(self.general.couplings), dtype=bool)
 
     def power_balance(self, states: ClosedStates, loads: Sequence[AppliedForce]) -> PowerBalance:
+        from . import energy  # slow to import, and not needed to load
+
         return energy.power_balance(self.bodies, self._closed(states), loads)
 
     def energies(self, states: ClosedStates) -> EnergyRates:
+        from . import energy  # slow to import, and not needed to load
+
         return energy.energies(self.bodies, self._basis(states), states.v)
 
     def _closed(self, states: ClosedStates) -> ClosedStates:
-        return states if states.basis is not None else states._replace(basis=dynamics.closed_basis(self.plane, states.position))
+        from .inverse_dynamics import closed_basis  # slow to import, and not needed to load
+
+        return states if states.basis is not None else states._replace(basis=closed_basis(self.plane, states.position))

@@ -12,7 +12,7 @@ from ...common.arrays import Array
 from ..closure import Closure
 from ..engine import CloseDrivers, ClosedStates, EnergyRates, PowerBalance
 from ..forces import AppliedConditions, AppliedForce, Wrenches
-from . import energy, inverse_dynamics, kinematics
+from . import kinematics
 from .model import Spatial
 
 
@@ -69,21 +69,33 @@ class SpatialEngine:
     # -------------------------------------------------------------------------------------------------------------------- motion
 
     def point_motion(self, states: ClosedStates, joint: int, point: Array) -> tuple[Array, Array]:
+        from . import energy  # slow to import, and not needed to load
+
         return energy.point_motion(self.constants, states, joint, point)
 
     def point_accelerations(self, states: ClosedStates, joint: int, points: Array) -> tuple[Array, Array]:
+        from . import energy  # slow to import, and not needed to load
+
         return energy.point_accelerations(self.constants, states, joint, points)
 
     # ------------------------------------------------------------------------------------------------------------------ dynamics
 
     def inverse_dynamics(self, states: ClosedStates, under: AppliedConditions, wanted: Sequence[int]) -> Wrenches:
+        from . import inverse_dynamics  # slow to import, and not needed to load
+
         return inverse_dynamics.inverse_dynamics(self.constants, states, under, wanted)
 
     def indeterminate(self, position: Array, axes: Array) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
+        from . import inverse_dynamics  # slow to import, and not needed to load
+
         return inverse_dynamics.indeterminate(self.constants, position, axes)
 
     def power_balance(self, states: ClosedStates, loads: Sequence[AppliedForce]) -> PowerBalance:
+        from . import energy  # slow to import, and not needed to load
+
         return energy.power_balance(self.constants, states, loads)
 
     def energies(self, states: ClosedStates) -> EnergyRates:
+        from . import energy  # slow to import, and not needed to load
+
         return energy.energies(self.constants, states)
