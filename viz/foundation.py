@@ -25,7 +25,7 @@ def page(model: vibration.Vibration) -> str:
     modes = foundation.modes(real)
     before = ["| press, idle at 350 per min | shaking force, rms | top beam, rms | floor, rms |", "|---|---:|---:|---:|"]
     for name, system in model.machines.items():
-        response = foundation.over_speeds(system, [vibration.AT], vibration.POINTS)
+        response = foundation.over_speeds(system, [vibration.AT], points=vibration.POINTS)
         top = float(np.linalg.norm(response.rms["top beam"][0]))
         before.append(f"| {name} | {response.shaking_force[0]:.4g} N | {top:.2g} m/s² | {response.floor_force[0]:.4g} N |")
     listed = ["| mode | frequency | speed | damping ratio |", "|---|---:|---:|---:|"]
@@ -61,7 +61,7 @@ def pads(system: foundation.MountedPress) -> str:
             modes = foundation.modes(trial)
             sway = modes.natural_frequency[modes.motion.index("along x")]
             two, three, most = np.linalg.norm(
-                foundation.over_speeds(trial, np.array([200, 300, 350]) * pp.RPM, vibration.POINTS).rms["top beam"], axis=1
+                foundation.over_speeds(trial, np.array([200, 300, 350]) * pp.RPM, points=vibration.POINTS).rms["top beam"], axis=1
             )
             lines.append(
                 f"| {width:g} x {width:g} m, {hardness} Shore A | {sway / 2 / np.pi:.2f} Hz, {sway / pp.RPM:.0f} per min"
@@ -105,7 +105,7 @@ def picture(model: vibration.Vibration) -> Figure:
         figures.legend(panels[1, 0], lines, list(model.machines), loc="lower right", bbox_to_anchor=(1.0, 0.4))
         frequency, plain = np.geomspace(1, 300, 600), model.machines["plain"]
         lines = [
-            panels[1, 1].loglog(frequency, foundation.transmissibility(plain, 2 * np.pi * frequency, axis), color=colour)[0]
+            panels[1, 1].loglog(frequency, foundation.transmissibility(plain, 2 * np.pi * frequency, axis=axis), color=colour)[0]
             for axis, colour in (("x", figures.COLOURS[0]), ("z", figures.COLOURS[1]))
         ]
         panels[1, 1].set_xlabel("frequency [Hz]")

@@ -14,6 +14,6 @@ from .response import time_response as time_response
 from .speed_response import SpeedResponse as SpeedResponse
 from .speed_response import over_speeds as over_speeds
 from .speed_response import transmissibility as transmissibility
-from .vibration_modes import Modes as Modes
+from .vibration_modes import VibrationModes as VibrationModes
 from .vibration_modes import logarithmic_decrement as logarithmic_decrement
 from .vibration_modes import modes as modes

@@ -11,7 +11,6 @@ from ..common.arrays import Array
 from ..common.errors import PinpressError, UnknownNameError
 from ..common.frozen import FrozenMapping
 from ..common.results import Tabular
-from . import tables as frame_tables
 from .mounted_press import MountedPress
 
 NOTHING = 1e-9  # of the weight: a shaking force that is rounding
@@ -22,11 +21,16 @@ class FrameMotion(Tabular):
     """Vibration about the static position at n states. All arrays are read-only.
 
     Attributes:
-        system: the press on its mounts. time: (n,) [s]. period: [s] where the motion is one period, its end left out; else None.
-        displacement, velocity, acceleration: name of a point -> (n, 3), world axes [m, m/s, m/s2].
+        system: the press on its mounts.
+        time: (n,) of the states [s].
+        period: of a motion that is one period, its end left out [s]; else None.
+        displacement: name of a point -> (n, 3) in world axes [m].
+        velocity: name of a point -> (n, 3) in world axes [m/s].
+        acceleration: name of a point -> (n, 3) in world axes [m/s2].
         coordinates: (n, coordinates) of the frame's parts, see `mounted_press` [m, rad].
         mount_force: (n, mounts, 3) what each mount exerts on the frame beside its static load [N].
-        floor_force: (n, 3) what the mounts exert on the floor beside the weight [N]; floor_moment: (n, 3) about the world origin [N m].
+        floor_force: (n, 3) what the mounts exert on the floor beside the weight [N].
+        floor_moment: (n, 3) of these forces about the world origin [N m].
         shaking_force: (n, 3) of the machine beside its weight [N].
     """
 
@@ -48,7 +52,28 @@ class FrameMotion(Tabular):
         return f"FrameMotion of {self.system.press.name}: {len(self.time)} states, {self.time[-1]:.6g} s, points {points}"
 
     def __str__(self) -> str:
-        return frame_tables.motion_text(self)
+        """Points, forces and mounts; units beside every number."""
+        over = f"one period of {self.period:.6g} s" if self.period is not None else f"{self.time[-1]:.6g} s from rest"
+        lines = [
+            f"{self.system.press.name} on {len(self.system.mounts)} mounts: {over}",
+            f"  {'acceleration [m/s2]':<24}{'rms x':>12}{'rms y':>12}{'rms z':>12}{'peak x':>12}{'peak y':>12}{'peak z':>12}",
+        ]
+        for point in self.acceleration:
+            numbers = [*self.rms(point), *self.peak(point)]
+            lines.append(f"  {point:<24}" + "".join(f"{number:12.4g}" for number in numbers))
+        lines += [
+            f"  {'shaking force, rms':<24}{spread(self.shaking_force):12.4g} N",
+            f"  {'force on the floor, rms':<24}{spread(self.floor_force):12.4g} N",
+        ]
+        least = self.least_load
+        number = int(least.argmin())
+        lifts = ", which lifts off unless it is bolted down" if least[number] < 0 else ""
+        lines.append(f"  {'least load on a mount':<24}{least[number]:12.4g} N on mount {number}{lifts}")
+        pressures = [pressure for pressure in self.system.pressure if pressure is not None]
+        if pressures:
+            lines.append(f"  {'mean pressure at rest':<24}{max(pressures) / 1e6:12.4g} MPa at most")
+        lines.append(f"  {'sag at rest':<24}{1e3 * np.abs(self.system.sag[:, 2]).max():12.4g} mm at most")
+        return "\n".join(lines)
 
     @classmethod
     def of(
@@ -61,7 +86,17 @@ class FrameMotion(Tabular):
         forcing: Array,
         period: float | None,
     ) -> FrameMotion:
-        """From displacements, velocities and accelerations of the coordinates, (n, coordinates) each, and rows (3, coordinates)."""
+        """The motion of points from that of the coordinates.
+
+        Args:
+            system: the press on its mounts.
+            time: (n,) of the states [s].
+            points: name of a point -> (3, coordinates) its displacement for each coordinate.
+            motion: displacements, velocities and accelerations of the coordinates, (n, coordinates) each.
+            mount_force: (n, mounts, 3) what each mount exerts on the frame beside its static load [N].
+            forcing: (n, coordinates) wrenches on the parts of the frame [N, N m].
+            period: of a motion that is one period [s].
+        """
         moved = [{name: _fixed(values @ rows.T) for name, rows in points.items()} for values in motion]
         places = np.array([mount.point for mount in system.mounts])
         shaking = sum(forcing[:, 6 * part : 6 * part + 3] for part in range(system.parts))
@@ -93,13 +128,19 @@ class FrameMotion(Tabular):
 
     @property
     def least_load(self) -> Array:
-        """(mounts,) smallest load on each mount, static one included [N]; negative: one that is not bolted down lifts off, and the linear
-        model does not hold."""
+        """(mounts,) smallest load on each mount, static one included [N].
+
+        Where it is negative, a mount that is not bolted down lifts off, and the linear model does not hold.
+        """
         least: Array = (self.system.mount_load[:, 2] + self.mount_force[:, :, 2]).min(axis=0)
         return least
 
     def rms(self, point: str) -> Array:
-        """(3,) root mean square of a point's acceleration about its mean [m/s2]. Raises as `peak`."""
+        """(3,) root mean square of a point's acceleration about its mean, in world axes [m/s2].
+
+        Raises:
+            UnknownNameError: no such point.
+        """
         return np.asarray(self._of(point).std(axis=0))
 
     def peak(self, point: str) -> Array:

@@ -35,8 +35,11 @@ class Isolation(Tabular):
     """The stiffest mounts that isolate. All arrays are read-only.
 
     Attributes:
-        system: the press on them. mounts: these mounts. factor: their stiffness by that of the mounts given [-].
-        speed: (s,) [rad/s]. transmitted: (s,) force on the floor by shaking force there [-].
+        system: the press on them.
+        mounts: these mounts.
+        factor: their stiffness by that of the mounts given [-].
+        speed: (s,) of the crank [rad/s].
+        transmitted: (s,) force on the floor by shaking force at each speed [-].
     """
 
     system: MountedPress
@@ -84,6 +87,7 @@ def isolate(
     press: Linkage,
     frame: Frame,
     mounts: Sequence[Mount],
+    *,
     speeds: ArrayLike,
     transmitted: float,
     sag: float | None = None,
@@ -91,6 +95,8 @@ def isolate(
     """The stiffest mounts with which the idle press passes on at most a share of its shaking force, at every one of its speeds.
 
     Args:
+        press: with one driver that turns fully.
+        frame: in one part.
         mounts: where they stand, and their ratios of stiffness. All their stiffnesses are multiplied by one factor, their damping by its
             root, which keeps damping ratios as they are.
         speeds: (s,) of the crank, rising, close enough that no resonance falls between two [rad/s].

@@ -33,7 +33,6 @@ from ..common.tables import Column
 from ..engines.coordinates import data_of
 from ..kinematics.motion import cycle
 from ..linkage.linkage import Linkage
-from . import tables as frame_tables
 from .matrices import body_inertia, centre_of, refuse_loose, refuse_pulled, rows_at, springs_together, turning_stiffness, weight_wrench
 from .mounts import Frame, Mount, listed_mounts
 
@@ -45,13 +44,20 @@ class MountedPress(Tabular):
     """A press on its mounts; made by `mounted`. All arrays are read-only; n coordinates, 6 a part (see the module).
 
     Attributes:
-        press: the press. frame: the frame, or its bed. crown: the part that carries crank and guides, None where the frame is one part.
-        mounts: between floor and frame. uprights: between bed and crown.
-        mass: (n, n) of frame and press, moving masses at their mean. damping: (n, n) viscous.
-        stiffness: (n, n) of vibrations, with what the weight takes away. loss: (n, n) imaginary part of it.
-        weight: (n,) wrench of all weights about the world origin [N, N m]. press_weight: (6,) of that, the links of the press.
-        press_inertia: (6, 6) of them, see `press_inertia`.
-        mount_load: (mounts, 3) what each mount exerts on the frame at rest [N]. sag: (mounts, 3) displacement of each from unloaded [m].
+        press: the press.
+        frame: the frame, or its bed.
+        crown: the part that carries crank and guides; None where the frame is one part.
+        mounts: between floor and frame.
+        uprights: between bed and crown.
+        mass: (n, n) of frame and press, moving masses at their mean.
+        damping: (n, n) viscous.
+        stiffness: (n, n) of vibrations, with what the weight takes away.
+        loss: (n, n) imaginary part of the stiffness.
+        weight: (n,) wrench of all weights about the world origin [N, N m].
+        press_weight: (6,) of that, the links of the press.
+        press_inertia: (6, 6) of the links of the press, see `press_inertia`.
+        mount_load: (mounts, 3) what each mount exerts on the frame at rest [N].
+        sag: (mounts, 3) displacement of each mount from unloaded [m].
     """
 
     press: Linkage
@@ -74,7 +80,19 @@ class MountedPress(Tabular):
         return f"MountedPress {self.press.name}: {self.total_mass:.6g} kg on {len(self.mounts)} mounts"
 
     def __str__(self) -> str:
-        return frame_tables.standing_text(self)
+        """Loads, sag and pressure of the mounts at rest."""
+        x, y, z = self.centre
+        lines = [
+            f"{self.press.name} on its mounts at rest: {self.total_mass:.6g} kg, centre of mass {x:.4g}, {y:.4g}, {z:.4g} m",
+            f"  {'mount at':<28}{'load':>14}{'share':>10}{'sag':>14}{'pressure':>14}",
+        ]
+        for mount, load, share, sag, pressure in zip(
+            self.mounts, self.mount_load[:, 2], self.load_share, self.sag[:, 2], self.pressure, strict=True
+        ):
+            place = ", ".join(f"{coordinate:.4g}" for coordinate in mount.point) + " m"
+            last = "" if pressure is None else f"{pressure / 1e6:10.4g} MPa"
+            lines.append(f"  {place:<28}{load:12.5g} N{100 * share:8.2f} %{-1e3 * sag:11.4g} mm{last}")
+        return "\n".join(lines)
 
     def columns(self) -> dict[str, Column]:
         """Mounts as columns, one a row: place, load and share of the weight, sag, pressure."""
@@ -124,7 +142,7 @@ class MountedPress(Tabular):
 
 @typed
 def mounted(
-    press: Linkage, frame: Frame, mounts: Sequence[Mount], crown: Frame | None = None, uprights: Sequence[Mount] = ()
+    press: Linkage, frame: Frame, mounts: Sequence[Mount], *, crown: Frame | None = None, uprights: Sequence[Mount] = ()
 ) -> MountedPress:
     """Stand a press on its mounts.
 
@@ -132,7 +150,8 @@ def mounted(
         press: its links ride with the frame, or with the crown; their inertia is averaged over a period, mostly one turn of the crank.
         frame: the frame in one part; with ``crown`` its lower part, the bed, on which the loads on the frame act (the process force).
         mounts: between floor and frame.
-        crown: upper part of the frame, which carries crank and guides. uprights: springs between the two, as mounts.
+        crown: upper part of the frame, which carries crank and guides.
+        uprights: springs between the two, as mounts.
 
     Raises:
         PinpressError: arguments of other kinds, a crank that does not turn fully, mounts that leave the frame free or are pulled by
@@ -155,7 +174,13 @@ def with_mounts(system: MountedPress, mounts: Sequence[Mount]) -> MountedPress:
 
 @typed
 def press_inertia(press: Linkage) -> Array:
-    """(6, 6) mean spatial inertia of all links about the world origin over one period; linear, then angular.
+    """Mean spatial inertia of all links about the world origin over one period.
+
+    Args:
+        press: with one driver that turns fully.
+
+    Returns:
+        (6, 6), linear before angular [kg, kg m, kg m2].
 
     Raises:
         PinpressError: the crank does not turn fully, or there are several.

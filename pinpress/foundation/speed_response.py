@@ -38,12 +38,16 @@ class SpeedResponse(Tabular):
     """Steady vibration of an idle press at each of (s,) speeds. All arrays are read-only.
 
     Attributes:
+        press_name: of the press.
         speed: (s,) of the crank [rad/s].
-        rms, peak: name of a point -> (s, 3) acceleration [m/s2]; displacement: name -> (s, 3) largest displacement [m].
-        shaking_force, floor_force: (s,) root of the mean of the squares, all components together, beside the weight [N].
+        rms: name of a point -> (s, 3) root mean square of its acceleration about its mean [m/s2].
+        peak: name of a point -> (s, 3) largest absolute acceleration [m/s2].
+        displacement: name of a point -> (s, 3) largest absolute displacement [m].
+        shaking_force: (s,) root of the mean of its squares, all components together, beside the weight [N].
+        floor_force: (s,) force on the floor, likewise [N].
     """
 
-    press: str
+    press_name: str
     speed: Array
     rms: Mapping[str, Array]
     peak: Mapping[str, Array]
@@ -54,12 +58,12 @@ class SpeedResponse(Tabular):
     @property
     def title(self) -> str:
         speeds, most = f"{self.speed[0]:.4g} to {self.speed[-1]:.4g} rad/s", self.floor_force.max()
-        return f"SpeedResponse of {self.press}: {len(self.speed)} speeds, {speeds}, force on the floor up to {most:.4g} N"
+        return f"SpeedResponse of {self.press_name}: {len(self.speed)} speeds, {speeds}, force on the floor up to {most:.4g} N"
 
     def __str__(self) -> str:
         head = "".join(f"{point + ' [m/s2]':>20}" for point in self.rms)
         lines = [
-            f"{self.press} idle on its mounts: root mean square of the acceleration, all directions",
+            f"{self.press_name} idle on its mounts: root mean square of the acceleration, all directions",
             f"  {'speed':>14}{head}{'shaking':>14}{'floor':>14}",
         ]
         for k, speed in enumerate(self.speed):
@@ -75,13 +79,16 @@ class SpeedResponse(Tabular):
             PinpressError: nothing shakes at one of the speeds.
         """
         if not self.shaking_force.all():
-            raise PinpressError(f"no force of {self.press} shakes the frame: there is nothing to transmit")
+            raise PinpressError(f"no force of {self.press_name} shakes the frame: there is nothing to transmit")
         return self.floor_force / self.shaking_force
 
     def growth(self, point: str) -> Array:
-        """(s,) exponent p with which a point's acceleration, all directions, grows as speed^p, from speed to speed.
+        """(s,) exponent p with which a point's acceleration, all directions, grows as speed^p, from speed to speed [-].
 
-        2 on mounts far stiffer than the speed; more towards a resonance. Needs two speeds, and a point that vibrates.
+        It is 2 on mounts far stiffer than the speed, and more towards a resonance.
+
+        Raises:
+            PinpressError: fewer than two speeds at which the point vibrates.
         """
         size = np.linalg.norm(self.rms[point], axis=1)
         if len(size) < 2 or not size.all():
@@ -98,11 +105,13 @@ class SpeedResponse(Tabular):
 
 
 @typed
-def over_speeds(system: MountedPress, speeds: ArrayLike, points: Points) -> SpeedResponse:
+def over_speeds(system: MountedPress, speeds: ArrayLike, *, points: Points) -> SpeedResponse:
     """The steady vibration of the idle press at many speeds.
 
     Args:
-        speeds: (s,) of the crank, rising, positive [rad/s]. points: as of `frame_response.steady_response`.
+        system: the press on its mounts.
+        speeds: (s,) of the crank, rising, positive [rad/s].
+        points: as of `steady_response`.
 
     Raises:
         PinpressError: speeds that are none, points that are none.
@@ -115,7 +124,7 @@ def over_speeds(system: MountedPress, speeds: ArrayLike, points: Points) -> Spee
     by_point = {name: np.einsum("ij,skj->ski", at, amplitude) for name, at in rows.items()}
     acceleration = {name: -(frequency[..., None] ** 2) * values for name, values in by_point.items()}
     return SpeedResponse(
-        press=system.press.name,
+        press_name=system.press.name,
         speed=_fixed(speed),
         rms=FrozenMapping({name: _fixed(_rms(values, states)) for name, values in acceleration.items()}),
         peak=FrozenMapping({name: _fixed(_largest(values, states)) for name, values in acceleration.items()}),
@@ -126,11 +135,16 @@ def over_speeds(system: MountedPress, speeds: ArrayLike, points: Points) -> Spee
 
 
 @typed
-def transmissibility(system: MountedPress, frequency: ArrayLike, axis: str = "z") -> Array:
-    """(f,) force on the floor along an axis by that of a harmonic force along it, through the mean centre of mass [-].
+def transmissibility(system: MountedPress, frequency: ArrayLike, *, axis: str = "z") -> Array:
+    """Force on the floor along an axis by that of a harmonic force along it, through the mean centre of mass.
 
     Args:
-        frequency: (f,) angular frequencies, rising, positive [rad/s]. axis: "x", "y" or "z".
+        system: the press on its mounts.
+        frequency: (f,) angular frequencies, rising, positive [rad/s].
+        axis: "x", "y" or "z".
+
+    Returns:
+        (f,) ratios of the amplitudes [-].
 
     Raises:
         PinpressError: frequencies or an axis that are none.

@@ -20,20 +20,21 @@ MOTIONS = ("along x", "along y", "along z", "rocking about x", "rocking about y"
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Modes(Tabular):
-    """Modes of free vibration, n of them in the order of their frequencies. All arrays are read-only.
+class VibrationModes(Tabular):
+    """VibrationModes of free vibration, n of them in the order of their frequencies. All arrays are read-only.
 
     Attributes:
-        natural_frequency: (n,) undamped [rad/s]. shapes: (n, n) a mode a column, in the coordinates of `MountedPress`, undamped, of modal
-            mass 1 kg.
-        damped_frequency: (n,) [rad/s], zero of a mode that creeps back without swinging. damping_ratio: (n,) of the critical one, 1 and
-            more there.
+        press_name: of the press.
+        natural_frequency: (n,) undamped [rad/s].
+        shapes: (n, n) a mode a column, in the coordinates of `MountedPress`, undamped, of modal mass 1 kg.
+        damped_frequency: (n,) zero of a mode that creeps back without swinging [rad/s].
+        damping_ratio: (n,) of the critical damping, 1 and more of a mode that creeps back [-].
         eigenvalues: (2 n,) of u'' + ... in first order, from which these two come [1/s]; paired by the order of their absolute values.
         motion: (n,) what has the most of each mode's kinetic energy, about the centres of mass: "along z", "rocking about y", ...;
             "stretching" of a mode in which bed and crown move against each other.
     """
 
-    press: str
+    press_name: str
     natural_frequency: Array
     shapes: Array
     damped_frequency: Array
@@ -43,10 +44,10 @@ class Modes(Tabular):
 
     @property
     def title(self) -> str:
-        return f"Modes of {self.press}: {', '.join(f'{f / (2 * np.pi):.4g}' for f in self.natural_frequency)} Hz"
+        return f"VibrationModes of {self.press_name}: {', '.join(f'{f / (2 * np.pi):.4g}' for f in self.natural_frequency)} Hz"
 
     def __str__(self) -> str:
-        lines = [f"{self.press} on its mounts: modes", f"  {'motion':<18}{'frequency':>12}{'speed':>18}{'damping ratio':>15}"]
+        lines = [f"{self.press_name} on its mounts: modes", f"  {'motion':<18}{'frequency':>12}{'speed':>18}{'damping ratio':>15}"]
         for motion, frequency, ratio in zip(self.motion, self.natural_frequency / (2 * np.pi), self.damping_ratio, strict=True):
             lines.append(f"  {motion:<18}{frequency:9.3f} Hz{60 * frequency:10.1f} per min{ratio:15.4f}")
         return "\n".join(lines)
@@ -71,10 +72,13 @@ class Modes(Tabular):
 
 
 @typed
-def modes(system: MountedPress) -> Modes:
+def modes(system: MountedPress) -> VibrationModes:
     """Natural frequencies (of M, K), and damping from the eigenvalues of the damped system in first order.
 
     A loss factor is taken as the viscous damping that loses the same at each mode's own frequency (`quadrature`).
+
+    Args:
+        system: the press on its mounts.
 
     Raises:
         PinpressError: no `MountedPress`.
@@ -90,8 +94,8 @@ def modes(system: MountedPress) -> Modes:
     loss = np.concatenate([-swinging.real, -0.5 * (slow + fast)])
     damped = np.concatenate([swinging.imag, np.zeros(half)])
     order = np.argsort(size)
-    return Modes(
-        press=system.press.name,
+    return VibrationModes(
+        press_name=system.press.name,
         natural_frequency=frequency,
         shapes=shapes,
         damped_frequency=damped[order],
@@ -129,6 +133,9 @@ def logarithmic_decrement(signal: Array) -> float:
     """Mean logarithmic decrement of a decaying vibration (n,): of the peaks of its absolute value, two a period, by least squares.
 
     ln(peak / peak a period later); of a damping ratio z it is 2 pi z / sqrt(1 - z^2).
+
+    Args:
+        signal: (n,) one component of a vibration, in equal steps of time.
 
     Raises:
         PinpressError: no (n,) of finite numbers, or fewer than three peaks.

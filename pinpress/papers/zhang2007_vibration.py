@@ -70,7 +70,7 @@ class Vibration:
     @cached_property
     def over(self) -> dict[str, SpeedResponse]:
         """Idle, over the range of speeds."""
-        return {name: foundation.over_speeds(system, SPEEDS, POINTS) for name, system in self.machines.items()}
+        return {name: foundation.over_speeds(system, SPEEDS, points=POINTS) for name, system in self.machines.items()}
 
     @cached_property
     def idle(self) -> FrameMotion:
@@ -101,7 +101,7 @@ class Vibration:
         ends = ", ".join(f"{point} {_size(self.idle.rms(point)):.3f}" for point in POINTS)
         seen, damped = _decay(system, self.struck)
         lowest, stretching = (modes.natural_frequency[k] / (2 * np.pi) for k in (0, modes.motion.index("stretching")))
-        soft = foundation.isolate(self.machines["plain"].press, WHOLE, SPRINGS, SPEEDS[WORKING], 0.6)
+        soft = foundation.isolate(self.machines["plain"].press, WHOLE, SPRINGS, speeds=SPEEDS[WORKING], transmitted=0.6)
         through = self.over["plain"].transmitted[: WORKING.stop].max()
         return (
             Finding(
@@ -154,7 +154,7 @@ class Vibration:
 
 def standing(press: Linkage, pad: RubberPad = PAD) -> MountedPress:
     """A press in the assumed frame, on four pads."""
-    return foundation.mounted(press, BED, [foundation.pad_mount(foot, pad) for foot in FEET], CROWN, COLUMNS)
+    return foundation.mounted(press, BED, [foundation.pad_mount(foot, pad) for foot in FEET], crown=CROWN, uprights=COLUMNS)
 
 
 def flywheel_alone(system: MountedPress) -> Array:

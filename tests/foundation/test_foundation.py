@@ -139,7 +139,7 @@ def test_stretching_of_bed_and_crown():
     """Two masses on a spring, hardly held: sqrt(k (1/m1 + 1/m2)); the mounts change the square by about k_mounts / k."""
     bed, crown = foundation.Frame(900.0, (0, 0, -0.8), (300, 300, 300)), foundation.Frame(600.0, (0, 0, 0.4), (200, 200, 200))
     columns = on_four((2e8, 3e8, 1e8), height=-0.2)
-    system = foundation.mounted(weightless(), bed, on_four((1e4, 1e4, 1e4)), crown, columns)
+    system = foundation.mounted(weightless(), bed, on_four((1e4, 1e4, 1e4)), crown=crown, uprights=columns)
     found = foundation.modes(system)
     stretching = found.natural_frequency[list(found.motion).index("stretching")]
     assert stretching == pytest.approx(np.sqrt(4e8 * (1 / 900 + 1 / 600)), rel=1e-4)
@@ -152,7 +152,7 @@ def test_stiffness_is_the_curvature_of_the_energy_of_bed_and_crown():
     bed, crown = foundation.Frame(3000.0, (0.1, -0.2, -0.8), (900, 900, 900)), foundation.Frame(1500.0, (0.3, 0.1, 1.1), (200, 200, 200))
     mounts = [replace(mount, stiffness=(3e4, 2e4, 5e4 + 1e4 * k)) for k, mount in enumerate(on_four((1.0, 1.0, 1.0)))]
     columns = [replace(mount, stiffness=(8e4, 7e4, 9e4 + 2e4 * k)) for k, mount in enumerate(on_four((1.0, 1.0, 1.0), height=0.5))]
-    system = foundation.mounted(weightless(), bed, mounts, crown, columns)
+    system = foundation.mounted(weightless(), bed, mounts, crown=crown, uprights=columns)
     rest = np.linalg.solve(sum_of_springs(mounts, columns), system.weight)
 
     def energy(x):

@@ -131,7 +131,7 @@ def test_speeds_at_once_are_those_one_by_one():
     press = loaded("jf75g_125")
     system = foundation.mounted(press, frame, mounts)
     speeds = np.array([15.0, 22.0, 40.0])
-    together = foundation.over_speeds(system, speeds, POINTS)
+    together = foundation.over_speeds(system, speeds, points=POINTS)
     for k, speed in enumerate(speeds):
         alone = foundation.steady_response(system, pp.inverse_dynamics(press, pp.cycle(press, speed, points=360)), points=POINTS)
         for point in POINTS:
@@ -146,7 +146,7 @@ def test_acceleration_grows_with_the_square_far_below_resonance():
     for stiffness, power in ((1e13, 4.0), (1e3, 2.0)):
         light = loaded("jf75g_125_plain", gravity=(0, 0, 0))
         system = foundation.mounted(light, frame, on_four((stiffness,) * 3, height=-0.5))
-        found = foundation.over_speeds(system, np.linspace(20, 40, 41), {"centre": (0, 0, -0.5)})
+        found = foundation.over_speeds(system, np.linspace(20, 40, 41), points={"centre": (0, 0, -0.5)})
         assert found.growth("centre")[20] == pytest.approx(power, abs=0.01)
 
 
@@ -243,7 +243,7 @@ def test_responses_are_written(tmp_path):
     table = np.genfromtxt(tmp_path / "response.csv", delimiter=",", names=True)
     np.testing.assert_array_equal(table["acceleration_top_x_ms2"], response.acceleration["top"][:, 0])
     np.testing.assert_array_equal(response.to_frame()["floor_force_z [N]"], response.floor_force[:, 2])
-    over = foundation.over_speeds(system, [20.0, 30.0], POINTS)
+    over = foundation.over_speeds(system, [20.0, 30.0], points=POINTS)
     over.to_csv(tmp_path / "speeds.csv")
     np.testing.assert_array_equal(over.to_frame()["rms_bed_y [m/s2]"], over.rms["bed"][:, 1])
     assert "force on the floor" in str(response)
@@ -260,7 +260,7 @@ def test_plots_have_a_curve_a_point():
     np.testing.assert_array_equal(
         figure.axes[0].lines[0].get_ydata(), response.acceleration["top"][response.time >= response.time[-1] - 0.1, 0]
     )
-    over = foundation.over_speeds(system, [20.0, 30.0], POINTS)
+    over = foundation.over_speeds(system, [20.0, 30.0], points=POINTS)
     figure = pp.plots.speed_response({"one": over}, "top")
     np.testing.assert_array_equal(figure.axes[1].lines[0].get_ydata(), over.transmitted)
 
@@ -289,13 +289,17 @@ def test_mounts_that_lift_off_are_named():
             PinpressError,
             "several scenarios",
         ),
-        (lambda s, r: foundation.over_speeds(s, [3.0, 2.0], {}), PinpressError, "speeds is"),
-        (lambda s, r: foundation.over_speeds(s, 3.0, {}), PinpressError, "speeds is 3.0"),
-        (lambda s, r: foundation.transmissibility(s, [1.0], "up"), PinpressError, "axis is 'up'"),
-        (lambda s, r: foundation.transmissibility(s, [1.0], {}), PinpressError, "axis is {}"),
-        (lambda s, r: foundation.over_speeds(s, [3.0], POINTS).growth("top"), PinpressError, "needs two speeds"),
+        (lambda s, r: foundation.over_speeds(s, [3.0, 2.0], points={}), PinpressError, "speeds is"),
+        (lambda s, r: foundation.over_speeds(s, 3.0, points={}), PinpressError, "speeds is 3.0"),
+        (lambda s, r: foundation.transmissibility(s, [1.0], axis="up"), PinpressError, "axis is 'up'"),
+        (lambda s, r: foundation.transmissibility(s, [1.0], axis={}), PinpressError, "axis is {}"),
+        (lambda s, r: foundation.over_speeds(s, [3.0], points=POINTS).growth("top"), PinpressError, "needs two speeds"),
         (lambda s, r: pp.plots.vibration({}), PinpressError, "nothing to draw"),
-        (lambda s, r: pp.plots.speed_response({"a": foundation.over_speeds(s, [3.0], {})}, "top"), UnknownNameError, "no point 'top'"),
+        (
+            lambda s, r: pp.plots.speed_response({"a": foundation.over_speeds(s, [3.0], points={})}, "top"),
+            UnknownNameError,
+            "no point 'top'",
+        ),
     ],
 )
 def test_what_makes_no_sense_is_named(call, error, says):
@@ -328,9 +332,9 @@ def test_a_press_that_shakes_nothing_transmits_nothing():
     with pytest.raises(PinpressError, match="nothing to transmit"):
         _ = response.transmitted
     with pytest.raises(PinpressError, match="nothing to transmit"):
-        _ = foundation.over_speeds(system, [3.0], {}).transmitted
+        _ = foundation.over_speeds(system, [3.0], points={}).transmitted
     with pytest.raises(PinpressError, match="needs no isolation"):
-        foundation.isolate(press, CENTRED, on_four((1e6, 1e6, 1e6)), [3.0], 0.1)
+        foundation.isolate(press, CENTRED, on_four((1e6, 1e6, 1e6)), speeds=[3.0], transmitted=0.1)
 
 
 @pytest.mark.parametrize("states", [30, 31])

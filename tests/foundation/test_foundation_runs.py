@@ -80,7 +80,7 @@ def test_stiff_columns_make_one_frame_of_two_parts():
     bodies = [pin.Inertia(part.mass, np.array(part.centre), part.tensor) for part in (BED, CROWN)]
     both = bodies[0] + bodies[1]
     rigid = foundation.mounted(press, foundation.Frame(both.mass, both.lever, both.inertia), MOUNTS)
-    split = foundation.mounted(press, BED, MOUNTS, CROWN, columns(6e13))
+    split = foundation.mounted(press, BED, MOUNTS, crown=CROWN, uprights=columns(6e13))
     together = np.vstack([np.eye(6), np.eye(6)])  # bed and crown as one: columns and their static forces cancel
     for one, two in ((rigid.mass, split.mass), (rigid.stiffness, split.stiffness), (rigid.loss, split.loss)):
         np.testing.assert_allclose(together.T @ two @ together, one, atol=1e-7 * np.abs(one).max())
@@ -97,7 +97,7 @@ def test_stiff_columns_make_one_frame_of_two_parts():
 def test_process_force_stretches_the_columns():
     """A force that hardly changes, as slowly as the press crawls: crown and bed part by force / stiffness of the columns."""
     press = loaded("jf75g_125_plain")
-    system = foundation.mounted(press, BED, MOUNTS, CROWN, columns(loss_factor=0.0))
+    system = foundation.mounted(press, BED, MOUNTS, crown=CROWN, uprights=columns(loss_factor=0.0))
     drawing = pp.loads.DeepDrawing(1e5, start=0.03)
     points = {"crown": ("crown", (0, 0, 0)), "bed": (0, 0, 0)}
     motion = pp.cycle(press, 0.01, points=720)
@@ -116,7 +116,7 @@ def test_process_force_stretches_the_columns():
 def test_piling_rings_down_with_the_damping_of_the_stretching_mode():
     """After the stroke the columns' rate of stretching decays by the mode's decrement: 2 pi z / sqrt(1 - z^2)."""
     press = loaded("jf75g_125_symmetric")
-    system = foundation.mounted(press, dataclasses.replace(BED, centre=(0, 0, -1)), MOUNTS, CROWN, columns(loss_factor=0.06))
+    system = foundation.mounted(press, dataclasses.replace(BED, centre=(0, 0, -1)), MOUNTS, crown=CROWN, uprights=columns(loss_factor=0.06))
     result = piling(press, 0.15, 6001)
     response = foundation.time_response(system, result, points={"crown": ("crown", (0, 0, 0)), "bed": (0, 0, 0)}, flywheel=FLYWHEEL)
     found = foundation.modes(system)
@@ -136,7 +136,7 @@ def test_piling_rings_down_with_the_damping_of_the_stretching_mode():
 def test_time_of_a_run_converges_with_its_states():
     """Jumps of the process force fall between states: first order, halving the step halves what is wrong."""
     press = loaded("jf75g_125_plain")
-    system = foundation.mounted(press, BED, MOUNTS, CROWN, columns())
+    system = foundation.mounted(press, BED, MOUNTS, crown=CROWN, uprights=columns())
     points = {"crown": ("crown", (0, 0, 0))}
     found = []
     for finer in (1, 8, 32):
@@ -186,14 +186,14 @@ SPRINGS = on_four((2e6, 2e6, 2e6), (2e3, 2e3, 2e3), height=-0.6)
 
 def test_isolating_mounts_are_the_stiffest_that_keep_the_limit():
     press = loaded("jf75g_125_plain")
-    found = foundation.isolate(press, FRAME, SPRINGS, SPEEDS, transmitted=0.2)
+    found = foundation.isolate(press, FRAME, SPRINGS, speeds=SPEEDS, transmitted=0.2)
     assert found.transmitted.max() <= 0.2
     stiffer = [
         dataclasses.replace(m, stiffness=tuple(1.002 * np.array(m.stiffness)), damping=tuple(np.sqrt(1.002) * np.array(m.damping)))
         for m in found.mounts
     ]
     for mounts, keeps in ((found.mounts, True), (stiffer, False)):
-        response = foundation.over_speeds(foundation.mounted(press, FRAME, mounts), SPEEDS, {})
+        response = foundation.over_speeds(foundation.mounted(press, FRAME, mounts), SPEEDS, points={})
         assert bool(response.transmitted.max() <= 0.2 * (1 + 1e-9)) is keeps
     # Mounts at the height of the centre of mass: the vertical mode alone, of closed form but for its damping and the small lateral force.
     assert found.stiffness[2] == pytest.approx(found.system.total_mass * SPEEDS[0] ** 2 * 0.2 / 1.2, rel=0.03)
@@ -205,13 +205,13 @@ def test_isolating_mounts_are_the_stiffest_that_keep_the_limit():
 def test_what_conflicts_is_named():
     press = loaded("jf75g_125_plain")
     with pytest.raises(PinpressError, match=r"isolation and sag conflict.*5 mm need"):
-        foundation.isolate(press, FRAME, SPRINGS, SPEEDS, transmitted=0.2, sag=0.005)
+        foundation.isolate(press, FRAME, SPRINGS, speeds=SPEEDS, transmitted=0.2, sag=0.005)
     with pytest.raises(PinpressError, match="no stiffness lets these mounts pass on at most 1e-06"):
-        foundation.isolate(press, FRAME, SPRINGS, SPEEDS, transmitted=1e-6)
+        foundation.isolate(press, FRAME, SPRINGS, speeds=SPEEDS, transmitted=1e-6)
     with pytest.raises(PinpressError, match=r"transmitted is 1\.5"):
-        foundation.isolate(press, FRAME, SPRINGS, SPEEDS, transmitted=1.5)
+        foundation.isolate(press, FRAME, SPRINGS, speeds=SPEEDS, transmitted=1.5)
     with pytest.raises(PinpressError, match="sag is 0"):
-        foundation.isolate(press, FRAME, SPRINGS, SPEEDS, transmitted=0.5, sag=0)
+        foundation.isolate(press, FRAME, SPRINGS, speeds=SPEEDS, transmitted=0.5, sag=0)
 
 
 def test_backwards_shakes_as_forwards_mirrored_in_time():

@@ -75,7 +75,9 @@ def test_vibration_of_a_press_that_is_geared_down(driven, alone):
     assert abs(mine.period / theirs.period - 1) < 1e-14
     size = np.abs(theirs.acceleration["top"]).max()
     np.testing.assert_allclose(mine.acceleration["top"], theirs.acceleration["top"], atol=1e-8 * size)
-    fast, slow = (foundation.over_speeds(system, k * np.array([10.0, 20.0]), points) for system, k in zip(systems, (3, 1), strict=True))
+    fast, slow = (
+        foundation.over_speeds(system, k * np.array([10.0, 20.0]), points=points) for system, k in zip(systems, (3, 1), strict=True)
+    )
     np.testing.assert_allclose(fast.rms["top"], slow.rms["top"], rtol=1e-7, atol=1e-9)
     np.testing.assert_allclose(fast.peak["top"], slow.peak["top"], rtol=1e-3, atol=1e-9)  # of other states
     np.testing.assert_allclose(fast.shaking_force, slow.shaking_force, rtol=1e-7)
@@ -88,7 +90,7 @@ def test_vibration_over_all_turns(press):
     system = foundation.mounted(press, *uneven())
     response = foundation.steady_response(system, pp.inverse_dynamics(press, pp.cycle(press, SPEED)), points=points)
     assert abs(response.period - 2 * np.pi * press.period_turns / SPEED) < 1e-14
-    some = foundation.over_speeds(system, [0.5 * SPEED, SPEED], points)
+    some = foundation.over_speeds(system, [0.5 * SPEED, SPEED], points=points)
     np.testing.assert_allclose(some.rms["top"][1], response.rms("top"), rtol=1e-7, atol=1e-12)
     np.testing.assert_allclose(some.peak["top"][1], np.abs(response.acceleration["top"]).max(axis=0), rtol=1e-7, atol=1e-12)
     one_turn = pp.inverse_dynamics(press, pp.servo_cycle(press, speed=SPEED, angle=np.radians(np.arange(360.0))))

@@ -40,7 +40,7 @@ MADE |= {
     "FrameMotion",
     "HarmonicChange",
     "Isolation",
-    "Modes",
+    "VibrationModes",
     "MountedPress",
     "SpeedResponse",
     "ForceInterval",

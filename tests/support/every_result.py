@@ -183,8 +183,8 @@ def made():
         *(pp.drives.ServoMotor([0.0, 1.0], [0.0, 7.0], 1e3, 1e2, 500.0), pp.drives.SlipClutchMotor(70.0, 160.0, 150.0, 100.0)),
         *(pp.drives.PrescribedSpeed(7.0), pp.drives.Geared(pp.drives.ConstantTorque(3.0), 4.0)),
         *(FRAME, *MOUNTS[:1], mounted(), response(), foundation.modes(mounted()), foundation.RubberPad(0.1, 0.1, 0.01, hardness=50)),
-        foundation.over_speeds(mounted(), [5.0, SPEED], {"head": (0.0, 0.0, 1.0)}),
-        foundation.isolate(press(), FRAME, MOUNTS, [50.0, 60.0], 0.5),
+        foundation.over_speeds(mounted(), [5.0, SPEED], points={"head": (0.0, 0.0, 1.0)}),
+        foundation.isolate(press(), FRAME, MOUNTS, speeds=[50.0, 60.0], transmitted=0.5),
         *(DEEP, pp.loads.ForceStroke([0.0, 0.1], [1e3, 2e3]), pp.loads.TimeForce(even, edges=[0.1]), *DEEP.intervals(True)),
         *(
             pp.loads.Idle(),

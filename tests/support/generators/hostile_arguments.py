@@ -131,7 +131,7 @@ def curve() -> pp.balancing.TradeOffCurve:
 
 @cache
 def response() -> foundation.SpeedResponse:
-    return foundation.over_speeds(system(), [5.0, 6.0], {"top": (0.0, 0.0, 1.0)})
+    return foundation.over_speeds(system(), [5.0, 6.0], points={"top": (0.0, 0.0, 1.0)})
 
 
 @cache
