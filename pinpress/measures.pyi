@@ -15,6 +15,6 @@ from .kinematics.slide_path import SlideMotion as SlideMotion
 from .kinematics.transmission_angles import bearing_positions as bearing_positions
 from .kinematics.transmission_angles import pressure_angle as pressure_angle
 from .kinematics.transmission_angles import transmission_angle as transmission_angle
-from .simulation.duty_cycle import Duty as Duty
-from .simulation.duty_cycle import duty as duty
-from .simulation.duty_cycle import strokes as strokes
+from .simulation.run import MotorDuty as MotorDuty
+from .simulation.run import duty_cycle as duty_cycle
+from .simulation.run import strokes as strokes

@@ -8,11 +8,9 @@ from ..common.errors import PinpressError
 from ..common.files import make_folder
 from ..common.units import RPM
 from ..dynamics.inverse_dynamics import inverse_dynamics
-from ..simulation.duty_cycle import strokes
-from ..simulation.run import Run
+from ..simulation.run import Run, simulation_summary, strokes
 from ..simulation.simulate import METHODS, simulate
 from ..simulation.steady_state import steady_state
-from ..simulation.summary import simulation_summary
 from ..visual.overlays import traced
 from . import part_specs
 from .options import (

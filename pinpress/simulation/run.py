@@ -1,25 +1,34 @@
-"""A simulated motion: its states, and how good they are."""
+"""A simulated motion: its states, how good they are, and what an engineer reads off it: speed drop, works, what the motor has to bear."""
 
 from __future__ import annotations
 
+import itertools
 import math
 import time as clock
+from collections.abc import Sequence
 from dataclasses import dataclass, fields
 from typing import Any
 
 import numpy as np
 
+from ..common.arguments import typed
 from ..common.arrays import Array
-from ..common.checks import whole_number
-from ..common.errors import PinpressError
+from ..common.checks import is_number, whole_number
+from ..common.errors import PinpressError, shown
+from ..common.results import Record, Records
+from ..common.units import RPM
 from ..drives.protocol import Drive
+from ..dynamics.inverse_dynamics import Reactions
+from ..dynamics.summary import _bearings
+from ..kinematics.dead_centres import stroke_turns
 from ..kinematics.motion import Motion, motion_through_change_points, of_states
+from ..linkage.linkage import Linkage
 from . import law_trials as laws
 from . import reduced_model as reduced
 from .driven_press import DrivenPress, JointPosition
 from .failures import failure
 from .solvers import SimulationProblem
-from .trajectory import DRIVE_WORK, INTEGRALS, LOAD_WORK, LOST, Sample, Trajectory
+from .trajectory import DRIVE_WORK, INTEGRALS, LOAD_WORK, LOST, MOTOR_SQUARED, Sample, Trajectory
 
 POINTS = 120  # states returned per turn of the crank, and at least
 MOST_POINTS = 1_000_000  # by default
@@ -27,6 +36,10 @@ LOOSE = 1e3  # energy error, in tolerances, that is none
 BALANCED = 1e-6  # energy error of a run, steps by error, that is none; more where a large tolerance is asked for
 ROUNDED = 1e-6  # of the potential energy
 ROUNDINGS, EPS = 8.0, float(np.finfo(float).eps)  # of a stiff drive's angle and speed, that the energy may tell
+ROUND = 1 + 1e-12  # rounding of times and turns
+STATES = 720  # looked at in a stroke, for extremes
+MOST_STROKES = 8  # listed in full
+FIRST_STROKES = 5  # listed of more, with the last one
 
 
 @dataclass(frozen=True)
@@ -34,15 +47,17 @@ class Stats:
     """What a run took, and how good it is.
 
     Attributes:
-        method: the equations solved, "reduced" or "constraint". solvers: what solved them, in the order in which they came: over the crank
-            "angle"; over time "explicit" (DOP853), "implicit" (Radau IIA) or by a "fixed step"; "repetition" of a swing; "standstill".
+        method: the equations solved, "reduced" or "constraint".
+        solvers: what solved them, in the order in which they came: over the crank "angle"; over time "explicit" (DOP853), "implicit"
+            (Radau IIA) or by a "fixed step"; "repetition" of a swing; "standstill".
         steps: of integration: panels over the crank angle, steps over time.
-        evaluations: of the equation of motion. wall_time: of the whole call [s].
+        evaluations: of the equation of motion.
+        wall_time: of the whole call [s].
         closure_error: largest gap of a loop in the states returned [m].
-        sensitivity: by how much more the crank angle goes astray than the start is moved, by an angle, or by a speed times the time, where
-            the run passes close to an unstable rest; None where it does not.
         energy_error: largest difference of kinetic and potential energy, worked out body by body from the states returned, and what drive
             and loads have put in, as a part of the largest of the kinetic energy, the works and 1e-6 of the potential energy.
+        sensitivity: by how much more the crank angle goes astray than the start is moved, by an angle, or by a speed times the time, where
+            the run passes close to an unstable rest; None where it does not.
     """
 
     method: str
@@ -61,12 +76,15 @@ class Run(Motion):
 
     Attributes:
         stats: see `Stats`.
-        drive_torque: (n,) of the drive, at the driver joint [N m]; positive along its axis. drive_speed: (n,) of the shaft it acts on,
-            before the clutch if there is one, at the driver joint [rad/s]. Both (n, drivers) where there are several drivers.
-        drive_work: (n,) work of the drive since the start [J]. load_work: (n,) work against the loads. lost: (n,) energy lost in clutch and
-            brake.
+        drive_torque: (n,) of the drive, at the driver joint [N m], positive along its axis; (n, drivers) where there are several drivers.
+        drive_speed: (n,) of the shaft on which the drive acts, before the clutch if there is one, at the driver joint [rad/s]; (n, drivers)
+            where there are several drivers.
+        drive_work: (n,) work of the drive since the start [J].
+        load_work: (n,) work against the loads since the start [J].
+        lost: (n,) energy lost in clutch and brake since the start [J].
         motor_squared: (n,) motor torque squared, summed up over time [N2 m2 s].
-        problem, trajectory: what was simulated, and the whole of its solution, which can be asked for at any time.
+        problem: what was simulated.
+        trajectory: the whole of its solution; ``trajectory.at(times)`` gives the states at any times (m,).
     """
 
     stats: Stats
@@ -204,3 +222,277 @@ def count_of(points: int | None, turns: float) -> int:
     if points is None:
         return int(min(MOST_POINTS, max(POINTS, math.ceil(POINTS * turns)))) + 1
     return whole_number("points", points, 2, 10**7)
+
+
+# ------------------------------------------------------------------------------------------------------------------------------------- duty
+
+UNITS = {
+    "start": "s",
+    "duration": "s",
+    "mean_speed": "rad/s",
+    "highest_speed": "rad/s",
+    "lowest_speed": "rad/s",
+    "speed_drop": "-",
+    "drive_work": "J",
+    "load_work": "J",
+    "lost": "J",
+    "flywheel_work": "J",
+    "recovery_time": "s",
+    "motor_rms": "N m",
+    "motor_peak": "N m",
+    "utilisation": "-",
+}
+
+
+@dataclass(frozen=True, repr=False)
+class MotorDuty(Record, units=UNITS):
+    """A stroke, or any other part of a run.
+
+    Attributes:
+        start: [s].
+        duration: [s].
+        mean_speed: angle between start and end by the duration [rad/s].
+        highest_speed: of the crank, its size [rad/s].
+        lowest_speed: of the crank, its size [rad/s].
+        speed_drop: highest less lowest speed, beside the mean.
+        drive_work: of the drive on the crank's shaft [J].
+        load_work: against the loads [J].
+        lost: in clutch and brake [J].
+        flywheel_work: that flywheel and drive give off from the highest to the lowest speed, J (w1^2 - w2^2) / 2 [J].
+        recovery_time: from the lowest speed to the highest, the part taken for periodic [s].
+        motor_rms: of the motor's torque at its own shaft [N m].
+        motor_peak: of the motor's torque at its own shaft, its size [N m].
+        utilisation: rms by rated torque, the heating that a motor bears for good is 1; None where no rated torque is known.
+    """
+
+    start: float
+    duration: float
+    mean_speed: float
+    highest_speed: float
+    lowest_speed: float
+    speed_drop: float
+    drive_work: float
+    load_work: float
+    lost: float
+    flywheel_work: float
+    recovery_time: float
+    motor_rms: float
+    motor_peak: float
+    utilisation: float | None
+
+
+@typed
+def duty_cycle(run: Run, start: float = 0.0, end: float | None = None) -> MotorDuty:
+    """What a run was to its motor and flywheel, from one time to another; by default in all.
+
+    Extremes are those of 720 states a turn; works and means are exact.
+
+    Raises:
+        PinpressError: times that are not in the run, a linkage with several drivers.
+    """
+    _check(run)
+    last = float(run.time[-1])
+    until = last if end is None else end
+    numbers = all(map(is_number, (start, until)))
+    if not numbers or not 0.0 <= start < until <= last * ROUND:
+        raise PinpressError(f"start is {shown(start)} and end {shown(end)}: give times within the run, 0 to {last:g} s")
+    return _duties(run, np.array([start, min(until, last)]))[0]
+
+
+@typed
+def strokes(run: Run) -> Records[MotorDuty]:
+    """One `MotorDuty` for each stroke, from the angle at which the run began on: for each full turn of the crank, or each several turns,
+    where gears bring the slide back only after these (`DeadCentres.turns`). None where the crank does not turn as far.
+
+    Raises:
+        PinpressError: a linkage with several drivers.
+    """
+    _check(run)
+    turns = stroke_turns(run.problem.driven.press)
+    marks = np.zeros(0) if turns is None else _stroke_ends(run, 2 * np.pi * turns)
+    return Records(MotorDuty, _duties(run, marks) if len(marks) else ())
+
+
+def _stroke_ends(run: Run, period: float) -> Array:
+    """Times of the start and of the ends of the strokes, each of which takes a ``period`` of the crank; none where there is no stroke."""
+    travelled = run.crank_angle - run.crank_angle[0]
+    first = np.flatnonzero(travelled)
+    if not len(first):
+        return np.zeros(0)
+    direction = float(np.sign(travelled[first[0]]))
+    travelled = direction * travelled
+    back = np.flatnonzero(np.diff(travelled) < 0)  # strokes end where the crank turns back
+    upto = int(back[0]) + 1 if len(back) else len(travelled)
+    turned = travelled[:upto] / period
+    count = math.floor(float(turned[-1]) * ROUND + 1e-9)
+    if count == 0:
+        return np.zeros(0)
+    marks = np.arange(count + 1)
+    times = np.interp(marks, turned, run.time[:upto])
+    for _ in range(6):  # Newton's method on the trajectory itself
+        position, speed = _crank(run, run.trajectory.at(times, complete=False))
+        late = position - (run.crank_angle[0] + direction * period * marks)
+        step = np.where((marks > 0) & (speed != 0), late / np.where(speed == 0, 1.0, speed), 0.0)
+        times = np.clip(times - step, 0.0, run.time[-1])
+    return times
+
+
+def _check(run: Run) -> None:
+    """Raise PinpressError where it is no run of one driver."""
+    if not isinstance(run, Run):
+        raise PinpressError(f"run is {shown(run)}: give a Run, as simulate and steady_state return it (of scenarios one, runs[k])")
+    if len(run.drivers) > 1:
+        raise PinpressError("duty_cycle and strokes are those of a press with one driver")
+
+
+def _duties(run: Run, times: Array) -> list[MotorDuty]:
+    """One for each interval between the times."""
+    ends = run.trajectory.at(times, complete=False)
+    angles, gained = np.abs(np.diff(_crank(run, ends)[0])).tolist(), np.diff(ends.integrals)
+    parts = zip(itertools.pairwise(times.tolist()), angles, gained.T, strict=True)
+    return [_duty(run, start, end, angle, gains) for (start, end), angle, gains in parts]
+
+
+def _duty(run: Run, start: float, end: float, angle: float, gained: Array) -> MotorDuty:
+    """That from one time to another, in which the crank turns by an angle and the integrals (4,) grow by what is ``gained``."""
+    drive, inertia = run.problem.driven.drive, run.problem.driven.inertia
+    inner = np.linspace(start, end, STATES * max(1, math.ceil(angle / (2 * np.pi) - 1e-9)) + 1)
+    sample = run.trajectory.at(inner, complete=False)
+    speed, own = np.abs(_crank(run, sample)[1]), np.abs(sample.drive_speed)
+    highest, lowest = int(speed.argmax()), int(speed.argmin())
+    duration = end - start
+    mean, rms = angle / duration, math.sqrt(max(0.0, float(gained[MOTOR_SQUARED])) / duration)
+    rated = None if drive is None else drive.rated_torque
+    return MotorDuty(
+        start=start,
+        duration=duration,
+        mean_speed=mean,
+        highest_speed=float(speed[highest]),
+        lowest_speed=float(speed[lowest]),
+        speed_drop=float(speed[highest] - speed[lowest]) / mean if mean else 0.0,
+        drive_work=float(gained[DRIVE_WORK]),
+        load_work=float(gained[LOAD_WORK]),
+        lost=float(gained[LOST]),
+        flywheel_work=0.5 * inertia * float(own.max() ** 2 - own.min() ** 2),
+        recovery_time=float((inner[highest] - inner[lowest]) % duration),
+        motor_rms=rms,
+        motor_peak=float(np.abs(sample.motor_torque).max()),
+        utilisation=None if rated is None else rms / float(np.ravel(rated)[0]),
+    )
+
+
+def _crank(run: Run, sample: Sample) -> tuple[Array, Array]:
+    """Angle and speed (n,) of the crank."""
+    place = run.problem.driven.press.driver_indices[0] if len(sample.position) > 1 else 0
+    return sample.position[place], sample.speed[place]
+
+
+# ------------------------------------------------------------------------------------------------------------------------------------- text
+
+
+def simulation_summary(press: Linkage, run: Run, reactions: Reactions, scene: Sequence[tuple[str, str]], steady: bool = False) -> str:
+    """Speeds, energies, the motor's torque, strokes and bearing forces of a run, and how well the equations are fulfilled.
+
+    Args:
+        press: whose run it is.
+        run: a run of one driver.
+        reactions: of the inverse dynamics of this run, under its loads; its driving torque is what flywheel, drive, clutch and brake give
+            together.
+        scene: what was simulated, names and words.
+        steady: whether the run is the period of a steady state.
+
+    Extremes of speed and of the motor's torque are those of 720 states a turn, works are exact; torques and forces of the crank and the
+    bearings are the largest of the run's states. Signs as in `Reactions`.
+    """
+    whole = duty_cycle(run)
+    lines = [
+        f"{press.name}: {'a period of its steady state, ' if steady else ''}{run.time[-1]:.6g} s, {len(run.crank_angle)} states,"
+        f" method {run.stats.method!r}",
+        *(f"  {name:26}{words}" for name, words in scene),
+        *_end(run, steady),
+        *_speeds(whole, steady),
+        *_work(whole),
+        *_motor(run, whole),
+        *_torque(reactions),
+        *_strokes(strokes(run), stroke_turns(run.problem.driven.press)),
+        *_bearings(run, reactions),
+        "",
+        "Checks",
+        f"  {'largest loop gap':26}{run.stats.closure_error:12.3g} m",
+        f"  {'energy error':26}{run.stats.energy_error:12.3g} of the largest energy",
+        f"  {'largest power residual':26}{np.abs(reactions.power_residual).max():12.3g} of the peak power",
+        f"  {'steps':26}{run.stats.steps:12d}        {run.stats.evaluations} evaluations",
+    ]
+    return "\n".join(lines)
+
+
+def _end(run: Run, steady: bool) -> list[str]:
+    angle = np.degrees(run.crank_angle)
+    turns = f"{(angle[-1] - angle[0]) / 360 + 0.0:.6g} turns from the start"
+    return [
+        "",
+        "At the end, as at the start" if steady else "At the end",
+        f"  {'crank angle':26}{angle[-1]:12.3f} deg    {turns}",
+        f"  {'crank speed':26}{run.crank_speed[-1] / RPM:12.6g} r/min",
+    ]
+
+
+def _speeds(whole: MotorDuty, steady: bool) -> list[str]:
+    recovery = [f"  {'from lowest to highest':26}{whole.recovery_time:12.6g} s"] if steady else []
+    return [
+        "",
+        "Crank speed",
+        f"  {'mean':26}{whole.mean_speed / RPM:12.6g} r/min",
+        f"  {'highest':26}{whole.highest_speed / RPM:12.6g} r/min",
+        f"  {'lowest':26}{whole.lowest_speed / RPM:12.6g} r/min",
+        f"  {'speed drop':26}{100 * whole.speed_drop:12.6g} %      of the mean",
+        *recovery,
+    ]
+
+
+def _work(whole: MotorDuty) -> list[str]:
+    return [
+        "",
+        "Work",
+        f"  {'drive':26}{whole.drive_work:12.6g} J      on the crank's shaft",
+        f"  {'loads':26}{whole.load_work:12.6g} J      taken",
+        f"  {'flywheel':26}{whole.flywheel_work:12.6g} J      given off, with the drive's inertia, from highest to lowest speed",
+        f"  {'lost':26}{whole.lost:12.6g} J      in clutch and brake",
+    ]
+
+
+def _motor(run: Run, whole: MotorDuty) -> list[str]:
+    if run.problem.driven.drive is None and run.problem.driven.prescribed is None:
+        return []
+    use = [] if whole.utilisation is None else [f"  {'utilisation':26}{100 * whole.utilisation:12.6g} %      rms by rated torque"]
+    return [
+        "",
+        "Motor (torque at its own shaft)",
+        f"  {'rms':26}{whole.motor_rms:12.6g} N m",
+        f"  {'peak':26}{whole.motor_peak:12.6g} N m",
+        *use,
+    ]
+
+
+def _torque(reactions: Reactions) -> list[str]:
+    lines = ["", "Torque at the crank (flywheel, drive, clutch and brake together)"]
+    torque, motion = reactions.driving_torque, reactions.motion
+    for name, at in (("largest", int(torque.argmax())), ("smallest", int(torque.argmin()))):
+        lines.append(f"  {name:26}{torque[at]:12.6g} N m    at {motion.crank_degrees[at]:8.3f} deg, {motion.time[at]:.6f} s")
+    return lines
+
+
+def _strokes(found: Sequence[MotorDuty], turns: int | None) -> list[str]:
+    if not found:
+        return ["", "Strokes: none, the crank does not get through a period"]
+    heads = ["start [s]", "duration [s]", "mean [r/min]", "lowest [r/min]", "drive [J]", "loads [J]"]
+    what = "turns of the crank" if turns in (None, 1) else f"each {turns} turns of the crank"
+    lines = ["", f"Strokes ({what}, from the start)", f"  {'':6}" + "".join(f"{head:>16}" for head in heads)]
+    few = len(found) <= MOST_STROKES
+    for k in range(len(found)) if few else [*range(FIRST_STROKES), len(found) - 1]:
+        stroke = found[k]
+        if not few and k == len(found) - 1:
+            lines.append(f"  {'...':>6}")
+        values = (stroke.start, stroke.duration, stroke.mean_speed / RPM, stroke.lowest_speed / RPM, stroke.drive_work, stroke.load_work)
+        lines.append(f"  {k + 1:6d}" + "".join(f"{value:16.6g}" for value in values))
+    return lines

@@ -23,7 +23,7 @@ from pinpress.cli import simulate as command_simulate
 from pinpress.drives.motors import InductionMotor, InverterMotor, ServoMotor, SlipClutchMotor
 from pinpress.drives.transmission import Geared, PrescribedSpeed
 from pinpress.loads.process import Blanking, ConstantForce, DeepDrawing, ElasticDie, ForceStroke, Idle
-from pinpress.simulation.summary import FIRST_STROKES, MOST_STROKES
+from pinpress.simulation.run import FIRST_STROKES, MOST_STROKES
 
 ROOT = Path(__file__).resolve().parents[2]
 MOTOR = "induction:rated_power=75e3,rated_speed=1400,inertia=1.2,ratio=20.7,efficiency=0.95"
@@ -62,7 +62,7 @@ def value(text: str, section: str, name: str) -> float:
 
 def agree(text: str, press: pp.Linkage, run: pp.Run, loads: list[Any]) -> None:
     """Every number of the summary is the library's."""
-    whole, result = pp.measures.duty(run), pp.inverse_dynamics(press, run, loads=loads)
+    whole, result = pp.measures.duty_cycle(run), pp.inverse_dynamics(press, run, loads=loads)
     expected = {
         ("At the end", "crank angle"): np.degrees(run.crank_angle[-1]),
         ("At the end", "crank speed"): run.crank_speed[-1] / pp.RPM,
@@ -157,7 +157,7 @@ def test_files(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
     }.items():
         np.testing.assert_array_equal(simulation[name], values)
     strokes, found = read(out / "strokes.csv"), pp.measures.strokes(run)
-    assert [name.partition(" [")[0] for name in strokes] == [field.name for field in dataclasses.fields(pp.measures.Duty)]
+    assert [name.partition(" [")[0] for name in strokes] == [field.name for field in dataclasses.fields(pp.measures.MotorDuty)]
     for name, column in strokes.items():
         assert column.tolist() == [getattr(stroke, name.partition(" [")[0]) for stroke in found]
     page = (out / "recording.html").read_text(encoding="utf-8")
@@ -188,7 +188,7 @@ def test_steady(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
     agree(text, press, run, [load])
     assert "steady state" in text.splitlines()[0]
     assert value(text, "At the end, as at the start", "crank angle") == 390
-    assert value(text, "Crank speed", "from lowest to highest") == pytest.approx(pp.measures.duty(run).recovery_time, rel=DIGITS)
+    assert value(text, "Crank speed", "from lowest to highest") == pytest.approx(pp.measures.duty_cycle(run).recovery_time, rel=DIGITS)
     assert value(text, "Work", "drive") == pytest.approx(value(text, "Work", "loads"), rel=DIGITS)  # or it were not steady
     assert len(read(tmp_path / "strokes.csv")["start [s]"]) == 1
 

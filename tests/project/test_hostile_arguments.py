@@ -27,7 +27,7 @@ MADE = {
     "BalancedPress",
     "ElasticDeadCentre",
     "DeadCentres",
-    "Duty",
+    "MotorDuty",
     "GuideReaction",
     "SlideCompliance",
     "ExtremeValues",

@@ -381,7 +381,7 @@ def test_a_scenario_is_a_full_run(press, three):
         np.testing.assert_array_equal(run.drive_work, single.drive_work)
         same(three, int(k) % 3, run)
     assert run.stats.energy_error < 1e-9
-    assert pp.measures.duty(run).drive_work == pytest.approx(run.drive_work[-1], rel=1e-12)
+    assert pp.measures.duty_cycle(run).drive_work == pytest.approx(run.drive_work[-1], rel=1e-12)
     assert pp.inverse_dynamics(press, run).driving_torque.shape == (41,)
 
 

@@ -584,7 +584,7 @@ def test_duty_of_a_stroke(press, name):
     case = CASES[name]()
     run = pp.steady_state(press, SPEED, case.drive, WHEEL, [BLANK], points=721)
     fine = pp.steady_state(press, SPEED, case.drive, WHEEL, [BLANK], points=40001)
-    duty, ratio = pp.measures.duty(run), case.drive.ratio
+    duty, ratio = pp.measures.duty_cycle(run), case.drive.ratio
     assert (duty.start, duty.duration) == (0.0, run.time[-1])
     speed, motor = run.crank_speed, np.abs(case.drive.motor_torque(run.crank_speed))
     assert duty.mean_speed == pytest.approx(2 * math.pi / run.time[-1], rel=1e-12)
@@ -612,7 +612,7 @@ def test_duty_of_a_constant_torque(press):
     """Its rms and its peak are the torque, whatever the part of the run; rms and work have closed forms."""
     run = pp.simulate(press, 1.0, speed=29.0, drive=pp.drives.Geared(pp.drives.ConstantTorque(-100.0), -5.0), flywheel=WHEEL, loads=[BLANK])
     for start, end in ((0.0, None), (0.3, 0.35), (0.123, 0.987)):
-        duty = pp.measures.duty(run, start, end)
+        duty = pp.measures.duty_cycle(run, start, end)
         assert duty.motor_rms == pytest.approx(100.0, rel=1e-9)
         assert duty.motor_peak == pytest.approx(100.0, rel=1e-12)
         assert duty.utilisation is None
@@ -626,13 +626,13 @@ def test_strokes_make_up_the_run(long_run, strokes):
     ends = np.array([stroke.start + stroke.duration for stroke in strokes])
     np.testing.assert_allclose([stroke.start for stroke in strokes[1:]], ends[:-1], rtol=1e-14)
     np.testing.assert_allclose(long_run.trajectory.at(ends).position[0], 2 * math.pi * np.arange(1, len(ends) + 1), rtol=0, atol=1e-9)
-    rest = pp.measures.duty(long_run, float(ends[-1]))
+    rest = pp.measures.duty_cycle(long_run, float(ends[-1]))
     parts = [*strokes, rest]
     assert sum(part.duration for part in parts) == pytest.approx(long_run.time[-1], rel=1e-12)
     assert sum(part.drive_work for part in parts) == pytest.approx(long_run.drive_work[-1], rel=1e-11)
     assert sum(part.load_work for part in parts) == pytest.approx(long_run.load_work[-1], rel=1e-11)
     assert sum(part.motor_rms**2 * part.duration for part in parts) == pytest.approx(long_run.motor_squared[-1], rel=1e-10)
-    whole = pp.measures.duty(long_run)
+    whole = pp.measures.duty_cycle(long_run)
     assert whole.drive_work == pytest.approx(long_run.drive_work[-1], rel=1e-12)
     assert whole.motor_rms == pytest.approx(math.sqrt(long_run.motor_squared[-1] / long_run.time[-1]), rel=1e-12)
     assert whole.highest_speed >= max(stroke.highest_speed for stroke in strokes) * (1 - 1e-5)  # 720 states a turn, shifted
@@ -688,7 +688,7 @@ def test_a_run_that_swings_has_no_strokes(textbook):
 
 def test_a_run_that_stands_still(textbook):
     run = pp.simulate(textbook, 1.0, angle=0.0)
-    duty = pp.measures.duty(run)
+    duty = pp.measures.duty_cycle(run)
     assert pp.measures.strokes(run) == ()
     assert (duty.mean_speed, duty.speed_drop, duty.flywheel_work, duty.drive_work, duty.motor_rms) == (0.0, 0.0, 0.0, 0.0, 0.0)
 
@@ -702,7 +702,7 @@ def test_duty_of_a_brake_and_a_clutch(press):
         clutch=pp.drives.Clutch(4e3, closes=pp.drives.SwitchPoint(time=0.2)),
         points=401,
     )
-    before, after = pp.measures.duty(run, 0.0, 0.2), pp.measures.duty(run, 0.2)
+    before, after = pp.measures.duty_cycle(run, 0.0, 0.2), pp.measures.duty_cycle(run, 0.2)
     assert before.lost == 0.0
     assert after.lost == pytest.approx(run.lost[-1], rel=1e-12)
     assert run.lost[-1] > 100
@@ -716,13 +716,13 @@ def test_duty_of_a_brake_and_a_clutch(press):
 def test_duty_of_no_part(press, part):
     run = pp.simulate(press, 1.0, speed=29.0, flywheel=WHEEL)
     with pytest.raises(pp.PinpressError, match="times within the run"):
-        pp.measures.duty(run, *part)
+        pp.measures.duty_cycle(run, *part)
 
 
 def test_duty_of_several_drivers(tmp_path):
     press = pp.load(two_discs(tmp_path))
     run = pp.simulate(press, 0.5, speed=np.array([3.0, 4.0]), method="constraint")
-    for function in (pp.measures.duty, pp.measures.strokes):
+    for function in (pp.measures.duty_cycle, pp.measures.strokes):
         with pytest.raises(pp.PinpressError, match="one driver"):
             function(run)
 
@@ -808,10 +808,10 @@ def test_strokes_of_a_run_that_turns_back(press):
 def test_duty_of_nonsense(press, part):
     run = pp.simulate(press, 1.0, speed=29.0, flywheel=WHEEL)
     with pytest.raises(pp.PinpressError):
-        pp.measures.duty(run, part)
+        pp.measures.duty_cycle(run, part)
 
 
-@pytest.mark.parametrize("function", [pp.measures.duty, pp.measures.strokes])
+@pytest.mark.parametrize("function", [pp.measures.duty_cycle, pp.measures.strokes])
 @pytest.mark.parametrize("what", [None, 3.0])
 def test_duty_of_no_run(function, what):
     with pytest.raises(pp.PinpressError):

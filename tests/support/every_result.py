@@ -135,7 +135,7 @@ def made():
     """One of each."""
     found = [
         *(press(), motion(), reactions(), run(), run_over_joints(), runs(), sweep(), *sweep().failed, run().stats),
-        *(pp.dead_centres(press()), pp.measures.duty(run()), pp.check(press().file), *pp.check(press().file).findings),
+        *(pp.dead_centres(press()), pp.measures.duty_cycle(run()), pp.check(press().file), *pp.check(press().file).findings),
         *(balance(), *balance().changes, *balance().active, *balance().counterweights, trade_off(), synthesis()),
         *TRIALS[:1],
         *(
