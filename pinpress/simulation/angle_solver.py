@@ -166,7 +166,7 @@ class AngleSolver:
             if len(coarse):
                 borders = np.sort(np.concatenate([mesh.borders, coarse]))
             elif stops:  # where it stops is known from panels that are right, and not before
-                borders = _with_rest(solution, count, angle_to(model, driven.edges, anchor, direction), from_rest)
+                borders = _with_rest(solution, count, angle_to(model, driven.switch_angles, anchor, direction), from_rest)
                 to_rest = True
                 if borders[-1] < SMALL:
                     return None

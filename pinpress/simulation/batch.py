@@ -32,11 +32,11 @@ from ..loads import caller_laws
 from ..loads.caller_laws import LawError
 from ..loads.link import Load
 from . import collocation
-from . import law_trials as laws
 from .angle_solver import MOST_PERIODS, drive_torque, nearly_at_rest, place_at
 from .collocation import CollocationSolution, cuts, interpolate_onto, panel_integrals, stopping_panels
 from .driven_press import DrivenPress, GeneralizedForce, driven_press, listed
 from .failures import failure
+from .law_trials import asked_drive
 from .mesh import Indices, build_mesh, mesh_borders
 from .reduced_model import COORDINATES, INERTIA, energies, tabulated
 from .run import Run, allowed_error, count_of, energy_error
@@ -161,7 +161,7 @@ def simulate_batch(
         raise PinpressError("angle is an array: scenarios start from the same crank angle; give one number [rad]")
     speeds, start = _speeds(speed, (drive, flywheel, *loads)), number("angle", angle)
     refuse_far("angle", np.array(start))
-    drive, loads = laws.asked_drive(drive, float(np.abs(speeds).max())), caller_laws.asked_loads(loads)
+    drive, loads = asked_drive(drive, float(np.abs(speeds).max())), caller_laws.asked_loads(loads)
     if isinstance(drive, PrescribedSpeed):
         raise PinpressError("a drive that prescribes the speed leaves nothing to simulate in scenarios: use simulate")
     refuse_long(speeds, until, start)

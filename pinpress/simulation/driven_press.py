@@ -199,8 +199,9 @@ class DrivenPress:
         return reduced_model.build(press, [partial(coordinate.over, press) for coordinate in coordinates])
 
     @cached_property
-    def edges(self) -> tuple[Array, ...]:
-        """Crank angles in the model's range at which a force is not smooth: borders of its intervals, turns of its coordinate."""
+    def switch_angles(self) -> tuple[Array, ...]:
+        """What is known in angle: crank angles in the model's range at which a force is not smooth, (k,) of each border of its intervals
+        and of the turns of its coordinate [rad]."""
         found = []
         for force in self.forces:
             row, borders = COORDINATES + force.row, force.borders()
@@ -210,18 +211,18 @@ class DrivenPress:
         return tuple(found)
 
     @cached_property
-    def breaks(self) -> tuple[float, ...]:
-        """Instants at which something is not smooth [s]."""
-        breaks = [edge for force in self.forces for edge in force.edges]
-        for friction in (self.clutch, self.brake):
-            for at in () if friction is None else (friction.closes, friction.opens):
-                if friction is not None and at is not None and at.time is not None:
-                    breaks += [at.time, at.time + friction.rise]
-        return tuple(breaks)
+    def switch_times(self) -> tuple[float, ...]:
+        """What is known in time: instants at which a force or a coupling is not smooth [s]."""
+        times = [edge for force in self.forces for edge in force.edges]
+        for coupling in (self.clutch, self.brake):
+            for at in () if coupling is None else (coupling.closes, coupling.opens):
+                if coupling is not None and at is not None and at.time is not None:
+                    times += [at.time, at.time + coupling.rise]
+        return tuple(times)
 
     @cached_property
     def corners(self) -> tuple[float, ...]:
-        """Speeds of the drive's shaft at which its torque is not smooth, those of the first scenario [rad/s]."""
+        """What is known in speed: speeds of the drive's shaft at which its torque is not smooth, those of the first scenario [rad/s]."""
         return () if self.drive is None else tuple(float(np.ravel(corner)[0]) for corner in self.drive.corners)
 
 

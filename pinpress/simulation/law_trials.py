@@ -252,7 +252,7 @@ def _try_in_time(force: Callable[..., Any]) -> None:
     _as_numbers("TimeForce: force", first, force(np.array([0.0, *TIMES])))
 
 
-def confirm(drive: object, times: Array, angles: Array, speeds: Array, torques: Array) -> None:
+def confirm_torques(drive: object, times: Array, angles: Array, speeds: Array, torques: Array) -> None:
     """Raise PinpressError where the torques (n,) of a caller's drive in a run are not those that it gives for the same states (n,), one
     after the other and backwards: what it depends on showed only there."""
     if not isinstance(drive, AskedDrive) or drive.timed:

@@ -90,7 +90,7 @@ def mesh_borders(driven: DrivenPress, start: float, direction: int, extent: floa
     """Borders of panels, angle travelled from crank angle ``start`` over ``extent`` [rad]: those of the reduced model, and where a force is
     not smooth."""
     turns = np.arange(2 * np.pi, extent, 2 * np.pi)
-    ends = np.sort(np.concatenate([turns, angle_to(driven.model, (driven.model.borders, *driven.edges), start, direction)]))
+    ends = np.sort(np.concatenate([turns, angle_to(driven.model, (driven.model.borders, *driven.switch_angles), start, direction)]))
     ends = ends[(ends > SAME) & (ends < extent - SAME)]
     return np.concatenate([[0.0], ends[np.diff(ends, prepend=0.0) > SAME], [extent]])
 

@@ -23,10 +23,10 @@ from ..dynamics.summary import _bearings
 from ..kinematics.dead_centres import stroke_turns
 from ..kinematics.motion import Motion, motion_through_change_points, of_states
 from ..linkage.linkage import Linkage
-from . import law_trials as laws
 from . import reduced_model as reduced
 from .driven_press import DrivenPress, JointPosition
 from .failures import failure
+from .law_trials import confirm_torques
 from .solvers import SimulationProblem
 from .trajectory import DRIVE_WORK, INTEGRALS, LOAD_WORK, LOST, MOTOR_SQUARED, Sample, Trajectory
 
@@ -140,7 +140,7 @@ def as_run(problem: SimulationProblem, trajectory: Trajectory, points: int | Non
         torque = _torques(driven, turning)
         sample = sample._replace(drive_torque=torque.T.copy(), drive_speed=turning.T.copy())
     else:
-        laws.confirm(driven.drive, times, motion.crank_angle, sample.drive_speed, sample.drive_torque)
+        confirm_torques(driven.drive, times, motion.crank_angle, sample.drive_speed, sample.drive_torque)
     stats = Stats(
         method=problem.equations,
         solvers=trajectory.solvers,

@@ -32,10 +32,10 @@ from ..kinematics.configurations import refuse_far
 from ..linkage.linkage import Linkage
 from ..loads import caller_laws
 from ..loads.link import Load
-from . import law_trials as laws
 from .angle_solver import MOST_PERIODS
 from .driven_press import driven_press, listed, press_with_drives
 from .failures import failure
+from .law_trials import asked_drive
 from .run import Run, as_run, count_of
 from .solvers import SimulationProblem, march
 from .start_sensitivity import start_sensitivity
@@ -109,7 +109,7 @@ def simulate(
     if len(press.drivers) == 1:
         refuse_scenarios("simulate", speed, (drive, flywheel, *loads))
     angles, speeds = _start(press, "angle", angle), _start(press, "speed", speed)
-    drive, loads = laws.asked_drive(drive, float(np.abs(speeds).max())), caller_laws.asked_loads(loads)
+    drive, loads = asked_drive(drive, float(np.abs(speeds).max())), caller_laws.asked_loads(loads)
     refuse_far("angle", angles)
     refuse_long(speeds, until, float(angles[0]))
     plausibility.speeds("speed", speeds)

@@ -26,12 +26,12 @@ from ..loads import caller_laws
 from ..loads.caller_laws import LawError
 from ..loads.link import Load
 from . import collocation
-from . import law_trials as laws
 from . import reduced_model as reduced
 from .angle_solver import angle_segment
 from .collocation import cuts, interpolate_onto, stopping_panels
 from .driven_press import DrivenPress, driven_press, listed
 from .failures import failure
+from .law_trials import asked_drive
 from .mesh import build_mesh, mesh_borders
 from .run import Run, as_run, count_of
 from .simulate import tolerated
@@ -81,7 +81,7 @@ def steady_state(
         raise PinpressError("speed is 0: give the speed about which the press runs [rad/s]")
     listed(loads)
     refuse_scenarios("steady_state", speed, (drive, flywheel, *loads))
-    drive, loads = laws.asked_drive(drive, guess), caller_laws.asked_loads(loads)
+    drive, loads = asked_drive(drive, guess), caller_laws.asked_loads(loads)
     driven = driven_press(press, drive, flywheel, loads, None, None)
     if drive is None or not isinstance(drive, Drive):
         raise PinpressError(f"drive is {shown(drive)}: a steady state needs a motor, see pinpress.drives")

@@ -217,7 +217,7 @@ class Integration:
         self.angle, self.fastest = at.angle, abs(at.speed)
         self.segment = TimeSegment(system, start, from_rest=bool(at.speed == 0), speeds=[float(at.speed)])
         # steps end at instants at which something is not smooth, and at a corner of the drive's torque, which must not be run over
-        self.ends = sorted({b for b in system.driven.breaks if start < b < until} | {until})
+        self.ends = sorted({b for b in system.driven.switch_times if start < b < until} | {until})
         self.corner, self.tries = math.inf, 0
         self.pace = Pace(start, until)
         self.pacer = Pacer() if settings.step is None and settings.method == BY_STIFFNESS else None
