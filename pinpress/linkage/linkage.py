@@ -48,7 +48,7 @@ class Linkage(Frozen):
         document: the URDF it was read from.
         model: Pinocchio's model of the tree, loops cut, gravity set.
         links: names of all links, in document order.
-        root: the frame's.
+        root: name of the link that is the frame.
         loops: the bearings at which loops were cut.
         couplings: gear pairs and the like.
         drivers: names of the driver joints, as many as degrees of freedom.
