@@ -28,8 +28,10 @@ class Table:
     """A CSV file of two columns in place of fields.
 
     Attributes:
-        key: under which its path is given. columns: what stands in them. into: the field that takes the pairs, or one field for each
-            column. unit: of the second column, in the field's.
+        key: under which its path is given.
+        columns: what stands in them.
+        into: the field that takes the pairs, or one field for each column.
+        unit: of the second column, in the field's.
     """
 
     key: str
@@ -43,7 +45,9 @@ class Kind:
     """A kind of drive, load or other part.
 
     Attributes:
-        made: its class. example: words behind the kind's name that make one. table: what it takes from a file.
+        made: its class.
+        example: words behind the kind's name that make one.
+        table: what it takes from a file; None where it takes none.
         geared: whether the keys of a `Geared` may stand with its own.
     """
 
@@ -130,7 +134,14 @@ def keys(kind: Kind) -> str:
 
 @dataclass(frozen=True)
 class _Key:
-    """Name of a key, how it is shown beside its name, whether it may be left out, and what makes a value of a text."""
+    """A key.
+
+    Attributes:
+        name: of the key.
+        note: what is shown beside the name.
+        optional: whether the key may be left out.
+        read: makes a value of a text.
+    """
 
     name: str
     note: str

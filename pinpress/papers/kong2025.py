@@ -237,7 +237,8 @@ def rms_deviation(pair: Sequence[Parts], weight: float, shares: ArrayLike) -> fl
     """Root mean square of the deviations of the twelve extremes in tables 2 and 3, each by the printed range before balancing [%].
 
     Args:
-        pair: before and after balancing. weight: share of the crank's weight that is there.
+        pair: before and after balancing.
+        weight: share of the crank's weight that is there.
         shares: of the shipped inertias that are there: coupler, rocker, rod before and rod after balancing.
     """
     coupler, rocker, rod, balanced_rod = np.asarray(shares, dtype=float).tolist()

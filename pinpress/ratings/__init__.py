@@ -1,7 +1,7 @@
 """What a press may be used with: permissible force over the stroke, work, speed, eccentric loads.
 
     capacities = pp.ratings.Capacities(3e6, nominal_height=0.013, bearings={"A": 2e6}, flywheel_inertia=2000.0, speed_drop=0.2)
-    rated = pp.ratings.ratings(press, 70 * pp.RPM, capacities)
+    rated = pp.ratings.rate(press, 70 * pp.RPM, capacities)
     print(rated)  # which limit governs at which height
     pp.plots.ratings(rated)
 

@@ -12,6 +12,7 @@ import numpy as np
 
 from ..common.arrays import Array
 from ..common.errors import PinpressError, UnknownNameError, expect
+from ..common.frozen import read_only
 from ..common.units import RPM
 from ..dynamics.inverse_dynamics import Reactions
 from ..dynamics.rounding import AXES, ROUNDING, finite, finite_forces, held_moments, is_constant, rounding, torque_without_rounding
@@ -34,7 +35,12 @@ UNITS = {  # quantity -> (up to which largest value, unit, how many of it an SI 
 
 @dataclass(frozen=True, eq=False)
 class Curve:
-    """One line of a chart: its name and its values (n,) in the chart's unit."""
+    """One line of a chart.
+
+    Attributes:
+        name: of what it shows.
+        values: (n,) in the chart's unit.
+    """
 
     name: str
     values: Array
@@ -42,7 +48,14 @@ class Curve:
 
 @dataclass(frozen=True, eq=False)
 class Chart:
-    """Curves of one quantity, in one unit."""
+    """Curves of one quantity, in one unit.
+
+    Attributes:
+        title: of the chart.
+        quantity: one of `UNITS`.
+        unit: of all curves.
+        curves: at least one.
+    """
 
     title: str
     quantity: str
@@ -52,7 +65,13 @@ class Chart:
 
 @dataclass(frozen=True, eq=False)
 class Abscissa:
-    """What the states (n,) are drawn over. ``unit`` is empty for their numbers."""
+    """What the states are drawn over.
+
+    Attributes:
+        quantity: "crank angle", "time" or "state".
+        unit: "deg", "s" or, for numbers of states, empty.
+        values: (n,) in that unit.
+    """
 
     quantity: str
     unit: str
@@ -64,9 +83,12 @@ class Locus:
     """Polar diagram of a bearing's force: the path of its vector's tip.
 
     Attributes:
-        bearing: its name. link: the link on which the force acts, `Linkage.bearings`' child or link2.
+        bearing: its name.
+        link: on which the force acts, `Linkage.bearings`' child or link2.
         axes: names of the two axes, e.g. ("x", "z"), see `locus`.
-        frame: (n, 2) components in world axes. own: (n, 2) in axes fixed to the link that are the world's in the drawn pose.
+        unit: of the components.
+        frame: (n, 2) components in world axes.
+        own: (n, 2) components in axes fixed to the link that are the world's in the drawn pose.
     """
 
     bearing: str
@@ -78,21 +100,27 @@ class Locus:
 
 
 def abscissa(motion: Motion) -> Abscissa:
-    """Crank angle [deg], unwrapped, of at most one period one way at constant speed; else time [s]. States that are not in time: crank
-    angle where it only rises or only falls, else the number of the state, from 0."""
+    """Choose what a motion is drawn over.
+
+    At most one period at constant speed is drawn over the unwrapped crank angle [deg], other motions over time [s]. States that are not in
+    time are drawn over the crank angle where it only rises or only falls, else over their numbers, from 0.
+
+    Raises:
+        PinpressError: a value is not finite.
+    """
     expect("motion", motion, Motion, "cycle or simulate")
     angle, speed = finite("crank angle", motion.crank_angle), finite("crank speed", motion.crank_speed)
     one_way = angle.ndim == 1 and _one_way(angle)
     if one_way and np.ptp(angle) <= 2 * np.pi * (motion.period_turns or 1) * (1 + ROUNDING) and is_constant(speed):
-        return Abscissa("crank angle", "deg", _fixed(np.degrees(angle)))
+        return Abscissa("crank angle", "deg", read_only(np.degrees(angle)))
     try:
-        return Abscissa("time", "s", _fixed(finite("time", motion.time)))
+        return Abscissa("time", "s", read_only(finite("time", motion.time)))
     except PinpressError:
         if motion._time is not None:
             raise
     if one_way:
-        return Abscissa("crank angle", "deg", _fixed(np.degrees(angle)))
-    return Abscissa("state", "", _fixed(np.arange(len(angle), dtype=float)))
+        return Abscissa("crank angle", "deg", read_only(np.degrees(angle)))
+    return Abscissa("state", "", read_only(np.arange(len(angle), dtype=float)))
 
 
 def slide(motion: Motion) -> tuple[Chart, ...]:
@@ -164,8 +192,14 @@ def shaking_moment(reactions: Reactions) -> Chart:
 
 
 def locus(reactions: Reactions, name: str) -> Locus:
-    """Polar diagram of a bearing's force in a planar press's plane: in its two world axes, or where it is tilted, in its horizontal ("h")
-    and the direction up it ("u"). In space the projection on the two world axes in which the force ranges most.
+    """Polar diagram of a bearing's force.
+
+    That of a planar press is in its plane: along the plane's two world axes, or, where it is tilted, along its horizontal ("h") and the
+    direction up it ("u"). In space it is the projection on the two world axes along which the force ranges most.
+
+    Args:
+        reactions: with this bearing.
+        name: of the bearing.
 
     Raises:
         UnknownNameError: there is no such bearing.
@@ -182,7 +216,7 @@ def locus(reactions: Reactions, name: str) -> Locus:
     axes, directions = _directions(press, force, least)
     unit, factor = _unit("force", float(np.abs(force).max(initial=0.0)))
     frame, own = factor * force @ directions.T, factor * own @ directions.T
-    return Locus(name, press.link_of(body), axes, unit, _fixed(frame), _fixed(own))
+    return Locus(name, press.link_of(body), axes, unit, read_only(frame), read_only(own))
 
 
 def _directions(press: Linkage, force: Array, least: float) -> tuple[tuple[str, str], Array]:
@@ -229,7 +263,7 @@ def _chart(title: str, quantity: str, series: Mapping[str, Array]) -> Chart:
     for name, values in series.items():
         finite(title if len(series) == 1 else f"{title}, {name},", values)
     unit, factor = _unit(quantity, max(float(np.abs(values).max()) for values in series.values()))
-    return Chart(title, quantity, unit, tuple(Curve(name, _fixed(factor * values)) for name, values in series.items()))
+    return Chart(title, quantity, unit, tuple(Curve(name, read_only(factor * values)) for name, values in series.items()))
 
 
 def _unit(quantity: str, largest: float) -> tuple[str, float]:
@@ -239,8 +273,3 @@ def _unit(quantity: str, largest: float) -> tuple[str, float]:
 def _one_way(angle: Array) -> bool:
     steps = np.diff(angle)
     return bool(np.all(steps > 0) or np.all(steps < 0))
-
-
-def _fixed(values: Array) -> Array:
-    values.setflags(write=False)
-    return values

@@ -17,6 +17,7 @@ import numpy as np
 
 from ...common import regular_files
 from ...common.errors import PinpressError, UrdfError
+from ...common.frozen import read_only
 from ...linkage.urdf.document import Element, tree
 from .solids import Mesh
 
@@ -79,9 +80,7 @@ def read(file: str, link: str, name: str, scale: tuple[float, ...]) -> Mesh:
         raise PinpressError(f"{place} has a vertex that is not finite; repair the mesh, or give a smaller scale")
     if np.prod(np.sign(factors)) < 0:
         faces = faces[:, ::-1].copy()  # mirrored: the outside would be the inside
-    for array in (vertices, faces):
-        array.setflags(write=False)
-    return Mesh(vertices, faces)
+    return Mesh(read_only(vertices), read_only(faces))
 
 
 def _loaded(kind: str, content: bytes) -> Any:

@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...common.arrays import Array
+from ...common.frozen import read_only
 
 
 @dataclass(frozen=True)
@@ -79,10 +80,7 @@ class Part:
 
 def part(shape: Shape, placement: Array, rgba: Array | tuple[float, ...]) -> Part:
     """A part with arrays of its own."""
-    arrays = np.array(placement, dtype=float), np.array(rgba, dtype=float)
-    for array in arrays:
-        array.setflags(write=False)
-    return Part(shape, *arrays)
+    return Part(shape, read_only(np.array(placement, dtype=float)), read_only(np.array(rgba, dtype=float)))
 
 
 @dataclass(frozen=True, eq=False)
