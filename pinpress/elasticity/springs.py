@@ -73,8 +73,15 @@ class Stiffness(Frozen):
 
 
 class Part(NamedTuple):
-    """One spring: its name, its compliance [m/N, rad/(N m)], and how its internal force is read: what ("bearing", "moment", "rod", "shaft"
-    or "frame"), from which bearings with which weights, between which two."""
+    """One spring, and how its internal force is read.
+
+    Attributes:
+        name: what it is called in tables.
+        compliance: of the spring [m/N, rad/(N m)].
+        kind: "bearing", "moment", "rod", "shaft" or "frame".
+        bearings: numbers of those whose forces make up its own, with their weights.
+        line: numbers of the two bearings that a rod lies between.
+    """
 
     name: str
     compliance: float
@@ -97,19 +104,11 @@ def parts(press: Linkage, stiffness: Stiffness) -> tuple[Part, ...]:
     if len(press.drivers) > 1:
         raise PinpressError(f"{press.name} has {len(press.drivers)} drivers: elastic deflection is that of a press with one, held fast")
     _ = press.slide_guide  # it has a slide
-    found = [
-        Part(name, 1 / positive(f"stiffness of bearing {shown(name)}", value, "N/m"), "bearing", ((_bearing(press, name), 1.0),))
-        for name, value in _named("bearings", stiffness.bearings)
-    ]
-    for name, value in _named("moments", stiffness.moments):
-        there = _bearing(press, name)
-        if there >= len(press.joints) or press.axes[there].turns:
-            raise PinpressError(f"moments names {shown(name)}, which is no guide and holds no moment in the plane: leave it out")
-        compliance = 1 / positive(f"stiffness of guide {shown(name)} against turning", value, "N m/rad")
-        found.append(Part(f"{name} turning", compliance, "moment", ((there, 1.0),)))
+    found = [_bearing_spring(press, name, value) for name, value in _named("bearings", stiffness.bearings)]
+    found += [_guide_spring(press, name, value) for name, value in _named("moments", stiffness.moments)]
     if not isinstance(stiffness.rods, Sequence) or not all(isinstance(rod, Rod) for rod in stiffness.rods):
         raise PinpressError(f"rods is {shown(stiffness.rods)}: give a list of Rod(link, (bearing, bearing), stiffness)")
-    found += [_rod(press, rod) for rod in stiffness.rods]
+    found += [_rod_spring(press, rod) for rod in stiffness.rods]
     if stiffness.shaft is not None:
         driver = press.bearings.index(press.driver)
         found.append(Part(SHAFT, 1 / positive("stiffness of the shaft", stiffness.shaft, "N m/rad"), "shaft", ((driver, 1.0),)))
@@ -124,8 +123,11 @@ def parts(press: Linkage, stiffness: Stiffness) -> tuple[Part, ...]:
 
 
 def sharing(press: Linkage, springs: Sequence[Part]) -> dict[str, float]:
-    """`stiffness` for `inverse_dynamics`, by which bearings share what rigid mechanics leaves open: those that yield, each with half of the
-    compliance of the rods that end there. So the idle forces of rods side by side do no work on their total deflection."""
+    """`stiffness` for `inverse_dynamics`, by which bearings share what rigid mechanics leaves open.
+
+    They are those that yield, each with half of the compliance of the rods that end there. So the idle forces of rods side by side do no
+    work on their total deflection.
+    """
     compliance = dict.fromkeys(range(len(press.bearings)), 0.0)
     for part in springs:
         for bearing, _ in part.bearings if part.kind in ("bearing", "rod") else ():
@@ -134,8 +136,10 @@ def sharing(press: Linkage, springs: Sequence[Part]) -> dict[str, float]:
 
 
 def internal_forces(press: Linkage, springs: Sequence[Part], motion: Motion, reactions: Reactions) -> list[Array]:
-    """The internal force of every part over a motion, (n, 3) of bearings, (n, 1) of the others [N, N m]. A rod's is positive where it is
-    pulled, the frame's where the columns are."""
+    """The internal force of every part over a motion, (n, 3) of bearings, (n, 1) of the others [N, N m].
+
+    A rod's is positive where it is pulled, the frame's where its columns are.
+    """
     lines = bearing_points(press, poses(press, motion.joint_position)) if any(part.kind == "rod" for part in springs) else np.empty(0)
     across = _in_plane(press)
     guide = press.slide_guide[0]
@@ -181,7 +185,21 @@ def _without_travel(press: Linkage, motion: Motion, bearing: int, force: Array) 
     return np.asarray(force - np.einsum("nk,nk->n", force, along)[:, None] * along)
 
 
-def _rod(press: Linkage, rod: Rod) -> Part:
+def _bearing_spring(press: Linkage, name: str, stiffness: float) -> Part:
+    compliance = 1 / positive(f"stiffness of bearing {shown(name)}", stiffness, "N/m")
+    return Part(name, compliance, "bearing", ((_bearing(press, name), 1.0),))
+
+
+def _guide_spring(press: Linkage, name: str, stiffness: float) -> Part:
+    """The spring of a guide against turning."""
+    guide = _bearing(press, name)
+    if guide >= len(press.joints) or press.axes[guide].turns:
+        raise PinpressError(f"moments names {shown(name)}, which is no guide and holds no moment in the plane: leave it out")
+    compliance = 1 / positive(f"stiffness of guide {shown(name)} against turning", stiffness, "N m/rad")
+    return Part(f"{name} turning", compliance, "moment", ((guide, 1.0),))
+
+
+def _rod_spring(press: Linkage, rod: Rod) -> Part:
     if rod.link not in press.links or rod.link == press.root:
         raise UnknownNameError("moving link", rod.link, [link for link in press.links if link != press.root])
     if not isinstance(rod.between, tuple | list) or len(rod.between) != 2 or rod.between[0] == rod.between[1]:
