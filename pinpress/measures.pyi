@@ -17,4 +17,4 @@ from .kinematics.transmission_angles import pressure_angle as pressure_angle
 from .kinematics.transmission_angles import transmission_angle as transmission_angle
 from .simulation.run import MotorDuty as MotorDuty
 from .simulation.run import duty_cycle as duty_cycle
-from .simulation.run import strokes as strokes
+from .simulation.run import stroke_duties as stroke_duties

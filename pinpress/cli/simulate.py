@@ -8,7 +8,7 @@ from ..common.errors import PinpressError
 from ..common.files import make_folder
 from ..common.units import RPM
 from ..dynamics.inverse_dynamics import inverse_dynamics
-from ..simulation.run import Run, simulation_summary, strokes
+from ..simulation.run import Run, simulation_summary, stroke_duties
 from ..simulation.simulate import METHODS, simulate
 from ..simulation.steady_state import steady_state
 from ..visual.overlays import traced
@@ -136,7 +136,7 @@ def run(options: argparse.Namespace) -> int:
     print(f"  {'time taken':26}{1e3 * done.stats.wall_time:12.1f} ms simulation, {1e3 * took:.1f} ms torque and forces")
     if options.out is not None:
         reactions.to_csv(options.out / "simulation.csv")
-        strokes(done).to_csv(options.out / "strokes.csv")
+        stroke_duties(done).to_csv(options.out / "strokes.csv")
         write_pages(press, reactions, options, ["simulation.csv", "strokes.csv"])
     return 0
 

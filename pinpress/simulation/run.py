@@ -300,7 +300,7 @@ def duty_cycle(run: Run, start: float = 0.0, end: float | None = None) -> MotorD
 
 
 @typed
-def strokes(run: Run) -> Records[MotorDuty]:
+def stroke_duties(run: Run) -> Records[MotorDuty]:
     """One `MotorDuty` for each stroke, from the angle at which the run began on: for each full turn of the crank, or each several turns,
     where gears bring the slide back only after these (`DeadCentres.turns`). None where the crank does not turn as far.
 
@@ -414,7 +414,7 @@ def simulation_summary(press: Linkage, run: Run, reactions: Reactions, scene: Se
         *_work(whole),
         *_motor(run, whole),
         *_torque(reactions),
-        *_strokes(strokes(run), stroke_turns(run.problem.driven.press)),
+        *_strokes(stroke_duties(run), stroke_turns(run.problem.driven.press)),
         *_bearings(run, reactions),
         "",
         "Checks",

@@ -134,7 +134,7 @@ def long_runs(repeats: int) -> None:
         return 0.0
 
     (_, _, long), (_, _, direct) = least([("minute", minute), ("steady", steady)], repeats)
-    last, period = pp.measures.strokes(runs["minute"])[-1], pp.measures.duty_cycle(runs["steady"])
+    last, period = pp.measures.stroke_duties(runs["minute"])[-1], pp.measures.duty_cycle(runs["steady"])
     apart, slower = abs(last.duration - period.duration), abs(last.lowest_speed - period.lowest_speed)
     print("\nJF75G-125, slip-clutch motor, 1250 kN blanking, 300 strokes/min")
     print(f"  60 s, {len(runs['minute'].time)} states: {long:.2f} s, energy error {runs['minute'].stats.energy_error:.1e}")

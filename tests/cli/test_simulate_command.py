@@ -86,7 +86,7 @@ def agree(text: str, press: pp.Linkage, run: pp.Run, loads: list[Any]) -> None:
         assert value(text, section, name) == pytest.approx(number, rel=DIGITS, abs=6e-4), (section, name)  # or three decimals
     for name, force in result.bearing_force.items():
         assert value(text, "Bearings", name) == pytest.approx(np.linalg.norm(force, axis=1).max(), rel=DIGITS, abs=0.5)
-    strokes = pp.measures.strokes(run)
+    strokes = pp.measures.stroke_duties(run)
     rows = [line.split() for line in text.split("\n\n") if line.startswith("Strokes") for line in line.split("\n")[2:]]
     kept = [k for k in range(len(strokes)) if len(strokes) <= MOST_STROKES or k < FIRST_STROKES or k == len(strokes) - 1]
     assert [row for row in rows if row[0] != "..."] == [
@@ -156,7 +156,7 @@ def test_files(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
         "force_E_z [N]": result.bearing_force["E"][:, 2],
     }.items():
         np.testing.assert_array_equal(simulation[name], values)
-    strokes, found = read(out / "strokes.csv"), pp.measures.strokes(run)
+    strokes, found = read(out / "strokes.csv"), pp.measures.stroke_duties(run)
     assert [name.partition(" [")[0] for name in strokes] == [field.name for field in dataclasses.fields(pp.measures.MotorDuty)]
     for name, column in strokes.items():
         assert column.tolist() == [getattr(stroke, name.partition(" [")[0]) for stroke in found]

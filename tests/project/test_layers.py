@@ -110,6 +110,10 @@ def test_no_test_module_imports_another() -> None:
             assert not tests & {part for name in named for part in name.split(".")}, path
 
 
+def test_no_files_import_each_other_in_a_circle() -> None:
+    assert circle(FILES) == []
+
+
 @pytest.mark.parametrize(
     "closing",
     [

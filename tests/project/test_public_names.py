@@ -3,6 +3,7 @@
 import ast
 import importlib
 import inspect
+from itertools import combinations
 from pathlib import Path
 
 import pytest
@@ -12,6 +13,7 @@ import pinpress as pp
 ROOT = Path(pp.__file__).resolve().parents[1]
 STUBS = {path.relative_to(ROOT).as_posix(): ast.parse(path.read_bytes()) for path in sorted(ROOT.glob("pinpress/**/*.pyi"))}
 SPACES = {stub.removesuffix(".pyi").removesuffix("/__init__").replace("/", "."): tree for stub, tree in STUBS.items()}
+MEANT = {("load", "loads")}  # the namespace of loads keeps the field's word
 
 
 def listed(tree: ast.Module) -> dict[str, str]:
@@ -48,6 +50,12 @@ def test_the_list_is_what_a_user_sees(space: str) -> None:
     for name, source in names.items():
         origin = importlib.import_module(source, package)
         assert getattr(namespace, name) is getattr(origin, name)
+
+
+@pytest.mark.parametrize("space", SPACES)
+def test_no_two_names_can_be_mixed_up(space: str) -> None:
+    names = sorted(listed(SPACES[space]))
+    assert [pair for pair in combinations(names, 2) if alike(*pair) and pair not in MEANT] == []
 
 
 @pytest.mark.parametrize("space", SPACES)

@@ -78,7 +78,7 @@ def comes_back(run, work=0.0, turn=2 * math.pi):
 @pytest.fixture(scope="module")
 def strokes(long_run):
     with within(2 * LIMIT):
-        return pp.measures.strokes(long_run)
+        return pp.measures.stroke_duties(long_run)
 
 
 # ------------------------------------------------------------------------------------------ the exact equation of the JF75G-125
@@ -222,7 +222,7 @@ def test_power_balances_in_a_long_run(long_run, strokes):
 def test_a_long_run_ends_in_it_to_the_tolerance(press, steady):
     """Where the speed passes a corner of the drive's torque a little beside where it did the stroke before."""
     run = pp.simulate(press, 8.0, speed=SPEED, drive=slip_clutch(), flywheel=WHEEL, loads=[BLANK])
-    last = pp.measures.strokes(run)[-1]
+    last = pp.measures.stroke_duties(run)[-1]
     assert last.duration == pytest.approx(steady.time[-1], rel=2e-10)
     assert float(run.trajectory.at(np.array([last.start])).speed[0, 0]) == pytest.approx(steady.crank_speed[0], rel=2e-10)
 
@@ -232,7 +232,7 @@ def test_a_long_run_with_a_lag(press):
     """A stroke is four time constants: the press settles in 2 s."""
     run = pp.simulate(press, 2.5, speed=30.0, drive=slip_clutch(0.05), flywheel=WHEEL, loads=[BLANK])
     found = pp.steady_state(press, 30.0, slip_clutch(0.05), WHEEL, [BLANK])
-    last = pp.measures.strokes(run)[-1]
+    last = pp.measures.stroke_duties(run)[-1]
     assert last.duration == pytest.approx(found.time[-1], rel=1e-9)
     assert float(run.trajectory.at(np.array([last.start])).speed[0, 0]) == pytest.approx(found.crank_speed[0], rel=1e-9)
 
@@ -244,7 +244,7 @@ def test_a_run_of_stiff_motors(press, name):
     drive = CASES[name]().drive
     run = pp.simulate(press, 9.0, speed=29.0, drive=drive, flywheel=WHEEL, loads=[BLANK])
     found = pp.steady_state(press, SPEED, drive, WHEEL, [BLANK])
-    last = pp.measures.strokes(run)[-1]
+    last = pp.measures.stroke_duties(run)[-1]
     assert last.duration == pytest.approx(found.time[-1], rel=1e-8)
     assert float(run.trajectory.at(np.array([last.start])).speed[0, 0]) == pytest.approx(found.crank_speed[0], rel=1e-8)
 
@@ -337,7 +337,7 @@ def test_backwards_is_another_orbit_of_a_press_with_quick_return():
         run = pp.steady_state(linkage, way * speed, turned, pp.drives.Flywheel(inertia), [load])
         comes_back(run)
         long = pp.simulate(linkage, 16.0, speed=way * 7.5, drive=turned, flywheel=pp.drives.Flywheel(inertia), loads=[load])
-        assert pp.measures.strokes(long)[-1].duration == pytest.approx(run.time[-1], rel=1e-8)
+        assert pp.measures.stroke_duties(long)[-1].duration == pytest.approx(run.time[-1], rel=1e-8)
         periods.append(float(run.time[-1]))
     assert abs(periods[1] / periods[0] - 1) > 1e-7
 
@@ -358,7 +358,7 @@ def test_it_is_a_run(press, steady):
     """120 states by default; a `Motion` for inverse dynamics, whose torque is that of drive and inertia."""
     assert len(steady.time) == 121
     assert steady.stats.method == "reduced"
-    assert len(pp.measures.strokes(steady)) == 1
+    assert len(pp.measures.stroke_duties(steady)) == 1
     motion = pp.servo_cycle(press, angle=steady.crank_angle, speed=steady.crank_speed, acceleration=steady.crank_acceleration)
     acting = pp.inverse_dynamics(press, motion)
     idle = np.array([loads_of(steady, k) for k in range(121)])
@@ -645,7 +645,7 @@ def test_strokes_of_both_methods(press, drive):
         pp.simulate(press, 0.7, speed=29.0, angle=0.7, drive=drive, flywheel=WHEEL, loads=[BLANK], method=method)
         for method in ("reduced", "constraint")
     ]
-    reduced, constraint = (pp.measures.strokes(run) for run in runs)
+    reduced, constraint = (pp.measures.stroke_duties(run) for run in runs)
     assert len(reduced) == len(constraint) == 3
     for one, other in zip(reduced, constraint, strict=True):
         for field in dataclasses.fields(one):
@@ -662,7 +662,7 @@ def test_strokes_backwards(press):
         pp.simulate(press, 0.7, speed=way * 29.0, drive=slip_clutch(ratio=way * 3.0), flywheel=WHEEL, loads=[BLANK], angle=way * 0.4)
         for way in (1, -1)
     ]
-    for one, other in zip(*map(pp.measures.strokes, runs), strict=True):
+    for one, other in zip(*map(pp.measures.stroke_duties, runs), strict=True):
         assert one.mean_speed > 0
         for field in dataclasses.fields(one):
             assert getattr(one, field.name) == pytest.approx(getattr(other, field.name), rel=1e-8)
@@ -671,7 +671,8 @@ def test_strokes_backwards(press):
 @pytest.mark.parametrize("points", [2, 7, 500])
 def test_strokes_do_not_depend_on_the_states_returned(press, points):
     strokes = [
-        pp.measures.strokes(pp.simulate(press, 1.0, speed=29.0, drive=slip_clutch(), flywheel=WHEEL, points=n)) for n in (points, 5000)
+        pp.measures.stroke_duties(pp.simulate(press, 1.0, speed=29.0, drive=slip_clutch(), flywheel=WHEEL, points=n))
+        for n in (points, 5000)
     ]
     assert len(strokes[0]) == len(strokes[1]) == 4
     for one, other in zip(*strokes, strict=True):
@@ -683,13 +684,13 @@ def test_a_run_that_swings_has_no_strokes(textbook):
     run = pp.simulate(textbook, 3.0, speed=5.0)
     assert run.crank_speed.min() < 0 < run.crank_speed.max()
     assert np.ptp(run.crank_angle) < 2 * math.pi
-    assert pp.measures.strokes(run) == ()
+    assert pp.measures.stroke_duties(run) == ()
 
 
 def test_a_run_that_stands_still(textbook):
     run = pp.simulate(textbook, 1.0, angle=0.0)
     duty = pp.measures.duty_cycle(run)
-    assert pp.measures.strokes(run) == ()
+    assert pp.measures.stroke_duties(run) == ()
     assert (duty.mean_speed, duty.speed_drop, duty.flywheel_work, duty.drive_work, duty.motor_rms) == (0.0, 0.0, 0.0, 0.0, 0.0)
 
 
@@ -722,7 +723,7 @@ def test_duty_of_no_part(press, part):
 def test_duty_of_several_drivers(tmp_path):
     press = pp.load(two_discs(tmp_path))
     run = pp.simulate(press, 0.5, speed=np.array([3.0, 4.0]), method="constraint")
-    for function in (pp.measures.duty_cycle, pp.measures.strokes):
+    for function in (pp.measures.duty_cycle, pp.measures.stroke_duties):
         with pytest.raises(pp.PinpressError, match="one driver"):
             function(run)
 
@@ -796,7 +797,7 @@ def test_strokes_of_a_run_that_turns_back(press):
     run = pp.simulate(press, 6.0, speed=30.0, flywheel=WHEEL, drive=pp.drives.ConstantTorque(-2000.0), points=2001)
     assert 4 < run.crank_angle.max() / (2 * math.pi) < 5
     assert run.crank_angle[-1] < -12 * 2 * math.pi
-    strokes = pp.measures.strokes(run)
+    strokes = pp.measures.stroke_duties(run)
     assert len(strokes) >= 4
     for one in strokes:
         start, end = run.trajectory.at(np.array([one.start, one.start + one.duration])).position[0]
@@ -811,7 +812,7 @@ def test_duty_of_nonsense(press, part):
         pp.measures.duty_cycle(run, part)
 
 
-@pytest.mark.parametrize("function", [pp.measures.duty_cycle, pp.measures.strokes])
+@pytest.mark.parametrize("function", [pp.measures.duty_cycle, pp.measures.stroke_duties])
 @pytest.mark.parametrize("what", [None, 3.0])
 def test_duty_of_no_run(function, what):
     with pytest.raises(pp.PinpressError):

@@ -408,7 +408,7 @@ def calls() -> dict[str, Call]:
         ),
         ("duty_cycle", pp.measures.duty_cycle, lambda: {"run": run(), "start": 0.0, "end": 0.5}),
         ("duty_cycle", pp.measures.duty_cycle, lambda: {"run": run(), "end": 0.5}),
-        ("strokes", pp.measures.strokes, lambda: {"run": run()}),
+        ("stroke_duties", pp.measures.stroke_duties, lambda: {"run": run()}),
         ("extremes", pp.measures.extremes, lambda: {"reactions": reactions()}),
         ("harmonics", pp.measures.harmonics, lambda: {"motion": motion(), "force": reactions().shaking_force, "orders": 3}),
         (
