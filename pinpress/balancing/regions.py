@@ -16,7 +16,7 @@ import numpy as np
 import pinocchio as pin
 
 from ..common.arrays import Array
-from ..common.checks import any_numbers, numbers
+from ..common.checks import any_numbers, numbers, truth_value
 from ..common.conic_program import AT_MOST, CONE, Rows
 from ..common.errors import PinpressError, UnknownNameError, shown
 from ..linkage.linkage import Linkage
@@ -83,8 +83,7 @@ class CounterweightRegion:
     def _refuse_wrong_place(self, places: int) -> None:
         if places > 1:
             raise PinpressError(f"{self.words}: give one of at, radius and corners")
-        if not isinstance(self.replaces, bool):
-            raise PinpressError(f"{self.words}: replaces is {shown(self.replaces)}: give True or False")
+        truth_value(f"{self.words}: replaces", self.replaces)
         if not places and not self.replaces:
             raise PinpressError(
                 f"{self.words}: give its place: at, radius or corners (or replaces=True, for another mass of the link itself)"

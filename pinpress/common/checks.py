@@ -6,7 +6,7 @@ None into nan. Here all these are refused, by the name of the argument.
 
 from collections.abc import Iterable
 from numbers import Real
-from typing import Any
+from typing import Any, TypeGuard
 
 import numpy as np
 
@@ -49,9 +49,21 @@ def positive(what: str, value: object, unit: str) -> float:
     return float(found)
 
 
+def truth_value(name: str, value: object) -> bool:
+    """True or False; raises PinpressError where the value is neither."""
+    if not isinstance(value, bool | np.bool_):
+        raise PinpressError(f"{name} is {shown(value)}: give True or False")
+    return bool(value)
+
+
+def is_whole_number(value: object) -> TypeGuard[int]:
+    """Whether a value is a whole number, of Python or of NumPy; truth values and spans of time are none."""
+    return isinstance(value, int | np.integer) and not isinstance(value, bool | np.timedelta64)
+
+
 def whole_number(name: str, value: object, least: int, most: int) -> int:
     """A count; raises PinpressError where the value is no whole number from ``least`` to ``most``."""
-    if isinstance(value, bool | np.timedelta64) or not isinstance(value, int | np.integer) or not least <= value <= most:
+    if not is_whole_number(value) or not least <= value <= most:
         raise PinpressError(f"{name} is {shown(value)}: give a whole number from {least} to {most}")
     return int(value)
 

@@ -91,9 +91,6 @@ def motion_derivatives(press: Linkage, motion: Motion, directions: Sequence[Pivo
             guide = press.slide_guide[0]
             slide = [tangent.position[guide] + guide_shift(plane, by, guide), tangent.v[guide], tangent.a[guide]]
         arrays = [(tangent.position - drawn.slope(by)).T, tangent.v.T, tangent.a.T, *slide]
-        for array in arrays:
-            if array is not None:
-                array.setflags(write=False)
         result.append(MotionSensitivity(*arrays))  # type: ignore[arg-type]
     return tuple(result)
 

@@ -14,7 +14,7 @@ from functools import cached_property
 import numpy as np
 
 from ..common.arrays import Array
-from ..common.checks import finite_numbers
+from ..common.checks import finite_numbers, is_whole_number
 from ..common.errors import PinpressError, shown
 from ..common.parameters import parameter, set_field
 from ..common.units import RPM
@@ -215,7 +215,7 @@ def _check_breakdown(drive: object, ratio: float) -> None:
 
 
 def _check_rated_speed(drive: object, rated_speed: float, frequency: float, poles: object) -> None:
-    if isinstance(poles, bool | np.timedelta64) or not isinstance(poles, int | np.integer) or not 2 <= poles <= MOST_POLES or poles % 2:
+    if not is_whole_number(poles) or not 2 <= poles <= MOST_POLES or poles % 2:
         raise PinpressError(f"{type(drive).__name__}: poles is {shown(poles)}; give the number of poles: 2, 4, 6, ...")
     synchronous = _synchronous(frequency, int(poles))
     if not rated_speed < synchronous:

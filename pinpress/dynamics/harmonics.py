@@ -9,7 +9,7 @@ import numpy as np
 from ..common import tables
 from ..common.arguments import typed
 from ..common.arrays import Array
-from ..common.checks import numbers
+from ..common.checks import is_whole_number, numbers
 from ..common.errors import PinpressError, expect, shown
 from ..common.results import Tabular
 from ..kinematics.motion import Motion
@@ -54,7 +54,7 @@ def harmonics(motion: Motion, force: Array, orders: int = 12) -> HarmonicAnalysi
     Raises:
         PinpressError: force of another shape or with a value that is not finite, orders that are no whole number from 0.
     """
-    if isinstance(orders, bool | np.timedelta64) or not isinstance(orders, int | np.integer) or orders < 0:
+    if not is_whole_number(orders) or orders < 0:
         raise PinpressError(f"orders is {shown(orders)}: give a whole number from 0")
     expect("motion", motion, Motion, "cycle or simulate")
     force = numbers("harmonics: force", force)

@@ -22,7 +22,7 @@ from ..common import tables
 from ..common.arguments import typed
 from ..common.arrays import Array
 from ..common.errors import PinpressError, SingularityError, UnknownNameError, shown
-from ..common.frozen import FrozenMapping
+from ..common.frozen import FrozenMapping, read_only
 from ..common.named_arrays import ByBearing
 from ..common.results import Tabular
 from ..engines import change_points
@@ -109,9 +109,7 @@ class Reactions(Tabular):
         largest = max(total.max(), ROUNDED * apparent.max(), DENORMAL)
         if not np.isfinite(largest):
             raise PinpressError(f"the powers of {self._press.name} are too large for floating point: lower speed or loads")
-        residual = balance / largest
-        residual.setflags(write=False)
-        return np.asarray(residual)
+        return np.asarray(read_only(balance / largest))
 
     @property
     def indeterminate(self) -> ByBearing[np.bool_]:
@@ -123,9 +121,7 @@ class Reactions(Tabular):
 
     @cached_property
     def indeterminate_axes(self) -> Array:
-        axes = own_axes(self._press)
-        axes.setflags(write=False)
-        return axes
+        return read_only(own_axes(self._press))
 
     @cached_property
     def _indeterminate(self) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
@@ -153,9 +149,7 @@ class Reactions(Tabular):
             force, moment = shaking(press, self.motion, forces, moments, self._under.loads)
             if not math.isfinite(force.sum() + moment.sum()):
                 raise PinpressError(f"the shaking moment of {self._press.name} is not finite: a load is too large for floating point")
-        for array in (force, moment):
-            array.setflags(write=False)
-        return force, moment
+        return read_only((force, moment))
 
     def _power_balance(self) -> tuple[Array, Array, Array]:
         press, motion = self._press, self.motion
@@ -226,7 +220,7 @@ def inverse_dynamics(
     names, several = press.bearings, len(press.drivers) > 1
     kept = names if len(wanted) == len(names) else tuple(names[k] for k in wanted)
     left_out = tuple(name for name in names if name not in kept) if len(kept) < len(names) else ()
-    wrenches.torque.setflags(write=False)
+    read_only(wrenches.torque)
     return Reactions(
         motion=motion,
         engine=chosen,

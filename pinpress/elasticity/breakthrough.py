@@ -26,6 +26,7 @@ from numpy.typing import ArrayLike
 from ..common.arrays import Array
 from ..common.checks import number, numbers, positive
 from ..common.errors import PinpressError
+from ..common.frozen import read_only
 from ..common.results import Tabular
 
 WEAKEST = 1e-6  # ratio of reverse load and force, below which no force counts as permitted
@@ -187,8 +188,7 @@ def permissible_breakthrough(
     shared = {"damping_ratio": damping_ratio, "break_time": break_time, "clearance": clearance}
     more = [number(name, value) for name, value in shared.items()]
     found = np.array([_permissible(float(r), float(k), float(m), *more) for r, k, m in zip(*given, strict=True)])
-    found.setflags(write=False)
-    return found
+    return read_only(found)
 
 
 def _permissible(reverse: float, stiffness: float, mass: float, damping_ratio: float, break_time: float, clearance: float) -> float:

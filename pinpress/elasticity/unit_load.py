@@ -19,7 +19,7 @@ from numpy.typing import ArrayLike
 from ..common.arguments import typed
 from ..common.arrays import Array
 from ..common.errors import PinpressError
-from ..common.frozen import FrozenMapping
+from ..common.frozen import FrozenMapping, read_only
 from ..common.results import Tabular
 from ..dynamics.inverse_dynamics import inverse_dynamics
 from ..kinematics.dead_centres import dead_centres
@@ -79,9 +79,7 @@ class SlideCompliance(Tabular):
         It is twice the kinetic energy at a slide velocity of 1 m/s when everything moves in proportion to the deflection under a force on
         the slide (Rayleigh's method). The frame's own mass is not in it. It is computed when it is first asked for.
         """
-        mass = _moving_mass(self._held) / self.compliance**2
-        mass.setflags(write=False)
-        return np.asarray(mass)
+        return np.asarray(read_only(_moving_mass(self._held) / self.compliance**2))
 
     def columns(self) -> dict[str, Array]:
         """Angle, position, height, compliance and its parts as (n,) columns under their names with units."""

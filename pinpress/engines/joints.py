@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..common.arrays import Array
-from ..common.frozen import Frozen
+from ..common.frozen import Frozen, read_only
 
 _HELD = {"spherical": 0, "revolute": 2, "fixed": 3}
 
@@ -36,9 +36,7 @@ class LoopJoint(Frozen):
 
     def __post_init__(self) -> None:
         for name in ("point1", "rotation1", "point2", "rotation2"):  # copies, as what a caller keeps is his to change
-            array = np.array(getattr(self, name), dtype=float)
-            array.setflags(write=False)
-            object.__setattr__(self, name, array)
+            object.__setattr__(self, name, read_only(np.array(getattr(self, name), dtype=float)))
 
     @property
     def held(self) -> int:

@@ -97,21 +97,21 @@ class FrameMotion(Tabular):
             forcing: (n, coordinates) wrenches on the parts of the frame [N, N m].
             period: of a motion that is one period [s].
         """
-        moved = [{name: _fixed(values @ rows.T) for name, rows in points.items()} for values in motion]
+        moved = [{name: np.array(values @ rows.T) for name, rows in points.items()} for values in motion]
         places = np.array([mount.point for mount in system.mounts])
         shaking = sum(forcing[:, 6 * part : 6 * part + 3] for part in range(system.parts))
         return cls(
             system=system,
-            time=_fixed(time),
+            time=np.array(time),
             period=period,
             displacement=FrozenMapping(moved[0]),
             velocity=FrozenMapping(moved[1]),
             acceleration=FrozenMapping(moved[2]),
-            coordinates=_fixed(motion[0]),
-            mount_force=_fixed(mount_force),
-            floor_force=_fixed(-mount_force.sum(axis=1)),
-            floor_moment=_fixed(-np.cross(places, mount_force).sum(axis=1)),
-            shaking_force=_fixed(np.asarray(shaking)),
+            coordinates=np.array(motion[0]),
+            mount_force=np.array(mount_force),
+            floor_force=np.array(-mount_force.sum(axis=1)),
+            floor_moment=np.array(-np.cross(places, mount_force).sum(axis=1)),
+            shaking_force=np.array(np.asarray(shaking)),
         )
 
     @property
@@ -179,9 +179,3 @@ class FrameMotion(Tabular):
 def spread(force: Array) -> float:
     """Root of the mean square of a vector (n, 3) about its mean."""
     return float(np.sqrt((force.std(axis=0) ** 2).sum()))
-
-
-def _fixed(array: Array) -> Array:
-    array = np.array(array)
-    array.setflags(write=False)
-    return array

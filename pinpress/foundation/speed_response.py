@@ -16,7 +16,7 @@ from ..common.arguments import typed
 from ..common.arrays import Array, ComplexArray
 from ..common.checks import finite_numbers
 from ..common.errors import PinpressError, shown
-from ..common.frozen import FrozenMapping
+from ..common.frozen import FrozenMapping, read_only
 from ..common.results import Tabular
 from ..common.units import RPM
 from ..dynamics.inverse_dynamics import Reactions, inverse_dynamics
@@ -125,12 +125,12 @@ def over_speeds(system: MountedPress, speeds: ArrayLike, *, points: Points) -> S
     acceleration = {name: -(frequency[..., None] ** 2) * values for name, values in by_point.items()}
     return SpeedResponse(
         press_name=system.press.name,
-        speed=_fixed(speed),
-        rms=FrozenMapping({name: _fixed(_rms(values, states)) for name, values in acceleration.items()}),
-        peak=FrozenMapping({name: _fixed(_largest(values, states)) for name, values in acceleration.items()}),
-        displacement=FrozenMapping({name: _fixed(_largest(values, states)) for name, values in by_point.items()}),
-        shaking_force=_fixed(shaking_rms(system, harmonics)),
-        floor_force=_fixed(floor_rms(system, frequency, amplitude)),
+        speed=read_only(speed),
+        rms=FrozenMapping({name: read_only(_rms(values, states)) for name, values in acceleration.items()}),
+        peak=FrozenMapping({name: read_only(_largest(values, states)) for name, values in acceleration.items()}),
+        displacement=FrozenMapping({name: read_only(_largest(values, states)) for name, values in by_point.items()}),
+        shaking_force=read_only(shaking_rms(system, harmonics)),
+        floor_force=read_only(floor_rms(system, frequency, amplitude)),
     )
 
 
@@ -212,8 +212,3 @@ def _rms(harmonics: ComplexArray, states: int) -> Array:
 
 def _largest(harmonics: ComplexArray, states: int) -> Array:
     return np.asarray(np.abs(np.fft.irfft(harmonics, states, axis=1)).max(axis=1))
-
-
-def _fixed(array: Array) -> Array:
-    array.setflags(write=False)
-    return array

@@ -13,7 +13,7 @@ from ..common.arguments import typed
 from ..common.arrays import Array
 from ..common.checks import LARGEST, numbers
 from ..common.errors import PinpressError, UnknownNameError, UrdfError, caution, shown, suggestion
-from ..common.regular_files import path_of
+from ..common.files import path_of
 from ..engines.joints import Coupling, LoopJoint
 from . import assembly_checks, assembly_remarks
 from .linkage import Linkage

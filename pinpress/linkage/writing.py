@@ -18,7 +18,7 @@ from ..common import files
 from ..common.arguments import typed
 from ..common.arrays import Array
 from ..common.errors import PinpressError
-from ..common.regular_files import path_of
+from ..common.files import path_of
 from ..engines.coordinates import axes
 from . import assembly_checks, loading
 from .linkage import Linkage

@@ -10,7 +10,7 @@ import numpy as np
 
 from ..common.arguments import typed
 from ..common.arrays import Array
-from ..common.checks import is_number, positive, whole_number
+from ..common.checks import is_number, positive, truth_value, whole_number
 from ..common.errors import PinpressError, shown
 from ..common.results import Tabular
 from ..common.units import RPM
@@ -161,8 +161,7 @@ def rate(
     """
     known_bearings(capacities, press)
     speed, points = _speed(speed), whole_number("points", points, 3, MOST_POINTS)
-    if not isinstance(at_speed, bool | np.bool_):
-        raise PinpressError(f"at_speed is {shown(at_speed)}: give True or False")
+    truth_value("at_speed", at_speed)
     if len(press.drivers) > 1:
         raise PinpressError(f"{press.name} has {len(press.drivers)} drivers: ratings are those of a press with one")
     period = cycle(press, speed, engine=engine)

@@ -18,8 +18,9 @@ from numpy.typing import ArrayLike, NDArray
 from ..common import plausibility
 from ..common.arguments import typed
 from ..common.arrays import Array
-from ..common.checks import finite_numbers, number
+from ..common.checks import finite_numbers, is_whole_number, number
 from ..common.errors import PinpressError, SimulationError, UnknownScenarioError, shown
+from ..common.frozen import read_only
 from ..common.gauss import gauss_rule, polynomial_values
 from ..common.parameters import pick_scenarios, scenario_lengths
 from ..common.results import Tabular
@@ -81,8 +82,7 @@ class RunBatch(Tabular):
         if press.slide is None:
             return None
         position: Array = tabulated(press).at(self.crank_angle)[0][COORDINATES].copy()
-        position.setflags(write=False)
-        return position
+        return read_only(position)
 
     def columns(self) -> dict[str, Array]:
         """All states, scenario by scenario, as (n S,) columns under their names with units."""
@@ -100,7 +100,7 @@ class RunBatch(Tabular):
 
     def __getitem__(self, k: int) -> Run:
         """Scenario k, simulated once more with all that a `Run` has. Raises what stopped it."""
-        if isinstance(k, bool | np.timedelta64) or not isinstance(k, int | np.integer) or not -len(self) <= k < len(self):
+        if not is_whole_number(k) or not -len(self) <= k < len(self):
             raise UnknownScenarioError(k, len(self))
         return self._scenarios.alone(int(k) % len(self))
 
@@ -249,8 +249,6 @@ def _solved(scenarios: _Scenarios, began: float) -> RunBatch:
         left += list(some[solver.alone])
     for k in map(int, left):
         angles[:, k], speeds[:, k], works[:, k], missing[k], errors[k] = _solved_alone(scenarios, k, times)
-    for array in (times, angles, speeds, works, missing):
-        array.setflags(write=False)
     took = clock.perf_counter() - began
     return RunBatch(times, angles, speeds, works[0], works[1], missing, tuple(errors), took, scenarios)
 

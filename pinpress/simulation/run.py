@@ -197,8 +197,6 @@ def _torques(driven: DrivenPress, speed: Array) -> Array:
 def _with(problem: SimulationProblem, trajectory: Trajectory, motion: Motion, stats: Stats, sample: Sample) -> Run:
     kept = {field.name: getattr(motion, field.name) for field in fields(Motion) if field.init}
     integrals = dict(zip(INTEGRALS, sample.integrals, strict=True))
-    for array in (sample.drive_torque, sample.drive_speed, *integrals.values()):
-        array.setflags(write=False)
     run = Run(
         **kept,
         stats=stats,

@@ -20,8 +20,9 @@ from numpy.typing import ArrayLike
 
 from ..common.arguments import typed
 from ..common.arrays import Array
-from ..common.checks import numbers
-from ..common.errors import PinpressError, UnknownNameError, shown
+from ..common.checks import numbers, truth_value
+from ..common.errors import PinpressError, UnknownNameError
+from ..common.frozen import read_only
 from ..common.results import Tabular
 from ..common.units import RPM
 from ..dynamics.applied_loads import asked
@@ -140,8 +141,7 @@ def operating_points(
     speed, force = _axis("speeds", speeds, "rad/s"), _axis("forces", forces, "N")
     if not (np.all(speed > 0) or np.all(speed < 0)):
         raise PinpressError("speeds: give them all positive or all negative, as loads depend on the direction of travel; none zero")
-    if not isinstance(angles, bool):
-        raise PinpressError(f"angles is {shown(angles)}: give True or False")
+    truth_value("angles", angles)
     units, constant = _loads(unit_load, loads)
     if not units and force.any():
         raise PinpressError("forces are amplitudes of unit_load, and there is none: give e.g. pp.loads.DeepDrawing(force=1.0, start=0.010)")
@@ -298,8 +298,7 @@ def _axis(name: str, values: ArrayLike, unit: str) -> Array:
     array = np.atleast_1d(numbers(name, values))
     if array.ndim != 1 or not array.size:
         raise PinpressError(f"{name} must be a sequence of finite numbers [{unit}], at least one")
-    array.setflags(write=False)
-    return array
+    return read_only(array)
 
 
 def _listed(name: str, loads: Any) -> list[Load]:

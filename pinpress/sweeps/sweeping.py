@@ -11,8 +11,9 @@ from functools import partial
 from pathlib import Path
 
 from ..common.arguments import typed
+from ..common.checks import is_whole_number
 from ..common.errors import PinpressError, shown
-from ..common.regular_files import path_of
+from ..common.files import path_of
 from .execution import Function, TaskError, in_parallel, serially
 from .grid import Grid, gridded
 from .result import SweepTable, table
@@ -124,7 +125,7 @@ def _check_arguments(function: object, executor: object, in_flight: object, prog
             f"executor is {shown(executor)}: give one of concurrent.futures, such as ProcessPoolExecutor(), or get_executor() of a"
             " Dask client"
         )
-    if isinstance(in_flight, bool) or not isinstance(in_flight, int) or in_flight < 1:
+    if not is_whole_number(in_flight) or in_flight < 1:
         raise PinpressError(f"in_flight is {shown(in_flight)}: give a whole number of tasks, at least 1")
     if progress is not None and not callable(progress):
         raise PinpressError(f"progress is {shown(progress)}: give a function of the share done")

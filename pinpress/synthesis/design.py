@@ -8,6 +8,7 @@ from typing import cast
 import numpy as np
 
 from ..common.arrays import Array, ComplexArray
+from ..common.frozen import read_only
 from ..common.named_arrays import ByBearing
 from ..derivatives.motion import STEP, Rates, States, Tangent, guide_shift
 from ..derivatives.pivots import Displacements, Shift, shift
@@ -237,5 +238,4 @@ class Design:
 def _complex(value: Array, h: float, derivative: Array) -> Array:
     """value + i h derivative, read-only. In a gradient the arrays of a `Trial` are complex, whatever their type says."""
     result: ComplexArray = value + 1j * h * derivative
-    result.setflags(write=False)
-    return cast(Array, result)
+    return cast(Array, read_only(result))

@@ -21,12 +21,11 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..common.arguments import typed
 from ..common.arrays import Array
 from ..common.errors import AssemblyError, PinpressError, SingularityError, UnknownNameError, shown
-from ..common.frozen import FrozenMapping
+from ..common.frozen import FrozenMapping, read_only
 from ..derivatives.motion import planar
 from ..derivatives.pivots import Pivots, nowhere, pivot_positions
 from ..derivatives.reactions import refuse_unknown
@@ -134,7 +133,7 @@ def _verify(found: Point, speed: float, points: int | None) -> None:
 def _result(start: Point, found: Point, search: Search) -> SynthesisResult:
     problem, held, press = found.problem, optimum(found), found.design.press
     constraints = {
-        measure.name: float(values[0]) if len(values) == 1 else _fixed(values)
+        measure.name: float(values[0]) if len(values) == 1 else read_only(values)
         for measure, values in zip(problem.measures[1:], found.values[1:], strict=True)
     }
     values = problem.values(found.z)
@@ -161,11 +160,6 @@ def _result(start: Point, found: Point, search: Search) -> SynthesisResult:
 def _nearest(measure: Measure, values: Array) -> float:
     """The element that is nearest to a bound, or furthest beyond it."""
     return float(values[np.argmin(np.minimum(values - measure.lower, measure.upper - values))])
-
-
-def _fixed(values: NDArray[np.float64]) -> Array:
-    values.setflags(write=False)
-    return values
 
 
 # ------------------------------------------------------------------------------------------------------------------------------ arguments

@@ -10,15 +10,12 @@ from collections.abc import Callable, Collection, Iterator
 from contextlib import contextmanager, suppress
 from importlib import import_module
 from pathlib import Path
-from typing import TypeGuard
-
-import numpy as np
 
 from ..common import files
 from ..common.arguments import typed
-from ..common.checks import number, whole_number
+from ..common.checks import is_whole_number, number, whole_number
 from ..common.errors import PinpressError, shown
-from ..common.regular_files import path_of
+from ..common.files import path_of
 from .browser import opened
 
 NO_FFMPEG = "films need imageio-ffmpeg, which is not installed; pip install 'pinpress[video]'"
@@ -179,11 +176,7 @@ def _suffix(path: str | os.PathLike[str], possible: Collection[str]) -> str:
 
 def _size(size: object, step: int = 1) -> tuple[int, int]:
     sides = list(size) if isinstance(size, tuple | list) else []
-    if len(sides) != 2 or not all(_is_whole(side) and SMALLEST <= side <= LARGEST and side % step == 0 for side in sides):
+    if len(sides) != 2 or not all(is_whole_number(side) and SMALLEST <= side <= LARGEST and side % step == 0 for side in sides):
         kind = "even" if step == 2 else "whole"
         raise PinpressError(f"size is {shown(size)}: give width and height in pixels, two {kind} numbers from {SMALLEST} to {LARGEST}")
     return int(sides[0]), int(sides[1])
-
-
-def _is_whole(value: object) -> TypeGuard[int]:
-    return isinstance(value, int | np.integer) and not isinstance(value, bool | np.timedelta64)

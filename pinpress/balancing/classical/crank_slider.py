@@ -16,7 +16,7 @@ from ...common.arguments import typed
 from ...common.arrays import Array
 from ...common.checks import is_number, positive, whole_number
 from ...common.errors import PinpressError, shown
-from ...common.frozen import Frozen
+from ...common.frozen import Frozen, read_only
 from ...engines.planar.model import Plane, flat, in_space
 from ...kinematics.poses import Poses, poses
 from ...linkage.linkage import Linkage
@@ -199,8 +199,7 @@ def harmonic_coefficients(ratio: float, orders: int = 6) -> Array:
     coefficients[1] = 1.0
     for k in range(1, orders // 2 + 1):
         coefficients[2 * k] = 8 * k**2 / ratio * base**k / (1 + base) * (binomials[k : k + terms] @ powers)
-    coefficients.setflags(write=False)
-    return coefficients
+    return read_only(coefficients)
 
 
 @typed

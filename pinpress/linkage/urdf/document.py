@@ -11,7 +11,7 @@ from functools import cached_property
 from typing import Any
 from xml.parsers import expat
 
-from ...common import regular_files
+from ...common import files
 from ...common.errors import UrdfError, shown
 
 # The largest URDF that comes with pinpress has 30 kB and 200 elements. These limits are far beyond any press, and small enough for a file
@@ -105,11 +105,11 @@ class Document:
 
 def parse(path: str | os.PathLike[str]) -> Document:
     """The elements of a URDF; raises UrdfError where it is no URDF at all."""
-    file = regular_files.path_of("path", path)
+    file = files.path_of("path", path)
     try:
-        text = regular_files.read(path, MOST_BYTES)
+        text = files.read(path, MOST_BYTES)
     except (OSError, ValueError) as error:  # ValueError: a null character in the path
-        raise UrdfError(file, None, None, f"cannot be read: {regular_files.reason(error)}", "give the path of a URDF file") from error
+        raise UrdfError(file, None, None, f"cannot be read: {files.reason(error)}", "give the path of a URDF file") from error
     try:
         document = text.decode("utf-8-sig")
         odd = text.find(0)  # a null character, as in UTF-16, which Expat would read

@@ -15,7 +15,7 @@ from typing import Any
 
 import numpy as np
 
-from ...common import regular_files
+from ...common import files
 from ...common.errors import PinpressError, UrdfError
 from ...common.frozen import read_only
 from ...linkage.urdf.document import Element, tree
@@ -62,9 +62,9 @@ def read(file: str, link: str, name: str, scale: tuple[float, ...]) -> Mesh:
     if not os.path.exists(path) or os.path.isdir(path):
         raise PinpressError(f"{place}: there is no file {os.fspath(path)!r}; correct the path, or put the mesh there")
     try:
-        content = regular_files.read(path, MOST_BYTES)
+        content = files.read(path, MOST_BYTES)
     except (OSError, ValueError) as error:
-        said = regular_files.reason(error)
+        said = files.reason(error)
         raise PinpressError(f"{place} cannot be read: {said}; put a mesh file at {os.fspath(path)!r} that is readable") from error
     kind = path.suffix.lower()
     try:
