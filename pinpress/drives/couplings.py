@@ -7,10 +7,11 @@ to hold more than that.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 from ..common.checks import is_number
 from ..common.errors import PinpressError, shown
+from ..common.parameters import Checked, parameter
 
 
 @dataclass(frozen=True)
@@ -34,7 +35,7 @@ class SwitchPoint:
 
 
 @dataclass(frozen=True)
-class Coupling:
+class Coupling(Checked):
     """What a clutch and a brake have in common.
 
     Attributes:
@@ -44,21 +45,17 @@ class Coupling:
         rise: time in which its torque builds up [s].
     """
 
-    torque: float
+    torque: float = field(metadata=parameter("N m", "positive"))
     closes: SwitchPoint | None = None
     opens: SwitchPoint | None = None
-    rise: float = 0.0
+    rise: float = field(default=0.0, metadata=parameter("s", "not negative"))
 
     def __post_init__(self) -> None:
-        name = type(self).__name__
-        for field, least, unit in (("torque", "positive", "N m"), ("rise", "not negative", "s")):
-            value = getattr(self, field)
-            if not is_number(value) or value < 0 or (value == 0 and least == "positive"):
-                raise PinpressError(f"{name}: {field} is {shown(value)}; give a number that is {least} [{unit}]")
-        for field in ("closes", "opens"):
-            if not isinstance(getattr(self, field), SwitchPoint | None):
+        super().__post_init__()
+        for name, point in (("closes", self.closes), ("opens", self.opens)):
+            if not isinstance(point, SwitchPoint | None):
                 raise PinpressError(
-                    f"{name}: {field} is {shown(getattr(self, field))}; give SwitchPoint(time=...) or SwitchPoint(angle=...)"
+                    f"{type(self).__name__}: {name} is {shown(point)}; give SwitchPoint(time=...) or SwitchPoint(angle=...)"
                 )
 
 

@@ -43,7 +43,12 @@ class LawError(SimulationError):
 
 @dataclass(frozen=True, eq=False)
 class Asked:
-    """A caller's own drive or load; errors: `numpy.geterr` of the caller."""
+    """A caller's own drive or load.
+
+    Attributes:
+        part: the drive or load.
+        errors: `numpy.geterr` of the caller.
+    """
 
     part: Any
     errors: Any
@@ -70,8 +75,13 @@ def asked_load(load: Any) -> Any:
 
 @dataclass(frozen=True)
 class ForceOfMotion:
-    """A caller's function of a motion; what: e.g. "load on 'slide': force"; errors: `numpy.geterr` of the caller. What it returns is
-    checked where it is used."""
+    """A caller's function of a motion. What it returns is checked where it is used.
+
+    Attributes:
+        what: e.g. "load on 'slide': force".
+        call: the function.
+        errors: `numpy.geterr` of the caller.
+    """
 
     what: str
     call: Callable[[Any], Any]
@@ -92,8 +102,11 @@ class Law:
     """A caller's function of numbers, or arrays.
 
     Attributes:
-        what: e.g. "Fan: torque". names: of its arguments, with their units. call: the function. errors: `numpy.geterr` of the caller.
-        scenarios: whether a number may be answered by (S,).
+        what: e.g. "Fan: torque".
+        names: of its arguments, with their units.
+        call: the function.
+        errors: `numpy.geterr` of the caller.
+        scenarios: how many numbers may answer one number; None: one.
     """
 
     what: str
@@ -117,7 +130,7 @@ class Law:
     def _checked(self, value: Any, at: tuple[Any, ...]) -> Any:
         try:
             numbers = np.asarray(value)
-        except ValueError:  # rows of different scenario_lengths
+        except ValueError:  # rows of different lengths
             numbers = np.asarray(None)
         if numbers.dtype.kind not in "iuf":
             what = f"holds {value.dtype} values" if isinstance(value, np.ndarray) else f"is {shown(value)}"

@@ -41,8 +41,13 @@ class SpringDamper:
     where positive.
 
     Attributes:
-        link1, link2: names of the links. point1, point2: in the links' own frames [m].
-        stiffness: [N/m]. damping: [N s/m]. free_length: length at which the spring is slack [m].
+        link1: name of the one link.
+        link2: name of the other.
+        stiffness: [N/m].
+        damping: [N s/m].
+        free_length: length at which the spring is slack [m].
+        point1: in the frame of link1 [m].
+        point2: in the frame of link2 [m].
     """
 
     link1: str

@@ -21,10 +21,12 @@ class ForceInterval:
     """One smooth interval of a process force, in one direction of travel.
 
     Attributes:
-        upper, lower: heights between which it acts, lower < height <= upper [m]; may be infinite.
-        force: height [m] and velocity along the axis [m/s] -> force on the slide along the axis [N]. Of numbers a number, or (S,) where
-            the load has scenarios; of arrays (..., S) the same shape. Smooth, a little beyond the interval too.
-        one_sided: a contact: where the law gives less than zero the contact is lost, and the force is zero.
+        upper: height up to which it acts, lower < height <= upper [m]; may be infinite.
+        lower: height from which it acts [m]; may be infinite.
+        force: law of height [m] and velocity along the axis [m/s] that returns the force on the slide along the axis [N]. Of numbers it
+            gives a number, or (S,) where the load has scenarios; of arrays (..., S) the same shape. It is smooth, a little beyond the
+            interval too.
+        one_sided: whether it is a contact: where the law gives less than zero the contact is lost, and the force is zero.
     """
 
     upper: float

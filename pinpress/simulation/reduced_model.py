@@ -102,22 +102,24 @@ class ReducedModel:
         return value, slope / half
 
 
-def beyond(table: ReducedModel, angle: float, time: float | None = None) -> SimulationError:
-    """Why a motion leaves a table without a period."""
-    low, high = np.degrees([table.borders[0], table.borders[-1]])
+def beyond(model: ReducedModel, angle: float, time: float | None = None) -> SimulationError:
+    """Why a motion leaves a model without a period."""
+    low, high = np.degrees([model.borders[0], model.borders[-1]])
     return failure("runs against a lock", time, angle, low=low, high=high)
 
 
 @per_linkage
 def tabulated(press: Linkage) -> ReducedModel:
-    """The table of a linkage with one driver, with the slide's position where it has a slide. Raises as `build`."""
+    """The reduced model of a linkage with one driver, with the slide's position where it has a slide. Raises as `build`."""
     return build(press, [lambda motion: motion.slide_position] if press.slide is not None else [])
 
 
 def build(press: Linkage, coordinates: Sequence[Coordinate], panels: int | None = None) -> ReducedModel:
-    """The table of a linkage with one driver.
+    """The reduced model of a linkage with one driver.
 
     Args:
+        press: the linkage.
+        coordinates: lengths of the linkage that are kept with it.
         panels: how many of equal width, whether these resolve it or not; by default as many as do.
 
     Raises:
@@ -128,42 +130,57 @@ def build(press: Linkage, coordinates: Sequence[Coordinate], panels: int | None 
     low, high = (0.0, period) if period is not None else (float(branch.angles[0]), float(branch.angles[-1]))
     count = panels or max(2, math.ceil(PANELS * (high - low) / (2 * np.pi) - 1e-9))
     borders, points = np.linspace(low, high, count + 1), 0
-    starts, ends = borders[:-1], borders[1:]
-    done: list[tuple[Array, Array, Array]] = []
-    scale = np.zeros(COORDINATES + len(coordinates))
-    lowest, highest = np.inf, -np.inf
-    rule = gauss_rule()
-    last_terms, coarser = rule.legendre[-2:], np.full(count, np.inf)
+    starts, ends, coarser = borders[:-1], borders[1:], np.full(count, np.inf)
+    done: list[tuple[Array, Array]] = []
+    rule, sizes = gauss_rule(), _Sizes(len(coordinates))
     while len(starts):
         half = 0.5 * (ends - starts)
         angles = (starts + half)[:, None] + half[:, None] * rule.nodes
         values = sampled(press, angles.ravel(), coordinates).reshape(-1, *angles.shape)
         points += angles.size
-        scale = np.maximum(scale, np.abs(values).max(axis=(1, 2)))
-        lowest, highest = np.minimum(lowest, values[POTENTIAL].min()), np.maximum(highest, values[POTENTIAL].max())
-        # Of a balanced press the potential energy is constant, and its slope rounding of the links' shares in it.
-        least = HEIGHT * float(max(abs(lowest), abs(highest)))
-        scale[WEIGHT], scale[POTENTIAL] = max(float(scale[WEIGHT]), least), max(float(highest - lowest), least)
-        tail = np.abs(values @ last_terms.T).max(axis=2)
-        local = np.abs(values[INERTIA]).max(axis=1)  # near a lock the inertia has no bounds
-        sizes = np.where(scale > 0, scale, 1.0)
-        missed = np.maximum((tail / sizes[:, None]).max(axis=0), tail[INERTIA] / np.where(local > 0, local, 1.0))
+        missed = sizes.missed(values)
         rounding = (missed <= NOISE) & (missed > coarser / GAIN)  # halving a panel that is nearly resolved divides this by thousands
         settled = (missed <= RESOLVED) | rounding | (half < NARROWEST) | (panels is not None)
-        done.append((starts[settled], ends[settled], np.moveaxis(values[:, settled], 0, 1) @ rule.legendre.T @ rule.powers.T))
+        done.append((starts[settled], np.moveaxis(values[:, settled], 0, 1) @ rule.legendre.T @ rule.powers.T))
         left, right = starts[~settled], ends[~settled]
         middle = 0.5 * (left + right)
         starts, ends = np.concatenate([left, middle]), np.concatenate([middle, right])
         coarser = np.tile(missed[~settled], 2)
-    values = np.concatenate([d[2][:, POTENTIAL, 0] for d in done])
+    order = np.argsort(np.concatenate([starts for starts, _ in done]))
+    borders = np.append(np.concatenate([starts for starts, _ in done])[order], high)
+    return ReducedModel(borders, _centred(np.concatenate([polynomials for _, polynomials in done]))[order], period, points)
+
+
+class _Sizes:
+    """Sizes of the rows of a reduced model, over all panels seen so far, beside which the polynomials' last terms count."""
+
+    def __init__(self, coordinates: int) -> None:
+        self.scale = np.zeros(COORDINATES + coordinates)
+        self.lowest, self.highest = np.inf, -np.inf
+
+    def missed(self, values: Array) -> Array:
+        """What polynomials through values (rows, p, q) on p panels miss (p,), beside the sizes of the rows."""
+        self.scale = np.maximum(self.scale, np.abs(values).max(axis=(1, 2)))
+        self.lowest = np.minimum(self.lowest, values[POTENTIAL].min())
+        self.highest = np.maximum(self.highest, values[POTENTIAL].max())
+        # Of a balanced press the potential energy is constant, and its slope rounding of the links' shares in it.
+        least = HEIGHT * float(max(abs(self.lowest), abs(self.highest)))
+        self.scale[WEIGHT] = max(float(self.scale[WEIGHT]), least)
+        self.scale[POTENTIAL] = max(float(self.highest - self.lowest), least)
+        tail = np.abs(values @ gauss_rule().legendre[-2:].T).max(axis=2)
+        local = np.abs(values[INERTIA]).max(axis=1)  # near a lock the inertia has no bounds
+        sizes = np.where(self.scale > 0, self.scale, 1.0)
+        return np.asarray(np.maximum((tail / sizes[:, None]).max(axis=0), tail[INERTIA] / np.where(local > 0, local, 1.0)))
+
+
+def _centred(polynomials: Array) -> Array:
+    """Polynomials (p, rows, q) whose potential energy is zero in the middle of its range, and without a range zero throughout."""
+    values = polynomials[:, POTENTIAL, 0]
     middle, flat = 0.5 * float(values.min() + values.max()), bool(np.ptp(values) <= FLAT * np.abs(values).max())
-    for _, _, polynomials in done:
-        polynomials[:, POTENTIAL, 0] -= middle  # its zero means nothing; this way no digits are lost to it
-        if flat:
-            polynomials[:, [POTENTIAL, WEIGHT]] = 0.0
-    order = np.argsort(np.concatenate([d[0] for d in done]))
-    all_borders = np.append(np.concatenate([d[0] for d in done])[order], high)
-    return ReducedModel(all_borders, np.concatenate([d[2] for d in done])[order], period, points)
+    polynomials[:, POTENTIAL, 0] -= middle  # its zero means nothing; this way no digits are lost to it
+    if flat:
+        polynomials[:, [POTENTIAL, WEIGHT]] = 0.0
+    return polynomials
 
 
 def _periods(press: Linkage, advance: Array) -> int:

@@ -60,8 +60,14 @@ def steady_state(
     """One period of the steady state of a press: from crank angle ``angle`` on, until angle and speed are the same again.
 
     Args:
+        press: a linkage with one driver.
         speed: about which the steady state is looked for [rad/s]; its sign is the direction.
-        drive, flywheel, loads, points, tolerance: as of `simulate`; nothing may depend on time.
+        drive: what turns the crank; nothing in it may depend on time.
+        flywheel: its inertia at the driver joint; None: none.
+        loads: as of `simulate`; nothing in them may depend on time.
+        angle: of the crank at the start [rad].
+        points: number of states returned; by default 120 a turn.
+        tolerance: as of `simulate`.
 
     Raises:
         PinpressError: an argument that makes no sense.

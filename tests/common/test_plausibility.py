@@ -308,7 +308,7 @@ SPEEDS = {
     "cycle": lambda press, speed: pp.cycle(press, speed),
     "servo motion": lambda press, speed: pp.servo_cycle(press, speed=[speed, speed], angle=[0.0, 1.0]),
     "simulate": lambda press, speed: pp.simulate(press, 1e-3, speed, points=2),
-    "scenarios": lambda press, speed: pp.simulate(press, 1e-3, [speed, 5.0], points=2),
+    "scenarios": lambda press, speed: pp.simulate_batch(press, 1e-3, speed=[speed, 5.0], points=2),
     "operating points": lambda press, speed: pp.sweeps.operating_points(press, [speed]),
     "drive": lambda press, speed: pp.drives.PrescribedSpeed(speed),
     "flywheel": lambda press, speed: pp.drives.Flywheel(1.0, speed),
