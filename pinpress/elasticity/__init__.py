@@ -1,9 +1,9 @@
 """What yields between crank and slide: compliance, bottom dead centre over speed, snap-through of a blank.
 
     stiffness = pp.elasticity.Stiffness(dict.fromkeys("ABCDEF", 2e9), shaft=3e7, frame=4e9)  # bearings in N/m, shaft in N m/rad
-    elastic = pp.elasticity.elasticity(press, stiffness)
-    elastic.bottom_stiffness  # N/m at the slide
-    pp.elasticity.snap_through(force=1e6, stiffness=elastic.bottom_stiffness, mass=7000.0).overshoot  # m
+    compliance = pp.elasticity.compliance(press, stiffness)
+    compliance.bottom_stiffness  # N/m at the slide
+    pp.elasticity.snap_through(force=1e6, stiffness=compliance.bottom_stiffness, mass=7000.0).overshoot  # m
 
 Deflections are small: the parts' springs change where the slide is, not how the linkage moves.
 """
