@@ -49,16 +49,18 @@ class Reactions(Tabular):
     """Torque and forces over a motion of n states. All arrays are read-only; signs: see the module.
 
     Attributes:
-        motion: the motion. engine: "plane" or "pinocchio".
+        motion: The motion.
+        engine: "plane" or "pinocchio".
         driving_torque: (n,) on the driver joint, along its axis [N m]; (n, drivers) where there are several.
         coupling_torque: name of a joint with a ``<mimic>`` -> (n, 2): the torque of the gear pair on it, and on the joint it mimics, along
             their axes [N m; N on one that slides]. A pair alone: the tooth force across the shafts' bearings is not in their forces. Beside
             a driving torque alone computed when it is first asked for: what gears share with bearings depends on all of them.
-        bearing_force, bearing_moment: name of a joint or loop -> (n, 3) [N, N m], of those that were asked for.
-        left_out: names of those that were not.
+        bearing_force: Name of a joint or loop -> (n, 3) [N], of those that were asked for.
+        bearing_moment: Name of a joint or loop -> (n, 3) [N m], of the same.
+        left_out: Names of those that were not asked for.
         friction_power: name of a joint or loop, each of them -> (n,) power lost there [W].
-        shaking_force: (n, 3) [N]; shaking_moment: (n, 3) about the world origin [N m]. Computed when they are first asked for, from the
-            bearings on the frame, also where these were left out.
+        shaking_force: (n, 3) [N], computed when it is first asked for, from the bearings on the frame, also where these were left out.
+        shaking_moment: (n, 3) about the world origin [N m], computed with it.
         indeterminate: name -> (6,) bool: components of force and moment, three each, that rigid mechanics leaves open because a loop closes
             more than it must; shared by least squares, by default with the least sum of squared bearing forces. In a planar press whose
             equations in the plane are all needed they are the forces along the normal and the moments that tilt.

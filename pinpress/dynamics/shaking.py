@@ -22,8 +22,11 @@ def shaking(
     """Shaking force and shaking moment about the world origin, (n, 3) each, world axes [N, N m].
 
     Args:
-        force, moment: (n, 3) by the bearing's index, of all that are `on_frame`: parent on child, link1 on link2.
-        loads: those on the frame are passed on, those on other links are in the bearings' forces.
+        press: The press.
+        motion: Its motion.
+        force: (n, 3) by the bearing's index, of all that are `on_frame`: parent on child, link1 on link2 [N].
+        moment: (n, 3) by the bearing's index, of the same [N m].
+        loads: Those on the frame are passed on, those on other links are in the bearings' forces.
     """
     model, axes, count = press.model, press.axes, len(press.joints)
     total = np.zeros((2, len(motion.crank_angle), 3))

@@ -28,9 +28,11 @@ class DeadCentres(Record, units={"top_angle": "rad", "top_position": "m", "botto
     Attributes:
         turns: of the driver, after which the slide is where it was; all that moves with it may be back only later
             (`Linkage.period_turns`).
-        top_angle, bottom_angle: of the driver joint, from 0 to the end of these turns [rad]. top: the far end along the axis, upwards in an
-            upright press.
-        top_position, bottom_position: of the slide [m].
+        top_angle: Angle of the driver joint at top dead centre, the far end along the axis, upwards in an upright press; from 0 to the end
+            of these turns [rad].
+        top_position: Position of the slide at top dead centre [m].
+        bottom_angle: Angle of the driver joint at bottom dead centre, likewise [rad].
+        bottom_position: Position of the slide at bottom dead centre [m].
     """
 
     top_angle: float

@@ -36,16 +36,22 @@ class Motion(Tabular):
     """States of a linkage, n of them, closed. All arrays are read-only.
 
     Attributes:
-        linkage: its name. drivers: its driver joints. joints: names in the order of v.
-        crank_angle, crank_speed, crank_acceleration: (n,) of the driver joint, the angle unwrapped [rad, rad/s, rad/s2]; (n, drivers)
-            where there are several.
+        linkage: Name of the linkage.
+        drivers: Names of its driver joints.
+        joints: Names of all joints, in the order of ``v``.
+        crank_angle: (n,) angle of the driver joint, unwrapped [rad]; (n, drivers) where there are several, as of speed and acceleration.
+        crank_speed: (n,) speed of the driver joint [rad/s].
+        crank_acceleration: (n,) acceleration of the driver joint [rad/s2].
         joint_position: (n, nv) joint coordinates, zero in the drawn pose, angles unwrapped [rad or m].
-        v, a: (n, nv) in Pinocchio's order [rad/s or m/s, rad/s2 or m/s2]. q: (n, nq) the configurations.
+        v: (n, nv) joint rates in Pinocchio's order [rad/s or m/s].
+        a: (n, nv) joint accelerations in Pinocchio's order [rad/s2 or m/s2].
+        q: (n, nq) configurations, as Pinocchio has them.
         closure_error: (n,) largest distance between the two sides of a loop [m].
         time: (n,) [s]. See `servo_cycle` for states that are not in time.
-        slide_position, slide_velocity, slide_acceleration: (n,) of the slide link's origin along its guide's axis in world coordinates,
-            positive along the axis (upwards) [m, m/s, m/s2].
-        period_turns: as of `Linkage`; None where the linkage has no period, or several drivers.
+        slide_position: (n,) of the slide link's origin along its guide's axis in world coordinates, positive along the axis (upwards) [m].
+        slide_velocity: (n,) along the same axis [m/s].
+        slide_acceleration: (n,) along the same axis [m/s2].
+        period_turns: Turns of the crank in a period, as of `Linkage`; None where the linkage has no period, or several drivers.
     """
 
     linkage: str
