@@ -23,8 +23,7 @@ from ..common.arrays import Array, ComplexArray
 from ..common.errors import PinpressError, said, shown
 from ..dynamics.applied_loads import apply, asked
 from ..engines.constant_rows import product
-from ..engines.forces import AppliedForce
-from ..engines.friction import REST
+from ..engines.forces import REST, AppliedForce
 from ..engines.planar import statics
 from ..engines.planar.bodies import Bodies
 from ..engines.planar.model import Plane, flat

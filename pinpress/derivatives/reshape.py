@@ -17,9 +17,8 @@ import pinocchio as pin
 from ..common.arguments import typed
 from ..common.arrays import Array
 from ..common.errors import AssemblyError, SingularityError
-from ..engines.closure import ACCEPTED, Closure
-from ..engines.continuation import SingularPosition, follow
-from ..engines.engine import Engine
+from ..engines.branch import SingularPosition, follow
+from ..engines.engine import ACCEPTED, Closure, Engine
 from ..engines.joints import Coupling
 from ..engines.planar.engine import PlanarEngine
 from ..engines.planar.kinematics import close

@@ -13,8 +13,7 @@ from ..common import plausibility
 from ..common.arrays import Array
 from ..common.checks import numbers
 from ..common.errors import PinpressError, UnknownNameError, shown
-from ..engines.forces import AppliedForce
-from ..engines.friction import REST
+from ..engines.forces import REST, AppliedForce
 from ..kinematics.dead_centres import dead_centres
 from ..kinematics.poses import point_motion
 from ..loads import caller_laws

@@ -25,7 +25,7 @@ from ..common.errors import PinpressError, SingularityError, UnknownNameError, s
 from ..common.frozen import FrozenMapping, read_only
 from ..common.named_arrays import ByBearing
 from ..common.results import Tabular
-from ..engines import change_points
+from ..engines.branch import at_change_point
 from ..engines.forces import AppliedConditions, Wrenches
 from ..engines.load_sharing import compliances
 from ..kinematics.motion import Motion
@@ -241,7 +241,7 @@ def _refuse_change_points(press: Linkage, motion: Motion) -> None:
     """Raise where a run's state is at a change point: rigid links carry forces there that grow without bounds on the way."""
     if len(press.drivers) > 1 or _between_locks(press, motion) or not press.branch_through_change_points.change_points:
         return
-    at = change_points.met(press.branch_through_change_points.change_points, press.branch_through_change_points.period, motion.crank_angle)
+    at = at_change_point(press.branch_through_change_points.change_points, press.branch_through_change_points.period, motion.crank_angle)
     if at is not None:
         angle = float(motion.crank_angle[at])
         raise SingularityError(

@@ -30,7 +30,7 @@ from ..common.errors import PinpressError, expect
 from ..common.frozen import read_only
 from ..common.results import Tabular
 from ..common.tables import Column
-from ..engines.coordinates import data_of
+from ..engines.joints import data_of
 from ..kinematics.motion import cycle
 from ..linkage.linkage import Linkage
 from .matrices import body_inertia, centre_of, refuse_loose, refuse_pulled, rows_at, springs_together, turning_stiffness, weight_wrench

@@ -6,9 +6,8 @@ import numpy as np
 
 from ..common.arrays import Array
 from ..common.errors import AssemblyError, PinpressError, SingularityError
-from ..engines.branch import LARGEST_CORRECTION, Branch, predict
-from ..engines.closure import ACCEPTED, PIECE, Closure, joined
-from ..engines.continuation import SingularPosition, follow
+from ..engines.branch import LARGEST_CORRECTION, Branch, SingularPosition, follow, predict
+from ..engines.engine import ACCEPTED, PIECE, Closure, joined
 from ..linkage.linkage import Linkage
 
 MANY_PERIODS = 1000  # beyond which a crank angle's rounding is seen in the gaps of loops

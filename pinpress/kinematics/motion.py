@@ -18,9 +18,8 @@ from ..common.errors import PinpressError
 from ..common.frozen import read_only
 from ..common.results import Tabular
 from ..engines.branch import Branch, beyond
-from ..engines.closure import Closure
-from ..engines.coordinates import Slot, configuration
-from ..engines.engine import ClosedStates
+from ..engines.engine import ClosedStates, Closure
+from ..engines.joints import Slot, configuration
 from ..linkage.linkage import Linkage
 from .configurations import closed, followed, refuse_far
 

@@ -10,11 +10,8 @@ import numpy as np
 from ..common.arrays import Array
 from ..common.errors import PinpressError
 from ..engines import branch
-from ..engines.branch import Branch, Returning
-from ..engines.change_points import Gap
-from ..engines.closure import ACCEPTED, Closure
-from ..engines.continuation import SMALLEST_MARGIN
-from ..engines.engine import Engine
+from ..engines.branch import SMALLEST_MARGIN, Branch, Gap, Returning
+from ..engines.engine import ACCEPTED, Closure, Engine
 from ..engines.load_sharing import RANK
 from ..engines.planar.engine import PlanarEngine
 from ..engines.planar.kinematics import moves, openings

@@ -12,11 +12,11 @@ import numpy as np
 from ..common.errors import UrdfError
 from ..engines.joints import LoopJoint
 from ..engines.spatial.kinematics import rank as rank_of
-from . import assembly_checks, assembly_remarks, mobility
+from . import assembly_checks, mobility
 from .assembly_checks import short
 from .linkage import Linkage
 from .loading import assembled, located
-from .urdf import element_remarks, reader
+from .urdf import element_checks, reader
 from .urdf.document import Document, parse
 from .urdf.findings import SEVERITIES, Finding
 
@@ -121,7 +121,7 @@ def check(path: str | os.PathLike[str], driver: str | Sequence[str] | None = Non
     findings, facts = [], None
     try:
         document = parse(file)
-        findings += [*reader.errors(document), *element_remarks.remarks(document.robot)]
+        findings += [*reader.errors(document), *element_checks.remarks(document.robot)]
         if all(finding.error is None for finding in findings):
             found, facts = _put_together(document, driver, slide)
             findings += found
@@ -137,7 +137,7 @@ def _put_together(document: Document, driver: str | Sequence[str] | None, slide:
     description = reader.describe(document)
     press = assembled(document, driver, slide)
     errors = list(assembly_checks.errors(press))
-    findings = errors or list(assembly_remarks.remarks(press, document.robot))
+    findings = errors or list(assembly_checks.remarks(press, document.robot))
     rank = rank_of(press.equations(press.as_drawn).columns) if errors else press.rank
     between = [(loop.link1.link, loop.link2.link) for loop in description.loops]
     between += [(press.joints[pair.follower], press.joints[pair.leader]) for pair in press.couplings]

@@ -15,10 +15,8 @@ from ..common.errors import PinpressError, shown
 from ..common.frozen import Frozen
 from ..engines import branch
 from ..engines.branch import Branch
-from ..engines.closure import Closure
-from ..engines.coordinates import Axis, Slot
-from ..engines.engine import Engine
-from ..engines.joints import Coupling, LoopJoint
+from ..engines.engine import Closure, Engine
+from ..engines.joints import Axis, Coupling, LoopJoint, Slot
 from ..engines.planar.engine import PlanarEngine
 from ..engines.planar.model import Plane
 from ..engines.spatial import model as spatial_model

@@ -15,7 +15,7 @@ from ..common.checks import LARGEST, numbers
 from ..common.errors import PinpressError, UnknownNameError, UrdfError, caution, shown, suggestion
 from ..common.files import path_of
 from ..engines.joints import Coupling, LoopJoint
-from . import assembly_checks, assembly_remarks
+from . import assembly_checks
 from .linkage import Linkage
 from .urdf import findings, reader
 from .urdf.document import Document
@@ -55,7 +55,7 @@ def load(
     document = reader.checked(located(path))
     press = assembled(document, driver, slide, gravity)
     check_drawn_pose(press, findings.command(press.file, () if driver is None else press.drivers, slide))
-    for finding in assembly_remarks.severe(press, document.robot):
+    for finding in assembly_checks.severe(press, document.robot):
         caution(finding.message(press.file))
     return press
 

@@ -8,8 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..common.arrays import Array
-from ..engines.coordinates import drawn
-from ..engines.joints import Coupling, LoopJoint
+from ..engines.joints import Coupling, LoopJoint, drawn
 from ..engines.planar.model import PARALLEL
 from ..engines.spatial.constraints import Rows
 from ..engines.spatial.kinematics import Passive, rank

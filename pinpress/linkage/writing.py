@@ -8,7 +8,8 @@ from __future__ import annotations
 
 import dataclasses
 import os
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -19,13 +20,13 @@ from ..common.arguments import typed
 from ..common.arrays import Array
 from ..common.errors import PinpressError
 from ..common.files import path_of
-from ..engines.coordinates import axes
+from ..engines.joints import Axis, LoopJoint, Slot, axes, slots
 from . import assembly_checks, loading
 from .linkage import Linkage
 from .urdf import reader
-from .urdf.document import Document
+from .urdf.document import Document, Element
 from .urdf.findings import Finding
-from .urdf_edits import DYNAMICS, LIMITS, POSITION_LIMITS, edited, placement
+from .urdf.text_edits import Text, tag
 
 MOST_TEXTS = 4  # tried to meet the numbers to the last bit; the second mostly does, or none
 ACCEPTED = 1e-12  # relative difference from the linkage with which a text is still it
@@ -168,3 +169,209 @@ def _corrected(aim: Linkage, wanted: Linkage, reached: Linkage) -> Linkage:
         for loop, want, got in zip(aim.loops, wanted.loops, reached.loops, strict=True)
     )
     return dataclasses.replace(aim, model=model, loops=loops)
+
+
+SOUND = 1e-9  # relative rounding of principal moments of inertia; the reader takes a thousand times as much
+# Arrays of the model, by the attributes that they are read from.
+POSITION_LIMITS = {"lower": "lowerPositionLimit", "upper": "upperPositionLimit"}
+LIMITS = {"effort": "upperEffortLimit", "velocity": "upperVelocityLimit"}
+DYNAMICS = {"damping": "damping", "friction": "upperDryFrictionLimit"}
+_MOMENTS = (("ixx", 0, 0), ("ixy", 0, 1), ("ixz", 0, 2), ("iyy", 1, 1), ("iyz", 1, 2), ("izz", 2, 2))
+_FIRST = (1.0, 0.0, 0.0)  # the axis of a loop's end about which it turns
+
+
+def edited(document: Document, before: Linkage, now: Linkage) -> bytes:
+    """The URDF's text with the numbers of ``now``, but for those that are the same ``before``, as the text was read."""
+    text, description = Text(document), reader.describe(document)
+    if now.name != before.name:
+        text.set(text.robot, {"name": now.name})
+    joints = list(zip(description.joints, text.robot.all("joint"), strict=True))
+    movable = list(zip(axes(before.model), axes(now.model), slots(now.model), strict=True))
+    for joint, element in joints:
+        text.set_child(element, "origin", _changed_place(_origin(before, joint), _origin(now, joint)))
+        if joint.type != "fixed":
+            j = before.joints.index(joint.name)
+            _edit_joint(text, element, j, before, now, *movable[j])
+    mimics = [element.all("mimic")[0] for joint, element in joints if joint.mimic]
+    for mimic, was, pair in zip(mimics, before.couplings, now.couplings, strict=True):
+        text.set(mimic, _changed({"multiplier": (was.multiplier, pair.multiplier), "offset": (was.offset, pair.offset)}))
+        if pair.leader != was.leader:
+            text.set(mimic, {"joint": now.joints[pair.leader]})
+    for k, (loop, element) in enumerate(zip(description.loops, text.robot.all("loop_joint"), strict=True)):
+        _edit_loop(text, element, loop, k, before, now)
+    _edit_drivers(text, description.drivers, now.drivers)
+    bodies: dict[int, list[_Link]] = {}
+    for link, element in zip(now.links, text.robot.all("link"), strict=True):
+        carrier = int(now.model.frames[now.model.getFrameId(link, pin.BODY)].parentJoint)
+        bodies.setdefault(carrier, []).append(_link(element, placement(before, link), placement(now, link)))
+    for carrier, links in bodies.items():
+        old, new = before.model.inertias[carrier], now.model.inertias[carrier]
+        if new != old or any(link.now != link.before for link in links):
+            _edit_body(text, links, old, new)
+    return text.edited()
+
+
+def placement(press: Linkage, link: str) -> pin.SE3:
+    """Of a link, in the frame of the joint that carries it."""
+    return press.model.frames[press.model.getFrameId(link, pin.BODY)].placement
+
+
+# --------------------------------------------------------------------------------------------------------------- joints, loops and drivers
+
+
+def _origin(press: Linkage, joint: reader.Joint) -> pin.SE3:
+    """Placement of a joint in the frame of its parent link."""
+    place = placement(press, joint.child) if joint.type == "fixed" else press.model.jointPlacements[press.joints.index(joint.name) + 1]
+    return placement(press, joint.parent).inverse() * place
+
+
+def _edit_joint(text: Text, element: Element, j: int, before: Linkage, now: Linkage, was: Axis, axis: Axis, slot: Slot) -> None:
+    if not np.array_equal(axis.direction, was.direction):
+        text.set_child(element, "axis", {"xyz": _written(axis.direction)})
+    for child, names, at in (("limit", POSITION_LIMITS, slot.start), ("limit", LIMITS, j), ("dynamics", DYNAMICS, j)):
+        limits = {name: (getattr(before.model, array)[at], getattr(now.model, array)[at]) for name, array in names.items()}
+        text.set_child(element, child, _changed(limits))
+
+
+def _edit_loop(text: Text, element: Element, loop: reader.Loop, k: int, before: Linkage, now: Linkage) -> None:
+    old, new, axis = before.loops[k], now.loops[k], loop.axis
+    if new.type != old.type:
+        axis = _FIRST
+        text.set(element, {"type": new.type})
+        for only_of_revolute in element.all("axis"):
+            text.remove(only_of_revolute)
+    for end, was, place in zip(("link1", "link2"), _ends(before, loop, old, loop.axis), _ends(now, loop, new, axis), strict=True):
+        text.set(element.all(end)[0], _changed_place(was, place))
+
+
+def _ends(press: Linkage, loop: reader.Loop, bearing: LoopJoint, axis: tuple[float, float, float]) -> tuple[pin.SE3, pin.SE3]:
+    """Placements of a loop's ends in the frames of their links, where the loop turns about this axis of theirs."""
+    turned = pin.Quaternion.FromTwoVectors(np.array(_FIRST), np.array(axis)).matrix()  # as `load` has it
+    end1, end2 = pin.SE3(bearing.rotation1 @ turned.T, bearing.point1), pin.SE3(bearing.rotation2 @ turned.T, bearing.point2)
+    return placement(press, loop.link1.link).inverse() * end1, placement(press, loop.link2.link).inverse() * end2
+
+
+def _edit_drivers(text: Text, before: Sequence[str], now: Sequence[str]) -> None:
+    """Transmissions stay where they are, with what is in them, and name the drivers one after the other."""
+    if tuple(now) == tuple(before):
+        return
+    transmissions = text.robot.all("transmission")
+    named = [joint for transmission in transmissions for joint in transmission.all("joint")]
+    for joint, driver in zip(named, now, strict=False):
+        text.set(joint, {"name": driver})
+    kept = named[: len(now)]
+    for transmission in transmissions:
+        joints = transmission.all("joint")
+        idle = [joint for joint in joints if joint not in kept]
+        for element in idle if len(idle) < len(joints) else [transmission]:
+            text.remove(element)
+    for driver in now[len(named) :]:
+        text.append(text.robot, tag("transmission", {"name": f"{driver}_drive"}, tag("joint", {"name": driver})))
+
+
+# ------------------------------------------------------------------------------------------------------------------------------- inertias
+
+
+@dataclass(frozen=True, eq=False)
+class _Link:
+    """A link, its placement in its body ``before`` and ``now``, and what the text says of its inertia, in the link's frame."""
+
+    element: Element
+    before: pin.SE3
+    now: pin.SE3
+    inertia: pin.Inertia
+
+
+def _link(element: Element, before: pin.SE3, now: pin.SE3) -> _Link:
+    return _Link(element, before, now, _inertia(element.all("inertial")[0]) if element.all("inertial") else None)
+
+
+def _edit_body(text: Text, links: list[_Link], before: pin.Inertia, now: pin.Inertia) -> None:
+    """Let the inertias of links that are welded together, or of one link, have the sum ``now``, in the joint's frame."""
+    heavy = sorted((link for link in links if link.inertia), key=lambda link: -link.inertia.mass)
+    if not heavy:
+        text.append(links[0].element, _inertial(_moved(now, links[0].now.inverse())))
+        return
+    for carrier in heavy:
+        others = [link for link in heavy if link is not carrier]
+        new = _rest(now, [(link.inertia, link.now) for link in others], carrier.now)
+        if not others or _sound(new):
+            break
+    else:
+        carrier, *dropped = heavy
+        new = _moved(now, carrier.now.inverse())
+        for link in dropped:
+            text.remove(link.element.all("inertial")[0])
+    others = [link for link in heavy if link is not carrier]
+    old = _rest(before, [(link.inertia, link.before) for link in others], carrier.before)
+    _edit_inertial(text, carrier.element.all("inertial")[0], old, new)
+
+
+def _edit_inertial(text: Text, inertial: Element, old: pin.Inertia, new: pin.Inertia) -> None:
+    text.set(inertial.all("mass")[0], _changed({"value": (old.mass, new.mass)}))
+    origin = {} if np.array_equal(old.lever, new.lever) else {"xyz": _written(new.lever)}
+    if not np.array_equal(old.inertia, new.inertia):
+        turned = any(any(element.numbers("rpy")) for element in inertial.all("origin"))
+        origin |= {"rpy": "0 0 0"} if turned else {}
+        moments = {name: (np.nan if turned else old.inertia[i, j], new.inertia[i, j]) for name, i, j in _MOMENTS}
+        text.set(inertial.all("inertia")[0], _changed(moments))
+    text.set_child(inertial, "origin", origin)
+
+
+def _inertial(inertia: pin.Inertia) -> str:
+    origin, mass = tag("origin", {"xyz": _written(inertia.lever)}), tag("mass", {"value": _written([inertia.mass])})
+    return tag("inertial", {}, origin + mass + tag("inertia", {name: _written([inertia.inertia[i, j]]) for name, i, j in _MOMENTS}))
+
+
+def _inertia(inertial: Element) -> pin.Inertia:
+    """Of an ``<inertial>``, in the link's frame."""
+    tensor = np.empty((3, 3))
+    for name, i, j in _MOMENTS:
+        tensor[i, j] = tensor[j, i] = inertial.all("inertia")[0].numbers(name)[0]
+    place = pin.SE3.Identity()
+    for origin in inertial.all("origin"):
+        xyz, rpy = (np.array(origin.numbers(name) or (0.0, 0.0, 0.0)) for name in ("xyz", "rpy"))
+        place = pin.SE3(pin.rpy.rpyToMatrix(rpy), xyz)
+    return _moved(_body(inertial.all("mass")[0].numbers("value")[0], np.zeros(3), tensor), place)
+
+
+def _rest(total: pin.Inertia, others: Iterable[tuple[pin.Inertia, pin.SE3]], place: pin.SE3) -> pin.Inertia:
+    """What others, so placed, leave of a body's inertia for the link with this placement, in its frame."""
+    for inertia, at in others:
+        total = total - _moved(inertia, at)
+    return _moved(total, place.inverse())
+
+
+def _moved(inertia: pin.Inertia, place: pin.SE3) -> pin.Inertia:
+    """``place.act(inertia)``, but exact for no motion."""
+    return _body(inertia.mass, place.act(inertia.lever), place.rotation @ inertia.inertia @ place.rotation.T)
+
+
+def _body(mass: float, lever: Array, tensor: Array) -> pin.Inertia:
+    body = pin.Inertia.Zero()  # Pinocchio's constructor refuses what rounding makes of a thin rod; here the reader judges
+    body.mass, body.lever, body.inertia = mass, lever, (tensor + tensor.T) / 2
+    return body
+
+
+def _sound(inertia: pin.Inertia) -> bool:
+    """Whether some body has this inertia."""
+    smallest, middle, largest = np.linalg.eigvalsh(inertia.inertia)
+    return bool(inertia.mass > 0 and smallest + middle >= (1 - SOUND) * largest)  # so the smallest is not negative either
+
+
+# -------------------------------------------------------------------------------------------------------------------------------- numbers
+
+
+def _changed_place(old: pin.SE3, new: pin.SE3) -> dict[str, str]:
+    """The attributes of a placement that are not the same any more."""
+    xyz = {} if np.array_equal(old.translation, new.translation) else {"xyz": _written(new.translation)}
+    return xyz if np.array_equal(old.rotation, new.rotation) else xyz | {"rpy": _written(pin.rpy.matrixToRpy(new.rotation))}
+
+
+def _changed(numbers: Mapping[str, tuple[float, float]]) -> dict[str, str]:
+    """Of attributes with their old and new numbers, those that are not the same any more."""
+    return {name: _written([new]) for name, (old, new) in numbers.items() if old != new}
+
+
+def _written(numbers: Iterable[float]) -> str:
+    return " ".join(repr(float(number) + 0.0) for number in numbers)  # + 0.0: no "-0.0"

@@ -15,7 +15,7 @@ import numpy as np
 
 from ..common.checks import is_number
 from ..common.errors import PinpressError, UnknownNameError, shown
-from ..engines.friction import FrictionLaw
+from ..engines.forces import FrictionLaw
 
 if TYPE_CHECKING:
     from ..linkage.linkage import Linkage

@@ -111,7 +111,7 @@ class Design:
         """
         h, name = STEP * step, list(self.variables)[place]
         return Trial(
-            self.variables | {name: cast(float, self.variables[name] + 1j * h)},
+            self.variables | {name: cast("float", self.variables[name] + 1j * h)},
             self._motion_towards(place, h),
             Positions(self.start.press.bearings, partial(self._point_towards, place, h)),
             partial(getattr, self, "press"),
@@ -157,7 +157,7 @@ class Design:
         if guided is not None:
             guide, offset = guided
             moved = float(drawn[guide, 0]) + guide_shift(self.plane, by, guide)
-            guided = guide, cast(float, offset + 1j * h * moved)
+            guided = guide, cast("float", offset + 1j * h * moved)
         return replace(
             motion,
             joint_position=_complex(motion.joint_position, h, (slope.position - drawn).T),

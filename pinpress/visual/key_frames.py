@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from ..common.arrays import Array
 from ..common.errors import PinpressError, expect
 from ..engines.branch import predict
-from ..engines.coordinates import configuration
+from ..engines.joints import configuration
 from ..kinematics.motion import Motion
 from ..linkage.linkage import Linkage
 

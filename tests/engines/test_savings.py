@@ -26,7 +26,7 @@ from support.texts import shipped
 
 import pinpress as pp
 from pinpress.dynamics import inverse_dynamics as reactions
-from pinpress.engines import friction
+from pinpress.engines.forces import FrictionLaw
 from pinpress.engines.planar import bodies, out_of_plane, statics
 from pinpress.engines.planar import inverse_dynamics as plane_dynamics
 from pinpress.engines.spatial import inverse_dynamics as spatial_dynamics
@@ -397,11 +397,9 @@ def test_what_is_not_redundant_shares_nothing(monkeypatch, folder, six_bar, turn
 
 def test_no_friction_is_no_iteration(monkeypatch, six_bar, turn, engine):
     rubbing = {"A": pp.loads.Friction(0.1, 0.1)}
-    assert not calls(monkeypatch, friction.FrictionLaw, "efforts", six_bar, turn, engine=engine)
-    assert not calls(
-        monkeypatch, friction.FrictionLaw, "efforts", six_bar, turn, engine=engine, friction={"A": pp.loads.Friction(0.0, 0.1)}
-    )
-    assert calls(monkeypatch, friction.FrictionLaw, "efforts", six_bar, turn, engine=engine, friction=rubbing)
+    assert not calls(monkeypatch, FrictionLaw, "efforts", six_bar, turn, engine=engine)
+    assert not calls(monkeypatch, FrictionLaw, "efforts", six_bar, turn, engine=engine, friction={"A": pp.loads.Friction(0.0, 0.1)})
+    assert calls(monkeypatch, FrictionLaw, "efforts", six_bar, turn, engine=engine, friction=rubbing)
 
 
 def test_the_tree_is_walked_once_for_the_torque_alone(monkeypatch, six_bar, turn):

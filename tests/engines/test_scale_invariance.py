@@ -18,7 +18,7 @@ import pinpress as pp
 from pinpress.drives import couplings, motors, transmission
 from pinpress.dynamics import applied_loads
 from pinpress.engines import forces as engine_forces
-from pinpress.engines import friction as engine_friction
+from pinpress.engines.forces import REST
 from pinpress.loads import friction, link, process
 
 pytestmark = pytest.mark.filterwarnings("ignore::pinpress.PinpressWarning")  # that no press is as large, dense or fast
@@ -114,7 +114,7 @@ def test_no_field_is_left_out():
     """Of any load, drive, clutch or friction of the library."""
     rooms = (process, motors, transmission, couplings, link, friction)
     public = {cls for room in rooms for cls in vars(room).values() if dataclasses.is_dataclass(cls)}
-    inner = {couplings.Coupling, pp.loads.ForceInterval, engine_forces.AppliedForce, engine_friction.FrictionLaw}
+    inner = {couplings.Coupling, pp.loads.ForceInterval, engine_forces.AppliedForce, engine_forces.FrictionLaw}
     assert {cls for cls in public if cls.__module__.startswith("pinpress.") and cls not in inner} == set(DIMENSIONS)
     for cls, dimensions in DIMENSIONS.items():
         assert [field.name for field in fields(cls)] == list(dimensions)
@@ -168,7 +168,7 @@ def at_rest():
     linkage = press(SI)
     bottom = pp.dead_centres(linkage).bottom_angle
     bend = float(pp.servo_cycle(linkage, angle=[bottom], speed=1.0).slide_acceleration[0])
-    step = engine_friction.REST * linkage.size / bend
+    step = REST * linkage.size / bend
     return bottom + step * np.array([-40.0, -4.0, -0.25, 0.25, 4.0])
 
 

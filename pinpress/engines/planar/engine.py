@@ -11,9 +11,8 @@ from numpy.typing import NDArray
 
 from ...common.arrays import Array, ComplexArray
 from ...common.frozen import read_only
-from ..closure import Closure
 from ..constant_rows import product
-from ..engine import CloseDrivers, ClosedStates, EnergyRates, PowerBalance
+from ..engine import CloseDrivers, ClosedStates, Closure, EnergyRates, PowerBalance
 from ..forces import AppliedConditions, AppliedForce, Wrenches
 from ..spatial.model import Spatial
 from . import kinematics
@@ -122,14 +121,14 @@ class PlanarEngine:
         return indeterminate(self.plane, position, axes), np.zeros(len(self.general.couplings), dtype=bool)
 
     def power_balance(self, states: ClosedStates, loads: Sequence[AppliedForce]) -> PowerBalance:
-        from . import energy  # slow to import, and not needed to load
+        from . import bodies
 
-        return energy.power_balance(self.bodies, self._closed(states), loads)
+        return bodies.power_balance(self.bodies, self._closed(states), loads)
 
     def energies(self, states: ClosedStates) -> EnergyRates:
-        from . import energy  # slow to import, and not needed to load
+        from . import bodies
 
-        return energy.energies(self.bodies, self._basis(states), states.v)
+        return bodies.energies(self.bodies, self._basis(states), states.v)
 
     def _closed(self, states: ClosedStates) -> ClosedStates:
         from .inverse_dynamics import closed_basis  # slow to import, and not needed to load

@@ -17,9 +17,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ...common.arrays import Array, ComplexArray
-from ..closure import Closure
 from ..constant_rows import product
-from ..engine import ClosedStates
+from ..engine import ClosedStates, Closure
 from ..load_sharing import RANK
 from .blocks import Block
 from .model import Plane, in_space

@@ -24,9 +24,8 @@ from numpy.typing import NDArray
 
 from ...common.arrays import Array, ComplexArray
 from ..constant_rows import Entries, Matrix, matrix, plain
-from ..coordinates import axes as joint_axes
-from ..coordinates import drawn
-from ..joints import Coupling, LoopJoint, between
+from ..joints import Coupling, LoopJoint, between, drawn
+from ..joints import axes as joint_axes
 from .blocks import Block, ordered
 
 EPSILON = float(np.finfo(float).eps)

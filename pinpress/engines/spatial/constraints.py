@@ -13,8 +13,7 @@ import numpy as np
 import pinocchio as pin
 
 from ...common.arrays import Array
-from ..coordinates import axes, configuration, data_of, drawn, slots
-from ..joints import Coupling, LoopJoint
+from ..joints import Coupling, LoopJoint, axes, configuration, data_of, drawn, slots
 
 PARALLEL = 1e-14  # sine of an angle: axes of one direction are off by so much in rounding, which is no equation of its own
 

@@ -9,8 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...common.arrays import Array
-from ..closure import Closure
-from ..engine import CloseDrivers, ClosedStates, EnergyRates, PowerBalance
+from ..engine import CloseDrivers, ClosedStates, Closure, EnergyRates, PowerBalance
 from ..forces import AppliedConditions, AppliedForce, Wrenches
 from . import kinematics
 from .model import Spatial
@@ -69,14 +68,14 @@ class SpatialEngine:
     # -------------------------------------------------------------------------------------------------------------------- motion
 
     def point_motion(self, states: ClosedStates, joint: int, point: Array) -> tuple[Array, Array]:
-        from . import energy  # slow to import, and not needed to load
+        from . import kinematics
 
-        return energy.point_motion(self.constants, states, joint, point)
+        return kinematics.point_motion(self.constants, states, joint, point)
 
     def point_accelerations(self, states: ClosedStates, joint: int, points: Array) -> tuple[Array, Array]:
-        from . import energy  # slow to import, and not needed to load
+        from . import kinematics
 
-        return energy.point_accelerations(self.constants, states, joint, points)
+        return kinematics.point_accelerations(self.constants, states, joint, points)
 
     # ------------------------------------------------------------------------------------------------------------------ dynamics
 
@@ -91,11 +90,11 @@ class SpatialEngine:
         return inverse_dynamics.indeterminate(self.constants, position, axes)
 
     def power_balance(self, states: ClosedStates, loads: Sequence[AppliedForce]) -> PowerBalance:
-        from . import energy  # slow to import, and not needed to load
+        from . import kinematics
 
-        return energy.power_balance(self.constants, states, loads)
+        return kinematics.power_balance(self.constants, states, loads)
 
     def energies(self, states: ClosedStates) -> EnergyRates:
-        from . import energy  # slow to import, and not needed to load
+        from . import kinematics
 
-        return energy.energies(self.constants, states)
+        return kinematics.energies(self.constants, states)

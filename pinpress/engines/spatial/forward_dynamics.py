@@ -29,10 +29,9 @@ from numpy.typing import NDArray
 
 from ...common.arrays import Array
 from ...common.errors import AssemblyError, PinpressError, SingularityError
-from ..closure import ACCEPTED
-from ..continuation import SMALLEST_MARGIN
-from ..coordinates import Axis, data_of
-from ..joints import LoopJoint
+from ..branch import SMALLEST_MARGIN
+from ..engine import ACCEPTED
+from ..joints import Axis, LoopJoint, data_of
 from .kinematics import MOST_NEWTON_STEPS
 from .model import Spatial
 

@@ -16,10 +16,9 @@ from numpy.typing import NDArray
 
 from ...common.arrays import Array
 from ...common.errors import AssemblyError
-from ..coordinates import configuration
 from ..engine import ClosedStates
-from ..forces import AppliedConditions, Wrenches
-from ..friction import FrictionLaw
+from ..forces import AppliedConditions, FrictionLaw, Wrenches
+from ..joints import configuration
 from ..load_sharing import RANK, Objective, lexicographic_least_squares
 from .constraints import Equations, Rows
 from .kinematics import Passive

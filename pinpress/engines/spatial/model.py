@@ -15,8 +15,7 @@ import pinocchio as pin
 from numpy.typing import NDArray
 
 from ...common.arrays import Array
-from ..coordinates import Axis, Slot, axes, slots
-from ..joints import Coupling, LoopJoint, between
+from ..joints import Axis, Coupling, LoopJoint, Slot, axes, between, slots
 from .constraints import Equations, crossed, extent
 
 

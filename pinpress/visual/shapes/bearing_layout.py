@@ -10,7 +10,7 @@ import pinocchio as pin
 
 from ...common.arrays import Array
 from ...common.errors import PinpressError
-from ...engines.coordinates import data_of
+from ...engines.joints import data_of
 from ...linkage.linkage import Linkage
 from ...linkage.urdf.reader import describe
 
