@@ -16,7 +16,7 @@ from ..engine import CloseDrivers, ClosedStates, Closure, EnergyRates, PowerBala
 from ..forces import AppliedConditions, AppliedForce, Wrenches
 from ..spatial.model import Spatial
 from . import kinematics
-from .bodies import Bodies
+from .bodies import Bodies, energies, power_balance
 from .bodies import build as bodies_of
 from .model import Plane, build, in_space
 
@@ -121,14 +121,10 @@ class PlanarEngine:
         return indeterminate(self.plane, position, axes), np.zeros(len(self.general.couplings), dtype=bool)
 
     def power_balance(self, states: ClosedStates, loads: Sequence[AppliedForce]) -> PowerBalance:
-        from . import bodies
-
-        return bodies.power_balance(self.bodies, self._closed(states), loads)
+        return power_balance(self.bodies, self._closed(states), loads)
 
     def energies(self, states: ClosedStates) -> EnergyRates:
-        from . import bodies
-
-        return bodies.energies(self.bodies, self._basis(states), states.v)
+        return energies(self.bodies, self._basis(states), states.v)
 
     def _closed(self, states: ClosedStates) -> ClosedStates:
         from .inverse_dynamics import closed_basis  # slow to import, and not needed to load

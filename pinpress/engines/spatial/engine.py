@@ -68,13 +68,9 @@ class SpatialEngine:
     # -------------------------------------------------------------------------------------------------------------------- motion
 
     def point_motion(self, states: ClosedStates, joint: int, point: Array) -> tuple[Array, Array]:
-        from . import kinematics
-
         return kinematics.point_motion(self.constants, states, joint, point)
 
     def point_accelerations(self, states: ClosedStates, joint: int, points: Array) -> tuple[Array, Array]:
-        from . import kinematics
-
         return kinematics.point_accelerations(self.constants, states, joint, points)
 
     # ------------------------------------------------------------------------------------------------------------------ dynamics
@@ -90,11 +86,7 @@ class SpatialEngine:
         return inverse_dynamics.indeterminate(self.constants, position, axes)
 
     def power_balance(self, states: ClosedStates, loads: Sequence[AppliedForce]) -> PowerBalance:
-        from . import kinematics
-
         return kinematics.power_balance(self.constants, states, loads)
 
     def energies(self, states: ClosedStates) -> EnergyRates:
-        from . import kinematics
-
         return kinematics.energies(self.constants, states)

@@ -1,4 +1,4 @@
-"""Closing any linkage, one configuration at a time, by the singular value decomposition of its equations; motions of points and energies."""
+"""Closing any linkage, one configuration at a time, by the singular value decomposition of its equations; motions of points, energies."""
 
 from __future__ import annotations
 

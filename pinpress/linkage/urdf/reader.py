@@ -1,7 +1,7 @@
 """What a URDF's elements say of links, joints, loops and drivers, and what is wrong with them.
 
 Pinocchio drops much of what it cannot read and carries on: a misspelt ``<axis>`` becomes the x axis, a mass "2,5" no inertia at all. So
-everything that enters the mechanics is checked first, by `element_checks` and `link_checks`: Pinocchio reads what passes in full.
+everything that enters the mechanics is checked first, by `element_checks`: Pinocchio reads what passes in full.
 """
 
 import itertools
@@ -9,7 +9,7 @@ import os
 from dataclasses import dataclass
 
 from ...common.errors import UrdfError
-from . import element_checks, link_checks
+from . import element_checks
 from .document import Document, Element, parse
 from .findings import Finding, command, refuse
 
@@ -97,7 +97,7 @@ def errors(document: Document) -> list[Finding]:
     robot = document.robot
     problems = list(element_checks.size_problems(robot))
     if not problems:  # checking all of what is too large would take long
-        every = itertools.chain(element_checks.problems(robot), link_checks.problems(robot))
+        every = itertools.chain(element_checks.problems(robot), element_checks.link_problems(robot))
         problems = list(itertools.islice(every, MOST_ERRORS))
     return [Finding.of(UrdfError(document.file, str(element), element.line, *said)) for element, *said in problems]
 
