@@ -123,8 +123,9 @@ def test_a_loop_that_is_drawn_far_open_is_warned_of(tmp_path):
     slender=st.floats(1.0, 30.0),
 )
 def test_sensible_presses_are_never_warned_of(tmp_path, stroke, ratio, strokes, slide, slender):
-    """Crank-slides from small and fast to large and slow, their links round or square bars of steel."""
-    crank, rod = 0.5 * stroke, 0.5 * stroke * ratio
+    """Crank-slides from small and fast to large and slow, their links bars of steel, the slide a cube that its rod reaches out of."""
+    edge = (slide / 7850) ** (1 / 3)
+    crank, rod = 0.5 * stroke, max(0.5 * stroke * ratio, edge)
 
     def bar(length):
         side = length / slender
@@ -132,7 +133,7 @@ def test_sensible_presses_are_never_warned_of(tmp_path, stroke, ratio, strokes, 
         return mass, mass * side**2 / 6, mass * (length**2 + side**2) / 12
 
     (of_crank, about, across), (of_rod, rod_about, rod_across) = bar(crank), bar(rod)
-    block = slide * (slide / 7850) ** (2 / 3) / 6
+    block = slide * edge**2 / 6
     edits = [
         ('<mass value="20"/><inertia ixx="0.05" ixy="0" ixz="0" iyy="0.10" iyz="0" izz="0.05"/>', (of_crank, about, across, across)),
         (
