@@ -447,7 +447,7 @@ def test_interrupted(when: str, tmp_path: Path, short_path: Path) -> None:
         if {when!r} == 'opening':
             load = pinpress.visual.browser._Tab.load
             pinpress.visual.browser._Tab.load = lambda *given: (print('now', flush=True), load(*given))
-        pinpress.visual.film.film(sys.argv[1], 'out.mp4', (64, 64), progress=lambda done: print('now', flush=True))"""
+        pinpress.visual.film.film(sys.argv[1], 'out.mp4', size=(64, 64), progress=lambda done: print('now', flush=True))"""
     mark = uuid.uuid4().hex
     folder = tmp_path / "folder"
     folder.mkdir()
