@@ -13,10 +13,9 @@ import numpy as np
 
 from ..common.errors import PinpressError
 from ..common.units import RPM
-from ..drives.couplings import Clutch, SwitchPoint
 from ..drives.motors import InductionMotor
 from ..drives.protocol import Drive, SpeedTorqueDrive, Values
-from ..drives.transmission import Flywheel, Geared
+from ..drives.transmission import Clutch, Flywheel, Geared, SwitchPoint
 from ..kinematics.dead_centres import dead_centres
 from ..linkage.linkage import Linkage
 from ..loads.process import Blanking, ElasticDie

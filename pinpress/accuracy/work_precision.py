@@ -21,10 +21,9 @@ from ..kinematics.motion import MOST_POINTS
 from ..linkage.linkage import Linkage
 from ..simulation.reduced_model import tabulated
 from .contests import measured
-from .inverse_dynamics import inverse_dynamics_contest
+from .inverse_dynamics import inverse_dynamics_contest, proximal_contest
 from .measurements import SCENES, WorkPrecision
 from .peers.installed import find_peers, find_solvers
-from .proximal import proximal_contest
 from .scenes import Scene, build_scene
 from .simulation import simulation_contest, table_contest
 

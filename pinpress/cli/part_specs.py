@@ -15,10 +15,9 @@ from typing import Any
 
 from ..common.errors import PinpressError, suggestion
 from ..common.units import RPM
-from ..drives.couplings import Brake, Clutch, SwitchPoint
 from ..drives.motors import ConstantTorque, InductionMotor, InverterMotor, ServoMotor, SlipClutchMotor
 from ..drives.protocol import Drive
-from ..drives.transmission import Flywheel, Geared, PrescribedSpeed
+from ..drives.transmission import Brake, Clutch, Flywheel, Geared, PrescribedSpeed, SwitchPoint
 from ..loads.process import Blanking, ConstantForce, DeepDrawing, ElasticDie, ForceStroke, Idle
 from ..loads.protocol import ProcessLoad
 

@@ -1,6 +1,3 @@
-from .couplings import Brake as Brake
-from .couplings import Clutch as Clutch
-from .couplings import SwitchPoint as SwitchPoint
 from .motors import ConstantTorque as ConstantTorque
 from .motors import InductionMotor as InductionMotor
 from .motors import InverterMotor as InverterMotor
@@ -9,6 +6,9 @@ from .motors import SlipClutchMotor as SlipClutchMotor
 from .protocol import Drive as Drive
 from .protocol import SpeedTorqueDrive as SpeedTorqueDrive
 from .protocol import parameter as parameter
+from .transmission import Brake as Brake
+from .transmission import Clutch as Clutch
 from .transmission import Flywheel as Flywheel
 from .transmission import Geared as Geared
 from .transmission import PrescribedSpeed as PrescribedSpeed
+from .transmission import SwitchPoint as SwitchPoint

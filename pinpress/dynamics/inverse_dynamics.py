@@ -22,11 +22,10 @@ from ..common import tables
 from ..common.arguments import typed
 from ..common.arrays import Array
 from ..common.errors import PinpressError, SingularityError, UnknownNameError, shown
-from ..common.frozen import FrozenMapping, read_only
-from ..common.named_arrays import ByBearing
+from ..common.frozen import FrozenMapping, NamedArrays, read_only
 from ..common.results import Tabular
 from ..engines.branch import at_change_point
-from ..engines.forces import AppliedConditions, Wrenches
+from ..engines.forces import AppliedConditions, AppliedForce, Wrenches
 from ..engines.load_sharing import compliances
 from ..kinematics.motion import Motion
 from ..linkage.linkage import Linkage
@@ -35,7 +34,6 @@ from ..loads.friction import Friction
 from ..loads.friction import law as friction_law
 from ..loads.link import Load
 from . import applied_loads as forces
-from .shaking import on_frame, shaking
 
 NOTHING: Mapping[str, Any] = FrozenMapping({})
 ROUNDED = 1e-6  # of forces times velocities: powers beside which rounding is small
@@ -72,9 +70,9 @@ class Reactions(Tabular):
     motion: Motion
     engine: str
     driving_torque: Array
-    bearing_force: ByBearing[np.float64]
-    bearing_moment: ByBearing[np.float64]
-    friction_power: ByBearing[np.float64]
+    bearing_force: NamedArrays[np.float64]
+    bearing_moment: NamedArrays[np.float64]
+    friction_power: NamedArrays[np.float64]
     left_out: tuple[str, ...]
     _wrenches: Wrenches
     _press: Linkage
@@ -89,13 +87,13 @@ class Reactions(Tabular):
         return f"Reactions of {self._press.name}: {len(self.driving_torque)} states, driving torque {low:.6g} to {high:.6g} N m, {force}"
 
     @cached_property
-    def coupling_torque(self) -> ByBearing[np.float64]:
+    def coupling_torque(self) -> NamedArrays[np.float64]:
         press, found = self._press, self._wrenches
         if not self._under.gears and press.couplings:
             with np.errstate(all="ignore"):  # what overflows is refused
                 found = _solved(press, self.engine, self.motion, self._under._replace(gears=True), ())
         pairs = [np.stack([torque, -c.multiplier * torque], axis=1) for c, torque in zip(press.couplings, found.coupling, strict=True)]
-        return ByBearing(tuple(c.name for c in press.couplings), np.array(pairs))
+        return NamedArrays(tuple(c.name for c in press.couplings), np.array(pairs))
 
     @cached_property
     def power_residual(self) -> Array:
@@ -114,12 +112,12 @@ class Reactions(Tabular):
         return np.asarray(read_only(balance / largest))
 
     @property
-    def indeterminate(self) -> ByBearing[np.bool_]:
-        return ByBearing(self._press.bearings, self._indeterminate[0])
+    def indeterminate(self) -> NamedArrays[np.bool_]:
+        return NamedArrays(self._press.bearings, self._indeterminate[0])
 
     @property
-    def indeterminate_coupling(self) -> ByBearing[np.bool_]:
-        return ByBearing(tuple(c.name for c in self._press.couplings), self._indeterminate[1])
+    def indeterminate_coupling(self) -> NamedArrays[np.bool_]:
+        return NamedArrays(tuple(c.name for c in self._press.couplings), self._indeterminate[1])
 
     @cached_property
     def indeterminate_axes(self) -> Array:
@@ -227,9 +225,9 @@ def inverse_dynamics(
         motion=motion,
         engine=chosen,
         driving_torque=wrenches.torque.T if several else wrenches.torque[0],
-        bearing_force=ByBearing(kept, wrenches.force, left_out),
-        bearing_moment=ByBearing(kept, wrenches.moment, left_out),
-        friction_power=ByBearing(names, wrenches.friction),
+        bearing_force=NamedArrays(kept, wrenches.force, left_out),
+        bearing_moment=NamedArrays(kept, wrenches.moment, left_out),
+        friction_power=NamedArrays(names, wrenches.friction),
         left_out=left_out,
         _wrenches=wrenches,
         _press=press,
@@ -303,3 +301,51 @@ def _refuse_not_finite(motion: Motion, wrenches: Wrenches) -> None:
                 f"the {name} of {motion.linkage} is not finite at crank angle {angle:.6g} deg:"
                 " the motion or a load is too large for floating point"
             )
+
+
+def on_frame(press: Linkage) -> tuple[int, ...]:
+    """Indices of the bearings on the frame in `Linkage.bearings`."""
+    joints = [j for j, parent in enumerate(list(press.model.parents)[1:]) if parent == 0]
+    return (*joints, *(k for k, loop in enumerate(press.loops, len(press.joints)) if 0 in (loop.joint1, loop.joint2)))
+
+
+def shaking(
+    press: Linkage, motion: Motion, force: Mapping[int, Array], moment: Mapping[int, Array], loads: list[AppliedForce]
+) -> tuple[Array, Array]:
+    """Shaking force and shaking moment about the world origin, (n, 3) each, world axes [N, N m].
+
+    Args:
+        press: The press.
+        motion: Its motion.
+        force: (n, 3) by the bearing's index, of all that are `on_frame`: parent on child, link1 on link2 [N].
+        moment: (n, 3) by the bearing's index, of the same [N m].
+        loads: Those on the frame are passed on, those on other links are in the bearings' forces.
+    """
+    model, axes, count = press.model, press.axes, len(press.joints)
+    total = np.zeros((2, len(motion.crank_angle), 3))
+
+    def put(on_frame: Array, about: Array | float, point: Array) -> None:
+        total[0] += on_frame
+        for i, (j, k) in enumerate(((1, 2), (2, 0), (0, 1))):  # np.cross takes several times as long
+            total[1, :, i] += point[..., j] * on_frame[..., k] - point[..., k] * on_frame[..., j]
+        total[1] += about
+
+    frame = model.inertias[0]
+    put(frame.mass * model.gravity.linear, 0.0, frame.lever)
+    for k in on_frame(press):
+        if k < count:
+            place = model.jointPlacements[k + 1]
+            point = place.translation
+            if not axes[k].turns:
+                point = point + motion.joint_position[:, k, None] * (place.rotation @ axes[k].direction)
+            put(-force[k], -moment[k], point)
+            continue
+        loop = press.loops[k - count]
+        if loop.joint1 == 0:
+            put(-force[k], -moment[k], loop.point1)
+        if loop.joint2 == 0:
+            put(force[k], moment[k], loop.point2)
+    for load in loads:
+        if load.joint == 0:
+            put(load.force, 0.0, load.point)
+    return total[0], total[1]

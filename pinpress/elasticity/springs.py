@@ -18,8 +18,7 @@ from ..common.arrays import Array
 from ..common.checks import positive
 from ..common.errors import PinpressError, UnknownNameError, shown
 from ..common.frozen import Frozen
-from ..dynamics.inverse_dynamics import Reactions
-from ..dynamics.shaking import on_frame
+from ..dynamics.inverse_dynamics import Reactions, on_frame
 from ..kinematics.motion import Motion
 from ..kinematics.poses import bearing_points, loaded_bodies, poses
 from ..linkage.linkage import Linkage

@@ -14,7 +14,7 @@ from ..common.arguments import typed
 from ..common.arrays import Array, ComplexArray
 from ..common.checks import numbers
 from ..common.errors import PinpressError, shown
-from ..common.named_arrays import ByBearing
+from ..common.frozen import NamedArrays
 from ..linkage.linkage import Linkage
 from .motion import Motion
 from .periodic_curve import CrankMotion, Curve, Numbers, curve, step_angle
@@ -33,7 +33,7 @@ def bearing_positions(press: Linkage, motion: Motion) -> Mapping[str, Array]:
     """
     if motion.joints != press.joints:
         raise PinpressError(f"the motion is of {motion.linkage} with other joints than {press.name}: make it with cycle(press, ...)")
-    return ByBearing(press.bearings, bearing_points(press, poses(press, motion.joint_position)))
+    return NamedArrays(press.bearings, bearing_points(press, poses(press, motion.joint_position)))
 
 
 def pressure_angle(motion: CrankMotion, driven: Numbers, other: Numbers, axis: ArrayLike) -> float:

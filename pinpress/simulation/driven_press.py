@@ -17,9 +17,8 @@ from ..common import plausibility
 from ..common.arrays import Array
 from ..common.checks import numbers
 from ..common.errors import PinpressError, SimulationError, UnknownNameError, shown
-from ..drives.couplings import Brake, Clutch
 from ..drives.protocol import Drive
-from ..drives.transmission import Flywheel, PrescribedSpeed
+from ..drives.transmission import Brake, Clutch, Flywheel, PrescribedSpeed
 from ..dynamics import applied_loads
 from ..kinematics.dead_centres import dead_centres
 from ..kinematics.motion import Motion, motion_through_change_points

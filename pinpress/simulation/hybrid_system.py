@@ -16,7 +16,7 @@ from typing import Any, Literal, NamedTuple, Protocol
 import numpy as np
 
 from ..common.arrays import Array
-from ..drives.couplings import Coupling, SwitchPoint
+from ..drives.transmission import Coupling, SwitchPoint
 from ..loads.caller_laws import LawError
 from ..loads.protocol import ForceInterval
 from .driven_press import DrivenPress, GeneralizedForce

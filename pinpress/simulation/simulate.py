@@ -25,9 +25,8 @@ from ..common.arrays import Array
 from ..common.checks import finite_numbers, number
 from ..common.errors import PinpressError, caution, shown
 from ..common.parameters import refuse_scenarios
-from ..drives.couplings import Brake, Clutch
 from ..drives.protocol import Drive
-from ..drives.transmission import Flywheel, PrescribedSpeed
+from ..drives.transmission import Brake, Clutch, Flywheel, PrescribedSpeed
 from ..kinematics.configurations import refuse_far
 from ..linkage.linkage import Linkage
 from ..loads import caller_laws

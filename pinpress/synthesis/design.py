@@ -8,14 +8,13 @@ from typing import cast
 import numpy as np
 
 from ..common.arrays import Array, ComplexArray
-from ..common.frozen import read_only
-from ..common.named_arrays import ByBearing
+from ..common.frozen import NamedArrays, read_only
 from ..derivatives.motion import STEP, Rates, States, Tangent, guide_shift
 from ..derivatives.pivots import Displacements, Shift, shift
 from ..derivatives.reactions import Balanced, Push, pushes, tangent
 from ..derivatives.reshape import continue_geometry, redrawn
 from ..dynamics.applied_loads import apply, asked
-from ..dynamics.shaking import shaking
+from ..dynamics.inverse_dynamics import shaking
 from ..engines.constant_rows import product
 from ..engines.engine import ClosedStates
 from ..engines.forces import AppliedConditions, Wrenches
@@ -200,16 +199,16 @@ class Design:
         force, moment = (dict(enumerate(vectors)) for vectors in (found.force, found.moment))
         shaken = shaking(press, self.motion, force, moment, apply(asked(self.start.loads), press, self.motion))
         names = press.bearings
-        return TrialReactions(found.torque[0], shaken[0], ByBearing(names, found.force), ByBearing(names, found.moment), shaken[1])
+        return TrialReactions(found.torque[0], shaken[0], NamedArrays(names, found.force), NamedArrays(names, found.moment), shaken[1])
 
     def _reactions_towards(self, place: int, h: float) -> TrialReactions:
         real, found, names = self._reactions, self._wrenches, self.start.press.bearings
         slope = tangent(self._known, self._tangents[place], self._by[place], self._pushes(place))
         force = moment = None
         if slope.forces is not None and slope.moments is not None:
-            force = ByBearing(names, _complex(found.force, h, in_space(self.plane, slope.forces)))
+            force = NamedArrays(names, _complex(found.force, h, in_space(self.plane, slope.forces)))
             if self._bodies.flat:
-                moment = ByBearing(names, _complex(found.moment, h, np.multiply.outer(slope.moments, self.plane.normal)))
+                moment = NamedArrays(names, _complex(found.moment, h, np.multiply.outer(slope.moments, self.plane.normal)))
         return TrialReactions(
             _complex(real.driving_torque, h, slope.torque),
             _complex(real.shaking_force, h, in_space(self.plane, slope.shaking_force)),

@@ -414,7 +414,7 @@ def test_the_tree_is_walked_once_for_the_torque_alone(monkeypatch, six_bar, turn
 
 def test_shaking_is_computed_when_it_is_asked_for_and_once(monkeypatch, six_bar, turn):
     summed, solved = [], []
-    shaking, solve = reactions.shaking, reactions._solved  # type: ignore[attr-defined]
+    shaking, solve = reactions.shaking, reactions._solved
     monkeypatch.setattr(reactions, "shaking", lambda *arguments: summed.append(1) or shaking(*arguments))
     monkeypatch.setattr(reactions, "_solved", lambda *arguments: solved.append(1) or solve(*arguments))
     on_frame = ("A", "D", "slide_guide")

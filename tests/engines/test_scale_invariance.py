@@ -15,7 +15,7 @@ from extremes.extreme_sizes import scaled
 from support.generators import large_linkages
 
 import pinpress as pp
-from pinpress.drives import couplings, motors, transmission
+from pinpress.drives import motors, transmission
 from pinpress.dynamics import applied_loads
 from pinpress.engines import forces as engine_forces
 from pinpress.engines.forces import REST
@@ -104,17 +104,17 @@ DIMENSIONS: dict[type, dict[str, tuple[int, int, int] | None]] = {
         "lag": TIME,
         "inertia": INERTIA,
     },
-    couplings.SwitchPoint: {"time": TIME, "angle": PLAIN},
-    couplings.Clutch: {"torque": TORQUE, "closes": INSIDE, "opens": INSIDE, "rise": TIME},
-    couplings.Brake: {"torque": TORQUE, "closes": INSIDE, "opens": INSIDE, "rise": TIME},
+    transmission.SwitchPoint: {"time": TIME, "angle": PLAIN},
+    transmission.Clutch: {"torque": TORQUE, "closes": INSIDE, "opens": INSIDE, "rise": TIME},
+    transmission.Brake: {"torque": TORQUE, "closes": INSIDE, "opens": INSIDE, "rise": TIME},
 }
 
 
 def test_no_field_is_left_out():
     """Of any load, drive, clutch or friction of the library."""
-    rooms = (process, motors, transmission, couplings, link, friction)
+    rooms = (process, motors, transmission, link, friction)
     public = {cls for room in rooms for cls in vars(room).values() if dataclasses.is_dataclass(cls)}
-    inner = {couplings.Coupling, pp.loads.ForceInterval, engine_forces.AppliedForce, engine_forces.FrictionLaw}
+    inner = {transmission.Coupling, pp.loads.ForceInterval, engine_forces.AppliedForce, engine_forces.FrictionLaw}
     assert {cls for cls in public if cls.__module__.startswith("pinpress.") and cls not in inner} == set(DIMENSIONS)
     for cls, dimensions in DIMENSIONS.items():
         assert [field.name for field in fields(cls)] == list(dimensions)
@@ -237,8 +237,8 @@ DRIVES = {
 SCENES: dict[str, dict[str, object]] = {
     **{name: {"drive": drive} for name, drive in DRIVES.items()},
     **{name: {"loads": [load]} for name, load in LOADS.items() if name != "in time"},
-    "clutch": {"drive": DRIVES["torque"], "clutch": couplings.Clutch(2e3, closes=couplings.SwitchPoint(time=0.05), rise=0.02)},
-    "brake": {"brake": couplings.Brake(2e3, closes=couplings.SwitchPoint(angle=3.6), rise=0.02)},
+    "clutch": {"drive": DRIVES["torque"], "clutch": transmission.Clutch(2e3, closes=transmission.SwitchPoint(time=0.05), rise=0.02)},
+    "brake": {"brake": transmission.Brake(2e3, closes=transmission.SwitchPoint(angle=3.6), rise=0.02)},
 }
 
 
