@@ -4,7 +4,7 @@ import inspect
 import re
 from collections.abc import Callable, Iterable, Mapping
 from functools import wraps
-from typing import Any, NamedTuple, TypeVar
+from typing import Any, NamedTuple, TypeVar, get_origin
 
 import numpy as np
 
@@ -80,7 +80,8 @@ def _evaluated(annotation: object, function: Callable[..., Any]) -> object:
 
 def _kind(annotation: object) -> _Kind | None:
     """What an annotation asks for; None where it names something that is not looked into here."""
-    text = annotation.__name__ if isinstance(annotation, type) else str(annotation)
+    # Python 3.10 takes Sequence[float] for a class.
+    text = annotation.__name__ if isinstance(annotation, type) and get_origin(annotation) is None else str(annotation)
     if "Sequence[float]" in text:
         return None  # a vector
     while "[" in text:
