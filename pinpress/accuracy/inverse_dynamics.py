@@ -16,7 +16,7 @@ from ..common.arrays import Array
 from ..dynamics.inverse_dynamics import Reactions, inverse_dynamics
 from ..kinematics.motion import cycle, servo_cycle
 from ..linkage.linkage import Linkage
-from ..simulation.reduced_model import tabulated
+from ..simulation.reduced_model import reduced_model_of
 from .contests import Contest, Contestant, Errors, force_error, peak_force, peak_of
 from .measurements import INVERSE_DYNAMICS, PROXIMAL, PROXIMAL_STATES
 from .peers.peer import Answer, Peer
@@ -122,7 +122,7 @@ def proximal_contest(press: Linkage, speed: float, flywheel: float) -> Contest:
     at_loops = inverse_dynamics(press, motion).bearing_force
     expected = np.array([at_loops[loop.name] for loop in press.loops]).transpose(1, 0, 2)
     peak, peak_at_loops = peak_of(truth), peak_of(np.linalg.norm(expected, axis=2))
-    table, slope = tabulated(press).at(motion.crank_angle)
+    table, slope = reduced_model_of(press).at(motion.crank_angle)
     reduced = -(0.5 * slope[0] * speed**2 + slope[1]) / (table[0] + flywheel)
     certificate = float(np.abs(reduced - truth[:, crank]).max() / peak)
 

@@ -20,7 +20,7 @@ from ..kinematics.dead_centres import dead_centres
 from ..linkage.linkage import Linkage
 from ..loads.process import Blanking, ElasticDie
 from ..loads.protocol import ForceInterval, ProcessLoad
-from ..simulation.reduced_model import COORDINATES, tabulated
+from ..simulation.reduced_model import COORDINATES, reduced_model_of
 from .measurements import CLUTCH, DIE, FREE_RUN, SPEED_LAW
 
 RATED = 1485 * RPM  # speed of the motor [rad/s]
@@ -154,7 +154,7 @@ def build_scene(press: Linkage, group: str, speed: float, flywheel: float, durat
 
 def _lever(press: Linkage, height: float) -> float:
     """Slide travel by crank angle, the largest below a height above bottom dead centre [m]."""
-    table, bottom = tabulated(press), dead_centres(press).bottom_position
+    table, bottom = reduced_model_of(press), dead_centres(press).bottom_position
     angles = np.linspace(table.borders[0], table.borders[-1], 721)
     values, slopes = table.at(angles)
     below = values[COORDINATES] - bottom <= height

@@ -13,7 +13,7 @@ from ..kinematics.motion import motion_through_change_points
 from ..linkage.linkage import Linkage
 from ..linkage.memo import keep_all_but
 from ..simulation import reduced_model
-from ..simulation.reduced_model import tabulated
+from ..simulation.reduced_model import reduced_model_of
 from ..simulation.run import Run
 from ..simulation.simulate import LEAST_TOLERANCE, simulate
 from .contests import Contest, Contestant, Errors, force_error, peak_force
@@ -208,5 +208,5 @@ def _run(press: Linkage, scene: Scene, method: str, **how: Any) -> Run:
 def _without_table(press: Linkage) -> Linkage:
     """The same linkage, all that is derived from it kept but its table."""
     same = replace(press)
-    keep_all_but(tabulated, same, press)
+    keep_all_but(reduced_model_of, same, press)
     return same

@@ -19,7 +19,7 @@ from ..common.units import RPM
 from ..drives.transmission import Flywheel
 from ..kinematics.motion import MOST_POINTS
 from ..linkage.linkage import Linkage
-from ..simulation.reduced_model import tabulated
+from ..simulation.reduced_model import reduced_model_of
 from .contests import measured
 from .inverse_dynamics import inverse_dynamics_contest, proximal_contest
 from .measurements import SCENES, WorkPrecision
@@ -114,7 +114,7 @@ def _checked(press: Linkage, speed: object, points: object, repeats: object, sce
 def _inertia(press: Linkage, flywheel: Flywheel | None) -> float:
     """Of the flywheel [kg m2]."""
     if flywheel is None:
-        table = tabulated(press)
+        table = reduced_model_of(press)
         return HEAVY * float(table.at(table.borders)[0][0].max())
     return number("the flywheel's inertia", flywheel.inertia)
 

@@ -14,10 +14,23 @@ from ..common.roots import polynomial_root
 from ..drives.protocol import Drive
 from ..loads.caller_laws import LawError
 from . import collocation
-from .collocation import CollocationSolution, cuts, interpolate_onto, stopping_panels
+from .collocation import (
+    SAME,
+    STEADY,
+    TO_REST,
+    CollocationSolution,
+    Indices,
+    Mesh,
+    angle_to,
+    build_mesh,
+    cuts,
+    interpolate_onto,
+    mesh_borders,
+    range_ahead,
+    stopping_panels,
+)
 from .driven_press import DrivenPress
 from .failures import failure
-from .mesh import SAME, STEADY, TO_REST, Indices, Mesh, angle_to, build_mesh, mesh_borders, range_ahead
 from .reduced_model import COORDINATES, INERTIA, WEIGHT, beyond
 from .trajectory import INTEGRALS, RepetitionSegment, Sample, Segment, State, Trajectory
 

@@ -34,12 +34,11 @@ from ..loads.caller_laws import LawError
 from ..loads.link import Load
 from . import collocation
 from .angle_solver import MOST_PERIODS, drive_torque, nearly_at_rest, place_at
-from .collocation import CollocationSolution, cuts, interpolate_onto, panel_integrals, stopping_panels
+from .collocation import CollocationSolution, Indices, build_mesh, cuts, interpolate_onto, mesh_borders, panel_integrals, stopping_panels
 from .driven_press import DrivenPress, GeneralizedForce, driven_press, listed
 from .failures import failure
 from .law_trials import asked_drive
-from .mesh import Indices, build_mesh, mesh_borders
-from .reduced_model import COORDINATES, INERTIA, energies, tabulated
+from .reduced_model import COORDINATES, INERTIA, energies, reduced_model_of
 from .run import Run, allowed_error, count_of, energy_error
 from .simulate import refuse_long, simulate, tolerated
 
@@ -81,7 +80,7 @@ class RunBatch(Tabular):
         press = self._scenarios.press
         if press.slide is None:
             return None
-        position: Array = tabulated(press).at(self.crank_angle)[0][COORDINATES].copy()
+        position: Array = reduced_model_of(press).at(self.crank_angle)[0][COORDINATES].copy()
         return read_only(position)
 
     def columns(self) -> dict[str, Array]:

@@ -194,7 +194,7 @@ class DrivenPress:
         """The press reduced to its crank, with the coordinates of the forces."""
         press, coordinates = self.press, self.coordinates
         if len(coordinates) == (press.slide is not None):
-            return reduced_model.tabulated(press)
+            return reduced_model.reduced_model_of(press)
         return reduced_model.build(press, [partial(coordinate.over, press) for coordinate in coordinates])
 
     @cached_property
@@ -404,7 +404,7 @@ def _turning_points(press: Linkage, load: ProcessLoad) -> tuple[float, float]:
             " give datum=, a slide position [m]"
         )
     try:
-        table, row = reduced_model.tabulated(press), COORDINATES + _slide(press)
+        table, row = reduced_model.reduced_model_of(press), COORDINATES + _slide(press)
     except SimulationError:  # its shafts do not come back together: no table, but dead centres all the same
         return everywhere if load.datum is not None else (dead_centres(press).bottom_position, dead_centres(press).top_position)
     turns = reduced_model.roots(table, row, 0.0, slope=True)

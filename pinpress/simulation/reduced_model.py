@@ -109,7 +109,7 @@ def beyond(model: ReducedModel, angle: float, time: float | None = None) -> Simu
 
 
 @per_linkage
-def tabulated(press: Linkage) -> ReducedModel:
+def reduced_model_of(press: Linkage) -> ReducedModel:
     """The reduced model of a linkage with one driver, with the slide's position where it has a slide. Raises as `build`."""
     return build(press, [lambda motion: motion.slide_position] if press.slide is not None else [])
 

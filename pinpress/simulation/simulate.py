@@ -2,19 +2,25 @@
 
     run = pp.simulate(press, duration=2.0, speed=70 * pp.RPM, flywheel=pp.drives.Flywheel(inertia=2000.0))
 
-Two sets of equations give the same run. ``"reduced"`` integrates the one-degree-of-freedom equation (see `reduced`): over the crank angle,
-all of a period at once, while the crank turns, and over time where it may stop, or where a clutch, a drive's own states or forces in time
-demand it. ``"implicit"`` integrates the same equation over time alone, by Radau IIA.
+Two sets of equations give the same run. ``"reduced"`` integrates the one-degree-of-freedom equation (see `reduced_model`): over the crank
+angle, all of a period at once, while the crank turns, and over time where it may stop, or where a clutch, a drive's own states or forces in
+time demand it. ``"implicit"`` integrates the same equation over time alone, by Radau IIA.
 ``"constraint"`` integrates all joints, with the loops closed again after every step: any linkage. Its accelerations are those of
 Pinocchio's constraint dynamics, but not with gear pairs, links without mass or loops that hold each other: see `forward_dynamics`.
 ``"auto"`` is the first where there is one driver, else the last. Over time each of them takes explicit steps, or implicit ones where forces
 are so stiff that these get on faster: `Stats.solvers` says which.
+
+A crank that comes nearly to rest beside an unstable rest, such as a dead centre at the top, goes on or turns back by what is lost in
+rounding; its energy tells nothing of that. A run that passes such a place is made again from starts moved by its tolerance, and the
+difference is what can be said of it: `Stats.sensitivity`.
 """
 
 from __future__ import annotations
 
 import time as clock
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -23,7 +29,7 @@ from ..common import plausibility
 from ..common.arguments import typed
 from ..common.arrays import Array
 from ..common.checks import finite_numbers, number
-from ..common.errors import PinpressError, caution, shown
+from ..common.errors import PinpressError, SimulationError, caution, shown
 from ..common.parameters import refuse_scenarios
 from ..drives.protocol import Drive
 from ..drives.transmission import Brake, Clutch, Flywheel, PrescribedSpeed
@@ -31,17 +37,24 @@ from ..kinematics.configurations import refuse_far
 from ..linkage.linkage import Linkage
 from ..loads import caller_laws
 from ..loads.link import Load
-from .angle_solver import MOST_PERIODS
-from .driven_press import driven_press, listed, press_with_drives
+from .angle_solver import MOST_PERIODS, NEAR, AngleSegment, nearly_at_rest
+from .driven_press import DrivenPress, driven_press, listed, press_with_drives
 from .failures import failure
+from .hybrid_system import HOLDING
 from .law_trials import asked_drive
+from .reduced_model import INERTIA, POTENTIAL, WEIGHT, ReducedModel, reduced_model_of
 from .run import Run, as_run, count_of
 from .solvers import SimulationProblem, march
-from .start_sensitivity import start_sensitivity
+from .trajectory import RepetitionSegment, StandstillSegment, Trajectory
 
 METHODS = ("auto", "reduced", "implicit", "constraint")
 MOST_STEPS = 1_000_000  # of the Runge-Kutta method
 LEAST_TOLERANCE = 1e-13
+MOVED = 1e-6  # angle to both sides of a rest, at which it is seen whether it is stable [rad]
+PUSHED, CREEPING = 1e-4, 1e-9  # angle [rad] and speed [rad/s] of a press at rest that is pushed
+LOOKS = 240  # at the difference of two runs
+ASTRAY = 1e3  # times the tolerance that a run may go astray
+LOST = np.pi  # difference of a run that ends in an error, where the other does not [rad]
 
 
 @typed
@@ -181,3 +194,98 @@ def tolerated(tolerance: float) -> float:
     if not LEAST_TOLERANCE <= value <= 1e-2:
         raise PinpressError(f"tolerance is {value:g}: give one from {LEAST_TOLERANCE:g} to 0.01")
     return value
+
+
+# ----------------------------------------------------------------------------------------------------------------- sensitivity to the start
+
+
+def start_sensitivity(problem: SimulationProblem, trajectory: Trajectory) -> float | None:
+    """By how much more the crank angle goes astray in a run than its start is moved; None where it keeps clear of an unstable rest."""
+    driven, press = problem.driven, problem.driven.press
+    if len(press.drivers) > 1 or press.branch_through_change_points.period is None or driven.prescribed is not None:
+        return None
+    try:
+        model = reduced_model_of(press)
+    except SimulationError:  # its shafts do not come back together: there is none
+        return None
+    rest = next((segment for segment in trajectory.segments if isinstance(segment, StandstillSegment)), None)
+    if rest is not None and _falls(driven, rest.state.angle):
+        caution(
+            f"the press rests at an unstable equilibrium from {rest.start:.6g} s on, at crank angle {np.degrees(rest.state.angle):.6g} deg:"
+            " it stays there as nothing pushes it, but the least push would send it down"
+        )
+        return None
+    span = float(np.ptp(model.coefficients[:, POTENTIAL, 0]))
+    if not any(_beside_rest(press, segment, span) for segment in trajectory.segments):
+        return None
+    return _sensitivity(problem, trajectory, model, span)
+
+
+def _sensitivity(problem: SimulationProblem, trajectory: Trajectory, model: ReducedModel, span: float) -> float:
+    """The same of a run that passes an unstable rest, from runs whose starts are moved; ``span``: range of the potential energy [J]."""
+    press, until, tolerance = problem.driven.press, problem.until, problem.tolerance
+    times = np.linspace(0.0, until, LOOKS + 1)
+    angles = _crank_angles(press, trajectory, times)
+    inertia = float(model.at(angles[:1])[0][INERTIA, 0]) + problem.driven.inertia
+    speed = max(float(np.abs(np.gradient(angles, times)).max()), float(np.sqrt(2 * span / inertia)))
+    astray = 0.0
+    for angle_by, speed_by in ((tolerance, 0.0), (0.0, tolerance * speed)):
+        try:
+            moved = march(replace(problem, angle=problem.angle + angle_by, speed=problem.speed + speed_by))
+            astray = max(astray, float(np.abs(_crank_angles(press, moved, times) - angles).max()))
+        except SimulationError:
+            astray = max(astray, LOST)
+    found = astray / (tolerance * (1.0 + speed * until))
+    if found > ASTRAY:
+        caution(
+            "the run is not determined to its tolerance: it passes an unstable rest so closely that a start moved by"
+            f" {tolerance:.3g} of its sizes leads {astray:.3g} rad astray; start it farther from the rest, or with another speed"
+        )
+    return found
+
+
+def _beside_rest(press: Linkage, segment: Any, span: float) -> bool:
+    """Whether the crank comes close to an unstable rest."""
+    if isinstance(segment, AngleSegment):
+        return bool((_bend(reduced_model_of(press), segment.slow) < 0).any())
+    if isinstance(segment, StandstillSegment | RepetitionSegment):
+        return False
+    system, n = segment.system, segment.system.dynamics.size
+    own = 0.0 if system.driven.clutch is not None else system.driven.inertia
+    least = float(reduced_model_of(press).coefficients[:, INERTIA, 0].min()) + own
+    speeds = np.abs(segment.speeds)
+    slowly = np.flatnonzero(0.5 * least * speeds**2 < NEAR * span)
+    for stretch in np.split(slowly, np.flatnonzero(np.diff(slowly) > 1) + 1) if len(slowly) else []:
+        k = int(stretch[speeds[stretch].argmin()])  # the slowest of states one after the other
+        mode, time = segment.modes[max(k - 1, 0)], segment.start if k == 0 else segment.times[k - 1]
+        if mode.brake.grip is HOLDING or mode.standing:
+            continue
+        y = segment.pieces[max(k - 1, 0)](time)
+        rate = {}
+        for by in (-MOVED, 0.0, MOVED):
+            moved = y.copy()
+            moved[:n] = system.dynamics.moved(y[:n], by)[0] if by else y[:n]
+            rate[by] = system.dynamics.of_crank(system.rates(mode, time, moved)[n : 2 * n])
+        inertia = float(reduced_model_of(press).at(y[[system.dynamics.crank]])[0][INERTIA, 0]) + own
+        if rate[MOVED] > rate[-MOVED] and nearly_at_rest(np.array(0.5 * inertia * speeds[k] ** 2), np.array(inertia * rate[0.0]), span):
+            return True
+    return False
+
+
+def _falls(driven: DrivenPress, angle: float) -> bool:
+    """Whether a press at rest goes on by itself when it is pushed a little, whichever way."""
+    drive, weight = driven.drive, driven.model.at(angle + np.array([-PUSHED, PUSHED]))[0][WEIGHT]
+    torques = [0.0 if drive is None else float(np.ravel(drive.torque(w))[0]) for w in (-CREEPING, CREEPING)]
+    return bool(torques[0] < weight[0] and torques[1] > weight[1])
+
+
+def _bend(table: ReducedModel, angle: Array) -> Array:
+    """Second derivative (n,) of the potential energy by the crank angle (n,): negative where a rest is unstable [N m]."""
+    return np.asarray(table.at(angle)[1][WEIGHT])
+
+
+def _crank_angles(press: Linkage, trajectory: Trajectory, times: Array) -> Array:
+    """Crank angles (n,) at times (n,) [rad]."""
+    position = trajectory.at(times, complete=False).position
+    found: Array = position[press.driver_indices[0] if len(position) > 1 else 0]
+    return found

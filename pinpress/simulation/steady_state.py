@@ -28,11 +28,10 @@ from ..loads.link import Load
 from . import collocation
 from . import reduced_model as reduced
 from .angle_solver import angle_segment
-from .collocation import cuts, interpolate_onto, stopping_panels
+from .collocation import build_mesh, cuts, interpolate_onto, mesh_borders, stopping_panels
 from .driven_press import DrivenPress, driven_press, listed
 from .failures import failure
 from .law_trials import asked_drive
-from .mesh import build_mesh, mesh_borders
 from .run import Run, as_run, count_of
 from .simulate import tolerated
 from .solvers import SimulationProblem

@@ -15,7 +15,7 @@ from pinpress.accuracy.measurements import DIE, SPEED_LAW
 from pinpress.accuracy.peers.installed import HandScript, find_peers
 from pinpress.accuracy.peers.six_bar_equation import reduced
 from pinpress.accuracy.scenes import build_scene
-from pinpress.simulation.reduced_model import tabulated
+from pinpress.simulation.reduced_model import reduced_model_of
 
 SPEED = 70 * pp.RPM  # [rad/s]
 # The same equations solved otherwise, 1e-14 of the peak; where loops hold each other, by singular values, 5e-12.
@@ -117,7 +117,7 @@ def test_exudyn_refuses_angles_that_are_no_run(made):
 @pytest.mark.parametrize("name", ["zxn2_3000b", "zxn2_3000b_balanced"])
 def test_the_equation_in_closed_form(presses, name):
     """Against the inertia, the weight's moment and the slide of the press's own table, which is resolved to 1e-11 of each."""
-    table = tabulated(presses(name))
+    table = reduced_model_of(presses(name))
     angles = np.random.default_rng(3).uniform(0, 2 * np.pi, 40)
     values, slopes = table.at(angles)
     own = np.array([values[0], slopes[0], values[2], values[3], slopes[3]])
@@ -236,7 +236,7 @@ def test_the_published_errors_are_still_so(presses, made, kind, step):
     with open(PUBLISHED, newline="", encoding="utf-8") as file:
         rows = {(program(row["method"]), row["setting"]): row for row in csv.DictReader(file) if row["group"] == "free run"}
     row = rows[program(peer.name), f"step {step}"]
-    inertia = 4 * float(tabulated(press).at(tabulated(press).borders)[0][0].max())
+    inertia = 4 * float(reduced_model_of(press).at(reduced_model_of(press).borders)[0][0].max())
     duration = 4 * np.pi / SPEED
     truth = pp.simulate(press, duration, speed=SPEED, flywheel=pp.drives.Flywheel(inertia), tolerance=1e-13, points=2)
     end = peer.free_run(0.0, SPEED, inertia, duration, float(row["number"]))

@@ -29,7 +29,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 import pinpress as pp
 from pinpress.accuracy.contests import least_seconds
-from pinpress.simulation.reduced_model import tabulated
+from pinpress.simulation.reduced_model import reduced_model_of
 
 ROOT = Path(__file__).resolve().parents[2]
 SPEED = 70 * pp.RPM
@@ -159,7 +159,7 @@ def kept() -> Contestants:
 
     def tabled() -> None:
         press.__dict__.pop("table", None)
-        _ = tabulated(press)
+        _ = reduced_model_of(press)
 
     def run() -> pp.Run:
         return pp.simulate(press, 2.0, speed=SPEED, flywheel=pp.drives.Flywheel(500.0))

@@ -23,7 +23,7 @@ from support.oracles.pinocchio_run import free_run
 
 import pinpress as pp
 from pinpress.accuracy.contests import least_seconds
-from pinpress.simulation.reduced_model import tabulated
+from pinpress.simulation.reduced_model import reduced_model_of
 
 ANGLE, SPEED, DURATION = np.radians(154.0), 70 * pp.RPM, 2.0
 FLYWHEEL = pp.drives.Flywheel(inertia=500.0)
@@ -84,7 +84,7 @@ def work_precision(press: pp.Linkage, truth: float, repeats: int) -> None:
 def scenarios(repeats: int) -> None:
     """1000 scenarios against one."""
     press = pp.load("jf75g_125", gravity=(0, 0, -9.80665))
-    _ = tabulated(press)
+    _ = reduced_model_of(press)
     random = np.random.default_rng(0)
     speed, inertia, force = 300 * pp.RPM * random.uniform(0.9, 1.1, 1000), random.uniform(100, 200, 1000), random.uniform(0, 1250e3, 1000)
     power = random.uniform(30e3, 60e3, 1000)

@@ -11,7 +11,7 @@ import pytest
 
 import pinpress as pp
 from pinpress.linkage.memo import per_linkage
-from pinpress.simulation.reduced_model import tabulated
+from pinpress.simulation.reduced_model import reduced_model_of
 
 
 def heavier(model: pin.Model) -> None:
@@ -160,23 +160,23 @@ def test_the_motion_of_a_balanced_press_is_no_run_of_the_old_one():
 @pytest.mark.parametrize("again", [copy.copy, copy.deepcopy, lambda press: pickle.loads(pickle.dumps(press))])
 def test_what_was_worked_out_travels_with_a_copy(again):
     press = pp.load("crank_slide")
-    ends, table = pp.dead_centres(press), tabulated(press)
+    ends, table = pp.dead_centres(press), reduced_model_of(press)
     other = again(press)
     assert pp.dead_centres(other) == ends
     assert not vars(other)["_kept"].of_masses.keys() ^ vars(press)["_kept"].of_masses.keys()
-    np.testing.assert_array_equal(tabulated(other).coefficients, table.coefficients)
+    np.testing.assert_array_equal(reduced_model_of(other).coefficients, table.coefficients)
     with pytest.raises(ValueError, match="read-only"):
-        tabulated(other).coefficients[0] = 1.0
+        reduced_model_of(other).coefficients[0] = 1.0
 
 
 def test_other_masses_keep_what_follows_from_the_geometry_alone():
     press = pp.load("zxn2_3000b")
     used(press)
-    before = tabulated(press).coefficients
+    before = reduced_model_of(press).coefficients
     heavy = press.with_inertias([pin.Inertia(2.0 * each.mass, each.lever, 2.0 * each.inertia) for each in press.model.inertias])
     assert heavy.branch is press.branch
     assert pp.dead_centres(heavy) is pp.dead_centres(press)
-    np.testing.assert_allclose(tabulated(heavy).coefficients[:, 0], 2.0 * before[:, 0], rtol=1e-12)
+    np.testing.assert_allclose(reduced_model_of(heavy).coefficients[:, 0], 2.0 * before[:, 0], rtol=1e-12)
     assert dataclasses.replace(press).branch is not press.branch
 
 

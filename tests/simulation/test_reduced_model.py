@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from support.texts import shipped
 
-from pinpress.simulation.reduced_model import POTENTIAL, roots, tabulated
+from pinpress.simulation.reduced_model import POTENTIAL, reduced_model_of, roots
 
 GRID = np.linspace(0.0, 2 * np.pi, 40_001)
 
@@ -20,7 +20,7 @@ def passages(values, level):
 @pytest.mark.parametrize("share", [0.02, 0.5, 0.71, 0.98])
 def test_passages_of_a_level(name, share):
     """None is missed, and none is found where there is none."""
-    table = tabulated(shipped(name))
+    table = reduced_model_of(shipped(name))
     energy = table.at(GRID)[0][POTENTIAL]
     level = energy.min() + share * np.ptp(energy)
     np.testing.assert_allclose(np.sort(roots(table, POTENTIAL, level)), passages(energy, level), rtol=0, atol=1e-6)
@@ -29,7 +29,7 @@ def test_passages_of_a_level(name, share):
 @pytest.mark.parametrize("name", ["zxn2_3000b", "jf75g_125", "thin_wall"])
 def test_turning_points(name):
     """The energy turns where its slope passes zero: where the grid has its peaks and troughs."""
-    table = tabulated(shipped(name))
+    table = reduced_model_of(shipped(name))
     energy = table.at(GRID[:-1])[0][POTENTIAL]
     step = np.diff(np.append(energy, energy[0]))
     turns = GRID[:-1][np.signbit(step) != np.signbit(np.roll(step, 1))]
