@@ -11,7 +11,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from enum import Enum
 from functools import cached_property
-from typing import Any, Literal, NamedTuple, Protocol
+from typing import Any, Literal, NamedTuple
 
 import numpy as np
 
@@ -20,6 +20,7 @@ from ..drives.transmission import Coupling, SwitchPoint
 from ..loads.caller_laws import LawError
 from ..loads.protocol import ForceInterval
 from .driven_press import DrivenPress, GeneralizedForce
+from .equations_of_motion import Dynamics
 from .failures import failure
 from .trajectory import INTEGRALS
 
@@ -27,42 +28,6 @@ AHEAD = 1e-9  # time looked ahead, where there are several drivers [s]
 LITTLE = 1e-7  # of a turn of the crank, looked ahead to see into which interval a force goes [rad]
 STARTS = 1e-9  # acceleration of a press that stands, beside that by the loads that hold it, with which it starts
 AT_REST = 1e-9  # crank speed, beside the run's largest, at which a stop is one
-
-
-class Dynamics(Protocol):
-    """The linkage as it is integrated: its crank alone, or all its joints.
-
-    Attributes:
-        size: of position and speed.
-        crank: place of the crank in them.
-        alone: whether the crank is the only driver, so that the linkage rests where it does.
-    """
-
-    size: int
-    crank: int
-    alone: bool
-
-    def at(self, position: Array, speed: Array) -> Any:
-        """What forces need of a state: an object with the crank's ``angle`` and ``speed``, and the ``coordinates``, (value, rate) each."""
-
-    def accelerations(self, instant: Any, torque: float, forces: Sequence[float], inertia: float) -> Any:
-        """Accelerations (size,) at an instant under a torque on the crank and forces along the coordinates, with inertia added to the
-        crank."""
-
-    def of_crank(self, accelerations: Any) -> float:
-        """The crank's acceleration among these."""
-
-    def stands(self, instant: Any, time: float) -> None:
-        """Raise where the crank rests and the links do not."""
-
-    def moved(self, position: Array, angle: float) -> tuple[Array, Array]:
-        """Positions a small angle of the crank away, and speeds that lead there."""
-
-    def project(self, position: Array, speed: Array) -> tuple[Array, Array] | None:
-        """The nearest state with closed loops; None where none can be open."""
-
-    def closed(self, position: Array, speed: Array) -> tuple[Array, Array]:
-        """States (size, n) with their loops closed."""
 
 
 class Snapshot(NamedTuple):

@@ -9,17 +9,15 @@ rounding is halved. Source: Zhang 2007, 4.2 (for any linkage, and without its li
 """
 
 import math
-from bisect import bisect_right
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import NamedTuple
 
 import numpy as np
 
 from ..common.arrays import Array
 from ..common.errors import SimulationError
-from ..common.gauss import NODES, gauss_rule, horner
+from ..common.gauss import NODES, gauss_rule
 from ..common.roots import polynomial_root
 from ..engines.branch import MOST_TURNS, periods_until_back
 from ..kinematics.motion import Motion, motion_through_change_points
@@ -31,7 +29,6 @@ PANELS = 16  # a turn to begin with
 RESOLVED = 1e-11  # size of a polynomial's last terms beside the function
 NOISE, GAIN = 1e-8, 10.0  # below this size last terms that halving does not make less by this factor are rounding, near change points say
 SLACK = 1e-9  # beyond the range of a table, by rounding [rad]
-LOOSE = 1e-6  # the same of an integration over time, by rounding of many turns [rad]
 FLAT = 1e-13  # range of the potential energy, beside its size, that is rounding
 HEIGHT = 1e-3  # of the potential energy: what its range, and its slope, are taken for at least
 NARROWEST = 1e-7  # panel [rad]: what it does not resolve lies at a lock
@@ -226,76 +223,3 @@ def roots(table: ReducedModel, row: int, level: float, slope: bool = False) -> A
     if table.period is not None and above[-1, -1] != above[0, 0]:
         ends = np.append(ends, 0)
     return np.concatenate([np.array(found), table.borders[ends]])
-
-
-class CrankState(NamedTuple):
-    """A state of the crank: angle, speed; coordinates with their rates; inertia I, I', V'; derivatives c' of the coordinates."""
-
-    angle: float
-    speed: float
-    coordinates: list[tuple[float, float]]
-    inertia: float
-    inertia_slope: float
-    weight: float
-    levers: list[float]
-
-
-class ReducedDynamics:
-    """`hybrid_system.Dynamics` of one position, the crank angle. Plain numbers: for one state NumPy takes longer."""
-
-    size, crank, alone = 1, 0, True
-
-    def __init__(self, table: ReducedModel) -> None:
-        self.table = table
-        self.borders = table.borders.tolist()
-        falling = table.coefficients[:, :, ::-1].tolist()  # powers of x
-        # of V' the value alone is needed, of V nothing
-        self.rows = [(panel[WEIGHT], [panel[INERTIA], *panel[COORDINATES:]]) for panel in falling]
-
-    def at(self, position: Array, speed: Array) -> CrankState:
-        angle, rate = float(position[0]), float(speed[0])
-        borders, period = self.borders, self.table.period
-        local = angle
-        if period is not None:
-            local -= (angle - borders[0]) // period * period
-        if not borders[0] - LOOSE <= local <= borders[-1] + LOOSE:
-            count = self.table.coefficients.shape[1] - COORDINATES  # an integrator looks ahead: it shall try a shorter step
-            return CrankState(angle, rate, [(math.nan, math.nan)] * count, math.nan, math.nan, math.nan, [math.nan] * count)
-        panel = min(max(bisect_right(borders, local) - 1, 0), len(borders) - 2)
-        half = 0.5 * (borders[panel + 1] - borders[panel])
-        x = (local - borders[panel]) / half - 1.0
-        weights, rows = self.rows[panel]
-        weight, values, slopes = horner(weights, x), [], []
-        for row in rows:
-            value = slope = 0.0
-            for coefficient in row:
-                slope = slope * x + value
-                value = value * x + coefficient
-            values.append(value)
-            slopes.append(slope / half)
-        levers = slopes[1:]
-        coordinates = [(value, lever * rate) for value, lever in zip(values[1:], levers, strict=True)]
-        return CrankState(angle, rate, coordinates, values[0], slopes[0], weight, levers)
-
-    def accelerations(self, instant: CrankState, torque: float, forces: Sequence[float], inertia: float) -> float:
-        total = instant.inertia + inertia
-        if not total > 0:  # no mass resists: an integrator shall try a shorter step
-            return math.nan
-        for row, force in enumerate(forces):
-            torque += force * instant.levers[row]
-        return (torque - instant.weight - 0.5 * instant.inertia_slope * instant.speed * instant.speed) / total
-
-    def of_crank(self, accelerations: float) -> float:
-        return float(np.ravel(accelerations)[0])
-
-    def stands(self, instant: CrankState, time: float) -> None:
-        return None
-
-    def moved(self, position: Array, angle: float) -> tuple[Array, Array]:
-        return position + angle, np.array([1.0 if angle > 0 else -1.0])
-
-    def project(self, position: Array, speed: Array) -> None:
-        return None
-
-    def closed(self, position: Array, speed: Array) -> tuple[Array, Array]:
-        return position, speed

@@ -18,9 +18,10 @@ from ..loads.caller_laws import LawError
 from .angle_solver import AngleSegment, AngleSolver
 from .collocation import LEAST
 from .driven_press import DrivenPress
+from .equations_of_motion import FullDynamics, ReducedDynamics
 from .failures import failure
 from .hybrid_system import HybridSystem, Mode
-from .reduced_model import INERTIA, POTENTIAL, ReducedDynamics
+from .reduced_model import INERTIA, POTENTIAL
 from .trajectory import INTEGRALS, RepetitionSegment, Segment, StandstillSegment, State, Trajectory
 
 if TYPE_CHECKING:
@@ -247,7 +248,6 @@ class AllJointsOverTime:
         return False
 
     def advance(self, state: State, before: Sequence[Segment]) -> Leg:
-        from .full_dynamics import FullDynamics  # imports Pinocchio's constraint dynamics
         from .time_solver import Settings, integrate  # imports SciPy's integrators
 
         problem, driven, press = self.problem, self.problem.driven, self.problem.driven.press

@@ -11,6 +11,7 @@ from support import texts
 import pinpress as pp
 from pinpress.simulation import failures, solvers
 from pinpress.simulation.driven_press import driven_press
+from pinpress.simulation.equations_of_motion import ReducedDynamics
 from pinpress.simulation.hybrid_system import (
     HOLDING,
     OPEN,
@@ -25,7 +26,6 @@ from pinpress.simulation.hybrid_system import (
     HybridSystem,
     PressStarts,
 )
-from pinpress.simulation.reduced_model import ReducedDynamics
 
 MOTOR = pp.drives.Geared(pp.drives.InverterMotor(20.0, 1450 * pp.RPM, 45.0), 20.0)
 

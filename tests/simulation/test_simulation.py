@@ -24,7 +24,7 @@ from support.oracles.crank_slide_equation import Window
 import pinpress as pp
 from pinpress.accuracy.measurements import SPEED_LAW
 from pinpress.accuracy.scenes import build_scene
-from pinpress.simulation import angle_solver, hybrid_system, reduced_model
+from pinpress.simulation import angle_solver, equations_of_motion, hybrid_system
 from pinpress.simulation import simulate as simulation
 from pinpress.simulation.driven_press import driven_press
 
@@ -1045,7 +1045,7 @@ def test_the_side_of_every_corner(corners):
     drive = pp.drives.InverterMotor(200.0, 1450 * pp.RPM, 40.0)
     driven = driven_press(texts.shipped("crank_slide"), drive, None, [], None, None)
     driven.__dict__["corners"] = corners
-    found = hybrid_system.HybridSystem(reduced_model.ReducedDynamics(driven.model), driven)
+    found = hybrid_system.HybridSystem(equations_of_motion.ReducedDynamics(driven.model), driven)
     begun, _ = found.begin(0.0, np.zeros(1), np.zeros(1), np.zeros(4))
 
     def sides(speed, before=()):

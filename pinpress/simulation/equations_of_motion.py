@@ -1,0 +1,240 @@
+"""The equations of motion that are integrated over time: of the crank alone, or of all joints.
+
+Each gives the linkage's accelerations in one state, under a torque on the crank and forces along coordinates. The crank alone is the
+reduced model of `reduced_model`; all joints are those of Pinocchio's constraint dynamics, for any linkage.
+"""
+
+import math
+from bisect import bisect_right
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any, NamedTuple, Protocol
+
+import numpy as np
+
+from ..common.arrays import Array
+from ..common.errors import PinpressError
+from ..common.gauss import horner
+from ..kinematics.motion import motion_through_change_points
+from ..linkage.linkage import Linkage
+from .driven_press import Coordinate
+from .failures import failure
+from .reduced_model import COORDINATES, INERTIA, WEIGHT, ReducedModel
+
+if TYPE_CHECKING:
+    from ..engines.spatial.forward_dynamics import ForwardDynamics
+
+LOOSE = 1e-6  # beyond the range of a reduced model, by rounding of many turns [rad]
+STANDING = 1e-6  # speed of a joint that stands [m/s]
+MOVING = 1e3  # times the crank's speed, beyond which a joint moves though the crank stands
+
+
+class Dynamics(Protocol):
+    """The linkage as it is integrated: its crank alone, or all its joints.
+
+    Attributes:
+        size: of position and speed.
+        crank: place of the crank in them.
+        alone: whether the crank is the only driver, so that the linkage rests where it does.
+    """
+
+    size: int
+    crank: int
+    alone: bool
+
+    def at(self, position: Array, speed: Array) -> Any:
+        """What forces need of a state: an object with the crank's ``angle`` and ``speed``, and the ``coordinates``, (value, rate) each."""
+
+    def accelerations(self, instant: Any, torque: float, forces: Sequence[float], inertia: float) -> Any:
+        """Accelerations (size,) at an instant under a torque on the crank and forces along the coordinates, with inertia added to the
+        crank."""
+
+    def of_crank(self, accelerations: Any) -> float:
+        """The crank's acceleration among these."""
+
+    def stands(self, instant: Any, time: float) -> None:
+        """Raise where the crank rests and the links do not."""
+
+    def moved(self, position: Array, angle: float) -> tuple[Array, Array]:
+        """Positions a small angle of the crank away, and speeds that lead there."""
+
+    def project(self, position: Array, speed: Array) -> tuple[Array, Array] | None:
+        """The nearest state with closed loops; None where none can be open."""
+
+    def closed(self, position: Array, speed: Array) -> tuple[Array, Array]:
+        """States (size, n) with their loops closed."""
+
+
+# ------------------------------------------------------------------------------------------------------------------------------ crank alone
+
+
+class CrankState(NamedTuple):
+    """A state of the crank: angle, speed; coordinates with their rates; inertia I, I', V'; derivatives c' of the coordinates."""
+
+    angle: float
+    speed: float
+    coordinates: list[tuple[float, float]]
+    inertia: float
+    inertia_slope: float
+    weight: float
+    levers: list[float]
+
+
+class ReducedDynamics:
+    """The crank alone, by a reduced model: one position, the crank angle. Plain numbers: for one state NumPy takes longer."""
+
+    size, crank, alone = 1, 0, True
+
+    def __init__(self, table: ReducedModel) -> None:
+        self.table = table
+        self.borders = table.borders.tolist()
+        falling = table.coefficients[:, :, ::-1].tolist()  # powers of x
+        # of V' the value alone is needed, of V nothing
+        self.rows = [(panel[WEIGHT], [panel[INERTIA], *panel[COORDINATES:]]) for panel in falling]
+
+    def at(self, position: Array, speed: Array) -> CrankState:
+        angle, rate = float(position[0]), float(speed[0])
+        borders, period = self.borders, self.table.period
+        local = angle
+        if period is not None:
+            local -= (angle - borders[0]) // period * period
+        if not borders[0] - LOOSE <= local <= borders[-1] + LOOSE:
+            count = self.table.coefficients.shape[1] - COORDINATES  # an integrator looks ahead: it shall try a shorter step
+            return CrankState(angle, rate, [(math.nan, math.nan)] * count, math.nan, math.nan, math.nan, [math.nan] * count)
+        panel = min(max(bisect_right(borders, local) - 1, 0), len(borders) - 2)
+        half = 0.5 * (borders[panel + 1] - borders[panel])
+        x = (local - borders[panel]) / half - 1.0
+        weights, rows = self.rows[panel]
+        weight, values, slopes = horner(weights, x), [], []
+        for row in rows:
+            value = slope = 0.0
+            for coefficient in row:
+                slope = slope * x + value
+                value = value * x + coefficient
+            values.append(value)
+            slopes.append(slope / half)
+        levers = slopes[1:]
+        coordinates = [(value, lever * rate) for value, lever in zip(values[1:], levers, strict=True)]
+        return CrankState(angle, rate, coordinates, values[0], slopes[0], weight, levers)
+
+    def accelerations(self, instant: CrankState, torque: float, forces: Sequence[float], inertia: float) -> float:
+        total = instant.inertia + inertia
+        if not total > 0:  # no mass resists: an integrator shall try a shorter step
+            return math.nan
+        for row, force in enumerate(forces):
+            torque += force * instant.levers[row]
+        return (torque - instant.weight - 0.5 * instant.inertia_slope * instant.speed * instant.speed) / total
+
+    def of_crank(self, accelerations: float) -> float:
+        return float(np.ravel(accelerations)[0])
+
+    def stands(self, instant: CrankState, time: float) -> None:
+        return None
+
+    def moved(self, position: Array, angle: float) -> tuple[Array, Array]:
+        return position + angle, np.array([1.0 if angle > 0 else -1.0])
+
+    def project(self, position: Array, speed: Array) -> None:
+        return None
+
+    def closed(self, position: Array, speed: Array) -> tuple[Array, Array]:
+        return position, speed
+
+
+# ------------------------------------------------------------------------------------------------------------------------------- all joints
+
+
+class LinkageState(NamedTuple):
+    """A state: the first driver's angle and speed, coordinates with their rates, joint coordinates and rates (nv,)."""
+
+    angle: float
+    speed: float
+    coordinates: list[tuple[float, float]]
+    x: Array
+    v: Array
+
+
+class FullDynamics:
+    """All joints, one state at a time by `ForwardDynamics`; loops are kept closed by projection after every step."""
+
+    def __init__(self, press: Linkage, coordinates: Sequence[Coordinate], inertia: Array) -> None:
+        """``inertia`` (drivers,) of flywheels and drives at the drivers [kg m2]."""
+        self.press, self.size = press, len(press.joints)
+        self.drivers, self.crank = list(press.driver_indices), press.driver_indices[0]
+        self.coordinates, self.inertia = tuple(coordinates), inertia
+        self.dynamics: dict[float, ForwardDynamics] = {}
+        self.loops = self._with(float(inertia[0]))
+        self.alone = len(self.drivers) == 1
+        # where the crank turns on the drawn assembly, all states at once are closed from its angles
+        self.turns = self.alone and press.branch_through_change_points.period is not None
+        self.change_points = press.branch_through_change_points.change_points if self.alone else ()
+        # speeds of joints as those of points [m/s]
+        self.units = np.array([press.size if axis.turns else 1.0 for axis in press.axes])
+
+    def _with(self, inertia: float) -> "ForwardDynamics":
+        """The dynamics with this inertia on the crank: with the flywheel, or with an open clutch without it."""
+        if inertia not in self.dynamics:
+            armature = np.zeros(self.size)
+            armature[self.drivers] = self.inertia
+            armature[self.crank] = inertia
+            self.dynamics[inertia] = self.press.forward_dynamics(armature)
+        return self.dynamics[inertia]
+
+    def at(self, position: Array, speed: Array) -> LinkageState:
+        coordinates = [coordinate.at(self.loops, position, speed) for coordinate in self.coordinates]
+        return LinkageState(float(position[self.crank]), float(speed[self.crank]), coordinates, position, speed)
+
+    def accelerations(self, instant: LinkageState, torque: float, forces: Sequence[float], inertia: float) -> Array:
+        efforts = np.zeros(self.size)
+        efforts[self.crank] = torque
+        for row, force in enumerate(forces):
+            if force:
+                efforts += self.coordinates[row].efforts(self.loops, instant.x, force)
+        try:
+            if (along := self._beside(instant.x)) is not None:
+                return self._with(inertia).acceleration_along(*along, instant.speed, efforts)
+            return self._with(inertia).acceleration(instant.x, instant.v, efforts)
+        except PinpressError:  # an integrator looks ahead: it shall try a shorter step
+            return np.full(self.size, np.nan)
+
+    def of_crank(self, accelerations: Array) -> float:
+        return float(accelerations[self.crank])
+
+    def stands(self, instant: LinkageState, time: float) -> None:
+        crank = self.units[self.crank] * abs(instant.speed)
+        if float(np.abs(self.units * instant.v).max()) > max(MOVING * crank, STANDING):
+            raise failure("stops at a lock", time, instant.angle)
+
+    def moved(self, position: Array, angle: float) -> tuple[Array, Array]:
+        closure = self.press.engine("pinocchio").close(np.array([position[self.crank] + angle]), position[:, None])
+        return closure.position[:, 0], closure.first[:, 0] * np.sign(angle)
+
+    def project(self, position: Array, speed: Array) -> tuple[Array, Array] | None:
+        if (along := self._beside(position)) is not None:
+            return along[0], along[1] * speed[self.crank]
+        return self.loops.project(position, speed)[:2]
+
+    def _beside(self, position: Array) -> tuple[Array, Array, Array] | None:
+        """Joint coordinates and their first two derivatives by the crank angle (nv,) beside a change point, where the equations of the
+        loops say too little; None elsewhere."""
+        for point in self.change_points:
+            period = self.press.branch_through_change_points.period
+            turns = 0.0 if period is None else round((position[self.crank] - point.angle) / period)
+            angle = position[self.crank] - turns * (period or 0.0)
+            if abs(angle - point.angle) < point.half:
+                at, first, second = (values[:, 0] for values in point.at(np.array([angle])))
+                at = at + turns * self.press.branch_through_change_points.advance
+                at[self.crank] = position[self.crank]
+                return at, first, second
+        return None
+
+    def closed(self, position: Array, speed: Array) -> tuple[Array, Array]:
+        if self.turns:
+            motion = motion_through_change_points(self.press, position[self.crank], speed[self.crank])
+            return motion.joint_position.T, motion.v.T
+        pairs = [self.loops.project(x, v)[:2] for x, v in zip(position.T.copy(), speed.T.copy(), strict=True)]
+        states = np.array(pairs).transpose(1, 2, 0)
+        return states[0], states[1]
+
+    def energy(self, y: Array) -> float:
+        """Kinetic energy of positions and speeds, one after the other [J]."""
+        return self.loops.energy(y[: self.size], y[self.size :])[0]
