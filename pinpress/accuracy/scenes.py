@@ -12,14 +12,13 @@ from functools import cached_property
 import numpy as np
 
 from ..common.errors import PinpressError
-from ..common.units import RPM
+from ..common.quantities import RPM
 from ..drives.motors import InductionMotor
 from ..drives.protocol import Drive, SpeedTorqueDrive, Values
 from ..drives.transmission import Clutch, Flywheel, Geared, SwitchPoint
-from ..kinematics.dead_centres import dead_centres
+from ..kinematics.slide_path import dead_centres
 from ..linkage.linkage import Linkage
-from ..loads.process import Blanking, ElasticDie
-from ..loads.protocol import ForceInterval, ProcessLoad
+from ..loads.process import Blanking, ElasticDie, ForceInterval, ProcessLoad
 from ..simulation.reduced_model import COORDINATES, reduced_model_of
 from .measurements import CLUTCH, DIE, FREE_RUN, SPEED_LAW
 

@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..common.gauss import NODES
+from ..common.numerics import NODES
 from ..dynamics.inverse_dynamics import Reactions, inverse_dynamics
 from ..kinematics.motion import motion_through_change_points
 from ..linkage.linkage import Linkage

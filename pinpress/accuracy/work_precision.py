@@ -12,16 +12,14 @@ from collections.abc import Callable, Sequence
 import numpy as np
 import pinocchio as pin
 
-from ..common.arguments import typed
-from ..common.checks import LARGEST, SMALLEST, number, positive, whole_number
+from ..common.arguments import LARGEST, SMALLEST, number, positive, typed, whole_number
 from ..common.errors import PinpressError, shown
-from ..common.units import RPM
+from ..common.quantities import RPM
 from ..drives.transmission import Flywheel
 from ..kinematics.motion import MOST_POINTS
 from ..linkage.linkage import Linkage
 from ..simulation.reduced_model import reduced_model_of
-from .contests import measured
-from .inverse_dynamics import inverse_dynamics_contest, proximal_contest
+from .contests import inverse_dynamics_contest, measured, proximal_contest
 from .measurements import SCENES, WorkPrecision
 from .peers.installed import find_peers, find_solvers
 from .scenes import Scene, build_scene

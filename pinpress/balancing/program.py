@@ -13,11 +13,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..common.arrays import Array
 from ..common.conic_program import AT_MOST, CONE, EQUAL, InfeasibleError, Optimum, Rows, minimise
 from ..common.errors import PinpressError
-from .objectives import AddedMass, Range, Rms, Target, limit_words
-from .problem import BalancingProblem, Signal
+from ..common.quantities import Array
+from .problem import AddedMass, BalancingProblem, Range, Rms, Signal, Target, limit_words
 
 Program = tuple[Array, tuple[Rows, ...]]  # cost and constraints
 FIRST_STATES = 24  # of a motion, with which a program begins, besides the extremes of what it is made of

@@ -15,13 +15,12 @@ from typing import NamedTuple
 import numpy as np
 import pinocchio as pin
 
-from ..common.arrays import Array
-from ..common.checks import any_numbers, numbers, truth_value
+from ..common.arguments import any_numbers, numbers, truth_value
 from ..common.conic_program import AT_MOST, CONE, Rows
 from ..common.errors import PinpressError, UnknownNameError, shown
+from ..common.quantities import Array
 from ..linkage.linkage import Linkage
-from .counterweights import carrying_joint, rigid_body, unit_tensor
-from .mass_response import PointMasses
+from .counterweights import PointMasses, carrying_joint, rigid_body, unit_tensor
 
 Vector = tuple[float, float, float]
 FLAT = 1e-9  # of the press's size: corners this close to a plane are in it

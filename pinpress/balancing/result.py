@@ -8,14 +8,13 @@ from dataclasses import dataclass
 from functools import cached_property
 
 from ..common import text
+from ..common.quantities import RPM
 from ..common.results import Tabular
-from ..common.units import RPM
+from ..dynamics.extremes import AXES, ROUNDING, Rounding, rounding
 from ..dynamics.inverse_dynamics import Reactions, inverse_dynamics
-from ..dynamics.rounding import AXES, ROUNDING, Rounding, rounding
 from ..linkage.linkage import Linkage
-from .counterweights import Counterweight
-from .mass_response import OperatingCondition, moving_mass
-from .objectives import AddedMass, Measure, Peak, Range, Target, limit_words
+from .counterweights import Counterweight, OperatingCondition, moving_mass
+from .problem import AddedMass, Measure, Peak, Range, Target, limit_words
 
 MASS = AddedMass()
 

@@ -6,7 +6,7 @@ from pathlib import Path
 
 from ..accuracy.measurements import SCENES, WorkPrecision
 from ..common.files import make_folder
-from ..common.units import RPM
+from ..common.quantities import RPM
 from . import part_specs
 from .options import add_out_option, add_press_options, load_press, progress, say_written
 

@@ -5,7 +5,7 @@ import time
 
 from ..common.errors import PinpressError
 from ..common.files import make_folder
-from ..common.units import RPM
+from ..common.quantities import RPM
 from ..dynamics.inverse_dynamics import Reactions, inverse_dynamics
 from ..dynamics.summary import summary
 from ..kinematics.motion import cycle

@@ -6,15 +6,15 @@ from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from ..balancing.mass_response import OperatingCondition
-from ..balancing.objectives import AXES, QUANTITIES, AddedMass, Peak, Range, Rms, Target
+from ..balancing.counterweights import OperatingCondition
 from ..balancing.optimum import balance
+from ..balancing.problem import AXES, QUANTITIES, AddedMass, Peak, Range, Rms, Target
 from ..balancing.regions import CounterweightRegion, Vector
 from ..balancing.result import BalancedPress
 from ..common.errors import PinpressError, suggestion
 from ..common.files import make_folder
+from ..common.quantities import RPM
 from ..common.tables import write_csv
-from ..common.units import RPM
 from ..dynamics.inverse_dynamics import inverse_dynamics
 from ..kinematics.motion import cycle
 from ..linkage.writing import write_urdf

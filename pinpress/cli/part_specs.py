@@ -14,12 +14,11 @@ from pathlib import Path
 from typing import Any
 
 from ..common.errors import PinpressError, suggestion
-from ..common.units import RPM
+from ..common.quantities import RPM
 from ..drives.motors import ConstantTorque, InductionMotor, InverterMotor, ServoMotor, SlipClutchMotor
 from ..drives.protocol import Drive
 from ..drives.transmission import Brake, Clutch, Flywheel, Geared, PrescribedSpeed, SwitchPoint
-from ..loads.process import Blanking, ConstantForce, DeepDrawing, ElasticDie, ForceStroke, Idle
-from ..loads.protocol import ProcessLoad
+from ..loads.process import Blanking, ConstantForce, DeepDrawing, ElasticDie, ForceStroke, Idle, ProcessLoad
 
 
 @dataclass(frozen=True)

@@ -7,8 +7,8 @@ from pathlib import Path
 
 from ..common.errors import PinpressError
 from ..common.files import make_folder
-from ..common.units import RPM
-from ..ratings.capacities import Capacities
+from ..common.quantities import RPM
+from ..ratings.permissible_force import Capacities
 from ..ratings.rating import Ratings, rate
 from .options import add_out_option, add_press_options, load_press, say_written
 

@@ -6,7 +6,7 @@ import tempfile
 from pathlib import Path
 
 from ..common.errors import PinpressError
-from ..common.units import RPM
+from ..common.quantities import RPM
 from ..dynamics.inverse_dynamics import inverse_dynamics
 from ..kinematics.motion import cycle
 from .options import SIGNS, add_press_options, add_trace_option, load_press, progress

@@ -6,7 +6,7 @@ import time
 
 from ..common.errors import PinpressError
 from ..common.files import make_folder
-from ..common.units import RPM
+from ..common.quantities import RPM
 from ..dynamics.inverse_dynamics import inverse_dynamics
 from ..simulation.run import Run, simulation_summary, stroke_duties
 from ..simulation.simulate import METHODS, simulate

@@ -1,14 +1,21 @@
-"""Arguments of public functions by their annotations: objects of the library, sequences, mappings, functions, True or False."""
+"""Checks of arguments: objects of the library, sequences, mappings, functions, True or False by the annotations of a public function
+(`typed`); one number, a whole number or an array of numbers where the function asks.
+
+NumPy takes for numbers what was hardly meant as such: it drops masks and imaginary parts, reads texts, dates and truth values, and turns
+None into nan. Here all these are refused, by the name of the argument.
+"""
 
 import inspect
 import re
 from collections.abc import Callable, Iterable, Mapping
 from functools import wraps
-from typing import Any, NamedTuple, TypeVar, get_origin
+from numbers import Real
+from typing import Any, NamedTuple, TypeGuard, TypeVar, get_origin
 
 import numpy as np
 
 from .errors import PinpressError, shown
+from .quantities import Array
 
 Function = TypeVar("Function", bound=Callable[..., Any])
 
@@ -108,3 +115,138 @@ def _check(name: str, value: object, kind: _Kind) -> None:
     if "Mapping" in kind.others:
         raise PinpressError(f"{name} is {given}: give a mapping, {name}={{...}}")
     raise PinpressError(f"{name} is one {type(value).__name__}: give a list, {name}=[...]")
+
+
+SMALLEST, LARGEST = 1e-12, 1e12  # of a size, in SI units: squares of what is smaller or larger lose meaning
+_DEEPEST = 32  # levels of nested lists; NumPy itself stops at 64 axes, or at 32
+_SORTS = {
+    "b": "truth values",
+    "c": "complex numbers",
+    "S": "text",
+    "U": "text",
+    "T": "text",
+    "M": "dates",
+    "m": "spans of time",
+    "V": "records",
+}
+
+
+def number(name: str, value: object, positive: bool = False) -> float:
+    """The value as a finite number, named in the `PinpressError` where it is none."""
+    found = _array(value)
+    if isinstance(found, str) or found.ndim or not np.isfinite(found) or (positive and found <= 0):
+        raise PinpressError(f"{name} is {shown(value)}: give one finite number{', positive' if positive else ''}")
+    return float(found)
+
+
+def is_number(value: object) -> bool:
+    """Whether a value is one finite number."""
+    found = _array(value)
+    return not isinstance(found, str) and not found.ndim and bool(np.isfinite(found))
+
+
+def positive(what: str, value: object, unit: str) -> float:
+    """A size as a number; raises PinpressError where it is not positive, or so small or large that its squares lose meaning."""
+    found = _array(value)
+    if isinstance(found, str) or found.ndim or not SMALLEST <= found <= LARGEST:
+        raise PinpressError(f"{what} is {shown(value)}: give a positive number [{unit}], from {SMALLEST:g} to {LARGEST:g}")
+    return float(found)
+
+
+def truth_value(name: str, value: object) -> bool:
+    """True or False; raises PinpressError where the value is neither."""
+    if not isinstance(value, bool | np.bool_):
+        raise PinpressError(f"{name} is {shown(value)}: give True or False")
+    return bool(value)
+
+
+def is_whole_number(value: object) -> TypeGuard[int]:
+    """Whether a value is a whole number, of Python or of NumPy; truth values and spans of time are none."""
+    return isinstance(value, int | np.integer) and not isinstance(value, bool | np.timedelta64)
+
+
+def whole_number(name: str, value: object, least: int, most: int) -> int:
+    """A count; raises PinpressError where the value is no whole number from ``least`` to ``most``."""
+    if not is_whole_number(value) or not least <= value <= most:
+        raise PinpressError(f"{name} is {shown(value)}: give a whole number from {least} to {most}")
+    return int(value)
+
+
+def numbers(name: str, values: object, shape: tuple[int | None, ...] | None = None) -> Array:
+    """The values as a new array of finite numbers.
+
+    Args:
+        name: of the argument, for the messages.
+        values: a number, an array, or nested sequences of numbers.
+        shape: that the array must have, None for any length along an axis; by default any shape.
+
+    Raises:
+        PinpressError: masked, complex or ragged values, texts, truth values, dates, anything that is no number or not finite, or another
+            shape.
+    """
+    array = any_numbers(name, values, shape)
+    if shape is not None and not (
+        array.ndim == len(shape) and all(wanted in (None, length) for wanted, length in zip(shape, array.shape, strict=True))
+    ):
+        raise PinpressError(f"{name} has shape {array.shape}: give {_wanted(shape)}")
+    if not np.isfinite(array).all():
+        where = f" at point {', '.join(map(str, np.argwhere(~np.isfinite(array))[0]))}" if array.ndim else ""
+        raise PinpressError(f"{name} is not finite{where}")
+    return array
+
+
+def any_numbers(name: str, values: object, shape: tuple[int | None, ...] | None = None) -> Array:
+    """The values as a new array of numbers, infinite ones and NaN too; raises as `numbers` does where they are none. ``shape``: for the
+    message."""
+    array = _array(values)
+    if isinstance(array, str):
+        raise PinpressError(f"{name} is not {_wanted(shape)}, but {array}: {shown(values)}")
+    return array
+
+
+def finite_numbers(values: object) -> Array | None:
+    """The values as a new array of finite numbers; None where `numbers` refuses them: for callers that say more about what they want."""
+    array = _array(values)
+    return None if isinstance(array, str) or not np.isfinite(array).all() else array
+
+
+def _wanted(shape: tuple[int | None, ...] | None) -> str:
+    if shape is None:
+        return "a number or an array of numbers"
+    if shape == ():
+        return "one finite number"
+    lengths = ["n" if length is None else str(length) for length in shape]
+    return f"finite numbers of shape ({', '.join(lengths)}{',' if len(lengths) == 1 else ''})"
+
+
+def _array(values: Any) -> Array | str:
+    """The values as a new array of floats, or what they are instead of numbers."""
+    if type(values) is float:
+        return np.array(values)
+    if isinstance(values, np.ma.MaskedArray):
+        return "masked (fill the gaps, or leave them out)"
+    if hasattr(type(values), "units") or hasattr(type(values), "unit"):
+        return "a quantity with a unit (give its magnitude in SI units)"
+    if isinstance(values, bool) or (isinstance(values, list | tuple) and _odd(values)):
+        return "truth values, masked values or deeply nested lists"
+    try:
+        array = np.asarray(values)
+    except Exception:  # whatever a caller's own object raises
+        return "ragged lists or something else"
+    if array.dtype.kind in _SORTS:
+        return _SORTS[array.dtype.kind]
+    if array.dtype.kind == "O" and not all(isinstance(value, Real) and not isinstance(value, bool) for value in array.ravel().tolist()):
+        return "something else"
+    try:
+        with np.errstate(all="ignore"):  # what overflows becomes infinite, which the callers refuse
+            return np.array(array, dtype=float)
+    except (TypeError, ValueError, OverflowError):  # OverflowError: a whole number beyond the range of floats
+        return "beyond the range of floating point numbers"
+
+
+def _odd(values: Iterable[Any], level: int = 1) -> bool:
+    """Whether nested lists and tuples hold what NumPy would turn into numbers without a word, or more levels than any array has."""
+    return level > _DEEPEST or any(
+        _odd(value, level + 1) if isinstance(value, list | tuple) else isinstance(value, bool | np.bool_ | np.ma.MaskedArray)
+        for value in values
+    )

@@ -12,8 +12,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from .arrays import Array
 from .errors import PinpressError
+from .quantities import Array
 
 EQUAL, AT_MOST, CONE = "equal", "at most", "cone"
 TOLERANCE = 1e-12  # that the solver aims at, for programs scaled to numbers about one

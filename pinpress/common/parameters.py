@@ -17,8 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from . import plausibility
-from .arguments import typed
-from .checks import finite_numbers
+from .arguments import finite_numbers, typed
 from .errors import PinpressError, shown
 from .frozen import Frozen
 

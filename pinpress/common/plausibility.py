@@ -5,9 +5,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from .arrays import Array
 from .errors import caution
-from .units import RPM
+from .quantities import RPM, Array
 
 FASTEST = 1000.0  # crank or motor of a press [rad/s], 9549 r/min
 AMISS = 0.05  # part of a motion by which its columns may miss each other

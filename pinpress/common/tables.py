@@ -16,8 +16,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from . import files, text
-from .arrays import Array
 from .errors import PinpressError
+from .quantities import Array
 
 if TYPE_CHECKING:
     import pandas

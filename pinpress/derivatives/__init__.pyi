@@ -1,4 +1,4 @@
 from .motion import MotionSensitivity as MotionSensitivity
 from .motion import motion_derivatives as motion_derivatives
-from .pivots import pivot_positions as pivot_positions
+from .motion import pivot_positions as pivot_positions
 from .reshape import reshaped as reshaped

@@ -19,11 +19,11 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..common.arrays import Array, ComplexArray
 from ..common.errors import PinpressError, said, shown
+from ..common.quantities import Array, ComplexArray
 from ..dynamics.applied_loads import apply, asked
-from ..engines.constant_rows import product
 from ..engines.forces import REST, AppliedForce
+from ..engines.joints import product
 from ..engines.planar import statics
 from ..engines.planar.bodies import Bodies
 from ..engines.planar.model import Plane, flat
@@ -31,9 +31,8 @@ from ..kinematics.motion import Motion
 from ..linkage.linkage import Linkage
 from ..loads.caller_laws import OWN_LOADS, LawError
 from ..loads.link import Load, PointForce
-from ..loads.protocol import ForceInterval, ProcessLoad
-from .motion import STEP, Rates, States, Tangent
-from .pivots import Shift
+from ..loads.process import ForceInterval, ProcessLoad
+from .motion import STEP, Rates, Shift, States, Tangent
 
 DIFFERENCE, ROUGHLY = 1e-5, 1e-3  # share of a range over which a law's slope is taken, and how near that must come
 ANALYTIC = "write it with NumPy's functions that are smooth in complex numbers, without abs, max, real or float"

@@ -15,8 +15,8 @@ import numpy as np
 import pinocchio as pin
 
 from ..common.arguments import typed
-from ..common.arrays import Array
 from ..common.errors import AssemblyError, SingularityError
+from ..common.quantities import Array
 from ..engines.branch import SingularPosition, follow
 from ..engines.engine import ACCEPTED, Closure, Engine
 from ..engines.joints import Coupling
@@ -26,8 +26,7 @@ from ..engines.planar.model import Plane
 from ..engines.spatial.kinematics import Passive
 from ..engines.spatial.kinematics import close as close_drivers
 from ..linkage.linkage import Linkage
-from .motion import States
-from .pivots import Displacements, Pivots, Shift, displaced, shift, shifted
+from .motion import Displacements, Pivots, Shift, States, displaced, shift, shifted
 
 SHORTEST = 2.0**-10  # step, as a share of the way: where a shorter one is needed, the linkage locks
 MOST = 40  # steps that are tried: where more are needed, it locks too

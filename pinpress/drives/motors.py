@@ -13,11 +13,10 @@ from functools import cached_property
 
 import numpy as np
 
-from ..common.arrays import Array
-from ..common.checks import finite_numbers, is_whole_number
+from ..common.arguments import finite_numbers, is_whole_number
 from ..common.errors import PinpressError, shown
 from ..common.parameters import parameter, set_field
-from ..common.units import RPM
+from ..common.quantities import RPM, Array
 from .protocol import SpeedTorqueDrive, Values, limited
 
 MOST_POLES = 1000

@@ -6,9 +6,9 @@ from typing import Protocol, runtime_checkable
 
 import numpy as np
 
-from ..common.arrays import Array
 from ..common.parameters import Checked
 from ..common.parameters import parameter as parameter  # named in pinpress.drives
+from ..common.quantities import Array
 
 Values = float | Array
 """A number, or an array of them: one of each scenario on the last axis."""

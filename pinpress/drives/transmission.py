@@ -16,7 +16,7 @@ from functools import cached_property
 
 import numpy as np
 
-from ..common.checks import is_number
+from ..common.arguments import is_number
 from ..common.errors import PinpressError, shown
 from ..common.parameters import Checked, parameter
 from .protocol import Drive, Values

@@ -10,16 +10,15 @@ import pinocchio as pin
 from numpy.typing import ArrayLike
 
 from ..common import plausibility
-from ..common.arrays import Array
-from ..common.checks import numbers
+from ..common.arguments import numbers
 from ..common.errors import PinpressError, UnknownNameError, shown
+from ..common.quantities import Array
 from ..engines.forces import REST, AppliedForce
-from ..kinematics.dead_centres import dead_centres
-from ..kinematics.poses import point_motion
+from ..kinematics.motion import point_motion
+from ..kinematics.slide_path import dead_centres
 from ..loads import caller_laws
 from ..loads.link import Load, PointForce, SpringDamper
-from ..loads.process import TimeForce
-from ..loads.protocol import ForceInterval, ProcessLoad, datum
+from ..loads.process import ForceInterval, ProcessLoad, TimeForce, datum
 
 if TYPE_CHECKING:
     from ..kinematics.motion import Motion

@@ -7,10 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..common import tables
-from ..common.arguments import typed
-from ..common.arrays import Array
-from ..common.checks import is_whole_number, numbers
+from ..common.arguments import is_whole_number, numbers, typed
 from ..common.errors import PinpressError, expect, shown
+from ..common.quantities import Array
 from ..common.results import Tabular
 from ..kinematics.motion import Motion
 

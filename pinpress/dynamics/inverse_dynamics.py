@@ -20,19 +20,17 @@ from numpy.typing import NDArray
 
 from ..common import tables
 from ..common.arguments import typed
-from ..common.arrays import Array
 from ..common.errors import PinpressError, SingularityError, UnknownNameError, shown
 from ..common.frozen import FrozenMapping, NamedArrays, read_only
+from ..common.quantities import Array
 from ..common.results import Tabular
 from ..engines.branch import at_change_point
-from ..engines.forces import AppliedConditions, AppliedForce, Wrenches
-from ..engines.load_sharing import compliances
+from ..engines.forces import AppliedConditions, AppliedForce, Wrenches, compliances
 from ..kinematics.motion import Motion
 from ..linkage.linkage import Linkage
 from ..linkage.mobility import own_axes
-from ..loads.friction import Friction
-from ..loads.friction import law as friction_law
-from ..loads.link import Load
+from ..loads.link import Friction, Load
+from ..loads.link import law as friction_law
 from . import applied_loads as forces
 
 NOTHING: Mapping[str, Any] = FrozenMapping({})

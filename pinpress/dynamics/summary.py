@@ -4,10 +4,9 @@ from collections.abc import Callable
 
 import numpy as np
 
-from ..common.arrays import Array
-from ..common.units import RPM
-from ..kinematics.dead_centres import dead_centres
+from ..common.quantities import RPM, Array
 from ..kinematics.motion import Motion
+from ..kinematics.slide_path import dead_centres
 from ..linkage.linkage import Linkage
 from .inverse_dynamics import Reactions
 

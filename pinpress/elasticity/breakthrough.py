@@ -23,10 +23,10 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..common.arrays import Array
-from ..common.checks import number, numbers, positive
+from ..common.arguments import number, numbers, positive
 from ..common.errors import PinpressError
 from ..common.frozen import read_only
+from ..common.quantities import Array
 from ..common.results import Tabular
 
 WEAKEST = 1e-6  # ratio of reverse load and force, below which no force counts as permitted

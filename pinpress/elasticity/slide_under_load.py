@@ -16,14 +16,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..common.arguments import typed
-from ..common.arrays import Array
-from ..common.checks import LARGEST, numbers
+from ..common.arguments import LARGEST, numbers, typed
 from ..common.errors import PinpressError, shown
+from ..common.quantities import RPM, Array
 from ..common.results import Tabular
-from ..common.units import RPM
-from ..kinematics.dead_centres import dead_centres
 from ..kinematics.motion import Motion, servo_cycle
+from ..kinematics.slide_path import dead_centres
 from ..linkage.linkage import Linkage
 from ..loads.link import Load, PointForce, SpringDamper
 from .springs import Stiffness

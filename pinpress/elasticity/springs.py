@@ -14,13 +14,12 @@ from typing import NamedTuple
 import numpy as np
 import pinocchio as pin
 
-from ..common.arrays import Array
-from ..common.checks import positive
+from ..common.arguments import positive
 from ..common.errors import PinpressError, UnknownNameError, shown
 from ..common.frozen import Frozen
+from ..common.quantities import Array
 from ..dynamics.inverse_dynamics import Reactions, on_frame
-from ..kinematics.motion import Motion
-from ..kinematics.poses import bearing_points, loaded_bodies, poses
+from ..kinematics.motion import Motion, bearing_points, loaded_bodies, poses
 from ..linkage.linkage import Linkage
 
 SHAFT, FRAME = "shaft", "frame"  # names of these parts

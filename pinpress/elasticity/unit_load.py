@@ -17,13 +17,13 @@ import pinocchio as pin
 from numpy.typing import ArrayLike
 
 from ..common.arguments import typed
-from ..common.arrays import Array
 from ..common.errors import PinpressError
 from ..common.frozen import FrozenMapping, read_only
+from ..common.quantities import Array
 from ..common.results import Tabular
 from ..dynamics.inverse_dynamics import inverse_dynamics
-from ..kinematics.dead_centres import dead_centres
 from ..kinematics.motion import Motion, servo_cycle
+from ..kinematics.slide_path import dead_centres
 from ..linkage.linkage import Linkage
 from ..loads.link import Load, PointForce
 from .springs import Part, Stiffness, internal_forces, parts, sharing

@@ -22,8 +22,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ..common.arrays import Array
 from ..common.errors import AssemblyError, PinpressError, SingularityError
+from ..common.quantities import Array
 from .engine import Close, Closure
 
 COARSE_STEP = 2 * np.pi / 64  # longest step of the walk, unless the linkage moves too fast for it [rad]

@@ -12,7 +12,7 @@ from typing import NamedTuple, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from ..common.arrays import Array, ComplexArray
+from ..common.quantities import Array, ComplexArray
 from .forces import AppliedConditions, AppliedForce, Wrenches
 
 PIECE = 2048  # crank angles worked through at a time: what is in flight stays in the cache

@@ -1,28 +1,33 @@
-"""How a press vibrates on its mounts: in the steady state, by the harmonics of its shaking force, and in time.
+"""How a press vibrates on its mounts: what shakes the frame, and the motion of its points and the force on the floor that follow, in the
+steady state, by the harmonics of the shaking force, and in time.
 
-Of a periodic motion every harmonic is solved by itself, (K + i K'' + i w C - w^2 M) U = F: exact for forces that its states resolve. In
-time the force is taken for a line between two states; with it a step of the linear system is exact (first-order hold: the matrix
-exponential of (x, f, f') over a step), whatever the step beside the natural periods.
+The frame is shaken by shaking force and moment of the machine, less its weight, and by the moment of a flywheel that changes its speed. Of
+a periodic motion every harmonic is solved by itself, (K + i K'' + i w C - w^2 M) U = F: exact for forces that its states resolve. In time
+the force is taken for a line between two states; with it a step of the linear system is exact (first-order hold: the matrix exponential of
+(x, f, f') over a step), whatever the step beside the natural periods.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..common.arguments import typed
-from ..common.arrays import Array, ComplexArray
-from ..common.checks import finite_numbers
-from ..common.errors import PinpressError, expect, shown
+from ..common.arguments import finite_numbers, typed
+from ..common.errors import PinpressError, UnknownNameError, expect, shown
+from ..common.frozen import FrozenMapping
+from ..common.quantities import Array, ComplexArray
+from ..common.results import Tabular
 from ..drives.transmission import Flywheel
+from ..dynamics.harmonics import is_cycle
 from ..dynamics.inverse_dynamics import Reactions
-from .excitation import forcing, period, step
-from .frame_motion import FrameMotion
-from .matrices import rows_at
-from .mounted_press import MountedPress
-from .vibration_modes import quadrature, state_matrix
+from ..kinematics.motion import Motion
+from ..linkage.linkage import Linkage
+from ..simulation.run import Run
+from .mounted_press import MountedPress, quadrature, state_matrix
+from .mounts import rows_at
 
 UNRESOLVED = 1e-3  # share of the last third of the harmonics from which the states do not resolve the force
 ROUNDING = 1e-9  # of weight and forces
@@ -188,3 +193,278 @@ def named_points(system: MountedPress, points: Points) -> dict[str, Array]:
             raise PinpressError(f"point {shown(name)} is one of the crown, but the frame is in one part: give x, y, z alone")
         rows[name] = rows_at(system.parts, part, point)
     return rows
+
+
+NOTHING = 1e-9  # of the weight: a shaking force that is rounding
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class FrameMotion(Tabular):
+    """Vibration about the static position at n states. All arrays are read-only.
+
+    Attributes:
+        system: the press on its mounts.
+        time: (n,) of the states [s].
+        period: of a motion that is one period, its end left out [s]; else None.
+        displacement: name of a point -> (n, 3) in world axes [m].
+        velocity: name of a point -> (n, 3) in world axes [m/s].
+        acceleration: name of a point -> (n, 3) in world axes [m/s2].
+        coordinates: (n, coordinates) of the frame's parts, see `mounted_press` [m, rad].
+        mount_force: (n, mounts, 3) what each mount exerts on the frame beside its static load [N].
+        floor_force: (n, 3) what the mounts exert on the floor beside the weight [N].
+        floor_moment: (n, 3) of these forces about the world origin [N m].
+        shaking_force: (n, 3) of the machine beside its weight [N].
+    """
+
+    system: MountedPress
+    time: Array
+    period: float | None
+    displacement: Mapping[str, Array]
+    velocity: Mapping[str, Array]
+    acceleration: Mapping[str, Array]
+    coordinates: Array
+    mount_force: Array
+    floor_force: Array
+    floor_moment: Array
+    shaking_force: Array
+
+    @property
+    def title(self) -> str:
+        points = ", ".join(self.displacement) or "none"
+        return f"FrameMotion of {self.system.press.name}: {len(self.time)} states, {self.time[-1]:.6g} s, points {points}"
+
+    def __str__(self) -> str:
+        """Points, forces and mounts; units beside every number."""
+        over = f"one period of {self.period:.6g} s" if self.period is not None else f"{self.time[-1]:.6g} s from rest"
+        lines = [
+            f"{self.system.press.name} on {len(self.system.mounts)} mounts: {over}",
+            f"  {'acceleration [m/s2]':<24}{'rms x':>12}{'rms y':>12}{'rms z':>12}{'peak x':>12}{'peak y':>12}{'peak z':>12}",
+        ]
+        for point in self.acceleration:
+            numbers = [*self.rms(point), *self.peak(point)]
+            lines.append(f"  {point:<24}" + "".join(f"{number:12.4g}" for number in numbers))
+        lines += [
+            f"  {'shaking force, rms':<24}{spread(self.shaking_force):12.4g} N",
+            f"  {'force on the floor, rms':<24}{spread(self.floor_force):12.4g} N",
+        ]
+        least = self.least_load
+        number = int(least.argmin())
+        lifts = ", which lifts off unless it is bolted down" if least[number] < 0 else ""
+        lines.append(f"  {'least load on a mount':<24}{least[number]:12.4g} N on mount {number}{lifts}")
+        pressures = [pressure for pressure in self.system.pressure if pressure is not None]
+        if pressures:
+            lines.append(f"  {'mean pressure at rest':<24}{max(pressures) / 1e6:12.4g} MPa at most")
+        lines.append(f"  {'sag at rest':<24}{1e3 * np.abs(self.system.sag[:, 2]).max():12.4g} mm at most")
+        return "\n".join(lines)
+
+    @classmethod
+    def of(
+        cls,
+        system: MountedPress,
+        time: Array,
+        points: Mapping[str, Array],
+        motion: tuple[Array, Array, Array],
+        mount_force: Array,
+        forcing: Array,
+        period: float | None,
+    ) -> FrameMotion:
+        """The motion of points from that of the coordinates.
+
+        Args:
+            system: the press on its mounts.
+            time: (n,) of the states [s].
+            points: name of a point -> (3, coordinates) its displacement for each coordinate.
+            motion: displacements, velocities and accelerations of the coordinates, (n, coordinates) each.
+            mount_force: (n, mounts, 3) what each mount exerts on the frame beside its static load [N].
+            forcing: (n, coordinates) wrenches on the parts of the frame [N, N m].
+            period: of a motion that is one period [s].
+        """
+        moved = [{name: np.array(values @ rows.T) for name, rows in points.items()} for values in motion]
+        places = np.array([mount.point for mount in system.mounts])
+        shaking = sum(forcing[:, 6 * part : 6 * part + 3] for part in range(system.parts))
+        return cls(
+            system=system,
+            time=np.array(time),
+            period=period,
+            displacement=FrozenMapping(moved[0]),
+            velocity=FrozenMapping(moved[1]),
+            acceleration=FrozenMapping(moved[2]),
+            coordinates=np.array(motion[0]),
+            mount_force=np.array(mount_force),
+            floor_force=np.array(-mount_force.sum(axis=1)),
+            floor_moment=np.array(-np.cross(places, mount_force).sum(axis=1)),
+            shaking_force=np.array(np.asarray(shaking)),
+        )
+
+    @property
+    def transmitted(self) -> float:
+        """Force on the floor by shaking force, both as roots of the mean of their squares about their means [-].
+
+        Raises:
+            PinpressError: nothing shakes.
+        """
+        shaking = spread(self.shaking_force)
+        if shaking <= NOTHING * np.abs(self.system.weight[:3]).max():
+            raise PinpressError(f"no force of {self.system.press.name} shakes the frame: there is nothing to transmit")
+        return spread(self.floor_force) / shaking
+
+    @property
+    def least_load(self) -> Array:
+        """(mounts,) smallest load on each mount, static one included [N].
+
+        Where it is negative, a mount that is not bolted down lifts off, and the linear model does not hold.
+        """
+        least: Array = (self.system.mount_load[:, 2] + self.mount_force[:, :, 2]).min(axis=0)
+        return least
+
+    def rms(self, point: str) -> Array:
+        """(3,) root mean square of a point's acceleration about its mean, in world axes [m/s2].
+
+        Raises:
+            UnknownNameError: no such point.
+        """
+        return np.asarray(self._of(point).std(axis=0))
+
+    def peak(self, point: str) -> Array:
+        """(3,) largest absolute acceleration of a point [m/s2].
+
+        Raises:
+            UnknownNameError: no such point.
+        """
+        return np.asarray(np.abs(self._of(point)).max(axis=0))
+
+    def _of(self, point: str) -> Array:
+        if point not in self.acceleration:
+            raise UnknownNameError("point", point, self.acceleration)
+        return self.acceleration[point]
+
+    def columns(self) -> dict[str, Array]:
+        """Time, the points' displacement, velocity and acceleration, and floor and shaking force, as columns with units."""
+        columns = {"time [s]": self.time}
+        quantities = (
+            ("displacement", "m", self.displacement),
+            ("velocity", "m/s", self.velocity),
+            ("acceleration", "m/s2", self.acceleration),
+        )
+        for quantity, unit, by_point in quantities:
+            for point, values in by_point.items():
+                columns |= {f"{quantity}_{point}_{axis} [{unit}]": values[:, i] for i, axis in enumerate("xyz")}
+        for name, unit, values in (
+            ("floor_force", "N", self.floor_force),
+            ("floor_moment", "N m", self.floor_moment),
+            ("shaking_force", "N", self.shaking_force),
+        ):
+            columns |= {f"{name}_{axis} [{unit}]": values[:, i] for i, axis in enumerate("xyz")}
+        return columns
+
+
+def spread(force: Array) -> float:
+    """Root of the mean square of a vector (n, 3) about its mean."""
+    return float(np.sqrt((force.std(axis=0) ** 2).sum()))
+
+
+EVEN = 1e-9  # difference of steps of time, or of the crank's speed, beside themselves that is none
+SAME_SPEED = 1e-6  # of the crank at both ends of a period, and of flywheel and crank
+
+
+def forcing(system: MountedPress, reactions: Reactions, flywheel: Flywheel | None) -> Array:
+    """Wrenches (states, n) about the world origin on the parts of the frame, beside the weight at its mean place [N, N m].
+
+    Of a frame in two parts the loads on the frame act on the bed, all else on the crown. The torque of a motor on the frame is no load: its
+    casing turns back on the frame what its rotor gives the crank. The flywheel is not in the URDF: by J w' of its own the frame must turn
+    the other way. ``flywheel.inertia`` is its angular momentum about the crank's axis by the crank's speed: that of one on a shaft beside
+    is its inertia times the ratio of its speed, negative where that turns the other way.
+
+    Raises:
+        PinpressError: reactions of another press, a flywheel in scenarios, on a driver that is not on the frame, or behind a
+            slipping clutch.
+    """
+    expect("system", system, MountedPress, "mounted")
+    expect("reactions", reactions, Reactions, "inverse_dynamics")
+    press = system.press
+    if reactions._press is not press:
+        raise PinpressError(
+            f"the reactions are of {reactions._press.name}, loaded apart from the press on its mounts: use one Linkage for both"
+        )
+    shaking = np.hstack([reactions.shaking_force, reactions.shaking_moment])
+    wrench = np.zeros((len(shaking), 6 * system.parts))
+    wrench[:, -6:] = shaking - system.press_weight
+    if flywheel is not None:
+        wrench[:, -3:] += flywheel_moment(press, reactions.motion, flywheel)
+    if system.parts == 2:
+        for load in reactions._under.loads:
+            if load.joint == 0:
+                on_bed = np.hstack([load.force, np.cross(load.point, load.force)])
+                wrench[:, :6] += on_bed
+                wrench[:, 6:] -= on_bed
+    return wrench
+
+
+@typed
+def flywheel_moment(press: Linkage, motion: Motion, flywheel: Flywheel) -> Array:
+    """Moment of a flywheel on the frame, -J w' about the crank's axis.
+
+    Args:
+        press: the press, whose driver joint is on the frame.
+        motion: of this press.
+        flywheel: on the crank's shaft, see `steady_response`.
+
+    Returns:
+        (states, 3) in world axes [N m].
+
+    Raises:
+        PinpressError: a flywheel with the inertias of several scenarios, on a driver that is not on the frame, or behind a clutch that
+            slips.
+    """
+    if np.ndim(flywheel.inertia):
+        raise PinpressError("flywheel has the inertias of several scenarios: give one")
+    driver = press.driver_indices[0]
+    if press.model.parents[driver + 1] != 0:
+        raise PinpressError(
+            f"the driver joint {shown(press.driver)} is not on the frame: the moment of its flywheel has no fixed axis there"
+        )
+    if isinstance(motion, Run):
+        difference = np.abs(motion.drive_speed - motion.crank_speed).max()
+        if difference > SAME_SPEED * np.abs(motion.crank_speed).max():
+            raise PinpressError(
+                f"flywheel and crank differ in speed by up to {difference:.4g} rad/s, as a clutch slips: give a run, or the part of one,"
+                " in which it holds"
+            )
+    axis = press.model.jointPlacements[driver + 1].rotation @ press.axes[driver].direction
+    return np.asarray(-float(flywheel.inertia) * motion.crank_acceleration[:, None] * axis)
+
+
+def period(motion: Motion) -> tuple[float, int]:
+    """Period [s] of a periodic motion, and its states, equal intervals of time apart, the end left out.
+
+    Raises:
+        PinpressError: neither one period at constant speed nor one of a steady state.
+    """
+    states, speed = len(motion.crank_angle), motion.crank_speed
+    angle = 2 * np.pi * (motion.period_turns or 1)
+    if is_cycle(motion):
+        if np.ptp(speed) <= EVEN * np.abs(speed).max() and not motion.crank_acceleration.any():
+            return angle / abs(float(speed[0])), states
+    elif isinstance(motion, Run):
+        turned = abs(motion.crank_angle[-1] - motion.crank_angle[0])
+        if (
+            turned > 0.5 * angle
+            and abs(turned - angle * round(turned / angle)) < SAME_SPEED
+            and abs(speed[-1] - speed[0]) <= SAME_SPEED * abs(speed[0])
+        ):
+            return float(motion.time[-1] - motion.time[0]), states - 1
+    raise PinpressError(
+        "the motion is no period: give one at constant speed (cycle without angle=) or one period of steady_state, or use time_response"
+    )
+
+
+def step(motion: Motion) -> float:
+    """Interval of time between the states of a motion [s].
+
+    Raises:
+        PinpressError: fewer than two states, or states that are not equal intervals apart.
+    """
+    steps = np.diff(motion.time)
+    if not len(steps) or steps.min() <= 0 or np.ptp(steps) > 1e-6 * steps.mean():
+        raise PinpressError("the states are not at equal intervals of time: give a run of simulate, or a motion with time= in equal steps")
+    return float((motion.time[-1] - motion.time[0]) / len(steps))

@@ -4,8 +4,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from ..common.arrays import Array
 from ..common.errors import AssemblyError, PinpressError, SingularityError
+from ..common.quantities import Array
 from ..engines.branch import LARGEST_CORRECTION, Branch, SingularPosition, follow, predict
 from ..engines.engine import ACCEPTED, PIECE, Closure, joined
 from ..linkage.linkage import Linkage

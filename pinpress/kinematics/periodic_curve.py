@@ -16,9 +16,9 @@ from typing import Protocol, runtime_checkable
 import numpy as np
 from numpy.typing import NDArray
 
-from ..common.arrays import Array, ComplexArray
 from ..common.errors import PinpressError
-from ..common.roots import ValueAndSlope, bracketed_roots
+from ..common.numerics import ValueAndSlope, bracketed_roots
+from ..common.quantities import Array, ComplexArray
 
 MISSED = 1e-5  # of the quantity's range: what the end-corrected trapezoidal rule may miss the next state by; measures err by less
 UNEQUAL = 1e-9  # difference of steps of the crank angle [rad], or of crank speeds beside them, that is none

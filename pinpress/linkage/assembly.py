@@ -7,18 +7,17 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..common.arrays import Array
 from ..common.errors import PinpressError
+from ..common.quantities import Array
 from ..engines import branch
 from ..engines.branch import SMALLEST_MARGIN, Branch, Gap, Returning
 from ..engines.engine import ACCEPTED, Closure, Engine
-from ..engines.load_sharing import RANK
+from ..engines.forces import RANK
 from ..engines.planar.engine import PlanarEngine
 from ..engines.planar.kinematics import moves, openings
-from ..engines.spatial.constraints import Rows
 from ..engines.spatial.engine import SpatialEngine
 from ..engines.spatial.kinematics import Passive, close, rank
-from ..engines.spatial.model import Spatial
+from ..engines.spatial.model import Rows, Spatial
 
 CLEAR = 1e-2  # margin of a block of redundant equations below which all are solved together
 

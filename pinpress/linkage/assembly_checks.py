@@ -7,14 +7,14 @@ from collections.abc import Iterator
 import numpy as np
 import pinocchio as pin
 
-from ..common.arrays import Array
 from ..common.errors import AssemblyError, PinpressError, SingularityError, UrdfError
+from ..common.quantities import Array
 from ..engines.branch import MOST_TURNS, Branch, predict
 from ..engines.engine import ACCEPTED
 from ..engines.joints import configuration, data_of, drawn
 from ..engines.planar.model import PARALLEL
-from ..engines.spatial.constraints import Rows
 from ..engines.spatial.kinematics import Passive, rank, singular_values
+from ..engines.spatial.model import Rows
 from . import mobility
 from .linkage import Linkage
 from .urdf import element_checks

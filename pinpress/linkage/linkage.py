@@ -10,9 +10,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 import pinocchio as pin
 
-from ..common.arrays import Array
 from ..common.errors import PinpressError, shown
 from ..common.frozen import Frozen
+from ..common.quantities import Array
 from ..engines import branch
 from ..engines.branch import Branch
 from ..engines.engine import Closure, Engine
@@ -20,9 +20,8 @@ from ..engines.joints import Axis, Coupling, LoopJoint, Slot
 from ..engines.planar.engine import PlanarEngine
 from ..engines.planar.model import Plane
 from ..engines.spatial import model as spatial_model
-from ..engines.spatial.constraints import Rows
 from ..engines.spatial.kinematics import rank
-from ..engines.spatial.model import Spatial
+from ..engines.spatial.model import Rows, Spatial
 from .assembly import Assembly, as_drawn, assembled, followed, through_change_points
 from .memo import Model, keep_geometry, per_linkage
 from .urdf.document import Document

@@ -9,11 +9,10 @@ from pathlib import Path
 import numpy as np
 import pinocchio as pin
 
-from ..common.arguments import typed
-from ..common.arrays import Array
-from ..common.checks import LARGEST, numbers
+from ..common.arguments import LARGEST, numbers, typed
 from ..common.errors import PinpressError, UnknownNameError, UrdfError, caution, shown, suggestion
 from ..common.files import path_of
+from ..common.quantities import Array
 from ..engines.joints import Coupling, LoopJoint
 from . import assembly_checks
 from .linkage import Linkage

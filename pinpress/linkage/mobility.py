@@ -7,11 +7,11 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..common.arrays import Array
+from ..common.quantities import Array
 from ..engines.joints import Coupling, LoopJoint, drawn
 from ..engines.planar.model import PARALLEL
-from ..engines.spatial.constraints import Rows
 from ..engines.spatial.kinematics import Passive, rank
+from ..engines.spatial.model import Rows
 from .linkage import Linkage
 
 TAKES_PART = 1e-6  # of a unit null vector

@@ -15,8 +15,7 @@ import numpy as np
 from ..common.errors import PinpressError, SimulationError, said, shown
 from ..common.parameters import scenario_lengths
 from . import process as own_loads
-from .process import TimeForce
-from .protocol import ForceInterval, ProcessLoad
+from .process import ForceInterval, ProcessLoad, TimeForce
 
 OWN_LOADS = (
     own_loads.Idle,

@@ -1,18 +1,27 @@
-"""Forces on the links from outside, springs and dampers between them, and the kinds of load there are."""
+"""Forces on the links from outside, springs and dampers between them, friction in bearings and guides, and the kinds of load there are.
+
+A bearing resists its turning with the torque c w + mu r F, where F is its radial force (across the axis of rotation), a guide its sliding
+with the force c v + mu F, where F is its force across the direction of sliding. F depends on the friction of all bearings: both are found
+together. At rest, in a dead centre, Coulomb friction can have any value up to its limit; zero is taken.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+import numpy as np
 from numpy.typing import ArrayLike
 
-from .process import TimeForce
-from .protocol import ProcessLoad
+from ..common.arguments import is_number
+from ..common.errors import PinpressError, UnknownNameError, shown
+from ..engines.forces import FrictionLaw
+from .process import ProcessLoad, TimeForce
 
 if TYPE_CHECKING:
     from ..kinematics.motion import Motion
+    from ..linkage.linkage import Linkage
 
 
 @dataclass(frozen=True)
@@ -60,3 +69,54 @@ class SpringDamper:
 
 
 Load = PointForce | SpringDamper | ProcessLoad | TimeForce
+
+
+@dataclass(frozen=True)
+class Friction:
+    """Friction of a bearing or guide.
+
+    Attributes:
+        coefficient: Coulomb's, mu [-].
+        radius: of the bearing [m]; a guide has none.
+        viscous: torque by angular speed [N m s/rad], in a guide force by speed [N s/m].
+    """
+
+    coefficient: float = 0.0
+    radius: float | None = None
+    viscous: float = 0.0
+
+
+def law(friction: Mapping[str, Friction], press: Linkage) -> FrictionLaw | None:
+    """The friction of a linkage's bearings, None where there is none.
+
+    Raises:
+        UnknownNameError: a bearing that the linkage does not have.
+        PinpressError: a bearing with friction that cannot move, no radius or one that makes no sense, a value negative or not finite.
+    """
+    if not isinstance(friction, Mapping):
+        raise PinpressError("friction is no mapping: give {name of a bearing: Friction(...)}")
+    if not friction:
+        return None
+    turns = [axis.turns for axis in press.axes] + [True] * len(press.loops)
+    arm, viscous = np.zeros(len(press.bearings)), np.zeros(len(press.bearings))
+    for name, given in friction.items():
+        if name not in press.bearings:
+            raise UnknownNameError("bearing", name, press.bearings)
+        if not isinstance(given, Friction):
+            raise PinpressError(f"friction of {shown(name)} is {shown(given)}: give a Friction")
+        index = press.bearings.index(name)
+        if any(loop.name == name and loop.type == "fixed" for loop in press.loops):
+            raise PinpressError(f"friction of {shown(name)}: a fixed loop does not turn; leave it out")
+        for quantity in ("coefficient", "radius", "viscous"):
+            value = getattr(given, quantity)
+            if value is None and quantity == "radius":
+                continue
+            if not is_number(value) or float(value) < 0:
+                raise PinpressError(f"friction of {shown(name)}: {quantity} is {shown(value)}; give a finite number that is not negative")
+        if turns[index] and given.coefficient and given.radius is None:
+            raise PinpressError(f"friction of {shown(name)}: its radius is missing; give that of the bearing [m]")
+        if not turns[index] and given.radius is not None:
+            raise PinpressError(f"friction of {shown(name)}: a guide has no radius; leave it out")
+        arm[index] = float(given.coefficient) * (1.0 if given.radius is None else float(given.radius))
+        viscous[index] = float(given.viscous)
+    return FrictionLaw(arm, viscous, np.array(turns), press.size) if arm.any() or viscous.any() else None

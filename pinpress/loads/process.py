@@ -1,11 +1,12 @@
-"""Process loads: forces between slide and bolster, as functions of the slide's height and direction of travel.
+"""Process loads: forces between slide and bolster, as functions of the slide's height and direction of travel; and the protocol that they
+and a caller's own follow (`ProcessLoad`): intervals of force over the height.
 
 They act along the slide's guide axis; on the slide positive along the axis, on the frame the opposite. The slide works against the axis,
 downwards in an upright press, so a positive force resists the working stroke. Heights [m] are slide positions above a datum: the load's
 ``datum`` (a slide position [m]), by default that of bottom dead centre. Magnitudes may be arrays (S,), one value a scenario.
 
-The load cases are those of Zhang 2007 (JF75G-125), 5.7, as functions of height instead of time: a press slows down under its load,
-and windows in time then miss the stroke that they were made for.
+The load cases are those of Zhang 2007 (JF75G-125), 5.7, as functions of height instead of time: a press slows down under its load, and
+windows in time then miss the stroke that they were made for.
 """
 
 from __future__ import annotations
@@ -15,17 +16,20 @@ import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from functools import partial
-from typing import Any
+from typing import TYPE_CHECKING, Any, Protocol, runtime_checkable
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..common.arrays import Array
-from ..common.checks import any_numbers, finite_numbers, number
+from ..common.arguments import any_numbers, finite_numbers, number, typed
 from ..common.errors import PinpressError, shown
 from ..common.frozen import read_only
-from ..common.parameters import Checked, parameter, set_field
-from .protocol import ForceInterval
+from ..common.parameters import Checked, set_field
+from ..common.parameters import parameter as parameter
+from ..common.quantities import Array
+
+if TYPE_CHECKING:
+    from ..linkage.linkage import Linkage
 
 RESISTS = "positive resists the slide's work"
 
@@ -266,3 +270,63 @@ def _line(force: Any, slope: Any, lower: float, height: Any, velocity: Any) -> A
 
 def _contact(touching: float, stiffness: Any, damping: Any, height: Any, velocity: Any) -> Any:
     return stiffness * (touching - height) - damping * velocity
+
+
+Law = Callable[[Any, Any], Any]  # of numbers a number, of arrays an array
+
+
+@dataclass(frozen=True)
+class ForceInterval:
+    """One smooth interval of a process force, in one direction of travel.
+
+    Attributes:
+        upper: height up to which it acts, lower < height <= upper [m]; may be infinite.
+        lower: height from which it acts [m]; may be infinite.
+        force: law of height [m] and velocity along the axis [m/s] that returns the force on the slide along the axis [N]. Of numbers it
+            gives a number, or (S,) where the load has scenarios; of arrays (..., S) the same shape. It is smooth, a little beyond the
+            interval too.
+        one_sided: whether it is a contact: where the law gives less than zero the contact is lost, and the force is zero.
+    """
+
+    upper: float
+    lower: float
+    force: Law
+    one_sided: bool = False
+
+
+@runtime_checkable
+class ProcessLoad(Protocol):
+    """A force between slide and bolster. Any class with these two members is one.
+
+    Its intervals are the same whenever they are asked for, and their forces depend on height, velocity and direction of travel alone.
+    """
+
+    @property
+    def datum(self) -> float | None:
+        """Slide position from which heights are measured [m]; None for that of bottom dead centre."""
+
+    def intervals(self, downwards: bool) -> tuple[ForceInterval, ...]:
+        """The intervals on the way down (against the guide's axis) or up; disjoint, no force outside them."""
+
+
+@typed
+def datum(load: ProcessLoad, press: Linkage) -> float:
+    """Slide position from which the heights of a load are measured [m].
+
+    Raises:
+        PinpressError: the linkage has no slide, or neither it has a bottom dead centre nor the load a datum.
+    """
+    from ..kinematics.slide_path import dead_centres  # with Pinocchio, which describing a load does without
+
+    if not isinstance(load, ProcessLoad) or isinstance(load, type):
+        raise PinpressError(f"load is a {type(load).__name__}: give a process load")
+    _ = press.slide_guide
+    if load.datum is not None:
+        return load.datum
+    try:
+        return dead_centres(press).bottom_position
+    except PinpressError as error:
+        raise PinpressError(
+            f"{type(load).__name__}: {press.name} has no bottom dead centre to measure heights from ({error});"
+            " give datum=, a slide position [m]"
+        ) from error

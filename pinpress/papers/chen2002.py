@@ -9,16 +9,15 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..common.arrays import Array
+from ..common.quantities import Array
 from ..derivatives.reshape import reshaped
-from ..kinematics.dead_centres import dead_centres
 from ..kinematics.measures import bearing_positions, pressure_angle, quick_return_ratio, speed_ratio, speed_variation, stroke
 from ..kinematics.motion import Motion, cycle, servo_cycle
+from ..kinematics.slide_path import dead_centres
 from ..linkage.linkage import Linkage
 from ..linkage.loading import load
-from ..synthesis.result import SynthesisResult
-from ..synthesis.synthesis import synthesise
-from ..synthesis.trial import Trial
+from ..synthesis.design import Trial
+from ..synthesis.synthesis import SynthesisResult, synthesise
 from .pages import BEYOND, CURVES, FORMULAS, NO_RESULT, NOT, PARTLY, Entry, Erratum, Page, Panel, Row, draw
 
 if TYPE_CHECKING:

@@ -14,14 +14,13 @@ import pinocchio as pin
 from numpy.typing import ArrayLike
 
 from ..balancing.counterweights import Counterweight, with_counterweights
-from ..common.arrays import Array
-from ..common.units import RPM
+from ..common.quantities import RPM, Array
 from ..drives.motors import InverterMotor
 from ..drives.transmission import Flywheel
 from ..dynamics.inverse_dynamics import Reactions, inverse_dynamics
-from ..kinematics.dead_centres import dead_centres
 from ..kinematics.measures import dwell_time
 from ..kinematics.motion import Motion, cycle
+from ..kinematics.slide_path import dead_centres
 from ..linkage.linkage import Linkage
 from ..linkage.loading import load
 from ..loads.link import PointForce

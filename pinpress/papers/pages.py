@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..common.arrays import Array
 from ..common.errors import PinpressError
 from ..common.files import make_folder, write
+from ..common.quantities import Array
 from ..plots.style import COLOURS, GREY, LINES, STYLE, above, drawing, grid, plain
 
 if TYPE_CHECKING:

@@ -5,11 +5,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..balancing.objectives import Measure, Range, Rms
 from ..balancing.optimum import balance
+from ..balancing.problem import Measure, Range, Rms
 from ..balancing.regions import CounterweightRegion
-from ..common.arrays import Array
-from ..common.units import RPM
+from ..common.quantities import RPM, Array
 from ..kinematics.motion import cycle
 from ..linkage.linkage import Linkage
 from .pages import CURVES, NOT, Entry, Panel, Row, draw

@@ -6,14 +6,13 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..common.arrays import Array
+from ..common.quantities import Array
 from ..drives.motors import ConstantTorque
 from ..drives.transmission import Flywheel
 from ..dynamics.inverse_dynamics import inverse_dynamics
 from ..kinematics.motion import cycle, servo_cycle
 from ..linkage.linkage import Linkage
-from ..loads.process import Blanking, ConstantForce, DeepDrawing, step
-from ..loads.protocol import ProcessLoad
+from ..loads.process import Blanking, ConstantForce, DeepDrawing, ProcessLoad, step
 from ..simulation.run import Run
 from ..simulation.simulate import simulate
 from .pages import FORMULAS, NOT, Entry, Panel, Row, draw

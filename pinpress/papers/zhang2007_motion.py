@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..common.units import RPM
+from ..common.quantities import RPM
 from ..drives.motors import ConstantTorque, SlipClutchMotor
 from ..drives.transmission import Flywheel, Geared
 from ..linkage.linkage import Linkage

@@ -3,7 +3,7 @@
 import numpy as np
 
 from ..balancing.counterweights import Counterweight, with_counterweights
-from ..common.units import RPM
+from ..common.quantities import RPM
 from ..dynamics.inverse_dynamics import Reactions, inverse_dynamics
 from ..kinematics.motion import cycle
 from ..linkage.linkage import Linkage

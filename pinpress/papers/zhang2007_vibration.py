@@ -12,9 +12,8 @@ import numpy as np
 import pinocchio as pin
 
 from .. import foundation
-from ..common.arrays import Array
 from ..common.errors import PinpressError
-from ..common.units import RPM
+from ..common.quantities import RPM, Array
 from ..drives.transmission import Flywheel
 from ..dynamics.inverse_dynamics import inverse_dynamics
 from ..foundation import Frame, FrameMotion, Mount, MountedPress, RubberPad, SpeedResponse

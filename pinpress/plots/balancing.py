@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
-from ..balancing.objectives import AddedMass, Target
-from ..balancing.trade_offs import TradeOffCurve
+from ..balancing.optimum import TradeOffCurve
+from ..balancing.problem import AddedMass, Target
 from ..common.arguments import typed
 from ..common.errors import PinpressError
 from .style import COLOURS, GREY, drawing, grid, legend, plain

@@ -9,7 +9,7 @@ import numpy as np
 
 from ..common.arguments import typed
 from ..common.errors import PinpressError
-from ..common.units import RPM
+from ..common.quantities import RPM
 from ..elasticity.breakthrough import SnapThroughResponse
 from ..elasticity.slide_under_load import ElasticDeadCentre
 from ..elasticity.unit_load import SlideCompliance

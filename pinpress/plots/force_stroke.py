@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..common.arguments import typed
-from ..common.arrays import Array
+from ..common.quantities import Array
 from ..ratings.permissible_force import NOMINAL
 from ..ratings.rating import Ratings
 from .style import COLOURS, GREY, LINES, SMALL, drawing, grid, legend, plain

@@ -7,12 +7,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..common.arguments import typed
-from ..common.arrays import Array
-from ..common.checks import number
+from ..common.arguments import number, typed
 from ..common.errors import PinpressError, UnknownNameError
-from ..common.units import RPM
-from ..foundation.frame_motion import FrameMotion
+from ..common.quantities import RPM, Array
+from ..foundation.response import FrameMotion
 from ..foundation.speed_response import SpeedResponse
 from .style import COLOURS, drawing, grid, legend, plain
 

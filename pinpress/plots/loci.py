@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..common.arrays import Array
+from ..common.quantities import Array
 from ..dynamics.harmonics import last_period
 from ..kinematics.motion import Motion
 from ..visual.charts import Locus

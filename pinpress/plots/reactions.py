@@ -9,11 +9,11 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from ..common.arguments import typed
-from ..common.arrays import Array
 from ..common.errors import PinpressError
+from ..common.quantities import Array
+from ..dynamics.extremes import AXES
 from ..dynamics.harmonics import HarmonicAnalysis, harmonics
 from ..dynamics.inverse_dynamics import Reactions
-from ..dynamics.rounding import AXES
 from ..kinematics.motion import Motion
 from ..visual import charts
 from ..visual.charts import Chart, Curve

@@ -12,8 +12,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..common import files
-from ..common.arrays import Array
 from ..common.errors import PinpressError, shown
+from ..common.quantities import Array
 from ..dynamics.harmonics import is_cycle
 from ..kinematics.motion import Motion
 from ..visual.charts import Abscissa, Curve, abscissa

@@ -1,8 +1,8 @@
-from .capacities import Capacities as Capacities
 from .eccentric_loads import Guide as Guide
 from .eccentric_loads import GuideReaction as GuideReaction
 from .eccentric_loads import eccentric_load as eccentric_load
 from .eccentric_loads import permissible_eccentricity as permissible_eccentricity
+from .permissible_force import Capacities as Capacities
 from .rating import Ratings as Ratings
 from .rating import rate as rate
 from .speed_limits import PermissibleSpeed as PermissibleSpeed

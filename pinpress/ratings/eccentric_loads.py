@@ -18,10 +18,9 @@ import pinocchio as pin
 from numpy.typing import NDArray
 
 from ..common import tables
-from ..common.arguments import typed
-from ..common.arrays import Array
-from ..common.checks import finite_numbers, is_number, positive
+from ..common.arguments import finite_numbers, is_number, positive, typed
 from ..common.errors import PinpressError, shown
+from ..common.quantities import Array
 from ..common.results import Tabular
 from ..dynamics.applied_loads import place
 from ..dynamics.inverse_dynamics import inverse_dynamics

@@ -8,17 +8,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..common.arguments import typed
-from ..common.arrays import Array
-from ..common.checks import is_number, positive, truth_value, whole_number
+from ..common.arguments import is_number, positive, truth_value, typed, whole_number
 from ..common.errors import PinpressError, shown
+from ..common.quantities import RPM, Array
 from ..common.results import Tabular
-from ..common.units import RPM
 from ..kinematics import measures
 from ..kinematics.motion import cycle
 from ..linkage.linkage import Linkage
-from .capacities import Capacities, known_bearings
-from .permissible_force import governing_limits, rated_press, refuse_overloaded_idle, work
+from .permissible_force import Capacities, governing_limits, known_bearings, rated_press, refuse_overloaded_idle, work
 from .speed_limits import PermissibleSpeed, limiting_speed
 
 DWELL = 0.01  # of the stroke

@@ -14,20 +14,17 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..common.arguments import typed
-from ..common.arrays import Array
-from ..common.checks import positive
+from ..common.arguments import positive, typed
 from ..common.errors import PinpressError
+from ..common.quantities import RPM, Array
 from ..common.results import Record
-from ..common.units import RPM
 from ..dynamics.inverse_dynamics import Reactions, inverse_dynamics
-from ..kinematics.dead_centres import stroke_turns
 from ..kinematics.motion import Motion, servo_cycle
+from ..kinematics.slide_path import stroke_turns
 from ..linkage.linkage import Linkage
 from ..loads.link import Load
-from ..loads.protocol import ProcessLoad
-from .capacities import Capacities, known_bearings
-from .permissible_force import BEARING, TORQUE, largest_factor, without_masses
+from ..loads.process import ProcessLoad
+from .permissible_force import BEARING, TORQUE, Capacities, known_bearings, largest_factor, without_masses
 
 SHAKING, ACCELERATION = "shaking force", "slide acceleration"
 STATES = 360  # of a turn

@@ -8,9 +8,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ..common.arrays import Array
-from ..common.gauss import gauss_rule, horner, polynomial_values, values_and_slopes
-from ..common.roots import polynomial_root
+from ..common.numerics import gauss_rule, horner, polynomial_root, polynomial_values, values_and_slopes
+from ..common.quantities import Array
 from ..drives.protocol import Drive
 from ..loads.caller_laws import LawError
 from . import collocation

@@ -16,13 +16,12 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..common import plausibility
-from ..common.arguments import typed
-from ..common.arrays import Array
-from ..common.checks import finite_numbers, is_whole_number, number
+from ..common.arguments import finite_numbers, is_whole_number, number, typed
 from ..common.errors import PinpressError, SimulationError, UnknownScenarioError, shown
 from ..common.frozen import read_only
-from ..common.gauss import gauss_rule, polynomial_values
+from ..common.numerics import gauss_rule, polynomial_values
 from ..common.parameters import pick_scenarios, scenario_lengths
+from ..common.quantities import Array
 from ..common.results import Tabular
 from ..drives.protocol import Drive
 from ..drives.transmission import Flywheel, PrescribedSpeed

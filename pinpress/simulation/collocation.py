@@ -19,12 +19,11 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ..common.arrays import Array
-from ..common.gauss import gauss_rule, horner
-from ..common.roots import polynomial_root
+from ..common.numerics import gauss_rule, horner, polynomial_root
+from ..common.quantities import Array
 from ..drives.protocol import Drive
 from ..drives.transmission import PrescribedSpeed
-from ..loads.protocol import ForceInterval
+from ..loads.process import ForceInterval
 from .driven_press import DrivenPress
 from .failures import failure
 from .reduced_model import COORDINATES, INERTIA, POTENTIAL, WEIGHT, ReducedModel

@@ -14,20 +14,18 @@ from typing import TYPE_CHECKING, Any, Protocol
 import numpy as np
 
 from ..common import plausibility
-from ..common.arrays import Array
-from ..common.checks import numbers
+from ..common.arguments import numbers
 from ..common.errors import PinpressError, SimulationError, UnknownNameError, shown
+from ..common.quantities import Array
 from ..drives.protocol import Drive
 from ..drives.transmission import Brake, Clutch, Flywheel, PrescribedSpeed
 from ..dynamics import applied_loads
-from ..kinematics.dead_centres import dead_centres
-from ..kinematics.motion import Motion, motion_through_change_points
-from ..kinematics.poses import point_motion
+from ..kinematics.motion import Motion, motion_through_change_points, point_motion
+from ..kinematics.slide_path import dead_centres
 from ..linkage.linkage import Linkage
 from ..loads import caller_laws
 from ..loads.link import Load, PointForce, SpringDamper
-from ..loads.process import TimeForce
-from ..loads.protocol import ForceInterval, ProcessLoad
+from ..loads.process import ForceInterval, ProcessLoad, TimeForce
 from . import reduced_model
 from .law_trials import check_drive, check_load
 from .reduced_model import COORDINATES, ReducedModel

@@ -11,9 +11,9 @@ from typing import TYPE_CHECKING, Any, NamedTuple, Protocol
 
 import numpy as np
 
-from ..common.arrays import Array
 from ..common.errors import PinpressError
-from ..common.gauss import horner
+from ..common.numerics import horner
+from ..common.quantities import Array
 from ..kinematics.motion import motion_through_change_points
 from ..linkage.linkage import Linkage
 from .driven_press import Coordinate

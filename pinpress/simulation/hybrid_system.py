@@ -15,10 +15,10 @@ from typing import Any, Literal, NamedTuple
 
 import numpy as np
 
-from ..common.arrays import Array
+from ..common.quantities import Array
 from ..drives.transmission import Coupling, SwitchPoint
 from ..loads.caller_laws import LawError
-from ..loads.protocol import ForceInterval
+from ..loads.process import ForceInterval
 from .driven_press import DrivenPress, GeneralizedForce
 from .equations_of_motion import Dynamics
 from .failures import failure

@@ -17,17 +17,16 @@ from typing import Any
 
 import numpy as np
 
-from ..common.arrays import Array
-from ..common.checks import any_numbers, is_number
+from ..common.arguments import any_numbers, is_number
 from ..common.errors import PinpressError, said, shown
 from ..common.parameters import scenario_lengths
+from ..common.quantities import Array
 from ..drives.motors import ConstantTorque, InductionMotor, InverterMotor, ServoMotor, SlipClutchMotor
 from ..drives.protocol import Drive, Values
 from ..drives.transmission import Geared
 from ..loads.caller_laws import Asked, AskedLoad, Law, LawError
 from ..loads.caller_laws import name as name_of
-from ..loads.process import TimeForce
-from ..loads.protocol import ForceInterval, ProcessLoad
+from ..loads.process import ForceInterval, ProcessLoad, TimeForce
 
 OWN_DRIVES = (ConstantTorque, InductionMotor, InverterMotor, ServoMotor, SlipClutchMotor)
 SHARES = np.concatenate([np.linspace(-2.0, 2.0, 33), [1e-3, -1e-3]])  # of the run's speed, at which a drive is tried

@@ -17,7 +17,7 @@ from scipy.integrate import DenseOutput, OdeSolver
 from scipy.linalg import lapack
 from scipy.special import roots_jacobi
 
-from ..common.arrays import Array
+from ..common.quantities import Array
 
 STAGES = 7
 ROUNDS = 12  # of Newton's method in a step

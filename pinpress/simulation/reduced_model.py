@@ -15,10 +15,9 @@ from functools import cached_property
 
 import numpy as np
 
-from ..common.arrays import Array
 from ..common.errors import SimulationError
-from ..common.gauss import NODES, gauss_rule
-from ..common.roots import polynomial_root
+from ..common.numerics import NODES, gauss_rule, polynomial_root
+from ..common.quantities import Array
 from ..engines.branch import MOST_TURNS, periods_until_back
 from ..kinematics.motion import Motion, motion_through_change_points
 from ..linkage.linkage import Linkage

@@ -11,17 +11,15 @@ from typing import Any
 
 import numpy as np
 
-from ..common.arguments import typed
-from ..common.arrays import Array
-from ..common.checks import is_number, whole_number
+from ..common.arguments import is_number, typed, whole_number
 from ..common.errors import PinpressError, shown
+from ..common.quantities import RPM, Array
 from ..common.results import Record, Records
-from ..common.units import RPM
 from ..drives.protocol import Drive
 from ..dynamics.inverse_dynamics import Reactions
 from ..dynamics.summary import _bearings
-from ..kinematics.dead_centres import stroke_turns
 from ..kinematics.motion import Motion, motion_through_change_points, of_states
+from ..kinematics.slide_path import stroke_turns
 from ..linkage.linkage import Linkage
 from . import reduced_model as reduced
 from .driven_press import DrivenPress, JointPosition

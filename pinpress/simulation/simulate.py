@@ -26,11 +26,10 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..common import plausibility
-from ..common.arguments import typed
-from ..common.arrays import Array
-from ..common.checks import finite_numbers, number
+from ..common.arguments import finite_numbers, number, typed
 from ..common.errors import PinpressError, SimulationError, caution, shown
 from ..common.parameters import refuse_scenarios
+from ..common.quantities import Array
 from ..drives.protocol import Drive
 from ..drives.transmission import Brake, Clutch, Flywheel, PrescribedSpeed
 from ..kinematics.configurations import refuse_far

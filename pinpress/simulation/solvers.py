@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING, NamedTuple, Protocol
 
 import numpy as np
 
-from ..common.arrays import Array
 from ..common.errors import SimulationError
+from ..common.quantities import Array
 from ..kinematics.motion import motion_through_change_points, servo_cycle
 from ..loads.caller_laws import LawError
 from .angle_solver import AngleSegment, AngleSolver

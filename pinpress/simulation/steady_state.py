@@ -13,11 +13,10 @@ from collections.abc import Sequence
 import numpy as np
 
 from ..common import plausibility
-from ..common.arguments import typed
-from ..common.arrays import Array
-from ..common.checks import LARGEST, number
+from ..common.arguments import LARGEST, number, typed
 from ..common.errors import PinpressError, SimulationError, shown
 from ..common.parameters import refuse_scenarios
+from ..common.quantities import Array
 from ..drives.protocol import Drive
 from ..drives.transmission import Flywheel
 from ..kinematics.configurations import refuse_far

@@ -15,8 +15,8 @@ import numpy as np
 from scipy.integrate import DOP853, DenseOutput, OdeSolver
 from scipy.optimize import brentq
 
-from ..common.arrays import Array
 from ..common.errors import PinpressError, SimulationError
+from ..common.quantities import Array
 from .failures import failure
 from .hybrid_system import CornerPassed, CouplingGrips, Event, HybridSystem, Mode
 from .radau import RadauIIA, slopes

@@ -6,7 +6,7 @@ from typing import NamedTuple, Protocol
 
 import numpy as np
 
-from ..common.arrays import Array
+from ..common.quantities import Array
 
 INTEGRALS = ("drive_work", "load_work", "motor_squared", "lost")
 """What is summed up over time: work of the drive on the crank [J], work against the loads [J], motor torque squared [N2 m2 s], energy

@@ -1,6 +1,6 @@
 from .operating_map import OperatingMap as OperatingMap
 from .operating_map import operating_points as operating_points
-from .result import FailedPoint as FailedPoint
-from .result import SweepTable as SweepTable
+from .sweeping import FailedPoint as FailedPoint
+from .sweeping import SweepTable as SweepTable
 from .sweeping import read as read
 from .sweeping import sweep as sweep

@@ -1,3 +1,3 @@
-from .result import SynthesisResult as SynthesisResult
+from .design import Trial as Trial
+from .synthesis import SynthesisResult as SynthesisResult
 from .synthesis import synthesise as synthesise
-from .trial import Trial as Trial

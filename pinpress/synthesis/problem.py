@@ -11,12 +11,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..common.arrays import Array
 from ..common.errors import AssemblyError, PinpressError, shown
-from ..derivatives.motion import STEP
-from ..derivatives.pivots import Displacements, Pivots, directed, displaced
-from .design import Design
-from .trial import Trial
+from ..common.quantities import Array
+from ..derivatives.motion import STEP, Displacements, Pivots, directed, displaced
+from .design import Design, Trial
 
 Function = Callable[[Trial], ArrayLike]
 

@@ -10,14 +10,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..common.arrays import Array
 from ..common.errors import PinpressError, UnknownNameError, expect
 from ..common.frozen import read_only
-from ..common.units import RPM
+from ..common.quantities import RPM, Array
+from ..dynamics.extremes import AXES, ROUNDING, finite, finite_forces, held_moments, is_constant, rounding, torque_without_rounding
 from ..dynamics.inverse_dynamics import Reactions
-from ..dynamics.rounding import AXES, ROUNDING, finite, finite_forces, held_moments, is_constant, rounding, torque_without_rounding
-from ..kinematics.motion import Motion
-from ..kinematics.poses import loaded_bodies, poses
+from ..kinematics.motion import Motion, loaded_bodies, poses
 from ..linkage import mobility
 from ..linkage.linkage import Linkage
 from ..simulation.run import Run

@@ -12,8 +12,7 @@ from importlib import import_module
 from pathlib import Path
 
 from ..common import files
-from ..common.arguments import typed
-from ..common.checks import is_whole_number, number, whole_number
+from ..common.arguments import is_whole_number, number, typed, whole_number
 from ..common.errors import PinpressError, shown
 from ..common.files import path_of
 from .browser import opened

@@ -5,8 +5,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ..common.arrays import Array
 from ..common.errors import PinpressError, expect
+from ..common.quantities import Array
 from ..engines.branch import predict
 from ..engines.joints import configuration
 from ..kinematics.motion import Motion

@@ -6,12 +6,11 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..common.arrays import Array
 from ..common.errors import PinpressError, expect, shown
+from ..common.quantities import Array
 from ..dynamics import applied_loads as forces
 from ..dynamics.inverse_dynamics import Reactions
-from ..kinematics.motion import Motion
-from ..kinematics.poses import Poses, bearing_points
+from ..kinematics.motion import Motion, Poses, bearing_points
 from ..linkage.linkage import Linkage
 from .key_frames import Keys
 from .pages import packed

@@ -16,8 +16,8 @@ from typing import Any
 
 import numpy as np
 
-from ..common.arrays import Array
 from ..common.errors import PinpressError
+from ..common.quantities import Array
 
 NO_MESHCAT = "recordings need Meshcat, which is not installed; pip install 'pinpress[recording]'"
 NO_PLOTLY = "reports need Plotly, which is not installed; pip install 'pinpress[report]'"

@@ -17,10 +17,9 @@ from numpy.typing import ArrayLike
 
 from ..common import files
 from ..common.arguments import typed
-from ..common.arrays import Array
+from ..common.quantities import Array
 from ..dynamics.inverse_dynamics import Reactions
-from ..kinematics.motion import Motion
-from ..kinematics.poses import poses
+from ..kinematics.motion import Motion, poses
 from ..linkage.linkage import Linkage
 from . import overlays, pages
 from .key_frames import Keys, keys

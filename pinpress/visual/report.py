@@ -14,11 +14,10 @@ from numpy.typing import ArrayLike
 from ..common import files
 from ..common.arguments import typed
 from ..common.errors import PinpressError, expect
-from ..common.units import RPM
-from ..dynamics.extremes import ExtremeValues, extremes
+from ..common.quantities import RPM
+from ..dynamics.extremes import AXES, ExtremeValues, extremes, rounding
 from ..dynamics.harmonics import HarmonicAnalysis, harmonics
 from ..dynamics.inverse_dynamics import Reactions, inverse_dynamics
-from ..dynamics.rounding import AXES, rounding
 from ..kinematics.motion import Motion
 from ..linkage.linkage import Linkage
 from ..simulation.run import Run

@@ -13,7 +13,7 @@ from support.generators.spatial_linkages import bennett, four_bar
 from support.oracles import cassie
 
 import pinpress as pp
-from pinpress.balancing.mass_response import PointMasses, mass_response
+from pinpress.balancing.counterweights import PointMasses, mass_response
 
 MASS = pp.balancing.AddedMass()
 STATES = 12

@@ -12,7 +12,7 @@ from support.in_browser import data_in
 from support.texts import shipped
 
 import pinpress as pp
-from pinpress.balancing import objectives
+from pinpress.balancing import problem
 from pinpress.cli import balance as command_balance
 from pinpress.cli.main import main
 from pinpress.cli.part_specs import LOADS
@@ -269,7 +269,7 @@ def test_help_lists_every_word(capsys: pytest.CaptureFixture[str]) -> None:
     for word in (
         *command_balance.KEYS,
         *command_balance.KINDS,
-        *objectives.QUANTITIES,
+        *problem.QUANTITIES,
         *LOADS,
         "added_mass",
         "r/min",

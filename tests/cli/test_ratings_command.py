@@ -8,7 +8,7 @@ from support.texts import shipped
 
 import pinpress as pp
 from pinpress.cli.main import main
-from pinpress.ratings.capacities import Capacities
+from pinpress.ratings.permissible_force import Capacities
 from pinpress.ratings.rating import rate
 
 ASKED = ["zxn2_3000b", "--speed", "70", "--nominal-force", "3000e3", "--nominal-height", "0.013", "--points", "31"]

@@ -9,7 +9,7 @@ import pytest
 from support import texts
 
 import pinpress as pp
-from pinpress.common.checks import number, numbers, positive, whole_number
+from pinpress.common.arguments import number, numbers, positive, whole_number
 
 NESTED: list = []
 NESTED.append(NESTED)

@@ -10,8 +10,7 @@ from support.generators import spatial_linkages
 from support.generators.random_linkages import drawn, linkages
 
 import pinpress as pp
-from pinpress.derivatives.motion import STEP, motion_derivatives
-from pinpress.derivatives.pivots import Displacements, directed, nowhere, pivot_positions
+from pinpress.derivatives.motion import STEP, Displacements, directed, motion_derivatives, nowhere, pivot_positions
 from pinpress.derivatives.reshape import reshaped
 from pinpress.synthesis.design import Design, Start
 

@@ -8,7 +8,7 @@ from support.generators.small_linkages import bolted, geared
 from support.generators.spatial_linkages import bennett
 
 import pinpress as pp
-from pinpress.derivatives.pivots import pivot_positions
+from pinpress.derivatives.motion import pivot_positions
 from pinpress.derivatives.reshape import reshaped
 
 SPEED = 7.0

@@ -19,7 +19,7 @@ from pinpress.drives import motors, transmission
 from pinpress.dynamics import applied_loads
 from pinpress.engines import forces as engine_forces
 from pinpress.engines.forces import REST
-from pinpress.loads import friction, link, process
+from pinpress.loads import link, process
 
 pytestmark = pytest.mark.filterwarnings("ignore::pinpress.PinpressWarning")  # that no press is as large, dense or fast
 
@@ -62,7 +62,7 @@ DIMENSIONS: dict[type, dict[str, tuple[int, int, int] | None]] = {
     pp.loads.ForceStroke: {"heights": LENGTH, "forces": FORCE, "datum": LENGTH},
     pp.loads.ElasticDie: {"height": LENGTH, "stiffness": (0, 1, -2), "damping": (0, 1, -1), "datum": LENGTH},
     pp.loads.TimeForce: {"force": FORCE, "edges": TIME},
-    friction.Friction: {"coefficient": PLAIN, "radius": LENGTH, "viscous": (2, 1, -1)},
+    link.Friction: {"coefficient": PLAIN, "radius": LENGTH, "viscous": (2, 1, -1)},
     pp.drives.Flywheel: {"inertia": INERTIA, "speed": RATE},
     pp.drives.PrescribedSpeed: {"speed": RATE},
     pp.drives.ConstantTorque: {"value": TORQUE},
@@ -112,7 +112,7 @@ DIMENSIONS: dict[type, dict[str, tuple[int, int, int] | None]] = {
 
 def test_no_field_is_left_out():
     """Of any load, drive, clutch or friction of the library."""
-    rooms = (process, motors, transmission, link, friction)
+    rooms = (process, motors, transmission, link)
     public = {cls for room in rooms for cls in vars(room).values() if dataclasses.is_dataclass(cls)}
     inner = {transmission.Coupling, pp.loads.ForceInterval, engine_forces.AppliedForce, engine_forces.FrictionLaw}
     assert {cls for cls in public if cls.__module__.startswith("pinpress.") and cls not in inner} == set(DIMENSIONS)

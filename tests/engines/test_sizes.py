@@ -15,10 +15,8 @@ from support.generators import large_linkages
 from support.oracles import cassie, n_four_bar
 
 import pinpress as pp
-from pinpress.engines import constant_rows
 from pinpress.engines.joints import Coupling
-from pinpress.engines.planar import blocks as plane_blocks
-from pinpress.engines.planar.blocks import ordered
+from pinpress.engines.planar.model import ordered
 
 MOVED = np.array([1e-3, 0.0, 2e-3])
 ANGLES = np.linspace(0.05, 1.2, 7)
@@ -132,7 +130,7 @@ def test_sparse_matrices_give_what_plain_ones_do(monkeypatch, name):
         return press, [motion.joint_position, motion.a, *vectors, *(one.power_residual for one in found[:3])]
 
     _, plain = results()
-    monkeypatch.setattr(constant_rows, "LARGE", 0)
+    monkeypatch.setattr("pinpress.engines.joints.LARGE", 0)
     press, sparse = results()
     assert not isinstance(press.engine("plane").plane.closure, np.ndarray)
     scale = max(np.abs(each).max() for each in plain)
@@ -162,7 +160,7 @@ def test_blocks_by_their_graph(system):
     couplings = [Coupling(str(one), one, other, 1.0, 0.0, 0) for one, other in pairs]
     tried = ordered(owners, len(loops), couplings, 0, joints, one_block=False)
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(plane_blocks, "FEW", 0)
+        patch.setattr("pinpress.engines.planar.model.FEW", 0)
         found = ordered(owners, len(loops), couplings, 0, joints, one_block=False)
     if 2 * len(loops) + len(couplings) == joints - 1:
         assert (found is None) == (tried is None)

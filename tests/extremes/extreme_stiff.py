@@ -16,7 +16,7 @@ from scipy.optimize import brentq
 import pinpress as pp
 from pinpress.drives.motors import ConstantTorque, ServoMotor
 from pinpress.drives.protocol import SpeedTorqueDrive
-from pinpress.loads.protocol import ForceInterval
+from pinpress.loads.process import ForceInterval
 
 MECHANISM = CrankSlider()
 GROUP = "Stiff forces for 2 s: runs"

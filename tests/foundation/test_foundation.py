@@ -12,7 +12,7 @@ from support.generators.frames import WIDE, loaded, on_four, uneven, weightless
 
 import pinpress as pp
 from pinpress import PinpressError, foundation
-from pinpress.foundation.vibration_modes import state_matrix
+from pinpress.foundation.mounted_press import state_matrix
 
 GRAVITY = 9.81
 FIXED = examples(5)

@@ -131,8 +131,7 @@ def test_of_equal_dead_centres_the_first(folder):
 
 def test_bottom_dead_centre_of_loads(press):
     """Heights of process loads, in simulations too, are above the lowest point of all turns."""
-    from pinpress.loads.process import ConstantForce
-    from pinpress.loads.protocol import datum
+    from pinpress.loads.process import ConstantForce, datum
     from pinpress.simulation.driven_press import _turning_points
 
     lowest = -peak(-everywhere(press).motion.slide_position)
@@ -268,7 +267,7 @@ def largest(press, item, speed=SPEED):
 @pytest.mark.parametrize("item", ["torque", "slide acceleration", "bearing O", "bearing guide"])
 def test_speed_limit(press, item):
     """The capacity is what the item comes to at some speed, in whatever turn: that speed is found."""
-    from pinpress.ratings.capacities import Capacities
+    from pinpress.ratings.permissible_force import Capacities
     from pinpress.ratings.speed_limits import speed_limit
 
     if press.name == "crank_slide":
@@ -289,7 +288,7 @@ def test_speed_limit(press, item):
 
 def test_ratings_of_a_press_that_is_geared_down(driven):
     """Its motor turns three times as fast as the crank, with a third of the torque."""
-    from pinpress.ratings.capacities import Capacities
+    from pinpress.ratings.permissible_force import Capacities
     from pinpress.ratings.rating import rate
 
     alone = texts.shipped("crank_slide")
@@ -314,7 +313,7 @@ def test_ratings_of_a_press_that_is_geared_down(driven):
 def test_ratings_of_a_stroke_over_two_turns(folder):
     """Forces all the way down against inverse dynamics: what is permitted there just reaches a capacity."""
     from pinpress.loads.process import ConstantForce
-    from pinpress.ratings.capacities import Capacities
+    from pinpress.ratings.permissible_force import Capacities
     from pinpress.ratings.rating import rate
 
     press = period_presses.repeating("half", folder)
@@ -331,7 +330,7 @@ def test_ratings_of_a_stroke_over_two_turns(folder):
 
 def test_an_overload_in_any_turn_is_refused(folder):
     """Of a slow press, on the return stroke in the second turn: more than ever else."""
-    from pinpress.ratings.capacities import Capacities
+    from pinpress.ratings.permissible_force import Capacities
     from pinpress.ratings.rating import rate
 
     press, slow = period_presses.repeating("half", folder), 3.0

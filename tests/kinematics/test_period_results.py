@@ -156,7 +156,7 @@ def test_measures_of_a_slide_that_is_back_before_other_links(with_cam, alone):
 @pytest.mark.parametrize("speed", [SPEED, -SPEED])
 def test_ratings_of_a_slide_that_is_back_before_other_links(with_cam, alone, speed):
     """The process force alone does not know of the shaft; at speed the worse of two strokes counts."""
-    from pinpress.ratings.capacities import Capacities
+    from pinpress.ratings.permissible_force import Capacities
     from pinpress.ratings.rating import rate
 
     capacities = Capacities(1e5, torque=900.0, motor_power=1e3)

@@ -12,7 +12,7 @@ from support.generators import large_linkages
 from support.texts import without_mass
 
 import pinpress as pp
-from pinpress.loads.protocol import ForceInterval
+from pinpress.loads.process import ForceInterval
 
 pytestmark = pytest.mark.usefixtures("time_limit")
 

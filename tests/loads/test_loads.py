@@ -16,8 +16,7 @@ from support.generators.random_linkages import Drawing, four_bar, momentum_balan
 from support.texts import load, shipped
 
 import pinpress as pp
-from pinpress.loads.process import Blanking, ConstantForce, DeepDrawing, ElasticDie, ForceStroke, Idle, TimeForce, step
-from pinpress.loads.protocol import ForceInterval
+from pinpress.loads.process import Blanking, ConstantForce, DeepDrawing, ElasticDie, ForceInterval, ForceStroke, Idle, TimeForce, step
 
 ENGINES = ("plane", "pinocchio")
 SPEED = 300 * pp.RPM

@@ -8,7 +8,7 @@ from support.texts import shipped
 
 import pinpress as pp
 from pinpress.plots.force_stroke import GOVERNING
-from pinpress.ratings.capacities import Capacities
+from pinpress.ratings.permissible_force import Capacities
 from pinpress.ratings.rating import rate
 
 

@@ -13,8 +13,7 @@ from support.texts import shipped
 
 import pinpress as pp
 from pinpress.loads.process import ConstantForce
-from pinpress.ratings.capacities import Capacities
-from pinpress.ratings.permissible_force import largest_factor
+from pinpress.ratings.permissible_force import Capacities, largest_factor
 from pinpress.ratings.rating import rate
 
 SPEED = 90 * pp.RPM

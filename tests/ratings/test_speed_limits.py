@@ -6,7 +6,7 @@ from support.texts import shipped
 
 import pinpress as pp
 from pinpress.loads.process import Blanking, ConstantForce
-from pinpress.ratings.capacities import Capacities
+from pinpress.ratings.permissible_force import Capacities
 from pinpress.ratings.speed_limits import speed_limit
 
 FINE = 1800  # states of a turn

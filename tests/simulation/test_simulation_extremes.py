@@ -25,8 +25,7 @@ from support.oracles.textbook_crank_slide import BOTTOM, GRAVITY, R, acceleratio
 from support.texts import shipped
 
 import pinpress as pp
-from pinpress.loads.process import Blanking, ConstantForce, DeepDrawing, ElasticDie
-from pinpress.loads.protocol import ForceInterval
+from pinpress.loads.process import Blanking, ConstantForce, DeepDrawing, ElasticDie, ForceInterval
 
 METHODS = ("reduced", "constraint")
 CLOSE = 1e-7  # rad; of speeds times the speed

@@ -16,7 +16,7 @@ from support import texts
 from support.oracles.textbook_crank_slide import acceleration, lever, potential, slope
 
 import pinpress as pp
-from pinpress.loads.protocol import ForceInterval
+from pinpress.loads.process import ForceInterval
 
 pytestmark = pytest.mark.usefixtures("time_limit")
 

@@ -10,8 +10,7 @@ from support.exploring import examples
 from support.generators.small_linkages import two_cranks
 
 import pinpress as pp
-from pinpress.sweeps.affine_extremes import Affine, largest
-from pinpress.sweeps.operating_map import operating_points
+from pinpress.sweeps.operating_map import Affine, largest, operating_points
 
 SIX_BAR = pp.load("zxn2_3000b")
 SPEEDS = np.linspace(20.0, 100.0, 60) * pp.RPM

@@ -14,9 +14,8 @@ from support.generators.spatial_linkages import bennett
 from support.oracles import cassie
 
 import pinpress as pp
-from pinpress.dynamics.extremes import extremes
+from pinpress.dynamics.extremes import extremes, held_moments
 from pinpress.dynamics.harmonics import harmonics, is_cycle, last_period
-from pinpress.dynamics.rounding import held_moments
 from pinpress.visual import charts
 
 MASS, RADIUS, SPEED = 3.0, 0.2, 31.0

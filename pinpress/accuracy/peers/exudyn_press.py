@@ -21,10 +21,10 @@ import numpy as np
 import pinocchio as pin
 from exudyn import itemInterface as items  # noqa: N813
 
-from ...common.arrays import Array
 from ...common.errors import PinpressError, SimulationError
-from ...kinematics.dead_centres import dead_centres
+from ...common.quantities import Array
 from ...kinematics.motion import cycle, servo_cycle
+from ...kinematics.slide_path import dead_centres
 from ...linkage.linkage import Linkage
 from ..measurements import CLUTCH
 from ..scenes import Scene, SpeedLaw

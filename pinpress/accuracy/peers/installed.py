@@ -5,8 +5,8 @@ from functools import partial
 from importlib import import_module
 from typing import ClassVar
 
-from ...common.arrays import Array
 from ...common.errors import PinpressError
+from ...common.quantities import Array
 from ...linkage.linkage import Linkage
 from ...linkage.loading import load
 from ..scenes import Scene

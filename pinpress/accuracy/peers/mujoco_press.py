@@ -24,11 +24,11 @@ import mujoco
 import numpy as np
 from mujoco import rollout
 
-from ...common.arrays import Array, ComplexArray
 from ...common.errors import PinpressError, SimulationError
-from ...engines.load_sharing import RANK
-from ...kinematics.dead_centres import dead_centres
+from ...common.quantities import Array, ComplexArray
+from ...engines.forces import RANK
 from ...kinematics.motion import cycle
+from ...kinematics.slide_path import dead_centres
 from ...linkage.linkage import Linkage
 from ..measurements import CLUTCH, DIE, SPEED_LAW
 from ..scenes import Scene

@@ -9,7 +9,7 @@ from typing import Protocol
 
 import numpy as np
 
-from ...common.arrays import Array
+from ...common.quantities import Array
 from ..scenes import Scene
 
 

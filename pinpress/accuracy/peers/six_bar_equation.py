@@ -18,9 +18,9 @@ import numpy as np
 from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
-from ...common.arrays import Array
 from ...common.errors import SimulationError
-from ...loads.protocol import ProcessLoad
+from ...common.quantities import Array
+from ...loads.process import ProcessLoad
 from ..measurements import SPEED_LAW
 from ..scenes import Scene
 from .peer import End

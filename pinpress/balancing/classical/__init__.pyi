@@ -1,12 +1,12 @@
+from .arrangements import mirrored as mirrored
+from .arrangements import with_opposed_balancer as with_opposed_balancer
 from .crank_slider import CrankSlider as CrankSlider
+from .crank_slider import HarmonicChange as HarmonicChange
 from .crank_slider import approximate_balance as approximate_balance
 from .crank_slider import as_crank_slider as as_crank_slider
+from .crank_slider import compare_harmonics as compare_harmonics
 from .crank_slider import complete_balance as complete_balance
 from .crank_slider import harmonic_coefficients as harmonic_coefficients
-from .harmonic_changes import HarmonicChange as HarmonicChange
-from .harmonic_changes import compare_harmonics as compare_harmonics
-from .mirrored_press import mirrored as mirrored
-from .opposed_balancer import with_opposed_balancer as with_opposed_balancer
 from .rotor import Correction as Correction
 from .rotor import RotorUnbalance as RotorUnbalance
 from .rotor import static_balance as static_balance

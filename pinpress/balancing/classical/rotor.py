@@ -15,11 +15,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ...common.arguments import typed
-from ...common.arrays import Array
-from ...common.checks import numbers, positive
+from ...common.arguments import numbers, positive, typed
 from ...common.errors import PinpressError, UnknownNameError, shown
 from ...common.frozen import Frozen
+from ...common.quantities import Array
 from ...linkage.linkage import Linkage
 from ..counterweights import Counterweight
 

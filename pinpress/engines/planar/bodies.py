@@ -13,11 +13,10 @@ from typing import Any, NamedTuple
 import numpy as np
 import pinocchio as pin
 
-from ...common.arrays import Array, ComplexArray
-from ..constant_rows import Matrix, compressed, matrix, plain, product, stacked, weighted, with_column
+from ...common.quantities import Array, ComplexArray
 from ..engine import PIECE, ClosedStates, EnergyRates, PowerBalance
-from ..forces import AppliedForce
-from ..load_sharing import Objective, lexicographic_least_squares
+from ..forces import AppliedForce, Objective, lexicographic_least_squares
+from ..joints import Matrix, compressed, matrix, plain, product, stacked, weighted, with_column
 from .kinematics import basis_acceleration, basis_velocity, known_basis
 from .model import Plane, flat
 

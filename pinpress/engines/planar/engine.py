@@ -9,11 +9,11 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from ...common.arrays import Array, ComplexArray
 from ...common.frozen import read_only
-from ..constant_rows import product
+from ...common.quantities import Array, ComplexArray
 from ..engine import CloseDrivers, ClosedStates, Closure, EnergyRates, PowerBalance
 from ..forces import AppliedConditions, AppliedForce, Wrenches
+from ..joints import product
 from ..spatial.model import Spatial
 from . import kinematics
 from .bodies import Bodies, energies, power_balance

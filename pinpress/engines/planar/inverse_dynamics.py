@@ -19,11 +19,11 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ...common.arrays import Array, ComplexArray
 from ...common.errors import AssemblyError
-from ..constant_rows import product
+from ...common.quantities import Array, ComplexArray
 from ..engine import PIECE, ClosedStates
 from ..forces import AppliedConditions, AppliedForce, FrictionLaw, Wrenches
+from ..joints import product
 from . import out_of_plane, statics
 from .bodies import Bodies, OpenTree
 from .kinematics import basis, basis_acceleration, gaps, known_basis

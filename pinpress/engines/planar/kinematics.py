@@ -16,12 +16,11 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ...common.arrays import Array, ComplexArray
-from ..constant_rows import product
+from ...common.quantities import Array, ComplexArray
 from ..engine import ClosedStates, Closure
-from ..load_sharing import RANK
-from .blocks import Block
-from .model import Plane, in_space
+from ..forces import RANK
+from ..joints import product
+from .model import Block, Plane, in_space
 
 MOST_NEWTON_STEPS = 12
 NO_SLIPS = np.empty((0, 1))

@@ -2,7 +2,7 @@
 
 They come from links in parallel planes, products of inertia, gravity or loads across the plane. How the loops share a force along the
 normal, or where several bearings of a link hold it upright its tilting moment, is not decided by rigid mechanics: it is shared as
-`load_sharing` says, and `Reactions.indeterminate` names it.
+`engines.forces` says, and `Reactions.indeterminate` names it.
 
 With the axes of `Plane`, normal x f is i f and r x normal is -i r for complex f and r.
 """
@@ -14,11 +14,10 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from ...common.arrays import Array, ComplexArray
-from ..constant_rows import product
+from ...common.quantities import Array, ComplexArray
 from ..engine import ClosedStates
-from ..forces import AppliedForce, Wrenches
-from ..load_sharing import RANK
+from ..forces import RANK, AppliedForce, Wrenches
+from ..joints import product
 from .bodies import Bodies, OpenTree, spread_forces
 from .kinematics import basis, known_basis
 from .model import Plane, flat, in_space

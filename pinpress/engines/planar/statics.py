@@ -6,7 +6,7 @@ of work per unit rate of the joint; for a dyad with columns a, b:
     Re(conj(a) p) = s,  Re(conj(b) p) = t    have the solution    p = i (t a - s b) / Im(conj(a) b)
 
 The redundant equations of a block leave idle forces open: the block can hold them, and the earlier blocks answer. Of all their multiples
-those are added that `load_sharing` names.
+those are added that `engines.forces` names.
 """
 
 from __future__ import annotations
@@ -16,12 +16,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ...common.arrays import Array, ComplexArray
-from ..constant_rows import Matrix, product
-from ..load_sharing import Objective, lexicographic_least_squares
-from .blocks import Block
+from ...common.quantities import Array, ComplexArray
+from ..forces import Objective, lexicographic_least_squares
+from ..joints import Matrix, product
 from .kinematics import block_matrix, dyad_columns
-from .model import Plane
+from .model import Block, Plane
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -34,7 +33,7 @@ class Statics:
         uncrossed: (nv, nl) what pin forces relieve them of.
         idle: forces that move nothing: of pins (nl, n), multipliers of couplings (nc, n) each.
         responses: the forces (bearings, n) that these add to all bearings.
-        compliance: (bearings,) or None, see `load_sharing.compliances`.
+        compliance: (bearings,) or None, see `compliances`.
         slides: directions (n,) of the coupled prismatic joints. Both only where
             there are idle forces to be shared.
     """

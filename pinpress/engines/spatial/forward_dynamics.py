@@ -27,8 +27,8 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
-from ...common.arrays import Array
 from ...common.errors import AssemblyError, PinpressError, SingularityError
+from ...common.quantities import Array
 from ..branch import SMALLEST_MARGIN
 from ..engine import ACCEPTED
 from ..joints import Axis, LoopJoint, data_of

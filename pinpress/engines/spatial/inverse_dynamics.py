@@ -1,7 +1,7 @@
 """Inverse dynamics of any linkage, one configuration at a time, by Pinocchio's recursive Newton-Euler algorithm.
 
 The open tree's efforts and wrenches first; then the multipliers of the equations that leave the passive joints to their friction; what is
-open among them is shared as `load_sharing` says; then the tree once more, under the wrenches of the loops.
+open among them is shared as `engines.forces` says; then the tree once more, under the wrenches of the loops.
 
 Signs: forces and moments of a joint are the action of parent on child, of a loop the action of link1 on link2.
 """
@@ -14,15 +14,13 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
-from ...common.arrays import Array
 from ...common.errors import AssemblyError
+from ...common.quantities import Array
 from ..engine import ClosedStates
-from ..forces import AppliedConditions, FrictionLaw, Wrenches
+from ..forces import RANK, AppliedConditions, FrictionLaw, Objective, Wrenches, lexicographic_least_squares
 from ..joints import configuration
-from ..load_sharing import RANK, Objective, lexicographic_least_squares
-from .constraints import Equations, Rows
 from .kinematics import Passive
-from .model import Spatial
+from .model import Equations, Rows, Spatial
 
 Wrench = tuple[int, Array, Array, Array]
 """Joint, point in its frame [m], force and couple in world axes [N, N m]."""

@@ -8,13 +8,11 @@ from collections.abc import Sequence
 import numpy as np
 import pinocchio as pin
 
-from ...common.arrays import Array
+from ...common.quantities import Array
 from ..engine import ClosedStates, Closure, EnergyRates, PowerBalance
-from ..forces import AppliedForce
+from ..forces import RANK, AppliedForce
 from ..joints import configuration, data_of
-from ..load_sharing import RANK
-from .constraints import Equations, Rows, cross
-from .model import Spatial
+from .model import Equations, Rows, Spatial, cross
 
 MOST_NEWTON_STEPS = 12
 

@@ -1,7 +1,12 @@
-"""Any linkage, one configuration at a time, by Pinocchio's constraint models and recursive Newton-Euler algorithm.
+"""Any linkage, one configuration at a time, by Pinocchio's constraint models and recursive Newton-Euler algorithm; and the equations that
+hold it together.
 
 The general path, and the judge of the planar one: loops in space, any number of drivers, more equations than are needed. The rank of the
-equations is found from singular values; forces that rigid mechanics does not decide are shared as `load_sharing` says.
+equations is found from singular values; forces that rigid mechanics does not decide are shared as `engines.forces` says.
+
+Rows, in this order: three a loop, the distance of its ends (point 2 less point 1, world axes); then for every loop the rotations it holds,
+of body 2 against body 1 about axes of end 1; then one a coupling. Rotations [rad] are multiplied by the length of the linkage, so that all
+rows are lengths and may be compared; a multiplier of such a row is a torque divided by that length.
 """
 
 from __future__ import annotations
@@ -14,9 +19,8 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
-from ...common.arrays import Array
-from ..joints import Axis, Coupling, LoopJoint, Slot, axes, between, slots
-from .constraints import Equations, crossed, extent
+from ...common.quantities import Array
+from ..joints import Axis, Coupling, LoopJoint, Slot, axes, between, configuration, data_of, drawn, slots
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -83,3 +87,158 @@ def build(model: pin.Model, loops: tuple[LoopJoint, ...], couplings: tuple[Coupl
         slots=slots(model),
         axes=axes(model),
     )
+
+
+PARALLEL = 1e-14  # sine of an angle: axes of one direction are off by so much in rounding, which is no equation of its own
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Rows:
+    """The equations at one configuration.
+
+    Attributes:
+        q: (nq,) the configuration.
+        gaps: (rows,) [m].
+        columns: (rows, nv) their Jacobian.
+        held: per loop (3, 0 to 3) world directions, as columns, of the rotations it holds.
+    """
+
+    q: Array
+    gaps: Array
+    columns: Array
+    held: list[Array]
+
+
+class Equations:
+    """Constraint models and datas of the loops. Built for each call, because they neither copy nor pickle."""
+
+    def __init__(self, model: pin.Model, loops: tuple[LoopJoint, ...], couplings: tuple[Coupling, ...], size: float) -> None:
+        self.model, self.data = model, data_of(model)
+        self.placements, self.wrenches = self.data.oMi, self.data.f  # live: fetching them costs more than the algorithm that fills them
+        self.loops, self.size, self.slots = loops, size, slots(model)
+        self.anchors = [
+            pin.PointAnchorConstraintModel(model, k.joint1, pin.SE3(np.eye(3), k.point1), k.joint2, pin.SE3(np.eye(3), k.point2))
+            for k in loops
+        ]
+        self.datas = [anchor.createData() for anchor in self.anchors]
+        self.crossed = crossed(model, loops)
+        self.moving = [
+            column != 0 for column in self.crossed.T
+        ]  # a joint that carries both ends moves them by rounding, and by an open gap
+        self.coupled, self.offsets = _coupled(model, couplings, size)
+        self.rows = 3 * len(loops) + sum(loop.held for loop in loops) + len(couplings)
+        self.holding = any(loop.held for loop in loops)
+
+    def at(self, x: Array) -> Rows:
+        """The equations at joint coordinates (nv,); fills ``data`` with placements."""
+        q = configuration(self.slots, x)
+        pin.computeJointJacobians(self.model, self.data, q)
+        gaps, columns = np.empty(self.rows), np.empty((self.rows, self.model.nv))
+        for k, (anchor, d) in enumerate(zip(self.anchors, self.datas, strict=True)):
+            anchor.calc(self.model, self.data, d)
+            rotation = d.oMc1.rotation
+            gaps[3 * k : 3 * k + 3] = rotation @ d.constraint_position_error
+            columns[3 * k : 3 * k + 3] = rotation @ anchor.jacobian(self.model, self.data, d).reshape(3, self.model.nv) * self.moving[k]
+        held = self._hold(gaps, columns) if self.holding else [np.empty((3, 0))] * len(self.loops)
+        if len(self.offsets):
+            columns[-len(self.offsets) :] = self.coupled
+            gaps[-len(self.offsets) :] = self.coupled @ x - self.offsets
+        return Rows(q, gaps, columns, held)
+
+    def drift(self, rows: Rows, v: Array) -> Array:
+        """Second derivative (rows,) of the gaps at joint rates (nv,) and no joint acceleration."""
+        pin.forwardKinematics(self.model, self.data, rows.q, v, np.zeros(self.model.nv))
+        result = np.zeros(self.rows)
+        row = 3 * len(self.loops)
+        for k, (anchor, d) in enumerate(zip(self.anchors, self.datas, strict=True)):
+            anchor.calc(self.model, self.data, d)
+            result[3 * k : 3 * k + 3] = d.oMc1.rotation @ d.constraint_acceleration_error
+            if count := self.loops[k].held:
+                (spin1, turned1), (spin2, turned2) = (self._spin(joint) for joint in (self.loops[k].joint1, self.loops[k].joint2))
+                # of t . (spin2 - spin1), where the direction t turns with body 1
+                result[row : row + count] = self.size * rows.held[k].T @ (turned2 - turned1 + cross(spin2 - spin1, spin1))
+                row += count
+        return result
+
+    def widest(self, gaps: Array) -> float:
+        """The largest distance between the two sides of a loop [m], a held rotation or a coupling counted in lengths of the linkage."""
+        count = 3 * len(self.loops)
+        between = np.linalg.norm(gaps[:count].reshape(-1, 3), axis=1).max(initial=0.0)
+        return float(max(between, np.abs(gaps[count:]).max(initial=0.0)))
+
+    def worst(self, gaps: Array) -> int:
+        """Index of the loop, or after the loops of the coupling, whose gap is the largest."""
+        sizes = [float(np.linalg.norm(gaps[3 * k : 3 * k + 3])) for k in range(len(self.loops))]
+        row = 3 * len(self.loops)
+        for k, loop in enumerate(self.loops):
+            sizes[k] = max(sizes[k], float(np.abs(gaps[row : row + loop.held]).max(initial=0.0)))
+            row += loop.held
+        return int(np.argmax(sizes + list(np.abs(gaps[row:]))))
+
+    def _hold(self, gaps: Array, columns: Array) -> list[Array]:
+        """Fill in the rows of held rotations; their directions."""
+        turning, row, directions = self.data.J.reshape(6, -1)[3:], 3 * len(self.loops), []
+        for k, loop in enumerate(self.loops):
+            first, second = (
+                self.placements[joint].rotation @ rotation
+                for joint, rotation in ((loop.joint1, loop.rotation1), (loop.joint2, loop.rotation2))
+            )
+            if loop.type == "revolute":
+                # two axes are aligned, whichever way round
+                error = cross(first[:, 0], second[:, 0]) * np.sign(first[:, 0] @ second[:, 0])
+            elif loop.type == "fixed":
+                error = first @ pin.log3(first.T @ second)
+            else:
+                error = np.zeros(3)
+            held = first[:, 3 - loop.held :]
+            gaps[row : row + loop.held] = self.size * held.T @ error
+            turned = held.T @ (turning * self.crossed[:, k])
+            turned[np.abs(turned) < PARALLEL] = 0.0
+            columns[row : row + loop.held] = self.size * turned
+            directions.append(held)
+            row += loop.held
+        return directions
+
+    def _spin(self, joint: int) -> tuple[Array, Array]:
+        """Angular velocity and acceleration of a joint's body, world axes."""
+        rotation = self.placements[joint].rotation
+        return rotation @ self.data.v[joint].angular, rotation @ self.data.a[joint].angular
+
+
+def cross(one: Array, other: Array) -> Array:
+    """The vector product of two vectors (3,); `numpy.cross` takes ten times as long of so few numbers."""
+    (a, b, c), (x, y, z) = one.tolist(), other.tolist()
+    return np.array([b * z - c * y, c * x - a * z, a * y - b * x])
+
+
+def crossed(model: pin.Model, loops: tuple[LoopJoint, ...]) -> Array:
+    """(nv, nl) +1 / -1 where loop l's end 2 / 1 hangs on joint j."""
+    result = np.zeros((model.nv, len(loops)))
+    for k, loop in enumerate(loops):
+        for joint, sign in ((loop.joint2, 1.0), (loop.joint1, -1.0)):
+            while joint > 0:
+                result[joint - 1, k] += sign
+                joint = model.parents[joint]
+    return result
+
+
+def extent(model: pin.Model, loops: tuple[LoopJoint, ...]) -> tuple[float, float]:
+    """Largest extent of joints and loop points in the drawn pose, and their largest distance from the world origin [m]."""
+    places = drawn(model)
+    points = [place.translation.copy() for place in places[1:]]
+    points += [places[k.joint1].act(k.point1) for k in loops] + [places[k.joint2].act(k.point2) for k in loops]
+    cloud = np.array(points)
+    size = float(np.linalg.norm(cloud.max(axis=0) - cloud.min(axis=0)))
+    return size or 1.0, float(np.linalg.norm(cloud, axis=1).max())
+
+
+def _coupled(model: pin.Model, couplings: tuple[Coupling, ...], size: float) -> tuple[Array, Array]:
+    """Rows (nc, nv) and right-hand sides (nc,) of the couplings."""
+    rows, offsets = np.zeros((len(couplings), model.nv)), np.zeros(len(couplings))
+    turns = [axis.turns for axis in axes(model)] if couplings else []
+    for row, coupling in enumerate(couplings):
+        unit = size if turns[coupling.follower] else 1.0
+        rows[row, coupling.follower] += unit
+        rows[row, coupling.leader] -= unit * coupling.multiplier
+        offsets[row] = unit * coupling.offset
+    return rows, offsets

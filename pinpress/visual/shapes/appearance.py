@@ -8,8 +8,8 @@ from functools import partial
 import numpy as np
 import pinocchio as pin
 
-from ...common.arrays import Array
 from ...common.errors import PinpressError
+from ...common.quantities import Array
 from ...linkage.linkage import Linkage
 from ...linkage.urdf.document import Element
 from . import meshes

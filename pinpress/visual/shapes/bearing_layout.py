@@ -8,8 +8,8 @@ from functools import cached_property
 import numpy as np
 import pinocchio as pin
 
-from ...common.arrays import Array
 from ...common.errors import PinpressError
+from ...common.quantities import Array
 from ...engines.joints import data_of
 from ...linkage.linkage import Linkage
 from ...linkage.urdf.reader import describe

@@ -7,9 +7,9 @@ from typing import Any
 import numpy as np
 import pinocchio as pin
 
-from ...common.arrays import Array
 from ...common.errors import PinpressError
-from ...kinematics.poses import Poses
+from ...common.quantities import Array
+from ...kinematics.motion import Poses
 from ...linkage.linkage import Linkage
 from ..pages import NO_MESHCAT
 from .appearance import Body

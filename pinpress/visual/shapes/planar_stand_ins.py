@@ -8,7 +8,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from ...common.arrays import Array
+from ...common.quantities import Array
 from .bearing_layout import Bearing, BearingLayout, tree
 from .solids import Box, Cylinder, Solid
 

@@ -5,8 +5,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ...common.arrays import Array
 from ...common.frozen import read_only
+from ...common.quantities import Array
 
 
 @dataclass(frozen=True)

@@ -6,7 +6,7 @@ from collections.abc import Collection, Iterator
 
 import numpy as np
 
-from ...common.arrays import Array
+from ...common.quantities import Array
 from ...linkage.linkage import Linkage
 from .bearing_layout import Bearing, BearingLayout, lay_out_bearings, tree
 from .planar_stand_ins import layered_solids

@@ -1,0 +1,438 @@
+"""Arrangements of a whole press that balance it: an auxiliary crank-slider that moves a counterweight against the slide
+(`with_opposed_balancer`, Zhang 2007, 3.5), and two halves on two shafts that turn against each other (`mirrored`, Zhang 2007, 3.6).
+
+Both draw up the plan of a planar press. In a plan everything has its place in the world, in the closed drawn pose, so that parts can be
+added, shifted and mirrored without regard to what carries what. The new press is written as a URDF and loaded from that.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+import pinocchio as pin
+
+from ...common.arguments import positive, typed
+from ...common.errors import PinpressError
+from ...common.quantities import Array
+from ...kinematics.motion import poses
+from ...linkage import loading
+from ...linkage.linkage import Linkage
+from ...linkage.urdf import findings, reader
+from ...linkage.urdf.document import Document
+from ...linkage.writing import tag
+from ..counterweights import combined, rigid_body
+from .crank_slider import CENTRED, CrankSlider, as_crank_slider
+
+SPARE = 0.1  # of the auxiliary crank radius: how far the counterweight's limits are beyond its travel
+
+
+@typed
+def with_opposed_balancer(
+    press: Linkage,
+    crank_radius: float,
+    *,
+    rod_length: float | None = None,
+    rod_mass: float | None = None,
+    rod_inertia: float | None = None,
+) -> Linkage:
+    """Add an auxiliary crank-slider, turned by 180 degrees about the shaft, which moves a counterweight against the slide.
+
+    Zhang 2007, 3.5. The auxiliary crank is part of the crank, opposite to the crank pin; new are the links "auxiliary_rod" and
+    "counterweight", the joints "auxiliary_pin" and "counterweight_guide" and the loop "counterweight_pin". They are sized (index 1 the main
+    crank-slider, 2 the auxiliary one; centres of mass as vectors along the links) by
+
+        m_crank2 e2 + m_rod2 r2 (1 - a2 / l2) = m_crank1 e1 + m_rod1 r1 (1 - a1 / l1)    what turns
+        (m_counterweight + m_rod2 a2 / l2) r2 = (m_slide + m_rod1 a1 / l1) r1            what reciprocates
+
+    where the auxiliary rod has its centre of mass at the same part of its length, the auxiliary crank has the mass m_crank1 r1 / r2, its
+    centre where the first equation puts it (beyond the shaft for a heavy rod), and the moment of inertia of a crank of the same shape.
+    By default the auxiliary crank-slider is the main one with lengths times r2 / r1 and masses times r1 / r2.
+
+    They lie in the plane of the crank pin, and the counterweight's centre of mass is at its pin.
+
+    What is left: with the same lambda no force but the weight, in any order, along the slide's line or across it, however the crank turns.
+    With another rod length, at constant speed w, the even orders k from 2 along the line are left,
+    m_C r1 w^2 |A_k(lambda1) - A_k(lambda2)| (`harmonic_coefficients`), m_C being the main reciprocating mass. The moment with which the
+    guides' forces tilt the frame is left, and by default grows: - (J1 + J2) times the angular acceleration of the rods, in the odd orders,
+    J being `CrankSlider.residual_inertia` (from eq. 3.5.20 on the thesis takes that acceleration for zero). It vanishes too with
+    rod_inertia = m_rod2 a2 (l2 - a2) - J1, where lambda is the same and the rods' centres are on their lines; such a rod has mass beyond
+    its pins.
+
+    Args:
+        press: A centred crank-slider.
+        crank_radius: Radius r2 of the auxiliary crank [m].
+        rod_length: Length l2 of the auxiliary rod [m]; by default l1 r2 / r1, the same lambda.
+        rod_mass: Mass of the auxiliary rod [kg]; by default m_rod1 r1 / r2.
+        rod_inertia: Moment of inertia of the auxiliary rod about its centre of mass [kg m2]; by default of a rod of the same shape,
+            J_rod1 m_rod2 / m_rod1 (l2 / l1)^2.
+
+    Returns:
+        A press that is in memory alone; `write_urdf` writes it. It is drawn as ``press`` is, with the same crank angle, gravity, names and
+        inertias, but without visuals.
+
+    Raises:
+        PinpressError: The press is no centred crank-slider (see `as_crank_slider`), a size is not positive, the rod is no longer than its
+            crank, or so heavy that no mass is left for the counterweight.
+    """
+    main = as_crank_slider(press)
+    auxiliary = _auxiliary(main, crank_radius, rod_length, rod_mass, rod_inertia)
+    return press_of(
+        replace(_with_auxiliary(plan_of(press), main, auxiliary), name=f"{press.name}_opposed"),
+        "A crank-slider and, turned by 180 degrees about its shaft, an auxiliary one with a counterweight (Zhang 2007, 3.5). SI units.",
+    )
+
+
+def _auxiliary(
+    main: CrankSlider, crank_radius: float, rod_length: float | None, rod_mass: float | None, rod_inertia: float | None
+) -> CrankSlider:
+    """The auxiliary crank-slider."""
+    radius, length, mass = _auxiliary_sizes(main, crank_radius, rod_length, rod_mass)
+    scale = radius / main.crank_radius
+    similar = main.rod_inertia * mass / main.rod_mass * (length / main.rod_length) ** 2
+    # A centre beside the line gives a mass moment, which must be the same times the crank radius.
+    share = complex(main.rod_share.real, main.rod_share.imag * main.rod_mass / (scale * mass))
+    counterweight = (main.reciprocating_mass / scale - mass * share).real
+    if not counterweight > 0:
+        raise PinpressError(
+            f"rod_mass is {mass:g} kg: at its far end there is more than the {main.reciprocating_mass.real / scale:g} kg that balance the"
+            " slide; take a lighter rod or a smaller crank_radius"
+        )
+    crank_mass = main.crank_mass / scale
+    return replace(
+        main,
+        rod="auxiliary_rod",
+        slide="counterweight",
+        crank_radius=radius,
+        rod_length=length,
+        crank_mass=crank_mass,
+        rod_mass=mass,
+        slide_mass=counterweight,
+        crank_centre=(main.rotating_product - radius * mass * (1 - share)) / crank_mass,
+        rod_centre=share * length,
+        crank_inertia=main.crank_inertia * scale,
+        rod_inertia=similar if rod_inertia is None else positive("rod_inertia", rod_inertia, "kg m2"),
+        direction=-main.direction,
+        across=-main.across,
+    )
+
+
+def _auxiliary_sizes(
+    main: CrankSlider, crank_radius: float, rod_length: float | None, rod_mass: float | None
+) -> tuple[float, float, float]:
+    """Crank radius [m], rod length [m] and rod mass [kg] of the auxiliary crank-slider."""
+    radius = positive("crank_radius", crank_radius, "m")
+    scale = radius / main.crank_radius
+    length = main.rod_length * scale if rod_length is None else positive("rod_length", rod_length, "m")
+    if not length > radius:
+        raise PinpressError(f"rod_length is {length:g} m, crank_radius {radius:g} m: for a full turn the rod must be longer")
+    return radius, length, main.rod_mass / scale if rod_mass is None else positive("rod_mass", rod_mass, "kg")
+
+
+def _with_auxiliary(drawn: PressPlan, main: CrankSlider, auxiliary: CrankSlider) -> PressPlan:
+    """The plan of a crank-slider with an auxiliary one on its crank, whose slide is the counterweight. Both have the same drawn angle and
+    opposite directions."""
+    crank, slide, normal = drawn.body(main.crank), drawn.body(main.slide), np.cross(main.direction, main.across)
+    flat = 0.5 * (np.eye(3) + np.outer(normal, normal))  # tensor of a lamina in the plane, of unit inertia
+    into = crank.place.rotation.T
+    centre = crank.place.actInv(auxiliary.point(auxiliary.crank_centre * auxiliary.drawn_crank))
+    added = rigid_body(auxiliary.crank_mass, centre, auxiliary.crank_inertia * (into @ flat @ into.T))
+
+    along = auxiliary.point(auxiliary.drawn_rod) - auxiliary.shaft
+    axes = np.stack([along, -normal, np.cross(normal, along)], axis=1)  # x along the rod, which turns about -y
+    rod_place = pin.SE3(axes, auxiliary.point(auxiliary.crank_radius * auxiliary.drawn_crank))
+    rod_centre = np.array([auxiliary.rod_centre.real, 0.0, auxiliary.rod_centre.imag])
+    rod = rigid_body(auxiliary.rod_mass, rod_centre, auxiliary.rod_inertia * np.diag([0.5, 1.0, 0.5]))
+
+    distance = auxiliary.drawn_reach
+    end, up = auxiliary.point(complex(distance)), float(np.sign(auxiliary.direction @ slide.place.rotation @ slide.axis))
+    spare = (1 + SPARE) * auxiliary.crank_radius
+    low, high = sorted(up * (auxiliary.rod_length + sign * spare - distance) for sign in (-1, 1))
+    limits = (low, high, *slide.limits[2:])
+    weight = rigid_body(auxiliary.slide_mass, np.zeros(3), slide.inertia.inertia * (auxiliary.slide_mass / slide.inertia.mass))
+    return replace(
+        drawn,
+        bodies=(
+            *(replace(each, inertia=combined(each.inertia, added)) if each is crank else each for each in drawn.bodies),
+            PlanBody(auxiliary.rod, rod_place, rod, "auxiliary_pin", main.crank, np.array([0.0, -1.0, 0.0])),
+            PlanBody(auxiliary.slide, pin.SE3(slide.place.rotation, end), weight, "counterweight_guide", drawn.frame, slide.axis, limits),
+        ),
+        pins=(*drawn.pins, PlanPin("counterweight_pin", "spherical", auxiliary.rod, auxiliary.slide, end)),
+    )
+
+
+SIDES = ("left", "right")
+
+
+@typed
+def mirrored(press: Linkage, shaft_distance: float) -> Linkage:
+    """Make two halves of a press, one the mirror image of the other, on two shafts that a gear pair lets turn against each other.
+
+    Zhang 2007, 3.6. The slide (and the counterweight) is common to both halves. The press, a centred crank-slider or what
+    `with_opposed_balancer` makes of it, is shifted by half the distance of the shafts against the direction to which the crank turns from
+    bottom dead centre, as the left half, and mirrored about the line on which its shaft was, as the right half. Whatever does not slide on
+    the frame is then there twice, with "_left" and "_right" behind its name and half of its mass; the left shaft is driven, the right one
+    mimics it by -1. Forces across the slide's line and moments about the middle vanish at any speed, also under a central load on the
+    slide; forces along the line stay as they are. A slide whose centre of mass is beside the line of its pin keeps its own moment.
+
+    Args:
+        press: The press.
+        shaft_distance: Distance of the shafts [m]. Whether the halves collide is not checked.
+
+    Returns:
+        A press that is in memory alone, with the crank angle, gravity, names, masses and strokes of ``press``, without visuals.
+
+    Raises:
+        PinpressError: The press is not planar with one driver on the frame, has gear pairs, no slide, guides in several directions, or a
+            slide whose pin does not move on a line through the shaft; or the distance is not positive.
+    """
+    distance, drawn = positive("shaft_distance", shaft_distance, "m"), plan_of(press)
+    guided = [each.link for each in drawn.bodies if each.limits and each.parent == drawn.frame]
+    shaft = _shaft(press, drawn)
+    across = _across(press, drawn, guided, shaft)
+    return press_of(
+        replace(_doubled(drawn, guided, shaft, across, distance), name=f"{press.name}_symmetric"),
+        "Two mirrored halves on two shafts that a gear pair lets turn against each other (Zhang 2007, 3.6). SI units.",
+    )
+
+
+def _shaft(press: Linkage, drawn: PressPlan) -> Array:
+    """A point (3,) on the shaft of the crank, in world axes [m]."""
+    crank = next(each for each in drawn.bodies if each.joint == drawn.driver)
+    if crank.parent != drawn.frame or drawn.slide is None:
+        raise PinpressError(
+            f"{press.name} has no crank on the frame, or no slide: give a crank-slider or what with_opposed_balancer() makes of it"
+        )
+    return np.asarray(crank.place.translation)
+
+
+def _across(press: Linkage, drawn: PressPlan, guided: Sequence[str], shaft: Array) -> Array:
+    """The unit vector (3,) across the slide's line, to which the crank turns from bottom dead centre.
+
+    Raises:
+        PinpressError: The links that are guided on the frame do not all move on the slide's line through the shaft.
+    """
+    assert drawn.slide is not None
+    slide = drawn.body(drawn.slide)
+    ends = [(k.name, link, k.point) for k in drawn.pins for link in (k.link1, k.link2) if link in guided]
+    ends += [(each.joint, each.parent, each.place.translation) for each in drawn.bodies if each.parent in guided]
+    along = slide.place.rotation @ slide.axis
+    to_slide = next((point - shaft for _, link, point in ends if link == slide.link), along)
+    across = np.cross(drawn.normal, along) * (1.0 if to_slide @ along > 0 else -1.0)
+    for each in map(drawn.body, guided):
+        if abs(each.place.rotation @ each.axis @ across) > CENTRED:
+            raise PinpressError(
+                f"{press.name}: joint {each.joint!r} guides in another direction than the slide's; only one can be mirrored"
+            )
+    for name, _, point in ends:
+        if abs((point - shaft) @ across) > CENTRED * press.size:
+            raise PinpressError(
+                f"{press.name}: bearing {name!r} moves {abs((point - shaft) @ across):.6g} m beside the shaft; give a centred crank-slider"
+            )
+    return np.asarray(across)
+
+
+def _doubled(drawn: PressPlan, shared: Sequence[str], shaft: Array, across: Array, distance: float) -> PressPlan:
+    """The plan with all bodies but the shared ones halved in mass, shifted by half a distance [m] against ``across``, and mirrored about
+    the plane through the shaft that this direction (3,) is normal to. The right driver mimics the left one by -1."""
+    shift = -0.5 * distance * across
+
+    def named(name: str, side: str) -> str:
+        return name if name in (drawn.frame, *shared) else f"{name}_{side}"
+
+    def moved(point: Array, side: str) -> Array:
+        point = point + shift
+        return point if side == "left" else point - 2 * ((point - shaft) @ across) * across
+
+    def half(each: PlanBody, side: str) -> PlanBody:
+        # A mirrored frame keeps its axes, and what is fixed to it changes sides in it.
+        to = each.place.rotation.T @ across
+        mirror = np.eye(3) if side == "left" else np.eye(3) - 2 * np.outer(to, to)
+        whole = each.inertia
+        return PlanBody(
+            named(each.link, side),
+            pin.SE3(each.place.rotation, moved(each.place.translation, side)),
+            rigid_body(0.5 * whole.mass, mirror @ whole.lever, 0.5 * mirror @ whole.inertia @ mirror),
+            f"{each.joint}_{side}",
+            named(each.parent, side),
+            mirror @ each.axis,
+            each.limits,
+            f"{drawn.driver}_left" if each.joint == drawn.driver and side == "right" else None,
+        )
+
+    kept = [each for each in drawn.bodies if each.link in shared]
+    halves = [half(each, side) for side in SIDES for each in drawn.bodies if each.link not in shared]
+    pins = [(each, side) for side in SIDES for each in drawn.pins]
+    return replace(
+        drawn,
+        bodies=(*halves, *kept),
+        pins=tuple(PlanPin(f"{k.name}_{s}", k.type, named(k.link1, s), named(k.link2, s), moved(k.point, s)) for k, s in pins),
+        driver=f"{drawn.driver}_left",
+    )
+
+
+BELOW_ROUNDING = 1e-15  # of a quantity's size: what turned frames leave of a zero
+_MOMENTS = (("ixx", 0, 0), ("ixy", 0, 1), ("ixz", 0, 2), ("iyy", 1, 1), ("iyz", 1, 2), ("izz", 2, 2))
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class PlanBody:
+    """A link and the joint that carries it, both with the same frame.
+
+    Attributes:
+        link: Name of the link.
+        place: Place of the frame in the world.
+        inertia: Inertia of the link in the frame.
+        joint: Name of the joint.
+        parent: Name of the link that the joint is fixed to.
+        axis: (3,) axis of the joint in the frame.
+        limits: Of a joint that slides: lower and upper [m], effort [N], velocity [m/s]; empty for a joint that turns.
+        leader: Name of the joint that this joint mimics by -1; None where it mimics none.
+    """
+
+    link: str
+    place: pin.SE3
+    inertia: pin.Inertia
+    joint: str
+    parent: str
+    axis: Array
+    limits: tuple[float, ...] = ()
+    leader: str | None = None
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class PlanPin:
+    """A pin that closes a loop.
+
+    Attributes:
+        name: Name of the ``<loop_joint>``.
+        type: Type of the ``<loop_joint>``.
+        link1: Name of its first link.
+        link2: Name of its second link.
+        point: (3,) place in the world [m].
+    """
+
+    name: str
+    type: str
+    link1: str
+    link2: str
+    point: Array
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class PressPlan:
+    """A planar press.
+
+    Attributes:
+        name: Name of the press.
+        frame: Name of the root link.
+        frame_inertia: Inertia of the root link.
+        bodies: Bodies, parents before their children.
+        pins: Pins that close the loops.
+        driver: Name of the driver joint.
+        slide: Name of the slide's link.
+        normal: (3,) normal of the plane in world axes.
+        gravity: (3,) [m/s2].
+        size: Length of the linkage, to which rounding is relative [m].
+    """
+
+    name: str
+    frame: str
+    frame_inertia: pin.Inertia
+    bodies: tuple[PlanBody, ...]
+    pins: tuple[PlanPin, ...]
+    driver: str
+    slide: str | None
+    normal: Array
+    gravity: tuple[float, ...]
+    size: float
+
+    def body(self, link: str) -> PlanBody:
+        """The body of this name."""
+        return next(body for body in self.bodies if body.link == link)
+
+
+def plan_of(press: Linkage) -> PressPlan:
+    """The plan of a planar press without gear pairs. Links that are welded together are one body, with the name of the first or the slide.
+
+    Raises:
+        PinpressError: The press is not planar, or has gear pairs or several drivers.
+    """
+    refusal = f"{press.name} is not planar with one driver, or has gear pairs: give a planar press of pins and guides"
+    plane = press.plane_or_refuse(refusal)
+    if press.couplings:
+        raise PinpressError(refusal)
+    model, at = press.model, poses(press, press.closed[None])
+    links = {joint: press.link_of(joint) for joint in range(model.njoints)}
+    if press.slide is not None:
+        links[press.slide_guide[0] + 1] = press.slide  # not one that it is welded to: positions are the slide's own
+    bodies = []
+    for j, (name, axis, start) in enumerate(zip(press.joints, press.axes, press.closed, strict=True), 1):
+        at_q, at_v = model.idx_qs[j], model.idx_vs[j]
+        travel = float(model.lowerPositionLimit[at_q]) - start, float(model.upperPositionLimit[at_q]) - start
+        limits = (*travel, float(model.upperEffortLimit[at_v]), float(model.velocityLimit[at_v]))
+        own = model.frames[model.getFrameId(links[j], pin.BODY)].placement
+        place, inertia = pin.SE3(at.rotation[j, 0], at.position[j, 0]) * own, own.actInv(model.inertias[j])
+        parent, direction = links[int(model.parents[j])], own.rotation.T @ axis.direction
+        bodies.append(PlanBody(links[j], place, inertia, name, parent, direction, () if axis.turns else limits))
+    pins = [PlanPin(k.name, k.type, links[k.joint1], links[k.joint2], at.points(k.joint1, k.point1)[0]) for k in press.loops]
+    normal, gravity = plane.normal, tuple(model.gravity.linear.tolist())
+    size = press.size
+    return PressPlan(press.name, links[0], model.inertias[0], tuple(bodies), tuple(pins), press.driver, press.slide, normal, gravity, size)
+
+
+def press_of(plan: PressPlan, comment: str) -> Linkage:
+    """The press of a plan, loaded from its URDF, which has this comment. Raises what `load` raises."""
+    places = {plan.frame: pin.SE3.Identity()} | {body.link: body.place for body in plan.bodies}
+    content = [_link(plan.frame, plan.frame_inertia, plan.size)]
+    content += [_link(body.link, body.inertia, plan.size) for body in plan.bodies]
+    content += [_joint(body, places[body.parent].actInv(body.place), plan.size) for body in plan.bodies]
+    content += [_loop(each, places, plan.normal, plan.size) for each in plan.pins]
+    content.append(tag("transmission", {"name": "crank_drive"}, tag("joint", {"name": plan.driver})))
+    robot = tag("robot", {"name": plan.name}, "".join(f"\n  {element}" for element in content) + "\n")
+    text = f'<?xml version="1.0"?>\n<!--\n  {comment}\n-->\n{robot}\n'.encode()
+    file = f"{plan.name}.urdf (not written)"  # the file's name in errors
+    document = Document(file, text)
+    findings.refuse(reader.errors(document), findings.command(file))
+    press = loading.assembled(document, None, plan.slide, plan.gravity)
+    loading.check_drawn_pose(press)
+    return press
+
+
+def _link(name: str, inertia: pin.Inertia, size: float) -> str:
+    if not inertia.mass:  # the frame's
+        return tag("link", {"name": name})
+    origin, mass = tag("origin", {"xyz": _written(inertia.lever, size)}), tag("mass", {"value": _written([inertia.mass])})
+    largest = float(np.abs(inertia.inertia).max())
+    moments = tag("inertia", {name: _written([inertia.inertia[i, j]], largest) for name, i, j in _MOMENTS})
+    return tag("link", {"name": name}, tag("inertial", {}, origin + mass + moments))
+
+
+def _joint(body: PlanBody, place: pin.SE3, size: float) -> str:
+    ends = tag("parent", {"link": body.parent}) + tag("child", {"link": body.link})
+    content = ends + tag("origin", _placement(place, size)) + tag("axis", {"xyz": _written(body.axis, 1.0)})
+    if body.limits:
+        names = ("lower", "upper", "effort", "velocity")
+        content += tag("limit", {name: _written([value]) for name, value in zip(names, body.limits, strict=True)})
+    if body.leader is not None:
+        content += tag("mimic", {"joint": body.leader, "multiplier": "-1", "offset": "0"})
+    return tag("joint", {"name": body.joint, "type": "prismatic" if body.limits else "continuous"}, content)
+
+
+def _loop(each: PlanPin, places: Mapping[str, pin.SE3], normal: Array, size: float) -> str:
+    """A loop joint whose two ends have the world's axes in the drawn pose."""
+    there = pin.SE3(np.eye(3), each.point)
+    ends = (("link1", each.link1), ("link2", each.link2))
+    content = "".join(tag(end, {"link": link} | _placement(places[link].actInv(there), size)) for end, link in ends)
+    content += tag("axis", {"xyz": _written(normal, 1.0)}) if each.type == "revolute" else ""
+    return tag("loop_joint", {"name": each.name, "type": each.type}, content)
+
+
+def _placement(place: pin.SE3, size: float) -> dict[str, str]:
+    return {"xyz": _written(place.translation, size), "rpy": _written(pin.rpy.matrixToRpy(place.rotation), 1.0)}
+
+
+def _written(numbers: Array | list[float], size: float = 0.0) -> str:
+    """Numbers as text; those that are rounding beside a size are zero."""
+    return " ".join(repr(float(number) if abs(number) > BELOW_ROUNDING * size else 0.0) for number in numbers)
