@@ -335,7 +335,7 @@ class BatchSolver:
 
     def _advance(self, solution: CollocationSolution, passed: Array, going: Mask, until: float) -> None:
         """Take over what a period holds, and go to its end."""
-        forces = self._forces(solution)
+        forces = self.drive_and_loads(solution)
         self._fill(solution, passed, going, until, forces)
         through = going & (passed[-1] < until)
         for k, force in forces:
@@ -373,7 +373,7 @@ class BatchSolver:
         slow = nearly_at_rest(solution.energy, solution.force, self.driven.model.potential_range)
         return np.asarray((slow & (passed[:-1] < until)).any(axis=(0, 1)))
 
-    def _forces(self, solution: CollocationSolution) -> list[tuple[int, Array]]:
+    def drive_and_loads(self, solution: CollocationSolution) -> list[tuple[int, Array]]:
         """Forces of the drive along the travel, and of the loads against it, where there are any; each with its row in ``works``."""
         driven = self.driven
         driving = [(0, drive_torque(driven.drive, solution))] if driven.drive is not None else []
