@@ -1,6 +1,7 @@
 """What the solvers over angle and time do for accuracy, each for itself: a run as a whole would hide its lack behind smaller steps."""
 
 import dataclasses
+from typing import Any
 
 import numpy as np
 import pytest
@@ -83,7 +84,8 @@ def test_a_step_over_time_ends_at_a_corner_of_the_torque(press, method):
     assert passed
     for k in passed:
         assert min(abs(segment.speeds[k] - corner) for corner in driven.corners) < 1e-6
-        assert segment.pieces[k - 1].t == segment.times[k - 1]
+        step: Any = segment.pieces[k - 1]
+        assert step.t == segment.times[k - 1]
 
 
 def test_a_brake_that_grips_comes_before_all_else_that_happens_at_rest(press):
