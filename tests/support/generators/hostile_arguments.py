@@ -101,7 +101,7 @@ def reactions() -> pp.Reactions:
 
 @cache
 def run() -> pp.Run:
-    return pp.simulate(press(), 1.0, 7.0, drive=pp.drives.ConstantTorque(1.0))
+    return pp.simulate(press(), 1.0, speed=7.0, drive=pp.drives.ConstantTorque(1.0))
 
 
 @cache
