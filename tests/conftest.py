@@ -14,10 +14,12 @@ import pytest
 from hypothesis import settings
 from support.exploring import EXPLORE, FIXED
 from support.in_browser import FLAGS, wait
+from support.sampling import pytest_collection_modifyitems
 from support.skips import pytest_make_collect_report, pytest_runtest_makereport
 from support.time_limit import time_limit
 
-__all__ = ["pytest_make_collect_report", "pytest_runtest_makereport", "time_limit"]  # hooks and a fixture for all tests
+# hooks and a fixture for all tests
+__all__ = ["pytest_collection_modifyitems", "pytest_make_collect_report", "pytest_runtest_makereport", "time_limit"]
 
 settings.load_profile(FIXED)
 

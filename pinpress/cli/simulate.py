@@ -111,21 +111,20 @@ def run(options: argparse.Namespace) -> int:
     done: Run
     if options.steady:
         _refuse_beside_steady(options)
-        parts = {"drive": drive, "flywheel": flywheel, "loads": loads}
-        done = steady_state(press, speed, angle=angle, **parts, **shared)  # type: ignore[arg-type]  # it refuses what has no motor
+        done = steady_state(press, speed, drive, flywheel, loads, angle, **shared)  # type: ignore[arg-type]  # it refuses what has none
     else:
         with progress(options.duration, BAR) as told:
             done = simulate(
                 press,
                 options.duration,
-                speed=speed,
-                angle=angle,
-                drive=drive,
-                flywheel=flywheel,
-                loads=loads,
-                method=options.method,
-                clutch=clutch,
-                brake=brake,
+                speed,
+                angle,
+                drive,
+                flywheel,
+                loads,
+                options.method,
+                clutch,
+                brake,
                 step=options.step,
                 progress=told,
                 **shared,

@@ -77,6 +77,7 @@ def test_the_hand_script(presses, name):
     assert max(errors(presses(name), HandScript(presses(name)), 90)) < EXACT
 
 
+@pytest.mark.one_in(3)
 @pytest.mark.parametrize("speed", [SPEED, -SPEED])
 @pytest.mark.parametrize("name", PRESSES)
 def test_mujoco(presses, made, name, speed):
@@ -84,6 +85,7 @@ def test_mujoco(presses, made, name, speed):
     assert max(errors(presses(name), made("Mujoco", name), 90, speed)) < EXACT
 
 
+@pytest.mark.one_in(2)
 @pytest.mark.parametrize("name", ["jf75g_125_symmetric", "jf75g_125_two_point"])
 def test_mujoco_where_loops_hold_each_other(presses, made, name):
     """The torque, and what the frame takes in all: how its bearings share it, rigid mechanics leaves open. Gear pairs too."""
@@ -96,6 +98,7 @@ def test_mujoco_where_loops_hold_each_other(presses, made, name):
     assert np.abs(found - expected).max() < SHARED * np.abs(expected).max()
 
 
+@pytest.mark.one_in(3)
 @pytest.mark.parametrize("speed", [SPEED, -SPEED])
 @pytest.mark.parametrize("name", PRESSES)
 def test_exudyn(presses, made, name, speed):
@@ -146,6 +149,7 @@ def order(errors):
     return float(np.log2(errors[0] / errors[-1]) / (len(errors) - 1))
 
 
+@pytest.mark.one_in(4)
 @pytest.mark.parametrize("name", PRESSES)
 def test_free_run_by_mujocos_terms(presses, made, name):
     """Classical Runge-Kutta: fourth order; on the loops to rounding after every step."""
@@ -167,6 +171,7 @@ def test_free_run_by_mujocos_own_steps(presses, made, name):
     assert (forces < 1e-3).all()
 
 
+@pytest.mark.one_in(3)
 @pytest.mark.parametrize("name", PRESSES)
 def test_free_run_by_exudyn(presses, made, name):
     """The trapezoidal rule: second order in everything, the gap too, as it keeps the rates of the loops."""
@@ -200,6 +205,7 @@ def test_a_step_too_long_is_said_or_seen(presses, made, kind, step, capfd, tmp_p
     assert list(tmp_path.iterdir()) == []
 
 
+@pytest.mark.one_in(3)
 @pytest.mark.parametrize(
     ("kind", "group", "coarse", "bounds"),
     [  # of angle [rad] and forces (of their peak) at a quarter of the step
@@ -212,7 +218,7 @@ def test_at_work(presses, made, kind, group, coarse, bounds):
     """Under a motor and against a die, or under a stiff law; steps that run over the edges of a load lose their order there."""
     press, peer = presses("zxn2_3000b"), made(kind, "zxn2_3000b")
     scene = build_scene(press, group, SPEED, 1360.0, 1.0)
-    run = pp.simulate(press, 1.0, speed=scene.speed, angle=scene.angle, drive=scene.drive, flywheel=scene.flywheel, loads=scene.loads)
+    run = pp.simulate(press, 1.0, scene.speed, scene.angle, scene.drive, scene.flywheel, scene.loads)
     reactions = pp.inverse_dynamics(press, run)
     peak = max(np.linalg.norm(force[1:], axis=1).max() for force in reactions.bearing_force.values())
     errors = []

@@ -80,6 +80,7 @@ def check_change(press, link, engine):
         assert np.abs(moment).max() <= 1e-11 * size * force, bearing
 
 
+@pytest.mark.one_in(3)
 @pytest.mark.parametrize("engine", ["auto", "pinocchio"])
 @pytest.mark.parametrize("seed", SEEDS)
 def test_masses_change_the_forces_of_planar_linkages(planar, seed, engine):
@@ -87,6 +88,7 @@ def test_masses_change_the_forces_of_planar_linkages(planar, seed, engine):
         check_change(planar(seed), link, engine)
 
 
+@pytest.mark.one_in(3)
 @pytest.mark.parametrize(
     ("text", "link"),
     [(bennett(), "link2"), (four_bar("revolute"), "back"), (four_bar("revolute", "table"), "crank"), (cassie.urdf(), "left-foot-crank")],
@@ -167,6 +169,7 @@ def part_of(weights, share):
     return [pp.balancing.Counterweight(w.link, share * w.mass, w.position, share * w.inertia) for w in weights]
 
 
+@pytest.mark.one_in(4)
 @pytest.mark.parametrize("number", range(len(ANY)))
 def test_no_counterweights_beat_the_bound(planar, number):
     """In two conditions, one with loads. Random ones, and the best with a little of these mixed in: convexity has no other way out."""
@@ -228,6 +231,7 @@ def test_no_masses_beat_the_bound_in_space(folder):
         )
 
 
+@pytest.mark.one_in(3)
 @pytest.mark.parametrize("name", ["jf75g_125", "thin_wall", "jf75g_125_plain"])
 @pytest.mark.parametrize(
     "measure",

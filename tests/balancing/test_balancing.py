@@ -115,6 +115,7 @@ TWO = {"crank": 0.1428, "rod": 0.0456}  # the paper's links and radii
 BEFORE = by_hand.ranges(by_hand.shaking_force())
 
 
+@pytest.mark.one_in(3)
 @pytest.mark.parametrize(
     ("radii", "weights", "most", "still"),
     [
@@ -352,6 +353,7 @@ def test_relative_results_do_not_depend_on_size_and_mass(tmp_path):
     assert np.max(found[0], axis=0)[0] < -0.01
 
 
+@pytest.mark.one_in(3)
 @pytest.mark.filterwarnings("ignore::pinpress.PinpressWarning")  # that it turns too fast
 @pytest.mark.parametrize(
     "measure", [X, TORQUE, pp.balancing.Rms("shaking_force"), pp.balancing.Peak("bearing_force", bearing="D")], ids=lambda m: m.words

@@ -28,6 +28,7 @@ def balanced(six_bar, turn, region, measure=TORQUE, most=200.0):
     return pp.balancing.balance(six_bar, turn, regions=[region], minimise=measure, limits={MASS: most})
 
 
+@pytest.mark.one_in(3)
 @pytest.mark.parametrize("link", ["crank", "coupler", "rocker", "rod"])
 @pytest.mark.parametrize("gyration", [0.0, 0.15])
 @pytest.mark.parametrize("measure", [TORQUE, HEAVY], ids=lambda m: m.words)

@@ -150,6 +150,7 @@ def asked(monkeypatch: pytest.MonkeyPatch, *arguments: str) -> dict[str, Any]:
     return taken
 
 
+@pytest.mark.one_in(3)
 @pytest.mark.parametrize(
     ("words", "region"),
     [
@@ -172,6 +173,7 @@ def test_regions(monkeypatch: pytest.MonkeyPatch, words: str, region: pp.balanci
     assert asked(monkeypatch, "--region", words, "--minimise", "added_mass")["regions"] == [region]
 
 
+@pytest.mark.one_in(3)
 @pytest.mark.parametrize(
     ("words", "minimise"),
     [

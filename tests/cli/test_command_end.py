@@ -29,6 +29,7 @@ def run(command, *arguments, **more):
     return subprocess.run([sys.executable, *COMMANDS[command], *arguments], env=environment, stderr=subprocess.PIPE, text=True, **more)
 
 
+@pytest.mark.one_in(2)
 @pytest.mark.parametrize("arguments", [["check", "crank_slide"], ["--help"]], ids=" ".join)
 def test_output_that_cannot_be_written(arguments):
     with open("/dev/full", "w") as full:
@@ -36,6 +37,7 @@ def test_output_that_cannot_be_written(arguments):
     assert (ended.returncode, ended.stderr) == (2, "pinpress: cannot write the output: No space left on device\n")
 
 
+@pytest.mark.one_in(2)
 @pytest.mark.parametrize("unbuffered", ["", "1"])
 def test_output_that_nobody_reads(unbuffered):
     reader, writer = os.pipe()
@@ -45,6 +47,7 @@ def test_output_that_nobody_reads(unbuffered):
     assert (ended.returncode, ended.stderr) == (0, "")
 
 
+@pytest.mark.one_in(2)
 @pytest.mark.parametrize(
     ("command", "module"),
     [

@@ -74,6 +74,7 @@ def check_motion(press, states, along):
             check(getattr(derivative, name), differences, name)
 
 
+@pytest.mark.one_in(3)
 @pytest.mark.parametrize("name", ["jf75g_125_symmetric", "thin_wall", "zxn2_3000b"])
 def test_motion_derivatives_are_those_of_changed_presses(name):
     press = texts.shipped(name)
@@ -139,6 +140,7 @@ def check_trials(press, motion, along, loads=()):
             check(derivative, differences, name)
 
 
+@pytest.mark.one_in(3)
 @pytest.mark.parametrize("name", pp.presses())
 def test_reaction_derivatives_are_those_of_changed_presses(name):
     """With a constant force on a link."""

@@ -59,6 +59,7 @@ def test_the_way_there_and_back_leads_to_the_same_motion():
     assert np.abs(pp.cycle(there, SPEED, points=60).slide_position - motions[0].slide_position).max() > 0.01
 
 
+@pytest.mark.one_in(3)
 @pytest.mark.parametrize("name", ["zxn2_3000b", "jf75g_125_symmetric", "thin_wall"])
 def test_a_changed_linkage_is_written_and_loads_to_the_same_motion(name, tmp_path):
     press = texts.shipped(name)

@@ -170,6 +170,7 @@ def scaled(press, folder, length, mass):
     return pp.load(file, gravity=press.model.gravity.linear * length)
 
 
+@pytest.mark.one_in(3)
 @pytest.mark.filterwarnings("ignore::pinpress.PinpressWarning")  # sizes and densities of no press
 @pytest.mark.parametrize("engine", ENGINES)
 @pytest.mark.parametrize(("length", "mass"), [(1e-6, 1.0), (1e3, 1e-3), (1.0, 1e6), (1e-6, 1e-18)])

@@ -157,6 +157,7 @@ def by_hand(name):
     return press, friction, friction_script.solve(moved, LIFT, coulomb, viscous), friction_script.solve(moved, LIFT, none, none)
 
 
+@pytest.mark.one_in(3)
 @pytest.mark.parametrize("name", ["crank_slide", "zxn2_3000b"])
 @pytest.mark.parametrize("rubs", [False, True])
 def test_hand_script(name, rubs, engine):
@@ -228,6 +229,7 @@ def light_crank_slide(along, radius=0.1, length=0.4):
     return drawing.urdf("O"), crank, end
 
 
+@pytest.mark.one_in(4)
 @pytest.mark.filterwarnings("ignore:.*points down:pinpress.PinpressWarning")
 @pytest.mark.parametrize("along", [1j, -1j, 1 + 0j, np.exp(0.5j)], ids=["up", "down", "across", "slope"])
 @pytest.mark.parametrize("direction", [1, -1])
@@ -282,6 +284,7 @@ def test_backwards_is_the_mirror_in_time(engine):
         )
 
 
+@pytest.mark.one_in(3)
 @pytest.mark.parametrize("name", ["crank_slide", "zxn2_3000b", "jf75g_125", "jf75g_125_symmetric", "jf75g_125_two_point"])
 def test_all_laws_over_a_turn(name, engine):
     """With friction everywhere; and all that is lost is what the drive puts in more; 1e-12 of the peaks."""
@@ -365,6 +368,7 @@ def test_a_pin_that_never_turns_does_not_rub(folder, engine):
 # ---------------------------------------------------------------------------------------------------- forces that vanish, or are large
 
 
+@pytest.mark.one_in(3)
 @pytest.mark.parametrize("coefficient", [0.05, 0.3])
 @pytest.mark.parametrize("guide", ["slide_guide", "counterweight_guide"])
 def test_a_guide_without_a_force(guide, coefficient, engine):
@@ -448,6 +452,7 @@ def text_of(name):
     return (through_space | redundant | geared)[name]()
 
 
+@pytest.mark.one_in(3)
 @pytest.mark.parametrize(
     ("name", "engine"),
     [

@@ -109,6 +109,7 @@ def same(one, other, bound):
 # ------------------------------------------------------------------------------------------------------------------------------- forces
 
 
+@pytest.mark.one_in(5)
 @pytest.mark.parametrize("spring", SPRINGS)
 @pytest.mark.parametrize(("name", "engine"), BOTH)
 def test_a_spring_is_the_pair_of_its_forces(folder, name, spring, engine):
@@ -197,6 +198,7 @@ def test_springs_and_friction_together(engine):
 # ------------------------------------------------------------------------------------------------------------------------------- energy
 
 
+@pytest.mark.one_in(4)
 @pytest.mark.parametrize("name", ["slide_to_frame", "frame_to_rocker", "rod_to_crank"])
 def test_energy_over_a_turn(folder, name, engine):
     """At constant speed a spring gives back what it takes: the mean torque stays, 1e-12 of the peak change. A damper takes the integral of

@@ -130,6 +130,7 @@ def test_inverse_dynamics_gives_the_torque_back(press, simulated, method):
     assert np.abs(result.driving_torque - andrews.TORQUE).max() < 300 * 0.007 * CLOSE[method][3]
 
 
+@pytest.mark.exhaustive
 def test_both_methods_to_50_ms(press, simulated):
     runs = [simulated(method, 0.05) for method in METHODS]
     assert np.abs(runs[0].crank_angle[-1] - runs[1].crank_angle[-1]) < 50 * CLOSE["reduced"][0]  # it turns 50 rad

@@ -123,6 +123,7 @@ def units(press):
 # --------------------------------------------------------------------------------------------------------------------------- acceleration
 
 
+@pytest.mark.one_in(3)
 def test_dense_equations(case):
     """Under any efforts: [M J'; J 0] with least-squares multipliers, by NumPy, Pinocchio's mass matrix of the open tree, and rows of the
     tests' own. Both solutions lose digits with the condition of the dense matrix, most (to 3e-11) in Bennett's linkage: 1e-9."""
@@ -419,6 +420,7 @@ def test_closed_states_are_left_alone(case):
         assert gap == case.dynamics.gap(at)
 
 
+@pytest.mark.one_in(3)
 def test_projection(case):
     """Perturbed states are closed to 1e-12 m by measure of the tests' own loops, rates belong to them, and once is enough."""
     rng, scale = np.random.default_rng(6), 1 / units(case.press)

@@ -73,6 +73,7 @@ def errors(press, result, states):
 # ------------------------------------------------------------------------------------------------------------------------------- tests
 
 
+@pytest.mark.one_in(4)
 @pytest.mark.parametrize("stiff", ["none", "some", "all"])
 @pytest.mark.parametrize(("name", "engine"), BOTH)
 def test_bodies_cut_free(folder, name, engine, stiff):
@@ -202,6 +203,7 @@ def test_only_ratios_of_stiffnesses_count(folder, name, engine):
         assert np.abs(one.bearing_force[bearing] - two.bearing_force[bearing]).max() <= 1e-12 * peak
 
 
+@pytest.mark.one_in(3)
 @pytest.mark.parametrize("name", ["two_point", "symmetric", "three_held_rods", "geared_cranks", "chain"])
 def test_a_stiffness_of_any_one_bearing(folder, name):
     """Its force is the least that idle forces can make it, then the rest; 1e-10 of the peaks, as zero is found by taking off large ones."""
@@ -214,6 +216,7 @@ def test_a_stiffness_of_any_one_bearing(folder, name):
             assert max(errors(press, result, [state])) <= 1e-10, (bearing, engine)
 
 
+@pytest.mark.one_in(3)
 @pytest.mark.parametrize("engine", ENGINES)
 @pytest.mark.parametrize(
     ("name", "bearing"),

@@ -42,6 +42,7 @@ def exact(count, times):
     return solved.y
 
 
+@pytest.mark.one_in(3)
 @pytest.mark.parametrize("method", BOUNDS)
 @pytest.mark.parametrize("count", [1, 2])
 def test_ten_seconds(loaded, count, method):
@@ -69,6 +70,7 @@ def test_closed_at_singular_poses(loaded, count):
         assert motion.closure_error.max() < ROUNDING
 
 
+@pytest.mark.one_in(2)
 @pytest.mark.parametrize(("count", "method", "duration"), [(40, "reduced", 10.0), (12, "constraint", 3.0)])
 def test_many_windows(loaded, count, method, duration):
     """40 windows, as the benchmark was first written: 81 joints, 40 loops that all lose their rank at once."""
@@ -90,6 +92,7 @@ def test_the_tables_are_the_equations(loaded):
     assert abs(np.sin(n_four_bar.EXACT[2][10][0]) - n_four_bar.EXTRAPOLATED) < 2e-8  # the extrapolation's own error
 
 
+@pytest.mark.one_in(2)
 @pytest.mark.parametrize("method", BOUNDS)
 def test_it_stays_a_parallelogram(double, method):
     """At all times, those at which it is singular and those beside them among them: all rods upright alike, the others level."""

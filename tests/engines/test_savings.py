@@ -184,6 +184,7 @@ OTHERS = {
 }
 
 
+@pytest.mark.one_in(2)
 @pytest.mark.parametrize("make", OTHERS.values(), ids=OTHERS)
 def test_linkages_of_the_other_engine(folder, make):
     press = make(folder)

@@ -186,6 +186,7 @@ def reactions(units, load=None, rubbing=None):
     return pp.inverse_dynamics(press(units), states(units), loads=given, friction=laws)
 
 
+@pytest.mark.one_in(5)
 @pytest.mark.parametrize("units", UNITS)
 @pytest.mark.parametrize("load", [None, *LOADS])
 def test_inverse_dynamics(load, units):
@@ -251,11 +252,10 @@ def run(scene, units):
     speed = 0.0 if scene in ("servo", "clutch") else SPEED * units.of(*RATE)
     if scene == "clutch":
         flywheel = grown(pp.drives.Flywheel(500.0, SPEED), units)
-    return pp.simulate(
-        press(units), 0.2 * units.time, speed=speed, angle=0.0 if scene == "servo" else 3.3, flywheel=flywheel, points=21, **given
-    )
+    return pp.simulate(press(units), 0.2 * units.time, speed, 0.0 if scene == "servo" else 3.3, flywheel=flywheel, points=21, **given)
 
 
+@pytest.mark.one_in(3)
 @pytest.mark.parametrize("scene", SCENES)
 def test_runs(scene):
     units = UNITS[-1]

@@ -110,6 +110,7 @@ def slope(function, h):
 # --------------------------------------------------------------------------------------------------------------------------- kinematics
 
 
+@pytest.mark.one_in(3)
 def test_rank(case):
     """Of the Jacobian made here, in every state; what it leaves free is the mobility, and there is a driver for each."""
     family, press = FAMILIES[case.name], case.press
@@ -136,6 +137,7 @@ def test_drivers_do_what_is_asked(case):
         np.testing.assert_allclose(found[:, at], asked, rtol=0, atol=1e-14)
 
 
+@pytest.mark.one_in(3)
 def test_rates_are_derivatives_of_positions(case):
     """In time, of all joints: rates, and accelerations as derivatives of rates, to 1e-10 of the peak."""
     count = 3
@@ -286,6 +288,7 @@ def test_bricard_locks_at_120_degrees(load):
         pp.servo_cycle(press, speed=1.0, angle=[2 * np.pi / 3 - BRICARD_DRAWN + 0.01])
 
 
+@pytest.mark.one_in(2)
 @pytest.mark.parametrize(("make", "cuts", "swing"), [(bennett, (2, 3, 4), 4.0), (bricard, (2, 6), 1.0)])
 def test_where_a_ring_is_cut_changes_nothing(make, cuts, swing, load):
     """Torque, and the shares of what is open, which are chosen among all bearings: a pin has its force and moment in any tree; 1e-12."""

@@ -180,6 +180,7 @@ def test_counterweight_in_closed_form(name, engine):
     near(motion.a[:, guide], counterweight.acceleration(motion).imag, 1e-12)
 
 
+@pytest.mark.one_in(5)
 @pytest.mark.parametrize("name", PRESSES)
 @pytest.mark.parametrize("motion", MOTIONS)
 def test_torque_is_that_of_the_reduced_equation(name, motion, engine):
@@ -187,6 +188,7 @@ def test_torque_is_that_of_the_reduced_equation(name, motion, engine):
     near(result.driving_torque, driving_torque(PARTS[name], result.motion), 1e-12)
 
 
+@pytest.mark.one_in(3)
 @pytest.mark.parametrize("name", PRESSES)
 def test_power_balance(name, engine):
     assert np.abs(solved(load(name), engine).power_residual).max() < 1e-13
@@ -236,6 +238,7 @@ def extremes(press, speed, engine, curve):
     return found
 
 
+@pytest.mark.one_in(5)
 @pytest.mark.parametrize("rpm", ["300", "400"])
 @pytest.mark.parametrize("name", SHAKING)
 def test_extremes_of_the_shaking_force_equal_the_reference(name, rpm, engine):
@@ -260,6 +263,7 @@ def test_extremes_of_the_shaking_force_equal_the_reference(name, rpm, engine):
     assert found == pytest.approx(expected, rel=1e-10, abs=0)
 
 
+@pytest.mark.one_in(5)
 @pytest.mark.parametrize("rpm", ["300", "400"])
 @pytest.mark.parametrize("name", SHAKING)
 def test_range_of_the_shaking_moment_equals_the_reference(name, rpm, engine):
@@ -288,6 +292,7 @@ def mirrored(vectors):
     return vectors * [-1.0, 1.0, 1.0]
 
 
+@pytest.mark.one_in(3)
 @pytest.mark.parametrize("motion", MOTIONS)
 def test_symmetric_press_neither_shakes_sideways_nor_tilts(motion, engine):
     """Lateral force and moment about y, gravity included, of the vertical force. 1e-12: rounding; the opposed press has 1e-3 and more."""
@@ -303,6 +308,7 @@ def test_symmetric_press_shakes_upright_as_the_opposed_one(engine):
     near(symmetric, opposed, 1e-12)
 
 
+@pytest.mark.one_in(3)
 @pytest.mark.parametrize("side", SIDES)
 def test_either_side_of_the_symmetric_press_carries_half(side, engine):
     """Rods and shafts as those of an opposed press of half the masses, on the right in the mirror, though the left shaft drives alone."""
@@ -322,6 +328,7 @@ def test_guides_of_the_symmetric_press_carry_nothing(engine):
         assert np.abs(result.bearing_moment[guide]).max() <= 1e-12 * peak * A
 
 
+@pytest.mark.one_in(3)
 @pytest.mark.parametrize("motion", MOTIONS)
 def test_gear_pair_carries_half_of_the_torque(motion, engine):
     """What the right half needs, half of the whole; the right shaft turns against the left one, so it is negative on both."""
@@ -387,6 +394,7 @@ def moment_about_the_middle(bearing, expected):
     return sum(np.cross([0.0, y, 0.0], expected[f"{bearing}_{point}"]) for point, y in POINTS.items())
 
 
+@pytest.mark.one_in(5)
 def test_two_points_together_carry_what_one_does(two_point, load_case):
     """In sum, and in the other bearings, the forces of the opposed press, whatever the stiffnesses."""
     main, auxiliary = forces(MAIN, two_point.motion, LOADS[load_case][0]), forces(AUXILIARY, two_point.motion)
@@ -400,6 +408,7 @@ def test_two_points_together_carry_what_one_does(two_point, load_case):
         near(found[bearing], space(force), 1e-12, peak=main.shaft)
 
 
+@pytest.mark.one_in(5)
 def test_two_points_share_by_stiffness(two_point, stiffness, load_case):
     """Along the rods as their stiffnesses, equally where none is given."""
     expected = shared(two_point.motion, FRONT[stiffness], LOADS[load_case][0])
@@ -407,6 +416,7 @@ def test_two_points_share_by_stiffness(two_point, stiffness, load_case):
         near(two_point.bearing_force[bearing], force, 1e-12)
 
 
+@pytest.mark.one_in(5)
 def test_moment_at_the_shaft_of_two_points(two_point, stiffness, load_case):
     """The shaft holds the crank against the rods, about x and z."""
     expected = shared(two_point.motion, FRONT[stiffness], LOADS[load_case][0])
@@ -414,6 +424,7 @@ def test_moment_at_the_shaft_of_two_points(two_point, stiffness, load_case):
     near(two_point.bearing_moment["O"][:, [0, 2]], on_crank[:, [0, 2]], 1e-12, peak=B * expected["P2_front"])
 
 
+@pytest.mark.one_in(5)
 def test_moment_at_the_guide_of_two_points(two_point, stiffness, load_case):
     """The guide holds the slide against the rods and a load beside the middle plane."""
     force, y = LOADS[load_case]

@@ -71,8 +71,8 @@ def at(press, angle, speed=SPEED):
 def test_turns_of_a_period(press, name):
     assert press.period_turns == period_turns(press) == TURNS[name]
     assert pp.cycle(press, SPEED).period_turns == TURNS[name]
-    assert pp.simulate(press, 0.05, speed=SPEED, flywheel=pp.drives.Flywheel(1.0)).period_turns == TURNS[name]
-    assert pp.simulate(press, 0.05, speed=SPEED, flywheel=pp.drives.Flywheel(1.0), method="constraint").period_turns == TURNS[name]
+    assert pp.simulate(press, 0.05, SPEED, flywheel=pp.drives.Flywheel(1.0)).period_turns == TURNS[name]
+    assert pp.simulate(press, 0.05, SPEED, flywheel=pp.drives.Flywheel(1.0), method="constraint").period_turns == TURNS[name]
 
 
 @pytest.mark.parametrize("way", [1.0, -1.0])
@@ -264,6 +264,7 @@ def largest(press, item, speed=SPEED):
     return peak(np.linalg.norm(result.bearing_force[item.removeprefix("bearing ")], axis=1))
 
 
+@pytest.mark.one_in(3)
 @pytest.mark.parametrize("item", ["torque", "slide acceleration", "bearing O", "bearing guide"])
 def test_speed_limit(press, item):
     """The capacity is what the item comes to at some speed, in whatever turn: that speed is found."""

@@ -114,7 +114,7 @@ def test_vibration_of_a_run_that_is_steady(name, folder):
 
 
 def test_strokes_are_periods(press, name):
-    run = pp.simulate(press, 1.7, speed=SPEED, drive=pp.drives.InductionMotor(5e3, 40.0), flywheel=pp.drives.Flywheel(30.0), points=20_001)
+    run = pp.simulate(press, 1.7, SPEED, drive=pp.drives.InductionMotor(5e3, 40.0), flywheel=pp.drives.Flywheel(30.0), points=20_001)
     strokes = pp.measures.stroke_duties(run)
     assert len(strokes) == int((run.crank_angle[-1] - run.crank_angle[0]) / (2 * np.pi * TURNS[name])) > 1
     for k, stroke in enumerate(strokes):
@@ -123,7 +123,7 @@ def test_strokes_are_periods(press, name):
         during = (run.time >= stroke.start) & (run.time <= stroke.start + stroke.duration)
         assert abs(stroke.lowest_speed / run.crank_speed[during].min() - 1) < 1e-4
         assert abs(stroke.highest_speed / run.crank_speed[during].max() - 1) < 1e-4
-    assert len(pp.measures.stroke_duties(pp.simulate(press, 1.0, speed=0.5, flywheel=pp.drives.Flywheel(1e4)))) == 0
+    assert len(pp.measures.stroke_duties(pp.simulate(press, 1.0, 0.5, flywheel=pp.drives.Flywheel(1e4)))) == 0
 
 
 # A slide that is back before other links
@@ -149,7 +149,7 @@ def test_measures_of_a_slide_that_is_back_before_other_links(with_cam, alone):
         (measures.dwell_time, (0.001,)),
     ):
         assert measure(mine, *given) == pytest.approx(measure(theirs, *given), rel=1e-9)
-    run = pp.simulate(with_cam, 1.0, speed=SPEED, flywheel=pp.drives.Flywheel(50.0))
+    run = pp.simulate(with_cam, 1.0, SPEED, flywheel=pp.drives.Flywheel(50.0))
     assert len(pp.measures.stroke_duties(run)) == int(run.crank_angle[-1] / (2 * np.pi)) > 3
 
 
@@ -229,6 +229,7 @@ def test_plots_over_the_period(press, name):
     assert {state for _, state in _quarters(run)} <= set(range(50, 360 * turns + 50))  # of the last one
 
 
+@pytest.mark.one_in(2)
 def test_bars_of_fractional_orders(press, name):
     figure = pp.plots.shaking(pp.inverse_dynamics(press, pp.cycle(press, SPEED)))
     bars: list[Any] = list(figure.axes[1].patches)
@@ -240,6 +241,7 @@ def test_bars_of_fractional_orders(press, name):
     assert list(figure.axes[1].get_xticks()) == list(range(1, 13))
 
 
+@pytest.mark.one_in(2)
 def test_a_report_beside_a_press_with_another_period(press, alone, tmp_path):
     mine, theirs = (pp.inverse_dynamics(each, pp.cycle(each, SPEED)) for each in (press, alone))
     for first, second in ((mine, theirs), (theirs, mine)):
@@ -333,6 +335,7 @@ def written(press, folder):
     return str(file)
 
 
+@pytest.mark.one_in(2)
 def test_commands(press, name, folder, tmp_path, capsys):
     from pinpress.cli.main import main
 
@@ -378,9 +381,9 @@ def test_a_linkage_that_locks_after_more_than_a_turn_has_no_cycle(folder):
             ask(press)
 
 
-def test_a_turn_of_a_press_that_never_comes_back_is_not_measured(tmp_path):
+def test_a_turn_of_a_press_that_never_comes_back_is_not_measured(folder):
     """One turn of its crank ends where it began, the second is another one."""
-    press = period_presses.five_bar(0.5**0.5, tmp_path)
+    press = period_presses.five_bar(0.5**0.5, folder)
     turn = pp.servo_cycle(press, speed=1.0, angle=np.arange(360) * (2 * np.pi / 360))
     with pytest.raises(pp.PinpressError, match="the linkage of the motion has no period after which all is where it was"):
         pp.measures.stroke(turn)

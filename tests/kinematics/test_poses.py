@@ -18,6 +18,7 @@ def press(request, tmp_path):
     return pp.load(tmp_path / "bennett.urdf")
 
 
+@pytest.mark.one_in(4)
 def test_against_pinocchio(press):
     motion = pp.cycle(press, speed=7.0, points=17)
     at, data = poses(press, motion.joint_position), press.model.createData()

@@ -266,6 +266,7 @@ def test_turn_backwards(press, engine):
     assert np.abs(here - there[mirrored]).max() <= 1e-12 * np.abs(there).max()
 
 
+@pytest.mark.one_in(3)
 @pytest.mark.parametrize("speed", [SPEED, -SPEED])
 def test_power_balance(press, engine, speed):
     """With a drawing force on the ram: 1e-12 of the flow at every angle, and over the turn the drive gives what the force takes."""

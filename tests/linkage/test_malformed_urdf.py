@@ -49,6 +49,7 @@ def test_malformed(file, capfd, text, error, element, line, problem):
     assert capfd.readouterr() == ("", "")
 
 
+@pytest.mark.one_in(4)
 @pytest.mark.parametrize(("text", "error", "element", "line", "problem"), CORPUS[::7])
 def test_command_lists_it(file, capsys, text, error, element, line, problem):
     assert main(["check", str(written(file, text))]) == 1

@@ -195,6 +195,7 @@ def nudge(rng, size):
 # ------------------------------------------------------------------------------------------------------------------------------ the text
 
 
+@pytest.mark.one_in(3)
 @pytest.mark.parametrize("name", pp.presses())
 def test_unchanged_press_has_the_same_bytes(name, tmp_path):
     press = texts.shipped(name)
@@ -202,6 +203,7 @@ def test_unchanged_press_has_the_same_bytes(name, tmp_path):
     assert (tmp_path / "written.urdf").read_bytes() == press.text
 
 
+@pytest.mark.one_in(3)
 @pytest.mark.parametrize(
     "content",
     [
@@ -252,6 +254,7 @@ def test_name_that_no_file_can_hold(press, tmp_path, name):
 # --------------------------------------------------------------------------------------------------------------------------- the numbers
 
 
+@pytest.mark.one_in(4)
 @pytest.mark.parametrize("name", pp.presses())
 def test_inertias(name, tmp_path):
     press, rng = texts.shipped(name), np.random.default_rng(2)
@@ -313,6 +316,7 @@ def test_placements(press, tmp_path):
     assert_same(written(other, tmp_path), other)
 
 
+@pytest.mark.one_in(2)
 @pytest.mark.parametrize("pitch", [np.pi / 2, -np.pi / 2, np.pi / 2 - 1e-9, np.pi / 2 - 1e-4, np.pi])
 def test_placement_turned_by_about_a_right_angle(press, tmp_path, pitch):
     """Where roll and yaw are one."""
@@ -429,6 +433,7 @@ TWO = four_bar("spherical", table="table")  # T carries the frame of the crank O
 DRIVES = '<transmission name="drive_T"><joint name="T"/></transmission>\n  <transmission name="drive_O"><joint name="O"/></transmission>'
 
 
+@pytest.mark.one_in(4)
 @pytest.mark.parametrize(
     "transmissions",
     [
@@ -615,6 +620,7 @@ def test_planar_press_stays_planar(tmp_path):
     assert_same_forces(again, other, lambda linkage: pp.cycle(linkage, speed=7.0, points=8))
 
 
+@pytest.mark.one_in(4)
 @pytest.mark.parametrize("name", pp.presses())
 def test_forces_with_other_inertias(name, tmp_path):
     """Redundant presses among them, whose lengths must fit to all digits."""

@@ -326,6 +326,7 @@ def twice(balanced):
         return first, plots.polar(balanced, "A", "B")
 
 
+@pytest.mark.one_in(3)
 @pytest.mark.parametrize("suffix", [".svg", ".png", ".pdf"])
 def test_same_bytes(suffix, twice, tmp_path):
     """Also saved twice, and where the caller has a style of his own."""

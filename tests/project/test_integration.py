@@ -39,6 +39,7 @@ def integrate(folder: Path, fails_at: int) -> tuple[int, list[str], str]:
     return done.returncode, calls.read_text().splitlines(), done.stdout
 
 
+@pytest.mark.exhaustive
 def test_every_step_that_fails_ends_the_integration(tmp_path: Path) -> None:
     code, steps, output = integrate(tmp_path / "good", 0)
     assert code == 0

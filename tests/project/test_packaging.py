@@ -74,6 +74,7 @@ def python(first: Path, code: str, cwd: Path) -> str:
     return run(sys.executable, "-S", "-c", start + code, cwd=cwd, env=environment)
 
 
+@pytest.mark.exhaustive
 def test_wheel_contents(built):
     with zipfile.ZipFile(built[0]) as archive:
         names = {name for name in archive.namelist() if not name.split("/")[0].endswith(".dist-info")}
@@ -94,7 +95,7 @@ def test_sdist_contents(built):
     assert {"pyproject.toml", "README.md", "LICENSE", "pinpress/py.typed"} | PAGES < names
 
 
-@pytest.mark.parametrize("installed", ["checkout", "editable", "wheel"])
+@pytest.mark.parametrize("installed", ["checkout", "editable", pytest.param("wheel", marks=pytest.mark.exhaustive)])
 def test_presses_load_by_name(request, tmp_path, installed):
     folder = request.getfixturevalue(installed)
     code = "import pinpress as pp; print(pp.__file__, *pp.presses()); print(*(pp.load(name).file for name in pp.presses()), sep='\\n')"
@@ -139,6 +140,7 @@ print(*spaces, *modules)
     assert python(checkout, code, tmp_path).split() == [*spaces.split(), "balancing.classical"]
 
 
+@pytest.mark.one_in(3)
 @pytest.mark.parametrize("name", PRESSES)
 def test_other_programs_open_the_shipped_files(name, capfd):
     from yourdfpy import URDF

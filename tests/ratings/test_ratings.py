@@ -144,6 +144,7 @@ def test_an_overload_on_the_return_stroke_is_refused(speed):
 # Any press, by brute force
 
 
+@pytest.mark.one_in(3)
 @pytest.mark.parametrize("name", ["zxn2_3000b", "jf75g_125_symmetric", "thin_wall"])
 def test_what_is_permissible_at_speed_is_just_kept(name):
     """Bisection on the reactions under an actual load: at the permissible force a capacity is reached, below it none is exceeded."""
@@ -252,6 +253,7 @@ def test_work_by_adaptive_quadrature():
 # Every press, both engines, what is written
 
 
+@pytest.mark.one_in(4)
 @pytest.mark.parametrize("at_speed", [False, True])
 @pytest.mark.parametrize("name", SHIPPED)
 def test_every_shipped_press(name, at_speed):

@@ -119,6 +119,7 @@ TOUR = Path(__file__).parents[2] / "docs" / "tour" / "knuckle.urdf"
 HEIGHTS, FORCES = [0.0, 0.002, 0.004], [1.2e6, 4e5, 0.0]
 
 
+@pytest.mark.one_in(2)
 def test_a_servo_press_that_dwells_on_its_work(knuckle, method):
     """The program turns back beside bottom dead centre; the table holds the slide on its way down until the servo overcomes it."""
     aim = pp.dead_centres(knuckle).bottom_angle - 0.2
@@ -140,18 +141,12 @@ def test_a_servo_press_that_dwells_on_its_work(knuckle, method):
     assert held[-1] > 0.9 * largest[-1]
 
 
+@pytest.mark.one_in(2)
 def test_a_press_that_stands_to_the_end_says_so(press, method):
     servo = pp.drives.ServoMotor([0.0, 1.0], [3.0, 9.0], 1e4, 1e2, 5e3, inertia=2.0)
     with pytest.warns(pp.PinpressWarning, match=r"the press stands from 0\.\d+ s to the end, at crank angle .* deg"):
         run = pp.simulate(
-            press,
-            1.0,
-            speed=5.0,
-            angle=3.0,
-            drive=servo,
-            flywheel=pp.drives.Flywheel(5.0),
-            loads=[pp.loads.Blanking(1e6, 0.05, 0.02)],
-            method=method,
+            press, 1.0, 5.0, 3.0, drive=servo, flywheel=pp.drives.Flywheel(5.0), loads=[pp.loads.Blanking(1e6, 0.05, 0.02)], method=method
         )
     assert run.crank_speed[-1] == 0.0
     assert np.ptp(run.crank_angle[run.time > 0.9]) == 0.0

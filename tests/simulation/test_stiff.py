@@ -111,6 +111,7 @@ def test_an_ordinary_run_over_time_stays_explicit():
     assert run("auto", 0.0, drive=motor).stats.solvers == ("explicit",)
 
 
+@pytest.mark.one_in(2)
 @pytest.mark.parametrize("method", ["implicit", "constraint"])
 def test_methods_agree_on_a_law_that_is_hardly_stiff(method):
     scene = {"drive": ConstantTorque(400.0), "loads": [between(1e5, 3e3)], "points": 200}
@@ -152,9 +153,10 @@ def test_a_swing_under_a_steady_torque_pays_its_motor():
     assert found.drive_work == pytest.approx(torque * (found.crank_angle - START), abs=1e-6)
 
 
+@pytest.mark.one_in(2)
 @pytest.mark.parametrize("scene", [{"loads": [between(1e10, 1.0)]}, {"drive": Rubbing(0.0, 1e-3, 1e-6), "loads": [between(1e10, 0.0)]}])
 def test_what_is_damped_ever_so_little_is_not_repeated(scene):
-    found = pp.simulate(MECHANISM.press(), 0.05, speed=SPEED, angle=START, flywheel=pp.drives.Flywheel(FLYWHEEL), **scene)
+    found = pp.simulate(MECHANISM.press(), 0.05, SPEED, START, flywheel=pp.drives.Flywheel(FLYWHEEL), **scene)
     assert "repetition" not in found.stats.solvers
 
 
@@ -177,6 +179,7 @@ def test_the_reference_of_swings_is_right():
     assert swung(1e7, SPEED) == pytest.approx(MECHANISM.integrated(2.0, SPEED, START, FLYWHEEL, push)[0], abs=1e-8)
 
 
+@pytest.mark.one_in(2)
 @pytest.mark.parametrize(
     ("start", "loads"),
     [(1.3, [between(1e6, 0.0, 1.0)]), (0.6, [ElasticDie(0.02, 1e7)])],
@@ -184,9 +187,7 @@ def test_the_reference_of_swings_is_right():
 )
 def test_wide_swings_are_repeated_too(start, loads):
     ours, other = (
-        pp.simulate(
-            MECHANISM.press(), 2.0, speed=0.0, angle=start, flywheel=pp.drives.Flywheel(1.0), loads=loads, method=method, points=200
-        )
+        pp.simulate(MECHANISM.press(), 2.0, 0.0, start, flywheel=pp.drives.Flywheel(1.0), loads=loads, method=method, points=200)
         for method in ("auto", "implicit")
     )
     assert ours.stats.solvers == ("angle", "repetition")

@@ -469,6 +469,7 @@ def test_processes(file):
                 sweep(function, inner, executor=pool)
 
 
+@pytest.mark.one_in(3)
 @pytest.mark.parametrize("how", ["exit", "kill", "crash"])
 def test_a_point_that_kills_its_worker_has_failed(file, how):
     """Of many points in a task as of few; the points that were in hand with it are done, and each is called again once at most."""

@@ -13,6 +13,7 @@ from functools import partial
 from pathlib import Path
 
 import numpy as np
+import pytest
 from support.sweep_10000 import DURATION, INERTIAS, PRESS, grid, stroke
 from support.time_limit import within
 
@@ -37,6 +38,7 @@ def finished(file, copies):
     return [f"{float(speeds[k // len(INERTIAS)])!r},{float(INERTIAS[k % len(INERTIAS)])!r}" for k in numbers]
 
 
+@pytest.mark.exhaustive
 def test_killed_twice_and_resumed(tmp_path):
     file, log = tmp_path / "r.sqlite", tmp_path / "log"
     points = SPEEDS * len(INERTIAS)

@@ -361,6 +361,7 @@ def test_mesh_that_is_a_folder_and_scale_beyond_numbers(tmp_path: Path) -> None:
 # ----------------------------------------------------------------------------------------------------------------------------- plain shapes
 
 
+@pytest.mark.one_in(3)
 @pytest.mark.parametrize("name", pp.presses())
 def test_pins_join_links_without_visuals(name: str) -> None:
     press = bare(texts.shipped(name))
@@ -382,6 +383,7 @@ def own_colours(shown: Any) -> list[tuple[float, ...]]:
     return colours
 
 
+@pytest.mark.one_in(3)
 @pytest.mark.parametrize("name", pp.presses())
 def test_colours_tell_links_apart(name: str) -> None:
     press = bare(texts.shipped(name))
@@ -409,6 +411,7 @@ def test_links_pass_each_other_in_layers(name: str) -> None:
     assert all(below[1] < above[0] for below, above in itertools.pairwise(layers))
 
 
+@pytest.mark.one_in(3)
 @pytest.mark.parametrize("name", pp.presses())
 def test_slides_stay_between_their_rails(name: str) -> None:
     press = bare(texts.shipped(name))

@@ -360,6 +360,7 @@ def test_what_goes_wrong_in_the_page_is_said(wrong: str, says: str, tmp_path: Pa
     assert not out.exists()
 
 
+@pytest.mark.exhaustive
 @pytest.mark.usefixtures("running")
 def test_without_webgl(page: Path, tmp_path: Path) -> None:
     html, out = tmp_path / "out.html", tmp_path / "out.png"

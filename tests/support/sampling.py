@@ -1,0 +1,19 @@
+"""A plugin of pytest: of the many cases of one test a few are run by default, the others with the exhaustive tests."""
+
+from collections import defaultdict
+
+import pytest
+
+
+@pytest.hookimpl(tryfirst=True)
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """`pytest.mark.one_in(count)`: of a test's cases the first, and from there each ``count``-th, is not exhaustive."""
+    seen: dict[str, int] = defaultdict(int)
+    for item in items:
+        every = item.get_closest_marker("one_in")
+        if every is None or item.get_closest_marker("exhaustive") is not None:
+            continue
+        test = item.nodeid.partition("[")[0]
+        if seen[test] % every.args[0]:
+            item.add_marker(pytest.mark.exhaustive)
+        seen[test] += 1
