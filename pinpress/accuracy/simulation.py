@@ -192,13 +192,13 @@ def _run(press: Linkage, scene: Scene, method: str, **how: Any) -> Run:
     run = simulate(
         press,
         scene.duration,
-        scene.speed,
-        scene.angle,
-        scene.drive,
-        scene.flywheel,
-        scene.loads,
-        method,
-        scene.clutch,
+        speed=scene.speed,
+        angle=scene.angle,
+        drive=scene.drive,
+        flywheel=scene.flywheel,
+        loads=scene.loads,
+        method=method,
+        clutch=scene.clutch,
         **how,
     )
     assert isinstance(run, Run)

@@ -111,20 +111,21 @@ def run(options: argparse.Namespace) -> int:
     done: Run
     if options.steady:
         _refuse_beside_steady(options)
-        done = steady_state(press, speed, drive, flywheel, loads, angle, **shared)  # type: ignore[arg-type]  # it refuses what has none
+        parts = {"drive": drive, "flywheel": flywheel, "loads": loads}
+        done = steady_state(press, speed, angle=angle, **parts, **shared)  # type: ignore[arg-type]  # it refuses what has no motor
     else:
         with progress(options.duration, BAR) as told:
             done = simulate(
                 press,
                 options.duration,
-                speed,
-                angle,
-                drive,
-                flywheel,
-                loads,
-                options.method,
-                clutch,
-                brake,
+                speed=speed,
+                angle=angle,
+                drive=drive,
+                flywheel=flywheel,
+                loads=loads,
+                method=options.method,
+                clutch=clutch,
+                brake=brake,
                 step=options.step,
                 progress=told,
                 **shared,

@@ -3,6 +3,7 @@ from .motors import InductionMotor as InductionMotor
 from .motors import InverterMotor as InverterMotor
 from .motors import ServoMotor as ServoMotor
 from .motors import SlipClutchMotor as SlipClutchMotor
+from .protocol import Corner as Corner
 from .protocol import Drive as Drive
 from .protocol import SpeedTorqueDrive as SpeedTorqueDrive
 from .protocol import parameter as parameter

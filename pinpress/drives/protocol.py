@@ -2,16 +2,35 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass, field
 from typing import Protocol, runtime_checkable
 
 import numpy as np
 
+from ..common.arguments import truth_value
 from ..common.parameters import Checked
 from ..common.parameters import parameter as parameter  # named in pinpress.drives
 from ..common.quantities import Array
 
 Values = float | Array
 """A number, or an array of them: one of each scenario on the last axis."""
+
+
+@dataclass(frozen=True)
+class Corner(Checked):
+    """A speed at which a drive's torque is not a smooth function of its shaft's speed.
+
+    Attributes:
+        speed: of the shaft [rad/s], or (S,) for S scenarios.
+        jump: whether the torque itself jumps there, and not its slope alone.
+    """
+
+    speed: Values = field(metadata=parameter("rad/s", scenarios=True))
+    jump: bool = False
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        truth_value("Corner: jump", self.jump)
 
 
 @runtime_checkable
@@ -27,7 +46,8 @@ class Drive(Protocol):
         state: values at the start of the drive's own states; () for most.
         timed: whether the torque depends on angle, time or states; where it is False, on the speed alone.
         rated_torque: of the motor, at its own shaft, bearable without end [N m]; (S,) where it differs; None where it is not known.
-        corners: speeds of the shaft at which the torque is not a smooth function of speed [rad/s], in no order; () where ``timed``.
+        corners: speeds of the shaft at which the torque is not a smooth function of speed [rad/s], in no order; a `Corner` where the torque
+            itself jumps; () where ``timed``.
     """
 
     @property
@@ -39,7 +59,7 @@ class Drive(Protocol):
     @property
     def rated_torque(self) -> Values | None: ...
     @property
-    def corners(self) -> tuple[Values, ...]: ...
+    def corners(self) -> tuple[Values | Corner, ...]: ...
 
     def torque(self, speed: Values, angle: Values = 0.0, time: Values = 0.0, state: tuple[Values, ...] = ()) -> Values:
         """Torque on the shaft [N m], finite for every finite speed of either direction.
@@ -79,7 +99,7 @@ class SpeedTorqueDrive(Checked):
         return False
 
     @property
-    def corners(self) -> tuple[Values, ...]:
+    def corners(self) -> tuple[Values | Corner, ...]:
         return ()
 
     @property
@@ -98,6 +118,11 @@ class SpeedTorqueDrive(Checked):
 
     def motor_torque(self, speed: Values, angle: Values = 0.0, time: Values = 0.0, state: tuple[Values, ...] = ()) -> Values:
         return self.torque(speed, angle, time, state)
+
+
+def corners_of(drive: Drive) -> tuple[Corner, ...]:
+    """The corners of a drive's torque, each as a `Corner`: at a plain speed the torque does not jump."""
+    return tuple(corner if isinstance(corner, Corner) else Corner(corner) for corner in drive.corners)
 
 
 def limited(lowest: float, value: Values, highest: float) -> Values:

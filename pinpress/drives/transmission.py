@@ -19,7 +19,7 @@ import numpy as np
 from ..common.arguments import is_number
 from ..common.errors import PinpressError, shown
 from ..common.parameters import Checked, parameter
-from .protocol import Drive, Values
+from .protocol import Corner, Drive, Values, corners_of
 
 
 @dataclass(frozen=True)
@@ -99,13 +99,14 @@ class Geared(Checked):
         return tuple(speed / self.ratio for speed in getattr(self.drive, "reversals", ()))
 
     @property
-    def corners(self) -> tuple[Values, ...]:
+    def corners(self) -> tuple[Values | Corner, ...]:
         """The drive's; with losses also those at which its power changes sign: standstill, where its torque jumps, and the synchronous
         speed of an induction motor. (Where a drive names no `reversals`, let its own corners hold them.)"""
         if self.timed:
             return ()
         lossy = (0.0, *self.reversals) if self.efficiency < 1 else ()
-        return (*(corner / self.ratio for corner in self.drive.corners), *lossy)
+        speeds = ((corner.speed / self.ratio, corner.jump) for corner in corners_of(self.drive))
+        return (*(Corner(speed, jump=True) if jump else speed for speed, jump in speeds), *lossy)
 
     def torque(self, speed: Values, angle: Values = 0.0, time: Values = 0.0, state: tuple[Values, ...] = ()) -> Values:
         fast = self.ratio * speed

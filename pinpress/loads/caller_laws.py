@@ -7,7 +7,7 @@ are asked as they are.
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -184,7 +184,4 @@ class AskedLoad(Asked):
         if not isinstance(found, tuple | list) or not all(isinstance(s, ForceInterval) for s in found):
             return found  # refused where it is checked
         scenarios = next(iter(scenario_lengths(self.part).values()), None)
-        return tuple(
-            ForceInterval(s.upper, s.lower, Law(f"{name(self)}: force", OF_LOAD, s.force, self.errors, scenarios), s.one_sided)
-            for s in found
-        )
+        return tuple(replace(s, force=Law(f"{name(self)}: force", OF_LOAD, s.force, self.errors, scenarios)) for s in found)

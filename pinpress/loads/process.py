@@ -15,7 +15,7 @@ import itertools
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
-from functools import partial
+from functools import cached_property, partial
 from typing import TYPE_CHECKING, Any, Protocol, runtime_checkable
 
 import numpy as np
@@ -74,7 +74,11 @@ class ConstantForce(Checked):
             raise PinpressError(f"ConstantForce: height is {self.height:g}; give the height above bottom dead centre [m], not negative")
 
     def intervals(self, downwards: bool) -> tuple[ForceInterval, ...]:
-        return (ForceInterval(self.height, -math.inf, partial(_constant, self.force)),) if self.height else ()
+        return self._both_ways if self.height else ()
+
+    @cached_property
+    def _both_ways(self) -> tuple[ForceInterval, ...]:
+        return (ForceInterval(self.height, -math.inf, partial(_constant, self.force), heeds_velocity=False),)
 
 
 @dataclass(frozen=True, eq=False)
@@ -102,8 +106,12 @@ class Blanking(Checked):
 
     def intervals(self, downwards: bool) -> tuple[ForceInterval, ...]:
         if downwards:
-            return (ForceInterval(self.start, self.end, partial(_sine, self.force, self.start, 0.5 * math.pi / (self.start - self.end))),)
-        return (ForceInterval(self.start, self.end, partial(_constant, -self.stripping)),) if np.any(self.stripping) else ()
+            law = partial(_sine, self.force, self.start, 0.5 * math.pi / (self.start - self.end))
+        elif np.any(self.stripping):
+            law = partial(_constant, -self.stripping)
+        else:
+            return ()
+        return (ForceInterval(self.start, self.end, law, heeds_velocity=False),)
 
 
 @dataclass(frozen=True, eq=False)
@@ -129,7 +137,8 @@ class DeepDrawing(Checked):
     def intervals(self, downwards: bool) -> tuple[ForceInterval, ...]:
         if not downwards:
             return ()
-        return (ForceInterval(self.start, self.end, partial(_sine, self.force, self.start, math.pi / (self.start - self.end))),)
+        law = partial(_sine, self.force, self.start, math.pi / (self.start - self.end))
+        return (ForceInterval(self.start, self.end, law, heeds_velocity=False),)
 
 
 @dataclass(frozen=True, eq=False)
@@ -171,7 +180,7 @@ class ForceStroke(Checked):
         forces: list[Any] = list(np.asarray(self.forces)) if np.ndim(self.forces) == 2 else np.asarray(self.forces).tolist()
         points = list(zip(heights, forces, strict=True))
         return tuple(
-            ForceInterval(upper, lower, partial(_line, force, (above - force) / (upper - lower), lower))
+            ForceInterval(upper, lower, partial(_line, force, (above - force) / (upper - lower), lower), heeds_velocity=False)
             for (lower, force), (upper, above) in itertools.pairwise(points)
         )
 
@@ -195,7 +204,12 @@ class ElasticDie(Checked):
     datum: float | None = field(default=None, metadata=parameter("m"))
 
     def intervals(self, downwards: bool) -> tuple[ForceInterval, ...]:
-        return (ForceInterval(self.height, -math.inf, partial(_contact, self.height, self.stiffness, self.damping), one_sided=True),)
+        return self._both_ways
+
+    @cached_property
+    def _both_ways(self) -> tuple[ForceInterval, ...]:
+        law = partial(_contact, self.height, self.stiffness, self.damping)
+        return (ForceInterval(self.height, -math.inf, law, one_sided=True, heeds_velocity=bool(np.any(self.damping))),)
 
 
 @dataclass(frozen=True, eq=False)
@@ -286,12 +300,14 @@ class ForceInterval:
             gives a number, or (S,) where the load has scenarios; of arrays (..., S) the same shape. It is smooth, a little beyond the
             interval too.
         one_sided: whether it is a contact: where the law gives less than zero the contact is lost, and the force is zero.
+        heeds_velocity: whether the force depends on the velocity; of a contact: whether where it is lost does. It may be left at True.
     """
 
     upper: float
     lower: float
     force: Law
     one_sided: bool = False
+    heeds_velocity: bool = True
 
 
 @runtime_checkable
@@ -306,7 +322,10 @@ class ProcessLoad(Protocol):
         """Slide position from which heights are measured [m]; None for that of bottom dead centre."""
 
     def intervals(self, downwards: bool) -> tuple[ForceInterval, ...]:
-        """The intervals on the way down (against the guide's axis) or up; disjoint, no force outside them."""
+        """The intervals on the way down (against the guide's axis) or up; disjoint, no force outside them.
+
+        Where both are equal, with the very same laws, the direction of travel does not matter.
+        """
 
 
 @typed

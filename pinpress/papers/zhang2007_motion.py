@@ -52,7 +52,7 @@ def _motor(press: Linkage) -> Entry:
     drive = motor()
     behind = Geared(drive, 3.0)
     loaded = SET * (1 - drive.regulation)
-    steady = steady_state(press, SPEED, behind, Flywheel(FLYWHEEL_INERTIA), [Blanking(1250e3, 0.010, 0.005)])
+    steady = steady_state(press, SPEED, drive=behind, flywheel=Flywheel(FLYWHEEL_INERTIA), loads=[Blanking(1250e3, 0.010, 0.005)])
     speed = steady.crank_speed / RPM
     rows = (
         Row("torque at the crank, 2.5 % below the set speed (4.3.3) [N m]", "567", float(behind.torque(loaded / 3)), 1e-6, 1, "3 x 189"),

@@ -81,7 +81,7 @@ class Vibration:
     def struck(self) -> FrameMotion:
         """Seven strokes of piling, from rest."""
         system, duration = self.machines[REAL], 1.2
-        run = simulate(system.press, duration, AT, flywheel=FLYWHEEL, loads=[PILING], points=round(duration / STEP) + 1)
+        run = simulate(system.press, duration, speed=AT, flywheel=FLYWHEEL, loads=[PILING], points=round(duration / STEP) + 1)
         motion = foundation.time_response(system, inverse_dynamics(system.press, run, loads=[PILING]), points=POINTS, flywheel=FLYWHEEL)
         if not motion.least_load.min() > 0:
             raise PinpressError("a foot lifts off: the linear model does not hold")

@@ -34,7 +34,7 @@ from ..loads.link import Load
 from . import collocation
 from .angle_solver import MOST_PERIODS, drive_torque, nearly_at_rest, place_at
 from .collocation import CollocationSolution, Indices, build_mesh, cuts, interpolate_onto, mesh_borders, panel_integrals, stopping_panels
-from .driven_press import DrivenPress, GeneralizedForce, driven_press, listed
+from .driven_press import DrivenPress, driven_press, listed
 from .failures import failure
 from .law_trials import asked_drive
 from .reduced_model import COORDINATES, INERTIA, energies, reduced_model_of
@@ -317,7 +317,7 @@ class BatchSolver:
     def run(self, tolerance: float) -> None:
         """Run all to the last of the times, or mark them as ``alone``."""
         until, period = float(self.times[-1]), self.driven.model.period
-        if self.driven.timed or not np.all(self.energy > 0) or any(_sticks(force) for force in self.driven.forces) or period is None:
+        if self.driven.timed or not np.all(self.energy > 0) or self._contacts_heed_velocity or period is None:
             self.alone[:] = True
             return
         periods = 0
@@ -333,9 +333,15 @@ class BatchSolver:
             self._advance(solution, passed, going & ~self.alone, until)
             self.at = self.anchor + self.direction * periods * period
 
+    @property
+    def _contacts_heed_velocity(self) -> bool:
+        """Whether there is a contact with a damper: where it is lost differs between scenarios."""
+        intervals = (interval for force in self.driven.forces for interval in force.rising + force.falling)
+        return any(interval.one_sided and interval.heeds_velocity for interval in intervals)
+
     def _advance(self, solution: CollocationSolution, passed: Array, going: Mask, until: float) -> None:
         """Take over what a period holds, and go to its end."""
-        forces = self._forces(solution)
+        forces = self.drive_and_loads(solution)
         self._fill(solution, passed, going, until, forces)
         through = going & (passed[-1] < until)
         for k, force in forces:
@@ -373,7 +379,7 @@ class BatchSolver:
         slow = nearly_at_rest(solution.energy, solution.force, self.driven.model.potential_range)
         return np.asarray((slow & (passed[:-1] < until)).any(axis=(0, 1)))
 
-    def _forces(self, solution: CollocationSolution) -> list[tuple[int, Array]]:
+    def drive_and_loads(self, solution: CollocationSolution) -> list[tuple[int, Array]]:
         """Forces of the drive along the travel, and of the loads against it, where there are any; each with its row in ``works``."""
         driven = self.driven
         driving = [(0, drive_torque(driven.drive, solution))] if driven.drive is not None else []
@@ -416,13 +422,3 @@ class BatchSolver:
         driving, taken = np.concatenate([np.zeros((2, 1, count)), self.works[:, None]], axis=1)
         found: Array = energy_error(kinetic + 0.5 * self.driven.inertia * speed**2, potential, driving, taken, np.zeros_like(taken))[-1]
         return found
-
-
-def _sticks(force: GeneralizedForce) -> bool:
-    """Whether a force is a contact with a damper: where it is lost differs between scenarios."""
-    for interval in force.rising + force.falling:
-        if interval.one_sided:
-            height = interval.upper if np.isfinite(interval.upper) else 0.0
-            if np.any(interval.force(height, 1.0) != interval.force(height, 2.0)):
-                return True
-    return False

@@ -17,7 +17,7 @@ from ..common import plausibility
 from ..common.arguments import numbers
 from ..common.errors import PinpressError, SimulationError, UnknownNameError, shown
 from ..common.quantities import Array
-from ..drives.protocol import Drive
+from ..drives.protocol import Drive, corners_of
 from ..drives.transmission import Brake, Clutch, Flywheel, PrescribedSpeed
 from ..dynamics import applied_loads
 from ..kinematics.motion import Motion, motion_through_change_points, point_motion
@@ -34,8 +34,6 @@ if TYPE_CHECKING:
     from ..engines.spatial.forward_dynamics import ForwardDynamics
 
 THIN = 1e-8  # interval of a load, in lengths of the linkage, that its crank angle still tells apart
-BESIDE = 1e-7  # share of a speed to both sides of it
-JUMP = 1e-3  # change of the torque within that, beside its size nearby, that is one
 
 End = tuple[int, Array]
 """Pinocchio joint (0: the frame) and a point in its frame [m]."""
@@ -183,9 +181,14 @@ class DrivenPress:
 
     @property
     def timed(self) -> bool:
-        """Whether anything depends on more than crank angle and speed."""
+        """Whether anything depends on more than crank angle and speed, or jumps at a speed: no period is solved at once then."""
         switched = self.clutch is not None or self.brake is not None or any(force.time is not None for force in self.forces)
-        return switched or (self.drive is not None and (self.drive.timed or _jumps(self.drive)))
+        return switched or (self.drive is not None and (self.drive.timed or self._jumps))
+
+    @property
+    def _jumps(self) -> bool:
+        """Whether the drive's torque jumps at a speed, other than at rest."""
+        return self.drive is not None and any(corner.jump and np.any(corner.speed) for corner in corners_of(self.drive))
 
     @cached_property
     def model(self) -> ReducedModel:
@@ -220,18 +223,7 @@ class DrivenPress:
     @cached_property
     def corners(self) -> tuple[float, ...]:
         """What is known in speed: speeds of the drive's shaft at which its torque is not smooth, those of the first scenario [rad/s]."""
-        return () if self.drive is None else tuple(float(np.ravel(corner)[0]) for corner in self.drive.corners)
-
-
-def _jumps(drive: Drive) -> bool:
-    """Whether the torque jumps at a corner, other than at rest: that is not for a solution of a whole period at once."""
-    for corner in drive.corners:
-        at = np.asarray(corner, dtype=float)
-        far, below, above, beyond = (np.asarray(drive.torque(at + by * np.abs(at))) for by in (-0.01, -BESIDE, BESIDE, 0.01))
-        size = np.maximum(np.maximum(np.abs(far), np.abs(beyond)), np.maximum(np.abs(below), np.abs(above)))
-        if np.any((at != 0) & (np.abs(above - below) > JUMP * size)):
-            return True
-    return False
+        return () if self.drive is None else tuple(float(np.ravel(corner.speed)[0]) for corner in corners_of(self.drive))
 
 
 def driven_press(press: Linkage, drive: object, flywheel: object, loads: Sequence[Load], clutch: object, brake: object) -> DrivenPress:
@@ -373,18 +365,7 @@ def _process(press: Linkage, load: ProcessLoad) -> GeneralizedForce | None:
                 f" give at least {least:.2g} m"
             )
     rising, falling = tuple(rising), tuple(falling)
-    return GeneralizedForce(row, datum, rising, rising if _same(rising, falling) else falling)
-
-
-def _same(some: tuple[ForceInterval, ...], others: tuple[ForceInterval, ...]) -> bool:
-    """Whether intervals are the same, so that the way the slide goes does not matter."""
-
-    def key(interval: ForceInterval) -> tuple[Any, ...]:
-        law = interval.force.call if isinstance(interval.force, caller_laws.Law) else interval.force
-        parts = (law.func, *map(id, law.args)) if isinstance(law, partial) else (law,)
-        return interval.upper, interval.lower, interval.one_sided, *parts
-
-    return [key(interval) for interval in some] == [key(interval) for interval in others]
+    return GeneralizedForce(row, datum, rising, rising if rising == falling else falling)
 
 
 def _turning_points(press: Linkage, load: ProcessLoad) -> tuple[float, float]:
@@ -427,7 +408,7 @@ def _point(press: Linkage, load: PointForce, row: int) -> tuple[Coordinate | Non
         raise PinpressError(f"{what}: force has shape {force.shape}; give (3,), in world axes [N]")
     if not joint:  # on the frame, which does not move
         return None, None
-    constant = (ForceInterval(math.inf, -math.inf, _one),)
+    constant = (ForceInterval(math.inf, -math.inf, _one, heeds_velocity=False),)
     return WorkOfForce((joint, point), force), GeneralizedForce(row, 0.0, constant, constant)
 
 
@@ -436,7 +417,8 @@ def _one(position: Any, velocity: Any) -> Any:
 
 
 def _spring(press: Linkage, load: SpringDamper, row: int) -> tuple[Coordinate, GeneralizedForce]:
-    always = (ForceInterval(math.inf, -math.inf, partial(_push, load)),)
+    damped = bool(np.any(load.damping))
+    always = (ForceInterval(math.inf, -math.inf, partial(_push, load), heeds_velocity=damped),)
     return Length(*applied_loads.spring_ends(load, press)), GeneralizedForce(row, 0.0, always, always)
 
 

@@ -22,7 +22,7 @@ from ..common.errors import PinpressError, said, shown
 from ..common.parameters import scenario_lengths
 from ..common.quantities import Array
 from ..drives.motors import ConstantTorque, InductionMotor, InverterMotor, ServoMotor, SlipClutchMotor
-from ..drives.protocol import Drive, Values
+from ..drives.protocol import Corner, Drive, Values, corners_of
 from ..drives.transmission import Geared
 from ..loads.caller_laws import Asked, AskedLoad, Law, LawError
 from ..loads.caller_laws import name as name_of
@@ -80,7 +80,7 @@ class AskedDrive(Asked):
         return self.part.rated_torque  # type: ignore[no-any-return]
 
     @property
-    def corners(self) -> tuple[Values, ...]:
+    def corners(self) -> tuple[Values | Corner, ...]:
         return self.part.corners  # type: ignore[no-any-return]
 
     def torque(self, speed: Values, angle: Values = 0.0, time: Values = 0.0, state: tuple[Values, ...] = ()) -> Values:
@@ -133,7 +133,7 @@ def check_drive(drive: Drive) -> None:
     rates = _asked(f"{name}: rates", lambda: list(drive.rates(1.0, 0.0, 0.0, states)))
     if rates.shape != state.shape:
         raise PinpressError(f"{name}: rates gives {rates.size} of {state.size} states; give one of each")
-    _asked(f"{name}: corners", lambda: [np.ravel(corner)[0] for corner in drive.corners])
+    _asked(f"{name}: corners", lambda: [np.ravel(corner.speed)[0] for corner in corners_of(drive)])
     for what in (drive.torque, drive.motor_torque):
         call: Callable[..., Any] = what
         _law(f"{name}: {what.__name__}", partial(call, angle=0.0, time=0.0, state=states), drive.timed)
@@ -241,6 +241,9 @@ def _try_load(load: AskedLoad) -> None:
             at = [(h, v) for h in (lower + (upper - lower) * INSIDE).tolist() for v in VELOCITIES]
             remedy = "let it depend on height and velocity alone, forces in time are a TimeForce"
             first = _in_turn(f"{name_of(load)}: force", interval.force, at, remedy)
+            by_height = first.reshape(len(INSIDE), len(VELOCITIES), -1)
+            if not interval.heeds_velocity and _differ(by_height, by_height[:, :1]):
+                raise PinpressError(f"{name_of(load)}: force depends on the velocity; let heeds_velocity of its interval be True")
             heights, velocities = (np.broadcast_to(np.array(one), first.T.shape).T for one in zip(*at, strict=True))
             _as_numbers(f"{name_of(load)}: force", first, interval.force(heights, velocities))
 

@@ -60,17 +60,18 @@ LOST = np.pi  # difference of a run that ends in an error, where the other does 
 def simulate(
     press: Linkage,
     duration: float,
+    *,
     speed: ArrayLike = 0.0,
     angle: ArrayLike = 0.0,
     drive: Drive | PrescribedSpeed | Mapping[str, Drive] | None = None,
     flywheel: Flywheel | Mapping[str, Flywheel] | None = None,
-    loads: Sequence[Load] = (),
-    method: str = "auto",
     clutch: Clutch | None = None,
     brake: Brake | None = None,
+    loads: Sequence[Load] = (),
+    method: str = "auto",
     points: int | None = None,
-    step: float | None = None,
     tolerance: float = 1e-11,
+    step: float | None = None,
     progress: Callable[[float], None] | None = None,
 ) -> Run:
     """Let a press run; several scenarios at once: `simulate_batch`.
@@ -82,14 +83,14 @@ def simulate(
         angle: of the crank at the start [rad].
         drive: what turns the crank, see `pinpress.drives`; None: nothing.
         flywheel: its inertia stands at the driver joint, on the drive's side of a clutch.
+        clutch: between flywheel and crank; None: they turn together.
+        brake: on the crank.
         loads: process loads of `pinpress.loads`, constant forces on links, springs and dampers.
         method: "auto", "reduced", "implicit" or "constraint", see the module. Where a linkage locks the first three end, "constraint" runs
             on through the lock.
-        clutch: between flywheel and crank; None: they turn together.
-        brake: on the crank.
         points: number of states returned; by default 120 a turn, and at least 120.
-        step: fixed step of the classical Runge-Kutta method over time [s]; None: steps by error.
         tolerance: of the error of a step, beside 1 rad and the speeds of the crank.
+        step: fixed step of the classical Runge-Kutta method over time [s]; None: steps by error.
         progress: called with the time reached [s], now and then.
 
     A linkage with several drivers takes (drivers,) of ``speed`` and ``angle``, and drives (of torque by speed alone) and flywheels by the

@@ -48,10 +48,11 @@ COMES_BACK = 1e-10  # difference of the crank's speed, beside itself, after a pe
 def steady_state(
     press: Linkage,
     speed: float,
+    *,
+    angle: float = 0.0,
     drive: Drive,
     flywheel: Flywheel | None = None,
     loads: Sequence[Load] = (),
-    angle: float = 0.0,
     points: int | None = None,
     tolerance: float = 1e-11,
 ) -> Run:
@@ -60,10 +61,10 @@ def steady_state(
     Args:
         press: a linkage with one driver.
         speed: about which the steady state is looked for [rad/s]; its sign is the direction.
+        angle: of the crank at the start [rad].
         drive: what turns the crank; nothing in it may depend on time.
         flywheel: its inertia at the driver joint; None: none.
         loads: as of `simulate`; nothing in them may depend on time.
-        angle: of the crank at the start [rad].
         points: number of states returned; by default 120 a turn.
         tolerance: as of `simulate`.
 

@@ -155,7 +155,15 @@ def test_a_clutch_is_not_stiff(tolerance):
     press = texts.shipped("zxn2_3000b")
     scene = build_scene(press, CLUTCH, SPEED, 1360.0, 4 * math.pi / SPEED)
     run = pp.simulate(
-        press, scene.duration, 0.0, scene.angle, scene.drive, scene.flywheel, scene.loads, clutch=scene.clutch, tolerance=tolerance
+        press,
+        scene.duration,
+        speed=0.0,
+        angle=scene.angle,
+        drive=scene.drive,
+        flywheel=scene.flywheel,
+        loads=scene.loads,
+        clutch=scene.clutch,
+        tolerance=tolerance,
     )
     assert run.stats.solvers == ("explicit",)
 

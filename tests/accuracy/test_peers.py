@@ -218,7 +218,7 @@ def test_at_work(presses, made, kind, group, coarse, bounds):
     """Under a motor and against a die, or under a stiff law; steps that run over the edges of a load lose their order there."""
     press, peer = presses("zxn2_3000b"), made(kind, "zxn2_3000b")
     scene = build_scene(press, group, SPEED, 1360.0, 1.0)
-    run = pp.simulate(press, 1.0, scene.speed, scene.angle, scene.drive, scene.flywheel, scene.loads)
+    run = pp.simulate(press, 1.0, speed=scene.speed, angle=scene.angle, drive=scene.drive, flywheel=scene.flywheel, loads=scene.loads)
     reactions = pp.inverse_dynamics(press, run)
     peak = max(np.linalg.norm(force[1:], axis=1).max() for force in reactions.bearing_force.values())
     errors = []

@@ -130,7 +130,7 @@ def long_runs(repeats: int) -> None:
         return 0.0
 
     def steady() -> float:
-        runs["steady"] = pp.steady_state(press, 300 * pp.RPM, drive, flywheel, loads)
+        runs["steady"] = pp.steady_state(press, 300 * pp.RPM, drive=drive, flywheel=flywheel, loads=loads)
         return 0.0
 
     (_, _, long), (_, _, direct) = least([("minute", minute), ("steady", steady)], repeats)

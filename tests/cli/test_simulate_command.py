@@ -106,7 +106,7 @@ def agree(text: str, press: pp.Linkage, run: pp.Run, loads: list[Any]) -> None:
 def test_prints_what_the_library_gives(capsys: pytest.CaptureFixture[str]) -> None:
     text = printed(capsys, *PRESSING, "--duration", 2)
     press, load = texts.shipped("zxn2_3000b"), Blanking(2e6, 0.006, 0.002)
-    run = pp.simulate(press, 2.0, 70 * pp.RPM, drive=motor(), flywheel=pp.drives.Flywheel(2000.0), loads=[load])
+    run = pp.simulate(press, 2.0, speed=70 * pp.RPM, drive=motor(), flywheel=pp.drives.Flywheel(2000.0), loads=[load])
     agree(text, press, run, [load])
     assert f"\n  {'drive':26}{MOTOR}\n" in text
     assert f"\n  {'load':26}{BLANKING}\n" in text
@@ -143,7 +143,7 @@ def test_files(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
     text = printed(capsys, *PRESSING, "--duration", 2, "--points", 200, "--out", out)
     assert all(str(out / name) in text for name in ("simulation.csv", "strokes.csv", "recording.html"))
     press, load = texts.shipped("zxn2_3000b"), Blanking(2e6, 0.006, 0.002)
-    run = pp.simulate(press, 2.0, 70 * pp.RPM, drive=motor(), flywheel=pp.drives.Flywheel(2000.0), loads=[load], points=200)
+    run = pp.simulate(press, 2.0, speed=70 * pp.RPM, drive=motor(), flywheel=pp.drives.Flywheel(2000.0), loads=[load], points=200)
     result = pp.inverse_dynamics(press, run, loads=[load])
     simulation = read(out / "simulation.csv")
     assert len(simulation["time [s]"]) == 200
@@ -184,7 +184,7 @@ def read(path: Path) -> dict[str, np.ndarray[Any, Any]]:
 def test_steady(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
     text = printed(capsys, *PRESSING, "--steady", "--angle", 30, "--out", tmp_path)
     press, load = texts.shipped("zxn2_3000b"), Blanking(2e6, 0.006, 0.002)
-    run = pp.steady_state(press, 70 * pp.RPM, motor(), pp.drives.Flywheel(2000.0), [load], angle=np.radians(30))
+    run = pp.steady_state(press, 70 * pp.RPM, drive=motor(), flywheel=pp.drives.Flywheel(2000.0), loads=[load], angle=np.radians(30))
     agree(text, press, run, [load])
     assert "steady state" in text.splitlines()[0]
     assert value(text, "At the end, as at the start", "crank angle") == 390
@@ -252,7 +252,7 @@ def test_driver_and_slide(capsys: pytest.CaptureFixture[str]) -> None:
     """Driven at the rocker's pivot the six-bar is another machine."""
     text = printed(capsys, "zxn2_3000b", "--driver", "D", "--slide", "slide", "--duration", 0.05, "--flywheel", 5000, "--speed", 3)
     press = pp.load("zxn2_3000b", driver="D")
-    agree(text, press, pp.simulate(press, 0.05, 3 * pp.RPM, flywheel=pp.drives.Flywheel(5000.0)), [])
+    agree(text, press, pp.simulate(press, 0.05, speed=3 * pp.RPM, flywheel=pp.drives.Flywheel(5000.0)), [])
     assert "no moving joint 'Q'" in refused(capsys, "zxn2_3000b", "--driver", "Q", "--duration", 1)
     assert "'rod' is not guided" in refused(capsys, "zxn2_3000b", "--slide", "rod", "--duration", 1)
 

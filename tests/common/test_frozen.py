@@ -126,8 +126,8 @@ def computed(press):
     return (
         motion,
         pp.inverse_dynamics(press, motion, [every_result.DEEP]),
-        pp.simulate(press, 0.1, 2.0, flywheel=pp.drives.Flywheel(20.0)).joint_position,
-        pp.simulate(press, 0.02, 2.0, method="constraint", points=3).joint_position,
+        pp.simulate(press, 0.1, speed=2.0, flywheel=pp.drives.Flywheel(20.0)).joint_position,
+        pp.simulate(press, 0.02, speed=2.0, method="constraint", points=3).joint_position,
         pp.simulate_batch(press, 0.1, speed=np.array([2.0, 3.0]), points=3).crank_angle,
         pp.dead_centres(press),
         pp.sweeps.operating_points(press, [5.0, 7.0], forces=[0.0, 1e3], unit_load=every_result.DEEP, points=8),
@@ -143,9 +143,9 @@ def press(request):
 def test_results_do_not_depend_on_what_was_computed_before(press):
     used = pp.load(press.name)
     pp.dead_centres(used)
-    pp.simulate(used, 0.3, -5.0, angle=2.0, points=7)
+    pp.simulate(used, 0.3, speed=-5.0, angle=2.0, points=7)
     pp.inverse_dynamics(used, pp.servo_cycle(used, speed=3.0, angle=np.array([9.0, -4.0, 0.3])), engine="pinocchio")
-    pp.simulate(used, 0.05, 3.0, loads=[every_result.DEEP], points=7)
+    pp.simulate(used, 0.05, speed=3.0, loads=[every_result.DEEP], points=7)
     same(computed(used), computed(pp.load(press.name)))
 
 

@@ -159,7 +159,7 @@ def test_sensible_presses_are_never_warned_of(tmp_path, stroke, ratio, strokes, 
         turn = pp.cycle(press, speed=strokes * pp.RPM, points=24)
         again = pp.servo_cycle(press, speed=turn.crank_speed, angle=turn.crank_angle, acceleration=0.0, time=turn.time)
         pp.inverse_dynamics(press, again)
-        pp.simulate(press, 1e-3, strokes * pp.RPM, points=3)
+        pp.simulate(press, 1e-3, speed=strokes * pp.RPM, points=3)
 
 
 # Process loads
@@ -179,7 +179,7 @@ def test_heights_in_mm_are_warned_of(press, name):
     said = f"{type(IN_MM[name]).__name__} acts from .* m above its datum, .*: give heights and datum in m"
     for ask in (
         lambda: pp.inverse_dynamics(press, pp.cycle(press, 7.0, points=36), [IN_MM[name]]),
-        lambda: pp.simulate(press, 0.05, 7.0, flywheel=pp.drives.Flywheel(1e4), loads=[IN_MM[name]]),
+        lambda: pp.simulate(press, 0.05, speed=7.0, flywheel=pp.drives.Flywheel(1e4), loads=[IN_MM[name]]),
     ):
         with pytest.warns(pp.PinpressWarning, match=said) as caught:
             ask()
@@ -196,7 +196,7 @@ def test_heights_in_mm_are_warned_of(press, name):
 def test_points_in_mm_are_warned_of(press, load, said):
     for ask in (
         lambda: pp.inverse_dynamics(press, pp.cycle(press, 7.0, points=36), [load]),
-        lambda: pp.simulate(press, 1e-3, 7.0, flywheel=pp.drives.Flywheel(1e4), loads=[load]),
+        lambda: pp.simulate(press, 1e-3, speed=7.0, flywheel=pp.drives.Flywheel(1e4), loads=[load]),
     ):
         with pytest.warns(pp.PinpressWarning, match=said) as caught:
             ask()
@@ -220,7 +220,7 @@ def test_loads_on_the_stroke_are_never_warned_of(height, thin, datum):
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         pp.inverse_dynamics(press, pp.cycle(press, 7.0, points=12), given)
-        pp.simulate(press, 1e-3, 7.0, flywheel=pp.drives.Flywheel(1e4), loads=given, points=3)
+        pp.simulate(press, 1e-3, speed=7.0, flywheel=pp.drives.Flywheel(1e4), loads=given, points=3)
 
 
 # Motions
@@ -310,7 +310,7 @@ def test_an_acceleration_that_is_left_out_of_a_servo_motion_is_warned_of(press):
 SPEEDS = {
     "cycle": lambda press, speed: pp.cycle(press, speed),
     "servo motion": lambda press, speed: pp.servo_cycle(press, speed=[speed, speed], angle=[0.0, 1.0]),
-    "simulate": lambda press, speed: pp.simulate(press, 1e-3, speed, points=2),
+    "simulate": lambda press, speed: pp.simulate(press, 1e-3, speed=speed, points=2),
     "scenarios": lambda press, speed: pp.simulate_batch(press, 1e-3, speed=[speed, 5.0], points=2),
     "operating points": lambda press, speed: pp.sweeps.operating_points(press, [speed]),
     "drive": lambda press, speed: pp.drives.PrescribedSpeed(speed),

@@ -30,7 +30,7 @@ def test_second_bearing_on_the_axis_changes_nothing(tmp_path, kind):
         carried = sum(result.bearing_force.values())
         np.testing.assert_allclose(carried, [[0.0, 0.0, 9.81]] * 3, rtol=0, atol=1e-13)
     for method in ("reduced", "constraint"):
-        run = pp.simulate(press, TIME, SPEED, drive=pp.drives.ConstantTorque(TORQUE), method=method)
+        run = pp.simulate(press, TIME, speed=SPEED, drive=pp.drives.ConstantTorque(TORQUE), method=method)
         assert run.crank_angle[-1] == pytest.approx(SPEED * TIME + 0.5 * TORQUE / INERTIA * TIME**2, rel=1e-12)
 
 

@@ -252,7 +252,9 @@ def run(scene, units):
     speed = 0.0 if scene in ("servo", "clutch") else SPEED * units.of(*RATE)
     if scene == "clutch":
         flywheel = grown(pp.drives.Flywheel(500.0, SPEED), units)
-    return pp.simulate(press(units), 0.2 * units.time, speed, 0.0 if scene == "servo" else 3.3, flywheel=flywheel, points=21, **given)
+    return pp.simulate(
+        press(units), 0.2 * units.time, speed=speed, angle=0.0 if scene == "servo" else 3.3, flywheel=flywheel, points=21, **given
+    )
 
 
 @pytest.mark.one_in(3)

@@ -97,7 +97,7 @@ def met(name: str, load: Any, store: Store, ordinary: Any) -> Case:
 
     def scene(method: str, load: Any = load) -> pp.Run:
         flywheel = pp.drives.Flywheel(FLYWHEEL)
-        return pp.simulate(MECHANISM.press(), duration(store), SPEED, START, flywheel=flywheel, loads=[load], method=method)
+        return pp.simulate(MECHANISM.press(), duration(store), speed=SPEED, angle=START, flywheel=flywheel, loads=[load], method=method)
 
     thrown = store.deepest() is not None
     return Case(
@@ -119,7 +119,7 @@ def pulse(force: float, width: float) -> Case:
 
     def scene(method: str, load: Any = load) -> pp.Run:
         flywheel = pp.drives.Flywheel(FLYWHEEL)
-        return pp.simulate(MECHANISM.press(), 0.2, SPEED, 2.0, flywheel=flywheel, loads=[load], method=method)
+        return pp.simulate(MECHANISM.press(), 0.2, speed=SPEED, angle=2.0, flywheel=flywheel, loads=[load], method=method)
 
     @cache
     def expected() -> tuple[float, float]:

@@ -141,7 +141,9 @@ def proximal(mu: float, which: str) -> Case:
     def scene(_: str) -> list[pp.Run]:
         torques = asked(which)[1]
         return [
-            pp.simulate(pressed(which), 1e-3, w, q, drive=pp.drives.ConstantTorque(float(torque)), method="constraint", points=2)
+            pp.simulate(
+                pressed(which), 1e-3, speed=w, angle=q, drive=pp.drives.ConstantTorque(float(torque)), method="constraint", points=2
+            )
             for (q, w, _), torque in zip(STATES, torques, strict=True)
         ]
 

@@ -36,7 +36,7 @@ def far_run(turns: float) -> Case:
     begin = 2 * math.pi * turns + 1.0
 
     def scene(method: str, begin: float = begin) -> pp.Run:
-        return pp.simulate(MECHANISM.press(), 0.5, 8.0, begin, flywheel=pp.drives.Flywheel(FLYWHEEL), method=method)
+        return pp.simulate(MECHANISM.press(), 0.5, speed=8.0, angle=begin, flywheel=pp.drives.Flywheel(FLYWHEEL), method=method)
 
     return Case(
         "Many turns: runs",
@@ -55,7 +55,7 @@ def many(turns: int, long: bool = False) -> Case:
 
     def scene(method: str, turns: int = turns) -> pp.Run:
         return pp.simulate(
-            MECHANISM.press(), counted(method, turns) * 0.314, 20.0, 1.0, flywheel=pp.drives.Flywheel(FLYWHEEL), method=method
+            MECHANISM.press(), counted(method, turns) * 0.314, speed=20.0, angle=1.0, flywheel=pp.drives.Flywheel(FLYWHEEL), method=method
         )
 
     def judge(run: pp.Run) -> Outcome:
@@ -92,7 +92,9 @@ def moving(name: str, angle: float, speed: float, flywheel: float, torque: float
 
     def scene(method: str, angle: float = angle, speed: float = speed) -> pp.Run:
         drive = pp.drives.ConstantTorque(torque) if torque else None
-        return pp.simulate(MECHANISM.press(), duration, speed, angle, flywheel=pp.drives.Flywheel(flywheel), drive=drive, method=method)
+        return pp.simulate(
+            MECHANISM.press(), duration, speed=speed, angle=angle, flywheel=pp.drives.Flywheel(flywheel), drive=drive, method=method
+        )
 
     def judge(run: pp.Run) -> Outcome:
         at, fast = MECHANISM.integrated(duration, speed, angle, flywheel, (lambda t, q, w: torque) if torque else None)

@@ -74,7 +74,9 @@ def between(stiffness: float, damping: float, start: float = START) -> pp.loads.
 
 
 def run(method: str, speed: float = SPEED, **scene: Any) -> pp.Run:
-    found = pp.simulate(MECHANISM.press(), DURATION, speed, START, flywheel=pp.drives.Flywheel(FLYWHEEL), method=method, **scene)
+    found = pp.simulate(
+        MECHANISM.press(), DURATION, speed=speed, angle=START, flywheel=pp.drives.Flywheel(FLYWHEEL), method=method, **scene
+    )
     assert isinstance(found, pp.Run)
     return found
 

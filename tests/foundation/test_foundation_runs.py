@@ -21,7 +21,7 @@ def columns(stiffness=6e8, loss_factor=0.04):
 
 
 def piling(press, duration, points, load=PILING):
-    run = pp.simulate(press, duration, 350 * pp.RPM, flywheel=FLYWHEEL, loads=[load], points=points)
+    run = pp.simulate(press, duration, speed=350 * pp.RPM, flywheel=FLYWHEEL, loads=[load], points=points)
     return pp.inverse_dynamics(press, run, loads=[load])
 
 
@@ -61,7 +61,7 @@ def test_flywheel_behind_a_slipping_clutch_is_refused():
     run = pp.simulate(
         press,
         0.02,
-        0.0,
+        speed=0.0,
         flywheel=pp.drives.Flywheel(136.0, speed=30.0),
         clutch=pp.drives.Clutch(torque=2000.0, closes=pp.drives.SwitchPoint(time=0.0)),
         points=21,
@@ -157,7 +157,7 @@ def test_a_period_of_a_steady_run_is_what_time_comes_to():
     system = foundation.mounted(press, frame, damped)
     loads = [pp.loads.DeepDrawing(1e5, start=0.01)]
     motor = pp.drives.Geared(pp.drives.InductionMotor(rated_power=30e3, rated_speed=1485 * pp.RPM), ratio=4.95)
-    steady = pp.steady_state(press, 300 * pp.RPM, motor, pp.drives.Flywheel(20.0), loads, points=361)
+    steady = pp.steady_state(press, 300 * pp.RPM, drive=motor, flywheel=pp.drives.Flywheel(20.0), loads=loads, points=361)
     response = foundation.steady_response(
         system, pp.inverse_dynamics(press, steady, loads), points={"O": (0, 0, 0)}, flywheel=pp.drives.Flywheel(20.0)
     )

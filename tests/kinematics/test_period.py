@@ -71,8 +71,8 @@ def at(press, angle, speed=SPEED):
 def test_turns_of_a_period(press, name):
     assert press.period_turns == period_turns(press) == TURNS[name]
     assert pp.cycle(press, SPEED).period_turns == TURNS[name]
-    assert pp.simulate(press, 0.05, SPEED, flywheel=pp.drives.Flywheel(1.0)).period_turns == TURNS[name]
-    assert pp.simulate(press, 0.05, SPEED, flywheel=pp.drives.Flywheel(1.0), method="constraint").period_turns == TURNS[name]
+    assert pp.simulate(press, 0.05, speed=SPEED, flywheel=pp.drives.Flywheel(1.0)).period_turns == TURNS[name]
+    assert pp.simulate(press, 0.05, speed=SPEED, flywheel=pp.drives.Flywheel(1.0), method="constraint").period_turns == TURNS[name]
 
 
 @pytest.mark.parametrize("way", [1.0, -1.0])

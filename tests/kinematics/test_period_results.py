@@ -114,7 +114,7 @@ def test_vibration_of_a_run_that_is_steady(name, folder):
 
 
 def test_strokes_are_periods(press, name):
-    run = pp.simulate(press, 1.7, SPEED, drive=pp.drives.InductionMotor(5e3, 40.0), flywheel=pp.drives.Flywheel(30.0), points=20_001)
+    run = pp.simulate(press, 1.7, speed=SPEED, drive=pp.drives.InductionMotor(5e3, 40.0), flywheel=pp.drives.Flywheel(30.0), points=20_001)
     strokes = pp.measures.stroke_duties(run)
     assert len(strokes) == int((run.crank_angle[-1] - run.crank_angle[0]) / (2 * np.pi * TURNS[name])) > 1
     for k, stroke in enumerate(strokes):
@@ -123,7 +123,7 @@ def test_strokes_are_periods(press, name):
         during = (run.time >= stroke.start) & (run.time <= stroke.start + stroke.duration)
         assert abs(stroke.lowest_speed / run.crank_speed[during].min() - 1) < 1e-4
         assert abs(stroke.highest_speed / run.crank_speed[during].max() - 1) < 1e-4
-    assert len(pp.measures.stroke_duties(pp.simulate(press, 1.0, 0.5, flywheel=pp.drives.Flywheel(1e4)))) == 0
+    assert len(pp.measures.stroke_duties(pp.simulate(press, 1.0, speed=0.5, flywheel=pp.drives.Flywheel(1e4)))) == 0
 
 
 # A slide that is back before other links
@@ -149,7 +149,7 @@ def test_measures_of_a_slide_that_is_back_before_other_links(with_cam, alone):
         (measures.dwell_time, (0.001,)),
     ):
         assert measure(mine, *given) == pytest.approx(measure(theirs, *given), rel=1e-9)
-    run = pp.simulate(with_cam, 1.0, SPEED, flywheel=pp.drives.Flywheel(50.0))
+    run = pp.simulate(with_cam, 1.0, speed=SPEED, flywheel=pp.drives.Flywheel(50.0))
     assert len(pp.measures.stroke_duties(run)) == int(run.crank_angle[-1] / (2 * np.pi)) > 3
 
 

@@ -38,7 +38,7 @@ def used(press: pp.Linkage) -> pp.Motion:
     motion = pp.cycle(press, speed=7.0, points=12)
     for engine in ("plane", "pinocchio"):
         pp.inverse_dynamics(press, motion, engine=engine)
-    pp.simulate(press, 0.05, 7.0)
+    pp.simulate(press, 0.05, speed=7.0)
     pp.dead_centres(press)
     return motion
 
@@ -48,8 +48,8 @@ ASKED: dict[str, Callable[[pp.Linkage, pp.Motion], object]] = {
     "cycle by Pinocchio": lambda press, motion: pp.cycle(press, speed=7.0, points=12, engine="pinocchio"),
     "inverse dynamics": lambda press, motion: pp.inverse_dynamics(press, motion),
     "inverse dynamics by Pinocchio": lambda press, motion: pp.inverse_dynamics(press, motion, engine="pinocchio"),
-    "simulate": lambda press, motion: pp.simulate(press, 0.05, 7.0),
-    "simulate by constraints": lambda press, motion: pp.simulate(press, 0.05, 7.0, method="constraint"),
+    "simulate": lambda press, motion: pp.simulate(press, 0.05, speed=7.0),
+    "simulate by constraints": lambda press, motion: pp.simulate(press, 0.05, speed=7.0, method="constraint"),
     "dead centres": lambda press, motion: pp.dead_centres(press),
     "closed pose": lambda press, motion: press.closed,
     "inertias": lambda press, motion: press.with_inertias([pin.Inertia.Zero()] * 4),
@@ -144,7 +144,7 @@ def test_a_force_changed_afterwards_does_not_change_a_result():
 
 def test_the_motion_of_a_balanced_press_is_no_run_of_the_old_one():
     press = pp.load("crank_slide")
-    run = pp.simulate(press, 0.1, 40.0, flywheel=pp.drives.Flywheel(5.0), points=13)
+    run = pp.simulate(press, 0.1, speed=40.0, flywheel=pp.drives.Flywheel(5.0), points=13)
     found = pp.balancing.balance(
         press,
         run,

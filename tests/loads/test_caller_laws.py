@@ -1,6 +1,7 @@
 """A caller's own drives and loads: what they depend on beyond what they declare is found and refused; what they raise, or answer that is no
 number, is named with the place in the run; their warnings are the caller's."""
 
+import dataclasses
 import math
 import re
 import warnings
@@ -13,6 +14,7 @@ from support.texts import without_mass
 
 import pinpress as pp
 from pinpress.loads.process import ForceInterval
+from pinpress.simulation import batch
 
 pytestmark = pytest.mark.usefixtures("time_limit")
 
@@ -295,7 +297,7 @@ def test_a_law_that_fails_is_not_taken_for_a_missing_steady_state(press):
     """Its excitation makes it go from period to period over time; beyond 25 rad/s its torque ends."""
     drive = Own(above(25.0, fails), timed=True, state=(0.0,), rates=lambda w, a, t, s: (1.0 - s[0],))
     with pytest.raises(pp.SimulationError, match=r"Own: torque at speed 2\d\.\d* rad/s.*cannot be worked out: ZeroDivisionError"):
-        pp.steady_state(press, 8.0, drive, START["flywheel"])
+        pp.steady_state(press, 8.0, drive=drive, flywheel=START["flywheel"])
 
 
 # ------------------------------------------------------------------------------------------------------------------- inverse dynamics
@@ -433,3 +435,66 @@ def test_a_law_that_fails_where_a_press_is_synthesised(press):
         pp.PinpressError, match=r"Push: force of complex numbers cannot be worked out: ZeroDivisionError: .*; write it with"
     ):
         synthesised(press, lambda h, v: fails(h) if np.iscomplexobj(h) else 1.0 * h)
+
+
+# ----------------------------------------------------------------------------------------------------------------------------- declared
+
+
+def jumping(w, a, t, s):
+    return np.where(np.asarray(w) < 24.0, 200.0, -200.0) + 0.0 * w
+
+
+def test_a_torque_that_jumps(press):
+    """Declared so it is followed over time from the start on, undeclared as far as it goes over the angle; the run is the same."""
+    started = {"speed": 23.0, "flywheel": pp.drives.Flywheel(30.0)}
+    declared = pp.simulate(press, 0.2, drive=Own(jumping, corners=(pp.drives.Corner(24.0, jump=True),)), **started)
+    plain = pp.simulate(press, 0.2, drive=Own(jumping, corners=(24.0,)), **started)
+    geared = pp.drives.Geared(Own(jumping, corners=(pp.drives.Corner(24.0, jump=True),)), 2.0)
+    assert "angle" not in declared.stats.solvers
+    assert "angle" in plain.stats.solvers
+    np.testing.assert_allclose(plain.crank_angle, declared.crank_angle, atol=1e-8)
+    assert geared.corners == (pp.drives.Corner(12.0, jump=True),)
+
+
+@pytest.mark.parametrize(("give", "said"), [({"jump": 1}, "jump is 1"), ({"speed": "fast"}, "speed is")])
+def test_a_corner_that_makes_no_sense(give, said):
+    with pytest.raises(pp.PinpressError, match=f"Corner: {said}"):
+        pp.drives.Corner(**{"speed": 3.0} | give)
+
+
+@dataclasses.dataclass(frozen=True)
+class Stop:
+    """A spring that pushes below a height, both ways."""
+
+    stiffness: float
+    damping: float = 0.0
+    heeds_velocity: bool = False
+    datum: float | None = None
+
+    def law(self, height, velocity):
+        return self.stiffness * (0.1 - height) - self.damping * velocity
+
+    def intervals(self, downwards):
+        return (ForceInterval(0.1, -math.inf, self.law, one_sided=True, heeds_velocity=self.heeds_velocity),)
+
+
+def test_a_force_that_depends_on_velocity_though_it_is_declared_not_to(press):
+    with pytest.raises(pp.PinpressError, match="Stop: force depends on the velocity; let heeds_velocity"):
+        pp.simulate(press, 0.05, loads=[Stop(1e4, 100.0)], **START)
+    pp.simulate(press, 0.05, loads=[Stop(1e4, 100.0, heeds_velocity=True)], **START)
+
+
+def test_equal_intervals_both_ways_have_no_direction(press):
+    """So a press that swings against them repeats itself, and needs to be followed for one swing alone."""
+    run = pp.simulate(press, 40.0, angle=2.0, loads=[Stop(1e5)], points=11)
+    assert "repetition" in run.stats.solvers
+
+
+def test_a_contact_without_a_damper_is_solved_for_all_scenarios_at_once(press, monkeypatch):
+    alone, solved_alone = [], batch._solved_alone
+    monkeypatch.setattr(batch, "_solved_alone", lambda scenarios, k, times: alone.append(k) or solved_alone(scenarios, k, times))
+    speeds = np.array([20.0, 25.0])
+    pp.simulate_batch(press, 0.3, speed=speeds, flywheel=pp.drives.Flywheel(30.0), loads=[Stop(1e4)])
+    assert alone == []
+    pp.simulate_batch(press, 0.3, speed=speeds, flywheel=pp.drives.Flywheel(30.0), loads=[Stop(1e4, 10.0, heeds_velocity=True)])
+    assert alone == [0, 1]

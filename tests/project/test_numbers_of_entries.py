@@ -69,10 +69,10 @@ ENTRIES: dict[str, Callable[[Any], object]] = {
     "edges in time": lambda v: pp.loads.TimeForce(lambda time: 0 * time, v),
     "step": lambda v: pp.loads.step(v, 0.0, 0.0, 1.0, 1.0),
     "begin of a step": lambda v: pp.loads.step(0.5, v, 0.0, 1.0, 1.0),
-    "duration": lambda v: pp.simulate(press(), v, 1.0),
-    "speed at the start": lambda v: pp.simulate(press(), 0.01, v),
-    "angle at the start": lambda v: pp.simulate(press(), 0.01, 1.0, v),
-    "steady state": lambda v: pp.steady_state(press(), v, pp.drives.InductionMotor(1e4, 95 * pp.RPM)),
+    "duration": lambda v: pp.simulate(press(), v, speed=1.0),
+    "speed at the start": lambda v: pp.simulate(press(), 0.01, speed=v),
+    "angle at the start": lambda v: pp.simulate(press(), 0.01, speed=1.0, angle=v),
+    "steady state": lambda v: pp.steady_state(press(), v, drive=pp.drives.InductionMotor(1e4, 95 * pp.RPM)),
     "flywheel": lambda v: pp.drives.Flywheel(v),
     "torque": lambda v: pp.drives.ConstantTorque(v),
     "gear": lambda v: pp.drives.Geared(pp.drives.ConstantTorque(1.0), v),
@@ -131,7 +131,7 @@ def test_a_law_that_answers_with_complex_or_masked_numbers_is_refused():
 
     for factor in (1 + 1j, np.ma.masked_array(1.0, mask=True)):
         with pytest.raises(pp.PinpressError, match=r"Odd: .*torque"):
-            pp.simulate(press(), 0.1, 5.0, drive=Odd(factor))
+            pp.simulate(press(), 0.1, speed=5.0, drive=Odd(factor))
 
 
 @pytest.mark.parametrize("inertia", [-1e-9, np.nan, np.inf])
@@ -144,5 +144,5 @@ def test_the_inertia_of_a_callers_own_drive_is_not_negative(inertia):
             return -speed
 
     with pytest.raises(pp.PinpressError, match=r"Own: inertia is .* not negative"):
-        pp.simulate(press(), 0.01, 5.0, drive=Own(inertia))
-    assert pp.simulate(press(), 0.01, 5.0, drive=Own(0.0)).crank_speed[-1] > 0
+        pp.simulate(press(), 0.01, speed=5.0, drive=Own(inertia))
+    assert pp.simulate(press(), 0.01, speed=5.0, drive=Own(0.0)).crank_speed[-1] > 0

@@ -578,7 +578,9 @@ def test_a_torque_curve_of_six_points_is_one_drive(press):
     assert isinstance(run, pp.Run)
     expected = pp.simulate(press, 0.3, **blanked(press, drive=Curve(tuple(POINTS), tuple(TORQUES))))
     np.testing.assert_array_equal(run.crank_angle, expected.crank_angle)
-    assert isinstance(pp.steady_state(press, 30.0, Curve(POINTS, TORQUES), WHEEL, [pp.loads.Blanking(1e5, 0.010, 0.005)]), pp.Run)
+    assert isinstance(
+        pp.steady_state(press, 30.0, drive=Curve(POINTS, TORQUES), flywheel=WHEEL, loads=[pp.loads.Blanking(1e5, 0.010, 0.005)]), pp.Run
+    )
 
 
 def test_a_drive_that_declares_its_scenarios(press):

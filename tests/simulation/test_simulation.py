@@ -1057,7 +1057,7 @@ def test_a_run_of_more_turns_than_are_kept_is_refused_before_it_begins():
 def test_states_are_counted_by_the_way_that_the_crank_makes(speed):
     """120 a turn, either way, there and back: of a turning press, and of one that swings."""
     press = texts.shipped("crank_slide")
-    run = pp.simulate(press, 3.0, speed, 3.0, flywheel=pp.drives.Flywheel(0.0 if speed == 0 else 5.0), step=2e-3)
+    run = pp.simulate(press, 3.0, speed=speed, angle=3.0, flywheel=pp.drives.Flywheel(0.0 if speed == 0 else 5.0), step=2e-3)
     turns = np.abs(np.diff(run.crank_angle)).sum() / (2 * math.pi)
     assert turns > 2
     assert abs(len(run.time) - 1 - 120 * turns) < 3
@@ -1090,7 +1090,7 @@ def test_a_stiff_law_at_the_least_tolerance():
     scene = build_scene(texts.shipped("zxn2_3000b"), SPEED_LAW, 7.0, 1360.0, 0.8)
     loose, tight = (
         pp.simulate(
-            texts.shipped("zxn2_3000b"), 0.8, scene.speed, drive=scene.drive, flywheel=scene.flywheel, tolerance=tolerance, points=2
+            texts.shipped("zxn2_3000b"), 0.8, speed=scene.speed, drive=scene.drive, flywheel=scene.flywheel, tolerance=tolerance, points=2
         )
         for tolerance in (1e-11, 1e-13)
     )
@@ -1103,4 +1103,4 @@ def test_a_step_far_too_long_is_said():
     """A die so stiff that the crank is thrown beyond all angles within a step."""
     die = pp.loads.ElasticDie(0.002, 1e10)
     with pytest.raises(pp.SimulationError, match="not finite"):
-        pp.simulate(texts.shipped("crank_slide"), 0.1, -31.4, flywheel=pp.drives.Flywheel(2.5), loads=[die], step=0.0214)
+        pp.simulate(texts.shipped("crank_slide"), 0.1, speed=-31.4, flywheel=pp.drives.Flywheel(2.5), loads=[die], step=0.0214)

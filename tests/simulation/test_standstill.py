@@ -146,7 +146,14 @@ def test_a_press_that_stands_to_the_end_says_so(press, method):
     servo = pp.drives.ServoMotor([0.0, 1.0], [3.0, 9.0], 1e4, 1e2, 5e3, inertia=2.0)
     with pytest.warns(pp.PinpressWarning, match=r"the press stands from 0\.\d+ s to the end, at crank angle .* deg"):
         run = pp.simulate(
-            press, 1.0, 5.0, 3.0, drive=servo, flywheel=pp.drives.Flywheel(5.0), loads=[pp.loads.Blanking(1e6, 0.05, 0.02)], method=method
+            press,
+            1.0,
+            speed=5.0,
+            angle=3.0,
+            drive=servo,
+            flywheel=pp.drives.Flywheel(5.0),
+            loads=[pp.loads.Blanking(1e6, 0.05, 0.02)],
+            method=method,
         )
     assert run.crank_speed[-1] == 0.0
     assert np.ptp(run.crank_angle[run.time > 0.9]) == 0.0

@@ -55,7 +55,7 @@ def inverter():
 
 @pytest.fixture(scope="module")
 def steady(press):
-    return pp.steady_state(press, SPEED, slip_clutch(), WHEEL, [BLANK])
+    return pp.steady_state(press, SPEED, drive=slip_clutch(), flywheel=WHEEL, loads=[BLANK])
 
 
 @pytest.fixture(scope="module")
@@ -147,7 +147,7 @@ PRESSED = {
 def test_the_exact_equation_comes_back(press, name, load):
     """Integrated by SciPy from the steady state's first state on, it comes back to it after that time, and is the same between."""
     case, (given, windows, work) = CASES[name](), PRESSED[load]
-    run = pp.steady_state(press, SPEED, case.drive, WHEEL, [given], points=31)
+    run = pp.steady_state(press, SPEED, drive=case.drive, flywheel=WHEEL, loads=[given], points=31)
     comes_back(run, work)
     solution = equation.solve(
         run.time,
@@ -173,7 +173,7 @@ def test_the_exact_equation_comes_back(press, name, load):
 )
 def test_the_exact_equation_comes_back_with_a_lag(press, lag, guess):
     """Then the excitation current too comes back. Its first value stands in the drive's torque."""
-    run = pp.steady_state(press, guess, slip_clutch(lag), WHEEL, [BLANK], points=31)
+    run = pp.steady_state(press, guess, drive=slip_clutch(lag), flywheel=WHEEL, loads=[BLANK], points=31)
     comes_back(run, WORK)
     speed = float(run.crank_speed[0])
     current = math.sqrt(run.drive_torque[0] / clutch_torque(speed, 1.0))
@@ -233,7 +233,7 @@ def test_a_long_run_ends_in_it_to_the_tolerance(press, steady):
 def test_a_long_run_with_a_lag(press):
     """A stroke is four time constants: the press settles in 2 s."""
     run = pp.simulate(press, 2.5, speed=30.0, drive=slip_clutch(0.05), flywheel=WHEEL, loads=[BLANK])
-    found = pp.steady_state(press, 30.0, slip_clutch(0.05), WHEEL, [BLANK])
+    found = pp.steady_state(press, 30.0, drive=slip_clutch(0.05), flywheel=WHEEL, loads=[BLANK])
     last = pp.measures.stroke_duties(run)[-1]
     assert last.duration == pytest.approx(found.time[-1], rel=1e-9)
     assert float(run.trajectory.at(np.array([last.start])).speed[0, 0]) == pytest.approx(found.crank_speed[0], rel=1e-9)
@@ -245,7 +245,7 @@ def test_a_run_of_stiff_motors(press, name):
     """Forty strokes are enough: their speed settles by a factor of 2 and more each."""
     drive = CASES[name]().drive
     run = pp.simulate(press, 9.0, speed=29.0, drive=drive, flywheel=WHEEL, loads=[BLANK])
-    found = pp.steady_state(press, SPEED, drive, WHEEL, [BLANK])
+    found = pp.steady_state(press, SPEED, drive=drive, flywheel=WHEEL, loads=[BLANK])
     last = pp.measures.stroke_duties(run)[-1]
     assert last.duration == pytest.approx(found.time[-1], rel=1e-8)
     assert float(run.trajectory.at(np.array([last.start])).speed[0, 0]) == pytest.approx(found.crank_speed[0], rel=1e-8)
@@ -270,7 +270,7 @@ def test_other_presses_by_the_constraint_method(name):
     """Pinocchio's constraint dynamics, which share no equation with the reduced ones, come back to the steady state too."""
     speed, drive, inertia, load, work = PRESSES[name]
     linkage, wheel = texts.shipped(name), pp.drives.Flywheel(inertia)
-    run = pp.steady_state(linkage, speed, drive, wheel, [load], points=41)
+    run = pp.steady_state(linkage, speed, drive=drive, flywheel=wheel, loads=[load], points=41)
     comes_back(run, work)
     period, first = float(run.time[-1]), float(run.crank_speed[0])
     other = pp.simulate(linkage, period, speed=first, drive=drive, flywheel=wheel, loads=[load], method="constraint", points=41)
@@ -283,7 +283,9 @@ def test_other_presses_by_the_constraint_method(name):
 def test_a_spring_that_is_damped(textbook):
     """The drive makes up for what the damper takes: c v^2, by quadrature over the states."""
     spring = pp.loads.SpringDamper("frame", "slide", stiffness=2e3, damping=400, free_length=0.4, point1=(0, 0, -1.0))
-    run = pp.steady_state(textbook, 75 * RPM, induction(7.5e3, 20.0, 0.02), pp.drives.Flywheel(20.0), [spring], points=2001)
+    run = pp.steady_state(
+        textbook, 75 * RPM, drive=induction(7.5e3, 20.0, 0.02), flywheel=pp.drives.Flywheel(20.0), loads=[spring], points=2001
+    )
     comes_back(run)
     taken = simpson(400 * run.slide_velocity**2, x=run.time)
     assert taken > 50
@@ -299,7 +301,7 @@ def test_a_spring_that_is_damped(textbook):
 def test_the_start_does_not_matter(press, name, angle):
     """The same orbit from any crank angle: period, works, and the speed at each angle."""
     drive = CASES[name]().drive
-    there, here = (pp.steady_state(press, SPEED, drive, WHEEL, [BLANK], angle=a) for a in (0.0, angle))
+    there, here = (pp.steady_state(press, SPEED, drive=drive, flywheel=WHEEL, loads=[BLANK], angle=a) for a in (0.0, angle))
     comes_back(here, WORK)
     assert here.crank_angle[0] == pytest.approx(angle, rel=1e-14)
     assert here.time[-1] == pytest.approx(there.time[-1], rel=1e-10)
@@ -315,7 +317,7 @@ def test_the_start_does_not_matter(press, name, angle):
 @pytest.mark.exhaustive
 def test_the_guess_does_not_matter(press, name, guess):
     drive = CASES[name]().drive
-    found, steady = (pp.steady_state(press, share * SPEED, drive, WHEEL, [BLANK]) for share in (guess, 1.0))
+    found, steady = (pp.steady_state(press, share * SPEED, drive=drive, flywheel=WHEEL, loads=[BLANK]) for share in (guess, 1.0))
     np.testing.assert_allclose(found.crank_speed, steady.crank_speed, rtol=1e-10)
 
 
@@ -323,7 +325,7 @@ def test_the_guess_does_not_matter(press, name, guess):
 @pytest.mark.parametrize("lag", [0.0, 0.05])
 def test_backwards(press, lag):
     """The JF75G-125 is its own mirror image."""
-    one, other = (pp.steady_state(press, way * 30.3, slip_clutch(lag, way * 3.0), WHEEL, [BLANK]) for way in (1, -1))
+    one, other = (pp.steady_state(press, way * 30.3, drive=slip_clutch(lag, way * 3.0), flywheel=WHEEL, loads=[BLANK]) for way in (1, -1))
     comes_back(other, WORK)
     assert other.crank_angle[-1] == pytest.approx(-2 * math.pi, rel=1e-9)
     np.testing.assert_allclose(other.crank_speed, -one.crank_speed, rtol=1e-9)
@@ -338,7 +340,7 @@ def test_backwards_is_another_orbit_of_a_press_with_quick_return():
     for way in (1, -1):
         turned = pp.drives.Geared(drive.drive, way * 20.0)
         linkage = texts.shipped("thin_wall")
-        run = pp.steady_state(linkage, way * speed, turned, pp.drives.Flywheel(inertia), [load])
+        run = pp.steady_state(linkage, way * speed, drive=turned, flywheel=pp.drives.Flywheel(inertia), loads=[load])
         comes_back(run)
         long = pp.simulate(linkage, 16.0, speed=way * 7.5, drive=turned, flywheel=pp.drives.Flywheel(inertia), loads=[load])
         assert pp.measures.stroke_duties(long)[-1].duration == pytest.approx(run.time[-1], rel=1e-8)
@@ -350,7 +352,12 @@ def test_a_coarser_tolerance_is_kept(textbook):
     """With fewer panels, the errors stay below it."""
     fine, coarse = (
         pp.steady_state(
-            textbook, 75 * RPM, TEXTBOOK_MOTOR, pp.drives.Flywheel(50.0), [pp.loads.Blanking(2e4, 0.05, 0.02)], tolerance=tolerance
+            textbook,
+            75 * RPM,
+            drive=TEXTBOOK_MOTOR,
+            flywheel=pp.drives.Flywheel(50.0),
+            loads=[pp.loads.Blanking(2e4, 0.05, 0.02)],
+            tolerance=tolerance,
         )
         for tolerance in (1e-11, 1e-5)
     )
@@ -430,7 +437,7 @@ def disc(tmp_path):
 
 def test_constant_inertia_and_a_linear_drive(disc):
     """w = a / b, and nothing else."""
-    run = pp.steady_state(disc(0.0), 10.0, Own(60.0, 5.0), pp.drives.Flywheel(4.0))
+    run = pp.steady_state(disc(0.0), 10.0, drive=Own(60.0, 5.0), flywheel=pp.drives.Flywheel(4.0))
     np.testing.assert_allclose(run.crank_speed, 12.0, rtol=1e-11)
     assert run.time[-1] == pytest.approx(2 * math.pi / 12, rel=1e-11)
     assert abs(run.drive_work[-1]) < 1e-8
@@ -442,7 +449,7 @@ def test_an_eccentric_disc_and_a_quadratic_drive(disc, angle):
     W = a / k - m g e (k cos q + sin q) / (1 + k^2)."""
     e, a, c = 0.12, 400.0, 1.5
     inertia = 3.0 + 40 * e**2 + 2.0
-    run = pp.steady_state(disc(e), 15.0, Own(a, 0.0, c), pp.drives.Flywheel(2.0), angle=angle, points=61)
+    run = pp.steady_state(disc(e), 15.0, drive=Own(a, 0.0, c), flywheel=pp.drives.Flywheel(2.0), angle=angle, points=61)
     k, q = 2 * c / inertia, run.crank_angle
     energy = a / k - 40 * 9.81 * e * (k * np.cos(q) + np.sin(q)) / (1 + k * k)
     np.testing.assert_allclose(0.5 * inertia * run.crank_speed**2, energy, rtol=1e-10)
@@ -491,7 +498,7 @@ def test_a_period_map_of_ones_own(textbook):
 
     speed = brentq(lambda w: turn(w)[0] - w, 8.0, 12.0, xtol=1e-13, rtol=1e-14)
     _, period, work, squared = turn(speed)
-    run = pp.steady_state(textbook, 10.0, Own(a, b), pp.drives.Flywheel(wheel), [pp.loads.Blanking(force, 0.05, 0.02)])
+    run = pp.steady_state(textbook, 10.0, drive=Own(a, b), flywheel=pp.drives.Flywheel(wheel), loads=[pp.loads.Blanking(force, 0.05, 0.02)])
     comes_back(run, 2 / math.pi * force * 0.03)
     assert run.crank_speed[0] == pytest.approx(speed, rel=1e-10)
     assert run.time[-1] == pytest.approx(period, rel=1e-10)
@@ -521,7 +528,7 @@ def test_no_steady_state(press, name):
     """At once, with the reason. Beyond breakdown the loads take 4 kJ a turn of a motor that gives 0.8 kJ at most, 40 kJ of one of 15 kJ."""
     drive, load = NONE[name]
     with within(10.0), pytest.raises(pp.SimulationError, match=r"no steady state|stalls|does not get through") as raised:
-        pp.steady_state(press, SPEED, drive, WHEEL, [load])
+        pp.steady_state(press, SPEED, drive=drive, flywheel=WHEEL, loads=[load])
     if name == "constant_torque":
         for words in ("31.4159 rad/s", "too weak", "constant torque", "simulate"):
             assert words in str(raised.value)
@@ -560,14 +567,14 @@ def test_a_crank_that_only_swings(tmp_path):
     file = tmp_path / "rocker.urdf"
     file.write_text(four_bar(1.0, 0.8, 0.3, 0.7, 0.9).urdf("O"), encoding="utf-8")
     with pytest.raises(pp.PinpressError, match="does not turn fully"):
-        pp.steady_state(pp.load(file), 3.0, Own(10.0, 1.0), pp.drives.Flywheel(1.0))
+        pp.steady_state(pp.load(file), 3.0, drive=Own(10.0, 1.0), flywheel=pp.drives.Flywheel(1.0))
 
 
 def test_several_drivers_have_none(tmp_path):
     press = pp.load(two_discs(tmp_path))
     assert len(press.drivers) == 2
     with pytest.raises(pp.PinpressError, match="one driver"):
-        pp.steady_state(press, 3.0, Own(10.0, 1.0), pp.drives.Flywheel(1.0))
+        pp.steady_state(press, 3.0, drive=Own(10.0, 1.0), flywheel=pp.drives.Flywheel(1.0))
 
 
 def two_discs(tmp_path):
@@ -587,8 +594,8 @@ def two_discs(tmp_path):
 def test_duty_of_a_stroke(press, name):
     """From states at the very instants that are looked at, and works and means by Simpson's rule over a finer grid."""
     case = CASES[name]()
-    run = pp.steady_state(press, SPEED, case.drive, WHEEL, [BLANK], points=721)
-    fine = pp.steady_state(press, SPEED, case.drive, WHEEL, [BLANK], points=40001)
+    run = pp.steady_state(press, SPEED, drive=case.drive, flywheel=WHEEL, loads=[BLANK], points=721)
+    fine = pp.steady_state(press, SPEED, drive=case.drive, flywheel=WHEEL, loads=[BLANK], points=40001)
     duty, ratio = pp.measures.duty_cycle(run), case.drive.ratio
     assert (duty.start, duty.duration) == (0.0, run.time[-1])
     speed, motor = run.crank_speed, np.abs(case.drive.motor_torque(run.crank_speed))
@@ -751,7 +758,9 @@ def test_duty_of_several_drivers(tmp_path):
 def test_stiff_motors_and_little_inertia(name, drive, flywheel, load, period):
     """Periods are those of the last strokes of runs of 20 s, to their nine digits."""
     press = texts.shipped(name, gravity=(0, 0, -9.80665))
-    found = pp.steady_state(press, SPEED if name == "jf75g_125" else 72 * RPM, drive, flywheel and pp.drives.Flywheel(flywheel), [load])
+    found = pp.steady_state(
+        press, SPEED if name == "jf75g_125" else 72 * RPM, drive=drive, flywheel=flywheel and pp.drives.Flywheel(flywheel), loads=[load]
+    )
     comes_back(found)
     assert period is None or found.time[-1] == pytest.approx(period, rel=1e-8)
 
@@ -767,7 +776,7 @@ def test_stiff_motors_and_little_inertia(name, drive, flywheel, load, period):
 @pytest.mark.exhaustive
 def test_a_lag_from_further_off(press, way, load, period):
     """Periods of the last strokes of runs of 20 s and 40 s."""
-    found = pp.steady_state(press, way * SPEED, slip_clutch(0.05, way * 3.0), WHEEL, [load])
+    found = pp.steady_state(press, way * SPEED, drive=slip_clutch(0.05, way * 3.0), flywheel=WHEEL, loads=[load])
     comes_back(found)
     assert found.time[-1] == pytest.approx(period, rel=1e-8)
 
@@ -775,12 +784,12 @@ def test_a_lag_from_further_off(press, way, load, period):
 @pytest.mark.parametrize("tolerance", [1e-30, 1e5])
 def test_tolerances_out_of_range(textbook, tolerance):
     with within(2.0), pytest.raises(pp.PinpressError, match="tolerance"):
-        pp.steady_state(textbook, 7.8, TEXTBOOK_MOTOR, pp.drives.Flywheel(50.0), tolerance=tolerance)
+        pp.steady_state(textbook, 7.8, drive=TEXTBOOK_MOTOR, flywheel=pp.drives.Flywheel(50.0), tolerance=tolerance)
 
 
 def test_a_program_in_time_has_none(textbook):
     with within(2.0), pytest.raises(pp.PinpressError, match="time") as raised:
-        pp.steady_state(textbook, 7.8, pp.drives.ServoMotor([0, 1.0], [0, 6.0], 1e5, 1e3, 1e4), pp.drives.Flywheel(50.0))
+        pp.steady_state(textbook, 7.8, drive=pp.drives.ServoMotor([0, 1.0], [0, 6.0], 1e5, 1e3, 1e4), flywheel=pp.drives.Flywheel(50.0))
     assert not isinstance(raised.value, pp.SimulationError)
 
 

@@ -156,7 +156,7 @@ def test_a_swing_under_a_steady_torque_pays_its_motor():
 @pytest.mark.one_in(2)
 @pytest.mark.parametrize("scene", [{"loads": [between(1e10, 1.0)]}, {"drive": Rubbing(0.0, 1e-3, 1e-6), "loads": [between(1e10, 0.0)]}])
 def test_what_is_damped_ever_so_little_is_not_repeated(scene):
-    found = pp.simulate(MECHANISM.press(), 0.05, SPEED, START, flywheel=pp.drives.Flywheel(FLYWHEEL), **scene)
+    found = pp.simulate(MECHANISM.press(), 0.05, speed=SPEED, angle=START, flywheel=pp.drives.Flywheel(FLYWHEEL), **scene)
     assert "repetition" not in found.stats.solvers
 
 
@@ -187,7 +187,9 @@ def test_the_reference_of_swings_is_right():
 )
 def test_wide_swings_are_repeated_too(start, loads):
     ours, other = (
-        pp.simulate(MECHANISM.press(), 2.0, 0.0, start, flywheel=pp.drives.Flywheel(1.0), loads=loads, method=method, points=200)
+        pp.simulate(
+            MECHANISM.press(), 2.0, speed=0.0, angle=start, flywheel=pp.drives.Flywheel(1.0), loads=loads, method=method, points=200
+        )
         for method in ("auto", "implicit")
     )
     assert ours.stats.solvers == ("angle", "repetition")

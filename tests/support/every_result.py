@@ -54,13 +54,13 @@ def reactions():
 
 @cache
 def run():
-    return pp.simulate(press(), 0.3, SPEED, drive=pp.drives.ConstantTorque(50.0), flywheel=pp.drives.Flywheel(20.0), loads=[DEEP])
+    return pp.simulate(press(), 0.3, speed=SPEED, drive=pp.drives.ConstantTorque(50.0), flywheel=pp.drives.Flywheel(20.0), loads=[DEEP])
 
 
 @cache
 def run_over_joints():
     clutch = pp.drives.Clutch(torque=500.0, closes=pp.drives.SwitchPoint(time=0.01), rise=0.01)
-    return pp.simulate(press(), 0.05, SPEED, flywheel=pp.drives.Flywheel(20.0), clutch=clutch, method="constraint", points=10)
+    return pp.simulate(press(), 0.05, speed=SPEED, flywheel=pp.drives.Flywheel(20.0), clutch=clutch, method="constraint", points=10)
 
 
 @cache
@@ -176,6 +176,7 @@ def made():
             pp.drives.Flywheel(2.0),
             pp.drives.ConstantTorque(3.0),
             pp.drives.SwitchPoint(time=0.1),
+            pp.drives.Corner(10.0, jump=True),
             pp.drives.Brake(10.0, pp.drives.SwitchPoint(time=0.1)),
             pp.drives.Clutch(10.0),
         ),

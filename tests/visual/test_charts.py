@@ -76,7 +76,7 @@ def loaded_run():
 def finer(result, points):
     """The same run in more states."""
     run, press = result.motion, texts.shipped("jf75g_125_plain")
-    again = pp.simulate(press, run.time[-1], run.crank_speed[0], run.crank_angle[0], points=points, **BLANKING)
+    again = pp.simulate(press, run.time[-1], speed=run.crank_speed[0], angle=run.crank_angle[0], points=points, **BLANKING)
     assert abs(again.crank_angle[-1] - run.crank_angle[-1]) < 1e-8  # its period was found to 1e-10
     return pp.inverse_dynamics(press, again, loads=BLANKING["loads"])
 

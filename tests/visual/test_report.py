@@ -259,7 +259,9 @@ def test_before_and_after_backwards(press: Any, result: Any, view: Callable[...,
 def test_run_is_over_time(view: Callable[..., Any], tmp_path: Path) -> None:
     press = texts.shipped("jf75g_125")
     load = pp.loads.Blanking(1e6, 0.006, 0.002)
-    run = pp.simulate(press, 0.3, 300 * pp.RPM, flywheel=pp.drives.Flywheel(30.0), drive=pp.drives.ConstantTorque(900.0), loads=[load])
+    run = pp.simulate(
+        press, 0.3, speed=300 * pp.RPM, flywheel=pp.drives.Flywheel(30.0), drive=pp.drives.ConstantTorque(900.0), loads=[load]
+    )
     result = pp.inverse_dynamics(press, run, loads=[load])
     page = view(pp.report(press, run, tmp_path / "out.html", reactions=result), "#t=0.15", SMALL)
     curves = page.evaluate(CURVES)
@@ -298,7 +300,7 @@ def test_same_input_same_bytes(written: Path, press: Any, result: Any, tmp_path:
 
 
 def test_what_cannot_be_compared(press: Any, result: Any, tmp_path: Path) -> None:
-    run = pp.simulate(press, 1.0, SPEED, flywheel=pp.drives.Flywheel(2000.0))
+    run = pp.simulate(press, 1.0, speed=SPEED, flywheel=pp.drives.Flywheel(2000.0))
     with pytest.raises(pp.PinpressError, match="before is over time, the motion over crank angle"):
         pp.report(press, result.motion, tmp_path / "out.html", reactions=result, before=pp.inverse_dynamics(press, run))
     assert list(tmp_path.iterdir()) == []
@@ -328,10 +330,10 @@ def test_tilted_press_has_whole_polar_diagrams(press: Any, result: Any, tmp_path
 
 def test_run_under_loads_needs_its_reactions(tmp_path: Path) -> None:
     press = texts.shipped("crank_slide")
-    run = pp.simulate(press, 0.5, SPEED, flywheel=pp.drives.Flywheel(50.0), loads=[pp.loads.Blanking(1e3, 0.02, 0.01)])
+    run = pp.simulate(press, 0.5, speed=SPEED, flywheel=pp.drives.Flywheel(50.0), loads=[pp.loads.Blanking(1e3, 0.02, 0.01)])
     with pytest.raises(pp.PinpressError, match=r"the run has loads: give its reactions with them, inverse_dynamics\(press, run, loads="):
         pp.report(press, run, tmp_path / "out.html")
-    idle = pp.simulate(press, 0.5, SPEED, flywheel=pp.drives.Flywheel(50.0), drive=pp.drives.ConstantTorque(5.0))
+    idle = pp.simulate(press, 0.5, speed=SPEED, flywheel=pp.drives.Flywheel(50.0), drive=pp.drives.ConstantTorque(5.0))
     assert pp.report(press, idle, tmp_path / "out.html").exists()
 
 

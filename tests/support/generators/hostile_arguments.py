@@ -101,7 +101,7 @@ def reactions() -> pp.Reactions:
 
 @cache
 def run() -> pp.Run:
-    return pp.simulate(press(), 1.0, 7.0, drive=pp.drives.ConstantTorque(1.0))
+    return pp.simulate(press(), 1.0, speed=7.0, drive=pp.drives.ConstantTorque(1.0))
 
 
 @cache
@@ -175,6 +175,7 @@ def calls() -> dict[str, Call]:
     measured = {"quantity": "bearing_force", "axis": "x", "bearing": "O", "about": (0.0, 0.0, 0.0)}
     kinds: list[tuple[str, Callable[..., Any], Callable[[], dict[str, Any]]]] = [
         # descriptions
+        ("Corner", pp.drives.Corner, lambda: {"speed": 10.0, "jump": True}),
         ("SwitchPoint", pp.drives.SwitchPoint, lambda: {"time": 1.0}),
         ("SwitchPoint", pp.drives.SwitchPoint, lambda: {"angle": 1.0}),
         (

@@ -1,0 +1,104 @@
+"""What the solvers over angle and time do for accuracy, each for itself: a run as a whole would hide its lack behind smaller steps."""
+
+import dataclasses
+from typing import Any
+
+import numpy as np
+import pytest
+from support import texts
+
+import pinpress as pp
+from pinpress.kinematics.motion import motion_through_change_points
+from pinpress.simulation import collocation, time_solver
+from pinpress.simulation.angle_solver import angle_segment
+from pinpress.simulation.batch import BatchSolver
+from pinpress.simulation.collocation import build_mesh, mesh_borders
+from pinpress.simulation.driven_press import driven_press
+from pinpress.simulation.equations_of_motion import ReducedDynamics
+from pinpress.simulation.hybrid_system import CoordinateTurns, CornerPassed, CouplingGrips, HybridSystem
+from pinpress.simulation.reduced_model import energies
+from pinpress.simulation.trajectory import DRIVE_WORK, INTEGRALS, State
+
+MOTOR = pp.drives.Geared(pp.drives.InverterMotor(200.0, 1450 * pp.RPM, 45.0, inertia=0.1), 20.0)
+"""Its torque reaches its limit at a speed of the crank of about 6.6 rad/s."""
+
+
+@pytest.fixture(scope="module")
+def press():
+    return texts.shipped("crank_slide")
+
+
+def solved(driven, speed, borders=None):
+    """A period over the angle from crank angle 0 on."""
+    borders = mesh_borders(driven, 0.0, 1, driven.model.period) if borders is None else borders
+    mesh = build_mesh(driven, 0.0, 1, borders)
+    return collocation.solve(driven, mesh, 0.5 * (mesh.inertia_ends[:1] + driven.inertia) * speed**2)
+
+
+def test_weights_put_in_the_difference_of_their_potential_energy(press):
+    """And not the integral of their force, which on panels this wide is far off: energy is lost in no turn."""
+    solution = solved(driven_press(press, None, pp.drives.Flywheel(5.0), [], None, None), 8.0, np.array([0.0, 2.0, 2 * np.pi]))
+    angles = np.append(0.0, solution.mesh.angle)
+    potential = energies(press, motion_through_change_points(press, angles, 1.0))[1]
+    gained = solution.energy.ravel() - solution.ends[0, 0]
+    np.testing.assert_allclose(gained, potential[0] - potential[1:], atol=1e-10 * np.ptp(potential))
+    assert solution.ends[-1, 0] == pytest.approx(solution.ends[0, 0], rel=1e-15)
+
+
+def test_the_work_of_a_drive_is_that_of_its_torque_at_the_speeds_found(press):
+    """Not that of the torque from which these were found: the energy balance would hold of whatever speeds come of a wrong one."""
+    driven = driven_press(press, MOTOR, pp.drives.Flywheel(5.0), [], None, None)
+    solution = solved(driven, 5.0)
+    wrong = dataclasses.replace(solution, driving=1.1 * solution.driving)
+    start, count = State(0.0, 0.0, 5.0, np.zeros(len(INTEGRALS))), len(solution.mesh.kinds)
+    right, asked_again = (angle_segment(driven, one, count, start).last().integrals[DRIVE_WORK] for one in (solution, wrong))
+    assert right == asked_again > 0
+    alone = BatchSolver(driven, 0.0, np.array([5.0]), np.array([0.0, 1.0]))
+    (_, torque), (_, same) = (alone.drive_and_loads(one)[0] for one in (solution, wrong))
+    np.testing.assert_array_equal(torque, same)
+
+
+def test_a_panel_is_cut_where_the_crank_passes_a_corner_of_the_torque(press):
+    """Though its polynomials may resolve speed and time to the tolerance as they are."""
+    driven = driven_press(press, MOTOR, pp.drives.Flywheel(50.0), [], None, None)
+    corner = min(driven.corners)
+    solution = solved(driven, 0.9 * corner)
+    assert solution.speed.min() < corner < solution.speed.max()
+    count = len(solution.mesh.kinds)
+    assert not len(collocation.cuts(solution, count, 1.0))
+    passed = collocation.cuts(solution, count, 1.0, driven.corners)
+    assert len(passed)
+    along = solution.mesh.angle.T.ravel()
+    np.testing.assert_allclose(np.interp(passed, along, solution.speed[:, :, 0].T.ravel()), corner, rtol=1e-3)
+
+
+@pytest.mark.parametrize("method", [time_solver.EXPLICIT, time_solver.IMPLICIT])
+def test_a_step_over_time_ends_at_a_corner_of_the_torque(press, method):
+    """It is not one that ran over the corner, cut off there."""
+    driven = driven_press(press, MOTOR, pp.drives.Flywheel(5.0), [], None, None)
+    system = HybridSystem(ReducedDynamics(driven.model), driven)
+    mode, y = system.begin(0.0, np.zeros(1), np.array([3.0]), np.zeros(4))
+    settings = time_solver.Settings(1e-9, np.array([1.0, 10.0, 1e3, 1e3, np.inf, 1e3]), method=method)
+    segment, _ = time_solver.integrate(system, mode, 0.0, y, 1.0, settings)
+    passed = [k for k in range(1, len(segment.modes)) if segment.modes[k].sides != segment.modes[k - 1].sides]
+    assert passed
+    for k in passed:
+        assert min(abs(segment.speeds[k] - corner) for corner in driven.corners) < 1e-6
+        step: Any = segment.pieces[k - 1]
+        assert step.t == segment.times[k - 1]
+
+
+def test_a_brake_that_grips_comes_before_all_else_that_happens_at_rest(press):
+    """Where it brings the crank to rest a load of one direction turns too, and the motor's gears start to lose the other way."""
+    motor = pp.drives.Geared(pp.drives.ConstantTorque(0.1), 20.0, efficiency=0.9)
+    load = pp.loads.Blanking(1e2, 0.3, 0.01, stripping=1e1)
+    driven = driven_press(press, motor, pp.drives.Flywheel(5.0), [load], None, pp.drives.Brake(500.0))
+    system = HybridSystem(ReducedDynamics(driven.model), driven)
+    mode, y = system.begin(0.0, np.ones(1), np.array([2.0]), np.zeros(4))
+    finder = time_solver.EventFinder(system, mode, 0.0, y)
+    assert {CoordinateTurns, CornerPassed, CouplingGrips} <= set(map(type, finder.events))
+    assert not isinstance(finder.events[0], CouplingGrips)
+    slowing = np.array([0.0, -20.0, 0.0, 0.0, 0.0, 0.0])  # at rest after 0.1 s
+    event, when = finder.first(lambda t: y + t * slowing, 0.0, 0.2)
+    assert isinstance(event, CouplingGrips)
+    assert when == pytest.approx(0.1, rel=1e-12)
