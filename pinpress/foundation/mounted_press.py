@@ -1,19 +1,20 @@
-"""A press on its mounts as a linear system, M u'' + C u' + K u = what the machine exerts, about the static position; its natural
-frequencies, shapes and damping.
+"""A press on its mounts as a linear system about its static position, with its natural frequencies, mode shapes and damping.
 
-Coordinates: of every rigid part of the frame, the displacement of its point at the world origin and its small turn, (x, y, z, rx, ry, rz)
-in world axes [m, rad]; the bed's, then the crown's where there are two parts. With spatial inertias about the world origin and wrenches
-about it no other point of reference is needed.
+The system is M u'' + C u' + K u = f, where f is the wrench that the machine exerts on the frame beside its weight.
 
-What moves in the press rides with the frame. For joint motions q(t) relative to the frame the six equations of a floating tree are
-M(q) u'' + (terms in u' of the links' relative velocities) = shaking wrench at a frame at rest + mounts; M(q) is the spatial inertia of the
-whole press, and its mean over a period is taken. What is left out (its change over the period, Coriolis forces) is of second
-order: the ratio of moving mass to frame times the vibration. The gyroscopic moment of a flywheel, J w times the rate at which the frame
-turns its axis, is left out too.
+The coordinates u of each rigid part of the frame are the displacement of its point at the world origin and its small turn,
+(x, y, z, rx, ry, rz) in world axes [m, rad]. The bed's come first, then the crown's where the frame has two parts. Spatial inertias and
+wrenches are about the world origin too, so that no other point of reference is needed.
 
-Points and mounts are where they are under the static load. The weight and the mounts' static forces then turn the equilibrium: a force f at
-a point p of a part has the potential -f . (t x (t x p)) / 2 beside its work for the turn t, which is the stiffness
-f . p - (f p^T + p f^T) / 2. It makes a tall press on soft mounts tip, and pendulums swing.
+The moving links of the press ride with the frame. For joint motions q(t) relative to the frame the six equations of a floating tree are
+M(q) u'' + (terms in u' of the links' relative velocities) = shaking wrench of a frame at rest + forces of the mounts. M(q) is the spatial
+inertia of the whole press; its mean over a period is taken. The terms left out (the change of M over the period, Coriolis forces) are of
+second order: the ratio of moving mass to frame mass times the vibration. The gyroscopic moment of a flywheel, J w times the rate at which
+the frame turns its axis, is left out too.
+
+Points and mounts are given where they are under the static load. When the frame turns by t, a static force f (a weight, or the force of a
+mount) at a point p of a part does the work f . (t x (t x p)) / 2 of second order, which is the stiffness f . p - (f p^T + p f^T) / 2
+against turning. It makes a tall press on soft mounts tip, and lets a hanging one swing.
 """
 
 from __future__ import annotations
@@ -48,28 +49,33 @@ from .mounts import (
     weight_wrench,
 )
 
-POSES = 180  # of a turn over which the moving mass is averaged: the mean of harmonics below that order is exact
+POSES = 180  # of a turn, over which the moving mass is averaged: harmonics below this order leave the mean exact
+MOST_ORDERS = 10_000  # of `resonance_speeds`, against lists without end
+MOTIONS = ("along x", "along y", "along z", "rocking about x", "rocking about y", "twisting about z")
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class MountedPress(Tabular):
-    """A press on its mounts; made by `mounted`. All arrays are read-only; n coordinates, 6 a part (see the module).
+    """A press on its mounts, made by `mounted`. All arrays are read-only.
+
+    There are n coordinates: displacement (x, y, z) and small turn (rx, ry, rz) at the world origin, in world axes [m, rad], of the frame,
+    or of its bed and then of its crown.
 
     Attributes:
-        press: the press.
-        frame: the frame, or its bed.
-        crown: the part that carries crank and guides; None where the frame is one part.
-        mounts: between floor and frame.
-        uprights: between bed and crown.
-        mass: (n, n) of frame and press, moving masses at their mean.
-        damping: (n, n) viscous.
-        stiffness: (n, n) of vibrations, with what the weight takes away.
-        loss: (n, n) imaginary part of the stiffness.
+        press: The press.
+        frame: The frame, or its bed.
+        crown: The part that carries crank and guides; None where the frame is one part.
+        mounts: Mounts between floor and frame.
+        uprights: Columns between bed and crown.
+        mass: (n, n) mass matrix of frame and press, with moving masses at their mean.
+        damping: (n, n) matrix of viscous damping.
+        stiffness: (n, n) stiffness matrix for vibrations, with the effect of the static forces.
+        loss: (n, n) imaginary part of the complex stiffness matrix.
         weight: (n,) wrench of all weights about the world origin [N, N m].
-        press_weight: (6,) of that, the links of the press.
-        press_inertia: (6, 6) of the links of the press, see `press_inertia`.
-        mount_load: (mounts, 3) what each mount exerts on the frame at rest [N].
-        sag: (mounts, 3) displacement of each mount from unloaded [m].
+        press_weight: (6,) part of it that the links of the press have.
+        press_inertia: (6, 6) mean spatial inertia of the links of the press, see the function `press_inertia`.
+        mount_load: (mounts, 3) force of each mount on the frame at rest, in world axes [N].
+        sag: (mounts, 3) displacement of each mount from its unloaded place, in world axes, downwards negative [m].
     """
 
     press: Linkage
@@ -107,7 +113,7 @@ class MountedPress(Tabular):
         return "\n".join(lines)
 
     def columns(self) -> dict[str, Column]:
-        """Mounts as columns, one a row: place, load and share of the weight, sag, pressure."""
+        """A row for each mount: place, load, share of the weight, sag (downwards positive) and pressure."""
         places = {f"{axis} [m]": [mount.point[i] for mount in self.mounts] for i, axis in enumerate("xyz")}
         return {
             **places,
@@ -119,17 +125,17 @@ class MountedPress(Tabular):
 
     @property
     def parts(self) -> int:
-        """Rigid parts of the frame, 1 or 2."""
+        """Number of rigid parts of the frame, 1 or 2."""
         return 1 if self.crown is None else 2
 
     @property
     def total_mass(self) -> float:
-        """Of frame and press [kg]."""
+        """Mass of frame and press [kg]."""
         return float(self.mass[0::6, 0::6].sum())
 
     @property
     def centre(self) -> Array:
-        """(3,) mean centre of mass of frame and press [m]."""
+        """(3,) mean centre of mass of frame and press in world axes [m]."""
         whole = self.mass[:6, :6] + (self.mass[6:, 6:] if self.parts == 2 else 0.0)
         return centre_of(whole)
 
@@ -141,14 +147,14 @@ class MountedPress(Tabular):
 
     @property
     def pressure(self) -> tuple[float | None, ...]:
-        """Mean pressure on each mount at rest [Pa]; None for one without an area."""
+        """Mean pressure on each mount at rest [Pa]; None where the mount has no area."""
         return tuple(
             None if mount.area is None else float(load / mount.area) for mount, load in zip(self.mounts, self.mount_load[:, 2], strict=True)
         )
 
     @cached_property
     def mount_rows(self) -> Array:
-        """(mounts, 3, n) displacement of each mount's point for each coordinate."""
+        """(mounts, 3, n) displacement of each mount's point by one of each coordinate."""
         return read_only(np.array([rows_at(self.parts, 0, np.array(mount.point)) for mount in self.mounts]))
 
 
@@ -159,15 +165,16 @@ def mounted(
     """Stand a press on its mounts.
 
     Args:
-        press: its links ride with the frame, or with the crown; their inertia is averaged over a period, mostly one turn of the crank.
-        frame: the frame in one part; with ``crown`` its lower part, the bed, on which the loads on the frame act (the process force).
-        mounts: between floor and frame.
-        crown: upper part of the frame, which carries crank and guides.
-        uprights: springs between the two, as mounts.
+        press: The press. Its links ride with the frame, or with the crown; their inertia is averaged over a period, mostly one turn of the
+            crank.
+        frame: The frame in one part; with ``crown`` its lower part, the bed, on which the loads on the frame act (the process force).
+        mounts: Mounts between floor and frame.
+        crown: Upper part of the frame, which carries crank and guides.
+        uprights: Columns between bed and crown, as springs.
 
     Raises:
-        PinpressError: arguments of other kinds, a crank that does not turn fully, mounts that leave the frame free or are pulled by
-            its weight, a press that tips.
+        PinpressError: An argument is of another kind, the crank does not turn fully, the mounts leave the frame free to move, the weight
+            pulls at a mount, or the press tips over.
     """
     mounts = listed_mounts(mounts, "mounts")
     if (crown is None) != (len(uprights) == 0):
@@ -179,7 +186,11 @@ def mounted(
 
 
 def with_mounts(system: MountedPress, mounts: Sequence[Mount]) -> MountedPress:
-    """The same press on other mounts; quicker than `mounted`. Raises as that."""
+    """Stand a press that is on mounts already on other ones, without averaging its inertia again.
+
+    Raises:
+        PinpressError: As `mounted`.
+    """
     mounts = listed_mounts(mounts, "mounts")
     return _assembled(system.press, system.frame, mounts, system.crown, system.uprights, system.press_inertia)
 
@@ -189,13 +200,13 @@ def press_inertia(press: Linkage) -> Array:
     """Mean spatial inertia of all links about the world origin over one period.
 
     Args:
-        press: with one driver that turns fully.
+        press: A press with one driver, which turns fully.
 
     Returns:
-        (6, 6), linear before angular [kg, kg m, kg m2].
+        Spatial inertia (6, 6) in world axes, linear before angular [kg, kg m, kg m2].
 
     Raises:
-        PinpressError: the crank does not turn fully, or there are several.
+        PinpressError: The crank does not turn fully, or there are several drivers.
     """
     model, period = press.model, cycle(press, 1.0, points=POSES * press.period_turns)
     data = data_of(model)
@@ -208,9 +219,148 @@ def press_inertia(press: Linkage) -> Array:
     return total / len(period.q)
 
 
+@dataclass(frozen=True, eq=False, repr=False)
+class VibrationModes(Tabular):
+    """The n modes of free vibration, by rising frequency. All arrays are read-only.
+
+    Attributes:
+        press_name: Name of the press.
+        natural_frequency: (n,) undamped natural frequencies [rad/s].
+        shapes: (n, n) undamped shapes, a mode a column, in the coordinates of `MountedPress`, scaled to a modal mass of 1 kg.
+        damped_frequency: (n,) frequencies of the damped system [rad/s]; zero for a mode that creeps back without swinging.
+        damping_ratio: (n,) damping divided by critical damping, 1 or more for a mode that creeps back [-].
+        eigenvalues: (2 n,) eigenvalues of the damped system in first order, from which the last two come [1/s].
+        motion: (n,) the motion that has most of each mode's kinetic energy, about the centres of mass: "along z", "rocking about y", ...
+            In a frame of two parts ", against" follows where bed and crown move against each other, and "stretching" is such a motion
+            along z.
+    """
+
+    press_name: str
+    natural_frequency: Array
+    shapes: Array
+    damped_frequency: Array
+    damping_ratio: Array
+    eigenvalues: ComplexArray
+    motion: tuple[str, ...]
+
+    @property
+    def title(self) -> str:
+        return f"VibrationModes of {self.press_name}: {', '.join(f'{f / (2 * np.pi):.4g}' for f in self.natural_frequency)} Hz"
+
+    def __str__(self) -> str:
+        lines = [f"{self.press_name} on its mounts: modes", f"  {'motion':<18}{'frequency':>12}{'speed':>18}{'damping ratio':>15}"]
+        for motion, frequency, ratio in zip(self.motion, self.natural_frequency / (2 * np.pi), self.damping_ratio, strict=True):
+            lines.append(f"  {motion:<18}{frequency:9.3f} Hz{60 * frequency:10.1f} per min{ratio:15.4f}")
+        return "\n".join(lines)
+
+    def resonance_speeds(self, orders: int = 4) -> Array:
+        """(orders, n) speeds of the crank at which its first, second, ... harmonic meets each natural frequency [rad/s].
+
+        Args:
+            orders: Number of harmonics, 1 to 10 000.
+
+        Raises:
+            PinpressError: ``orders`` is no whole number in that range.
+        """
+        return np.asarray(self.natural_frequency / np.arange(1, whole_number("orders", orders, 1, MOST_ORDERS) + 1)[:, None])
+
+    def columns(self) -> dict[str, Column]:
+        """A row for each mode: its motion, frequencies and damping ratio."""
+        return {
+            "motion": list(self.motion),
+            "natural_frequency [rad/s]": self.natural_frequency,
+            "damped_frequency [rad/s]": self.damped_frequency,
+            "damping_ratio [-]": self.damping_ratio,
+            "frequency [Hz]": self.natural_frequency / (2 * np.pi),
+        }
+
+
+@typed
+def modes(system: MountedPress) -> VibrationModes:
+    """Find the modes of free vibration of a press on its mounts.
+
+    Natural frequencies and shapes are those of mass and stiffness alone; damped frequencies and damping ratios come from the eigenvalues of
+    the damped system in first order, in the order of their absolute values. A loss factor counts as the viscous damping that loses as much
+    energy at each mode's own frequency.
+
+    Args:
+        system: The press on its mounts.
+
+    Raises:
+        PinpressError: ``system`` is not a `MountedPress`.
+    """
+    squared, shapes = undamped(system)
+    frequency = np.sqrt(squared)
+    eigenvalues = np.asarray(np.linalg.eigvals(state_matrix(system)), dtype=complex)
+    swinging = eigenvalues[eigenvalues.imag > 0]
+    creeping = np.sort(eigenvalues[eigenvalues.imag == 0].real)
+    half = len(creeping) // 2
+    fast, slow = creeping[:half], creeping[half:][::-1]  # two a mode, whose product is the frequency squared: fastest with slowest
+    size = np.concatenate([np.abs(swinging), np.sqrt(slow * fast)])
+    loss = np.concatenate([-swinging.real, -0.5 * (slow + fast)])
+    damped = np.concatenate([swinging.imag, np.zeros(half)])
+    order = np.argsort(size)
+    return VibrationModes(
+        press_name=system.press.name,
+        natural_frequency=frequency,
+        shapes=shapes,
+        damped_frequency=damped[order],
+        damping_ratio=(loss / size)[order],
+        eigenvalues=eigenvalues,
+        motion=tuple(_motion(system, shape) for shape in shapes.T),
+    )
+
+
+def logarithmic_decrement(signal: Array) -> float:
+    """Mean logarithmic decrement of a decaying vibration [-].
+
+    The decrement is ln(peak / peak a period later), which is 2 pi z / sqrt(1 - z^2) at a damping ratio z. It is fitted by least squares to
+    the peaks of the absolute value, two a period.
+
+    Args:
+        signal: (n,) one component of a vibration, in equal steps of time.
+
+    Raises:
+        PinpressError: The signal is not an array (n,) of finite numbers, or has fewer than three peaks.
+    """
+    values = finite_numbers(signal)
+    if values is None or values.ndim != 1:
+        raise PinpressError("signal is no array (n,) of finite numbers: give one component of a vibration")
+    size = np.abs(values)
+    peaks = np.flatnonzero((size[1:-1] > size[:-2]) & (size[1:-1] >= size[2:])) + 1
+    if len(peaks) < 3:
+        raise PinpressError(f"signal has {len(peaks)} peaks: give a vibration of two periods or more")
+    return float(-2 * np.polyfit(np.arange(len(peaks)), np.log(size[peaks]), 1)[0])
+
+
+def undamped(system: MountedPress) -> tuple[Array, Array]:
+    """Squares of the natural frequencies (n,), rising [rad2/s2], and shapes (n, n), a mode a column, of modal mass 1 kg."""
+    root = np.linalg.inv(np.linalg.cholesky(system.mass))
+    squared, vectors = np.linalg.eigh(root @ system.stiffness @ root.T)
+    return np.asarray(squared), np.asarray(root.T @ vectors)
+
+
+def quadrature(system: MountedPress) -> Array:
+    """Matrix (n, n) from velocities to the displacements a quarter of a period later: each mode's velocity divided by its frequency [s].
+
+    It makes a loss factor act in time: stiffness times loss factor times this displacement is a force that loses at each mode's own
+    frequency as much energy as in the frequency domain, so that no reference frequency has to be chosen.
+    """
+    squared, shapes = undamped(system)
+    return np.asarray((shapes / np.sqrt(squared)) @ shapes.T @ system.mass)
+
+
+def state_matrix(system: MountedPress) -> Array:
+    """Matrix (2 n, 2 n) of free vibration in first order: d/dt of (displacements, velocities) from these."""
+    n = len(system.mass)
+    solved = np.linalg.solve(system.mass, np.hstack([system.stiffness, system.damping + system.loss @ quadrature(system)]))
+    return np.block([[np.zeros((n, n)), np.eye(n)], [-solved[:, :n], -solved[:, n:]]])
+
+
 def _assembled(
     press: Linkage, frame: Frame, mounts: tuple[Mount, ...], crown: Frame | None, uprights: tuple[Mount, ...], moving: Array
 ) -> MountedPress:
+    """The linear system of checked parts; ``moving`` is the mean inertia of the press. Raises as `mounted`."""
     parts, gravity = 1 if crown is None else 2, np.asarray(press.model.gravity.linear)
     bodies = [body_inertia(part) for part in (frame, crown) if part is not None]
     press_weight = weight_wrench(moving, gravity)
@@ -254,142 +404,8 @@ def _assembled(
     return system
 
 
-MOST_ORDERS = 10_000
-MOTIONS = ("along x", "along y", "along z", "rocking about x", "rocking about y", "twisting about z")
-
-
-@dataclass(frozen=True, eq=False, repr=False)
-class VibrationModes(Tabular):
-    """VibrationModes of free vibration, n of them in the order of their frequencies. All arrays are read-only.
-
-    Attributes:
-        press_name: of the press.
-        natural_frequency: (n,) undamped [rad/s].
-        shapes: (n, n) a mode a column, in the coordinates of `MountedPress`, undamped, of modal mass 1 kg.
-        damped_frequency: (n,) zero of a mode that creeps back without swinging [rad/s].
-        damping_ratio: (n,) of the critical damping, 1 and more of a mode that creeps back [-].
-        eigenvalues: (2 n,) of u'' + ... in first order, from which these two come [1/s]; paired by the order of their absolute values.
-        motion: (n,) what has the most of each mode's kinetic energy, about the centres of mass: "along z", "rocking about y", ...;
-            "stretching" of a mode in which bed and crown move against each other.
-    """
-
-    press_name: str
-    natural_frequency: Array
-    shapes: Array
-    damped_frequency: Array
-    damping_ratio: Array
-    eigenvalues: ComplexArray
-    motion: tuple[str, ...]
-
-    @property
-    def title(self) -> str:
-        return f"VibrationModes of {self.press_name}: {', '.join(f'{f / (2 * np.pi):.4g}' for f in self.natural_frequency)} Hz"
-
-    def __str__(self) -> str:
-        lines = [f"{self.press_name} on its mounts: modes", f"  {'motion':<18}{'frequency':>12}{'speed':>18}{'damping ratio':>15}"]
-        for motion, frequency, ratio in zip(self.motion, self.natural_frequency / (2 * np.pi), self.damping_ratio, strict=True):
-            lines.append(f"  {motion:<18}{frequency:9.3f} Hz{60 * frequency:10.1f} per min{ratio:15.4f}")
-        return "\n".join(lines)
-
-    def resonance_speeds(self, orders: int = 4) -> Array:
-        """(orders, n) speeds of the crank [rad/s] at which its first, second, ... harmonic meets each natural frequency.
-
-        Raises:
-            PinpressError: orders that are no whole number from 1 to 10 000.
-        """
-        return np.asarray(self.natural_frequency / np.arange(1, whole_number("orders", orders, 1, MOST_ORDERS) + 1)[:, None])
-
-    def columns(self) -> dict[str, Column]:
-        """The modes as columns, one a row."""
-        return {
-            "motion": list(self.motion),
-            "natural_frequency [rad/s]": self.natural_frequency,
-            "damped_frequency [rad/s]": self.damped_frequency,
-            "damping_ratio [-]": self.damping_ratio,
-            "frequency [Hz]": self.natural_frequency / (2 * np.pi),
-        }
-
-
-@typed
-def modes(system: MountedPress) -> VibrationModes:
-    """Natural frequencies (of M, K), and damping from the eigenvalues of the damped system in first order.
-
-    A loss factor is taken as the viscous damping that loses the same at each mode's own frequency (`quadrature`).
-
-    Args:
-        system: the press on its mounts.
-
-    Raises:
-        PinpressError: no `MountedPress`.
-    """
-    squared, shapes = undamped(system)
-    frequency = np.sqrt(squared)
-    eigenvalues = np.asarray(np.linalg.eigvals(state_matrix(system)), dtype=complex)
-    swinging = eigenvalues[eigenvalues.imag > 0]
-    creeping = np.sort(eigenvalues[eigenvalues.imag == 0].real)
-    half = len(creeping) // 2
-    fast, slow = creeping[:half], creeping[half:][::-1]  # of one mode the product is the frequency squared: the fastest with the slowest
-    size = np.concatenate([np.abs(swinging), np.sqrt(slow * fast)])
-    loss = np.concatenate([-swinging.real, -0.5 * (slow + fast)])
-    damped = np.concatenate([swinging.imag, np.zeros(half)])
-    order = np.argsort(size)
-    return VibrationModes(
-        press_name=system.press.name,
-        natural_frequency=frequency,
-        shapes=shapes,
-        damped_frequency=damped[order],
-        damping_ratio=(loss / size)[order],
-        eigenvalues=eigenvalues,
-        motion=tuple(_motion(system, shape) for shape in shapes.T),
-    )
-
-
-def undamped(system: MountedPress) -> tuple[Array, Array]:
-    """Squares of the natural frequencies (n,), rising, and shapes (n, n), a mode a column, of modal mass 1."""
-    root = np.linalg.inv(np.linalg.cholesky(system.mass))
-    squared, vectors = np.linalg.eigh(root @ system.stiffness @ root.T)
-    return np.asarray(squared), np.asarray(root.T @ vectors)
-
-
-def quadrature(system: MountedPress) -> Array:
-    """(n, n) what makes of velocities the displacements a quarter of a period later: of each mode its velocity by its frequency.
-
-    With it a loss factor acts in time: a force of the stiffness times the factor on this displacement loses, at each mode's own frequency,
-    what it loses in the frequency domain, without a frequency of reference.
-    """
-    squared, shapes = undamped(system)
-    return np.asarray((shapes / np.sqrt(squared)) @ shapes.T @ system.mass)
-
-
-def state_matrix(system: MountedPress) -> Array:
-    """(2 n, 2 n): d/dt of (displacements, velocities) of free vibration."""
-    n = len(system.mass)
-    solved = np.linalg.solve(system.mass, np.hstack([system.stiffness, system.damping + system.loss @ quadrature(system)]))
-    return np.block([[np.zeros((n, n)), np.eye(n)], [-solved[:, :n], -solved[:, n:]]])
-
-
-def logarithmic_decrement(signal: Array) -> float:
-    """Mean logarithmic decrement of a decaying vibration (n,): of the peaks of its absolute value, two a period, by least squares.
-
-    ln(peak / peak a period later); of a damping ratio z it is 2 pi z / sqrt(1 - z^2).
-
-    Args:
-        signal: (n,) one component of a vibration, in equal steps of time.
-
-    Raises:
-        PinpressError: no (n,) of finite numbers, or fewer than three peaks.
-    """
-    values = finite_numbers(signal)
-    if values is None or values.ndim != 1:
-        raise PinpressError("signal is no array (n,) of finite numbers: give one component of a vibration")
-    size = np.abs(values)
-    peaks = np.flatnonzero((size[1:-1] > size[:-2]) & (size[1:-1] >= size[2:])) + 1
-    if len(peaks) < 3:
-        raise PinpressError(f"signal has {len(peaks)} peaks: give a vibration of two periods or more")
-    return float(-2 * np.polyfit(np.arange(len(peaks)), np.log(size[peaks]), 1)[0])
-
-
 def _motion(system: MountedPress, shape: Array) -> str:
+    """The motion with most of the kinetic energy of a mode shape (n,), as in `VibrationModes.motion`."""
     energy = np.zeros(6)
     moved = []
     for part in range(system.parts):

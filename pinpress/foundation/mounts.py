@@ -1,9 +1,10 @@
-"""What a press stands on, and what stands: rigid parts of the frame, mounts, and rubber pads; and the matrices of rigid parts on springs,
-in the coordinates of `mounted_press`.
+"""Rigid parts of a frame, the mounts and rubber pads below them, and the matrices of rigid parts on springs.
 
-Stiffness of a pad under the foot of a machine, from its size and hardness: rubber hardly changes its volume, so that a flat pad between two
-plates is far stiffer in compression than in shear. With the shape factor S = loaded area / area free to bulge, and small strains (Gent and
-Lindley 1959; Lindley, Engineering Design with Natural Rubber):
+The matrices are in the coordinates of `mounted_press`: displacement and small turn of each part at the world origin.
+
+`RubberPad` finds the stiffness of a pad from its size and hardness. Rubber hardly changes its volume, so that a flat pad between two plates
+is far stiffer in compression than in shear. The shape factor is S = loaded area / area free to bulge; for small strains (Gent and Lindley
+1959; Lindley, Engineering Design with Natural Rubber):
 
     E_c = 3 G (1 + 2 S^2), softened by the bulk modulus B: 1 / E = 1 / E_c + 1 / B
     k_z = E A / t,  k_x = k_y = G A / t
@@ -28,23 +29,25 @@ from ..common.parameters import Checked, parameter, set_field
 from ..common.quantities import Array
 
 Vector = tuple[float, float, float]
-
-HARDEST, SOFTEST = 80.0, 20.0  # Shore A for which Gent's formula holds
+HARDEST, SOFTEST = 80.0, 20.0  # Shore A: Gent's formula holds between them
+SMALLEST = 1e-10  # of the stiffest mode: a mode softer than this has no stiffness
+PULLED = 1e-9  # of the weight: rounding may pull a mount by this much
+COORDINATES = ("x", "y", "z", "turn about x", "turn about y", "turn about z")
 
 
 @dataclass(frozen=True)
 class Frame(Frozen):
-    """A rigid part of the frame, with all that stands on it and is not in the URDF: motor, flywheel, bolster, lower die.
+    """A rigid part of the frame with everything on it that is not in the URDF, such as motor, flywheel, bolster and lower die.
 
-    What the URDF's frame link weighs is counted with the press, and so are the links that move.
+    Leave out the mass of all links in the URDF, its frame link included: it is counted with the press.
 
     Attributes:
-        mass: of the part [kg].
-        centre: of mass, in world axes [m].
-        inertia: about the centre of mass, world axes [kg m2]: (3, 3), or (3,) principal ones along x, y and z.
+        mass: Mass of the part [kg].
+        centre: (3,) centre of mass in world axes [m].
+        inertia: Inertia tensor (3, 3) about the centre of mass in world axes, or its diagonal (3,) [kg m2].
 
     Raises:
-        PinpressError: a mass that is negative, or an inertia that no body has.
+        PinpressError: The mass is negative, no body has this inertia, or a value has another shape or is not finite.
     """
 
     mass: float
@@ -62,13 +65,13 @@ class Frame(Frozen):
         least, middle, largest = np.linalg.eigvalsh(inertia)
         if least < -1e-9 * largest or largest > (least + middle) * (1 + 1e-9):
             raise PinpressError("Frame: no body has this inertia: each principal moment must be at most the sum of the two others")
-        for name in ("centre", "inertia"):  # a copy, as what a caller keeps is his to change
+        for name in ("centre", "inertia"):  # copied, because the caller may change the array later
             if isinstance(getattr(self, name), np.ndarray):
                 set_field(self, name, read_only(np.array(getattr(self, name))))
 
     @property
     def tensor(self) -> Array:
-        """(3, 3) about the centre of mass [kg m2]."""
+        """Inertia tensor (3, 3) about the centre of mass in world axes [kg m2]."""
         given = finite_numbers(self.inertia)
         if given is None or given.shape not in ((3,), (3, 3)):
             raise PinpressError(f"Frame: inertia is {shown(self.inertia)}; give (3, 3), or (3,) along x, y and z [kg m2]")
@@ -77,21 +80,21 @@ class Frame(Frozen):
 
 @dataclass(frozen=True)
 class Mount:
-    """A spring and a damper side by side, in each of the world's directions, at a point; its turning is free.
+    """A spring and a damper side by side at a point, along each of the world's axes. It resists no turning.
 
-    Under the frame it stands on the floor; as a column it joins the bed to the crown. Damping is viscous (``damping``), or that of rubber
-    (``loss_factor``): a loss that is the same at all frequencies.
+    Under the frame it stands on the floor; as a column it joins the bed to the crown. Damping is viscous (``damping``), or like that of
+    rubber, with equal loss at all frequencies (``loss_factor``).
 
     Attributes:
-        point: where it holds [m], as the press stands.
-        stiffness: along x, y and z, of vibrations [N/m].
-        damping: viscous, along x, y and z [N s/m].
-        loss_factor: share of the stiffness that is 90 degrees ahead, in all directions [-].
-        static_stiffness: under constant load [N/m]; None: ``stiffness``.
-        area: loaded, for the pressure [m2]; None where it has none.
+        point: (3,) point of attachment under static load, in world axes [m].
+        stiffness: (3,) stiffness for vibrations along x, y and z [N/m].
+        damping: (3,) viscous damping along x, y and z [N s/m].
+        loss_factor: Loss stiffness, 90 degrees ahead of the displacement, divided by ``stiffness``, in all directions [-].
+        static_stiffness: (3,) stiffness under constant load [N/m]; None: ``stiffness``.
+        area: Loaded area, from which the pressure is found [m2]; None: there is no pressure.
 
     Raises:
-        PinpressError: what is no vector or number of its kind, or is negative.
+        PinpressError: A value has another shape, is not finite or is negative.
     """
 
     point: Vector
@@ -117,7 +120,7 @@ class Mount:
 
     @property
     def static(self) -> Vector:
-        """Stiffness under constant load [N/m]."""
+        """(3,) stiffness under constant load along x, y and z [N/m]."""
         return self.stiffness if self.static_stiffness is None else self.static_stiffness
 
 
@@ -126,17 +129,17 @@ class RubberPad(Checked):
     """A rectangular pad of rubber, bonded or held by friction between two plates.
 
     Attributes:
-        length: unloaded [m].
-        width: unloaded [m].
-        thickness: unloaded [m].
-        hardness: Shore A, 20 to 80; or else ``shear_modulus``, one of the two.
-        shear_modulus: static [Pa].
-        loss_factor: loss by storage modulus [-], 0.05 (natural rubber) to 0.3 (damped compounds).
-        stiffening: dynamic by static stiffness [-], 1 or more: 1.1 (soft natural rubber) to 2 and more (hard, filled).
-        bulk_modulus: of the rubber [Pa].
+        length: Unloaded length [m].
+        width: Unloaded width [m].
+        thickness: Unloaded thickness [m].
+        hardness: Hardness, 20 to 80 [Shore A]. Give either this or ``shear_modulus``.
+        shear_modulus: Static shear modulus [Pa].
+        loss_factor: Loss modulus divided by storage modulus, from 0.05 (natural rubber) to 0.3 (damped compounds) [-].
+        stiffening: Dynamic divided by static stiffness, at least 1: from 1.1 (soft natural rubber) to 2 and more (hard, filled) [-].
+        bulk_modulus: Bulk modulus of the rubber [Pa].
 
     Raises:
-        PinpressError: a number that makes no sense, both hardness and shear modulus, or neither.
+        PinpressError: A number is out of its range, or both or none of hardness and shear modulus are given.
     """
 
     length: float = field(metadata=parameter("m", "positive"))
@@ -167,12 +170,12 @@ class RubberPad(Checked):
 
     @property
     def shape_factor(self) -> float:
-        """S, loaded area by area that is free to bulge [-]."""
+        """S, the loaded area divided by the area that is free to bulge [-]."""
         return self.area / (2 * self.thickness * (self.length + self.width))
 
     @property
     def modulus_of_shear(self) -> float:
-        """G, static: as given, or from the hardness [Pa]."""
+        """Static shear modulus G, as given or from the hardness [Pa]."""
         if self.shear_modulus is not None:
             return self.shear_modulus
         hardness = self.hardness or math.nan  # one of the two is given
@@ -180,32 +183,32 @@ class RubberPad(Checked):
 
     @property
     def compression_modulus(self) -> float:
-        """E, static, the bulk modulus allowed for [Pa]."""
+        """Static compression modulus E, which takes the bulk modulus into account [Pa]."""
         return 1 / (1 / (3 * self.modulus_of_shear * (1 + 2 * self.shape_factor**2)) + 1 / self.bulk_modulus)
 
     @property
     def static_stiffness(self) -> tuple[float, float, float]:
-        """Along x, y (shear) and z (compression) [N/m]."""
+        """(3,) static stiffness along x and y (shear) and z (compression) [N/m]."""
         shear = self.modulus_of_shear * self.area / self.thickness
         return shear, shear, self.compression_modulus * self.area / self.thickness
 
     @property
     def stiffness(self) -> tuple[float, float, float]:
-        """Along x, y and z, of vibrations: the static one times ``stiffening`` [N/m]."""
+        """(3,) stiffness for vibrations along x, y and z, the static one times ``stiffening`` [N/m]."""
         x, y, z = self.static_stiffness
         return x * self.stiffening, y * self.stiffening, z * self.stiffening
 
 
 @typed
 def pad_mount(point: Vector, pad: RubberPad) -> Mount:
-    """The mount that a rubber pad is.
+    """Make a mount of a rubber pad that lies flat under the frame.
 
     Args:
-        point: middle of the pad, world axes [m].
-        pad: the pad.
+        point: (3,) middle of the pad in world axes [m].
+        pad: The pad.
 
     Raises:
-        PinpressError: no point, or no pad.
+        PinpressError: The point is not three finite numbers, or ``pad`` is not a `RubberPad`.
     """
     if not isinstance(pad, RubberPad):
         raise PinpressError(f"pad is {shown(pad)}: give a RubberPad")
@@ -213,53 +216,41 @@ def pad_mount(point: Vector, pad: RubberPad) -> Mount:
 
 
 def listed_mounts(mounts: object, what: str) -> tuple[Mount, ...]:
-    """Mounts as given by a caller.
+    """A caller's mounts as a tuple.
 
     Raises:
-        PinpressError: there is none, or one is no `Mount`.
+        PinpressError: The list is empty, or an item is not a `Mount`.
     """
     if not isinstance(mounts, Sequence) or not mounts or not all(isinstance(mount, Mount) for mount in mounts):
         raise PinpressError(f"{what} is {shown(mounts)}: give a list of Mount, at least one")
     return tuple(mounts)
 
 
-def _checked(kind: str, field: str, given: object, shape: tuple[int, ...], wanted: str) -> Array:
-    values = finite_numbers(given)
-    if values is None or values.shape != shape:
-        raise PinpressError(f"{kind}: {field} is {shown(given)}; give {wanted}, finite")
-    return values
+def body_inertia(frame: Frame) -> Array:
+    """Spatial inertia (6, 6) of a part about the world origin, linear before angular."""
+    return np.asarray(pin.Inertia(frame.mass, np.asarray(frame.centre, dtype=float), frame.tensor).matrix())
 
 
-SMALLEST = 1e-10  # stiffness of a mode beside the stiffest that is none
-PULLED = 1e-9  # of the weight, by which a mount may be pulled by rounding
-COORDINATES = ("x", "y", "z", "turn about x", "turn about y", "turn about z")
+def centre_of(body: Array) -> Array:
+    """Centre of mass (3,) of a body with a spatial inertia (6, 6) [m]; the origin where the body has no mass."""
+    return np.array([body[5, 1], body[3, 2], body[4, 0]]) / (body[0, 0] or 1.0)
+
+
+def weight_wrench(body: Array, gravity: Array) -> Array:
+    """Wrench (6,) of the weight of a body with a spatial inertia (6, 6) about the world origin [N, N m]."""
+    return np.asarray(body[:, :3] @ gravity)
 
 
 def rows_at(parts: int, part: int, point: Array) -> Array:
-    """(3, n) displacement of a point of a part for each coordinate: u + turn x point."""
+    """Rows (3, n) that give the displacement of a point of a part from the coordinates: u + turn x point."""
     rows = np.zeros((3, 6 * parts))
     rows[:, 6 * part : 6 * part + 3] = np.eye(3)
     rows[:, 6 * part + 3 : 6 * part + 6] = -pin.skew(point)
     return rows
 
 
-def centre_of(body: Array) -> Array:
-    """(3,) centre of mass of a body with a spatial inertia (6, 6); the origin of one without mass."""
-    return np.array([body[5, 1], body[3, 2], body[4, 0]]) / (body[0, 0] or 1.0)
-
-
-def body_inertia(frame: Frame) -> Array:
-    """(6, 6) spatial inertia of a part about the world origin."""
-    return np.asarray(pin.Inertia(frame.mass, np.asarray(frame.centre, dtype=float), frame.tensor).matrix())
-
-
-def weight_wrench(body: Array, gravity: Array) -> Array:
-    """Wrench (6,) of the weight of a body, (6, 6) inertia, about the world origin."""
-    return np.asarray(body[:, :3] @ gravity)
-
-
 def springs_together(springs: Iterable[tuple[ArrayLike, Array]]) -> Array:
-    """(n, n) of springs with constants (3,) along x, y and z and rows (3, n)."""
+    """Stiffness matrix (n, n) of springs, each with its constants (3,) along x, y and z and the rows (3, n) of its displacement."""
     return np.asarray(sum(at.T @ (np.asarray(constants, dtype=float)[:, None] * at) for constants, at in springs))
 
 
@@ -272,7 +263,17 @@ def turning_stiffness(
     bodies: Sequence[Array],
     gravity: Array,
 ) -> Array:
-    """Stiffness (n, n) by the static forces as the frame turns."""
+    """Stiffness (n, n) that comes from the static forces when the frame turns; see `mounted_press`.
+
+    Args:
+        mounts: Mounts between floor and frame.
+        uprights: Springs between bed and crown.
+        between: For each upright, the rows (3, n) of the displacement of its upper end relative to its lower end.
+        rest: (n,) coordinates at rest.
+        load: (mounts, 3) force of each mount on the frame at rest [N].
+        bodies: Spatial inertia (6, 6) of each part about the world origin.
+        gravity: (3,) [m/s2].
+    """
     forces = [(0, force, np.array(mount.point)) for force, mount in zip(load, mounts, strict=True)]
     for upright, at in zip(uprights, between, strict=True):
         force = -np.array(upright.static) * (at @ rest)
@@ -287,7 +288,7 @@ def turning_stiffness(
 
 
 def refuse_loose(matrix: Array, problem: str, remedy: str) -> None:
-    """Raise where a matrix (n, n) is not positive definite: the problem, a coordinate, the remedy."""
+    """Raise PinpressError where a matrix (n, n) is not positive definite; the message is the problem, a free coordinate and the remedy."""
     scale = 1 / np.sqrt(np.maximum(np.diag(matrix), np.finfo(float).tiny))
     values, vectors = np.linalg.eigh(scale[:, None] * matrix * scale)
     if values[0] <= SMALLEST * values[-1]:
@@ -297,7 +298,7 @@ def refuse_loose(matrix: Array, problem: str, remedy: str) -> None:
 
 
 def refuse_pulled(load: Array, gravity: Array) -> None:
-    """Raise where a mount is pulled at rest."""
+    """Raise PinpressError where the weight pulls at a mount instead of pressing on it."""
     along = load @ -gravity
     if (along < -PULLED * np.abs(along).sum()).any():
         number = int(along.argmin())
@@ -305,3 +306,10 @@ def refuse_pulled(load: Array, gravity: Array) -> None:
             f"mount {number} would be pulled by the weight, {abs(load[number, 2]):.4g} N: the centre of mass is not between the mounts;"
             " move them"
         )
+
+
+def _checked(kind: str, name: str, given: object, shape: tuple[int, ...], wanted: str) -> Array:
+    values = finite_numbers(given)
+    if values is None or values.shape != shape:
+        raise PinpressError(f"{kind}: {name} is {shown(given)}; give {wanted}, finite")
+    return values

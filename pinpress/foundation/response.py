@@ -1,10 +1,10 @@
-"""How a press vibrates on its mounts: what shakes the frame, and the motion of its points and the force on the floor that follow, in the
-steady state, by the harmonics of the shaking force, and in time.
+"""Vibration of a press on its mounts: motion of points of the frame, and force on the floor, in the steady state or in time.
 
-The frame is shaken by shaking force and moment of the machine, less its weight, and by the moment of a flywheel that changes its speed. Of
-a periodic motion every harmonic is solved by itself, (K + i K'' + i w C - w^2 M) U = F: exact for forces that its states resolve. In time
-the force is taken for a line between two states; with it a step of the linear system is exact (first-order hold: the matrix exponential of
-(x, f, f') over a step), whatever the step beside the natural periods.
+Shaking force and moment of the machine, less its weight, shake the frame, and so does the moment of a flywheel that changes its speed.
+
+In the steady state each harmonic of a periodic motion is solved by itself, (K + i K'' + i w C - w^2 M) U = F, which is exact for forces
+that the states resolve. In time the force is taken as linear between two states. Then a step of the linear system is exact for any length
+of the step (first-order hold: the matrix exponential of (x, f, f') over a step).
 """
 
 from __future__ import annotations
@@ -29,33 +29,38 @@ from ..simulation.run import Run
 from .mounted_press import MountedPress, quadrature, state_matrix
 from .mounts import rows_at
 
-UNRESOLVED = 1e-3  # share of the last third of the harmonics from which the states do not resolve the force
-ROUNDING = 1e-9  # of weight and forces
+UNRESOLVED = 1e-3  # of the largest harmonic: with more than this in the last third of them, the states do not resolve the force
+ROUNDING = 1e-9  # of weight and forces: a harmonic this small is rounding
+NOTHING = 1e-9  # of the weight: a shaking force this small is rounding
+EVEN = 1e-9  # relative: the crank's speed is constant up to this difference
+SAME_SPEED = 1e-6  # relative: speeds at both ends of a period, and those of flywheel and crank, are equal up to this difference
 RESONANCE = "a harmonic meets a natural frequency that has no damping: give the mounts damping or a loss factor, or another speed"
-
 Points = Mapping[str, "ArrayLike | tuple[str, ArrayLike]"]
 
 
 @typed
 def steady_response(system: MountedPress, reactions: Reactions, *, points: Points, flywheel: Flywheel | None = None) -> FrameMotion:
-    """The vibration of one period, when all that began it has died away.
+    """The vibration over one period, after the initial vibration has died away.
 
     Args:
-        system: the press on its mounts.
-        reactions: of one period at constant speed (`cycle`), or of one period of `steady_state`.
-        points: name -> (3,) point of the frame, world axes [m]; of a frame in two parts (3,) of the bed, or ("crown", (3,)).
-        flywheel: on the crank's shaft; it matters where the speed changes. Its inertia is its angular momentum about the crank's axis by
-            the crank's speed: of one on a shaft beside, its inertia times the ratio of its speed, negative where that turns the other way.
+        system: The press on its mounts.
+        reactions: Reactions of this press over one period at constant speed (`cycle`), or over one period of `steady_state`.
+        points: Name -> (3,) point of the frame in world axes [m]. In a frame of two parts this is a point of the bed, and
+            ("crown", (x, y, z)) one of the crown.
+        flywheel: Flywheel on the crank's shaft; it matters where the speed changes. Its inertia is its angular momentum about the crank's
+            axis divided by the crank's speed. For a flywheel on another shaft this is its inertia times the ratio of its speed to the
+            crank's, negative where it turns the other way.
 
     Raises:
-        PinpressError: an argument that makes no sense, a motion that is no period, or too few states for its shaking force.
+        PinpressError: The reactions are of another press, the motion is no period, its states are too few for the shaking force, a point or
+            the flywheel is not as described, or a harmonic meets a natural frequency without damping.
     """
-    wrench = forcing(system, reactions, flywheel)
+    wrench = frame_wrench(system, reactions, flywheel)
     placed = named_points(system, points)
-    length, states = period(reactions.motion)
-    harmonics = resolved(np.fft.rfft(wrench[:states], axis=0), states, max(np.abs(wrench).max(), np.abs(system.weight[:3]).max()))
+    length, states = period_of(reactions.motion)
+    harmonics = checked_harmonics(np.fft.rfft(wrench[:states], axis=0), states, max(np.abs(wrench).max(), np.abs(system.weight[:3]).max()))
     frequency = np.linspace(0.0, 2 * np.pi / length * (len(harmonics) - 1), len(harmonics))
-    amplitude = solved(system, frequency, harmonics)
+    amplitude = displacement_amplitudes(system, frequency, harmonics)
 
     def in_time(spectrum: ComplexArray) -> Array:
         return np.fft.irfft(spectrum, states, axis=0)
@@ -67,29 +72,30 @@ def steady_response(system: MountedPress, reactions: Reactions, *, points: Point
         points=placed,
         motion=(in_time(amplitude), in_time(velocity), in_time(1j * frequency[:, None] * velocity)),
         mount_force=in_time(mount_forces(system, frequency, amplitude).reshape(len(frequency), -1)).reshape(states, -1, 3),
-        forcing=in_time(harmonics),
+        wrench=in_time(harmonics),
         period=length,
     )
 
 
 @typed
 def time_response(system: MountedPress, reactions: Reactions, *, points: Points, flywheel: Flywheel | None = None) -> FrameMotion:
-    """The vibration from rest, in the static position, as the press runs.
+    """The vibration over time of a frame that is at rest in its static position at first.
 
-    What begins in full swing shakes a frame at rest; that dies away with the modes' damping.
+    A motion that begins at full speed hits the frame at rest; the vibration by this start dies away with the modes' damping.
 
     Args:
-        system: the press on its mounts.
-        reactions: of a run of `simulate`, or of any motion in equal steps of time.
-        points: as of `steady_response`.
-        flywheel: as of `steady_response`.
+        system: The press on its mounts.
+        reactions: Reactions of this press in a run of `simulate`, or in any motion in equal steps of time.
+        points: As for `steady_response`.
+        flywheel: As for `steady_response`.
 
     Raises:
-        PinpressError: an argument that makes no sense, or states that are not at equal intervals of time.
+        PinpressError: The reactions are of another press, the states are not at equal intervals of time, a point or the flywheel is not as
+            described, or the vibration is not finite.
     """
-    wrench = forcing(system, reactions, flywheel)
-    placed, interval = named_points(system, points), step(reactions.motion)
-    u, velocity, acceleration = stepped(system, wrench, interval)
+    wrench = frame_wrench(system, reactions, flywheel)
+    placed, interval = named_points(system, points), time_step(reactions.motion)
+    u, velocity, acceleration = vibration_from_rest(system, wrench, interval)
     rows = system.mount_rows
     stiffness, damping, loss = mount_constants(system)
     displaced, moving = np.einsum("mkj,nj->nmk", rows, u), np.einsum("mkj,nj->nmk", rows, velocity)
@@ -100,102 +106,9 @@ def time_response(system: MountedPress, reactions: Reactions, *, points: Points,
         points=placed,
         motion=(u, velocity, acceleration),
         mount_force=-(stiffness * displaced + damping * moving + loss * later),
-        forcing=wrench,
+        wrench=wrench,
         period=None,
     )
-
-
-def stepped(system: MountedPress, wrench: Array, interval: float) -> tuple[Array, Array, Array]:
-    """Displacements, velocities and accelerations (states, n) from rest under wrenches (states, n), linear in between."""
-    from scipy.linalg import expm  # slow to import
-
-    n = len(system.mass)
-    a, b = state_matrix(system), np.vstack([np.zeros((n, n)), np.linalg.inv(system.mass)])
-    whole = np.zeros((4 * n, 4 * n))
-    whole[: 2 * n, : 2 * n], whole[: 2 * n, 2 * n : 3 * n], whole[2 * n : 3 * n, 3 * n :] = a * interval, b * interval, np.eye(n)
-    exponential = expm(whole)
-    free, late = exponential[: 2 * n, : 2 * n], exponential[: 2 * n, 3 * n :]
-    early = exponential[: 2 * n, 2 * n : 3 * n] - late
-    driven = wrench[:-1] @ early.T + wrench[1:] @ late.T
-    states = np.zeros((len(wrench), 2 * n))
-    state = states[0]
-    for k in range(len(driven)):
-        state = free @ state + driven[k]
-        states[k + 1] = state
-    if not np.isfinite(states[-1]).all():
-        raise PinpressError("the vibration is not finite: the forces are too large for floating point")
-    return states[:, :n], states[:, n:], (states @ a.T + wrench @ b.T)[:, n:]
-
-
-def solved(system: MountedPress, frequency: Array, harmonics: ComplexArray) -> ComplexArray:
-    """Amplitudes (..., n) of the displacement for those of the wrench (..., n) at angular frequencies (...).
-
-    Raises:
-        PinpressError: a resonance without damping.
-    """
-    w = frequency[..., None, None]
-    matrix = system.stiffness + 1j * (np.sign(w) * system.loss + w * system.damping) - w**2 * system.mass
-    try:
-        amplitude = np.linalg.solve(matrix, harmonics[..., None])[..., 0]
-    except np.linalg.LinAlgError:
-        raise PinpressError(RESONANCE) from None
-    if not np.isfinite(amplitude).all():
-        raise PinpressError(RESONANCE)
-    return np.asarray(amplitude)
-
-
-def mount_forces(system: MountedPress, frequency: Array, amplitude: ComplexArray) -> ComplexArray:
-    """Amplitudes (..., mounts, 3) of what the mounts exert on the frame."""
-    stiffness, damping, loss = mount_constants(system)
-    w = frequency[..., None, None]
-    return np.asarray(-(stiffness + 1j * (np.sign(w) * loss + w * damping)) * np.einsum("mkj,...j->...mk", system.mount_rows, amplitude))
-
-
-def mount_constants(system: MountedPress) -> tuple[Array, Array, Array]:
-    """Stiffness, damping, and stiffness times loss factor of the mounts, (mounts, 3) each."""
-    stiffness, damping = np.array([m.stiffness for m in system.mounts]), np.array([m.damping for m in system.mounts])
-    return stiffness, damping, stiffness * np.array([m.loss_factor for m in system.mounts])[:, None]
-
-
-def resolved(harmonics: ComplexArray, states: int, size_of_all: float) -> ComplexArray:
-    """Harmonics (k, n) of a wrench over a period of so many states, the one of half their number, whose phase is not known, left out.
-
-    ``size_of_all``: of what the wrench was worked out from, beside which some of it is rounding [N].
-
-    Raises:
-        PinpressError: the last third of them is no rounding: the force has jumps, or corners too sharp for the states.
-    """
-    size = np.abs(harmonics[1:]).reshape(len(harmonics) - 1, -1, 3).max(axis=(1, 2))
-    tail = size[2 * len(size) // 3 :].max(initial=0.0)
-    if tail > UNRESOLVED * size.max(initial=0.0) and tail > ROUNDING * states * size_of_all:
-        raise PinpressError(
-            f"{states} states do not resolve the shaking force, which changes too sharply: give more points, or a run to time_response"
-        )
-    if states % 2 == 0:
-        harmonics[-1] = 0.0
-    return harmonics
-
-
-def named_points(system: MountedPress, points: Points) -> dict[str, Array]:
-    """(3, n) rows of points by their names.
-
-    Raises:
-        PinpressError: no names, a point that is none, or one of a crown that there is not.
-    """
-    expect("points", points, Mapping, "{'top_beam': (x, y, z), ...}")
-    rows = {}
-    for name, given in points.items():
-        part, place = (1, given[1]) if isinstance(given, tuple) and len(given) == 2 and given[0] == "crown" else (0, given)
-        point = finite_numbers(place)
-        if not isinstance(name, str) or point is None or point.shape != (3,):
-            raise PinpressError(f"point {shown(name)} is {shown(given)}: give x, y, z [m] under a name, or ('crown', (x, y, z))")
-        if part >= system.parts:
-            raise PinpressError(f"point {shown(name)} is one of the crown, but the frame is in one part: give x, y, z alone")
-        rows[name] = rows_at(system.parts, part, point)
-    return rows
-
-
-NOTHING = 1e-9  # of the weight: a shaking force that is rounding
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -203,17 +116,17 @@ class FrameMotion(Tabular):
     """Vibration about the static position at n states. All arrays are read-only.
 
     Attributes:
-        system: the press on its mounts.
-        time: (n,) of the states [s].
-        period: of a motion that is one period, its end left out [s]; else None.
-        displacement: name of a point -> (n, 3) in world axes [m].
-        velocity: name of a point -> (n, 3) in world axes [m/s].
-        acceleration: name of a point -> (n, 3) in world axes [m/s2].
-        coordinates: (n, coordinates) of the frame's parts, see `mounted_press` [m, rad].
-        mount_force: (n, mounts, 3) what each mount exerts on the frame beside its static load [N].
-        floor_force: (n, 3) what the mounts exert on the floor beside the weight [N].
-        floor_moment: (n, 3) of these forces about the world origin [N m].
-        shaking_force: (n, 3) of the machine beside its weight [N].
+        system: The press on its mounts.
+        time: (n,) times of the states, from zero [s].
+        period: Length of the period whose states these are, its end left out [s]; None for a motion that is no period.
+        displacement: Name of a point -> (n, 3) in world axes [m].
+        velocity: Name of a point -> (n, 3) in world axes [m/s].
+        acceleration: Name of a point -> (n, 3) in world axes [m/s2].
+        coordinates: (n, coordinates) coordinates of the frame's parts, see `MountedPress` [m, rad].
+        mount_force: (n, mounts, 3) force of each mount on the frame beside its static load, in world axes [N].
+        floor_force: (n, 3) force of all mounts on the floor beside the weight, in world axes [N].
+        floor_moment: (n, 3) moment of these forces about the world origin [N m].
+        shaking_force: (n, 3) force of the machine on the frame beside its weight, in world axes [N].
     """
 
     system: MountedPress
@@ -234,7 +147,7 @@ class FrameMotion(Tabular):
         return f"FrameMotion of {self.system.press.name}: {len(self.time)} states, {self.time[-1]:.6g} s, points {points}"
 
     def __str__(self) -> str:
-        """Points, forces and mounts; units beside every number."""
+        """Accelerations of the points, forces, and the least load on a mount."""
         over = f"one period of {self.period:.6g} s" if self.period is not None else f"{self.time[-1]:.6g} s from rest"
         lines = [
             f"{self.system.press.name} on {len(self.system.mounts)} mounts: {over}",
@@ -244,8 +157,8 @@ class FrameMotion(Tabular):
             numbers = [*self.rms(point), *self.peak(point)]
             lines.append(f"  {point:<24}" + "".join(f"{number:12.4g}" for number in numbers))
         lines += [
-            f"  {'shaking force, rms':<24}{spread(self.shaking_force):12.4g} N",
-            f"  {'force on the floor, rms':<24}{spread(self.floor_force):12.4g} N",
+            f"  {'shaking force, rms':<24}{rms_about_mean(self.shaking_force):12.4g} N",
+            f"  {'force on the floor, rms':<24}{rms_about_mean(self.floor_force):12.4g} N",
         ]
         least = self.least_load
         number = int(least.argmin())
@@ -265,23 +178,23 @@ class FrameMotion(Tabular):
         points: Mapping[str, Array],
         motion: tuple[Array, Array, Array],
         mount_force: Array,
-        forcing: Array,
+        wrench: Array,
         period: float | None,
     ) -> FrameMotion:
         """The motion of points from that of the coordinates.
 
         Args:
-            system: the press on its mounts.
-            time: (n,) of the states [s].
-            points: name of a point -> (3, coordinates) its displacement for each coordinate.
-            motion: displacements, velocities and accelerations of the coordinates, (n, coordinates) each.
-            mount_force: (n, mounts, 3) what each mount exerts on the frame beside its static load [N].
-            forcing: (n, coordinates) wrenches on the parts of the frame [N, N m].
-            period: of a motion that is one period [s].
+            system: The press on its mounts.
+            time: (n,) times of the states [s].
+            points: Name of a point -> (3, coordinates) its displacement by one of each coordinate.
+            motion: Displacements, velocities and accelerations of the coordinates, (n, coordinates) each.
+            mount_force: (n, mounts, 3) force of each mount on the frame beside its static load [N].
+            wrench: (n, coordinates) wrenches on the parts of the frame, as of `frame_wrench` [N, N m].
+            period: Length of the period [s]; None for a motion that is no period.
         """
         moved = [{name: np.array(values @ rows.T) for name, rows in points.items()} for values in motion]
         places = np.array([mount.point for mount in system.mounts])
-        shaking = sum(forcing[:, 6 * part : 6 * part + 3] for part in range(system.parts))
+        shaking = sum(wrench[:, 6 * part : 6 * part + 3] for part in range(system.parts))
         return cls(
             system=system,
             time=np.array(time),
@@ -298,19 +211,19 @@ class FrameMotion(Tabular):
 
     @property
     def transmitted(self) -> float:
-        """Force on the floor by shaking force, both as roots of the mean of their squares about their means [-].
+        """Force on the floor divided by the shaking force, both as root mean square about their means [-].
 
         Raises:
-            PinpressError: nothing shakes.
+            PinpressError: The shaking force is zero.
         """
-        shaking = spread(self.shaking_force)
+        shaking = rms_about_mean(self.shaking_force)
         if shaking <= NOTHING * np.abs(self.system.weight[:3]).max():
             raise PinpressError(f"no force of {self.system.press.name} shakes the frame: there is nothing to transmit")
-        return spread(self.floor_force) / shaking
+        return rms_about_mean(self.floor_force) / shaking
 
     @property
     def least_load(self) -> Array:
-        """(mounts,) smallest load on each mount, static one included [N].
+        """(mounts,) smallest vertical load on each mount, the static load included [N].
 
         Where it is negative, a mount that is not bolted down lifts off, and the linear model does not hold.
         """
@@ -321,15 +234,15 @@ class FrameMotion(Tabular):
         """(3,) root mean square of a point's acceleration about its mean, in world axes [m/s2].
 
         Raises:
-            UnknownNameError: no such point.
+            UnknownNameError: There is no such point.
         """
         return np.asarray(self._of(point).std(axis=0))
 
     def peak(self, point: str) -> Array:
-        """(3,) largest absolute acceleration of a point [m/s2].
+        """(3,) largest absolute acceleration of a point, in world axes [m/s2].
 
         Raises:
-            UnknownNameError: no such point.
+            UnknownNameError: There is no such point.
         """
         return np.asarray(np.abs(self._of(point)).max(axis=0))
 
@@ -339,7 +252,7 @@ class FrameMotion(Tabular):
         return self.acceleration[point]
 
     def columns(self) -> dict[str, Array]:
-        """Time, the points' displacement, velocity and acceleration, and floor and shaking force, as columns with units."""
+        """Time, the points' displacement, velocity and acceleration, force and moment on the floor, and shaking force."""
         columns = {"time [s]": self.time}
         quantities = (
             ("displacement", "m", self.displacement),
@@ -358,26 +271,49 @@ class FrameMotion(Tabular):
         return columns
 
 
-def spread(force: Array) -> float:
-    """Root of the mean square of a vector (n, 3) about its mean."""
-    return float(np.sqrt((force.std(axis=0) ** 2).sum()))
+@typed
+def flywheel_moment(press: Linkage, motion: Motion, flywheel: Flywheel) -> Array:
+    """Moment of a flywheel on the frame, -J w' about the crank's axis.
 
+    Args:
+        press: A press whose driver joint is on the frame.
+        motion: A motion of this press.
+        flywheel: Flywheel on the crank's shaft; for one on another shaft see `steady_response`.
 
-EVEN = 1e-9  # difference of steps of time, or of the crank's speed, beside themselves that is none
-SAME_SPEED = 1e-6  # of the crank at both ends of a period, and of flywheel and crank
-
-
-def forcing(system: MountedPress, reactions: Reactions, flywheel: Flywheel | None) -> Array:
-    """Wrenches (states, n) about the world origin on the parts of the frame, beside the weight at its mean place [N, N m].
-
-    Of a frame in two parts the loads on the frame act on the bed, all else on the crown. The torque of a motor on the frame is no load: its
-    casing turns back on the frame what its rotor gives the crank. The flywheel is not in the URDF: by J w' of its own the frame must turn
-    the other way. ``flywheel.inertia`` is its angular momentum about the crank's axis by the crank's speed: that of one on a shaft beside
-    is its inertia times the ratio of its speed, negative where that turns the other way.
+    Returns:
+        (states, 3) moment in world axes [N m].
 
     Raises:
-        PinpressError: reactions of another press, a flywheel in scenarios, on a driver that is not on the frame, or behind a
-            slipping clutch.
+        PinpressError: The flywheel has the inertias of several scenarios, the driver joint is not on the frame, or a clutch between
+            flywheel and crank slips.
+    """
+    if np.ndim(flywheel.inertia):
+        raise PinpressError("flywheel has the inertias of several scenarios: give one inertia")
+    driver = press.driver_indices[0]
+    if press.model.parents[driver + 1] != 0:
+        raise PinpressError(
+            f"the driver joint {shown(press.driver)} is not on the frame: the moment of its flywheel has no fixed axis there"
+        )
+    if isinstance(motion, Run):
+        difference = np.abs(motion.drive_speed - motion.crank_speed).max()
+        if difference > SAME_SPEED * np.abs(motion.crank_speed).max():
+            raise PinpressError(
+                f"the speeds of flywheel and crank differ by up to {difference:.4g} rad/s because a clutch slips: give a run, or the part"
+                " of one, in which it holds"
+            )
+    axis = press.model.jointPlacements[driver + 1].rotation @ press.axes[driver].direction
+    return np.asarray(-float(flywheel.inertia) * motion.crank_acceleration[:, None] * axis)
+
+
+def frame_wrench(system: MountedPress, reactions: Reactions, flywheel: Flywheel | None) -> Array:
+    """Wrenches (states, n) of the machine on the parts of the frame about the world origin, less the weight at its mean place [N, N m].
+
+    In a frame of two parts the loads on the frame act on the bed, and everything else on the crown. The torque of a motor on the frame is
+    no load: its casing exerts on the frame the reaction to what its rotor gives the crank. The flywheel is not in the URDF; see
+    `flywheel_moment`.
+
+    Raises:
+        PinpressError: The reactions are of another press, or as `flywheel_moment`.
     """
     expect("system", system, MountedPress, "mounted")
     expect("reactions", reactions, Reactions, "inverse_dynamics")
@@ -400,45 +336,108 @@ def forcing(system: MountedPress, reactions: Reactions, flywheel: Flywheel | Non
     return wrench
 
 
-@typed
-def flywheel_moment(press: Linkage, motion: Motion, flywheel: Flywheel) -> Array:
-    """Moment of a flywheel on the frame, -J w' about the crank's axis.
+def named_points(system: MountedPress, points: Points) -> dict[str, Array]:
+    """Rows (3, n) that give the displacement of each named point from the coordinates.
+
+    Raises:
+        PinpressError: ``points`` is no mapping of names to points, or a point is one of a crown that the frame does not have.
+    """
+    expect("points", points, Mapping, "{'top_beam': (x, y, z), ...}")
+    rows = {}
+    for name, given in points.items():
+        part, place = (1, given[1]) if isinstance(given, tuple) and len(given) == 2 and given[0] == "crown" else (0, given)
+        point = finite_numbers(place)
+        if not isinstance(name, str) or point is None or point.shape != (3,):
+            raise PinpressError(f"point {shown(name)} is {shown(given)}: give x, y, z [m] under a name, or ('crown', (x, y, z))")
+        if part >= system.parts:
+            raise PinpressError(f"point {shown(name)} is one of the crown, but the frame is in one part: give x, y, z alone")
+        rows[name] = rows_at(system.parts, part, point)
+    return rows
+
+
+def checked_harmonics(harmonics: ComplexArray, states: int, size_of_all: float) -> ComplexArray:
+    """Harmonics of a wrench, checked; the highest one of an even number of states is set to zero, because its phase is not known.
 
     Args:
-        press: the press, whose driver joint is on the frame.
-        motion: of this press.
-        flywheel: on the crank's shaft, see `steady_response`.
-
-    Returns:
-        (states, 3) in world axes [N m].
+        harmonics: (k, n) as `numpy.fft.rfft` gives them; changed in place.
+        states: Number of states of the period.
+        size_of_all: Size of the forces that the wrench was worked out from, to which rounding is relative [N].
 
     Raises:
-        PinpressError: a flywheel with the inertias of several scenarios, on a driver that is not on the frame, or behind a clutch that
-            slips.
+        PinpressError: The last third of the harmonics is more than rounding: the force has jumps, or corners too sharp for the states.
     """
-    if np.ndim(flywheel.inertia):
-        raise PinpressError("flywheel has the inertias of several scenarios: give one")
-    driver = press.driver_indices[0]
-    if press.model.parents[driver + 1] != 0:
+    size = np.abs(harmonics[1:]).reshape(len(harmonics) - 1, -1, 3).max(axis=(1, 2))
+    tail = size[2 * len(size) // 3 :].max(initial=0.0)
+    if tail > UNRESOLVED * size.max(initial=0.0) and tail > ROUNDING * states * size_of_all:
         raise PinpressError(
-            f"the driver joint {shown(press.driver)} is not on the frame: the moment of its flywheel has no fixed axis there"
+            f"{states} states do not resolve the shaking force, which changes too sharply: give more points, or use time_response"
         )
-    if isinstance(motion, Run):
-        difference = np.abs(motion.drive_speed - motion.crank_speed).max()
-        if difference > SAME_SPEED * np.abs(motion.crank_speed).max():
-            raise PinpressError(
-                f"flywheel and crank differ in speed by up to {difference:.4g} rad/s, as a clutch slips: give a run, or the part of one,"
-                " in which it holds"
-            )
-    axis = press.model.jointPlacements[driver + 1].rotation @ press.axes[driver].direction
-    return np.asarray(-float(flywheel.inertia) * motion.crank_acceleration[:, None] * axis)
+    if states % 2 == 0:
+        harmonics[-1] = 0.0
+    return harmonics
 
 
-def period(motion: Motion) -> tuple[float, int]:
-    """Period [s] of a periodic motion, and its states, equal intervals of time apart, the end left out.
+def displacement_amplitudes(system: MountedPress, frequency: Array, harmonics: ComplexArray) -> ComplexArray:
+    """Complex amplitudes (..., n) of the coordinates under those of the wrench (..., n) at angular frequencies (...) [rad/s].
 
     Raises:
-        PinpressError: neither one period at constant speed nor one of a steady state.
+        PinpressError: A frequency is a natural frequency without damping.
+    """
+    w = frequency[..., None, None]
+    matrix = system.stiffness + 1j * (np.sign(w) * system.loss + w * system.damping) - w**2 * system.mass
+    try:
+        amplitude = np.linalg.solve(matrix, harmonics[..., None])[..., 0]
+    except np.linalg.LinAlgError:
+        raise PinpressError(RESONANCE) from None
+    if not np.isfinite(amplitude).all():
+        raise PinpressError(RESONANCE)
+    return np.asarray(amplitude)
+
+
+def mount_forces(system: MountedPress, frequency: Array, amplitude: ComplexArray) -> ComplexArray:
+    """Complex amplitudes (..., mounts, 3) of the forces of the mounts on the frame [N], from those of the coordinates (..., n)."""
+    stiffness, damping, loss = mount_constants(system)
+    w = frequency[..., None, None]
+    return np.asarray(-(stiffness + 1j * (np.sign(w) * loss + w * damping)) * np.einsum("mkj,...j->...mk", system.mount_rows, amplitude))
+
+
+def mount_constants(system: MountedPress) -> tuple[Array, Array, Array]:
+    """Stiffness [N/m], damping [N s/m], and stiffness times loss factor [N/m] of the mounts, (mounts, 3) each."""
+    stiffness, damping = np.array([m.stiffness for m in system.mounts]), np.array([m.damping for m in system.mounts])
+    return stiffness, damping, stiffness * np.array([m.loss_factor for m in system.mounts])[:, None]
+
+
+def vibration_from_rest(system: MountedPress, wrench: Array, interval: float) -> tuple[Array, Array, Array]:
+    """Displacements, velocities and accelerations (states, n) from rest under wrenches (states, n) that are linear in between.
+
+    Raises:
+        PinpressError: The vibration is not finite.
+    """
+    from scipy.linalg import expm  # slow to import
+
+    n = len(system.mass)
+    a, b = state_matrix(system), np.vstack([np.zeros((n, n)), np.linalg.inv(system.mass)])
+    whole = np.zeros((4 * n, 4 * n))
+    whole[: 2 * n, : 2 * n], whole[: 2 * n, 2 * n : 3 * n], whole[2 * n : 3 * n, 3 * n :] = a * interval, b * interval, np.eye(n)
+    exponential = expm(whole)
+    free, late = exponential[: 2 * n, : 2 * n], exponential[: 2 * n, 3 * n :]
+    early = exponential[: 2 * n, 2 * n : 3 * n] - late
+    driven = wrench[:-1] @ early.T + wrench[1:] @ late.T
+    states = np.zeros((len(wrench), 2 * n))
+    state = states[0]
+    for k in range(len(driven)):
+        state = free @ state + driven[k]
+        states[k + 1] = state
+    if not np.isfinite(states[-1]).all():
+        raise PinpressError("the vibration is not finite: the forces are too large for floating point")
+    return states[:, :n], states[:, n:], (states @ a.T + wrench @ b.T)[:, n:]
+
+
+def period_of(motion: Motion) -> tuple[float, int]:
+    """Length of the period of a motion [s], and the number of its states at equal intervals of time, the end left out.
+
+    Raises:
+        PinpressError: The motion is neither one period at constant speed nor one of a steady state.
     """
     states, speed = len(motion.crank_angle), motion.crank_speed
     angle = 2 * np.pi * (motion.period_turns or 1)
@@ -458,13 +457,18 @@ def period(motion: Motion) -> tuple[float, int]:
     )
 
 
-def step(motion: Motion) -> float:
+def time_step(motion: Motion) -> float:
     """Interval of time between the states of a motion [s].
 
     Raises:
-        PinpressError: fewer than two states, or states that are not equal intervals apart.
+        PinpressError: There are fewer than two states, or they are not at equal intervals.
     """
     steps = np.diff(motion.time)
     if not len(steps) or steps.min() <= 0 or np.ptp(steps) > 1e-6 * steps.mean():
         raise PinpressError("the states are not at equal intervals of time: give a run of simulate, or a motion with time= in equal steps")
     return float((motion.time[-1] - motion.time[0]) / len(steps))
+
+
+def rms_about_mean(force: Array) -> float:
+    """Root mean square of a vector (n, 3) about its mean, all components together."""
+    return float(np.sqrt((force.std(axis=0) ** 2).sum()))

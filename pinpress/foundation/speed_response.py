@@ -1,16 +1,15 @@
-"""An idle press on its mounts over its range of speeds: what its mounts pass on, and how stiff they may be to keep it from shaking the
-floor.
+"""An idle press on its mounts over its range of speeds: how it vibrates, and the stiffest mounts that keep it from shaking the floor.
 
-Idle and at constant speed the shaking wrench is a part that the weights of the moving links give, the same at all speeds, and one that
-grows with the speed squared; both are found from two cycles, and with them every speed at once.
+The shaking wrench of an idle press at constant speed has two parts: one by the weights of the moving links, which is equal at all speeds,
+and one that grows with the speed squared. Two cycles give both, and these give all speeds at once.
 
-Mounts isolate what is faster than sqrt(2) times their natural frequency, and the softer they are the more; but soft mounts sag, and the
-press sways on them, or tips.
+Mounts isolate vibrations faster than sqrt(2) times their natural frequency, and softer mounts isolate better; but soft mounts sag, and the
+press sways or tips on them.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -26,11 +25,14 @@ from ..kinematics.motion import cycle
 from ..linkage.linkage import Linkage
 from .mounted_press import MountedPress, mounted, undamped, with_mounts
 from .mounts import Frame, Mount, listed_mounts, rows_at
-from .response import NOTHING, Points, forcing, mount_forces, named_points, resolved, solved
+from .response import NOTHING, Points, checked_harmonics, displacement_amplitudes, frame_wrench, mount_forces, named_points
 
 STATES = 360  # of a turn: harmonics to order 179
-ROUNDED = 1e-14  # of the largest force: harmonics that are rounding, left out
+ROUNDED = 1e-14  # of the largest force: harmonics this small are rounding and left out
 AXES = {"x": 0, "y": 1, "z": 2}
+TRIALS = 97  # of stiffnesses, evenly spaced in their logarithm, from the stiffest down
+SOFTEST, STIFFEST = 0.01, 4.0  # lowest natural frequency tried: from this times the lowest to this times the highest speed
+REFINED = 1e-9  # relative error of the stiffness found
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -38,13 +40,13 @@ class SpeedResponse(Tabular):
     """Steady vibration of an idle press at each of (s,) speeds. All arrays are read-only.
 
     Attributes:
-        press_name: of the press.
-        speed: (s,) of the crank [rad/s].
-        rms: name of a point -> (s, 3) root mean square of its acceleration about its mean [m/s2].
-        peak: name of a point -> (s, 3) largest absolute acceleration [m/s2].
-        displacement: name of a point -> (s, 3) largest absolute displacement [m].
-        shaking_force: (s,) root of the mean of its squares, all components together, beside the weight [N].
-        floor_force: (s,) force on the floor, likewise [N].
+        press_name: Name of the press.
+        speed: (s,) speeds of the crank [rad/s].
+        rms: Name of a point -> (s, 3) root mean square of its acceleration about its mean, in world axes [m/s2].
+        peak: Name of a point -> (s, 3) largest absolute acceleration, in world axes [m/s2].
+        displacement: Name of a point -> (s, 3) largest absolute displacement, in world axes [m].
+        shaking_force: (s,) root mean square of the shaking force beside the weight, all components together [N].
+        floor_force: (s,) root mean square of the force on the floor beside the weight, all components together [N].
     """
 
     press_name: str
@@ -73,22 +75,22 @@ class SpeedResponse(Tabular):
 
     @property
     def transmitted(self) -> Array:
-        """(s,) force on the floor by shaking force [-].
+        """(s,) force on the floor divided by the shaking force [-].
 
         Raises:
-            PinpressError: nothing shakes at one of the speeds.
+            PinpressError: The shaking force is zero at one of the speeds.
         """
         if not self.shaking_force.all():
             raise PinpressError(f"no force of {self.press_name} shakes the frame: there is nothing to transmit")
         return self.floor_force / self.shaking_force
 
     def growth(self, point: str) -> Array:
-        """(s,) exponent p with which a point's acceleration, all directions, grows as speed^p, from speed to speed [-].
+        """(s,) exponent p with which a point's acceleration grows as speed^p around each speed, all directions together [-].
 
-        It is 2 on mounts far stiffer than the speed, and more towards a resonance.
+        It is 2 on mounts so stiff that the frame hardly moves on them, and larger towards a resonance.
 
         Raises:
-            PinpressError: fewer than two speeds at which the point vibrates.
+            PinpressError: The point vibrates at fewer than two speeds.
         """
         size = np.linalg.norm(self.rms[point], axis=1)
         if len(size) < 2 or not size.all():
@@ -96,7 +98,7 @@ class SpeedResponse(Tabular):
         return np.asarray(np.gradient(np.log(size), np.log(self.speed)))
 
     def columns(self) -> dict[str, Array]:
-        """Speed, accelerations and displacements of the points, and the forces, as columns with units."""
+        """Speed, accelerations and displacements of the points, and the forces."""
         columns = {"speed [rad/s]": self.speed}
         for quantity, unit, by_point in (("rms", "m/s2", self.rms), ("peak", "m/s2", self.peak), ("displacement", "m", self.displacement)):
             for point, values in by_point.items():
@@ -109,17 +111,18 @@ def over_speeds(system: MountedPress, speeds: ArrayLike, *, points: Points) -> S
     """The steady vibration of the idle press at many speeds.
 
     Args:
-        system: the press on its mounts.
-        speeds: (s,) of the crank, rising, positive [rad/s].
-        points: as of `steady_response`.
+        system: The press on its mounts.
+        speeds: (s,) speeds of the crank, positive and rising [rad/s].
+        points: Points of the frame by name, as for `steady_response`.
 
     Raises:
-        PinpressError: speeds that are none, points that are none.
+        PinpressError: The speeds are not positive and rising, a point is not as described, or a harmonic meets a natural frequency without
+            damping.
     """
-    speed, rows = rising("speeds", speeds), named_points(system, points)
-    frequency, harmonics = spectra(system, speed)
-    amplitude = solved(system, frequency, harmonics)
-    amplitude[:, 0] = 0.0  # what does not vibrate: rounding of the weight
+    speed, rows = rising_positive("speeds", speeds), named_points(system, points)
+    frequency, harmonics = wrench_spectra(system, speed)
+    amplitude = displacement_amplitudes(system, frequency, harmonics)
+    amplitude[:, 0] = 0.0  # the mean is no vibration, but rounding of the weight
     states = _states(system)
     by_point = {name: np.einsum("ij,skj->ski", at, amplitude) for name, at in rows.items()}
     acceleration = {name: -(frequency[..., None] ** 2) * values for name, values in by_point.items()}
@@ -136,99 +139,38 @@ def over_speeds(system: MountedPress, speeds: ArrayLike, *, points: Points) -> S
 
 @typed
 def transmissibility(system: MountedPress, frequency: ArrayLike, *, axis: str = "z") -> Array:
-    """Force on the floor along an axis by that of a harmonic force along it, through the mean centre of mass.
+    """Force on the floor along an axis, divided by a harmonic force along it through the mean centre of mass of frame and press.
 
     Args:
-        system: the press on its mounts.
-        frequency: (f,) angular frequencies, rising, positive [rad/s].
+        system: The press on its mounts.
+        frequency: (f,) angular frequencies, positive and rising [rad/s].
         axis: "x", "y" or "z".
 
     Returns:
         (f,) ratios of the amplitudes [-].
 
     Raises:
-        PinpressError: frequencies or an axis that are none.
+        PinpressError: The frequencies are not positive and rising, the axis is another, or a frequency is a natural frequency without
+            damping.
     """
     if not isinstance(axis, str) or axis not in AXES:
         raise PinpressError(f"axis is {shown(axis)}: write 'x', 'y' or 'z'")
-    w = rising("frequency", frequency)
+    w = rising_positive("frequency", frequency)
     force = rows_at(system.parts, system.parts - 1, system.centre)[AXES[axis]]
-    amplitude = solved(system, w, np.broadcast_to(force.astype(complex), (len(w), len(force))))
+    amplitude = displacement_amplitudes(system, w, np.broadcast_to(force.astype(complex), (len(w), len(force))))
     return np.asarray(np.abs(mount_forces(system, w, amplitude).sum(axis=1)[:, AXES[axis]]))
-
-
-def spectra(system: MountedPress, speed: Array) -> tuple[Array, ComplexArray]:
-    """Angular frequencies (s, k) and one-sided harmonics (s, k, n) of the wrench on the frame, as `numpy.fft.rfft` has them over the
-    states of a period. The last ones, that are rounding, are left out."""
-    press, fast = system.press, float(speed[-1])
-    one, two = (forcing(system, _idle(press, some), None) for some in (fast, 2 * fast))
-    growing = (two - one) / (3 * fast**2)
-    size = max(np.abs(one).max(), np.abs(system.weight[:3]).max())
-    states = _states(system)
-    constant, squared = (resolved(np.fft.rfft(part, axis=0), states, size) for part in (one - fast**2 * growing, fast**2 * growing))
-    there = np.flatnonzero(np.maximum(np.abs(constant), np.abs(squared)).max(axis=1) > ROUNDED * states * size)
-    orders = int(there[-1]) + 1 if len(there) else 1
-    harmonics = constant[:orders] + (speed[:, None, None] / fast) ** 2 * squared[:orders]
-    return speed[:, None] * (np.arange(harmonics.shape[1]) / press.period_turns), harmonics
-
-
-def shaking_rms(system: MountedPress, harmonics: ComplexArray) -> Array:
-    """(s,) of the shaking force [N], zero where it is rounding."""
-    force = sum(harmonics[..., 6 * part : 6 * part + 3] for part in range(system.parts))
-    size = np.sqrt((_rms(np.asarray(force), _states(system)) ** 2).sum(axis=1))
-    return np.asarray(np.where(size > NOTHING * np.abs(system.weight[:3]).max(), size, 0.0))
-
-
-def floor_rms(system: MountedPress, frequency: Array, amplitude: ComplexArray) -> Array:
-    """(s,) of the force on the floor [N]."""
-    return np.asarray(np.sqrt((_rms(mount_forces(system, frequency, amplitude).sum(axis=-2), _states(system)) ** 2).sum(axis=1)))
-
-
-def rising(name: str, given: ArrayLike) -> Array:
-    """An array (s,) of positive, rising numbers, at least one.
-
-    Raises:
-        PinpressError: it is none.
-    """
-    values = finite_numbers(given)
-    if values is None or values.ndim != 1 or not len(values) or values[0] <= 0 or (np.diff(values) <= 0).any():
-        raise PinpressError(f"{name} is {shown(given)}: give an array of positive numbers, rising [rad/s]")
-    return values
-
-
-def _idle(press: Linkage, speed: float) -> Reactions:
-    return inverse_dynamics(press, cycle(press, speed, points=STATES * press.period_turns), bearings=())
-
-
-def _states(system: MountedPress) -> int:
-    """States of a period."""
-    return STATES * system.press.period_turns
-
-
-def _rms(harmonics: ComplexArray, states: int) -> Array:
-    """Root mean square (s, ...) of what has these harmonics (s, k, ...), about its mean."""
-    return np.asarray(np.sqrt(2 * (np.abs(harmonics[:, 1:]) ** 2).sum(axis=1)) / states)
-
-
-def _largest(harmonics: ComplexArray, states: int) -> Array:
-    return np.asarray(np.abs(np.fft.irfft(harmonics, states, axis=1)).max(axis=1))
-
-
-TRIALS = 97  # stiffnesses tried, evenly in their logarithm, from the stiffest down
-SOFTEST, STIFFEST = 0.01, 4.0  # lowest natural frequency beside the lowest and the highest speed, between which is looked
-REFINED = 1e-9  # of the stiffness found, relative
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Isolation(Tabular):
-    """The stiffest mounts that isolate. All arrays are read-only.
+    """The stiffest mounts that isolate, found by `isolate`. All arrays are read-only.
 
     Attributes:
-        system: the press on them.
-        mounts: these mounts.
-        factor: their stiffness by that of the mounts given [-].
-        speed: (s,) of the crank [rad/s].
-        transmitted: (s,) force on the floor by shaking force at each speed [-].
+        system: The press on these mounts.
+        mounts: The mounts.
+        factor: Their stiffness divided by that of the mounts given [-].
+        speed: (s,) speeds of the crank [rad/s].
+        transmitted: (s,) force on the floor divided by the shaking force at each speed [-].
     """
 
     system: MountedPress
@@ -257,12 +199,12 @@ class Isolation(Tabular):
         )
 
     def columns(self) -> dict[str, Array]:
-        """Speed and share transmitted as columns; the mounts' are those of `system`."""
+        """Speed and share transmitted. The mounts are in the columns of ``system``."""
         return {"speed [rad/s]": self.speed, "transmitted [-]": self.transmitted}
 
     @property
     def stiffness(self) -> Array:
-        """(3,) of all mounts together along x, y and z [N/m]."""
+        """(3,) stiffness of all mounts together along x, y and z [N/m]."""
         return np.asarray(np.sum([mount.stiffness for mount in self.mounts], axis=0))
 
     @property
@@ -281,27 +223,28 @@ def isolate(
     transmitted: float,
     sag: float | None = None,
 ) -> Isolation:
-    """The stiffest mounts with which the idle press passes on at most a share of its shaking force, at every one of its speeds.
+    """Find the stiffest mounts with which the idle press passes on at most a share of its shaking force at every one of its speeds.
+
+    All stiffnesses of the given mounts are multiplied by one factor, and their damping by its root, which keeps the damping ratios.
 
     Args:
-        press: with one driver that turns fully.
-        frame: in one part.
-        mounts: where they stand, and their ratios of stiffness. All their stiffnesses are multiplied by one factor, their damping by its
-            root, which keeps damping ratios as they are.
-        speeds: (s,) of the crank, rising, close enough that no resonance falls between two [rad/s].
-        transmitted: force on the floor by shaking force, roots of mean squares, more than 0 and less than 1.
-        sag: largest displacement of a mount at rest [m]; None: any.
+        press: A press with one driver, which turns fully.
+        frame: The frame, in one part.
+        mounts: Places of the mounts, and their stiffnesses up to the factor.
+        speeds: (s,) speeds of the crank, positive and rising, so close that no resonance falls between two [rad/s].
+        transmitted: Most of the force on the floor divided by the shaking force, both as root mean square, between 0 and 1 [-].
+        sag: Largest displacement of a mount at rest [m]; None: any.
 
     Raises:
-        PinpressError: an argument that makes no sense; a press that shakes nothing; no such mounts: the error names what conflicts.
+        PinpressError: An argument is not as described, nothing shakes the frame, or no mounts do what is asked; the message says what
+            conflicts.
     """
-    speed, mounts = rising("speeds", speeds), listed_mounts(mounts, "mounts")
+    speed, mounts = rising_positive("speeds", speeds), listed_mounts(mounts, "mounts")
     limit = _between("transmitted", transmitted, 1.0, "a share, more than 0 and less than 1")
     most_sag = None if sag is None else _between("sag", sag, np.inf, "a positive length [m]")
     given = mounted(press, frame, mounts)
-    frequency, harmonics = spectra(given, speed)
+    frequency, harmonics = wrench_spectra(given, speed)
     shaking = shaking_rms(given, harmonics)
-    wish = f"pass on at most {limit:g} of the shaking force between {speed[0] / RPM:.4g} and {speed[-1] / RPM:.4g} per min"
     if not shaking.all():
         raise PinpressError(f"no force of {press.name} shakes the frame: it needs no isolation")
 
@@ -310,10 +253,39 @@ def isolate(
             system = with_mounts(given, _scaled(mounts, factor))
         except PinpressError:  # it tips
             return np.full(len(speed), np.inf)
-        return floor_rms(system, frequency, solved(system, frequency, harmonics)) / shaking
+        return floor_rms(system, frequency, displacement_amplitudes(system, frequency, harmonics)) / shaking
 
+    wish = f"pass on at most {limit:g} of the shaking force between {speed[0] / RPM:.4g} and {speed[-1] / RPM:.4g} per min"
+    factor = _stiffest_factor(passed, _trial_factors(given, speed), limit, wish)
+    chosen = _scaled(mounts, factor)
+    system = with_mounts(given, chosen)
+    if most_sag is not None and _sag(system) > most_sag:
+        raise PinpressError(
+            f"isolation and sag conflict: to {wish} the mounts may be at most {factor:.4g} times as stiff as those given, but sag"
+            f" {1e3 * _sag(system):.4g} mm then; {1e3 * most_sag:.4g} mm need {factor * _sag(system) / most_sag:.4g} times: allow more sag"
+            " or more force, or raise the lowest speed"
+        )
+    return Isolation(system, chosen, factor, speed, passed(factor))
+
+
+def _trial_factors(given: MountedPress, speed: Array) -> Array:
+    """Factors (TRIALS,) of the stiffness to try, falling, from mounts far too stiff to isolate to mounts far too soft to stand on."""
     lowest = float(undamped(given)[0][0])
-    factors = np.geomspace((STIFFEST * speed[-1]) ** 2 / lowest, (SOFTEST * speed[0]) ** 2 / lowest, TRIALS)
+    return np.geomspace((STIFFEST * speed[-1]) ** 2 / lowest, (SOFTEST * speed[0]) ** 2 / lowest, TRIALS)
+
+
+def _stiffest_factor(passed: Callable[[float], Array], factors: Array, limit: float, wish: str) -> float:
+    """The largest factor at which the mounts pass on no more than a share, refined between two trials.
+
+    Args:
+        passed: Shares (s,) passed on at a factor.
+        factors: Trials, falling.
+        limit: Most of the shares.
+        wish: What is asked for, in words.
+
+    Raises:
+        PinpressError: No trial passes on so little.
+    """
     worst: list[float] = []
     for factor in factors:
         worst.append(float(passed(float(factor)).max()))
@@ -330,19 +302,73 @@ def isolate(
     while high > (1 + REFINED) * low:
         middle = float(np.sqrt(low * high))
         low, high = (middle, high) if passed(middle).max() <= limit else (low, middle)
-    chosen = _scaled(mounts, low)
-    system = with_mounts(given, chosen)
-    if most_sag is not None and _sag(system) > most_sag:
-        raise PinpressError(
-            f"isolation and sag conflict: to {wish} the mounts may be at most {low:.4g} times as stiff as those given, but sag"
-            f" {1e3 * _sag(system):.4g} mm then; {1e3 * most_sag:.4g} mm need {low * _sag(system) / most_sag:.4g} times: allow more sag or"
-            " more force, or raise the lowest speed"
-        )
-    share = passed(low)
-    return Isolation(system, chosen, low, speed, share)
+    return low
+
+
+def wrench_spectra(system: MountedPress, speed: Array) -> tuple[Array, ComplexArray]:
+    """Angular frequencies (s, k) [rad/s] and harmonics (s, k, n) of the wrench on the frame at each speed, as `numpy.fft.rfft` gives them.
+
+    The highest harmonics, which are rounding, are left out.
+    """
+    press, fast = system.press, float(speed[-1])
+    one, two = (frame_wrench(system, _idle(press, some), None) for some in (fast, 2 * fast))
+    growing = (two - one) / (3 * fast**2)
+    size = max(np.abs(one).max(), np.abs(system.weight[:3]).max())
+    states = _states(system)
+    constant, squared = (
+        checked_harmonics(np.fft.rfft(part, axis=0), states, size) for part in (one - fast**2 * growing, fast**2 * growing)
+    )
+    there = np.flatnonzero(np.maximum(np.abs(constant), np.abs(squared)).max(axis=1) > ROUNDED * states * size)
+    orders = int(there[-1]) + 1 if len(there) else 1
+    harmonics = constant[:orders] + (speed[:, None, None] / fast) ** 2 * squared[:orders]
+    return speed[:, None] * (np.arange(harmonics.shape[1]) / press.period_turns), harmonics
+
+
+def shaking_rms(system: MountedPress, harmonics: ComplexArray) -> Array:
+    """Root mean square (s,) of the shaking force, all components together, zero where it is rounding [N]."""
+    force = sum(harmonics[..., 6 * part : 6 * part + 3] for part in range(system.parts))
+    size = np.sqrt((_rms(np.asarray(force), _states(system)) ** 2).sum(axis=1))
+    return np.asarray(np.where(size > NOTHING * np.abs(system.weight[:3]).max(), size, 0.0))
+
+
+def floor_rms(system: MountedPress, frequency: Array, amplitude: ComplexArray) -> Array:
+    """Root mean square (s,) of the force on the floor, all components together [N]."""
+    return np.asarray(np.sqrt((_rms(mount_forces(system, frequency, amplitude).sum(axis=-2), _states(system)) ** 2).sum(axis=1)))
+
+
+def rising_positive(name: str, given: ArrayLike) -> Array:
+    """A caller's array (s,) of positive, rising numbers, at least one.
+
+    Raises:
+        PinpressError: It is anything else.
+    """
+    values = finite_numbers(given)
+    if values is None or values.ndim != 1 or not len(values) or values[0] <= 0 or (np.diff(values) <= 0).any():
+        raise PinpressError(f"{name} is {shown(given)}: give an array of positive numbers, rising [rad/s]")
+    return values
+
+
+def _idle(press: Linkage, speed: float) -> Reactions:
+    return inverse_dynamics(press, cycle(press, speed, points=STATES * press.period_turns), bearings=())
+
+
+def _states(system: MountedPress) -> int:
+    """Number of states of a period."""
+    return STATES * system.press.period_turns
+
+
+def _rms(harmonics: ComplexArray, states: int) -> Array:
+    """Root mean square (s, ...) about the mean of a quantity with these harmonics (s, k, ...)."""
+    return np.asarray(np.sqrt(2 * (np.abs(harmonics[:, 1:]) ** 2).sum(axis=1)) / states)
+
+
+def _largest(harmonics: ComplexArray, states: int) -> Array:
+    """Largest absolute value (s, ...) of a quantity with these harmonics (s, k, ...)."""
+    return np.asarray(np.abs(np.fft.irfft(harmonics, states, axis=1)).max(axis=1))
 
 
 def _scaled(mounts: Sequence[Mount], factor: float) -> tuple[Mount, ...]:
+    """Mounts of this many times the stiffness, with the damping ratios kept."""
     return tuple(
         replace(
             mount,
@@ -355,6 +381,7 @@ def _scaled(mounts: Sequence[Mount], factor: float) -> tuple[Mount, ...]:
 
 
 def _sag(system: MountedPress) -> float:
+    """Largest vertical displacement of a mount at rest [m]."""
     return float(np.abs(system.sag[:, 2]).max())
 
 

@@ -7,7 +7,7 @@ from support.generators.frames import harmonic_force, loaded, on_four, turns, un
 
 import pinpress as pp
 from pinpress import PinpressError, UnknownNameError, foundation
-from pinpress.foundation.response import resolved
+from pinpress.foundation.response import checked_harmonics
 
 POINTS = {"top": (0.3, 0.2, 1.5), "bed": (-0.2, 0.1, -1.0)}
 SPEED = 20.0
@@ -343,6 +343,6 @@ def test_the_highest_harmonic_counts_where_its_phase_is_known(states):
     """Of an even number of states the highest one is their alternation, which may be sine or cosine; of an odd number it is a true one."""
     harmonics = np.zeros((states // 2 + 1, 6), dtype=complex)
     harmonics[1], harmonics[-1] = 1.0, 1e-15
-    kept = resolved(harmonics.copy(), states, 1e3)
+    kept = checked_harmonics(harmonics.copy(), states, 1e3)
     np.testing.assert_array_equal(kept[:-1], harmonics[:-1])
     np.testing.assert_array_equal(kept[-1], 0.0 if states == 30 else harmonics[-1])
