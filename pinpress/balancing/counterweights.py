@@ -1,7 +1,7 @@
-"""Masses added to the links of a press: the press that results, and what they change in torques and forces.
+"""Masses added to the links of a press: the press with them, and the changes of torques and forces that they cause.
 
 A mass m at a point of a link acts on the link as the force m (g - a) does at that point, where a is its acceleration (d'Alembert). So all
-forces are linear in the masses, and in whatever is made of point masses: a counterweight, a mass moment, a moment of inertia.
+forces are linear in the masses, and in all that point masses can stand for: a counterweight, a mass moment, a moment of inertia.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ from ..kinematics.motion import Motion
 from ..linkage.linkage import Linkage
 from ..loads.link import Load, PointForce
 
-PHYSICAL = 1e-9  # of the largest principal moment of inertia: by how much rounding may violate the triangle inequality
+PHYSICAL = 1e-9  # of the largest principal moment of inertia: rounding may violate the triangle inequality by this much
 
 
 @dataclass(frozen=True)
@@ -33,10 +33,10 @@ class Counterweight:
     Attributes:
         link: Name of the link.
         mass: Mass [kg].
-        position: Centre of mass (3,) in the link's own frame [m].
-        inertia: Moment of inertia about an axis through the centre of mass along the normal of a planar press, whose material is taken to
-            lie in the plane; in a press that is not planar, about every axis [kg m2]. 0 is a point mass. It is negative only where the mass
-            is negative.
+        position: (3,) centre of mass in the link's own frame [m].
+        inertia: Moment of inertia about the axis through the centre of mass along the normal of a planar press, where the material counts
+            as lying in the plane; in a press that is not planar, about every axis [kg m2]. 0 is a point mass. It is negative only where the
+            mass is negative.
     """
 
     link: str
@@ -47,12 +47,19 @@ class Counterweight:
 
 @typed
 def with_counterweights(press: Linkage, counterweights: Iterable[Counterweight]) -> Linkage:
-    """Fix counterweights to the links of a press and return the new press, which `write_urdf` writes.
+    """Fix counterweights to the links of a press.
+
+    Args:
+        press: The press without them.
+        counterweights: Counterweights and holes.
+
+    Returns:
+        The new press, which `write_urdf` can write.
 
     Raises:
         UnknownNameError: The press has no such link.
-        PinpressError: A counterweight is on the frame or has a number that is not finite, or a hole leaves a link without mass or with an
-            inertia that no body has.
+        PinpressError: A counterweight is on the frame, has a number that is not finite or an inertia without mass, or a hole leaves a link
+            without mass or with an inertia that no body has.
     """
     inertias = list(press.model.inertias)
     changed = set()
@@ -63,75 +70,6 @@ def with_counterweights(press: Linkage, counterweights: Iterable[Counterweight])
     for joint in changed:
         refuse_unphysical(press, joint, inertias[joint])
     return press.with_inertias(inertias)
-
-
-def _added_inertia(press: Linkage, weight: Counterweight) -> tuple[int, pin.Inertia]:
-    """The Pinocchio joint that carries a counterweight, and its inertia in that joint's frame."""
-    if not isinstance(weight, Counterweight):
-        raise PinpressError(f"{shown(weight)} is no counterweight: give Counterweight(link, mass, position)")
-    what = f"counterweight on {shown(weight.link)}"
-    if weight.link not in press.links:
-        raise UnknownNameError("link", weight.link, press.links)
-    joint, point = carrying_joint(press, weight.link, weight.position, what)
-    for name, value in (("mass", weight.mass), ("inertia", weight.inertia)):
-        number(f"{what}: {name}", value)
-    if weight.inertia * weight.mass < 0 or (weight.inertia and not weight.mass):
-        raise PinpressError(f"{what}: its inertia is {weight.inertia:g} kg m2 at a mass of {weight.mass:g} kg, which no body has")
-    return joint, rigid_body(float(weight.mass), point, weight.inertia * unit_tensor(press, joint))
-
-
-def carrying_joint(press: Linkage, link: str, position: tuple[float, float, float], what: str) -> tuple[int, Array]:
-    """The Pinocchio joint that carries a moving link, and a point of the link in that joint's frame [m].
-
-    Args:
-        position: The point (3,) in the link's own frame [m].
-        what: What is placed there, for messages.
-
-    Raises:
-        PinpressError: The link does not move, or the position is not three finite numbers.
-    """
-    joint, point = place(press, link, position, what, "position")
-    if joint == 0:
-        moving = [name for name in press.links if press.model.frames[press.model.getFrameId(name, pin.BODY)].parentJoint]
-        raise PinpressError(f"{what}: {shown(link)} does not move, so no mass on it balances anything; moving links: {', '.join(moving)}")
-    return joint, point
-
-
-def combined(first: pin.Inertia, second: pin.Inertia) -> pin.Inertia:
-    """The inertia of two bodies fixed together, in the same frame. Either may be a hole; Pinocchio's own sum takes no negative mass."""
-    mass = first.mass + second.mass
-    lever = (first.mass * first.lever + second.mass * second.lever) / mass if mass else np.zeros(3)
-    tensor = first.inertia + second.inertia
-    for part in (first, second):
-        arm = part.lever - lever
-        tensor = tensor + part.mass * (arm @ arm * np.eye(3) - np.outer(arm, arm))
-    return rigid_body(mass, lever, tensor)
-
-
-def rigid_body(mass: float, lever: Array, tensor: Array) -> pin.Inertia:
-    """The inertia of a mass [kg] with its centre at ``lever`` (3,) [m] and a tensor (3, 3) about that centre [kg m2]."""
-    result = pin.Inertia.Zero()  # Pinocchio's constructor refuses holes, and what rounding makes of a thin body
-    result.mass, result.lever, result.inertia = mass, lever, tensor
-    return result
-
-
-def unit_tensor(press: Linkage, joint: int) -> Array:
-    """Tensor (3, 3) in the joint's frame of material with unit inertia: a lamina in a planar press's plane, a ball in any other press."""
-    axes = press.engine().turning_axes(joint)
-    return np.asarray(0.5 * (np.eye(3) + axes.T @ axes))
-
-
-def refuse_unphysical(press: Linkage, joint: int, inertia: pin.Inertia) -> None:
-    """Raise PinpressError where counterweights leave a joint with an inertia that no body has."""
-    name = press.model.names[joint]
-    if not inertia.mass > 0:
-        raise PinpressError(f"counterweights leave the body on joint {shown(name)} a mass of {inertia.mass:g} kg: take less away")
-    low, middle, high = np.linalg.eigvalsh(inertia.inertia)
-    if not (math.isfinite(high) and low + middle >= (1 - PHYSICAL) * high):
-        raise PinpressError(
-            f"counterweights leave the body on joint {shown(name)} principal moments of inertia of {low:g}, {middle:g} and {high:g} kg m2,"
-            " which no body has: take less away, or nearer to its centre of mass"
-        )
 
 
 @dataclass(frozen=True)
@@ -153,8 +91,8 @@ class PointMasses:
 
     Attributes:
         link: Name of the link.
-        masses: (p,) [kg], or kg times the unit of the quantity that the masses stand for.
-        points: (p, 3) in the link's own frame [m].
+        masses: (p,) masses [kg]. They may be negative, because several may stand for a mass moment or a moment of inertia.
+        points: (p, 3) places in the link's own frame [m].
     """
 
     link: str
@@ -164,14 +102,14 @@ class PointMasses:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class MassResponse:
-    """The change of the forces of `Reactions` by masses, in arrays of the same shapes; what was not asked for is empty.
+    """The changes of the forces of `Reactions` by masses, in world axes. Changes that were not asked for are empty.
 
     Attributes:
-        shaking_force: (n, 3) [N].
-        shaking_moment: (n, 3) about the world's origin [N m].
-        driving_torque: (n,), of several drivers (n, drivers) [N m].
-        bearing_force: By bearing, (n, 3) [N].
-        bearing_moment: By bearing, (n, 3) [N m].
+        shaking_force: (n, 3) change of the shaking force [N].
+        shaking_moment: (n, 3) change of the shaking moment about the world origin [N m].
+        driving_torque: (n,), or (n, drivers) where there are several, change of the driving torque [N m].
+        bearing_force: Name of a bearing -> (n, 3) change of its force [N].
+        bearing_moment: Name of a bearing -> (n, 3) change of its moment [N m].
     """
 
     shaking_force: Array
@@ -184,14 +122,14 @@ class MassResponse:
 def mass_response(
     press: Linkage, condition: OperatingCondition, reactions: Reactions, masses: PointMasses, inner_forces: bool
 ) -> MassResponse:
-    """What point masses change of the shaking force and moment and, where asked for, of the inner forces.
+    """The changes of the shaking force and moment, and where wanted of the inner forces, by point masses.
 
     Args:
         press: The press without the masses.
         condition: Motion and loads.
         reactions: Reactions of the press in this condition without the masses.
         masses: The point masses.
-        inner_forces: Whether the driving torque and the bearings of ``reactions`` are wanted too.
+        inner_forces: Whether the changes of the driving torque and of the bearings in ``reactions`` are wanted too.
     """
     position, force = _inertia_forces(press, condition.motion, masses)
     shaking = force.sum(axis=0), np.cross(position, force).sum(axis=0)
@@ -213,6 +151,78 @@ def mass_response(
 def moving_mass(press: Linkage) -> float:
     """Mass of all links but the frame [kg]."""
     return float(sum(inertia.mass for inertia in list(press.model.inertias)[1:]))
+
+
+def carrying_joint(press: Linkage, link: str, position: tuple[float, float, float], what: str) -> tuple[int, Array]:
+    """The Pinocchio joint that carries a moving link, and a point of the link in that joint's frame [m].
+
+    Args:
+        position: (3,) point in the link's own frame [m].
+        what: What is placed there, in words for messages.
+
+    Raises:
+        PinpressError: The link does not move, or the position is not three finite numbers.
+    """
+    joint, point = place(press, link, position, what, "position")
+    if joint == 0:
+        moving = [name for name in press.links if press.model.frames[press.model.getFrameId(name, pin.BODY)].parentJoint]
+        raise PinpressError(f"{what}: {shown(link)} does not move, so no mass on it balances anything; moving links: {', '.join(moving)}")
+    return joint, point
+
+
+def combined(first: pin.Inertia, second: pin.Inertia) -> pin.Inertia:
+    """The inertia of two bodies fixed together, all in one frame. Either may be a hole; Pinocchio's own sum takes no negative mass."""
+    mass = first.mass + second.mass
+    lever = (first.mass * first.lever + second.mass * second.lever) / mass if mass else np.zeros(3)
+    tensor = first.inertia + second.inertia
+    for part in (first, second):
+        arm = part.lever - lever
+        tensor = tensor + part.mass * (arm @ arm * np.eye(3) - np.outer(arm, arm))
+    return rigid_body(mass, lever, tensor)
+
+
+def rigid_body(mass: float, lever: Array, tensor: Array) -> pin.Inertia:
+    """The inertia of a mass [kg] with its centre at ``lever`` (3,) [m] and a tensor (3, 3) about that centre [kg m2]."""
+    result = pin.Inertia.Zero()  # Pinocchio's constructor refuses holes, and what rounding makes of a thin body
+    result.mass, result.lever, result.inertia = mass, lever, tensor
+    return result
+
+
+def unit_tensor(press: Linkage, joint: int) -> Array:
+    """Inertia tensor (3, 3) in the joint's frame of material whose moment of inertia is one [kg m2].
+
+    In a planar press it is a lamina in the plane, turned about the plane's normal; in any other press a ball.
+    """
+    axes = press.engine().turning_axes(joint)
+    return np.asarray(0.5 * (np.eye(3) + axes.T @ axes))
+
+
+def refuse_unphysical(press: Linkage, joint: int, inertia: pin.Inertia) -> None:
+    """Raise PinpressError where counterweights leave a joint with an inertia that no body has."""
+    name = press.model.names[joint]
+    if not inertia.mass > 0:
+        raise PinpressError(f"counterweights leave the body on joint {shown(name)} a mass of {inertia.mass:g} kg: take less away")
+    low, middle, high = np.linalg.eigvalsh(inertia.inertia)
+    if not (math.isfinite(high) and low + middle >= (1 - PHYSICAL) * high):
+        raise PinpressError(
+            f"counterweights leave the body on joint {shown(name)} principal moments of inertia of {low:g}, {middle:g} and {high:g} kg m2,"
+            " which no body has: take less away, or nearer to its centre of mass"
+        )
+
+
+def _added_inertia(press: Linkage, weight: Counterweight) -> tuple[int, pin.Inertia]:
+    """The Pinocchio joint that carries a counterweight, and its inertia in that joint's frame."""
+    if not isinstance(weight, Counterweight):
+        raise PinpressError(f"{shown(weight)} is no counterweight: give Counterweight(link, mass, position)")
+    what = f"counterweight on {shown(weight.link)}"
+    if weight.link not in press.links:
+        raise UnknownNameError("link", weight.link, press.links)
+    joint, point = carrying_joint(press, weight.link, weight.position, what)
+    for name, value in (("mass", weight.mass), ("inertia", weight.inertia)):
+        number(f"{what}: {name}", value)
+    if weight.inertia * weight.mass < 0 or (weight.inertia and not weight.mass):
+        raise PinpressError(f"{what}: its inertia is {weight.inertia:g} kg m2 at a mass of {weight.mass:g} kg, which no body has")
+    return joint, rigid_body(float(weight.mass), point, weight.inertia * unit_tensor(press, joint))
 
 
 def _inertia_forces(press: Linkage, motion: Motion, masses: PointMasses) -> tuple[Array, Array]:

@@ -1,9 +1,9 @@
-"""Balancing: the counterweights that make shaking forces, torques or bearing forces as small as possible, with the proof that they do; and
-what of one measure must be given for another, the balanced presses between the best of either (Pareto curves).
+"""Balancing: the counterweights that make shaking forces, torques or bearing forces least, with the proof, and trade-offs between two
+measures.
 
 At a given motion all forces are linear in the mass, mass moment and moment of inertia of every link, and range, rms and peak are convex.
-So the best counterweights are the optimum of a convex program: it is found without a start, and its dual proves it. (Zhang 2007, 5.5,
-searches step by step.)
+So the best counterweights are the optimum of a convex program, which needs no starting values and whose dual proves the optimum. (Zhang
+2007, 5.5, searches step by step.)
 """
 
 from __future__ import annotations
@@ -27,17 +27,19 @@ from ..linkage.linkage import Linkage
 from ..loads.link import Load
 from .counterweights import Counterweight, OperatingCondition, combined, refuse_unphysical
 from .problem import ROUNDING, AddedMass, BalancingProblem, Measure, Target, build_problem
-from .program import LARGEST, Design, contradiction, objective_value, solve
+from .program import LARGEST, ProvenOptimum, infeasible_limits, objective_value, solve
 from .regions import CounterweightRegion, RegionVariables
 from .result import ActiveConstraint, BalancedPress, MeasureChange
 
-NEGLIGIBLE = 1e-5  # of the press's moving mass: a counterweight that is lighter,
-TRACE = 1e-9  # and without which measures are worse by less than this of what they were before, is left out
+NEGLIGIBLE = 1e-5  # of the press's moving mass: a counterweight that is lighter is left out,
+TRACE = 1e-9  # where without it no measure is worse by more than this of its value before balancing
 SUFFIX = "_balanced"  # of a balanced press's name
-PRICELESS = 1e-7  # of the objective before, for as much again of what is limited: a constraint of that price does not hold it back
+PRICELESS = 1e-7  # of the objective before balancing, for as much again of what is limited: a constraint of that price does not count
 INERTIA_ROUNDING = 1e-11  # of a counterweight's mass times the square of its distance: a moment of inertia this small is rounding
 ENDLESS = 0.999  # of the most that the program allows: a mass this large grows without end
-CONFIRMED = 1e-8  # of the forces before balancing: how well inverse dynamics of the balanced press meets what the program promises
+CONFIRMED = 1e-8  # of the forces before balancing: inverse dynamics of the balanced press agrees with the program this well
+GIVEN = 1e-7  # of a measure before balancing: an end of a trade-off may be this much worse than the best, to improve the other measure
+MOST_POINTS = 10_000  # of a trade-off, each an optimisation
 
 
 @typed
@@ -52,24 +54,24 @@ def balance(
 ) -> BalancedPress:
     """Find the best counterweights of a press.
 
-    Of counterweights that are equally good they are the lightest: to save the press's whole moving mass is worth 1e-6 of the objective
-    before. Range and peak are those of the motion's states. Between states the forces exceed them by about (pi / states)^2 / 2 of the
-    harmonic that they consist of.
+    Among equally good counterweights the lightest win: saving the whole moving mass of the press counts as 1e-6 of the objective before
+    balancing. Ranges and peaks are those of the motion's states; between two states a harmonic of order k may exceed them by up to about
+    (pi k / states)^2 / 2 of its amplitude.
 
     Args:
         press: The press.
-        motion: Its motion, or several operating conditions: limits hold in all of them, and for every measure the worst one counts.
+        motion: Its motion, or several operating conditions. Limits hold in all of them, and each measure counts in its worst one.
         regions: Where counterweights may be.
-        minimise: A measure (`Range`, `Rms`, `Peak`) or `AddedMass`; or several with weights, each counting relative to what it is before
-            balancing (added mass: to the moving mass). The objective of Zhang 2007, (5-14), is
+        minimise: A measure (`Range`, `Rms`, `Peak`) or `AddedMass`, or several of them with weights. With weights each counts relative to
+            its value before balancing (added mass: to the moving mass). The objective of Zhang 2007, (5-14), is
             ``{Rms("shaking_force", "z"): w1, Range("shaking_force", "z"): w2, Rms("shaking_moment", "y"): w3, ...}``.
-        limits: The most of measures and of added mass, in their units. 0 is taken literally.
+        limits: The most of measures and of added mass, in their units. A limit of 0 is met exactly.
         loads: Loads on the one motion, as `inverse_dynamics` takes them; operating conditions have their own.
 
     Raises:
         UnknownNameError: The press has no such link or bearing.
-        PinpressError: The regions cannot meet the limits, which are named, and by how much; a counterweight would grow without end; a
-            measure is zero before; a region makes no sense.
+        PinpressError: The limits cannot be met together (the message names them, and says by how much), a counterweight would grow without
+            end, a minimised measure is zero before balancing, or an argument is not as described.
     """
     conditions = _conditions(motion, loads)
     objective, held = checked_objective(minimise), checked_limits(limits)
@@ -77,233 +79,15 @@ def balance(
     return optimal_press(problem, objective, held, absolute=len(conditions) == 1 and not isinstance(minimise, Mapping))
 
 
-def _conditions(motion: Motion | Sequence[OperatingCondition], loads: Sequence[Load]) -> tuple[OperatingCondition, ...]:
-    if isinstance(motion, Motion):
-        return (OperatingCondition(motion, tuple(loads)),)
-    if not isinstance(motion, Sequence) or not motion or not all(isinstance(each, OperatingCondition) for each in motion):
-        raise PinpressError("motion is neither a motion, as cycle or simulate return, nor a list of OperatingCondition(motion, loads)")
-    if loads:
-        raise PinpressError("loads goes with one motion: give every OperatingCondition its own, OperatingCondition(motion, loads)")
-    return tuple(motion)
-
-
-def checked_objective(minimise: Target | Mapping[Target, float]) -> dict[Target, float]:
-    """The objective as targets with weights above zero.
-
-    Raises:
-        PinpressError: It is no measure, or no weight is above zero.
-    """
-    if not isinstance(minimise, Mapping | Measure | AddedMass):
-        raise PinpressError(f"minimise: {shown(minimise)} is no measure: give Range, Rms, Peak or AddedMass()")
-    objective = dict(minimise) if isinstance(minimise, Mapping) else {minimise: 1.0}
-    _refuse_wrong_numbers("minimise", "weight", objective)
-    if not any(objective.values()):
-        raise PinpressError("minimise: no weight is above zero, so that all counterweights are as good: give one")
-    return {target: float(weight) for target, weight in objective.items() if weight > 0}
-
-
-def checked_limits(limits: Mapping[Target, float] | None) -> dict[Target, float]:
-    """The limits, none where there are none; raises PinpressError for what is no measure, or no finite number from 0."""
-    _refuse_wrong_numbers("limits", "limit", limits or {})
-    return dict(limits or {})
-
-
-def _refuse_wrong_numbers(argument: str, what: str, targets: Mapping[Target, float]) -> None:
-    for target, number in targets.items():
-        if not isinstance(target, Measure | AddedMass):
-            raise PinpressError(f"{argument}: {shown(target)} is no measure: give Range, Rms, Peak or AddedMass()")
-        if not is_number(number) or number < 0:
-            raise PinpressError(
-                f"{argument}: the {what} of the {target.words} is {shown(number)}: give a finite number that is not negative"
-            )
-
-
-def optimal_press(
-    problem: BalancingProblem, objective: Mapping[Target, float], limits: Mapping[Target, float], absolute: bool
-) -> BalancedPress:
-    """The press with the best design of a problem, and what inverse dynamics says of it.
-
-    Args:
-        problem: The problem, with the signals of all measures.
-        objective: Targets with their weights.
-        limits: As of `balance`.
-        absolute: Whether the value is wanted in the unit of the objective's one measure.
-
-    Raises:
-        PinpressError: As `balance`.
-    """
-    _refuse_nothing(problem, objective)
-    try:
-        design = solve(problem, objective, limits)
-    except InfeasibleError:
-        raise PinpressError(contradiction(problem, limits)) from None
-    u = _without_traces(problem, objective, limits, design.variables)
-    fillings = _fillings(problem, u)
-    press = _with_fillings(problem, fillings)
-    reactions = _confirmed_reactions(problem, u, press)
-    scale = _size_of_one(problem, objective) if absolute else 1.0
-    filled = list(zip(problem.regions, fillings, strict=True))
-    return BalancedPress(
-        original=problem.press,
-        press=press,
-        conditions=problem.conditions,
-        objective=dict(objective),
-        limits=dict(limits),
-        counterweights=tuple(_counterweight(problem.press, each, filling) for each, filling in filled if filling.mass),
-        added_mass=problem.added(u),
-        value=scale * objective_value(problem, objective, u),
-        unit=next(iter(objective)).unit if absolute else "",
-        bound=scale * design.bound,
-        residual=design.residual,
-        changes=tuple(_changes(problem, [*objective, *limits], reactions)),
-        active=tuple(_active(design, scale, [each.region for each, filling in filled if not filling.mass])),
-        reactions_before=problem.reactions,
-        reactions_after=reactions,
-    )
-
-
-def _refuse_nothing(problem: BalancingProblem, objective: Mapping[Target, float]) -> None:
-    """Raise where a measure of the objective is zero before, so that relative to it nothing can be said."""
-    for signal in problem.signals:
-        before = problem.reactions[signal.condition]
-        if signal.measure in objective and not signal.measure.value(before) >= (1 - ROUNDING) * signal.size:
-            raise PinpressError(
-                f"the {signal.measure.words} of {problem.press.name} is zero before balancing: take it out of minimise, or limit it"
-            )
-
-
-def _without_traces(problem: BalancingProblem, objective: Mapping[Target, float], limits: Mapping[Target, float], best: Array) -> Array:
-    """The best variables with zero in regions that are as good as empty: the solver stops where it cannot tell a little from none."""
-    u, start = best.copy(), 0
-    for each in problem.regions:
-        own = slice(start, start + len(each.mass))
-        if each.own is None and each.region.mass[0] <= 0 and abs(each.mass @ u[own]) <= NEGLIGIBLE * problem.moving:
-            empty = u.copy()
-            empty[own] = 0.0
-            if _no_worse(problem, objective, limits, empty, u):
-                u = empty
-        start += len(each.mass)
-    return u
-
-
-def _no_worse(problem: BalancingProblem, objective: Mapping[Target, float], limits: Mapping[Target, float], u: Array, best: Array) -> bool:
-    """Whether variables are, but for a trace, as good as the best in the objective and in what is limited."""
-    limited = [signal for signal in problem.signals if signal.measure in limits]
-    return objective_value(problem, objective, u) <= objective_value(problem, objective, best) + TRACE * sum(objective.values()) and all(
-        signal.measure.of(signal.at(u)) <= max(limits[signal.measure] / signal.size, signal.measure.of(signal.at(best))) + TRACE
-        for signal in limited
-    )
-
-
-def _fillings(problem: BalancingProblem, u: Array) -> list[pin.Inertia]:
-    """The inertia that fills every region, in its joint's frame."""
-    ends = np.cumsum([len(each.mass) for each in problem.regions])[:-1]
-    fillings = []
-    for each, own in zip(problem.regions, np.split(u, ends), strict=True):
-        filling = each.filling(own)
-        if each.own is not None and filling.mass <= NEGLIGIBLE * problem.moving:
-            raise PinpressError(
-                f"it would be best to leave {shown(each.region.link)} without mass: give its region a least mass, mass=(least, most)"
-            )
-        fillings.append(filling)
-    if problem.unlimited @ u > ENDLESS * LARGEST * problem.moving:
-        unlimited = [(filling.mass, each.region) for filling, each in zip(fillings, problem.regions, strict=True)]
-        _, heaviest = max((pair for pair in unlimited if math.isinf(pair[1].mass[1])), key=lambda pair: pair[0])
-        raise PinpressError(
-            f"counterweights grow beyond {LARGEST:g} times the moving mass, above all in the {heaviest.words}: limit it, mass=(0, most)"
-        )
-    return fillings
-
-
-def _with_fillings(problem: BalancingProblem, fillings: Sequence[pin.Inertia]) -> Linkage:
-    press = problem.press
-    inertias = list(press.model.inertias)
-    for each in problem.regions:
-        if each.own is not None:
-            inertias[each.joint] = pin.Inertia.Zero()
-    for each, filling in zip(problem.regions, fillings, strict=True):
-        inertias[each.joint] = combined(inertias[each.joint], filling)
-    for each in problem.regions:
-        refuse_unphysical(press, each.joint, inertias[each.joint])
-    return press.with_inertias(inertias, name=press.name.removesuffix(SUFFIX) + SUFFIX)
-
-
-def _confirmed_reactions(problem: BalancingProblem, u: Array, press: Linkage) -> tuple[Reactions, ...]:
-    """Reactions of the balanced press in every condition. Inverse dynamics knows nothing of the program, and must agree with it."""
-    _refuse_longer_period(problem.conditions, press)
-    reactions = tuple(
-        inverse_dynamics(press, as_prescribed(each.motion, press), each.loads, bearings=tuple(before.bearing_force))
-        for each, before in zip(problem.conditions, problem.reactions, strict=True)
-    )
-    for signal in problem.signals:
-        series = signal.measure.series(reactions[signal.condition])
-        promised, found = signal.at(u), signal.measure.varying(series) / signal.size
-        missed = float(np.abs(found - promised).max())
-        if not missed <= CONFIRMED * max(1.0, float(np.abs(signal.fixed).max())):
-            raise PinpressError(
-                f"the {signal.measure.words} of the balanced press is not what was worked out, but {missed:.1e} of what it was beside it:"
-                " the masses are out of proportion; bring those of the regions nearer to those of the links"
-            )
-    return reactions
-
-
-def _refuse_longer_period(conditions: Sequence[OperatingCondition], press: Linkage) -> None:
-    """Raise where a motion is one period of the press before, and a counterweight on a geared shaft that was balanced makes that longer."""
-    turns = press.turns_until_back
-    if any(is_cycle(each.motion) and each.motion.period_turns != turns for each in conditions):
-        after = "never" if turns is None else f"only after {turns} turns"
-        raise PinpressError(
-            f"with a counterweight on a geared shaft that was balanced {press.name} is back {after}, and the motion is shorter: give one"
-            " over as many turns, servo_cycle(press, angle, speed=...), or no region on that shaft"
-        )
-
-
-def _size_of_one(problem: BalancingProblem, objective: Mapping[Target, float]) -> float:
-    """What one of the objective means, in the unit of its one measure."""
-    (target,) = objective
-    return problem.moving if isinstance(target, AddedMass) else next(s.size for s in problem.signals if s.measure == target)
-
-
-def _changes(problem: BalancingProblem, targets: Sequence[Target], after: Sequence[Reactions]) -> Iterator[MeasureChange]:
-    """Changes of the measures among targets, then of all other signals' measures."""
-    measures = [target for target in [*targets, *(signal.measure for signal in problem.signals)] if isinstance(target, Measure)]
-    for measure in dict.fromkeys(measures):
-        for number, (then, now) in enumerate(zip(problem.reactions, after, strict=True)):
-            yield MeasureChange(measure, number, measure.value(then), measure.value(now))
-
-
-def _counterweight(press: Linkage, variables: RegionVariables, filling: pin.Inertia) -> Counterweight:
-    link = variables.region.link
-    placement = press.model.frames[press.model.getFrameId(link, pin.BODY)].placement
-    about = np.mean([axis @ filling.inertia @ axis for axis in press.engine().turning_axes(variables.joint)])
-    if abs(about) <= INERTIA_ROUNDING * abs(filling.mass) * (filling.lever @ filling.lever):
-        about = 0.0
-    x, y, z = placement.actInv(filling.lever)
-    return Counterweight(link, float(filling.mass), (float(x), float(y), float(z)), float(about))
-
-
-def _active(design: Design, scale: float, empty: Sequence[CounterweightRegion]) -> Iterator[ActiveConstraint]:
-    """The named constraints whose dual variables are not zero. The shape of a region that stays empty holds nothing back."""
-    for rows, prices in zip(design.rows, design.prices, strict=True):
-        price = float(prices[0] if rows.kind == CONE else np.abs(prices).sum())
-        if not rows.name or price <= PRICELESS or (not rows.unit and any(rows.name.endswith(region.words) for region in empty)):
-            continue
-        yield ActiveConstraint(rows.name, scale * price / rows.unit if rows.unit else None)
-
-
-GIVEN = 1e-7  # of a measure before balancing: what is given of its best so that the other can be improved
-MOST_POINTS = 10_000  # each an optimisation
-
-
 @dataclass(frozen=True, eq=False, repr=False)
 class TradeOffCurve(Tabular):
-    """Balanced presses, none of which is better than another in one measure without being worse in the other.
+    """Balanced presses on the Pareto curve of two measures: one that is better in one measure is worse in the other.
 
     Attributes:
         first: The first measure.
         second: The second measure.
-        designs: Balanced presses, from the best of the first measure to the best of the second.
-        values: (designs, 2) of both measures, in their units.
+        designs: Balanced presses, from the best in the first measure to the best in the second.
+        values: (designs, 2) values of both measures, in their units.
     """
 
     first: Target
@@ -318,7 +102,7 @@ class TradeOffCurve(Tabular):
         return f"TradeOffCurve of the {self.first.words} and the {self.second.words}: {len(self.designs)} designs, {ends}"
 
     def columns(self) -> dict[str, Array]:
-        """Both measures and the added mass of every design as columns under their names with units."""
+        """A row for each design: both measures, and the added mass."""
         columns = {f"{target.words} [{target.unit}]": self.values[:, k] for k, target in enumerate((self.first, self.second))}
         return columns | {"added mass [kg]": np.array([design.added_mass for design in self.designs])}
 
@@ -335,9 +119,9 @@ def trade_off(
     loads: Sequence[Load] = (),
     points: int = 13,
 ) -> TradeOffCurve:
-    """Find the curve between the least of one measure and the least of another, each point a proved optimum.
+    """Find the trade-off between two measures (their Pareto curve), from the least of one to the least of the other.
 
-    Between its ends the first measure is minimised under equally spaced limits of the second.
+    Each point is a proved optimum. Between the ends the first measure is minimised under equally spaced limits of the second.
 
     Args:
         press: The press.
@@ -345,12 +129,13 @@ def trade_off(
         regions: Where counterweights may be.
         first: The first measure, or `AddedMass`.
         second: The second measure, or `AddedMass`.
-        limits: The most of measures and of added mass along the whole curve, as of `balance`.
+        limits: The most of measures and of added mass along the whole curve, as for `balance`.
         loads: Loads on the press in this motion.
-        points: Number of designs, at least 2.
+        points: Number of designs, 2 to 10 000.
 
     Raises:
-        PinpressError: As `balance`; both measures are the same, or there are fewer than two points.
+        UnknownNameError: The press has no such link or bearing.
+        PinpressError: As `balance`, or both measures are equal, or ``points`` is out of its range.
     """
     _refuse_wrong_measures(first, second)
     points = whole_number("points", points, 2, MOST_POINTS)
@@ -363,6 +148,51 @@ def trade_off(
     return TradeOffCurve(first, second, designs, values)
 
 
+def _conditions(motion: Motion | Sequence[OperatingCondition], loads: Sequence[Load]) -> tuple[OperatingCondition, ...]:
+    if isinstance(motion, Motion):
+        return (OperatingCondition(motion, tuple(loads)),)
+    if not isinstance(motion, Sequence) or not motion or not all(isinstance(each, OperatingCondition) for each in motion):
+        raise PinpressError("motion is neither a motion, as cycle or simulate return, nor a list of OperatingCondition(motion, loads)")
+    if loads:
+        raise PinpressError("loads goes with one motion: give every OperatingCondition its own, OperatingCondition(motion, loads)")
+    return tuple(motion)
+
+
+def checked_objective(minimise: Target | Mapping[Target, float]) -> dict[Target, float]:
+    """The objective as targets with weights above zero.
+
+    Raises:
+        PinpressError: It is no measure, a weight is no finite number from 0, or no weight is above zero.
+    """
+    if not isinstance(minimise, Mapping | Measure | AddedMass):
+        raise PinpressError(f"minimise: {shown(minimise)} is no measure: give Range, Rms, Peak or AddedMass()")
+    objective = dict(minimise) if isinstance(minimise, Mapping) else {minimise: 1.0}
+    _refuse_wrong_numbers("minimise", "weight", objective)
+    if not any(objective.values()):
+        raise PinpressError("minimise: no weight is above zero, so that all counterweights are equally good: give one")
+    return {target: float(weight) for target, weight in objective.items() if weight > 0}
+
+
+def checked_limits(limits: Mapping[Target, float] | None) -> dict[Target, float]:
+    """The limits as a dictionary, empty where there are none.
+
+    Raises:
+        PinpressError: A key is no measure, or a limit is no finite number from 0.
+    """
+    _refuse_wrong_numbers("limits", "limit", limits or {})
+    return dict(limits or {})
+
+
+def _refuse_wrong_numbers(argument: str, what: str, targets: Mapping[Target, float]) -> None:
+    for target, number in targets.items():
+        if not isinstance(target, Measure | AddedMass):
+            raise PinpressError(f"{argument}: {shown(target)} is no measure: give Range, Rms, Peak or AddedMass()")
+        if not is_number(number) or number < 0:
+            raise PinpressError(
+                f"{argument}: the {what} of the {target.words} is {shown(number)}: give a finite number that is not negative"
+            )
+
+
 def _refuse_wrong_measures(first: Target, second: Target) -> None:
     for name, target in (("first", first), ("second", second)):
         if not isinstance(target, Measure | AddedMass):
@@ -371,8 +201,193 @@ def _refuse_wrong_measures(first: Target, second: Target) -> None:
         raise PinpressError(f"both measures are the {first.words}: give two")
 
 
+def optimal_press(
+    problem: BalancingProblem, objective: Mapping[Target, float], limits: Mapping[Target, float], absolute: bool
+) -> BalancedPress:
+    """Solve a problem, build the balanced press, and confirm it by inverse dynamics.
+
+    Args:
+        problem: The problem, with the signals of all measures.
+        objective: Targets with their weights.
+        limits: As for `balance`.
+        absolute: Whether to give the value in the unit of the objective's one measure.
+
+    Raises:
+        PinpressError: As `balance`.
+    """
+    _refuse_nothing(problem, objective)
+    try:
+        design = solve(problem, objective, limits)
+    except InfeasibleError:
+        raise PinpressError(infeasible_limits(problem, limits)) from None
+    u = _without_traces(problem, objective, limits, design.variables)
+    fillings = _fillings(problem, u)
+    press = _with_fillings(problem, fillings)
+    reactions = _confirmed_reactions(problem, u, press)
+    scale = _size_of_one(problem, objective) if absolute else 1.0
+    filled = list(zip(problem.regions, fillings, strict=True))
+    return BalancedPress(
+        original=problem.press,
+        press=press,
+        conditions=problem.conditions,
+        objective=dict(objective),
+        limits=dict(limits),
+        counterweights=tuple(_counterweight(problem.press, each, filling) for each, filling in filled if filling.mass),
+        added_mass=problem.added_mass(u),
+        value=scale * objective_value(problem, objective, u),
+        unit=next(iter(objective)).unit if absolute else "",
+        bound=scale * design.bound,
+        residual=design.residual,
+        changes=tuple(_changes(problem, [*objective, *limits], reactions)),
+        active=tuple(_active(design, scale, [each.region for each, filling in filled if not filling.mass])),
+        reactions_before=problem.reactions,
+        reactions_after=reactions,
+    )
+
+
+def _refuse_nothing(problem: BalancingProblem, objective: Mapping[Target, float]) -> None:
+    """Raise where a measure of the objective is zero before balancing, so that nothing can be said relative to it."""
+    for signal in problem.signals:
+        before = problem.reactions[signal.condition]
+        if signal.measure in objective and not signal.measure.value(before) >= (1 - ROUNDING) * signal.size:
+            raise PinpressError(
+                f"the {signal.measure.words} of {problem.press.name} is zero before balancing: take it out of minimise, or limit it"
+            )
+
+
+def _without_traces(problem: BalancingProblem, objective: Mapping[Target, float], limits: Mapping[Target, float], best: Array) -> Array:
+    """The best variables, with zeros in regions that are almost empty, as the solver leaves traces of mass where there should be none."""
+    u, start = best.copy(), 0
+    for each in problem.regions:
+        own = slice(start, start + len(each.mass))
+        if each.replaced is None and each.region.mass[0] <= 0 and abs(each.mass @ u[own]) <= NEGLIGIBLE * problem.moving_mass:
+            empty = u.copy()
+            empty[own] = 0.0
+            if _no_worse(problem, objective, limits, empty, u):
+                u = empty
+        start += len(each.mass)
+    return u
+
+
+def _no_worse(problem: BalancingProblem, objective: Mapping[Target, float], limits: Mapping[Target, float], u: Array, best: Array) -> bool:
+    """Whether variables are as good as the best, up to a trace, in the objective and in all limited measures."""
+    limited = [signal for signal in problem.signals if signal.measure in limits]
+    return objective_value(problem, objective, u) <= objective_value(problem, objective, best) + TRACE * sum(objective.values()) and all(
+        signal.measure.of(signal.at(u)) <= max(limits[signal.measure] / signal.size, signal.measure.of(signal.at(best))) + TRACE
+        for signal in limited
+    )
+
+
+def _fillings(problem: BalancingProblem, u: Array) -> list[pin.Inertia]:
+    """The inertia of the counterweight in each region, in its joint's frame.
+
+    Raises:
+        PinpressError: A link that loses its own mass would get none, or counterweights grow without end.
+    """
+    ends = np.cumsum([len(each.mass) for each in problem.regions])[:-1]
+    fillings = []
+    for each, own in zip(problem.regions, np.split(u, ends), strict=True):
+        filling = each.filling(own)
+        if each.replaced is not None and filling.mass <= NEGLIGIBLE * problem.moving_mass:
+            raise PinpressError(
+                f"it would be best to leave {shown(each.region.link)} without mass: give its region a least mass, mass=(least, most)"
+            )
+        fillings.append(filling)
+    if problem.unlimited @ u > ENDLESS * LARGEST * problem.moving_mass:
+        unlimited = [(filling.mass, each.region) for filling, each in zip(fillings, problem.regions, strict=True)]
+        _, heaviest = max((pair for pair in unlimited if math.isinf(pair[1].mass[1])), key=lambda pair: pair[0])
+        raise PinpressError(
+            f"counterweights grow beyond {LARGEST:g} times the moving mass, above all in the {heaviest.words}: limit it, mass=(0, most)"
+        )
+    return fillings
+
+
+def _with_fillings(problem: BalancingProblem, fillings: Sequence[pin.Inertia]) -> Linkage:
+    """The press with the counterweights of all regions, in place of the links' own mass where a region replaces it."""
+    press = problem.press
+    inertias = list(press.model.inertias)
+    for each in problem.regions:
+        if each.replaced is not None:
+            inertias[each.joint] = pin.Inertia.Zero()
+    for each, filling in zip(problem.regions, fillings, strict=True):
+        inertias[each.joint] = combined(inertias[each.joint], filling)
+    for each in problem.regions:
+        refuse_unphysical(press, each.joint, inertias[each.joint])
+    return press.with_inertias(inertias, name=press.name.removesuffix(SUFFIX) + SUFFIX)
+
+
+def _confirmed_reactions(problem: BalancingProblem, u: Array, press: Linkage) -> tuple[Reactions, ...]:
+    """Reactions of the balanced press in every operating condition.
+
+    Inverse dynamics is independent of the program, and must agree with it.
+
+    Raises:
+        PinpressError: It does not agree, or a motion is shorter than the period of the balanced press.
+    """
+    _refuse_longer_period(problem.conditions, press)
+    reactions = tuple(
+        inverse_dynamics(press, as_prescribed(each.motion, press), each.loads, bearings=tuple(before.bearing_force))
+        for each, before in zip(problem.conditions, problem.reactions, strict=True)
+    )
+    for signal in problem.signals:
+        series = signal.measure.series(reactions[signal.condition])
+        promised, found = signal.at(u), signal.measure.varying(series) / signal.size
+        missed = float(np.abs(found - promised).max())
+        if not missed <= CONFIRMED * max(1.0, float(np.abs(signal.fixed).max())):
+            raise PinpressError(
+                f"the {signal.measure.words} of the balanced press differs from the optimiser's by {missed:.1e} of its value before:"
+                " the masses are out of proportion; bring those of the regions nearer to those of the links"
+            )
+    return reactions
+
+
+def _refuse_longer_period(conditions: Sequence[OperatingCondition], press: Linkage) -> None:
+    """Raise where a motion is one period of the original press, but a counterweight on a geared shaft makes the period longer."""
+    turns = press.turns_until_back
+    if any(is_cycle(each.motion) and each.motion.period_turns != turns for each in conditions):
+        after = "never" if turns is None else f"only after {turns} turns"
+        raise PinpressError(
+            f"with a counterweight on a geared shaft {press.name} repeats itself {after}, and the motion is shorter: give a motion over"
+            " as many turns, servo_cycle(press, angle, speed=...), or no region on that shaft"
+        )
+
+
+def _size_of_one(problem: BalancingProblem, objective: Mapping[Target, float]) -> float:
+    """What an objective of one means, in the unit of its only measure."""
+    (target,) = objective
+    return problem.moving_mass if isinstance(target, AddedMass) else next(s.size for s in problem.signals if s.measure == target)
+
+
+def _changes(problem: BalancingProblem, targets: Sequence[Target], after: Sequence[Reactions]) -> Iterator[MeasureChange]:
+    """Changes of the measures among targets, then of the measures of all other signals."""
+    measures = [target for target in [*targets, *(signal.measure for signal in problem.signals)] if isinstance(target, Measure)]
+    for measure in dict.fromkeys(measures):
+        for number, (then, now) in enumerate(zip(problem.reactions, after, strict=True)):
+            yield MeasureChange(measure, number, measure.value(then), measure.value(now))
+
+
+def _counterweight(press: Linkage, variables: RegionVariables, filling: pin.Inertia) -> Counterweight:
+    """The counterweight in a region, in the link's own frame, from its inertia in the joint's frame."""
+    link = variables.region.link
+    placement = press.model.frames[press.model.getFrameId(link, pin.BODY)].placement
+    about = np.mean([axis @ filling.inertia @ axis for axis in press.engine().turning_axes(variables.joint)])
+    if abs(about) <= INERTIA_ROUNDING * abs(filling.mass) * (filling.lever @ filling.lever):
+        about = 0.0
+    x, y, z = placement.actInv(filling.lever)
+    return Counterweight(link, float(filling.mass), (float(x), float(y), float(z)), float(about))
+
+
+def _active(design: ProvenOptimum, scale: float, empty: Sequence[CounterweightRegion]) -> Iterator[ActiveConstraint]:
+    """The named constraints whose dual variables are not zero, without the shapes of regions that stay empty (``empty``)."""
+    for rows, prices in zip(design.rows, design.prices, strict=True):
+        price = float(prices[0] if rows.kind == CONE else np.abs(prices).sum())
+        if not rows.name or price <= PRICELESS or (not rows.unit and any(rows.name.endswith(region.words) for region in empty)):
+            continue
+        yield ActiveConstraint(rows.name, scale * price / rows.unit if rows.unit else None)
+
+
 def _end(problem: BalancingProblem, least: Target, other: Target, limits: Mapping[Target, float]) -> BalancedPress:
-    """The best design in one measure, and of all such the best in the other; of no added mass there is but one."""
+    """The best press in one measure, and among such presses the best in the other. Only one press has no added mass."""
     design = _best(problem, least, other, math.inf, limits)
     if isinstance(least, AddedMass):
         return design
@@ -380,12 +395,13 @@ def _end(problem: BalancingProblem, least: Target, other: Target, limits: Mappin
 
 
 def _best(problem: BalancingProblem, target: Target, other: Target, most: float, limits: Mapping[Target, float]) -> BalancedPress:
-    """The best design in one measure with at most this of the other."""
+    """The best press in one measure with at most ``most`` of the other."""
     tighter = {**limits, other: min(most, limits.get(other, math.inf))} if most < math.inf else limits
     return optimal_press(problem, {target: 1.0}, tighter, absolute=True)
 
 
 def _value(design: BalancedPress, target: Target) -> float:
+    """The value of a target after balancing, in its unit."""
     if isinstance(target, AddedMass):
         return design.added_mass
     return next(change.after for change in design.changes if change.measure == target)

@@ -1,8 +1,9 @@
-"""Balancing as a problem: what is made small or limited, over which variables, and the series that are linear in these.
+"""Balancing as a problem: measures that are minimised or limited, and the series of forces behind them, linear in the variables.
 
-Range, rms or peak of a force, moment or torque over a motion, or the added mass, are made small. All of them are convex functions of the
-added masses, because every force is linear in the masses. The constant part of a force, which includes the weight, shakes nothing: range
-and rms leave it out, the peak counts it. The variables are those of the regions for counterweights; all numbers are about one in size.
+A measure is the range, rms or peak of a force, moment or torque over a motion; the added mass can be minimised or limited too. All of them
+are convex functions of the added masses, because every force is linear in the masses. The constant part of a force, which includes the
+weight, shakes nothing: range and rms leave it out, and the peak counts it. The variables are those of the regions for counterweights,
+scaled so that all numbers are about one in size.
 """
 
 from __future__ import annotations
@@ -23,184 +24,14 @@ from ..linkage.linkage import Linkage
 from .counterweights import MassResponse, OperatingCondition, mass_response, moving_mass
 from .regions import CounterweightRegion, RegionVariables, points_of, region_variables
 
-ROUNDING = 1e-11  # of what the regions could do to a measure: a measure this small is zero
-NOISE = 1e-12  # of the forces that a measure is a component of: a measure this small is rounding
-
-
-@dataclass(frozen=True, eq=False, repr=False)
-class Signal:
-    """The series of a measure in one operating condition, in units of its size: ``fixed + effects @ u`` for variables u.
-
-    Attributes:
-        measure: The measure.
-        condition: Number of the operating condition.
-        size: What one of the series means, in the measure's unit.
-        fixed: (n, components) series without counterweights; `Measure.varying`.
-        effects: (n, components, variables) change by one of each variable; `Measure.varying`.
-    """
-
-    measure: Measure
-    condition: int
-    size: float
-    fixed: Array
-    effects: Array
-
-    def at(self, u: Array) -> Array:
-        """The series (n, components) at values (variables,)."""
-        return np.asarray(self.fixed + self.effects @ u)
-
-
-@dataclass(frozen=True, eq=False, repr=False)
-class BalancingProblem:
-    """A press in its operating conditions, and all that may be asked of some regions.
-
-    Attributes:
-        press: The press before balancing.
-        conditions: Operating conditions.
-        reactions: Reactions of the press in every condition, with the bearings that are measured.
-        regions: Regions, whose variables stand one after the other.
-        rows: Constraints of the regions on all variables.
-        signals: Signals of all measures in all conditions.
-        mass: (variables,) mass of one of each [kg].
-        own: Mass that regions take off links [kg].
-        moving: Moving mass of the press [kg].
-    """
-
-    press: Linkage
-    conditions: tuple[OperatingCondition, ...]
-    reactions: tuple[Reactions, ...]
-    regions: tuple[RegionVariables, ...]
-    rows: tuple[Rows, ...]
-    signals: tuple[Signal, ...]
-    mass: Array
-    own: float
-    moving: float
-
-    @property
-    def unlimited(self) -> Array:
-        """(variables,) `mass` of the regions without a most mass, zero of the others."""
-        return np.concatenate([each.mass * math.isinf(each.region.mass[1]) for each in self.regions])
-
-    def added(self, u: Array) -> float:
-        """Added mass at values (variables,) [kg]."""
-        return float(self.mass @ u) - self.own
-
-
-def build_problem(
-    press: Linkage, conditions: Sequence[OperatingCondition], regions: Sequence[CounterweightRegion], targets: Sequence[Target]
-) -> BalancingProblem:
-    """The problem of some measures. Arguments and errors are those of `balance`."""
-    _refuse_no_regions(regions)
-    measures = list(dict.fromkeys(target for target in targets if isinstance(target, Measure)))
-    for measure in measures:
-        refuse_unknown(measure, press)
-    bearings = tuple(dict.fromkeys(measure.bearing for measure in measures if measure.bearing is not None))
-    reactions = tuple(inverse_dynamics(press, each.motion, each.loads, bearings=bearings) for each in conditions)
-    inertia_counts, moving = any(measure.quantity != "shaking_force" for measure in measures), moving_mass(press)
-    variables = _variables(press, regions, inertia_counts, [moving] * len(regions))
-    signals = [
-        signal
-        for number, (condition, before) in enumerate(zip(conditions, reactions, strict=True))
-        for signal in _signals(press, condition, number, before, variables, measures)
-    ]
-    # The unit of a region's variables becomes the mass that changes the measures by about their size.
-    shares = _shares(variables, signals)
-    variables = _variables(press, regions, inertia_counts, [moving * share for share in shares])
-    factors = np.concatenate([np.full(len(each.mass), share) for each, share in zip(variables, shares, strict=True)])
-    return BalancingProblem(
-        press,
-        conditions=tuple(conditions),
-        reactions=reactions,
-        regions=variables,
-        rows=_joined(variables),
-        signals=tuple(replace(signal, effects=signal.effects * factors) for signal in signals),
-        mass=np.concatenate([each.mass for each in variables]),
-        own=sum(each.own.mass for each in variables if each.own is not None),
-        moving=moving,
-    )
-
-
-def _refuse_no_regions(regions: Sequence[CounterweightRegion]) -> None:
-    if not isinstance(regions, list | tuple) or not regions or not all(isinstance(each, CounterweightRegion) for each in regions):
-        raise PinpressError(
-            "regions is no list of CounterweightRegion: say on which links counterweights may be,"
-            " [CounterweightRegion('crank', radius=0.3)]"
-        )
-
-
-def _variables(
-    press: Linkage, regions: Sequence[CounterweightRegion], inertia_counts: bool, units: Sequence[float]
-) -> tuple[RegionVariables, ...]:
-    """Regions as variables, one of which means a unit [kg] each."""
-    variables = tuple(region_variables(press, region, inertia_counts, unit) for region, unit in zip(regions, units, strict=True))
-    replaced = [each.joint for each in variables if each.own is not None]
-    for each in variables:
-        if each.own is not None and replaced.count(each.joint) > 1:
-            raise PinpressError(f"two regions replace the mass of link {shown(each.region.link)}: let one of them add to it")
-    return variables
-
-
-def _signals(
-    press: Linkage,
-    condition: OperatingCondition,
-    number: int,
-    reactions: Reactions,
-    variables: Sequence[RegionVariables],
-    measures: Sequence[Measure],
-) -> list[Signal]:
-    """The signals of one operating condition."""
-    inner_forces = any(not measure.quantity.startswith("shaking") for measure in measures)
-    responses = [mass_response(press, condition, reactions, part, inner_forces) for each in variables for part in each.parts]
-    replaced = [points_of(press, each.region.link, each.own) for each in variables if each.own is not None]
-    own = [mass_response(press, condition, reactions, masses, inner_forces) for masses in replaced]
-    return [_signal(measure, number, reactions, responses, own) for measure in measures]
-
-
-def _signal(measure: Measure, number: int, reactions: Reactions, responses: Sequence[MassResponse], own: Sequence[MassResponse]) -> Signal:
-    """A measure's signal.
-
-    Args:
-        measure: The measure.
-        number: Number of the operating condition.
-        reactions: Reactions without counterweights.
-        responses: Response to one of each variable.
-        own: Response to the masses that regions replace.
-    """
-    forces: list[Forces] = [reactions, *responses, *own]
-    fixed, *others = (measure.varying(measure.series(each)) for each in forces)
-    effects, replaced = np.stack(others[: len(responses)], axis=2), others[len(responses) :]
-    # Where there is nothing before, what the regions do gives the size; where they do nothing either, all is rounding of what cancels.
-    influence = max(measure.of(effect) for effect in others[: len(responses)])
-    noise = NOISE * max(float(np.abs(measure.vector(each)).max()) for each in forces)
-    size = next((size for size in (measure.of(fixed), influence) if size > max(noise, ROUNDING * influence)), noise or 1.0)
-    return Signal(measure, number, size, (fixed - sum(replaced)) / size, effects / size)
-
-
-def _shares(variables: Sequence[RegionVariables], signals: Sequence[Signal]) -> list[float]:
-    """For every region the inverse of its largest effect, at most one."""
-    largest = np.max([np.abs(signal.effects).max(axis=(0, 1)) for signal in signals], axis=0) if signals else np.ones(1)
-    ends = np.cumsum([len(each.mass) for each in variables])[:-1]
-    return [1.0 / max(1.0, float(part.max(initial=0.0))) for part in np.split(largest, ends)]
-
-
-def _joined(variables: Sequence[RegionVariables]) -> tuple[Rows, ...]:
-    """The constraints of all regions, on the variables of all."""
-    width, start, rows = sum(len(each.mass) for each in variables), 0, []
-    for each in variables:
-        for part in each.rows:
-            coefficients = np.zeros((len(part.coefficients), width))
-            coefficients[:, start : start + len(each.mass)] = part.coefficients
-            rows.append(replace(part, coefficients=coefficients))
-        start += len(each.mass)
-    return tuple(rows)
-
-
+ROUNDING = 1e-11  # of the most that the regions can change of a measure: a measure this small is zero
+NOISE = 1e-12  # of the vectors of which a measure takes a component: a measure this small is rounding
 QUANTITIES = {"shaking_force": "N", "shaking_moment": "N m", "driving_torque": "N m", "bearing_force": "N", "bearing_moment": "N m"}
 AXES = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
 
 
 class Forces(Protocol):
-    """What `Reactions` and the change of them by a mass (`MassResponse`) have in common."""
+    """The forces that `Reactions` and their changes by masses (`MassResponse`) have in common."""
 
     @property
     def shaking_force(self) -> Array: ...
@@ -220,7 +51,7 @@ class Measure:
 
     Attributes:
         quantity: "shaking_force", "shaking_moment", "driving_torque", "bearing_force" or "bearing_moment".
-        axis: "x", "y", "z" or a direction (3,) in world axes, of which the component counts; None for the length of the whole vector, and
+        axis: "x", "y", "z" or a direction (3,) in world axes, whose component is measured; None for the length of the whole vector, and
             for the driving torque.
         bearing: Name of the bearing, for a bearing force or bearing moment.
         about: Point (3,) in world axes that a shaking moment is taken about [m].
@@ -303,10 +134,6 @@ class Measure:
         raise NotImplementedError
 
 
-def _point_words(vector: tuple[float, float, float]) -> str:
-    return f"({', '.join(f'{number:g}' for number in vector)})"
-
-
 class Range(Measure):
     """Largest value less smallest value over the motion's states."""
 
@@ -350,14 +177,197 @@ def limit_words(target: Target, limit: float) -> str:
     return f"limit of the {target.words}, {limit:g} {target.unit}"
 
 
-def refuse_unknown(measure: Measure, press: Linkage) -> None:
-    """Check that a press has what is measured.
+@dataclass(frozen=True, eq=False, repr=False)
+class Signal:
+    """The series of a measure in one operating condition, ``size * (fixed + effects @ u)`` for variables u.
+
+    Attributes:
+        measure: The measure.
+        condition: Number of the operating condition.
+        size: Value of the measure before balancing, in its unit; where that is zero, the most that the regions can change of it.
+        fixed: (n, components) series without counterweights, with what `Measure.varying` keeps of it [-].
+        effects: (n, components, variables) its change by one of each variable [-].
+    """
+
+    measure: Measure
+    condition: int
+    size: float
+    fixed: Array
+    effects: Array
+
+    def at(self, u: Array) -> Array:
+        """The series (n, components) at values (variables,), divided by its size."""
+        return np.asarray(self.fixed + self.effects @ u)
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class BalancingProblem:
+    """A press in its operating conditions, and how all that is measured depends on the regions' variables.
+
+    Attributes:
+        press: The press before balancing.
+        conditions: Operating conditions.
+        reactions: Reactions of the press in every condition, with the bearings that are measured.
+        regions: Regions, whose variables stand one after the other.
+        rows: Constraints of the regions on all variables.
+        signals: Signals of all measures in all conditions.
+        mass: (variables,) mass that one of each variable means [kg].
+        replaced_mass: Mass of the links' own that regions replace [kg].
+        moving_mass: Mass of all links but the frame, before balancing [kg].
+    """
+
+    press: Linkage
+    conditions: tuple[OperatingCondition, ...]
+    reactions: tuple[Reactions, ...]
+    regions: tuple[RegionVariables, ...]
+    rows: tuple[Rows, ...]
+    signals: tuple[Signal, ...]
+    mass: Array
+    replaced_mass: float
+    moving_mass: float
+
+    @property
+    def unlimited(self) -> Array:
+        """(variables,) `mass` in regions whose mass has no upper limit, zero in the others."""
+        return np.concatenate([each.mass * math.isinf(each.region.mass[1]) for each in self.regions])
+
+    def added_mass(self, u: Array) -> float:
+        """Mass that balancing adds at values (variables,) [kg]."""
+        return float(self.mass @ u) - self.replaced_mass
+
+
+def build_problem(
+    press: Linkage, conditions: Sequence[OperatingCondition], regions: Sequence[CounterweightRegion], targets: Sequence[Target]
+) -> BalancingProblem:
+    """Set up a problem: reactions before balancing, the regions' variables, and the signals of all measures.
+
+    Args:
+        press: The press before balancing.
+        conditions: Its operating conditions.
+        regions: Where counterweights may be.
+        targets: All measures that will be minimised or limited.
+
+    Raises:
+        UnknownNameError: The press has no such link or bearing.
+        PinpressError: There are no regions, a region does not fit the press, or a motion is not one of the press.
+    """
+    _refuse_no_regions(regions)
+    measures = list(dict.fromkeys(target for target in targets if isinstance(target, Measure)))
+    for measure in measures:
+        _refuse_unknown(measure, press)
+    bearings = tuple(dict.fromkeys(measure.bearing for measure in measures if measure.bearing is not None))
+    reactions = tuple(inverse_dynamics(press, each.motion, each.loads, bearings=bearings) for each in conditions)
+    inertia_counts, moving = any(measure.quantity != "shaking_force" for measure in measures), moving_mass(press)
+    variables = _variables(press, regions, inertia_counts, [moving] * len(regions))
+    signals = [
+        signal
+        for number, (condition, before) in enumerate(zip(conditions, reactions, strict=True))
+        for signal in _signals(press, condition, number, before, variables, measures)
+    ]
+    # The unit of a region's variables becomes the mass that changes the measures by about as much as they are.
+    shares = _shares(variables, signals)
+    variables = _variables(press, regions, inertia_counts, [moving * share for share in shares])
+    factors = np.concatenate([np.full(len(each.mass), share) for each, share in zip(variables, shares, strict=True)])
+    return BalancingProblem(
+        press,
+        conditions=tuple(conditions),
+        reactions=reactions,
+        regions=variables,
+        rows=_joined(variables),
+        signals=tuple(replace(signal, effects=signal.effects * factors) for signal in signals),
+        mass=np.concatenate([each.mass for each in variables]),
+        replaced_mass=sum(each.replaced.mass for each in variables if each.replaced is not None),
+        moving_mass=moving,
+    )
+
+
+def _refuse_no_regions(regions: Sequence[CounterweightRegion]) -> None:
+    if not isinstance(regions, list | tuple) or not regions or not all(isinstance(each, CounterweightRegion) for each in regions):
+        raise PinpressError(
+            "regions is no list of CounterweightRegion: say on which links counterweights may be,"
+            " [CounterweightRegion('crank', radius=0.3)]"
+        )
+
+
+def _refuse_unknown(measure: Measure, press: Linkage) -> None:
+    """Raise where a press does not have what is measured.
 
     Raises:
         UnknownNameError: The press has no such bearing.
-        PinpressError: The range of one driving torque is asked for and the press has several drivers.
+        PinpressError: The range of the driving torque is asked for, and the press has several drivers.
     """
     if measure.bearing is not None and measure.bearing not in press.bearings:
         raise UnknownNameError("bearing", measure.bearing, press.bearings)
     if isinstance(measure, Range) and measure.quantity == "driving_torque" and len(press.drivers) > 1:
         raise PinpressError(f"{press.name} has {len(press.drivers)} driving torques, which have no range as a whole: take Rms or Peak")
+
+
+def _variables(
+    press: Linkage, regions: Sequence[CounterweightRegion], inertia_counts: bool, units: Sequence[float]
+) -> tuple[RegionVariables, ...]:
+    """Regions as variables; ``units``: for each region the mass that one of its variables means [kg]."""
+    variables = tuple(region_variables(press, region, inertia_counts, unit) for region, unit in zip(regions, units, strict=True))
+    replaced = [each.joint for each in variables if each.replaced is not None]
+    for each in variables:
+        if each.replaced is not None and replaced.count(each.joint) > 1:
+            raise PinpressError(f"two regions replace the mass of link {shown(each.region.link)}: let one of them add to it")
+    return variables
+
+
+def _signals(
+    press: Linkage,
+    condition: OperatingCondition,
+    number: int,
+    reactions: Reactions,
+    variables: Sequence[RegionVariables],
+    measures: Sequence[Measure],
+) -> list[Signal]:
+    """The signals of one operating condition."""
+    inner_forces = any(not measure.quantity.startswith("shaking") for measure in measures)
+    responses = [mass_response(press, condition, reactions, part, inner_forces) for each in variables for part in each.parts]
+    replaced = [points_of(press, each.region.link, each.replaced) for each in variables if each.replaced is not None]
+    own = [mass_response(press, condition, reactions, masses, inner_forces) for masses in replaced]
+    return [_signal(measure, number, reactions, responses, own) for measure in measures]
+
+
+def _signal(measure: Measure, number: int, reactions: Reactions, responses: Sequence[MassResponse], own: Sequence[MassResponse]) -> Signal:
+    """A measure's signal.
+
+    Args:
+        measure: The measure.
+        number: Number of the operating condition.
+        reactions: Reactions without counterweights.
+        responses: Response to one of each variable.
+        own: Response to the masses that regions replace.
+    """
+    forces: list[Forces] = [reactions, *responses, *own]
+    fixed, *others = (measure.varying(measure.series(each)) for each in forces)
+    effects, replaced = np.stack(others[: len(responses)], axis=2), others[len(responses) :]
+    # Where the measure is zero before, the effect of the regions gives the size; where they have none either, all is rounding.
+    influence = max(measure.of(effect) for effect in others[: len(responses)])
+    noise = NOISE * max(float(np.abs(measure.vector(each)).max()) for each in forces)
+    size = next((size for size in (measure.of(fixed), influence) if size > max(noise, ROUNDING * influence)), noise or 1.0)
+    return Signal(measure, number, size, (fixed - sum(replaced)) / size, effects / size)
+
+
+def _shares(variables: Sequence[RegionVariables], signals: Sequence[Signal]) -> list[float]:
+    """For every region the inverse of its largest effect, at most one."""
+    largest = np.max([np.abs(signal.effects).max(axis=(0, 1)) for signal in signals], axis=0) if signals else np.ones(1)
+    ends = np.cumsum([len(each.mass) for each in variables])[:-1]
+    return [1.0 / max(1.0, float(part.max(initial=0.0))) for part in np.split(largest, ends)]
+
+
+def _joined(variables: Sequence[RegionVariables]) -> tuple[Rows, ...]:
+    """The constraints of all regions, on the variables of all."""
+    width, start, rows = sum(len(each.mass) for each in variables), 0, []
+    for each in variables:
+        for part in each.rows:
+            coefficients = np.zeros((len(part.coefficients), width))
+            coefficients[:, start : start + len(each.mass)] = part.coefficients
+            rows.append(replace(part, coefficients=coefficients))
+        start += len(each.mass)
+    return tuple(rows)
+
+
+def _point_words(vector: tuple[float, float, float]) -> str:
+    return f"({', '.join(f'{number:g}' for number in vector)})"

@@ -1,8 +1,8 @@
-"""Balancing as a convex program: the best design within limits, or which limits contradict one another.
+"""Balancing as a convex program: the best counterweights within limits, or the limits that contradict one another.
 
-All measures are convex functions of variables in which the forces are linear. A range or a peak is held by the few states in which it is
-reached. The program begins with some states and takes in those that its solution violates, until there are none: its optimum is then that
-of all states, and its dual cost a bound for all of them.
+All measures are convex functions of variables in which the forces are linear. Only the few states in which a range or a peak is reached
+decide its size. So the program begins with some states and takes in those that its solution violates, until there are none: then its
+optimum is that of all states, and its dual cost is a bound for all of them.
 """
 
 from __future__ import annotations
@@ -19,27 +19,25 @@ from ..common.quantities import Array
 from .problem import AddedMass, BalancingProblem, Range, Rms, Signal, Target, limit_words
 
 Program = tuple[Array, tuple[Rows, ...]]  # cost and constraints
-FIRST_STATES = 24  # of a motion, with which a program begins, besides the extremes of what it is made of
+FIRST_STATES = 24  # of a motion, with which a program begins, besides the extremes of each signal's parts
 VIOLATED = 1e-10  # of a measure before balancing: a state that exceeds the program's extreme by less does not violate it
-MOST_ROUNDS = 60
+MOST_ROUNDS = 60  # of taking in states; ten are many
 LARGEST = 10.0  # times the moving mass: counterweights without limits that would weigh more grow without end
-LIGHTER = (
-    1e-6  # of the objective before balancing: what it is worth to save the press's whole moving mass, so that of equals the lightest wins
-)
+LIGHTER = 1e-6  # of the objective before balancing: the worth of saving the press's whole moving mass, so that the lightest of equals wins
 ZERO = 1e-10  # of a measure before balancing, and of the largest effect on it: less is rounding
-INVOLVED = 1e-6  # of all: a limit with a smaller part in a contradiction has none
+INVOLVED = 1e-6  # of all parts in a contradiction, which sum to one: a limit with a smaller part is not named
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Design:
-    """The best variables, and the proof.
+class ProvenOptimum:
+    """The best values of a problem's variables, with the proof that none are better.
 
     Attributes:
-        variables: (variables,).
-        bound: No design has a lower objective, weighted and relative to before.
-        residual: Residual of the proof.
+        variables: (variables,) the best values.
+        bound: No values have a lower objective, weighted and relative to before balancing.
+        residual: Largest violation of the conditions of optimality.
         rows: Constraints of the program.
-        prices: Dual variables of each constraint: by how much the value falls where a bound is raised by one.
+        prices: Dual variables of each constraint: the fall of the objective for a bound that is raised by one.
     """
 
     variables: Array
@@ -49,16 +47,16 @@ class Design:
     prices: tuple[Array, ...]
 
 
-def solve(problem: BalancingProblem, objective: Mapping[Target, float], limits: Mapping[Target, float]) -> Design:
-    """The design with the least objective within limits, and of equal ones the lightest (`LIGHTER`).
+def solve(problem: BalancingProblem, objective: Mapping[Target, float], limits: Mapping[Target, float]) -> ProvenOptimum:
+    """Find the variables with the least objective within limits, and the lightest of equal ones (`LIGHTER`).
 
     Args:
         problem: The problem, with the signals of all measures.
-        objective: Targets with their weights; each counts relative to what it is before balancing, in its worst condition.
-        limits: The most of each target in all conditions, in its unit.
+        objective: Targets with their weights; each counts relative to its value before balancing, in its worst operating condition.
+        limits: The most of each target in all operating conditions, in its unit.
 
     Raises:
-        InfeasibleError: No design is within the limits.
+        InfeasibleError: No variables are within the limits.
         PinpressError: The program was not solved.
     """
     problem = _restricted(problem, [*objective, *limits])
@@ -68,39 +66,40 @@ def solve(problem: BalancingProblem, objective: Mapping[Target, float], limits: 
     light, _ = _over_all_states(problem, states, lambda: _preferring_light(problem, *_program(problem, shares, limits, states)))
     best, rows = _over_all_states(problem, states, lambda: _program(problem, shares, limits, states))
     u, prices = light.x[: len(problem.mass)], tuple(total * price for price in best.prices)
-    return Design(u, total * best.bound, light.residual, rows, prices)
+    return ProvenOptimum(u, total * best.bound, light.residual, rows, prices)
 
 
-def contradiction(problem: BalancingProblem, limits: Mapping[Target, float]) -> str:
-    """Say in words which limits cannot be met together, and what their least common excess is.
+def infeasible_limits(problem: BalancingProblem, limits: Mapping[Target, float]) -> str:
+    """Say in words which limits cannot be met together, and by how much they must be relaxed.
 
-    All limits are let out by the same share of their measures before balancing (masses: of their own size), the least share that makes them
-    possible. The limits whose dual variables are then not zero are those that contradict one another.
+    All limits are relaxed by one share of their measures before balancing (limits of masses: of themselves or the moving mass), the least
+    share that makes them possible. The limits whose dual variables are then not zero are those that contradict one another.
     """
-    excess, parts = _least_excess(problem, limits)
+    share, parts = _least_relaxation(problem, limits)
     names = list(dict.fromkeys(name for name, part in parts if part > INVOLVED)) or [name for name, _ in parts]
     return (
-        f"no counterweights in these regions fulfil {' and '.join(f'the {name}' for name in names)}: they would if each were let out by"
-        f" {100 * excess:.3g} % (of its measure before balancing; of a mass, of itself or the moving mass); allow more, or larger regions"
+        f"no counterweights in these regions fulfil {' and '.join(f'the {name}' for name in names)}: they would if each were relaxed by"
+        f" {100 * share:.3g} % (of its measure before balancing; a mass limit: of itself or of the moving mass); allow more, or larger"
+        " regions"
     )
 
 
 def objective_value(problem: BalancingProblem, objective: Mapping[Target, float], u: Array) -> float:
-    """The objective at values (variables,), from all states."""
+    """The objective at values (variables,) of the variables, over all states, weighted and relative to before balancing."""
     total = 0.0
     for target, weight in objective.items():
         if isinstance(target, AddedMass):
-            total += weight * problem.added(u) / problem.moving
+            total += weight * problem.added_mass(u) / problem.moving_mass
         else:
             total += weight * max(target.of(signal.at(u)) for signal in problem.signals if signal.measure == target)
     return total
 
 
-def _least_excess(problem: BalancingProblem, limits: Mapping[Target, float]) -> tuple[float, list[tuple[str, float]]]:
-    """The least share by which all limits that are numbers, those of regions too, must be let out, and the part of each in it."""
+def _least_relaxation(problem: BalancingProblem, limits: Mapping[Target, float]) -> tuple[float, list[tuple[str, float]]]:
+    """The least share by which all numerical limits, those of regions too, must be relaxed, and the name and part of each in it."""
     problem = _restricted(problem, limits)
     states = {signal: _first_states(signal) for signal in problem.signals}
-    best, rows = _over_all_states(problem, states, lambda: _let_out(*_program(problem, {}, limits, states, zero_as_equations=False)))
+    best, rows = _over_all_states(problem, states, lambda: _relaxed(*_program(problem, {}, limits, states, zero_as_equations=False)))
     parts = [(part, float(price[0] if part.kind == CONE else price.sum())) for part, price in zip(rows, best.prices, strict=True)]
     return best.value, [(part.name, share) for part, share in parts if part.name and part.unit]
 
@@ -116,7 +115,7 @@ def _restricted(problem: BalancingProblem, targets: Collection[Target]) -> Balan
 def _over_all_states(
     problem: BalancingProblem, states: dict[Signal, Array], program: Callable[[], Program]
 ) -> tuple[Optimum, tuple[Rows, ...]]:
-    """The optimum over all states. ``program`` makes the program over those taken in, which are in ``states`` and grow."""
+    """The optimum over all states. ``program`` makes the program over the states taken in so far, ``states``, which grow here."""
     for _ in range(MOST_ROUNDS):
         cost, rows = program()
         optimum = minimise(cost, rows)
@@ -135,7 +134,7 @@ def _first_states(signal: Signal) -> Array:
 
 
 def _violated(signal: Signal, u: Array, states: Array) -> Array:
-    """Indices of further states, besides those taken in, that violate these: the local maxima of a signal's sides beyond them."""
+    """Indices of states beyond the extremes of the states taken in: the local maxima of a signal there, and for a range its minima."""
     series = signal.at(u)
     if isinstance(signal.measure, Rms):
         return np.empty(0, int)
@@ -157,8 +156,8 @@ class _Columns:
 
     Attributes:
         regions: Number of the regions' variables, which come first.
-        bounds: Column of the bound of every target of the objective.
-        extremes: Column of the largest value of every signal of a range; the smallest value is in the next column.
+        bounds: Column of the upper bound of each target of the objective.
+        extremes: Column of the largest value of each signal of a range; the smallest value is in the next column.
         width: Number of all variables.
     """
 
@@ -177,14 +176,20 @@ class _Columns:
 
 
 class _Ceiling(NamedTuple):
-    """What a target in units of its size must stay below: a variable in a column plus a number, with the name of the limit."""
+    """What a target must stay below, divided by its size.
+
+    Attributes:
+        column: Column of a variable that is added to the number; None for a limit.
+        number: The number.
+        name: Name of the limit; empty for the bound of a target of the objective.
+    """
 
     column: int | None
     number: float
     name: str
 
     def slope(self, size: float = 1.0) -> dict[int, float]:
-        """Coefficients on other than the regions' variables."""
+        """Coefficients on the variables beyond the regions' ones, by their columns."""
         return {} if self.column is None else {self.column: -1.0 / size}
 
 
@@ -198,7 +203,7 @@ def _program(
     """Cost and constraints over the states taken in. ``zero_as_equations``: whether limits of zero become equations."""
     columns = _columns(problem, objective)
     rows = [replace(part, coefficients=columns.wide(part.coefficients)) for part in problem.rows]
-    rows.append(Rows(AT_MOST, columns.wide(problem.unlimited[None] / (LARGEST * problem.moving)), np.ones(1)))
+    rows.append(Rows(AT_MOST, columns.wide(problem.unlimited[None] / (LARGEST * problem.moving_mass)), np.ones(1)))
     for signal in problem.signals:
         rows += _signal_rows(signal, columns, states[signal], limits, zero_as_equations)
     rows += _added_mass_rows(problem, columns, limits)
@@ -220,20 +225,20 @@ def _columns(problem: BalancingProblem, objective: Mapping[Target, float]) -> _C
 
 
 def _preferring_light(problem: BalancingProblem, cost: Array, rows: tuple[Rows, ...]) -> Program:
-    """The program that prefers the lighter of designs that are as good."""
+    """The program that prefers the lighter of equally good counterweights."""
     mass = np.zeros_like(cost)
-    mass[: len(problem.mass)] = problem.mass / problem.moving
+    mass[: len(problem.mass)] = problem.mass / problem.moving_mass
     return cost + LIGHTER * mass, rows
 
 
-def _let_out(cost: Array, rows: tuple[Rows, ...]) -> Program:
-    """The program of the least excess, one variable more, of all named constraints that are on numbers."""
+def _relaxed(cost: Array, rows: tuple[Rows, ...]) -> Program:
+    """The program of the least relaxation, one more variable, of all named constraints that are numerical."""
     more = []
     for part in rows:
-        let_out = np.zeros((len(part.bound), 1))
+        relaxation = np.zeros((len(part.bound), 1))
         if part.name and part.unit:
-            let_out[: 1 if part.kind == CONE else None] = -1.0
-        more.append(replace(part, coefficients=np.hstack([part.coefficients, let_out])))
+            relaxation[: 1 if part.kind == CONE else None] = -1.0
+        more.append(replace(part, coefficients=np.hstack([part.coefficients, relaxation])))
     return np.append(np.zeros_like(cost), 1.0), tuple(more)
 
 
@@ -261,7 +266,7 @@ def _signal_rows(
 
 
 def _below(signal: Signal, columns: _Columns, states: Array, ceiling: _Ceiling) -> Iterator[Rows]:
-    """A signal's measure, over the states taken in, held below a ceiling."""
+    """The constraints that hold a signal's measure below a ceiling over the states taken in."""
     effects, fixed = signal.effects[states], signal.fixed[states]
     if isinstance(signal.measure, Range):
         high, nothing = columns.extremes[signal], np.zeros((1, effects.shape[2]))
@@ -277,7 +282,7 @@ def _below(signal: Signal, columns: _Columns, states: Array, ceiling: _Ceiling) 
 
 
 def _cone(columns: _Columns, effects: Array, fixed: Array, ceiling: _Ceiling, unit: float) -> Rows:
-    """The length of ``fixed + effects @ u`` held below a ceiling."""
+    """The constraint that holds the length of ``fixed + effects @ u`` below a ceiling."""
     coefficients = np.concatenate([columns.wide(np.zeros((1, effects.shape[1])), ceiling.slope()), columns.wide(-effects)])
     return Rows(CONE, coefficients, np.concatenate([[ceiling.number], fixed]), ceiling.name, unit)
 
@@ -291,7 +296,7 @@ def _rms_factor(signal: Signal) -> tuple[Array, Array]:
 
 
 def _constant_signal(signal: Signal, columns: _Columns, name: str) -> Rows:
-    """Equations, none of them redundant, under which a signal does not change, or is zero where a peak is measured.
+    """Equations, none of them redundant, that keep a signal constant, or at zero where its peak is measured.
 
     Raises:
         InfeasibleError: No variables fulfil them.
@@ -307,8 +312,8 @@ def _constant_signal(signal: Signal, columns: _Columns, name: str) -> Rows:
 
 def _added_mass_rows(problem: BalancingProblem, columns: _Columns, limits: Mapping[Target, float]) -> Iterator[Rows]:
     """The constraints that hold the added mass below its bound and limit."""
-    for ceiling in _ceilings(AddedMass(), problem.moving, columns, limits):
-        most = problem.own / problem.moving + ceiling.number
+    for ceiling in _ceilings(AddedMass(), problem.moving_mass, columns, limits):
+        most = problem.replaced_mass / problem.moving_mass + ceiling.number
         size = max(1.0, most)
-        mass = columns.wide(problem.mass[None] / (size * problem.moving), ceiling.slope(size))
-        yield Rows(AT_MOST, mass, np.array([most / size]), ceiling.name, size * problem.moving)
+        mass = columns.wide(problem.mass[None] / (size * problem.moving_mass), ceiling.slope(size))
+        yield Rows(AT_MOST, mass, np.array([most / size]), ceiling.name, size * problem.moving_mass)

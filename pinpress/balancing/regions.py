@@ -1,8 +1,9 @@
-"""Regions for counterweights: on which links, where and how heavy counterweights may be, and what of that is linear.
+"""Regions for counterweights: on which links, where and how heavy counterweights may be, and the linear variables that describe them.
 
-In a planar press what is fixed to a link counts by four numbers: its mass m, its mass moment h = (h1, h2) and its moment of inertia J about
-the region's centre. Material spread over a region can have exactly those with h in m times the region, and J between that of a point mass,
-h^2 / m, and that of all material at the region's far end. This is a convex cone, so that the best of all shapes and places is found.
+In a planar press a body fixed to a link counts by four numbers: its mass m, its mass moment h = (h1, h2) and its moment of inertia J about
+the region's centre. Material spread over a region can have all values with h in m times the region, and J between that of a point mass,
+h^2 / m, and that of the material at the far end of the region. These values form a convex cone, so that the best of all shapes and places
+is found.
 """
 
 from __future__ import annotations
@@ -30,19 +31,19 @@ FLAT = 1e-9  # of the press's size: corners this close to a plane are in it
 class CounterweightRegion:
     """Where on a link a counterweight may be, and how heavy. All positions are in the link's own frame [m].
 
-    Its place is one of: the point ``at``; the circle of ``radius`` about ``centre`` in the plane of motion; the polygon, segment or hull of
-    ``corners``, which are in one plane of motion. With ``replaces`` and none of these it is the place of the link's own mass, whose shape
-    the counterweight then has.
+    The place is either the point ``at``, or the circle of ``radius`` about ``centre`` in the plane of motion, or the hull of ``corners``
+    (a segment or polygon) in one plane of motion. With ``replaces`` and none of these the counterweight is the link's own mass, which keeps
+    its shape and centre and gets another size.
 
     Attributes:
         link: Name of the link.
         mass: Least and most mass [kg]. A hole has a negative mass and is possible only ``at`` a point.
-        at: The point.
-        radius: Radius of the circle.
-        centre: Centre of the circle.
-        corners: Corners (k, 3) of the polygon.
-        gyration: Radius of gyration of the material about the normal of the plane (in a press that is not planar, about every axis), at a
-            point or in addition to the spread over radius or corners [m].
+        at: (3,) point [m].
+        radius: Radius of the circle [m].
+        centre: (3,) centre of the circle [m].
+        corners: (k, 3) corners of the polygon [m].
+        gyration: Radius of gyration of the counterweight's material about the normal of the plane (in a press that is not planar, about
+            every axis), in addition to the spread over circle or polygon [m].
         replaces: Whether the counterweight takes the place of the link's own mass.
 
     Raises:
@@ -69,7 +70,7 @@ class CounterweightRegion:
             if length is not None and not ((found := numbers(f"{self.words}: {name}", length)).ndim == 0 and found >= 0):
                 raise PinpressError(f"{self.words}: {name} is {shown(length)}: give a length that is not negative [m]")
         if self.gyration and not places:
-            raise PinpressError(f"{self.words}: the link keeps its own shape, and radius of gyration with it: leave gyration out")
+            raise PinpressError(f"{self.words}: the link keeps its own shape, and its radius of gyration with it: leave gyration out")
 
     def _checked_corners(self) -> tuple[Vector, ...]:
         if isinstance(self.corners, list | tuple) and not self.corners:
@@ -112,17 +113,17 @@ class RegionVariables:
         region: The region as it was given.
         joint: Pinocchio joint that carries the link.
         parts: For each variable, the point masses that one of it stands for.
-        mass: (variables,) mass of one of each [kg].
-        own: Inertia that the link loses, in the joint's frame; None where the link keeps it.
+        mass: (variables,) mass that one of each variable means [kg].
+        replaced: Inertia that the link loses, in the joint's frame; None where the link keeps its mass.
         rows: Constraints on these variables alone; those on the mass have a name.
-        filling: Gives the inertia, in the joint's frame, of what fills the region at values (variables,).
+        filling: Gives the inertia of the counterweight, in the joint's frame, at values (variables,).
     """
 
     region: CounterweightRegion
     joint: int
     parts: tuple[PointMasses, ...]
     mass: Array
-    own: pin.Inertia | None
+    replaced: pin.Inertia | None
     rows: tuple[Rows, ...]
     filling: Callable[[Array], pin.Inertia]
 
@@ -133,7 +134,7 @@ def region_variables(press: Linkage, region: CounterweightRegion, inertia_counts
     Args:
         press: The press.
         region: The region.
-        inertia_counts: Whether the forces that are asked for depend on moments of inertia.
+        inertia_counts: Whether the measured forces depend on moments of inertia.
         unit: Mass that one of a variable means [kg].
 
     Raises:
@@ -143,30 +144,30 @@ def region_variables(press: Linkage, region: CounterweightRegion, inertia_counts
     if region.link not in press.links:
         raise UnknownNameError("link", region.link, press.links)
     joint, _ = carrying_joint(press, region.link, region.centre, region.words)
-    own = press.model.inertias[joint] if region.replaces else None
+    replaced = press.model.inertias[joint] if region.replaces else None
     if region.radius is None and not region.corners:
-        return _point_variables(press, region, joint, own, unit)
-    return _shape_variables(press, region, joint, own, inertia_counts, unit)
+        return _point_variables(press, region, joint, replaced, unit)
+    return _shape_variables(press, region, joint, replaced, inertia_counts, unit)
 
 
-def _point_variables(press: Linkage, region: CounterweightRegion, joint: int, own: pin.Inertia | None, unit: float) -> RegionVariables:
+def _point_variables(press: Linkage, region: CounterweightRegion, joint: int, replaced: pin.Inertia | None, unit: float) -> RegionVariables:
     """A region with one variable, the mass."""
     if region.at is None:
-        assert own is not None  # a region without a place replaces the link's mass
-        one = _scaled(own, unit / own.mass)
+        assert replaced is not None  # a region without a place replaces the link's mass
+        one = _scaled(replaced, unit / replaced.mass)
     else:
         _, point = carrying_joint(press, region.link, region.at, region.words)
         one = rigid_body(unit, point, region.gyration**2 * unit * unit_tensor(press, joint))
     parts = (points_of(press, region.link, one),)
     rows = _mass_rows(region, np.array([unit]), positive=False)
-    return RegionVariables(region, joint, parts, np.array([unit]), own, rows, lambda u: _scaled(one, float(u[0])))
+    return RegionVariables(region, joint, parts, np.array([unit]), replaced, rows, lambda u: _scaled(one, float(u[0])))
 
 
 def _shape_variables(
-    press: Linkage, region: CounterweightRegion, joint: int, own: pin.Inertia | None, inertia_counts: bool, unit: float
+    press: Linkage, region: CounterweightRegion, joint: int, replaced: pin.Inertia | None, inertia_counts: bool, unit: float
 ) -> RegionVariables:
-    """A region with a shape. Variables are mass and mass moment, of corners the masses in them; and, where it counts, the moment of inertia
-    about the centre."""
+    """A region with a shape. In a circle the variables are mass and mass moment, in a polygon the masses at its corners; where it counts,
+    the moment of inertia about the centre is one more."""
     shape = _shape(press, region, joint)
     moments = _moments(shape.corners, inertia_counts)
     own_spread = (region.gyration / shape.size) ** 2 * moments[0]
@@ -185,20 +186,20 @@ def _shape_variables(
         joint,
         parts=tuple(_cross(press, region.link, shape.centre, shape.size * shape.in_plane, unit * column) for column in moments.T),
         mass=unit * moments[0],
-        own=own,
+        replaced=replaced,
         rows=(*_shape_rows(region, shape, moments, own_spread, inertia_counts), *_mass_rows(region, unit * moments[0], positive=True)),
         filling=filling,
     )
 
 
 class _Shape(NamedTuple):
-    """Where a region with a shape is.
+    """A circle or polygon in the plane of motion.
 
     Attributes:
-        centre: (3,) in the joint's frame [m].
+        centre: (3,) centre in the joint's frame [m].
         in_plane: (2, 3) directions of the plane in the joint's frame.
-        size: Radius about the centre that holds the region [m].
-        corners: (q, 2) from the centre, in units of the size; None for a circle.
+        size: Radius of the circle about the centre that holds the region [m].
+        corners: (q, 2) corners from the centre, divided by the size; None for a circle.
     """
 
     centre: Array
@@ -222,7 +223,7 @@ def _shape(press: Linkage, region: CounterweightRegion, joint: int) -> _Shape:
 
 
 def _moments(corners: Array | None, inertia_counts: bool) -> Array:
-    """Mass, mass moment (two rows) and moment of inertia (4, variables) of one of each variable, in units of the region's mass and size."""
+    """Mass, mass moment (two rows) and moment of inertia (4, variables) of one of each variable, in units of mass and size."""
     if corners is None:
         return np.eye(4)[:, : 3 + inertia_counts]
     moments = np.zeros((4, len(corners) + inertia_counts))
@@ -232,7 +233,7 @@ def _moments(corners: Array | None, inertia_counts: bool) -> Array:
 
 
 def _shape_rows(region: CounterweightRegion, shape: _Shape, moments: Array, own_spread: Array, inertia_counts: bool) -> list[Rows]:
-    """The constraints that material is within the shape. ``own_spread``: moment of inertia (variables,) by the radius of gyration."""
+    """The constraints that keep material within the shape. ``own_spread``: moment of inertia (variables,) by the radius of gyration."""
     mass, first, second, inertia = moments
     corners, rows = shape.corners, list[Rows]()
     if corners is not None:
@@ -250,7 +251,7 @@ def _shape_rows(region: CounterweightRegion, shape: _Shape, moments: Array, own_
 
 
 def _mass_rows(region: CounterweightRegion, mass: Array, positive: bool) -> tuple[Rows, ...]:
-    """Constraints by the least and the most mass; ``positive``: the mass (variables,) is not negative in any case."""
+    """Constraints by the least and the most mass; ``positive``: other constraints keep the mass from being negative."""
     low, high = region.mass
     rows = []
     if low > 0 or not positive:
@@ -263,8 +264,10 @@ def _mass_rows(region: CounterweightRegion, mass: Array, positive: bool) -> tupl
 
 
 def _cross(press: Linkage, link: str, centre: Array, arms: Array, amounts: Array) -> PointMasses:
-    """Five point masses, at a centre and at the ends of two arms (2, 3) both ways, with this mass, mass moment and moment of inertia (4,),
-    in units of mass and arms."""
+    """Five point masses, at a centre (3,) and at both ends of two arms (2, 3) through it, with given moments.
+
+    ``amounts``: mass, mass moment along both arms, and moment of inertia (4,), in units of mass and of the arms' length.
+    """
     mass, first, second, inertia = amounts
     around = 0.25 * inertia
     masses = np.array([mass - inertia, 0.5 * first + around, around - 0.5 * first, 0.5 * second + around, around - 0.5 * second])
@@ -272,8 +275,8 @@ def _cross(press: Linkage, link: str, centre: Array, arms: Array, amounts: Array
 
 
 def points_of(press: Linkage, link: str, inertia: pin.Inertia) -> PointMasses:
-    """Point masses with the same mass, centre of mass and inertia tensor as a body, whose inertia is in the joint's frame."""
-    second = 0.5 * np.trace(inertia.inertia) * np.eye(3) - inertia.inertia  # of mass about its centre: the integral of r r'
+    """Point masses with the mass, centre of mass and inertia tensor of a body; its inertia is in the frame of the link's joint."""
+    second = 0.5 * np.trace(inertia.inertia) * np.eye(3) - inertia.inertia  # second moments of mass about the centre, the integral of r r'
     spreads, directions = np.linalg.eigh(second)
     if not spreads.max() > 0:
         return _in_link(press, link, np.array([inertia.mass]), inertia.lever[None])
@@ -290,5 +293,5 @@ def _in_link(press: Linkage, link: str, masses: Array, points: Array) -> PointMa
 
 
 def _scaled(inertia: pin.Inertia, factor: float) -> pin.Inertia:
-    """The inertia of a body of the same shape and another density."""
+    """The inertia of a body of this shape with its density multiplied by a factor."""
     return rigid_body(factor * inertia.mass, inertia.lever, factor * inertia.inertia)

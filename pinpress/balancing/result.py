@@ -1,4 +1,4 @@
-"""A balanced press, and what an engineer reads off it: counterweights, the proof, measures before and after, as text and columns."""
+"""A balanced press: its counterweights, the proof of the optimum, and the measures before and after, as text and columns."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ class MeasureChange:
 
     @property
     def change(self) -> float:
-        """Relative change [-]; NaN where there was nothing before."""
+        """Relative change [-]; NaN where the value before is zero."""
         return self.after / self.before - 1.0 if self.before else float("nan")
 
 
@@ -47,8 +47,8 @@ class ActiveConstraint:
 
     Attributes:
         constraint: The constraint in words.
-        price: By how much the objective falls for one more of what the constraint limits, in the objective's unit per unit of that; None
-            where the constraint is the shape of a region, which is no number.
+        price: Fall of the objective when the limit is relaxed by one, in the objective's unit per unit of the limit; None where the
+            constraint is the shape of a region, which is not a number.
     """
 
     constraint: str
@@ -65,19 +65,20 @@ class BalancedPress(Tabular):
         conditions: Operating conditions in which it was balanced.
         objective: Measures with their weights.
         limits: Limits as they were given.
-        counterweights: What fills the regions, in their order, without those that weigh nothing. Where a region replaces a link's own mass,
-            it is all of that mass.
+        counterweights: Counterweights in the order of the regions, without those of zero mass. Where a region replaces a link's own mass,
+            its counterweight is all of that mass.
         added_mass: Mass that balancing adds in all [kg].
-        value: The objective: of one measure in one condition in its unit, otherwise the weighted sum of measures relative to before.
+        value: The objective reached. For one measure in one operating condition it has the measure's unit; otherwise it is the weighted sum
+            of measures relative to before.
         unit: Unit of the value; empty where the value is relative.
-        bound: No counterweights in these regions have a lower value, at the states of the motion. The difference to ``value`` is what is
-            left unproved and what the preference for lighter counterweights costs.
+        bound: Proven lower bound of the objective for all counterweights in these regions, at the states of the motion. The difference from
+            ``value`` is the part left unproved and the cost of preferring lighter counterweights.
         residual: Largest violation of the conditions of optimality, relative to before.
         changes: Changes of the measures of the objective, then of those that are limited, condition by condition.
         active: Constraints that hold the optimum back.
-        reactions_before: Reactions of the press before balancing, with the bearings that are measured, in every condition.
-        reactions_after: Reactions of the balanced press in the same motions. Where a motion is a run, simulate the balanced press for its
-            own motion.
+        reactions_before: Reactions of the press before balancing in every operating condition, with the measured bearings alone.
+        reactions_after: Reactions of the balanced press in these motions. A run of the balanced press itself, under its drive, has another
+            motion: simulate it.
     """
 
     original: Linkage
@@ -105,21 +106,21 @@ class BalancedPress(Tabular):
 
     @cached_property
     def side_effects(self) -> tuple[MeasureChange, ...]:
-        """Changes in the rest of the press, condition by condition; found when first asked for.
+        """Changes of the measures that were neither minimised nor limited, condition by condition; computed when first asked for.
 
         They are the range of the driving torque (of several torques their peak), the peak of every bearing force, and the range of every
         component of shaking force and shaking moment, without the measures in `changes`. A value that is rounding is 0, and a measure that
-        is 0 before and after in all conditions is left out.
+        is 0 before and after in all operating conditions is left out.
         """
         return _side_effects(self)
 
     def columns(self) -> dict[str, list[object]]:
-        """Measures before and after as columns, `changes` and then `side_effects`; None where there is no value."""
+        """A row for each measure in each operating condition, `changes` and then `side_effects`; None where there is no value."""
         rows = [*self.changes, *self.side_effects]
         return {
             "measure": [row.measure.words for row in rows],
             "unit": [row.measure.unit for row in rows],
-            "case": [row.condition for row in rows],
+            "condition": [row.condition for row in rows],
             "before": [row.before for row in rows],
             "after": [row.after for row in rows],
             "change [-]": [None if math.isnan(row.change) else row.change for row in rows],
@@ -127,7 +128,7 @@ class BalancedPress(Tabular):
         }
 
     def counterweight_columns(self) -> dict[str, list[object]]:
-        """Counterweights as columns, in their order; positions are in the links' own frames."""
+        """A row for each counterweight, with its centre of mass in the link's own frame."""
         weights = self.counterweights
         return {
             "link": [weight.link for weight in weights],
@@ -161,20 +162,20 @@ def _measures_of(press: Linkage) -> Iterator[Measure]:
 
 
 def _without_rounding(measure: Measure, reactions: Reactions, least: Rounding) -> float:
-    """A measure, 0 where it is rounding."""
+    """The value of a measure, 0 where it is rounding."""
     value = measure.value(reactions)
     return value if value > (least.force if measure.unit == "N" else least.moment) else 0.0
 
 
 def _text(balanced: BalancedPress) -> str:
-    """Counterweights, objective with its proof, what holds it back, and all measures before and after; units beside every number."""
+    """Counterweights, objective with its proof, active constraints, and all measures before and after, with units."""
     heads = [_condition_words(each) for each in balanced.conditions]
     asked, rest = [list(_cells(balanced, rows)) for rows in (balanced.changes, balanced.side_effects)]
     width = max(len(cells[0]) for cells in [*asked, *rest])
     return "\n".join(
         [
             f"{balanced.original.name}, balanced: {heads[0]}" if len(heads) == 1 else f"{balanced.original.name}, balanced in",
-            *(f"  case {number}: {words}" for number, words in enumerate(heads) if len(heads) > 1),
+            *(f"  condition {number}: {words}" for number, words in enumerate(heads) if len(heads) > 1),
             *_counterweight_lines(balanced),
             *_objective_lines(balanced),
             *_active_lines(balanced),
@@ -182,7 +183,7 @@ def _text(balanced: BalancedPress) -> str:
             *_measure_lines("The rest of the press", balanced, rest, width),
             "",
             "Checks",
-            f"  {'proof of the optimum':26}{balanced.residual:12.3g} largest violation of its conditions, relative to before",
+            f"  {'proof of the optimum':26}{balanced.residual:12.3g} largest violation of the conditions of optimality, relative to before",
         ]
     )
 
@@ -203,9 +204,9 @@ def _counterweight_lines(balanced: BalancedPress) -> list[str]:
     *lines, added = text.table([["", *heads], *rows, ["added mass", text.number(balanced.added_mass)]], [width, 16])
     return [
         "",
-        "Counterweights (centre of mass in the link's own frame; one in place of the link's own mass is all of that link's)",
+        "Counterweights (centre of mass in the link's own frame; where one replaces the link's own mass, it is all of that mass)",
         *lines,
-        f"{added} kg, to {moving_mass(balanced.original):.6g} kg that move{limited}",
+        f"{added} kg, beside {moving_mass(balanced.original):.6g} kg of moving mass{limited}",
     ]
 
 
@@ -216,7 +217,8 @@ def _objective_lines(balanced: BalancedPress) -> list[str]:
         what, before = target.words, balanced.changes[0].before if isinstance(target, Measure) else 0.0
     else:
         what = (
-            f"{' + '.join(f'{weight:g} x {target.words}' for target, weight in terms.items())}; each relative to before, of its worst case"
+            f"{' + '.join(f'{weight:g} x {target.words}' for target, weight in terms.items())}; each relative to before, in its worst"
+            " condition"
         )
         before = sum(weight for target, weight in terms.items() if isinstance(target, Measure))
     return [
@@ -237,17 +239,17 @@ def _active_lines(balanced: BalancedPress) -> list[str]:
 
 
 def _price_words(balanced: BalancedPress, active: ActiveConstraint) -> str:
-    """What it is worth to let a constraint out; the shape of a region has no price."""
+    """The price of a constraint in words; the shape of a region has none."""
     if active.price is None:
         return ""
     units = {limit_words(target, limit): target.unit for target, limit in balanced.limits.items()}
     unit = units.get(active.constraint, MASS.unit)  # all other constraints on numbers are on masses of regions
     falls = f"{active.price:.3g} {balanced.unit}".rstrip()
-    return f"   the objective falls by {falls} for each {unit} let out"
+    return f"   the objective falls by {falls} for each {unit} relaxed"
 
 
 def _cells(balanced: BalancedPress, rows: Sequence[MeasureChange]) -> Iterator[list[str]]:
-    """Name with unit, case where there are several, before, after, change and limit of measures."""
+    """For each measure its name with unit, operating condition where there are several, values before and after, change and limit."""
     for row in rows:
         limit = balanced.limits.get(row.measure)
         yield [
@@ -262,9 +264,9 @@ def _cells(balanced: BalancedPress, rows: Sequence[MeasureChange]) -> Iterator[l
 
 def _measure_lines(title: str, balanced: BalancedPress, rows: list[list[str]], width: int) -> list[str]:
     several, limited = len(balanced.conditions) > 1, any(row[5] for row in rows)
-    heads = [title, "case" if several else "", "before", "after", "change", "at most" if limited else ""]
+    heads = [title, "condition" if several else "", "before", "after", "change", "at most" if limited else ""]
     kept = [k for k in range(len(heads)) if heads[k]]
-    widths = [6 if k == 1 else 14 for k in kept[1:]]
+    widths = [11 if k == 1 else 14 for k in kept[1:]]
     head, *lines = (
         text.table([[cells[k] for k in kept]], [width + 4 - len(indent), *widths], indent)[0].rstrip()
         for indent, cells in [("", heads), *(("  ", row) for row in rows)]

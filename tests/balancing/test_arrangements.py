@@ -157,7 +157,7 @@ def test_what_differs_from_a_crank_slide_is_named(folder):
     rocker, driven_rod, beside = four_bar(1.0, 0.3, 0.9, 0.8, 0.5), drawn(3)[0], drawn(3, offset=1e-4)[0]
     (rod_pin,) = {joint[0] for joint in driven_rod.joints} & {"P", "C"}
     for press, said in (
-        (loaded(rocker, folder), "it has not one guide, on the frame, and else pins"),
+        (loaded(rocker, folder), "its joints are not pins and one guide on the frame"),
         (loaded(driven_rod, folder, driver=rod_pin), f"its driver {rod_pin!r} does not turn on the frame"),
         (loaded(beside, folder), "its slide's pin moves 0.0001 m beside the shaft"),
         (loaded(drawn(3, ratio=1.5)[0], folder), f"its crank, {sizes['crank_radius']:.6g} m, is not shorter than its rod"),
@@ -368,7 +368,7 @@ def test_opposed_keeps_the_balance_condition_of_the_shipped_press(rod_mass):
         ({"crank_radius": 0.03, "rod_length": 0.02}, "the rod must be longer"),
         ({"crank_radius": 0.03, "rod_mass": 0.0}, "rod_mass is 0.0"),
         ({"crank_radius": 0.03, "rod_inertia": np.nan}, "rod_inertia is nan"),
-        ({"crank_radius": 0.03, "rod_mass": 3000.0}, "at its far end there is more than the 1119.37 kg that balance the slide"),
+        ({"crank_radius": 0.03, "rod_mass": 3000.0}, "its share at the far pin is more than the 1119.37 kg that balance the slide"),
     ],
 )
 def test_bad_sizes_of_the_auxiliary_crank_slide_are_refused(sizes, said):

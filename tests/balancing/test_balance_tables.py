@@ -73,7 +73,7 @@ def test_the_text_says_what_the_balance_has() -> None:
         numbers = [float(cell) for cell in row(text, weight.link)]
         np.testing.assert_allclose(numbers, [weight.mass, *weight.position, weight.inertia], rtol=DIGITS)
     assert float(row(text, "added mass")[0]) == pytest.approx(balance.added_mass, rel=DIGITS)
-    assert "kg that move, at most 600 kg" in text
+    assert "kg of moving mass, at most 600 kg" in text
     objective = section(text, "Objective: range of the shaking force, z")
     for name, number in (("before", balance.changes[0].before), ("reached", balance.value), ("proven bound", balance.bound)):
         assert row(objective, name)[:2] == [f"{number:.6g}", "N"]
@@ -104,7 +104,7 @@ def test_the_text_says_what_the_balance_has() -> None:
 def test_a_price_is_between_what_one_more_gains_and_one_less_loses(name: str, limits: list[tuple[float, ...]], unit: str) -> None:
     """The optimum is a convex function of a limit."""
     text = section(str(pressed()), "Held back by")
-    words = re.search(rf"^  {re.escape(name)} +the objective falls by (\S+) N for each (\S+) let out$", text, flags=re.MULTILINE)
+    words = re.search(rf"^  {re.escape(name)} +the objective falls by (\S+) N for each (\S+) relaxed$", text, flags=re.MULTILINE)
     assert words is not None
     more, less = (pressed(*some).value for some in limits)
     assert words[2] == unit
@@ -124,15 +124,15 @@ def test_a_weighted_objective_is_relative() -> None:
         measure: max(change.after / change.before for change in balance.changes if change.measure == measure) for measure in (Z, TORQUE)
     }
     assert float(row(objective, "reached")[0]) == pytest.approx(worst[Z] + 0.5 * worst[TORQUE], rel=DIGITS)
-    assert re.search(r"let out$", section(text, "Held back by"), flags=re.MULTILINE)
+    assert re.search(r"relaxed$", section(text, "Held back by"), flags=re.MULTILINE)
 
 
-def test_cases_are_told_apart() -> None:
+def test_operating_conditions_are_told_apart() -> None:
     text = str(at_two_speeds())
-    assert "\n  case 0: 70 r/min of joint A, 90 states\n  case 1: 40 r/min of joint A, 90 states\n" in text
+    assert "\n  condition 0: 70 r/min of joint A, 90 states\n  condition 1: 40 r/min of joint A, 90 states\n" in text
     found = re.findall(r"^  range of the shaking force, z \[N\] +(\d) +(\S+)", text, flags=re.MULTILINE)
     expected = [np.ptp(reactions.shaking_force[:, 2]) for reactions in at_two_speeds().reactions_before]
-    assert [case for case, _ in found] == ["0", "1"]
+    assert [condition for condition, _ in found] == ["0", "1"]
     np.testing.assert_allclose([float(before) for _, before in found], expected, rtol=DIGITS)
 
 
@@ -165,7 +165,7 @@ def test_what_was_zero_before_has_no_change(tmp_path: Path) -> None:
     assert line == {
         "measure": X.words,
         "unit": "N",
-        "case": "0",
+        "condition": "0",
         "before": "0.0",
         "after": repr(sideways.after),
         "change [-]": "",
@@ -179,7 +179,7 @@ def test_csv_and_frame_are_the_columns(tmp_path: Path) -> None:
     rows = [*balance.changes, *balance.side_effects]
     assert columns["measure"] == [change.measure.words for change in rows]
     assert columns["after"] == [change.after for change in rows]
-    assert columns["case"] == [0, 1] * (len(rows) // 2)
+    assert columns["condition"] == [0, 1] * (len(rows) // 2)
     balance.to_csv(tmp_path / "balance.csv")
     with (tmp_path / "balance.csv").open(encoding="utf-8", newline="") as file:
         header, *lines = csv.reader(file)
@@ -221,7 +221,7 @@ def test_the_least_mass_is_an_objective_too() -> None:
     objective = section(str(balance), "Objective: added mass")
     assert row(objective, "before") == ["0", "kg"]
     assert row(objective, "reached") == [f"{balance.added_mass:.6g}", "kg"]
-    assert re.search(r"4000 N +the objective falls by \S+ kg for each N let out", str(balance))
+    assert re.search(r"4000 N +the objective falls by \S+ kg for each N relaxed", str(balance))
 
 
 def test_loads_count_in_the_effects() -> None:

@@ -99,8 +99,8 @@ def test_the_balanced_press_does_what_is_printed(capsys: pytest.CaptureFixture[s
 def test_several_speeds_are_cases(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
     text = printed(capsys, "zxn2_3000b", "--speed", 70, "--speed", -50, "--points", 120, *REGIONS, *ASKED, "--out", tmp_path)
     assert text.startswith(f"{six_bar(70, -50)}\n")
-    assert "case 1: -50 r/min of joint A" in text
-    assert read(tmp_path / "balance.csv")["case"][:4] == ["0", "1", "0", "1"]
+    assert "condition 1: -50 r/min of joint A" in text
+    assert read(tmp_path / "balance.csv")["condition"][:4] == ["0", "1", "0", "1"]
 
 
 def test_under_a_load(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:

@@ -1,8 +1,10 @@
-"""Arrangements of a whole press that balance it: an auxiliary crank-slider that moves a counterweight against the slide
-(`with_opposed_balancer`, Zhang 2007, 3.5), and two halves on two shafts that turn against each other (`mirrored`, Zhang 2007, 3.6).
+"""Two arrangements that balance a whole press, made from a press without them.
 
-Both draw up the plan of a planar press. In a plan everything has its place in the world, in the closed drawn pose, so that parts can be
-added, shifted and mirrored without regard to what carries what. The new press is written as a URDF and loaded from that.
+In one an auxiliary crank-slider moves a counterweight against the slide (`with_opposed_balancer`, Zhang 2007, 3.5). In the other two halves
+stand on two shafts that turn against each other (`mirrored`, Zhang 2007, 3.6).
+
+Both draw up the plan of a planar press (`PressPlan`). In a plan every part has its place in the world, in the closed drawn pose, so that
+parts can be added, shifted and mirrored without regard to which carries which. The new press is written as a URDF and loaded from that.
 """
 
 from __future__ import annotations
@@ -25,7 +27,10 @@ from ...linkage.writing import tag
 from ..counterweights import combined, rigid_body
 from .crank_slider import CENTRED, CrankSlider, as_crank_slider
 
-SPARE = 0.1  # of the auxiliary crank radius: how far the counterweight's limits are beyond its travel
+SPARE = 0.1  # of the auxiliary crank radius: the counterweight's limits are this far beyond its travel
+SIDES = ("left", "right")
+BELOW_ROUNDING = 1e-15  # of a quantity's size: what turned frames leave of a zero
+_MOMENTS = (("ixx", 0, 0), ("ixy", 0, 1), ("ixz", 0, 2), ("iyy", 1, 1), ("iyz", 1, 2), ("izz", 2, 2))
 
 
 @typed
@@ -39,42 +44,43 @@ def with_opposed_balancer(
 ) -> Linkage:
     """Add an auxiliary crank-slider, turned by 180 degrees about the shaft, which moves a counterweight against the slide.
 
-    Zhang 2007, 3.5. The auxiliary crank is part of the crank, opposite to the crank pin; new are the links "auxiliary_rod" and
-    "counterweight", the joints "auxiliary_pin" and "counterweight_guide" and the loop "counterweight_pin". They are sized (index 1 the main
-    crank-slider, 2 the auxiliary one; centres of mass as vectors along the links) by
+    Zhang 2007, 3.5. The auxiliary crank is part of the crank, opposite to the crank pin. The links "auxiliary_rod" and "counterweight", the
+    joints "auxiliary_pin" and "counterweight_guide" and the loop "counterweight_pin" are new. They lie in the plane of the crank pin, and
+    the counterweight's centre of mass is at its pin. Their masses obey (index 1 for the main crank-slider, 2 for the auxiliary one; centres
+    of mass as vectors along the links)
 
-        m_crank2 e2 + m_rod2 r2 (1 - a2 / l2) = m_crank1 e1 + m_rod1 r1 (1 - a1 / l1)    what turns
-        (m_counterweight + m_rod2 a2 / l2) r2 = (m_slide + m_rod1 a1 / l1) r1            what reciprocates
+        m_crank2 e2 + m_rod2 r2 (1 - a2 / l2) = m_crank1 e1 + m_rod1 r1 (1 - a1 / l1)    rotating masses
+        (m_counterweight + m_rod2 a2 / l2) r2 = (m_slide + m_rod1 a1 / l1) r1            reciprocating masses
 
-    where the auxiliary rod has its centre of mass at the same part of its length, the auxiliary crank has the mass m_crank1 r1 / r2, its
-    centre where the first equation puts it (beyond the shaft for a heavy rod), and the moment of inertia of a crank of the same shape.
-    By default the auxiliary crank-slider is the main one with lengths times r2 / r1 and masses times r1 / r2.
+    The centre of mass of the auxiliary rod divides its length as that of the main rod does. The auxiliary crank has the mass
+    m_crank1 r1 / r2, its centre where the first equation puts it (beyond the shaft for a heavy rod), and the moment of inertia of a crank
+    of this mass with the main crank's shape. By default the auxiliary crank-slider is the main one with lengths times r2 / r1 and masses
+    times r1 / r2.
 
-    They lie in the plane of the crank pin, and the counterweight's centre of mass is at its pin.
+    With equal lambda the shaking force is the weight alone, in all orders and directions, however the crank turns. With another rod length,
+    at constant speed w, the even orders k from 2 along the slide's line remain: m_C r1 w^2 |A_k(lambda1) - A_k(lambda2)|, with the main
+    reciprocating mass m_C (`harmonic_coefficients`).
 
-    What is left: with the same lambda no force but the weight, in any order, along the slide's line or across it, however the crank turns.
-    With another rod length, at constant speed w, the even orders k from 2 along the line are left,
-    m_C r1 w^2 |A_k(lambda1) - A_k(lambda2)| (`harmonic_coefficients`), m_C being the main reciprocating mass. The moment with which the
-    guides' forces tilt the frame is left, and by default grows: - (J1 + J2) times the angular acceleration of the rods, in the odd orders,
-    J being `CrankSlider.residual_inertia` (from eq. 3.5.20 on the thesis takes that acceleration for zero). It vanishes too with
-    rod_inertia = m_rod2 a2 (l2 - a2) - J1, where lambda is the same and the rods' centres are on their lines; such a rod has mass beyond
-    its pins.
+    The moment with which the guides' forces tilt the frame remains, and by default grows: it is - (J1 + J2) times the angular acceleration
+    of the rods, in the odd orders, with J of `CrankSlider.residual_inertia` (from eq. 3.5.20 on the thesis takes that acceleration as
+    zero). It vanishes too with rod_inertia = m_rod2 a2 (l2 - a2) - J1, where the lambdas are equal and the rods' centres are on their
+    lines; such a rod has mass beyond its pins.
 
     Args:
         press: A centred crank-slider.
         crank_radius: Radius r2 of the auxiliary crank [m].
-        rod_length: Length l2 of the auxiliary rod [m]; by default l1 r2 / r1, the same lambda.
+        rod_length: Length l2 of the auxiliary rod [m]; by default l1 r2 / r1, which keeps lambda.
         rod_mass: Mass of the auxiliary rod [kg]; by default m_rod1 r1 / r2.
-        rod_inertia: Moment of inertia of the auxiliary rod about its centre of mass [kg m2]; by default of a rod of the same shape,
-            J_rod1 m_rod2 / m_rod1 (l2 / l1)^2.
+        rod_inertia: Moment of inertia of the auxiliary rod about its centre of mass [kg m2]; by default that of a rod with the main rod's
+            shape, J_rod1 m_rod2 / m_rod1 (l2 / l1)^2.
 
     Returns:
-        A press that is in memory alone; `write_urdf` writes it. It is drawn as ``press`` is, with the same crank angle, gravity, names and
-        inertias, but without visuals.
+        The new press, in memory alone (`write_urdf` writes it). It keeps the drawn pose, crank angle, gravity, names and inertias of
+        ``press``, but has no visuals.
 
     Raises:
-        PinpressError: The press is no centred crank-slider (see `as_crank_slider`), a size is not positive, the rod is no longer than its
-            crank, or so heavy that no mass is left for the counterweight.
+        PinpressError: The press is not a centred crank-slider (see `as_crank_slider`), a size is not positive, or the rod is not longer
+            than its crank, or so heavy that no mass is left for the counterweight.
     """
     main = as_crank_slider(press)
     auxiliary = _auxiliary(main, crank_radius, rod_length, rod_mass, rod_inertia)
@@ -84,104 +90,24 @@ def with_opposed_balancer(
     )
 
 
-def _auxiliary(
-    main: CrankSlider, crank_radius: float, rod_length: float | None, rod_mass: float | None, rod_inertia: float | None
-) -> CrankSlider:
-    """The auxiliary crank-slider."""
-    radius, length, mass = _auxiliary_sizes(main, crank_radius, rod_length, rod_mass)
-    scale = radius / main.crank_radius
-    similar = main.rod_inertia * mass / main.rod_mass * (length / main.rod_length) ** 2
-    # A centre beside the line gives a mass moment, which must be the same times the crank radius.
-    share = complex(main.rod_share.real, main.rod_share.imag * main.rod_mass / (scale * mass))
-    counterweight = (main.reciprocating_mass / scale - mass * share).real
-    if not counterweight > 0:
-        raise PinpressError(
-            f"rod_mass is {mass:g} kg: at its far end there is more than the {main.reciprocating_mass.real / scale:g} kg that balance the"
-            " slide; take a lighter rod or a smaller crank_radius"
-        )
-    crank_mass = main.crank_mass / scale
-    return replace(
-        main,
-        rod="auxiliary_rod",
-        slide="counterweight",
-        crank_radius=radius,
-        rod_length=length,
-        crank_mass=crank_mass,
-        rod_mass=mass,
-        slide_mass=counterweight,
-        crank_centre=(main.rotating_product - radius * mass * (1 - share)) / crank_mass,
-        rod_centre=share * length,
-        crank_inertia=main.crank_inertia * scale,
-        rod_inertia=similar if rod_inertia is None else positive("rod_inertia", rod_inertia, "kg m2"),
-        direction=-main.direction,
-        across=-main.across,
-    )
-
-
-def _auxiliary_sizes(
-    main: CrankSlider, crank_radius: float, rod_length: float | None, rod_mass: float | None
-) -> tuple[float, float, float]:
-    """Crank radius [m], rod length [m] and rod mass [kg] of the auxiliary crank-slider."""
-    radius = positive("crank_radius", crank_radius, "m")
-    scale = radius / main.crank_radius
-    length = main.rod_length * scale if rod_length is None else positive("rod_length", rod_length, "m")
-    if not length > radius:
-        raise PinpressError(f"rod_length is {length:g} m, crank_radius {radius:g} m: for a full turn the rod must be longer")
-    return radius, length, main.rod_mass / scale if rod_mass is None else positive("rod_mass", rod_mass, "kg")
-
-
-def _with_auxiliary(drawn: PressPlan, main: CrankSlider, auxiliary: CrankSlider) -> PressPlan:
-    """The plan of a crank-slider with an auxiliary one on its crank, whose slide is the counterweight. Both have the same drawn angle and
-    opposite directions."""
-    crank, slide, normal = drawn.body(main.crank), drawn.body(main.slide), np.cross(main.direction, main.across)
-    flat = 0.5 * (np.eye(3) + np.outer(normal, normal))  # tensor of a lamina in the plane, of unit inertia
-    into = crank.place.rotation.T
-    centre = crank.place.actInv(auxiliary.point(auxiliary.crank_centre * auxiliary.drawn_crank))
-    added = rigid_body(auxiliary.crank_mass, centre, auxiliary.crank_inertia * (into @ flat @ into.T))
-
-    along = auxiliary.point(auxiliary.drawn_rod) - auxiliary.shaft
-    axes = np.stack([along, -normal, np.cross(normal, along)], axis=1)  # x along the rod, which turns about -y
-    rod_place = pin.SE3(axes, auxiliary.point(auxiliary.crank_radius * auxiliary.drawn_crank))
-    rod_centre = np.array([auxiliary.rod_centre.real, 0.0, auxiliary.rod_centre.imag])
-    rod = rigid_body(auxiliary.rod_mass, rod_centre, auxiliary.rod_inertia * np.diag([0.5, 1.0, 0.5]))
-
-    distance = auxiliary.drawn_reach
-    end, up = auxiliary.point(complex(distance)), float(np.sign(auxiliary.direction @ slide.place.rotation @ slide.axis))
-    spare = (1 + SPARE) * auxiliary.crank_radius
-    low, high = sorted(up * (auxiliary.rod_length + sign * spare - distance) for sign in (-1, 1))
-    limits = (low, high, *slide.limits[2:])
-    weight = rigid_body(auxiliary.slide_mass, np.zeros(3), slide.inertia.inertia * (auxiliary.slide_mass / slide.inertia.mass))
-    return replace(
-        drawn,
-        bodies=(
-            *(replace(each, inertia=combined(each.inertia, added)) if each is crank else each for each in drawn.bodies),
-            PlanBody(auxiliary.rod, rod_place, rod, "auxiliary_pin", main.crank, np.array([0.0, -1.0, 0.0])),
-            PlanBody(auxiliary.slide, pin.SE3(slide.place.rotation, end), weight, "counterweight_guide", drawn.frame, slide.axis, limits),
-        ),
-        pins=(*drawn.pins, PlanPin("counterweight_pin", "spherical", auxiliary.rod, auxiliary.slide, end)),
-    )
-
-
-SIDES = ("left", "right")
-
-
 @typed
 def mirrored(press: Linkage, shaft_distance: float) -> Linkage:
-    """Make two halves of a press, one the mirror image of the other, on two shafts that a gear pair lets turn against each other.
+    """Make a press of two halves, mirror images of each other, on two shafts that a gear pair turns against each other.
 
-    Zhang 2007, 3.6. The slide (and the counterweight) is common to both halves. The press, a centred crank-slider or what
-    `with_opposed_balancer` makes of it, is shifted by half the distance of the shafts against the direction to which the crank turns from
-    bottom dead centre, as the left half, and mirrored about the line on which its shaft was, as the right half. Whatever does not slide on
-    the frame is then there twice, with "_left" and "_right" behind its name and half of its mass; the left shaft is driven, the right one
-    mimics it by -1. Forces across the slide's line and moments about the middle vanish at any speed, also under a central load on the
-    slide; forces along the line stay as they are. A slide whose centre of mass is beside the line of its pin keeps its own moment.
+    Zhang 2007, 3.6. The left half is the press shifted by half the distance of the shafts, against the direction in which the crank leaves
+    bottom dead centre. The right half is its mirror image about the line on which the shaft was. The slide (and the counterweight) is
+    common to both halves. All other links and joints exist twice, with "_left" and "_right" behind their names and half of their mass. The
+    left shaft is driven; the right one mimics it by -1.
+
+    Forces across the slide's line and moments about the middle vanish at any speed, also under a central load on the slide. Forces along
+    the line stay as they are. A slide whose centre of mass is beside the line of its pin keeps its own moment.
 
     Args:
-        press: The press.
-        shaft_distance: Distance of the shafts [m]. Whether the halves collide is not checked.
+        press: A centred crank-slider, or a press made from one by `with_opposed_balancer`.
+        shaft_distance: Distance of the shafts [m]. Collisions of the halves are not checked.
 
     Returns:
-        A press that is in memory alone, with the crank angle, gravity, names, masses and strokes of ``press``, without visuals.
+        The new press, in memory alone, with the crank angle, gravity, names, masses and stroke of ``press``, but without visuals.
 
     Raises:
         PinpressError: The press is not planar with one driver on the frame, has gear pairs, no slide, guides in several directions, or a
@@ -197,85 +123,6 @@ def mirrored(press: Linkage, shaft_distance: float) -> Linkage:
     )
 
 
-def _shaft(press: Linkage, drawn: PressPlan) -> Array:
-    """A point (3,) on the shaft of the crank, in world axes [m]."""
-    crank = next(each for each in drawn.bodies if each.joint == drawn.driver)
-    if crank.parent != drawn.frame or drawn.slide is None:
-        raise PinpressError(
-            f"{press.name} has no crank on the frame, or no slide: give a crank-slider or what with_opposed_balancer() makes of it"
-        )
-    return np.asarray(crank.place.translation)
-
-
-def _across(press: Linkage, drawn: PressPlan, guided: Sequence[str], shaft: Array) -> Array:
-    """The unit vector (3,) across the slide's line, to which the crank turns from bottom dead centre.
-
-    Raises:
-        PinpressError: The links that are guided on the frame do not all move on the slide's line through the shaft.
-    """
-    assert drawn.slide is not None
-    slide = drawn.body(drawn.slide)
-    ends = [(k.name, link, k.point) for k in drawn.pins for link in (k.link1, k.link2) if link in guided]
-    ends += [(each.joint, each.parent, each.place.translation) for each in drawn.bodies if each.parent in guided]
-    along = slide.place.rotation @ slide.axis
-    to_slide = next((point - shaft for _, link, point in ends if link == slide.link), along)
-    across = np.cross(drawn.normal, along) * (1.0 if to_slide @ along > 0 else -1.0)
-    for each in map(drawn.body, guided):
-        if abs(each.place.rotation @ each.axis @ across) > CENTRED:
-            raise PinpressError(
-                f"{press.name}: joint {each.joint!r} guides in another direction than the slide's; only one can be mirrored"
-            )
-    for name, _, point in ends:
-        if abs((point - shaft) @ across) > CENTRED * press.size:
-            raise PinpressError(
-                f"{press.name}: bearing {name!r} moves {abs((point - shaft) @ across):.6g} m beside the shaft; give a centred crank-slider"
-            )
-    return np.asarray(across)
-
-
-def _doubled(drawn: PressPlan, shared: Sequence[str], shaft: Array, across: Array, distance: float) -> PressPlan:
-    """The plan with all bodies but the shared ones halved in mass, shifted by half a distance [m] against ``across``, and mirrored about
-    the plane through the shaft that this direction (3,) is normal to. The right driver mimics the left one by -1."""
-    shift = -0.5 * distance * across
-
-    def named(name: str, side: str) -> str:
-        return name if name in (drawn.frame, *shared) else f"{name}_{side}"
-
-    def moved(point: Array, side: str) -> Array:
-        point = point + shift
-        return point if side == "left" else point - 2 * ((point - shaft) @ across) * across
-
-    def half(each: PlanBody, side: str) -> PlanBody:
-        # A mirrored frame keeps its axes, and what is fixed to it changes sides in it.
-        to = each.place.rotation.T @ across
-        mirror = np.eye(3) if side == "left" else np.eye(3) - 2 * np.outer(to, to)
-        whole = each.inertia
-        return PlanBody(
-            named(each.link, side),
-            pin.SE3(each.place.rotation, moved(each.place.translation, side)),
-            rigid_body(0.5 * whole.mass, mirror @ whole.lever, 0.5 * mirror @ whole.inertia @ mirror),
-            f"{each.joint}_{side}",
-            named(each.parent, side),
-            mirror @ each.axis,
-            each.limits,
-            f"{drawn.driver}_left" if each.joint == drawn.driver and side == "right" else None,
-        )
-
-    kept = [each for each in drawn.bodies if each.link in shared]
-    halves = [half(each, side) for side in SIDES for each in drawn.bodies if each.link not in shared]
-    pins = [(each, side) for side in SIDES for each in drawn.pins]
-    return replace(
-        drawn,
-        bodies=(*halves, *kept),
-        pins=tuple(PlanPin(f"{k.name}_{s}", k.type, named(k.link1, s), named(k.link2, s), moved(k.point, s)) for k, s in pins),
-        driver=f"{drawn.driver}_left",
-    )
-
-
-BELOW_ROUNDING = 1e-15  # of a quantity's size: what turned frames leave of a zero
-_MOMENTS = (("ixx", 0, 0), ("ixy", 0, 1), ("ixz", 0, 2), ("iyy", 1, 1), ("iyz", 1, 2), ("izz", 2, 2))
-
-
 @dataclass(frozen=True, eq=False, repr=False)
 class PlanBody:
     """A link and the joint that carries it, both with the same frame.
@@ -287,7 +134,7 @@ class PlanBody:
         joint: Name of the joint.
         parent: Name of the link that the joint is fixed to.
         axis: (3,) axis of the joint in the frame.
-        limits: Of a joint that slides: lower and upper [m], effort [N], velocity [m/s]; empty for a joint that turns.
+        limits: Lower and upper limit [m], effort [N] and velocity [m/s] of a joint that slides; empty for a joint that turns.
         leader: Name of the joint that this joint mimics by -1; None where it mimics none.
     """
 
@@ -322,7 +169,7 @@ class PlanPin:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class PressPlan:
-    """A planar press.
+    """A planar press, with every part at its place in the world in the closed drawn pose.
 
     Attributes:
         name: Name of the press.
@@ -354,7 +201,9 @@ class PressPlan:
 
 
 def plan_of(press: Linkage) -> PressPlan:
-    """The plan of a planar press without gear pairs. Links that are welded together are one body, with the name of the first or the slide.
+    """The plan of a planar press without gear pairs.
+
+    Links that are welded together are one body, with the name of the slide or else of the first of them.
 
     Raises:
         PinpressError: The press is not planar, or has gear pairs or several drivers.
@@ -383,7 +232,7 @@ def plan_of(press: Linkage) -> PressPlan:
 
 
 def press_of(plan: PressPlan, comment: str) -> Linkage:
-    """The press of a plan, loaded from its URDF, which has this comment. Raises what `load` raises."""
+    """Load the press of a plan from a URDF with a comment, which is written in memory. Raises as `load`."""
     places = {plan.frame: pin.SE3.Identity()} | {body.link: body.place for body in plan.bodies}
     content = [_link(plan.frame, plan.frame_inertia, plan.size)]
     content += [_link(body.link, body.inertia, plan.size) for body in plan.bodies]
@@ -398,6 +247,180 @@ def press_of(plan: PressPlan, comment: str) -> Linkage:
     press = loading.assembled(document, None, plan.slide, plan.gravity)
     loading.check_drawn_pose(press)
     return press
+
+
+def _auxiliary(
+    main: CrankSlider, crank_radius: float, rod_length: float | None, rod_mass: float | None, rod_inertia: float | None
+) -> CrankSlider:
+    """The auxiliary crank-slider; arguments as of `with_opposed_balancer`."""
+    radius, length, mass = _auxiliary_sizes(main, crank_radius, rod_length, rod_mass)
+    scale = radius / main.crank_radius
+    similar = main.rod_inertia * mass / main.rod_mass * (length / main.rod_length) ** 2
+    # A centre beside the line gives a mass moment; times the crank radius it must be that of the main rod.
+    share = complex(main.rod_share.real, main.rod_share.imag * main.rod_mass / (scale * mass))
+    counterweight = (main.reciprocating_mass / scale - mass * share).real
+    if not counterweight > 0:
+        raise PinpressError(
+            f"rod_mass is {mass:g} kg: its share at the far pin is more than the {main.reciprocating_mass.real / scale:g} kg that balance"
+            " the slide; take a lighter rod or a smaller crank_radius"
+        )
+    crank_mass = main.crank_mass / scale
+    return replace(
+        main,
+        rod="auxiliary_rod",
+        slide="counterweight",
+        crank_radius=radius,
+        rod_length=length,
+        crank_mass=crank_mass,
+        rod_mass=mass,
+        slide_mass=counterweight,
+        crank_centre=(main.rotating_product - radius * mass * (1 - share)) / crank_mass,
+        rod_centre=share * length,
+        crank_inertia=main.crank_inertia * scale,
+        rod_inertia=similar if rod_inertia is None else positive("rod_inertia", rod_inertia, "kg m2"),
+        direction=-main.direction,
+        across=-main.across,
+    )
+
+
+def _auxiliary_sizes(
+    main: CrankSlider, crank_radius: float, rod_length: float | None, rod_mass: float | None
+) -> tuple[float, float, float]:
+    """Crank radius [m], rod length [m] and rod mass [kg] of the auxiliary crank-slider."""
+    radius = positive("crank_radius", crank_radius, "m")
+    scale = radius / main.crank_radius
+    length = main.rod_length * scale if rod_length is None else positive("rod_length", rod_length, "m")
+    if not length > radius:
+        raise PinpressError(f"rod_length is {length:g} m, crank_radius {radius:g} m: for a full turn the rod must be longer")
+    return radius, length, main.rod_mass / scale if rod_mass is None else positive("rod_mass", rod_mass, "kg")
+
+
+def _with_auxiliary(drawn: PressPlan, main: CrankSlider, auxiliary: CrankSlider) -> PressPlan:
+    """The plan of a crank-slider with an auxiliary one on its crank, whose slide is the counterweight.
+
+    Both crank-sliders have one drawn angle and opposite directions.
+    """
+    crank, slide = drawn.body(main.crank), drawn.body(main.slide)
+    added = _auxiliary_crank(crank, auxiliary)
+    end = auxiliary.point(complex(auxiliary.drawn_reach))
+    return replace(
+        drawn,
+        bodies=(
+            *(replace(each, inertia=combined(each.inertia, added)) if each is crank else each for each in drawn.bodies),
+            _auxiliary_rod(auxiliary),
+            _counterweight(drawn.frame, slide, auxiliary, end),
+        ),
+        pins=(*drawn.pins, PlanPin("counterweight_pin", "spherical", auxiliary.rod, auxiliary.slide, end)),
+    )
+
+
+def _auxiliary_crank(crank: PlanBody, auxiliary: CrankSlider) -> pin.Inertia:
+    """Inertia of the auxiliary crank in the frame of the crank that it is part of."""
+    normal, into = np.cross(auxiliary.direction, auxiliary.across), crank.place.rotation.T
+    flat = 0.5 * (np.eye(3) + np.outer(normal, normal))  # tensor of a lamina in the plane, of unit inertia
+    centre = crank.place.actInv(auxiliary.point(auxiliary.crank_centre * auxiliary.drawn_crank))
+    return rigid_body(auxiliary.crank_mass, centre, auxiliary.crank_inertia * (into @ flat @ into.T))
+
+
+def _auxiliary_rod(auxiliary: CrankSlider) -> PlanBody:
+    normal, along = np.cross(auxiliary.direction, auxiliary.across), auxiliary.point(auxiliary.drawn_rod) - auxiliary.shaft
+    axes = np.stack([along, -normal, np.cross(normal, along)], axis=1)  # x along the rod, which turns about -y
+    place = pin.SE3(axes, auxiliary.point(auxiliary.crank_radius * auxiliary.drawn_crank))
+    centre = np.array([auxiliary.rod_centre.real, 0.0, auxiliary.rod_centre.imag])
+    inertia = rigid_body(auxiliary.rod_mass, centre, auxiliary.rod_inertia * np.diag([0.5, 1.0, 0.5]))
+    return PlanBody(auxiliary.rod, place, inertia, "auxiliary_pin", auxiliary.crank, np.array([0.0, -1.0, 0.0]))
+
+
+def _counterweight(frame: str, slide: PlanBody, auxiliary: CrankSlider, end: Array) -> PlanBody:
+    """The counterweight, guided parallel to the slide, with its centre of mass at its pin, whose place is ``end`` (3,) [m]."""
+    up = float(np.sign(auxiliary.direction @ slide.place.rotation @ slide.axis))
+    spare, distance = (1 + SPARE) * auxiliary.crank_radius, auxiliary.drawn_reach
+    low, high = sorted(up * (auxiliary.rod_length + sign * spare - distance) for sign in (-1, 1))
+    weight = rigid_body(auxiliary.slide_mass, np.zeros(3), slide.inertia.inertia * (auxiliary.slide_mass / slide.inertia.mass))
+    place = pin.SE3(slide.place.rotation, end)
+    return PlanBody(auxiliary.slide, place, weight, "counterweight_guide", frame, slide.axis, (low, high, *slide.limits[2:]))
+
+
+def _shaft(press: Linkage, drawn: PressPlan) -> Array:
+    """A point (3,) on the shaft of the crank, in world axes [m]."""
+    crank = next(each for each in drawn.bodies if each.joint == drawn.driver)
+    if crank.parent != drawn.frame or drawn.slide is None:
+        raise PinpressError(
+            f"{press.name} has no crank on the frame, or no slide: give a crank-slider or what with_opposed_balancer() makes of it"
+        )
+    return np.asarray(crank.place.translation)
+
+
+def _across(press: Linkage, drawn: PressPlan, guided: Sequence[str], shaft: Array) -> Array:
+    """The unit vector (3,) across the slide's line, in the direction in which the crank leaves bottom dead centre.
+
+    Raises:
+        PinpressError: The links that are guided on the frame do not all move on the slide's line through the shaft.
+    """
+    assert drawn.slide is not None
+    slide = drawn.body(drawn.slide)
+    ends = [(k.name, link, k.point) for k in drawn.pins for link in (k.link1, k.link2) if link in guided]
+    ends += [(each.joint, each.parent, each.place.translation) for each in drawn.bodies if each.parent in guided]
+    along = slide.place.rotation @ slide.axis
+    to_slide = next((point - shaft for _, link, point in ends if link == slide.link), along)
+    across = np.cross(drawn.normal, along) * (1.0 if to_slide @ along > 0 else -1.0)
+    for each in map(drawn.body, guided):
+        if abs(each.place.rotation @ each.axis @ across) > CENTRED:
+            raise PinpressError(
+                f"{press.name}: joint {each.joint!r} guides in another direction than the slide's; only one can be mirrored"
+            )
+    for name, _, point in ends:
+        if abs((point - shaft) @ across) > CENTRED * press.size:
+            raise PinpressError(
+                f"{press.name}: bearing {name!r} moves {abs((point - shaft) @ across):.6g} m beside the shaft; give a centred crank-slider"
+            )
+    return np.asarray(across)
+
+
+def _doubled(drawn: PressPlan, shared: Sequence[str], shaft: Array, across: Array, distance: float) -> PressPlan:
+    """The plan of both halves; see `mirrored`.
+
+    Args:
+        drawn: The plan of the press.
+        shared: Names of the links that both halves have in common.
+        shaft: (3,) point on the shaft, through which the mirror plane passes [m].
+        across: (3,) unit normal of the mirror plane; the left half is shifted against it.
+        distance: Distance of the shafts [m].
+    """
+    shift = -0.5 * distance * across
+
+    def named(name: str, side: str) -> str:
+        return name if name in (drawn.frame, *shared) else f"{name}_{side}"
+
+    def moved(point: Array, side: str) -> Array:
+        point = point + shift
+        return point if side == "left" else point - 2 * ((point - shaft) @ across) * across
+
+    def half(each: PlanBody, side: str) -> PlanBody:
+        # The frame of a mirrored link keeps its axes, so that points and axes in it are mirrored.
+        to = each.place.rotation.T @ across
+        mirror = np.eye(3) if side == "left" else np.eye(3) - 2 * np.outer(to, to)
+        whole = each.inertia
+        return PlanBody(
+            named(each.link, side),
+            pin.SE3(each.place.rotation, moved(each.place.translation, side)),
+            rigid_body(0.5 * whole.mass, mirror @ whole.lever, 0.5 * mirror @ whole.inertia @ mirror),
+            f"{each.joint}_{side}",
+            named(each.parent, side),
+            mirror @ each.axis,
+            each.limits,
+            f"{drawn.driver}_left" if each.joint == drawn.driver and side == "right" else None,
+        )
+
+    kept = [each for each in drawn.bodies if each.link in shared]
+    halves = [half(each, side) for side in SIDES for each in drawn.bodies if each.link not in shared]
+    pins = [(each, side) for side in SIDES for each in drawn.pins]
+    return replace(
+        drawn,
+        bodies=(*halves, *kept),
+        pins=tuple(PlanPin(f"{k.name}_{s}", k.type, named(k.link1, s), named(k.link2, s), moved(k.point, s)) for k, s in pins),
+        driver=f"{drawn.driver}_left",
+    )
 
 
 def _link(name: str, inertia: pin.Inertia, size: float) -> str:
@@ -434,5 +457,5 @@ def _placement(place: pin.SE3, size: float) -> dict[str, str]:
 
 
 def _written(numbers: Array | list[float], size: float = 0.0) -> str:
-    """Numbers as text; those that are rounding beside a size are zero."""
+    """Numbers as text; numbers that are rounding, relative to a size, are written as zero."""
     return " ".join(repr(float(number) if abs(number) > BELOW_ROUNDING * size else 0.0) for number in numbers)

@@ -1,10 +1,10 @@
-"""The centred crank-slider: read from a linkage, its slide's harmonics, the counterweights that balance it, and which harmonics of shaking
-force and tilting moment a change of the press cancels.
+"""The centred crank-slider: its lengths and masses, the harmonics of its slide, its counterweights, and a comparison of the harmonics of
+shaking force and tilting moment before and after a change.
 
 Points of a link are complex numbers along the line of its pins: the real part points to the far pin, the imaginary part across the line, to
-the side to which the line would turn with the crank. By static substitution a rod of mass m whose centre is at the share k of its length
-(complex where it lies off the line) counts as m (1 - k) at the crank pin and m k at the slide's pin: its inertia force is exactly theirs,
-its moment is not (`CrankSlider.residual_inertia`).
+the side to which the line would turn with the crank. By static substitution a rod of mass m with its centre at the share k of its length
+(complex where it lies off the line) counts as m (1 - k) at the crank pin and m k at the slide's pin. The inertia force of these masses is
+exactly that of the rod; their moment is not (`CrankSlider.residual_inertia`).
 """
 
 from __future__ import annotations
@@ -25,9 +25,12 @@ from ...linkage.linkage import Linkage
 from ..counterweights import Counterweight
 from .rotor import Correction
 
-CENTRED = 1e-9  # of the linkage's size: how far beside the shaft the rounded figures of a drawing may put the slide's pin
+CENTRED = 1e-9  # of the linkage's size: the rounded figures of a drawing may put the slide's pin this far beside the shaft
 LARGEST_RATIO = 1 - 1e-9  # of crank radius to rod length; nearer to 1 the series below has millions of terms
 SMALLEST_TERM = 1e-18  # of that series, beside its first
+ROUNDING = 1e-12  # of the largest bearing force: harmonics this small are rounding
+UNCHANGED = 1e-9  # of an amplitude: a harmonic that changes by less is unchanged
+SAME_SPEED = 1e-9  # relative: speeds are equal up to this difference
 
 
 @dataclass(frozen=True, eq=False)
@@ -103,21 +106,20 @@ class CrankSlider(Frozen):
 
     @property
     def rotating_product(self) -> complex:
-        """Mass times radius of what turns with the crank: of the crank, and of the rod's share at the crank pin [kg m]."""
+        """Mass times radius of the rotating masses: of the crank, and of the rod's share at the crank pin [kg m]."""
         return self.crank_mass * self.crank_centre + self.crank_radius * self.rod_mass * (1 - self.rod_share)
 
     @property
     def reciprocating_mass(self) -> complex:
-        """Mass of what moves with the slide: the slide and the rod's share at its pin [kg]. It is complex where the rod's centre is off its
-        line."""
+        """Mass of the slide and of the rod's share at its pin [kg]; complex where the rod's centre is off its line."""
         return self.slide_mass + self.rod_mass * self.rod_share
 
     @property
     def residual_inertia(self) -> float:
-        """J - m a (l - a) of a rod with its centre at a on its line [kg m2].
+        """J - m a (l - a) for a rod with its centre at a on its line [kg m2].
 
         Times the rod's angular acceleration it is the moment that static substitution leaves out. It is negative for rods whose mass is
-        between the pins: - m l^2 / 6 of a uniform rod.
+        between the pins: - m l^2 / 6 for a uniform rod.
         """
         return self.rod_inertia - self.rod_mass * (self.rod_centre.real * self.rod_length - abs(self.rod_centre) ** 2)
 
@@ -127,8 +129,7 @@ def as_crank_slider(press: Linkage) -> CrankSlider:
     """Read a press as a centred crank-slider. It may be drawn in any pose, and its slide may move in any direction.
 
     Raises:
-        PinpressError: The press is no crank-slider, or its slide's pin does not move on a line through the shaft; the message says what
-            differs.
+        PinpressError: The press is not a centred crank-slider; the message says what differs.
     """
     plane, at = press.plane_or_refuse(str(_refusal(press, "it is not planar, or has several drivers"))), poses(press, press.closed[None])
     crank, rod, slide = _bodies(press)
@@ -171,10 +172,10 @@ def as_crank_slider(press: Linkage) -> CrankSlider:
 def harmonic_coefficients(ratio: float, orders: int = 6) -> Array:
     """Harmonics A_k of the slide's acceleration r w^2 (cos q + A_2 cos 2q + A_4 cos 4q + ...) in a centred crank-slider.
 
-    The crank turns evenly. The acceleration is positive towards the shaft; q = 0 where the slide is farthest from it.
+    The crank turns at constant speed w. The acceleration is positive towards the shaft; q = 0 where the slide is farthest from it.
 
-    The coefficients are right to rounding for every lambda: with z = exp(2 i q) and b = (lambda / (1 + sqrt(1 - lambda^2)))^2,
-    sqrt(1 - lambda^2 sin^2 q) is sqrt(1 + b z) sqrt(1 + b / z) / (1 + b), whose binomial series in b are multiplied.
+    The coefficients are exact up to rounding for every lambda: with z = exp(2 i q) and b = (lambda / (1 + sqrt(1 - lambda^2)))^2,
+    sqrt(1 - lambda^2 sin^2 q) is sqrt(1 + b z) sqrt(1 + b / z) / (1 + b), and the binomial series of both roots are multiplied.
     A_2 = lambda + lambda^3 / 4 + ..., A_4 = - lambda^3 / 4 - ...; Zhang 2007, eq. 3.2.2, has A_2 = lambda alone.
 
     Args:
@@ -206,13 +207,12 @@ def harmonic_coefficients(ratio: float, orders: int = 6) -> Array:
 
 @typed
 def complete_balance(press: Linkage, *, rod_radius: float, crank_radius: float) -> tuple[Counterweight, Counterweight]:
-    """Counterweights on rod and crank with which the press's centre of mass stands still, so that its shaking force is its weight alone.
+    """Find the counterweights on rod and crank that keep the press's centre of mass at rest, so that it shakes with its weight alone.
 
-    Zhang 2007, 3.3, with its m' corrected.
-
-    On the rod, opposite to the slide: m'' r2 = m2 h2 + m3 l2, so that with it rod and slide weigh m_B = m'' + m2 + m3 in the crank pin. On
-    the crank, opposite to the pin: m' r1 = m_B l1 + m1 h1 (our text of the thesis has m2 l1 for m_B l1). As vectors, the counterweights
-    are on the side away from the centre of what they balance. Moment and driving torque are not balanced, and mostly grow.
+    Zhang 2007, 3.3, with m' corrected. The counterweight on the rod, opposite to the slide, has m'' r2 = m2 h2 + m3 l2. Then rod and slide
+    act on the crank pin as the mass m_B = m'' + m2 + m3. The counterweight on the crank, opposite to the pin, has m' r1 = m_B l1 + m1 h1
+    (our copy of the thesis prints m2 l1 for m_B l1). Where centres of mass are off the lines, these are sums of vectors. Moment and driving
+    torque are not balanced, and mostly grow.
 
     Args:
         press: A centred crank-slider.
@@ -234,17 +234,17 @@ def complete_balance(press: Linkage, *, rod_radius: float, crank_radius: float) 
 
 @typed
 def approximate_balance(press: Linkage, radius: float, *, share: float = 0.5) -> Counterweight:
-    """A counterweight on the crank for all that turns and a share of what reciprocates. Zhang 2007, 3.4.
+    """Find the counterweight on the crank for all rotating masses and a share of the reciprocating ones. Zhang 2007, 3.4.
 
-    m r = m1 e + k m2 b / l + share k m_C, opposite to the crank pin (as vectors), with m_C = m3 + m2 a / l. At constant speed w this is
-    left of the shaking force beside the weight: of first order (1 - share) m_C k w^2 along the slide's line and share m_C k w^2 across it;
-    the higher orders along it, m_C k w^2 A_2 and so on, stay as they are (`harmonic_coefficients`). Where the rod's centre is off its
-    line, m_C is complex, and both directions are turned by its angle.
+    Opposite to the crank pin, it has m r = m1 e + k m2 b / l + share k m_C (a sum of vectors), with the crank radius k and the
+    reciprocating mass m_C = m3 + m2 a / l. At constant speed w the shaking force keeps, beside the weight, the first order with
+    (1 - share) m_C k w^2 along the slide's line and share m_C k w^2 across it, and all higher orders along the line, m_C k w^2 A_2 and so
+    on (`harmonic_coefficients`). Where the rod's centre is off its line, m_C is complex, and both directions are turned by its angle.
 
     Args:
         press: A centred crank-slider.
         radius: From the shaft to the counterweight [m].
-        share: Share of the reciprocating mass that is balanced, from 0 (only what turns) to 1 (the first order is all across) [-].
+        share: Share of the reciprocating mass that is balanced, from 0 (rotating masses alone) to 1 (the first order is all across) [-].
 
     Returns:
         A point mass on the crank, for `with_counterweights`.
@@ -259,18 +259,63 @@ def approximate_balance(press: Linkage, radius: float, *, share: float = 0.5) ->
     return _on_crank(press, main, main.rotating_product + share * main.crank_radius * main.reciprocating_mass, radius)
 
 
-def _on_crank(press: Linkage, main: CrankSlider, product: complex, radius: float) -> Counterweight:
-    """The counterweight on the crank against a mass times radius, which is along the line from the shaft to the crank pin [kg m]."""
-    return _correction(press, main, main.crank, 0j, -product * main.drawn_crank).counterweight(main.crank, radius)
+@dataclass(frozen=True)
+class HarmonicChange:
+    """A harmonic before and after a change of the press.
+
+    Attributes:
+        quantity: "force along the slide" (vertical in an upright press), "force across the slide" (lateral) or "tilting moment".
+        order: Frequency divided by that of the crank; a fraction is possible where a press repeats itself only after several turns [-].
+        before: Amplitude before [N, or N m].
+        after: Amplitude after [N, or N m].
+        change: "cancelled" where only rounding is left, "reduced", "unchanged", "raised", or "none" where both amplitudes are rounding.
+    """
+
+    quantity: str
+    order: float
+    before: float
+    after: float
+    change: str
 
 
-def _correction(press: Linkage, main: CrankSlider, link: str, centre: complex, product: complex) -> Correction:
-    """The correction in the frame of a link. Centre and product are given from the shaft, along the slide's line and across it, in the
-    drawn pose."""
-    body = press.model.frames[press.model.getFrameId(link)].parentJoint
+@typed
+def compare_harmonics(before: Reactions, after: Reactions, *, orders: int = 6) -> tuple[HarmonicChange, ...]:
+    """Compare the harmonics of the shaking force and of the tilting moment of two presses.
+
+    The moment is about the shaft of the press before the change. Amplitudes below 1e-12 of the largest bearing force, or of its moment at
+    an arm of the linkage's size, count as rounding.
+
+    Args:
+        before: Reactions of a planar press over a period or more.
+        after: Reactions of the changed press, at that speed too.
+        orders: Highest order.
+
+    Returns:
+        Changes by quantity, then by order.
+
+    Raises:
+        PinpressError: A press is not planar or has no slide, or the motions are at different speeds, without a full period, or with too few
+            states for the orders.
+    """
+    for reactions in (before, after):
+        expect("reactions", reactions, Reactions, "inverse_dynamics")
+    press, (speed, other) = before._press, (np.abs(reactions.motion.crank_speed).max() for reactions in (before, after))
+    normal = press.plane_or_refuse(f"{press.name} is not planar: look at the harmonics of its shaking force one axis at a time").normal
+    if not abs(other - speed) <= SAME_SPEED * speed:
+        raise PinpressError("before and after are at different speeds, and forces grow with the speed squared: use one speed for both")
+    guide, _ = press.slide_guide
     at = poses(press, press.closed[None])
-    into = at.rotation[body, 0].T
-    return Correction(into @ (main.point(product) - main.shaft), into @ (main.point(centre) - at.position[body, 0]))
+    along = at.rotation[guide + 1, 0] @ press.axes[guide].direction
+    axes = np.array([along, np.cross(normal, along)])
+    shaft = at.position[press.driver_indices[0] + 1, 0]
+    (first, least1), (second, least2) = (_amplitudes(each, axes, normal, shaft, orders) for each in (before, after))
+    none = np.zeros(3)
+    return tuple(
+        HarmonicChange(quantity, order, was, now, _change(was, now, max(least1[k], least2[k])))
+        for k, quantity in enumerate(("force along the slide", "force across the slide", "tilting moment"))
+        for order in sorted({*first, *second})
+        for was, now in [(float(first.get(order, none)[k]), float(second.get(order, none)[k]))]
+    )
 
 
 def _bodies(press: Linkage) -> tuple[int, int, int]:
@@ -284,7 +329,7 @@ def _bodies(press: Linkage) -> tuple[int, int, int]:
     if parents[crank] != 0:
         raise _refusal(press, f"its driver {shown(press.driver)} does not turn on the frame")
     if len(guided) != 1 or not all(turns[j - 1] for j in range(1, 4) if j not in guided):
-        raise _refusal(press, "it has not one guide, on the frame, and else pins")
+        raise _refusal(press, "its joints are not pins and one guide on the frame")
     (rod,) = (j for j in range(1, 4) if j not in (crank, guided[0]))
     return crank, rod, guided[0]
 
@@ -306,76 +351,32 @@ def _inertia(plane: Plane, press: Linkage, body: int) -> float:
 
 
 def _refusal(press: Linkage, problem: str) -> PinpressError:
+    """The error that a press is not a centred crank-slider."""
     return PinpressError(
         f"{press.name} is no centred crank-slider: {problem}; give a press of crank, rod and slide, guided through the shaft"
     )
 
 
-ROUNDING = 1e-12  # of the largest bearing force: harmonics this small are rounding
-UNCHANGED = 1e-9  # of an amplitude: a change this small is none
-SAME_SPEED = 1e-9  # of a speed: a difference this small is none
+def _on_crank(press: Linkage, main: CrankSlider, product: complex, radius: float) -> Counterweight:
+    """The counterweight on the crank that balances a mass times radius, complex along the line from shaft to crank pin [kg m]."""
+    return _correction(press, main, main.crank, 0j, -product * main.drawn_crank).counterweight(main.crank, radius)
 
 
-@dataclass(frozen=True)
-class HarmonicChange:
-    """What became of one harmonic.
+def _correction(press: Linkage, main: CrankSlider, link: str, centre: complex, product: complex) -> Correction:
+    """The correction in the frame of a link.
 
-    Attributes:
-        quantity: "force along the slide" (vertical in an upright press), "force across the slide" (lateral) or "tilting moment".
-        order: Order of the crank's speed; also fractions where a press repeats itself only after several turns.
-        before: Amplitude before [N, or N m].
-        after: Amplitude after [N, or N m].
-        change: "cancelled" (it is rounding), "reduced", "unchanged", "raised", or "none" where there was and is nothing but rounding.
+    ``centre`` [m] and ``product`` [kg m] are complex numbers from the shaft in the drawn pose, as of `CrankSlider.point`.
     """
-
-    quantity: str
-    order: float
-    before: float
-    after: float
-    change: str
-
-
-@typed
-def compare_harmonics(before: Reactions, after: Reactions, *, orders: int = 6) -> tuple[HarmonicChange, ...]:
-    """Compare the harmonics of the shaking force and of the tilting moment of two presses.
-
-    The moment is about the shaft of the press before. What is below 1e-12 of the largest bearing force, or of its moment at an arm of the
-    linkage's size, is rounding.
-
-    Args:
-        before: Reactions of a planar press over a period or more.
-        after: Reactions of the changed press, at the same speed.
-        orders: Highest order.
-
-    Raises:
-        PinpressError: A press is not planar or has no slide, or the motions are at different speeds, without a full period, or with too few
-            states for the orders.
-    """
-    for reactions in (before, after):
-        expect("reactions", reactions, Reactions, "inverse_dynamics")
-    press, (speed, other) = before._press, (np.abs(reactions.motion.crank_speed).max() for reactions in (before, after))
-    normal = press.plane_or_refuse(f"{press.name} is not planar: look at the harmonics of its shaking force one axis at a time").normal
-    if not abs(other - speed) <= SAME_SPEED * speed:
-        raise PinpressError("before and after are at different speeds, with whose squares forces grow: make both motions with one speed")
-    guide, _ = press.slide_guide
+    body = press.model.frames[press.model.getFrameId(link)].parentJoint
     at = poses(press, press.closed[None])
-    along = at.rotation[guide + 1, 0] @ press.axes[guide].direction
-    axes = np.array([along, np.cross(normal, along)])
-    shaft = at.position[press.driver_indices[0] + 1, 0]
-    (first, least1), (second, least2) = (_amplitudes(each, axes, normal, shaft, orders) for each in (before, after))
-    none = np.zeros(3)
-    return tuple(
-        HarmonicChange(quantity, order, was, now, _change(was, now, max(least1[k], least2[k])))
-        for k, quantity in enumerate(("force along the slide", "force across the slide", "tilting moment"))
-        for order in sorted({*first, *second})
-        for was, now in [(float(first.get(order, none)[k]), float(second.get(order, none)[k]))]
-    )
+    into = at.rotation[body, 0].T
+    return Correction(into @ (main.point(product) - main.shaft), into @ (main.point(centre) - at.position[body, 0]))
 
 
 def _amplitudes(
     reactions: Reactions, axes: Array, normal: Array, shaft: Array, orders: int
 ) -> tuple[dict[float, Array], tuple[float, float, float]]:
-    """By order, amplitudes (3,) of the forces along and across and of the moment about the shaft, and what is rounding of each."""
+    """By order, amplitudes (3,) of the forces along and across and of the moment about the shaft; and below which each is rounding."""
     force = reactions.shaking_force
     moment = (reactions.shaking_moment - np.cross(shaft, force)) @ normal
     found = harmonics(reactions.motion, np.column_stack([force @ axes.T, moment]), orders)
@@ -390,6 +391,7 @@ def _amplitudes(
 
 
 def _change(before: float, after: float, least: float) -> str:
+    """The word for a change of an amplitude, as in `HarmonicChange`; below ``least`` an amplitude is rounding."""
     if after <= least:
         return "none" if before <= least else "cancelled"
     if abs(after - before) <= max(least, UNCHANGED * before):

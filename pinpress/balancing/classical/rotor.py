@@ -2,8 +2,8 @@
 
 A mass m at a radius r on a shaft that turns at the speed w pulls it outwards with m w^2 r. The sum of these forces vanishes where the sum
 of m r does (static balance, eq. 3.1.5), and their couples vanish too where the sum of a m r does, a being the place of the mass along the
-shaft (dynamic balance). One correction is enough for static balance; dynamic balance takes two in different planes. A correction that is a
-mass stands opposite the unbalance, a hole on its side.
+shaft (dynamic balance). One correction is enough for static balance; dynamic balance takes two in different planes. A mass is added
+opposite to the unbalance; a hole is drilled on its side.
 """
 
 from __future__ import annotations
@@ -27,10 +27,10 @@ ALONG_Y = np.array([0.0, 1.0, 0.0])  # the shaft's axis in the frames of our pre
 
 @dataclass(frozen=True, eq=False)
 class Correction(Frozen):
-    """What balances a rotor in one plane across its axis.
+    """A mass times radius that balances a rotor, in one plane across its axis.
 
     Attributes:
-        product: (3,) mass times radius of the mass to be added, in the rotor's frame [kg m].
+        product: (3,) mass times radius vector of the mass to be added, in the rotor's frame [kg m].
         centre: (3,) point where the plane meets the axis, in the rotor's frame [m].
     """
 
@@ -38,7 +38,11 @@ class Correction(Frozen):
     centre: Array
 
     def counterweight(self, link: str, radius: float) -> Counterweight:
-        """The mass to be added at a radius [m], on a link that has the rotor's frame.
+        """The counterweight of this correction.
+
+        Args:
+            link: Name of the link, which has the rotor's frame.
+            radius: Distance from the axis [m].
 
         Raises:
             PinpressError: The radius is not positive.
@@ -46,7 +50,11 @@ class Correction(Frozen):
         return self._at(link, radius, 1.0)
 
     def hole(self, link: str, radius: float) -> Counterweight:
-        """The mass to be taken away at a radius [m], on the other side, from a link that has the rotor's frame.
+        """The hole of this correction, on the side opposite to a counterweight.
+
+        Args:
+            link: Name of the link, which has the rotor's frame.
+            radius: Distance from the axis [m].
 
         Raises:
             PinpressError: The radius is not positive.
@@ -77,17 +85,28 @@ class RotorUnbalance(Frozen):
     couple: Array
 
     def static_balance(self, plane: float = 0.0) -> Correction:
-        """The correction in the plane at a place along the axis [m] with which the rotor rests at any angle."""
+        """The correction with which the rotor rests at any angle.
+
+        Args:
+            plane: Place of its plane along the axis [m].
+
+        Raises:
+            PinpressError: The place is not a finite number.
+        """
         (centre,) = self._centres([plane])
         return _correction(-self.static, centre)
 
     def two_plane_balance(self, planes: Sequence[float]) -> tuple[Correction, Correction]:
-        """The corrections in the planes at two places along the axis [m] that leave neither force nor couple.
+        """The corrections in two planes that leave neither force nor couple.
 
-        With u_a + u_b = -static and a u_a + b u_b = -couple: u_a = (b static - couple) / (a - b), u_b = (couple - a static) / (a - b).
+        From u_a + u_b = -static and a u_a + b u_b = -couple follow u_a = (b static - couple) / (a - b) and
+        u_b = (couple - a static) / (a - b).
+
+        Args:
+            planes: Places a and b of the two planes along the axis [m].
 
         Raises:
-            PinpressError: The places are not two, or they are the same.
+            PinpressError: The places are not two different finite numbers, or are too close together.
         """
         centres = self._centres(planes)
         if len(centres) != 2 or not np.ptp(planes) > 0:
@@ -108,8 +127,8 @@ def static_balance(masses: ArrayLike, positions: ArrayLike) -> Correction:
     """The correction that puts a rotor's centre of mass on its axis: minus the sum of m r. Zhang 2007, eq. 3.1.5.
 
     Args:
-        masses: (k,) masses that the balanced rotor has in addition, negative for holes [kg].
-        positions: (k, 3) in the rotor's frame, whose y axis is the shaft's axis [m].
+        masses: (k,) masses on an otherwise balanced rotor, negative for holes [kg].
+        positions: (k, 3) their places in the rotor's frame, whose y axis is the shaft's axis [m].
 
     Raises:
         PinpressError: An array has another shape, or values that are not finite.
@@ -121,16 +140,16 @@ def static_balance(masses: ArrayLike, positions: ArrayLike) -> Correction:
 def two_plane_balance(masses: ArrayLike, positions: ArrayLike, *, planes: Sequence[float]) -> tuple[Correction, Correction]:
     """The two corrections that leave a rotor neither force nor couple. Zhang 2007, 3.1.1 (2).
 
-    Every mass is shared between the planes a and b like a force on a beam, m (b - y) / (b - a) and m (y - a) / (b - a), and each share is
+    Each mass is shared between the planes a and b like a force on a beam, m (b - y) / (b - a) and m (y - a) / (b - a), and each share is
     balanced in its plane.
 
     Args:
-        masses: (k,) masses that the balanced rotor has in addition, negative for holes [kg].
-        positions: (k, 3) in the rotor's frame, whose y axis is the shaft's axis [m].
+        masses: (k,) masses on an otherwise balanced rotor, negative for holes [kg].
+        positions: (k, 3) their places in the rotor's frame, whose y axis is the shaft's axis [m].
         planes: Places of the two planes along y [m].
 
     Raises:
-        PinpressError: An array has another shape, or values that are not finite; the planes are not two, or they are the same.
+        PinpressError: An array has another shape or values that are not finite, or the planes are not two different places.
     """
     return _of_masses(masses, positions).two_plane_balance(planes)
 
@@ -140,8 +159,12 @@ def unbalance(press: Linkage, link: str) -> RotorUnbalance:
     """The unbalance of a link that turns on the frame, with all that is welded to it, from its inertia in the model.
 
     ``static`` is the mass times the centre of mass across the axis; ``couple`` is minus the products of inertia with the axis, about the
-    link's origin. The axis points to positive coordinates of the link's frame: along y in the presses shipped, whichever way the joint
-    turns.
+    link's origin. The axis points along positive coordinates of the link's frame (y in the shipped presses), regardless of the joint's
+    sense.
+
+    Args:
+        press: The press.
+        link: Name of the link.
 
     Raises:
         UnknownNameError: The press has no such link.
@@ -156,11 +179,12 @@ def unbalance(press: Linkage, link: str) -> RotorUnbalance:
     axis, body = press.axes[joint - 1].direction, press.model.inertias[joint]
     axis = axis * math.copysign(1.0, axis[np.abs(axis).argmax()])
     across = np.eye(3) - np.outer(axis, axis)
-    about_origin = body.inertia @ axis - body.mass * (body.lever @ axis) * body.lever  # but for what is along the axis
+    about_origin = body.inertia @ axis - body.mass * (body.lever @ axis) * body.lever  # its part along the axis is dropped below
     return RotorUnbalance(axis + 0.0, body.mass * across @ body.lever, -across @ about_origin)
 
 
 def _of_masses(masses: ArrayLike, positions: ArrayLike) -> RotorUnbalance:
+    """The unbalance of masses (k,) at positions (k, 3)."""
     mass, position = numbers("balancing of a rotor: masses", masses), numbers("balancing of a rotor: positions", positions)
     if mass.ndim != 1 or position.shape != (len(mass), 3):
         raise PinpressError(f"masses has shape {mass.shape}, positions {position.shape}: give (k,) masses and (k, 3) positions")
@@ -170,12 +194,13 @@ def _of_masses(masses: ArrayLike, positions: ArrayLike) -> RotorUnbalance:
 
 
 def _rotors(press: Linkage) -> dict[str, int]:
-    """The links that joints turn on the frame, with their joints, without links welded to these, whose frames are others."""
+    """The links that joints turn on the frame, with these joints. Links welded to them have other frames and are left out."""
     turning = [j for j, axis in enumerate(press.axes, 1) if axis.turns and press.model.parents[j] == 0]
     return {press.link_of(joint): joint for joint in turning}
 
 
 def _correction(product: Array, centre: Array) -> Correction:
+    """A correction; raises PinpressError where it is not finite."""
     if not np.isfinite(product).all():
         raise PinpressError("the correction of a rotor is not finite: its masses are too large, or its planes too close together")
     return Correction(product + 0.0, centre + 0.0)  # + 0.0: no -0.0
