@@ -28,8 +28,6 @@ if TYPE_CHECKING:
     from .time_solver import TimeSegment
 
 AGAIN = 4.0  # times the kinetic energy at which the crank stopped turning for sure, from which it is followed over its angle again
-CLOSER = 4  # steps of Newton's method to the end of a period
-PATIENCE = 20.0  # periods at the speed of the start, after which a period is given up
 LITTLE = 1e-4  # kinetic energy, beside the range of the potential one, below which the crank is not followed over its angle
 
 Progress = Callable[[float], None]
@@ -155,37 +153,18 @@ class OverTime:
         return False
 
     def advance(self, state: State, before: Sequence[Segment]) -> Leg:
-        from .time_solver import (
-            BY_STIFFNESS,
-            IMPLICIT,
-            Settings,
-            integrate,
-        )  # SciPy's integrators take long to import, and turning needs none
-
         problem, driven = self.problem, self.problem.driven
-        system = _reduced_system(driven)
         if self.threshold is None:
             self.threshold = _turning_energy(driven, state, before)
         elif state is self.handed:  # too early
             self.threshold *= AGAIN
-        method = IMPLICIT if problem.method == "implicit" else BY_STIFFNESS
-        segments: list[Segment] = []
+        system, segments = reduced_system(driven), list[Segment]()
         while True:
-            mode, y = _begun(system, state)
-            settings = Settings(problem.tolerance, _sizes(driven, y), problem.step, method)
             followed = _Followed(driven, self.threshold, state.speed, self.swings) if self.turns else None
-            try:
-                segment, y = integrate(system, mode, state.time, y, problem.until, settings, followed, self.progress)
-            except SimulationError as error:
-                least, where = _least_inertia(driven)
-                if least > 0 or isinstance(error, LawError):
-                    raise
-                angle = where if error.crank_angle is None else error.crank_angle
-                raise failure("no inertia", error.time, angle, inertia=least) from error
+            segment, state = self._integrated(system, state, followed)
             segments.append(segment)
             if segment.end >= problem.until:
                 return Leg(segments, None)
-            state = State(segment.end, float(y[0]), float(y[1]), y[-len(INTEGRALS) :])
             if followed is None or not followed.swung:
                 self.handed = state
                 return Leg(segments, state)
@@ -193,6 +172,24 @@ class OverTime:
             if swinging is not None:
                 return Leg([*segments, *swinging], None)
             self.swings = False
+
+    def _integrated(self, system: HybridSystem, state: State, followed: "_Followed | None") -> "tuple[TimeSegment, State]":
+        """What comes after a state, to the end or until it has been ``followed`` for long enough, and where it has come to."""
+        from .time_solver import BY_STIFFNESS, IMPLICIT, Settings, integrate  # SciPy's integrators take long to import: turning needs none
+
+        problem, driven = self.problem, self.problem.driven
+        mode, y = _begun(system, state)
+        method = IMPLICIT if problem.method == "implicit" else BY_STIFFNESS
+        settings = Settings(problem.tolerance, crank_sizes(driven, y), problem.step, method)
+        try:
+            segment, y = integrate(system, mode, state.time, y, problem.until, settings, followed, self.progress)
+        except SimulationError as error:
+            least, where = _least_inertia(driven)
+            if least > 0 or isinstance(error, LawError):
+                raise
+            angle = where if error.crank_angle is None else error.crank_angle
+            raise failure("no inertia", error.time, angle, inertia=least) from error
+        return segment, State(segment.end, float(y[0]), float(y[1]), y[-len(INTEGRALS) :])
 
 
 class _Followed:
@@ -229,7 +226,7 @@ def _swinging(system: HybridSystem, segment: "TimeSegment", tolerance: float, un
     if at == beyond:  # it stands, but for rounding
         return None
     mode, y = _begun(system, State(begin, float(at), 0.0, sample.integrals[:, 0]))
-    sizes = _sizes(system.driven, y)
+    sizes = crank_sizes(system.driven, y)
     sizes[:2] = abs(beyond - at), abs(beyond - at) * 2 * np.pi / (again - begin)
     followed = _Followed(system.driven, np.inf, 0.0, swings=True)
     end = begin + 2 * (again - begin)
@@ -251,53 +248,14 @@ class AllJointsOverTime:
         from .time_solver import Settings, integrate  # imports SciPy's integrators
 
         problem, driven, press = self.problem, self.problem.driven, self.problem.driven.press
-        angle, speed = problem.angle, problem.speed
         joints = FullDynamics(press, driven.coordinates, driven.inertias)
         system = HybridSystem(joints, driven)
-        several = len(press.drivers) > 1
+        angle, speed, several = problem.angle, problem.speed, len(press.drivers) > 1
         first = servo_cycle(press, angle=angle[None], speed=speed[None]) if several else motion_through_change_points(press, angle, speed)
         mode, y = system.begin(state.time, first.joint_position[0], first.v[0], state.integrals)
-        # sizes: of angles 1, of the speed that gravity gives them; travels count in lengths of the linkage
-        rate = max(float(np.abs(speed).max()), math.sqrt(float(np.linalg.norm(press.model.gravity.linear)) / press.size)) or 1.0
-        lengths = np.array([1.0 if axis.turns else press.size for axis in press.axes])
-        energy = joints.energy(np.concatenate([first.joint_position[0], rate * np.ones(joints.size)]))
-        of_states = _of_states(driven, len(y) - 2 * joints.size - len(INTEGRALS), rate)
-        sizes = np.concatenate([lengths, lengths * rate, of_states, [energy, energy, np.inf, energy]])
-        settings = Settings(problem.tolerance, sizes, problem.step)
+        settings = Settings(problem.tolerance, _joint_sizes(driven, joints, speed, y), problem.step)
         segment, _ = integrate(system, mode, state.time, y, problem.until, settings, progress=self.progress)
         return Leg([segment], None)
-
-
-def one_period(driven: DrivenPress, angle: float, start: Array, tolerance: float) -> tuple[Trajectory, Array]:
-    """A period of the reduced model over time, from a crank angle with speed and states of the drive (k,): its path, and these at its end.
-
-    Raises:
-        SimulationError: the crank does not get that far.
-    """
-    from .time_solver import Settings, integrate  # imports SciPy's integrators
-
-    assert driven.model.period is not None
-    system = _reduced_system(driven)
-    direction = 1.0 if start[0] > 0 else -1.0
-    target, patience = angle + direction * driven.model.period, PATIENCE * driven.model.period / abs(float(start[0]))
-    mode, y = system.begin(0.0, np.array([angle]), start[:1], np.zeros(len(INTEGRALS)), tuple(start[1:].tolist()))
-
-    def beyond(y: Array) -> bool:
-        return bool((y[0] - target) * direction >= 0)
-
-    most, y = integrate(system, mode, 0.0, y, patience, Settings(tolerance, _sizes(driven, y)), beyond)
-    if not beyond(y):
-        raise failure("too weak", float(patience), float(y[0]))
-    # the end by steps that meet it: the integrator's interpolation is less exact than its steps
-    since, mode, at, end = most.before(lambda y: float((y[0] - target) * direction))
-    segments, y = [most], at
-    for _ in range(CLOSER):
-        if end <= since:  # an event has ended the step before, just there
-            break
-        last, y = integrate(system, mode, since, at, end, Settings(tolerance, _sizes(driven, at)))
-        segments = [most, last]
-        end += float((target - y[0]) / y[1])
-    return Trajectory(segments), y[1 : -len(INTEGRALS)]
 
 
 def _begun(system: HybridSystem, state: State) -> tuple[Mode, Array]:
@@ -305,7 +263,8 @@ def _begun(system: HybridSystem, state: State) -> tuple[Mode, Array]:
     return system.begin(state.time, np.array([state.angle]), np.array([state.speed]), state.integrals)
 
 
-def _reduced_system(driven: DrivenPress) -> HybridSystem:
+def reduced_system(driven: DrivenPress) -> HybridSystem:
+    """The press as its crank alone, to be integrated over time."""
     return HybridSystem(ReducedDynamics(driven.model), driven)
 
 
@@ -315,16 +274,27 @@ def _energy(driven: DrivenPress, angle: float, speed: float) -> float:
     return 0.5 * inertia * speed**2
 
 
-def _sizes(driven: DrivenPress, y: Array) -> Array:
+def crank_sizes(driven: DrivenPress, y: Array) -> Array:
     """Sizes of the entries of the crank's vector."""
     inertia, potential = driven.model.coefficients[:, INERTIA, 0] + driven.inertia, driven.model.coefficients[:, POTENTIAL, 0]
     least = max(float(inertia.min()), float(np.finfo(float).tiny))
     speed = max(abs(float(y[1])), math.sqrt(2 * float(np.ptp(potential)) / least)) or 1.0
     energy = 0.5 * float(np.abs(inertia).max()) * speed**2
-    return np.array([1.0, speed, *_of_states(driven, len(y) - 2 - len(INTEGRALS), speed), energy, energy, np.inf, energy])
+    return np.array([1.0, speed, *_state_sizes(driven, len(y) - 2 - len(INTEGRALS), speed), energy, energy, np.inf, energy])
 
 
-def _of_states(driven: DrivenPress, count: int, speed: float) -> list[float]:
+def _joint_sizes(driven: DrivenPress, joints: FullDynamics, speed: Array, y: Array) -> Array:
+    """Sizes of the entries of the vector of all joints: of angles 1, of the speed that gravity gives them; travels count in lengths of the
+    linkage. ``speed``: (drivers,) at the start [rad/s]."""
+    press = driven.press
+    rate = max(float(np.abs(speed).max()), math.sqrt(float(np.linalg.norm(press.model.gravity.linear)) / press.size)) or 1.0
+    lengths = np.array([1.0 if axis.turns else press.size for axis in press.axes])
+    energy = joints.energy(np.concatenate([y[: joints.size], rate * np.ones(joints.size)]))
+    states = _state_sizes(driven, len(y) - 2 * joints.size - len(INTEGRALS), rate)
+    return np.concatenate([lengths, lengths * rate, states, [energy, energy, np.inf, energy]])
+
+
+def _state_sizes(driven: DrivenPress, count: int, speed: float) -> list[float]:
     """Sizes of a drive's states, and behind them of the speed of a clutch's driving side."""
     own = [] if driven.clutch is None else [speed]
     return [1.0] * (count - len(own)) + own

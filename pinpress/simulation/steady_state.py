@@ -25,22 +25,24 @@ from ..loads import caller_laws
 from ..loads.caller_laws import LawError
 from ..loads.link import Load
 from . import collocation
-from . import reduced_model as reduced
 from .angle_solver import angle_segment
-from .collocation import build_mesh, cuts, interpolate_onto, mesh_borders, stopping_panels
+from .collocation import CollocationSolution, build_mesh, cuts, interpolate_onto, mesh_borders, stopping_panels
 from .driven_press import DrivenPress, driven_press, listed
 from .failures import failure
 from .law_trials import asked_drive
+from .reduced_model import INERTIA
 from .run import Run, as_run, count_of
 from .simulate import tolerated
-from .solvers import SimulationProblem
+from .solvers import SimulationProblem, crank_sizes, reduced_system
 from .trajectory import INTEGRALS, State, Trajectory
 
 MOST_CUTS = 30
 PERIODS, MOST_PERIODS = 3, 60  # that a drive with states of its own is given to come near, and in all
 BESIDE = 1e-6  # share of speed and states by which they are changed, to see what a period makes of it
 SHARES = np.geomspace(0.25, 4.0, 33)  # of the speed given, that are tried first
-CLOSER = 3  # times that the range of speeds is narrowed, 32 times each
+NARROWED = 3  # times that the range of speeds is narrowed, 32 times each
+CLOSER = 4  # steps of Newton's method to the end of a period
+PATIENCE = 20.0  # periods at the speed of the start, after which a period is given up
 COMES_BACK = 1e-10  # difference of the crank's speed, beside itself, after a period of a steady state
 
 
@@ -77,48 +79,58 @@ def steady_state(
     count_of(points, 0.0)
     if not isinstance(press, Linkage) or len(press.drivers) > 1:
         raise PinpressError("a steady state is that of a press with one driver: give the Linkage that load returns")
-    start, guess, tolerance = number("angle", angle), number("speed", speed), tolerated(tolerance)
+    start, near, tolerance = number("angle", angle), _speed(speed), tolerated(tolerance)
     refuse_far("angle", np.array(start))
-    plausibility.speeds("speed", guess)
-    if not abs(guess) <= LARGEST:
-        raise PinpressError(f"speed is {guess:g}: give rad/s, {LARGEST:g} at most")
-    if guess == 0.0:
-        raise PinpressError("speed is 0: give the speed about which the press runs [rad/s]")
     listed(loads)
     refuse_scenarios("steady_state", speed, (drive, flywheel, *loads))
-    drive, loads = asked_drive(drive, guess), caller_laws.asked_loads(loads)
-    driven = driven_press(press, drive, flywheel, loads, None, None)
-    if drive is None or not isinstance(drive, Drive):
-        raise PinpressError(f"drive is {shown(drive)}: a steady state needs a motor, see pinpress.drives")
+    driven = driven_press(press, asked_drive(drive, near), flywheel, caller_laws.asked_loads(loads), None, None)
+    _refuse_without_steady_state(driven, drive)
+    with np.errstate(all="ignore"):  # what is not finite is refused where it arises
+        period = None if driven.timed else _over_angle(driven, start, near, tolerance)
+        if period is None:
+            period = _over_time(driven, start, near, tolerance)
+        speeds = period.at(np.zeros(1), complete=False).speed[:, 0]
+        problem = SimulationProblem(driven, "reduced", np.array([start]), speeds, period.segments[-1].end, tolerance)
+        return as_run(problem, period, points, began)
+
+
+def _speed(given: object) -> float:
+    """The speed about which the steady state is looked for [rad/s]."""
+    speed = number("speed", given)
+    plausibility.speeds("speed", speed)
+    if not abs(speed) <= LARGEST:
+        raise PinpressError(f"speed is {speed:g}: give rad/s, {LARGEST:g} at most")
+    if speed == 0.0:
+        raise PinpressError("speed is 0: give the speed about which the press runs [rad/s]")
+    return speed
+
+
+def _refuse_without_steady_state(driven: DrivenPress, given: object) -> None:
+    """Raise PinpressError where what is driven, by a drive as ``given``, can have no steady state."""
+    drive = driven.drive
+    if drive is None:
+        raise PinpressError(f"drive is {shown(given)}: a steady state needs a motor, see pinpress.drives")
     if (drive.timed and not drive.state) or any(force.time is not None for force in driven.forces):
         raise PinpressError("a drive or force that goes with time has no steady state: give motors and process loads that do not")
     if driven.model.period is None:
-        raise PinpressError(f"the crank of {press.name} does not turn fully: it has no steady state")
-    with np.errstate(all="ignore"):
-        path = None if driven.timed else _over_angle(driven, start, guess, tolerance)
-        if path is None:
-            path = _over_time(driven, start, guess, tolerance)
-        until = path.segments[-1].end
-        problem = SimulationProblem(
-            driven, "reduced", np.array([start]), path.at(np.zeros(1), complete=False).speed[:, 0], until, tolerance
-        )
-        return as_run(problem, path, points, began)
+        raise PinpressError(f"the crank of {driven.press.name} does not turn fully: it has no steady state")
+
+
+# --------------------------------------------------------------------------------------------------------------------------- over the angle
 
 
 def _over_angle(driven: DrivenPress, angle: float, speed: float, tolerance: float) -> Trajectory | None:
     """The periodic solution over the crank angle, None where it is not found so: the drive may be too stiff, or there may be none."""
-    table = driven.model
-    assert table.period is not None
-    direction = 1 if speed > 0 else -1
-    inertia = float(table.at(np.array([angle]))[0][reduced.INERTIA, 0]) + driven.inertia
-    ends = mesh_borders(driven, angle, direction, table.period)
-    near = _near(driven, ends, angle, speed)
+    model, direction = driven.model, 1 if speed > 0 else -1
+    assert model.period is not None
+    inertia = float(model.at(np.array([angle]))[0][INERTIA, 0]) + driven.inertia
+    borders = mesh_borders(driven, angle, direction, model.period)
+    near = _speed_near(driven, borders, angle, speed)
     if near is None:
         return None
-    energy = np.array([0.5 * inertia * near**2])
-    solution, guess = None, None
+    energy, solution = np.array([0.5 * inertia * near**2]), None
     for _ in range(MOST_CUTS):
-        mesh = build_mesh(driven, angle, direction, ends)
+        mesh = build_mesh(driven, angle, direction, borders)
         guess = None if solution is None else interpolate_onto(solution, mesh)
         if guess is None:  # the course of the speed matters: a drive may have no slope at the mean
             guess = collocation.solve(driven, mesh, energy).energy
@@ -128,16 +140,20 @@ def _over_angle(driven: DrivenPress, angle: float, speed: float, tolerance: floa
         energy = solution.ends[0]
         coarse = cuts(solution, len(mesh.kinds), 0.1 * tolerance, driven.corners)
         if not len(coarse):
-            change = abs(float(solution.ends[-1, 0] - solution.ends[0, 0])) / float(solution.ends.max())
-            if not change < COMES_BACK:
+            if not _comes_back(solution):
                 return None
             state = State(0.0, angle, float(direction * np.sqrt(2 * energy[0] / inertia)), np.zeros(len(INTEGRALS)))
             return Trajectory([angle_segment(driven, solution, len(mesh.kinds), state)])
-        ends = np.sort(np.concatenate([ends, coarse]))
+        borders = np.sort(np.concatenate([borders, coarse]))
     return None
 
 
-def _near(driven: DrivenPress, ends: Array, angle: float, speed: float) -> float | None:
+def _comes_back(solution: CollocationSolution) -> bool:
+    """Whether the kinetic energy at the end of a period is that of its start."""
+    return abs(float(solution.ends[-1, 0] - solution.ends[0, 0])) / float(solution.ends.max()) < COMES_BACK
+
+
+def _speed_near(driven: DrivenPress, borders: Array, angle: float, speed: float) -> float | None:
     """A speed close to the steady state's next to the one given: between one from which a period speeds the press up, and a higher one from
     which it slows down; None where there is none.
 
@@ -145,8 +161,8 @@ def _near(driven: DrivenPress, ends: Array, angle: float, speed: float) -> float
         SimulationError: nothing depends on the speed.
     """
     speeds = speed * SHARES
-    for _ in range(CLOSER):
-        mesh = build_mesh(driven, angle, 1 if speed > 0 else -1, ends)
+    for _ in range(NARROWED):
+        mesh = build_mesh(driven, angle, 1 if speed > 0 else -1, borders)
         energies = 0.5 * (mesh.inertia_ends[0] + driven.inertia) * speeds**2
         solution = collocation.solve(driven, mesh, energies)
         if solution.speed_free:  # nothing depends on the speed: no speed is better than another
@@ -161,30 +177,79 @@ def _near(driven: DrivenPress, ends: Array, angle: float, speed: float) -> float
     return float(speeds[len(speeds) // 2])
 
 
-def _over_time(driven: DrivenPress, angle: float, speed: float, tolerance: float) -> Trajectory:
-    """The periodic solution of speed and the drive's states over time: a few periods to come near, then Newton's method on what a period
-    makes of them."""
-    from .solvers import one_period  # imports SciPy's integrators
+# -------------------------------------------------------------------------------------------------------------------------------- over time
 
+
+def _over_time(driven: DrivenPress, angle: float, speed: float, tolerance: float) -> Trajectory:
+    """The periodic solution of speed and the drive's states over time.
+
+    Raises:
+        SimulationError: there is none near this speed.
+    """
     assert driven.drive is not None
-    at = np.array([speed, *driven.drive.state])
     try:
-        before = np.inf
-        for period in range(MOST_PERIODS):
-            path, after = one_period(driven, angle, at, tolerance)
-            change = float(np.max(np.abs(after - at) / np.maximum(np.abs(at), COMES_BACK)))
-            if change <= COMES_BACK:
-                return path
-            # a plain period wherever Newton's method has led away: corners of the drive are not for it
-            if period < PERIODS or change > 0.5 * before:
-                at, before = after, np.inf if period < PERIODS else 2.1 * change
-                continue
-            before, steps = change, BESIDE * np.maximum(np.abs(at), BESIDE)
-            columns = [(one_period(driven, angle, at + step, tolerance)[1] - after) / step[k] for k, step in enumerate(np.diag(steps))]
-            found = at + np.linalg.solve(np.eye(len(at)) - np.array(columns).T, after - at)
-            at = found if np.isfinite(found).all() and 0.8 < found[0] / at[0] < 1.25 else after
+        found = _shooting(driven, angle, np.array([speed, *driven.drive.state]), tolerance)
     except LawError:  # of the caller, whatever steady state there is
         raise
     except (SimulationError, np.linalg.LinAlgError) as error:
         raise failure("no steady state", speed=speed) from error
-    raise failure("no steady state", speed=speed)
+    if found is None:
+        raise failure("no steady state", speed=speed)
+    return found
+
+
+def _shooting(driven: DrivenPress, angle: float, start: Array, tolerance: float) -> Trajectory | None:
+    """A few periods to come near, then Newton's method on what a period makes of speed and states (k,); None where it finds nothing."""
+    before = np.inf
+    for count in range(MOST_PERIODS):
+        period, after = _period(driven, angle, start, tolerance)
+        change = float(np.max(np.abs(after - start) / np.maximum(np.abs(start), COMES_BACK)))
+        if change <= COMES_BACK:
+            return period
+        # a plain period wherever Newton's method has led away: corners of the drive are not for it
+        if count < PERIODS or change > 0.5 * before:
+            start, before = after, np.inf if count < PERIODS else 2.1 * change
+            continue
+        before = change
+        found = _newton_step(driven, angle, start, after, tolerance)
+        start = found if np.isfinite(found).all() and 0.8 < found[0] / start[0] < 1.25 else after
+    return None
+
+
+def _newton_step(driven: DrivenPress, angle: float, start: Array, after: Array, tolerance: float) -> Array:
+    """Speed and states (k,) nearer to those that come back than ``start``, of which a period makes those ``after``."""
+    steps = BESIDE * np.maximum(np.abs(start), BESIDE)
+    columns = [(_period(driven, angle, start + step, tolerance)[1] - after) / step[k] for k, step in enumerate(np.diag(steps))]
+    return np.asarray(start + np.linalg.solve(np.eye(len(start)) - np.array(columns).T, after - start))
+
+
+def _period(driven: DrivenPress, angle: float, start: Array, tolerance: float) -> tuple[Trajectory, Array]:
+    """A period of the reduced model over time, from a crank angle with speed and states of the drive (k,): its path, and these at its end.
+
+    Raises:
+        SimulationError: the crank does not get that far.
+    """
+    from .time_solver import Settings, integrate  # imports SciPy's integrators
+
+    assert driven.model.period is not None
+    system = reduced_system(driven)
+    direction = 1.0 if start[0] > 0 else -1.0
+    target, patience = angle + direction * driven.model.period, PATIENCE * driven.model.period / abs(float(start[0]))
+    mode, y = system.begin(0.0, np.array([angle]), start[:1], np.zeros(len(INTEGRALS)), tuple(start[1:].tolist()))
+
+    def beyond(y: Array) -> bool:
+        return bool((y[0] - target) * direction >= 0)
+
+    most, y = integrate(system, mode, 0.0, y, patience, Settings(tolerance, crank_sizes(driven, y)), beyond)
+    if not beyond(y):
+        raise failure("too weak", float(patience), float(y[0]))
+    # the end by steps that meet it: the integrator's interpolation is less exact than its steps
+    since, mode, at, end = most.before(lambda y: float((y[0] - target) * direction))
+    segments, y = [most], at
+    for _ in range(CLOSER):
+        if end <= since:  # an event has ended the step before, just there
+            break
+        last, y = integrate(system, mode, since, at, end, Settings(tolerance, crank_sizes(driven, at)))
+        segments = [most, last]
+        end += float((target - y[0]) / y[1])
+    return Trajectory(segments), y[1 : -len(INTEGRALS)]
