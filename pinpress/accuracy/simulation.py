@@ -153,9 +153,9 @@ def _left_out(peers: Sequence[Peer], solvers: Sequence[Solver], scene: Scene) ->
 
 def table_contest(press: Linkage) -> Contest:
     """Tables of the reduced inertia and potential energy with so many samples, judged between them."""
-    chosen = reduced_model.build(press, ())
+    chosen = reduced_model.build_reduced_model(press, ())
     angles = np.random.default_rng(0).uniform(chosen.borders[0], chosen.borders[-1], BETWEEN)
-    exact = reduced_model.sampled(press, angles, ())[:2]
+    exact = reduced_model.sample_rows(press, angles, ())[:2]
     ranges = np.maximum(np.ptp(exact, axis=1), np.finfo(float).tiny)
 
     def off(table: reduced_model.ReducedModel) -> float:
@@ -164,7 +164,7 @@ def table_contest(press: Linkage) -> Contest:
         return float((np.abs(missed).max(axis=1) / ranges).max())
 
     def entry(method: str, samples: int, panels: int | None) -> Contestant:
-        made = partial(reduced_model.build, press, (), panels)
+        made = partial(reduced_model.build_reduced_model, press, (), panels)
         number = None if panels is None else float(samples)
         return Contestant(
             TABLE, method, f"{samples} samples", number, made, lambda table: Errors(off(table), evaluations=table.evaluations)
@@ -172,7 +172,7 @@ def table_contest(press: Linkage) -> Contest:
 
     entries = [entry("reduced", panels * NODES, panels) for panels in PANELS]
     entries.append(entry("reduced, as many as resolve it", chosen.evaluations, None))
-    finest = reduced_model.build(press, (), 2 * PANELS[-1])
+    finest = reduced_model.build_reduced_model(press, (), 2 * PANELS[-1])
     return Contest(TABLE, tuple(entries), off(finest), f"the linkage itself and a table of {finest.evaluations} samples")
 
 

@@ -30,7 +30,7 @@ from .collocation import (
 )
 from .driven_press import DrivenPress
 from .failures import failure
-from .reduced_model import COORDINATES, INERTIA, WEIGHT, beyond
+from .reduced_model import COORDINATES, INERTIA, WEIGHT, lock_reached
 from .trajectory import INTEGRALS, RepetitionSegment, Sample, Segment, State, Trajectory
 
 SMALL = 1e-2  # swings shorter than this are followed over time: their forces are small differences [rad]
@@ -141,7 +141,7 @@ class AngleSolver:
         elif count < len(kinds) and self.state.time < self.until:
             return False
         elif self.model.period is None and self.state.time < self.until:
-            raise beyond(self.model, self.state.angle, self.state.time)
+            raise lock_reached(self.model, self.state.angle, self.state.time)
         elif kinds[0] == STEADY and len(kinds) < len(self.model.borders) + MOST_KEPT:
             self.before = solution
         return True
@@ -154,7 +154,7 @@ class AngleSolver:
         driven, model, anchor = self.driven, self.model, self.anchor
         extent = range_ahead(model, anchor, direction)
         if extent <= 2 * SAME:
-            raise beyond(model, self.state.angle, self.state.time)
+            raise lock_reached(model, self.state.angle, self.state.time)
         energy = self._energy()
         if 0 < energy[0] < LITTLE * model.potential_range:
             return None

@@ -34,12 +34,12 @@ from ..loads.link import Load
 from . import collocation
 from .angle_solver import MOST_PERIODS, drive_torque, nearly_at_rest, place_at
 from .collocation import CollocationSolution, Indices, build_mesh, cuts, interpolate_onto, mesh_borders, panel_integrals, stopping_panels
-from .driven_press import DrivenPress, driven_press, listed
+from .driven_press import DrivenPress, driven_press, refuse_unlisted_loads
 from .failures import failure
 from .law_trials import asked_drive
 from .reduced_model import COORDINATES, INERTIA, energies, reduced_model_of
-from .run import Run, allowed_error, count_of, energy_error
-from .simulate import refuse_long, simulate, tolerated
+from .run import Run, allowed_error, energy_error, state_count
+from .simulate import checked_tolerance, refuse_many_turns, simulate
 
 Mask = NDArray[np.bool_]
 
@@ -152,9 +152,9 @@ def simulate_batch(
     began = clock.perf_counter()
     if not isinstance(press, Linkage) or len(press.drivers) > 1:
         raise PinpressError("scenarios are those of a press with one driver: give the Linkage that load returns")
-    until, tolerance = number("duration", duration, positive=True), tolerated(tolerance)
-    states = count_of(points, 0.0)
-    listed(loads)
+    until, tolerance = number("duration", duration, positive=True), checked_tolerance(tolerance)
+    states = state_count(points, 0.0)
+    refuse_unlisted_loads(loads)
     if not _is_number(angle):
         raise PinpressError("angle is an array: scenarios start from the same crank angle; give one number [rad]")
     speeds, start = _speeds(speed, (drive, flywheel, *loads)), number("angle", angle)
@@ -162,7 +162,7 @@ def simulate_batch(
     drive, loads = asked_drive(drive, float(np.abs(speeds).max())), caller_laws.asked_loads(loads)
     if isinstance(drive, PrescribedSpeed):
         raise PinpressError("a drive that prescribes the speed leaves nothing to simulate in scenarios: use simulate")
-    refuse_long(speeds, until, start)
+    refuse_many_turns(speeds, until, start)
     plausibility.speeds("speed", speeds)
     scenarios = _Scenarios(press, until, start, speeds, (drive, flywheel, *loads), states, tolerance)
     with np.errstate(all="ignore"):  # what is not finite is refused where it arises

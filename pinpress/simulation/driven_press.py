@@ -26,9 +26,8 @@ from ..linkage.linkage import Linkage
 from ..loads import caller_laws
 from ..loads.link import Load, PointForce, SpringDamper
 from ..loads.process import ForceInterval, ProcessLoad, TimeForce
-from . import reduced_model
 from .law_trials import check_drive, check_load
-from .reduced_model import COORDINATES, ReducedModel
+from .reduced_model import COORDINATES, ReducedModel, build_reduced_model, reduced_model_of, roots
 
 if TYPE_CHECKING:
     from ..engines.spatial.forward_dynamics import ForwardDynamics
@@ -157,27 +156,27 @@ class DrivenPress:
 
     Attributes:
         press: the linkage.
+        inertia: of flywheel and drive at the (first) driver, a number or (S,) for S scenarios [kg m2].
+        inertias: the same of every driver, (drivers,) or (1, S).
+        coordinates: along which forces act; that of the slide, if there is one, comes first.
+        forces: of the loads, and where there are several drivers of their drives.
         drive: what turns its one driver by a torque; None: nothing, a prescribed speed, or the linkage has several drivers.
         prescribed: the speed at which its one driver is held, whatever torque that takes; None: it is not.
         flywheel: on the drive's side of the clutch.
         clutch: between drive and flywheel, and the crank; None: they turn together.
         brake: on the crank.
-        inertia: of flywheel and drive at the (first) driver, a number or (S,) for S scenarios [kg m2].
-        inertias: the same of every driver, (drivers,) or (1, S).
-        coordinates: along which forces act; that of the slide, if there is one, comes first.
-        forces: of the loads, and where there are several drivers of their drives.
     """
 
     press: Linkage
-    drive: Drive | None
-    prescribed: PrescribedSpeed | None
-    flywheel: Flywheel | None
-    clutch: Clutch | None
-    brake: Brake | None
     inertia: Any
     inertias: Array
     coordinates: tuple[Coordinate, ...]
     forces: tuple[GeneralizedForce, ...]
+    drive: Drive | None = None
+    prescribed: PrescribedSpeed | None = None
+    flywheel: Flywheel | None = None
+    clutch: Clutch | None = None
+    brake: Brake | None = None
 
     @property
     def timed(self) -> bool:
@@ -195,8 +194,8 @@ class DrivenPress:
         """The press reduced to its crank, with the coordinates of the forces."""
         press, coordinates = self.press, self.coordinates
         if len(coordinates) == (press.slide is not None):
-            return reduced_model.reduced_model_of(press)
-        return reduced_model.build(press, [partial(coordinate.over, press) for coordinate in coordinates])
+            return reduced_model_of(press)
+        return build_reduced_model(press, [partial(coordinate.over, press) for coordinate in coordinates])
 
     @cached_property
     def switch_angles(self) -> tuple[Array, ...]:
@@ -205,9 +204,9 @@ class DrivenPress:
         found = []
         for force in self.forces:
             row, borders = COORDINATES + force.row, force.borders()
-            found += [reduced_model.roots(self.model, row, border) for border in borders]
+            found += [roots(self.model, row, border) for border in borders]
             if borders:
-                found.append(reduced_model.roots(self.model, row, 0.0, slope=True))
+                found.append(roots(self.model, row, 0.0, slope=True))
         return tuple(found)
 
     @cached_property
@@ -234,17 +233,12 @@ def driven_press(press: Linkage, drive: object, flywheel: object, loads: Sequenc
             measured from a bottom dead centre that is not there.
         UnknownNameError: a load on a link that the linkage does not have.
     """
-    if drive is not None and not (isinstance(drive, Drive | PrescribedSpeed) and not isinstance(drive, type)):
-        raise PinpressError(f"drive is {shown(drive)}: give one of pinpress.drives, e.g. ConstantTorque(567.0) [N m]")
-    for name, value, kind in (("flywheel", flywheel, Flywheel), ("clutch", clutch, Clutch), ("brake", brake, Brake)):
-        if value is not None and not isinstance(value, kind):
-            raise PinpressError(f"{name} is {shown(value)}: give a {kind.__name__}(...)")
-    if isinstance(drive, PrescribedSpeed) and (clutch is not None or brake is not None):
-        raise PinpressError("a drive that prescribes the crank's speed leaves nothing to clutch and brake: leave them out")
+    _refuse_other_parts(drive, flywheel, clutch, brake)
+    assert isinstance(drive, Drive | PrescribedSpeed | None)
     assert isinstance(flywheel, Flywheel | None)
     assert isinstance(clutch, Clutch | None)
     assert isinstance(brake, Brake | None)
-    listed(loads)
+    refuse_unlisted_loads(loads)
     prescribed, drive = (drive, None) if isinstance(drive, PrescribedSpeed) else (None, drive)
     if drive is not None:
         check_drive(drive)
@@ -254,7 +248,29 @@ def driven_press(press: Linkage, drive: object, flywheel: object, loads: Sequenc
         inertia = inertia + drive.inertia
     if clutch is not None and not float(inertia) > 0:
         raise PinpressError("a clutch needs an inertia on its driving side: give a flywheel, or a drive with inertia")
-    return DrivenPress(press, drive, prescribed, flywheel, clutch, brake, inertia, np.array([inertia]), tuple(coordinates), tuple(forces))
+    return DrivenPress(
+        press=press,
+        inertia=inertia,
+        inertias=np.array([inertia]),
+        coordinates=tuple(coordinates),
+        forces=tuple(forces),
+        drive=drive,
+        prescribed=prescribed,
+        flywheel=flywheel,
+        clutch=clutch,
+        brake=brake,
+    )
+
+
+def _refuse_other_parts(drive: object, flywheel: object, clutch: object, brake: object) -> None:
+    """Raise PinpressError where a part is of the wrong kind, or clutch and brake have nothing to do."""
+    if drive is not None and not (isinstance(drive, Drive | PrescribedSpeed) and not isinstance(drive, type)):
+        raise PinpressError(f"drive is {shown(drive)}: give one of pinpress.drives, e.g. ConstantTorque(567.0) [N m]")
+    for name, value, kind in (("flywheel", flywheel, Flywheel), ("clutch", clutch, Clutch), ("brake", brake, Brake)):
+        if value is not None and not isinstance(value, kind):
+            raise PinpressError(f"{name} is {shown(value)}: give a {kind.__name__}(...)")
+    if isinstance(drive, PrescribedSpeed) and (clutch is not None or brake is not None):
+        raise PinpressError("a drive that prescribes the crank's speed leaves nothing to clutch and brake: leave them out")
 
 
 def press_with_drives(press: Linkage, drive: object, flywheel: object, loads: Sequence[Load], clutch: object, brake: object) -> DrivenPress:
@@ -263,7 +279,7 @@ def press_with_drives(press: Linkage, drive: object, flywheel: object, loads: Se
         raise PinpressError(f"{press.name} has {len(press.drivers)} drivers: clutch and brake are for one")
     drives: Mapping[str, Drive] = _by_driver(press, "drive", drive, Drive)
     flywheels: Mapping[str, Flywheel] = _by_driver(press, "flywheel", flywheel, Flywheel)
-    listed(loads)
+    refuse_unlisted_loads(loads)
     coordinates, forces = _of_loads(press, loads)
     inertias = np.zeros(len(press.drivers))
     for k, (name, joint) in enumerate(zip(press.drivers, press.driver_indices, strict=True)):
@@ -272,9 +288,9 @@ def press_with_drives(press: Linkage, drive: object, flywheel: object, loads: Se
         if name in drives:
             check_drive(drives[name])
             inertias[k] += drives[name].inertia
-            forces.append(_driving(len(coordinates), drives[name]))
+            forces.append(_driving_force(len(coordinates), drives[name]))
             coordinates.append(JointPosition(joint))
-    return DrivenPress(press, None, None, None, None, None, float(inertias[0]), inertias, tuple(coordinates), tuple(forces))
+    return DrivenPress(press, float(inertias[0]), inertias, tuple(coordinates), tuple(forces))
 
 
 def _by_driver(press: Linkage, name: str, given: object, kind: type) -> Mapping[str, Any]:
@@ -292,7 +308,7 @@ def _by_driver(press: Linkage, name: str, given: object, kind: type) -> Mapping[
     return by_joint
 
 
-def listed(loads: object) -> None:
+def refuse_unlisted_loads(loads: object) -> None:
     """Raise PinpressError where loads are no list."""
     if isinstance(loads, Load) and not isinstance(loads, type):
         raise PinpressError(f"loads is one {type(loads).__name__}: give a list, loads=[...]")
@@ -305,34 +321,34 @@ def _of_loads(press: Linkage, loads: Sequence[Load]) -> "tuple[list[Coordinate],
     coordinates: list[Coordinate] = [] if press.slide is None else [JointPosition(*press.slide_guide)]
     forces: list[GeneralizedForce] = []
     for load in loads:
-        coordinate: Coordinate | None = None
-        force: GeneralizedForce | None
-        if isinstance(load, PointForce):
-            coordinate, force = _point(press, load, len(coordinates))
-        elif isinstance(load, SpringDamper):
-            coordinate, force = _spring(press, load, len(coordinates))
-        elif isinstance(load, TimeForce):
-            check_load(load)
-            force = GeneralizedForce(_slide(press), 0.0, time=load.force, edges=tuple(load.edges))
-        elif isinstance(load, ProcessLoad) and not isinstance(load, type):
-            force = _process(press, load)
-        else:
-            raise PinpressError(f"load {shown(load)} is none: give a PointForce, a SpringDamper or one of pinpress.loads")
-        if coordinate is not None:
-            coordinates.append(coordinate)
-        if force is not None:
-            forces.append(force)
+        coordinate, force = _of_load(press, load, len(coordinates))
+        coordinates += [] if coordinate is None else [coordinate]
+        forces += [] if force is None else [force]
     return coordinates, forces
 
 
-def _driving(row: int, drive: Drive) -> GeneralizedForce:
-    """The torque of a drive along the angle of its joint, coordinate ``row``."""
+def _of_load(press: Linkage, load: Load, row: int) -> tuple[Coordinate | None, GeneralizedForce | None]:
+    """The force of a load, None where it does nothing; and its coordinate, which would be that of the ``row``, where it needs one of its
+    own."""
+    if isinstance(load, PointForce):
+        return _point_force(press, load, row)
+    if isinstance(load, SpringDamper):
+        return _spring(press, load, row)
+    if isinstance(load, TimeForce):
+        check_load(load)
+        return None, GeneralizedForce(_slide_row(press), 0.0, time=load.force, edges=tuple(load.edges))
+    if isinstance(load, ProcessLoad) and not isinstance(load, type):
+        return None, _process_force(press, load)
+    raise PinpressError(f"load {shown(load)} is none: give a PointForce, a SpringDamper or one of pinpress.loads")
 
+
+def _driving_force(row: int, drive: Drive) -> GeneralizedForce:
+    """The torque of a drive along the angle of its joint, coordinate ``row``."""
     always = (ForceInterval(math.inf, -math.inf, partial(_torque, drive)),)
     return GeneralizedForce(row, 0.0, always, always, drive=drive)
 
 
-def _slide(press: Linkage) -> int:
+def _slide_row(press: Linkage) -> int:
     """Row of the slide's position.
 
     Raises:
@@ -342,10 +358,10 @@ def _slide(press: Linkage) -> int:
     return 0
 
 
-def _process(press: Linkage, load: ProcessLoad) -> GeneralizedForce | None:
+def _process_force(press: Linkage, load: ProcessLoad) -> GeneralizedForce | None:
     check_load(load)
     rising, falling = load.intervals(downwards=False), load.intervals(downwards=True)
-    row = _slide(press)
+    row = _slide_row(press)
     if not rising and not falling:
         return None
     low, high = _turning_points(press, load)
@@ -383,10 +399,10 @@ def _turning_points(press: Linkage, load: ProcessLoad) -> tuple[float, float]:
             " give datum=, a slide position [m]"
         )
     try:
-        table, row = reduced_model.reduced_model_of(press), COORDINATES + _slide(press)
+        table, row = reduced_model_of(press), COORDINATES + _slide_row(press)
     except SimulationError:  # its shafts do not come back together: no table, but dead centres all the same
         return everywhere if load.datum is not None else (dead_centres(press).bottom_position, dead_centres(press).top_position)
-    turns = reduced_model.roots(table, row, 0.0, slope=True)
+    turns = roots(table, row, 0.0, slope=True)
     if not len(turns) and load.datum is not None:
         return everywhere
     if not len(turns):
@@ -395,7 +411,7 @@ def _turning_points(press: Linkage, load: ProcessLoad) -> tuple[float, float]:
     return float(position.min()), float(position.max())
 
 
-def _point(press: Linkage, load: PointForce, row: int) -> tuple[Coordinate | None, GeneralizedForce | None]:
+def _point_force(press: Linkage, load: PointForce, row: int) -> tuple[Coordinate | None, GeneralizedForce | None]:
     what = f"load on {shown(load.link)}"
     joint, point = applied_loads.place(press, load.link, load.point, what, "point")
     if callable(load.force) or np.ndim(load.force) != 1:
@@ -408,24 +424,24 @@ def _point(press: Linkage, load: PointForce, row: int) -> tuple[Coordinate | Non
         raise PinpressError(f"{what}: force has shape {force.shape}; give (3,), in world axes [N]")
     if not joint:  # on the frame, which does not move
         return None, None
-    constant = (ForceInterval(math.inf, -math.inf, _one, heeds_velocity=False),)
+    constant = (ForceInterval(math.inf, -math.inf, _constant_one, heeds_velocity=False),)
     return WorkOfForce((joint, point), force), GeneralizedForce(row, 0.0, constant, constant)
 
 
-def _one(position: Any, velocity: Any) -> Any:
+def _constant_one(position: Any, velocity: Any) -> Any:
     return position * 0.0 + 1.0
 
 
 def _spring(press: Linkage, load: SpringDamper, row: int) -> tuple[Coordinate, GeneralizedForce]:
     damped = bool(np.any(load.damping))
-    always = (ForceInterval(math.inf, -math.inf, partial(_push, load), heeds_velocity=damped),)
+    always = (ForceInterval(math.inf, -math.inf, partial(_spring_force, load), heeds_velocity=damped),)
     return Length(*applied_loads.spring_ends(load, press)), GeneralizedForce(row, 0.0, always, always)
 
 
 # Functions of the module, and not within others, so that what is simulated can be pickled.
 
 
-def _push(spring: SpringDamper, length: Any, rate: Any) -> Any:
+def _spring_force(spring: SpringDamper, length: Any, rate: Any) -> Any:
     return spring.stiffness * (spring.free_length - length) - spring.damping * rate
 
 

@@ -288,18 +288,18 @@ class HybridSystem:
 
     def events(self, mode: Mode) -> "tuple[Event, ...]":
         """All that ends a mode."""
-        couplings = [*self._of_coupling("clutch", mode.clutch), *self._of_coupling("brake", mode.brake)]
+        couplings = [*self._coupling_events("clutch", mode.clutch), *self._coupling_events("brake", mode.brake)]
         if mode.standing:
             starts = () if mode.brake.grip is HOLDING else (PressStarts(1), PressStarts(-1))
             return (*couplings, *starts)
         found: list[Event] = []
         for k, place in enumerate(mode.forces):
             if place is not None:
-                found += self._of_force(k, place)
+                found += self._force_events(k, place)
         found += [CornerPassed(k, corner, side) for k, (corner, side) in enumerate(zip(self.driven.corners, mode.sides, strict=True))]
         return (*found, *couplings)
 
-    def _of_force(self, k: int, place: ForceMode) -> "list[Event]":
+    def _force_events(self, k: int, place: ForceMode) -> "list[Event]":
         force, found = self.driven.forces[k], list[Event]()
         if math.isfinite(place.low):
             found.append(BorderPassed(k, force.row, place.low, upwards=False))
@@ -311,7 +311,7 @@ class HybridSystem:
             found.append(ContactChanges(k, force.row, force.datum, place.interval, place.pushing))
         return found
 
-    def _of_coupling(self, side: Side, mode: CouplingMode) -> "list[Event]":
+    def _coupling_events(self, side: Side, mode: CouplingMode) -> "list[Event]":
         coupling, found = getattr(self.driven, side), list[Event]()
         if coupling is None:
             return found
@@ -360,34 +360,34 @@ class HybridSystem:
         if not self.driven.forces or all(place is None for place in mode.forces):
             return mode
         if not self.dynamics.alone:  # the first crank's rest is not the linkage's
-            return self._looking(mode, position + AHEAD * speed, speed, moving=True)
+            return self._placed_at(mode, position + AHEAD * speed, speed, moving=True)
         if linkage.speed:
-            return self._looking(mode, position + LITTLE / abs(linkage.speed) * speed, speed, moving=True)
+            return self._placed_at(mode, position + LITTLE / abs(linkage.speed) * speed, speed, moving=True)
         still: Mode | None = None
         for way in (1.0, -1.0):
-            tried = self.looking(mode, position, way)
+            tried = self.starting(mode, position, way)
             acceleration = self.dynamics.of_crank(self.rates(tried, time, y)[n : 2 * n])
             if acceleration * way > 0 or mode.brake.grip is HOLDING:
                 return tried
             still = tried if acceleration == 0.0 else still
         if still is not None:
             return still
-        if self._waits:
+        if self._may_start_later:
             return mode._replace(standing=True)
         raise failure("stalls", time, linkage.angle)
 
     @cached_property
-    def _waits(self) -> bool:
+    def _may_start_later(self) -> bool:
         """Whether a press at rest may be started later: by the drive, a force in time, clutch or brake."""
         driven = self.driven
         drives = (driven.drive is not None and driven.drive.timed) or driven.clutch is not None or driven.brake is not None
         return drives or any(force.time is not None for force in driven.forces)
 
-    def looking(self, mode: Mode, position: Array, way: float) -> Mode:
+    def starting(self, mode: Mode, position: Array, way: float) -> Mode:
         """The mode with every force put where it is when the crank starts from rest, one way or the other."""
-        return self._looking(mode, *self.dynamics.moved(position, way * LITTLE), moving=False)
+        return self._placed_at(mode, *self.dynamics.moved(position, way * LITTLE), moving=False)
 
-    def _looking(self, mode: Mode, position: Array, speed: Array, moving: bool) -> Mode:
+    def _placed_at(self, mode: Mode, position: Array, speed: Array, moving: bool) -> Mode:
         """The mode with every force put where it is at a state a little ahead."""
         linkage = self.dynamics.at(position, speed)
         places = []
@@ -396,7 +396,7 @@ class HybridSystem:
             places.append(None if place is None else force_mode(force, value, rate > 0, value, rate if moving else 0.0))
         return mode._replace(forces=tuple(places))
 
-    def held(self, side: Side, mode: Mode, time: float, y: Array, at: Snapshot) -> float:
+    def holding_torque(self, side: Side, mode: Mode, time: float, y: Array, at: Snapshot) -> float:
         """Torque on the crank that a coupling has to transmit to hold [N m]."""
         if side == "clutch":
             free, torque = self.acceleration(mode, time, at), float(self.drive_torque(time, at))
@@ -404,7 +404,7 @@ class HybridSystem:
         needed = []
         ways = (1.0, -1.0) if any(force.rising is not force.falling for force in self.driven.forces) else (0.0,)
         for way in ways:
-            tried = self.looking(mode, y[: self.dynamics.size], way) if way else mode
+            tried = self.starting(mode, y[: self.dynamics.size], way) if way else mode
             here = self.at(y)  # anew: looking elsewhere has moved the linkage
             free, pushed = self.acceleration(tried, time, here), self.acceleration(tried, time, here, more=1.0)
             needed.append(-free / (pushed - free))  # the torque that leaves the crank at rest
@@ -564,7 +564,7 @@ class CouplingGrips(Event):
             y[n : 2 * n] = 0.0
         coupling: CouplingMode = getattr(mode, self.side)._replace(grip=HOLDING)
         mode = mode.with_coupling(self.side, coupling)
-        held = system.held(self.side, mode, time, y, system.at(y))
+        held = system.holding_torque(self.side, mode, time, y, system.at(y))
         if abs(held) > coupling.capacity(getattr(system.driven, self.side), time):  # it cannot hold: it slips on, the other way
             mode = mode.with_coupling(self.side, coupling._replace(grip=SLIPPING, sign=_sign(held)))
         return mode, y
@@ -579,11 +579,11 @@ class CouplingSlips(Event):
     coupling: Coupling
 
     def margin(self, system: HybridSystem, mode: Mode, time: float, y: Array, at: Snapshot) -> float:
-        return self.mode.capacity(self.coupling, time) - abs(system.held(self.side, mode, time, y, at))
+        return self.mode.capacity(self.coupling, time) - abs(system.holding_torque(self.side, mode, time, y, at))
 
     def after(self, system: HybridSystem, mode: Mode, time: float, y: Array, fastest: float) -> tuple[Mode, Array]:
         at = system.at(y)
-        held = system.held(self.side, mode, time, y, at)
+        held = system.holding_torque(self.side, mode, time, y, at)
         mode = mode.with_coupling(self.side, self.mode._replace(grip=SLIPPING, sign=_sign(held)))
         return _released(system, self.side, mode, time, y, at)
 
@@ -600,11 +600,11 @@ class PressStarts(Event):
 
     def _tending(self, system: HybridSystem, mode: Mode, time: float, y: Array, way: int) -> float:
         """Acceleration with which the crank would start one way."""
-        tried = system.looking(mode, y[: system.dynamics.size], way)
+        tried = system.starting(mode, y[: system.dynamics.size], way)
         return system.acceleration(tried, time, system.at(y))  # seen anew: looking elsewhere has moved the linkage
 
     def after(self, system: HybridSystem, mode: Mode, time: float, y: Array, fastest: float) -> tuple[Mode, Array]:
-        return system.looking(mode, y[: system.dynamics.size], self.way)._replace(standing=False), y
+        return system.starting(mode, y[: system.dynamics.size], self.way)._replace(standing=False), y
 
 
 def _relative_speed(side: Side, at: Snapshot) -> float:

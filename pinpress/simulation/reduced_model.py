@@ -27,7 +27,7 @@ from .failures import failure
 PANELS = 16  # a turn to begin with
 RESOLVED = 1e-11  # size of a polynomial's last terms beside the function
 NOISE, GAIN = 1e-8, 10.0  # below this size last terms that halving does not make less by this factor are rounding, near change points say
-SLACK = 1e-9  # beyond the range of a table, by rounding [rad]
+SLACK = 1e-9  # beyond the range of the model, by rounding [rad]
 FLAT = 1e-13  # range of the potential energy, beside its size, that is rounding
 HEIGHT = 1e-3  # of the potential energy: what its range, and its slope, are taken for at least
 NARROWEST = 1e-7  # panel [rad]: what it does not resolve lies at a lock
@@ -77,7 +77,7 @@ class ReducedModel:
             return np.asarray(angle - np.floor((angle - first) / self.period) * self.period)
         outside = (angle < first - SLACK) | (angle > self.borders[-1] + SLACK)
         if outside.any():
-            raise beyond(self, float(np.ravel(angle)[int(np.argmax(outside))]))
+            raise lock_reached(self, float(np.ravel(angle)[int(np.argmax(outside))]))
         return np.clip(angle, first, self.borders[-1])
 
     def at(self, angle: Array, derivative: bool = True) -> tuple[Array, Array]:
@@ -98,7 +98,7 @@ class ReducedModel:
         return value, slope / half
 
 
-def beyond(model: ReducedModel, angle: float, time: float | None = None) -> SimulationError:
+def lock_reached(model: ReducedModel, angle: float, time: float | None = None) -> SimulationError:
     """Why a motion leaves a model without a period."""
     low, high = np.degrees([model.borders[0], model.borders[-1]])
     return failure("runs against a lock", time, angle, low=low, high=high)
@@ -106,11 +106,11 @@ def beyond(model: ReducedModel, angle: float, time: float | None = None) -> Simu
 
 @per_linkage
 def reduced_model_of(press: Linkage) -> ReducedModel:
-    """The reduced model of a linkage with one driver, with the slide's position where it has a slide. Raises as `build`."""
-    return build(press, [lambda motion: motion.slide_position] if press.slide is not None else [])
+    """The reduced model of a linkage with one driver, with the slide's position where it has a slide. Raises as `build_reduced_model`."""
+    return build_reduced_model(press, [lambda motion: motion.slide_position] if press.slide is not None else [])
 
 
-def build(press: Linkage, coordinates: Sequence[Coordinate], panels: int | None = None) -> ReducedModel:
+def build_reduced_model(press: Linkage, coordinates: Sequence[Coordinate], panels: int | None = None) -> ReducedModel:
     """The reduced model of a linkage with one driver.
 
     Args:
@@ -132,7 +132,7 @@ def build(press: Linkage, coordinates: Sequence[Coordinate], panels: int | None 
     while len(starts):
         half = 0.5 * (ends - starts)
         angles = (starts + half)[:, None] + half[:, None] * rule.nodes
-        values = sampled(press, angles.ravel(), coordinates).reshape(-1, *angles.shape)
+        values = sample_rows(press, angles.ravel(), coordinates).reshape(-1, *angles.shape)
         points += angles.size
         missed = sizes.missed(values)
         rounding = (missed <= NOISE) & (missed > coarser / GAIN)  # halving a panel that is nearly resolved divides this by thousands
@@ -191,7 +191,7 @@ def _periods(press: Linkage, advance: Array) -> int:
     raise failure("no period", press_name=press.name, most=MOST_TURNS)
 
 
-def sampled(press: Linkage, angles: Array, coordinates: Sequence[Coordinate]) -> Array:
+def sample_rows(press: Linkage, angles: Array, coordinates: Sequence[Coordinate]) -> Array:
     """Rows (rows, n) at crank angles (n,)."""
     motion = motion_through_change_points(press, angles, 1.0)  # at unit speed rates are derivatives by the crank angle
     kinetic, potential, weight = press.engine().energies(motion.states(press))

@@ -112,7 +112,7 @@ def as_run(problem: SimulationProblem, trajectory: Trajectory, points: int | Non
     driven = problem.driven
     press, several = driven.press, len(driven.inertias) > 1
     allowed = None if problem.step is not None else allowed_error(problem.tolerance)
-    times = np.linspace(0.0, problem.until, count_of(points, trajectory.turns))
+    times = np.linspace(0.0, problem.until, state_count(points, trajectory.turns))
     sample = trajectory.at(times)
     position, speed, acceleration = sample.position, sample.speed, sample.acceleration
     if len(position) == 1:
@@ -149,7 +149,7 @@ def as_run(problem: SimulationProblem, trajectory: Trajectory, points: int | Non
         energy_error=float(error.max()),
         sensitivity=sensitivity,
     )
-    return _with(problem, trajectory, motion, stats, sample)
+    return _as_run(problem, trajectory, motion, stats, sample)
 
 
 def energy_error(kinetic: Array, potential: Array, drive_work: Array, load_work: Array, lost: Array) -> Array:
@@ -192,7 +192,7 @@ def _torques(driven: DrivenPress, speed: Array) -> Array:
     return torque
 
 
-def _with(problem: SimulationProblem, trajectory: Trajectory, motion: Motion, stats: Stats, sample: Sample) -> Run:
+def _as_run(problem: SimulationProblem, trajectory: Trajectory, motion: Motion, stats: Stats, sample: Sample) -> Run:
     kept = {field.name: getattr(motion, field.name) for field in fields(Motion) if field.init}
     integrals = dict(zip(INTEGRALS, sample.integrals, strict=True))
     run = Run(
@@ -213,7 +213,7 @@ def allowed_error(tolerance: float) -> float:
     return max(BALANCED, LOOSE * tolerance)
 
 
-def count_of(points: int | None, turns: float) -> int:
+def state_count(points: int | None, turns: float) -> int:
     """States to return, from those asked for or from the turns."""
     if points is None:
         return int(min(MOST_POINTS, max(POINTS, math.ceil(POINTS * turns)))) + 1

@@ -37,12 +37,12 @@ from ..linkage.linkage import Linkage
 from ..loads import caller_laws
 from ..loads.link import Load
 from .angle_solver import MOST_PERIODS, NEAR, AngleSegment, nearly_at_rest
-from .driven_press import DrivenPress, driven_press, listed, press_with_drives
+from .driven_press import DrivenPress, driven_press, press_with_drives, refuse_unlisted_loads
 from .failures import failure
 from .hybrid_system import HOLDING
 from .law_trials import asked_drive
 from .reduced_model import INERTIA, POTENTIAL, WEIGHT, ReducedModel, reduced_model_of
-from .run import Run, as_run, count_of
+from .run import Run, as_run, state_count
 from .solvers import SimulationProblem, march
 from .trajectory import RepetitionSegment, StandstillSegment, Trajectory
 
@@ -104,29 +104,23 @@ def simulate(
     began = clock.perf_counter()
     if not isinstance(press, Linkage):
         raise PinpressError(f"press is {shown(press)}: give a Linkage, as load returns it")
-    if not isinstance(method, str) or method not in METHODS:
-        raise PinpressError(f"unknown method {shown(method)}: write {', '.join(map(repr, METHODS[:-1]))} or {METHODS[-1]!r}")
-    if method == "auto":
-        method = "reduced" if len(press.drivers) == 1 else "constraint"
-    until, tolerance = number("duration", duration, positive=True), tolerated(tolerance)
-    fixed = None if step is None else number("step", step, positive=True)
-    if fixed is not None and fixed < until / MOST_STEPS:
-        raise PinpressError(
-            f"step is {fixed:g} s: with it the run takes more than {MOST_STEPS} steps; give a longer one, or a shorter duration"
-        )
+    method = _method(press, method)
+    until, tolerance = number("duration", duration, positive=True), checked_tolerance(tolerance)
+    fixed = _fixed_step(step, until)
     if progress is not None and (not callable(progress) or isinstance(progress, type)):
         raise PinpressError(f"progress is {shown(progress)}: give a function of the time reached [s]")
-    count_of(points, 0.0)
-    listed(loads)
+    state_count(points, 0.0)
+    refuse_unlisted_loads(loads)
     if len(press.drivers) == 1:
         refuse_scenarios("simulate", speed, (drive, flywheel, *loads))
     angles, speeds = _start(press, "angle", angle), _start(press, "speed", speed)
     drive, loads = asked_drive(drive, float(np.abs(speeds).max())), caller_laws.asked_loads(loads)
     refuse_far("angle", angles)
-    refuse_long(speeds, until, float(angles[0]))
+    refuse_many_turns(speeds, until, float(angles[0]))
     plausibility.speeds("speed", speeds)
     with np.errstate(all="ignore"):  # what is not finite is refused where it arises
-        problem = _problem(press, method, (drive, flywheel, loads, clutch, brake), angles, speeds, until, tolerance, fixed)
+        driven = _driven(press, method, drive, flywheel, loads, clutch, brake)
+        problem = _problem(driven, method, angles, speeds, until, tolerance, fixed)
         trajectory = march(problem, progress)
         run = as_run(problem, trajectory, points, began, start_sensitivity(problem, trajectory))
     if (since := trajectory.standing) is not None:
@@ -137,42 +131,62 @@ def simulate(
     return run
 
 
+def _method(press: Linkage, given: str) -> str:
+    """The method asked for, of "auto" that which it is for this press."""
+    if not isinstance(given, str) or given not in METHODS:
+        raise PinpressError(f"unknown method {shown(given)}: write {', '.join(map(repr, METHODS[:-1]))} or {METHODS[-1]!r}")
+    if given == "auto":
+        return "reduced" if len(press.drivers) == 1 else "constraint"
+    return given
+
+
+def _fixed_step(given: float | None, until: float) -> float | None:
+    """The step of the Runge-Kutta method [s], if it is one with which a run comes to its end."""
+    if given is None:
+        return None
+    step = number("step", given, positive=True)
+    if step < until / MOST_STEPS:
+        raise PinpressError(
+            f"step is {step:g} s: with it the run takes more than {MOST_STEPS} steps; give a longer one, or a shorter duration"
+        )
+    return step
+
+
+def _driven(
+    press: Linkage, method: str, drive: object, flywheel: object, loads: Sequence[Load], clutch: object, brake: object
+) -> DrivenPress:
+    """The press with its parts. Raises as `driven_press`, and where the method is not for its drivers."""
+    if len(press.drivers) == 1:
+        return driven_press(press, drive, flywheel, loads, clutch, brake)
+    if method != "constraint":
+        raise PinpressError(f"{press.name} has {len(press.drivers)} drivers: method='constraint' simulates it")
+    return press_with_drives(press, drive, flywheel, loads, clutch, brake)
+
+
 def _problem(
-    press: Linkage,
-    method: str,
-    parts: tuple[object, object, Sequence[Load], object, object],
-    angles: Array,
-    speeds: Array,
-    until: float,
-    tolerance: float,
-    step: float | None,
+    driven: DrivenPress, method: str, angles: Array, speeds: Array, until: float, tolerance: float, step: float | None
 ) -> SimulationProblem:
-    """The problem of arguments that are checked one by one; ``parts``: drive, flywheel, loads, clutch, brake.
+    """The problem of arguments that are checked one by one.
 
     Raises:
-        PinpressError: parts that make no sense, or do not go together with each other or the method.
+        PinpressError: arguments that do not go together.
     """
-    if len(press.drivers) > 1:
-        if method != "constraint":
-            raise PinpressError(f"{press.name} has {len(press.drivers)} drivers: method='constraint' simulates it")
-        driven = press_with_drives(press, *parts)
-    else:
-        driven = driven_press(press, *parts)
-    if driven.prescribed is not None:
+    prescribed = driven.prescribed
+    if prescribed is not None:
         if step is not None or any(force.time is not None for force in driven.forces):
             raise PinpressError(
                 "a drive that prescribes the speed leaves nothing to integrate: leave step out; for forces in time use cycle and"
                 " inverse_dynamics"
             )
-        if speeds[0] not in (0.0, driven.prescribed.speed):
-            raise PinpressError(f"speed is {speeds[0]:g}, but the drive prescribes {driven.prescribed.speed:g} rad/s: leave speed out")
-        method, speeds = "reduced", np.array([driven.prescribed.speed])
+        if speeds[0] not in (0.0, prescribed.speed):
+            raise PinpressError(f"speed is {speeds[0]:g}, but the drive prescribes {prescribed.speed:g} rad/s: leave speed out")
+        method, speeds = "reduced", np.array([prescribed.speed])
     if method == "implicit" and step is not None:
         raise PinpressError("step is of the classical Runge-Kutta method: leave it out with method='implicit'")
     return SimulationProblem(driven, method, angles, speeds, until, tolerance, step)
 
 
-def refuse_long(speeds: Array, until: float, angle: float) -> None:
+def refuse_many_turns(speeds: Array, until: float, angle: float) -> None:
     """Raise SimulationError where the run would be too long to be kept."""
     if not float(np.abs(speeds).max()) * until <= 2 * np.pi * MOST_PERIODS:
         raise failure("too many turns", 0.0, angle, most=MOST_PERIODS)
@@ -188,7 +202,7 @@ def _start(press: Linkage, name: str, value: ArrayLike) -> Array:
     return np.broadcast_to(given, (len(press.drivers),)).copy()
 
 
-def tolerated(tolerance: float) -> float:
+def checked_tolerance(tolerance: float) -> float:
     """A tolerance, if it is one that can be kept."""
     value = number("tolerance", tolerance, positive=True)
     if not LEAST_TOLERANCE <= value <= 1e-2:

@@ -27,12 +27,12 @@ from ..loads.link import Load
 from . import collocation
 from .angle_solver import angle_segment
 from .collocation import CollocationSolution, build_mesh, cuts, interpolate_onto, mesh_borders, stopping_panels
-from .driven_press import DrivenPress, driven_press, listed
+from .driven_press import DrivenPress, driven_press, refuse_unlisted_loads
 from .failures import failure
 from .law_trials import asked_drive
 from .reduced_model import INERTIA
-from .run import Run, as_run, count_of
-from .simulate import tolerated
+from .run import Run, as_run, state_count
+from .simulate import checked_tolerance
 from .solvers import SimulationProblem, crank_sizes, reduced_system
 from .trajectory import INTEGRALS, State, Trajectory
 
@@ -76,12 +76,12 @@ def steady_state(
             speed, as a constant torque does.
     """
     began = clock.perf_counter()
-    count_of(points, 0.0)
+    state_count(points, 0.0)
     if not isinstance(press, Linkage) or len(press.drivers) > 1:
         raise PinpressError("a steady state is that of a press with one driver: give the Linkage that load returns")
-    start, near, tolerance = number("angle", angle), _speed(speed), tolerated(tolerance)
+    start, near, tolerance = number("angle", angle), _speed(speed), checked_tolerance(tolerance)
     refuse_far("angle", np.array(start))
-    listed(loads)
+    refuse_unlisted_loads(loads)
     refuse_scenarios("steady_state", speed, (drive, flywheel, *loads))
     driven = driven_press(press, asked_drive(drive, near), flywheel, caller_laws.asked_loads(loads), None, None)
     _refuse_without_steady_state(driven, drive)

@@ -73,7 +73,7 @@ def test_a_brake_is_a_coupling_to_the_frame(press, speed):
     assert system.rates(mode, 0.0, y)[-1] == pytest.approx(50.0 * abs(speed), rel=1e-15)  # lost
     held, rest = grips.after(system, mode, 0.1, y, abs(speed))
     assert rest[1] == 0.0
-    assert held.brake.grip is (SLIPPING if system.held("brake", held, 0.1, rest, system.at(rest)) > 50.0 else HOLDING)
+    assert held.brake.grip is (SLIPPING if system.holding_torque("brake", held, 0.1, rest, system.at(rest)) > 50.0 else HOLDING)
 
 
 def test_a_press_that_stands_waits_for_its_drive_alone(press):

@@ -1047,9 +1047,9 @@ def test_a_run_of_more_turns_than_are_kept_is_refused_before_it_begins():
     most = 2 * math.pi * angle_solver.MOST_PERIODS
     for speeds, until in (([1.0, -most * (1 + 1e-9)], 1.0), ([0.0, 2.0], 0.5 * most * (1 + 1e-9))):
         with pytest.raises(pp.SimulationError, match=f"more than {angle_solver.MOST_PERIODS} turns") as caught:
-            simulation.refuse_long(np.array(speeds), until, 0.7)
+            simulation.refuse_many_turns(np.array(speeds), until, 0.7)
         assert (caught.value.time, caught.value.crank_angle) == (0.0, 0.7)
-    simulation.refuse_long(np.array([-most * (1 - 1e-9), 1.0]), 1.0, 0.7)
+    simulation.refuse_many_turns(np.array([-most * (1 - 1e-9), 1.0]), 1.0, 0.7)
 
 
 @pytest.mark.one_in(2)
