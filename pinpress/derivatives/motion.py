@@ -26,7 +26,7 @@ from ..common.errors import PinpressError, UnknownNameError, shown
 from ..common.frozen import Frozen
 from ..common.quantities import Array, ComplexArray
 from ..engines.joints import product
-from ..engines.planar.kinematics import basis, basis_acceleration, basis_velocity, factored, solve
+from ..engines.planar.kinematics import basis_acceleration, basis_at, basis_velocity, factored, solve
 from ..engines.planar.model import Plane
 from ..kinematics.motion import Motion
 from ..linkage.linkage import Linkage
@@ -125,26 +125,26 @@ class States(NamedTuple):
     """
 
     plane: Plane
-    at: ComplexArray
+    basis: ComplexArray
     rows: ComplexArray
     factors: list[Any]
 
     @staticmethod
     def of(plane: Plane, position: Array) -> States:
         """The states of closed joint coordinates (nv, n)."""
-        at = basis(plane, position)
-        rows = product(plane.closure, at)
-        return States(plane, at, rows, factored(plane, rows))
+        basis = basis_at(plane, position)
+        rows = product(plane.closure, basis)
+        return States(plane, basis, rows, factored(plane, rows))
 
     def solve(self, opened: ComplexArray) -> Array:
         """The rates (nv, n) of the joints, the driver's zero, that close loops which open at rates (loops, n)."""
-        result = np.zeros((len(self.plane.parents), self.at.shape[1]))
+        result = np.zeros((len(self.plane.parents), self.basis.shape[1]))
         solve(self.plane, self.rows, self.factors, [*-opened, *[None] * len(self.plane.offsets)], result)
         return result
 
     def slope(self, by: Shift) -> Array:
         """The derivative (nv, n) of the joint coordinates at fixed crank angle."""
-        return self.solve(product(by.closure[: len(self.plane.loop_points)], self.at))
+        return self.solve(product(by.closure[: len(self.plane.loop_points)], self.basis))
 
 
 class Rates(NamedTuple):
@@ -164,7 +164,7 @@ class Rates(NamedTuple):
 
     @staticmethod
     def of(states: States, v: Array, a: Array) -> Rates:
-        return Rates(v, a, basis_velocity(states.plane, states.at, v), basis_acceleration(states.plane, states.at, v, a))
+        return Rates(v, a, basis_velocity(states.plane, states.basis, v), basis_acceleration(states.plane, states.basis, v, a))
 
 
 class Tangent(NamedTuple):
@@ -194,9 +194,9 @@ class Tangent(NamedTuple):
         plane = states.plane
         loops = len(plane.loop_points)
         moved, rows = by.closure[:loops], plane.closure[:loops]
-        opened = product(moved, states.at)
+        opened = product(moved, states.basis)
         position = states.solve(opened)
-        turned = basis_velocity(plane, states.at, position)
+        turned = basis_velocity(plane, states.basis, position)
         if plane.redundant:
             _refuse_contradiction(opened + product(rows, turned), by)
         still = np.zeros_like(position)
@@ -215,12 +215,12 @@ def _first_turned(plane: Plane, states: States, rates: Rates, turned: ComplexArr
     turning = len(plane.revolute)
     spin, spin_turned = plane.turn @ rates.v, plane.turn @ v
     result = np.zeros_like(turned)
-    result[1 : 1 + turning] = 1j * (spin * turned[1 : 1 + turning] + spin_turned * states.at[1 : 1 + turning])
+    result[1 : 1 + turning] = 1j * (spin * turned[1 : 1 + turning] + spin_turned * states.basis[1 : 1 + turning])
     for row, (joint, rotor) in enumerate(zip(plane.prismatic, plane.guide_rotors, strict=True), 1 + turning):
-        result[row] = v[joint] * states.at[rotor]
+        result[row] = v[joint] * states.basis[rotor]
         if rotor:
             result[row] += rates.v[joint] * turned[rotor]
-            result[row] += 1j * (spin[rotor - 1] * turned[row] + spin_turned[rotor - 1] * states.at[row])
+            result[row] += 1j * (spin[rotor - 1] * turned[row] + spin_turned[rotor - 1] * states.basis[row])
     return result
 
 
@@ -237,7 +237,7 @@ def _second_turned(plane: Plane, states: States, rates: Rates, turned: ComplexAr
     factor = 1j * (plane.turn @ rates.a) - spin * spin
     factor_turned = 1j * (plane.turn @ a) - 2 * spin * spin_turned
     result = np.zeros_like(turned)
-    result[1 : 1 + turning] = factor * turned[1 : 1 + turning] + factor_turned * states.at[1 : 1 + turning]
+    result[1 : 1 + turning] = factor * turned[1 : 1 + turning] + factor_turned * states.basis[1 : 1 + turning]
     for row, (joint, rotor) in enumerate(zip(plane.prismatic, plane.guide_rotors, strict=True), 1 + turning):
         if not rotor:
             result[row] = a[joint]
@@ -245,8 +245,8 @@ def _second_turned(plane: Plane, states: States, rates: Rates, turned: ComplexAr
         k = rotor - 1
         along = rates.a[joint] + 2j * spin[k] * rates.v[joint]
         along_turned = a[joint] + 2j * (spin_turned[k] * rates.v[joint] + spin[k] * v[joint])
-        result[row] = along * turned[rotor] + along_turned * states.at[rotor]
-        result[row] += factor[k] * turned[row] + factor_turned[k] * states.at[row]
+        result[row] = along * turned[rotor] + along_turned * states.basis[rotor]
+        result[row] += factor[k] * turned[row] + factor_turned[k] * states.basis[row]
     return result
 
 
@@ -423,10 +423,10 @@ def shift(press: Linkage, plane: Plane, moved: Displacements) -> Shift:
             side[plane.rotor(joint)] += _across(plane, joint, displacement, loop.name)
             sides.append(side)
         points[k], closure[k] = sides[0], sides[1] - sides[0]
-        for joint in map(int, np.flatnonzero(plane.crossed[:, k])):  # in the order of `Plane.closure`
+        for joint in map(int, np.flatnonzero(plane.incidence[:, k])):  # in the order of `Plane.closure`
             if joint in plane.revolute:
-                crossed = plane.crossed[joint, k]
-                closure[row] = 1j * plane.sense[joint] * crossed * (sides[1 if crossed > 0 else 0] - origins[joint])
+                incidence = plane.incidence[joint, k]
+                closure[row] = 1j * plane.sense[joint] * incidence * (sides[1 if incidence > 0 else 0] - origins[joint])
             row += 1
     return Shift(closure, origins, points)
 

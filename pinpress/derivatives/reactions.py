@@ -26,7 +26,7 @@ from ..engines.forces import REST, AppliedForce
 from ..engines.joints import product
 from ..engines.planar import statics
 from ..engines.planar.bodies import Bodies
-from ..engines.planar.model import Plane, flat
+from ..engines.planar.model import Plane, to_complex
 from ..kinematics.motion import Motion
 from ..linkage.linkage import Linkage
 from ..loads.caller_laws import OWN_LOADS, LawError
@@ -105,7 +105,7 @@ def _push(plane: Plane, load: AppliedForce, slope: Array | float, braced: bool) 
     body = load.joint - 1
     arm = complex(*(plane.frames[body] @ load.point)[:2])
     guide = plane.directions[plane.prismatic.index(body), 0] if braced else 0.0
-    force = flat(plane, load.force)
+    force = to_complex(plane, load.force)
     return Push(body, arm, force, slope * guide * np.ones_like(force), braced)
 
 
@@ -191,10 +191,10 @@ def tangent(known: Balanced, moved: Tangent, by: Shift, pushes: Sequence[Push]) 
         by: what the direction adds to the rows of the plane.
         pushes: the loads on moving links.
     """
-    plane, at, bodies = known.states.plane, known.states.at, known.bodies
+    plane, basis, bodies = known.states.plane, known.states.basis, known.bodies
     count = len(plane.parents)
-    origins, centers = product(plane.origins, at), product(plane.centers, at)
-    origins_turned = product(plane.origins, moved.basis) + product(by.origins, at)
+    origins, centers = product(plane.origins, basis), product(plane.centers, basis)
+    origins_turned = product(plane.origins, moved.basis) + product(by.origins, basis)
     centers_turned = product(plane.centers, moved.basis)
     second = known.rates.second.copy()
     second[0] = 1.0  # so that the first column of the rows is the weight
@@ -208,7 +208,7 @@ def tangent(known: Balanced, moved: Tangent, by: Shift, pushes: Sequence[Push]) 
     shaking_force = -own_turned.sum(axis=0)
     shaking_moment = -(_moment(origins_turned + centers_turned, own) + _moment(origins + centers, own_turned) + spin).sum(axis=0)
     for push in pushes:
-        arm, arm_turned = (push.arm * rotor[plane.rotor(push.body)] for rotor in (at, moved.basis))
+        arm, arm_turned = (push.arm * rotor[plane.rotor(push.body)] for rotor in (basis, moved.basis))
         moment[push.body] -= _moment(arm_turned, push.force) + _moment(arm, push.slope)
         subtree[plane.carriers(push.body)] -= push.slope
         if not push.braced:
@@ -221,13 +221,13 @@ def tangent(known: Balanced, moved: Tangent, by: Shift, pushes: Sequence[Push]) 
 
 def _add_bearings(known: Balanced, moved: Tangent, by: Shift, origins_turned: ComplexArray, moment: Array) -> None:
     """Add to the moment of every body what the known forces of its bearings do at arms that change; that of its own joint has no arm."""
-    plane, at = known.states.plane, known.states.at
+    plane, basis = known.states.plane, known.states.basis
     count, loops = len(plane.parents), len(plane.loop_points)
     for joint, parent in enumerate(plane.parents):
         if parent >= 0:
             moment[parent] += _moment(origins_turned[joint] - origins_turned[parent], known.forces[joint])
-    first = product(plane.loop_points, moved.basis) + product(by.loop_points, at)
-    second = first + product(plane.closure[:loops], moved.basis) + product(by.closure[:loops], at)
+    first = product(plane.loop_points, moved.basis) + product(by.loop_points, basis)
+    second = first + product(plane.closure[:loops], moved.basis) + product(by.closure[:loops], basis)
     for k, (body1, body2) in enumerate(known.sides):
         if body1 >= 0:
             moment[body1] += _moment(first[k] - origins_turned[body1], known.forces[count + k])
@@ -244,31 +244,33 @@ def _balance(
         subtree: (nv, n) complex force, summed over all that hangs on a joint.
         moment: (nv, n) moments on the bodies; they are changed.
     """
-    plane, at, bodies = known.states.plane, known.states.at, known.bodies
+    plane, basis, bodies = known.states.plane, known.states.basis, known.bodies
     count = len(plane.parents)
     for joint in bodies.inner:
         parent = plane.parents[joint]
         moment[parent] += moment[joint] + _moment(origins[joint] - origins[parent], subtree[joint])
-    passive = plane.sense[:, None] * moment
-    slides, slides_turned = product(plane.directions, at), product(plane.directions, moved.basis)
+    joint_efforts = plane.sense[:, None] * moment
+    slides, slides_turned = product(plane.directions, basis), product(plane.directions, moved.basis)
     for joint, slide, turned in zip(plane.prismatic, slides, slides_turned, strict=True):
-        passive[joint] = (slide.conj() * subtree[joint]).real + (turned.conj() * known.forces[joint]).real
-    closure, gears = product(bodies.closure, at), np.zeros((len(plane.offsets), at.shape[1]))
-    bearings = np.empty((count + len(plane.loop_points), at.shape[1]), complex)
+        joint_efforts[joint] = (slide.conj() * subtree[joint]).real + (turned.conj() * known.forces[joint]).real
+    closure, coupling_multipliers = product(bodies.closure, basis), np.zeros((len(plane.offsets), basis.shape[1]))
+    bearings = np.empty((count + len(plane.loop_points), basis.shape[1]), complex)
     if plane.redundant:
-        statics.transmit(plane, closure, passive, bearings[count:], gears)
-        return passive[plane.driver], None, None
-    statics.balance(statics.build(plane, closure, subtree, bodies.uncrossed, at, None), passive, gears, bearings)
+        statics.transmit(plane, closure, joint_efforts, bearings[count:], coupling_multipliers)
+        return joint_efforts[plane.driver], None, None
+    equations = statics.build(plane, closure, subtree, bodies.minus_incidence, basis, None)
+    statics.balance(equations, joint_efforts, coupling_multipliers, bearings)
     moments = np.zeros(bearings.shape)
-    points = product(plane.loop_points, at)
+    points = product(plane.loop_points, basis)
     for joint in plane.prismatic:
         moments[joint] = moment[joint] - sum(
-            plane.crossed[joint, k] * _moment(points[k] - origins[joint], bearings[count + k]) for k in np.flatnonzero(plane.crossed[joint])
+            plane.incidence[joint, k] * _moment(points[k] - origins[joint], bearings[count + k])
+            for k in np.flatnonzero(plane.incidence[joint])
         )
-    moments[plane.driver] = plane.sense[plane.driver] * passive[plane.driver]
+    moments[plane.driver] = plane.sense[plane.driver] * joint_efforts[plane.driver]
     for joint in bodies.geared:
-        moments[joint] += plane.sense[joint] * (plane.coupled[:, joint] @ gears)
-    return passive[plane.driver], bearings, moments
+        moments[joint] += plane.sense[joint] * (plane.coupled[:, joint] @ coupling_multipliers)
+    return joint_efforts[plane.driver], bearings, moments
 
 
 def _moment(arm: ComplexArray, force: ComplexArray) -> Array:

@@ -23,7 +23,7 @@ from ..engines.joints import Coupling
 from ..engines.planar.engine import PlanarEngine
 from ..engines.planar.kinematics import close
 from ..engines.planar.model import Plane
-from ..engines.spatial.kinematics import Passive
+from ..engines.spatial.kinematics import PassiveJacobian
 from ..engines.spatial.kinematics import close as close_drivers
 from ..linkage.linkage import Linkage
 from .motion import Displacements, Pivots, Shift, States, displaced, shift, shifted
@@ -112,19 +112,19 @@ def _closed_by(engine: Engine, press: Linkage, moved: Displacements) -> Array:
     Raises:
         SingularityError: it locks on the way, or cannot be assembled.
     """
-    drivers, target = np.zeros((len(press.drivers), 1)), _placed(press, moved).spatial.equations()
+    drivers, target = np.zeros((len(press.drivers), 1)), _placed(press, moved).spatial_model.equations()
 
     def close_part_way(share: Array, guess: Array) -> Closure:
-        here = _placed(press, moved, float(share[0])).spatial
+        here = _placed(press, moved, float(share[0])).spatial_model
         closure = close_drivers(here, here.equations(), drivers, np.zeros(len(press.drivers)), guess)
         if not np.isfinite(closure.widest):
             return closure
         start, rows = press.equations(closure.position[:, 0]), here.equations().at(closure.position[:, 0])
         # Gaps change in proportion to displacements, as long as no joint moves.
         opened = target.at(closure.position[:, 0]).gaps - start.gaps
-        return replace(closure, first=Passive(rows.columns, here).rates(-opened)[:, None])
+        return replace(closure, first=PassiveJacobian(rows.columns, here).rates(-opened)[:, None])
 
-    end = follow(close_part_way, press.closed, 1.0, press.size, ACCEPTED * press.spatial.tolerance)
+    end = follow(close_part_way, press.closed, 1.0, press.size, ACCEPTED * press.spatial_model.tolerance)
     if isinstance(end, SingularPosition):
         raise SingularityError(
             f"{press.name} cannot be brought to the new lengths: {100 * end.angle:.3g} % of the way it locks, or cannot be assembled",

@@ -74,7 +74,7 @@ class Reactions(Tabular):
     left_out: tuple[str, ...]
     _wrenches: Wrenches
     _press: Linkage
-    _under: AppliedConditions
+    _conditions: AppliedConditions
 
     @property
     def title(self) -> str:
@@ -87,9 +87,9 @@ class Reactions(Tabular):
     @cached_property
     def coupling_torque(self) -> NamedArrays[np.float64]:
         press, found = self._press, self._wrenches
-        if not self._under.gears and press.couplings:
+        if not self._conditions.with_gear_torques and press.couplings:
             with np.errstate(all="ignore"):  # what overflows is refused
-                found = _solved(press, self.engine, self.motion, self._under._replace(gears=True), ())
+                found = _solved(press, self.engine, self.motion, self._conditions._replace(with_gear_torques=True), ())
         pairs = [np.stack([torque, -c.multiplier * torque], axis=1) for c, torque in zip(press.couplings, found.coupling, strict=True)]
         return NamedArrays(tuple(c.name for c in press.couplings), np.array(pairs))
 
@@ -142,16 +142,16 @@ class Reactions(Tabular):
         with np.errstate(all="ignore"):  # what overflows is refused below
             if not set(on_frame(press)) <= set(there):
                 there = sorted(on_frame(press))
-                found = _solved(press, self.engine, self.motion, self._under, there)
+                found = _solved(press, self.engine, self.motion, self._conditions, there)
             forces, moments = (dict(zip(there, vectors, strict=True)) for vectors in (found.force, found.moment))
-            force, moment = shaking(press, self.motion, forces, moments, self._under.loads)
+            force, moment = shaking(press, self.motion, forces, moments, self._conditions.loads)
             if not math.isfinite(force.sum() + moment.sum()):
                 raise PinpressError(f"the shaking moment of {self._press.name} is not finite: a load is too large for floating point")
         return read_only((force, moment))
 
     def _power_balance(self) -> tuple[Array, Array, Array]:
         press, motion = self._press, self.motion
-        balance, total, apparent = press.engine(self.engine).power_balance(motion.states(press), self._under.loads)
+        balance, total, apparent = press.engine(self.engine).power_balance(motion.states(press), self._conditions.loads)
         torque = self.driving_torque.reshape(len(motion.crank_angle), -1).T
         driving, lost = torque * motion.v.T[list(press.driver_indices)], self._wrenches.friction.sum(axis=0)
         return balance + driving.sum(axis=0) - lost, total + np.abs(driving).sum(axis=0) + lost, apparent
@@ -213,8 +213,9 @@ def inverse_dynamics(
     law, compliance = friction_law(friction, press), compliances(stiffness, press.bearings)
     asked = forces.asked(loads)
     with np.errstate(all="ignore"):  # what overflows is refused
-        under = AppliedConditions(forces.apply(asked, press, motion), law, compliance, gears=bool(wanted) or law is not None)
-        wrenches = _solved(press, chosen, motion, under, wanted)
+        with_gear_torques = bool(wanted) or law is not None
+        conditions = AppliedConditions(forces.apply(asked, press, motion), law, compliance, with_gear_torques)
+        wrenches = _solved(press, chosen, motion, conditions, wanted)
     names, several = press.bearings, len(press.drivers) > 1
     kept = names if len(wanted) == len(names) else tuple(names[k] for k in wanted)
     left_out = tuple(name for name in names if name not in kept) if len(kept) < len(names) else ()
@@ -229,7 +230,7 @@ def inverse_dynamics(
         left_out=left_out,
         _wrenches=wrenches,
         _press=press,
-        _under=under,
+        _conditions=conditions,
     )
 
 
@@ -268,9 +269,9 @@ def _wanted(press: Linkage, bearings: Collection[str] | None) -> Sequence[int]:
     return [k for k, name in enumerate(press.bearings) if name in bearings]
 
 
-def _solved(press: Linkage, engine: str, motion: Motion, under: AppliedConditions, wanted: Sequence[int]) -> Wrenches:
+def _solved(press: Linkage, engine: str, motion: Motion, conditions: AppliedConditions, wanted: Sequence[int]) -> Wrenches:
     """Torques, and the wrenches of wanted bearings."""
-    found = press.engine(engine).inverse_dynamics(motion.states(press), under, wanted)
+    found = press.engine(engine).inverse_dynamics(motion.states(press), conditions, wanted)
     _refuse_not_finite(motion, found)
     return found
 

@@ -1,1 +1,1 @@
-"""Close loops, follow assemblies and solve for forces; they know arrays, joints and `pin.Model`, never a Linkage."""
+"""Engines close loops, follow assemblies and solve for forces. They know arrays, joints and `pin.Model`, never a Linkage."""

@@ -362,13 +362,13 @@ MET = 1e-6  # distance from a change point at which forces, that grow as 1 / dis
 AMBIGUOUS = 1e-2  # share of the distance across, by which Newton's method may move a joint: the other assembly is as far as that distance
 
 
-def _spread(count: int) -> Array:
+def _chebyshev_nodes(count: int) -> Array:
     """Where polynomials of so many terms are best given, -1 to 1."""
     return np.asarray(-np.cos((np.arange(count) + 0.5) * np.pi / count))
 
 
-PLACES = np.delete(_spread(18), [8, 9])  # of closed configurations over the stretch: none in its middle
-BESIDE = _spread(12)  # of those that look across from one side
+PLACES = np.delete(_chebyshev_nodes(18), [8, 9])  # of closed configurations over the stretch: none in its middle
+BESIDE = _chebyshev_nodes(12)  # of those that look across from one side
 
 Gap = Callable[[Array], Array]
 """Joint coordinates (nv, n) -> largest gaps of a loop (n,) [m]."""

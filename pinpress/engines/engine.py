@@ -1,6 +1,6 @@
-"""What an engine computes of a linkage. Every engine offers the same; `Linkage.engine` chooses one.
+"""The interface of an engine, and the closed states that it works on. `Linkage.engine` chooses one of the engines.
 
-Positions, rates and accelerations are (nv, n): a row a joint, in the order of v, a column a state.
+Positions, rates and accelerations are (nv, n): one row for each joint, in the order of v, and one column for each state.
 """
 
 from __future__ import annotations
@@ -12,11 +12,14 @@ from typing import NamedTuple, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from ..common.errors import AssemblyError
 from ..common.quantities import Array, ComplexArray
 from .forces import AppliedConditions, AppliedForce, Wrenches
 
-PIECE = 2048  # crank angles worked through at a time: what is in flight stays in the cache
-ACCEPTED = 1e3  # times the tolerance of rounding: a loop whose gap is not below that is open
+PIECE = 2048  # crank angles that are worked through at a time: their arrays stay in the cache
+MOST_NEWTON_STEPS = 12  # of one closure: from a good guess it takes one or two
+ACCEPTED = 1e3  # multiples of the tolerance of rounding: a loop with a larger gap is open
+LOOSEST = 1e-6  # gap, in lengths of the linkage, above which a motion belongs to another linkage
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -28,12 +31,12 @@ class Closure:
         first: (nv, n) d position / d crank angle.
         second: (nv, n) d2 position / d crank angle2.
         gap: (n,) largest distance between the two sides of a loop [m]; large or not finite where Newton's method failed.
-        widest: the largest gap [m].
-        iterations: Newton steps taken.
-        margins: (blocks, n) distance of every block of loops from singularity: the smallest singular value of its Jacobian, columns scaled
-            to unit length, with the sign of its determinant (the Pinocchio engine has one block, and no sign). Zero where two assemblies
-            meet. None unless asked for.
-        basis: of the planar engine, see `planar.model`; None from the other.
+        widest: the largest gap of all configurations [m].
+        iterations: number of Newton steps.
+        margins: (blocks, n) distance of every block of loops from singularity: the smallest singular value of its Jacobian, whose columns
+            are scaled to unit length, with the sign of its determinant. It is zero where two assemblies meet. Pinocchio's engine has one
+            block, and no sign. None unless asked for.
+        basis: (nb, n) the planar engine's basis functions, see `planar.model`; None from Pinocchio's engine.
     """
 
     position: Array
@@ -47,7 +50,7 @@ class Closure:
 
 
 def joined(pieces: Sequence[Closure]) -> Closure:
-    """One closure from those of consecutive crank angles; margins are left out."""
+    """One closure from those of consecutive crank angles, without margins."""
 
     def along(name: str) -> Array:
         return np.concatenate([getattr(piece, name) for piece in pieces], axis=-1)
@@ -64,20 +67,21 @@ def joined(pieces: Sequence[Closure]) -> Closure:
 
 
 Close = Callable[[Array, Array], Closure]
-"""(crank angles (n,), guesses (nv, n)) -> Closure with its margins. Never raises; the caller judges gap and margins."""
+"""(crank angles (n,), guesses (nv, n)) -> Closure with its margins. It never raises: the caller judges gap and margins."""
 CloseDrivers = Callable[[Array, Array, Array], Closure]
-"""(positions (drivers, n), rates (drivers,) to which influence coefficients belong, guesses (nv, n)) -> Closure with its margins. Never
-raises; the caller judges gap and margins."""
+"""(driver positions (drivers, n), driver rates (drivers,) to which the influence coefficients belong, guesses (nv, n)) -> Closure with its
+margins. It never raises: the caller judges gap and margins."""
 
 
 class ClosedStates(NamedTuple):
-    """Closed states of a linkage, n of them.
+    """Positions, rates and accelerations of a linkage whose loops are closed.
 
     Attributes:
         position: (nv, n) joint coordinates [rad or m].
         v: (nv, n) joint rates [rad/s or m/s].
         a: (nv, n) joint accelerations [rad/s2 or m/s2].
-        basis: (nb, n) what the planar engine knows of these positions from closing them, see `planar.model`; None where it did not.
+        basis: (nb, n) the planar engine's basis functions, kept from closing these positions, see `planar.model`; None where the planar
+            engine did not close them.
     """
 
     position: Array
@@ -86,18 +90,18 @@ class ClosedStates(NamedTuple):
     basis: ComplexArray | None = None
 
     def part(self, points: slice) -> ClosedStates:
-        """Some of the states."""
+        """The states of a part of the motion."""
         return ClosedStates(
             self.position[:, points], self.v[:, points], self.a[:, points], None if self.basis is None else self.basis[:, points]
         )
 
 
 class EnergyRates(NamedTuple):
-    """Energies of the states of a motion.
+    """Energies of states.
 
     Attributes:
-        kinetic: (n,) of all links [J].
-        potential: (n,) of their weights, zero with all centres of mass at the world origin [J].
+        kinetic: (n,) kinetic energy of all links [J].
+        potential: (n,) potential energy of their weights [J]; zero with all centres of mass at the world origin.
         lifting: (n,) rate of the potential energy [W].
     """
 
@@ -107,12 +111,12 @@ class EnergyRates(NamedTuple):
 
 
 class PowerBalance(NamedTuple):
-    """Power of the loads less the rate of kinetic and potential energy, and what it is small beside.
+    """The balance of all powers but those of drives and friction, and the scales by which an error of it is judged.
 
     Attributes:
-        balance: (n,) [W].
-        total: (n,) sum of the absolute powers [W].
-        apparent: (n,) sum of the powers that there would be were all forces along the velocities [W].
+        balance: (n,) power of the loads less the rate of kinetic and potential energy [W].
+        total: (n,) sum of the absolute values of these powers [W].
+        apparent: (n,) sum of the powers as if every force acted along the velocity of its point [W].
     """
 
     balance: Array
@@ -121,11 +125,11 @@ class PowerBalance(NamedTuple):
 
 
 class Engine(Protocol):
-    """How a linkage is computed."""
+    """What every engine computes of one linkage."""
 
     @property
     def name(self) -> str:
-        """ "plane" or "pinocchio"."""
+        """Name of the engine, "plane" or "pinocchio"."""
 
     @property
     def tolerance(self) -> float:
@@ -133,18 +137,19 @@ class Engine(Protocol):
 
     @property
     def directions(self) -> Array:
-        """(k, 3) unit vectors of the world along which points of the links can move: two in a plane, else three."""
+        """(k, 3) unit vectors of the world along which points of the links can move: two for a planar linkage, else three."""
 
     def turning_axes(self, joint: int = 0) -> Array:
-        """(k, 3) unit vectors about which links can turn, in the frame of a Pinocchio joint (0: the world): the normal of a plane, else
-        three."""
+        """(k, 3) unit vectors about which links can turn, in the frame of a Pinocchio joint (0: the world): the plane's normal for a planar
+        linkage, else three."""
 
     # ----------------------------------------------------------------------------------------------------------------- equations
 
     def close(self, angle: Array, guess: Array, with_margins: bool = False) -> Closure:
-        """Close the loops of a linkage with one driver at crank angles (n,) from guesses (nv, n). Never raises; the caller judges."""
+        """Close the loops of a linkage with one driver at crank angles (n,) from guesses (nv, n). It never raises: the caller judges gap
+        and margins."""
 
-    def closer(self) -> CloseDrivers:
+    def closing_function(self) -> CloseDrivers:
         """A function that closes the loops at positions of all drivers, for many calls."""
 
     def rates(self, position: Array, speed: Array, acceleration: Array) -> tuple[Array, Array, Array]:
@@ -154,11 +159,14 @@ class Engine(Protocol):
         """Largest gap (n,) of a loop or coupling at positions (nv, n) [m]."""
 
     def redundant(self, x: Array) -> bool:
-        """Whether equations that the engine solves say nothing new at joint coordinates (nv,)."""
+        """Whether some of the equations that the engine solves are redundant at joint coordinates (nv,)."""
 
     def closing_order(self) -> Iterator[tuple[int, Sequence[int]]]:
-        """Indices of loops, then couplings, in the order in which they are closed, each with the joints that it determines (of a linkage in
-        space: with those of its loop)."""
+        """The loops and couplings in the order in which they are closed.
+
+        Each comes as its index, couplings counted after the loops, and the indices of the joints that it determines; in Pinocchio's engine,
+        which closes all loops together, of the joints that stand on it.
+        """
 
     # -------------------------------------------------------------------------------------------------------------------- motion
 
@@ -170,20 +178,33 @@ class Engine(Protocol):
 
     # ------------------------------------------------------------------------------------------------------------------ dynamics
 
-    def inverse_dynamics(self, states: ClosedStates, under: AppliedConditions, wanted: Sequence[int]) -> Wrenches:
-        """Driving torque, and the wrenches of the bearings ``wanted``, rising.
+    def inverse_dynamics(self, states: ClosedStates, conditions: AppliedConditions, wanted: Sequence[int]) -> Wrenches:
+        """Driving torque, and the wrenches of some bearings.
+
+        Args:
+            states: closed states.
+            conditions: loads, friction and compliances.
+            wanted: rising indices of the bearings whose wrenches are wanted, joints first, then loops.
 
         Raises:
-            AssemblyError: the states leave the loops open: they are those of another linkage.
+            AssemblyError: the states leave the loops open, because they belong to another linkage.
             PinpressError: friction locks the linkage.
         """
 
     def indeterminate(self, position: Array, axes: Array) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
-        """Components of bearings (bearings, 6) along ``axes`` (3, 3), its rows, and torques of couplings (couplings,), that idle forces
-        reach in any of the positions (nv, n); see `Reactions.indeterminate`."""
+        """What rigid mechanics leaves open in any of the positions (nv, n); see `Reactions.indeterminate`.
+
+        Returns (bearings, 6) which force and moment components of the bearings, along the rows of ``axes`` (3, 3), and (couplings,) which
+        coupling torques idle forces can change.
+        """
 
     def power_balance(self, states: ClosedStates, loads: Sequence[AppliedForce]) -> PowerBalance:
-        """The power balance of loads and links, found apart from inverse dynamics."""
+        """The power balance of loads and links, computed independently of inverse dynamics."""
 
     def energies(self, states: ClosedStates) -> EnergyRates:
-        """Kinetic and potential energy."""
+        """Kinetic and potential energy of closed states."""
+
+
+def other_linkage(crank_angle: float, gap: float) -> AssemblyError:
+    """The error for states whose gap [m] is above `LOOSEST`."""
+    return AssemblyError("the motion leaves the loops of this linkage open: it is another one's", crank_angle, gap, 0)

@@ -1,16 +1,15 @@
-"""What either engine takes and returns, as arrays: forces on the links; friction in all bearings at once, found together with the forces
-that cause it; efforts of drives and gear pairs; the force and moment in every joint and loop; and how forces are shared that rigid
-mechanics leaves open.
+"""Forces as arrays, as every engine takes and returns them; friction in the bearings; and how bearings share redundant forces.
 
-A linkage with more constraints than it needs can carry idle forces, which move nothing: any multiple y of them may be added to a solution.
-Of all y the one is taken that makes the first objective least, of those that do so the one that makes the second least, and so on:
+A linkage with redundant constraints can carry idle forces: they balance each other and move nothing, so that any multiple y of them may be
+added to a solution. Rigid mechanics leaves y open. We choose it by a list of objectives: y minimises the first one; where that leaves y
+open, it minimises the second one too, and so on:
 
     elastic energy, where stiffnesses are given (bearings without one count as rigid)
     sum of squared bearing forces
     sum of squared bearing moments
 
-Efforts about or along the axis in which a joint is free, those of drives, gear pairs and friction, carry no weight. What is open even then
-(torques in a ring of gears) is taken as small as possible.
+The efforts of drives, gear pairs and friction, about or along the axis in which a joint is free, do not count in these sums. What is open
+even then (torques in a ring of gears) is made as small as possible.
 """
 
 from __future__ import annotations
@@ -26,11 +25,21 @@ from ..common.arguments import number
 from ..common.errors import PinpressError, UnknownNameError, shown
 from ..common.quantities import Array
 
+REST = 1e-12  # share of the motion's largest speed below which a bearing rests: at a dead centre its speed is rounding
+MOST_ITERATIONS = 200  # of friction efforts and bearing forces in turn: many are needed only where friction nearly locks the linkage
+RANK = 1e-9  # singular values below this share of the largest count as zero, columns scaled to unit length
+WELL_CONDITIONED = 1e-3  # share of the largest squared singular value above which normal equations lose hardly a digit
+
 
 @dataclass(frozen=True)
 class AppliedForce:
-    """A load worked out for one motion: on the body of Pinocchio joint ``joint`` (0: the frame), ``point`` (3,) in that joint's
-    frame [m], ``force`` (n, 3) in world axes [N]."""
+    """The force of one load over a motion.
+
+    Attributes:
+        joint: Pinocchio joint on whose body the force acts, 0 for the frame.
+        point: (3,) where it acts, in that joint's frame [m].
+        force: (n, 3) in world axes [N].
+    """
 
     joint: int
     point: Array
@@ -42,19 +51,19 @@ class AppliedForce:
 
 
 class AppliedConditions(NamedTuple):
-    """What acts on a linkage in motion, and what is asked of its gears.
+    """What acts on a linkage in motion, and whether the torques of its gears are wanted.
 
     Attributes:
         loads: forces on links.
-        law: friction of the bearings, None where there is none.
-        compliance: (bearings,) by which bearings share forces [m/N], None where no stiffness is given.
-        gears: whether the torques of gear pairs are wanted; if not, they are one of several that balance.
+        law: friction of the bearings; None for none.
+        compliance: (bearings,) compliances by which bearings share redundant forces [m/N]; None where no stiffness is given.
+        with_gear_torques: whether the torques of gear pairs are wanted; if not, they are one of several solutions that balance.
     """
 
     loads: list[AppliedForce]
     law: FrictionLaw | None
     compliance: Array | None
-    gears: bool
+    with_gear_torques: bool
 
     def part(self, points: slice) -> AppliedConditions:
         """The conditions over a part of the motion."""
@@ -63,15 +72,17 @@ class AppliedConditions(NamedTuple):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Wrenches:
-    """Joints in Pinocchio's order, then loops as declared; all in world axes, parent on child (link1 on link2), at the joint. Forces and
-    moments are of the bearings that were wanted, in the same order.
+    """Driving torques, and the forces and moments of the bearings.
+
+    Bearings are the joints in Pinocchio's order, then the loops as declared. Forces and moments are in world axes, the action of parent on
+    child (of link1 on link2).
 
     Attributes:
         torque: (drivers, n) on the driver joints, positive along their axes [N m].
-        coupling: (couplings, n) torque on the follower of each, positive along its axis [N m, or N where it slides].
-        friction: (bearings, n) power lost in each [W].
+        coupling: (couplings, n) torque on the follower of every coupling, positive along its axis [N m, or N where it slides].
+        friction: (bearings, n) power lost in every bearing [W].
         force: (wanted bearings, n, 3) [N].
-        moment: (wanted bearings, n, 3) about the origin of the child's joint frame [N m], of a loop about its point; along the axis in
+        moment: (wanted bearings, n, 3) about the origin of the child's joint frame, of a loop about its point [N m]. Along the axis in
             which a joint is free it is the effort of drive, gear pairs and friction.
     """
 
@@ -83,7 +94,7 @@ class Wrenches:
 
     @staticmethod
     def zeros(drivers: int, couplings: int, bearings: int, n: int, wanted: int) -> Wrenches:
-        """To be filled in; counts of each, ``wanted`` of the bearings."""
+        """Wrenches to be filled in, of n states and of ``wanted`` of the bearings; the other arguments are numbers of each, too."""
         return Wrenches(
             torque=np.zeros((drivers, n)),
             coupling=np.zeros((couplings, n)),
@@ -99,18 +110,14 @@ class Wrenches:
         )
 
 
-REST = 1e-12  # share of the motion's largest speed below which a bearing rests: in a dead centre the speed is rounding
-MOST_ITERATIONS = 200
-
-
 @dataclass(frozen=True, eq=False, repr=False)
 class FrictionLaw:
     """The friction of all bearings, joints in Pinocchio's order, then loops.
 
     Attributes:
-        arm: (bearings,) mu r [m], of guides mu [-].
-        viscous: (bearings,).
-        turns: (bearings,) true but for guides.
+        arm: (bearings,) effort of dry friction by the bearing's radial force: mu r of a pin [m], mu of a guide [-].
+        viscous: (bearings,) effort by speed [N m s, of a guide N s/m].
+        turns: (bearings,) False for guides, True for all others.
         size: length of the linkage [m].
     """
 
@@ -120,21 +127,23 @@ class FrictionLaw:
     size: float
 
     def moving(self, speeds: Array) -> Array:
-        """Speeds (bearings, n), zero where they are rounding, beside the fastest of the motion."""
+        """Speeds (bearings, n), set to zero where they are rounding beside the fastest of the motion."""
         turning = np.abs(speeds[self.turns]).max(initial=0.0)
         sliding = max(self.size * turning, np.abs(speeds[~self.turns]).max(initial=0.0))
         return np.where(np.abs(speeds) <= REST * np.where(self.turns, turning, sliding)[:, None], 0.0, speeds)
 
     def efforts(self, speeds: Array, forces: Callable[[Array], Array], angle: Array) -> Array:
-        """Efforts (bearings, n) of friction, along the speeds, against them.
+        """Friction efforts (bearings, n), opposed to the speeds: negative where the speed is positive [N m, of a guide N].
+
+        Bearing forces depend on friction and friction on them: both are found in turn until they no longer change.
 
         Args:
-            speeds: (bearings, n) of the bearings; exactly zero where one rests.
-            forces: radial forces (bearings, n) under efforts (bearings, n) of friction.
-            angle: (n,) crank angles, to name one.
+            speeds: (bearings, n) speeds of the bearings [rad/s, of a guide m/s], exactly zero where one rests.
+            forces: function of friction efforts (bearings, n) that returns the radial forces (bearings, n) under them [N].
+            angle: (n,) crank angles [rad], for the message of an error.
 
         Raises:
-            PinpressError: no consistent forces are found: friction locks the linkage, or nearly so.
+            PinpressError: there are no consistent forces, because friction locks the linkage, or nearly so.
         """
         steady = -self.viscous[:, None] * speeds
         against = -self.arm[:, None] * np.sign(speeds)
@@ -143,7 +152,7 @@ class FrictionLaw:
             pressing = forces(found)
             following = steady + against * pressing
             before, change = change, np.abs(following - found).max(axis=0)
-            # also beside what the largest force could do: a guide's own may be nothing but rounding
+            # measured also by what the largest force could do: the force of a single guide may be nothing but rounding
             size = np.maximum(np.abs(following).max(axis=0), self.arm.max() * pressing.max(axis=0))
             found = following
             # rounding can keep the last digits moving: stop where the change no longer shrinks
@@ -158,13 +167,14 @@ class FrictionLaw:
         )
 
 
-RANK = 1e-9  # singular values below this share of the largest are zero, columns scaled to unit length
-
-WELL = 1e-3  # the same of squared ones, from which on normal equations lose no digits to speak of
-
-
 class Objective(NamedTuple):
-    """|A y + b| is to be least: A (..., m, k), b (..., m). What is small beside ``scale``, a unit of A, is rounding."""
+    """A quantity |A y + b| to be minimised.
+
+    Attributes:
+        matrix: A (..., m, k).
+        start: b (..., m).
+        scale: size of an entry of A; what is small beside it is rounding.
+    """
 
     matrix: Array
     start: Array
@@ -172,36 +182,40 @@ class Objective(NamedTuple):
 
 
 def lexicographic_least_squares(objectives: Iterable[Objective]) -> Array:
-    """y (..., k) that makes the first objective least, of those that do so the one that makes the second least, and so on; the shortest of
-    those left open."""
-    share, free = None, None
+    """The y (..., k) that minimises the objectives one after the other: each among the y that the ones before it leave open. Of the y that
+    all of them leave open, the shortest."""
+    y, null_space = None, None
     for matrix, start, scale in objectives:
-        if share is None or free is None:
+        if y is None or null_space is None:
             squares = matrix.swapaxes(-1, -2) @ matrix
             values = np.linalg.eigvalsh(squares)
-            if np.all(values[..., 0] > WELL * np.maximum(values[..., -1], scale**2)):
-                # nothing is left open: the normal equations serve, and cost a third
+            if np.all(values[..., 0] > WELL_CONDITIONED * np.maximum(values[..., -1], scale**2)):
+                # the first objective decides all of y: the normal equations are good enough, and cost a third
                 return np.asarray(-np.linalg.solve(squares, matrix.swapaxes(-1, -2) @ start[..., None])[..., 0])
-            share = np.zeros((*start.shape[:-1], matrix.shape[-1], 1))
-            free = np.broadcast_to(np.eye(matrix.shape[-1]), (*start.shape[:-1], matrix.shape[-1], matrix.shape[-1]))
-        left, values, right = np.linalg.svd(matrix @ free, full_matrices=False)
-        # measured by the whole matrix: where an earlier objective left nothing free, all values are rounding
+            y = np.zeros((*start.shape[:-1], matrix.shape[-1], 1))
+            null_space = np.broadcast_to(np.eye(matrix.shape[-1]), (*start.shape[:-1], matrix.shape[-1], matrix.shape[-1]))
+        left, values, right = np.linalg.svd(matrix @ null_space, full_matrices=False)
+        # measured by the whole matrix: where the earlier objectives have decided all of y, every singular value is rounding
         kept = values > RANK * np.maximum(np.linalg.norm(matrix, axis=(-2, -1)), scale)[..., None]
         inverse = right.swapaxes(-1, -2) * np.where(kept, 1.0 / np.where(kept, values, 1.0), 0.0)[..., None, :] @ left.swapaxes(-1, -2)
-        share = share - inverse @ (matrix @ share + start[..., None])
-        free = free - inverse @ (matrix @ free)
-        if np.abs(free).max(initial=0.0) < 1e-6:
+        y = y - inverse @ (matrix @ y + start[..., None])
+        null_space = null_space - inverse @ (matrix @ null_space)
+        if np.abs(null_space).max(initial=0.0) < 1e-6:
             break
-    assert share is not None
-    return share[..., 0]
+    assert y is not None
+    return y[..., 0]
 
 
 def compliances(stiffness: Mapping[str, float], bearings: Sequence[str]) -> Array | None:
-    """(bearings,) of the linkage with bearings of these names [m/N], zero where no stiffness is given; None where none is given at all.
+    """The compliances (bearings,) of bearings [m/N], zero where no stiffness is given; None where none is given at all.
+
+    Args:
+        stiffness: stiffnesses by the names of bearings [N/m].
+        bearings: names of all bearings of the linkage, in order.
 
     Raises:
         UnknownNameError: a bearing that the linkage does not have.
-        PinpressError: a stiffness that is not a positive finite number.
+        PinpressError: no mapping, or a stiffness that is not a positive finite number.
     """
     if not isinstance(stiffness, Mapping):
         raise PinpressError("stiffness is no mapping: give {name of a bearing: stiffness [N/m]}")

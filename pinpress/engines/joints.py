@@ -1,12 +1,11 @@
-"""What holds the tree of a linkage together: the bearings at which its loops were cut, and the gear pairs between its joints; joint
-coordinates against Pinocchio's configurations; and matrices with few entries a row.
+"""Joints of a linkage: loop joints and couplings, joint coordinates and Pinocchio's configurations, and matrices of joints and loops.
 
-A joint coordinate is one number a joint, in the order of v: an angle [rad], unwrapped, or a travel [m], zero in the drawn pose. Pinocchio's
-q has the same numbers, except for an unbounded (``continuous``) joint: its cosine and sine.
+Every joint has one coordinate, in the order of v: an angle [rad], unwrapped, or a travel [m], zero in the drawn pose. Pinocchio's q holds
+these coordinates too, but for an unbounded (``continuous``) joint it holds the cosine and sine of its angle.
 
-Constant matrices of joints, loops and functions of the configuration are plain arrays where a linkage is small, SciPy's sparse ones where
-it is large, so that time and memory grow with the entries. Both take ``matrix @ columns``, slices of rows and transposition; for the rest
-there are functions here.
+The constant matrices of a linkage are NumPy arrays where it is small and SciPy's sparse matrices where it is large, so that time and memory
+grow with the number of entries. Both kinds take ``matrix @ columns``, slices of rows and transposition; for all else there are functions
+below.
 """
 
 from __future__ import annotations
@@ -22,18 +21,34 @@ from ..common.errors import PinpressError
 from ..common.frozen import Frozen, read_only
 from ..common.quantities import Array, ComplexArray
 
-_HELD = {"spherical": 0, "revolute": 2, "fixed": 3}
+MOST_JOINTS = 200  # `pin.Data` has 7 arrays whose size grows with the cube of the joints: half a gigabyte at this number
+LARGE = 33  # joints from which on sparse matrices are faster
+SERIAL = 65_536  # scalar multiplications up to which OpenBLAS computes a complex product in one thread
+SERIAL_ROW = 4_095  # the same limit where the left factor has one row, which OpenBLAS takes for a vector
+
+_HELD_ROTATIONS = {"spherical": 0, "revolute": 2, "fixed": 3}
+
+Matrix = Any
+"""A NumPy array or a SciPy `csr_array`."""
+
+Entries = Mapping[int, complex]
+"""A row of a matrix: its entries by their columns."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class LoopJoint(Frozen):
-    """A bearing at which a loop was cut. End k is fixed to the body of Pinocchio joint k (0: the frame), in that joint's frame.
+    """A bearing at which a loop was cut. Its end 1 is fixed to the body of ``joint1``, its end 2 to that of ``joint2``.
 
     Attributes:
-        type: "spherical", "revolute" (turns about the first axis of its ends) or "fixed".
-        point1, point2: (3,) where the ends are [m].
-        rotation1, rotation2: (3, 3) axes of the ends, as columns.
-        line: of its element in the URDF.
+        name: of the loop.
+        type: "spherical", "revolute" (it turns about the first axis of its ends) or "fixed".
+        joint1: Pinocchio joint whose body carries end 1, 0 for the frame.
+        point1: (3,) position of end 1 in that joint's frame [m].
+        rotation1: (3, 3) axes of end 1 in that joint's frame, as columns.
+        joint2: Pinocchio joint whose body carries end 2, 0 for the frame.
+        point2: (3,) position of end 2 in that joint's frame [m].
+        rotation2: (3, 3) axes of end 2 in that joint's frame, as columns.
+        line: line of its element in the URDF.
     """
 
     name: str
@@ -47,20 +62,26 @@ class LoopJoint(Frozen):
     line: int
 
     def __post_init__(self) -> None:
-        for name in ("point1", "rotation1", "point2", "rotation2"):  # copies, as what a caller keeps is his to change
+        for name in ("point1", "rotation1", "point2", "rotation2"):  # copied, because the caller may change his own array later
             object.__setattr__(self, name, read_only(np.array(getattr(self, name), dtype=float)))
 
     @property
-    def held(self) -> int:
-        """How many of its rotations the bearing holds: the last ones, about the axes of end 1."""
-        return _HELD[self.type]
+    def held_rotations(self) -> int:
+        """Number of rotations that the bearing prevents: those about the last axes of end 1."""
+        return _HELD_ROTATIONS[self.type]
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Coupling:
-    """A gear pair or the like: coordinate of ``follower`` = ``multiplier`` x that of ``leader`` + ``offset``, indices in v [rad or m].
+    """A gear pair or the like: coordinate of the follower = multiplier x coordinate of the leader + offset.
 
-    ``name`` is the follower's, ``line`` that of its ``<mimic>``.
+    Attributes:
+        name: of the follower joint.
+        follower: index of the follower in v.
+        leader: index of the leader in v.
+        multiplier: ratio of the two coordinates.
+        offset: follower's coordinate where the leader's is zero [rad or m].
+        line: line of the ``<mimic>`` element in the URDF.
     """
 
     name: str
@@ -72,9 +93,13 @@ class Coupling:
 
 
 def between(parents: Sequence[int], joint1: int, joint2: int) -> dict[int, float]:
-    """The joints of the tree on the way from one joint to another, rising: +1 of those that carry only the second, -1 only the first.
+    """The joints on the path through the tree between two joints, rising: +1 for those that carry only the second one, -1 for those that
+    carry only the first one.
 
-    ``parents`` of the joints, all in the order of v; -1 stands for the frame.
+    Args:
+        parents: parent of every joint. Joints are counted in the order of v, -1 stands for the frame.
+        joint1: the first joint.
+        joint2: the second joint.
     """
     signs: dict[int, float] = {}
     for joint, sign in ((joint2, 1.0), (joint1, -1.0)):
@@ -84,11 +109,16 @@ def between(parents: Sequence[int], joint1: int, joint2: int) -> dict[int, float
     return {joint: sign for joint, sign in sorted(signs.items()) if sign}
 
 
-MOST_JOINTS = 200  # `pin.Data` has 7 arrays of their cube: half a gigabyte
+# ------------------------------------------------------------------------------------------------------- Pinocchio's model of the tree
 
 
 class Slot(NamedTuple):
-    """Where a joint stands in q: its first place, and whether it is unbounded and takes two."""
+    """Place of a joint in q.
+
+    Attributes:
+        start: index of its first number.
+        unbounded: whether it has two numbers, cosine and sine, in place of one.
+    """
 
     start: int
     unbounded: bool
@@ -100,7 +130,12 @@ def slots(model: pin.Model) -> tuple[Slot, ...]:
 
 
 class Axis(NamedTuple):
-    """Axis (3,) of a joint in its own frame, and whether the joint turns about it or slides along it."""
+    """Axis of a joint.
+
+    Attributes:
+        direction: (3,) unit vector in the joint's own frame.
+        turns: True where the joint turns about it, False where it slides along it.
+    """
 
     direction: Array
     turns: bool
@@ -113,17 +148,21 @@ def axes(model: pin.Model) -> tuple[Axis, ...]:
 
 
 def data_of(model: pin.Model) -> pin.Data:
-    """Room for Pinocchio's algorithms; raises PinpressError where it would take gigabytes, as it grows with the joints cubed."""
+    """Pinocchio's workspace for a model.
+
+    Raises:
+        PinpressError: more than `MOST_JOINTS` joints, for which it would take gigabytes.
+    """
     if model.nv > MOST_JOINTS:
         problem = f"{model.name} has {model.nv} joints, more than the {MOST_JOINTS} that Pinocchio has room for"
         raise PinpressError(f"{problem}; model fewer, or ask only for what the planar engine computes")
     return model.createData()
 
 
-def drawn(model: pin.Model) -> list[pin.SE3]:
+def drawn_placements(model: pin.Model) -> list[pin.SE3]:
     """Placements of all joints in the world in the drawn pose, the world's own first.
 
-    The product of constants down the tree. `pin.Data`, with which Pinocchio would find the same, has arrays of nv cubed numbers.
+    They are products of constant placements down the tree. Pinocchio's own function needs `pin.Data`, whose size grows with nv cubed.
     """
     places = [pin.SE3.Identity()]
     for joint, parent in enumerate(list(model.parents)[1:], 1):
@@ -144,23 +183,22 @@ def configuration(slots: tuple[Slot, ...], x: Array) -> Array:
 
 
 def crank_angle(slot: Slot, q: Array) -> float:
-    """Angle of a joint [rad] in one configuration (nq,), of an unbounded one between -pi and pi."""
+    """Angle of a joint [rad] in one configuration (nq,); of an unbounded joint between -pi and pi."""
     return float(np.arctan2(q[slot.start + 1], q[slot.start]) if slot.unbounded else q[slot.start])
 
 
-LARGE = 33  # joints from which sparse matrices are the faster ones
-SERIAL = 65_536  # scalar multiplications up to which OpenBLAS makes a complex product in one thread
-SERIAL_ROW = 4_095  # the same of one row, which is a vector to it
-
-Matrix = Any
-"""A NumPy array or a SciPy `csr_array`."""
-
-Entries = Mapping[int, complex]
-"""A row: its entries by their columns."""
+# ------------------------------------------------------------------------------------------------ matrices, plain where small, else sparse
 
 
 def matrix(rows: Sequence[Entries], width: int, joints: int, dtype: type = complex) -> Matrix:
-    """The matrix (rows, width) with these entries, of a linkage with so many ``joints``."""
+    """The matrix (rows, width) with these entries.
+
+    Args:
+        rows: entries of every row.
+        width: number of columns.
+        joints: number of joints of the linkage; from `LARGE` on the matrix is sparse.
+        dtype: of its numbers.
+    """
     if joints < LARGE:
         filled: Array = np.zeros((len(rows), width), dtype)
         for place, row in enumerate(rows):
@@ -178,9 +216,9 @@ def matrix(rows: Sequence[Entries], width: int, joints: int, dtype: type = compl
 
 
 def product(rows: Matrix, columns: Any) -> Any:
-    """``rows @ columns`` for any rows and many columns; of a plain array in pieces so small that BLAS keeps to one thread.
+    """``rows @ columns`` for many columns, in pieces so small that BLAS computes them in one thread.
 
-    Its threads are no gain here, and where the machine has other work to do they wait milliseconds for each other.
+    Its threads gain nothing here, and on a busy machine they wait milliseconds for each other.
     """
     if not isinstance(rows, np.ndarray):
         return np.asarray(rows @ columns)
@@ -199,7 +237,7 @@ def plain(rows: Matrix) -> Any:
 
 
 def stacked(parts: Sequence[Matrix]) -> Matrix:
-    """The rows of all parts, one below the other."""
+    """The rows of all parts, one part below the other."""
     if isinstance(parts[0], np.ndarray):
         return np.concatenate(parts)
     from scipy.sparse import vstack  # see `matrix`
@@ -213,7 +251,7 @@ def weighted(rows: Matrix, weights: Array) -> Matrix:
 
 
 def compressed(rows: Matrix) -> Matrix:
-    """A product or transpose of such matrices in the form of one of them again."""
+    """A product or transpose of such matrices, brought back to their form (SciPy may return another one)."""
     return rows if isinstance(rows, np.ndarray) else rows.tocsr()
 
 

@@ -328,7 +328,7 @@ def frame_wrench(system: MountedPress, reactions: Reactions, flywheel: Flywheel 
     if flywheel is not None:
         wrench[:, -3:] += flywheel_moment(press, reactions.motion, flywheel)
     if system.parts == 2:
-        for load in reactions._under.loads:
+        for load in reactions._conditions.loads:
             if load.joint == 0:
                 on_bed = np.hstack([load.force, np.cross(load.point, load.force)])
                 wrench[:, :6] += on_bed

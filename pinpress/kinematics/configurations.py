@@ -79,7 +79,7 @@ def followed(press: Linkage, angles: Array) -> Array:
         SingularityError: the linkage locks on the way.
     """
     chosen = press.engine()
-    close_drivers, tolerance = chosen.closer(), ACCEPTED * chosen.tolerance
+    close_drivers, tolerance = chosen.closing_function(), ACCEPTED * chosen.tolerance
     position, before, positions = press.closed, np.zeros(len(press.drivers)), []
     for after in angles:
         distance = float(np.linalg.norm(after - before))

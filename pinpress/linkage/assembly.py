@@ -16,8 +16,8 @@ from ..engines.forces import RANK
 from ..engines.planar.engine import PlanarEngine
 from ..engines.planar.kinematics import moves, openings
 from ..engines.spatial.engine import SpatialEngine
-from ..engines.spatial.kinematics import Passive, close, rank
-from ..engines.spatial.model import Rows, Spatial
+from ..engines.spatial.kinematics import PassiveJacobian, close, rank
+from ..engines.spatial.model import Rows, SpatialModel
 
 CLEAR = 1e-2  # margin of a block of redundant equations below which all are solved together
 
@@ -28,7 +28,7 @@ class Assembly(NamedTuple):
     Attributes:
         engines: those that suit the linkage by their names, the fastest first.
         drawn: the drawn pose, closed as far as Newton's method came.
-        gaps: (rows,) of the equations of loops and couplings as drawn, see `spatial.constraints`.
+        gaps: (rows,) of the equations of loops and couplings as drawn, see `engines.spatial.model`.
         determined: whether the drivers determine there how all joints move.
         rows: the equations in the closed pose, where they have been worked out.
         branch: the assembly over the crank angle, where it has been followed.
@@ -42,48 +42,48 @@ class Assembly(NamedTuple):
     branch: Branch | None
 
 
-def assembled(general: Spatial) -> Assembly:
+def assembled(spatial_model: SpatialModel) -> Assembly:
     """The drawn pose, closed by the engine that suits."""
-    start, spatial = as_drawn(general), SpatialEngine(general)
-    for one_block in (False, True) if len(general.drivers) == 1 else ():
-        planar = PlanarEngine.of(general, one_block)
+    start, spatial_engine = as_drawn(spatial_model), SpatialEngine(spatial_model)
+    for one_block in (False, True) if len(spatial_model.drivers) == 1 else ():
+        planar = PlanarEngine.of(spatial_model, one_block)
         if planar is None:
             break
         drawn = planar.close(np.zeros(1), start[:, None], with_margins=True)
         # Of a redundant linkage one block may lock where the others hold it: a parallelogram with a third crank at its change point.
-        walked = _full_turn(planar, general, drawn) if planar.plane.redundant and not one_block else None
+        walked = _full_turn(planar, spatial_model, drawn) if planar.plane.redundant and not one_block else None
         fit = one_block or walked is not None or not planar.plane.redundant
         if fit and drawn.margins is not None and np.abs(drawn.margins).min(initial=1.0) > RANK:
-            engines: dict[str, Engine] = {planar.name: planar, spatial.name: spatial}
+            engines: dict[str, Engine] = {planar.name: planar, spatial_engine.name: spatial_engine}
             return Assembly(engines, drawn, _planar_gaps(planar, start), moves(planar.plane, drawn), None, walked)
-    return _in_space(spatial, start)
+    return _in_space(spatial_engine, start)
 
 
-def _in_space(spatial: SpatialEngine, start: Array) -> Assembly:
+def _in_space(spatial_engine: SpatialEngine, start: Array) -> Assembly:
     """The drawn pose of any linkage from joint coordinates (nv,)."""
-    general = spatial.constants
-    count, equations = len(general.drivers), general.equations()
+    spatial_model = spatial_engine.spatial
+    count, equations = len(spatial_model.drivers), spatial_model.equations()
     along = np.array([1.0] + [0.0] * (count - 1))
-    drawn = close(general, equations, np.zeros((count, 1)), along, start[:, None])
+    drawn = close(spatial_model, equations, np.zeros((count, 1)), along, start[:, None])
     gaps, rows, determined = equations.at(start).gaps, None, False
     if np.isfinite(drawn.position).all():
         rows = equations.at(drawn.position[:, 0])
-        free = general.model.nv - rank(rows.columns)
-        determined = free == count and Passive(rows.columns, general).rank == len(general.passive)
-    return Assembly({spatial.name: spatial}, drawn, gaps, determined, rows, None)
+        free = spatial_model.model.nv - rank(rows.columns)
+        determined = free == count and PassiveJacobian(rows.columns, spatial_model).rank == len(spatial_model.passive_joints)
+    return Assembly({spatial_engine.name: spatial_engine}, drawn, gaps, determined, rows, None)
 
 
-def as_drawn(general: Spatial) -> Array:
+def as_drawn(spatial_model: SpatialModel) -> Array:
     """(nv,) joint coordinates of the drawn pose as the file has it, not yet closed: zero, and of gear pairs with an offset where these
     put their joints while the drivers are at zero."""
-    position, found = np.zeros(general.model.nv), set(general.drivers)
+    position, found = np.zeros(spatial_model.model.nv), set(spatial_model.drivers)
     meshed: dict[int, list[tuple[int, float, float]]] = {}
-    for each in general.couplings:
+    for each in spatial_model.couplings:
         meshed.setdefault(each.leader, []).append((each.follower, each.multiplier, each.offset))
         if each.multiplier:
             meshed.setdefault(each.follower, []).append((each.leader, 1 / each.multiplier, -each.offset / each.multiplier))
-    followers = {each.follower for each in general.couplings}
-    leaders = sorted({each.leader for each in general.couplings}, key=lambda joint: (joint in followers, joint))
+    followers = {each.follower for each in spatial_model.couplings}
+    leaders = sorted({each.leader for each in spatial_model.couplings}, key=lambda joint: (joint in followers, joint))
     for start in (*sorted(found), *leaders):
         reached = [start]
         found.add(start)
@@ -98,7 +98,7 @@ def as_drawn(general: Spatial) -> Array:
 
 def followed(
     engine: Engine,
-    general: Spatial,
+    spatial_model: SpatialModel,
     closed: Array,
     *,
     smallest_margin: float = SMALLEST_MARGIN,
@@ -106,29 +106,29 @@ def followed(
     begin: float = 0.0,
 ) -> Branch:
     """The assembly of a linkage with one driver, followed over the crank angle from a closed pose (nv,); see `branch.walk`."""
-    close_drivers, along = engine.closer(), np.ones(1)
+    close_drivers, along = engine.closing_function(), np.ones(1)
 
     def close_angle(angle: Array, guess: Array) -> Closure:
         return close_drivers(angle[None], along, guess)
 
-    returning = Returning(general.on_loop, np.array([axis.turns for axis in general.axes]))
-    return branch.walk(close_angle, closed, returning, general.size, ACCEPTED * engine.tolerance, smallest_margin, gap, begin)
+    returning = Returning(spatial_model.on_loop, np.array([axis.turns for axis in spatial_model.axes]))
+    return branch.walk(close_angle, closed, returning, spatial_model.size, ACCEPTED * engine.tolerance, smallest_margin, gap, begin)
 
 
-def through_change_points(engine: Engine, general: Spatial, found: Branch) -> Branch:
+def through_change_points(engine: Engine, spatial_model: SpatialModel, found: Branch) -> Branch:
     """A branch followed further, through change points: where two assemblies meet, a linkage in motion goes on in its own."""
     if found.period is not None or not any(found.locks):
         return found
     middle = 0.5 * float(found.angles[0] + found.angles[-1])  # the drawn pose may be beside a change point
     start = branch.predict(found, np.array([middle]))[:, 0]
-    further = followed(engine, general, start, gap=engine.gaps, begin=middle)
+    further = followed(engine, spatial_model, start, gap=engine.gaps, begin=middle)
     return further if further.change_points else found
 
 
-def _full_turn(planar: PlanarEngine, general: Spatial, drawn: Closure) -> Branch | None:
+def _full_turn(planar: PlanarEngine, spatial_model: SpatialModel, drawn: Closure) -> Branch | None:
     """The branch where the driver turns fully with the equations in the blocks of this plane, well away from locks; else None."""
     try:
-        walked = followed(planar, general, drawn.position[:, 0], smallest_margin=CLEAR)
+        walked = followed(planar, spatial_model, drawn.position[:, 0], smallest_margin=CLEAR)
     except PinpressError:
         return None
     return walked if walked.period is not None else None
@@ -136,10 +136,11 @@ def _full_turn(planar: PlanarEngine, general: Spatial, drawn: Closure) -> Branch
 
 def _planar_gaps(planar: PlanarEngine, x: Array) -> Array:
     """`Assembly.gaps` of joint coordinates (nv,) of a planar linkage."""
-    general = planar.general
-    turns = np.zeros(sum(loop.held for loop in general.loops))  # axes are parallel in the plane
+    spatial_model = planar.spatial
+    turns = np.zeros(sum(loop.held_rotations for loop in spatial_model.loops))  # axes are parallel in the plane
     slips = [
-        (x[each.follower] - each.multiplier * x[each.leader] - each.offset) * (general.size if general.axes[each.follower].turns else 1.0)
-        for each in general.couplings
+        (x[each.follower] - each.multiplier * x[each.leader] - each.offset)
+        * (spatial_model.size if spatial_model.axes[each.follower].turns else 1.0)
+        for each in spatial_model.couplings
     ]
     return np.concatenate([openings(planar.plane, x).ravel(), turns, slips])

@@ -11,9 +11,9 @@ from ..common.errors import AssemblyError, PinpressError, SingularityError, Urdf
 from ..common.quantities import Array
 from ..engines.branch import MOST_TURNS, Branch, predict
 from ..engines.engine import ACCEPTED
-from ..engines.joints import configuration, data_of, drawn
+from ..engines.joints import configuration, data_of, drawn_placements
 from ..engines.planar.model import PARALLEL
-from ..engines.spatial.kinematics import Passive, rank, singular_values
+from ..engines.spatial.kinematics import PassiveJacobian, rank, singular_values
 from ..engines.spatial.model import Rows
 from . import mobility
 from .linkage import Linkage
@@ -133,7 +133,7 @@ def _open(press: Linkage, rows: Rows) -> Iterator[Finding]:
     closest = press.closed_rows.gaps if np.isfinite(press.drawn.gap[0]) else rows.gaps
     gaps, left = ([each.gap(of) for each in owners] for of in (rows.gaps, closest))
     # Where loops hold each other, all of them may be left open; those that are drawn closed are not to blame.
-    still_open = [k for k in range(len(owners)) if min(gaps[k], left[k]) > ACCEPTED * press.spatial.tolerance]
+    still_open = [k for k in range(len(owners)) if min(gaps[k], left[k]) > ACCEPTED * press.spatial_model.tolerance]
     still_open = still_open or [int(np.argmax(gaps))]
     remedy = rounded(press) or "draw it closed, or change the link lengths"
     if press.engine().redundant(press.as_drawn):
@@ -146,7 +146,7 @@ def _open(press: Linkage, rows: Rows) -> Iterator[Finding]:
 
 
 def _dead_point(press: Linkage, rows: Rows) -> Iterator[Finding]:
-    columns = rows.columns[:, press.spatial.passive]
+    columns = rows.columns[:, press.spatial_model.passive_joints]
     values = singular_values(columns)
     if rank(columns) == columns.shape[1]:
         return
@@ -181,7 +181,7 @@ def _massless(press: Linkage) -> Iterator[Finding]:
 def _rates(press: Linkage) -> Array:
     """(nv, drivers) rates of all joints at a unit rate of each driver alone, in the closed drawn pose."""
     rows, drivers = press.closed_rows, list(press.driver_indices)
-    passive = Passive(rows.columns, press.spatial)
+    passive = PassiveJacobian(rows.columns, press.spatial_model)
     rates = np.array([passive.rates(-rows.columns[:, driver]) for driver in drivers]).T
     rates[drivers] = np.eye(len(drivers))
     return rates
@@ -261,7 +261,7 @@ def _slide_axis(press: Linkage, robot: "Element") -> Iterator[Finding]:
     guide, _ = press.slide_guide
     place = press.model.jointPlacements[guide + 1]
     axis = place.rotation @ press.axes[guide].direction
-    crank = drawn(press.model)[press.driver_indices[0] + 1].translation
+    crank = drawn_placements(press.model)[press.driver_indices[0] + 1].translation
     if axis @ press.model.gravity.linear > DOWNWARDS * gravity and axis @ (place.translation - crank) > BELOW * press.size:
         joint = next(joint for joint in robot.all("joint") if joint.get("name") == press.joints[guide])
         problem = f"the axis of slide {press.slide!r} points down, away from the crank: its top is taken for its bottom dead centre"

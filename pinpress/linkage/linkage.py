@@ -19,9 +19,8 @@ from ..engines.engine import Closure, Engine
 from ..engines.joints import Axis, Coupling, LoopJoint, Slot
 from ..engines.planar.engine import PlanarEngine
 from ..engines.planar.model import Plane
-from ..engines.spatial import model as spatial_model
 from ..engines.spatial.kinematics import rank
-from ..engines.spatial.model import Rows, Spatial
+from ..engines.spatial.model import Rows, SpatialModel, build_spatial_model
 from .assembly import Assembly, as_drawn, assembled, followed, through_change_points
 from .memo import Model, keep_geometry, per_linkage
 from .urdf.document import Document
@@ -83,22 +82,22 @@ class Linkage(Frozen):
     @property
     def size(self) -> float:
         """Largest extent of joints and loops in the drawn pose [m]: the length that angles are weighed by against travels."""
-        return self.spatial.size
+        return self.spatial_model.size
 
     @property
     def axes(self) -> tuple[Axis, ...]:
         """Axes of the moving joints, each in its own frame."""
-        return self.spatial.axes
+        return self.spatial_model.axes
 
     @property
     def slots(self) -> tuple[Slot, ...]:
         """Where the moving joints stand in q."""
-        return self.spatial.slots
+        return self.spatial_model.slots
 
     @property
     def driver_indices(self) -> tuple[int, ...]:
         """Indices of the driver joints in v."""
-        return self.spatial.drivers
+        return self.spatial_model.drivers
 
     @cached_property
     def joints(self) -> tuple[str, ...]:
@@ -123,9 +122,9 @@ class Linkage(Frozen):
 
     @property
     @per_linkage
-    def spatial(self) -> Spatial:
+    def spatial_model(self) -> SpatialModel:
         """Constants of the linkage, planar or not."""
-        return spatial_model.build(self.model, self.loops, self.couplings, tuple(self.joints.index(driver) for driver in self.drivers))
+        return build_spatial_model(self.model, self.loops, self.couplings, tuple(self.joints.index(driver) for driver in self.drivers))
 
     @property
     def engines(self) -> tuple[str, ...]:
@@ -166,7 +165,7 @@ class Linkage(Frozen):
     @per_linkage
     def as_drawn(self) -> Array:
         """(nv,) joint coordinates of the drawn pose as the file has it, not yet closed; see `assembly`."""
-        return as_drawn(self.spatial)
+        return as_drawn(self.spatial_model)
 
     @property
     def drawn(self) -> Closure:
@@ -197,12 +196,12 @@ class Linkage(Frozen):
 
     def equations(self, x: Array) -> Rows:
         """The equations of loops and couplings at joint coordinates (nv,)."""
-        return self.spatial.equations().at(x)
+        return self.spatial_model.equations().at(x)
 
     @property
     @per_linkage
     def _assembly(self) -> Assembly:
-        return assembled(self.spatial)
+        return assembled(self.spatial_model)
 
     @property
     @per_linkage
@@ -232,7 +231,7 @@ class Linkage(Frozen):
         """
         if len(self.drivers) > 1:
             raise PinpressError(f"{self.name} has {len(self.drivers)} drivers: give angle, speed and acceleration of all, (n, drivers)")
-        return self._assembly.branch or followed(self.engine(), self.spatial, self.closed)
+        return self._assembly.branch or followed(self.engine(), self.spatial_model, self.closed)
 
     @property
     @per_linkage(of_geometry=True)
@@ -241,7 +240,7 @@ class Linkage(Frozen):
 
         Raises as `branch`.
         """
-        return through_change_points(self.engine(), self.spatial, self.branch)
+        return through_change_points(self.engine(), self.spatial_model, self.branch)
 
     @property
     def period_turns(self) -> int:
@@ -312,7 +311,7 @@ class Linkage(Frozen):
         """
         from ..engines.spatial.forward_dynamics import ForwardDynamics  # only simulation over time needs it, and it is slow to import
 
-        return ForwardDynamics(self.spatial, self.closed, self.rank, armature, self.name)
+        return ForwardDynamics(self.spatial_model, self.closed, self.rank, armature, self.name)
 
     def link_of(self, joint: int) -> str:
         """Name of the link that the body of a Pinocchio joint (0: the frame) begins with."""

@@ -8,9 +8,9 @@ from typing import NamedTuple
 import numpy as np
 
 from ..common.quantities import Array
-from ..engines.joints import Coupling, LoopJoint, drawn
+from ..engines.joints import Coupling, LoopJoint, drawn_placements
 from ..engines.planar.model import PARALLEL
-from ..engines.spatial.kinematics import Passive, rank
+from ..engines.spatial.kinematics import PassiveJacobian, rank
 from ..engines.spatial.model import Rows
 from .linkage import Linkage
 
@@ -57,8 +57,8 @@ def held(press: Linkage) -> list[Held]:
     """All loops, then couplings, with their rows (see `spatial.constraints`)."""
     result, row = [], 3 * len(press.loops)
     for k, loop in enumerate(press.loops):
-        result.append(Held(loop, (3 * k, 3 * k + 1, 3 * k + 2), tuple(range(row, row + loop.held))))
-        row += loop.held
+        result.append(Held(loop, (3 * k, 3 * k + 1, 3 * k + 2), tuple(range(row, row + loop.held_rotations))))
+        row += loop.held_rotations
     return result + [Held(coupling, (), (row + k,)) for k, coupling in enumerate(press.couplings)]
 
 
@@ -73,7 +73,7 @@ def opening(press: Linkage, each: Held, gaps: Array) -> tuple[float, float]:
 
 def undetermined(press: Linkage, rows: Rows) -> list[str]:
     """Names of the joints that can still move when the drivers are held still."""
-    passive = Passive(rows.columns, press.spatial)
+    passive = PassiveJacobian(rows.columns, press.spatial_model)
     shares = np.linalg.norm(passive.right[passive.rank :], axis=0)
     return [press.joints[j] for j, share in zip(passive.joints, shares, strict=True) if share > TAKES_PART]
 
@@ -96,7 +96,7 @@ def _without_one(press: Linkage, rows: Rows) -> list[tuple[Held, Array]]:
 
 def _freedom(press: Linkage, columns: Array) -> tuple[int, int]:
     """Degrees of freedom, and how many of them are the drivers'."""
-    passive = columns[:, press.spatial.passive]
+    passive = columns[:, press.spatial_model.passive_joints]
     mobility = int(columns.shape[1]) - rank(columns)
     return mobility, mobility - (int(passive.shape[1]) - rank(passive))
 
@@ -104,7 +104,7 @@ def _freedom(press: Linkage, columns: Array) -> tuple[int, int]:
 def redundancy(press: Linkage, x: Array) -> Redundancy:
     """How many equations say nothing new at closed joint coordinates (nv,), and of which loops and gear pairs."""
     if not press.engine().redundant(x):
-        return Redundancy(sum(1 + loop.held for loop in press.loops) if lies_in_plane(press) else 0, 0, ())
+        return Redundancy(sum(1 + loop.held_rotations for loop in press.loops) if lies_in_plane(press) else 0, 0, ())
     rows = press.closed_rows if x is press.closed else press.equations(x)
     single = np.eye(len(rows.gaps))
     parts, owners = [], []
@@ -114,11 +114,11 @@ def redundancy(press: Linkage, x: Array) -> Redundancy:
             normal = _normal(press)
             part = np.linalg.svd(normal[None])[2][1:] @ single[list(each.points)]
             if len(each.turns) == 3:  # a weld holds its links in the plane too, a pin across it alone
-                part = np.vstack([part, normal @ rows.held[k] @ single[list(each.turns)]])
+                part = np.vstack([part, normal @ rows.held_directions[k] @ single[list(each.turns)]])
         parts.append(part)
         owners += [each] * len(part)
     equations = np.vstack(parts) if parts else single
-    idle = Passive(equations @ rows.columns, press.spatial).idle
+    idle = PassiveJacobian(equations @ rows.columns, press.spatial_model).idle
     taking = [each for each, share in zip(owners, np.linalg.norm(idle, axis=1), strict=True) if share > TAKES_PART]
     return Redundancy(len(single) - len(equations), idle.shape[1], tuple(each for each in held(press) if each in taking))
 
@@ -166,4 +166,4 @@ def _normal(press: Linkage) -> Array:
 
 
 def _drawn_rotations(press: Linkage) -> list[Array]:
-    return [place.rotation.copy() for place in drawn(press.model)]
+    return [place.rotation.copy() for place in drawn_placements(press.model)]

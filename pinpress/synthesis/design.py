@@ -26,9 +26,9 @@ from ..dynamics.inverse_dynamics import shaking
 from ..engines.engine import ClosedStates
 from ..engines.forces import AppliedConditions, Wrenches
 from ..engines.joints import product
-from ..engines.planar.bodies import Bodies, build
+from ..engines.planar.bodies import Bodies, build_bodies
 from ..engines.planar.inverse_dynamics import inverse_dynamics
-from ..engines.planar.model import Plane, flat, in_space
+from ..engines.planar.model import Plane, to_complex, to_world
 from ..kinematics.motion import Motion, of_states
 from ..linkage.linkage import Linkage
 from ..loads.link import Load
@@ -180,25 +180,25 @@ class Design:
         plane, count = self.plane, len(self.plane.parents)
         row = plane.origins[bearing] if bearing < count else plane.loop_points[bearing - count]
         height = plane.heights[bearing] if bearing < count else plane.loop_heights[bearing - count]
-        return np.asarray(in_space(plane, product(row[None], self._states.at)[0]) + height * plane.normal)
+        return np.asarray(to_world(plane, product(row[None], self._states.basis)[0]) + height * plane.normal)
 
     def _point_slope(self, bearing: int, place: int) -> Array:
         """Derivative (n, 3) of the position of a bearing by a variable."""
         plane, by, count = self.plane, self._by[place], len(self.plane.parents)
         rows = [(of.origins[bearing] if bearing < count else of.loop_points[bearing - count])[None] for of in (plane, by)]
-        return in_space(plane, (product(rows[0], self._tangents[place].basis) + product(rows[1], self._states.at))[0])
+        return to_world(plane, (product(rows[0], self._tangents[place].basis) + product(rows[1], self._states.basis))[0])
 
     # -------------------------------------------------------------------------------------------------------------------------- reactions
 
     @cached_property
     def _wrenches(self) -> Wrenches:
-        under = AppliedConditions(apply(asked(self.start.loads), self.press, self.motion), None, None, gears=True)
-        states = ClosedStates(self.position, self._rates.v, self._rates.a, self._states.at)
-        return inverse_dynamics(self._bodies, states, under, range(len(self.start.press.bearings)))
+        conditions = AppliedConditions(apply(asked(self.start.loads), self.press, self.motion), None, None, with_gear_torques=True)
+        states = ClosedStates(self.position, self._rates.v, self._rates.a, self._states.basis)
+        return inverse_dynamics(self._bodies, states, conditions, range(len(self.start.press.bearings)))
 
     @cached_property
     def _bodies(self) -> Bodies:
-        return build(self.plane, self.start.press.model)
+        return build_bodies(self.plane, self.start.press.model)
 
     @cached_property
     def _reactions(self) -> TrialReactions:
@@ -213,15 +213,17 @@ class Design:
         slope = tangent(self._known, self._tangents[place], self._by[place], self._pushes(place))
         force = moment = None
         if slope.forces is not None and slope.moments is not None:
-            force = NamedArrays(names, _complex(found.force, h, in_space(self.plane, slope.forces)))
-            if self._bodies.flat:
+            force = NamedArrays(names, _complex(found.force, h, to_world(self.plane, slope.forces)))
+            if self._bodies.in_one_plane:
                 moment = NamedArrays(names, _complex(found.moment, h, np.multiply.outer(slope.moments, self.plane.normal)))
         return TrialReactions(
             _complex(real.driving_torque, h, slope.torque),
-            _complex(real.shaking_force, h, in_space(self.plane, slope.shaking_force)),
+            _complex(real.shaking_force, h, to_world(self.plane, slope.shaking_force)),
             force,
             moment,
-            _complex(real.shaking_moment, h, np.multiply.outer(slope.shaking_moment, self.plane.normal)) if self._bodies.flat else None,
+            _complex(real.shaking_moment, h, np.multiply.outer(slope.shaking_moment, self.plane.normal))
+            if self._bodies.in_one_plane
+            else None,
         )
 
     @cached_property
@@ -229,7 +231,7 @@ class Design:
         press = self.start.press
         mass = np.array([inertia.mass for inertia in press.model.inertias][1:])
         sides = [(loop.joint1 - 1, loop.joint2 - 1) for loop in press.loops]
-        return Balanced(self._states, self._rates, self._bodies, mass, flat(self.plane, self._wrenches.force), sides)
+        return Balanced(self._states, self._rates, self._bodies, mass, to_complex(self.plane, self._wrenches.force), sides)
 
     def _pushes(self, place: int) -> Sequence[Push]:
         if not self.start.loads:

@@ -112,12 +112,12 @@ def seen(press, trial):
     """Names and arrays of all that a trial shows."""
     reactions = trial.reactions
     result = {name: getattr(trial.motion, name) for name in MOTION[: 6 if press.slide else 3]}
-    result |= {name: getattr(reactions, name) for name in REACTIONS[: 3 if press.engine("plane").bodies.flat else 2]}
+    result |= {name: getattr(reactions, name) for name in REACTIONS[: 3 if press.engine("plane").bodies.in_one_plane else 2]}
     result |= {f"position of {name}": trial.positions[name] for name in press.bearings}
     engine = press.engine("plane")
     if not engine.plane.redundant:
         result |= {f"force in {name}": reactions.bearing_force[name] for name in press.bearings}
-    if not engine.plane.redundant and engine.bodies.flat:
+    if not engine.plane.redundant and engine.bodies.in_one_plane:
         result |= {f"moment in {name}": reactions.bearing_moment[name] for name in press.bearings}
     return result
 

@@ -77,7 +77,7 @@ def test_rates_and_gaps_agree(press, states):
 def test_closing_along_a_way_is_closing_by_angle_in_other_units(press):
     start, along = press.closed[:, None], np.array([2.5])
     for engine in both(press):
-        by_angle, by_way = engine.close(np.zeros(1), start), engine.closer()(np.zeros((1, 1)), along, start)
+        by_angle, by_way = engine.close(np.zeros(1), start), engine.closing_function()(np.zeros((1, 1)), along, start)
         np.testing.assert_array_equal(by_way.position, by_angle.position)
         np.testing.assert_allclose(by_way.first, 2.5 * by_angle.first, rtol=1e-12, atol=1e-12)
         np.testing.assert_allclose(by_way.second, 2.5**2 * by_angle.second, rtol=1e-9, atol=1e-9)
@@ -100,8 +100,8 @@ def test_points_energies_and_power_agree(press, states):
 
 
 def test_inverse_dynamics_agree(press, states):
-    under = AppliedConditions([], None, None, gears=True)
-    (one, other) = (engine.inverse_dynamics(states, under, range(len(press.bearings))) for engine in both(press))
+    conditions = AppliedConditions([], None, None, with_gear_torques=True)
+    (one, other) = (engine.inverse_dynamics(states, conditions, range(len(press.bearings))) for engine in both(press))
     np.testing.assert_allclose(one.torque, other.torque, rtol=0, atol=1e-8 * np.abs(other.torque).max())
     np.testing.assert_allclose(one.force, other.force, rtol=0, atol=1e-8 * np.abs(other.force).max())
 

@@ -364,9 +364,9 @@ def test_torque_alone_needs_no_forces_from_link_to_link(monkeypatch, folder, six
         (None, {}, True),
         ((), {"friction": rubbing}, True),
     ):
-        assert calls(monkeypatch, plane_dynamics, "_open_tree", six_bar, turn, bearings=bearings, **more) == walked
-    assert not calls(monkeypatch, plane_dynamics, "_open_tree", *case("two_point", folder), bearings=())
-    assert not calls(monkeypatch, plane_dynamics, "_open_tree", *case("symmetric", folder), bearings=())
+        assert calls(monkeypatch, plane_dynamics, "_solve_open_tree", six_bar, turn, bearings=bearings, **more) == walked
+    assert not calls(monkeypatch, plane_dynamics, "_solve_open_tree", *case("two_point", folder), bearings=())
+    assert not calls(monkeypatch, plane_dynamics, "_solve_open_tree", *case("symmetric", folder), bearings=())
 
 
 def test_gear_torques_that_share_with_rods_are_computed_when_they_are_asked_for(monkeypatch, folder, engine):

@@ -19,7 +19,7 @@ from ...common.frozen import Frozen, read_only
 from ...common.quantities import Array
 from ...dynamics.harmonics import harmonics
 from ...dynamics.inverse_dynamics import Reactions
-from ...engines.planar.model import Plane, flat, in_space
+from ...engines.planar.model import Plane, to_complex, to_world
 from ...kinematics.motion import Poses, poses
 from ...linkage.linkage import Linkage
 from ..counterweights import Counterweight
@@ -134,20 +134,20 @@ def as_crank_slider(press: Linkage) -> CrankSlider:
     plane, at = press.plane_or_refuse(str(_refusal(press, "it is not planar, or has several drivers"))), poses(press, press.closed[None])
     crank, rod, slide = _bodies(press)
     shaft, crank_pin, slide_pin = _pins(press, plane, at, crank, rod, slide)
-    radius, length = complex(flat(plane, crank_pin - shaft)), complex(flat(plane, slide_pin - crank_pin))
-    guide = complex(flat(plane, at.rotation[slide, 0] @ press.axes[slide - 1].direction))
+    radius, length = complex(to_complex(plane, crank_pin - shaft)), complex(to_complex(plane, slide_pin - crank_pin))
+    guide = complex(to_complex(plane, at.rotation[slide, 0] @ press.axes[slide - 1].direction))
     along = (radius + length) / guide
     if abs(along.imag) > CENTRED * abs(length):
         raise _refusal(press, f"its slide's pin moves {abs(along.imag):.6g} m beside the shaft")
     if not 0 < abs(radius) < abs(length):
         raise _refusal(press, f"its crank, {abs(radius):.6g} m, is not shorter than its rod, {abs(length):.6g} m")
     towards = guide * np.sign(along.real)
-    direction, across = in_space(plane, np.array([towards, 1j * towards]))
+    direction, across = to_world(plane, np.array([towards, 1j * towards]))
     inertias = press.model.inertias
 
     def centre(body: int, pin: Array, line: complex) -> complex:
         """Centre of mass from a pin, along the line of the link's pins."""
-        return complex(flat(plane, at.points(body, inertias[body].lever)[0] - pin)) * abs(line) / line
+        return complex(to_complex(plane, at.points(body, inertias[body].lever)[0] - pin)) * abs(line) / line
 
     return CrankSlider(
         crank=press.link_of(crank),

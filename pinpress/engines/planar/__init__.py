@@ -1,1 +1,1 @@
-"""The batched engine for planar linkages."""
+"""The planar engine computes all crank angles of a planar linkage at once."""

@@ -18,7 +18,7 @@ from ..engine import PIECE, ClosedStates, EnergyRates, PowerBalance
 from ..forces import AppliedForce, Objective, lexicographic_least_squares
 from ..joints import Matrix, compressed, matrix, plain, product, stacked, weighted, with_column
 from .kinematics import basis_acceleration, basis_velocity, known_basis
-from .model import Plane, flat
+from .model import Plane, to_complex
 
 ROUNDING = 1e-13  # relative size below which an offset from the plane is rounding
 
@@ -33,7 +33,7 @@ class Bodies:
         axial_weight: (nv,) m g along the normal [N].
         inertia: (nv, nv) d/dt of the angular momentum about every centre of mass from joint accelerations.
         products: (nv,) products of inertia with the normal, I_1n + i I_2n, in the drawn pose [kg m2].
-        uncrossed: (nv, nl) minus `Plane.crossed`, what the joints are relieved of by the loop forces.
+        uncrossed: (nv, nl) minus `Plane.incidence`, what the joints are relieved of by the loop forces.
         forces: (2 nv, nb) on the second derivative of the basis: inertia force m a less weight of every body, then of all that hang on a
             joint. The first column is the weight; the basis' own first row does not move, so 1 is put there.
         reduced: (nb - 1, nb) on the same: work of all inertia forces less weights on every function of the basis but the first.
@@ -43,7 +43,7 @@ class Bodies:
         inner: joints whose parent is not the frame, tips first.
         guided: (prismatic joint, loop) pairs: the loop's force turns the joint's link.
         geared: joints that turn and are coupled.
-        flat: everything moves and acts in one plane.
+        in_one_plane: whether everything moves and acts in one plane.
     """
 
     plane: Plane
@@ -52,7 +52,7 @@ class Bodies:
     axial_weight: Array
     inertia: Matrix
     products: ComplexArray
-    uncrossed: Matrix
+    minus_incidence: Matrix
     forces: Matrix
     reduced: Matrix
     spins: Matrix
@@ -61,20 +61,20 @@ class Bodies:
     inner: tuple[int, ...]
     guided: tuple[tuple[int, int], ...]
     geared: frozenset[int]
-    flat: bool
+    in_one_plane: bool
 
     @cached_property
-    def spread_force(self) -> Spread:
+    def force_sharing(self) -> LoadSharing:
         """How bearings share forces along the normal, without compliances."""
-        return spread_forces(self.plane, None)
+        return share_forces(self.plane, None)
 
     @cached_property
-    def spread_moment(self) -> Spread:
+    def moment_sharing(self) -> LoadSharing:
         """How they share tilting moments."""
-        return spread_moments(self.plane)
+        return share_moments(self.plane)
 
 
-def build(plane: Plane, model: pin.Model) -> Bodies:
+def build_bodies(plane: Plane, model: pin.Model) -> Bodies:
     """Inertial constants of a linkage, read once from the Pinocchio model."""
     count, loops = model.nv, len(plane.loop_heights)
     inertias = [model.inertias[j + 1] for j in range(count)]
@@ -87,7 +87,7 @@ def build(plane: Plane, model: pin.Model) -> Bodies:
     centers = plane.origins + plane.centers
     body_forces = with_column(weighted(centers, mass), 0, -mass * complex(*(plane.axes @ gravity)))
     inner = tuple(j for j in reversed(range(count)) if plane.parents[j] >= 0)
-    guided = tuple((j, k) for j in plane.prismatic for k in plane.round_loops[j])
+    guided = tuple((j, k) for j in plane.prismatic for k in plane.loops_of_joint[j])
     arms = stacked(
         [
             plane.centers,
@@ -107,7 +107,7 @@ def build(plane: Plane, model: pin.Model) -> Bodies:
         axial_weight=axial_weight,
         inertia=inertia,
         products=products,
-        uncrossed=-plane.crossed.astype(complex),
+        minus_incidence=-plane.incidence.astype(complex),
         forces=stacked([body_forces, compressed(plane.subtree @ body_forces)]),
         reduced=compressed(centers.conj().T)[1:] @ body_forces,
         spins=compressed(plane.spin.T @ inertia),
@@ -115,8 +115,8 @@ def build(plane: Plane, model: pin.Model) -> Bodies:
         closure=arms[count : count + plane.closure.shape[0]],
         inner=inner,
         guided=guided,
-        geared=frozenset(j for gear in plane.gears for j in gear if plane.sense[j]),
-        flat=bool(
+        geared=frozenset(j for gear in plane.coupling_rows for j in gear if plane.sense[j]),
+        in_one_plane=bool(
             np.all(np.ptp(heights) <= ROUNDING * np.abs(plane.origins).max())
             and not products.any()
             and np.all(np.abs(axial_weight) <= ROUNDING * mass * np.linalg.norm(gravity))
@@ -141,13 +141,13 @@ class OpenTree(NamedTuple):
     subtree_force: ComplexArray
     centers: ComplexArray
     closure: ComplexArray
-    passive: Array
+    joint_efforts: Array
     turning: dict[int, Array]
     guided: ComplexArray
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Spread:
+class LoadSharing:
     """What all bearings carry of what joints do with all loops open, some of the loops sharing in it. Configurations do not matter.
 
     Attributes:
@@ -174,42 +174,42 @@ class Spread:
         return (unshared - self.response @ (shares[0] + 1j * shares[1] if len(shares) > 1 else shares[0]))[kept]
 
 
-def spread_forces(plane: Plane, compliance: Array | None) -> Spread:
+def share_forces(plane: Plane, compliance: Array | None) -> LoadSharing:
     """Of forces along the normal, in which all loops share."""
-    return _spread(plane, list(range(len(plane.loop_heights))), compliance)
+    return _load_sharing(plane, list(range(len(plane.loop_heights))), compliance)
 
 
-def spread_moments(plane: Plane) -> Spread:
+def share_moments(plane: Plane) -> LoadSharing:
     """Of tilting moments, in which the loops that hold their links upright share."""
-    return _spread(plane, [int(k) for k in np.flatnonzero(plane.holding)], None)
+    return _load_sharing(plane, [int(k) for k in np.flatnonzero(plane.resists_tilting)], None)
 
 
-def _spread(plane: Plane, sharing: list[int], compliance: Array | None) -> Spread:
+def _load_sharing(plane: Plane, sharing: list[int], compliance: Array | None) -> LoadSharing:
     count, loops = len(plane.parents), len(plane.loop_heights)
-    large = not isinstance(plane.crossed, np.ndarray)
+    large = not isinstance(plane.incidence, np.ndarray)
     size = count if large else 0
     alone = matrix([{k: 1.0} if k < count else {} for k in range(count + loops)], count, size, float)
-    response = stacked([-plane.crossed, matrix([{k: 1.0} for k in range(loops)], loops, size, float)])[:, sharing]
+    response = stacked([-plane.incidence, matrix([{k: 1.0} for k in range(loops)], loops, size, float)])[:, sharing]
     if large and compliance is None:
-        return Spread(alone, response, None)
+        return LoadSharing(alone, response, None)
     alone, response, every = plain(alone), plain(response), np.eye(count + loops)  # the shares of a unit of each
     objectives = [Objective(response, every, 1.0)]
     if compliance is not None:
         weights = np.sqrt(compliance)
         objectives.insert(0, Objective(weights[:, None] * response, weights * every, float(weights.max())))
     found = alone + response @ lexicographic_least_squares(objectives).T @ alone if sharing else alone
-    return Spread(alone, response, found)
+    return LoadSharing(alone, response, found)
 
 
-def energies(bodies: Bodies, at: ComplexArray, v: Array) -> EnergyRates:
-    """Of states with basis ``at`` (nb, n) and joint rates (nv, n)."""
+def energies(bodies: Bodies, basis: ComplexArray, v: Array) -> EnergyRates:
+    """Of states with basis ``basis`` (nb, n) and joint rates (nv, n)."""
     plane, mass = bodies.plane, bodies.mass
     rows = plane.origins + plane.centers
-    rate = basis_velocity(plane, at, v)
+    rate = basis_velocity(plane, basis, v)
     velocity = rows @ rate
     kinetic = 0.5 * (mass @ (velocity.real**2 + velocity.imag**2) + ((bodies.inertia @ v) * (plane.spin @ v)).sum(axis=0))
     lifted = -(mass @ rows) * complex(*(plane.axes @ bodies.gravity)).conjugate()
-    return EnergyRates(kinetic, (lifted @ at).real, (lifted @ rate).real)
+    return EnergyRates(kinetic, (lifted @ basis).real, (lifted @ rate).real)
 
 
 def power_balance(bodies: Bodies, states: ClosedStates, loads: Sequence[AppliedForce]) -> PowerBalance:
@@ -226,8 +226,8 @@ def power_balance(bodies: Bodies, states: ClosedStates, loads: Sequence[AppliedF
 
 def _powers(bodies: Bodies, states: ClosedStates, loads: Sequence[AppliedForce]) -> tuple[Array, Array]:
     """Every term (terms, n) of the balance, and the sum (n,) of forces times velocities, whatever their directions."""
-    plane, at = bodies.plane, known_basis(states)
-    first, second = basis_velocity(plane, at, states.v), basis_acceleration(plane, at, states.v, states.a)
+    plane, basis = bodies.plane, known_basis(states)
+    first, second = basis_velocity(plane, basis, states.v), basis_acceleration(plane, basis, states.v, states.a)
     count = len(plane.parents)
     second[0] = 1.0
     resisting = product(bodies.forces[:count], second)
@@ -238,7 +238,7 @@ def _powers(bodies: Bodies, states: ClosedStates, loads: Sequence[AppliedForce])
     for load in loads:
         if load.joint:
             row = plane.point(load.joint - 1, complex(*(plane.frames[load.joint - 1] @ load.point)[:2]))
-            velocity, force = product(row[None], first)[0], flat(plane, load.force)
+            velocity, force = product(row[None], first)[0], to_complex(plane, load.force)
             terms.append((velocity.conj() * force).real)
             apparent += np.abs(velocity) * np.abs(force)
     return np.array(terms), apparent

@@ -14,37 +14,36 @@ from ...common.quantities import Array, ComplexArray
 from ..engine import CloseDrivers, ClosedStates, Closure, EnergyRates, PowerBalance
 from ..forces import AppliedConditions, AppliedForce, Wrenches
 from ..joints import product
-from ..spatial.model import Spatial
+from ..spatial.model import SpatialModel
 from . import kinematics
-from .bodies import Bodies, energies, power_balance
-from .bodies import build as bodies_of
-from .model import Plane, build, in_space
+from .bodies import Bodies, build_bodies, energies, power_balance
+from .model import Plane, build_plane, to_world
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class PlanarEngine:
-    """See `Engine`.
+    """The planar engine of a linkage; see `Engine`.
 
     Attributes:
         plane: constants of the linkage.
-        general: those of the other engine, which knows which idle forces redundant equations leave open.
+        spatial: constants of Pinocchio's engine, by which idle forces of redundant equations are found.
     """
 
     plane: Plane
-    general: Spatial
+    spatial: SpatialModel
 
     name = "plane"
 
     @staticmethod
-    def of(general: Spatial, one_block: bool) -> PlanarEngine | None:
-        """The engine of a linkage with one driver; None where it is not planar. ``one_block``: solve all equations together."""
-        plane = build(general.model, general.loops, general.couplings, general.drivers[0], one_block)
-        return None if plane is None else PlanarEngine(plane, general)
+    def of(spatial: SpatialModel, one_block: bool) -> PlanarEngine | None:
+        """The engine of a linkage with one driver; None where the linkage is not planar. ``one_block``: solve all equations together."""
+        plane = build_plane(spatial.model, spatial.loops, spatial.couplings, spatial.drivers[0], one_block)
+        return None if plane is None else PlanarEngine(plane, spatial)
 
     @cached_property
     def bodies(self) -> Bodies:
-        """Inertial constants."""
-        return read_only(bodies_of(self.plane, self.general.model))
+        """Inertial constants of the linkage."""
+        return read_only(build_bodies(self.plane, self.spatial.model))
 
     @property
     def tolerance(self) -> float:
@@ -62,7 +61,7 @@ class PlanarEngine:
     def close(self, angle: Array, guess: Array, with_margins: bool = False) -> Closure:
         return kinematics.close(self.plane, angle, guess, with_margins)
 
-    def closer(self) -> CloseDrivers:
+    def closing_function(self) -> CloseDrivers:
         def close(drivers: Array, along: Array, guess: Array) -> Closure:
             found, rate = kinematics.close(self.plane, drivers[0], guess, with_margins=True), float(along[0])
             return found if rate == 1.0 else replace(found, first=rate * found.first, second=rate**2 * found.second)
@@ -70,46 +69,46 @@ class PlanarEngine:
         return close
 
     def rates(self, position: Array, speed: Array, acceleration: Array) -> tuple[Array, Array, Array]:
-        at = kinematics.basis(self.plane, position)
-        first, second = kinematics.influence(self.plane, at)
-        return first * speed, first * acceleration + second * speed**2, kinematics.gaps(self.plane, position, at)
+        basis = kinematics.basis_at(self.plane, position)
+        first, second = kinematics.influence(self.plane, basis)
+        return first * speed, first * acceleration + second * speed**2, kinematics.gaps(self.plane, position, basis)
 
     def gaps(self, position: Array) -> Array:
-        return kinematics.gaps(self.plane, position, kinematics.basis(self.plane, position))
+        return kinematics.gaps(self.plane, position, kinematics.basis_at(self.plane, position))
 
     def redundant(self, x: Array) -> bool:
         return self.plane.redundant
 
     def closing_order(self) -> Iterator[tuple[int, Sequence[int]]]:
         for block in self.plane.blocks:
-            for k in (*block.loops, *(len(self.general.loops) + coupling for coupling in block.couplings)):
+            for k in (*block.loops, *(len(self.spatial.loops) + coupling for coupling in block.couplings)):
                 yield k, block.joints
 
     # -------------------------------------------------------------------------------------------------------------------- motion
 
     def point_motion(self, states: ClosedStates, joint: int, point: Array) -> tuple[Array, Array]:
-        plane, at = self.plane, self._basis(states)
+        plane, basis = self.plane, self._basis(states)
         x, y, height = plane.frames[joint - 1] @ point
         row = plane.point(joint - 1, complex(x, y))
-        position, velocity = row @ at, row @ kinematics.basis_velocity(plane, at, states.v)
-        return in_space(plane, position) + (plane.heights[joint - 1] + height) * plane.normal, in_space(plane, velocity)
+        position, velocity = row @ basis, row @ kinematics.basis_velocity(plane, basis, states.v)
+        return to_world(plane, position) + (plane.heights[joint - 1] + height) * plane.normal, to_world(plane, velocity)
 
     def point_accelerations(self, states: ClosedStates, joint: int, points: Array) -> tuple[Array, Array]:
-        plane, at = self.plane, self._basis(states)
+        plane, basis = self.plane, self._basis(states)
         x, y, height = plane.frames[joint - 1] @ points.T
         rows = np.array([plane.point(joint - 1, complex(*arm)) for arm in zip(x, y, strict=True)])
-        position = in_space(plane, product(rows, at)) + (plane.heights[joint - 1] + height)[:, None, None] * plane.normal
-        return position, in_space(plane, product(rows, kinematics.basis_acceleration(plane, at, states.v, states.a)))
+        position = to_world(plane, product(rows, basis)) + (plane.heights[joint - 1] + height)[:, None, None] * plane.normal
+        return position, to_world(plane, product(rows, kinematics.basis_acceleration(plane, basis, states.v, states.a)))
 
     def _basis(self, states: ClosedStates) -> ComplexArray:
-        return kinematics.basis(self.plane, states.position) if states.basis is None else states.basis
+        return kinematics.basis_at(self.plane, states.position) if states.basis is None else states.basis
 
     # ------------------------------------------------------------------------------------------------------------------ dynamics
 
-    def inverse_dynamics(self, states: ClosedStates, under: AppliedConditions, wanted: Sequence[int]) -> Wrenches:
+    def inverse_dynamics(self, states: ClosedStates, conditions: AppliedConditions, wanted: Sequence[int]) -> Wrenches:
         from .inverse_dynamics import inverse_dynamics  # slow to import, and not needed to load
 
-        return inverse_dynamics(self.bodies, self._closed(states), under, wanted)
+        return inverse_dynamics(self.bodies, self._closed(states), conditions, wanted)
 
     def indeterminate(self, position: Array, axes: Array) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
         # slow to import, and not needed to load
@@ -117,8 +116,8 @@ class PlanarEngine:
         from .out_of_plane import indeterminate
 
         if self.plane.redundant:
-            return indeterminate_in_space(self.general, position, axes)
-        return indeterminate(self.plane, position, axes), np.zeros(len(self.general.couplings), dtype=bool)
+            return indeterminate_in_space(self.spatial, position, axes)
+        return indeterminate(self.plane, position, axes), np.zeros(len(self.spatial.couplings), dtype=bool)
 
     def power_balance(self, states: ClosedStates, loads: Sequence[AppliedForce]) -> PowerBalance:
         return power_balance(self.bodies, self._closed(states), loads)

@@ -1,15 +1,15 @@
 """Inverse dynamics of a planar linkage at all crank angles at once.
 
-Newton-Euler from the tips of the tree to the frame, the loops open; then the forces of loops and gear pairs (`statics`); then every
-joint's force and moment. A lever arm r and a force f, both complex, make the moment Im(conj(r) f) about the normal. What acts out of the
-plane is computed in `out_of_plane`, and only where there is something.
+There are three steps: the Newton-Euler recursion from the tips of the open tree to the frame; the forces of loops and gear pairs
+(`statics`); the force and moment of every joint. A lever arm r and a force f, both complex, make the moment Im(conj(r) f) about the normal.
+Forces and moments out of the plane are computed in `out_of_plane`, and only where something acts there.
 
 Signs: forces and moments of a joint are the action of parent on child, of a loop the action of link1 on link2.
 
-Where few bearing forces are wanted, the efforts of the open tree's joints come from virtual work, without the forces that pass from link to
-link. Every point is a row of constants times the basis (see `model`), so the inertia forces of all links do work on the basis functions:
-m conj(c) c'' summed over all centres of mass c is one small matrix of constants times the second derivative of the basis. Loops and gear
-pairs then act as in `statics`.
+Where few bearing forces are wanted, virtual work gives the efforts of the open tree's joints without the forces between the links. Every
+point is a row of constants times the basis (see `model`), so that the inertia forces of all links do work on the basis functions: the sum
+of m conj(c) c'' over all centres of mass c is one small matrix of constants times the second derivative of the basis. Loops and gear pairs
+then act as in `statics`.
 """
 
 from __future__ import annotations
@@ -19,46 +19,49 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ...common.errors import AssemblyError
 from ...common.quantities import Array, ComplexArray
-from ..engine import PIECE, ClosedStates
+from ..engine import LOOSEST, PIECE, ClosedStates, other_linkage
 from ..forces import AppliedConditions, AppliedForce, FrictionLaw, Wrenches
 from ..joints import product
 from . import out_of_plane, statics
 from .bodies import Bodies, OpenTree
-from .kinematics import basis, basis_acceleration, gaps, known_basis
-from .model import Plane, flat, put, put_normal
-
-LOOSEST = 1e-6  # gap, in lengths of the linkage, beyond which a motion is another linkage's
+from .kinematics import basis_acceleration, basis_at, gaps, known_basis
+from .model import Plane, put_in_plane, put_normal, to_complex
 
 
-def inverse_dynamics(bodies: Bodies, states: ClosedStates, under: AppliedConditions, wanted: Sequence[int]) -> Wrenches:
-    """Driving torque and the wrenches of joints and loops.
+def inverse_dynamics(bodies: Bodies, states: ClosedStates, conditions: AppliedConditions, wanted: Sequence[int]) -> Wrenches:
+    """Driving torque and the wrenches of joints and loops; raises as `Engine.inverse_dynamics`.
 
     Args:
-        bodies: of the linkage.
-        states: with their basis.
-        under: what acts on it.
-        wanted: the bearings whose wrenches are wanted, rising. Friction, and what is shared, needs all of them first.
+        bodies: inertial constants of the linkage.
+        states: closed states with their basis.
+        conditions: loads, friction and compliances.
+        wanted: rising indices of the bearings whose wrenches are wanted.
     """
-    plane, law, n = bodies.plane, under.law, states.v.shape[1]
+    plane, law, n = bodies.plane, conditions.law, states.v.shape[1]
     result = Wrenches.zeros(1, len(plane.offsets), len(plane.parents) + len(plane.loop_heights), n, len(wanted))
     some = len(wanted) < len(result.friction)
-    few = some and law is None and _needs_torque_alone(plane, wanted, under.gears)
-    speeds = None if law is None else law.moving(np.concatenate([states.v, plane.crossed.T @ (plane.sense[:, None] * states.v)]))
+    by_virtual_work = some and law is None and _virtual_work_gives(plane, wanted, conditions.with_gear_torques)
+    speeds = None if law is None else law.moving(np.concatenate([states.v, plane.incidence.T @ (plane.sense[:, None] * states.v)]))
     for start in range(0, n, PIECE):
         s = slice(start, start + PIECE)
-        piece, conditions, filled = (states, under, result) if n <= PIECE else (states.part(s), under.part(s), result.part(s))
-        rubbing = None if law is None or speeds is None else Rubbing(law, speeds[:, s], states.position[plane.driver, s])
-        if few and not (wanted and _across(bodies, conditions.loads)):
-            _fill_torque_alone(bodies, piece, conditions.loads, wanted, filled)
+        piece, acting, filled = (states, conditions, result) if n <= PIECE else (states.part(s), conditions.part(s), result.part(s))
+        friction = None if law is None or speeds is None else FrictionState(law, speeds[:, s], states.position[plane.driver, s])
+        if by_virtual_work and not (wanted and _acts_out_of_plane(bodies, acting.loads)):
+            _fill_by_virtual_work(bodies, piece, acting.loads, wanted, filled)
         else:
-            _piece(bodies, piece, conditions, rubbing, wanted, filled)
+            _fill_by_recursion(bodies, piece, acting, friction, wanted, filled)
     return result
 
 
-class Rubbing(NamedTuple):
-    """Friction of a piece: the law, the speeds (bearings, n) and the crank angles (n,)."""
+class FrictionState(NamedTuple):
+    """Friction over a piece of the motion.
+
+    Attributes:
+        law: of the bearings.
+        speeds: (bearings, n) speeds of the bearings [rad/s or m/s].
+        angle: (n,) crank angles [rad].
+    """
 
     law: FrictionLaw
     speeds: Array
@@ -69,192 +72,216 @@ def closed_basis(plane: Plane, position: Array) -> ComplexArray:
     """The basis (nb, n) of joint coordinates (nv, n).
 
     Raises:
-        AssemblyError: they do not close the loops of this linkage.
+        AssemblyError: the coordinates do not close the loops of this linkage.
     """
-    at = basis(plane, position)
-    widest = gaps(plane, position, at)
+    basis = basis_at(plane, position)
+    widest = gaps(plane, position, basis)
     if not widest.max() <= LOOSEST * plane.size:
         worst = int(widest.argmax())
-        angle = float(position[plane.driver, worst])
-        raise AssemblyError("the motion leaves the loops of this linkage open: it is another one's", angle, float(widest[worst]), 0)
-    return at
+        raise other_linkage(float(position[plane.driver, worst]), float(widest[worst]))
+    return basis
 
 
-def _piece(
-    bodies: Bodies, states: ClosedStates, under: AppliedConditions, rubbing: Rubbing | None, wanted: Sequence[int], result: Wrenches
+def _fill_by_recursion(
+    bodies: Bodies,
+    states: ClosedStates,
+    conditions: AppliedConditions,
+    friction: FrictionState | None,
+    wanted: Sequence[int],
+    result: Wrenches,
 ) -> None:
-    """Fill in the result of a piece of the motion."""
-    plane, at, n = bodies.plane, known_basis(states), states.v.shape[1]
-    tree = _open_tree(bodies, states, under.loads)
-    across = out_of_plane.forces(bodies, under.loads, under.compliance, n) if _across(bodies, under.loads) else None
-    system = statics.build(plane, tree.closure, tree.subtree_force, bodies.uncrossed, at, under.compliance)
-    efforts, passive = None, tree.passive
-    if rubbing is not None:
-        efforts = _friction(plane, system, rubbing, passive, at, across)
-        result.friction[:] = -efforts * rubbing.speeds
-        passive -= _resisted(plane, efforts)
-    count, gears = len(plane.parents), result.coupling
+    """Fill in the result of a piece of the motion, by way of all bearing forces."""
+    plane, basis, n, loads = bodies.plane, known_basis(states), states.v.shape[1], conditions.loads
+    open_tree = _solve_open_tree(bodies, states, loads)
+    axial = out_of_plane.forces(bodies, loads, conditions.compliance, n) if _acts_out_of_plane(bodies, loads) else None
+    system = statics.build(plane, open_tree.closure, open_tree.subtree_force, bodies.minus_incidence, basis, conditions.compliance)
+    friction_efforts, joint_efforts = None, open_tree.joint_efforts
+    if friction is not None:
+        friction_efforts = _friction(plane, system, friction, joint_efforts, basis, axial)
+        result.friction[:] = -friction_efforts * friction.speeds
+        joint_efforts -= _resisted(plane, friction_efforts)
+    count, coupling_multipliers = len(plane.parents), result.coupling
     bearings = np.empty((count + len(plane.loop_heights), n), complex)
-    statics.balance(system, passive, gears, bearings)
-    result.torque[0] = passive[plane.driver]
+    statics.balance(system, joint_efforts, coupling_multipliers, bearings)
+    result.torque[0] = joint_efforts[plane.driver]
     if wanted:
-        put(plane, bearings if len(wanted) == len(bearings) else bearings[list(wanted)], result.force)
+        put_in_plane(plane, bearings if len(wanted) == len(bearings) else bearings[list(wanted)], result.force)
         places = {bearing: place for place, bearing in enumerate(wanted)}
-        for bearing, moment in _about_normal(bodies, tree, bearings[count:], passive[plane.driver], gears, efforts).items():
+        pins, torque = bearings[count:], joint_efforts[plane.driver]
+        for bearing, moment in _moments_about_normal(bodies, open_tree, pins, torque, coupling_multipliers, friction_efforts).items():
             if bearing in places:
                 put_normal(plane, moment, result.moment[places[bearing]])
-        if across is not None:
-            out_of_plane.add(bodies, states, tree, bearings[count:], under.loads, across, wanted, result)
-    statics.torques(plane, gears)
+        if axial is not None:
+            out_of_plane.add(bodies, states, open_tree, pins, loads, axial, wanted, result)
+    statics.torques(plane, coupling_multipliers)
 
 
-def _across(bodies: Bodies, loads: Sequence[AppliedForce]) -> bool:
+def _acts_out_of_plane(bodies: Bodies, loads: Sequence[AppliedForce]) -> bool:
     """Whether anything acts out of the plane."""
-    return not (bodies.flat and all(out_of_plane.is_flat(bodies.plane, load) for load in loads))
+    return not (bodies.in_one_plane and all(out_of_plane.is_flat(bodies.plane, load) for load in loads))
 
 
-def _open_tree(bodies: Bodies, states: ClosedStates, loads: Sequence[AppliedForce]) -> OpenTree:
-    """Newton's and Euler's equations from the tips to the frame."""
-    plane, at = bodies.plane, known_basis(states)
+def _solve_open_tree(bodies: Bodies, states: ClosedStates, loads: Sequence[AppliedForce]) -> OpenTree:
+    """Newton's and Euler's equations of the open tree, from the tips to the frame."""
+    plane, basis = bodies.plane, known_basis(states)
     count = len(plane.parents)
-    second = basis_acceleration(plane, at, states.v, states.a)
+    second = basis_acceleration(plane, basis, states.v, states.a)
     second[0] = 1.0
     forces = product(bodies.forces, second)
     own, subtree_force = forces[:count], forces[count:]
-    arms = product(bodies.arms, at)
+    arms = product(bodies.arms, basis)
     closure, row = arms[count : count + plane.closure.shape[0]], count + plane.closure.shape[0]
 
     moment = (arms[:count].conj() * own).imag
     moment += bodies.inertia @ states.a
     for load in loads:
         if load.joint:
-            _take_load(plane, at, subtree_force, moment, load)
+            _take_load(plane, basis, subtree_force, moment, load)
     for j in bodies.inner:
         moment[plane.parents[j]] += moment[j] + (arms[row].conj() * subtree_force[j]).imag
         row += 1
     turning = {j: moment[j].copy() for j in plane.prismatic}
-    passive = moment  # from here on: efforts
+    joint_efforts = moment  # the same array: it is turned into efforts in place
     for j in plane.prismatic:
-        passive[j] = (arms[row].conj() * subtree_force[j]).real
+        joint_efforts[j] = (arms[row].conj() * subtree_force[j]).real
         row += 1
     for j in plane.revolute:
         if plane.sense[j] < 0:
-            np.negative(passive[j], out=passive[j])
-    return OpenTree(own, subtree_force, arms[:count], closure, passive, turning, arms[row:])
+            np.negative(joint_efforts[j], out=joint_efforts[j])
+    return OpenTree(own, subtree_force, arms[:count], closure, joint_efforts, turning, arms[row:])
 
 
-def _about_normal(
-    bodies: Bodies, tree: OpenTree, pins: ComplexArray, torque: Array, gears: Array, efforts: Array | None
+def _moments_about_normal(
+    bodies: Bodies, open_tree: OpenTree, pins: ComplexArray, torque: Array, coupling_multipliers: Array, friction_efforts: Array | None
 ) -> dict[int, Array]:
-    """Moments (n,) about the normal of the bearings that transmit one: guides, the driver, geared joints, all that have friction.
+    """Moments (n,) about the normal, by bearing, of all that transmit one: guides, the driver, geared joints, all with friction.
 
-    ``torque`` (n,) of the driver; ``gears`` (nc, n) multipliers of the couplings; ``efforts`` (bearings, n) of friction.
+    Args:
+        bodies: inertial constants of the linkage.
+        open_tree: its forces with all loops open.
+        pins: (nl, n) complex forces of the loops [N].
+        torque: (n,) driving torque [N m].
+        coupling_multipliers: (nc, n) multipliers of the couplings.
+        friction_efforts: (bearings, n) efforts of friction, None for none.
     """
-    plane, moments = bodies.plane, tree.turning
-    for (j, k), arm in zip(bodies.guided, tree.guided, strict=True):
-        moments[j] -= plane.round_loops[j][k] * (arm.conj() * pins[k]).imag
+    plane, moments = bodies.plane, open_tree.turning
+    for (j, k), arm in zip(bodies.guided, open_tree.guided, strict=True):
+        moments[j] -= plane.loops_of_joint[j][k] * (arm.conj() * pins[k]).imag
     moments[plane.driver] = plane.sense[plane.driver] * torque
     if bodies.geared:
-        meshed = plane.coupled.T @ gears
+        meshed = plane.coupled.T @ coupling_multipliers
         for j in bodies.geared:
             moments[j] = moments.get(j, 0.0) + plane.sense[j] * meshed[j]
-    if efforts is not None:
+    if friction_efforts is not None:
         count = len(plane.parents)
-        of_loops = plane.crossed @ efforts[count:]
+        of_loops = plane.incidence @ friction_efforts[count:]
         for j in range(count):
-            rubbing = plane.sense[j] * efforts[j] if plane.sense[j] else -of_loops[j]
-            moments[j] = moments.get(j, 0.0) + rubbing
-        moments |= dict(enumerate(efforts[count:], count))
+            by_friction = plane.sense[j] * friction_efforts[j] if plane.sense[j] else -of_loops[j]
+            moments[j] = moments.get(j, 0.0) + by_friction
+        moments |= dict(enumerate(friction_efforts[count:], count))
     return moments
 
 
-def _take_load(plane: Plane, at: ComplexArray, subtree_force: ComplexArray, moment: Array, load: AppliedForce) -> None:
-    """Relieve the joints that carry the loaded link; its own joint of the moment too, the others get theirs in the recursion."""
+def _take_load(plane: Plane, basis: ComplexArray, subtree_force: ComplexArray, moment: Array, load: AppliedForce) -> None:
+    """Subtract a load from the forces of all joints that carry the loaded link, and from the moment of that link's own joint: the recursion
+    brings its moment to the other joints."""
     joint = load.joint - 1
-    force = flat(plane, load.force)
-    arm = complex(*(plane.frames[joint] @ load.point)[:2]) * at[plane.rotor(joint)]
+    force = to_complex(plane, load.force)
+    arm = complex(*(plane.frames[joint] @ load.point)[:2]) * basis[plane.rotor(joint)]
     moment[joint] -= (arm.conj() * force).imag
     subtree_force[plane.carriers(joint)] -= force
 
 
-def _friction(plane: Plane, system: statics.Statics, rubbing: Rubbing, passive: Array, at: ComplexArray, across: Array | None) -> Array:
-    """Efforts (bearings, n) of friction: of joints along their axes, of loops about the normal."""
+def _friction(
+    plane: Plane, system: statics.Statics, friction: FrictionState, joint_efforts: Array, basis: ComplexArray, axial: Array | None
+) -> Array:
+    """Efforts (bearings, n) of friction: those of joints are along their axes, those of loops about the normal."""
     count = len(plane.parents)
-    bearings = np.empty((count + len(plane.loop_heights), passive.shape[1]), complex)
-    gears = np.zeros((len(plane.offsets), passive.shape[1]))
-    slides = product(plane.directions, at).conj()
+    bearings = np.empty((count + len(plane.loop_heights), joint_efforts.shape[1]), complex)
+    coupling_multipliers = np.zeros((len(plane.offsets), joint_efforts.shape[1]))
+    slides = product(plane.directions, basis).conj()
 
-    def radial(efforts: Array) -> Array:
-        statics.balance(system, passive - _resisted(plane, efforts), gears, bearings)
+    def radial(friction_efforts: Array) -> Array:
+        statics.balance(system, joint_efforts - _resisted(plane, friction_efforts), coupling_multipliers, bearings)
         sizes = np.abs(bearings)
         for joint, direction in zip(plane.prismatic, slides, strict=True):
             sizes[joint] = np.abs((direction * bearings[joint]).imag)
-            if across is not None:
-                sizes[joint] = np.hypot(sizes[joint], across[joint])
+            if axial is not None:
+                sizes[joint] = np.hypot(sizes[joint], axial[joint])
         return sizes
 
-    return rubbing.law.efforts(rubbing.speeds, radial, rubbing.angle)
+    return friction.law.efforts(friction.speeds, radial, friction.angle)
 
 
-def _resisted(plane: Plane, efforts: Array) -> Array:
-    """What friction (bearings, n) takes over of the efforts (nv, n) of the joints."""
+def _resisted(plane: Plane, friction_efforts: Array) -> Array:
+    """The part (nv, n) of the joints' efforts that friction efforts (bearings, n) supply."""
     count = len(plane.parents)
-    return np.asarray(efforts[:count] + plane.sense[:, None] * (plane.crossed @ efforts[count:]))
+    return np.asarray(friction_efforts[:count] + plane.sense[:, None] * (plane.incidence @ friction_efforts[count:]))
 
 
-def _needs_torque_alone(plane: Plane, wanted: Sequence[int], gears: bool) -> bool:
-    """Whether ``wanted`` bearings, and the torques of ``gears``, can be had without the others, where nothing rubs and nothing leaves the
-    plane.
+def _virtual_work_gives(plane: Plane, wanted: Sequence[int], with_gear_torques: bool) -> bool:
+    """Whether the ``wanted`` bearings, and where asked for the torques of gear pairs, can be computed without the other bearings, where
+    there is no friction and nothing acts out of the plane.
 
-    A guide's moment is that of all that hangs on it. What is shared among bearings and gears depends on all of them; the driving torque
-    does not depend on how.
+    A guide is not among these bearings, because its moment comes from all bodies that hang on it. Redundant forces are shared among all
+    bearings and gear pairs; the driving torque does not depend on how.
     """
     if any(j in plane.prismatic for j in wanted):
         return False
-    return not plane.redundant or not (wanted or (gears and len(plane.offsets)))
+    return not plane.redundant or not (wanted or (with_gear_torques and len(plane.offsets)))
 
 
-def _fill_torque_alone(
+def _fill_by_virtual_work(
     bodies: Bodies, states: ClosedStates, loads: Sequence[AppliedForce], wanted: Sequence[int], result: Wrenches
 ) -> None:
-    """Fill in a result with bearings that `_needs_torque_alone` allows. Arguments as of `inverse_dynamics`."""
-    plane, at = bodies.plane, known_basis(states)
-    second = basis_acceleration(plane, at, states.v, states.a)
+    """Fill in the result where `_virtual_work_gives` all that is wanted. Arguments as of `inverse_dynamics`."""
+    plane, basis = bodies.plane, known_basis(states)
+    second = basis_acceleration(plane, basis, states.v, states.a)
     second[0] = 1.0
-    passive = _efforts(bodies, at, states.a, second, loads)
-    pins = np.empty((len(plane.loop_heights), at.shape[1]), complex)
-    statics.transmit(plane, product(bodies.closure, at), passive, pins, result.coupling)
-    result.torque[0] = passive[plane.driver]
+    joint_efforts = _efforts_by_virtual_work(bodies, basis, states.a, second, loads)
+    pins = np.empty((len(plane.loop_heights), basis.shape[1]), complex)
+    statics.transmit(plane, product(bodies.closure, basis), joint_efforts, pins, result.coupling)
+    result.torque[0] = joint_efforts[plane.driver]
     if wanted:
-        put(plane, _forces(bodies, second, loads, pins, wanted), result.force)
-        for place, moment in _moments(bodies, wanted, result).items():
+        put_in_plane(plane, _wanted_forces(bodies, second, loads, pins, wanted), result.force)
+        for place, moment in _wanted_moments(bodies, wanted, result).items():
             put_normal(plane, moment, result.moment[place])
     statics.torques(plane, result.coupling)
 
 
-def _efforts(bodies: Bodies, at: ComplexArray, a: Array, second: ComplexArray, loads: Sequence[AppliedForce]) -> Array:
-    """Efforts (nv, n) that the joints would have to transmit with all loops open."""
+def _efforts_by_virtual_work(bodies: Bodies, basis: ComplexArray, a: Array, second: ComplexArray, loads: Sequence[AppliedForce]) -> Array:
+    """Efforts (nv, n) that the joints would have to transmit with all loops open.
+
+    Args:
+        bodies: inertial constants of the linkage.
+        basis: (nb, n) of the states.
+        a: (nv, n) joint accelerations.
+        second: (nb, n) second derivative of the basis by time, its first row 1.
+        loads: forces on links.
+    """
     plane = bodies.plane
     work: ComplexArray = product(bodies.reduced, second)
     for load in loads:
         if load.joint:
-            joint, force = load.joint - 1, flat(plane, load.force)
+            joint, force = load.joint - 1, to_complex(plane, load.force)
             point = plane.point(joint, complex(*(plane.frames[joint] @ load.point)[:2]))
             for k in np.flatnonzero(point[1:]):
                 work[k] -= point[k + 1].conj() * force
-    turning = len(plane.revolute)
-    turned = (at[1:].conj() * work).imag
-    for row, rotor in enumerate(plane.guide_rotors, turning):
+    revolute = len(plane.revolute)
+    rotor_moments = (basis[1:].conj() * work).imag
+    for row, rotor in enumerate(plane.guide_rotors, revolute):
         if rotor:
-            turned[rotor - 1] += turned[row]
-    efforts: Array = plane.turn.T @ turned[:turning] + bodies.spins @ a
-    for row, (joint, rotor) in enumerate(zip(plane.prismatic, plane.guide_rotors, strict=True), turning):
-        efforts[joint] = (at[rotor].conj() * work[row]).real if rotor else work[row].real
+            rotor_moments[rotor - 1] += rotor_moments[row]
+    efforts: Array = plane.turn.T @ rotor_moments[:revolute] + bodies.spins @ a
+    for row, (joint, rotor) in enumerate(zip(plane.prismatic, plane.guide_rotors, strict=True), revolute):
+        efforts[joint] = (basis[rotor].conj() * work[row]).real if rotor else work[row].real
     return efforts
 
 
-def _forces(bodies: Bodies, second: ComplexArray, loads: Sequence[AppliedForce], pins: ComplexArray, wanted: Sequence[int]) -> ComplexArray:
-    """Complex forces (wanted, n)."""
+def _wanted_forces(
+    bodies: Bodies, second: ComplexArray, loads: Sequence[AppliedForce], pins: ComplexArray, wanted: Sequence[int]
+) -> ComplexArray:
+    """Complex forces (wanted, n) of the wanted bearings [N]."""
     plane = bodies.plane
     count = len(plane.parents)
     joints = [j for j in wanted if j < count]
@@ -264,13 +291,14 @@ def _forces(bodies: Bodies, second: ComplexArray, loads: Sequence[AppliedForce],
         subtree_force = product(bodies.forces[[count + j for j in joints]], second)
         for load in loads:
             if load.joint:
-                subtree_force[[place for place, j in enumerate(joints) if j in plane.carriers(load.joint - 1)]] -= flat(plane, load.force)
-        np.add(product(bodies.uncrossed[joints], pins), subtree_force, out=forces[: len(joints)])
+                carrying = [place for place, j in enumerate(joints) if j in plane.carriers(load.joint - 1)]
+                subtree_force[carrying] -= to_complex(plane, load.force)
+        np.add(product(bodies.minus_incidence[joints], pins), subtree_force, out=forces[: len(joints)])
     return forces
 
 
-def _moments(bodies: Bodies, wanted: Sequence[int], result: Wrenches) -> dict[int, Array]:
-    """Those about the normal that are not zero, (n,) each, by place among the wanted; ``result`` has multipliers of the gear pairs."""
+def _wanted_moments(bodies: Bodies, wanted: Sequence[int], result: Wrenches) -> dict[int, Array]:
+    """Moments (n,) about the normal that are not zero, by place among the wanted bearings; ``result.coupling`` holds multipliers."""
     plane, moments = bodies.plane, {}
     meshed = plane.coupled.T @ result.coupling if any(j in bodies.geared for j in wanted) else result.coupling
     for place, j in enumerate(wanted):

@@ -17,12 +17,11 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ...common.quantities import Array, ComplexArray
-from ..engine import ClosedStates, Closure
+from ..engine import ACCEPTED, MOST_NEWTON_STEPS, ClosedStates, Closure
 from ..forces import RANK
 from ..joints import product
-from .model import Block, Plane, in_space
+from .model import Block, Plane, to_world
 
-MOST_NEWTON_STEPS = 12
 NO_SLIPS = np.empty((0, 1))
 
 
@@ -37,8 +36,8 @@ def close(plane: Plane, angle: Array, guess: Array, with_margins: bool = False) 
     worst, steps = np.inf, 0
     with np.errstate(all="ignore"):  # a failed closure shows in its gap
         while True:
-            at = basis(plane, x)
-            rows = product(plane.closure, at)
+            basis = basis_at(plane, x)
+            rows = product(plane.closure, basis)
             gaps = rows[:count]
             gap = np.sqrt((gaps.real**2 + gaps.imag**2).max(axis=0, initial=0.0))
             slips = plane.coupled @ x - plane.offsets[:, None] if len(plane.offsets) else NO_SLIPS
@@ -46,35 +45,35 @@ def close(plane: Plane, angle: Array, guess: Array, with_margins: bool = False) 
                 gap = np.maximum(gap, np.abs(slips).max(axis=0))
             before, worst = worst, float(gap.max())
             # Rounding can leave a gap slightly above the tolerance: stop where another step no longer halves it.
-            stalled = worst > 0.5 * before and worst < 1e3 * plane.tolerance
+            stalled = worst > 0.5 * before and worst < ACCEPTED * plane.tolerance
             if worst <= plane.tolerance or stalled or steps == MOST_NEWTON_STEPS or not np.isfinite(worst):
                 break
             step = np.zeros_like(x)
             solve(plane, rows, factored(plane, rows), [*-gaps, *-slips], step)
             x += step
             steps += 1
-        first, second = _influence(plane, at, rows)
+        first, second = _influence(plane, basis, rows)
         margins = _margins(plane, rows) if with_margins else None
-    return Closure(x, first, second, gap, worst, steps, margins, at)
+    return Closure(x, first, second, gap, worst, steps, margins, basis)
 
 
-def influence(plane: Plane, at: ComplexArray) -> tuple[Array, Array]:
-    """First-order and second-order influence coefficients (nv, n) of closed configurations with basis ``at``."""
+def influence(plane: Plane, basis: ComplexArray) -> tuple[Array, Array]:
+    """First-order and second-order influence coefficients (nv, n) of closed configurations with basis ``basis``."""
     with np.errstate(all="ignore"):
-        return _influence(plane, at, product(plane.closure, at))
+        return _influence(plane, basis, product(plane.closure, basis))
 
 
-def _influence(plane: Plane, at: ComplexArray, rows: ComplexArray) -> tuple[Array, Array]:
+def _influence(plane: Plane, basis: ComplexArray, rows: ComplexArray) -> tuple[Array, Array]:
     """Influence coefficients, given the ``rows`` of `Plane.closure` at these configurations."""
-    factors, shape = factored(plane, rows), (len(plane.parents), at.shape[1])
+    factors, shape = factored(plane, rows), (len(plane.parents), basis.shape[1])
     first = np.empty(shape)
     first[plane.driver] = 1.0
     driven = [None if row is None else -rows[row] for row in plane.driven]
-    driven += [np.full(at.shape[1], -gear.get(plane.driver, 0.0)) for gear in plane.gears]
+    driven += [np.full(basis.shape[1], -gear.get(plane.driver, 0.0)) for gear in plane.coupling_rows]
     solve(plane, rows, factors, driven, first)
     second = np.empty(shape)
     second[plane.driver] = 0.0
-    curvature = basis_acceleration(plane, at, first, None)
+    curvature = basis_acceleration(plane, basis, first, None)
     opened = product(plane.closure[: len(plane.loop_heights)], curvature)
     solve(plane, rows, factors, [*-opened, *[None] * len(plane.offsets)], second)
     return first, second
@@ -84,22 +83,22 @@ def moves(plane: Plane, drawn: Closure) -> bool:
     """Whether the driver moves a closed linkage with as many equations as its joints need, or with more that agree."""
     if not plane.redundant:
         return True
-    rate = basis_velocity(plane, basis(plane, drawn.position), drawn.first)
+    rate = basis_velocity(plane, basis_at(plane, drawn.position), drawn.first)
     opened = product(plane.closure[: len(plane.loop_heights)], rate), plane.coupled @ drawn.first
     return all(np.abs(each).max(initial=0.0) <= RANK * plane.size for each in opened)
 
 
-def basis(plane: Plane, x: Array) -> ComplexArray:
+def basis_at(plane: Plane, x: Array) -> ComplexArray:
     """The basis (nb, n) of joint coordinates (nv, n)."""
     turning = len(plane.revolute)
-    at = np.empty((1 + len(x), x.shape[1]), complex)
-    at[0] = 1.0
+    basis = np.empty((1 + len(x), x.shape[1]), complex)
+    basis[0] = 1.0
     absolute = plane.turn @ x
-    np.cos(absolute, out=at.real[1 : 1 + turning])
-    np.sin(absolute, out=at.imag[1 : 1 + turning])
+    np.cos(absolute, out=basis.real[1 : 1 + turning])
+    np.sin(absolute, out=basis.imag[1 : 1 + turning])
     for row, (joint, rotor) in enumerate(zip(plane.prismatic, plane.guide_rotors, strict=True), 1 + turning):
-        at[row] = x[joint] * at[rotor] if rotor else x[joint]
-    return at
+        basis[row] = x[joint] * basis[rotor] if rotor else x[joint]
+    return basis
 
 
 def known_basis(states: ClosedStates) -> ComplexArray:
@@ -110,42 +109,42 @@ def known_basis(states: ClosedStates) -> ComplexArray:
 
 def openings(plane: Plane, x: Array) -> Array:
     """Distances (nl, 3) of the two sides of the loops at joint coordinates (nv,), point 2 less point 1 in world axes [m]."""
-    return in_space(plane, product(plane.closure[: len(plane.loop_heights)], basis(plane, x[:, None]))[:, 0])
+    return to_world(plane, product(plane.closure[: len(plane.loop_heights)], basis_at(plane, x[:, None]))[:, 0])
 
 
-def gaps(plane: Plane, x: Array, at: ComplexArray) -> Array:
+def gaps(plane: Plane, x: Array, basis: ComplexArray) -> Array:
     """Largest distance (n,) between the two sides of a loop at joint coordinates (nv, n) with their basis [m], slips of couplings too."""
-    widest: Array = np.abs(product(plane.closure[: len(plane.loop_heights)], at)).max(axis=0, initial=0.0)
+    widest: Array = np.abs(product(plane.closure[: len(plane.loop_heights)], basis)).max(axis=0, initial=0.0)
     return np.asarray(np.maximum(widest, np.abs(plane.coupled @ x - plane.offsets[:, None]).max(axis=0, initial=0.0)))
 
 
-def basis_velocity(plane: Plane, at: ComplexArray, v: Array) -> ComplexArray:
+def basis_velocity(plane: Plane, basis: ComplexArray, v: Array) -> ComplexArray:
     """First time derivative of the basis at joint rates (nv, n)."""
     turning = len(plane.revolute)
-    rate = np.empty_like(at)
+    rate = np.empty_like(basis)
     rate[0] = 0.0
     spin = plane.turn @ v
-    np.multiply(at[1 : 1 + turning], 1j * spin, out=rate[1 : 1 + turning])
+    np.multiply(basis[1 : 1 + turning], 1j * spin, out=rate[1 : 1 + turning])
     for row, (joint, rotor) in enumerate(zip(plane.prismatic, plane.guide_rotors, strict=True), 1 + turning):
-        rate[row] = v[joint] * at[rotor] + 1j * spin[rotor - 1] * at[row] if rotor else v[joint]
+        rate[row] = v[joint] * basis[rotor] + 1j * spin[rotor - 1] * basis[row] if rotor else v[joint]
     return rate
 
 
-def basis_acceleration(plane: Plane, at: ComplexArray, v: Array, a: Array | None) -> ComplexArray:
+def basis_acceleration(plane: Plane, basis: ComplexArray, v: Array, a: Array | None) -> ComplexArray:
     """Second time derivative of the basis at joint rates and accelerations (nv, n); ``a`` None: the centripetal and Coriolis part alone."""
     turning = len(plane.revolute)
-    result = np.empty_like(at)
+    result = np.empty_like(basis)
     result[0] = 0.0
     spin = plane.turn @ v
     factor: Array | ComplexArray = spin * -spin
     if a is not None:
         inward, factor = factor, np.empty(spin.shape, complex)
         factor.real, factor.imag = inward, plane.turn @ a
-    np.multiply(at[1 : 1 + turning], factor, out=result[1 : 1 + turning])
+    np.multiply(basis[1 : 1 + turning], factor, out=result[1 : 1 + turning])
     for row, (joint, rotor) in enumerate(zip(plane.prismatic, plane.guide_rotors, strict=True), 1 + turning):
         along = 0.0 if a is None else a[joint]
         if rotor:
-            result[row] = (along + 2j * spin[rotor - 1] * v[joint]) * at[rotor] + factor[rotor - 1] * at[row]
+            result[row] = (along + 2j * spin[rotor - 1] * v[joint]) * basis[rotor] + factor[rotor - 1] * basis[row]
         else:
             result[row] = along
     return result
@@ -173,7 +172,7 @@ def block_matrix(plane: Plane, block: Block, rows: ComplexArray) -> Array:
             j = block.joints.index(joint)
             matrix[:, 2 * k, j], matrix[:, 2 * k + 1, j] = rows[row].real, rows[row].imag
     for row, k in enumerate(block.couplings, loops):
-        matrix[:, row] = [plane.gears[k].get(joint, 0.0) for joint in block.joints]
+        matrix[:, row] = [plane.coupling_rows[k].get(joint, 0.0) for joint in block.joints]
     return matrix
 
 
@@ -193,7 +192,7 @@ def factored(plane: Plane, rows: ComplexArray) -> list[Factor]:
             a = rows[block.own[0][0][1]]
             result.append(a.conj() / (a.real**2 + a.imag**2))
         elif block.kind == "gear":
-            result.append(plane.gears[block.couplings[0]][block.joints[0]])
+            result.append(plane.coupling_rows[block.couplings[0]][block.joints[0]])
         else:
             result.append(block_matrix(plane, block, rows))
     return result
@@ -232,7 +231,7 @@ def solve(
 def _slip(plane: Plane, block: Block, coupling: int, target: Array | ComplexArray | None, x: Array) -> Array:
     """What the joints of a block have to move a coupling by (n,), once the joints known before and the driver have done their part."""
     side = np.zeros(x.shape[1]) if target is None else target.real
-    for joint, by in plane.gears[coupling].items():
+    for joint, by in plane.coupling_rows[coupling].items():
         if joint not in block.joints and joint != plane.driver:
             side = side - by * x[joint]
     return side

@@ -29,7 +29,7 @@ import pinocchio as pin
 from numpy.typing import NDArray
 
 from ...common.quantities import Array, ComplexArray
-from ..joints import Coupling, Entries, LoopJoint, Matrix, between, drawn, matrix, plain
+from ..joints import Coupling, Entries, LoopJoint, Matrix, between, drawn_placements, matrix, plain
 from ..joints import axes as joint_axes
 
 if TYPE_CHECKING:
@@ -64,7 +64,7 @@ class Plane:
         holding: (nl,) whether the loop's bearing holds its links upright: a revolute one does.
         coupled: (nc, nv) coefficients of the coupling equations, turning ones in lengths of the linkage.
         offsets: (nc,) right-hand sides.
-        gears: the same row by row, coefficients by joints, rising.
+        coupling_rows: the coupling equations row by row: coefficients by joints, rising.
         followers: (nc,) joints whose coordinate the couplings give.
         blocks: the order in which equations are solved.
         driven: per loop, row of the driver's column, None where it does not move the loop.
@@ -94,16 +94,16 @@ class Plane:
     closure: Matrix
     loop_points: Matrix
     loop_heights: Array
-    holding: NDArray[np.bool_]
+    resists_tilting: NDArray[np.bool_]
     coupled: Matrix
-    gears: tuple[Mapping[int, float], ...]
+    coupling_rows: tuple[Mapping[int, float], ...]
     offsets: Array
     followers: tuple[int, ...]
     blocks: tuple[Block, ...]
     driven: tuple[int | None, ...]
     subtree: Matrix
-    crossed: Matrix
-    round_loops: tuple[Mapping[int, float], ...]
+    incidence: Matrix
+    loops_of_joint: tuple[Mapping[int, float], ...]
     size: float
 
     @cached_property
@@ -141,17 +141,17 @@ class Plane:
         return row
 
 
-def flat(plane: Plane, vectors: Array) -> ComplexArray:
+def to_complex(plane: Plane, vectors: Array) -> ComplexArray:
     """World vectors (..., 3) as complex numbers, what is along the normal left out."""
     return np.asarray(vectors @ plane.axes[0] + 1j * (vectors @ plane.axes[1]))
 
 
-def in_space(plane: Plane, vectors: ComplexArray) -> Array:
+def to_world(plane: Plane, vectors: ComplexArray) -> Array:
     """Complex numbers (...) as world vectors (..., 3)."""
     return np.asarray(np.multiply.outer(vectors.real, plane.axes[0]) + np.multiply.outer(vectors.imag, plane.axes[1]))
 
 
-def put(plane: Plane, vectors: ComplexArray, out: Array) -> None:
+def put_in_plane(plane: Plane, vectors: ComplexArray, out: Array) -> None:
     """Fill ``out`` (..., 3), zero so far, with complex vectors (...). Most presses stand in a coordinate plane: zeros cost nothing."""
     for i, (first, second) in enumerate(plane.axes.T):
         if first:
@@ -169,7 +169,7 @@ def put_normal(plane: Plane, values: Array, out: Array) -> None:
             np.multiply(values, share, out=out[:, i])
 
 
-def build(
+def build_plane(
     model: pin.Model, loops: Sequence[LoopJoint], couplings: Sequence[Coupling], driver: int, one_block: bool = False
 ) -> Plane | None:
     """Constants of a linkage whose driver turns, or None where it is not planar or its equations do not fall into blocks with as many
@@ -209,10 +209,10 @@ def build(
     gaps = [_difference(second, first) for (first, _), (second, _) in ends]
     if any(abs(first[1] - second[1]) > PARALLEL * _length(gap) for (first, second), gap in zip(ends, gaps, strict=True)):
         return None
-    crossed = [between(parents, loop.joint1 - 1, loop.joint2 - 1) for loop in loops]
+    incidence = [between(parents, loop.joint1 - 1, loop.joint2 - 1) for loop in loops]
     columns, owners = [], []
     for k, ((first, _), (second, _)) in enumerate(ends):
-        for joint, sign in crossed[k].items():
+        for joint, sign in incidence[k].items():
             if turning[joint]:
                 arm = _difference(second if sign > 0 else first, origins[joint])
                 columns.append({row: 1j * sense[joint] * sign * entry for row, entry in arm.items()})
@@ -224,7 +224,7 @@ def build(
         return None
     size = max((_length({row: entry for row, entry in gap.items() if row <= len(revolute)}) for gap in gaps), default=1.0)
     units = [size if turning[coupling.follower] else 1.0 for coupling in couplings]
-    gears = tuple(
+    coupling_rows = tuple(
         dict(sorted({c.follower: unit, c.leader: -unit * c.multiplier}.items())) for c, unit in zip(couplings, units, strict=True)
     )
     driven = {k: len(loops) + row for row, (k, joint) in enumerate(owners) if joint == driver}
@@ -253,16 +253,16 @@ def build(
         closure=matrix(gaps + columns, 1 + count, count),
         loop_points=matrix([first for (first, _), _ in ends], 1 + count, count),
         loop_heights=np.array([height for (_, height), _ in ends]),
-        holding=np.array([loop.held > 0 for loop in loops], dtype=bool),
-        coupled=matrix(gears, count, count, float),
-        gears=tuple({joint: by for joint, by in gear.items() if by} for gear in gears),
+        resists_tilting=np.array([loop.held_rotations > 0 for loop in loops], dtype=bool),
+        coupled=matrix(coupling_rows, count, count, float),
+        coupling_rows=tuple({joint: by for joint, by in row.items() if by} for row in coupling_rows),
         offsets=np.array([unit * coupling.offset for coupling, unit in zip(couplings, units, strict=True)]),
         followers=tuple(coupling.follower for coupling in couplings),
         blocks=blocks,
         driven=tuple(driven.get(k) for k in range(len(loops))),
         subtree=matrix(_turned_over([dict.fromkeys(line, 1.0) for line in lines], count), count, count, float),
-        crossed=matrix(_turned_over(crossed, count), len(loops), count, float),
-        round_loops=tuple(_turned_over(crossed, count)),
+        incidence=matrix(_turned_over(incidence, count), len(loops), count, float),
+        loops_of_joint=tuple(_turned_over(incidence, count)),
         size=size,
     )
 
@@ -277,7 +277,7 @@ def _misalignment(directions: Sequence[Array], turning: Sequence[bool], driver: 
 
 def _drawn_joints(model: pin.Model) -> tuple[list[pin.SE3], list[Array], list[bool]]:
     """Placements of the world and the joints in the drawn pose, the joints' axes in the world, and whether they turn."""
-    place, found = drawn(model), joint_axes(model)
+    place, found = drawn_placements(model), joint_axes(model)
     return place, [p.rotation @ axis.direction for p, axis in zip(place[1:], found, strict=True)], [axis.turns for axis in found]
 
 

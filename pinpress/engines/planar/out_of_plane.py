@@ -18,9 +18,9 @@ from ...common.quantities import Array, ComplexArray
 from ..engine import ClosedStates
 from ..forces import RANK, AppliedForce, Wrenches
 from ..joints import product
-from .bodies import Bodies, OpenTree, spread_forces
-from .kinematics import basis, known_basis
-from .model import Plane, flat, in_space
+from .bodies import Bodies, OpenTree, share_forces
+from .kinematics import basis_at, known_basis
+from .model import Plane, to_complex, to_world
 
 
 def is_flat(plane: Plane, load: AppliedForce) -> bool:
@@ -38,14 +38,14 @@ def forces(bodies: Bodies, loads: Sequence[AppliedForce], compliance: Array | No
     for load in loads:
         if load.joint:
             axial[load.joint - 1] -= load.force @ plane.normal
-    spread = bodies.spread_force if compliance is None else spread_forces(plane, compliance)
+    spread = bodies.force_sharing if compliance is None else share_forces(plane, compliance)
     return np.asarray(spread.shared(plane.subtree @ axial, slice(None)))
 
 
 def add(
     bodies: Bodies,
     states: ClosedStates,
-    tree: OpenTree,
+    open_tree: OpenTree,
     pins: ComplexArray,
     loads: Sequence[AppliedForce],
     axial: Array,
@@ -64,33 +64,35 @@ def add(
         wanted: indices of bearings.
         result: of these.
     """
-    plane, at = bodies.plane, known_basis(states)
+    plane, basis = bodies.plane, known_basis(states)
     count = len(plane.parents)
     spin, acceleration = plane.spin @ states.v, plane.spin @ states.a
-    rotors = at[list(plane.rotors)]
+    rotors = basis[list(plane.rotors)]
     weight = -bodies.axial_weight[:, None]
     tilt = (acceleration + 1j * spin**2) * bodies.products[:, None] * rotors
-    tilt += 1j * (plane.center_heights - plane.heights)[:, None] * tree.own - 1j * tree.centers * weight
+    tilt += 1j * (plane.center_heights - plane.heights)[:, None] * open_tree.own - 1j * open_tree.centers * weight
     for load in loads:
         if load.joint:
             joint = load.joint - 1
             x, y, height = plane.frames[joint] @ load.point
-            tilt[joint] -= 1j * height * flat(plane, load.force) - 1j * complex(x, y) * rotors[joint] * (load.force @ plane.normal)
-    hanging = axial[:count] + plane.crossed @ axial[count:]
-    origins = plane.origins @ at
+            tilt[joint] -= 1j * height * to_complex(plane, load.force) - 1j * complex(x, y) * rotors[joint] * (load.force @ plane.normal)
+    hanging = axial[:count] + plane.incidence @ axial[count:]
+    origins = plane.origins @ basis
     for j in reversed(range(count)):
         p = plane.parents[j]
         if p >= 0:
             tilt[p] += (
-                tilt[j] + 1j * (plane.heights[j] - plane.heights[p]) * tree.subtree_force[j] - 1j * (origins[j] - origins[p]) * hanging[j]
+                tilt[j]
+                + 1j * (plane.heights[j] - plane.heights[p]) * open_tree.subtree_force[j]
+                - 1j * (origins[j] - origins[p]) * hanging[j]
             )
-    points = plane.loop_points @ at
+    points = plane.loop_points @ basis
     for j in range(count):
-        for k, sign in plane.round_loops[j].items():
+        for k, sign in plane.loops_of_joint[j].items():
             arm = points[k] - origins[j]
             tilt[j] -= sign * (1j * (plane.loop_heights[k] - plane.heights[j]) * pins[k] - 1j * arm * axial[count + k])
     kept = slice(None) if len(wanted) == len(axial) else list(wanted)
-    tilting, axial = bodies.spread_moment.shared(tilt, kept), axial[kept]
+    tilting, axial = bodies.moment_sharing.shared(tilt, kept), axial[kept]
     for i, (along, first, second) in enumerate(zip(plane.normal, *plane.axes, strict=True)):
         # most presses stand in a coordinate plane: zeros cost nothing
         if along:
@@ -106,19 +108,19 @@ def indeterminate(plane: Plane, position: Array, axes: Array) -> NDArray[np.bool
     `Reactions.indeterminate`. Where all equations in the plane are needed, every loop can carry any force along the normal, and if it
     holds its links upright any tilting moment: the joints of the tree do without."""
     count = len(plane.parents)
-    at = basis(plane, position)
-    origins, points = product(plane.origins, at), product(plane.loop_points, at)
+    basis = basis_at(plane, position)
+    origins, points = product(plane.origins, basis), product(plane.loop_points, basis)
     along = [np.abs(axes @ each) > RANK for each in (plane.normal, *plane.axes)]
     tilting = along[1] | along[2]
     marks = np.zeros((count + len(plane.loop_heights), 6), dtype=bool)
     marks[count:, :3] = along[0]
-    marks[count:, 3:] = plane.holding[:, None] & tilting
-    for joint, loops in enumerate(plane.round_loops):
+    marks[count:, 3:] = plane.resists_tilting[:, None] & tilting
+    for joint, loops in enumerate(plane.loops_of_joint):
         for loop in loops:
             marks[joint, :3] |= along[0]
-            if plane.holding[loop]:
+            if plane.resists_tilting[loop]:
                 marks[joint, 3:] |= tilting
             else:
-                moments = in_space(plane, -1j * (points[loop] - origins[joint])) @ axes.T
+                moments = to_world(plane, -1j * (points[loop] - origins[joint])) @ axes.T
                 marks[joint, 3:] |= np.abs(moments).max(axis=0) > RANK * plane.size
     return marks

@@ -41,7 +41,7 @@ class Statics:
     plane: Plane
     closure: ComplexArray
     subtree_force: ComplexArray
-    uncrossed: Matrix
+    minus_incidence: Matrix
     idle: list[tuple[ComplexArray, Array]]
     responses: list[ComplexArray]
     compliance: Array | None
@@ -49,61 +49,67 @@ class Statics:
 
 
 def build(
-    plane: Plane, closure: ComplexArray, subtree_force: ComplexArray, uncrossed: Matrix, at: ComplexArray, compliance: Array | None
+    plane: Plane, closure: ComplexArray, subtree_force: ComplexArray, minus_incidence: Matrix, basis: ComplexArray, compliance: Array | None
 ) -> Statics:
-    """The equations at configurations with basis ``at``."""
+    """The equations at configurations with basis ``basis``."""
     if not plane.redundant:
-        return Statics(plane, closure, subtree_force, uncrossed, [], [], None, {})
+        return Statics(plane, closure, subtree_force, minus_incidence, [], [], None, {})
     idle = list(_idle(plane, closure))
-    responses = [np.concatenate([product(uncrossed, pins), pins]) for pins, _ in idle]
-    coupled = set().union(*plane.gears)
-    slides = {j: product(plane.directions[[k]], at)[0] for k, j in enumerate(plane.prismatic) if j in coupled}
-    return Statics(plane, closure, subtree_force, uncrossed, idle, responses, compliance, slides)
+    responses = [np.concatenate([product(minus_incidence, pins), pins]) for pins, _ in idle]
+    coupled = set().union(*plane.coupling_rows)
+    slides = {j: product(plane.directions[[k]], basis)[0] for k, j in enumerate(plane.prismatic) if j in coupled}
+    return Statics(plane, closure, subtree_force, minus_incidence, idle, responses, compliance, slides)
 
 
-def balance(statics: Statics, passive: Array, gears: Array, bearings: ComplexArray) -> None:
+def balance(statics: Statics, joint_efforts: Array, coupling_multipliers: Array, bearings: ComplexArray) -> None:
     """Fill in the multipliers of the couplings (nc, n) and the forces of all bearings (bearings, n), joints first.
 
-    ``passive`` (nv, n): efforts that loops and couplings have to bring about; it is left with the driver's.
+    ``joint_efforts`` (nv, n): efforts that loops and couplings have to bring about; it is left with the driver's.
     """
     count = len(statics.subtree_force)
     pins = bearings[count:]
-    transmit(statics.plane, statics.closure, passive, pins, gears)
-    np.add(product(statics.uncrossed, pins), statics.subtree_force, out=bearings[:count])
+    transmit(statics.plane, statics.closure, joint_efforts, pins, coupling_multipliers)
+    np.add(product(statics.minus_incidence, pins), statics.subtree_force, out=bearings[:count])
     if statics.idle:
-        for share, (_, idle_gears), response in zip(_shares(statics, bearings), statics.idle, statics.responses, strict=True):
+        for share, (_, idle_couplings), response in zip(_shares(statics, bearings), statics.idle, statics.responses, strict=True):
             bearings += share * response
-            gears += share * idle_gears
+            coupling_multipliers += share * idle_couplings
 
 
-def transmit(plane: Plane, closure: ComplexArray, passive: Array, pins: ComplexArray, gears: Array) -> None:
+def transmit(plane: Plane, closure: ComplexArray, joint_efforts: Array, pins: ComplexArray, coupling_multipliers: Array) -> None:
     """Fill in forces of the pins (nl, n) and multipliers of the couplings (nc, n) alone, the idle forces not yet shared: without those of
-    the joints, on which that depends. ``passive`` as in `balance`."""
-    _balance(plane, closure, passive, pins, gears, len(plane.blocks))
+    the joints, on which that depends. ``joint_efforts`` as in `balance`."""
+    _balance(plane, closure, joint_efforts, pins, coupling_multipliers, len(plane.blocks))
 
 
 def torques(plane: Plane, multipliers: Array) -> None:
     """Turn multipliers of the couplings (nc, n) into torques on their followers."""
     if len(multipliers):
-        multipliers *= np.array([gear[j] for gear, j in zip(plane.gears, plane.followers, strict=True)])[:, None]
+        multipliers *= np.array([gear[j] for gear, j in zip(plane.coupling_rows, plane.followers, strict=True)])[:, None]
 
 
-def _balance(plane: Plane, closure: ComplexArray, passive: Array, pins: ComplexArray, gears: Array, blocks: int) -> None:
+def _balance(
+    plane: Plane, closure: ComplexArray, joint_efforts: Array, pins: ComplexArray, coupling_multipliers: Array, blocks: int
+) -> None:
     """Fill in the forces of the first ``blocks`` blocks."""
     for block in reversed(plane.blocks[:blocks]):
         if block.kind == "dyad":
             a, b = dyad_columns(block, closure)
-            s, t = passive[block.joints[0]], passive[block.joints[1]]
+            s, t = joint_efforts[block.joints[0]], joint_efforts[block.joints[1]]
             scale = 1.0 / (a.conj() * b).imag
             pins[block.loops[0]] = a * (t * scale) - b * (s * scale)
         elif block.kind == "lever":
             a = closure[block.own[0][0][1]]
-            pins[block.loops[0]] = a * (-1j * passive[block.joints[0]] / (a.real**2 + a.imag**2))
+            pins[block.loops[0]] = a * (-1j * joint_efforts[block.joints[0]] / (a.real**2 + a.imag**2))
         elif block.kind == "gear":
-            gears[block.couplings[0]] = passive[block.joints[0]] / plane.gears[block.couplings[0]][block.joints[0]]
+            coupling_multipliers[block.couplings[0]] = (
+                joint_efforts[block.joints[0]] / plane.coupling_rows[block.couplings[0]][block.joints[0]]
+            )
         elif block.joints:
-            _spread(block, _dense(block_matrix(plane, block, -1j * closure), passive[list(block.joints)].T), pins, gears)
-        _pass_on(plane, block, closure, pins, gears, passive)
+            _distribute(
+                block, _dense(block_matrix(plane, block, -1j * closure), joint_efforts[list(block.joints)].T), pins, coupling_multipliers
+            )
+        _pass_on(plane, block, closure, pins, coupling_multipliers, joint_efforts)
 
 
 def _dense(matrix: Array, effort: Array) -> Array:
@@ -114,25 +120,27 @@ def _dense(matrix: Array, effort: Array) -> Array:
     return np.asarray((across @ np.linalg.solve(triangle.transpose(0, 2, 1), effort[:, :, None]))[:, :, 0])
 
 
-def _spread(block: Block, multipliers: Array, pins: ComplexArray, gears: Array) -> None:
+def _distribute(block: Block, multipliers: Array, pins: ComplexArray, coupling_multipliers: Array) -> None:
     """Multipliers (n, equations) of a block to its loops and couplings."""
     loops = 2 * len(block.loops)
     pins[list(block.loops)] = multipliers[:, 0:loops:2].T + 1j * multipliers[:, 1:loops:2].T
-    gears[list(block.couplings)] = multipliers[:, loops:].T
+    coupling_multipliers[list(block.couplings)] = multipliers[:, loops:].T
 
 
-def _pass_on(plane: Plane, block: Block, closure: ComplexArray, pins: ComplexArray, gears: Array, passive: Array) -> None:
+def _pass_on(
+    plane: Plane, block: Block, closure: ComplexArray, pins: ComplexArray, coupling_multipliers: Array, joint_efforts: Array
+) -> None:
     """Relieve the driver and the joints of earlier blocks of what a block's forces do there."""
     for loop, columns in zip(block.loops, block.known, strict=True):
         for joint, row in columns:
-            passive[joint] += (closure[row].conj() * pins[loop]).imag
+            joint_efforts[joint] += (closure[row].conj() * pins[loop]).imag
         driven = plane.driven[loop]
         if driven is not None:
-            passive[plane.driver] += (closure[driven].conj() * pins[loop]).imag
+            joint_efforts[plane.driver] += (closure[driven].conj() * pins[loop]).imag
     for coupling in block.couplings:
-        for joint, by in plane.gears[coupling].items():
+        for joint, by in plane.coupling_rows[coupling].items():
             if joint not in block.joints:
-                passive[joint] -= by * gears[coupling]
+                joint_efforts[joint] -= by * coupling_multipliers[coupling]
 
 
 def _idle(plane: Plane, closure: ComplexArray) -> Iterator[tuple[ComplexArray, Array]]:
@@ -148,12 +156,12 @@ def _idle(plane: Plane, closure: ComplexArray) -> Iterator[tuple[ComplexArray, A
             matrix = block_matrix(plane, block, -1j * closure)
             own = np.linalg.qr(matrix, mode="complete")[0][:, :, len(block.joints) :]
         for k in range(block.redundant):
-            pins, gears = np.zeros((len(plane.loop_heights), n), complex), np.zeros((len(plane.offsets), n))
-            passive = np.zeros((len(plane.parents), n))
-            _spread(block, own[:, :, k], pins, gears)
-            _pass_on(plane, block, closure, pins, gears, passive)
-            _balance(plane, closure, passive, pins, gears, place)
-            yield pins, gears
+            pins, coupling_multipliers = np.zeros((len(plane.loop_heights), n), complex), np.zeros((len(plane.offsets), n))
+            joint_efforts = np.zeros((len(plane.parents), n))
+            _distribute(block, own[:, :, k], pins, coupling_multipliers)
+            _pass_on(plane, block, closure, pins, coupling_multipliers, joint_efforts)
+            _balance(plane, closure, joint_efforts, pins, coupling_multipliers, place)
+            yield pins, coupling_multipliers
 
 
 def _shares(statics: Statics, bearings: ComplexArray) -> Array:

@@ -12,7 +12,7 @@ from ...common.quantities import Array
 from ..engine import CloseDrivers, ClosedStates, Closure, EnergyRates, PowerBalance
 from ..forces import AppliedConditions, AppliedForce, Wrenches
 from . import kinematics
-from .model import Spatial
+from .model import SpatialModel
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -23,13 +23,13 @@ class SpatialEngine:
         constants: of the linkage.
     """
 
-    constants: Spatial
+    spatial: SpatialModel
 
     name = "pinocchio"
 
     @property
     def tolerance(self) -> float:
-        return self.constants.tolerance
+        return self.spatial.tolerance
 
     @property
     def directions(self) -> Array:
@@ -41,52 +41,52 @@ class SpatialEngine:
     # ----------------------------------------------------------------------------------------------------------------- equations
 
     def close(self, angle: Array, guess: Array, with_margins: bool = False) -> Closure:
-        return kinematics.close(self.constants, self.constants.equations(), angle[None], np.ones(1), guess)
+        return kinematics.close(self.spatial, self.spatial.equations(), angle[None], np.ones(1), guess)
 
-    def closer(self) -> CloseDrivers:
-        equations = self.constants.equations()
+    def closing_function(self) -> CloseDrivers:
+        equations = self.spatial.equations()
 
         def close(drivers: Array, along: Array, guess: Array) -> Closure:
-            return kinematics.close(self.constants, equations, drivers, along, guess)
+            return kinematics.close(self.spatial, equations, drivers, along, guess)
 
         return close
 
     def rates(self, position: Array, speed: Array, acceleration: Array) -> tuple[Array, Array, Array]:
-        return kinematics.rates(self.constants, position, speed, acceleration)
+        return kinematics.rates(self.spatial, position, speed, acceleration)
 
     def gaps(self, position: Array) -> Array:
-        equations = self.constants.equations()
+        equations = self.spatial.equations()
         return np.array([equations.widest(equations.at(x).gaps) for x in position.T])
 
     def redundant(self, x: Array) -> bool:
-        return kinematics.redundant(self.constants, x)
+        return kinematics.redundant(self.spatial, x)
 
     def closing_order(self) -> Iterator[tuple[int, Sequence[int]]]:
-        loops, couplings = self.constants.round_loops, self.constants.couplings
+        loops, couplings = self.spatial.joints_of_loop, self.spatial.couplings
         yield from enumerate([*map(tuple, loops), *((pair.follower, pair.leader) for pair in couplings)])
 
     # -------------------------------------------------------------------------------------------------------------------- motion
 
     def point_motion(self, states: ClosedStates, joint: int, point: Array) -> tuple[Array, Array]:
-        return kinematics.point_motion(self.constants, states, joint, point)
+        return kinematics.point_motion(self.spatial, states, joint, point)
 
     def point_accelerations(self, states: ClosedStates, joint: int, points: Array) -> tuple[Array, Array]:
-        return kinematics.point_accelerations(self.constants, states, joint, points)
+        return kinematics.point_accelerations(self.spatial, states, joint, points)
 
     # ------------------------------------------------------------------------------------------------------------------ dynamics
 
-    def inverse_dynamics(self, states: ClosedStates, under: AppliedConditions, wanted: Sequence[int]) -> Wrenches:
+    def inverse_dynamics(self, states: ClosedStates, conditions: AppliedConditions, wanted: Sequence[int]) -> Wrenches:
         from . import inverse_dynamics  # slow to import, and not needed to load
 
-        return inverse_dynamics.inverse_dynamics(self.constants, states, under, wanted)
+        return inverse_dynamics.inverse_dynamics(self.spatial, states, conditions, wanted)
 
     def indeterminate(self, position: Array, axes: Array) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
         from . import inverse_dynamics  # slow to import, and not needed to load
 
-        return inverse_dynamics.indeterminate(self.constants, position, axes)
+        return inverse_dynamics.indeterminate(self.spatial, position, axes)
 
     def power_balance(self, states: ClosedStates, loads: Sequence[AppliedForce]) -> PowerBalance:
-        return kinematics.power_balance(self.constants, states, loads)
+        return kinematics.power_balance(self.spatial, states, loads)
 
     def energies(self, states: ClosedStates) -> EnergyRates:
-        return kinematics.energies(self.constants, states)
+        return kinematics.energies(self.spatial, states)

@@ -30,10 +30,9 @@ from numpy.typing import NDArray
 from ...common.errors import AssemblyError, PinpressError, SingularityError
 from ...common.quantities import Array
 from ..branch import SMALLEST_MARGIN
-from ..engine import ACCEPTED
+from ..engine import ACCEPTED, MOST_NEWTON_STEPS
 from ..joints import Axis, LoopJoint, data_of
-from .kinematics import MOST_NEWTON_STEPS
-from .model import Spatial
+from .model import SpatialModel
 
 MASSLESS = 1e-13  # share of the largest inertia below which what resists a motion is rounding
 CLEAR = 1e-6  # share of the largest pivot (of an inertia's own size) above which pivots of the quick way count as well away from zero
@@ -55,10 +54,10 @@ class ForwardDynamics:
     NumPy may warn of what is not finite before it is refused: call under ``np.errstate``.
     """
 
-    def __init__(self, general: Spatial, closed: Array, rank: int, armature: Array, name: str) -> None:
+    def __init__(self, spatial: SpatialModel, closed: Array, rank: int, armature: Array, name: str) -> None:
         """
         Args:
-            general: constants of the linkage; its model is left alone.
+            spatial: constants of the linkage; its model is left alone.
             closed: (nv,) joint coordinates of the closed drawn pose.
             rank: of the equations there.
             armature: (nv,) inertia of what turns with the joints, of flywheel or motor [kg m2; kg at one that slides], added to what the
@@ -71,24 +70,24 @@ class ForwardDynamics:
         # its import takes long; NumPy's own QR has no pivoting, and an overhead of 10 us
         from scipy.linalg import lapack
 
-        self._made_of = general, closed, rank, armature, name
+        self._made_of = spatial, closed, rank, armature, name
         self.geqp3, self.orgqr, self.trtrs, self.posv = lapack.dgeqp3, lapack.dorgqr, lapack.dtrtrs, lapack.dposv
 
-        model, loops, self.name, self.joints = general.model, general.loops, name, tuple(general.model.names)[1:]
+        model, loops, self.name, self.joints = spatial.model, spatial.loops, name, tuple(spatial.model.names)[1:]
         count = int(model.nv)
         armature = np.asarray(armature, dtype=float)
         if armature.shape != (count,) or not np.isfinite(armature).all():
             raise PinpressError(f"armature is {armature}: give {count} finite inertias [kg m2]")
-        self.driver, self.rank = general.drivers[0], rank
-        self.size, self.tolerance = general.size, general.tolerance
-        self.model = _bounded(model, general.axes)
+        self.driver, self.rank = spatial.drivers[0], rank
+        self.size, self.tolerance = spatial.size, spatial.tolerance
+        self.model = _bounded(model, spatial.axes)
         self.model.armature = self.armature = np.array(model.armature) + armature
         self.data = data_of(self.model)
         self.placements = self.data.oMi  # live: fetching it costs more than the algorithm that fills it
 
         pin.forwardKinematics(self.model, self.data, closed)
         by_loop = [_ends_of(loop, self.data, self.size) for loop in loops]
-        ends = [end for held in by_loop for end in held]
+        ends = [end for point_rows in by_loop for end in point_rows]
         self.points, self.data_of_points = pin.StdVec_ConstraintModel(), pin.StdVec_ConstraintData()
         for end in ends:
             anchor = pin.PointAnchorConstraintModel(self.model, *end)
@@ -100,17 +99,17 @@ class ForwardDynamics:
         self.gaps = [datum.constraint_position_error for datum in inner]
         self.drifts = [datum.constraint_acceleration_error for datum in inner]
 
-        self.units = np.array([self.size if axis.turns else 1.0 for axis in general.axes])
+        self.units = np.array([self.size if axis.turns else 1.0 for axis in spatial.axes])
         self.per_unit, self.back_per_unit, self.column = 1 / self.units, -1 / self.units, (1 / self.units)[:, None]
-        self.held = 3 * len(ends)
+        self.point_rows = 3 * len(ends)
         # a joint that carries both ends moves them by rounding, and by an open gap
-        moving = np.repeat(general.crossed.T != 0, [3 * len(held) for held in by_loop], axis=0)
+        moving = np.repeat(spatial.incidence.T != 0, [3 * len(held) for held in by_loop], axis=0)
         self.weights = moving * self.per_unit
-        equations, couplings = general.equations(), len(general.couplings)
+        equations, couplings = spatial.equations(), len(spatial.couplings)
         self.coupled, self.offsets = equations.coupled, equations.offsets
         # zero rows at the end, so that there are as many as joints at least and the orthogonal factor comes whole
-        self.rows = np.zeros((max(self.held + couplings, count), count))
-        self.rows[self.held : self.held + couplings] = self.coupled * self.per_unit
+        self.rows = np.zeros((max(self.point_rows + couplings, count), count))
+        self.rows[self.point_rows : self.point_rows + couplings] = self.coupled * self.per_unit
         # LAPACK counts pivots from 1: one number stands before those of the rows
         self.none, self.uncoupled, self.still = np.zeros(1), np.zeros(couplings), np.zeros(count)
         mass = pin.crba(self.model, self.data, closed)
@@ -249,9 +248,9 @@ class ForwardDynamics:
         """
         for point, datum in self.anchors:
             point.calc(self.model, self.data, datum)
-        if self.held:
-            jacobian = pin.getConstraintsJacobian(self.model, self.data, self.points, self.data_of_points).reshape(self.held, -1)
-            np.multiply(jacobian, self.weights, out=self.rows[: self.held])
+        if self.point_rows:
+            jacobian = pin.getConstraintsJacobian(self.model, self.data, self.points, self.data_of_points).reshape(self.point_rows, -1)
+            np.multiply(jacobian, self.weights, out=self.rows[: self.point_rows])
         factor, pivots, scales, _, _ = self.geqp3(self.rows.T)
         rank = self.rank
         if rank and not abs(factor[rank - 1, rank - 1]) > SMALLEST_MARGIN * abs(factor[0, 0]):
@@ -328,7 +327,7 @@ class ForwardDynamics:
             data_of_points=data_of_points,
             settings=pin.ProximalSettings(0.0, SETTLED * min(1.0, self._weight()), PROXIMAL * largest, ITERATIONS),
             pivots=data.constraint_chol.D,
-            bounds=CLEAR * np.concatenate([np.full(self.held, largest), mass.diagonal()]),
+            bounds=CLEAR * np.concatenate([np.full(self.point_rows, largest), mass.diagonal()]),
         )
 
 
@@ -362,7 +361,7 @@ def _bounded(model: pin.Model, axes: tuple[Axis, ...]) -> pin.Model:
 def _ends_of(loop: LoopJoint, data: pin.Data, size: float) -> list[_End]:
     """The points at which a loop is held (see the module); ``data`` has the closed pose."""
     result = [(loop.joint1, pin.SE3(np.eye(3), loop.point1), loop.joint2, pin.SE3(np.eye(3), loop.point2))]
-    for axis in range({0: 0, 2: 1, 3: 2}[loop.held]):
+    for axis in range({0: 0, 2: 1, 3: 2}[loop.held_rotations]):
         along1, along2 = loop.rotation1[:, axis], loop.rotation2[:, axis]
         worlds = data.oMi[loop.joint1].rotation @ along1, data.oMi[loop.joint2].rotation @ along2
         turned = float(np.sign(worlds[0] @ worlds[1]))  # the axes of a revolute loop are aligned whichever way round

@@ -14,49 +14,46 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
-from ...common.errors import AssemblyError
 from ...common.quantities import Array
-from ..engine import ClosedStates
+from ..engine import LOOSEST, ClosedStates, other_linkage
 from ..forces import RANK, AppliedConditions, FrictionLaw, Objective, Wrenches, lexicographic_least_squares
 from ..joints import configuration
-from .kinematics import Passive
-from .model import Equations, Rows, Spatial
+from .kinematics import PassiveJacobian
+from .model import Equations, Rows, SpatialModel
 
 Wrench = tuple[int, Array, Array, Array]
 """Joint, point in its frame [m], force and couple in world axes [N, N m]."""
 
-LOOSEST = 1e-6  # gap, in lengths of the linkage, beyond which a motion is another linkage's
 
-
-def inverse_dynamics(spatial: Spatial, states: ClosedStates, under: AppliedConditions, wanted: Sequence[int]) -> Wrenches:
+def inverse_dynamics(spatial: SpatialModel, states: ClosedStates, conditions: AppliedConditions, wanted: Sequence[int]) -> Wrenches:
     """Driving torque and the wrenches of joints and loops; see `Engine`."""
-    n, count, law = states.v.shape[1], spatial.model.nv, under.law
+    n, count, law = states.v.shape[1], spatial.model.nv, conditions.law
     result = Wrenches.zeros(len(spatial.drivers), len(spatial.couplings), count + len(spatial.loops), n, len(wanted))
-    shared = bool(wanted or (under.gears and spatial.couplings))  # how idle forces are shared changes no driving torque
+    shared = bool(wanted or (conditions.with_gear_torques and spatial.couplings))  # how idle forces are shared changes no driving torque
     equations = spatial.equations()
     spins = None if law is None else _loop_spins(spatial, equations, states.position, states.v)
     speeds = None if law is None or spins is None else law.moving(np.concatenate([states.v, np.linalg.norm(spins, axis=2)]))
     for i in range(n):
-        applied = [(load.joint, load.point, load.force[i], np.zeros(3)) for load in under.loads]
+        applied = [(load.joint, load.point, load.force[i], np.zeros(3)) for load in conditions.loads]
         state = _State(spatial, equations, states.position[:, i], states.v[:, i].copy(), states.a[:, i].copy(), applied)
         efforts, couples = np.zeros(count), np.zeros((len(spatial.loops), 3))
         if law is None or spins is None or speeds is None:
-            multipliers = state.multipliers(efforts, couples, under.compliance, shared)
+            multipliers = state.multipliers(efforts, couples, conditions.compliance, shared)
         else:
-            multipliers, efforts, couples, lost = state.with_friction(law, speeds[:, i], spins[:, i], under.compliance)
+            multipliers, efforts, couples, lost = state.with_friction(law, speeds[:, i], spins[:, i], conditions.compliance)
             result.friction[:, i] = lost
         state.fill(result, i, multipliers, efforts, couples, wanted)
     return result
 
 
-def indeterminate(spatial: Spatial, position: Array, axes: Array) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
+def indeterminate(spatial: SpatialModel, position: Array, axes: Array) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
     """Components of bearings (bearings, 6) along ``axes`` (3, 3), its rows, and torques of couplings (nc,), that idle forces reach in any
     of the positions (nv, n); see `Reactions.indeterminate`."""
     equations = spatial.equations()
     marks, gears = np.zeros((spatial.model.nv + len(spatial.loops), 6), dtype=bool), np.zeros(len(spatial.couplings), dtype=bool)
     for x in position.T:
         rows = equations.at(x)
-        idle = Passive(rows.columns, spatial).idle
+        idle = PassiveJacobian(rows.columns, spatial).idle
         if idle.shape[1]:
             forces, moments, _ = _parts(spatial, rows, idle)
             moments = _moments(spatial, equations.placements, forces, moments)
@@ -71,14 +68,13 @@ def indeterminate(spatial: Spatial, position: Array, axes: Array) -> tuple[NDArr
 class _State:
     """One configuration under its loads: the open tree's efforts, and what the equations answer to them."""
 
-    def __init__(self, spatial: Spatial, equations: Equations, x: Array, v: Array, a: Array, applied: list[Wrench]) -> None:
+    def __init__(self, spatial: SpatialModel, equations: Equations, x: Array, v: Array, a: Array, applied: list[Wrench]) -> None:
         self.spatial, self.equations, self.applied = spatial, equations, applied
         self.x, self.v, self.a = x, v, a
         self.rows = equations.at(x)
         if not np.abs(self.rows.gaps).max(initial=0.0) <= LOOSEST * spatial.size:
-            angle, gap = float(x[spatial.drivers[0]]), equations.widest(self.rows.gaps)
-            raise AssemblyError("the motion leaves the loops of this linkage open: it is another one's", angle, gap, 0)
-        self.passive = Passive(self.rows.columns, spatial)
+            raise other_linkage(float(x[spatial.drivers[0]]), equations.widest(self.rows.gaps))
+        self.passive = PassiveJacobian(self.rows.columns, spatial)
         self.placements, self.wrenches = equations.placements, equations.wrenches
         self.rotations = [placement.rotation for placement in self.placements]
         self.effort = pin.rnea(spatial.model, equations.data, self.rows.q, v, a, self._external(applied)).copy()
@@ -139,8 +135,8 @@ class _State:
         needed: Array = self.effort - efforts
         if couples.any():
             turning = self.equations.data.J.reshape(6, -1)[3:]
-            for couple, crossed in zip(couples, self.spatial.crossed.T, strict=True):
-                needed -= (turning * crossed).T @ couple
+            for couple, incidence in zip(couples, self.spatial.incidence.T, strict=True):
+                needed -= (turning * incidence).T @ couple
         return needed
 
     def _tree_forces(self) -> Array:
@@ -183,35 +179,35 @@ class _State:
         return pin.StdVec_Force([pin.Force(w) for w in totals])
 
 
-def _parts(spatial: Spatial, rows: Rows, multipliers: Array) -> tuple[Array, Array, Array]:
+def _parts(spatial: SpatialModel, rows: Rows, multipliers: Array) -> tuple[Array, Array, Array]:
     """Forces and moments (nl, 3) of the loops and torques (nc,) of the couplings; of multipliers (rows, k) all with k behind."""
     loops, behind = len(spatial.loops), multipliers.shape[1:]
     forces, moments = multipliers[: 3 * loops].reshape(loops, 3, *behind), np.zeros((loops, 3, *behind))
     row = 3 * loops
     for k, loop in enumerate(spatial.loops):
-        if loop.held:
-            moments[k] = spatial.size * rows.held[k] @ multipliers[row : row + loop.held]
-            row += loop.held
+        if loop.held_rotations:
+            moments[k] = spatial.size * rows.held_directions[k] @ multipliers[row : row + loop.held_rotations]
+            row += loop.held_rotations
     units = np.array([spatial.size if spatial.axes[c.follower].turns else 1.0 for c in spatial.couplings])
     return forces, moments, units.reshape(-1, *[1] * len(behind)) * multipliers[row:]
 
 
-def _moments(spatial: Spatial, placements: pin.StdVec_SE3, forces: Array, moments: Array) -> Array:
+def _moments(spatial: SpatialModel, placements: pin.StdVec_SE3, forces: Array, moments: Array) -> Array:
     """What forces and moments (nl, 3, k) of the loops add to the moments (3 bearings, k) of all bearings."""
     count, k = spatial.model.nv, forces.shape[2]
     joints = np.zeros((count, 3, k))
-    for loop, crossed, force, moment in zip(spatial.loops, spatial.crossed.T, forces, moments, strict=True):
+    for loop, incidence, force, moment in zip(spatial.loops, spatial.incidence.T, forces, moments, strict=True):
         point = placements[loop.joint1].act(loop.point1)
-        for j in map(int, np.flatnonzero(crossed)):
-            joints[j] -= crossed[j] * (moment + pin.skew(point - placements[j + 1].translation) @ force)
+        for j in map(int, np.flatnonzero(incidence)):
+            joints[j] -= incidence[j] * (moment + pin.skew(point - placements[j + 1].translation) @ force)
     return np.concatenate([joints, moments]).reshape(-1, k)
 
 
-def _loop_spins(spatial: Spatial, equations: Equations, position: Array, v: Array) -> Array:
+def _loop_spins(spatial: SpatialModel, equations: Equations, position: Array, v: Array) -> Array:
     """Angular velocities (nl, n, 3) of body 2 against body 1 of the loops, world axes."""
     result = np.zeros((len(spatial.loops), v.shape[1], 3))
     q = configuration(spatial.slots, position)
     for i in range(v.shape[1]):
         turning = pin.computeJointJacobians(spatial.model, equations.data, np.ascontiguousarray(q[:, i]))[3:]
-        result[:, i] = (turning @ (spatial.crossed * v[:, i, None])).T
+        result[:, i] = (turning @ (spatial.incidence * v[:, i, None])).T
     return result

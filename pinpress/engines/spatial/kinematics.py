@@ -9,12 +9,10 @@ import numpy as np
 import pinocchio as pin
 
 from ...common.quantities import Array
-from ..engine import ClosedStates, Closure, EnergyRates, PowerBalance
+from ..engine import ACCEPTED, MOST_NEWTON_STEPS, ClosedStates, Closure, EnergyRates, PowerBalance
 from ..forces import RANK, AppliedForce
 from ..joints import configuration, data_of
-from .model import Equations, Rows, Spatial, cross
-
-MOST_NEWTON_STEPS = 12
+from .model import Equations, Rows, SpatialModel, cross
 
 
 def rank(columns: Array) -> int:
@@ -28,13 +26,13 @@ def singular_values(columns: Array) -> Array:
     return np.asarray(np.linalg.svd(_unit_columns(columns)[0], compute_uv=False))
 
 
-def redundant(spatial: Spatial, x: Array) -> bool:
+def redundant(spatial: SpatialModel, x: Array) -> bool:
     """Whether some of the equations say nothing new at joint coordinates (nv,)."""
     rows = spatial.equations().at(x)
     return rank(rows.columns) < len(rows.gaps)
 
 
-def close(spatial: Spatial, equations: Equations, drivers: Array, along: Array, guess: Array) -> Closure:
+def close(spatial: SpatialModel, equations: Equations, drivers: Array, along: Array, guess: Array) -> Closure:
     """Close all loops at driver positions (drivers, n) by Newton's method from guesses (nv, n), with margins.
 
     Args:
@@ -46,7 +44,7 @@ def close(spatial: Spatial, equations: Equations, drivers: Array, along: Array, 
         start = guess[:, i].copy()
         start[list(spatial.drivers)] = drivers[:, i]
         x, rows, gap, steps = _closed(spatial, equations, start)
-        passive = Passive(rows.columns, spatial) if np.isfinite(gap) else None
+        passive = PassiveJacobian(rows.columns, spatial) if np.isfinite(gap) else None
         first = second = np.full_like(x, np.nan)
         if passive is not None:
             first = passive.rates(-rows.columns[:, spatial.drivers] @ along)
@@ -58,13 +56,13 @@ def close(spatial: Spatial, equations: Equations, drivers: Array, along: Array, 
     return Closure(position, first, second, gaps, float(gaps.max()), int(counts.max(initial=0)), margins[None, :])
 
 
-def rates(spatial: Spatial, position: Array, speed: Array, acceleration: Array) -> tuple[Array, Array, Array]:
+def rates(spatial: SpatialModel, position: Array, speed: Array, acceleration: Array) -> tuple[Array, Array, Array]:
     """Joint rates and accelerations (nv, n) at closed positions (nv, n) from those (drivers, n) of the drivers, and the gaps (n,)."""
     equations, drivers = spatial.equations(), list(spatial.drivers)
     v, a, gaps = np.empty_like(position), np.empty_like(position), np.empty(position.shape[1])
     for i, x in enumerate(position.T):
         rows = equations.at(x)
-        passive, columns = Passive(rows.columns, spatial), rows.columns[:, drivers]
+        passive, columns = PassiveJacobian(rows.columns, spatial), rows.columns[:, drivers]
         v[:, i] = passive.rates(-columns @ speed[:, i])
         v[drivers, i] = speed[:, i]
         a[:, i] = passive.rates(-columns @ acceleration[:, i] - equations.drift(rows, v[:, i].copy()))
@@ -73,7 +71,7 @@ def rates(spatial: Spatial, position: Array, speed: Array, acceleration: Array) 
     return v, a, gaps
 
 
-def _closed(spatial: Spatial, equations: Equations, start: Array) -> tuple[Array, Rows, float, int]:
+def _closed(spatial: SpatialModel, equations: Equations, start: Array) -> tuple[Array, Rows, float, int]:
     """Joint coordinates, the equations there, their largest gap, not finite where Newton's method failed, and its steps."""
     x, worst, steps = start, np.inf, 0
     while True:
@@ -81,18 +79,18 @@ def _closed(spatial: Spatial, equations: Equations, start: Array) -> tuple[Array
         if not np.all(np.isfinite(rows.columns)):
             return x, rows, np.inf, steps
         before, worst = worst, equations.widest(rows.gaps)
-        stalled = worst > 0.5 * before and worst < 1e3 * spatial.tolerance
+        stalled = worst > 0.5 * before and worst < ACCEPTED * spatial.tolerance
         if worst <= spatial.tolerance or stalled or steps == MOST_NEWTON_STEPS:
             return x, rows, worst, steps
-        x = x + Passive(rows.columns, spatial).rates(-rows.gaps)
+        x = x + PassiveJacobian(rows.columns, spatial).rates(-rows.gaps)
         steps += 1
 
 
-class Passive:
+class PassiveJacobian:
     """Singular value decomposition of the passive columns of the equations' Jacobian, scaled to unit length."""
 
-    def __init__(self, columns: Array, spatial: Spatial) -> None:
-        self.joints = list(spatial.passive)
+    def __init__(self, columns: Array, spatial: SpatialModel) -> None:
+        self.joints = list(spatial.passive_joints)
         self.scaled, self.lengths = _unit_columns(columns[:, self.joints])
         self.left, self.values, self.right = np.linalg.svd(self.scaled, full_matrices=True)
         self.rank = int(np.count_nonzero(self.values > RANK * max(1.0, self.values.max(initial=0.0))))
@@ -130,7 +128,7 @@ def _unit_columns(columns: Array) -> tuple[Array, Array]:
     return np.where(still, 0.0, columns / lengths), lengths
 
 
-def point_motion(spatial: Spatial, states: ClosedStates, joint: int, point: Array) -> tuple[Array, Array]:
+def point_motion(spatial: SpatialModel, states: ClosedStates, joint: int, point: Array) -> tuple[Array, Array]:
     """See `Engine`."""
     position, velocity = np.empty((states.v.shape[1], 3)), np.empty((states.v.shape[1], 3))
     data, q = data_of(spatial.model), configuration(spatial.slots, states.position)
@@ -142,7 +140,7 @@ def point_motion(spatial: Spatial, states: ClosedStates, joint: int, point: Arra
     return position, velocity
 
 
-def point_accelerations(spatial: Spatial, states: ClosedStates, joint: int, points: Array) -> tuple[Array, Array]:
+def point_accelerations(spatial: SpatialModel, states: ClosedStates, joint: int, points: Array) -> tuple[Array, Array]:
     """See `Engine`."""
     position = np.empty((len(points), states.v.shape[1], 3))
     acceleration, data, q = np.empty_like(position), data_of(spatial.model), configuration(spatial.slots, states.position)
@@ -157,7 +155,7 @@ def point_accelerations(spatial: Spatial, states: ClosedStates, joint: int, poin
     return position, acceleration
 
 
-def energies(spatial: Spatial, states: ClosedStates) -> EnergyRates:
+def energies(spatial: SpatialModel, states: ClosedStates) -> EnergyRates:
     """See `Engine`."""
     model, data = spatial.model, data_of(spatial.model)
     q, n = configuration(spatial.slots, states.position), states.v.shape[1]
@@ -169,7 +167,7 @@ def energies(spatial: Spatial, states: ClosedStates) -> EnergyRates:
     return EnergyRates(kinetic, potential, lifting)
 
 
-def power_balance(spatial: Spatial, states: ClosedStates, loads: Sequence[AppliedForce]) -> PowerBalance:
+def power_balance(spatial: SpatialModel, states: ClosedStates, loads: Sequence[AppliedForce]) -> PowerBalance:
     """See `Engine`. Body by body."""
     n = states.v.shape[1]
     model, data = spatial.model, data_of(spatial.model)

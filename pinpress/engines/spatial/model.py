@@ -20,18 +20,18 @@ import pinocchio as pin
 from numpy.typing import NDArray
 
 from ...common.quantities import Array
-from ..joints import Axis, Coupling, LoopJoint, Slot, axes, between, configuration, data_of, drawn, slots
+from ..joints import Axis, Coupling, LoopJoint, Slot, axes, between, configuration, data_of, drawn_placements, slots
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Spatial:
+class SpatialModel:
     """Constants of a linkage for this engine.
 
     Attributes:
         model: the Pinocchio model.
         loops, couplings: in declared order.
         drivers: indices of the driver joints in v.
-        passive: of all others.
+        passive_joints: indices of all other joints in v.
         round_loops: of every loop the joints round it, +1 / -1 where its end 2 / 1 hangs on them.
         size: length of the linkage [m].
         tolerance: gap at which a loop is closed to rounding [m].
@@ -42,8 +42,8 @@ class Spatial:
     loops: tuple[LoopJoint, ...]
     couplings: tuple[Coupling, ...]
     drivers: tuple[int, ...]
-    passive: tuple[int, ...]
-    round_loops: tuple[Mapping[int, float], ...]
+    passive_joints: tuple[int, ...]
+    joints_of_loop: tuple[Mapping[int, float], ...]
     size: float
     tolerance: float
     slots: tuple[Slot, ...]
@@ -53,35 +53,37 @@ class Spatial:
     def on_loop(self) -> NDArray[np.bool_]:
         """(nv,) whether a joint is on a loop."""
         found = np.zeros(self.model.nv, dtype=bool)
-        found[[joint for joints in self.round_loops for joint in joints]] = True
+        found[[joint for joints in self.joints_of_loop for joint in joints]] = True
         return found
 
     @cached_property
-    def crossed(self) -> Array:
-        """(nv, nl) ``round_loops`` as a matrix."""
-        return crossed(self.model, self.loops)
+    def incidence(self) -> Array:
+        """(nv, nl) ``joints_of_loop`` as a matrix."""
+        return incidence(self.model, self.loops)
 
     @cached_property
     def share(self) -> Array:
         """(3 bearings, 3 nl) what loop forces add to the forces of all joints and loops."""
-        return np.concatenate([-np.kron(self.crossed, np.eye(3)), np.eye(3 * len(self.loops))])
+        return np.concatenate([-np.kron(self.incidence, np.eye(3)), np.eye(3 * len(self.loops))])
 
     def equations(self) -> Equations:
         """The equations of loops and couplings, for use within one call."""
         return Equations(self.model, self.loops, self.couplings, self.size)
 
 
-def build(model: pin.Model, loops: tuple[LoopJoint, ...], couplings: tuple[Coupling, ...], drivers: tuple[int, ...]) -> Spatial:
+def build_spatial_model(
+    model: pin.Model, loops: tuple[LoopJoint, ...], couplings: tuple[Coupling, ...], drivers: tuple[int, ...]
+) -> SpatialModel:
     """Constants of a linkage."""
     size, reach = extent(model, loops)
     parents = [int(parent) - 1 for parent in list(model.parents)[1:]]
-    return Spatial(
+    return SpatialModel(
         model=model,
         loops=loops,
         couplings=couplings,
         drivers=drivers,
-        passive=tuple(j for j in range(model.nv) if j not in drivers),
-        round_loops=tuple(between(parents, loop.joint1 - 1, loop.joint2 - 1) for loop in loops),
+        passive_joints=tuple(j for j in range(model.nv) if j not in drivers),
+        joints_of_loop=tuple(between(parents, loop.joint1 - 1, loop.joint2 - 1) for loop in loops),
         size=size,
         tolerance=8 * float(np.finfo(float).eps) * (size + reach),
         slots=slots(model),
@@ -89,7 +91,7 @@ def build(model: pin.Model, loops: tuple[LoopJoint, ...], couplings: tuple[Coupl
     )
 
 
-PARALLEL = 1e-14  # sine of an angle: axes of one direction are off by so much in rounding, which is no equation of its own
+PARALLEL_TO_ROUNDING = 1e-14  # sine of an angle: axes of one direction are off by so much in rounding, which is no equation of its own
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -100,13 +102,13 @@ class Rows:
         q: (nq,) the configuration.
         gaps: (rows,) [m].
         columns: (rows, nv) their Jacobian.
-        held: per loop (3, 0 to 3) world directions, as columns, of the rotations it holds.
+        held_directions: per loop (3, 0 to 3) world directions, as columns, of the rotations it holds.
     """
 
     q: Array
     gaps: Array
     columns: Array
-    held: list[Array]
+    held_directions: list[Array]
 
 
 class Equations:
@@ -121,13 +123,13 @@ class Equations:
             for k in loops
         ]
         self.datas = [anchor.createData() for anchor in self.anchors]
-        self.crossed = crossed(model, loops)
+        self.incidence = incidence(model, loops)
         self.moving = [
-            column != 0 for column in self.crossed.T
+            column != 0 for column in self.incidence.T
         ]  # a joint that carries both ends moves them by rounding, and by an open gap
         self.coupled, self.offsets = _coupled(model, couplings, size)
-        self.rows = 3 * len(loops) + sum(loop.held for loop in loops) + len(couplings)
-        self.holding = any(loop.held for loop in loops)
+        self.rows = 3 * len(loops) + sum(loop.held_rotations for loop in loops) + len(couplings)
+        self.rotations_held = any(loop.held_rotations for loop in loops)
 
     def at(self, x: Array) -> Rows:
         """The equations at joint coordinates (nv,); fills ``data`` with placements."""
@@ -139,7 +141,7 @@ class Equations:
             rotation = d.oMc1.rotation
             gaps[3 * k : 3 * k + 3] = rotation @ d.constraint_position_error
             columns[3 * k : 3 * k + 3] = rotation @ anchor.jacobian(self.model, self.data, d).reshape(3, self.model.nv) * self.moving[k]
-        held = self._hold(gaps, columns) if self.holding else [np.empty((3, 0))] * len(self.loops)
+        held = self._fill_rotation_rows(gaps, columns) if self.rotations_held else [np.empty((3, 0))] * len(self.loops)
         if len(self.offsets):
             columns[-len(self.offsets) :] = self.coupled
             gaps[-len(self.offsets) :] = self.coupled @ x - self.offsets
@@ -153,10 +155,10 @@ class Equations:
         for k, (anchor, d) in enumerate(zip(self.anchors, self.datas, strict=True)):
             anchor.calc(self.model, self.data, d)
             result[3 * k : 3 * k + 3] = d.oMc1.rotation @ d.constraint_acceleration_error
-            if count := self.loops[k].held:
+            if count := self.loops[k].held_rotations:
                 (spin1, turned1), (spin2, turned2) = (self._spin(joint) for joint in (self.loops[k].joint1, self.loops[k].joint2))
                 # of t . (spin2 - spin1), where the direction t turns with body 1
-                result[row : row + count] = self.size * rows.held[k].T @ (turned2 - turned1 + cross(spin2 - spin1, spin1))
+                result[row : row + count] = self.size * rows.held_directions[k].T @ (turned2 - turned1 + cross(spin2 - spin1, spin1))
                 row += count
         return result
 
@@ -171,11 +173,11 @@ class Equations:
         sizes = [float(np.linalg.norm(gaps[3 * k : 3 * k + 3])) for k in range(len(self.loops))]
         row = 3 * len(self.loops)
         for k, loop in enumerate(self.loops):
-            sizes[k] = max(sizes[k], float(np.abs(gaps[row : row + loop.held]).max(initial=0.0)))
-            row += loop.held
+            sizes[k] = max(sizes[k], float(np.abs(gaps[row : row + loop.held_rotations]).max(initial=0.0)))
+            row += loop.held_rotations
         return int(np.argmax(sizes + list(np.abs(gaps[row:]))))
 
-    def _hold(self, gaps: Array, columns: Array) -> list[Array]:
+    def _fill_rotation_rows(self, gaps: Array, columns: Array) -> list[Array]:
         """Fill in the rows of held rotations; their directions."""
         turning, row, directions = self.data.J.reshape(6, -1)[3:], 3 * len(self.loops), []
         for k, loop in enumerate(self.loops):
@@ -190,13 +192,13 @@ class Equations:
                 error = first @ pin.log3(first.T @ second)
             else:
                 error = np.zeros(3)
-            held = first[:, 3 - loop.held :]
-            gaps[row : row + loop.held] = self.size * held.T @ error
-            turned = held.T @ (turning * self.crossed[:, k])
-            turned[np.abs(turned) < PARALLEL] = 0.0
-            columns[row : row + loop.held] = self.size * turned
+            held = first[:, 3 - loop.held_rotations :]
+            gaps[row : row + loop.held_rotations] = self.size * held.T @ error
+            turned = held.T @ (turning * self.incidence[:, k])
+            turned[np.abs(turned) < PARALLEL_TO_ROUNDING] = 0.0
+            columns[row : row + loop.held_rotations] = self.size * turned
             directions.append(held)
-            row += loop.held
+            row += loop.held_rotations
         return directions
 
     def _spin(self, joint: int) -> tuple[Array, Array]:
@@ -211,7 +213,7 @@ def cross(one: Array, other: Array) -> Array:
     return np.array([b * z - c * y, c * x - a * z, a * y - b * x])
 
 
-def crossed(model: pin.Model, loops: tuple[LoopJoint, ...]) -> Array:
+def incidence(model: pin.Model, loops: tuple[LoopJoint, ...]) -> Array:
     """(nv, nl) +1 / -1 where loop l's end 2 / 1 hangs on joint j."""
     result = np.zeros((model.nv, len(loops)))
     for k, loop in enumerate(loops):
@@ -224,7 +226,7 @@ def crossed(model: pin.Model, loops: tuple[LoopJoint, ...]) -> Array:
 
 def extent(model: pin.Model, loops: tuple[LoopJoint, ...]) -> tuple[float, float]:
     """Largest extent of joints and loop points in the drawn pose, and their largest distance from the world origin [m]."""
-    places = drawn(model)
+    places = drawn_placements(model)
     points = [place.translation.copy() for place in places[1:]]
     points += [places[k.joint1].act(k.point1) for k in loops] + [places[k.joint2].act(k.point2) for k in loops]
     cloud = np.array(points)
