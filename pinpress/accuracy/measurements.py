@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 
-from ..common.results import Tabular
+from ..common.results import Record, Records, Tabular
+from ..common.tables import Column
 
 FREE_RUN, CLUTCH, DIE, SPEED_LAW = SCENES = ("free run", "clutch and blanking", "elastic die", "stiff speed law")
 INVERSE_DYNAMICS, PROXIMAL, TABLE = "inverse dynamics", "proximal settings", "reduced table"
@@ -19,8 +20,8 @@ UNITS = {  # what `seconds` and `error` of a group are
 }
 
 
-@dataclass(frozen=True)
-class Measurement:
+@dataclass(frozen=True, repr=False)
+class Measurement(Record, units={"seconds": "s", "loop_gap": "m"}):
     """One method with one setting. A quantity that it does not have is None.
 
     Attributes:
@@ -72,31 +73,29 @@ class WorkPrecision(Tabular):
     scenes: Mapping[str, str]
     certificates: Mapping[str, float]
     certified_by: Mapping[str, str]
-    measurements: tuple[Measurement, ...]
+    measurements: Records[Measurement]
     skipped: tuple[str, ...]
 
-    def of(self, group: str, method: str | None = None) -> tuple[Measurement, ...]:
+    def of(self, group: str, method: str | None = None) -> Records[Measurement]:
         """The measurements of a group, or of one method in it."""
-        return tuple(m for m in self.measurements if m.group == group and method in (None, m.method))
+        return Records(Measurement, (m for m in self.measurements if m.group == group and method in (None, m.method)))
 
-    def fastest(self, group: str, error: float) -> tuple[Measurement, ...]:
+    def fastest(self, group: str, error: float) -> Records[Measurement]:
         """Of every method of a group that reaches an error the fastest measurement that does, the fastest first."""
         best: dict[str, Measurement] = {}
         for m in sorted(self.of(group), key=lambda m: m.seconds):
             if m.error is not None and m.error <= error:
                 best.setdefault(m.method, m)
-        return tuple(best.values())
+        return Records(Measurement, best.values())
 
     @property
     def title(self) -> str:
         fastest = min(measurement.seconds for measurement in self.measurements)
         return f"WorkPrecision of {self.press_name}: {len(self.measurements)} measurements, {self.scene}, the fastest {fastest:.4g} s"
 
-    def columns(self) -> dict[str, list[object]]:
+    def columns(self) -> dict[str, Column]:
         """The measurements as columns, None where there is no value."""
-        units = {"seconds": " [s]", "loop_gap": " [m]"}
-        names = [field.name for field in fields(Measurement)]
-        return {name + units.get(name, ""): [getattr(m, name) for m in self.measurements] for name in names}
+        return self.measurements.columns()
 
     def __str__(self) -> str:
         lines = [f"{self.press_name}: {self.scene}", self.machine]

@@ -15,12 +15,13 @@ import pinocchio as pin
 from ..common.arguments import LARGEST, SMALLEST, number, positive, typed, whole_number
 from ..common.errors import PinpressError, shown
 from ..common.quantities import RPM
+from ..common.results import Records
 from ..drives.transmission import Flywheel
 from ..kinematics.motion import MOST_POINTS
 from ..linkage.linkage import Linkage
 from ..simulation.reduced_model import reduced_model_of
 from .contests import inverse_dynamics_contest, measured, proximal_contest
-from .measurements import SCENES, WorkPrecision
+from .measurements import SCENES, Measurement, WorkPrecision
 from .peers.installed import find_peers, find_solvers
 from .scenes import Scene, build_scene
 from .simulation import simulation_contest, table_contest
@@ -90,7 +91,7 @@ def compare(
         scenes={scene.group: scene.words for scene in made},
         certificates={contest.group: contest.certificate for contest in contests if contest.contestants},
         certified_by={contest.group: contest.certified_by for contest in contests if contest.contestants},
-        measurements=tuple(m for contest in contests for m in measured(contest.contestants, repeats, one_done)),
+        measurements=Records(Measurement, (m for contest in contests for m in measured(contest.contestants, repeats, one_done))),
         skipped=(*skipped, *missing, *unmade, *(line for contest in contests for line in contest.skipped)),
     )
 

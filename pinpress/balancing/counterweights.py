@@ -13,10 +13,11 @@ from dataclasses import dataclass
 import numpy as np
 import pinocchio as pin
 
-from ..common.arguments import number, typed
+from ..common.arguments import number, numbers, typed
 from ..common.errors import PinpressError, UnknownNameError, shown
 from ..common.frozen import Frozen
 from ..common.quantities import Array
+from ..common.results import Record
 from ..dynamics.applied_loads import place
 from ..dynamics.inverse_dynamics import Reactions, inverse_dynamics
 from ..kinematics.motion import Motion
@@ -26,8 +27,8 @@ from ..loads.link import Load, PointForce
 PHYSICAL = 1e-9  # of the largest principal moment of inertia: rounding may violate the triangle inequality by this much
 
 
-@dataclass(frozen=True)
-class Counterweight:
+@dataclass(frozen=True, repr=False)
+class Counterweight(Record, units={"mass": "kg", "position": "m", "inertia": "kg m2"}, parts={"position": "xyz"}):
     """A mass fixed to a link; a negative mass is a hole.
 
     Attributes:
@@ -37,12 +38,23 @@ class Counterweight:
         inertia: Moment of inertia about the axis through the centre of mass along the normal of a planar press, where the material counts
             as lying in the plane; in a press that is not planar, about every axis [kg m2]. 0 is a point mass. It is negative only where the
             mass is negative.
+
+    Raises:
+        PinpressError: A number is not finite, or no body has this inertia at this mass.
     """
 
     link: str
     mass: float
     position: tuple[float, float, float] = (0.0, 0.0, 0.0)
     inertia: float = 0.0
+
+    def __post_init__(self) -> None:
+        what = f"counterweight on {shown(self.link)}"
+        vars(self)["mass"] = number(f"{what}: mass", self.mass)
+        vars(self)["inertia"] = number(f"{what}: inertia", self.inertia)
+        vars(self)["position"] = tuple(numbers(f"{what}: position", self.position, (3,)).tolist())
+        if self.inertia * self.mass < 0 or (self.inertia and not self.mass):
+            raise PinpressError(f"{what}: its inertia is {self.inertia:g} kg m2 at a mass of {self.mass:g} kg, which no body has")
 
 
 @typed
@@ -218,11 +230,7 @@ def _added_inertia(press: Linkage, weight: Counterweight) -> tuple[int, pin.Iner
     if weight.link not in press.links:
         raise UnknownNameError("link", weight.link, press.links)
     joint, point = carrying_joint(press, weight.link, weight.position, what)
-    for name, value in (("mass", weight.mass), ("inertia", weight.inertia)):
-        number(f"{what}: {name}", value)
-    if weight.inertia * weight.mass < 0 or (weight.inertia and not weight.mass):
-        raise PinpressError(f"{what}: its inertia is {weight.inertia:g} kg m2 at a mass of {weight.mass:g} kg, which no body has")
-    return joint, rigid_body(float(weight.mass), point, weight.inertia * unit_tensor(press, joint))
+    return joint, rigid_body(weight.mass, point, weight.inertia * unit_tensor(press, joint))
 
 
 def _inertia_forces(press: Linkage, motion: Motion, masses: PointMasses) -> tuple[Array, Array]:

@@ -19,7 +19,7 @@ from ..common.arguments import is_number, typed, whole_number
 from ..common.conic_program import CONE, InfeasibleError
 from ..common.errors import PinpressError, shown
 from ..common.quantities import Array
-from ..common.results import Tabular
+from ..common.results import Records, Tabular
 from ..dynamics.harmonics import is_cycle
 from ..dynamics.inverse_dynamics import Reactions, inverse_dynamics
 from ..kinematics.motion import Motion, as_prescribed
@@ -232,14 +232,14 @@ def optimal_press(
         conditions=problem.conditions,
         objective=dict(objective),
         limits=dict(limits),
-        counterweights=tuple(_counterweight(problem.press, each, filling) for each, filling in filled if filling.mass),
+        counterweights=Records(Counterweight, (_counterweight(problem.press, each, filling) for each, filling in filled if filling.mass)),
         added_mass=problem.added_mass(u),
         value=scale * objective_value(problem, objective, u),
         unit=next(iter(objective)).unit if absolute else "",
         bound=scale * design.bound,
         residual=design.residual,
-        changes=tuple(_changes(problem, [*objective, *limits], reactions)),
-        active=tuple(_active(design, scale, [each.region for each, filling in filled if not filling.mass])),
+        changes=Records(MeasureChange, _changes(problem, [*objective, *limits], reactions)),
+        active=Records(ActiveConstraint, _active(design, scale, [each.region for each, filling in filled if not filling.mass])),
         reactions_before=problem.reactions,
         reactions_after=reactions,
     )

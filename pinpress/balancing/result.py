@@ -9,7 +9,8 @@ from functools import cached_property
 
 from ..common import text
 from ..common.quantities import RPM
-from ..common.results import Tabular
+from ..common.results import Record, Records, Tabular
+from ..common.tables import Column
 from ..dynamics.extremes import AXES, ROUNDING, Rounding, rounding
 from ..dynamics.inverse_dynamics import Reactions, inverse_dynamics
 from ..linkage.linkage import Linkage
@@ -19,8 +20,8 @@ from .problem import AddedMass, Measure, Peak, Range, Target, limit_words
 MASS = AddedMass()
 
 
-@dataclass(frozen=True)
-class MeasureChange:
+@dataclass(frozen=True, repr=False)
+class MeasureChange(Record):
     """A measure before and after balancing in one operating condition.
 
     Attributes:
@@ -40,9 +41,24 @@ class MeasureChange:
         """Relative change [-]; NaN where the value before is zero."""
         return self.after / self.before - 1.0 if self.before else float("nan")
 
+    @property
+    def title(self) -> str:
+        values = f"{self.before:.6g} to {self.after:.6g} {self.measure.unit}"
+        return f"MeasureChange of {self.measure.words}, condition {self.condition}: {values}"
 
-@dataclass(frozen=True)
-class ActiveConstraint:
+    def row(self) -> dict[str, object]:
+        return {
+            "measure": self.measure.words,
+            "unit": self.measure.unit,
+            "condition": self.condition,
+            "before": self.before,
+            "after": self.after,
+            "change [-]": None if math.isnan(self.change) else self.change,
+        }
+
+
+@dataclass(frozen=True, repr=False)
+class ActiveConstraint(Record):
     """A constraint that holds the optimum back.
 
     Attributes:
@@ -86,14 +102,14 @@ class BalancedPress(Tabular):
     conditions: tuple[OperatingCondition, ...]
     objective: Mapping[Target, float]
     limits: Mapping[Target, float]
-    counterweights: tuple[Counterweight, ...]
+    counterweights: Records[Counterweight]
     added_mass: float
     value: float
     unit: str
     bound: float
     residual: float
-    changes: tuple[MeasureChange, ...]
-    active: tuple[ActiveConstraint, ...]
+    changes: Records[MeasureChange]
+    active: Records[ActiveConstraint]
     reactions_before: tuple[Reactions, ...]
     reactions_after: tuple[Reactions, ...]
 
@@ -105,7 +121,7 @@ class BalancedPress(Tabular):
         return _text(self)
 
     @cached_property
-    def side_effects(self) -> tuple[MeasureChange, ...]:
+    def side_effects(self) -> Records[MeasureChange]:
         """Changes of the measures that were neither minimised nor limited, condition by condition; computed when first asked for.
 
         They are the range of the driving torque (of several torques their peak), the peak of every bearing force, and the range of every
@@ -114,31 +130,13 @@ class BalancedPress(Tabular):
         """
         return _side_effects(self)
 
-    def columns(self) -> dict[str, list[object]]:
+    def columns(self) -> dict[str, Column]:
         """A row for each measure in each operating condition, `changes` and then `side_effects`; None where there is no value."""
-        rows = [*self.changes, *self.side_effects]
-        return {
-            "measure": [row.measure.words for row in rows],
-            "unit": [row.measure.unit for row in rows],
-            "condition": [row.condition for row in rows],
-            "before": [row.before for row in rows],
-            "after": [row.after for row in rows],
-            "change [-]": [None if math.isnan(row.change) else row.change for row in rows],
-            "limit": [self.limits.get(row.measure) for row in rows],
-        }
-
-    def counterweight_columns(self) -> dict[str, list[object]]:
-        """A row for each counterweight, with its centre of mass in the link's own frame."""
-        weights = self.counterweights
-        return {
-            "link": [weight.link for weight in weights],
-            "mass [kg]": [weight.mass for weight in weights],
-            **{f"{axis} [m]": [weight.position[i] for weight in weights] for i, axis in enumerate(AXES)},
-            "inertia [kg m2]": [weight.inertia for weight in weights],
-        }
+        changes = Records(MeasureChange, (*self.changes, *self.side_effects))
+        return changes.columns() | {"limit": [self.limits.get(change.measure) for change in changes]}
 
 
-def _side_effects(balanced: BalancedPress) -> tuple[MeasureChange, ...]:
+def _side_effects(balanced: BalancedPress) -> Records[MeasureChange]:
     asked = {change.measure for change in balanced.changes}
     before, after = (
         [inverse_dynamics(press, some.motion, each.loads) for some, each in zip(known, balanced.conditions, strict=True)]
@@ -152,7 +150,7 @@ def _side_effects(balanced: BalancedPress) -> tuple[MeasureChange, ...]:
         ]
         if measure not in asked and any(row.before or row.after for row in rows):
             found += rows
-    return tuple(found)
+    return Records(MeasureChange, found)
 
 
 def _measures_of(press: Linkage) -> Iterator[Measure]:

@@ -14,7 +14,6 @@ from ..balancing.result import BalancedPress
 from ..common.errors import PinpressError, suggestion
 from ..common.files import make_folder
 from ..common.quantities import RPM
-from ..common.tables import write_csv
 from ..dynamics.inverse_dynamics import inverse_dynamics
 from ..kinematics.motion import cycle
 from ..linkage.writing import write_urdf
@@ -112,7 +111,7 @@ def _write(balanced: BalancedPress, folder: Path, with_report: bool) -> None:
     """Write the files and say so."""
     write_urdf(balanced.press, folder / "balanced.urdf")
     balanced.to_csv(folder / "balance.csv")
-    write_csv(folder / "counterweights.csv", balanced.counterweight_columns())
+    balanced.counterweights.to_csv(folder / "counterweights.csv")
     written = ["balanced.urdf", "balance.csv", "counterweights.csv"]
     if with_report:
         from ..visual.report import report  # Plotly is optional, and slow to import

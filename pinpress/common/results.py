@@ -5,7 +5,7 @@ which gives but the units of its fields; several of these together are `Records`
 """
 
 import os
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import fields
 from typing import Any, ClassVar, TypeVar
 
@@ -71,17 +71,40 @@ class Tabular(Frozen):
 
 
 class Record(Tabular):
-    """Base of results of one row: a dataclass of numbers and words, a field a column. Fields without a value are left out.
+    """Base of results of one row: a dataclass of numbers and words, a field a column. Fields without a value, or without ``repr``, are left
+    out.
 
     Args:
         units: of the class: field -> unit, of those that have one.
+        parts: of the class: field -> what is added to its name for each of its parts, of vectors and complex numbers.
     """
 
     units: ClassVar[Mapping[str, str]]
+    parts: ClassVar[Mapping[str, Sequence[str]]]
 
-    def __init_subclass__(cls, units: Mapping[str, str] = FrozenMapping({}), **others: Any) -> None:
+    def __init_subclass__(
+        cls, units: Mapping[str, str] = FrozenMapping({}), parts: Mapping[str, Sequence[str]] = FrozenMapping({}), **others: Any
+    ) -> None:
         super().__init_subclass__(**others)
-        cls.units = units
+        cls.units, cls.parts = units, parts
+
+    @classmethod
+    def heads(cls) -> tuple[str, ...]:
+        """Names of the columns with units."""
+        return tuple(head for name in _shown(cls) for head in cls._heads_of(name))
+
+    def row(self) -> dict[str, object]:
+        """Name of a column with its unit -> what stands there, a number or words, None where there is no value."""
+        found: dict[str, object] = {}
+        for name in _shown(type(self)):
+            value = getattr(self, name)
+            found.update(zip(self._heads_of(name), _parts(value) if name in self.parts else [_words(value)], strict=True))
+        return found
+
+    @classmethod
+    def _heads_of(cls, name: str) -> list[str]:
+        unit = f" [{cls.units[name]}]" if name in cls.units else ""
+        return [f"{name}_{part}{unit}" for part in cls.parts[name]] if name in cls.parts else [name + unit]
 
     @property
     def title(self) -> str:
@@ -98,8 +121,22 @@ class Record(Tabular):
 
     def _cells(self) -> list[tuple[str, str, str]]:
         """Name, value and unit of every field that has a value."""
-        found = ((each.name, getattr(self, each.name)) for each in fields(self))  # type: ignore[arg-type]  # a dataclass
-        return [(name, text.number(value), self.units.get(name, "")) for name, value in found if value is not None]
+        split = ((*head.removesuffix("]").partition(" [")[::2], value) for head, value in self.row().items())
+        return [(name, text.number(value), "" if unit == "-" else unit) for name, unit, value in split if value is not None]
+
+
+def _shown(kind: type[Record]) -> list[str]:
+    """Names of the fields that are columns."""
+    return [each.name for each in fields(kind) if each.repr]  # type: ignore[arg-type]  # a dataclass
+
+
+def _parts(value: Any) -> list[float]:
+    return [value.real, value.imag] if isinstance(value, complex) else [float(part) for part in value]
+
+
+def _words(value: object) -> object:
+    """A field as one cell: several words with commas between them."""
+    return ", ".join(value) if isinstance(value, tuple) else value
 
 
 R = TypeVar("R", bound=Record)
@@ -125,12 +162,11 @@ class Records(Tabular, tuple[R, ...]):
 
     def columns(self) -> dict[str, Column]:
         """The fields as columns (n,) under their names with units, those left out that have no value in any record."""
-        found: dict[str, Column] = {}
-        for each in fields(self.kind):  # type: ignore[arg-type]  # a dataclass
-            unit, values = self.kind.units.get(each.name), [getattr(record, each.name) for record in self]
-            if not values or any(value is not None for value in values):
-                found[f"{each.name} [{unit}]" if unit else each.name] = values
-        return found
+        rows = [record.row() for record in self]
+        if not rows:
+            return {head: [] for head in self.kind.heads()}
+        columns = {head: [row[head] for row in rows] for head in rows[0]}
+        return {head: values for head, values in columns.items() if any(value is not None for value in values)}
 
     def __repr__(self) -> str:
         return tuple.__repr__(self)

@@ -32,10 +32,10 @@ def shortened(items: Sequence[T], most: int) -> list[T | None]:
 
 
 def number(value: object) -> str:
-    """A value as tables show it: six digits of a number, nothing for None."""
+    """A value as tables show it: six digits of a number, words in one line, nothing for None."""
     if value is None:
         return ""
-    return f"{value:.6g}" if isinstance(value, float) else str(value)
+    return f"{value:.6g}" if isinstance(value, float) else " ".join(str(value).splitlines())
 
 
 def _cell(place: int, cell: str, width: int) -> str:

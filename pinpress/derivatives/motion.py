@@ -23,8 +23,9 @@ from numpy.typing import ArrayLike
 
 from ..common.arguments import finite_numbers, typed
 from ..common.errors import PinpressError, UnknownNameError, shown
-from ..common.frozen import Frozen
 from ..common.quantities import Array, ComplexArray
+from ..common.results import Tabular
+from ..common.tables import by_driver
 from ..engines.joints import product
 from ..engines.planar.kinematics import basis_acceleration, basis_at, basis_velocity, factored, solve
 from ..engines.planar.model import Plane
@@ -36,13 +37,14 @@ CONTRADICTED = 1e-9  # of the displacement: what redundant equations may leave o
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class MotionSensitivity(Frozen):
+class MotionSensitivity(Tabular):
     """Derivatives of a motion of n states in one direction of the pivots.
 
     They are those of the attributes of `Motion` with the same names, per metre or whatever unit the direction is given per. All arrays are
     read-only.
 
     Attributes:
+        motion: the motion itself.
         joint_position: (n, nv), counted from the pose that the changed linkage is drawn in, closed at crank angle 0.
         v: (n, nv) of the joint rates.
         a: (n, nv) of the joint accelerations.
@@ -51,12 +53,35 @@ class MotionSensitivity(Frozen):
         slide_acceleration: (n,); None where the linkage has no slide.
     """
 
+    motion: Motion
     joint_position: Array
     v: Array
     a: Array
     slide_position: Array | None
     slide_velocity: Array | None
     slide_acceleration: Array | None
+    _units: tuple[str, ...]
+
+    @property
+    def title(self) -> str:
+        what = f"MotionSensitivity of {self.motion.linkage}: {len(self.v)} states"
+        if self.slide_position is None:
+            return what
+        return f"{what}, slide shifted by {self.slide_position.min():.6g} to {self.slide_position.max():.6g} m per unit of the direction"
+
+    def columns(self) -> dict[str, Array]:
+        """Crank angle, and derivatives of slide and joints as (n,) columns, per unit of the direction."""
+        columns = by_driver("crank_angle", "rad", self.motion.crank_angle, self.motion.drivers)
+        if self.slide_position is not None and self.slide_velocity is not None and self.slide_acceleration is not None:
+            columns |= {
+                "slide_position [m per unit]": self.slide_position,
+                "slide_velocity [m/s per unit]": self.slide_velocity,
+                "slide_acceleration [m/s2 per unit]": self.slide_acceleration,
+            }
+        for name, per, values in (("position", "", self.joint_position), ("velocity", "/s", self.v), ("acceleration", "/s2", self.a)):
+            named = zip(self.motion.joints, self._units, values.T, strict=True)
+            columns |= {f"{name}_{joint} [{unit}{per} per unit]": series for joint, unit, series in named}
+        return columns
 
 
 @typed
@@ -84,16 +109,16 @@ def motion_derivatives(press: Linkage, motion: Motion, directions: Sequence[Pivo
         raise PinpressError(f"the motion is of {motion.linkage} with other joints than {press.name}: make it with cycle(press, ...)")
     states, drawn = States.of(plane, motion.joint_position.T), States.of(plane, press.closed[:, None])
     rates = Rates.of(states, motion.v.T, motion.a.T)
+    units = tuple("rad" if axis.turns else "m" for axis in press.axes)
     result = []
     for direction in directions:
         by = shift(press, plane, directed(press, direction))
         tangent = Tangent.of(states, rates, by)
-        slide: list[Array | None] = [None, None, None]
+        slide: tuple[Array | None, Array | None, Array | None] = (None, None, None)
         if press.slide is not None:
             guide = press.slide_guide[0]
-            slide = [tangent.position[guide] + guide_shift(plane, by, guide), tangent.v[guide], tangent.a[guide]]
-        arrays = [(tangent.position - drawn.slope(by)).T, tangent.v.T, tangent.a.T, *slide]
-        result.append(MotionSensitivity(*arrays))  # type: ignore[arg-type]
+            slide = tangent.position[guide] + guide_shift(plane, by, guide), tangent.v[guide], tangent.a[guide]
+        result.append(MotionSensitivity(motion, (tangent.position - drawn.slope(by)).T, tangent.v.T, tangent.a.T, *slide, units))
     return tuple(result)
 
 

@@ -5,11 +5,13 @@ from __future__ import annotations
 import os
 import textwrap
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
 from ..common.errors import UrdfError
+from ..common.results import Record, Records, Tabular
+from ..common.tables import Column
 from ..engines.joints import LoopJoint
 from ..engines.spatial.kinematics import rank as rank_of
 from . import assembly_checks, mobility
@@ -23,8 +25,8 @@ from .urdf.findings import SEVERITIES, Finding
 WIDTH = 120  # of a line of text
 
 
-@dataclass(frozen=True)
-class Closing:
+@dataclass(frozen=True, repr=False)
+class Closing(Record, units={"gap": "m", "misalignment": "rad"}):
     """A loop or gear pair of a linkage.
 
     Attributes:
@@ -44,14 +46,16 @@ class Closing:
     joints: tuple[str, ...]
 
 
-@dataclass(frozen=True)
-class Facts:
+@dataclass(frozen=True, repr=False)
+class Facts(Record):
     """What the elements of a URDF make, put together.
 
     Attributes:
-        drivers, slide: names.
+        drivers: names of the driver joints.
+        slide: name of the slide's link, None if there is none.
         joints: names of those that move.
-        equations, rank: of loops and gear pairs in the drawn pose.
+        equations: number of those of loops and gear pairs.
+        rank: number of those that are independent in the drawn pose.
         mobility: degrees of freedom.
         engine: that computes it, "plane" or "pinocchio"; None where it cannot be loaded.
         closings: loops, then gear pairs. Those of a planar linkage close in the order of the joints that they determine.
@@ -63,16 +67,16 @@ class Facts:
     equations: int
     rank: int
     engine: str | None
-    closings: tuple[Closing, ...]
+    closings: Records[Closing] = field(repr=False)
 
     @property
     def mobility(self) -> int:
         return len(self.joints) - self.rank
 
 
-@dataclass(frozen=True)
-class CheckResult:
-    """What `check` found; as text, a page to read.
+@dataclass(frozen=True, repr=False)
+class CheckResult(Tabular):
+    """What `check` found: a table with a finding a row; as text, a page to read.
 
     Attributes:
         file: path of the URDF.
@@ -81,27 +85,38 @@ class CheckResult:
     """
 
     file: str
-    findings: tuple[Finding, ...]
+    findings: Records[Finding]
     facts: Facts | None
 
     @property
-    def errors(self) -> tuple[Finding, ...]:
-        return tuple(finding for finding in self.findings if finding.severity == "error")
+    def errors(self) -> Records[Finding]:
+        return self._of("error")
 
     @property
-    def warnings(self) -> tuple[Finding, ...]:
-        return tuple(finding for finding in self.findings if finding.severity == "warning")
+    def warnings(self) -> Records[Finding]:
+        return self._of("warning")
 
     @property
-    def notes(self) -> tuple[Finding, ...]:
-        return tuple(finding for finding in self.findings if finding.severity == "note")
+    def notes(self) -> Records[Finding]:
+        return self._of("note")
+
+    def _of(self, severity: str) -> Records[Finding]:
+        return Records(Finding, (finding for finding in self.findings if finding.severity == severity))
+
+    @property
+    def title(self) -> str:
+        return f"CheckResult of {self.file}: {_counted(self)}"
+
+    def columns(self) -> dict[str, Column]:
+        """The findings as columns, None where one has no line."""
+        return self.findings.columns()
 
     def __str__(self) -> str:
         lines = [f"{self.file}: {_counted(self)}"]
         if self.facts is not None:
             lines += ["", *_described(self.facts)]
         for severity in SEVERITIES:
-            found = [finding for finding in self.findings if finding.severity == severity]
+            found = self._of(severity)
             lines += [""] * bool(found) + [line for finding in found for line in _said(self.file, finding)]
         return "\n".join(lines)
 
@@ -129,7 +144,7 @@ def check(path: str | os.PathLike[str], driver: str | Sequence[str] | None = Non
         if not os.path.exists(file):
             raise
         findings.append(Finding.of(error))
-    return CheckResult(file, tuple(sorted(findings, key=lambda finding: SEVERITIES.index(finding.severity))), facts)
+    return CheckResult(file, Records(Finding, sorted(findings, key=lambda finding: SEVERITIES.index(finding.severity))), facts)
 
 
 def _put_together(document: Document, driver: str | Sequence[str] | None, slide: str | None) -> tuple[list[Finding], Facts]:
@@ -141,7 +156,7 @@ def _put_together(document: Document, driver: str | Sequence[str] | None, slide:
     rank = rank_of(press.equations(press.as_drawn).columns) if errors else press.rank
     between = [(loop.link1.link, loop.link2.link) for loop in description.loops]
     between += [(press.joints[pair.follower], press.joints[pair.leader]) for pair in press.couplings]
-    closings = tuple(
+    closings = (
         Closing(
             each.by.name,
             each.by.type if isinstance(each.by, LoopJoint) else "gear pair",
@@ -152,7 +167,7 @@ def _put_together(document: Document, driver: str | Sequence[str] | None, slide:
         for k, each, joints in _in_order(press)
     )
     engine = None if errors else press.engine().name
-    return findings, Facts(press.drivers, press.slide, press.joints, len(press.drawn_gaps), rank, engine, closings)
+    return findings, Facts(press.drivers, press.slide, press.joints, len(press.drawn_gaps), rank, engine, Records(Closing, closings))
 
 
 def _in_order(press: Linkage) -> Iterator[tuple[int, mobility.Held, tuple[str, ...]]]:

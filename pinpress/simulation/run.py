@@ -40,8 +40,8 @@ MOST_STROKES = 8  # listed in full
 FIRST_STROKES = 5  # listed of more, with the last one
 
 
-@dataclass(frozen=True)
-class Stats:
+@dataclass(frozen=True, repr=False)
+class Stats(Record, units={"wall_time": "s", "closure_error": "m"}):
     """What a run took, and how good it is.
 
     Attributes:

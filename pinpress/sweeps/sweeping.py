@@ -20,8 +20,8 @@ from numpy.typing import NDArray
 from ..common.arguments import is_whole_number, typed
 from ..common.errors import PinpressError, UnknownNameError, shown
 from ..common.files import path_of
-from ..common.frozen import Frozen, read_only
-from ..common.results import Tabular
+from ..common.frozen import read_only
+from ..common.results import Record, Records, Tabular
 from .execution import Function, Outcome, TaskError, in_parallel, serially
 from .grid import Grid, Scalar, gridded
 from .store import Results, opened, results
@@ -174,8 +174,8 @@ def _name(function: object) -> str:
 Column = NDArray[Any]
 
 
-@dataclass(frozen=True)
-class FailedPoint(Frozen):
+@dataclass(frozen=True, repr=False)
+class FailedPoint(Record):
     """A point at which the function failed.
 
     Attributes:
@@ -187,6 +187,9 @@ class FailedPoint(Frozen):
     number: int
     point: Mapping[str, Scalar]
     error: str
+
+    def row(self) -> dict[str, object]:
+        return {"number": self.number, **self.point, "error": self.error}
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -208,7 +211,7 @@ class SweepTable(Tabular):
     paired: bool
     shape: tuple[int, ...]
     values: Mapping[str, Column]
-    failed: tuple[FailedPoint, ...]
+    failed: Records[FailedPoint]
     missing: tuple[int, ...] = ()
 
     @property
@@ -275,10 +278,13 @@ def table(function: str, grid: Grid, kinds: Mapping[str, str], known: Mapping[in
         paired=grid.paired,
         shape=grid.shape,
         values=read_only(columns),
-        failed=tuple(
-            FailedPoint(number, dict(zip(grid.axes, grid.labels(number), strict=True)), known[number].error)
-            for number in sorted(known)
-            if known[number].error
+        failed=Records(
+            FailedPoint,
+            (
+                FailedPoint(number, dict(zip(grid.axes, grid.labels(number), strict=True)), known[number].error)
+                for number in sorted(known)
+                if known[number].error
+            ),
         ),
         missing=tuple(number for number in range(len(grid)) if number not in known),
     )

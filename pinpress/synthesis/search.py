@@ -15,6 +15,7 @@ import numpy as np
 
 from ..common.errors import PinpressError
 from ..common.quantities import Array
+from ..common.results import Record, Records
 from .problem import Limit, Point, Problem, missed
 
 CONVERGED = 1e-6  # residual of the optimum's conditions, scaled
@@ -228,8 +229,8 @@ TOUCHED = 1e-6  # scaled distance from a bound at which it counts as met
 WITHOUT = 1e-9  # scaled gradient of a variable without influence
 
 
-@dataclass(frozen=True)
-class ActiveBound:
+@dataclass(frozen=True, repr=False)
+class ActiveBound(Record):
     """A bound that holds the optimum.
 
     Attributes:
@@ -256,7 +257,7 @@ class Optimum(NamedTuple):
     """
 
     residual: float
-    active: tuple[ActiveBound, ...]
+    active: Records[ActiveBound]
     idle: tuple[str, ...]
 
 
@@ -328,7 +329,7 @@ def _of_limits(point: Point) -> list[_Force]:
     return found
 
 
-def _active(forces: list[_Force], multipliers: Array, size: float) -> tuple[ActiveBound, ...]:
+def _active(forces: list[_Force], multipliers: Array, size: float) -> Records[ActiveBound]:
     """The bounds whose multipliers are more than rounding; the multipliers of one constraint's elements are added up.
 
     Args:
@@ -338,7 +339,8 @@ def _active(forces: list[_Force], multipliers: Array, size: float) -> tuple[Acti
     for force, share in zip(forces, multipliers, strict=True):
         key = (force.name, force.side, force.bound, force.unit)
         sums[key] = sums.get(key, 0.0) + force.rising * share
-    return tuple(ActiveBound(*key[:3], float(multiplier * size / key[3])) for key, multiplier in sums.items() if abs(multiplier) > TOUCHED)
+    felt = {key: multiplier for key, multiplier in sums.items() if abs(multiplier) > TOUCHED}
+    return Records(ActiveBound, (ActiveBound(*key[:3], float(multiplier * size / key[3])) for key, multiplier in felt.items()))
 
 
 def _idle(point: Point) -> tuple[str, ...]:

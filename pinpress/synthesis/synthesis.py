@@ -18,7 +18,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -27,7 +27,8 @@ from ..common.arguments import typed
 from ..common.errors import AssemblyError, PinpressError, SingularityError, UnknownNameError, shown
 from ..common.frozen import FrozenMapping, read_only
 from ..common.quantities import Array
-from ..common.results import Tabular
+from ..common.results import Record, Records, Tabular
+from ..common.tables import Column
 from ..derivatives.motion import Pivots, nowhere, pivot_positions, planar
 from ..derivatives.reactions import refuse_unknown
 from ..derivatives.reshape import reshaped
@@ -136,11 +137,11 @@ def _result(start: Point, found: Point, search: Search) -> SynthesisResult:
         for measure, values in zip(problem.measures[1:], found.values[1:], strict=True)
     }
     values = problem.values(found.z)
-    rows = [Row(v.name, "variable", v.lower, v.start, values[v.name], v.upper) for v in problem.variables]
+    rows = [BoundedQuantity(v.name, "variable", v.lower, v.start, values[v.name], v.upper) for v in problem.variables]
     for k, measure in enumerate(problem.measures[1:], 1):
         bounds = [bound if math.isfinite(bound) else None for bound in (measure.lower, measure.upper)]
         nearest = (_nearest(measure, point.values[k]) for point in (start, found))
-        rows.append(Row(measure.name, "constraint", bounds[0], next(nearest), next(nearest), bounds[1]))
+        rows.append(BoundedQuantity(measure.name, "constraint", bounds[0], next(nearest), next(nearest), bounds[1]))
     return SynthesisResult(
         press=press.with_inertias(list(press.model.inertias), name=press.name.removesuffix(SYNTHESISED) + SYNTHESISED),
         variables=FrozenMapping(values),
@@ -152,7 +153,7 @@ def _result(start: Point, found: Point, search: Search) -> SynthesisResult:
         kkt=held.residual,
         evaluations=search.evaluations,
         infeasible=search.infeasible,
-        _rows=tuple(rows),
+        _rows=Records(BoundedQuantity, rows),
     )
 
 
@@ -231,8 +232,8 @@ def _coordinates(press: Linkage, names: tuple[str, ...]) -> Callable[..., Pivots
 WIDE = 14  # letters of a number's column
 
 
-@dataclass(frozen=True)
-class Row:
+@dataclass(frozen=True, repr=False)
+class BoundedQuantity(Record):
     """A variable or constraint of a synthesis.
 
     Of a constraint with several elements it is the one nearest to a bound.
@@ -277,12 +278,12 @@ class SynthesisResult(Tabular):
     value: float
     start_value: float
     constraints: Mapping[str, float | Array]
-    active: tuple[ActiveBound, ...]
+    active: Records[ActiveBound]
     idle: tuple[str, ...]
     kkt: float
     evaluations: int
     infeasible: int
-    _rows: tuple[Row, ...]
+    _rows: Records[BoundedQuantity]
 
     @property
     def title(self) -> str:
@@ -292,13 +293,13 @@ class SynthesisResult(Tabular):
     def __str__(self) -> str:
         return _text(self)
 
-    def table(self) -> tuple[Row, ...]:
+    def table(self) -> Records[BoundedQuantity]:
         """The variables and then the constraints, a row each."""
         return self._rows
 
-    def columns(self) -> dict[str, list[object]]:
+    def columns(self) -> dict[str, Column]:
         """The table as columns; None where there is no bound."""
-        return {field.name: [getattr(row, field.name) for row in self._rows] for field in fields(Row)}
+        return self._rows.columns()
 
 
 def _text(found: SynthesisResult) -> str:
@@ -326,6 +327,6 @@ def _text(found: SynthesisResult) -> str:
     return "\n".join([*lines, "", "Checks", f"  {'conditions of the optimum':{width + 14}}{found.kkt:.2g} of the objective"])
 
 
-def _line(row: Row, width: int) -> str:
+def _line(row: BoundedQuantity, width: int) -> str:
     numbers = "".join(("-" if value is None else f"{value:.6g}").rjust(WIDE) for value in (row.lower, row.start, row.value, row.upper))
     return f"  {row.name:{width}}{numbers}"

@@ -198,10 +198,11 @@ def test_limits_stand_beside_their_measures() -> None:
 
 def test_counterweights_as_columns() -> None:
     balance = pressed()
-    links, *numbers = balance.counterweight_columns().values()
+    columns = balance.counterweights.columns()
+    links, *numbers = columns.values()
     made = [pp.balancing.Counterweight(link, m, (x, y, z), j) for link, m, x, y, z, j in zip(links, *numbers, strict=True)]
     assert made == list(balance.counterweights)
-    assert list(balance.counterweight_columns()) == ["link", "mass [kg]", "x [m]", "y [m]", "z [m]", "inertia [kg m2]"]
+    assert list(columns) == ["link", "mass [kg]", "position_x [m]", "position_y [m]", "position_z [m]", "inertia [kg m2]"]
 
 
 def test_a_file_that_cannot_be_written_is_named(tmp_path: Path) -> None:

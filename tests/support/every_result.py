@@ -2,6 +2,8 @@
 
 import dataclasses
 import inspect
+import re
+import sys
 from functools import cache
 
 import numpy as np
@@ -10,6 +12,7 @@ from support.sweep_points import fails_at_odd
 import pinpress as pp
 from pinpress import foundation
 from pinpress.balancing import classical
+from pinpress.common.results import Records
 from pinpress.kinematics.measures import stroke
 
 SPEED = 7.0
@@ -21,7 +24,14 @@ MOUNTS = [foundation.Mount((x, y, -0.5), (1e6, 1e6, 2e6), (1e3, 1e3, 2e3)) for x
 FRAME = foundation.Frame(6000.0, (0.0, 0.0, 0.2), np.diag([900.0, 1100.0, 700.0]))
 MEASUREMENT = pp.accuracy.Measurement("table", "reduced", "64 samples", 64.0, 1e-3, 1e-12)
 ACCURACY = pp.accuracy.WorkPrecision(
-    "crank_slide", "a turn", "a machine", {"free run": "a scene"}, {"table": 1e-14}, {"table": "two methods"}, (MEASUREMENT,), ()
+    "crank_slide",
+    "a turn",
+    "a machine",
+    {"free run": "a scene"},
+    {"table": 1e-14},
+    {"table": "two methods"},
+    Records(pp.accuracy.Measurement, [MEASUREMENT]),
+    (),
 )
 TRIALS = []  # seen by the synthesis
 
@@ -90,6 +100,17 @@ def synthesis():
     )
 
 
+@cache
+def held():
+    """A synthesis that a bound holds."""
+    return pp.synthesis.synthesise(press(), {"radius": (0.05, 0.1, 0.2)}, minimise=long_stroke, geometry=crank, speed=SPEED, points=24)
+
+
+def checked():
+    found = pp.check(press().file)
+    return found, *found.findings, found.facts, *found.facts.closings
+
+
 def shortest(trial):
     TRIALS.append(trial)
     return (long_stroke(trial) - 0.15) ** 2
@@ -135,8 +156,17 @@ def made():
     """One of each."""
     found = [
         *(press(), motion(), reactions(), run(), run_over_joints(), runs(), sweep(), *sweep().failed, run().stats),
-        *(pp.dead_centres(press()), pp.measures.duty_cycle(run()), pp.check(press().file), *pp.check(press().file).findings),
-        *(balance(), *balance().changes, *balance().active, *balance().counterweights, trade_off(), synthesis()),
+        *(pp.dead_centres(press()), pp.measures.duty_cycle(run()), *checked()),
+        *(
+            balance(),
+            *balance().changes,
+            *balance().active,
+            *balance().counterweights,
+            trade_off(),
+            synthesis(),
+            synthesis().table()[0],
+            *held().active,
+        ),
         *TRIALS[:1],
         *(
             X,
@@ -207,8 +237,55 @@ def made():
     return found
 
 
+def rooms():
+    """All modules of public names."""
+    return [pp, *filter(inspect.ismodule, (getattr(pp, name) for name in dir(pp))), classical]
+
+
 def public():
     """All public classes of data."""
-    rooms = [pp, *filter(inspect.ismodule, (getattr(pp, name) for name in dir(pp))), classical]
-    named = [getattr(room, name) for room in rooms for name in dir(room)]
+    named = [getattr(room, name) for room in rooms() for name in dir(room)]
     return {kind for kind in named if inspect.isclass(kind) and dataclasses.is_dataclass(kind)}
+
+
+# What public functions return and results hold that is no result.
+DESCRIPTIONS = {
+    "AddedMass",
+    "Capacities",
+    "Frame",
+    "Linkage",
+    "Measure",
+    "Mount",
+    "OperatingCondition",
+    "Parameter",
+    "Stiffness",
+}  # callers give these
+SOLUTION = {"ClosedStates", "SimulationProblem", "Trajectory"}  # behind a motion: the equations and what solves them
+HOLDERS = {"NamedArrays", "Records"}  # of arrays, and of results
+
+
+def returned():
+    """All classes of data that public functions return, with those that their members are, and so on."""
+    found, left = set(), [function for room in rooms() for name in dir(room) if inspect.isfunction(function := getattr(room, name))]
+    while left:
+        for kind in _named_in_returns(left.pop()):
+            if kind.__name__ not in DESCRIPTIONS | SOLUTION | HOLDERS and kind not in found:
+                found.add(kind)
+                left += [member for base in kind.__mro__ for name, member in vars(base).items() if not name.startswith("_")]
+                left += [base for base in kind.__mro__ if base.__module__.startswith("pinpress.")]
+    return found
+
+
+def _named_in_returns(made):
+    """Classes of data of ours in the annotations of what a function returns, or of the public fields of a class."""
+    made = inspect.unwrap(getattr(made, "fget", None) or getattr(made, "func", None) or getattr(made, "__func__", made))
+    if inspect.isclass(made):
+        words = [note for name, note in inspect.get_annotations(made).items() if not name.startswith("_")]
+    elif inspect.isfunction(made):
+        words = [inspect.get_annotations(made).get("return", "")]
+    else:
+        return
+    for name in re.findall(r"[A-Za-z]\w*", " ".join(map(str, words))):
+        kind = getattr(sys.modules[made.__module__], name, None)
+        if inspect.isclass(kind) and kind.__module__.startswith("pinpress.") and not issubclass(kind, Exception):
+            yield kind

@@ -15,8 +15,9 @@ import numpy as np
 
 from ...common.arguments import is_number, positive, typed, whole_number
 from ...common.errors import PinpressError, expect, shown
-from ...common.frozen import Frozen, read_only
+from ...common.frozen import read_only
 from ...common.quantities import Array
+from ...common.results import Record, Records
 from ...dynamics.harmonics import harmonics
 from ...dynamics.inverse_dynamics import Reactions
 from ...engines.planar.model import Plane, to_complex, to_world
@@ -31,10 +32,20 @@ SMALLEST_TERM = 1e-18  # of that series, beside its first
 ROUNDING = 1e-12  # of the largest bearing force: harmonics this small are rounding
 UNCHANGED = 1e-9  # of an amplitude: a harmonic that changes by less is unchanged
 SAME_SPEED = 1e-9  # relative: speeds are equal up to this difference
+LINE, SPACE = ("along", "across"), "xyz"  # parts of a complex number and of a vector in a table
 
 
-@dataclass(frozen=True, eq=False)
-class CrankSlider(Frozen):
+@dataclass(frozen=True, eq=False, repr=False)
+class CrankSlider(
+    Record,
+    units={
+        **dict.fromkeys(("crank_radius", "rod_length", "crank_centre", "rod_centre", "shaft"), "m"),
+        **dict.fromkeys(("crank_mass", "rod_mass", "slide_mass"), "kg"),
+        **dict.fromkeys(("crank_inertia", "rod_inertia"), "kg m2"),
+        "drawn_angle": "rad",
+    },
+    parts={"crank_centre": LINE, "rod_centre": LINE, "shaft": SPACE, "direction": SPACE, "across": SPACE},
+):
     """A centred crank-slider: lengths, masses and centres of mass as its balancing needs them.
 
     Attributes:
@@ -206,7 +217,7 @@ def harmonic_coefficients(ratio: float, orders: int = 6) -> Array:
 
 
 @typed
-def complete_balance(press: Linkage, *, rod_radius: float, crank_radius: float) -> tuple[Counterweight, Counterweight]:
+def complete_balance(press: Linkage, *, rod_radius: float, crank_radius: float) -> Records[Counterweight]:
     """Find the counterweights on rod and crank that keep the press's centre of mass at rest, so that it shakes with its weight alone.
 
     Zhang 2007, 3.3, with m' corrected. The counterweight on the rod, opposite to the slide, has m'' r2 = m2 h2 + m3 l2. Then rod and slide
@@ -229,7 +240,8 @@ def complete_balance(press: Linkage, *, rod_radius: float, crank_radius: float) 
     product = -(main.rod_mass * main.rod_centre + main.slide_mass * main.rod_length) * main.drawn_rod
     on_rod = _correction(press, main, main.rod, main.crank_radius * main.drawn_crank, product).counterweight(main.rod, rod_radius)
     at_pin = on_rod.mass + main.rod_mass + main.slide_mass
-    return on_rod, _on_crank(press, main, at_pin * main.crank_radius + main.crank_mass * main.crank_centre, crank_radius)
+    on_crank = _on_crank(press, main, at_pin * main.crank_radius + main.crank_mass * main.crank_centre, crank_radius)
+    return Records(Counterweight, (on_rod, on_crank))
 
 
 @typed
@@ -259,27 +271,34 @@ def approximate_balance(press: Linkage, radius: float, *, share: float = 0.5) ->
     return _on_crank(press, main, main.rotating_product + share * main.crank_radius * main.reciprocating_mass, radius)
 
 
-@dataclass(frozen=True)
-class HarmonicChange:
+@dataclass(frozen=True, repr=False)
+class HarmonicChange(Record):
     """A harmonic before and after a change of the press.
 
     Attributes:
         quantity: "force along the slide" (vertical in an upright press), "force across the slide" (lateral) or "tilting moment".
+        unit: "N" or "N m".
         order: Frequency divided by that of the crank; a fraction is possible where a press repeats itself only after several turns [-].
-        before: Amplitude before [N, or N m].
-        after: Amplitude after [N, or N m].
+        before: Amplitude before, in the unit.
+        after: Amplitude after, in the unit.
         change: "cancelled" where only rounding is left, "reduced", "unchanged", "raised", or "none" where both amplitudes are rounding.
     """
 
     quantity: str
+    unit: str
     order: float
     before: float
     after: float
     change: str
 
+    @property
+    def title(self) -> str:
+        amplitudes = f"{self.before:.6g} to {self.after:.6g} {self.unit}"
+        return f"HarmonicChange of the {self.quantity}, order {self.order:g}: {amplitudes}, {self.change}"
+
 
 @typed
-def compare_harmonics(before: Reactions, after: Reactions, *, orders: int = 6) -> tuple[HarmonicChange, ...]:
+def compare_harmonics(before: Reactions, after: Reactions, *, orders: int = 6) -> Records[HarmonicChange]:
     """Compare the harmonics of the shaking force and of the tilting moment of two presses.
 
     The moment is about the shaft of the press before the change. Amplitudes below 1e-12 of the largest bearing force, or of its moment at
@@ -310,11 +329,15 @@ def compare_harmonics(before: Reactions, after: Reactions, *, orders: int = 6) -
     shaft = at.position[press.driver_indices[0] + 1, 0]
     (first, least1), (second, least2) = (_amplitudes(each, axes, normal, shaft, orders) for each in (before, after))
     none = np.zeros(3)
-    return tuple(
-        HarmonicChange(quantity, order, was, now, _change(was, now, max(least1[k], least2[k])))
-        for k, quantity in enumerate(("force along the slide", "force across the slide", "tilting moment"))
-        for order in sorted({*first, *second})
-        for was, now in [(float(first.get(order, none)[k]), float(second.get(order, none)[k]))]
+    quantities = (("force along the slide", "N"), ("force across the slide", "N"), ("tilting moment", "N m"))
+    return Records(
+        HarmonicChange,
+        (
+            HarmonicChange(quantity, unit, order, was, now, _change(was, now, max(least1[k], least2[k])))
+            for k, (quantity, unit) in enumerate(quantities)
+            for order in sorted({*first, *second})
+            for was, now in [(float(first.get(order, none)[k]), float(second.get(order, none)[k]))]
+        ),
     )
 
 

@@ -17,16 +17,16 @@ from numpy.typing import ArrayLike
 
 from ...common.arguments import numbers, positive, typed
 from ...common.errors import PinpressError, UnknownNameError, shown
-from ...common.frozen import Frozen
 from ...common.quantities import Array
+from ...common.results import Record, Records
 from ...linkage.linkage import Linkage
 from ..counterweights import Counterweight
 
 ALONG_Y = np.array([0.0, 1.0, 0.0])  # the shaft's axis in the frames of our presses' cranks
 
 
-@dataclass(frozen=True, eq=False)
-class Correction(Frozen):
+@dataclass(frozen=True, eq=False, repr=False)
+class Correction(Record, units={"product": "kg m", "centre": "m"}, parts={"product": "xyz", "centre": "xyz"}):
     """A mass times radius that balances a rotor, in one plane across its axis.
 
     Attributes:
@@ -67,8 +67,8 @@ class Correction(Frozen):
         return Counterweight(link, sign * size / radius, (float(x), float(y), float(z)))
 
 
-@dataclass(frozen=True, eq=False)
-class RotorUnbalance(Frozen):
+@dataclass(frozen=True, eq=False, repr=False)
+class RotorUnbalance(Record, units={"static": "kg m", "couple": "kg m2"}, parts={"axis": "xyz", "static": "xyz", "couple": "xyz"}):
     """The unbalance of a rotor whose axis passes through the origin of its frame. Vectors are in that frame.
 
     At the speed w the rotor pulls at its bearings with the force ``w**2 * static`` and, about the origin, the moment
@@ -96,7 +96,7 @@ class RotorUnbalance(Frozen):
         (centre,) = self._centres([plane])
         return _correction(-self.static, centre)
 
-    def two_plane_balance(self, planes: Sequence[float]) -> tuple[Correction, Correction]:
+    def two_plane_balance(self, planes: Sequence[float]) -> Records[Correction]:
         """The corrections in two planes that leave neither force nor couple.
 
         From u_a + u_b = -static and a u_a + b u_b = -couple follow u_a = (b static - couple) / (a - b) and
@@ -114,7 +114,7 @@ class RotorUnbalance(Frozen):
         a, b = (float(place) for place in planes)
         with np.errstate(all="ignore"):  # what overflows is refused
             first, second = (b * self.static - self.couple) / (a - b), (self.couple - a * self.static) / (a - b)
-        return _correction(first, centres[0]), _correction(second, centres[1])
+        return Records(Correction, (_correction(first, centres[0]), _correction(second, centres[1])))
 
     def _centres(self, planes: Sequence[float]) -> Array:
         places = numbers("balancing of a rotor: planes", planes)
@@ -137,7 +137,7 @@ def static_balance(masses: ArrayLike, positions: ArrayLike) -> Correction:
 
 
 @typed
-def two_plane_balance(masses: ArrayLike, positions: ArrayLike, *, planes: Sequence[float]) -> tuple[Correction, Correction]:
+def two_plane_balance(masses: ArrayLike, positions: ArrayLike, *, planes: Sequence[float]) -> Records[Correction]:
     """The two corrections that leave a rotor neither force nor couple. Zhang 2007, 3.1.1 (2).
 
     Each mass is shared between the planes a and b like a force on a beam, m (b - y) / (b - a) and m (y - a) / (b - a), and each share is

@@ -26,6 +26,7 @@ from support.time_limit import within
 import pinpress as pp
 from pinpress import foundation
 from pinpress.balancing import classical
+from pinpress.common.results import Records
 from pinpress.kinematics import measures
 
 SECONDS = 30.0  # that a call may take, on a machine with much else to do; most take milliseconds
@@ -564,7 +565,9 @@ def calls() -> dict[str, Call]:
         (
             "accuracy.plot",
             pp.accuracy.plot,
-            lambda: {"measured": pp.accuracy.WorkPrecision("press", "scene", "machine", {}, {}, {}, (), ())},
+            lambda: {
+                "measured": pp.accuracy.WorkPrecision("press", "scene", "machine", {}, {}, {}, Records(pp.accuracy.Measurement, ()), ())
+            },
         ),
         ("plots.bearings", pp.plots.bearings, lambda: {"reactions": reactions()}),
         ("plots.comparison", pp.plots.comparison, lambda: {"before": reactions(), "after": reactions()}),
