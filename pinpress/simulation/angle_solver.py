@@ -72,6 +72,8 @@ class AngleSolver:
         """Begin with a state.
 
         Args:
+            driven: what is simulated.
+            begin: the state.
             until: time at which the run ends [s].
             tolerance: of the last terms of a panel's polynomials, beside the whole.
         """
@@ -158,12 +160,15 @@ class AngleSolver:
         energy = self._energy()
         if 0 < energy[0] < LITTLE * model.potential_range:
             return None
-        from_rest, to_rest = self.state.speed == 0, False
         if self.before is not None:
-            mesh, guess = self.before.mesh, self.before.energy
-        else:
-            borders = mesh_borders(driven, anchor, direction, extent)
-            mesh, guess = build_mesh(driven, anchor, direction, borders, (from_rest, to_rest)), None
+            return self._resolved(self.before.mesh, energy, self.before.energy)
+        borders = mesh_borders(driven, anchor, direction, extent)
+        return self._resolved(build_mesh(driven, anchor, direction, borders, (self.state.speed == 0, False)), energy, None)
+
+    def _resolved(self, mesh: Mesh, energy: Array, guess: Array | None) -> tuple[CollocationSolution, int] | None:
+        """The same, from a mesh that is cut where it is too coarse, with the energy (1,) at its start, and a guess of it at the nodes."""
+        driven, anchor, direction = self.driven, self.anchor, mesh.direction
+        from_rest, to_rest = self.state.speed == 0, False
         for _ in range(MOST_CUTS):
             if guess is None and from_rest:
                 guess = _any_energy(driven, mesh)
@@ -178,7 +183,7 @@ class AngleSolver:
             if len(coarse):
                 borders = np.sort(np.concatenate([mesh.borders, coarse]))
             elif stops:  # where it stops is known from panels that are right, and not before
-                borders = _with_rest(solution, count, angle_to(model, driven.switch_angles, anchor, direction), from_rest)
+                borders = _with_rest(solution, count, angle_to(self.model, driven.switch_angles, anchor, direction), from_rest)
                 to_rest = True
                 if borders[-1] < SMALL:
                     return None
@@ -414,7 +419,13 @@ def drive_torque(drive: Drive, solution: CollocationSolution) -> Array:
 
 
 def nearly_at_rest(energy: Array, force: Array, span: float) -> NDArray[np.bool_]:
-    """Whether cranks with these kinetic energies, under these net torques, are nearly at rest; ``span``: range of the potential energy."""
+    """Whether cranks are nearly at rest.
+
+    Args:
+        energy: kinetic energies (...) [J].
+        force: net torques (...) on the cranks [N m].
+        span: range of the potential energy [J].
+    """
     found = np.asarray(energy < NEAR * span)
     return found & (energy + force**2 / (2 * span) < NEAR * span) if found.any() else found
 

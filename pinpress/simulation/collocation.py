@@ -136,7 +136,15 @@ def range_ahead(model: ReducedModel, start: float, direction: int) -> float:
 
 
 def build_mesh(driven: DrivenPress, start: float, direction: int, borders: Array, rests: tuple[bool, bool] = (False, False)) -> Mesh:
-    """The mesh with these borders; ``rests``: whether the crank starts from rest in the first panel, and comes to rest in the last."""
+    """The mesh with these borders.
+
+    Args:
+        driven: what is simulated.
+        start: crank angle [rad].
+        direction: +1 or -1.
+        borders: (p + 1,) angle travelled [rad].
+        rests: whether the crank starts from rest in the first panel, and comes to rest in the last.
+    """
     kinds = _kinds(len(borders) - 1, *rests)
     along, measure = _run(borders, kinds, np.arange(len(kinds)), gauss_rule().nodes[:, None])
     middle = 0.5 * (borders[:-1] + borders[1:])
@@ -265,7 +273,16 @@ class _Newton:
     """Newton's method for the kinetic energy on all panels at once: dW/du = G + K (W_new - W)."""
 
     def __init__(self, driven: DrivenPress, mesh: Mesh, inertia: Array, energy: Array, work: Array, periodic: bool) -> None:
-        """``energy`` (S,) at the start; ``work`` (q, p, S) to begin with."""
+        """Begin with a kinetic energy.
+
+        Args:
+            driven: what is simulated.
+            mesh: over which it is.
+            inertia: (q, p, S) at the crank [kg m2].
+            energy: (S,) at the start [J].
+            work: (q, p, S) to begin with at the nodes [J].
+            periodic: whether it is to end as it began.
+        """
         self.mesh, self.inertia, self.energy, self.periodic = mesh, inertia, energy, periodic
         self.forces = Forces(driven.drive, mesh, work.shape)
         self.constant = driven.drive is None and not mesh.forces

@@ -157,7 +157,13 @@ class FullDynamics:
     """All joints, one state at a time by `ForwardDynamics`; loops are kept closed by projection after every step."""
 
     def __init__(self, press: Linkage, coordinates: Sequence[Coordinate], inertia: Array) -> None:
-        """``inertia`` (drivers,) of flywheels and drives at the drivers [kg m2]."""
+        """Take over what does not change.
+
+        Args:
+            press: the linkage.
+            coordinates: along which forces act.
+            inertia: (drivers,) of flywheels and drives at the drivers [kg m2].
+        """
         self.press, self.size = press, len(press.joints)
         self.drivers, self.crank = list(press.driver_indices), press.driver_indices[0]
         self.coordinates, self.inertia = tuple(coordinates), inertia

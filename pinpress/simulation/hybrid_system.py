@@ -95,7 +95,8 @@ class Mode(NamedTuple):
     """All that is switched.
 
     Attributes:
-        clutch, brake: their modes; of one that is missing, holding and open.
+        clutch: its mode; of one that is missing: holding.
+        brake: its mode; of one that is missing: open.
         forces: of every force; None of one in time.
         sides: +1 or -1, on which side of the corners of its torque the drive runs.
         standing: whether the press stands, held by loads that resist either way.
@@ -115,7 +116,15 @@ class Mode(NamedTuple):
 
 
 def force_mode(force: GeneralizedForce, inside: float, rising: bool, value: float, rate: float) -> ForceMode:
-    """Mode of a force at a value of its coordinate; ``inside`` is a value near it that is on no border."""
+    """Mode of a force at a value of its coordinate.
+
+    Args:
+        force: along the coordinate.
+        inside: a value near that of the coordinate which is on no border.
+        rising: whether the coordinate rises.
+        value: of the coordinate.
+        rate: of the coordinate.
+    """
     borders = force.borders()
     low = max((b for b in borders if b < inside), default=-math.inf)
     high = min((b for b in borders if b >= inside), default=math.inf)
@@ -153,7 +162,14 @@ class HybridSystem:
     def begin(
         self, time: float, position: Array, speed: Array, integrals: Array, states: tuple[float, ...] | None = None
     ) -> tuple[Mode, Array]:
-        """Mode and vector at the start; ``states`` of the drive: None for those that it starts with.
+        """Mode and vector at the start.
+
+        Args:
+            time: [s].
+            position: (size,) [rad or m].
+            speed: (size,) [rad/s or m/s].
+            integrals: (4,) the `INTEGRALS` so far.
+            states: of the drive; None: those that it starts with.
 
         Raises:
             SimulationError: the press stalls there.
@@ -424,7 +440,14 @@ class Event(ABC):
 
     @abstractmethod
     def after(self, system: HybridSystem, mode: Mode, time: float, y: Array, fastest: float) -> tuple[Mode, Array]:
-        """Mode and vector after it; ``fastest``: largest crank speed of the run.
+        """Mode and vector after it.
+
+        Args:
+            system: to which it happens.
+            mode: that it ends.
+            time: at which it comes [s].
+            y: the vector then.
+            fastest: largest crank speed of the run so far [rad/s].
 
         Raises:
             SimulationError: the press stalls.

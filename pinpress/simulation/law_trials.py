@@ -172,7 +172,7 @@ def check_load(load: ProcessLoad | TimeForce) -> None:
 
 
 def _at_rest(interval: ForceInterval, height: float, shape: Any) -> Any:
-    """Force of an interval at a height, without speed; ``shape``: a number or an array of any values, whose shape the force shall have."""
+    """Force of an interval at a height, without speed, in the ``shape`` of a number or an array of any values."""
     return interval.force(height + 0.0 * shape, 0.0 * shape)
 
 

@@ -100,7 +100,19 @@ class RadauIIA(OdeSolver):  # type: ignore[misc]
         sizes: Array,
         first_step: float | None = None,
     ) -> None:
-        """``atol`` (n,) and ``rtol`` as of SciPy's methods; ``sizes`` (n,) of the entries, for slopes where one is zero."""
+        """As SciPy's methods, and more.
+
+        Args:
+            fun: rates (n,) at a time and vector (n,).
+            t0: time at the start [s].
+            y0: (n,) vector at the start.
+            t_bound: time of the end [s].
+            atol: (n,) tolerances of the entries.
+            rtol: tolerance beside the entries.
+            integrals: how many of the last entries are integrals.
+            sizes: (n,) of the entries, for slopes where one is zero.
+            first_step: length of the first step [s]; None: found here.
+        """
         super().__init__(fun, t0, y0, t_bound, vectorized=False)
         self.count = len(y0) - integrals
         self.atol, self.rtol, self.sizes = atol.copy(), rtol, sizes[: self.count]
@@ -245,7 +257,14 @@ def _unresolved(series: Array, scale: Array) -> float:
 
 
 def slopes(fun: Callable[[float, Array], Array], time: float, y: Array, f: Array, sizes: Array) -> Array:
-    """Derivatives (n, m) of rates by the first m entries of a vector, by differences; ``sizes`` (m,) of these.
+    """Derivatives (n, m) of rates by the first m entries of a vector, by differences.
+
+    Args:
+        fun: rates (n,) at a time and vector (n,).
+        time: [s].
+        y: (n,) the vector.
+        f: (n,) the rates there.
+        sizes: (m,) of the entries.
 
     A small entry is changed beside itself, not beside its size: a law may be sharp about zero.
     """

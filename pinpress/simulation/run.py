@@ -110,33 +110,13 @@ class Run(Motion):
 def as_run(problem: SimulationProblem, trajectory: Trajectory, points: int | None, began: float, sensitivity: float | None = None) -> Run:
     """The states of a trajectory, closed and checked; those of fixed steps may have any energy error."""
     driven = problem.driven
-    press, several = driven.press, len(driven.inertias) > 1
-    allowed = None if problem.step is not None else allowed_error(problem.tolerance)
     times = np.linspace(0.0, problem.until, state_count(points, trajectory.turns))
     sample = trajectory.at(times)
-    position, speed, acceleration = sample.position, sample.speed, sample.acceleration
-    if len(position) == 1:
-        motion = motion_through_change_points(press, position[0], speed[0], acceleration[0], times)
-    else:
-        motion = of_states(press, position, speed, acceleration, press.engine().gaps(position), times, press.turns_until_back)
-    kinetic, potential = reduced.energies(press, motion)
-    turning = speed[list(press.driver_indices)] if several else sample.drive_speed[None]
-    kinetic = kinetic + 0.5 * driven.inertias @ turning**2
-    works = sample.integrals[[DRIVE_WORK, LOAD_WORK, LOST]]
-    error = energy_error(kinetic, potential, *works)
-    if not math.isfinite(float(error.max()) + float(acceleration.sum())):
-        raise PinpressError(f"the motion of {press.name} is too fast for floating point: lower speeds and forces")
-    size = energy_size(kinetic, potential, *works)
-    if (
-        allowed is not None
-        and error.max() > allowed
-        and error.max() > allowed + _rounding(driven, times, motion, sample.drive_speed) / size
-    ):
-        worst = int(error.argmax())
-        raise failure("unbalanced", float(times[worst]), float(np.ravel(motion.crank_angle[worst])[0]))
-    if several:
-        torque = _torques(driven, turning)
-        sample = sample._replace(drive_torque=torque.T.copy(), drive_speed=turning.T.copy())
+    motion = _closed(driven.press, times, sample)
+    error = _audited(problem, motion, sample)
+    if len(driven.inertias) > 1:
+        turning = _driver_speeds(driven, sample)
+        sample = sample._replace(drive_torque=_torques(driven, turning).T.copy(), drive_speed=turning.T.copy())
     else:
         confirm_torques(driven.drive, times, motion.crank_angle, sample.drive_speed, sample.drive_torque)
     stats = Stats(
@@ -146,10 +126,47 @@ def as_run(problem: SimulationProblem, trajectory: Trajectory, points: int | Non
         evaluations=trajectory.evaluations,
         wall_time=clock.perf_counter() - began,
         closure_error=float(motion.closure_error.max()),
-        energy_error=float(error.max()),
+        energy_error=error,
         sensitivity=sensitivity,
     )
     return _as_run(problem, trajectory, motion, stats, sample)
+
+
+def _closed(press: Linkage, times: Array, sample: Sample) -> Motion:
+    """The motion with its loops closed."""
+    position, speed, acceleration = sample.position, sample.speed, sample.acceleration
+    if len(position) == 1:
+        return motion_through_change_points(press, position[0], speed[0], acceleration[0], times)
+    return of_states(press, position, speed, acceleration, press.engine().gaps(position), times, press.turns_until_back)
+
+
+def _driver_speeds(driven: DrivenPress, sample: Sample) -> Array:
+    """(drivers, n) speeds of what turns with the drives [rad/s]."""
+    return sample.speed[list(driven.press.driver_indices)] if len(driven.inertias) > 1 else sample.drive_speed[None]
+
+
+def _audited(problem: SimulationProblem, motion: Motion, sample: Sample) -> float:
+    """The energy error of a motion.
+
+    Raises:
+        PinpressError: the energy is not finite.
+        SimulationError: the energy does not balance.
+    """
+    driven, press = problem.driven, problem.driven.press
+    kinetic, potential = reduced.energies(press, motion)
+    kinetic = kinetic + 0.5 * driven.inertias @ _driver_speeds(driven, sample) ** 2
+    works = sample.integrals[[DRIVE_WORK, LOAD_WORK, LOST]]
+    error = energy_error(kinetic, potential, *works)
+    largest = float(error.max())
+    if not math.isfinite(largest + float(sample.acceleration.sum())):
+        raise PinpressError(f"the motion of {press.name} is too fast for floating point: lower speeds and forces")
+    allowed = math.inf if problem.step is not None else allowed_error(problem.tolerance)
+    if largest > allowed:
+        rounding = _rounding(driven, motion.time, motion, sample.drive_speed) / float(energy_size(kinetic, potential, *works))
+        if largest > allowed + rounding:
+            worst = int(error.argmax())
+            raise failure("unbalanced", float(motion.time[worst]), float(np.ravel(motion.crank_angle[worst])[0]))
+    return largest
 
 
 def energy_error(kinetic: Array, potential: Array, drive_work: Array, load_work: Array, lost: Array) -> Array:

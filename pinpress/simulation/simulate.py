@@ -236,7 +236,14 @@ def start_sensitivity(problem: SimulationProblem, trajectory: Trajectory) -> flo
 
 
 def _sensitivity(problem: SimulationProblem, trajectory: Trajectory, model: ReducedModel, span: float) -> float:
-    """The same of a run that passes an unstable rest, from runs whose starts are moved; ``span``: range of the potential energy [J]."""
+    """By how much more a run that passes an unstable rest goes astray, from runs whose starts are moved.
+
+    Args:
+        problem: of the run.
+        trajectory: of the run.
+        model: of the press.
+        span: range of the potential energy [J].
+    """
     press, until, tolerance = problem.driven.press, problem.until, problem.tolerance
     times = np.linspace(0.0, until, LOOKS + 1)
     angles = _crank_angles(press, trajectory, times)

@@ -196,7 +196,14 @@ class _Followed:
     """Whether a crank has been followed over time for long enough: it turns, or has swung to and fro once."""
 
     def __init__(self, driven: DrivenPress, threshold: float, speed: float, swings: bool) -> None:
-        """``threshold``: kinetic energy from which it turns [J]; ``speed`` at the start [rad/s]; ``swings``: whether a swing counts."""
+        """Begin to follow.
+
+        Args:
+            driven: what is simulated.
+            threshold: kinetic energy from which it turns [J].
+            speed: at the start [rad/s].
+            swings: whether a swing counts.
+        """
         self.driven, self.threshold, self.speed = driven, threshold, speed
         self.left = (2 if speed == 0 else 3) if swings else -1  # stops before a whole swing is over
         self.swung = False

@@ -97,7 +97,8 @@ class TimeSegment:
         modes: of each step.
         speeds: of the crank at the start and after every step [rad/s].
         ran: the methods, in the order in which they came.
-        steps, evaluations: their numbers, steps given up counted in the latter.
+        steps: their number.
+        evaluations: of the rates, those of steps given up too.
         travelled: angle that the crank has turned, either way [rad].
     """
 
@@ -448,7 +449,15 @@ class EventFinder:
         return None, end
 
     def _located(self, piece: DenseOutput, since: float, before: list[float], until: float, fallen: list[int]) -> tuple[int, float]:
-        """The first of the events whose margins have fallen below zero between two times, and when; ``before``: margins at the first."""
+        """The first of the events whose margins have fallen below zero within a part of a step, and when.
+
+        Args:
+            piece: the vector over the step.
+            since: start of the part [s].
+            before: margins there.
+            until: end of the part [s].
+            fallen: places of the events whose margins are below zero there.
+        """
 
         def margins(t: float) -> list[float]:  # with the loops closed, as the run goes on from there: a stiff edge wants all digits
             return self._margins(t, _project(self.system, piece(t), t))
