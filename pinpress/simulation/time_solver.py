@@ -1,7 +1,7 @@
 """Integration over time, whatever happens: stops, contacts, clutches, drives with states of their own, forces in time.
 
-An `Event` is located on the integrator's own interpolation, the mode is set anew, and the integration goes on from there. SciPy's DOP853
-integrates with steps by error, and where forces are so stiff that it is held up by its stability, Radau IIA does (see `radau`); or the
+An event (see `events`) is located on the integrator's own interpolation, the mode is set anew, and the integration goes on from there.
+SciPy's DOP853 integrates with steps by error, and where forces are so stiff that it is held up by its stability, Radau IIA does; or the
 classical Runge-Kutta method with a fixed step, as Zhang 2007, 4.3, used it (its update of positions corrected: h^2/6, not h/6).
 """
 
@@ -16,10 +16,11 @@ from scipy.integrate import DOP853, DenseOutput, OdeSolver
 from scipy.optimize import brentq
 
 from ..common.errors import PinpressError, SimulationError
+from ..common.integrators import RadauIIA, RungeKutta4, slopes
 from ..common.quantities import Array
+from .events import CornerPassed, CouplingGrips, Event, ending_events, margins_of
 from .failures import failure
-from .hybrid_system import CornerPassed, CouplingGrips, Event, HybridSystem, Mode
-from .radau import RadauIIA, slopes
+from .hybrid_system import HybridSystem, Mode
 from .trajectory import INTEGRALS, Sample
 
 EXPLICIT, IMPLICIT, FIXED, BY_STIFFNESS = "explicit", "implicit", "fixed step", "by stiffness"
@@ -40,48 +41,6 @@ VIBRATING = 0.5  # imaginary part of the swiftest motion's rate, beside its size
 MOST_STEPS = 1_000_000  # in one run; each takes some memory
 SHORTEST = 1e-15  # step, beside the duration
 EPS = float(np.finfo(float).eps)
-
-
-class RungeKutta4(OdeSolver):  # type: ignore[misc]
-    """The classical Runge-Kutta method of order 4 with a fixed step, interpolated by cubics."""
-
-    t: float
-    y: Array
-
-    def __init__(self, fun: Callable[[float, Array], Array], t0: float, y0: Array, t_bound: float, step: float) -> None:
-        super().__init__(fun, t0, y0, t_bound, vectorized=False)
-        self.fixed, self.f = step, self.fun(t0, self.y)
-        self.before = (self.y, self.f)
-
-    def _step_impl(self) -> tuple[bool, str | None]:
-        t, y, f = self.t, self.y, self.f
-        h = self.fixed if self.t_bound - t > self.fixed * (1 + 1e-9) else self.t_bound - t
-        second = self.fun(t + 0.5 * h, y + 0.5 * h * f)
-        third = self.fun(t + 0.5 * h, y + 0.5 * h * second)
-        fourth = self.fun(t + h, y + h * third)
-        self.before = (y, f)
-        self.t = self.t_bound if t + h > self.t_bound - 1e-9 * h else t + h
-        self.y = y + h / 6 * (f + 2 * (second + third) + fourth)
-        self.f = self.fun(self.t, self.y)
-        return True, None
-
-    def _dense_output_impl(self) -> DenseOutput:
-        return Cubic(self.t_old, self.t, *self.before, self.y, self.f)
-
-
-class Cubic(DenseOutput):  # type: ignore[misc]
-    """The cubic with given values and derivatives at both ends."""
-
-    def __init__(self, t_old: float, t: float, y0: Array, f0: Array, y1: Array, f1: Array) -> None:
-        super().__init__(t_old, t)
-        self.ends = (y0, f0, y1, f1)
-
-    def _call_impl(self, t: Any) -> Array:
-        h = self.t - self.t_old
-        s = (np.asarray(t) - self.t_old) / h
-        weights = ((1 + 2 * s) * (1 - s) ** 2, h * s * (1 - s) ** 2, s**2 * (3 - 2 * s), h * s**2 * (s - 1))
-        parts = [np.multiply.outer(end, weight) for end, weight in zip(self.ends, weights, strict=True)]
-        return np.asarray(sum(parts))
 
 
 @dataclass(eq=False, repr=False)
@@ -427,11 +386,11 @@ class EventFinder:
 
     def __init__(self, system: HybridSystem, mode: Mode, time: float, y: Array) -> None:
         self.system, self.mode = system, mode
-        self.events = system.events(mode)
+        self.events = ending_events(system, mode)
         self.margins = self._margins(time, y)
 
     def _margins(self, time: float, y: Array) -> list[float]:
-        return self.system.margins(self.events, self.mode, time, y) if self.events else []
+        return margins_of(self.events, self.system, self.mode, time, y) if self.events else []
 
     def first(self, piece: DenseOutput, start: float, end: float) -> "tuple[Event | None, float]":
         """The first event of a step, and its time; None at the step's end. The margins are then those of where it was found."""

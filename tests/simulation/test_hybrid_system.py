@@ -12,10 +12,7 @@ import pinpress as pp
 from pinpress.simulation import failures, solvers
 from pinpress.simulation.driven_press import driven_press
 from pinpress.simulation.equations_of_motion import ReducedDynamics
-from pinpress.simulation.hybrid_system import (
-    HOLDING,
-    OPEN,
-    SLIPPING,
+from pinpress.simulation.events import (
     BorderPassed,
     ContactChanges,
     CoordinateTurns,
@@ -23,9 +20,11 @@ from pinpress.simulation.hybrid_system import (
     CouplingGrips,
     CouplingSlips,
     CouplingSwitched,
-    HybridSystem,
     PressStarts,
+    ending_events,
+    margins_of,
 )
+from pinpress.simulation.hybrid_system import HOLDING, OPEN, SLIPPING, HybridSystem
 
 MOTOR = pp.drives.Geared(pp.drives.InverterMotor(20.0, 1450 * pp.RPM, 45.0), 20.0)
 
@@ -43,7 +42,7 @@ def begun(press, angle=1.0, speed=5.0, drive=None, flywheel=None, loads=(), clut
 
 
 def kinds(system, mode):
-    return [type(event) for event in system.events(mode)]
+    return [type(event) for event in ending_events(system, mode)]
 
 
 def test_every_part_has_its_events(press):
@@ -54,7 +53,7 @@ def test_every_part_has_its_events(press):
     system, mode, y = begun(press, 0.3, drive=MOTOR, flywheel=pp.drives.Flywheel(5.0), loads=loads, clutch=clutch, brake=brake)
     blanking, die = [BorderPassed, CoordinateTurns], [BorderPassed, ContactChanges]  # the slide is below the one, and in the other
     assert kinds(system, mode) == [*blanking, *die, CornerPassed, CornerPassed, CouplingSwitched, CouplingSlips, CouplingSwitched]
-    assert min(system.margins(system.events(mode), mode, 0.0, y)) > 0
+    assert min(margins_of(ending_events(system, mode), system, mode, 0.0, y)) > 0
     assert mode.clutch.grip is HOLDING
     assert mode.brake.grip is OPEN
 
@@ -68,8 +67,8 @@ def test_a_brake_is_a_coupling_to_the_frame(press, speed):
     slowed, alone = system.rates(mode, 0.0, y)[1], free.rates(coasting, 0.0, same)[1]
     inertia = free.driven.model.at(np.array([1.0]))[0][0, 0]
     assert slowed - alone == pytest.approx(-math.copysign(50.0, speed) / inertia, rel=1e-12)
-    (grips,) = (event for event in system.events(mode) if isinstance(event, CouplingGrips))
-    assert system.margins([grips], mode, 0.0, y) == [abs(speed)]
+    (grips,) = (event for event in ending_events(system, mode) if isinstance(event, CouplingGrips))
+    assert margins_of([grips], system, mode, 0.0, y) == [abs(speed)]
     assert system.rates(mode, 0.0, y)[-1] == pytest.approx(50.0 * abs(speed), rel=1e-15)  # lost
     held, rest = grips.after(system, mode, 0.1, y, abs(speed))
     assert rest[1] == 0.0
@@ -95,7 +94,7 @@ def test_a_press_that_stands_waits_for_its_drive_alone(press):
     system, mode, y = begun(press, speed=0.0, drive=Idle(), loads=[load])
     assert mode.standing
     assert kinds(system, mode) == [PressStarts, PressStarts]
-    assert min(system.margins(system.events(mode), mode, 0.0, y)) > 0
+    assert min(margins_of(ending_events(system, mode), system, mode, 0.0, y)) > 0
     assert system.rates(mode, 0.0, y)[:2].tolist() == [0.0, 0.0]
 
 

@@ -15,7 +15,8 @@ from pinpress.simulation.batch import BatchSolver
 from pinpress.simulation.collocation import build_mesh, mesh_borders
 from pinpress.simulation.driven_press import driven_press
 from pinpress.simulation.equations_of_motion import ReducedDynamics
-from pinpress.simulation.hybrid_system import CoordinateTurns, CornerPassed, CouplingGrips, HybridSystem
+from pinpress.simulation.events import CoordinateTurns, CornerPassed, CouplingGrips
+from pinpress.simulation.hybrid_system import HybridSystem
 from pinpress.simulation.reduced_model import energies
 from pinpress.simulation.trajectory import DRIVE_WORK, INTEGRALS, State
 

@@ -1,9 +1,12 @@
-"""The implicit Runge-Kutta method Radau IIA with seven stages, for motions under stiff forces.
+"""Integrators of differential equations over time, with the interface of SciPy's: Runge-Kutta with a fixed step, and Radau IIA.
 
-A stiff damper, speed law or servo forgets a disturbance within microseconds, and an explicit method must keep its steps shorter than that
-for ever after. Radau IIA is L-stable: where the solution is smooth its steps are as long as that allows. SciPy's Radau has three stages
-and an error estimate of order 3, which at the tolerances of a press run takes many times as many steps. Source: Hairer and Wanner,
-Solving Ordinary Differential Equations II, IV.5 and IV.8; the coefficients are worked out here from the conditions that define them.
+The classical Runge-Kutta method of order 4 takes its steps as long as it is told.
+
+Radau IIA with seven stages is implicit, for motions under stiff forces. A stiff damper, speed law or servo forgets a disturbance within
+microseconds, and an explicit method must keep its steps shorter than that for ever after. Radau IIA is L-stable: where the solution is
+smooth its steps are as long as that allows. SciPy's Radau has three stages and an error estimate of order 3, which at the tolerances of a
+press run takes many times as many steps. Source: Hairer and Wanner, Solving Ordinary Differential Equations II, IV.5 and IV.8; the
+coefficients are worked out here from the conditions that define them.
 """
 
 import math
@@ -17,7 +20,7 @@ from scipy.integrate import DenseOutput, OdeSolver
 from scipy.linalg import lapack
 from scipy.special import roots_jacobi
 
-from ..common.quantities import Array
+from .quantities import Array
 
 STAGES = 7
 ROUNDS = 12  # of Newton's method in a step
@@ -33,6 +36,54 @@ FAILED = 0.25  # of the step's length, where Newton's method does not converge
 FURTHEST = 3.0  # step, beside the one before, up to which that one's polynomial is a good first guess
 BESIDE, STANDING = 1e-7, 1e-12  # change of an entry for a slope, beside itself or its size, and beside its size where it is zero
 EPS = float(np.finfo(float).eps)
+
+
+# ------------------------------------------------------------------------------------------------------------------ Runge-Kutta, fixed step
+
+
+class RungeKutta4(OdeSolver):  # type: ignore[misc]
+    """The classical Runge-Kutta method of order 4 with a fixed step, interpolated by cubics."""
+
+    t: float
+    y: Array
+
+    def __init__(self, fun: Callable[[float, Array], Array], t0: float, y0: Array, t_bound: float, step: float) -> None:
+        super().__init__(fun, t0, y0, t_bound, vectorized=False)
+        self.fixed, self.f = step, self.fun(t0, self.y)
+        self.before = (self.y, self.f)
+
+    def _step_impl(self) -> tuple[bool, str | None]:
+        t, y, f = self.t, self.y, self.f
+        h = self.fixed if self.t_bound - t > self.fixed * (1 + 1e-9) else self.t_bound - t
+        second = self.fun(t + 0.5 * h, y + 0.5 * h * f)
+        third = self.fun(t + 0.5 * h, y + 0.5 * h * second)
+        fourth = self.fun(t + h, y + h * third)
+        self.before = (y, f)
+        self.t = self.t_bound if t + h > self.t_bound - 1e-9 * h else t + h
+        self.y = y + h / 6 * (f + 2 * (second + third) + fourth)
+        self.f = self.fun(self.t, self.y)
+        return True, None
+
+    def _dense_output_impl(self) -> DenseOutput:
+        return Cubic(self.t_old, self.t, *self.before, self.y, self.f)
+
+
+class Cubic(DenseOutput):  # type: ignore[misc]
+    """The cubic with given values and derivatives at both ends."""
+
+    def __init__(self, t_old: float, t: float, y0: Array, f0: Array, y1: Array, f1: Array) -> None:
+        super().__init__(t_old, t)
+        self.ends = (y0, f0, y1, f1)
+
+    def _call_impl(self, t: Any) -> Array:
+        h = self.t - self.t_old
+        s = (np.asarray(t) - self.t_old) / h
+        weights = ((1 + 2 * s) * (1 - s) ** 2, h * s * (1 - s) ** 2, s**2 * (3 - 2 * s), h * s**2 * (s - 1))
+        parts = [np.multiply.outer(end, weight) for end, weight in zip(self.ends, weights, strict=True)]
+        return np.asarray(sum(parts))
+
+
+# -------------------------------------------------------------------------------------------------------------------------------- Radau IIA
 
 
 class Rule(NamedTuple):
