@@ -15,7 +15,7 @@ from dataclasses import dataclass
 import numpy as np
 import pinocchio as pin
 
-from ..common.arguments import is_number, typed, whole_number
+from ..common.arguments import suitable_numbers, typed, whole_number
 from ..common.conic_program import CONE, InfeasibleError
 from ..common.errors import PinpressError, shown
 from ..common.quantities import Array
@@ -187,10 +187,8 @@ def _refuse_wrong_numbers(argument: str, what: str, targets: Mapping[Target, flo
     for target, number in targets.items():
         if not isinstance(target, Measure | AddedMass):
             raise PinpressError(f"{argument}: {shown(target)} is no measure: give Range, Rms, Peak or AddedMass()")
-        if not is_number(number) or number < 0:
-            raise PinpressError(
-                f"{argument}: the {what} of the {target.words} is {shown(number)}: give a finite number that is not negative"
-            )
+        name = f"{argument}: the {what} of the {target.words}"
+        suitable_numbers(name, number, "a finite number that is not negative", suits=lambda value: value >= 0)
 
 
 def _refuse_wrong_measures(first: Target, second: Target) -> None:

@@ -15,7 +15,7 @@ from typing import Protocol
 
 import numpy as np
 
-from ..common.arguments import finite_numbers
+from ..common.arguments import suitable_numbers
 from ..common.conic_program import Rows
 from ..common.errors import PinpressError, UnknownNameError, shown
 from ..common.quantities import Array
@@ -72,18 +72,13 @@ class Measure:
         if not isinstance(self.quantity, str) or self.quantity not in QUANTITIES:
             raise UnknownNameError("quantity", self.quantity, tuple(QUANTITIES))
         self._refuse_wrong_combination()
-        direction = AXES.get(self.axis, ()) if isinstance(self.axis, str) else AXES["z"] if self.axis is None else self.axis
-        for name, vector in (("axis", direction), ("about", self.about)):
-            numbers = finite_numbers(vector)
-            if numbers is None or numbers.shape != (3,) or (name == "axis" and not numbers.any()):
-                raise PinpressError(f"{self}: {name} is {shown(getattr(self, name))}; give three numbers, or for an axis 'x', 'y' or 'z'")
+        direction = AXES.get(self.axis, self.axis) if isinstance(self.axis, str) else AXES["z"] if self.axis is None else self.axis
+        suitable_numbers(f"{self}: axis", direction, "a direction, three numbers, or 'x', 'y' or 'z'", (3,), np.any)
 
     def _refuse_wrong_combination(self) -> None:
         if self.quantity.startswith("bearing") != (self.bearing is not None):
             raise PinpressError(f"{self.words}: a bearing force or moment needs bearing=, the other quantities have none")
-        about = finite_numbers(self.about)
-        if about is None or about.shape != (3,):
-            raise PinpressError(f"{type(self).__name__}: about is {shown(self.about)}; give a point, three numbers [m]")
+        suitable_numbers(f"{type(self).__name__}: about", self.about, "a point, three numbers [m]", (3,))
         if any(self.about) and self.quantity != "shaking_moment":
             raise PinpressError(f"{self.words}: about goes with a shaking moment")
         if self.quantity == "driving_torque" and self.axis is not None:

@@ -16,7 +16,7 @@ from typing import NamedTuple
 import numpy as np
 import pinocchio as pin
 
-from ..common.arguments import any_numbers, numbers, truth_value
+from ..common.arguments import any_numbers, numbers, suitable_numbers, truth_value
 from ..common.conic_program import AT_MOST, CONE, Rows
 from ..common.errors import PinpressError, UnknownNameError, shown
 from ..common.quantities import Array
@@ -67,17 +67,15 @@ class CounterweightRegion:
         self._refuse_wrong_place(places)
         self._refuse_wrong_mass()
         for name, length in (("radius", self.radius), ("gyration", self.gyration)):
-            if length is not None and not ((found := numbers(f"{self.words}: {name}", length)).ndim == 0 and found >= 0):
-                raise PinpressError(f"{self.words}: {name} is {shown(length)}: give a length that is not negative [m]")
+            if length is not None:
+                suitable_numbers(f"{self.words}: {name}", length, "a length that is not negative [m]", suits=lambda size: size >= 0)
         if self.gyration and not places:
             raise PinpressError(f"{self.words}: the link keeps its own shape, and its radius of gyration with it: leave gyration out")
 
     def _checked_corners(self) -> tuple[Vector, ...]:
         if isinstance(self.corners, list | tuple) and not self.corners:
             return ()
-        corners = numbers(f"{self.words}: corners", self.corners)
-        if corners.ndim != 2 or corners.shape[1] != 3:
-            raise PinpressError(f"{self.words}: corners has shape {corners.shape}: give points in the link's frame, (k, 3) [m]")
+        corners = suitable_numbers(f"{self.words}: corners", self.corners, "points in the link's frame, (k, 3) [m]", (None, 3))
         return tuple((x, y, z) for x, y, z in corners.tolist())
 
     def _refuse_wrong_place(self, places: int) -> None:

@@ -75,6 +75,12 @@ def typed(function: Function) -> Function:
     return with_checks  # type: ignore[return-value]
 
 
+def expect(name: str, value: object, kind: type, maker: str) -> None:
+    """Raise PinpressError where an argument is of another kind than it must be; ``maker``: what makes one."""
+    if not isinstance(value, kind):
+        raise PinpressError(f"{name} is a {type(value).__name__}, no {kind.__name__}: give what {maker} returns")
+
+
 def _evaluated(annotation: object, function: Callable[..., Any]) -> object:
     """What an annotation means that is kept as it is written; its text where a name in it is there for type checkers alone."""
     if not isinstance(annotation, str):
@@ -117,6 +123,8 @@ def _check(name: str, value: object, kind: _Kind) -> None:
     raise PinpressError(f"{name} is one {type(value).__name__}: give a list, {name}=[...]")
 
 
+_Shape = tuple[int | None, ...]  # None: any length along that axis
+
 SMALLEST, LARGEST = 1e-12, 1e12  # of a size, in SI units: squares of what is smaller or larger lose meaning
 _DEEPEST = 32  # levels of nested lists; NumPy itself stops at 64 axes, or at 32
 _SORTS = {
@@ -131,26 +139,44 @@ _SORTS = {
 }
 
 
+def suitable_numbers(
+    name: str, given: object, wanted: str, shape: _Shape | None = (), suits: Callable[[Array], Any] = lambda values: True
+) -> Array:
+    """What is given as a new array of finite numbers, for callers that say what they want.
+
+    Args:
+        name: of the argument, for the message.
+        given: a number, an array, or nested sequences of numbers.
+        wanted: what to give instead, for the message.
+        shape: that the array must have, one number by default; None for any length along an axis, or for any shape.
+        suits: whether all values, which have this shape and are finite, can be used.
+
+    Raises:
+        PinpressError: it is anything else.
+    """
+    values = finite_numbers(given)
+    if values is None or not (shape is None or _has_shape(values, shape)) or not np.all(suits(values)):
+        raise PinpressError(f"{name} is {shown(given)}: give {wanted}")
+    return values
+
+
 def number(name: str, value: object, positive: bool = False) -> float:
     """The value as a finite number, named in the `PinpressError` where it is none."""
-    found = _array(value)
-    if isinstance(found, str) or found.ndim or not np.isfinite(found) or (positive and found <= 0):
-        raise PinpressError(f"{name} is {shown(value)}: give one finite number{', positive' if positive else ''}")
-    return float(found)
+    if positive:
+        return float(suitable_numbers(name, value, "one finite number, positive", suits=lambda found: found > 0))
+    return float(suitable_numbers(name, value, "one finite number"))
 
 
 def is_number(value: object) -> bool:
     """Whether a value is one finite number."""
-    found = _array(value)
-    return not isinstance(found, str) and not found.ndim and bool(np.isfinite(found))
+    found = finite_numbers(value)
+    return found is not None and not found.ndim
 
 
 def positive(what: str, value: object, unit: str) -> float:
     """A size as a number; raises PinpressError where it is not positive, or so small or large that its squares lose meaning."""
-    found = _array(value)
-    if isinstance(found, str) or found.ndim or not SMALLEST <= found <= LARGEST:
-        raise PinpressError(f"{what} is {shown(value)}: give a positive number [{unit}], from {SMALLEST:g} to {LARGEST:g}")
-    return float(found)
+    wanted = f"a positive number [{unit}], from {SMALLEST:g} to {LARGEST:g}"
+    return float(suitable_numbers(what, value, wanted, suits=lambda size: (size >= SMALLEST) & (size <= LARGEST)))
 
 
 def truth_value(name: str, value: object) -> bool:
@@ -172,7 +198,7 @@ def whole_number(name: str, value: object, least: int, most: int) -> int:
     return int(value)
 
 
-def numbers(name: str, values: object, shape: tuple[int | None, ...] | None = None) -> Array:
+def numbers(name: str, values: object, shape: _Shape | None = None) -> Array:
     """The values as a new array of finite numbers.
 
     Args:
@@ -185,9 +211,7 @@ def numbers(name: str, values: object, shape: tuple[int | None, ...] | None = No
             shape.
     """
     array = any_numbers(name, values, shape)
-    if shape is not None and not (
-        array.ndim == len(shape) and all(wanted in (None, length) for wanted, length in zip(shape, array.shape, strict=True))
-    ):
+    if shape is not None and not _has_shape(array, shape):
         raise PinpressError(f"{name} has shape {array.shape}: give {_wanted(shape)}")
     if not np.isfinite(array).all():
         where = f" at point {', '.join(map(str, np.argwhere(~np.isfinite(array))[0]))}" if array.ndim else ""
@@ -195,7 +219,7 @@ def numbers(name: str, values: object, shape: tuple[int | None, ...] | None = No
     return array
 
 
-def any_numbers(name: str, values: object, shape: tuple[int | None, ...] | None = None) -> Array:
+def any_numbers(name: str, values: object, shape: _Shape | None = None) -> Array:
     """The values as a new array of numbers, infinite ones and NaN too; raises as `numbers` does where they are none. ``shape``: for the
     message."""
     array = _array(values)
@@ -210,7 +234,11 @@ def finite_numbers(values: object) -> Array | None:
     return None if isinstance(array, str) or not np.isfinite(array).all() else array
 
 
-def _wanted(shape: tuple[int | None, ...] | None) -> str:
+def _has_shape(array: Array, shape: _Shape) -> bool:
+    return array.ndim == len(shape) and all(wanted in (None, length) for wanted, length in zip(shape, array.shape, strict=True))
+
+
+def _wanted(shape: _Shape | None) -> str:
     if shape is None:
         return "a number or an array of numbers"
     if shape == ():

@@ -153,12 +153,6 @@ def _degrees(angle: float) -> str:
     return f"{angle * 57.29577951308232:.6g} deg"
 
 
-def expect(name: str, value: object, kind: type, maker: str) -> None:
-    """Raise PinpressError where an argument is of another kind than it must be; ``maker``: what makes one."""
-    if not isinstance(value, kind):
-        raise PinpressError(f"{name} is a {type(value).__name__}, no {kind.__name__}: give what {maker} returns")
-
-
 def _rebuilt(kind: type[PinpressError], arguments: tuple[object, ...], attributes: Mapping[str, object]) -> PinpressError:
     error = kind.__new__(kind, *arguments)
     vars(error).update(attributes)

@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from . import plausibility
-from .arguments import finite_numbers, typed
+from .arguments import finite_numbers, is_whole_number, typed
 from .errors import PinpressError, shown
 from .frozen import Frozen
 
@@ -79,7 +79,7 @@ def parameter(unit: str, sign: str = "finite", *, scenarios: bool = False, axes:
     """
     if not isinstance(sign, str) or sign not in _SIGNS:
         raise PinpressError(f"parameter: sign is {shown(sign)}; give one of {', '.join(_SIGNS)}")
-    if isinstance(axes, bool) or not isinstance(axes, int) or axes < 0:
+    if not is_whole_number(axes) or axes < 0:
         raise PinpressError(f"parameter: axes is {shown(axes)}; give the number of axes that one scenario's value has, 0 for a number")
     return {_KEY: Parameter(unit, sign, scenarios, axes, remark)}
 

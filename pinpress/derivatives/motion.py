@@ -21,7 +21,7 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import ArrayLike
 
-from ..common.arguments import finite_numbers, typed
+from ..common.arguments import suitable_numbers, typed
 from ..common.errors import PinpressError, UnknownNameError, shown
 from ..common.quantities import Array, ComplexArray
 from ..common.results import Tabular
@@ -359,10 +359,7 @@ def _vectors(pivots: Pivots) -> Iterator[tuple[tuple[str, str], Array]]:
     for key, values in pivots.items():
         if not (isinstance(key, tuple) and len(key) == 2):
             raise PinpressError(f"pivots: {shown(key)} is no pair of names: write (bearing, link)")
-        vector = finite_numbers(values)
-        if vector is None or vector.shape != (3,):
-            raise PinpressError(f"pivots: {shown(key)} is {shown(values)}: give three finite numbers, in the link's own frame [m]")
-        yield key, vector
+        yield key, suitable_numbers(f"pivots: {shown(key)}", values, "three finite numbers, in the link's own frame [m]", (3,))
 
 
 def _pivot(press: Linkage, bearing: str, link: str) -> tuple[tuple[int, ...], Array]:

@@ -13,7 +13,7 @@ from functools import cached_property
 
 import numpy as np
 
-from ..common.arguments import finite_numbers, is_whole_number
+from ..common.arguments import is_whole_number, suitable_numbers
 from ..common.errors import PinpressError, shown
 from ..common.parameters import parameter, set_field
 from ..common.quantities import RPM, Array
@@ -173,9 +173,7 @@ class InverterMotor(SpeedTorqueDrive):
         Raises:
             PinpressError: a frequency that is not positive, or off the curve.
         """
-        given = finite_numbers(frequency)
-        if given is None or not np.all(given > 0):
-            raise PinpressError(f"InverterMotor: frequency is {shown(frequency)}; give a positive number [Hz]")
+        given = suitable_numbers("InverterMotor: frequency", frequency, "a positive number [Hz]", None, lambda values: values > 0)
         if self.curve is not None:
             frequencies, torques = np.array(self.curve).T
             if not np.all((given >= frequencies[0]) & (given <= frequencies[-1])):
@@ -225,11 +223,8 @@ def _check_rated_speed(drive: object, rated_speed: float, frequency: float, pole
 
 
 def _curve(drive: object, given: object) -> tuple[tuple[float, float], ...]:
-    pairs = finite_numbers(given)
-    if pairs is None or pairs.ndim != 2 or pairs.shape[1] != 2 or len(pairs) < 2 or not np.all(pairs > 0):
-        raise PinpressError(
-            f"{type(drive).__name__}: curve is {shown(given)}; give two or more pairs (frequency [Hz], torque [N m]), all positive"
-        )
+    name, wanted = f"{type(drive).__name__}: curve", "two or more pairs (frequency [Hz], torque [N m]), all positive"
+    pairs = suitable_numbers(name, given, wanted, (None, 2), lambda pairs: len(pairs) > 1 and np.all(pairs > 0))
     if not np.all(np.diff(pairs[:, 0]) > 0):
         raise PinpressError(f"{type(drive).__name__}: the frequencies of its curve are {pairs[:, 0].tolist()}; give them rising")
     return tuple((frequency, torque) for frequency, torque in pairs.tolist())
@@ -352,9 +347,8 @@ class ServoMotor(SpeedTorqueDrive):
     def __post_init__(self) -> None:
         super().__post_init__()
         for name, unit in (("times", "s"), ("angles", "rad")):
-            values = finite_numbers(getattr(self, name))
-            if values is None or values.ndim != 1 or len(values) < 2:
-                raise PinpressError(f"ServoMotor: {name} is {shown(getattr(self, name))}; give two or more finite numbers [{unit}]")
+            wanted = f"two or more finite numbers [{unit}]"
+            values = suitable_numbers(f"ServoMotor: {name}", getattr(self, name), wanted, (None,), lambda values: len(values) > 1)
             set_field(self, name, tuple(values.tolist()))
         if len(self.times) != len(self.angles):
             raise PinpressError(f"ServoMotor: {len(self.times)} times and {len(self.angles)} angles; give an angle at each time")

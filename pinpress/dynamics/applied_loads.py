@@ -10,7 +10,7 @@ import pinocchio as pin
 from numpy.typing import ArrayLike
 
 from ..common import plausibility
-from ..common.arguments import numbers
+from ..common.arguments import numbers, suitable_numbers
 from ..common.errors import PinpressError, UnknownNameError, shown
 from ..common.quantities import Array
 from ..engines.forces import REST, AppliedForce
@@ -153,9 +153,8 @@ def spring_ends(load: SpringDamper, press: "Linkage") -> tuple[tuple[int, Array]
     """The ends of a spring: each the joint whose body it is on, and the point in that joint's frame [m]."""
     what = _of_spring(load)
     for quantity in ("stiffness", "damping", "free_length"):
-        value = numbers(f"{what}: {quantity}", getattr(load, quantity))
-        if value.ndim or value < 0:
-            raise PinpressError(f"{what}: {quantity} is {shown(getattr(load, quantity))}; give one number that is not negative")
+        wanted = "one number that is not negative"
+        suitable_numbers(f"{what}: {quantity}", getattr(load, quantity), wanted, suits=lambda value: value >= 0)
     return place(press, load.link1, load.point1, what, "point1"), place(press, load.link2, load.point2, what, "point2")
 
 

@@ -12,8 +12,8 @@ from typing import NamedTuple, Protocol, runtime_checkable
 
 import numpy as np
 
-from ..common.arguments import typed
-from ..common.errors import PinpressError, expect
+from ..common.arguments import expect, typed
+from ..common.errors import PinpressError
 from ..common.quantities import RPM, Array
 from ..common.results import Record, Records
 from ..kinematics.motion import Motion, poses

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..common import tables
-from ..common.arguments import is_whole_number, numbers, typed
-from ..common.errors import PinpressError, expect, shown
+from ..common.arguments import expect, is_whole_number, numbers, typed
+from ..common.errors import PinpressError, shown
 from ..common.quantities import Array
 from ..common.results import Tabular
 from ..kinematics.motion import Motion

@@ -26,8 +26,8 @@ from functools import cached_property
 import numpy as np
 import pinocchio as pin
 
-from ..common.arguments import finite_numbers, typed, whole_number
-from ..common.errors import PinpressError, expect
+from ..common.arguments import expect, finite_numbers, typed, whole_number
+from ..common.errors import PinpressError
 from ..common.frozen import read_only
 from ..common.quantities import Array, ComplexArray
 from ..common.results import Tabular

@@ -22,7 +22,7 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import ArrayLike
 
-from ..common.arguments import finite_numbers, typed
+from ..common.arguments import suitable_numbers, typed
 from ..common.errors import PinpressError, shown
 from ..common.frozen import Frozen, read_only
 from ..common.parameters import Checked, parameter, set_field
@@ -55,10 +55,8 @@ class Frame(Frozen):
     inertia: ArrayLike
 
     def __post_init__(self) -> None:
-        mass = _checked("Frame", "mass", self.mass, (), "one number [kg]")
-        if mass < 0:
-            raise PinpressError(f"Frame: mass is {shown(self.mass)}; give one that is not negative [kg]")
-        _checked("Frame", "centre", self.centre, (3,), "x, y, z [m]")
+        suitable_numbers("Frame: mass", self.mass, "one finite number that is not negative [kg]", suits=_not_negative)
+        suitable_numbers("Frame: centre", self.centre, "x, y, z [m], finite", (3,))
         inertia = self.tensor
         if inertia.shape != (3, 3) or np.abs(inertia - inertia.T).max() > 1e-9 * np.abs(inertia).max(initial=1e-300):
             raise PinpressError("Frame: inertia is no symmetric tensor; give (3, 3), or (3,) along x, y and z [kg m2]")
@@ -72,9 +70,8 @@ class Frame(Frozen):
     @property
     def tensor(self) -> Array:
         """Inertia tensor (3, 3) about the centre of mass in world axes [kg m2]."""
-        given = finite_numbers(self.inertia)
-        if given is None or given.shape not in ((3,), (3, 3)):
-            raise PinpressError(f"Frame: inertia is {shown(self.inertia)}; give (3, 3), or (3,) along x, y and z [kg m2]")
+        wanted = "(3, 3), or (3,) along x, y and z [kg m2]"
+        given = suitable_numbers("Frame: inertia", self.inertia, wanted, None, lambda inertia: inertia.shape in ((3,), (3, 3)))
         return np.diag(given) if given.ndim == 1 else given
 
 
@@ -108,15 +105,13 @@ class Mount:
         for name, unit in (("point", "m"), ("stiffness", "N/m"), ("damping", "N s/m"), ("static_stiffness", "N/m")):
             if getattr(self, name) is None and name == "static_stiffness":
                 continue
-            values = _checked("Mount", name, getattr(self, name), (3,), f"x, y, z [{unit}]")
-            if name != "point" and values.min() < 0:
-                raise PinpressError(f"Mount: {name} is {shown(getattr(self, name))}; give numbers that are not negative [{unit}]")
+            wanted = f"x, y, z [{unit}], finite" + ("" if name == "point" else " and not negative")
+            suits = np.isfinite if name == "point" else _not_negative
+            values = suitable_numbers(f"Mount: {name}", getattr(self, name), wanted, (3,), suits)
             set_field(self, name, tuple(values.tolist()))
-        for name in ("loss_factor", "area"):
-            if getattr(self, name) is not None:
-                value = _checked("Mount", name, getattr(self, name), (), "one number")
-                if value < 0 or (name == "area" and value == 0):
-                    raise PinpressError(f"Mount: {name} is {shown(getattr(self, name))}; give a positive number")
+        suitable_numbers("Mount: loss_factor", self.loss_factor, "one number that is not negative", suits=_not_negative)
+        if self.area is not None:
+            suitable_numbers("Mount: area", self.area, "a positive number [m2]", suits=lambda area: area > 0)
 
     @property
     def static(self) -> Vector:
@@ -297,6 +292,10 @@ def refuse_loose(matrix: Array, problem: str, remedy: str) -> None:
         raise PinpressError(f"{problem} {COORDINATES[turns + int(free[turns : turns + 3].argmax())]}: {remedy}")
 
 
+def _not_negative(values: Array) -> bool:
+    return bool((values >= 0).all())
+
+
 def refuse_pulled(load: Array, gravity: Array) -> None:
     """Raise PinpressError where the weight pulls at a mount instead of pressing on it."""
     along = load @ -gravity
@@ -306,10 +305,3 @@ def refuse_pulled(load: Array, gravity: Array) -> None:
             f"mount {number} would be pulled by the weight, {abs(load[number, 2]):.4g} N: the centre of mass is not between the mounts;"
             " move them"
         )
-
-
-def _checked(kind: str, name: str, given: object, shape: tuple[int, ...], wanted: str) -> Array:
-    values = finite_numbers(given)
-    if values is None or values.shape != shape:
-        raise PinpressError(f"{kind}: {name} is {shown(given)}; give {wanted}, finite")
-    return values

@@ -15,8 +15,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..common.arguments import finite_numbers, typed
-from ..common.errors import PinpressError, UnknownNameError, expect, shown
+from ..common.arguments import expect, finite_numbers, typed
+from ..common.errors import PinpressError, UnknownNameError, shown
 from ..common.frozen import FrozenMapping
 from ..common.quantities import Array, ComplexArray
 from ..common.results import Tabular

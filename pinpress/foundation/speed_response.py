@@ -15,7 +15,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..common.arguments import finite_numbers, typed
+from ..common.arguments import suitable_numbers, typed
 from ..common.errors import PinpressError, shown
 from ..common.frozen import FrozenMapping, read_only
 from ..common.quantities import RPM, Array, ComplexArray
@@ -240,8 +240,9 @@ def isolate(
             conflicts.
     """
     speed, mounts = rising_positive("speeds", speeds), listed_mounts(mounts, "mounts")
-    limit = _between("transmitted", transmitted, 1.0, "a share, more than 0 and less than 1")
-    most_sag = None if sag is None else _between("sag", sag, np.inf, "a positive length [m]")
+    wanted = "a share, more than 0 and less than 1"
+    limit = float(suitable_numbers("transmitted", transmitted, wanted, suits=lambda share: 0 < share < 1))
+    most_sag = None if sag is None else float(suitable_numbers("sag", sag, "a positive length [m]", suits=lambda length: length > 0))
     given = mounted(press, frame, mounts)
     frequency, harmonics = wrench_spectra(given, speed)
     shaking = shaking_rms(given, harmonics)
@@ -342,10 +343,8 @@ def rising_positive(name: str, given: ArrayLike) -> Array:
     Raises:
         PinpressError: It is anything else.
     """
-    values = finite_numbers(given)
-    if values is None or values.ndim != 1 or not len(values) or values[0] <= 0 or (np.diff(values) <= 0).any():
-        raise PinpressError(f"{name} is {shown(given)}: give an array of positive numbers, rising [rad/s]")
-    return values
+    wanted = "an array of positive numbers, rising [rad/s]"
+    return suitable_numbers(name, given, wanted, (None,), lambda values: len(values) and values[0] > 0 and np.all(np.diff(values) > 0))
 
 
 def _idle(press: Linkage, speed: float) -> Reactions:
@@ -383,10 +382,3 @@ def _scaled(mounts: Sequence[Mount], factor: float) -> tuple[Mount, ...]:
 def _sag(system: MountedPress) -> float:
     """Largest vertical displacement of a mount at rest [m]."""
     return float(np.abs(system.sag[:, 2]).max())
-
-
-def _between(name: str, given: object, upper: float, wanted: str) -> float:
-    value = finite_numbers(given)
-    if value is None or value.ndim or not 0 < value < upper:
-        raise PinpressError(f"{name} is {shown(given)}: give {wanted}")
-    return float(value)

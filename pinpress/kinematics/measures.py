@@ -16,14 +16,13 @@ the working stroke for a slide that turns back more than twice in it too.
 from __future__ import annotations
 
 import itertools
-import math
 from collections.abc import Mapping
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..common.arguments import is_number, number, numbers, typed
-from ..common.errors import PinpressError, shown
+from ..common.arguments import suitable_numbers, typed
+from ..common.errors import PinpressError
 from ..common.frozen import NamedArrays
 from ..common.quantities import Array, ComplexArray
 from ..linkage.linkage import Linkage
@@ -159,10 +158,8 @@ def _dwell(motion: SlideMotion, tolerance: float) -> tuple[Curve, complex]:
 
 def _within(stroke: complex, name: str, value: object) -> float:
     """A distance that is more than nothing and less than the stroke [m]."""
-    distance = number(name, value) if is_number(value) else math.nan
-    if not 0.0 < distance < stroke.real:
-        raise PinpressError(f"{name} is {shown(value)}: give a distance between 0 and the stroke of {stroke.real:.6g} m")
-    return distance
+    wanted = f"a distance between 0 and the stroke of {stroke.real:.6g} m"
+    return float(suitable_numbers(name, value, wanted, suits=lambda distance: 0.0 < distance < stroke.real))
 
 
 def _least_drop(stroke: Stroke, length: float) -> complex:
@@ -284,9 +281,7 @@ def pressure_angle(motion: CrankMotion, driven: Numbers, other: Numbers, axis: A
         PinpressError: not such a period, arrays of other shapes or not finite, pins in one place, or states too far apart.
     """
     link = _line(motion, "driven", driven, "other", other)
-    way = numbers("axis", axis)
-    if way.shape != (3,) or not way.any():
-        raise PinpressError(f"axis is {shown(axis)}: give a direction (3,)")
+    way = suitable_numbers("axis", axis, "a direction (3,)", (3,), np.any)
     way = way / np.abs(way).max()  # so that no square overflows, or is lost
     way = way / np.linalg.norm(way)
     along, across = link @ way, np.cross(link, way)

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..common.arguments import is_number
+from ..common.arguments import suitable_numbers
 from ..common.errors import PinpressError, UnknownNameError, shown
 from ..engines.forces import FrictionLaw
 from .process import ProcessLoad, TimeForce
@@ -111,8 +111,8 @@ def law(friction: Mapping[str, Friction], press: Linkage) -> FrictionLaw | None:
             value = getattr(given, quantity)
             if value is None and quantity == "radius":
                 continue
-            if not is_number(value) or float(value) < 0:
-                raise PinpressError(f"friction of {shown(name)}: {quantity} is {shown(value)}; give a finite number that is not negative")
+            wanted = "a finite number that is not negative"
+            suitable_numbers(f"friction of {shown(name)}: {quantity}", value, wanted, suits=lambda value: value >= 0)
         if turns[index] and given.coefficient and given.radius is None:
             raise PinpressError(f"friction of {shown(name)}: its radius is missing; give that of the bearing [m]")
         if not turns[index] and given.radius is not None:

@@ -18,8 +18,8 @@ import pinocchio as pin
 from numpy.typing import NDArray
 
 from ..common import tables
-from ..common.arguments import finite_numbers, is_number, positive, typed
-from ..common.errors import PinpressError, shown
+from ..common.arguments import positive, suitable_numbers, typed
+from ..common.errors import PinpressError
 from ..common.quantities import Array
 from ..common.results import Tabular
 from ..dynamics.applied_loads import place
@@ -57,12 +57,9 @@ class Guide:
     def __post_init__(self) -> None:
         for name in ("length", "width"):
             object.__setattr__(self, name, positive(f"the guide's {name}", getattr(self, name), "m"))
-        if not is_number(self.middle):
-            raise PinpressError(f"the guide's middle is {shown(self.middle)}: give a finite number [m]")
+        suitable_numbers("the guide's middle", self.middle, "a finite number [m]")
         if self.normal is not None:
-            normal = _vector("the guide's normal", self.normal)
-            if not normal.any():
-                raise PinpressError("the guide's normal is zero: give a direction, e.g. (1, 0, 0)")
+            suitable_numbers("the guide's normal", self.normal, "a direction of three finite numbers, e.g. (1, 0, 0)", (3,), np.any)
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -127,7 +124,7 @@ def eccentric_load(
             to pull: the slide tips.
     """
     newtons = positive("force", force, "N")
-    point = _vector("offset", offset)
+    point = suitable_numbers("offset", offset, "three finite numbers, x, y, z", (3,))
     across = _across(press, guide)
     name, axis = _slide_guide(press)
     found = _guide_reaction(press, motion, newtons * axis, point, guide, engine)
@@ -274,10 +271,3 @@ def _largest_moment(guide: Guide, normal: Array, pressure: float) -> Array:
     if not guide.one_sided:
         return linear
     return np.where(linear > n * guide.length / 6, n * (0.5 * guide.length - 2 * n / (3 * guide.width * pressure)), linear)
-
-
-def _vector(name: str, values: object) -> Array:
-    vector = finite_numbers(values)
-    if vector is None or vector.shape != (3,):
-        raise PinpressError(f"{name} is {shown(values)}: give three finite numbers, x, y, z")
-    return vector

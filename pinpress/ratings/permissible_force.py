@@ -18,7 +18,7 @@ from typing import NamedTuple
 import numpy as np
 import pinocchio as pin
 
-from ..common.arguments import positive
+from ..common.arguments import positive, suitable_numbers
 from ..common.errors import PinpressError, UnknownNameError, shown
 from ..common.frozen import Frozen, FrozenMapping
 from ..common.quantities import RPM, Array
@@ -226,8 +226,8 @@ def angle_at(rated: RatedPress, name: str, height: float) -> float:
     from scipy.optimize import brentq  # slow to import
 
     stroke = dead_centres(rated.press).stroke
-    if not 0.0 < height < stroke:
-        raise PinpressError(f"{name} is {shown(height)}: give a height between 0 and the stroke of {stroke:.6g} m")
+    wanted = f"a height between 0 and the stroke of {stroke:.6g} m"
+    suitable_numbers(name, height, wanted, suits=lambda value: 0.0 < value < stroke)
 
     def above(angle: float) -> float:
         return float(rated.motion(np.array([angle])).slide_position[0]) - rated.bottom_position - height

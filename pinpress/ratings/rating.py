@@ -8,8 +8,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..common.arguments import is_number, positive, truth_value, typed, whole_number
-from ..common.errors import PinpressError, shown
+from ..common.arguments import positive, suitable_numbers, truth_value, typed, whole_number
+from ..common.errors import PinpressError
 from ..common.quantities import RPM, Array
 from ..common.results import Tabular
 from ..kinematics import measures
@@ -200,9 +200,8 @@ def rate(
 
 
 def _speed(speed: float) -> float:
-    if not is_number(speed) or not SLOWEST <= abs(speed) <= FASTEST:
-        raise PinpressError(f"speed is {shown(speed)}: give one number that is not zero [rad/s], e.g. 70 * pinpress.RPM")
-    return float(speed)
+    wanted = "one number that is not zero [rad/s], e.g. 70 * pinpress.RPM"
+    return float(suitable_numbers("speed", speed, wanted, suits=lambda value: SLOWEST <= abs(value) <= FASTEST))
 
 
 def _data(ratings: Ratings) -> list[tuple[str, str]]:

@@ -16,8 +16,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..common import plausibility
-from ..common.arguments import finite_numbers, is_whole_number, number, typed
-from ..common.errors import PinpressError, SimulationError, UnknownScenarioError, shown
+from ..common.arguments import is_whole_number, number, suitable_numbers, typed
+from ..common.errors import PinpressError, SimulationError, UnknownScenarioError
 from ..common.frozen import read_only
 from ..common.numerics import gauss_rule, polynomial_values
 from ..common.parameters import pick_scenarios, scenario_lengths
@@ -171,9 +171,8 @@ def simulate_batch(
 
 def _speeds(speed: ArrayLike, parts: Sequence[Any]) -> Array:
     """(S,) speeds at the start, S after the arrays that are given, 1 where none is [rad/s]."""
-    given = finite_numbers(speed)
-    if given is None or given.ndim > 1 or not given.size:
-        raise PinpressError(f"speed is {shown(speed)}: give one finite number, or (S,) of them [rad/s]")
+    wanted = "one finite number, or (S,) of them [rad/s]"
+    given = suitable_numbers("speed", speed, wanted, None, lambda values: values.ndim < 2 and values.size)
     counts = {} if given.ndim == 0 else {"speed": len(given)}
     for part in parts:
         counts |= scenario_lengths(part)

@@ -17,7 +17,7 @@ from typing import Any
 
 import numpy as np
 
-from ..common.arguments import any_numbers, is_number
+from ..common.arguments import any_numbers, suitable_numbers
 from ..common.errors import PinpressError, said, shown
 from ..common.parameters import scenario_lengths
 from ..common.quantities import Array
@@ -151,8 +151,8 @@ def check_load(load: ProcessLoad | TimeForce) -> None:
         _try_in_time(load.force)
         return
     datum = load.datum
-    if datum is not None and not is_number(datum):
-        raise PinpressError(f"{name}: datum is {shown(datum)}; give a slide position [m], or None for bottom dead centre")
+    if datum is not None:
+        suitable_numbers(f"{name}: datum", datum, "a slide position [m], or None for bottom dead centre")
     for downwards in (True, False):
         intervals = load.intervals(downwards)
         if not isinstance(intervals, tuple | list) or not all(isinstance(s, ForceInterval) for s in intervals):

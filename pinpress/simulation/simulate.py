@@ -26,7 +26,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..common import plausibility
-from ..common.arguments import finite_numbers, number, typed
+from ..common.arguments import number, suitable_numbers, typed
 from ..common.errors import PinpressError, SimulationError, caution, shown
 from ..common.parameters import refuse_scenarios
 from ..common.quantities import Array
@@ -196,9 +196,8 @@ def _start(press: Linkage, name: str, value: ArrayLike) -> Array:
     """(drivers,) numbers."""
     if len(press.drivers) == 1:
         return np.array([number(name, value)])
-    given = finite_numbers(value)
-    if given is None or given.shape not in ((), (len(press.drivers),)):
-        raise PinpressError(f"{name} is {shown(value)}: give finite numbers, one of each of the {len(press.drivers)} drivers")
+    wanted = f"finite numbers, one of each of the {len(press.drivers)} drivers"
+    given = suitable_numbers(name, value, wanted, None, lambda values: values.shape in ((), (len(press.drivers),)))
     return np.broadcast_to(given, (len(press.drivers),)).copy()
 
 

@@ -23,7 +23,7 @@ from typing import Any
 
 import numpy as np
 
-from ..common.arguments import typed
+from ..common.arguments import any_numbers, suitable_numbers, typed
 from ..common.errors import AssemblyError, PinpressError, SingularityError, UnknownNameError, shown
 from ..common.frozen import FrozenMapping, read_only
 from ..common.quantities import Array
@@ -181,9 +181,8 @@ def _problem(press: Linkage, variables: Any, minimise: Any, subject_to: Any, geo
 
 
 def _variable(name: str, bounds: Any) -> Variable:
-    lower, start, upper = _numbers(f"variable {shown(name)}", bounds, 3, "(lower bound, start, upper bound)")
-    if not all(map(math.isfinite, (lower, start, upper))):
-        raise PinpressError(f"variable {shown(name)} is {shown(bounds)}: give finite bounds, which scale it")
+    wanted = "(lower bound, start, upper bound), finite numbers, which scale it"
+    lower, start, upper = suitable_numbers(f"variable {shown(name)}", bounds, wanted, (3,)).tolist()
     if lower > upper:
         raise PinpressError(f"variable {shown(name)}: its lower bound {lower:g} is above its upper bound {upper:g}")
     if not lower <= start <= upper:
@@ -195,20 +194,10 @@ def _constraint(name: str, given: Any) -> Measure:
     if not isinstance(given, tuple | list) or len(given) != 3 or not callable(given[0]):
         raise PinpressError(f"constraint {shown(name)} is {shown(given)}: give (function of a trial, lower bound, upper bound)")
     open_bounds = [-math.inf if given[1] is None else given[1], math.inf if given[2] is None else given[2]]
-    lower, upper = _numbers(f"constraint {shown(name)}", open_bounds, 2, "a lower and an upper bound, None for none")
+    lower, upper = (float(any_numbers(f"constraint {shown(name)}", bound, ())) for bound in open_bounds)
     if math.isnan(lower) or math.isnan(upper) or lower > upper:
         raise PinpressError(f"constraint {shown(name)}: its lower bound {lower:g} is above its upper bound {upper:g}")
     return Measure(name, given[0], lower, upper)
-
-
-def _numbers(what: str, values: Any, count: int, form: str) -> list[float]:
-    try:
-        numbers = [float(value) for value in values]
-    except (TypeError, ValueError):
-        numbers = []
-    if len(numbers) != count:
-        raise PinpressError(f"{what} is {shown(values)}: give {form}")
-    return numbers
 
 
 def _coordinates(press: Linkage, names: tuple[str, ...]) -> Callable[..., Pivots]:

@@ -10,7 +10,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..common.errors import PinpressError, UnknownNameError, expect
+from ..common.arguments import expect
+from ..common.errors import PinpressError, UnknownNameError
 from ..common.frozen import read_only
 from ..common.quantities import RPM, Array
 from ..dynamics.extremes import AXES, ROUNDING, finite, finite_forces, held_moments, is_constant, rounding, torque_without_rounding

@@ -5,7 +5,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ..common.errors import PinpressError, expect
+from ..common.arguments import expect
+from ..common.errors import PinpressError
 from ..common.quantities import Array
 from ..engines.branch import predict
 from ..engines.joints import configuration

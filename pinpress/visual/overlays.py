@@ -6,7 +6,8 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..common.errors import PinpressError, expect, shown
+from ..common.arguments import expect
+from ..common.errors import PinpressError, shown
 from ..common.quantities import Array
 from ..dynamics import applied_loads as forces
 from ..dynamics.inverse_dynamics import Reactions

@@ -12,8 +12,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..common import files
-from ..common.arguments import typed
-from ..common.errors import PinpressError, expect
+from ..common.arguments import expect, typed
+from ..common.errors import PinpressError
 from ..common.quantities import RPM
 from ..dynamics.extremes import AXES, ExtremeValues, extremes, rounding
 from ..dynamics.harmonics import HarmonicAnalysis, harmonics

@@ -9,7 +9,7 @@ import pytest
 from support import texts
 
 import pinpress as pp
-from pinpress.common.arguments import number, numbers, positive, whole_number
+from pinpress.common.arguments import number, numbers, positive, suitable_numbers, whole_number
 
 NESTED: list = []
 NESTED.append(NESTED)
@@ -117,3 +117,11 @@ def test_whole_numbers():
     for value in (1, 4, 2.0, 10**30):
         with pytest.raises(pp.PinpressError, match="give a whole number from 2 to 3"):
             whole_number("n", value, 2, 3)
+
+
+def test_numbers_are_as_the_caller_wants_them():
+    assert suitable_numbers("share", 0.5, "a share", suits=lambda share: share < 1) == 0.5
+    assert suitable_numbers("points", [(1, 2), (3, 4)], "pairs", (None, 2)).shape == (2, 2)
+    for given, shape in ((2.0, ()), ("0.5", ()), ([0.5], ()), (0.5, (1,)), (np.nan, None)):
+        with pytest.raises(pp.PinpressError, match=r"^share is .*: give a share below 1$"):
+            suitable_numbers("share", given, "a share below 1", shape, lambda share: share < 1)

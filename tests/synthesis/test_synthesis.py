@@ -230,7 +230,7 @@ def test_constraints_that_no_design_keeps_are_named():
     [
         ("lower bound 0.2 is above its upper bound 0.1", {"P.crank.x": (0.2, 0.15, 0.1)}),
         ("starts at 0.3, outside its bounds", {"P.crank.x": (0.1, 0.3, 0.2)}),
-        ("finite bounds", {"P.crank.x": (0.1, 0.3, math.inf)}),
+        ("finite numbers", {"P.crank.x": (0.1, 0.3, math.inf)}),
         ("lower bound, start, upper bound", {"P.crank.x": (0.1, 0.3)}),
         ("lower bound, start, upper bound", {"P.crank.x": 0.1}),
         ("variables is empty", {}),

@@ -13,8 +13,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ...common.arguments import is_number, positive, typed, whole_number
-from ...common.errors import PinpressError, expect, shown
+from ...common.arguments import expect, positive, suitable_numbers, typed, whole_number
+from ...common.errors import PinpressError, shown
 from ...common.frozen import read_only
 from ...common.quantities import Array
 from ...common.results import Record, Records
@@ -265,8 +265,8 @@ def approximate_balance(press: Linkage, radius: float, *, share: float = 0.5) ->
         PinpressError: The press is no centred crank-slider (see `as_crank_slider`), the radius is not positive, or the share is not from
             0 to 1.
     """
-    if not is_number(share) or not 0 <= share <= 1:
-        raise PinpressError(f"share is {shown(share)}: give the part of the reciprocating mass to be balanced, from 0 to 1")
+    wanted = "the part of the reciprocating mass to be balanced, from 0 to 1"
+    suitable_numbers("share", share, wanted, suits=lambda part: 0 <= part <= 1)
     main = as_crank_slider(press)
     return _on_crank(press, main, main.rotating_product + share * main.crank_radius * main.reciprocating_mass, radius)
 

@@ -27,6 +27,7 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
+from ...common.arguments import suitable_numbers
 from ...common.errors import AssemblyError, PinpressError, SingularityError
 from ...common.quantities import Array
 from ..branch import SMALLEST_MARGIN
@@ -75,9 +76,7 @@ class ForwardDynamics:
 
         model, loops, self.name, self.joints = spatial.model, spatial.loops, name, tuple(spatial.model.names)[1:]
         count = int(model.nv)
-        armature = np.asarray(armature, dtype=float)
-        if armature.shape != (count,) or not np.isfinite(armature).all():
-            raise PinpressError(f"armature is {armature}: give {count} finite inertias [kg m2]")
+        armature = suitable_numbers("armature", armature, f"{count} finite inertias [kg m2]", (count,))
         self.driver, self.rank = spatial.drivers[0], rank
         self.size, self.tolerance = spatial.size, spatial.tolerance
         self.model = _bounded(model, spatial.axes)
