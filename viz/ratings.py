@@ -43,7 +43,7 @@ def capacities(name: str) -> pp.ratings.Capacities:
 
 
 @cache
-def rated(name: str, at_speed: bool = False) -> pp.ratings.Ratings:
+def rated(name: str, at_speed: bool = False) -> pp.ratings.PressRatings:
     return pp.ratings.rate(pp.load(name), SPEEDS[name], capacities(name), at_speed=at_speed, points=POINTS)
 
 
@@ -94,7 +94,7 @@ def main_data() -> str:
     return head + "\n".join(f"| {what} | {' | '.join(cells)} |" for what, cells in rows)
 
 
-def above(one: pp.ratings.Ratings) -> str:
+def above(one: pp.ratings.PressRatings) -> str:
     """The limit that governs above the heights at which the nominal force is permissible."""
     at = int(np.flatnonzero(one.height == one.changes[-1])[0])
     return one.limited_by[at - 1]
@@ -134,7 +134,7 @@ def forces(name: str) -> str:
     return "\n".join(lines)
 
 
-def at(one: pp.ratings.Ratings, values: np.ndarray, height: float) -> float:
+def at(one: pp.ratings.PressRatings, values: np.ndarray, height: float) -> float:
     """A quantity between the states, linear in the height."""
     return float(np.interp(height, one.height[::-1], values[::-1]))
 

@@ -9,7 +9,7 @@ from ..common.errors import PinpressError
 from ..common.files import make_folder
 from ..common.quantities import RPM
 from ..ratings.permissible_force import Capacities
-from ..ratings.rating import Ratings, rate
+from ..ratings.rating import PressRatings, rate
 from .options import add_out_option, add_press_options, load_press, say_written
 
 EPILOG = """\
@@ -77,7 +77,7 @@ def run(options: argparse.Namespace) -> int:
     return 0
 
 
-def _write(found: Ratings, folder: Path) -> None:
+def _write(found: PressRatings, folder: Path) -> None:
     """Write the files and say so."""
     found.to_csv(folder / "ratings.csv")
     if importlib.util.find_spec("matplotlib") is None:

@@ -28,7 +28,7 @@ MAKERS = {
     "Capacities": "Capacities",
     "Guide": "Guide(length, width)",
     "SlideCompliance": "compliance",
-    "Ratings": "rate",
+    "PressRatings": "rate",
     "WorkPrecision": "accuracy.compare",
     "Flywheel": "Flywheel",
     "MountedPress": "mounted",

@@ -9,7 +9,7 @@ import numpy as np
 from ..common.arguments import typed
 from ..common.quantities import Array
 from ..ratings.permissible_force import NOMINAL
-from ..ratings.rating import Ratings
+from ..ratings.rating import PressRatings
 from .style import COLOURS, GREY, LINES, SMALL, drawing, grid, legend, plain
 
 if TYPE_CHECKING:
@@ -25,7 +25,7 @@ GOVERNING = 3.2  # width of the governing curve [pt]
 
 
 @typed
-def ratings(ratings: Ratings) -> Figure:
+def ratings(ratings: PressRatings) -> Figure:
     """Draw the permissible force over the slide's height, left near bottom dead centre, right over the stroke.
 
     Each limit is a thin line; the permissible force of all is thick, in the colour of the limit that governs. Thin hyperbolas are of
@@ -53,14 +53,14 @@ def ratings(ratings: Ratings) -> Figure:
     return figure
 
 
-def _near(ratings: Ratings) -> float:
+def _near(ratings: PressRatings) -> float:
     """Up to which height the left panel goes [m]."""
     nominal = ratings.capacities.nominal_height
     marks = [height for height in (*ratings.changes, *([] if nominal is None else [nominal])) if height < ratings.stroke / 2]
     return min(NEAR * max(marks, default=0.1 * ratings.stroke), ratings.stroke)
 
 
-def _forces(axes: Axes, ratings: Ratings, reach: float) -> list[Artist]:
+def _forces(axes: Axes, ratings: PressRatings, reach: float) -> list[Artist]:
     height, top = 1e3 * ratings.height, ROOM * ratings.capacities.nominal_force / 1e3
     grid(axes, "process force [kN]")
     for share in HYPERBOLAS:
@@ -81,12 +81,12 @@ def _forces(axes: Axes, ratings: Ratings, reach: float) -> list[Artist]:
     return lines
 
 
-def _meets(ratings: Ratings, force: Array) -> Array:
+def _meets(ratings: PressRatings, force: Array) -> Array:
     """Where a limit equals the permissible force."""
     return np.asarray(force <= ratings.force * (1 + 1e-9))
 
 
-def _works(axes: Axes, ratings: Ratings, reach: float) -> None:
+def _works(axes: Axes, ratings: PressRatings, reach: float) -> None:
     grid(axes, "work [kJ]")
     inside = ratings.height <= reach
     axes.plot(1e3 * ratings.height, ratings.work / 1e3, color=GREY)

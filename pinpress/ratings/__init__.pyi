@@ -3,7 +3,7 @@ from .eccentric_loads import GuideReaction as GuideReaction
 from .eccentric_loads import eccentric_load as eccentric_load
 from .eccentric_loads import permissible_eccentricity as permissible_eccentricity
 from .permissible_force import Capacities as Capacities
-from .rating import Ratings as Ratings
+from .rating import PressRatings as PressRatings
 from .rating import rate as rate
 from .speed_limits import PermissibleSpeed as PermissibleSpeed
 from .speed_limits import speed_limit as speed_limit

@@ -1,9 +1,10 @@
 """Eccentric process forces: tilting moment of the slide, reaction of its guide, and the pressure on the gibs.
 
-A gib of length L along the guide's axis and width b that carries a normal force N and a tilting moment M has the pressure p = N / (L b)
-+ 6 M / (L^2 b) at its end, spread linearly (Navier). A slide between two gibs without clearance has it also where the eccentricity M / N is
-more than L / 6: what one gib would have to pull, the opposite one pushes. A single gib only pushes: beyond L / 6 it lifts off, contact
-remains over 3 (L / 2 - M / N), and the pressure rises to 2 N / (3 b (L / 2 - M / N)); beyond L / 2 the slide tips.
+A gib of length L along the guide's axis and width b that carries a normal force N and a tilting moment M has the pressure
+p = N / (L b) + 6 M / (L^2 b) at its end, with a linear distribution (Navier). Between two gibs without clearance this holds for an
+eccentricity M / N of more than L / 6 too, because the opposite gib pushes where one would have to pull. A single gib can only push: beyond
+L / 6 it lifts off, contact remains over 3 (L / 2 - M / N), and the pressure rises to 2 N / (3 b (L / 2 - M / N)). Beyond L / 2 the slide
+tips.
 """
 
 from __future__ import annotations
@@ -30,22 +31,22 @@ from ..loads.link import PointForce
 from .permissible_force import largest_factor, without_masses
 
 DIRECTION = 1e-9  # component along the guide that a gib's normal may have
-ROUNDING = 1e-12  # of the process force: a force that is none
+ROUNDING = 1e-12  # of the process force: a force this small is rounding
 
 
 @dataclass(frozen=True)
 class Guide:
-    """Gibs of a slide that face one way and the opposite one.
+    """A pair of gibs that guide a slide from opposite sides. The loaded length of the gibs moves with the slide.
 
     Attributes:
-        length: along the guide's axis [m].
-        width: across it [m].
-        normal: (3,) direction in which the gibs face, in world axes; None: the one across the guide in the plane of a planar press.
-        middle: of the gibs' length, above the slide link's origin along the guide's axis [m]; the gibs' length moves with the slide.
-        one_sided: gibs with clearance: only one of them is in contact, and may lift off. Else two without clearance.
+        length: Length of a gib along the guide's axis [m].
+        width: Width of a gib across the axis [m].
+        normal: (3,) direction in which the gibs face, in world axes; None: across the guide in the plane of a planar press.
+        middle: Middle of the gibs' length, above the slide link's origin along the guide's axis [m].
+        one_sided: True: with clearance, so that only one gib is in contact and may lift off. False: two gibs without clearance.
 
     Raises:
-        PinpressError: a length or width that is not positive, a normal that is no direction, a middle that is not finite.
+        PinpressError: A length or width is not positive, the normal is no direction, or the middle is not a finite number.
     """
 
     length: float
@@ -64,18 +65,19 @@ class Guide:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class GuideReaction(Tabular):
-    """What a process force beside the slide's axis does, at n states. All arrays are read-only; signs as in `reactions`, world axes.
+    """Reaction of the slide's guide to a process force beside the slide's axis, at n states. All arrays are read-only.
 
     Attributes:
-        guide: name of the slide's bearing in its guide.
-        tilting_moment: (3,) of the process force on the slide, about the slide link's origin [N m].
-        force: (n, 3) of the guide on the slide [N].
-        moment: (n, 3) of the guide on the slide, about the middle of the gibs [N m].
-        normal_force: (n,) along the gibs' normal [N].
-        tilting: (n,) moment that tilts the slide between these gibs, about their middle [N m].
-        pressure: (n,) largest on a gib [Pa].
+        guide: Name of the slide's bearing in its guide.
+        tilting_moment: (3,) moment of the process force on the slide about the slide link's origin, in world axes [N m].
+        force: (n, 3) force of the guide on the slide, in world axes [N].
+        moment: (n, 3) moment of the guide on the slide about the middle of the gibs, in world axes [N m].
+        normal_force: (n,) component of the force along the gibs' normal [N].
+        tilting: (n,) component of the moment about the axis across guide and normal, which tilts the slide between the gibs [N m].
+        pressure: (n,) largest pressure on a gib [Pa].
         contact: (n,) share of the gibs' length that is in contact [-].
-        indeterminate: whether rigid mechanics leaves the tilting moment open: rods beside one another may share it with the guide.
+        indeterminate: Whether rigid-body mechanics leaves the tilting moment undetermined, because parallel rods may share it with the
+            guide.
     """
 
     guide: str
@@ -94,7 +96,7 @@ class GuideReaction(Tabular):
         return f"GuideReaction in {self.guide}: tilting moment {size:.6g} N m, pressure on the gibs up to {self.pressure.max():.6g} Pa"
 
     def columns(self) -> dict[str, Array]:
-        """Force and moment of the guide, and what the gibs bear, as (n,) columns under their names with units."""
+        """A row for each state: force and moment of the guide, and the load on the gibs."""
         return {
             **tables.by_axis("force", "N", self.force),
             **tables.by_axis("moment", "N m", self.moment),
@@ -112,16 +114,16 @@ def eccentric_load(
     """Guide reaction and gib pressure under a process force beside the slide's axis, without weights and inertia forces.
 
     Args:
-        press: with a slide.
-        motion: at whose n states the force acts, e.g. ``servo_cycle(press, speed=0.0, angle=[...])``.
-        force: on the slide along the guide's axis, against the working stroke [N].
-        offset: (3,) point at which it acts, in the slide link's own frame [m]; along the guide's axis it makes no difference.
-        guide: the gibs.
-        engine: as in `cycle`.
+        press: A press with a slide.
+        motion: Motion of n states at which the force acts, e.g. ``servo_cycle(press, speed=0.0, angle=[...])``.
+        force: Force on the slide along the guide's axis, against the working stroke [N].
+        offset: (3,) point at which it acts, in the slide link's own frame [m]; a shift along the guide's axis makes no difference.
+        guide: The gibs.
+        engine: As in `cycle`.
 
     Raises:
-        PinpressError: arguments that make no sense, a linkage without a slide, a gib normal along the guide, a single gib that would have
-            to pull: the slide tips.
+        PinpressError: The press has no slide, the gibs do not face across the guide, the slide tips because a single gib would have to
+            pull, or an argument is not as described.
     """
     newtons = positive("force", force, "N")
     point = suitable_numbers("offset", offset, "three finite numbers, x, y, z", (3,))
@@ -147,22 +149,23 @@ def eccentric_load(
 def permissible_eccentricity(
     press: Linkage, motion: Motion, *, force: float, guide: Guide, pressure: float, engine: str = "auto"
 ) -> tuple[float, float]:
-    """How far beside the slide's origin a process force may act before a gib's pressure is reached at a state of the motion [m].
+    """Find how far beside the slide's origin a process force may act before the gibs reach a pressure at some state of the motion.
 
     Args:
-        press: with a slide.
-        motion: as of `eccentric_load`.
-        force: as of `eccentric_load` [N].
-        guide: the gibs.
-        pressure: permissible on the gibs [Pa].
-        engine: as in `cycle`.
+        press: A press with a slide.
+        motion: Motion of n states at which the force acts.
+        force: Force on the slide along the guide's axis, against the working stroke [N].
+        guide: The gibs.
+        pressure: Permissible pressure on the gibs [Pa].
+        engine: As in `cycle`.
 
     Returns:
-        Least and largest coordinate along the gibs' normal, the first not positive: both may differ, as the guide carries the lateral force
-        of the rod too.
+        Least and largest coordinate of the force along the gibs' normal, from the slide's origin; the first is not positive [m]. Their
+        magnitudes may differ, because the guide carries the lateral force of the rod too.
 
     Raises:
-        PinpressError: as `eccentric_load`; also where the central force alone is too much, which names the crank angle.
+        PinpressError: As `eccentric_load`, or the central force alone is too much (the message names the crank angle), or the guide carries
+            none of the tilting moment.
     """
     newtons, allowed = positive("force", force, "N"), positive("pressure", pressure, "Pa")
     normal, about = _across(press, guide)
@@ -177,29 +180,29 @@ def permissible_eccentricity(
     if most[worst] <= 0 or abs(constant[worst]) > most[worst]:
         raise PinpressError(
             f"at crank angle {motion.crank_degrees[worst]:.6g} deg the gibs bear no eccentricity of a force of {newtons:.6g} N: a central"
-            " one reaches the pressure already, or does not press on a single gib; give larger gibs, less force, or two gibs without"
+            " force reaches the pressure already, or does not press on a single gib; give larger gibs, less force, or two gibs without"
             " clearance"
         )
     right, left = (float(largest_factor(constant[:, None], way * slope[:, None], most).min()) for way in (1.0, -1.0))
     if not (math.isfinite(right) and math.isfinite(left)):
-        raise PinpressError("the guide carries none of the tilting moment: eccentricity is not limited by its gibs")
+        raise PinpressError("the guide carries none of the tilting moment: its gibs do not limit the eccentricity")
     return -left, right
 
 
 def _slide_guide(press: Linkage) -> tuple[str, Array]:
-    """Name of the slide's bearing, and the guide's axis in the world."""
+    """Name of the slide's bearing in its guide, and the guide's axis (3,) in world axes."""
     guide, _ = press.slide_guide
     return press.joints[guide], press.model.jointPlacements[guide + 1].rotation @ press.axes[guide].direction
 
 
 def _rotation(press: Linkage) -> Array:
-    """The slide link's own axes in the world: it does not turn, as the frame carries its guide."""
+    """Rotation (3, 3) of the slide link's own frame in the world; it is constant, because the frame carries the guide."""
     frame = press.model.frames[press.model.getFrameId(press.slide, pin.BODY)]
     return np.asarray(press.model.jointPlacements[frame.parentJoint].rotation @ frame.placement.rotation)
 
 
 def _across(press: Linkage, guide: Guide) -> tuple[Array, Array]:
-    """The gibs' normal, and the axis about which the slide tilts between them, unit vectors in the world."""
+    """The gibs' normal, and the axis about which the slide tilts between them, as unit vectors (3,) in world axes."""
     _, axis = _slide_guide(press)
     if guide.normal is not None:
         normal = np.array(guide.normal, dtype=float)
@@ -215,13 +218,13 @@ def _across(press: Linkage, guide: Guide) -> tuple[Array, Array]:
 
 
 class _Reaction(NamedTuple):
-    """What the guide does to the slide, in world axes.
+    """Action of the guide on the slide, in world axes.
 
     Attributes:
-        force: (n, 3) on the slide [N].
-        moment: (n, 3) about the middle of the gibs [N m].
-        indeterminate: (3,) components of the moment along ``axes`` that rigid mechanics leaves open.
-        axes: (3, 3), a direction a row.
+        force: (n, 3) force on the slide [N].
+        moment: (n, 3) moment on the slide about the middle of the gibs [N m].
+        indeterminate: (3,) whether rigid-body mechanics leaves the component of the moment along each of ``axes`` undetermined.
+        axes: (3, 3) unit vectors, one a row.
     """
 
     force: Array
@@ -231,7 +234,7 @@ class _Reaction(NamedTuple):
 
 
 def _guide_reaction(press: Linkage, motion: Motion, force: Array, point: Array, guide: Guide, engine: str) -> _Reaction:
-    """What the guide does under a force (3,) at a point (3,) of the slide, in its own frame."""
+    """Action of the guide under a force (3,) in world axes at a point (3,) in the slide's own frame."""
     slide = str(press.slide)
     joint, _ = place(press, slide, point, "the process force", "offset")
     name, axis = _slide_guide(press)
@@ -265,7 +268,7 @@ def _pressure(guide: Guide, normal: Array, tilting: Array, motion: Motion) -> tu
 
 
 def _largest_moment(guide: Guide, normal: Array, pressure: float) -> Array:
-    """Tilting moment (n,) at which a gib has this pressure under normal forces (n,); negative where these are too much alone [N m]."""
+    """Tilting moment (n,) at which a gib reaches a pressure under normal forces (n,); negative where these alone exceed it [N m]."""
     n, area = np.abs(normal), guide.length * guide.width
     linear = (pressure - n / area) * area * guide.length / 6
     if not guide.one_sided:

@@ -1,9 +1,8 @@
-"""What the parts of a press can bear, as its builder or buyer states it (`Capacities`), and the permissible process force over the working
-stroke: by everything that limits it, which limit governs where, and the work that it permits.
+"""Capacities of a press, as its builder or buyer states them, and the process force that they permit over the working stroke.
 
 At a given angle and speed the driving torque and every bearing force are affine in the process force F: R = R0 + F R1. R0 are the reactions
-of the idle press, R1 those of its links without mass under a force of 1 N, so that neither is a difference of large numbers. What may be at
-most C then lets F grow until |R0 + F R1| = C, a quadratic equation.
+of the idle press, and R1 those of its links without mass under a force of 1 N, so that neither is a difference of large numbers. A capacity
+C lets F grow until |R0 + F R1| = C, a quadratic equation.
 """
 
 from __future__ import annotations
@@ -29,26 +28,118 @@ from ..linkage.linkage import Linkage
 from ..loads.process import ConstantForce
 
 NOMINAL, TORQUE, BEARING = "nominal force", "torque", "bearing "
-TURN = 360  # states of a turn in which the idle press is looked at
-ROUNDING = 4 * float(np.finfo(float).eps)
-GAUSS = np.polynomial.legendre.leggauss(3)
+TURN = 360  # states of a turn in which the idle press is checked
+ROUNDING = 4 * float(np.finfo(float).eps)  # accuracy of roots, absolute and relative
+GAUSS = np.polynomial.legendre.leggauss(3)  # nodes and weights, with which the work between two states is found
+UNITS = {
+    "nominal_force": "N",
+    "nominal_height": "m",
+    "torque": "N m",
+    "flywheel_inertia": "kg m2",
+    "speed_drop": "-",
+    "motor_power": "W",
+    "slide_acceleration": "m/s2",
+    "shaking_force": "N",
+}
+
+
+@dataclass(frozen=True)
+class Capacities(Frozen):
+    """Capacities of a press. A capacity that is None, and a bearing without one, limit nothing.
+
+    Attributes:
+        nominal_force: Largest process force at any height [N].
+        nominal_height: Height above bottom dead centre from which downwards the crank's torque permits the nominal force [m].
+        torque: Torque capacity at the driver joint, in place of the nominal height [N m].
+        bearings: Name of a bearing or guide -> largest magnitude of the force in it, in a planar press the radial force [N].
+        flywheel_inertia: Moment of inertia of the flywheel reduced to the driver joint, without the linkage [kg m2].
+        speed_drop: Largest drop of the flywheel's speed in a stroke, divided by the speed [-]. It goes with the flywheel. Usual values are
+            0.2 to 0.3 in single strokes and 0.1 to 0.15 in continuous ones.
+        motor_power: Power of the motor that restores the energy from stroke to stroke in continuous use [W]. Leave it out for single
+            strokes, between which there is time enough.
+        slide_acceleration: Largest slide acceleration that tool and feed allow [m/s2].
+        shaking_force: Largest force on the foundation beside the weight [N].
+
+    Raises:
+        PinpressError: A number is not positive and finite, both torque and nominal height are given, one of flywheel and drop of speed is
+            given without the other, or the drop is larger than the speed.
+    """
+
+    nominal_force: float
+    nominal_height: float | None = None
+    torque: float | None = None
+    bearings: Mapping[str, float] = field(default_factory=lambda: FrozenMapping({}))
+    flywheel_inertia: float | None = None
+    speed_drop: float | None = None
+    motor_power: float | None = None
+    slide_acceleration: float | None = None
+    shaking_force: float | None = None
+
+    def __post_init__(self) -> None:
+        for name, unit in UNITS.items():
+            value = getattr(self, name)
+            if value is not None or name == "nominal_force":
+                object.__setattr__(self, name, positive(name, value, unit))
+        if not isinstance(self.bearings, Mapping):
+            raise PinpressError(f"bearings is {shown(self.bearings)}: give a mapping of names to forces [N], e.g. {{'A': 2e6}}")
+        known = {name: positive(f"the capacity of bearing {shown(name)}", value, "N") for name, value in self.bearings.items()}
+        object.__setattr__(self, "bearings", FrozenMapping(known))
+        if self.torque is not None and self.nominal_height is not None:
+            raise PinpressError("torque and nominal_height both state the torque capacity: leave one out")
+        if (self.flywheel_inertia is None) != (self.speed_drop is None):
+            raise PinpressError("flywheel_inertia and speed_drop go together: give both, or neither")
+        if self.speed_drop is not None and self.speed_drop > 1.0:
+            raise PinpressError(f"speed_drop is {self.speed_drop:g}: give a fraction of the speed, 1 or less")
+
+    def energies(self, speed: float, turns: int = 1) -> dict[str, float]:
+        """Work that a stroke may take from each source of energy, by the source's name [J].
+
+        A flywheel that slows from w to (1 - d) w gives J w^2 (1 - (1 - d)^2) / 2; a motor of power P restores 2 pi P / w in a turn.
+
+        Args:
+            speed: Speed of the driver joint [rad/s].
+            turns: Turns of the driver joint from stroke to stroke.
+        """
+        found = {}
+        if self.flywheel_inertia is not None and self.speed_drop is not None:
+            # d (2 - d), because 1 - (1 - d)^2 loses digits for a small drop
+            found["flywheel energy"] = 0.5 * self.flywheel_inertia * speed**2 * self.speed_drop * (2.0 - self.speed_drop)
+        if self.motor_power is not None:
+            found["motor energy"] = self.motor_power * 2 * math.pi * turns / abs(speed)
+        return found
+
+
+def known_bearings(capacities: Capacities, press: Linkage) -> tuple[str, ...]:
+    """Names of the bearings with a capacity, in the press's order.
+
+    Raises:
+        PinpressError: ``capacities`` is not a `Capacities`.
+        UnknownNameError: The press has no such bearing.
+    """
+    if not isinstance(capacities, Capacities):
+        raise PinpressError(f"capacities is a {type(capacities).__name__}: give Capacities(nominal_force=...)")
+    for name in capacities.bearings:
+        if name not in press.bearings:
+            raise UnknownNameError("bearing", name, press.bearings)
+    return tuple(name for name in press.bearings if name in capacities.bearings)
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class RatedPress:
-    """A press that is rated.
+class RatedStroke:
+    """The working stroke of a press that is rated.
 
     Attributes:
-        press: with one driver, and a slide that turns back twice in a period.
-        capacities: what its parts can bear.
-        speed: of the driver joint, with its sign [rad/s].
-        torque: capacity at the driver joint [N m], None where it limits nothing.
-        at_speed: whether weights and inertia forces count.
-        engine: as in `cycle`.
-        top: crank angle of the dead centre at which the working stroke begins [rad].
-        bottom: crank angle at which it ends, unwrapped: less than ``top`` where the crank turns backwards [rad].
-        bottom_position: of the slide there [m].
-        turns: from stroke to stroke. All of the press may be back only after several strokes, in which forces are not the same.
+        press: The press, with one driver and a slide with one top and one bottom dead centre.
+        capacities: Its capacities.
+        speed: Speed of the driver joint, negative backwards [rad/s].
+        torque: Torque capacity at the driver joint [N m]; None: it limits nothing.
+        at_speed: Whether weights and inertia forces count.
+        engine: As in `cycle`.
+        top: Crank angle of the dead centre at which the working stroke begins [rad].
+        bottom: Crank angle at which it ends, unwrapped: less than ``top`` where the crank turns backwards [rad].
+        bottom_position: Slide position at its end [m].
+        turns: Turns of the driver joint from stroke to stroke. The whole press may repeat itself only after several strokes, with different
+            forces in each.
     """
 
     press: Linkage
@@ -83,122 +174,16 @@ class RatedPress:
         return np.maximum(motion.slide_position - self.bottom_position, 0.0)
 
 
-def without_masses(press: Linkage) -> Linkage:
-    """The press with links that weigh nothing: its reactions are those of the loads alone."""
-    return press.with_inertias([pin.Inertia.Zero()] * press.model.njoints)
+def rated_stroke(press: Linkage, capacities: Capacities, speed: float, at_speed: bool, engine: str) -> RatedStroke:
+    """The working stroke to be rated, with the torque capacity that a nominal height stands for.
 
-
-def under_unit_force(massless: Linkage, motion: Motion, bottom: float, bearings: tuple[str, ...] | None, engine: str) -> Reactions:
-    """Reactions to a process force of 1 N at every height of a motion, without weights and inertia forces.
-
-    Args:
-        massless: the press with links that weigh nothing.
-        motion: of the press.
-        bottom: slide position of bottom dead centre [m].
-        bearings: as in `inverse_dynamics`.
-        engine: as in `cycle`.
+    Raises:
+        PinpressError: The nominal height is not between 0 and the stroke.
     """
-    above = 2 * max(float(np.ptp(motion.slide_position)), float(np.abs(motion.slide_position - bottom).max()), massless.size)
-    return inverse_dynamics(massless, motion, [ConstantForce(1.0, above, bottom)], engine=engine, bearings=bearings)
-
-
-def largest_factor(constant: Array, slope: Array, capacity: Array | float) -> Array:
-    """Largest factors f (n,) up to which |constant + f slope| <= capacity, of vectors (n, k); infinite where no factor is too large.
-
-    With k, s the vectors over the capacity: f^2 s.s + 2 f k.s + k.k - 1 = 0; its root >= 0, in the form that cancels nothing.
-    ``constant`` must be within the capacity.
-    """
-    scale = np.reshape(capacity, (-1, 1))
-    unit = np.abs(slope).max(axis=1, keepdims=True)
-    unit = np.where(unit > 0, unit, 1.0)  # squares of small numbers underflow
-    k, s = constant / scale, slope / unit
-    square, half, free = np.sum(s * s, axis=1), np.sum(k * s, axis=1), np.maximum(1.0 - np.sum(k * k, axis=1), 0.0)
-    root = np.sqrt(half**2 + square * free)
-    with np.errstate(all="ignore"):  # of the two forms the other one is not taken; free / 0: nothing is in the way
-        outwards = np.where((half + root > 0) | (free > 0), free / (half + root), np.inf)
-        return np.where(half >= 0, outwards, (root - half) / square) * (scale / unit)[:, 0]
-
-
-def permitted_forces(rated: RatedPress, motion: Motion, energy: bool = True) -> dict[str, Array]:
-    """Name of a limit -> process force (n,) that it permits [N], infinite where it permits any: the nominal force first.
-
-    Args:
-        rated: the press.
-        motion: of it, n states.
-        energy: also the forces that, constant from here to bottom dead centre, take all usable energy.
-    """
-    strokes = (_in_one_stroke(rated, again) for again in _in_every_stroke(rated, motion))
-    found = functools.reduce(lambda some, others: {name: np.minimum(force, others[name]) for name, force in some.items()}, strokes)
-    if energy:
-        height = rated.height(motion)
-        with np.errstate(divide="ignore", over="ignore"):  # no way, no work
-            found |= {name: usable / height for name, usable in rated.energies.items()}
-    return found
-
-
-def _in_every_stroke(rated: RatedPress, motion: Motion) -> Iterator[Motion]:
-    """The motion, and the same way of the slide in the other strokes of the period."""
-    yield motion
-    for stroke in range(1, rated.press.period_turns // rated.turns):
-        yield rated.motion(motion.crank_angle + 2 * np.pi * rated.turns * stroke)
-
-
-def _in_one_stroke(rated: RatedPress, motion: Motion) -> dict[str, Array]:
-    """What torque, bearings and the nominal force permit in one stroke; see `permitted_forces`."""
-    capacities, count = rated.capacities, len(motion.crank_angle)
-    found = {NOMINAL: np.full(count, capacities.nominal_force)}
-    unit = under_unit_force(rated.massless, motion, rated.bottom_position, rated.bearings, rated.engine)
-    idle = inverse_dynamics(rated.press, motion, engine=rated.engine, bearings=rated.bearings) if rated.at_speed else None
-    if rated.torque is not None:
-        before = np.zeros((count, 1)) if idle is None else idle.driving_torque[:, None]
-        found[TORQUE] = largest_factor(before, unit.driving_torque[:, None], rated.torque)
-    for name in rated.bearings:
-        before = np.zeros((count, 3)) if idle is None else idle.bearing_force[name]
-        found[BEARING + name] = largest_factor(before, unit.bearing_force[name], capacities.bearings[name])
-    return found
-
-
-def refuse_overloaded_idle(rated: RatedPress) -> None:
-    """Raise where the idle press at its speed is beyond a capacity of torque or bearings, anywhere in a period."""
-    whole = rated.top + np.arange(TURN * rated.press.period_turns) * (2 * np.pi / TURN)
-    stroke = np.linspace(rated.top, rated.bottom, TURN)
-    motion = rated.motion(np.concatenate([whole, stroke]))
-    idle = inverse_dynamics(rated.press, motion, engine=rated.engine, bearings=rated.bearings)
-    loads = {} if rated.torque is None else {"the driving torque": (np.abs(idle.driving_torque), rated.torque, "N m")}
-    for name in rated.bearings:
-        force = np.linalg.norm(idle.bearing_force[name], axis=1)
-        loads[f"the force in bearing {shown(name)}"] = force, rated.capacities.bearings[name], "N"
-    for what, (size, capacity, unit) in loads.items():
-        worst = int(size.argmax())
-        if size[worst] > capacity:
-            raise PinpressError(
-                f"{what} of the idle press is {size[worst]:.6g} {unit} at crank angle {motion.crank_degrees[worst]:.6g} deg"
-                f" and {abs(rated.speed) / RPM:.6g} r/min, its capacity {capacity:.6g} {unit}: lower speed, or more capacity"
-            )
-
-
-class GoverningLimits(NamedTuple):
-    """Limits over the working stroke.
-
-    Attributes:
-        angle: (n,) of the crank, from top to bottom dead centre [rad].
-        forces: name of a limit -> (n,) force it permits, none above the nominal one [N].
-        names: (n,) of the limit that governs; where it changes, of the one that begins to.
-        changes: indices of the states at which it changes.
-    """
-
-    angle: Array
-    forces: dict[str, Array]
-    names: tuple[str, ...]
-    changes: tuple[int, ...]
-
-
-def rated_press(press: Linkage, capacities: Capacities, speed: float, at_speed: bool, engine: str) -> RatedPress:
-    """What is rated, its torque capacity found where a nominal height stands for it. Raises as `angle_at`."""
     ends = dead_centres(press)
     way = 1.0 if speed > 0 else -1.0
     bottom = ends.top_angle + way * ((way * (ends.bottom_angle - ends.top_angle)) % (2 * np.pi * ends.turns))
-    given = RatedPress(
+    given = RatedStroke(
         press=press,
         capacities=capacities,
         speed=speed,
@@ -213,15 +198,20 @@ def rated_press(press: Linkage, capacities: Capacities, speed: float, at_speed: 
     if capacities.nominal_height is None:
         return given
     at = given.motion(np.array([angle_at(given, "nominal_height", capacities.nominal_height)]))
-    needed = under_unit_force(without_masses(press), at, ends.bottom_position, (), engine).driving_torque[0]
+    needed = unit_force_reactions(without_masses(press), at, ends.bottom_position, (), engine).driving_torque[0]
     return replace(given, torque=capacities.nominal_force * abs(float(needed)))
 
 
-def angle_at(rated: RatedPress, name: str, height: float) -> float:
-    """Crank angle of the working stroke, unwrapped, at a height above bottom dead centre [m].
+def angle_at(rated: RatedStroke, name: str, height: float) -> float:
+    """Crank angle in the working stroke at a height above bottom dead centre, unwrapped [rad].
+
+    Args:
+        rated: The working stroke.
+        name: Name of the height, for messages.
+        height: The height [m].
 
     Raises:
-        PinpressError: a height that is not between 0 and the stroke.
+        PinpressError: The height is not between 0 and the stroke.
     """
     from scipy.optimize import brentq  # slow to import
 
@@ -235,8 +225,61 @@ def angle_at(rated: RatedPress, name: str, height: float) -> float:
     return float(brentq(above, rated.top, rated.bottom, xtol=ROUNDING, rtol=ROUNDING))
 
 
-def governing_limits(rated: RatedPress, points: int) -> GoverningLimits:
-    """Limits at ``points`` crank angles in equal steps, the nominal height and the angles at which another limit begins to govern."""
+def refuse_overloaded_idle(rated: RatedStroke) -> None:
+    """Raise PinpressError where the idle press at its speed exceeds a capacity of torque or bearings anywhere in a period."""
+    whole = rated.top + np.arange(TURN * rated.press.period_turns) * (2 * np.pi / TURN)
+    stroke = np.linspace(rated.top, rated.bottom, TURN)
+    motion = rated.motion(np.concatenate([whole, stroke]))
+    idle = inverse_dynamics(rated.press, motion, engine=rated.engine, bearings=rated.bearings)
+    loads = {} if rated.torque is None else {"the driving torque": (np.abs(idle.driving_torque), rated.torque, "N m")}
+    for name in rated.bearings:
+        force = np.linalg.norm(idle.bearing_force[name], axis=1)
+        loads[f"the force in bearing {shown(name)}"] = force, rated.capacities.bearings[name], "N"
+    for what, (size, capacity, unit) in loads.items():
+        worst = int(size.argmax())
+        if size[worst] > capacity:
+            raise PinpressError(
+                f"{what} of the idle press is {size[worst]:.6g} {unit} at crank angle {motion.crank_degrees[worst]:.6g} deg"
+                f" and {abs(rated.speed) / RPM:.6g} r/min, but the capacity is {capacity:.6g} {unit}: lower the speed, or raise"
+                " the capacity"
+            )
+
+
+def permitted_forces(rated: RatedStroke, motion: Motion, energy: bool = True) -> dict[str, Array]:
+    """Process force (n,) that each limit permits, by the limit's name, infinite where it permits any; the nominal force is first [N].
+
+    Args:
+        rated: The working stroke.
+        motion: Motion of the press, n states.
+        energy: Whether to add the forces that take all usable energy when they act from here to bottom dead centre.
+    """
+    strokes = (_in_one_stroke(rated, again) for again in _in_every_stroke(rated, motion))
+    found = functools.reduce(lambda some, others: {name: np.minimum(force, others[name]) for name, force in some.items()}, strokes)
+    if energy:
+        height = rated.height(motion)
+        with np.errstate(divide="ignore", over="ignore"):  # at height zero any force is permitted
+            found |= {name: usable / height for name, usable in rated.energies.items()}
+    return found
+
+
+class GoverningLimits(NamedTuple):
+    """Limits over the working stroke.
+
+    Attributes:
+        angle: (n,) crank angles from top to bottom dead centre [rad].
+        forces: Name of a limit -> (n,) process force that it permits, at most the nominal force [N].
+        names: (n,) names of the limit that governs; where it changes, the limit that begins to govern.
+        changes: Indices of the states at which it changes.
+    """
+
+    angle: Array
+    forces: dict[str, Array]
+    names: tuple[str, ...]
+    changes: tuple[int, ...]
+
+
+def governing_limits(rated: RatedStroke, points: int) -> GoverningLimits:
+    """Limits at ``points`` crank angles in equal steps, at the nominal height, and at the angles where another limit begins to govern."""
     height = rated.capacities.nominal_height
     marks = [] if height is None else [angle_at(rated, "nominal_height", height)]
     angle = _in_order(rated, np.concatenate([np.linspace(rated.top, rated.bottom, points), marks]))
@@ -247,13 +290,16 @@ def governing_limits(rated: RatedPress, points: int) -> GoverningLimits:
             next_names[_crossing(rated, names[k], names[k + 1], float(angle[k]), float(angle[k + 1]))] = names[k + 1]
     every = _in_order(rated, np.concatenate([angle, list(next_names)]))
     forces = _capped(rated, every)
-    # At a change two limits permit the same but for rounding, which must not decide.
+    # At a change two limits permit equal forces up to rounding, which must not decide which of them governs.
     governing = tuple(next_names.get(float(at), name) for at, name in zip(every, _governing(forces), strict=True))
     return GoverningLimits(every, forces, governing, tuple(k for k, at in enumerate(every) if float(at) in next_names))
 
 
-def work(rated: RatedPress, angle: Array) -> Array:
-    """Work (n,) of the permissible force but for energy from crank angles (n,) to the last of them [J], by Gauss's rule between them."""
+def permitted_work(rated: RatedStroke, angle: Array) -> Array:
+    """Work (n,) of the force that all limits but energy permit, from each of the crank angles (n,) to the last of them [J].
+
+    It is integrated by Gauss's rule between the angles.
+    """
     nodes, weights = GAUSS
     middle, half = 0.5 * (angle[1:] + angle[:-1]), 0.5 * np.abs(np.diff(angle))
     motion = rated.motion((middle[:, None] + 0.5 * np.diff(angle)[:, None] * nodes).ravel())
@@ -263,124 +309,96 @@ def work(rated: RatedPress, angle: Array) -> Array:
     return np.append(np.cumsum(steps[::-1])[::-1], 0.0)
 
 
-def _in_order(rated: RatedPress, angles: Array) -> Array:
+def unit_force_reactions(massless: Linkage, motion: Motion, bottom: float, bearings: tuple[str, ...] | None, engine: str) -> Reactions:
+    """Reactions to a process force of 1 N at every height of a motion, without weights and inertia forces.
+
+    Args:
+        massless: The press with massless links, see `without_masses`.
+        motion: Motion of the press.
+        bottom: Slide position at bottom dead centre [m].
+        bearings: As in `inverse_dynamics`.
+        engine: As in `cycle`.
+    """
+    above = 2 * max(float(np.ptp(motion.slide_position)), float(np.abs(motion.slide_position - bottom).max()), massless.size)
+    return inverse_dynamics(massless, motion, [ConstantForce(1.0, above, bottom)], engine=engine, bearings=bearings)
+
+
+def without_masses(press: Linkage) -> Linkage:
+    """The press with massless links, whose reactions are those to the loads alone."""
+    return press.with_inertias([pin.Inertia.Zero()] * press.model.njoints)
+
+
+def largest_factor(constant: Array, slope: Array, capacity: Array | float) -> Array:
+    """Largest factors f (n,) with |constant + f slope| <= capacity, infinite where no factor is too large.
+
+    With the vectors k and s divided by the capacity, f is the root >= 0 of f^2 s.s + 2 f k.s + k.k - 1 = 0, in the form that loses no
+    digits.
+
+    Args:
+        constant: (n, k) vectors, whose magnitude is within the capacity.
+        slope: (n, k) vectors.
+        capacity: Capacity, a number or (n,).
+    """
+    scale = np.reshape(capacity, (-1, 1))
+    unit = np.abs(slope).max(axis=1, keepdims=True)
+    unit = np.where(unit > 0, unit, 1.0)  # squares of small numbers underflow
+    k, s = constant / scale, slope / unit
+    square, half, free = np.sum(s * s, axis=1), np.sum(k * s, axis=1), np.maximum(1.0 - np.sum(k * k, axis=1), 0.0)
+    root = np.sqrt(half**2 + square * free)
+    with np.errstate(all="ignore"):  # the form that divides by zero is not taken; free / 0 means that nothing limits
+        outwards = np.where((half + root > 0) | (free > 0), free / (half + root), np.inf)
+        return np.where(half >= 0, outwards, (root - half) / square) * (scale / unit)[:, 0]
+
+
+def _in_every_stroke(rated: RatedStroke, motion: Motion) -> Iterator[Motion]:
+    """The motion, and that part of the stroke in the other strokes of the period."""
+    yield motion
+    for stroke in range(1, rated.press.period_turns // rated.turns):
+        yield rated.motion(motion.crank_angle + 2 * np.pi * rated.turns * stroke)
+
+
+def _in_one_stroke(rated: RatedStroke, motion: Motion) -> dict[str, Array]:
+    """The forces that torque, bearings and the nominal force permit in one stroke; see `permitted_forces`."""
+    capacities, count = rated.capacities, len(motion.crank_angle)
+    found = {NOMINAL: np.full(count, capacities.nominal_force)}
+    unit = unit_force_reactions(rated.massless, motion, rated.bottom_position, rated.bearings, rated.engine)
+    idle = inverse_dynamics(rated.press, motion, engine=rated.engine, bearings=rated.bearings) if rated.at_speed else None
+    if rated.torque is not None:
+        before = np.zeros((count, 1)) if idle is None else idle.driving_torque[:, None]
+        found[TORQUE] = largest_factor(before, unit.driving_torque[:, None], rated.torque)
+    for name in rated.bearings:
+        before = np.zeros((count, 3)) if idle is None else idle.bearing_force[name]
+        found[BEARING + name] = largest_factor(before, unit.bearing_force[name], capacities.bearings[name])
+    return found
+
+
+def _in_order(rated: RatedStroke, angles: Array) -> Array:
     """Crank angles in the order of the working stroke, each once."""
     rising = np.unique(angles)
     return (rising if rated.bottom > rated.top else rising[::-1]).copy()
 
 
-def _crossing(rated: RatedPress, first: str, second: str, low: float, high: float) -> float:
+def _crossing(rated: RatedStroke, first: str, second: str, low: float, high: float) -> float:
     """Crank angle between two at which the second limit begins to permit less than the first."""
     from scipy.optimize import brentq  # slow to import
 
     def ahead(angle: float) -> float:
-        """How much more the first limit permits, some number where both permit more than the nominal force."""
+        """Force that the first limit permits beyond that of the second; forces count up to twice the nominal one."""
         found = permitted_forces(rated, rated.motion(np.array([angle])))
         one, other = (min(float(found[name][0]), 2 * rated.capacities.nominal_force) for name in (first, second))
         return one - other
 
     before, after = ahead(low), ahead(high)
-    if before * after >= 0:  # they change at a state
+    if before * after >= 0:  # the limits change exactly at a state
         return low if before == 0.0 else high
     return float(brentq(ahead, low, high, xtol=ROUNDING, rtol=ROUNDING))
 
 
-def _capped(rated: RatedPress, angle: Array) -> dict[str, Array]:
+def _capped(rated: RatedStroke, angle: Array) -> dict[str, Array]:
     return {name: np.minimum(force, rated.capacities.nominal_force) for name, force in permitted_forces(rated, rated.motion(angle)).items()}
 
 
 def _governing(forces: Mapping[str, Array]) -> tuple[str, ...]:
-    """Name of the smallest of forces (n,) at every height; of equal ones the first."""
+    """Name of the limit with the smallest force at every height, and of equal ones the first."""
     names = list(forces)
     return tuple(names[k] for k in np.argmin(list(forces.values()), axis=0))
-
-
-UNITS = {
-    "nominal_force": "N",
-    "nominal_height": "m",
-    "torque": "N m",
-    "flywheel_inertia": "kg m2",
-    "speed_drop": "-",
-    "motor_power": "W",
-    "slide_acceleration": "m/s2",
-    "shaking_force": "N",
-}
-
-
-@dataclass(frozen=True)
-class Capacities(Frozen):
-    """Capacities of a press; what is None, or no bearing here, limits nothing.
-
-    Attributes:
-        nominal_force: largest process force at any height [N].
-        nominal_height: above bottom dead centre, from which down the crank's torque lets the nominal force act [m].
-        torque: capacity at the driver joint [N m], in place of the nominal height.
-        bearings: name of a bearing or guide -> largest force in it, the magnitude of its vector: the radial force of a planar press [N].
-        flywheel_inertia: reduced to the driver joint; the linkage's own is not counted [kg m2].
-        speed_drop: largest drop of the flywheel's speed in a stroke, a fraction of the speed; goes with the flywheel. Customary are 0.2 to
-            0.3 in single strokes, 0.1 to 0.15 in continuous ones.
-        motor_power: that restores the energy from stroke to stroke in continuous use [W]. Leave it out for single strokes, between which
-            there is time enough.
-        slide_acceleration: largest that tool and feed allow [m/s2].
-        shaking_force: largest on the foundation, the weight left out [N].
-
-    Raises:
-        PinpressError: a number that is not positive and finite, torque and nominal height at once, a flywheel without a drop of speed or
-            the other way round, a drop of more than the speed.
-    """
-
-    nominal_force: float
-    nominal_height: float | None = None
-    torque: float | None = None
-    bearings: Mapping[str, float] = field(default_factory=lambda: FrozenMapping({}))
-    flywheel_inertia: float | None = None
-    speed_drop: float | None = None
-    motor_power: float | None = None
-    slide_acceleration: float | None = None
-    shaking_force: float | None = None
-
-    def __post_init__(self) -> None:
-        for name, unit in UNITS.items():
-            value = getattr(self, name)
-            if value is not None or name == "nominal_force":
-                object.__setattr__(self, name, positive(name, value, unit))
-        if not isinstance(self.bearings, Mapping):
-            raise PinpressError(f"bearings is {shown(self.bearings)}: give a mapping of names to forces [N], e.g. {{'A': 2e6}}")
-        known = {name: positive(f"the capacity of bearing {shown(name)}", value, "N") for name, value in self.bearings.items()}
-        object.__setattr__(self, "bearings", FrozenMapping(known))
-        if self.torque is not None and self.nominal_height is not None:
-            raise PinpressError("torque and nominal_height both state the torque capacity: leave one out")
-        if (self.flywheel_inertia is None) != (self.speed_drop is None):
-            raise PinpressError("flywheel_inertia and speed_drop go together: give both, or neither")
-        if self.speed_drop is not None and self.speed_drop > 1.0:
-            raise PinpressError(f"speed_drop is {self.speed_drop:g}: give a fraction of the speed, 1 or less")
-
-    def energies(self, speed: float, turns: int = 1) -> dict[str, float]:
-        """Name of a source -> work that a stroke may take of it at a crank speed [rad/s] [J].
-
-        A flywheel that slows from w to (1 - d) w gives J w^2 (1 - (1 - d)^2) / 2, a motor of power P restores 2 pi P / w in a turn.
-
-        Args:
-            turns: of the crank, from stroke to stroke.
-        """
-        found = {}
-        if self.flywheel_inertia is not None and self.speed_drop is not None:
-            # d (2 - d): 1 - (1 - d)^2 would cancel for a small drop
-            found["flywheel energy"] = 0.5 * self.flywheel_inertia * speed**2 * self.speed_drop * (2.0 - self.speed_drop)
-        if self.motor_power is not None:
-            found["motor energy"] = self.motor_power * 2 * math.pi * turns / abs(speed)
-        return found
-
-
-def known_bearings(capacities: Capacities, press: Linkage) -> tuple[str, ...]:
-    """Names of the bearings with a capacity, in the press's order.
-
-    Raises:
-        PinpressError: no Capacities. UnknownNameError: a bearing that the press does not have.
-    """
-    if not isinstance(capacities, Capacities):
-        raise PinpressError(f"capacities is a {type(capacities).__name__}: give Capacities(nominal_force=...)")
-    for name in capacities.bearings:
-        if name not in press.bearings:
-            raise UnknownNameError("bearing", name, press.bearings)
-    return tuple(name for name in press.bearings if name in capacities.bearings)

@@ -1,4 +1,4 @@
-"""Ratings: what force a press may exert at which height, limited by torque, bearings and energy, as its builder prints it."""
+"""Ratings: the force that a press may exert at each height, limited by torque, bearings and energy, as its builder prints it."""
 
 from __future__ import annotations
 
@@ -13,50 +13,59 @@ from ..common.errors import PinpressError
 from ..common.quantities import RPM, Array
 from ..common.results import Tabular
 from ..kinematics import measures
-from ..kinematics.motion import cycle
+from ..kinematics.motion import Motion, cycle
 from ..linkage.linkage import Linkage
-from .permissible_force import Capacities, governing_limits, known_bearings, rated_press, refuse_overloaded_idle, work
+from .permissible_force import (
+    Capacities,
+    GoverningLimits,
+    RatedStroke,
+    governing_limits,
+    known_bearings,
+    permitted_work,
+    rated_stroke,
+    refuse_overloaded_idle,
+)
 from .speed_limits import PermissibleSpeed, limiting_speed
 
-DWELL = 0.01  # of the stroke
-MOST_POINTS = 10**5
-ROWS = 16  # of the table of forces, besides the heights at which another limit governs
-SLOWEST, FASTEST = 1e-12, 1e12  # speeds [rad/s] whose squares, and turns at which, have meaning in floating point
+DWELL = 0.01  # of the stroke: distance from bottom dead centre that counts as dwell
+MOST_POINTS = 10**5  # crank angles; more would be a mistake
+ROWS = 16  # of the table of forces, besides the heights at which another limit begins to govern
+SLOWEST, FASTEST = 1e-12, 1e12  # speeds [rad/s] whose squares and whose time for a turn have meaning in floating point
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Ratings(Tabular):
-    """What a press may do over its working stroke, n heights from top to bottom dead centre. All arrays are read-only.
+class PressRatings(Tabular):
+    """The ratings of a press over its working stroke, at n heights from top to bottom dead centre. All arrays are read-only.
 
     Attributes:
-        press_name: of the press.
-        capacities: as given.
-        speed: of the driver joint [rad/s]; negative: backwards.
-        at_speed: whether weights and inertia forces at this speed are in the forces (False: the process force alone, as catalogues print).
-        torque_capacity: at the driver joint [N m], given or found from nominal force and height; None where there is none.
-        crank_angle: (n,) of the driver joint, unwrapped [rad].
-        height: (n,) of the slide above bottom dead centre, falling to 0 [m].
-        travel_per_angle: (n,) ds/dtheta of the slide along its guide's axis [m/rad]. Its magnitude is the driving torque that a process
-            force of 1 N needs without losses [N m/N], its inverse the mechanical advantage, which has no bounds at the dead centres.
-        slide_velocity: (n,) along the guide's axis [m/s].
-        force: (n,) permissible process force, the smallest of all limits [N].
-        limits: name of a limit -> (n,) force that it permits alone, the nominal force where that is more [N]: "nominal force", "torque",
-            "bearing NAME", "flywheel energy", "motor energy". An energy E permits E / height: a constant force from there to bottom dead
-            centre.
+        press_name: Name of the press.
+        capacities: Capacities as they were given.
+        speed: Speed of the driver joint, negative backwards [rad/s].
+        at_speed: Whether the forces take weights and inertia forces at this speed into account. False: the process force alone, as
+            catalogues print it.
+        torque_capacity: Torque capacity at the driver joint, given or found from nominal force and height [N m]; None: it limits nothing.
+        crank_angle: (n,) crank angle, unwrapped [rad].
+        height: (n,) height of the slide above bottom dead centre, falling to 0 [m].
+        travel_per_angle: (n,) ds/dtheta of the slide along its guide's axis [m/rad]. Its magnitude is the driving torque for a process
+            force of 1 N without losses [N m/N]; its inverse is the mechanical advantage, which grows without bounds at the dead centres.
+        slide_velocity: (n,) velocity of the slide along the guide's axis [m/s].
+        force: (n,) permissible process force, the smallest that a limit permits [N].
+        limits: Name of a limit -> (n,) process force that it permits alone, at most the nominal force [N]. The names are "nominal force",
+            "torque", "bearing NAME", "flywheel energy" and "motor energy". An energy E permits E / height, a constant force from there to
+            bottom dead centre.
         limited_by: (n,) name of the limit that governs.
-        changes: heights at which another limit begins to govern, falling, found to rounding [m]; they are among ``height``.
-        work: (n,) that the permissible force but for energy takes from there to bottom dead centre [J]; more than an energy where that
-            ends before the stroke does.
-        energies: name of a source -> work that a stroke may take of it [J]: "flywheel energy", "motor energy".
-        stroke: of the slide [m].
-        quick_return_ratio: time of the working stroke by that of the return stroke [-].
-        contact_height: where the tool meets the work, above bottom dead centre [m]; None: not given.
-        contact_speed: of the slide there [m/s]; None without a height.
-        contact_advantage: mechanical advantage there, force on the slide for each N m on the crank [1/m]; None without a height.
-        dwell_tolerance: distance from bottom dead centre that counts as dwell [m].
-        dwell_time: how long the slide stays within it [s].
-        speed_limit: at which the idle press reaches a capacity; None where no speed does.
-        turns: of the driver joint from stroke to stroke.
+        changes: Heights at which another limit begins to govern, falling, accurate to rounding [m]; they are among ``height``.
+        work: (n,) work of the force that all limits but energy permit, from there to bottom dead centre [J]. It may be more than an energy.
+        energies: Work that a stroke may take from each source, "flywheel energy" and "motor energy" [J].
+        stroke: Stroke of the slide [m].
+        quick_return_ratio: Time of the working stroke divided by that of the return stroke [-].
+        contact_height: Height above bottom dead centre at which the tool meets the work [m]; None: not given.
+        contact_speed: Speed of the slide at this height [m/s]; None without a height.
+        contact_advantage: Mechanical advantage at this height, force on the slide for each N m on the crank [1/m]; None without a height.
+        dwell_tolerance: Distance from bottom dead centre that counts as dwell [m].
+        dwell_time: Time in which the slide is within this distance [s].
+        speed_limit: Speed at which the idle press reaches a capacity; None where no speed does.
+        turns: Turns of the driver joint from stroke to stroke.
     """
 
     press_name: str
@@ -86,10 +95,10 @@ class Ratings(Tabular):
 
     @property
     def title(self) -> str:
-        return f"Ratings of {self.press_name}: {len(self.height)} heights, nominal force {self.capacities.nominal_force:.6g} N"
+        return f"PressRatings of {self.press_name}: {len(self.height)} heights, nominal force {self.capacities.nominal_force:.6g} N"
 
     def __str__(self) -> str:
-        """Main data, energies, and permissible force at some heights; units beside every number."""
+        """Main data, energies, and permissible force at some heights, with units."""
         rpm = abs(self.speed) / RPM / self.turns
         what = "with weights and inertia forces at this speed" if self.at_speed else "the process force alone, as catalogues print it"
         head = f"{'height [mm]':>14}{'crank angle [deg]':>20}{'torque per force [mm]':>24}{'force [kN]':>14}{'work [kJ]':>13}  limited by"
@@ -105,7 +114,7 @@ class Ratings(Tabular):
         )
 
     def columns(self) -> dict[str, Array | list[str]]:
-        """All quantities over the height as (n,) columns under their names with units, from top to bottom dead centre."""
+        """A row for each height from top to bottom dead centre, with all quantities."""
         return {
             "height [m]": self.height,
             "crank_angle [rad]": self.crank_angle,
@@ -129,32 +138,32 @@ def rate(
     contact_height: float | None = None,
     dwell_tolerance: float | None = None,
     engine: str = "auto",
-) -> Ratings:
-    """What force a press may exert over its working stroke, and how fast it may run.
+) -> PressRatings:
+    """Find the force that a press may exert over its working stroke, and the speed at which it may run.
 
-    F_perm = min(F_N, C / |ds/dtheta|, bearings, E / h). A nominal height h_N stands for the torque C = F_N |ds/dtheta| at h_N. The working
-    stroke is the one against the guide's axis, downwards in an upright press. Friction is left out: with it forces are not affine in the
-    process force.
+    The permissible force is the smallest of F_N, C / |ds/dtheta|, E / h and the forces that the bearings permit. A nominal height h_N
+    stands for the torque C = F_N |ds/dtheta| at h_N. The working stroke is the one against the guide's axis, downwards in an upright press.
+    Friction is left out, because with it forces are not affine in the process force.
 
     Args:
-        press: with one driver, and a slide that turns back twice in a period.
-        speed: of the driver joint in operation [rad/s]; negative: backwards.
-        capacities: what its parts can bear.
-        at_speed: False: torque and bearings carry the process force alone, as catalogues print ratings; True: weights and inertia forces
-            at this speed too, which is what they carry in operation. The torque capacity of a nominal height is the same in both, so
-            that at speed the force at this height differs from the nominal one.
-        points: crank angles in equal steps, from top to bottom dead centre; the nominal height and those at which the governing limit
-            changes come to them.
-        contact_height: above bottom dead centre, where the tool meets the work [m]; by default the nominal height.
-        dwell_tolerance: distance from bottom dead centre that counts as dwell [m]; by default a hundredth of the stroke.
-        engine: as in `cycle`.
+        press: A press with one driver, and a slide with one top and one bottom dead centre.
+        speed: Speed of the driver joint in operation, negative backwards [rad/s].
+        capacities: Capacities of its parts.
+        at_speed: Whether torque and bearings also carry weights and inertia forces at this speed, as in operation. By default they carry
+            the process force alone, as catalogues print ratings. A nominal height stands for one torque capacity in both cases, so that at
+            speed the force at this height differs from the nominal one.
+        points: Number of crank angles in equal steps from top to bottom dead centre, at least 3. The nominal height and the heights at
+            which the governing limit changes are added.
+        contact_height: Height above bottom dead centre at which the tool meets the work [m]; by default the nominal height.
+        dwell_tolerance: Distance from bottom dead centre that counts as dwell [m]; by default a hundredth of the stroke.
+        engine: As in `cycle`.
 
     Raises:
-        PinpressError: arguments that make no sense; a slide that turns back more than twice in a period; a height that is not within the
-            stroke; an idle press that is beyond a capacity at its speed (where ``at_speed``), or by its weight alone: it names what, at
-            which crank angle and speed.
-        UnknownNameError: a bearing that the press does not have.
-        SingularityError: the linkage locks within the period.
+        PinpressError: The press has several drivers or a slide that turns back more than twice in a stroke, a height is not within the
+            stroke, another argument is not as described, or the idle press exceeds a capacity, by its weight alone or (with ``at_speed``)
+            at its speed. The message names the capacity, the crank angle and the speed.
+        UnknownNameError: The press has no such bearing.
+        SingularityError: The linkage locks within the period.
     """
     known_bearings(capacities, press)
     speed, points = _speed(speed), whole_number("points", points, 3, MOST_POINTS)
@@ -162,20 +171,41 @@ def rate(
     if len(press.drivers) > 1:
         raise PinpressError(f"{press.name} has {len(press.drivers)} drivers: ratings are those of a press with one")
     period = cycle(press, speed, engine=engine)
-    quick_return = measures.quick_return_ratio(period)  # refuses what has no one working stroke
-    rated = rated_press(press, capacities, speed, bool(at_speed), engine)
+    quick_return = measures.quick_return_ratio(period)  # refuses a slide with several working strokes
+    rated = rated_stroke(press, capacities, speed, bool(at_speed), engine)
     if at_speed:
         refuse_overloaded_idle(rated)
-    found = governing_limits(rated, points)
+    return _ratings(rated, governing_limits(rated, points), period, quick_return, contact_height, dwell_tolerance)
+
+
+def _ratings(
+    rated: RatedStroke,
+    found: GoverningLimits,
+    period: Motion,
+    quick_return: float,
+    contact_height: float | None,
+    dwell_tolerance: float | None,
+) -> PressRatings:
+    """The ratings of a working stroke whose limits are known.
+
+    Args:
+        rated: The working stroke.
+        found: Its limits.
+        period: Motion of the press over a period at its speed.
+        quick_return: Quick return ratio of this motion.
+        contact_height: As of `rate`.
+        dwell_tolerance: As of `rate`.
+    """
+    press, capacities, speed = rated.press, rated.capacities, rated.speed
     motion = rated.motion(found.angle)
     height = rated.height(motion)
     contact = capacities.nominal_height if contact_height is None else contact_height
     tolerance = DWELL * measures.stroke(period) if dwell_tolerance is None else positive("dwell_tolerance", dwell_tolerance, "m")
-    return Ratings(
+    return PressRatings(
         press_name=press.name,
         capacities=capacities,
         speed=speed,
-        at_speed=bool(at_speed),
+        at_speed=rated.at_speed,
         torque_capacity=rated.torque,
         crank_angle=found.angle,
         height=height,
@@ -185,7 +215,7 @@ def rate(
         limits=found.forces,
         limited_by=found.names,
         changes=tuple(float(height[k]) for k in found.changes),
-        work=work(rated, found.angle),
+        work=permitted_work(rated, found.angle),
         energies=dict(rated.energies),
         stroke=measures.stroke(period),
         quick_return_ratio=quick_return,
@@ -194,7 +224,7 @@ def rate(
         contact_advantage=None if contact is None else measures.mechanical_advantage(period, contact),
         dwell_tolerance=tolerance,
         dwell_time=measures.dwell_time(period, tolerance),
-        speed_limit=limiting_speed(press, capacities, rated.torque, math.copysign(1.0, speed), engine=engine),
+        speed_limit=limiting_speed(press, capacities, rated.torque, math.copysign(1.0, speed), engine=rated.engine),
         turns=rated.turns,
     )
 
@@ -204,8 +234,8 @@ def _speed(speed: float) -> float:
     return float(suitable_numbers("speed", speed, wanted, suits=lambda value: SLOWEST <= abs(value) <= FASTEST))
 
 
-def _data(ratings: Ratings) -> list[tuple[str, str]]:
-    """Names and values of the main data that there are."""
+def _data(ratings: PressRatings) -> list[tuple[str, str]]:
+    """Names and values of the main data, as far as they are known."""
     given, limit = ratings.capacities, ratings.speed_limit
     rows: list[tuple[str, str | None]] = [
         ("nominal force", f"{given.nominal_force / 1e3:.6g} kN"),
@@ -236,14 +266,14 @@ def _data(ratings: Ratings) -> list[tuple[str, str]]:
     return [(name, value) for name, value in rows if value is not None]
 
 
-def _shown(ratings: Ratings) -> list[int]:
-    """Indices of the heights shown: even steps of the crank angle, the nominal height, and where another limit begins to govern."""
+def _shown(ratings: PressRatings) -> list[int]:
+    """Indices of the heights in the table: even steps of the crank angle, the nominal height, and changes of the governing limit."""
     even = np.linspace(0, len(ratings.height) - 1, ROWS).round().astype(int)
     marks = [*ratings.changes, *([] if ratings.capacities.nominal_height is None else [ratings.capacities.nominal_height])]
     return sorted({*even.tolist(), *(int(np.abs(ratings.height - mark).argmin()) for mark in marks)})
 
 
-def _row(ratings: Ratings, k: int) -> str:
+def _row(ratings: PressRatings, k: int) -> str:
     angle = np.degrees(ratings.crank_angle[k]) % (360 * ratings.turns)
     return (
         f"  {1e3 * ratings.height[k]:14.3f}{angle:20.2f}{1e3 * abs(ratings.travel_per_angle[k]):24.4f}"

@@ -1,7 +1,8 @@
 """The speed at which a press reaches a capacity.
 
-At a given crank angle every force of a press that turns at constant speed w is R = A w^2 + c, A by inertia, c by weights and by process
-loads that depend on the slide's height alone. So the speed at which one reaches its capacity is a root of a quadratic equation in w^2.
+At a given crank angle every force of a press that turns at constant speed w is R = A w^2 + c, where A comes from inertia and c from weights
+and from process loads that depend on the slide's height alone. So w^2 at which a force reaches its capacity is the root of a quadratic
+equation.
 """
 
 from __future__ import annotations
@@ -27,12 +28,12 @@ from ..loads.process import ProcessLoad
 from .permissible_force import BEARING, TORQUE, Capacities, known_bearings, largest_factor, without_masses
 
 SHAKING, ACCELERATION = "shaking force", "slide acceleration"
-STATES = 360  # of a turn
-AROUND = 9  # states in which the neighbourhood of the worst is looked at
-ROUNDS = 8  # each divides the neighbourhood by four: a degree to 3e-7 rad, whose square counts
-NEARLY = 1.05  # times the least squared speed: what is further between the states is not the least
+STATES = 360  # of a turn, at which every limit is evaluated first
+AROUND = 9  # states to each round of refining about the worst state
+ROUNDS = 8  # of refining; each divides the interval by four, in all from a degree to 3e-7 rad, whose square counts
+NEARLY = 1.05  # times the least squared speed: between two states a limit above this cannot fall below the least
 NOTHING = 1e-12  # of the largest force by inertia: less is rounding
-FAST = 100.0  # times the speed at which inertia forces are as large as weights, about
+FAST = 100.0  # times the speed at which inertia forces are about as large as weights
 
 
 @dataclass(frozen=True, repr=False)
@@ -40,10 +41,10 @@ class PermissibleSpeed(Record, units={"speed": "rad/s", "crank_angle": "rad"}):
     """The highest speed at which a press keeps every capacity.
 
     Attributes:
-        speed: of the driver joint [rad/s].
-        limited_by: "torque", "bearing NAME", "slide acceleration" or "shaking force".
-        crank_angle: at which that is reached, from 0 to the end of the period, which mostly is 2 pi [rad].
-        turns: of the driver joint from stroke to stroke; where there is no slide, those of the period.
+        speed: Speed of the driver joint [rad/s].
+        limited_by: The capacity that is reached: "torque", "bearing NAME", "slide acceleration" or "shaking force".
+        crank_angle: Crank angle at which it is reached, from 0 to the end of the period, mostly 2 pi [rad].
+        turns: Turns of the driver joint from stroke to stroke; for a press without a slide, those of its period.
     """
 
     speed: float
@@ -53,7 +54,7 @@ class PermissibleSpeed(Record, units={"speed": "rad/s", "crank_angle": "rad"}):
 
     @property
     def strokes_per_minute(self) -> float:
-        """Mostly one a turn of the driver joint."""
+        """Strokes in a minute at this speed; mostly a stroke takes one turn of the driver joint."""
         return self.speed / RPM / self.turns
 
 
@@ -66,23 +67,24 @@ def speed_limit(
     loads: Sequence[ProcessLoad] = (),
     engine: str = "auto",
 ) -> PermissibleSpeed | None:
-    """The highest constant speed at which torque, bearings, slide acceleration and shaking force keep to their capacities over a period.
+    """Find the highest constant speed at which torque, bearings, slide acceleration and shaking force stay within their capacities.
 
     Args:
-        press: with one driver.
-        capacities: what its parts can bear; nominal force and height and the energies limit no speed.
-        torque: capacity at the driver joint [N m], where it is not among the capacities: `Ratings.torque_capacity`.
-        loads: process loads whose forces depend on height and direction of travel alone; by default the press runs idle.
-        engine: as in `cycle`.
+        press: A press with one driver.
+        capacities: Capacities of its parts. Nominal force and height, flywheel and motor limit no speed.
+        torque: Torque capacity at the driver joint where it is not among the capacities, as `PressRatings.torque_capacity` [N m].
+        loads: Process loads whose forces depend on height and direction of travel alone; by default the press runs idle.
+        engine: As in `cycle`.
 
     Returns:
-        None where no speed reaches a capacity. The worst crank angle is found to rounding between the states, loads whose edges are
-        closer than a degree to one another apart.
+        The speed with the limit and the crank angle; None where no speed reaches a capacity. The crank angle is accurate to rounding,
+        except under loads with edges less than a degree apart.
 
     Raises:
-        PinpressError: the press is beyond a capacity at any speed, by weights and loads; a load that depends on the speed.
-        UnknownNameError: a bearing that the press does not have.
-        SingularityError: the linkage locks within the period.
+        PinpressError: The press has several drivers, weights and loads alone exceed a capacity, a load depends on the speed, or an argument
+            is not as described.
+        UnknownNameError: The press has no such bearing.
+        SingularityError: The linkage locks within the period.
     """
     known_bearings(capacities, press)
     if len(press.drivers) > 1:
@@ -97,34 +99,34 @@ def speed_limit(
 def limiting_speed(
     press: Linkage, capacities: Capacities, torque: float | None, way: float, loads: Sequence[ProcessLoad] = (), engine: str = "auto"
 ) -> PermissibleSpeed | None:
-    """The highest speed as `speed_limit` finds it, with the crank turning either way.
+    """The highest speed as `speed_limit` finds it, with the crank turning forwards or backwards.
 
     Args:
-        press: with one driver.
-        capacities: as of `speed_limit`.
-        torque: capacity at the driver joint [N m]; None: it limits nothing.
-        way: 1 or -1, forwards or backwards, which decides where loads act.
-        loads: as of `speed_limit`.
-        engine: as in `cycle`.
+        press: A press with one driver.
+        capacities: As for `speed_limit`.
+        torque: Torque capacity at the driver joint [N m]; None: it limits nothing.
+        way: 1 forwards, -1 backwards, which decides where loads act.
+        loads: As for `speed_limit`.
+        engine: As in `cycle`.
     """
     turning = _TurningPress(press, capacities, torque, way, tuple(loads), engine)
     if not turning.limits_something:
         return None
     step, turns = 2 * np.pi / STATES, press.period_turns
     angle: Array = np.arange(STATES * turns, dtype=float) * step
-    first = {item.name: item for item in _limits(turning, angle)}
-    least = min(float(item.square.min()) for item in first.values())
+    first = _squared_speeds(turning, angle)
+    least = min(float(square.min()) for square in first.values())
     if not math.isfinite(least):
         return None
-    names = [name for name, item in first.items() if item.square.min() <= NEARLY * least]
-    best = np.array([float(first[name].square.min()) for name in names])
-    centre = np.array([angle[int(first[name].square.argmin())] for name in names])
+    names = [name for name, square in first.items() if square.min() <= NEARLY * least]
+    best = np.array([float(first[name].min()) for name in names])
+    centre = np.array([angle[int(first[name].argmin())] for name in names])
     offsets = np.linspace(-1.0, 1.0, AROUND)
     for _ in range(ROUNDS):  # all at once, each about its own worst state
         places = centre[:, None] + step * offsets
-        again = {item.name: item.square.reshape(places.shape) for item in _limits(turning, places.ravel())}
+        again = _squared_speeds(turning, places.ravel())
         for k, name in enumerate(names):
-            square = again[name][k]
+            square = again[name].reshape(places.shape)[k]
             if square.min() <= best[k]:
                 best[k], centre[k] = float(square.min()), float(places[k, int(square.argmin())])
         step *= 2 / (AROUND - 1)
@@ -134,16 +136,9 @@ def limiting_speed(
     )
 
 
-class _SpeedLimit(NamedTuple):
-    """Something with a capacity, and the squares of the speeds (n,) at which it is reached [rad2/s2], infinite where it is not."""
-
-    name: str
-    square: Array
-
-
 @dataclass(frozen=True, eq=False)
 class _TurningPress:
-    """A press that turns at constant speed under loads; see `limiting_speed`."""
+    """A press that turns at constant speed under loads; see `limiting_speed`; attributes as its arguments."""
 
     press: Linkage
     capacities: Capacities
@@ -178,50 +173,75 @@ class _TurningPress:
         faster = servo_cycle(self.press, speed=2 * self.fast, angle=motion.crank_angle, engine=self.engine)
         again = self.reactions(self.massless, faster, self.loads)
         if np.abs(again.driving_torque - found.driving_torque).max() > NOTHING * np.abs(found.driving_torque).max():
-            raise PinpressError("a load depends on the slide's speed: a limit of speed takes loads that depend on height alone")
+            raise PinpressError("a load depends on the slide's speed: a speed limit takes only loads that depend on height alone")
         return found
 
 
-def _limits(turning: _TurningPress, angle: Array) -> Iterator[_SpeedLimit]:
-    """Everything that has a capacity, at crank angles (n,)."""
-    press, capacities, square = turning.press, turning.capacities, turning.fast**2
-    fast = servo_cycle(press, speed=turning.fast, angle=angle, engine=turning.engine)
-    still = replace(fast, crank_speed=0 * fast.crank_speed, v=0 * fast.v, a=0 * fast.a)  # in the same poses
+class _Loading(NamedTuple):
+    """Something with a capacity, and how much of it is in use at crank angles (n,), as vectors of k components.
+
+    Attributes:
+        name: Name of the limit.
+        running: (n, k) at the fast speed, without loads.
+        resting: (n, k) at rest, by weights alone.
+        load: (n, k) by loads alone, or 0.
+        capacity: Largest magnitude.
+        unit: Unit of all these.
+        rounding: Below it the part by inertia is rounding.
+    """
+
+    name: str
+    running: Array
+    resting: Array
+    load: Array | float
+    capacity: float
+    unit: str
+    rounding: float
+
+
+def _squared_speeds(turning: _TurningPress, angle: Array) -> dict[str, Array]:
+    """Squares of the speeds (n,) at which each limit is reached at crank angles (n,), infinite where it is not [rad2/s2]."""
+    fast = servo_cycle(turning.press, speed=turning.fast, angle=angle, engine=turning.engine)
+    return {loading.name: _squared_speed(turning, fast, loading) for loading in _loadings(turning, fast)}
+
+
+def _loadings(turning: _TurningPress, fast: Motion) -> Iterator[_Loading]:
+    """Everything that has a capacity, in a motion at the fast speed."""
+    press, capacities = turning.press, turning.capacities
+    still = replace(fast, crank_speed=0 * fast.crank_speed, v=0 * fast.v, a=0 * fast.a)  # in the poses of the motion
     at_rest, running, loaded = turning.reactions(press, still), turning.reactions(press, fast), turning.under_loads(fast)
     largest = max(float(np.abs(force - at_rest.bearing_force[name]).max()) for name, force in running.bearing_force.items())
-    size = press.size
-
-    def reached(name: str, running: Array, resting: Array, load: Array | float, capacity: float, unit: str, least: float) -> _SpeedLimit:
-        slope = np.where(np.abs(running - resting) > least, running - resting, 0.0) / square
-        constant = resting + load
-        amount = np.linalg.norm(constant, axis=1)
-        worst = int(amount.argmax())
-        if amount[worst] > capacity:
-            raise PinpressError(
-                f"{name} is {amount[worst]:.6g} {unit} at crank angle {fast.crank_degrees[worst]:.6g} deg at any speed, by weights"
-                f"{' and loads' if turning.loads else ''}, its capacity {capacity:.6g} {unit}: more capacity, or less load"
-            )
-        return _SpeedLimit(name, largest_factor(constant, slope, capacity))
-
     if turning.torque is not None:
         load = 0.0 if loaded is None else loaded.driving_torque[:, None]
-        yield reached(
-            TORQUE, running.driving_torque[:, None], at_rest.driving_torque[:, None], load, turning.torque, "N m", NOTHING * largest * size
-        )
+        torques = running.driving_torque[:, None], at_rest.driving_torque[:, None], load
+        yield _Loading(TORQUE, *torques, turning.torque, "N m", NOTHING * largest * press.size)
     for name in known_bearings(capacities, press):
         load = 0.0 if loaded is None else loaded.bearing_force[name]
-        yield reached(
-            BEARING + name,
-            running.bearing_force[name],
-            at_rest.bearing_force[name],
-            load,
-            capacities.bearings[name],
-            "N",
-            NOTHING * largest,
-        )
-    nothing = np.zeros((len(angle), 1))
+        forces = running.bearing_force[name], at_rest.bearing_force[name], load
+        yield _Loading(BEARING + name, *forces, capacities.bearings[name], "N", NOTHING * largest)
     if capacities.slide_acceleration is not None:
-        yield reached(ACCELERATION, fast.slide_acceleration[:, None], nothing, 0.0, capacities.slide_acceleration, "m/s2", 0.0)
+        accelerations = fast.slide_acceleration[:, None], np.zeros((len(fast.crank_angle), 1)), 0.0
+        yield _Loading(ACCELERATION, *accelerations, capacities.slide_acceleration, "m/s2", 0.0)
     if capacities.shaking_force is not None:  # of inertia alone; process loads do not reach the foundation
         shaking = running.shaking_force - at_rest.shaking_force
-        yield reached(SHAKING, shaking, np.zeros_like(shaking), 0.0, capacities.shaking_force, "N", NOTHING * largest)
+        yield _Loading(SHAKING, shaking, np.zeros_like(shaking), 0.0, capacities.shaking_force, "N", NOTHING * largest)
+
+
+def _squared_speed(turning: _TurningPress, fast: Motion, loading: _Loading) -> Array:
+    """Squares of the speeds (n,) at which one limit is reached.
+
+    Raises:
+        PinpressError: Weights and loads alone exceed the capacity.
+    """
+    inertia = loading.running - loading.resting
+    slope = np.where(np.abs(inertia) > loading.rounding, inertia, 0.0) / turning.fast**2
+    constant = loading.resting + loading.load
+    amount = np.linalg.norm(constant, axis=1)
+    worst = int(amount.argmax())
+    if amount[worst] > loading.capacity:
+        raise PinpressError(
+            f"{loading.name} is {amount[worst]:.6g} {loading.unit} at crank angle {fast.crank_degrees[worst]:.6g} deg at any speed, by"
+            f" weights{' and loads' if turning.loads else ''}, but its capacity is {loading.capacity:.6g} {loading.unit}: raise the"
+            " capacity, or lower the load"
+        )
+    return largest_factor(constant, slope, loading.capacity)

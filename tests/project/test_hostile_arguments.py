@@ -33,7 +33,7 @@ MADE = {
     "ExtremeValues",
 }
 MADE |= {"FailedPoint", "HarmonicAnalysis", "Linkage", "Measurement", "Motion", "MotionSensitivity", "OperatingMap", "MeasureChange"}
-MADE |= {"Ratings", "Reactions", "Run", "DeflectedSlide", "SnapThroughResponse", "PermissibleSpeed", "SweepTable", "SynthesisResult"}
+MADE |= {"PressRatings", "Reactions", "Run", "DeflectedSlide", "SnapThroughResponse", "PermissibleSpeed", "SweepTable", "SynthesisResult"}
 MADE |= {
     "Correction",
     "CrankSlider",

@@ -129,7 +129,9 @@ def test_errors():
     press = shipped("crank_slide")
     # With the crank upright the rod, at sin(phi) = 1/4, holds the slide's 100 kg and, by moments about P, pushes on half its own 15 kg.
     at_rest = 9.81 * np.hypot(100.0, 107.5 * 0.25 / np.sqrt(1 - 0.25**2))
-    with pytest.raises(pp.PinpressError, match=f"bearing W is {at_rest:.6g} N at crank angle (90|270) deg at any speed, by weights, its"):
+    with pytest.raises(
+        pp.PinpressError, match=f"bearing W is {at_rest:.6g} N at crank angle (90|270) deg at any speed, by weights, but its"
+    ):
         speed_limit(press, Capacities(1e5, bearings={"W": 500.0}))
     with pytest.raises(pp.PinpressError, match="by weights and loads"):
         speed_limit(press, Capacities(1e5, bearings={"W": 5e3}), loads=[ConstantForce(2e4, 0.01)])

@@ -141,7 +141,7 @@ def vibration() -> foundation.FrameMotion:
 
 
 @cache
-def rated() -> pp.ratings.Ratings:
+def rated() -> pp.ratings.PressRatings:
     return pp.ratings.rate(press(), 7.0, pp.ratings.Capacities(1e5), points=9)
 
 
