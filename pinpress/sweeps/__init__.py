@@ -1,12 +1,12 @@
 """Many points: operating points of a press, and any function on a grid of its arguments.
 
     table = pp.sweeps.operating_points(press, speeds=np.linspace(30, 70, 5) * pp.RPM, points=90)
-    table.to_frame()  # peaks of torque and every bearing force, a row a speed
+    table.to_frame()  # peaks of torque and every bearing force, one row for each speed
 
     found = pp.sweeps.sweep(torque_of, {"speed": [5.0, 6.0, 7.0]})  # def torque_of(speed): ... return {"torque": ...}
     found.values["torque"]
 
-`sweep` runs in several processes where it is given an executor, and keeps what is done in a file, so that one that was ended goes on.
+`sweep` runs in several processes where it is given an executor. With a file for its results it goes on where it was stopped.
 """
 
 import lazy_loader

@@ -1,4 +1,4 @@
-"""The work of a sweep: the function at point after point, here or by the workers of an executor."""
+"""The work of a sweep: calls of the function at all points, in this process or by the workers of an executor."""
 
 import time
 from collections import deque
@@ -14,13 +14,19 @@ from .grid import LONGEST, RESERVED, Grid, Scalar, scalar
 
 Function = Callable[..., Mapping[str, object]]
 
-TASK = 0.1  # work that is sent at once [s]: a task costs a tenth of a millisecond with processes, some with a cluster
-LONGEST_TASK = 2 * TASK
+TASK = 0.1  # length of a task [s]; sending one costs a tenth of a millisecond with processes, and some milliseconds with a cluster
+LONGEST_TASK = 2 * TASK  # after this time a task returns the points it has done [s]
 LEAVE_TIME = 1.0  # for finished tasks to arrive after one has failed [s]
 
 
 class Outcome(NamedTuple):
-    """What the function returned at a point; of one that failed no values, and the exception's type and text."""
+    """The outcome of a point.
+
+    Attributes:
+        number: Number of the point.
+        values: What the function returned, by name; empty where it failed.
+        error: Type and text of the exception where it failed; else empty.
+    """
 
     number: int
     values: dict[str, Scalar]
@@ -36,20 +42,24 @@ KILLS = (
 
 
 class TaskError(Exception):
-    """A task that the executor could not carry out; the cause is its exception."""
+    """The executor could not carry out a task; the cause is its exception."""
 
 
 class Apart(Executor):
-    """Pools of one process each, as many as a pool has that broke: of these a death ends the task of that process alone."""
+    """Pools of one process each, in place of a pool that broke: when a process dies, only its own task is lost."""
 
     def __init__(self, broken: ProcessPoolExecutor) -> None:
-        # What it was made with; it does not say so otherwise.
+        # The arguments of the broken pool are in its private attributes alone.
         self._pool = partial(ProcessPoolExecutor, 1, broken._mp_context, broken._initializer, broken._initargs)
         self.workers: int = broken._max_workers  # type: ignore[attr-defined]
         self._idle: list[ProcessPoolExecutor] = []
 
     def submit(self, function: Callable[..., Any], /, *arguments: Any, **named: Any) -> "Future[Any]":
-        """Of at most ``workers`` tasks at a time. Raises BrokenProcessPool where no process can be started."""
+        """Submit a task; at most ``workers`` tasks may run at a time.
+
+        Raises:
+            BrokenProcessPool: No process can be started.
+        """
         if self._idle:
             pool = self._idle.pop()
         else:
@@ -61,7 +71,7 @@ class Apart(Executor):
 
     def _end(self, pool: ProcessPoolExecutor, future: "Future[Any]") -> None:
         if future.cancelled() or not isinstance(future.exception(), BrokenProcessPool):
-            self._idle.append(pool)  # one that broke has ended by itself, and from Python 3.13 on holds its lock while it says so
+            self._idle.append(pool)  # a broken pool has ended by itself; from Python 3.13 on it holds its lock during this call
 
     def close(self) -> None:
         for pool in self._idle:
@@ -69,7 +79,7 @@ class Apart(Executor):
 
 
 def serially(function: Function, grid: Grid, numbers: Sequence[int]) -> Generator[list[Outcome], None, None]:
-    """Outcomes of points, one after the other in this process."""
+    """Outcomes of points, computed one after the other in this process."""
     for number in numbers:
         yield [outcome(function, number, grid.point(number))]
 
@@ -77,14 +87,22 @@ def serially(function: Function, grid: Grid, numbers: Sequence[int]) -> Generato
 def in_parallel(
     executor: Executor, function: Function, grid: Grid, numbers: Sequence[int], in_flight: int
 ) -> Generator[list[Outcome], None, None]:
-    """Outcomes of points as they come, of tasks submitted to an executor, so many at a time.
+    """Outcomes of points as they arrive from an executor.
 
-    A task has as many points as take about `TASK`, at first one, and at most doubling from task to task. One that takes longer leaves
-    points undone, which are submitted again. Where a worker dies, the points of all tasks that may have killed it are done one by one; one
-    that kills its worker then has failed. A process pool, which such a death breaks, is left, and its work done by pools of one process.
+    A task has as many points as take about `TASK`: at first one, then at most twice as many from task to task. A task that takes longer
+    returns early, and its remaining points are submitted again. When a worker dies, the points of all tasks that may have killed it are
+    done one by one; a point that kills its worker then counts as failed. A process pool breaks by such a death; its work goes on in pools
+    of one process.
+
+    Args:
+        executor: The executor.
+        function: The function of the sweep.
+        grid: Its grid.
+        numbers: Numbers of the points to be done.
+        in_flight: Number of tasks submitted at a time.
 
     Raises:
-        TaskError: a task was not carried out; after what others had finished has been given.
+        TaskError: A task was not carried out. It is raised after the outcomes of other finished tasks.
     """
     work = _Tasks(executor, function, grid, numbers, in_flight)
     try:
@@ -109,7 +127,7 @@ class _Tasks:
         return bool(self._pending or self._waiting or self._alone)
 
     def next(self) -> Iterator[list[Outcome]]:
-        """Outcomes of the next task to end, and of others where it has broken the pool."""
+        """Outcomes of the next task that ends, and of others where it has broken the pool."""
         points: list[int] = []
         carried_out = False
         try:
@@ -127,7 +145,7 @@ class _Tasks:
         yield found
 
     def close(self) -> None:
-        """Cancel what has not begun."""
+        """Cancel all tasks that have not begun."""
         for future in self._pending:
             future.cancel()
         if isinstance(self._executor, Apart):
@@ -144,7 +162,7 @@ class _Tasks:
         future.add_done_callback(self._finished.put)
 
     def _after(self, error: Exception, points: list[int], carried_out: bool) -> Iterator[list[Outcome]]:
-        """What follows from the exception of a task with these points, or of its submission."""
+        """Handle the exception of a task with these points, or of its submission."""
         if type(self._executor) is ProcessPoolExecutor and isinstance(error, BrokenProcessPool):
             yield from self._leave_broken_pool(self._executor, points)
         elif carried_out and _killed(error) and len(points) == 1:
@@ -156,7 +174,7 @@ class _Tasks:
             raise TaskError from error
 
     def _leave_broken_pool(self, pool: ProcessPoolExecutor, points: list[int]) -> Iterator[list[Outcome]]:
-        """Give what the pool has finished; all else that it had in hand is done point by point, by pools of one process."""
+        """Give the outcomes that the pool has finished, and mark all its other points to be done one by one, by pools of one process."""
         wait(self._pending, timeout=LEAVE_TIME)
         for future, others in self._pending.items():
             good = future.done() and not future.cancelled() and future.exception() is None
@@ -170,7 +188,7 @@ class _Tasks:
 
 
 def outcomes(function: Function, points: Sequence[tuple[int, Mapping[str, object]]]) -> tuple[list[Outcome], float]:
-    """One task: the outcomes of numbered points, of the first few where they take long, and how long they took [s]."""
+    """One task: the outcomes of numbered points (of the first few where they take long), and the time that they took [s]."""
     found, start = [], time.perf_counter()
     for number, point in points:
         found.append(outcome(function, number, point))
@@ -185,7 +203,7 @@ def outcome(function: Function, number: int, point: Mapping[str, object]) -> Out
         return Outcome(number, _checked(function(**point)), "")
     except KeyboardInterrupt:
         raise
-    except BaseException as error:  # whatever it is, SystemExit too, the other points go on
+    except BaseException as error:  # after any error, SystemExit too, the other points go on
         return Outcome(number, {}, _described(error))
 
 
@@ -200,7 +218,12 @@ def _described(error: BaseException) -> str:
 
 
 def _checked(returned: object) -> dict[str, Scalar]:
-    """What the function returned, as a table takes it."""
+    """The values that the function returned, as a table takes them.
+
+    Raises:
+        TypeError: It returned no mapping of names to values.
+        ValueError: A table cannot hold a value.
+    """
     if not isinstance(returned, Mapping) or not returned:
         raise TypeError(f"the function returned {_short(returned)}; return a mapping of names to numbers, {{'peak_torque': 1.0}}")
     values = {}
@@ -216,7 +239,7 @@ def _checked(returned: object) -> dict[str, Scalar]:
 
 
 def _left(finished: "SimpleQueue[Task]", count: int) -> Iterator[list[Outcome]]:
-    """What tasks have finished beside one that failed; those of a broken pool fail at once, too."""
+    """Outcomes of other tasks that finish soon after one has failed; in a broken pool all fail at once."""
     until = time.monotonic() + LEAVE_TIME
     for _ in range(count):
         try:
@@ -228,7 +251,7 @@ def _left(finished: "SimpleQueue[Task]", count: int) -> Iterator[list[Outcome]]:
 
 
 def _killed(error: Exception) -> bool:
-    """Whether a task has ended its worker, of a pool or of a Dask cluster, which gives it up after it has ended several."""
+    """Whether a task has killed its worker: one of a pool, or several of a Dask cluster, which then gives the task up."""
     return isinstance(error, BrokenProcessPool) or type(error).__name__ == "KilledWorker"
 
 

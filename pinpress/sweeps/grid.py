@@ -1,4 +1,4 @@
-"""The points of a sweep: axes of labelled values, every combination of them or side by side, and what tells one sweep from another."""
+"""The points of a sweep: axes of labelled values, all combinations or side by side, and the comparison of two sweeps."""
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
@@ -9,11 +9,11 @@ import numpy as np
 from ..common.errors import PinpressError, shown
 
 Scalar = float | int | bool | str
-"""What a table can hold."""
+"""A value that a table can hold."""
 
-RESERVED = ("point", "error", "checksum")  # columns of every table
+RESERVED = ("point", "error", "checksum")  # names of other columns of a table
 LONGEST = 10_000  # characters of a word in a table
-LARGEST = 2**53  # whole number that a float holds exactly
+LARGEST = 2**53  # largest whole number up to which a float holds all exactly
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -21,9 +21,9 @@ class Grid:
     """Points of a sweep, numbered from 0 with the last axis fastest.
 
     Attributes:
-        axes: name -> labels, numbers or words.
-        objects: name -> what is passed to the function: the labels themselves, but where the axis was given as a mapping.
-        paired: the axes run side by side, as columns of equal length.
+        axes: Name -> labels of each axis, numbers or words.
+        objects: Name -> objects passed to the function; the labels themselves, unless the axis was given as a mapping.
+        paired: Whether the axes run side by side, as columns of equal length.
     """
 
     axes: Mapping[str, tuple[Scalar, ...]]
@@ -48,7 +48,7 @@ class Grid:
         return {name: objects[k] for (name, objects), k in zip(self.objects.items(), self._places(number), strict=True)}
 
     def columns(self) -> dict[str, list[Scalar]]:
-        """The labels of all points, name -> (n,)."""
+        """The labels of all n points, by the axes' names."""
         if self.paired:
             return {name: list(labels) for name, labels in self.axes.items()}
         places = np.unravel_index(np.arange(len(self)), self.shape)
@@ -65,7 +65,12 @@ class Grid:
 
 
 def gridded(grid: object, paired: bool) -> Grid:
-    """The grid that a caller means; see `pinpress.sweeps.sweep`."""
+    """A caller's grid; see `pinpress.sweeps.sweep`.
+
+    Raises:
+        PinpressError: It is no mapping, an axis has no values, a value twice or one that a table cannot hold, or paired axes differ in
+            length.
+    """
     if not isinstance(grid, Mapping) or not grid:
         raise PinpressError("grid: give a mapping of at least one argument's name to its values, {'speed': [...], 'force': [...]}")
     axes, objects = {}, {}
@@ -85,7 +90,11 @@ def gridded(grid: object, paired: bool) -> Grid:
 
 
 def scalar(value: object) -> Scalar:
-    """A number or word as Python's own; raises ValueError, which says what is wrong, where it is none that a table can hold."""
+    """A number, word or bool as Python's own type.
+
+    Raises:
+        ValueError: A table cannot hold the value; the message says why.
+    """
     if isinstance(value, np.generic) or (isinstance(value, np.ndarray) and value.ndim == 0):
         value = value.item()
     if isinstance(value, bool):
@@ -106,7 +115,7 @@ def scalar(value: object) -> Scalar:
 
 
 def differences(before: Mapping[str, object], now: Mapping[str, object]) -> Iterator[str]:
-    """What tells two fingerprints apart, in words."""
+    """The differences of two descriptions of sweeps, in words."""
     if before.get("function") != now["function"]:
         yield f"its function is {shown(before.get('function'))}, not {shown(now['function'])}"
     then, axes = before.get("axes"), now["axes"]
@@ -126,12 +135,12 @@ def differences(before: Mapping[str, object], now: Mapping[str, object]) -> Iter
 
 
 def fingerprint(grid: Grid, function: str) -> dict[str, object]:
-    """What two runs of one sweep have in common, as JSON takes it."""
+    """A description of a sweep that is equal in all its runs, as JSON takes it."""
     return {"function": function, "axes": {name: list(labels) for name, labels in grid.axes.items()}, "paired": grid.paired}
 
 
 def _axis(name: str, values: object) -> tuple[tuple[Scalar, ...], tuple[object, ...]]:
-    """Labels and objects of one axis."""
+    """Labels and objects of one axis. Raises as `gridded`."""
     if isinstance(values, Mapping):
         labels, objects = list(values), tuple(values.values())
     elif isinstance(values, Sequence | np.ndarray) and not isinstance(values, str | bytes) and _flat(values):

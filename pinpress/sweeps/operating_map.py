@@ -1,21 +1,22 @@
 """Operating points of a press: torque and forces at every speed and every amplitude of its load, without a loop over them.
 
-At a given crank angle and a constant speed w torque and every reaction are affine in w^2 and in the amplitude F of a load,
+At a given crank angle and a constant speed w, torque and every reaction are affine in w^2 and in the amplitude F of a load,
 
     a(angle) w^2 + c(angle) + d(angle) F
 
-(a: inertia, c: weight, springs and constant loads, d: the load of amplitude one), as the equations of motion are linear in the
-accelerations, which go with w^2, and in the forces. Three calls of inverse dynamics give a, c and d; two or three more confirm them.
+where a comes from inertia, c from weight, springs and constant loads, and d from the load of amplitude one: the equations of motion are
+linear in the forces and in the accelerations, which are proportional to w^2. Three calls of inverse dynamics give a, c and d; two or three
+more confirm them.
 
-The largest value over the states, or the largest length of a vector of force, is then wanted at (n, m) points (W, F), W = w^2, of
-quantities f_k = a_k W + c_k + d_k F in states k. The grid is cut into tiles. Most states are the largest nowhere in a tile, and can be left
-out for good reason:
+Then for quantities f_k = a_k W + c_k + d_k F in states k, with W = w^2, the largest value over the states, or the largest length of a
+vector, is found at (n, m) points (W, F). The grid is cut into tiles. Most states are the largest nowhere in a tile, and can be left out:
 
-- Let u be a unit vector. The length of f_k less u . f_j is convex in (W, F), a length of something affine less something affine. So where
-  it is not positive at the four corners of a tile, it is so all over it, and |f_k| <= u . f_j <= |f_j|: state j leaves state k out.
-- Of scalars, u is 1 and the length the value itself: the same with nothing lost.
+- Let u be a unit vector. The difference |f_k| - u . f_j is convex in (W, F), because it is the length of an affine function minus an affine
+  function. So where it is not positive at the four corners of a tile, it is not positive in the tile, and |f_k| <= u . f_j <= |f_j| there:
+  state j leaves state k out.
+- For scalars u is 1 and the value itself stands for the length.
 
-Of a few hundred states few are left in a tile, and are compared at all of its points.
+Of a few hundred states few remain in a tile; these are compared at all of its points.
 """
 
 from __future__ import annotations
@@ -41,13 +42,15 @@ from ..linkage.linkage import Linkage
 from ..loads.link import Load, PointForce, SpringDamper
 from ..loads.process import ForceInterval, ProcessLoad, TimeForce
 
-SLOW = 1e-9  # of the highest speed: inertia is below rounding, and the slide still has its direction of travel
-BETWEEN = 0.37  # of highest speed and amplitude: where the coefficients are tried
-AFFINE = 1e-9  # of the largest value: what differs by more is not affine
-NOTHING = 1e-13  # of the largest component: less is rounding
-
+SLOW = 1e-9  # of the highest speed: here inertia is below rounding, but the slide still has a direction of travel
+BETWEEN = 0.37  # of the highest speed and amplitude: here the coefficients are confirmed too
+AFFINE = 1e-9  # of the largest value: a quantity with a larger difference is not affine
+NOTHING = 1e-13  # of the largest component: a component this small is rounding
+TILES = 16  # along either axis: with fewer more states remain in each, and more take longer to prepare
+LEAST = 24  # points of a tile along either axis
 Quantities = dict[str, Array]
-"""Name -> (k, s): components, states."""
+"""Name -> (k, s) array, components by states."""
+Cycle = Callable[[float, float | None], tuple[Motion, Quantities]]
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -55,12 +58,12 @@ class OperatingMap(Tabular):
     """Extremes over a period at every speed and amplitude of a load. All arrays are read-only.
 
     Attributes:
-        press_name: of the press.
-        speeds: (n,) of the driver [rad/s].
+        press_name: Name of the press.
+        speeds: (n,) speeds of the driver [rad/s].
         forces: (m,) amplitudes of the load [N].
-        results: name -> (n, m): largest_driving_torque and smallest_driving_torque [N m], peak_force_A of every bearing asked for, the
-            largest magnitude [N], range_shaking_force_x, _y and _z, largest less smallest [N].
-        angles: name of an extreme torque or peak -> (n, m) crank angle at which it is [rad]; empty where they were not asked for.
+        results: Name -> (n, m) values. The names are largest_driving_torque and smallest_driving_torque [N m]; peak_force_A and so on, the
+            largest magnitude of the force in each bearing [N]; range_shaking_force_x, _y and _z, largest less smallest value [N].
+        angles: Name of an extreme torque or peak force -> (n, m) crank angle at which it occurs [rad]; empty where not asked for.
     """
 
     press_name: str
@@ -94,17 +97,17 @@ class OperatingMap(Tabular):
         return {"speed": self.speeds, "force": self.forces}
 
     def columns(self) -> dict[str, Array]:
-        """All points, forces fastest, as (n m,) columns under their names with units: speed, force, results and angles."""
+        """A row for each point, forces fastest: speed, force, results and angles."""
         columns = {"speed": np.repeat(self.speeds, self.shape[1]), "force": np.tile(self.forces, self.shape[0])}
         columns |= {name: values.ravel() for name, values in self.results.items()}
         columns |= {f"angle_of_{name}": values.ravel() for name, values in self.angles.items()}
         return {f"{name} [{_unit(name)}]": values for name, values in columns.items()}
 
     def grid(self, name: str) -> Array:
-        """A result (n, m).
+        """A result (n, m), speeds by forces.
 
         Raises:
-            UnknownNameError: no such result.
+            UnknownNameError: There is no such result.
         """
         if name not in self.results:
             raise UnknownNameError("result", name, self.results)
@@ -123,25 +126,26 @@ def operating_points(
     points: int | None = None,
     angles: bool = False,
 ) -> OperatingMap:
-    """Extremes of torque and forces over a period at constant speed, at every speed and every amplitude of a load.
+    """Find the extremes of torque and forces over a period at constant speed, at every speed and every amplitude of a load.
 
-    They are those of `inverse_dynamics` of `cycle`, exactly but for rounding, at a million points a second.
+    They are those of `inverse_dynamics` of `cycle` up to rounding, at a million points a second.
 
     Args:
-        press: with one driver that turns fully.
-        speeds: of the driver (n,), all positive or all negative [rad/s].
-        forces: amplitudes (m,) that ``unit_load`` is multiplied by: [N] where it is a load of 1 N.
-        unit_load: one or several process loads or point forces, such as ``DeepDrawing(force=1.0, start=0.010)``.
-        loads: what acts at every point the same, such as springs.
-        bearings: names of those whose peaks are wanted; by default all.
-        points: crank angles of the period, in equal steps from 0; by default 360 a turn.
-        angles: the crank angles of extreme torques and peaks too; takes longer.
+        press: A press with one driver that turns fully.
+        speeds: (n,) speeds of the driver, all positive or all negative [rad/s].
+        forces: (m,) amplitudes by which ``unit_load`` is multiplied, in N where it is a load of 1 N.
+        unit_load: One or several process loads or point forces, such as ``DeepDrawing(force=1.0, start=0.010)``.
+        loads: Loads that are equal at all points, such as springs.
+        bearings: Names of the bearings whose peak forces are wanted; by default all.
+        points: Number of crank angles of the period, in equal steps from 0; by default 360 a turn.
+        angles: Whether to find the crank angles of extreme torques and peak forces too, which takes longer.
 
     Raises:
-        PinpressError: an argument that makes no sense; loads that depend on the speed or on time, as dampers do, or not in proportion on
-            the amplitude, by 1e-9 of the largest value at the highest speed and the ends of the amplitudes, or between: of these `sweep`
-            does each point by itself.
-        UnknownNameError, SingularityError, AssemblyError: as `cycle` and `inverse_dynamics`.
+        PinpressError: An argument is not as described, or a load depends on the speed or on time, as dampers do, or is not proportional to
+            its amplitude, by more than 1e-9 of the largest value. For such loads use `sweep`, which computes every point.
+        UnknownNameError: The press has no such bearing.
+        SingularityError: The linkage locks within the period.
+        AssemblyError: The linkage cannot be assembled at some crank angle.
     """
     if len(press.drivers) > 1:
         raise PinpressError(f"{press.name} has {len(press.drivers)} drivers: operating points are of a press with one")
@@ -155,7 +159,7 @@ def operating_points(
 
     at = partial(_cycle, press, units, constant, bearings, points)
     fastest, most = float(speed[np.abs(speed).argmax()]), float(force[np.abs(force).argmax()])
-    with np.errstate(all="ignore"):  # what overflows is refused
+    with np.errstate(all="ignore"):  # values that overflow are refused below
         motion, affine = _coefficients(at, fastest, most)
         ends = {(fastest, float(force.min())), (fastest, float(force.max()))}
         _confirm(at, affine, ends | {(BETWEEN * fastest, BETWEEN * most)})
@@ -167,168 +171,14 @@ def operating_points(
     return OperatingMap(press.name, speed, force, results, crank_angles)
 
 
-def _loads(unit_load: Load | Sequence[Load], loads: Sequence[Load]) -> tuple[Sequence[Load], Sequence[Load]]:
-    """What is multiplied, and what acts at every point the same."""
-    units, constant = (asked(_listed(name, given)) for name, given in (("unit_load", unit_load), ("loads", loads)))
-    if any(isinstance(load, SpringDamper) for load in units):
-        raise PinpressError("unit_load has a spring or damper, which has no amplitude: give it in loads")
-    if any(isinstance(load, TimeForce) for load in (*units, *constant)):
-        raise PinpressError("a TimeForce depends on time, and so on the speed: sweep does such points each by itself")
-    return units, constant
-
-
-@dataclass(frozen=True)
-class _Multiplied:
-    """A process load of another amplitude."""
-
-    load: ProcessLoad
-    factor: float
-
-    @property
-    def datum(self) -> float | None:
-        return self.load.datum
-
-    def intervals(self, downwards: bool) -> tuple[ForceInterval, ...]:
-        return tuple(replace(part, force=partial(_times, self.factor, part.force)) for part in self.load.intervals(downwards))
-
-
-def _times(factor: float, law: Callable[..., Any], *arguments: Any) -> Any:
-    return factor * np.asarray(law(*arguments), dtype=float)
-
-
-def _multiplied(load: Load, factor: float) -> Load:
-    if isinstance(load, PointForce):
-        law = partial(_times, factor, load.force) if callable(load.force) else factor * numbers("unit_load: force", load.force)
-        return replace(load, force=law)
-    if isinstance(load, ProcessLoad) and not isinstance(load, type):
-        return _Multiplied(load, factor)
-    return load  # inverse dynamics says that it is none
-
-
-Cycle = Callable[[float, float | None], tuple[Motion, Quantities]]
-
-
-def _cycle(
-    press: Linkage,
-    units: Sequence[Load],
-    loads: Sequence[Load],
-    bearings: Collection[str] | None,
-    points: int | None,
-    speed: float,
-    force: float | None,
-) -> tuple[Motion, Quantities]:
-    """One period at a speed and an amplitude; None: without the load."""
-    motion = cycle(press, speed, points=points)
-    acting = [*loads, *(_multiplied(load, force) for load in units)] if force is not None else list(loads)
-    return motion, _quantities(inverse_dynamics(press, motion, acting, bearings=bearings))
-
-
-def _quantities(found: Reactions) -> Quantities:
-    named = {"driving_torque": found.driving_torque[None]}
-    named |= {f"force_{name}": force.T for name, force in found.bearing_force.items()}
-    return named | {f"shaking_force_{axis}": found.shaking_force.T[k : k + 1] for k, axis in enumerate("xyz")}
-
-
-def _coefficients(at: Cycle, fastest: float, most: float) -> tuple[Motion, dict[str, Affine]]:
-    """The period, and the coefficients of all quantities; what cancels between calls is small beside what is computed with them."""
-    _, still = at(SLOW * fastest, None)
-    motion, fast = at(fastest, None)
-    loaded = at(SLOW * fastest, most)[1] if most else still
-    affine = {}
-    for name, c in still.items():
-        d = (loaded[name] - c) / most if most else np.zeros_like(c)
-        affine[name] = Affine((fast[name] - c) / fastest**2, c, d)
-    return motion, affine
-
-
-def _confirm(at: Cycle, affine: dict[str, Affine], tried: set[tuple[float, float]]) -> None:
-    """Raise where a quantity is not affine at other speeds and amplitudes."""
-    for speed, force in sorted(tried):
-        for name, values in at(speed, force)[1].items():
-            a, c, d = affine[name]
-            terms = max(float(np.abs(part).max()) for part in (a * speed**2, c, d * force, values))
-            if not np.abs(a * speed**2 + c + d * force - values).max() <= AFFINE * _scale(name, affine, speed, force, terms):
-                raise PinpressError(
-                    f"{name} does not go with the square of the speed and with the amplitude of the load: a load depends on the speed, as"
-                    " a damper does, or changes otherwise than in proportion. sweep does such points each by itself"
-                )
-
-
-def _scale(name: str, affine: dict[str, Affine], speed: float, force: float, own: float) -> float:
-    """What a quantity is measured by: the largest force, as a force that is zero but for rounding is beside others."""
-    if name == "driving_torque":
-        return own
-    others = (part for other, part in affine.items() if other != "driving_torque")
-    return max(own, *(float(np.abs(a * speed**2).max() + np.abs(c).max() + np.abs(d * force).max()) for a, c, d in others))
-
-
-def _extremes(affine: dict[str, Affine], speeds: Array, forces: Array, angles: bool) -> tuple[dict[str, Array], dict[str, Any]]:
-    """Results (n, m), and the states of those that have one."""
-    across, along = np.argsort(speeds**2), np.argsort(forces)
-    squares, amplitudes = speeds[across] ** 2, forces[along]
-    back = np.ix_(np.argsort(across), np.argsort(along))
-    sorted_already = np.all(np.diff(across) > 0) and np.all(np.diff(along) > 0)
-    results, states = {}, {}
-    for name, quantity in affine.items():
-        for result, (values, state) in _of(name, quantity, squares, amplitudes, angles):
-            results[result] = values if sorted_already else values[back]
-            if state is not None:
-                states[result] = state if sorted_already else state[back]
-    return results, states
-
-
-def _of(name: str, quantity: Affine, squares: Array, forces: Array, angles: bool) -> Iterator[tuple[str, tuple[Array, Any]]]:
-    """The results of one quantity, by name."""
-    if name.startswith("force_"):
-        yield f"peak_{name}", largest(_without_nothing(quantity, squares, forces), squares, forces, True, angles)
-        return
-    wanted = angles and name == "driving_torque"
-    high, where_high = largest(quantity, squares, forces, False, wanted)
-    low, where_low = largest(Affine(*(-part for part in quantity)), squares, forces, False, wanted)
-    if name == "driving_torque":
-        yield "largest_driving_torque", (high, where_high)
-        yield "smallest_driving_torque", (np.negative(low, out=low), where_low)
-    else:
-        yield f"range_{name}", (np.add(high, low, out=high), None)
-
-
-def _without_nothing(vector: Affine, squares: Array, forces: Array) -> Affine:
-    """A vector without the components that are zero but for rounding; with one at least."""
-    a, c, d = vector
-    size = np.abs(a).max(axis=1) * squares[-1] + np.abs(c).max(axis=1) + np.abs(d).max(axis=1) * np.abs(forces).max()
-    kept = size > NOTHING * size.max()
-    kept[0] |= not kept.any()
-    return Affine(a[kept], c[kept], d[kept])
-
-
-def _axis(name: str, values: ArrayLike, unit: str) -> Array:
-    array = np.atleast_1d(numbers(name, values))
-    if array.ndim != 1 or not array.size:
-        raise PinpressError(f"{name} must be a sequence of finite numbers [{unit}], at least one")
-    return read_only(array)
-
-
-def _listed(name: str, loads: Any) -> list[Load]:
-    if isinstance(loads, list | tuple):
-        return list(loads)
-    if name == "loads":
-        raise PinpressError(f"loads is one {type(loads).__name__}: give a list, loads=[...]")
-    return [loads]
-
-
-def _unit(name: str) -> str:
-    """Unit of a column."""
-    if name.startswith("angle_of_"):
-        return "rad"
-    return "rad/s" if name == "speed" else "N m" if name.endswith("driving_torque") else "N"
-
-
-TILES = 16  # along either axis: fewer leave more states over, more take longer to cut
-LEAST = 24  # points of a tile along either axis
-
-
 class Affine(NamedTuple):
-    """A quantity of s states with k components: a W + c + d F, all (k, s). A scalar has one component, and its sign counts."""
+    """A quantity a W + c + d F with k components in s states. A scalar has one component, whose sign counts.
+
+    Attributes:
+        a: (k, s) coefficient of the squared speed W.
+        c: (k, s) constant.
+        d: (k, s) coefficient of the amplitude F.
+    """
 
     a: Array
     c: Array
@@ -336,17 +186,17 @@ class Affine(NamedTuple):
 
 
 def largest(quantity: Affine, squares: Array, forces: Array, lengths: bool, states: bool) -> tuple[Array, NDArray[np.intp] | None]:
-    """Largest value (n, m) over the states, or largest length of a vector, and a state that has it.
+    """Largest value (n, m) of a quantity over the states, or largest length of a vector, and a state in which it occurs.
 
     Args:
-        quantity: of which the largest value is wanted.
-        squares: W (n,), rising.
-        forces: F (m,), rising.
-        lengths: the quantity is a vector, and its length is wanted.
-        states: the states are wanted too, which takes as long again; else None stands for them.
+        quantity: The quantity.
+        squares: (n,) squared speeds W, rising.
+        forces: (m,) amplitudes F, rising.
+        lengths: Whether the quantity is a vector whose length is wanted.
+        states: Whether to find the states too, which doubles the time; otherwise they are None.
     """
     rows, columns = _cuts(len(squares)), _cuts(len(forces))
-    kept = _left_over(quantity, squares[_corners(rows)], forces[_corners(columns)], lengths)
+    kept = _remaining_states(quantity, squares[_corners(rows)], forces[_corners(columns)], lengths)
     best = np.empty((len(squares), len(forces)))
     state = np.empty(best.shape, dtype=np.intp) if states else None
     for i in range(len(rows) - 1):
@@ -364,8 +214,161 @@ def largest(quantity: Affine, squares: Array, forces: Array, lengths: bool, stat
     return np.sqrt(best, out=best) if lengths else best, state
 
 
+def _loads(unit_load: Load | Sequence[Load], loads: Sequence[Load]) -> tuple[Sequence[Load], Sequence[Load]]:
+    """The loads that are multiplied, and those that are equal at all points."""
+    units, constant = (asked(_listed(name, given)) for name, given in (("unit_load", unit_load), ("loads", loads)))
+    if any(isinstance(load, SpringDamper) for load in units):
+        raise PinpressError("unit_load has a spring or damper, which has no amplitude: give it in loads")
+    if any(isinstance(load, TimeForce) for load in (*units, *constant)):
+        raise PinpressError("a TimeForce depends on time, and so on the speed: use sweep, which computes every point")
+    return units, constant
+
+
+def _axis(name: str, values: ArrayLike, unit: str) -> Array:
+    array = np.atleast_1d(numbers(name, values))
+    if array.ndim != 1 or not array.size:
+        raise PinpressError(f"{name} must be a sequence of finite numbers [{unit}], at least one")
+    return read_only(array)
+
+
+def _listed(name: str, loads: Any) -> list[Load]:
+    if isinstance(loads, list | tuple):
+        return list(loads)
+    if name == "loads":
+        raise PinpressError(f"loads is one {type(loads).__name__}: give a list, loads=[...]")
+    return [loads]
+
+
+@dataclass(frozen=True)
+class _Multiplied:
+    """A process load whose force is multiplied by a factor."""
+
+    load: ProcessLoad
+    factor: float
+
+    @property
+    def datum(self) -> float | None:
+        return self.load.datum
+
+    def intervals(self, downwards: bool) -> tuple[ForceInterval, ...]:
+        return tuple(replace(part, force=partial(_times, self.factor, part.force)) for part in self.load.intervals(downwards))
+
+
+def _multiplied(load: Load, factor: float) -> Load:
+    if isinstance(load, PointForce):
+        law = partial(_times, factor, load.force) if callable(load.force) else factor * numbers("unit_load: force", load.force)
+        return replace(load, force=law)
+    if isinstance(load, ProcessLoad) and not isinstance(load, type):
+        return _Multiplied(load, factor)
+    return load  # inverse dynamics refuses it
+
+
+def _times(factor: float, law: Callable[..., Any], *arguments: Any) -> Any:
+    return factor * np.asarray(law(*arguments), dtype=float)
+
+
+def _cycle(
+    press: Linkage,
+    units: Sequence[Load],
+    loads: Sequence[Load],
+    bearings: Collection[str] | None,
+    points: int | None,
+    speed: float,
+    force: float | None,
+) -> tuple[Motion, Quantities]:
+    """One period at a speed and an amplitude (None: without the load), and its quantities."""
+    motion = cycle(press, speed, points=points)
+    acting = [*loads, *(_multiplied(load, force) for load in units)] if force is not None else list(loads)
+    return motion, _quantities(inverse_dynamics(press, motion, acting, bearings=bearings))
+
+
+def _quantities(found: Reactions) -> Quantities:
+    named = {"driving_torque": found.driving_torque[None]}
+    named |= {f"force_{name}": force.T for name, force in found.bearing_force.items()}
+    return named | {f"shaking_force_{axis}": found.shaking_force.T[k : k + 1] for k, axis in enumerate("xyz")}
+
+
+def _coefficients(at: Cycle, fastest: float, most: float) -> tuple[Motion, dict[str, Affine]]:
+    """The period, and the coefficients of all quantities, from differences of calls that lose few digits."""
+    _, still = at(SLOW * fastest, None)
+    motion, fast = at(fastest, None)
+    loaded = at(SLOW * fastest, most)[1] if most else still
+    affine = {}
+    for name, c in still.items():
+        d = (loaded[name] - c) / most if most else np.zeros_like(c)
+        affine[name] = Affine((fast[name] - c) / fastest**2, c, d)
+    return motion, affine
+
+
+def _confirm(at: Cycle, affine: dict[str, Affine], tried: set[tuple[float, float]]) -> None:
+    """Raise PinpressError where a quantity is not affine at other speeds and amplitudes."""
+    for speed, force in sorted(tried):
+        for name, values in at(speed, force)[1].items():
+            a, c, d = affine[name]
+            terms = max(float(np.abs(part).max()) for part in (a * speed**2, c, d * force, values))
+            if not np.abs(a * speed**2 + c + d * force - values).max() <= AFFINE * _scale(name, affine, speed, force, terms):
+                raise PinpressError(
+                    f"{name} is not affine in the square of the speed and the amplitude of the load: a load depends on the speed, as"
+                    " a damper does, or is not proportional to its amplitude. Use sweep, which computes every point"
+                )
+
+
+def _scale(name: str, affine: dict[str, Affine], speed: float, force: float, own: float) -> float:
+    """The size to which errors of a quantity are relative: for forces the largest force of all, as one of them may be mere rounding."""
+    if name == "driving_torque":
+        return own
+    others = (part for other, part in affine.items() if other != "driving_torque")
+    return max(own, *(float(np.abs(a * speed**2).max() + np.abs(c).max() + np.abs(d * force).max()) for a, c, d in others))
+
+
+def _extremes(affine: dict[str, Affine], speeds: Array, forces: Array, angles: bool) -> tuple[dict[str, Array], dict[str, Any]]:
+    """Results (n, m), and the states of the extremes (n, m) where they are wanted."""
+    across, along = np.argsort(speeds**2), np.argsort(forces)
+    squares, amplitudes = speeds[across] ** 2, forces[along]
+    back = np.ix_(np.argsort(across), np.argsort(along))
+    sorted_already = np.all(np.diff(across) > 0) and np.all(np.diff(along) > 0)
+    results, states = {}, {}
+    for name, quantity in affine.items():
+        for result, (values, state) in _named_extremes(name, quantity, squares, amplitudes, angles):
+            results[result] = values if sorted_already else values[back]
+            if state is not None:
+                states[result] = state if sorted_already else state[back]
+    return results, states
+
+
+def _named_extremes(name: str, quantity: Affine, squares: Array, forces: Array, angles: bool) -> Iterator[tuple[str, tuple[Array, Any]]]:
+    """Names of the results of one quantity, each with its values (n, m) and the states of the extremes, or None."""
+    if name.startswith("force_"):
+        yield f"peak_{name}", largest(_without_nothing(quantity, squares, forces), squares, forces, True, angles)
+        return
+    wanted = angles and name == "driving_torque"
+    high, where_high = largest(quantity, squares, forces, False, wanted)
+    low, where_low = largest(Affine(*(-part for part in quantity)), squares, forces, False, wanted)
+    if name == "driving_torque":
+        yield "largest_driving_torque", (high, where_high)
+        yield "smallest_driving_torque", (np.negative(low, out=low), where_low)
+    else:
+        yield f"range_{name}", (np.add(high, low, out=high), None)
+
+
+def _without_nothing(vector: Affine, squares: Array, forces: Array) -> Affine:
+    """A vector without the components that are rounding; at least one remains."""
+    a, c, d = vector
+    size = np.abs(a).max(axis=1) * squares[-1] + np.abs(c).max(axis=1) + np.abs(d).max(axis=1) * np.abs(forces).max()
+    kept = size > NOTHING * size.max()
+    kept[0] |= not kept.any()
+    return Affine(a[kept], c[kept], d[kept])
+
+
+def _unit(name: str) -> str:
+    """Unit of a column."""
+    if name.startswith("angle_of_"):
+        return "rad"
+    return "rad/s" if name == "speed" else "N m" if name.endswith("driving_torque") else "N"
+
+
 def _cuts(count: int) -> list[int]:
-    """Where the tiles along an axis begin, and the end."""
+    """Indices at which the tiles along an axis begin, and the end of the last."""
     tiles = max(1, min(TILES, count // LEAST))
     return [round(k * count / tiles) for k in range(tiles + 1)]
 
@@ -375,9 +378,15 @@ def _corners(cuts: list[int]) -> NDArray[np.intp]:
     return np.array([[start, end - 1] for start, end in itertools.pairwise(cuts)])
 
 
-def _left_over(quantity: Affine, squares: Array, forces: Array, lengths: bool) -> NDArray[np.bool_]:
-    """(rows, columns, s) whether a state may be the largest somewhere in a tile, whose corners are at ``squares`` (rows, 2) and ``forces``
-    (columns, 2)."""
+def _remaining_states(quantity: Affine, squares: Array, forces: Array, lengths: bool) -> NDArray[np.bool_]:
+    """Whether a state may be the largest somewhere in a tile, (rows, columns, s).
+
+    Args:
+        quantity: The quantity.
+        squares: (rows, 2) squared speeds of the tiles' corners.
+        forces: (columns, 2) amplitudes of the tiles' corners.
+        lengths: As of `largest`.
+    """
     kept = np.empty((len(squares), len(forces), quantity.a.shape[1]), dtype=np.bool_)
     for i, along in enumerate(squares):
         # (k, columns, 5, s): the four corners, then the middle
@@ -397,7 +406,7 @@ def _left_over(quantity: Affine, squares: Array, forces: Array, lengths: bool) -
             else:
                 lower = of[0, :, :4]
             out |= (size[:, :4] <= lower[:, :, None]).all(axis=1)
-        np.put_along_axis(out, judges, False, axis=1)  # those that judge are compared
+        np.put_along_axis(out, judges, False, axis=1)  # the judges themselves remain
         kept[i] = ~out
     return kept
 
@@ -411,7 +420,10 @@ def _compare(
     best: Array,
     state: NDArray[np.intp] | None,
 ) -> None:
-    """Write the largest values of some states (their squares, of lengths) at the points of a tile, and which states have them."""
+    """Write the largest values of some states at the points of a tile into ``best``, and the states into ``state``.
+
+    Of lengths the squares are written.
+    """
     turned = quantity.a[:, states, None] * squares + quantity.c[:, states, None]  # (k, states, n)
     loaded = quantity.d[:, states, None] * forces  # (k, states, m)
     value, other = np.empty(best.shape), np.empty(best.shape)

@@ -1,11 +1,11 @@
-"""Results of a sweep as they come, and the file that has them: an SQLite database, in which a point is as soon as it is finished.
+"""Results of a sweep as they arrive, and their file: an SQLite database to which every point is written as soon as it is finished.
 
-Points are committed to a write-ahead log. A kill (-9) at any instant leaves a commit in it whole or not at all, and no commit waits for the
-disk: SQLite does so only where it takes the log over into the database, so that after a power cut the last points may be missing, but the
-database is whole. (A rollback journal is as quick only with ``synchronous=OFF``, where a power cut may destroy the file.) The process that
-sweeps locks the database; however it ends, the lock ends with it. A sweep that ends or is interrupted leaves one file and no log.
+Points are committed to a write-ahead log. A kill (-9) at any instant leaves each commit in it whole or absent. No commit waits for the
+disk: SQLite waits only when it copies the log into the database. So after a power cut the last points may be missing, but the database is
+whole. (A rollback journal is as quick only with ``synchronous=OFF``, where a power cut may destroy the file.) The process that sweeps locks
+the database, and the lock ends with the process. A sweep that ends or is interrupted leaves one file and no log.
 
-SQLite does not notice what was changed by hand or by the disk: the description of the sweep and every point have a checksum.
+SQLite does not notice changes by hand or by a faulty disk: so the description of the sweep and every point have a checksum.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ from .execution import Outcome
 from .grid import Grid, Scalar, differences, fingerprint
 
 SUFFIX = ".sqlite"
-PAGE = 1024  # bytes of a page of the database; a commit writes one at least
+PAGE = 1024  # bytes of a page of the database; a commit writes at least one
 TABLES = [
     "CREATE TABLE sweep (description TEXT, checksum INTEGER)",
     "CREATE TABLE points (number INTEGER PRIMARY KEY, results TEXT, error TEXT, checksum INTEGER)",
@@ -33,11 +33,11 @@ TABLES = [
 
 
 class Results:
-    """Outcomes of a sweep by the numbers of their points, in a file too where there is one.
+    """Outcomes of a sweep by the numbers of their points, and where there is a file, also in it.
 
     Attributes:
-        known: point number -> outcome.
-        kinds: names of the results -> "number", "bool" or "word", the same at all points.
+        known: Number of a point -> its outcome.
+        kinds: Name of a result -> "number", "bool" or "word", for all points.
     """
 
     def __init__(self, grid: Grid, file: SweepFile | None = None) -> None:
@@ -46,10 +46,11 @@ class Results:
         self.kinds: Mapping[str, str] = {} if file is None else file.kinds
 
     def add(self, found: Sequence[Outcome]) -> None:
-        """Keep outcomes. The file has them before this returns, safe against the death of the process.
+        """Keep outcomes. When this returns they are in the file, safe against the death of the process.
 
         Raises:
-            PinpressError: a result differs in names or kinds from earlier ones (those before it are kept), or the file cannot be written.
+            PinpressError: A result differs in names or kinds from earlier ones (the outcomes before it are kept), or the file cannot be
+                written.
         """
         fitting: list[Outcome] = []
         try:
@@ -62,7 +63,7 @@ class Results:
                 self._file.add(fitting, self.kinds)
 
     def _check(self, outcome: Outcome) -> None:
-        """Raise where a result has other names or kinds than those before; the first decides."""
+        """Raise PinpressError where a result has other names or kinds than the first one."""
         if outcome.error:
             return
         kinds = {name: _kind(value) for name, value in outcome.values.items()}
@@ -81,10 +82,10 @@ class Results:
 
 @contextmanager
 def results(grid: Grid, function: str, to: str | os.PathLike[str] | None, retry_failed: bool) -> Iterator[Results]:
-    """The results of a sweep, those of earlier runs in its file among them.
+    """The results of a sweep, with those of earlier runs in its file.
 
     Raises:
-        PinpressError: as `opened`, or ``to`` is no name for such a file.
+        PinpressError: As `opened`, or ``to`` is no name for such a file.
     """
     if to is None:
         yield Results(grid)
@@ -109,16 +110,21 @@ class SweepFile:
     """The database of one sweep; `opened` makes it.
 
     Attributes:
-        description: what tells this sweep from another, see `grid.fingerprint`.
-        kinds: names of the results -> "number", "bool" or "word"; empty as long as no point is there but such that failed.
+        description: Description of the sweep, see `grid.fingerprint`.
+        kinds: Name of a result -> "number", "bool" or "word"; empty until a point has succeeded.
     """
 
     def __init__(self, path: Path, connection: sqlite3.Connection) -> None:
-        """Read the description; raises sqlite3.DatabaseError or ValueError where there is none."""
+        """Read the description.
+
+        Raises:
+            sqlite3.DatabaseError: The file is no database.
+            ValueError: It is no database of a sweep, or is damaged.
+        """
         if connection.execute("PRAGMA quick_check").fetchall() != [("ok",)]:
             raise ValueError("its structure is broken")
         if [table for (table,) in connection.execute("SELECT sql FROM sqlite_master ORDER BY rowid")] != TABLES:
-            raise ValueError("it has not the tables of a sweep")
+            raise ValueError("it does not have the tables of a sweep")
         rows = connection.execute("SELECT description, checksum FROM sweep").fetchall()
         if len(rows) != 1 or rows[0][1] != _checksum(rows[0][0]):
             raise ValueError("the checksum of its description does not fit")
@@ -127,30 +133,30 @@ class SweepFile:
         self._path, self._connection, self._seed = path, connection, _checksum(json.dumps(self.description))
 
     def outcomes(self) -> dict[int, Outcome]:
-        """The points that are in the file, by their numbers.
+        """The outcomes in the file, by the numbers of their points.
 
         Raises:
-            PinpressError: one of them was changed or damaged.
+            PinpressError: One of them was changed or damaged.
         """
         known = {}
         with _reported(self._path):
             for number, values, error, checksum in self._connection.execute("SELECT * FROM points ORDER BY number"):
                 if checksum != _checksum((number, values, error), self._seed):
                     raise PinpressError(
-                        f"{self._path}: point {number} is damaged or was changed, its checksum does not fit; to have it done anew, delete"
+                        f"{self._path}: point {number} is damaged or was changed, its checksum does not fit; to compute it again, delete"
                         f" it: DELETE FROM points WHERE number = {number}"
                     )
                 known[number] = Outcome(number, {} if error else dict(zip(self.kinds, json.loads(values), strict=True)), error or "")
         return known
 
     def begin(self) -> None:
-        """From now on outcomes are added: to the log."""
+        """Prepare for adding outcomes, which go to a log."""
         with _reported(self._path):
             self._connection.execute("PRAGMA journal_mode=WAL")
             self._connection.execute("PRAGMA synchronous=NORMAL")
 
     def add(self, found: Sequence[Outcome], kinds: Mapping[str, str]) -> None:
-        """Commit outcomes and the kinds of their results, all or nothing."""
+        """Commit outcomes and the kinds of their results, all or none."""
         rows = [(number, None if error else json.dumps([values[name] for name in kinds]), error or None) for number, values, error in found]
         with _reported(self._path), self._connection:
             if kinds != self.kinds:
@@ -168,14 +174,14 @@ class SweepFile:
 
 @contextmanager
 def opened(path: Path, description: Mapping[str, Any] | None = None) -> Iterator[SweepFile]:
-    """The file of a sweep, made where there is none, and locked until the end of the block.
+    """Open the file of a sweep, or make it, and lock it until the end of the block.
 
     Args:
-        path: of the file.
-        description: of the sweep that the file must be of, see `grid.fingerprint`; None: of any, to be read alone.
+        path: Path of the file.
+        description: Description of the sweep that the file must be of, see `grid.fingerprint`; None: of any sweep, for reading alone.
 
     Raises:
-        PinpressError: the file cannot be opened or written, is in use, is damaged, or is of another sweep.
+        PinpressError: The file cannot be opened or written, is in use, is damaged, or is of another sweep.
     """
     if path.exists() and not path.is_file():
         raise PinpressError(f"{path} is no regular file: a sweep is kept in one of its own; give another name")
@@ -183,7 +189,7 @@ def opened(path: Path, description: Mapping[str, Any] | None = None) -> Iterator
         connection = sqlite3.connect(path, timeout=0.0)
     try:
         with _reported(path):
-            connection.text_factory = lambda text: text.decode(errors="replace")  # what is damaged has a checksum, too
+            connection.text_factory = lambda text: text.decode(errors="replace")  # damaged text is found by its checksum
             connection.execute(f"PRAGMA page_size={PAGE}")
             connection.execute("PRAGMA locking_mode=EXCLUSIVE")
             with connection:
@@ -194,17 +200,17 @@ def opened(path: Path, description: Mapping[str, Any] | None = None) -> Iterator
                     connection.execute("INSERT INTO sweep VALUES (?, ?)", _described(description, {}))
                 file = SweepFile(path, connection)
         if description is not None and (differ := "; ".join(differences(file.description, description))):
-            raise PinpressError(f"{path} is of another sweep: {differ}. Give another file, or call the sweep that it is of")
+            raise PinpressError(f"{path} is of another sweep: {differ}. Give another file, or repeat the sweep that it is of")
         yield file
     finally:
-        with suppress(sqlite3.Error):  # of a full disk: the log stays beside the file, and who opens it next takes the log over
+        with suppress(sqlite3.Error):  # on a full disk the log stays beside the file, and is copied into it when it is opened next
             connection.execute("PRAGMA journal_mode=DELETE")
         connection.close()
 
 
 @contextmanager
 def _reported(path: Path) -> Iterator[None]:
-    """Turns what SQLite has to say into a PinpressError that names the file."""
+    """Turn errors of SQLite into a PinpressError that names the file."""
     try:
         yield
     except sqlite3.OperationalError as error:

@@ -1,6 +1,4 @@
-"""Sweeps: a function of a press at every point of a grid, on one machine or a cluster, resumed where it was stopped; and the table
-returned.
-"""
+"""Sweeps: a function at every point of a grid, on one machine or a cluster, resumed where it was stopped; and its table of results."""
 
 from __future__ import annotations
 
@@ -26,6 +24,8 @@ from .execution import Function, Outcome, TaskError, in_parallel, serially
 from .grid import Grid, Scalar, gridded
 from .store import Results, opened, results
 
+Column = NDArray[Any]
+
 
 @typed
 def sweep(
@@ -39,31 +39,31 @@ def sweep(
     in_flight: int = 64,
     progress: Callable[[float], None] | None = None,
 ) -> SweepTable:
-    """A function at every point of a grid.
+    """Call a function at every point of a grid, and collect the results.
 
     Args:
-        function: takes the axes' names as keyword arguments and returns a mapping of names to numbers, words or bools: the same names with
-            values of the same kind at every point. Where it raises (but KeyboardInterrupt), returns what is not finite, or ends the process
-            of an executor that it runs in, the point has failed, and the sweep goes on.
-        grid: name -> sequence of numbers or words, or mapping of labels (numbers or words) to any objects, such as loads: labels stand in
-            the results, and tell points apart. All combinations, the last axis fastest.
-        to: SQLite file of the results, whose name ends with ``.sqlite``. Every finished point is in it at once: the same call, after
-            Ctrl-C, a crash or a kill, does the points that are missing; after the end, it reads the file. The file says of what sweep it
-            is: names and labels are compared, not what the function does. Checksums tell what was changed or damaged, which is refused.
-            `read` makes a table of what is there.
-        executor: any of `concurrent.futures`, such as ``ProcessPoolExecutor()``, or ``distributed.Client(...).get_executor()`` of a Dask
-            cluster; it stays open. None: point by point in this process. A process pool whose worker dies is broken: the sweep goes on with
-            pools of one process each, made as it was.
-        paired: the axes are columns of equal length, point k has value k of each.
-        retry_failed: do points again that have failed in an earlier run; else they stay as they are.
-        in_flight: how many tasks are submitted at once; on a cluster at least twice its threads. A task has one or more points, those
-            that take a tenth of a second, which is what a killed worker or program loses of each.
-        progress: called with the share of points done, 0 to 1, those of earlier runs among them.
+        function: Function that takes the axes' names as keyword arguments and returns a mapping of names to numbers, words or bools, with
+            equal names and kinds of values at every point. Where it raises (anything but KeyboardInterrupt), returns a number that is not
+            finite, or ends the executor's process that it runs in, the point counts as failed, and the sweep goes on.
+        grid: Name -> sequence of numbers or words, or mapping of labels (numbers or words) to any objects, such as loads. The labels stand
+            in the results. The points are all combinations, the last axis fastest.
+        to: SQLite file for the results, with a name that ends with ``.sqlite``. Every finished point is in it at once. Repeat the call
+            after Ctrl-C, a crash or a kill, and it does the missing points; after the end it reads the file. The file knows the sweep by
+            the names of the function and the axes and by the labels, not by the function's code. Checksums find what was changed or
+            damaged, which is refused. `read` makes a table of an unfinished file.
+        executor: An executor of `concurrent.futures`, such as ``ProcessPoolExecutor()``, or ``distributed.Client(...).get_executor()`` of a
+            Dask cluster; it stays open. None: point by point in this process. When a worker of a process pool dies, the pool is broken, and
+            the sweep goes on with pools of one process each, made with the pool's arguments.
+        paired: Whether the axes are columns of equal length, so that point k has value k of each.
+        retry_failed: Whether to repeat points that failed in an earlier run.
+        in_flight: Number of tasks submitted at once; on a cluster at least twice its threads. A task has so many points that it takes about
+            a tenth of a second, which is lost when its worker is killed.
+        progress: Function called with the share of points done, 0 to 1, those of earlier runs included.
 
     Raises:
-        PinpressError: an argument that makes no sense; a function that cannot be sent to other processes; a file that is of another sweep,
-            damaged, in use, or cannot be written; results of other names than before; an executor that is gone.
-            All that was finished is in the file.
+        PinpressError: An argument is not as described, the function cannot be sent to other processes, the file is of another sweep, is
+            damaged, in use, or cannot be written, results differ in names or kinds, or the executor is gone. The file has all that was
+            finished.
     """
     _check_arguments(function, executor, in_flight, progress)
     points = gridded(grid, paired)
@@ -78,13 +78,13 @@ def sweep(
 
 @typed
 def read(path: str | os.PathLike[str]) -> SweepTable:
-    """What is in the file of a sweep, finished or stopped; results of points that are not done yet are masked, as of those that failed.
+    """Read the file of a sweep, finished or stopped. Results of points that failed or are not done yet are masked.
 
     Args:
-        path: what `sweep` was given by ``to``.
+        path: The file that `sweep` has written, its argument ``to``.
 
     Raises:
-        PinpressError: there is no such file, it is damaged, or a sweep is writing it.
+        PinpressError: There is no such file, it is damaged, or a sweep is writing it.
     """
     file = Path(path_of("path", path))
     if not file.exists():
@@ -95,115 +95,19 @@ def read(path: str | os.PathLike[str]) -> SweepTable:
         return table(said["function"], Grid(axes, axes, said["paired"]), found.kinds, found.outcomes())
 
 
-def _run(
-    function: Function,
-    grid: Grid,
-    kept: Results,
-    executor: Executor | None,
-    in_flight: int,
-    progress: Callable[[float], None] | None,
-    to: str | os.PathLike[str] | None,
-) -> None:
-    """Do the points that are missing."""
-    numbers = [number for number in range(len(grid)) if number not in kept.known]
-    work = serially(function, grid, numbers) if executor is None else in_parallel(executor, function, grid, numbers, in_flight)
-    try:
-        for found in work:
-            kept.add(found)
-            if progress is not None:
-                progress(len(kept.known) / len(grid))
-    except TaskError as error:
-        cause = error.__cause__
-        where = "which are lost: give to=, a file that keeps them" if to is None else f"which are in {os.fspath(to)}"
-        again = "" if to is None else "; call the same sweep again, with a new executor, to do the others"
-        raise PinpressError(
-            f"the executor could not do its work ({type(cause).__name__}: {cause}) after {len(kept.known)} of {len(grid)} points,"
-            f" {where}{again}"
-        ) from cause
-    finally:
-        work.close()  # nothing more is begun
-
-
-def _check_arguments(function: object, executor: object, in_flight: object, progress: object) -> None:
-    if not callable(function):
-        raise PinpressError(f"function is {shown(function)}: give a function that takes the axes' names and returns a mapping")
-    if executor is not None and not isinstance(executor, Executor):
-        raise PinpressError(
-            f"executor is {shown(executor)}: give one of concurrent.futures, such as ProcessPoolExecutor(), or get_executor() of a"
-            " Dask client"
-        )
-    if not is_whole_number(in_flight) or in_flight < 1:
-        raise PinpressError(f"in_flight is {shown(in_flight)}: give a whole number of tasks, at least 1")
-    if progress is not None and not callable(progress):
-        raise PinpressError(f"progress is {shown(progress)}: give a function of the share done")
-
-
-def _check_call(function: Function, grid: Grid) -> None:
-    """Refuse a function that does not take the axes, before it fails at every point."""
-    try:
-        signature = inspect.signature(function)
-    except (TypeError, ValueError):  # of some functions written in C nothing is known
-        return
-    try:
-        signature.bind(**grid.point(0))
-    except TypeError as error:
-        raise PinpressError(f"{_name(function)} does not take the axes {', '.join(grid.axes)}: {error}") from None
-
-
-def _check_sendable(function: Function, grid: Grid) -> None:
-    try:
-        pickle.dumps(function)
-    except Exception as error:  # whatever pickling says
-        raise PinpressError(
-            f"{_name(function)} cannot be sent to other processes ({error}): define it with def at the top level of a module"
-        ) from error
-    for name, objects in grid.objects.items():
-        for label, value in zip(grid.axes[name], objects, strict=True):
-            try:
-                pickle.dumps(value)
-            except Exception as error:
-                raise PinpressError(f"{shown(label)} of axis {shown(name)} cannot be sent to other processes ({error})") from error
-
-
-def _name(function: object) -> str:
-    """The function's own name, of a partial the name of what it calls."""
-    inner = function.func if isinstance(function, partial) else function
-    return str(getattr(inner, "__qualname__", type(inner).__qualname__))
-
-
-Column = NDArray[Any]
-
-
-@dataclass(frozen=True, repr=False)
-class FailedPoint(Record):
-    """A point at which the function failed.
-
-    Attributes:
-        number: of the point in the order of the grid.
-        point: name of every axis -> label.
-        error: type and text of the exception.
-    """
-
-    number: int
-    point: Mapping[str, Scalar]
-    error: str
-
-    def row(self) -> dict[str, object]:
-        return {"number": self.number, **self.point, "error": self.error}
-
-
 @dataclass(frozen=True, eq=False, repr=False)
 class SweepTable(Tabular):
-    """Results at all points, in the order of the grid (last axis fastest), whatever the order in which they were finished.
+    """Results at all n points of a sweep, in the order of the grid (last axis fastest). All arrays are read-only.
 
     Attributes:
-        function: name of the function.
-        axes: name -> labels.
-        paired: the axes run side by side.
-        shape: lengths of the axes; (n,) where they run side by side.
-        values: name -> (n,): the axes' labels, then the results: masked arrays, masked at points that failed or are missing. Read-only.
-        failed: the points that failed, with their errors.
-        missing: numbers of the points that are not done yet; there are none but in what `read` finds of a sweep that was stopped.
+        function: Name of the function.
+        axes: Name -> labels of each axis.
+        paired: Whether the axes run side by side.
+        shape: Lengths of the axes; (n,) where they run side by side.
+        values: Name -> (n,) labels of each axis, then values of each result, as masked arrays with a mask at points that failed or are
+            missing.
+        failed: The points that failed, with their errors.
+        missing: Numbers of the points that are not done yet, where `read` reads a sweep that was stopped; else empty.
     """
 
     function: str
@@ -234,17 +138,17 @@ class SweepTable(Tabular):
         return "\n".join(lines)
 
     def columns(self) -> dict[str, Column | list[str]]:
-        """The values, and the errors of points that failed."""
+        """A row for each point: labels, results, and the error where it failed."""
         errors = [""] * self._size
         for bad in self.failed:
             errors[bad.number] = bad.error
         return dict(self.values) | {"error": errors}
 
     def grid(self, name: str) -> Column:
-        """A result as an array of the axes' lengths, masked at points that failed.
+        """A result as an array with the axes' lengths as its shape, masked at points that failed.
 
         Raises:
-            UnknownNameError: no such result.
+            UnknownNameError: There is no such result.
         """
         if name not in self.values:
             raise UnknownNameError("result", name, self._results)
@@ -263,8 +167,26 @@ class SweepTable(Tabular):
         return [name for name in self.values if name not in self.axes]
 
 
+@dataclass(frozen=True, repr=False)
+class FailedPoint(Record):
+    """A point at which the function failed.
+
+    Attributes:
+        number: Number of the point in the order of the grid.
+        point: Name of every axis -> label.
+        error: Type and text of the exception.
+    """
+
+    number: int
+    point: Mapping[str, Scalar]
+    error: str
+
+    def row(self) -> dict[str, object]:
+        return {"number": self.number, **self.point, "error": self.error}
+
+
 def table(function: str, grid: Grid, kinds: Mapping[str, str], known: Mapping[int, Outcome]) -> SweepTable:
-    """The table of a sweep of which the outcomes of some points are known, or of all."""
+    """The table of a sweep from the outcomes that are known, by the numbers of their points."""
     nothing = Outcome(-1, {}, "")
     values = [known.get(number, nothing).values for number in range(len(grid))]
     masked = np.array([not found for found in values])
@@ -290,14 +212,88 @@ def table(function: str, grid: Grid, kinds: Mapping[str, str], known: Mapping[in
     )
 
 
+def _check_arguments(function: object, executor: object, in_flight: object, progress: object) -> None:
+    if not callable(function):
+        raise PinpressError(f"function is {shown(function)}: give a function that takes the axes' names and returns a mapping")
+    if executor is not None and not isinstance(executor, Executor):
+        raise PinpressError(
+            f"executor is {shown(executor)}: give one of concurrent.futures, such as ProcessPoolExecutor(), or get_executor() of a"
+            " Dask client"
+        )
+    if not is_whole_number(in_flight) or in_flight < 1:
+        raise PinpressError(f"in_flight is {shown(in_flight)}: give a whole number of tasks, at least 1")
+    if progress is not None and not callable(progress):
+        raise PinpressError(f"progress is {shown(progress)}: give a function of the share done")
+
+
+def _check_call(function: Function, grid: Grid) -> None:
+    """Refuse a function that does not take the axes, before it fails at every point."""
+    try:
+        signature = inspect.signature(function)
+    except (TypeError, ValueError):  # some functions written in C have no signature
+        return
+    try:
+        signature.bind(**grid.point(0))
+    except TypeError as error:
+        raise PinpressError(f"{_name(function)} does not take the axes {', '.join(grid.axes)}: {error}") from None
+
+
+def _check_sendable(function: Function, grid: Grid) -> None:
+    try:
+        pickle.dumps(function)
+    except Exception as error:  # pickling may raise anything
+        raise PinpressError(
+            f"{_name(function)} cannot be sent to other processes ({error}): define it with def at the top level of a module"
+        ) from error
+    for name, objects in grid.objects.items():
+        for label, value in zip(grid.axes[name], objects, strict=True):
+            try:
+                pickle.dumps(value)
+            except Exception as error:
+                raise PinpressError(f"{shown(label)} of axis {shown(name)} cannot be sent to other processes ({error})") from error
+
+
+def _run(
+    function: Function,
+    grid: Grid,
+    kept: Results,
+    executor: Executor | None,
+    in_flight: int,
+    progress: Callable[[float], None] | None,
+    to: str | os.PathLike[str] | None,
+) -> None:
+    """Call the function at the points that are missing.
+
+    Raises:
+        PinpressError: The executor is gone, or as `Results.add`.
+    """
+    numbers = [number for number in range(len(grid)) if number not in kept.known]
+    work = serially(function, grid, numbers) if executor is None else in_parallel(executor, function, grid, numbers, in_flight)
+    try:
+        for found in work:
+            kept.add(found)
+            if progress is not None:
+                progress(len(kept.known) / len(grid))
+    except TaskError as error:
+        cause = error.__cause__
+        where = "which are lost: give to=, a file that keeps them" if to is None else f"which are in {os.fspath(to)}"
+        again = "" if to is None else "; call the same sweep again, with a new executor, to do the others"
+        raise PinpressError(
+            f"the executor could not do its work ({type(cause).__name__}: {cause}) after {len(kept.known)} of {len(grid)} points,"
+            f" {where}{again}"
+        ) from cause
+    finally:
+        work.close()  # nothing more is begun
+
+
 def _column(labels: list[Scalar]) -> Column:
-    """Labels as an array; of different kinds as objects, which NumPy would make words."""
+    """Labels as an array; labels of different kinds as objects, because NumPy would turn all into words."""
     kinds = {str if isinstance(label, str) else bool if isinstance(label, bool) else float for label in labels}
     return np.array(labels) if len(kinds) == 1 else np.array(labels, dtype=object)
 
 
 def _filled(values: list[Scalar | None], kind: str) -> Column:
-    """Results as an array. What the mask hides must not pass for a result where it is taken off: not a number, or nothing."""
+    """Results as an array. The mask hides NaN or None, so that nothing passes for a result where the mask is taken off."""
     if kind != "number":
         return np.array(values, dtype=object if None in values else None)
     if None in values:
@@ -308,3 +304,9 @@ def _filled(values: list[Scalar | None], kind: str) -> Column:
 def _ends(labels: tuple[Scalar, ...]) -> str:
     first, last = (f"{label:.6g}" if isinstance(label, float) else f"{label}" for label in (labels[0], labels[-1]))
     return first if len(labels) == 1 else f"{first} to {last}" if len(labels) > 2 else f"{first}, {last}"
+
+
+def _name(function: object) -> str:
+    """Name of a function; for a partial that of the function it calls."""
+    inner = function.func if isinstance(function, partial) else function
+    return str(getattr(inner, "__qualname__", type(inner).__qualname__))

@@ -1,9 +1,8 @@
-"""Designs that a synthesis tries: the press it starts from with its pivots displaced, and the `Trial` that objectives and constraints see
-of it: the press with one set of variables, its motion and its reactions.
+"""A press with one set of variables: the `Trial` that objectives and constraints are functions of, and the `Design` behind it.
 
-An objective is a plain NumPy function of a `Trial`. Its exact gradient is found by a complex step: for every variable the function is
-called once with a trial whose arrays are complex, value + i h derivative with h so small that h^2 is nothing. The imaginary part of what it
-returns is then h times its derivative. The derivatives of motion and reactions are exact (`pinpress.derivatives`).
+An objective is a plain NumPy function of a `Trial`. Its exact gradient is found by a complex step: for each variable the function is called
+once with a trial whose arrays are complex, value + i h derivative, where h is so small that h^2 vanishes in rounding. The imaginary part of
+the returned value is then h times its derivative. The derivatives of motion and reactions are exact (`pinpress.derivatives`).
 """
 
 from __future__ import annotations
@@ -33,16 +32,118 @@ from ..kinematics.motion import Motion, of_states
 from ..linkage.linkage import Linkage
 from ..loads.link import Load
 
+SHARED = "several bearings share forces that rigid-body mechanics leaves open, so their derivatives are not known: use driving_torque"
+OUT_OF_PLANE = "the links lie in several planes, so the derivatives of moments are not known: use forces or driving_torque"
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Trial(Frozen):
+    """A press with one set of variables, from which objectives and constraints are computed.
+
+    Its arrays are complex where a gradient is worked out. Write a function of a trial with NumPy's arithmetic, sums, ``min``, ``max``,
+    ``ptp``, ``sqrt``, ``sin`` and the like, which take complex numbers, and compare real parts. Instead of ``abs(x)``, ``hypot`` and
+    ``arctan2`` write ``np.where(x.real < 0, -x, x)``, ``np.sqrt(x * x + y * y)`` and ``np.arctan(y / x)``. `synthesise` refuses a function
+    whose gradient differs from that of its values.
+
+    Attributes:
+        variables: Name -> value of each variable [SI].
+        motion: Motion over one period at constant speed; see `cycle`.
+        positions: Name of a bearing -> (n, 3) its position in world axes [m].
+    """
+
+    variables: Mapping[str, float]
+    motion: Motion
+    positions: Positions
+    _press: Callable[[], Linkage]
+    _reactions: Callable[[], TrialReactions]
+
+    @cached_property
+    def press(self) -> Linkage:
+        """The linkage; its numbers are real also where a gradient is worked out."""
+        return self._press()
+
+    @cached_property
+    def reactions(self) -> TrialReactions:
+        """The reactions of the press, worked out when they are first asked for."""
+        return self._reactions()
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class TrialReactions(Frozen):
+    """Reactions of a trial, with the names, signs and units of `Reactions`.
+
+    Attributes:
+        driving_torque: (n,) driving torque [N m].
+        shaking_force: (n, 3) shaking force in world axes [N].
+    """
+
+    driving_torque: Array
+    shaking_force: Array
+    _bearing_force: Mapping[str, Array] | None
+    _bearing_moment: Mapping[str, Array] | None
+    _shaking_moment: Array | None
+
+    @property
+    def bearing_force(self) -> Mapping[str, Array]:
+        """Name of a joint or loop -> (n, 3) force in world axes [N].
+
+        Raises:
+            PinpressError: A gradient is worked out, and several bearings of the linkage share forces.
+        """
+        if self._bearing_force is None:
+            raise PinpressError(SHARED)
+        return self._bearing_force
+
+    @property
+    def bearing_moment(self) -> Mapping[str, Array]:
+        """Name of a joint or loop -> (n, 3) moment in world axes [N m].
+
+        Raises:
+            PinpressError: A gradient is worked out, and several bearings of the linkage share forces, or its links lie in several planes.
+        """
+        if self._bearing_moment is None:
+            raise PinpressError(SHARED if self._bearing_force is None else OUT_OF_PLANE)
+        return self._bearing_moment
+
+    @property
+    def shaking_moment(self) -> Array:
+        """(n, 3) shaking moment about the world origin [N m].
+
+        Raises:
+            PinpressError: A gradient is worked out, and the links of the linkage lie in several planes.
+        """
+        if self._shaking_moment is None:
+            raise PinpressError(OUT_OF_PLANE)
+        return self._shaking_moment
+
+
+class Positions(Mapping[str, Array]):
+    """World positions (n, 3) of bearings by their names, worked out when they are asked for."""
+
+    def __init__(self, names: Sequence[str], at: Callable[[int], Array]) -> None:
+        self._names, self._at = names, at
+
+    def __getitem__(self, name: str) -> Array:
+        if name not in self._names:
+            raise UnknownNameError("bearing", name, self._names)
+        return read_only(self._at(self._names.index(name)))
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._names)
+
+    def __len__(self) -> int:
+        return len(self._names)
+
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Start:
-    """What a search starts from.
+    """The press that a search starts from.
 
     Attributes:
-        press: planar, drawn closed.
-        plane: the constants of its planar equations.
-        motion: its motion over one period, from crank angle 0.
-        loads: the loads on it.
+        press: The press, planar and drawn closed.
+        plane: Constants of its planar equations.
+        motion: Its motion over one period, from crank angle 0.
+        loads: Loads on it.
     """
 
     press: Linkage
@@ -56,15 +157,15 @@ class Design:
     """The press of the start with its pivots displaced, closed at all crank angles, in the joint coordinates of the start.
 
     Attributes:
-        start: what the search starts from.
-        variables: name -> value [SI].
-        moved: the displacements of the pivots from the start.
-        slopes: the derivatives of the displacements by every variable.
-        plane: the constants of its planar equations.
-        position: (nv, n) joint coordinates.
-        first: (nv, n) their first influence coefficients, derivatives by the crank angle.
-        second: (nv, n) their second influence coefficients.
-        gap: (n,) of the loops [m].
+        start: The press that the search starts from.
+        variables: Name -> value of each variable [SI].
+        moved: Displacements of the pivots from the start.
+        slopes: Derivatives of these displacements by each variable.
+        plane: Constants of its planar equations.
+        position: (nv, n) joint coordinates [rad or m].
+        first: (nv, n) first influence coefficients, the derivatives of ``position`` by the crank angle.
+        second: (nv, n) second influence coefficients, the second derivatives.
+        gap: (n,) largest gap of the loops [m].
     """
 
     start: Start
@@ -81,12 +182,13 @@ class Design:
         """Another design, its assembly continued from this one.
 
         Args:
-            variables: name -> value [SI].
-            moved: the displacements of its pivots from the start.
-            slopes: the derivatives of the displacements by every variable.
+            variables: Name -> value of each variable [SI].
+            moved: Displacements of its pivots from the start.
+            slopes: Derivatives of these displacements by each variable.
 
         Raises:
-            AssemblyError, SingularityError: as `continue_geometry` does.
+            AssemblyError: It cannot be assembled.
+            SingularityError: Two assemblies meet on the way there.
         """
         start = self.start
         by = shift(start.press, start.plane, moved.less(self.moved))
@@ -95,11 +197,11 @@ class Design:
 
     @cached_property
     def press(self) -> Linkage:
-        """The linkage itself, drawn anew."""
+        """The linkage of this design, drawn in its own closed pose."""
         return redrawn(self.start.press, self.moved, self.position[:, 0])
 
     def trial(self) -> Trial:
-        """What objectives and constraints see, with real arrays."""
+        """The trial of this design, with real arrays."""
         return Trial(
             dict(self.variables),
             self.motion,
@@ -109,11 +211,11 @@ class Design:
         )
 
     def trial_towards(self, place: int, step: float) -> Trial:
-        """What objectives and constraints see for their gradients: complex arrays, value + i h derivative with h = STEP x ``step``.
+        """The trial for the gradients by one variable, with complex arrays, value + i h derivative with h = STEP * ``step``.
 
         Args:
-            place: of the variable by which is differentiated.
-            step: by which that variable is scaled.
+            place: Index of the variable.
+            step: Range by which the variable is scaled [SI].
         """
         h, name = STEP * step, list(self.variables)[place]
         return Trial(
@@ -247,106 +349,3 @@ def _complex(value: Array, h: float, derivative: Array) -> Array:
     """value + i h derivative, read-only. In a gradient the arrays of a `Trial` are complex, whatever their type says."""
     result: ComplexArray = value + 1j * h * derivative
     return cast(Array, read_only(result))
-
-
-SHARED = "several bearings share forces that rigid mechanics leaves open, so derivatives of these are not known: use driving_torque"
-OUT_OF_PLANE = "the links lie in several planes, so the derivatives of moments are not known: use forces or driving_torque"
-
-
-@dataclass(frozen=True, eq=False, repr=False)
-class TrialReactions(Frozen):
-    """Reactions of a trial, with the names, signs and units of `Reactions`.
-
-    Attributes:
-        driving_torque: (n,) [N m].
-        shaking_force: (n, 3) [N].
-    """
-
-    driving_torque: Array
-    shaking_force: Array
-    _bearing_force: Mapping[str, Array] | None
-    _bearing_moment: Mapping[str, Array] | None
-    _shaking_moment: Array | None
-
-    @property
-    def bearing_force(self) -> Mapping[str, Array]:
-        """Name of a joint or loop -> (n, 3) force [N].
-
-        Raises:
-            PinpressError: in a gradient of a linkage in which several bearings share forces.
-        """
-        if self._bearing_force is None:
-            raise PinpressError(SHARED)
-        return self._bearing_force
-
-    @property
-    def bearing_moment(self) -> Mapping[str, Array]:
-        """Name of a joint or loop -> (n, 3) moment [N m].
-
-        Raises:
-            PinpressError: in a gradient of a linkage in which several bearings share forces, or whose links lie in several planes.
-        """
-        if self._bearing_moment is None:
-            raise PinpressError(SHARED if self._bearing_force is None else OUT_OF_PLANE)
-        return self._bearing_moment
-
-    @property
-    def shaking_moment(self) -> Array:
-        """(n, 3) about the world origin [N m].
-
-        Raises:
-            PinpressError: in a gradient of a linkage whose links lie in several planes.
-        """
-        if self._shaking_moment is None:
-            raise PinpressError(OUT_OF_PLANE)
-        return self._shaking_moment
-
-
-@dataclass(frozen=True, eq=False, repr=False)
-class Trial(Frozen):
-    """A press with one set of variables, as objectives and constraints see it.
-
-    Its arrays are complex where a gradient is worked out. Write a function of a trial with NumPy's arithmetic, sums, ``min``, ``max``,
-    ``ptp``, ``sqrt``, ``sin`` and the like, which take complex numbers, and compare real parts. Instead of ``abs(x)``, ``hypot`` and
-    ``arctan2`` write ``np.where(x.real < 0, -x, x)``,
-    ``np.sqrt(x * x + y * y)`` and ``np.arctan(y / x)``. `synthesise` refuses a function whose gradient is not that of its values.
-
-    Attributes:
-        variables: name -> value [SI].
-        motion: over one period at constant speed; see `cycle`.
-        positions: name of a bearing -> (n, 3) its world position [m].
-    """
-
-    variables: Mapping[str, float]
-    motion: Motion
-    positions: Positions
-    _press: Callable[[], Linkage]
-    _reactions: Callable[[], TrialReactions]
-
-    @cached_property
-    def press(self) -> Linkage:
-        """The press itself; its numbers are real in a gradient too."""
-        return self._press()
-
-    @cached_property
-    def reactions(self) -> TrialReactions:
-        """The reactions of the press, worked out when they are first asked for."""
-        return self._reactions()
-
-
-class Positions(Mapping[str, Array]):
-    """World positions (n, 3) of bearings by their names, worked out when they are asked for."""
-
-    def __init__(self, names: Sequence[str], at: Callable[[int], Array]) -> None:
-        self._names, self._at = names, at
-
-    def __getitem__(self, name: str) -> Array:
-        if name not in self._names:
-            raise UnknownNameError("bearing", name, self._names)
-        return read_only(self._at(self._names.index(name)))
-
-    def __iter__(self) -> Iterator[str]:
-        return iter(self._names)
-
-    def __len__(self) -> int:
-        return len(self._names)

@@ -1,6 +1,6 @@
-"""A synthesis as numbers: objective and limits over scaled variables, with their exact gradients.
+"""A synthesis as a mathematical problem: objective and limits over scaled variables, with their exact gradients.
 
-Variables are scaled to 0 at the lower and 1 at the upper bound, the objective and every constraint by their size at the start.
+Variables are scaled to 0 at the lower and 1 at the upper bound, and the objective and every constraint by their size at the start.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -16,6 +16,9 @@ from ..common.quantities import Array
 from ..derivatives.motion import STEP, Displacements, Pivots, directed, displaced
 from .design import Design, Trial
 
+STEPS = (1e-6, 1e-5, 1e-7)  # of the scaled variables; the second and third are tried where the first meets a kink
+SAME = 1e-3  # relative difference between a gradient and a difference quotient of values
+NOISE = 1e-6  # of the value: rounding of a difference quotient
 Function = Callable[[Trial], ArrayLike]
 
 
@@ -24,10 +27,10 @@ class Variable:
     """A design variable.
 
     Attributes:
-        name: the name by which it is passed to the geometry.
-        lower: bound [SI].
-        start: value at the start [SI].
-        upper: bound [SI].
+        name: Name by which it is passed to the geometry.
+        lower: Lower bound [SI].
+        start: Value at the start [SI].
+        upper: Upper bound [SI].
     """
 
     name: str
@@ -37,7 +40,7 @@ class Variable:
 
     @property
     def range(self) -> float:
-        """By what the variable is scaled [SI]."""
+        """Upper less lower bound, by which the variable is scaled; one where the bounds are equal [SI]."""
         return (self.upper - self.lower) or 1.0
 
 
@@ -46,11 +49,11 @@ class Measure:
     """A function of a trial: the objective or a constraint.
 
     Attributes:
-        name: of the constraint; empty for the objective.
-        function: of a `Trial`.
-        lower: bound of the constraint [SI].
-        upper: bound of the constraint [SI].
-        scale: its size, by which it is scaled [SI].
+        name: Name of the constraint; empty for the objective.
+        function: Function of a `Trial`.
+        lower: Lower bound of the constraint [SI].
+        upper: Upper bound of the constraint [SI].
+        scale: Size by which its values are divided [SI].
     """
 
     name: str
@@ -61,19 +64,19 @@ class Measure:
 
     @property
     def title(self) -> str:
-        """The words by which errors call it."""
+        """Name in messages."""
         return f"constraint {shown(self.name)}" if self.name else "the objective"
 
     def of(self, trial: Trial) -> Array:
         """The elements (m,) for a trial, complex where the trial is.
 
         Raises:
-            PinpressError: the function returns no numbers, or some that are not finite.
+            PinpressError: The function fails, or returns something else than finite numbers.
         """
         try:
             values = np.atleast_1d(np.asarray(self.function(trial)))
         except TypeError as error:
-            raise PinpressError(f"{self.title} cannot be worked out: {error}; see `Trial` for how it is to be written") from error
+            raise PinpressError(f"{self.title} cannot be worked out: {error}; see `Trial` for how to write it") from error
         if values.ndim != 1 or not values.size or values.dtype.kind not in "fciu":
             raise PinpressError(f"{self.title} returns {values.dtype} of shape {values.shape}: return a number, or (m,) of them")
         if not np.isfinite(values).all():
@@ -86,9 +89,9 @@ class Limit:
     """A bound of a constraint.
 
     Attributes:
-        measure: index in `Problem.measures`, which counts the constraints from 1.
+        measure: Index in `Problem.measures`, where the constraints begin at 1.
         side: "lower", "upper" or "equal".
-        bound: [SI].
+        bound: The bound [SI].
     """
 
     measure: int
@@ -97,18 +100,18 @@ class Limit:
 
     @property
     def sign(self) -> float:
-        """The sign of the value less the bound where the bound is kept."""
+        """Sign of the value minus the bound where the bound is kept."""
         return -1.0 if self.side == "upper" else 1.0
 
 
 @dataclass(frozen=True, eq=False)
 class Problem:
-    """What is searched.
+    """Variables, geometry, objective and constraints of a synthesis.
 
     Attributes:
-        variables: the design variables.
-        geometry: function of the variables that returns pivots.
-        measures: the objective, then the constraints.
+        variables: The design variables.
+        geometry: Function of the variables that returns pivots.
+        measures: The objective, then the constraints.
     """
 
     variables: tuple[Variable, ...]
@@ -128,26 +131,26 @@ class Problem:
         return tuple(found)
 
     def values(self, z: Array) -> dict[str, float]:
-        """Name -> value of the variables at scaled ones (k,)."""
+        """Values of the variables by name, from scaled ones (k,) [SI]."""
         return {v.name: float(v.lower * (1.0 - share) + v.upper * share) for v, share in zip(self.variables, z, strict=True)}
 
     def scaled(self, values: Mapping[str, float]) -> Array:
-        """The scaled variables (k,) at values by name."""
+        """Scaled variables (k,) from values by name [-]."""
         return np.array([(values[v.name] - v.lower) / v.range for v in self.variables])
 
     def at(self, z: Array, near: Design) -> "Point":
         """Objective and constraints at scaled variables (k,), the assembly continued from a design nearby.
 
         Raises:
-            AssemblyError: the geometry is not a number, or cannot be assembled.
-            SingularityError: two assemblies meet on the way there.
-            PinpressError: a function fails.
+            AssemblyError: The geometry has numbers that are NaN, or cannot be assembled.
+            SingularityError: Two assemblies meet on the way there.
+            PinpressError: A function fails.
         """
         values = self.values(z)
         press = near.start.press
         pivots = self.pivots(values)
         if any(np.asarray(position).dtype.kind == "f" and np.isnan(position).any() for position in pivots.values()):
-            raise AssemblyError("the geometry has no numbers for these variables", 0.0, np.inf, 0)  # the root of a negative number, say
+            raise AssemblyError("the geometry has no numbers for these variables", 0.0, np.inf, 0)  # e.g. the root of a negative number
         moved = displaced(press, pivots)
         design = near.next(values, moved, [self._slope(near, values, v.name) for v in self.variables])
         trial = design.trial()
@@ -162,7 +165,7 @@ class Problem:
         """The pivots at values by name.
 
         Raises:
-            PinpressError: the geometry fails, or returns no mapping.
+            PinpressError: The geometry fails, or returns no mapping.
         """
         try:
             pivots = self.geometry(**values)
@@ -178,10 +181,10 @@ class Point:
     """A problem at one set of variables.
 
     Attributes:
-        problem: what is searched.
+        problem: The problem.
         z: (k,) scaled variables.
-        design: the design that they give.
-        values: elements (m,) of every measure [SI].
+        design: The design with these variables.
+        values: Elements (m,) of every measure [SI].
     """
 
     problem: Problem
@@ -194,7 +197,7 @@ class Point:
         """Derivatives (m, k) of every measure by the scaled variables.
 
         Raises:
-            PinpressError: a function fails for complex numbers, or returns another number of elements for them.
+            PinpressError: A function fails for complex numbers, or returns another number of elements for them.
         """
         variables = self.problem.variables
         trials = [self.design.trial_towards(place, variable.range) for place, variable in enumerate(variables)]
@@ -208,25 +211,25 @@ class Point:
 
     @property
     def objective(self) -> float:
-        """What is minimised: the largest element of the objective [SI]."""
+        """The largest element of the objective, which is minimised [SI]."""
         return float(self.values[0].max())
 
     def slacks(self, limit: Limit) -> Array:
-        """How far (m,) a bound is kept, scaled: negative where it is not; for an equality the difference."""
+        """Scaled slacks (m,) of a bound, negative where it is missed; for an equation the differences."""
         return np.asarray(limit.sign * (self.values[limit.measure] - limit.bound) / self.problem.measures[limit.measure].scale)
 
     def slack_slopes(self, limit: Limit) -> Array:
-        """Derivatives (m, k) of the slacks by the scaled variables."""
+        """Derivatives (m, k) of the scaled slacks by the scaled variables."""
         return np.asarray(limit.sign * self.slopes[limit.measure] / self.problem.measures[limit.measure].scale)
 
     def violation(self, limit: Limit) -> float:
-        """By how much a bound is missed, scaled; 0 where it is kept."""
+        """Scaled amount by which a bound is missed; 0 where it is kept."""
         slacks = self.slacks(limit)
         return float(np.abs(slacks).max() if limit.side == "equal" else max(0.0, -slacks.min()))
 
     @property
     def widest_violation(self) -> float:
-        """The largest violation of any bound, scaled."""
+        """Scaled amount by which the worst bound is missed."""
         return max((self.violation(limit) for limit in self.problem.limits), default=0.0)
 
 
@@ -242,25 +245,15 @@ def missed(point: Point) -> str:
     )
 
 
-def _listed(variables: Mapping[str, float]) -> str:
-    return ", ".join(f"{name} = {np.real(value):.6g}" for name, value in variables.items())
-
-
-# --------------------------------------------------------------------------------------------------------------------- gradients verified
-
-STEPS = (1e-6, 1e-5, 1e-7)  # of the scaled variables; the second and third where a kink is met with the first
-SAME = 1e-3  # share in which a gradient may differ from a difference of values
-NOISE = 1e-6  # of the value: rounding of that, divided by the smallest step but one
-
-
 def verify_gradients(point: Point, directions: Sequence[Array]) -> None:
     """Check the gradients of all measures against differences of their values.
 
     Args:
-        directions: (k,) of the scaled variables, along which both are taken.
+        point: Where they are checked.
+        directions: Directions (k,) of the scaled variables along which both are taken.
 
     Raises:
-        PinpressError: a function's gradient is not that of its values.
+        PinpressError: A function's gradient differs from that of its values.
     """
     problem = point.problem
     for direction in directions:
@@ -273,7 +266,7 @@ def verify_gradients(point: Point, directions: Sequence[Array]) -> None:
         else:
             raise PinpressError(
                 f"{problem.measures[wrong[0]].title} has a gradient that is not that of its values: it drops the imaginary part of complex"
-                " numbers, or jumps at the start; see `Trial` for how it is to be written"
+                " numbers, or jumps at the start; see `Trial` for how to write it"
             )
 
 
@@ -281,3 +274,7 @@ def _agrees(point: Point, measure: int, direction: Array, difference: Array) -> 
     exact, values = point.slopes[measure] @ direction, point.values[measure]
     size = max(np.abs(exact).max(), np.abs(difference).max())
     return bool(np.abs(exact - difference).max() <= SAME * size + NOISE * np.abs(values).max())
+
+
+def _listed(variables: Mapping[str, float]) -> str:
+    return ", ".join(f"{name} = {np.real(value):.6g}" for name, value in variables.items())

@@ -1,10 +1,10 @@
-"""Search for an optimum: from one design by sequential quadratic programming (SciPy's SLSQP), or from many; and what holds the optimum.
+"""Search for an optimum by sequential quadratic programming (SciPy's SLSQP), from one design or many; and the conditions of an optimum.
 
-The largest of several elements is minimised as one more variable that is above all of them, which is smooth where a maximum is not.
+The largest of several elements is minimised as one more variable that is above all of them, because a maximum itself is not smooth.
 
-At an optimum the gradient of the objective is balanced by those of the bounds and constraints that hold it, with multipliers of the right
-sign (the conditions of Karush, Kuhn and Tucker). Of an objective that is the largest of several elements it is a mean of the gradients of
-the largest ones. Multipliers are found by nonnegative least squares; what is left over, the residual, is zero at an optimum.
+At an optimum the gradients of the bounds and constraints that hold it balance the gradient of the objective, with multipliers of the right
+sign (the conditions of Karush, Kuhn and Tucker). For an objective that is the largest of several elements, this is a weighted mean of the
+gradients of the largest ones. Multipliers are found by nonnegative least squares; their residual is zero at an optimum.
 """
 
 from collections.abc import Sequence
@@ -18,27 +18,29 @@ from ..common.quantities import Array
 from ..common.results import Record, Records
 from .problem import Limit, Point, Problem, missed
 
-CONVERGED = 1e-6  # residual of the optimum's conditions, scaled
-DESCENTS = 12  # of SLSQP, which forgets its curvatures each time
-ROUNDS = 100  # of one
-MOST_LOST = 10  # designs that cannot be assembled, after which a descent gives up: it creeps along where they begin
-ALL_LOST = 30  # of them, after which the search does
-NARROWED = 0.2  # share of its reach that the next one is left with, where it came no further
-SHORTEST_REACH = 1e-3  # with which the search gives up then
-PRECISION = 1e-15  # of the scaled objective, at which it stops
-ROUNDING = 1e-12  # with which SLSQP keeps the bounds of scaled variables
+CONVERGED = 1e-6  # scaled residual of the conditions of an optimum
+DESCENTS = 12  # runs of SLSQP, which begins each with new estimates of curvature
+ROUNDS = 100  # iterations of a descent
+MOST_LOST = 10  # designs of a descent that cannot be assembled, after which it gives up: it creeps along the border of such designs
+ALL_LOST = 30  # designs of all descents that cannot be assembled, after which the search gives up
+NARROWED = 0.2  # factor on the reach after a descent without progress
+SHORTEST_REACH = 1e-3  # the search gives up with a reach shorter than this
+PRECISION = 1e-15  # of the scaled objective, at which a descent stops
+ROUNDING = 1e-12  # error of SLSQP in keeping the bounds of scaled variables
 NO_WAY = 1e6  # scaled objective of a design that cannot be assembled: the line search steps back from it
-STARTS = 16  # of a global search beside the given one, a power of two as Sobol's sequence likes it
+STARTS = 16  # of a global search beside the given one, a power of two as Sobol's sequence needs
+TOUCHED = 1e-6  # scaled distance at which a bound counts as met
+WITHOUT = 1e-9  # scaled gradient below which a variable has no influence
 
 
 class Search:
     """A search for the optimum of a problem, which counts designs as it goes.
 
     Attributes:
-        problem: what is searched.
-        evaluations: number of designs that were judged.
-        infeasible: number of designs that could not be assembled, or not be judged.
-        why: the error of the last of those.
+        problem: The problem.
+        evaluations: Number of designs that were judged.
+        infeasible: Number of designs that could not be assembled or judged.
+        why: Error of the last of these.
     """
 
     def __init__(self, problem: Problem) -> None:
@@ -47,10 +49,10 @@ class Search:
         self.why: PinpressError | None = None
 
     def local(self, start: Point) -> Point:
-        """The optimum to which SLSQP comes from a design.
+        """The optimum that SLSQP reaches from a design.
 
         Raises:
-            PinpressError: no design keeps the constraints, or the search does not converge.
+            PinpressError: No design keeps the constraints, or the search does not converge.
         """
         point, reach, lost = start, 1.0, 0
         for _ in range(DESCENTS):
@@ -81,10 +83,10 @@ class Search:
         )
 
     def best(self, start: Point, seed: int) -> Point:
-        """The best of the optima that are found from a design and from others spread over the bounds.
+        """The best of the optima reached from a design and from others spread over the bounds.
 
         Raises:
-            PinpressError: none is found; the error is the first that `local` raised.
+            PinpressError: None is reached; the error is the first that `local` raised.
         """
         from scipy.stats import qmc  # slow to import
 
@@ -105,9 +107,9 @@ class Search:
         return min(found, key=lambda point: point.objective)
 
     def at(self, z: Array, near: Point) -> Point | None:
-        """The problem at scaled variables (k,); None where the linkage cannot be assembled there, or a function cannot judge it.
+        """The problem at scaled variables (k,); None where the linkage cannot be assembled there, or a function fails.
 
-        What is wrong with all designs was wrong with the start, and has been refused there.
+        An error that all designs have was raised for the start already.
         """
         try:
             point = self.problem.at(z, near.design)
@@ -118,29 +120,72 @@ class Search:
         return point
 
 
-def _better(point: Point, before: Point) -> bool:
-    """Whether a descent has come further: nearer to the constraints, or to a lower value."""
-    if max(point.widest_violation, before.widest_violation) > CONVERGED:
-        return point.widest_violation < before.widest_violation
-    return point.objective < before.objective
+@dataclass(frozen=True, repr=False)
+class ActiveBound(Record):
+    """A bound that holds the optimum.
+
+    Attributes:
+        name: Name of the variable or constraint.
+        side: "lower", "upper" or "equal".
+        bound: The bound [SI].
+        multiplier: Derivative of the optimal objective by the bound [SI]. It is negative for an upper bound, because raising it widens the
+            search, and positive for a lower bound.
+    """
+
+    name: str
+    side: str
+    bound: float
+    multiplier: float
 
 
-def _listed(point: Point) -> str:
-    return ", ".join(f"{name} = {value:.6g}" for name, value in point.problem.values(point.z).items())
+class Optimum(NamedTuple):
+    """The conditions of an optimum at a point.
+
+    Attributes:
+        residual: Scaled residual of the conditions.
+        active: Bounds that hold the point, with their multipliers.
+        idle: Names of the variables without influence.
+    """
+
+    residual: float
+    active: Records[ActiveBound]
+    idle: tuple[str, ...]
+
+
+def optimum(point: Point) -> Optimum:
+    """Multipliers of all bounds that may hold a point, and the residual of the conditions of an optimum there."""
+    from scipy.optimize import nnls  # slow to import
+
+    problem = point.problem
+    size = problem.measures[0].scale
+    values, slopes = point.values[0] / size, point.slopes[0] / size
+    largest = values >= values.max() - TOUCHED
+    forces = [*_of_variables(point), *_of_limits(point)]
+    count = int(largest.sum())
+    matrix = np.zeros((len(problem.variables) + 1, count + len(forces)))
+    matrix[:-1, :count], matrix[-1, :count] = slopes[largest].T, 1.0
+    if forces:
+        matrix[:-1, count:] = -np.array([force.gradient for force in forces]).T
+    target = np.zeros(len(matrix))
+    target[-1] = 1.0
+    shares, residual = nnls(matrix, target)
+    multipliers = shares[count:] / max(shares[:count].sum(), np.finfo(float).tiny)
+    slack = max((share * abs(force.slack) for share, force in zip(multipliers, forces, strict=True)), default=0.0)
+    return Optimum(max(float(residual), slack, point.widest_violation), _active(forces, multipliers, size), _idle(point))
 
 
 class _CreepingError(Exception):
-    """A descent meets more and more designs that cannot be assembled."""
+    """Too many designs of a descent cannot be assembled."""
 
 
 class _Descent:
     """One run of SLSQP.
 
-    Its variables x are the scaled ones, no further than ``reach`` from the start, and after them, where the objective has several elements,
-    the level above all of them.
+    Its variables x are the scaled ones, at most ``reach`` away from the start. Where the objective has several elements, the level above
+    all of them is the last variable.
 
     Attributes:
-        lost: number of designs that could not be assembled.
+        lost: Number of designs that could not be assembled.
     """
 
     def __init__(self, search: Search, start: Point, reach: float) -> None:
@@ -179,12 +224,13 @@ class _Descent:
 
         Args:
             kind: "eq" or "ineq".
-            below: whether all elements of the objective are to stay below the level, too.
+            limits: The limits.
+            below: Whether to keep all elements of the objective below the level, too.
         """
         return {"type": kind, "fun": lambda x: self._slacks(x, limits, below), "jac": lambda x: self._slack_slopes(x, limits, below)}
 
     def _at(self, x: Array) -> Point:
-        """The problem at x; where the linkage cannot be assembled there, at the last x where it could."""
+        """The problem at x, or at the last x before where the linkage cannot be assembled."""
         z = x[: len(self.here.z)]
         z = np.where(z < ROUNDING, 0.0, np.where(z > 1.0 - ROUNDING, 1.0, z))
         if not np.array_equal(z, self.tried):
@@ -225,52 +271,23 @@ class _Descent:
         return np.concatenate(rows)
 
 
-TOUCHED = 1e-6  # scaled distance from a bound at which it counts as met
-WITHOUT = 1e-9  # scaled gradient of a variable without influence
-
-
-@dataclass(frozen=True, repr=False)
-class ActiveBound(Record):
-    """A bound that holds the optimum.
-
-    Attributes:
-        name: of the variable or constraint.
-        side: "lower", "upper" or "equal".
-        bound: [SI].
-        multiplier: derivative of the optimum's value by the bound, in units of one per unit of the other. To raise an upper bound widens
-            the search, so its multiplier is negative; that of a lower bound is positive.
-    """
-
-    name: str
-    side: str
-    bound: float
-    multiplier: float
-
-
-class Optimum(NamedTuple):
-    """How well a point meets the conditions of an optimum.
-
-    Attributes:
-        residual: of the conditions, scaled.
-        active: the bounds that hold the point, with their multipliers.
-        idle: names of the variables without influence.
-    """
-
-    residual: float
-    active: Records[ActiveBound]
-    idle: tuple[str, ...]
+def _better(point: Point, before: Point) -> bool:
+    """Whether a point is an improvement: nearer to the constraints, or with a lower objective."""
+    if max(point.widest_violation, before.widest_violation) > CONVERGED:
+        return point.widest_violation < before.widest_violation
+    return point.objective < before.objective
 
 
 class _Force(NamedTuple):
-    """A bound that may hold the point, and the way it pushes.
+    """A bound that may hold a point, with the direction in which it pushes.
 
     Attributes:
-        gradient: (k,) of the slack, scaled.
-        slack: scaled.
-        name: as in `ActiveBound`.
-        side: as in `ActiveBound`.
-        bound: as in `ActiveBound`.
-        unit: by which it is scaled [SI].
+        gradient: (k,) gradient of the scaled slack.
+        slack: Scaled slack.
+        name: As in `ActiveBound`.
+        side: As in `ActiveBound`.
+        bound: As in `ActiveBound`.
+        unit: Size by which it is scaled [SI].
         rising: +1 where raising the bound narrows the search, else -1.
     """
 
@@ -281,28 +298,6 @@ class _Force(NamedTuple):
     bound: float
     unit: float
     rising: float
-
-
-def optimum(point: Point) -> Optimum:
-    """The multipliers of all bounds that may hold a point, and the residual of the conditions there."""
-    from scipy.optimize import nnls  # slow to import
-
-    problem = point.problem
-    size = problem.measures[0].scale
-    values, slopes = point.values[0] / size, point.slopes[0] / size
-    largest = values >= values.max() - TOUCHED
-    forces = [*_of_variables(point), *_of_limits(point)]
-    count = int(largest.sum())
-    matrix = np.zeros((len(problem.variables) + 1, count + len(forces)))
-    matrix[:-1, :count], matrix[-1, :count] = slopes[largest].T, 1.0
-    if forces:
-        matrix[:-1, count:] = -np.array([force.gradient for force in forces]).T
-    target = np.zeros(len(matrix))
-    target[-1] = 1.0
-    shares, residual = nnls(matrix, target)
-    multipliers = shares[count:] / max(shares[:count].sum(), np.finfo(float).tiny)
-    slack = max((share * abs(force.slack) for share, force in zip(multipliers, forces, strict=True)), default=0.0)
-    return Optimum(max(float(residual), slack, point.widest_violation), _active(forces, multipliers, size), _idle(point))
 
 
 def _of_variables(point: Point) -> list[_Force]:
@@ -330,10 +325,12 @@ def _of_limits(point: Point) -> list[_Force]:
 
 
 def _active(forces: list[_Force], multipliers: Array, size: float) -> Records[ActiveBound]:
-    """The bounds whose multipliers are more than rounding; the multipliers of one constraint's elements are added up.
+    """The bounds whose multipliers are more than rounding; the multipliers of all elements of a constraint are added.
 
     Args:
-        size: by which the objective is scaled [SI].
+        forces: Bounds that may hold the point.
+        multipliers: Their scaled multipliers.
+        size: Size by which the objective is scaled [SI].
     """
     sums: dict[tuple[str, str, float, float], float] = {}
     for force, share in zip(forces, multipliers, strict=True):
@@ -344,7 +341,11 @@ def _active(forces: list[_Force], multipliers: Array, size: float) -> Records[Ac
 
 
 def _idle(point: Point) -> tuple[str, ...]:
-    """The variables on which neither the objective nor a constraint depends, but for rounding."""
+    """The variables on which neither the objective nor a constraint depends, up to rounding."""
     slopes = [np.abs(s).max(axis=0) / m.scale for s, m in zip(point.slopes, point.problem.measures, strict=True)]
     strongest = np.max(slopes, axis=0)
     return tuple(v.name for v, slope in zip(point.problem.variables, strongest, strict=True) if slope <= WITHOUT)
+
+
+def _listed(point: Point) -> str:
+    return ", ".join(f"{name} = {value:.6g}" for name, value in point.problem.values(point.z).items())

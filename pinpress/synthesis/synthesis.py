@@ -1,4 +1,4 @@
-"""Synthesis: link lengths and pivots of a press that make an objective least under constraints.
+"""Synthesis: the link lengths and pivots of a press that minimise an objective under constraints.
 
     found = synthesise(
         load("thin_wall"),
@@ -10,8 +10,8 @@
     )
     found.press, found.variables, found.active
 
-Every gradient is exact (`pinpress.derivatives`), and the assembly is continued from design to design. What is returned meets the conditions
-of an optimum.
+All gradients are exact (`pinpress.derivatives`), and the assembly is continued from design to design. The result meets the conditions of an
+optimum, or an error says why there is none.
 """
 
 from __future__ import annotations
@@ -39,9 +39,10 @@ from .design import Design, Start
 from .problem import Function, Measure, Point, Problem, Variable, verify_gradients
 from .search import ActiveBound, Search, optimum
 
-SYNTHESISED = "_synthesised"  # the name of a press that was found ends so
+SYNTHESISED = "_synthesised"  # end of the name of a press that was found
 UNCONSTRAINED: Mapping[str, Any] = FrozenMapping({})
-SAME = 1e-9  # share of the linkage's size to which the motion of the found press is that of the trial
+SAME = 1e-9  # of the linkage's size: the found press moves as its trial does up to this difference
+WIDE = 14  # letters of a number's column
 
 
 @typed
@@ -58,30 +59,30 @@ def synthesise(
     loads: Sequence[Load] = (),
     seed: int = 0,
 ) -> SynthesisResult:
-    """The lengths of a planar press that make an objective least, over one period at constant speed.
+    """Find the lengths of a planar press that minimise an objective over one period at constant speed.
 
     Args:
-        press: a planar press; it keeps the lengths that no variable changes.
-        variables: name -> (lower bound, start, upper bound) [SI].
-        minimise: function of a `Trial` that returns a number, or (m,) of which the largest element is minimised.
-        subject_to: name -> (function of a `Trial`, lower bound, upper bound); None or infinite for no bound, equal ones for an equation. Of
-            an array every element keeps the bounds.
-        geometry: function of the variables, by their names, that returns pivots as `reshaped` takes them; written with NumPy's functions.
-            Design rules belong here. Left out, variables are single coordinates, named bearing.link.axis, as in "B.crank.x".
-        speed: of the crank [rad/s].
-        points: of the period at which trials are judged; by default 360 a turn.
-        method: "local" for the optimum next to the start, "global" for the best of those next to many starts within the bounds.
-        loads: constant forces, and process loads with a datum.
-        seed: of the starts of a global search.
+        press: A planar press. It keeps all lengths that no variable changes.
+        variables: Name -> (lower bound, start, upper bound) [SI].
+        minimise: Function of a `Trial` that returns a number, or an array (m,) whose largest element is minimised.
+        subject_to: Name -> (function of a `Trial`, lower bound, upper bound). None or infinity stands for no bound, and equal bounds for an
+            equation. Where the function returns an array, every element keeps the bounds.
+        geometry: Function of the variables, by their names, that returns pivots as `reshaped` takes them, written with NumPy's functions.
+            Design rules belong here. By default variables are single coordinates, named bearing.link.axis as in "B.crank.x".
+        speed: Speed of the crank [rad/s].
+        points: Number of crank angles of the period at which trials are judged; by default 360 a turn.
+        method: "local" for the optimum next to the start, "global" for the best of the optima next to many starts within the bounds.
+        loads: Constant forces, and process loads with a datum.
+        seed: Seed of the random starts of a global search.
 
     Returns:
-        The press that was found, and what holds it.
+        The press that was found, with the bounds that hold the optimum.
 
     Raises:
-        PinpressError: the linkage is not planar; bounds or arguments make no sense; the start cannot be assembled, or its crank does not
-            turn fully; a function fails, or its gradient is not that of its values; no design keeps the constraints; the search does not
-            converge.
-        UnknownNameError: a bearing or link that the linkage does not have.
+        PinpressError: The linkage is not planar, an argument is not as described, the start cannot be assembled or its crank does not turn
+            fully, a function fails or has a gradient that differs from that of its values, no design keeps the constraints, or the search
+            does not converge.
+        UnknownNameError: The linkage has no such bearing or link.
     """
     problem = _problem(press, variables, minimise, subject_to, geometry)
     refuse_unknown(loads)
@@ -95,78 +96,76 @@ def synthesise(
     return _result(start, found, search)
 
 
-def _start(press: Linkage, problem: Problem, speed: float, points: int | None, loads: Sequence[Load]) -> Point:
-    """The start, with measures scaled by their size there.
+@dataclass(frozen=True, eq=False, repr=False)
+class SynthesisResult(Tabular):
+    """The optimum that was found.
 
-    Raises:
-        PinpressError: it cannot be assembled, or locks.
+    Attributes:
+        press: The linkage with the lengths found, as `reshaped` makes it.
+        variables: Name -> value of each variable [SI].
+        value: Value of the objective at the optimum [SI].
+        start_value: Value of the objective at the start [SI].
+        constraints: Name -> value of each constraint at the optimum, a number or (m,) [SI].
+        active: The bounds of variables and constraints that hold the optimum, with their multipliers.
+        idle: Names of the variables on which neither the objective nor a constraint depends, so that any value is as good.
+        kkt: Residual of the conditions of Karush, Kuhn and Tucker, at most 1e-6 [-]: the change of the objective, divided by its size, that
+            remains unbalanced for a change of a variable over its whole range.
+        evaluations: Number of designs that were judged.
+        infeasible: Number of designs that could not be assembled or judged.
     """
-    values = {variable.name: variable.start for variable in problem.variables}
-    try:
-        drawn = reshaped(press, problem.pivots(values))
-        motion = cycle(drawn, speed, points=points)
-    except (AssemblyError, SingularityError) as error:
-        listed = ", ".join(f"{name} = {value:g}" for name, value in values.items())
-        raise PinpressError(f"the start, {listed}, is no press: {error}; start elsewhere") from error
-    plane = planar(drawn)
-    closure = drawn.engine().close(motion.crank_angle, motion.joint_position.T)
-    state = closure.position, closure.first, closure.second, closure.gap
-    design = Design(Start(drawn, plane, motion, loads), values, nowhere(drawn), [], plane, *state)
-    point = problem.at(problem.scaled(values), design)
-    scaled = tuple(_scaled(measure, found) for measure, found in zip(problem.measures, point.values, strict=True))
-    return Problem(problem.variables, problem.geometry, scaled).at(point.z, design)
+
+    press: Linkage
+    variables: Mapping[str, float]
+    value: float
+    start_value: float
+    constraints: Mapping[str, float | Array]
+    active: Records[ActiveBound]
+    idle: tuple[str, ...]
+    kkt: float
+    evaluations: int
+    infeasible: int
+    _rows: Records[BoundedQuantity]
+
+    @property
+    def title(self) -> str:
+        found = ", ".join(f"{name} = {value:.6g}" for name, value in self.variables.items())
+        return f"SynthesisResult of {self.press.name}: {self.start_value:.6g} to {self.value:.6g} with {found}"
+
+    def __str__(self) -> str:
+        return _text(self)
+
+    def table(self) -> Records[BoundedQuantity]:
+        """A row for each variable, then for each constraint."""
+        return self._rows
+
+    def columns(self) -> dict[str, Column]:
+        """The columns of `table`; None where there is no bound."""
+        return self._rows.columns()
 
 
-def _scaled(measure: Measure, values: Array) -> Measure:
-    """The measure, scaled by the size of its values, or of its bounds where these are larger."""
-    sizes = [float(np.abs(values).max()), *(abs(bound) for bound in (measure.lower, measure.upper) if math.isfinite(bound))]
-    return Measure(measure.name, measure.function, measure.lower, measure.upper, max(sizes) or 1.0)
+@dataclass(frozen=True, repr=False)
+class BoundedQuantity(Record):
+    """A variable or constraint in the table of a synthesis. For a constraint with several elements it shows the one nearest to a bound.
 
+    Attributes:
+        name: Name of the variable or constraint.
+        kind: "variable" or "constraint".
+        lower: Lower bound [SI]; None: there is none.
+        start: Value at the start [SI].
+        value: Value at the optimum [SI].
+        upper: Upper bound [SI]; None: there is none.
+    """
 
-def _verify(found: Point, speed: float, points: int | None) -> None:
-    """Raise PinpressError where the press that was found does not move as its trial did: between the points it may lock."""
-    motion, trial = cycle(found.design.press, speed, points=points), found.design.motion
-    if not np.abs(motion.joint_position - trial.joint_position).max() <= SAME * (1 + found.design.plane.size):
-        raise PinpressError("the press that was found moves in another assembly than it was drawn in: narrow the variables' bounds")
-
-
-def _result(start: Point, found: Point, search: Search) -> SynthesisResult:
-    problem, held, press = found.problem, optimum(found), found.design.press
-    constraints = {
-        measure.name: float(values[0]) if len(values) == 1 else read_only(values)
-        for measure, values in zip(problem.measures[1:], found.values[1:], strict=True)
-    }
-    values = problem.values(found.z)
-    rows = [BoundedQuantity(v.name, "variable", v.lower, v.start, values[v.name], v.upper) for v in problem.variables]
-    for k, measure in enumerate(problem.measures[1:], 1):
-        bounds = [bound if math.isfinite(bound) else None for bound in (measure.lower, measure.upper)]
-        nearest = (_nearest(measure, point.values[k]) for point in (start, found))
-        rows.append(BoundedQuantity(measure.name, "constraint", bounds[0], next(nearest), next(nearest), bounds[1]))
-    return SynthesisResult(
-        press=press.with_inertias(list(press.model.inertias), name=press.name.removesuffix(SYNTHESISED) + SYNTHESISED),
-        variables=FrozenMapping(values),
-        value=found.objective,
-        start_value=start.objective,
-        constraints=FrozenMapping(constraints),
-        active=held.active,
-        idle=held.idle,
-        kkt=held.residual,
-        evaluations=search.evaluations,
-        infeasible=search.infeasible,
-        _rows=Records(BoundedQuantity, rows),
-    )
-
-
-def _nearest(measure: Measure, values: Array) -> float:
-    """The element that is nearest to a bound, or furthest beyond it."""
-    return float(values[np.argmin(np.minimum(values - measure.lower, measure.upper - values))])
-
-
-# ------------------------------------------------------------------------------------------------------------------------------ arguments
+    name: str
+    kind: str
+    lower: float | None
+    start: float
+    value: float
+    upper: float | None
 
 
 def _problem(press: Linkage, variables: Any, minimise: Any, subject_to: Any, geometry: Any) -> Problem:
-    """The problem that checked arguments state; its measures are not scaled yet."""
+    """The problem that a caller's arguments state, after checking them; its measures are not scaled yet."""
     planar(press)
     for name, mapping in (("variables", variables), ("subject_to", subject_to)):
         if not isinstance(mapping, Mapping):
@@ -218,86 +217,80 @@ def _coordinates(press: Linkage, names: tuple[str, ...]) -> Callable[..., Pivots
     return geometry
 
 
-WIDE = 14  # letters of a number's column
+def _start(press: Linkage, problem: Problem, speed: float, points: int | None, loads: Sequence[Load]) -> Point:
+    """The start, with measures scaled by their size there.
 
-
-@dataclass(frozen=True, repr=False)
-class BoundedQuantity(Record):
-    """A variable or constraint of a synthesis.
-
-    Of a constraint with several elements it is the one nearest to a bound.
-
-    Attributes:
-        name: of the variable or constraint.
-        kind: "variable" or "constraint".
-        lower: its lower bound [SI], None if there is none.
-        start: its value at the start [SI].
-        value: its value at the optimum [SI].
-        upper: its upper bound [SI], None if there is none.
+    Raises:
+        PinpressError: The start cannot be assembled, or locks.
     """
+    values = {variable.name: variable.start for variable in problem.variables}
+    try:
+        drawn = reshaped(press, problem.pivots(values))
+        motion = cycle(drawn, speed, points=points)
+    except (AssemblyError, SingularityError) as error:
+        listed = ", ".join(f"{name} = {value:g}" for name, value in values.items())
+        raise PinpressError(f"the start, {listed}, is no press: {error}; start elsewhere") from error
+    plane = planar(drawn)
+    closure = drawn.engine().close(motion.crank_angle, motion.joint_position.T)
+    state = closure.position, closure.first, closure.second, closure.gap
+    design = Design(Start(drawn, plane, motion, loads), values, nowhere(drawn), [], plane, *state)
+    point = problem.at(problem.scaled(values), design)
+    scaled = tuple(_scaled(measure, found) for measure, found in zip(problem.measures, point.values, strict=True))
+    return Problem(problem.variables, problem.geometry, scaled).at(point.z, design)
 
-    name: str
-    kind: str
-    lower: float | None
-    start: float
-    value: float
-    upper: float | None
+
+def _scaled(measure: Measure, values: Array) -> Measure:
+    """The measure, scaled by the size of its values, or of its bounds where these are larger."""
+    sizes = [float(np.abs(values).max()), *(abs(bound) for bound in (measure.lower, measure.upper) if math.isfinite(bound))]
+    return Measure(measure.name, measure.function, measure.lower, measure.upper, max(sizes) or 1.0)
 
 
-@dataclass(frozen=True, eq=False, repr=False)
-class SynthesisResult(Tabular):
-    """The optimum that was found.
+def _verify(found: Point, speed: float, points: int | None) -> None:
+    """Raise PinpressError where the press that was found does not move as its trial did, because it locks between two points."""
+    motion, trial = cycle(found.design.press, speed, points=points), found.design.motion
+    if not np.abs(motion.joint_position - trial.joint_position).max() <= SAME * (1 + found.design.plane.size):
+        raise PinpressError("the press that was found moves in another assembly than it was drawn in: narrow the variables' bounds")
 
-    Attributes:
-        press: the linkage with the lengths found, as `reshaped` makes it.
-        variables: name -> value [SI].
-        value: of the objective at the optimum [SI].
-        start_value: of the objective at the start [SI].
-        constraints: name -> value at the optimum, a number or (m,) [SI].
-        active: the bounds of variables and constraints that hold the optimum, with what they cost.
-        idle: variables on which neither the objective nor a constraint depends: they keep any value.
-        kkt: residual of the conditions of Karush, Kuhn and Tucker, in units of the objective's size for a change of a variable over its
-            whole range; at most 1e-6.
-        evaluations: number of designs that were judged.
-        infeasible: number of designs that could not be assembled, or not be judged.
-    """
 
-    press: Linkage
-    variables: Mapping[str, float]
-    value: float
-    start_value: float
-    constraints: Mapping[str, float | Array]
-    active: Records[ActiveBound]
-    idle: tuple[str, ...]
-    kkt: float
-    evaluations: int
-    infeasible: int
-    _rows: Records[BoundedQuantity]
+def _result(start: Point, found: Point, search: Search) -> SynthesisResult:
+    problem, held, press = found.problem, optimum(found), found.design.press
+    constraints = {
+        measure.name: float(values[0]) if len(values) == 1 else read_only(values)
+        for measure, values in zip(problem.measures[1:], found.values[1:], strict=True)
+    }
+    values = problem.values(found.z)
+    rows = [BoundedQuantity(v.name, "variable", v.lower, v.start, values[v.name], v.upper) for v in problem.variables]
+    for k, measure in enumerate(problem.measures[1:], 1):
+        bounds = [bound if math.isfinite(bound) else None for bound in (measure.lower, measure.upper)]
+        nearest = (_nearest(measure, point.values[k]) for point in (start, found))
+        rows.append(BoundedQuantity(measure.name, "constraint", bounds[0], next(nearest), next(nearest), bounds[1]))
+    return SynthesisResult(
+        press=press.with_inertias(list(press.model.inertias), name=press.name.removesuffix(SYNTHESISED) + SYNTHESISED),
+        variables=FrozenMapping(values),
+        value=found.objective,
+        start_value=start.objective,
+        constraints=FrozenMapping(constraints),
+        active=held.active,
+        idle=held.idle,
+        kkt=held.residual,
+        evaluations=search.evaluations,
+        infeasible=search.infeasible,
+        _rows=Records(BoundedQuantity, rows),
+    )
 
-    @property
-    def title(self) -> str:
-        found = ", ".join(f"{name} = {value:.6g}" for name, value in self.variables.items())
-        return f"SynthesisResult of {self.press.name}: {self.start_value:.6g} to {self.value:.6g} with {found}"
 
-    def __str__(self) -> str:
-        return _text(self)
-
-    def table(self) -> Records[BoundedQuantity]:
-        """The variables and then the constraints, a row each."""
-        return self._rows
-
-    def columns(self) -> dict[str, Column]:
-        """The table as columns; None where there is no bound."""
-        return self._rows.columns()
+def _nearest(measure: Measure, values: Array) -> float:
+    """The element that is nearest to a bound, or furthest beyond it."""
+    return float(values[np.argmin(np.minimum(values - measure.lower, measure.upper - values))])
 
 
 def _text(found: SynthesisResult) -> str:
-    """Objective, variables and constraints with their bounds, what holds the optimum, and how well its conditions are met."""
+    """Objective, variables and constraints with their bounds, active bounds, and the residual of the conditions of the optimum."""
     rows = found.table()
     width = max(12, *(len(row.name) for row in rows)) + 2
     heads = "".join(head.rjust(WIDE) for head in ("lower", "start", "found", "upper"))
     lines = [
-        f"{found.press.name}: {found.evaluations} designs, {found.infeasible} of them could not be assembled",
+        f"{found.press.name}: {found.evaluations} designs judged, {found.infeasible} that could not be assembled",
         "",
         f"  {'objective':{width}}{'':{WIDE}}{found.start_value:{WIDE}.6g}{found.value:{WIDE}.6g}",
     ]
@@ -308,7 +301,7 @@ def _text(found: SynthesisResult) -> str:
     lines += ["", "Held by" if found.active else "Held by no bound"]
     lines += [
         f"  {bound.name}, {'value' if bound.side == 'equal' else f'{bound.side} bound'} {bound.bound:.6g}:"
-        f" the objective changes by {bound.multiplier:.4g} times what it is changed by"
+        f" the objective changes by {bound.multiplier:.4g} times the change of the bound"
         for bound in found.active
     ]
     if found.idle:

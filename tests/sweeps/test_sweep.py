@@ -218,8 +218,8 @@ def test_what_another_program_changes_is_refused(file):
         ("INSERT INTO points SELECT 7, results, error, checksum FROM points WHERE number = 1", "point 7 is damaged or was changed"),
         ("UPDATE sweep SET description = replace(description, 'larger', 'smaller')", "the checksum of its description does not fit"),
         ("DELETE FROM sweep", "the checksum of its description does not fit"),
-        ("CREATE INDEX i ON points(error)", "not the tables of a sweep"),
-        ("DROP TABLE points", "not the tables of a sweep"),
+        ("CREATE INDEX i ON points(error)", "not have the tables of a sweep"),
+        ("DROP TABLE points", "not have the tables of a sweep"),
     ):
         file.write_bytes(content)
         with closing(sqlite3.connect(file)) as database, database:
