@@ -46,6 +46,24 @@ class UrdfError(PinpressError):
         super().__init__(f"{where}: {problem}; {remedy}")
 
 
+class PinTableError(PinpressError):
+    """A pin table that makes no press.
+
+    Attributes:
+        file: path of the file, or how the table was given.
+        line: in the file; None where there is none.
+        element: keys that lead to the entry, such as "links: crank: mass"; empty where it is the table as a whole.
+        problem: what is wrong.
+        remedy: what to write instead.
+        sketch: the pins placed so far as SVG, with the lengths that do not meet; None where there is nothing to show.
+    """
+
+    def __init__(self, file: str, line: int | None, element: str, problem: str, remedy: str, sketch: str | None = None) -> None:
+        self.file, self.line, self.element, self.problem, self.remedy, self.sketch = file, line, element, problem, remedy, sketch
+        place = file if line is None else f"{file}:{line}"
+        super().__init__(f"{place}: {f'{element}: ' if element else ''}{problem}; {remedy}")
+
+
 class AssemblyError(PinpressError):
     """The loops of a linkage do not close at a crank angle.
 

@@ -51,7 +51,17 @@ def load(
         PinpressWarning: a linkage that is hardly meant: a loop drawn far open, lengths or inertias that are not in SI units, a slide's axis
             that points down. `check` says more.
     """
-    document = reader.checked(located(path))
+    return _loaded(reader.checked(located(path)), driver, slide, gravity)
+
+
+def load_text(text: bytes, file: str, slide: str | None = None, gravity: Sequence[float] = (0.0, 0.0, -9.81)) -> Linkage:
+    """`load` of the text of a URDF that is in no file; ``file`` names it in messages."""
+    document = Document(file, text)
+    findings.refuse(reader.errors(document), findings.command(file))
+    return _loaded(document, None, slide, gravity)
+
+
+def _loaded(document: Document, driver: str | Sequence[str] | None, slide: str | None, gravity: Sequence[float]) -> Linkage:
     press = assembled(document, driver, slide, gravity)
     check_drawn_pose(press, findings.command(press.file, () if driver is None else press.drivers, slide))
     for finding in assembly_checks.severe(press, document.robot):

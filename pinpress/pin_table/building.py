@@ -1,0 +1,234 @@
+"""From a pin table to a press."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, replace
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ..common.errors import PinTableError, caution, suggestion
+from ..linkage.linkage import Linkage
+from ..linkage.loading import load_text
+from . import sketch
+from .copies import Parts, copied
+from .formulas import formula, number, parameters_of
+from .links import FRAME, Link, read_links
+from .placement import UNITS, Pin, UnreachableError, place_pins
+from .reading import Entry, given_table, overlaid, read_table
+from .tree import Tree, build_tree
+from .urdf_text import urdf_text
+
+KEYS = ("press", "units", "parameters", "frame", "pins", "links", "drive", "base", "density", "masses", "copies", "gears", "note")
+NEEDED = ("units", "frame", "pins", "links", "drive")
+
+
+@dataclass(frozen=True, eq=False)
+class Draft:
+    """A press as its table draws it, before it is put together.
+
+    Attributes:
+        name: of the press.
+        file: of the table, or how it was given.
+        unit: name of the table's unit of length.
+        pins: all pins and points in their places, without copies.
+        links: without copies.
+        parts: with copies.
+        tree: their bearings.
+    """
+
+    name: str
+    file: str
+    unit: str
+    pins: Mapping[str, Pin]
+    links: tuple[Link, ...]
+    parts: Parts
+    tree: Tree
+
+    @cached_property
+    def urdf(self) -> bytes:
+        """The press as URDF."""
+        return urdf_text(self.name, "\n".join(self._comment()), self.parts, self.tree)
+
+    @cached_property
+    def sketch(self) -> str:
+        """The drawn pose with its dimensions, as SVG."""
+        return sketch.of_parts(self.name, self.parts, UNITS[self.unit], self.unit)
+
+    def press(self) -> Linkage:
+        """The press, loaded from its URDF.
+
+        Raises:
+            PinpressError: what `load` raises.
+        """
+        return load_text(self.urdf, f"{self.file} as URDF")
+
+    def bearings(self) -> Iterator[tuple[str, str, str]]:
+        """Name of every bearing, the link whose force it has, and the link on which that acts."""
+        for joint in self.tree.joints:
+            yield joint.name, joint.parent, joint.child
+        for loop in self.tree.loops:
+            yield loop.name, loop.link1, loop.link2
+
+    def estimates(self) -> Iterator[tuple[str, str]]:
+        """Names of links and what of them is estimated."""
+        for link in self.links:
+            for estimate in link.estimates:
+                yield link.name, estimate
+
+    def _comment(self) -> Iterator[str]:
+        yield f"{self.name}: written by pinpress from the pin table {Path(self.file).name}."
+        yield "Drawn at crank angle 0. x to the right, z up; pins turn about (0, -1, 0), so a positive angle turns x towards z. SI units."
+        yield ""
+        yield "Bearings, and on which link the force of which one is given:"
+        for name, link1, link2 in self.bearings():
+            yield f"  {name}: {link1} on {link2}"
+        if any(self.estimates()):
+            yield ""
+            yield "Estimated, as the table does not give it:"
+            for link, words in self.estimates():
+                yield f"  {link}: {words}"
+
+
+def build(table: str | os.PathLike[str] | None = None, /, **values: Any) -> Linkage:
+    """Make a press from a pin table: pins by coordinates or lengths, links by their pins with masses, sections or estimates.
+
+    The picture's plane is x to the right and z up; the drawn pose is crank angle 0. The manual has the table's keys.
+
+    Args:
+        table: a YAML file; None where ``values`` are the table.
+        values: of a file: values of its ``parameters``, as in ``build("press.yaml", r=150)``. Without a file: the table itself, as in
+            ``build(units="mm", frame="A D", pins={...}, links={...}, drive="A")``.
+
+    Returns:
+        The press, in SI units, as if it was loaded from a URDF; `write_urdf` writes it.
+
+    Raises:
+        PinTableError: the table makes no press; with file, line, what is wrong and what to write.
+        PinpressError: what `load` raises of a linkage that does not move as it should.
+
+    Warns:
+        PinpressWarning: what `load` warns of, and numbers that are hardly meant: another unit, a centre of mass far outside of its link.
+    """
+    return drafted(table, values).press()
+
+
+def drafted(table: str | os.PathLike[str] | None, values: Mapping[str, Any]) -> Draft:
+    """The draft of a press; arguments, errors and warnings as of `build`."""
+    entries = given_table(values) if table is None else _with_parameters(read_table(table), values)
+    items = entries.items("keys: units, frame, pins, links and drive")
+    for key, entry in items.items():
+        if key not in KEYS:
+            entries.refuse_key(key, entry, KEYS)
+    for key in NEEDED:
+        if key not in items:
+            entries.refuse(f"no {key}", _MISSING[key])
+    unit = _unit(items["units"])
+    parameters = parameters_of(items)
+    try:
+        pins = place_pins(items["pins"], parameters, UNITS[unit])
+    except UnreachableError as error:
+        drawn = sketch.of_failure(error, UNITS[unit], unit)
+        raise PinTableError(error.file, error.line, error.element, error.problem, error.remedy, drawn) from error
+    _check_sizes(items["pins"], pins, unit)
+    links = read_links(items, pins, parameters, UNITS[unit])
+    _check_links(links, pins, unit)
+    parts = _parts(items, pins, links, parameters)
+    for each in items["copies"].list("copies: [{links: rod, y: [-300, 300], names: _front _back}]") if "copies" in items else ():
+        parts = copied(parts, each, parameters, UNITS[unit])
+    tree = build_tree(parts, entries)
+    name = items["press"].text("a name") if "press" in items else "press"
+    return Draft(name, entries.file, unit, pins, links, parts, tree)
+
+
+_MISSING = {
+    "units": "say the unit of all lengths: units: mm",
+    "frame": "name the pins that are fixed in the frame: frame: A D",
+    "pins": "give pins their places: pins: {A: [0, 0]}",
+    "links": "name links with their pins: links: {crank: {pins: A B, mass: 20}}",
+    "drive": "name the pin that is driven: drive: A",
+}
+
+
+def _with_parameters(table: Entry, values: Mapping[str, Any]) -> Entry:
+    """A table with other values of its parameters."""
+    if not values:
+        return table
+    items = table.items("a table")
+    known = items["parameters"].items("names with numbers") if "parameters" in items else {}
+    for name in values:
+        if name not in known:
+            where = f"its parameters are {', '.join(known)}" if known else "it has no parameters"
+            table.refuse(f"no parameter {name}{suggestion(name, known)}", where)
+    given = given_table({"parameters": dict(values)}).items("parameters")
+    return overlaid(table, Entry({"parameters": given["parameters"]}, table.file, table.line, ()))
+
+
+def _unit(entry: Entry) -> str:
+    name = entry.text("a unit of length")
+    if name not in UNITS:
+        entry.refuse(f"{name!r} is no unit here{suggestion(name, UNITS)}", f"write one of {', '.join(UNITS)}")
+    return name
+
+
+def _parts(items: Mapping[str, Entry], pins: Mapping[str, Pin], links: tuple[Link, ...], parameters: Mapping[str, float]) -> Parts:
+    frame = tuple(items["frame"].names("names of pins, separated by blanks"))
+    for name in frame:
+        if name not in pins:
+            items["frame"].refuse(f"no pin {name}{suggestion(name, pins)}", f"name some of {', '.join(pins)}")
+    drivers = tuple(items["drive"].names("the pin that is driven"))
+    gears = {name: _gear(entry, parameters) for name, entry in items["gears"].items("gears: {V: -2 * O}").items()} if "gears" in items else {}
+    return Parts(pins, links, frame, drivers, gears)
+
+
+def _gear(entry: Entry, parameters: Mapping[str, float]) -> tuple[str, float]:
+    """The bearing that a geared one follows, and how many times it moves as far: a formula that is proportional to one bearing."""
+    text = entry.text("a formula of one bearing, such as -2 * O")
+    words = [word for word in _words(text) if word not in parameters and word not in ("pi", "sqrt", "sin", "cos", "tan")]
+    if len(set(words)) != 1:
+        entry.refuse(f"{text!r} has {len(set(words))} bearings", "write a formula of one bearing, such as -2 * O")
+    once, twice, none = (formula(entry, {**parameters, words[0]: turns}) for turns in (1.0, 2.0, 0.0))
+    if none or not np.isclose(twice, 2 * once, rtol=1e-12) or not once:
+        entry.refuse(f"{text!r} is not proportional to {words[0]}", "write a ratio times a bearing, such as -2 * O")
+    return words[0], once
+
+
+def _words(text: str) -> Iterator[str]:
+    import re
+
+    yield from re.findall(r"[A-Za-z_]\w*", text)
+
+
+def _size(pins: Mapping[str, Pin]) -> float:
+    """Diagonal of the box about all pins [m]."""
+    return float(np.linalg.norm(np.ptp([pin.point for pin in pins.values()], axis=0)))
+
+
+def _check_sizes(entry: Entry, pins: Mapping[str, Pin], unit: str) -> None:
+    """Warn of a press that is hardly meant in this unit."""
+    size = _size(pins)
+    if 0 < size < 0.02 or size > 100:
+        other = "m" if size < 0.02 and unit == "mm" else "mm" if size > 100 and unit == "m" else "another unit"
+        caution(f"{entry.file}: pins: the largest distance is {size / UNITS[unit]:.4g} {unit}; is it units: {other}?")
+
+
+def _check_links(links: tuple[Link, ...], pins: Mapping[str, Pin], unit: str) -> None:
+    """Warn of centres of mass and radii of gyration far outside of their links."""
+    size = _size(pins)
+    for link in links:
+        reach = max((float(np.linalg.norm(pins[name].point - link.origin)) for name in link.pins), default=0.0)
+        if link.guide is not None:
+            continue
+        away = float(np.linalg.norm(link.centre - link.origin))
+        if away > 3 * max(reach, 0.2 * size):
+            where = f"{link.entry.file}: links: {link.name}"
+            say = "a place in the drawing is the name of a point in pins"
+            caution(f"{where}: com is {away / UNITS[unit]:.4g} {unit} from {link.pins[0]}, the link reaches {reach / UNITS[unit]:.4g}; {say}")
+        gyration = float(np.sqrt(link.inertia[1, 1] / link.mass))
+        if gyration > 3 * max(reach, size):
+            where = f"{link.entry.file}: links: {link.name}"
+            caution(f"{where}: radius of gyration {gyration / UNITS[unit]:.4g} {unit}, the link reaches {reach / UNITS[unit]:.4g}; is inertia in kg m2?")

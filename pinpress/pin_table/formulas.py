@@ -1,0 +1,116 @@
+"""Numbers of a pin table: plain ones, and formulas of parameters. Angles in formulas are in degrees."""
+
+from __future__ import annotations
+
+import ast
+import math
+import operator
+from collections.abc import Callable, Mapping
+
+from ..common.errors import suggestion
+from .reading import Entry
+
+LONGEST = 200  # characters of a formula
+CONSTANTS = {"pi": math.pi}
+FUNCTIONS: Mapping[str, Callable[..., float]] = {
+    "sqrt": math.sqrt,
+    "hypot": math.hypot,
+    "abs": abs,
+    "min": min,
+    "max": max,
+    "sin": lambda angle: math.sin(math.radians(angle)),
+    "cos": lambda angle: math.cos(math.radians(angle)),
+    "tan": lambda angle: math.tan(math.radians(angle)),
+    "asin": lambda x: math.degrees(math.asin(x)),
+    "acos": lambda x: math.degrees(math.acos(x)),
+    "atan": lambda x: math.degrees(math.atan(x)),
+    "atan2": lambda y, x: math.degrees(math.atan2(y, x)),
+}
+_OPERATIONS: Mapping[type[ast.AST], Callable[..., float]] = {
+    ast.Add: operator.add,
+    ast.Sub: operator.sub,
+    ast.Mult: operator.mul,
+    ast.Div: operator.truediv,
+    ast.Pow: math.pow,
+    ast.UAdd: operator.pos,
+    ast.USub: operator.neg,
+}
+
+
+def parameters_of(table: Mapping[str, Entry]) -> dict[str, float]:
+    """The values of ``parameters``, of which each may use those before it."""
+    values: dict[str, float] = {}
+    if "parameters" in table:
+        for name, entry in table["parameters"].items("names with numbers: {r: 150}").items():
+            if not name.isidentifier() or name in CONSTANTS or name in FUNCTIONS:
+                entry.refuse(f"{name!r} cannot name a parameter", "call it by a word of letters, such as r or l4")
+            values[name] = number(entry, values)
+    return values
+
+
+def number(entry: Entry, parameters: Mapping[str, float]) -> float:
+    """The number that an entry gives, itself or by a formula.
+
+    Raises:
+        PinTableError: it gives none, or one that is not finite.
+    """
+    if isinstance(entry.value, float | int) and not isinstance(entry.value, bool):
+        value = float(entry.value)
+    else:
+        value = formula(entry, parameters)
+    if not math.isfinite(value):
+        entry.refuse(f"{entry.value} is no finite number", "write a number")
+    return value
+
+
+def formula(entry: Entry, names: Mapping[str, float]) -> float:
+    """The value of a formula of names.
+
+    Raises:
+        PinTableError: it is none, has a name that is not known, or has no value.
+    """
+    if not isinstance(entry.value, str):
+        entry.refuse(f"{entry.described()} where a number belongs", "write a number or a formula")
+    text = entry.value.strip()
+    if not text or len(text) > LONGEST:
+        entry.refuse(f"a text of {len(text)} characters is no number", "write a number or a formula")
+    try:
+        return _value(ast.parse(text, mode="eval").body, names)
+    except (SyntaxError, ValueError, TypeError) as error:
+        remedy = "write decimals after a point, not after a comma" if "," in text else "write a number, or a formula such as 2 * r + 10"
+        entry.refuse(f"{text!r} is no number{_reason(error)}", remedy)
+    except _Unknown as error:
+        known = [*names, *CONSTANTS, *FUNCTIONS]
+        entry.refuse(
+            f"{error.args[0]!r} in {text!r} is no parameter{suggestion(error.args[0], known)}",
+            f"put it among parameters, where there {'are ' + ', '.join(names) if names else 'is none'}",
+        )
+    except (ZeroDivisionError, OverflowError, RecursionError, MemoryError):
+        entry.refuse(f"{text!r} has no finite value", "write a formula that has one")
+
+
+class _Unknown(Exception):
+    """A name that is no parameter."""
+
+
+def _reason(error: Exception) -> str:
+    return " (out of a function's range)" if "domain" in str(error) else ""
+
+
+def _value(node: ast.expr, names: Mapping[str, float]) -> float:
+    if isinstance(node, ast.Constant) and isinstance(node.value, int | float) and not isinstance(node.value, bool):
+        return float(node.value)
+    if isinstance(node, ast.Name):
+        known = {**CONSTANTS, **names}
+        if node.id not in known:
+            raise _Unknown(node.id)
+        return known[node.id]
+    if isinstance(node, ast.BinOp) and type(node.op) in _OPERATIONS:
+        return _OPERATIONS[type(node.op)](_value(node.left, names), _value(node.right, names))
+    if isinstance(node, ast.UnaryOp) and type(node.op) in _OPERATIONS:
+        return _OPERATIONS[type(node.op)](_value(node.operand, names))
+    if isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and not node.keywords:
+        if node.func.id not in FUNCTIONS:
+            raise _Unknown(node.func.id)
+        return float(FUNCTIONS[node.func.id](*(_value(each, names) for each in node.args)))
+    raise ValueError("not arithmetic")

@@ -1,0 +1,480 @@
+"""The links of a pin table: which pins and guide each has, and its mass, centre of mass and moments of inertia, given or estimated.
+
+Coordinates of a link start at its first pin, with x along the line to its second pin and z to the left of it; those of a slide, of a link
+with one pin and of one with pins in space are parallel to the world's, those of a block on a guide have x along the guide.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from ..common.errors import suggestion
+from ..common.quantities import Array
+from .formulas import number
+from .placement import AXES, SIDES, Pin
+from .reading import Entry
+
+FRAME = "frame"
+STEEL = 7850.0  # density unless the table gives one [kg/m3]
+MASSLESS = 1e-6  # mass of every link where the table says ``masses: none`` [kg]
+SLENDER = 1 / 10  # thickness of a rod of which only the mass is given, beside its length
+KEYS = ("pins", "guide", "mass", "com", "inertia", "gyration", "section", "overhang", "box", "disc", "density", "parts", "note")
+PART_KEYS = ("mass", "disc", "box", "density", "at", "inertia", "note")
+SOLIDS = ("section", "box", "disc")
+
+
+@dataclass(frozen=True, eq=False)
+class Guide:
+    """A straight guide that a link slides along.
+
+    Attributes:
+        name: of the bearing.
+        carrier: the link that has the guide.
+        direction: (3,) unit vector in the drawn pose.
+    """
+
+    name: str
+    carrier: str
+    direction: Array
+
+
+@dataclass(frozen=True, eq=False)
+class Solid:
+    """A plain body, for the URDF's shapes.
+
+    Attributes:
+        kind: "box" or "disc", which is a cylinder about y.
+        size: (3,) lengths along its axes, or radius and thickness [m].
+        centre: (3,) world coordinates.
+        rotation: (3, 3) its axes in the world.
+    """
+
+    kind: str
+    size: tuple[float, ...]
+    centre: Array
+    rotation: Array
+
+
+@dataclass(frozen=True, eq=False)
+class Link:
+    """A link in the drawn pose, in world coordinates.
+
+    Attributes:
+        name: of the link.
+        pins: names, the one that it hangs by first.
+        guide: None where it has none.
+        mass: [kg].
+        centre: (3,) centre of mass [m].
+        inertia: (3, 3) about the centre of mass, world axes [kg m2].
+        origin: (3,) its first pin.
+        rotation: (3, 3) its own axes in the world.
+        estimates: what was not given, in words.
+        solids: bodies that it is made of, where the table says so.
+        entry: where it stands in the table.
+    """
+
+    name: str
+    pins: tuple[str, ...]
+    guide: Guide | None
+    mass: float
+    centre: Array
+    inertia: Array
+    origin: Array
+    rotation: Array
+    estimates: tuple[str, ...]
+    solids: tuple[Solid, ...]
+    entry: Entry
+
+
+@dataclass(frozen=True, eq=False)
+class _Body:
+    """Mass [kg], centre of mass (3,) and inertia (3, 3) about it, in world axes."""
+
+    mass: float
+    centre: Array
+    inertia: Array
+
+    def about(self, point: Array) -> Array:
+        """The inertia about a point."""
+        return self.inertia + _offset(self.mass, self.centre - point)
+
+
+def read_links(table: Mapping[str, Entry], pins: Mapping[str, Pin], parameters: Mapping[str, float], unit: float) -> tuple[Link, ...]:
+    """The links of a table, in its order.
+
+    Args:
+        table: its entries by their keys.
+        pins: in their places.
+        parameters: values of its parameters.
+        unit: of its lengths [m].
+
+    Raises:
+        PinTableError: a link that makes no sense.
+    """
+    reader = _Reader(table, pins, parameters, unit)
+    return tuple(reader.link(name, entry) for name, entry in reader.items.items())
+
+
+class _Reader:
+    def __init__(self, table: Mapping[str, Entry], pins: Mapping[str, Pin], parameters: Mapping[str, float], unit: float) -> None:
+        self.items = table["links"].items("links by their names: {crank: {pins: A B, mass: 20}}")
+        self.pins, self.parameters, self.unit = pins, parameters, unit
+        self.without = "masses" in table and self._without(table["masses"])
+        self.density = self._above_zero(table["density"], "a density") if "density" in table else STEEL
+        self.carried: dict[str, list[str]] = {}
+        for name, entry in self.items.items():
+            if name == FRAME or not name or any(c.isspace() or c in ",;:[]{}<>\"'&" for c in name):
+                entry.refuse(f"{name!r} cannot name a link", "call it otherwise; `frame` at the top lists the pins of the frame")
+            self.carried[name] = self._pins(entry.known(KEYS, "a link"), entry)
+
+    def link(self, name: str, entry: Entry) -> Link:
+        """A link with all that it has."""
+        items = entry.known(KEYS, "a link")
+        pins = self.carried[name]
+        guide = self._guide(name, items["guide"]) if "guide" in items else None
+        origin = self.pins[pins[0]].point
+        rotation = self._rotation(pins, guide)
+        space = _Space(self, name, pins, guide, origin, rotation)
+        body, estimates, solids = _Masses(space, items, entry).found()
+        return Link(name, tuple(pins), guide, body.mass, body.centre, body.inertia, origin, rotation, estimates, solids, entry)
+
+    def _without(self, entry: Entry) -> bool:
+        if entry.value not in ("none", "all"):
+            entry.refuse(f"{entry.value!r}", "write masses: none, or leave it out")
+        return entry.value == "none"
+
+    def _pins(self, items: Mapping[str, Entry], entry: Entry) -> list[str]:
+        if "pins" not in items:
+            entry.refuse("no pins", "name the pins of the link: pins: A B")
+        names = items["pins"].names("names of pins, separated by blanks")
+        for name in names:
+            if name not in self.pins:
+                items["pins"].refuse(f"no pin {name}{suggestion(name, self.pins)}", f"name some of {', '.join(self.pins)}")
+        if len(set(names)) < len(names):
+            items["pins"].refuse("a pin stands there twice", "name every pin of the link once")
+        return names
+
+    def _rotation(self, pins: Sequence[str], guide: Guide | None) -> Array:
+        """Axes of a link: parallel to the world's, or x along its guide or from its first pin to the next one elsewhere."""
+        points = [self.pins[name].point for name in pins]
+        if any(self.pins[name].in_space for name in pins) or (guide is not None and guide.carrier == FRAME):
+            return np.eye(3)
+        if guide is not None:
+            return turned(guide.direction)
+        apart = next((p - points[0] for p in points[1:] if np.linalg.norm((p - points[0])[[0, 2]]) > 0), None)
+        return np.eye(3) if apart is None else turned(apart)
+
+    def _guide(self, link: str, entry: Entry) -> Guide:
+        name = f"{link}_guide"
+        if isinstance(entry.value, Mapping):
+            if len(entry.value) != 1:
+                entry.refuse(f"{len(entry.value)} names of a guide", "write one: {slot: C D}")
+            ((name, entry),) = entry.value.items()
+        words = entry.names("up, down, left, right, an angle, or two points")
+        if len(words) == 1:
+            return Guide(name, FRAME, self._direction(entry, words[0]))
+        if len(words) > 3:
+            entry.refuse(f"{len(words)} words", "write a direction, two points, or a link and two points")
+        start, end = words[-2:]
+        for word in (start, end):
+            if word not in self.pins:
+                entry.refuse(f"no pin {word}{suggestion(word, self.pins)}", f"name some of {', '.join(self.pins)}")
+        carrier = words[0] if len(words) == 3 else self._carrier(link, entry, start, end)
+        if len(words) == 3 and carrier not in (*self.items, FRAME):
+            entry.refuse(f"no link {carrier}{suggestion(carrier, self.items)}", f"name one of {', '.join(self.items)} or {FRAME}")
+        if carrier == link:
+            entry.refuse(f"{link} would slide in itself", "name the link that has the guide")
+        way = self.pins[end].point - self.pins[start].point
+        if not np.linalg.norm(way) > 0:
+            entry.refuse(f"{start} and {end} are one point", "name two points that are apart")
+        return Guide(name, carrier, way / np.linalg.norm(way))
+
+    def _carrier(self, link: str, entry: Entry, start: str, end: str) -> str:
+        """The link that has both ends of a guide; the frame where none has."""
+        having = [name for name, pins in self.carried.items() if name != link and start in pins and end in pins]
+        if len(having) > 1:
+            entry.refuse(f"{', '.join(having)} have both {start} and {end}", f"say which one has the guide: {having[0]} {start} {end}")
+        return having[0] if having else FRAME
+
+    def _direction(self, entry: Entry, word: str) -> Array:
+        if word in SIDES:
+            x, z = SIDES[word]
+            return np.array([x, 0.0, z])
+        if word.lstrip("-") in AXES and word.count("-") < 2:
+            return np.array(AXES[word.lstrip("-")]) * (-1.0 if word.startswith("-") else 1.0)
+        if word in self.pins:
+            entry.refuse(f"the guide has one point, {word}", "name two points, up, down, left, right or an angle")
+        angle = np.radians(number(replace(entry, value=word), self.parameters))
+        return np.array([np.cos(angle), 0.0, np.sin(angle)])
+
+    def _above_zero(self, entry: Entry, what: str) -> float:
+        value = number(entry, self.parameters)
+        if value <= 0:
+            entry.refuse(f"{what} of {value:.6g}", "write one above zero")
+        return value
+
+
+@dataclass(frozen=True, eq=False)
+class _Space:
+    """What the masses of a link are placed by."""
+
+    reader: _Reader
+    name: str
+    pins: Sequence[str]
+    guide: Guide | None
+    origin: Array
+    rotation: Array
+
+    def points(self) -> list[Array]:
+        """Places of its pins."""
+        return [self.reader.pins[name].point for name in self.pins]
+
+    def is_spatial(self) -> bool:
+        """Whether some pin is in space, so that all moments of inertia count."""
+        return any(self.reader.pins[name].in_space for name in self.pins)
+
+    def place(self, entry: Entry) -> Array:
+        """World coordinates of a pin, or of a point in the link's coordinates."""
+        if isinstance(entry.value, str):
+            name = entry.value.strip()
+            if name not in self.reader.pins:
+                remedy = "name a pin or a point of `pins`, or give [x, z] from the first pin"
+                entry.refuse(f"no pin {name}{suggestion(name, self.reader.pins)}", remedy)
+            return self.reader.pins[name].point
+        if isinstance(entry.value, Mapping):
+            items = entry.known(("x", "y", "z"), "a point in space")
+            own = np.array([number(items[key], self.reader.parameters) if key in items else 0.0 for key in "xyz"])
+        else:
+            values = entry.list("a pin, or [x, z] from the first pin")
+            if len(values) != 2:
+                entry.refuse(f"a point is [x, z], {len(values)} numbers found", "write decimals after a point; in space {x: , y: , z: }")
+            own = np.array([number(values[0], self.reader.parameters), 0.0, number(values[1], self.reader.parameters)])
+        return self.origin + self.rotation @ own * self.reader.unit
+
+    def length(self, entry: Entry, what: str) -> float:
+        """A length above zero [m]."""
+        return self.reader._above_zero(entry, what) * self.reader.unit
+
+    def lengths(self, entry: Entry, what: str, count: int) -> tuple[float, ...]:
+        """Lengths written with x between them [m]."""
+        if isinstance(entry.value, tuple):
+            parts: Sequence[Entry] = entry.value
+        else:
+            parts = [replace(entry, value=part) for part in re.split(r"\s+[x×]\s+|(?<=\d)[x×](?=\d)", entry.text(what))]
+        if len(parts) != count:
+            entry.refuse(f"{len(parts)} lengths", f"write {what}")
+        return tuple(self.length(part, "a length") for part in parts)
+
+
+class _Masses:
+    """Mass, centre of mass and inertia of a link, given or estimated."""
+
+    def __init__(self, space: _Space, items: Mapping[str, Entry], entry: Entry) -> None:
+        self.space, self.items, self.entry = space, items, entry
+        self.estimates: list[str] = []
+        self.solids: list[Solid] = []
+
+    def found(self) -> tuple[_Body, tuple[str, ...], tuple[Solid, ...]]:
+        """The link's body, what of it is estimated, and the solids that it is made of."""
+        given = [key for key in SOLIDS if key in self.items]
+        if len(given) > 1:
+            self.items[given[1]].refuse(f"{' and '.join(given)}", "give one of them; weld others on as parts")
+        if "overhang" in self.items and "section" not in self.items:
+            self.items["overhang"].refuse("an overhang without a section", "give section: height x width too")
+        for both in (("inertia", "gyration"),):
+            if all(key in self.items for key in both):
+                self.items[both[1]].refuse(" and ".join(both), "give one of them")
+        if self.space.reader.without:
+            body = self._weightless()
+        elif given:
+            body = self._of_solid(given[0])
+        elif "mass" in self.items:
+            body = self._of_mass()
+        else:
+            self.entry.refuse("no mass", "give mass, section, box or disc; or say masses: none at the top")
+        bodies = [body, *(self._part(each) for each in self._parts())] if not self.space.reader.without else [body]
+        return _sum(bodies), tuple(self.estimates), tuple(self.solids)
+
+    def _weightless(self) -> _Body:
+        points = self.space.points()
+        centre = np.mean(points, axis=0)
+        size = max((float(np.linalg.norm(p - centre)) for p in points), default=0.0) or 0.1
+        return _Body(MASSLESS, centre, MASSLESS * size**2 * np.eye(3))
+
+    def _of_mass(self) -> _Body:
+        mass = self.space.reader._above_zero(self.items["mass"], "a mass")
+        centre, inertia, words = self._estimated(mass)
+        if "com" in self.items:
+            centre = self.space.place(self.items["com"])
+        if "inertia" in self.items or "gyration" in self.items:
+            return _Body(mass, centre, self._inertia(mass, centre))
+        self.estimates.append(f"moments of inertia of {words}" + ("" if "com" in self.items else ", whose centre is taken too"))
+        return _Body(mass, centre, inertia)
+
+    def _estimated(self, mass: float) -> tuple[Array, Array, str]:
+        """Centre of mass and inertia of a plain body with the link's pins: a cube, a rod or a plate."""
+        points = self.space.points()
+        own_given = "inertia" in self.items or "gyration" in self.items
+        if self.space.guide is not None or len(points) == 1:
+            side = (mass / self.space.reader.density) ** (1 / 3)
+            return points[0], mass * side**2 / 6 * np.eye(3), f"a cube of steel, {side:.3g} m wide"
+        if len(points) == 2:
+            way = points[1] - points[0]
+            length = float(np.linalg.norm(way))
+            if not length > 0:
+                self.items["pins"].refuse(f"{self.space.pins[0]} and {self.space.pins[1]} are one point: a rod of length zero", "move one")
+            along = np.outer(way, way) / length**2
+            thick = (SLENDER * length) ** 2 / 6
+            return (points[0] + points[1]) / 2, mass * (length**2 / 12 * (np.eye(3) - along) + thick * along), f"a uniform rod, {length:.4g} m long"
+        if own_given and "com" in self.items:
+            return points[0], np.zeros((3, 3)), ""
+        return (*self._plate(mass, points), "a flat plate with its corners at the pins")
+
+    def _plate(self, mass: float, points: Sequence[Array]) -> tuple[Array, Array]:
+        """Centroid and inertia of a lamina whose corners are the pins' convex hull."""
+        from scipy.spatial import ConvexHull, QhullError  # only for plates
+
+        flat = np.array(points)[:, [0, 2]]
+        try:
+            corners = flat[ConvexHull(flat).vertices]  # counter-clockwise
+        except QhullError:
+            self.entry.refuse("its pins are on a line, which makes no plate", "give com and inertia, or a section")
+        following = np.roll(corners, -1, axis=0)
+        cross = corners[:, 0] * following[:, 1] - following[:, 0] * corners[:, 1]
+        area = float(cross.sum()) / 2
+        centroid = ((corners + following) * cross[:, None]).sum(axis=0) / (6 * area)
+        a, b = corners - centroid, following - centroid
+        cross = a[:, 0] * b[:, 1] - b[:, 0] * a[:, 1]
+        squares = np.array([[(cross * (a[:, i] * a[:, j] + b[:, i] * b[:, j] + (a[:, i] + b[:, i]) * (a[:, j] + b[:, j]))).sum() / 24 for j in (0, 1)] for i in (0, 1)])
+        second = np.zeros((3, 3))
+        second[np.ix_([0, 2], [0, 2])] = squares * mass / area
+        return np.array([centroid[0], points[0][1], centroid[1]]), np.trace(second) * np.eye(3) - second
+
+    def _inertia(self, mass: float, centre: Array) -> Array:
+        """The inertia that is given: about the centre of mass or about a pin, by a radius of gyration, or all three moments."""
+        if "gyration" in self.items:
+            return self._about_normal(mass * self.space.length(self.items["gyration"], "a radius of gyration") ** 2)
+        return self._given_inertia(self.items["inertia"], mass, centre)
+
+    def _given_inertia(self, entry: Entry, mass: float, centre: Array) -> Array:
+        if isinstance(entry.value, tuple):
+            if len(entry.value) != 3:
+                entry.refuse(f"{len(entry.value)} moments of inertia", "give one, about the normal, or three: [Ixx, Iyy, Izz]")
+            moments = np.array([number(each, self.space.reader.parameters) for each in entry.value])
+            if not (np.all(moments > 0) and moments.max() <= moments.sum() - moments.max()):
+                entry.refuse("no body has these moments of inertia", "give three above zero, none larger than the other two together")
+            return self.space.rotation @ np.diag(moments) @ self.space.rotation.T
+        if isinstance(entry.value, Mapping):
+            if len(entry.value) != 1:
+                entry.refuse("an inertia about several points", "give it about one: {O: 0.289}")
+            ((name, each),) = entry.value.items()
+            pin = self.space.place(replace(each, value=name))
+            about = number(each, self.space.reader.parameters)
+            distance = float(np.linalg.norm((pin - centre)[[0, 2]]))
+            if about <= mass * distance**2:
+                problem = f"{about:.6g} kg m2 about {name} is less than its mass there would have, m d2 = {mass * distance**2:.6g} kg m2"
+                each.refuse(problem, f"give it in kg m2; or it is about the centre of mass: inertia: {about:.6g}")
+            return self._about_normal(about - mass * distance**2)
+        value = self.space.reader._above_zero(entry, "a moment of inertia")
+        if self.space.is_spatial():
+            entry.refuse("one moment of inertia of a link in space", "give three: [Ixx, Iyy, Izz]")
+        return self._about_normal(value)
+
+    def _about_normal(self, moment: float) -> Array:
+        return moment * np.diag([0.5, 1.0, 0.5])
+
+    def _of_solid(self, kind: str) -> _Body:
+        """A prism between the first two pins, a box or a disc."""
+        entry, space = self.items[kind], self.space
+        if kind == "section":
+            solid = self._prism(entry)
+        else:
+            centre = space.place(self.items["com"]) if "com" in self.items else space.points()[0]
+            solid = self._solid(kind, entry, centre)
+        self.solids.append(solid)
+        density = space.reader._above_zero(self.items["density"], "a density") if "density" in self.items else space.reader.density
+        mass = space.reader._above_zero(self.items["mass"], "a mass") if "mass" in self.items else density * _volume(solid)
+        centre = space.place(self.items["com"]) if "com" in self.items else solid.centre
+        inertia = self._inertia(mass, centre) if "inertia" in self.items or "gyration" in self.items else _inertia_of(solid, mass)
+        return _Body(mass, centre, inertia)
+
+    def _prism(self, entry: Entry) -> Solid:
+        height, width = self.space.lengths(entry, "section: height x width", 2)
+        points = self.space.points()
+        if len(points) < 2:
+            entry.refuse("a section of a link with one pin", "give box or disc, or another pin")
+        way = points[1] - points[0]
+        length = float(np.linalg.norm(way))
+        if not length > 0:
+            self.items["pins"].refuse(f"{self.space.pins[0]} and {self.space.pins[1]} are one point: a rod of length zero", "move one")
+        beyond = number(self.items["overhang"], self.space.reader.parameters) * self.space.reader.unit if "overhang" in self.items else 0.0
+        if length + 2 * beyond <= 0:
+            self.items["overhang"].refuse("nothing is left of the link", "write a larger overhang")
+        return Solid("box", (length + 2 * beyond, width, height), (points[0] + points[1]) / 2, turned(way))
+
+    def _solid(self, kind: str, entry: Entry, centre: Array) -> Solid:
+        if kind == "box":
+            return Solid("box", self.space.lengths(entry, "box: length x width x height", 3), centre, self.space.rotation)
+        return Solid("disc", self.space.lengths(entry, "disc: radius x thickness", 2), centre, self.space.rotation)
+
+    def _parts(self) -> Iterator[Entry]:
+        yield from self.items["parts"].list("parts: [{mass: 20, at: A}]") if "parts" in self.items else ()
+
+    def _part(self, entry: Entry) -> _Body:
+        """A body welded on: a point mass, a disc or a box, with or without an inertia of its own."""
+        items, space = entry.known(PART_KEYS, "a part"), self.space
+        kinds = [key for key in ("disc", "box") if key in items]
+        if len(kinds) > 1 or not (kinds or "mass" in items):
+            entry.refuse("a part without mass" if not kinds else "a disc and a box", "give mass, disc or box")
+        centre = space.place(items["at"]) if "at" in items else space.points()[0]
+        mass = space.reader._above_zero(items["mass"], "a mass") if "mass" in items else 0.0
+        inertia = np.zeros((3, 3))
+        if kinds:
+            solid = self._solid(kinds[0], items[kinds[0]], centre)
+            self.solids.append(solid)
+            density = space.reader._above_zero(items["density"], "a density") if "density" in items else space.reader.density
+            mass = mass or density * _volume(solid)
+            inertia = _inertia_of(solid, mass)
+        if "inertia" in items:
+            inertia = self._given_inertia(items["inertia"], mass, centre)
+        return _Body(mass, centre, inertia)
+
+
+def turned(way: Array) -> Array:
+    """Axes (3, 3) with x along a direction and, where that is in the picture's plane, y the world's and z to the left of it."""
+    x = way / np.linalg.norm(way)
+    y = np.array([0.0, 1.0, 0.0]) - x[1] * x
+    if np.linalg.norm(y) < 1e-9:  # along y: x and z then are the world's z and x
+        return np.stack([x, [0.0, 0.0, 1.0], np.cross(x, [0.0, 0.0, 1.0])], axis=1)
+    y /= np.linalg.norm(y)
+    return np.stack([x, y, np.cross(x, y)], axis=1)
+
+
+def _offset(mass: float, lever: Array) -> Array:
+    """What Steiner's rule adds for a mass off the point."""
+    return mass * (lever @ lever * np.eye(3) - np.outer(lever, lever))
+
+
+def _sum(bodies: Sequence[_Body]) -> _Body:
+    mass = sum(body.mass for body in bodies)
+    centre = sum((body.mass * body.centre for body in bodies), np.zeros(3)) / mass
+    return bodies[0] if len(bodies) == 1 else _Body(mass, centre, sum((body.about(centre) for body in bodies), np.zeros((3, 3))))
+
+
+def _volume(solid: Solid) -> float:
+    return float(np.prod(solid.size)) if solid.kind == "box" else float(np.pi * solid.size[0] ** 2 * solid.size[1])
+
+
+def _inertia_of(solid: Solid, mass: float) -> Array:
+    if solid.kind == "box":
+        x, y, z = (length**2 for length in solid.size)
+        own = np.diag([y + z, x + z, x + y]) * mass / 12
+    else:
+        radius, thickness = solid.size
+        across = (3 * radius**2 + thickness**2) / 12
+        own = np.diag([across, radius**2 / 2, across]) * mass
+    return np.asarray(solid.rotation @ own @ solid.rotation.T)

@@ -1,0 +1,151 @@
+"""Sketches of pin tables as SVG: links, pins and dimensions of the drawn pose; of lengths that do not meet, why."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Iterator, Mapping
+from xml.etree import ElementTree
+from xml.etree.ElementTree import Element, SubElement
+
+import numpy as np
+
+from ..common.quantities import Array
+from .copies import Parts
+from .links import FRAME, Link
+from .placement import Pin, UnreachableError
+
+WIDTH, HEIGHT, MARGIN = 900.0, 700.0, 90.0  # of the picture
+COLOURS = ("#c2452d", "#2970bf", "#2e9961", "#d99a12", "#8f5ca8", "#199ea8", "#d66b99", "#946b3d")
+INK, PALE, WRONG = "#30363d", "#9aa2ab", "#c2452d"
+STYLE = "text{font:14px sans-serif;fill:#30363d;paint-order:stroke;stroke:#fff;stroke-width:4px}.dimension{font-size:12px;fill:#57606a}"
+
+
+def of_parts(name: str, parts: Parts, unit: float, unit_name: str) -> str:
+    """The drawn pose of a press: links as bars and plates, pins with their names, lengths in the table's unit."""
+    sheet = _Sheet([pin.point[[0, 2]] for pin in parts.pins.values()], f"{name}: drawn pose, lengths in {unit_name}")
+    for k, link in enumerate(parts.links):
+        sheet.link(link, parts.pins, COLOURS[k % len(COLOURS)])
+    for link in parts.links:
+        sheet.dimensions(link, parts.pins, unit)
+    for pin in parts.pins.values():
+        sheet.pin(pin, fixed=pin.name in parts.frame)
+    return sheet.text()
+
+
+def of_failure(error: UnreachableError, unit: float, unit_name: str) -> str:
+    """The pins placed so far, with the circles and the line that do not meet."""
+    spread = [pin.point[[0, 2]] for pin in error.pins]
+    for centre, radius in error.circles:
+        spread += [centre + radius * np.array([x, z]) for x, z in ((1, 0), (-1, 0), (0, 1), (0, -1))]
+    if error.along is not None:
+        point, way = error.along
+        spread += [point + way * ((centre - point) @ way) for centre, _ in error.circles]
+    sheet = _Sheet(spread, f"{error.element}: {error.problem} (lengths in {unit_name})")
+    for centre, radius in error.circles:
+        sheet.circle(centre, radius, f"{radius / unit:.6g}")
+    if error.along is not None:
+        sheet.line(*error.along)
+    for pin in error.pins:
+        sheet.pin(pin, fixed=False)
+    return sheet.text()
+
+
+class _Sheet:
+    def __init__(self, points: Iterable[Array], title: str) -> None:
+        every = np.array(list(points)) if points else np.zeros((1, 2))
+        low, high = every.min(axis=0), every.max(axis=0)
+        span = np.maximum(high - low, 1e-3 * max(float((high - low).max()), 1e-9))
+        self.scale = float(min((WIDTH - 2 * MARGIN) / span[0], (HEIGHT - 2 * MARGIN) / span[1]))
+        self.middle, self.used = (low + high) / 2, list[tuple[float, float]]()
+        size = {"viewBox": f"0 0 {WIDTH:g} {HEIGHT:g}", "width": f"{WIDTH:g}", "height": f"{HEIGHT:g}"}
+        self.root = Element("svg", {"xmlns": "http://www.w3.org/2000/svg", **size, "role": "img", "aria-label": title})
+        SubElement(self.root, "style").text = STYLE
+        SubElement(self.root, "rect", {"width": "100%", "height": "100%", "fill": "#fff"})
+        self._write(WIDTH / 2, 30, title, "middle")
+
+    def at(self, point: Array) -> tuple[float, float]:
+        """Where a point of the picture's plane is on the sheet."""
+        x, z = (point - self.middle) * self.scale
+        return WIDTH / 2 + float(x), HEIGHT / 2 - float(z)
+
+    def link(self, link: Link, pins: Mapping[str, Pin], colour: str) -> None:
+        """A link as a bar or a plate; what slides as a block across its guide."""
+        corners = [self.at(pins[name].point[[0, 2]]) for name in link.pins]
+        shape = {"fill": colour, "fill-opacity": "0.25", "stroke": colour, "stroke-width": "7", "stroke-linejoin": "round", "stroke-linecap": "round"}
+        if len(corners) > 1:
+            kind = "polygon" if len(corners) > 2 else "polyline"
+            SubElement(self.root, kind, {"points": " ".join(f"{x:.1f},{y:.1f}" for x, y in corners), **shape})
+        if link.guide is not None:
+            self._block(link, pins, colour)
+        elif len(corners) == 1:
+            x, y = corners[0]
+            SubElement(self.root, "circle", {"cx": f"{x:.1f}", "cy": f"{y:.1f}", "r": "20", **shape})
+        centre = np.mean([pins[name].point[[0, 2]] for name in link.pins], axis=0)
+        x, y = self.at(centre)
+        self._label(x + (26 if link.guide is not None else 8), y + (24 if link.guide is not None else -10), link.name, colour)
+
+    def dimensions(self, link: Link, pins: Mapping[str, Pin], unit: float) -> None:
+        """Lengths from the first pin of a link to its others."""
+        a = pins[link.pins[0]].point
+        for end in link.pins[1:]:
+            b = pins[end].point
+            length = float(np.linalg.norm(b - a))
+            if length > 0:
+                x, y = self.at((a + b)[[0, 2]] / 2)
+                self._label(x + 8, y + 16, f"{length / unit:.6g}", None, "dimension")
+
+    def pin(self, pin: Pin, fixed: bool) -> None:
+        """A pin with its name; on hatching where the frame has it."""
+        x, y = self.at(pin.point[[0, 2]])
+        if fixed:
+            path = f"M{x:.1f},{y:.1f} l-13,20 h26 z M{x - 16:.1f},{y + 20:.1f} h32"
+            SubElement(self.root, "path", {"d": path, "fill": "#fff", "stroke": INK, "stroke-width": "2"})
+        SubElement(self.root, "circle", {"cx": f"{x:.1f}", "cy": f"{y:.1f}", "r": "6", "fill": "#fff", "stroke": INK, "stroke-width": "2"})
+        self._label(x + 11, y - 9, pin.name, None)
+
+    def circle(self, centre: Array, radius: float, words: str) -> None:
+        """A circle about a pin."""
+        x, y = self.at(centre)
+        SubElement(self.root, "circle", {"cx": f"{x:.1f}", "cy": f"{y:.1f}", "r": f"{radius * self.scale:.1f}", "fill": "none", "stroke": WRONG, "stroke-width": "2"})
+        self._label(x, y - radius * self.scale - 6, words, WRONG)
+
+    def line(self, point: Array, way: Array) -> None:
+        """A straight line across the sheet."""
+        far = (WIDTH + HEIGHT) / self.scale
+        (x1, y1), (x2, y2) = self.at(point - far * way), self.at(point + far * way)
+        ends = {"x1": f"{x1:.1f}", "y1": f"{y1:.1f}", "x2": f"{x2:.1f}", "y2": f"{y2:.1f}"}
+        SubElement(self.root, "line", {**ends, "stroke": WRONG, "stroke-width": "2", "stroke-dasharray": "12 6"})
+
+    def text(self) -> str:
+        """The sheet as SVG."""
+        return ElementTree.tostring(self.root, encoding="unicode")
+
+    def _block(self, link: Link, pins: Mapping[str, Pin], colour: str) -> None:
+        """What slides: a block between two rails along its guide."""
+        assert link.guide is not None
+        x, y = self.at(np.mean([pins[name].point[[0, 2]] for name in link.pins], axis=0))
+        way = link.guide.direction[[0, 2]]
+        angle = math.degrees(math.atan2(-way[1], way[0]))
+        turn = {"transform": f"rotate({angle:.2f} {x:.1f} {y:.1f})"}
+        for side in (-19, 19):
+            ends = {"x1": f"{x - 46:.1f}", "x2": f"{x + 46:.1f}", "y1": f"{y + side:.1f}", "y2": f"{y + side:.1f}"}
+            SubElement(self.root, "line", {**ends, **turn, "stroke": PALE, "stroke-width": "4"})
+        box = {"x": f"{x - 26:.1f}", "y": f"{y - 16:.1f}", "width": "52", "height": "32", "rx": "3"}
+        SubElement(self.root, "rect", {**box, **turn, "fill": colour, "fill-opacity": "0.35", "stroke": colour, "stroke-width": "3"})
+
+    def _label(self, x: float, y: float, words: str, colour: str | None, kind: str = "") -> None:
+        """Words beside a point, moved down until they cover no others."""
+        for step in self._steps():
+            place = (x, y + step)
+            if all(abs(place[0] - a) > 40 or abs(place[1] - b) > 14 for a, b in self.used):
+                break
+        self.used.append(place)
+        self._write(*place, words, "start", colour, kind)
+
+    def _steps(self) -> Iterator[float]:
+        for k in range(8):
+            yield 15.0 * ((k + 1) // 2) * (1 if k % 2 else -1)
+
+    def _write(self, x: float, y: float, words: str, anchor: str, colour: str | None = None, kind: str = "") -> None:
+        style = {"style": f"fill:{colour}"} if colour else {}
+        SubElement(self.root, "text", {"x": f"{x:.1f}", "y": f"{y:.1f}", "text-anchor": anchor, **({"class": kind} if kind else {}), **style}).text = words

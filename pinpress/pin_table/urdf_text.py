@@ -1,0 +1,246 @@
+"""The URDF of a press that a pin table describes: plain, commented, with a shape for every link."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from xml.sax.saxutils import quoteattr
+
+import numpy as np
+import pinocchio as pin
+
+from ..common.quantities import Array
+from .copies import Parts
+from .links import FRAME, Link, turned
+from .placement import Pin
+from .tree import Joint, Tree
+
+REACH = 2.0  # limits of guides, beside the size of the press: guides end nowhere
+EFFORT, VELOCITY = 1e9, 1e3  # which URDF asks of guides; they limit nothing here
+THIN = 0.03  # radius of a pin's cylinder beside the size of the press
+SHAFT = "_drive"  # added to the name of a driven guide
+CROSS = "_cross"  # added to the name of a ball joint that a link hangs by
+
+
+@dataclass(frozen=True, eq=False)
+class _Place:
+    """A link's frame in the drawn pose."""
+
+    origin: Array
+    rotation: Array
+
+    def inside(self, other: _Place) -> _Place:
+        """Another frame, seen from this one."""
+        return _Place(self.rotation.T @ (other.origin - self.origin), self.rotation.T @ other.rotation)
+
+    def point(self, world: Array) -> Array:
+        """A world point in this frame."""
+        return np.asarray(self.rotation.T @ (world - self.origin))
+
+
+def urdf_text(name: str, comment: str, parts: Parts, tree: Tree) -> bytes:
+    """The URDF as UTF-8.
+
+    Args:
+        name: of the press.
+        comment: at the top of the file.
+        parts: links and pins in the drawn pose.
+        tree: their bearings.
+    """
+    return _Writer(name, comment, parts, tree).text().encode()
+
+
+class _Writer:
+    def __init__(self, name: str, comment: str, parts: Parts, tree: Tree) -> None:
+        self.name, self.comment, self.parts, self.tree = name, comment, parts, tree
+        self.links = {link.name: link for link in parts.links}
+        points = np.array([pin.point for pin in parts.pins.values()])
+        self.size = float(np.linalg.norm(np.ptp(points, axis=0))) or 1.0
+        by = {joint.child: joint for joint in tree.joints}
+        self.places = {FRAME: _Place(np.zeros(3), np.eye(3))} | {n: self._place(by[n], link) for n, link in self.links.items()}
+
+    def _place(self, joint: Joint, link: Link) -> _Place:
+        return _Place(link.origin if joint.pin is None else self.parts.pins[joint.pin].point, link.rotation)
+
+    def text(self) -> str:
+        """The whole file."""
+        lines = ['<?xml version="1.0"?>', "<!--", *(f"  {line}".rstrip() for line in self.comment.replace("--", "- -").splitlines()), "-->"]
+        lines += [f"<robot name={quoteattr(self.name)}>", f'  <link name="{FRAME}"/>']
+        for link in self.links.values():
+            lines += ["", *self._link(link)]
+        lines.append("")
+        for joint in self.tree.joints:
+            lines += self._joint(joint)
+        lines.append("")
+        lines += [self._loop(*each) for each in self._loops()]
+        for name in self.tree.drivers:
+            driver = f"{name}{SHAFT}" if self._slides(name) else name
+            lines += ["", f'  <transmission name="{name}_transmission"><joint name="{driver}"/></transmission>']
+        return "\n".join([*lines, "</robot>", ""])
+
+    # Links
+
+    def _link(self, link: Link) -> Iterator[str]:
+        place = self.places[link.name]
+        for estimate in link.estimates:
+            yield f"  <!-- Estimated: {estimate}. -->".replace("--", "--")
+        inertia = place.rotation.T @ link.inertia @ place.rotation
+        scale = float(np.abs(inertia).max())
+        moments = {f"i{a}{b}": _number(inertia[i, j], scale) for a, b, i, j in _MOMENTS}
+        yield f'  <link name="{link.name}">'
+        centre = _vector(place.point(link.centre), self.size)
+        yield f'    <inertial><origin xyz="{centre}"/><mass value="{_number(link.mass)}"/>{_tag("inertia", moments)}</inertial>'
+        yield from (f"    {shape}" for shape in self._shapes(link))
+        yield "  </link>"
+
+    def _shapes(self, link: Link) -> Iterator[str]:
+        """Solids that the table gives; else a bar along the pins; a cylinder at every pin."""
+        place, radius = self.places[link.name], THIN * self.size
+        for solid in link.solids:
+            if solid.kind == "box":
+                yield self._visual(place, solid.centre, solid.rotation, f'<box size="{_vector(np.array(solid.size))}"/>')
+            else:
+                along = _axes_with_z(solid.rotation[:, 1])
+                yield self._visual(place, solid.centre, along, f'<cylinder radius="{_number(solid.size[0])}" length="{_number(solid.size[1])}"/>')
+        pins = [self.parts.pins[name] for name in link.pins]
+        if not link.solids:
+            for end in pins[1:]:
+                way = end.point - pins[0].point
+                if (length := float(np.linalg.norm(way))) > 0:
+                    size = _vector(np.array([length, 1.2 * radius, 1.6 * radius]))
+                    yield self._visual(place, (pins[0].point + end.point) / 2, turned(way), f'<box size="{size}"/>')
+            if len(pins) == 1 or link.guide is not None:
+                side = _number(max((link.mass / 7850.0) ** (1 / 3), radius))
+                yield self._visual(place, link.centre, place.rotation, f'<box size="{side} {side} {side}"/>')
+        for each in pins:
+            if each.axis is None:
+                yield self._visual(place, each.point, np.eye(3), f'<sphere radius="{_number(radius)}"/>')
+            else:
+                shape = f'<cylinder radius="{_number(0.8 * radius)}" length="{_number(2.4 * radius)}"/>'
+                yield self._visual(place, each.point, _axes_with_z(each.axis), shape)
+
+    def _visual(self, place: _Place, centre: Array, rotation: Array, shape: str) -> str:
+        origin = self._origin(place.inside(_Place(centre, rotation)))
+        return f"<visual>{origin}<geometry>{shape}</geometry></visual>"
+
+    # Bearings
+
+    def _joint(self, joint: Joint) -> list[str]:
+        link = self.links[joint.child]
+        at = None if joint.pin is None else self.parts.pins[joint.pin]
+        if at is None:
+            return self._guide(joint, link)
+        if at.axis is None:
+            return self._ball(joint, link, at)
+        axis = self.places[joint.child].rotation.T @ at.axis
+        return [self._hinge(joint.name, joint.parent, joint.child, axis, self.places[joint.child])]
+
+    def _hinge(self, name: str, parent: str, child: str, axis: Array, place: _Place, parent_place: _Place | None = None) -> str:
+        origin = self._origin((parent_place or self.places[parent]).inside(place))
+        ends = f'<parent link="{parent}"/><child link="{child}"/>'
+        return f'  <joint name="{name}" type="continuous">{ends}{origin}<axis xyz="{_vector(axis, 1.0)}"/>{self._mimic(name)}</joint>'
+
+    def _guide(self, joint: Joint, link: Link) -> list[str]:
+        assert link.guide is not None
+        place = self.places[joint.child]
+        axis = _vector(place.rotation.T @ link.guide.direction, 1.0)
+        reach = _number(REACH * self.size)
+        limit = f'<limit lower="-{reach}" upper="{reach}" effort="{_number(EFFORT)}" velocity="{_number(VELOCITY)}"/>'
+        ends = f'<parent link="{joint.parent}"/><child link="{joint.child}"/>{self._origin(self.places[joint.parent].inside(place))}'
+        mimic = self._mimic(joint.name)
+        lines = []
+        if joint.name in self.tree.drivers:
+            # A guide is driven by a massless shaft of 1 m per radian: its angle is the travel in m, its torque the force in N.
+            shaft = f"{joint.name}{SHAFT}"
+            lines = [_massless(f"{shaft}_shaft"), self._hinge(shaft, FRAME, f"{shaft}_shaft", np.array([0.0, -1.0, 0.0]), self.places[FRAME])]
+            mimic = f'<mimic joint="{shaft}" multiplier="1" offset="0"/>'
+        return [*lines, f'  <joint name="{joint.name}" type="prismatic">{ends}<axis xyz="{axis}"/>{limit}{mimic}</joint>']
+
+    def _ball(self, joint: Joint, link: Link, at: Pin) -> list[str]:
+        """Hinges with massless crosses between them: two where the link is a rod between balls, which cannot spin then, else three."""
+        others = [self.parts.pins[name] for name in link.pins if name != joint.pin]
+        rod = len(others) == 1 and others[0].axis is None
+        way = others[0].point - at.point if others else np.array([0.0, 0.0, 1.0])
+        along = turned(way)
+        axes = [along[:, 1], along[:, 2]] if rod else [along[:, 1], along[:, 2], along[:, 0]]
+        lines, parent, place = [], joint.parent, None
+        for k, axis in enumerate(axes[:-1]):
+            cross = f"{joint.name}{CROSS}{k + 1 if len(axes) > 2 else ''}"
+            lines.append(_massless(f"{cross}_link"))
+            own = _Place(at.point, np.eye(3))
+            lines.append(self._hinge(cross, parent, f"{cross}_link", axis, own, place))
+            parent, place = f"{cross}_link", own
+        own = self.places[joint.child]
+        lines.append(self._hinge(joint.name, parent, joint.child, own.rotation.T @ axes[-1], own, place))
+        return lines
+
+    def _mimic(self, name: str) -> str:
+        if name not in self.tree.gears:
+            return ""
+        leader, ratio = self.tree.gears[name]
+        return f'<mimic joint="{leader}" multiplier="{_number(ratio)}" offset="0"/>'
+
+    def _loops(self) -> Iterator[tuple[str, str, str, Pin]]:
+        for loop in self.tree.loops:
+            yield loop.name, loop.link1, loop.link2, self.parts.pins[loop.pin]
+
+    def _loop(self, name: str, link1: str, link2: str, at: Pin) -> str:
+        """A loop of two parallel pins in the picture's plane, or a ball, holds points together; a hinge in space its axis too."""
+        hinge = at.in_space and at.axis is not None
+        turn = _axes_with_z(at.axis)[:, [2, 0, 1]] if hinge and at.axis is not None else None  # x along the axis
+
+        def end(tag: str, link: str) -> str:
+            place = self.places[link]
+            xyz = _vector(place.point(at.point), self.size)
+            rpy = "0 0 0" if turn is None else _vector(_rpy(place.rotation.T @ turn), 1.0)
+            return f'<{tag} link="{link}" xyz="{xyz}" rpy="{rpy}"/>'
+
+        kind = "revolute" if hinge else "spherical"
+        axis = '<axis xyz="1 0 0"/>' if hinge else ""
+        return f'  <loop_joint name="{name}" type="{kind}">{end("link1", link1)}{end("link2", link2)}{axis}</loop_joint>'
+
+    def _slides(self, name: str) -> bool:
+        return any(joint.name == name and joint.pin is None for joint in self.tree.joints)
+
+    def _origin(self, place: _Place) -> str:
+        xyz, rpy = _vector(place.origin, self.size), _vector(_rpy(place.rotation), 1.0)
+        return f'<origin xyz="{xyz}"/>' if rpy == "0 0 0" else f'<origin xyz="{xyz}" rpy="{rpy}"/>'
+
+
+_MOMENTS = (("x", "x", 0, 0), ("x", "y", 0, 1), ("x", "z", 0, 2), ("y", "y", 1, 1), ("y", "z", 1, 2), ("z", "z", 2, 2))
+
+
+def _massless(name: str) -> str:
+    zeros = _tag("inertia", {f"i{a}{b}": "0" for a, b, _, _ in _MOMENTS})
+    return f'  <link name="{name}"><inertial><mass value="0"/>{zeros}</inertial></link>'
+
+
+def _rpy(rotation: Array) -> Array:
+    """Roll, pitch and yaw; of a turn about y the pitch alone, whatever its size."""
+    if abs(rotation[1, 1] - 1.0) < 1e-15:
+        return np.array([0.0, math.atan2(rotation[0, 2], rotation[0, 0]), 0.0])
+    return np.asarray(pin.rpy.matrixToRpy(rotation))
+
+
+def _axes_with_z(direction: Array) -> Array:
+    """Axes whose z is along a direction, as cylinders of URDF are."""
+    other = np.eye(3)[int(np.abs(direction).argmin())]
+    x = np.cross(other, direction)
+    x /= np.linalg.norm(x)
+    return np.stack([x, np.cross(direction, x), direction], axis=1)
+
+
+def _vector(values: Array | Sequence[float], scale: float = 0.0) -> str:
+    return " ".join(_number(float(value), scale) for value in values)
+
+
+def _number(value: float, scale: float = 0.0) -> str:
+    """A number to full precision; zero where it is rounding beside the scale."""
+    if abs(value) <= 1e-16 * scale:
+        return "0"
+    return repr(float(value)).removesuffix(".0")
+
+
+def _tag(name: str, attributes: Mapping[str, str]) -> str:
+    return f"<{name} {' '.join(f'{key}={quoteattr(value)}' for key, value in attributes.items())}/>"
