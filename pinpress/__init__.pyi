@@ -14,6 +14,7 @@ from . import video as video
 from .common.errors import AssemblyError as AssemblyError
 from .common.errors import PinpressError as PinpressError
 from .common.errors import PinpressWarning as PinpressWarning
+from .common.errors import PinTableError as PinTableError
 from .common.errors import SimulationError as SimulationError
 from .common.errors import SingularityError as SingularityError
 from .common.errors import UnknownNameError as UnknownNameError
@@ -30,6 +31,7 @@ from .linkage.linkage import Linkage as Linkage
 from .linkage.loading import load as load
 from .linkage.loading import presses as presses
 from .linkage.writing import write_urdf as write_urdf
+from .pin_table.building import build as build
 from .simulation.batch import RunBatch as RunBatch
 from .simulation.batch import simulate_batch as simulate_batch
 from .simulation.run import Run as Run

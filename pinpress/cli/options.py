@@ -16,7 +16,7 @@ SIGNS = """\
 angles are in degrees of the driver joint, 0 as the URDF draws it; forces are the action of parent on child (of a loop, of link1 on link2)
 in world axes, z up; the shaking force is the action of the machine on its foundation.
 """
-FILE = f"URDF file, or the name of a shipped press: {', '.join(presses())}"
+FILE = f"pin table (.yaml), URDF file, or the name of a shipped press: {', '.join(presses())}"
 
 
 def add_press_options(parser: argparse.ArgumentParser) -> None:
@@ -27,7 +27,13 @@ def add_press_options(parser: argparse.ArgumentParser) -> None:
 
 
 def load_press(options: argparse.Namespace, **more: Any) -> Linkage:
-    """The press that the options name; ``more`` goes to `load`."""
+    """The press that the options name, built from a pin table or loaded from a URDF; ``more`` goes to `load`."""
+    if options.file.lower().endswith((".yaml", ".yml")):
+        if options.driver is not None or options.slide is not None:
+            raise PinpressError(f"{options.file} is a pin table, which says what drives: leave out --driver and --slide")
+        from ..pin_table.building import build  # with a parser that a URDF does without
+
+        return build(options.file)
     return load(options.file, driver=options.driver, slide=options.slide, **more)
 
 

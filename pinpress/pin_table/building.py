@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import os
+import re
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 from typing import Any
@@ -16,8 +17,8 @@ from ..linkage.linkage import Linkage
 from ..linkage.loading import load_text
 from . import sketch
 from .copies import Parts, copied
-from .formulas import formula, number, parameters_of
-from .links import FRAME, Link, read_links
+from .formulas import CONSTANTS, FUNCTIONS, formula, parameters_of
+from .links import Link, read_links
 from .placement import UNITS, Pin, UnreachableError, place_pins
 from .reading import Entry, given_table, overlaid, read_table
 from .tree import Tree, build_tree
@@ -79,6 +80,13 @@ class Draft:
         for link in self.links:
             for estimate in link.estimates:
                 yield link.name, estimate
+
+    def other_places(self) -> Iterator[tuple[str, tuple[float, float], tuple[float, float]]]:
+        """Names of pins that their lengths allow to be elsewhere, x and z of where they are and of the other place, in the table's unit."""
+        unit = UNITS[self.unit]
+        for name, pin in self.pins.items():
+            if pin.other is not None:
+                yield name, (pin.point[0] / unit, pin.point[2] / unit), (pin.other[0] / unit, pin.other[2] / unit)
 
     def _comment(self) -> Iterator[str]:
         yield f"{self.name}: written by pinpress from the pin table {Path(self.file).name}."
@@ -181,26 +189,24 @@ def _parts(items: Mapping[str, Entry], pins: Mapping[str, Pin], links: tuple[Lin
         if name not in pins:
             items["frame"].refuse(f"no pin {name}{suggestion(name, pins)}", f"name some of {', '.join(pins)}")
     drivers = tuple(items["drive"].names("the pin that is driven"))
-    gears = {name: _gear(entry, parameters) for name, entry in items["gears"].items("gears: {V: -2 * O}").items()} if "gears" in items else {}
+    gears = (
+        {name: _gear(entry, parameters) for name, entry in items["gears"].items("gears: {V: -2 * O}").items()} if "gears" in items else {}
+    )
     return Parts(pins, links, frame, drivers, gears)
 
 
 def _gear(entry: Entry, parameters: Mapping[str, float]) -> tuple[str, float]:
     """The bearing that a geared one follows, and how many times it moves as far: a formula that is proportional to one bearing."""
     text = entry.text("a formula of one bearing, such as -2 * O")
-    words = [word for word in _words(text) if word not in parameters and word not in ("pi", "sqrt", "sin", "cos", "tan")]
+    words = [
+        word for word in re.findall(r"[A-Za-z_]\w*", text) if word not in parameters and word not in CONSTANTS and word not in FUNCTIONS
+    ]
     if len(set(words)) != 1:
         entry.refuse(f"{text!r} has {len(set(words))} bearings", "write a formula of one bearing, such as -2 * O")
     once, twice, none = (formula(entry, {**parameters, words[0]: turns}) for turns in (1.0, 2.0, 0.0))
     if none or not np.isclose(twice, 2 * once, rtol=1e-12) or not once:
         entry.refuse(f"{text!r} is not proportional to {words[0]}", "write a ratio times a bearing, such as -2 * O")
     return words[0], once
-
-
-def _words(text: str) -> Iterator[str]:
-    import re
-
-    yield from re.findall(r"[A-Za-z_]\w*", text)
 
 
 def _size(pins: Mapping[str, Pin]) -> float:
@@ -227,8 +233,12 @@ def _check_links(links: tuple[Link, ...], pins: Mapping[str, Pin], unit: str) ->
         if away > 3 * max(reach, 0.2 * size):
             where = f"{link.entry.file}: links: {link.name}"
             say = "a place in the drawing is the name of a point in pins"
-            caution(f"{where}: com is {away / UNITS[unit]:.4g} {unit} from {link.pins[0]}, the link reaches {reach / UNITS[unit]:.4g}; {say}")
+            caution(
+                f"{where}: com is {away / UNITS[unit]:.4g} {unit} from {link.pins[0]}, the link reaches {reach / UNITS[unit]:.4g}; {say}"
+            )
         gyration = float(np.sqrt(link.inertia[1, 1] / link.mass))
         if gyration > 3 * max(reach, size):
             where = f"{link.entry.file}: links: {link.name}"
-            caution(f"{where}: radius of gyration {gyration / UNITS[unit]:.4g} {unit}, the link reaches {reach / UNITS[unit]:.4g}; is inertia in kg m2?")
+            caution(
+                f"{where}: radius of gyration {gyration / UNITS[unit]:.4g} {unit}, the link reaches {reach / UNITS[unit]:.4g}; is inertia in kg m2?"
+            )

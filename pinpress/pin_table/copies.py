@@ -1,8 +1,8 @@
-"""Links that a press has several times: beside each other, or as mirror images. Links that are not copied carry all copies of their pins."""
+"""Links that a press has several times, beside each other or as mirror images. Other links carry all copies of their pins."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -10,7 +10,7 @@ import numpy as np
 from ..common.errors import suggestion
 from ..common.quantities import Array
 from .formulas import number
-from .links import FRAME, Guide, Link, turned
+from .links import Guide, Link, turned
 from .placement import AXES, Pin
 from .reading import Entry
 
@@ -154,7 +154,7 @@ def _suffixes(entry: Entry, items: Mapping[str, Entry], count: int) -> list[str]
     return suffixes
 
 
-def _copied_pins(pins: Mapping[str, Pin], own: set[str], moves: Sequence[Callable[[Array], Array]], suffixes: Sequence[str]):  # type: ignore[no-untyped-def]
+def _copied_pins(pins: Mapping[str, Pin], own: set[str], moves: Sequence[_Move], suffixes: Sequence[str]) -> Iterator[tuple[str, Pin]]:
     for name, pin in pins.items():
         if name not in own:
             yield name, pin
@@ -164,7 +164,7 @@ def _copied_pins(pins: Mapping[str, Pin], own: set[str], moves: Sequence[Callabl
 
 
 def _geared(entry: Entry, known: set[str], suffixes: Sequence[str], ratio: float) -> dict[str, tuple[str, float]]:
-    gears = {}
+    gears: dict[str, tuple[str, float]] = {}
     for name in entry.names("the pins whose shafts are geared together"):
         if name not in known:
             entry.refuse(f"{name} is not copied{suggestion(name, known)}", f"name some of {', '.join(sorted(known))}")

@@ -54,10 +54,7 @@ def number(entry: Entry, parameters: Mapping[str, float]) -> float:
     Raises:
         PinTableError: it gives none, or one that is not finite.
     """
-    if isinstance(entry.value, float | int) and not isinstance(entry.value, bool):
-        value = float(entry.value)
-    else:
-        value = formula(entry, parameters)
+    value = entry.value if isinstance(entry.value, float) else formula(entry, parameters)
     if not math.isfinite(value):
         entry.refuse(f"{entry.value} is no finite number", "write a number")
     return value
@@ -79,7 +76,7 @@ def formula(entry: Entry, names: Mapping[str, float]) -> float:
     except (SyntaxError, ValueError, TypeError) as error:
         remedy = "write decimals after a point, not after a comma" if "," in text else "write a number, or a formula such as 2 * r + 10"
         entry.refuse(f"{text!r} is no number{_reason(error)}", remedy)
-    except _Unknown as error:
+    except _UnknownNameError as error:
         known = [*names, *CONSTANTS, *FUNCTIONS]
         entry.refuse(
             f"{error.args[0]!r} in {text!r} is no parameter{suggestion(error.args[0], known)}",
@@ -89,7 +86,7 @@ def formula(entry: Entry, names: Mapping[str, float]) -> float:
         entry.refuse(f"{text!r} has no finite value", "write a formula that has one")
 
 
-class _Unknown(Exception):
+class _UnknownNameError(Exception):
     """A name that is no parameter."""
 
 
@@ -103,7 +100,7 @@ def _value(node: ast.expr, names: Mapping[str, float]) -> float:
     if isinstance(node, ast.Name):
         known = {**CONSTANTS, **names}
         if node.id not in known:
-            raise _Unknown(node.id)
+            raise _UnknownNameError(node.id)
         return known[node.id]
     if isinstance(node, ast.BinOp) and type(node.op) in _OPERATIONS:
         return _OPERATIONS[type(node.op)](_value(node.left, names), _value(node.right, names))
@@ -111,6 +108,6 @@ def _value(node: ast.expr, names: Mapping[str, float]) -> float:
         return _OPERATIONS[type(node.op)](_value(node.operand, names))
     if isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and not node.keywords:
         if node.func.id not in FUNCTIONS:
-            raise _Unknown(node.func.id)
+            raise _UnknownNameError(node.func.id)
         return float(FUNCTIONS[node.func.id](*(_value(each, names) for each in node.args)))
     raise ValueError("not arithmetic")

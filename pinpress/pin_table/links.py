@@ -329,7 +329,11 @@ class _Masses:
                 self.items["pins"].refuse(f"{self.space.pins[0]} and {self.space.pins[1]} are one point: a rod of length zero", "move one")
             along = np.outer(way, way) / length**2
             thick = (SLENDER * length) ** 2 / 6
-            return (points[0] + points[1]) / 2, mass * (length**2 / 12 * (np.eye(3) - along) + thick * along), f"a uniform rod, {length:.4g} m long"
+            return (
+                (points[0] + points[1]) / 2,
+                mass * (length**2 / 12 * (np.eye(3) - along) + thick * along),
+                f"a uniform rod, {length:.4g} m long",
+            )
         if own_given and "com" in self.items:
             return points[0], np.zeros((3, 3)), ""
         return (*self._plate(mass, points), "a flat plate with its corners at the pins")
@@ -349,7 +353,12 @@ class _Masses:
         centroid = ((corners + following) * cross[:, None]).sum(axis=0) / (6 * area)
         a, b = corners - centroid, following - centroid
         cross = a[:, 0] * b[:, 1] - b[:, 0] * a[:, 1]
-        squares = np.array([[(cross * (a[:, i] * a[:, j] + b[:, i] * b[:, j] + (a[:, i] + b[:, i]) * (a[:, j] + b[:, j]))).sum() / 24 for j in (0, 1)] for i in (0, 1)])
+        squares = np.array(
+            [
+                [(cross * (a[:, i] * a[:, j] + b[:, i] * b[:, j] + (a[:, i] + b[:, i]) * (a[:, j] + b[:, j]))).sum() / 24 for j in (0, 1)]
+                for i in (0, 1)
+            ]
+        )
         second = np.zeros((3, 3))
         second[np.ix_([0, 2], [0, 2])] = squares * mass / area
         return np.array([centroid[0], points[0][1], centroid[1]]), np.trace(second) * np.eye(3) - second
@@ -367,7 +376,7 @@ class _Masses:
             moments = np.array([number(each, self.space.reader.parameters) for each in entry.value])
             if not (np.all(moments > 0) and moments.max() <= moments.sum() - moments.max()):
                 entry.refuse("no body has these moments of inertia", "give three above zero, none larger than the other two together")
-            return self.space.rotation @ np.diag(moments) @ self.space.rotation.T
+            return np.asarray(self.space.rotation @ np.diag(moments) @ self.space.rotation.T)
         if isinstance(entry.value, Mapping):
             if len(entry.value) != 1:
                 entry.refuse("an inertia about several points", "give it about one: {O: 0.289}")

@@ -107,8 +107,8 @@ class _Placing:
         if isinstance(entry.value, tuple):
             return Pin(name, _raised(self._pair(entry)), np.array(PIN_AXIS), False, None, (), entry)
         if isinstance(entry.value, str) and " " not in entry.value.strip():
-            other = self._named(entry, entry.value.strip(), above)
-            return Pin(name, other.point, other.axis, other.in_space, None, (), entry)
+            same = self._named(entry, entry.value.strip(), above)
+            return Pin(name, same.point, same.axis, same.in_space, None, (), entry)
         items = entry.items("a place: [x, z], the name of a pin at the same point, or {from: ..., length: ..., angle: ...}")
         joint, axis = self._joint(items)
         in_space = joint or "axis" in items
@@ -140,7 +140,9 @@ class _Placing:
             entry.refuse(f"{name!r} is no axis", "write x, y, z, -x, -y, -z, or three numbers")
         return np.array(AXES[name.lstrip("-")]) * (-1.0 if name.startswith("-") else 1.0)
 
-    def _point(self, entry: Entry, items: Mapping[str, Entry], above: tuple[str, ...]) -> tuple[Array, Array | None, tuple[tuple[str, float], ...]]:
+    def _point(
+        self, entry: Entry, items: Mapping[str, Entry], above: tuple[str, ...]
+    ) -> tuple[Array, Array | None, tuple[tuple[str, float], ...]]:
         """The place in the picture's plane, the other one that fits, and what it was measured from."""
         for key, value in items.items():
             if key not in RESERVED and key not in self.items:
@@ -150,23 +152,28 @@ class _Placing:
             self._only(entry, items, lengths, ("from", "at", "length", "angle"))
             return self._polar(entry, items, above)
         if len(lengths) == 2:
-            self._only(entry, items, {}, tuple(lengths) + ("side", "near"))
+            self._only(entry, items, {}, (*lengths, "side", "near"))
             return self._chosen(entry, items, self._two_circles(entry, lengths, above), above)
         if len(lengths) == 1:
-            self._only(entry, items, {}, tuple(lengths) + ("x", "z", "on", "side", "near"))
+            self._only(entry, items, {}, (*lengths, "x", "z", "on", "side", "near"))
             return self._chosen(entry, items, self._circle_and_line(entry, items, lengths, above), above)
         if lengths:
             entry.refuse(f"{len(lengths)} lengths", "give two of them, which place it, or one and a line (x:, z: or on:)")
         self._only(entry, items, {}, ("x", "z"))
         if "x" not in items or "z" not in items:
-            entry.refuse("no place", "give [x, z]; {from: A, length: ..., angle: ...}; two lengths {A: ..., B: ..., side: ...}; or a length and a line")
+            entry.refuse(
+                "no place",
+                "give [x, z]; {from: A, length: ..., angle: ...}; two lengths {A: ..., B: ..., side: ...}; or a length and a line",
+            )
         return np.array([self._length(items["x"]), self._length(items["z"])]), None, ()
 
     def _only(self, entry: Entry, items: Mapping[str, Entry], forbidden: Mapping[str, Entry], keys: Sequence[str]) -> None:
         allowed = {*keys, "axis", "joint", "y"}
         for key, value in items.items():
             if key in forbidden or key not in allowed:
-                value.refuse(f"{key} does not go with {', '.join(k for k in items if k in keys) or 'the rest'}", "give one way to place the pin")
+                value.refuse(
+                    f"{key} does not go with {', '.join(k for k in items if k in keys) or 'the rest'}", "give one way to place the pin"
+                )
 
     def _polar(self, entry: Entry, items: Mapping[str, Entry], above: tuple[str, ...]) -> tuple[Array, None, tuple[tuple[str, float], ...]]:
         names = items["from"].names("a pin, or two")
@@ -235,9 +242,15 @@ class _Placing:
             return start, (end - start) / np.linalg.norm(end - start), f"the line {' '.join(names)}"
         value = self._length(items[given[0]])
         words = f"{given[0]} = {self._shown(value)}"
-        return (np.array([value, 0.0]), np.array([0.0, 1.0]), words) if given == ["x"] else (np.array([0.0, value]), np.array([1.0, 0.0]), words)
+        return (
+            (np.array([value, 0.0]), np.array([0.0, 1.0]), words)
+            if given == ["x"]
+            else (np.array([0.0, value]), np.array([1.0, 0.0]), words)
+        )
 
-    def _chosen(self, entry: Entry, items: Mapping[str, Entry], fits: _Fits, above: tuple[str, ...]) -> tuple[Array, Array | None, tuple[tuple[str, float], ...]]:
+    def _chosen(
+        self, entry: Entry, items: Mapping[str, Entry], fits: _Fits, above: tuple[str, ...]
+    ) -> tuple[Array, Array | None, tuple[tuple[str, float], ...]]:
         """The one of two places that the side says."""
         size = max(float(np.abs(np.stack([fits.first, fits.second])).max()), *(length for _, length in fits.measured))
         if np.linalg.norm(fits.first - fits.second) <= math.sqrt(ALIKE) * 1e-2 * size:
@@ -266,7 +279,9 @@ class _Placing:
         if side in ("ccw", "cw") and fits.ends is not None:
             return 1.0 if side == "ccw" else -1.0  # the first is on the left of the way from the first pin to the second
         allowed = [*SIDES, *(("ccw", "cw") if fits.ends else ())]
-        return entry.refuse(f"{side!r} is no side here{suggestion(side, allowed)}", f"two places fit, {places}: write one of {', '.join(allowed)}")
+        return entry.refuse(
+            f"{side!r} is no side here{suggestion(side, allowed)}", f"two places fit, {places}: write one of {', '.join(allowed)}"
+        )
 
     def _instead(self, entry: Entry, fits: _Fits) -> str:
         vertical = entry.value in ("up", "down")

@@ -47,7 +47,7 @@ class Entry:
         """The value as one text."""
         if isinstance(self.value, str):
             return self.value
-        if isinstance(self.value, Real) and not isinstance(self.value, bool):
+        if isinstance(self.value, float):
             return f"{self.value:.17g}"
         return self.refuse(f"{self.described()} where {what} belongs", f"write {what}")
 
@@ -97,7 +97,10 @@ class Entry:
         if self.value is None:
             return "there is nothing"
         kinds = {tuple: "a list", bool: "True or False", str: "a text"}
-        return next((words for kind, words in kinds.items() if isinstance(self.value, kind)), "keys with values" if isinstance(self.value, Mapping) else "a number")
+        return next(
+            (words for kind, words in kinds.items() if isinstance(self.value, kind)),
+            "keys with values" if isinstance(self.value, Mapping) else "a number",
+        )
 
     def within(self) -> Iterator[Entry]:
         """This entry and all in it."""
@@ -123,12 +126,14 @@ def given_table(values: Mapping[str, Any]) -> Entry:
 
 
 def overlaid(below: Entry, above: Entry) -> Entry:
-    """A table laid over another: its pins, parameters, gears and the keys of its links take the place of those there were; ``none`` removes."""
+    """A table laid over another: its pins, parameters, gears and keys of links replace those below; ``none`` removes them."""
     return _overlaid(below, above, 0)
 
 
 def _overlaid(below: Entry, above: Entry, depth: int) -> Entry:
-    if not (isinstance(below.value, Mapping) and isinstance(above.value, Mapping)) or depth > _MERGED.get(above.path[0] if above.path else "", 0):
+    if not (isinstance(below.value, Mapping) and isinstance(above.value, Mapping)) or depth > _MERGED.get(
+        above.path[0] if above.path else "", 0
+    ):
         return above
     merged = dict(below.value)
     for key, entry in above.value.items():
@@ -164,7 +169,9 @@ def _parsed(path: Path) -> Entry:
     except yaml.MarkedYAMLError as error:
         raise _syntax_error(file, text, error) from error
     except yaml.YAMLError as error:
-        raise PinTableError(file, None, "", f"it is no YAML: {' '.join(str(error).split())}", "write keys and values as in the manual") from error
+        raise PinTableError(
+            file, None, "", f"it is no YAML: {' '.join(str(error).split())}", "write keys and values as in the manual"
+        ) from error
     except RecursionError as error:
         raise PinTableError(file, None, "", "it is nested too deeply", "write keys and values as in the manual") from error
     if node is None:
@@ -192,7 +199,9 @@ class _Composer:
         line = node.start_mark.line + 1
         self.count += 1
         if self.count > MOST_ENTRIES or len(path) > 12:
-            raise PinTableError(self.file, line, ": ".join(path[:12]), "the table is too large", f"write at most {MOST_ENTRIES} entries, 12 deep")
+            raise PinTableError(
+                self.file, line, ": ".join(path[:12]), "the table is too large", f"write at most {MOST_ENTRIES} entries, 12 deep"
+            )
         if isinstance(node, yaml.MappingNode):
             return Entry(self._mapping(node, path), self.file, line, path)
         if isinstance(node, yaml.SequenceNode):
@@ -225,4 +234,6 @@ def _given(value: Any, file: str, path: tuple[str, ...]) -> Entry:
         return Entry(float(value), file, None, path)
     if isinstance(value, Sequence) or hasattr(value, "__array__"):
         return Entry(tuple(_given(each, file, (*path, str(k + 1))) for k, each in enumerate(value)), file, None, path)
-    raise PinTableError(file, None, ": ".join(path), f"{shown(value)} is a {type(value).__name__}", "give numbers, texts, lists and mappings")
+    raise PinTableError(
+        file, None, ": ".join(path), f"{shown(value)} is a {type(value).__name__}", "give numbers, texts, lists and mappings"
+    )

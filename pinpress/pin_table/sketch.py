@@ -11,7 +11,7 @@ import numpy as np
 
 from ..common.quantities import Array
 from .copies import Parts
-from .links import FRAME, Link
+from .links import Link
 from .placement import Pin, UnreachableError
 
 WIDTH, HEIGHT, MARGIN = 900.0, 700.0, 90.0  # of the picture
@@ -71,7 +71,14 @@ class _Sheet:
     def link(self, link: Link, pins: Mapping[str, Pin], colour: str) -> None:
         """A link as a bar or a plate; what slides as a block across its guide."""
         corners = [self.at(pins[name].point[[0, 2]]) for name in link.pins]
-        shape = {"fill": colour, "fill-opacity": "0.25", "stroke": colour, "stroke-width": "7", "stroke-linejoin": "round", "stroke-linecap": "round"}
+        shape = {
+            "fill": colour,
+            "fill-opacity": "0.25",
+            "stroke": colour,
+            "stroke-width": "7",
+            "stroke-linejoin": "round",
+            "stroke-linecap": "round",
+        }
         if len(corners) > 1:
             kind = "polygon" if len(corners) > 2 else "polyline"
             SubElement(self.root, kind, {"points": " ".join(f"{x:.1f},{y:.1f}" for x, y in corners), **shape})
@@ -106,7 +113,11 @@ class _Sheet:
     def circle(self, centre: Array, radius: float, words: str) -> None:
         """A circle about a pin."""
         x, y = self.at(centre)
-        SubElement(self.root, "circle", {"cx": f"{x:.1f}", "cy": f"{y:.1f}", "r": f"{radius * self.scale:.1f}", "fill": "none", "stroke": WRONG, "stroke-width": "2"})
+        SubElement(
+            self.root,
+            "circle",
+            {"cx": f"{x:.1f}", "cy": f"{y:.1f}", "r": f"{radius * self.scale:.1f}", "fill": "none", "stroke": WRONG, "stroke-width": "2"},
+        )
         self._label(x, y - radius * self.scale - 6, words, WRONG)
 
     def line(self, point: Array, way: Array) -> None:
@@ -148,4 +159,6 @@ class _Sheet:
 
     def _write(self, x: float, y: float, words: str, anchor: str, colour: str | None = None, kind: str = "") -> None:
         style = {"style": f"fill:{colour}"} if colour else {}
-        SubElement(self.root, "text", {"x": f"{x:.1f}", "y": f"{y:.1f}", "text-anchor": anchor, **({"class": kind} if kind else {}), **style}).text = words
+        SubElement(
+            self.root, "text", {"x": f"{x:.1f}", "y": f"{y:.1f}", "text-anchor": anchor, **({"class": kind} if kind else {}), **style}
+        ).text = words

@@ -1,12 +1,13 @@
 """Which bearing of a press is a joint of its tree and which one closes a loop; their names, and the senses of their forces.
 
 1. Links that slide in the frame hang there.
-2. Then, again and again, the first link in the table's order hangs that can: (a) by a driven or geared pin or guide; (b) by its guide, or by
-   its first pin; (c) by any of its pins; (d) on links that slide in the frame, which (a) to (c) leave out. A link with a guide hangs by it.
+2. Then, again and again, the first link in the table's order hangs that can: (a) by a driven or geared pin or guide; (b) by its guide, or
+   by its first pin; (c) by any of its pins; (d) on links that slide in the frame, which (a) to (c) leave out. A link with a guide hangs by
+   that.
 3. Every other meeting at a pin closes a loop.
 
-A bearing has its pin's name. Where three or more links meet at a pin K, the one that hung first is the reference, and every other link has a
-bearing K_<link>, with the force of the reference on that link. Otherwise the force of a joint is that of what carries a link on that link,
+A bearing has its pin's name. Where three or more links meet at a pin K, the one that hung first is the reference, and every other link has
+a bearing K_<link>, with the force of the reference on that link. Otherwise the force of a joint is that of what carries a link on that link,
 and the force of a loop that of the link written first on the other one; the frame counts as written first, links that slide in it as last.
 """
 
@@ -97,7 +98,7 @@ class _Growing:
         while len(self.hung) <= len(self.links):
             self._hang(*self._next())
         joints = tuple(Joint(self._joint_name(name), pin, parent, name) for name, (pin, parent) in self.by.items())
-        named = {joint.pin: joint.name for joint in joints if joint.pin is not None} | {j.name: j.name for j in joints if j.pin is None}
+        named = {joint.pin or joint.name: joint.name for joint in reversed(joints)}  # of several at a pin, the first
         gears = {self._bearing(name, named): (self._bearing(leader, named), k) for name, (leader, k) in self.parts.gears.items()}
         return Tree(joints, tuple(self._loops()), tuple(self._bearing(name, named) for name in self.parts.drivers), gears)
 
@@ -113,7 +114,9 @@ class _Growing:
                 if found := choose(link):
                     return link.name, *found
         loose = ", ".join(link.name for link in waiting)
-        waiting[0].entry.refuse(f"{loose}: connected to nothing that hangs in the frame", "name a pin that it shares with other links or the frame")
+        waiting[0].entry.refuse(
+            f"{loose}: connected to nothing that hangs in the frame", "name a pin that it shares with other links or the frame"
+        )
 
     def _driven(self, link: Link) -> tuple[str | None, str] | None:
         if link.guide is not None:
@@ -171,7 +174,7 @@ class _Growing:
     def _rank(self, link: str) -> tuple[bool, int]:
         return link in self.sliders, self.order.index(link)
 
-    def _bearing(self, name: str, named: dict[str | None, str]) -> str:
+    def _bearing(self, name: str, named: dict[str, str]) -> str:
         """The joint of the tree at a driven or geared pin or guide."""
         if name in named:
             return named[name]
@@ -180,8 +183,7 @@ class _Growing:
             entry.refuse(f"{name} is a link", f"name its bearing: {self.links[name].pins[0]}")
         if name in self.parts.pins:
             entry.refuse(f"nothing hangs by pin {name}", "name a pin between the frame and a link, or a guide")
-        known = [each for each in named if each is not None]
-        entry.refuse(f"no pin or guide {name}{suggestion(name, known)}", f"name one of {', '.join(known)}")
+        entry.refuse(f"no pin or guide {name}{suggestion(name, named)}", f"name one of {', '.join(named)}")
 
     def _where(self, name: str) -> Entry:
         items = self.table.items("a table")

@@ -102,7 +102,9 @@ class _Writer:
                 yield self._visual(place, solid.centre, solid.rotation, f'<box size="{_vector(np.array(solid.size))}"/>')
             else:
                 along = _axes_with_z(solid.rotation[:, 1])
-                yield self._visual(place, solid.centre, along, f'<cylinder radius="{_number(solid.size[0])}" length="{_number(solid.size[1])}"/>')
+                yield self._visual(
+                    place, solid.centre, along, f'<cylinder radius="{_number(solid.size[0])}" length="{_number(solid.size[1])}"/>'
+                )
         pins = [self.parts.pins[name] for name in link.pins]
         if not link.solids:
             for end in pins[1:]:
@@ -153,7 +155,10 @@ class _Writer:
         if joint.name in self.tree.drivers:
             # A guide is driven by a massless shaft of 1 m per radian: its angle is the travel in m, its torque the force in N.
             shaft = f"{joint.name}{SHAFT}"
-            lines = [_massless(f"{shaft}_shaft"), self._hinge(shaft, FRAME, f"{shaft}_shaft", np.array([0.0, -1.0, 0.0]), self.places[FRAME])]
+            lines = [
+                _massless(f"{shaft}_shaft"),
+                self._hinge(shaft, FRAME, f"{shaft}_shaft", np.array([0.0, -1.0, 0.0]), self.places[FRAME]),
+            ]
             mimic = f'<mimic joint="{shaft}" multiplier="1" offset="0"/>'
         return [*lines, f'  <joint name="{joint.name}" type="prismatic">{ends}<axis xyz="{axis}"/>{limit}{mimic}</joint>']
 

@@ -1,0 +1,10 @@
+"""Pin tables to start from, a file for each kind of press."""
+
+from importlib.resources import files
+
+TEMPLATES = ("crank-slide", "knuckle", "link-drive", "drawing-8-bar", "eccentric-block", "guide-bar", "toggle", "rssp")
+
+
+def template(name: str) -> bytes:
+    """The text of a template, one of `TEMPLATES`."""
+    return (files(__name__) / f"{name}.yaml").read_bytes()
