@@ -33,7 +33,7 @@ def load_press(options: argparse.Namespace, **more: Any) -> Linkage:
             raise PinpressError(f"{options.file} is a pin table, which says what drives: leave out --driver and --slide")
         from ..pin_table.building import build  # with a parser that a URDF does without
 
-        return build(options.file)
+        return build(options.file, **more)
     return load(options.file, driver=options.driver, slide=options.slide, **more)
 
 

@@ -140,6 +140,9 @@ def suggestion(name: str, known: Iterable[str]) -> str:
     """ ", did you mean 'x'?" where a known name is close to the one given, else an empty string."""
     if len(name) > _LONGEST_NAME:
         return ""
+    known = list(known)
+    if same := next((other for other in known if other.lower() == name.lower() and other != name), None):
+        return f", did you mean {same!r}?"
     import difflib  # only on the way to an error
 
     close = difflib.get_close_matches(name, [other for other in known if len(other) <= _LONGEST_NAME], n=1)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -25,6 +25,7 @@ from .tree import Tree, build_tree
 from .urdf_text import urdf_text
 
 KEYS = ("press", "units", "parameters", "frame", "pins", "links", "drive", "base", "density", "masses", "copies", "gears", "note")
+MOST, LEAST = 200.0, 0.02  # sizes of presses [m]
 NEEDED = ("units", "frame", "pins", "links", "drive")
 
 
@@ -60,13 +61,16 @@ class Draft:
         """The drawn pose with its dimensions, as SVG."""
         return sketch.of_parts(self.name, self.parts, UNITS[self.unit], self.unit)
 
-    def press(self) -> Linkage:
+    def press(self, gravity: Sequence[float] = (0.0, 0.0, -9.81)) -> Linkage:
         """The press, loaded from its URDF.
+
+        Args:
+            gravity: in world axes [m/s2].
 
         Raises:
             PinpressError: what `load` raises.
         """
-        return load_text(self.urdf, f"{self.file} as URDF")
+        return load_text(self.urdf, f"{self.file} as URDF", gravity=gravity)
 
     def bearings(self) -> Iterator[tuple[str, str, str]]:
         """Name of every bearing, the link whose force it has, and the link on which that acts."""
@@ -102,13 +106,14 @@ class Draft:
                 yield f"  {link}: {words}"
 
 
-def build(table: str | os.PathLike[str] | None = None, /, **values: Any) -> Linkage:
+def build(table: str | os.PathLike[str] | None = None, /, *, gravity: Sequence[float] = (0.0, 0.0, -9.81), **values: Any) -> Linkage:
     """Make a press from a pin table: pins by coordinates or lengths, links by their pins with masses, sections or estimates.
 
     The picture's plane is x to the right and z up; the drawn pose is crank angle 0. The manual has the table's keys.
 
     Args:
         table: a YAML file; None where ``values`` are the table.
+        gravity: in world axes [m/s2].
         values: of a file: values of its ``parameters``, as in ``build("press.yaml", r=150)``. Without a file: the table itself, as in
             ``build(units="mm", frame="A D", pins={...}, links={...}, drive="A")``.
 
@@ -122,7 +127,7 @@ def build(table: str | os.PathLike[str] | None = None, /, **values: Any) -> Link
     Warns:
         PinpressWarning: what `load` warns of, and numbers that are hardly meant: another unit, a centre of mass far outside of its link.
     """
-    return drafted(table, values).press()
+    return drafted(table, values).press(gravity)
 
 
 def drafted(table: str | os.PathLike[str] | None, values: Mapping[str, Any]) -> Draft:
@@ -215,15 +220,17 @@ def _size(pins: Mapping[str, Pin]) -> float:
 
 
 def _check_sizes(entry: Entry, pins: Mapping[str, Pin], unit: str) -> None:
-    """Warn of a press that is hardly meant in this unit."""
+    """Refuse a press that is larger than any; warn of one that is hardly meant to be so small."""
     size = _size(pins)
-    if 0 < size < 0.02 or size > 100:
-        other = "m" if size < 0.02 and unit == "mm" else "mm" if size > 100 and unit == "m" else "another unit"
-        caution(f"{entry.file}: pins: the largest distance is {size / UNITS[unit]:.4g} {unit}; is it units: {other}?")
+    said = f"the largest distance is {size / UNITS[unit]:.4g} {unit}"
+    if size > MOST:
+        entry.refuse(said, f"is it units: {'mm' if unit == 'm' else 'another'}?")
+    if 0 < size < LEAST:
+        caution(f"{entry.file}: pins: {said}; is it units: {'m' if unit == 'mm' else 'another'}?")
 
 
 def _check_links(links: tuple[Link, ...], pins: Mapping[str, Pin], unit: str) -> None:
-    """Warn of centres of mass and radii of gyration far outside of their links."""
+    """Warn of centres of mass far outside of their links."""
     size = _size(pins)
     for link in links:
         reach = max((float(np.linalg.norm(pins[name].point - link.origin)) for name in link.pins), default=0.0)
@@ -235,10 +242,4 @@ def _check_links(links: tuple[Link, ...], pins: Mapping[str, Pin], unit: str) ->
             say = "a place in the drawing is the name of a point in pins"
             caution(
                 f"{where}: com is {away / UNITS[unit]:.4g} {unit} from {link.pins[0]}, the link reaches {reach / UNITS[unit]:.4g}; {say}"
-            )
-        gyration = float(np.sqrt(link.inertia[1, 1] / link.mass))
-        if gyration > 3 * max(reach, size):
-            where = f"{link.entry.file}: links: {link.name}"
-            caution(
-                f"{where}: radius of gyration {gyration / UNITS[unit]:.4g} {unit}, the link reaches {reach / UNITS[unit]:.4g}; is inertia in kg m2?"
             )

@@ -253,7 +253,7 @@ class _Space:
             if len(values) != 2:
                 entry.refuse(f"a point is [x, z], {len(values)} numbers found", "write decimals after a point; in space {x: , y: , z: }")
             own = np.array([number(values[0], self.reader.parameters), 0.0, number(values[1], self.reader.parameters)])
-        return self.origin + self.rotation @ own * self.reader.unit
+        return np.asarray(self.origin + self.rotation @ own * self.reader.unit)
 
     def length(self, entry: Entry, what: str) -> float:
         """A length above zero [m]."""

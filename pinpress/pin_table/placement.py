@@ -23,6 +23,7 @@ RESERVED = ("from", "at", "length", "angle", "side", "near", "on", "x", "y", "z"
 SIDES = {"up": (0.0, 1.0), "down": (0.0, -1.0), "left": (-1.0, 0.0), "right": (1.0, 0.0)}
 AXES = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
 PIN_AXIS = (0.0, -1.0, 0.0)  # of a pin across the picture: a positive angle turns x towards z
+LONGEST = 1e5  # [m]
 ALIKE = 1e-9  # of the size: places that are one, and a side that does not decide
 
 
@@ -98,8 +99,6 @@ class _Placing:
                 circle = (*above[above.index(name) :], name)
                 entry.refuse(f"pins are placed by one another: {' - '.join(circle)}", "give one of them by coordinates, or by other pins")
             placed = self._placed(name, entry, (*above, name))
-            if not np.all(np.abs(placed.point) < 1e6):
-                entry.refuse("it is more than a thousand kilometres away", "see that lengths and units are those of the drawing")
             self.pins[name] = placed
         return self.pins[name]
 
@@ -307,7 +306,10 @@ class _Placing:
         return np.array([self._length(each) for each in values])
 
     def _length(self, entry: Entry) -> float:
-        return number(entry, self.parameters) * self.unit
+        length = number(entry, self.parameters) * self.unit
+        if abs(length) > LONGEST:
+            entry.refuse(f"{self._shown(length)} is more than {LONGEST / 1e3:g} km", "see that lengths and units are those of the drawing")
+        return length
 
     def _positive(self, entry: Entry) -> float:
         length = self._length(entry)

@@ -6,9 +6,10 @@
    that.
 3. Every other meeting at a pin closes a loop.
 
-A bearing has its pin's name. Where three or more links meet at a pin K, the one that hung first is the reference, and every other link has
-a bearing K_<link>, with the force of the reference on that link. Otherwise the force of a joint is that of what carries a link on that link,
-and the force of a loop that of the link written first on the other one; the frame counts as written first, links that slide in it as last.
+A bearing has its pin's name. Where three or more links meet at a pin K, the one that hung first is the reference, and every other link
+has a bearing K_<link>, with the force of the reference on that link. Otherwise the force of a joint is that of what carries a link on
+that link, and the force of a loop that of the link written first on the other one; the frame counts as written first, links that slide in
+it as last.
 """
 
 from __future__ import annotations

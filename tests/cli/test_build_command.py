@@ -1,0 +1,61 @@
+"""`pinpress new` and `pinpress build`: from a template to a URDF, a sketch and forces."""
+
+import pytest
+
+from pinpress.cli.main import main
+from pinpress.pin_table.templates import TEMPLATES
+
+
+@pytest.fixture
+def folder(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+def test_from_a_template_to_forces(folder, capsys):
+    assert main(["new", "press.yaml", "--template", "knuckle"]) == 0
+    assert main(["build", "press.yaml", "r=95"]) == 0
+    said = capsys.readouterr().out
+    assert "upper > lower" in said
+    assert "no errors" in said
+    assert "(286." in said  # the knee on the other side
+    assert sorted(path.name for path in folder.iterdir()) == ["press.svg", "press.urdf", "press.yaml"]
+    outputs = []
+    for file in ("press.urdf", "press.yaml"):
+        assert main(["analyse", file, "--speed", "60"]) == 0
+        outputs.append(capsys.readouterr().out)
+    assert outputs[0] != outputs[1]  # r is 95 in the URDF alone
+    assert main(["build", "press.yaml"]) == 0
+    capsys.readouterr()
+    assert main(["analyse", "press.urdf", "--speed", "60"]) == 0
+    assert capsys.readouterr().out.splitlines()[1:] == outputs[1].splitlines()[1:]
+
+
+@pytest.mark.parametrize("name", TEMPLATES)
+def test_every_template_builds(folder, capsys, name):
+    assert main(["new", "press.yml", "--template", name]) == 0
+    assert main(["build", "press.yml", "--out", "out.urdf"]) == 0
+    assert "0 errors" not in capsys.readouterr().out
+    assert (folder / "out.svg").read_text(encoding="utf-8").startswith("<svg")
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (["new", "there.yaml"], "is there already"),
+        (["new", "press.txt"], "does not end in .yaml"),
+        (["build", "there.yaml", "r"], "write NAME=VALUE"),
+        (["build", "there.yaml", "q=1"], "no parameter q"),
+        (["build", "there.yaml", "--out", "press.svg"], "give the URDF's name"),
+        (["build", "missing.yaml"], "missing.yaml"),
+        (["analyse", "there.yaml", "--speed", "60", "--driver", "O"], "leave out --driver"),
+        (["build", "there.yaml", "l=20"], "drawn in there.svg"),
+    ],
+)
+def test_what_is_refused(folder, capsys, words, said):
+    assert main(["new", "there.yaml", "--template", "crank-slide"]) == 0
+    (folder / "there.yaml").write_text((folder / "there.yaml").read_text(encoding="utf-8").replace("x: 0", "x: 50"), encoding="utf-8")
+    capsys.readouterr()
+    assert main(words) == 2
+    assert said in capsys.readouterr().err
+    assert (folder / "there.svg").exists() == ("drawn" in said)

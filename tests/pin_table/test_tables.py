@@ -1,0 +1,252 @@
+"""Presses from pin tables: against their URDFs, closed forms of plain bodies, and whatever the order in which a table is written."""
+
+import random
+from pathlib import Path
+
+import numpy as np
+import pytest
+import yaml
+from hypothesis import given
+from hypothesis import strategies as st
+
+import pinpress as pp
+from pinpress.pin_table.building import drafted
+from pinpress.pin_table.templates import TEMPLATES, template
+
+URDF = Path(__file__).resolve().parents[2] / "urdf"
+TURN = 60 * pp.RPM
+SIX_BAR = yaml.load((URDF / "zxn2_3000b.yaml").read_text(encoding="utf-8"), Loader=yaml.BaseLoader)
+
+
+def reactions(press: pp.Linkage, points: int = 72) -> pp.Reactions:
+    return pp.inverse_dynamics(press, pp.cycle(press, speed=TURN, points=points))
+
+
+def crank_slide(**changes):
+    table = {
+        "units": "mm",
+        "frame": "O",
+        "pins": {"O": [0, 0], "P": {"from": "O", "length": 100, "angle": -90}, "W": {"P": 400, "x": 0, "side": "down"}},
+        "links": {
+            "crank": {"pins": "O P", "mass": 20, "com": [30, 0], "inertia": 0.1},
+            "rod": {"pins": "P W", "mass": 15},
+            "slide": {"pins": "W", "guide": "up", "mass": 100},
+        },
+        "drive": "O",
+    }
+    return table | changes
+
+
+@pytest.mark.parametrize("name", pp.presses())
+def test_shipped_tables_and_urdfs_are_one_press(name):
+    """Motion, torque and every bearing force, with its name and sign."""
+    built, loaded = reactions(pp.build(URDF / f"{name}.yaml")), reactions(pp.load(name))
+    assert np.abs(built.motion.slide_position - loaded.motion.slide_position).max() < 1e-14
+    assert np.abs(built.driving_torque - loaded.driving_torque).max() < 5e-14 * np.abs(loaded.driving_torque).max()
+    largest = max(np.abs(force).max() for force in loaded.bearing_force.values())
+    assert list(built.bearing_force)
+    assert set(built.bearing_force) == set(loaded.bearing_force)
+    for bearing, force in loaded.bearing_force.items():
+        assert np.abs(built.bearing_force[bearing] - force).max() < 1e-14 * largest
+
+
+# Strokes of the table's presses, computed by other means (a prototype with its own dyads) to the digits given [mm].
+STROKES = {
+    "crank-slide": 200.0,
+    "knuckle": 122.062,
+    "link-drive": 239.004,
+    "drawing-8-bar": 417.970,
+    "eccentric-block": 50.000,
+    "guide-bar": 400.0,
+    "rssp": 160.395,
+}
+
+
+@pytest.mark.parametrize("name", TEMPLATES)
+def test_templates_are_presses(name, tmp_path):
+    path = tmp_path / f"{name}.yaml"
+    path.write_bytes(template(name))
+    press = pp.build(path)
+    if name == "toggle":  # its driver is a piston: to and fro
+        travel = np.linspace(0.0, 0.05, 40)
+        motion = pp.servo_cycle(press, angle=travel, speed=np.full(40, 0.01), acceleration=np.zeros(40))
+    else:
+        motion = pp.cycle(press, speed=TURN, points=360)
+        assert np.ptp(motion.slide_position) * 1e3 == pytest.approx(STROKES[name], abs=0.6 if name == "guide-bar" else 6e-3)
+    found = pp.inverse_dynamics(press, motion)
+    assert np.abs(found.power_residual).max() < 1e-13
+
+
+def test_parameters_change_the_press(tmp_path):
+    path = tmp_path / "press.yaml"
+    path.write_bytes(template("crank-slide"))
+    for r in (100, "80 + 40", 120.0):
+        stroke = np.ptp(pp.cycle(pp.build(path, r=r), speed=TURN, points=4).slide_position)
+        assert stroke == pytest.approx(2 * (100 if r == 100 else 120) / 1e3, rel=1e-12)
+
+
+def test_in_a_call_as_in_a_file():
+    """Numbers in place of texts, lists in place of words, and no file at all."""
+    table = crank_slide()
+    table["links"]["crank"]["pins"] = ["O", "P"]
+    ours, theirs = reactions(pp.build(**table)), reactions(pp.load("crank_slide"))
+    assert np.abs(ours.driving_torque - theirs.driving_torque).max() < 1e-14 * np.abs(theirs.driving_torque).max()
+
+
+@pytest.mark.parametrize("seed", range(6))
+@pytest.mark.parametrize("name", ["knuckle", "drawing-8-bar", "eccentric-block", "guide-bar"])
+def test_any_order_is_the_same_press(name, seed, tmp_path):
+    """Torque and forces, these up to the sense in which they are given."""
+    table = yaml.load(template(name), Loader=yaml.BaseLoader)
+    shuffled = random.Random(seed)
+    for key in ("pins", "links"):
+        items = list(table[key].items())
+        shuffled.shuffle(items)
+        table[key] = dict(items)
+    path = tmp_path / "press.yaml"
+    path.write_bytes(template(name))
+    ours, theirs = reactions(pp.build(**table), 24), reactions(pp.build(path), 24)
+    assert np.abs(ours.driving_torque - theirs.driving_torque).max() < 2e-13 * np.abs(theirs.driving_torque).max()
+    largest = max(np.abs(force).max() for force in theirs.bearing_force.values())
+    for bearing, force in theirs.bearing_force.items():
+        if bearing in ours.bearing_force:
+            given_as = ours.bearing_force[bearing]
+            assert min(np.abs(given_as - force).max(), np.abs(given_as + force).max()) < 2e-13 * largest
+
+
+@given(st.floats(-180, 180), st.floats(-180, 180), st.floats(0.2, 3.0), st.floats(0.2, 3.0))
+def test_pins_are_where_their_lengths_say(one, two, first, second):
+    """Two lengths, a length and a line, and angles from rays: measured again from the places."""
+    pins = {"A": [10, 20], "B": {"from": "A", "length": 100, "angle": one}, "C": {"from": "A B", "length": 70, "angle": two}}
+    placed = drafted(None, crank_slide(pins=crank_slide()["pins"] | pins)).pins
+    a, b, c = (placed[name].point[[0, 2]] for name in "ABC")
+    assert np.linalg.norm(b - a) == pytest.approx(0.1)
+    assert np.linalg.norm(c - a) == pytest.approx(0.07)
+    turned = np.degrees(np.angle(complex(*(c - a)) / complex(*(b - a))))
+    assert (turned - two + 180) % 360 - 180 == pytest.approx(0, abs=1e-9)
+    if abs(first - second) * 99 < 100 < (first + second) * 99:
+        for side in ("ccw", "cw"):
+            more = pins | {"D": {"A": first * 100, "B": second * 100, "side": side}}
+            d = drafted(None, crank_slide(pins=crank_slide()["pins"] | more)).pins["D"].point[[0, 2]]
+            assert np.linalg.norm(d - a) == pytest.approx(first / 10)
+            assert np.linalg.norm(d - b) == pytest.approx(second / 10)
+            assert ((b - a)[0] * (d - a)[1] > (b - a)[1] * (d - a)[0]) == (side == "ccw")
+
+
+def body(link: str, **table):
+    """Mass [kg], centre of mass [m] and inertia about y [kg m2] of a link of a crank-slide with changes."""
+    made = next(each for each in drafted(None, crank_slide(**table)).links if each.name == link)
+    return made.mass, made.centre[[0, 2]], made.inertia[1, 1]
+
+
+def links(**changes):
+    return crank_slide()["links"] | changes
+
+
+@pytest.mark.parametrize(
+    ("crank", "mass", "centre", "inertia"),
+    [
+        ({"mass": 12}, 12, (0, -0.05), 12 * 0.1**2 / 12),
+        ({"mass": 12, "gyration": 40}, 12, (0, -0.05), 12 * 0.04**2),
+        ({"mass": 12, "com": "P", "inertia": 0.3}, 12, (0, -0.1), 0.3),
+        ({"mass": 12, "com": "P", "inertia": {"O": 0.3}}, 12, (0, -0.1), 0.3 - 12 * 0.1**2),
+        ({"mass": 12, "com": [20, 5], "inertia": 0.3}, 12, (0.005, -0.02), 0.3),
+        ({"section": "60 x 40"}, 7850 * 0.1 * 0.06 * 0.04, (0, -0.05), 7850 * 0.1 * 0.06 * 0.04 * (0.1**2 + 0.06**2) / 12),
+        ({"section": [60, 40], "overhang": 20, "mass": 9}, 9, (0, -0.05), 9 * (0.14**2 + 0.06**2) / 12),
+        ({"disc": "80 x 50"}, 7850 * np.pi * 0.08**2 * 0.05, (0, 0), 7850 * np.pi * 0.08**4 * 0.05 / 2),
+        ({"disc": "80 x 50", "density": 1000, "com": "P"}, 1000 * np.pi * 0.08**2 * 0.05, (0, -0.1), 1000 * np.pi * 0.08**4 * 0.05 / 2),
+        ({"mass": 3, "com": "P", "inertia": 0.1, "parts": [{"mass": 1, "at": "O"}]}, 4, (0, -0.075), 0.1 + 3 * 0.025**2 + 0.075**2),
+    ],
+)
+def test_masses_are_those_of_plain_bodies(crank, mass, centre, inertia):
+    found = body("crank", links=links(crank={"pins": "O P"} | crank))
+    assert found[0] == pytest.approx(mass, rel=1e-14)
+    assert found[1] == pytest.approx(centre, abs=1e-15)
+    assert found[2] == pytest.approx(inertia, rel=1e-12)
+
+
+def test_a_plate_is_a_triangle_of_its_pins():
+    """About its centroid m (a2 + b2 + c2) / 36."""
+    table = SIX_BAR | {"links": SIX_BAR["links"] | {"rocker": {"pins": "D C E", "mass": "100"}}}
+    draft = drafted(None, table)
+    rocker = next(link for link in draft.links if link.name == "rocker")
+    corners = [draft.pins[name].point for name in "DCE"]
+    sides = sum(float((p - q) @ (p - q)) for p, q in zip(corners, [*corners[1:], corners[0]], strict=True))
+    assert rocker.centre == pytest.approx(np.mean(corners, axis=0), abs=1e-15)
+    assert rocker.inertia[1, 1] == pytest.approx(100 * sides / 36, rel=1e-12)
+
+
+def test_without_masses_the_forces_of_loads_remain():
+    """A crank-slide at 30 deg that holds 1 kN by its torque: the closed form of a massless one."""
+    table = crank_slide(
+        masses="none", links={name: {"pins": each["pins"]} | ({"guide": "up"} if name == "slide" else {}) for name, each in links().items()}
+    )
+    press = pp.build(**table, gravity=(0, 0, 0))
+    motion = pp.servo_cycle(press, angle=[np.pi / 6], speed=[0.0], acceleration=[0.0])
+    loads = [pp.loads.PointForce("slide", (0, 0, 1000.0))]
+    torque = pp.inverse_dynamics(press, motion, loads=loads).driving_torque[0]
+    angle, ratio = np.pi / 6, 0.25
+    lever = 0.1 * (np.sin(angle) + ratio * np.sin(angle) * np.cos(angle) / np.sqrt(1 - (ratio * np.sin(angle)) ** 2))
+    assert abs(torque) == pytest.approx(1000 * lever, rel=1e-9)
+
+
+def test_copies_share_what_one_carried():
+    """Two rods of half the mass side by side carry half the force each; four points are two steps."""
+    whole = reactions(pp.build(**crank_slide()))
+    half = links(rod={"pins": "P W", "mass": 7.5})
+    copies = [{"links": "rod", "y": [-200, 200], "names": "_front _back"}]
+    press = pp.build(**crank_slide(links=half, copies=copies))
+    split = reactions(press)
+    assert split.driving_torque == pytest.approx(whole.driving_torque, rel=1e-12)
+    for side in ("_front", "_back"):
+        assert split.bearing_force[f"P{side}"] == pytest.approx(whole.bearing_force["P"] / 2, abs=1e-9)
+    twice = [*copies, {"links": "rod_front rod_back", "x": [-5, 5], "names": "_left _right"}]
+    assert len(drafted(None, crank_slide(links=half, copies=twice)).parts.links) == 6
+
+
+def test_a_mirrored_half_turns_the_other_way():
+    table = yaml.load((URDF / "jf75g_125_symmetric.yaml").read_text(encoding="utf-8"), Loader=yaml.BaseLoader)
+    assert table["copies"][0]["mirror"] == "x"
+    press = pp.build(URDF / "jf75g_125_symmetric.yaml")
+    shaking = reactions(press).shaking_force
+    assert np.abs(shaking[:, 0]).max() < 1e-9 * np.abs(shaking[:, 2]).max()
+
+
+def test_what_is_written_is_a_urdf_for_others(tmp_path):
+    """Read by yourdfpy and Pinocchio: links, masses and shapes; loaded by us, the same forces."""
+    import pinocchio as pin
+    import yourdfpy
+
+    draft = drafted(URDF / "zxn2_3000b.yaml", {})
+    path = tmp_path / "press.urdf"
+    path.write_bytes(draft.urdf)
+    robot = yourdfpy.URDF.load(str(path), load_meshes=False)
+    assert [*robot.link_map] == ["frame", "crank", "coupler", "rocker", "rod", "slide"]
+    assert all(robot.link_map[name].visuals for name in robot.link_map if name != "frame")
+    assert sum(inertia.mass for inertia in pin.buildModelFromUrdf(str(path)).inertias) == pytest.approx(
+        sum(float(link["mass"]) for link in SIX_BAR["links"].values()), rel=1e-12
+    )
+    torque = reactions(pp.load(path)).driving_torque
+    assert torque == pytest.approx(reactions(draft.press()).driving_torque, rel=1e-14)
+    assert b"A: frame on crank" in draft.urdf
+
+
+def test_bases_are_laid_under(tmp_path):
+    """Pins and keys of links are replaced, ``none`` removes; a base that leads back is refused."""
+    (tmp_path / "base.yaml").write_bytes(template("crank-slide"))
+    (tmp_path / "press.yaml").write_text("base: base.yaml\nlinks: {rod: {section: none, overhang: none, mass: 15}}\nparameters: {r: 90}\n")
+    draft = drafted(tmp_path / "press.yaml", {})
+    assert draft.parts.links[1].mass == 15
+    assert np.linalg.norm(draft.pins["P"].point) == pytest.approx(0.09)
+    (tmp_path / "base.yaml").write_text("base: press.yaml\n")
+    with pytest.raises(pp.PinTableError, match="each other's base"):
+        pp.build(tmp_path / "press.yaml")
+
+
+def test_sketches_are_drawings():
+    """Every pin and length of the six-bar by its number; XML that a browser shows."""
+    from xml.etree import ElementTree
+
+    sketch = drafted(URDF / "zxn2_3000b.yaml", {}).sketch
+    words = {each.text for each in ElementTree.fromstring(sketch).iter("{http://www.w3.org/2000/svg}text")}
+    assert {"A", "B", "C", "D", "E", "F", "143", "1243", "375", "480", "crank", "slide"} <= words
