@@ -138,7 +138,7 @@ def drafted(table: str | os.PathLike[str] | None, values: Mapping[str, Any]) -> 
         if key not in KEYS:
             entries.refuse_key(key, entry, KEYS)
     for key in NEEDED:
-        if key not in items:
+        if key not in items or not items[key].value:
             entries.refuse(f"no {key}", _MISSING[key])
     unit = _unit(items["units"])
     parameters = parameters_of(items)

@@ -9,14 +9,15 @@ from __future__ import annotations
 import os
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from numbers import Real
 from pathlib import Path
 from typing import Any, NoReturn
 
+import numpy as np
 import yaml
 
+from ..common.arguments import is_number, number
 from ..common.errors import PinTableError, shown, suggestion
-from ..common.files import path_of, read
+from ..common.files import path_of, read, reason
 
 LARGEST_FILE = 1 << 20  # [bytes]
 MOST_ENTRIES = 20_000  # aliases of YAML may multiply them
@@ -163,9 +164,12 @@ def _parsed(path: Path) -> Entry:
     file = str(path)
     try:
         text = read(path, LARGEST_FILE).decode("utf-8-sig")
-        node = yaml.compose(text, Loader=yaml.BaseLoader)
     except UnicodeDecodeError as error:
         raise PinTableError(file, None, "", "it is not UTF-8", "save it as UTF-8") from error
+    except (OSError, ValueError) as error:  # ValueError: a null character in the path
+        raise PinTableError(file, None, "", f"it cannot be read: {reason(error)}", "give the path of a pin table") from error
+    try:
+        node = yaml.compose(text, Loader=yaml.BaseLoader)
     except yaml.MarkedYAMLError as error:
         raise _syntax_error(file, text, error) from error
     except yaml.YAMLError as error:
@@ -230,10 +234,10 @@ def _given(value: Any, file: str, path: tuple[str, ...]) -> Entry:
         return Entry({str(key): _given(each, file, (*path, str(key))) for key, each in value.items()}, file, None, path)
     if isinstance(value, str | bool) or value is None:
         return Entry(value, file, None, path)
-    if isinstance(value, Real):
-        return Entry(float(value), file, None, path)
-    if isinstance(value, Sequence) or hasattr(value, "__array__"):
+    if is_number(value):
+        return Entry(number(": ".join(path), value), file, None, path)
+    if isinstance(value, np.ndarray) and value.ndim and type(value) is np.ndarray:
+        value = value.tolist()
+    if isinstance(value, list | tuple) and len(value) <= MOST_ENTRIES:
         return Entry(tuple(_given(each, file, (*path, str(k + 1))) for k, each in enumerate(value)), file, None, path)
-    raise PinTableError(
-        file, None, ": ".join(path), f"{shown(value)} is a {type(value).__name__}", "give numbers, texts, lists and mappings"
-    )
+    raise PinTableError(file, None, ": ".join(path), f"{shown(value)} is a {type(value).__name__}", "give numbers, texts, lists and mappings")

@@ -14,12 +14,15 @@ import pytest
 import pinpress as pp
 from pinpress.common.errors import UnknownScenarioError
 from pinpress.loads.caller_laws import LawError
+from pinpress.pin_table.placement import UnreachableError
 
 pytestmark = pytest.mark.usefixtures("time_limit")
 
 ARGUMENTS = {
     pp.PinpressError: ("speed is 'x': give a number",),
     pp.UrdfError: ("press.urdf", '<joint name="A">', 12, "the axis is zero", "give three numbers"),
+    pp.PinTableError: ("press.yaml", 7, "pins: C", "no side", "say side: up", "<svg/>"),
+    UnreachableError: ("press.yaml", 7, "pins: C", "they do not meet", "make one longer"),
     pp.AssemblyError: ("the loops do not close", 0.5, 1e-3, 7),
     pp.SingularityError: ("the linkage locks", 0.5, 1e-9),
     pp.SimulationError: ("the press stalls", 0.25, 1.5),

@@ -23,7 +23,7 @@ ROOT = Path(__file__).resolve().parents[2]
 DOCS = ROOT / "docs"
 TABLES = ("accuracy", "balancing", "elasticity", "ratings", "synthesis")  # scripts in viz, of the pages of the same names
 RUN = ["balancing", "commands", "elasticity", "foundation", "motion_and_forces", "ratings", "recording", "simulation", "sweep", "synthesis"]
-RUN += ["units_and_signs"]
+RUN += ["pin_table", "units_and_signs"]
 SPACES = [name for name in dir(pp) if inspect.ismodule(getattr(pp, name))] + ["balancing.classical"]
 SITE_TOOLS = ("mkdocs", "material", "mkdocstrings_handlers")
 

@@ -90,6 +90,27 @@ def press() -> pp.Linkage:
     return pp.load("crank_slide")
 
 
+def table() -> dict[str, object]:
+    return {
+        "units": "mm",
+        "parameters": {"r": 100},
+        "frame": "O",
+        "pins": {"O": [0, 0], "P": {"from": "O", "length": "r", "angle": -90}, "W": {"P": 400, "x": 0, "side": "down"}},
+        "links": {
+            "crank": {"pins": "O P", "mass": 20},
+            "rod": {"pins": "P W", "mass": 15},
+            "slide": {"pins": "W", "guide": "up", "mass": 100},
+        },
+        "drive": "O",
+        "gears": {},
+        "copies": [],
+        "density": 7850,
+        "press": "crank_slide",
+        "note": "a table",
+        "gravity": (0.0, 0.0, -9.81),
+    }
+
+
 @cache
 def motion() -> pp.Motion:
     return pp.cycle(press(), 7.0, points=24)
@@ -212,6 +233,7 @@ def calls() -> dict[str, Call]:
         ("Peak", pp.balancing.Peak, lambda: measured),
         ("Range", pp.balancing.Range, lambda: measured),
         ("Rms", pp.balancing.Rms, lambda: measured),
+        ("build", pp.build, table),
         ("PointForce", pp.loads.PointForce, lambda: {"link": "slide", "force": (0.0, 0.0, 1.0), "point": (0.0, 0.0, 0.0)}),
         ("Rod", pp.elasticity.Rod, lambda: {"link": "rod", "between": ("P", "W"), "stiffness": 1e9}),
         (
