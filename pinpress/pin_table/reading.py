@@ -240,4 +240,6 @@ def _given(value: Any, file: str, path: tuple[str, ...]) -> Entry:
         value = value.tolist()
     if isinstance(value, list | tuple) and len(value) <= MOST_ENTRIES:
         return Entry(tuple(_given(each, file, (*path, str(k + 1))) for k, each in enumerate(value)), file, None, path)
-    raise PinTableError(file, None, ": ".join(path), f"{shown(value)} is a {type(value).__name__}", "give numbers, texts, lists and mappings")
+    raise PinTableError(
+        file, None, ": ".join(path), f"{shown(value)} is a {type(value).__name__}", "give numbers, texts, lists and mappings"
+    )
