@@ -87,6 +87,7 @@ def test_bodies_cut_free(folder, name, engine, stiff):
     assert np.abs(result.power_residual).max() <= 1e-12
 
 
+@pytest.mark.one_in(3)
 @pytest.mark.parametrize(("name", "engine"), BOTH)
 def test_open_components_are_those_that_idle_forces_reach(folder, name, engine):
     """By the singular values of the bodies cut free, in any of the states."""

@@ -12,6 +12,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from scipy.optimize import brentq
+from support.sampling import rest_exhaustive
 
 import pinpress as pp
 from pinpress.accuracy.peers import six_bar_script
@@ -47,7 +48,7 @@ NUMBERS = {
 }
 
 
-SHORT = [pytest.param(name, marks=pytest.mark.exhaustive if name == "chen2002" else ()) for name in DOCUMENTS]  # its searches take longest
+SHORT = rest_exhaustive(DOCUMENTS, "kong2025", "zhang2007")  # the searches of the third take longest
 
 
 @pytest.fixture(scope="module")

@@ -16,6 +16,7 @@ from typing import Any
 import numpy as np
 import pytest
 from support import page_blocks
+from support.sampling import rest_exhaustive
 
 import pinpress as pp
 
@@ -32,7 +33,7 @@ def text(page: str) -> str:
     return (DOCS / f"{page}.md").read_text(encoding="utf-8")
 
 
-@pytest.mark.parametrize("page", RUN)
+@pytest.mark.parametrize("page", rest_exhaustive(RUN, *set(RUN) - {"ratings", "simulation", "sweep"}))  # these take as long as all others
 def test_code_of_a_page_runs_and_prints_what_is_shown(page: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
     monkeypatch.syspath_prepend(str(tmp_path))  # modules that a page writes
@@ -57,7 +58,7 @@ def test_every_page_with_code_is_run() -> None:
     assert with_code - {*RUN, "tour"} == set()  # the tour has a test of its own
 
 
-@pytest.mark.parametrize("name", [pytest.param(name, marks=pytest.mark.exhaustive if name == "synthesis" else ()) for name in TABLES])
+@pytest.mark.parametrize("name", rest_exhaustive(TABLES, "accuracy", "balancing", "elasticity", "ratings"))
 def test_tables_are_what_their_scripts_print(name: str) -> None:
     spec = importlib.util.spec_from_file_location(name, ROOT / "viz" / f"{name}.py")
     assert spec is not None

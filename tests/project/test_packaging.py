@@ -86,6 +86,7 @@ def test_wheel_contents(built):
     assert shipped == {name: (ROOT / "urdf" / f"{name}.urdf").read_bytes() for name in PRESSES}
 
 
+@pytest.mark.exhaustive
 def test_sdist_contents(built):
     with tarfile.open(built[1]) as archive:
         names = {name.split("/", 1)[1] for name in archive.getnames() if "/" in name}

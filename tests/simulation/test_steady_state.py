@@ -17,6 +17,7 @@ from support import texts
 from support.generators.random_linkages import four_bar
 from support.oracles import crank_slide_equation as equation
 from support.oracles.crank_slide_equation import Window
+from support.sampling import rest_exhaustive
 from support.time_limit import LIMIT, within
 
 import pinpress as pp
@@ -520,10 +521,10 @@ NONE = {
     "weak_clutch": (slip_clutch(), pp.loads.Blanking(8e6, 0.010, 0.005)),
     "lag_stalls": (slip_clutch(0.05), pp.loads.Blanking(1.25e8, 0.010, 0.005)),
 }
-LONG = ("turns_the_other_way", "weak_motor")  # half the time of all
+LONG = {"turns_the_other_way", "weak_motor"}  # half the time of all
 
 
-@pytest.mark.parametrize("name", [pytest.param(name, marks=pytest.mark.exhaustive if name in LONG else ()) for name in NONE])
+@pytest.mark.parametrize("name", rest_exhaustive(NONE, *NONE.keys() - LONG))
 def test_no_steady_state(press, name):
     """At once, with the reason. Beyond breakdown the loads take 4 kJ a turn of a motor that gives 0.8 kJ at most, 40 kJ of one of 15 kJ."""
     drive, load = NONE[name]

@@ -1,8 +1,15 @@
 """A plugin of pytest: of the many cases of one test a few are run by default, the others with the exhaustive tests."""
 
 from collections import defaultdict
+from collections.abc import Iterable
+from typing import Any
 
 import pytest
+
+
+def rest_exhaustive(cases: Iterable[Any], *always: Any) -> list[Any]:
+    """All cases of a test or a fixture, but that those not named here are exhaustive."""
+    return [case if case in always else pytest.param(case, marks=pytest.mark.exhaustive) for case in cases]
 
 
 @pytest.hookimpl(tryfirst=True)

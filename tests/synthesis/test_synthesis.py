@@ -219,8 +219,12 @@ def refused(words, variables=ROD, minimise=jerk, subject_to=None, **options):
         )
 
 
-def test_constraints_that_no_design_keeps_are_named():
+def test_a_constraint_that_no_design_keeps_is_named():
     refused(r"constraint 'stroke' misses its lower bound 0.6 by 0.2;", subject_to={"stroke": (travel, 0.6, None)})
+
+
+@pytest.mark.exhaustive
+def test_a_constraint_that_no_design_keeps_beside_another_is_named():
     gentle = {"stroke": (travel, 0.16, 0.16), "acceleration": (lambda t: both_ways(t.motion.slide_acceleration), None, 1.0)}
     refused("no design keeps the constraints: constraint 'acceleration' misses its upper bound 1 by", subject_to=gentle)
 
