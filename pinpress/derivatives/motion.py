@@ -144,7 +144,7 @@ class States(NamedTuple):
 
     Attributes:
         plane: the constants of the linkage.
-        at: (nb, n) the basis, see `Plane`.
+        basis: (nb, n) the basis, see `Plane`.
         rows: (closure, n) gaps and columns of the loop Jacobian.
         factors: of the blocks of the Jacobian.
     """

@@ -92,7 +92,7 @@ class Coupling:
     line: int
 
 
-def between(parents: Sequence[int], joint1: int, joint2: int) -> dict[int, float]:
+def joints_between(parents: Sequence[int], joint1: int, joint2: int) -> dict[int, float]:
     """The joints on the path through the tree between two joints, rising: +1 for those that carry only the second one, -1 for those that
     carry only the first one.
 

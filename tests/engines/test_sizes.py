@@ -16,7 +16,7 @@ from support.oracles import cassie, n_four_bar
 
 import pinpress as pp
 from pinpress.engines.joints import Coupling
-from pinpress.engines.planar.model import ordered
+from pinpress.engines.planar.model import ordered_blocks
 
 MOVED = np.array([1e-3, 0.0, 2e-3])
 ANGLES = np.linspace(0.05, 1.2, 7)
@@ -159,10 +159,10 @@ def test_blocks_by_their_graph(system):
     joints, loops, pairs = system
     owners = [(k, joint) for k, involved in enumerate(loops) for joint in sorted(involved)]
     couplings = [Coupling(str(one), one, other, 1.0, 0.0, 0) for one, other in pairs]
-    tried = ordered(owners, len(loops), couplings, 0, joints, one_block=False)
+    tried = ordered_blocks(owners, len(loops), couplings, 0, joints, one_block=False)
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr("pinpress.engines.planar.model.FEW", 0)
-        found = ordered(owners, len(loops), couplings, 0, joints, one_block=False)
+        found = ordered_blocks(owners, len(loops), couplings, 0, joints, one_block=False)
     if 2 * len(loops) + len(couplings) == joints - 1:
         assert (found is None) == (tried is None)
     if found is None:

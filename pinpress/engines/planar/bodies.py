@@ -1,6 +1,6 @@
-"""What a planar linkage weighs and how its inertia acts: constants of its bodies, the forces of its open tree, energies and power balance.
+"""Masses and inertias of a planar linkage as constant matrices: the forces of its open tree, its energies and its power balance.
 
-How bearings share what acts out of the plane depends on no configuration either, and stands here too.
+How bearings share forces out of the plane depends on no configuration, and stands here too.
 """
 
 from __future__ import annotations
@@ -28,22 +28,24 @@ class Bodies:
     """Inertial constants of a planar linkage, and the rows that give forces and arms from the basis.
 
     Attributes:
-        mass: (nv,) [kg].
+        plane: constants of the linkage's geometry.
+        mass: (nv,) of the bodies [kg].
         gravity: (3,) in world axes [m/s2].
-        axial_weight: (nv,) m g along the normal [N].
-        inertia: (nv, nv) d/dt of the angular momentum about every centre of mass from joint accelerations.
+        axial_weight: (nv,) weights along the normal [N].
+        inertia: (nv, nv) joint accelerations to the rate of every body's angular momentum about its centre of mass [kg m2].
         products: (nv,) products of inertia with the normal, I_1n + i I_2n, in the drawn pose [kg m2].
-        uncrossed: (nv, nl) minus `Plane.incidence`, what the joints are relieved of by the loop forces.
-        forces: (2 nv, nb) on the second derivative of the basis: inertia force m a less weight of every body, then of all that hang on a
-            joint. The first column is the weight; the basis' own first row does not move, so 1 is put there.
-        reduced: (nb - 1, nb) on the same: work of all inertia forces less weights on every function of the basis but the first.
-        spins: (nv, nv) joint accelerations to the effort of the links' inertia against turning in every joint.
-        arms: on the basis: centres of mass from their joints; `Plane.closure`, its columns times i, alone in ``closure``;
-            ``inner`` joints from their parents; directions of the prismatic joints; ``guided`` loops from the joint.
+        minus_incidence: (nv, nl) minus `Plane.incidence`: what loop forces add to the joint forces of the open tree.
+        forces: (2 nv, nb) second derivative of the basis to the inertia force less weight, m (a - g), of every body, then of all bodies
+            that a joint carries. The first column is the weight: callers put 1 in the first row of the second derivative, which is zero.
+        reduced: (nb - 1, nb) second derivative of the basis to the work of these forces on every function of the basis but the first.
+        spins: (nv, nv) joint accelerations to the joint efforts that the bodies' moments of inertia need [kg m2].
+        arms: rows over the basis, one group after the other: centres of mass from their joints; `Plane.closure`, its Jacobian columns times
+            i; origins of the ``inner`` joints from those of their parents; prismatic directions; ``guided`` loops from their joints.
+        closure: the rows of ``arms`` that come from `Plane.closure`.
         inner: joints whose parent is not the frame, tips first.
-        guided: (prismatic joint, loop) pairs: the loop's force turns the joint's link.
+        guided: pairs of a prismatic joint and a loop whose force has a moment on the joint's link.
         geared: joints that turn and are coupled.
-        in_one_plane: whether everything moves and acts in one plane.
+        in_one_plane: whether all masses move, and all weights act, in one plane.
     """
 
     plane: Plane
@@ -65,17 +67,17 @@ class Bodies:
 
     @cached_property
     def force_sharing(self) -> LoadSharing:
-        """How bearings share forces along the normal, without compliances."""
+        """How bearings share forces along the normal where no compliances are given."""
         return share_forces(self.plane, None)
 
     @cached_property
     def moment_sharing(self) -> LoadSharing:
-        """How they share tilting moments."""
+        """How bearings share tilting moments."""
         return share_moments(self.plane)
 
 
 def build_bodies(plane: Plane, model: pin.Model) -> Bodies:
-    """Inertial constants of a linkage, read once from the Pinocchio model."""
+    """Inertial constants of a linkage from its Pinocchio model."""
     count, loops = model.nv, len(plane.loop_heights)
     inertias = [model.inertias[j + 1] for j in range(count)]
     gravity = model.gravity.linear
@@ -125,16 +127,16 @@ def build_bodies(plane: Plane, model: pin.Model) -> Bodies:
 
 
 class OpenTree(NamedTuple):
-    """The tree with all loops open, at n configurations.
+    """Forces of the tree with all loops open, at n configurations.
 
     Attributes:
-        own: (nv, n) inertia force less weight of every body.
-        subtree_force: of all that hang on a joint, loads taken off.
-        centers: (nv, n) arms of the centres of mass from their joints.
-        closure: rows of `Plane.closure`, its columns times i.
-        passive: (nv, n) efforts that the joints would have to transmit.
-        turning: for every prismatic joint the moment (n,) that it would have to transmit about the normal.
-        guided: arms (n,) of the ``guided`` loops of `Bodies`.
+        own: (nv, n) inertia force less weight of every body [N].
+        subtree_force: (nv, n) inertia forces less weights and loads of all bodies that a joint carries: its force [N].
+        centers: (nv, n) centres of mass from their joints [m].
+        closure: (nl + columns, n) rows of `Plane.closure`, its Jacobian columns times i.
+        joint_efforts: (nv, n) efforts that the joints would have to transmit along or about their axes [N or N m].
+        turning: by prismatic joint the moment (n,) about the normal that it would have to transmit [N m].
+        guided: (pairs, n) points of the ``guided`` loops of `Bodies` from their joints [m].
     """
 
     own: ComplexArray
@@ -148,12 +150,13 @@ class OpenTree(NamedTuple):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class LoadSharing:
-    """What all bearings carry of what joints do with all loops open, some of the loops sharing in it. Configurations do not matter.
+    """How loops share forces or moments out of the plane with the joints. It does not depend on the configuration.
 
     Attributes:
-        alone: (bearings, nv) what joints would carry with all loops open.
-        response: (bearings, shares) what a unit of each share adds.
-        every: (bearings, nv) both together, worked out; None of a large linkage, where its entries would be too many.
+        alone: (bearings, nv) loads of the joints with all loops open to the loads of all bearings if no loop shares them.
+        response: (bearings, shares) what a unit of each loop's share adds to all bearings.
+        every: (bearings, nv) loads of the joints with all loops open to the loads of all bearings, shared; None for a large linkage, where
+            it would have too many entries.
     """
 
     alone: Matrix
@@ -161,26 +164,27 @@ class LoadSharing:
     every: Array | None
 
     def shared(self, own: Any, kept: slice | list[int]) -> Any:
-        """Of ``own`` (nv, n) of the joints with all loops open, what the ``kept`` bearings carry (kept, n): the least squares of all."""
+        """Loads (kept, n) of the ``kept`` bearings, shared by least squares, where ``own`` (nv, n) are those of the joints with all loops
+        open."""
         if self.every is not None:
             return product(self.every[kept].astype(own.dtype), own)
         from scipy.sparse.linalg import splu  # its import takes longer than loading a small press
 
         squares = splu((self.response.T @ self.response).tocsc())
         unshared = self.alone @ own
-        across = self.response.T @ unshared
-        parts = [across.real, across.imag] if np.iscomplexobj(across) else [across]
+        right = self.response.T @ unshared
+        parts = [right.real, right.imag] if np.iscomplexobj(right) else [right]
         shares = [squares.solve(np.ascontiguousarray(part)) for part in parts]
         return (unshared - self.response @ (shares[0] + 1j * shares[1] if len(shares) > 1 else shares[0]))[kept]
 
 
 def share_forces(plane: Plane, compliance: Array | None) -> LoadSharing:
-    """Of forces along the normal, in which all loops share."""
+    """How bearings share forces along the normal, which all loops can carry."""
     return _load_sharing(plane, list(range(len(plane.loop_heights))), compliance)
 
 
 def share_moments(plane: Plane) -> LoadSharing:
-    """Of tilting moments, in which the loops that hold their links upright share."""
+    """How bearings share tilting moments, which the loops that resist tilting can carry."""
     return _load_sharing(plane, [int(k) for k in np.flatnonzero(plane.resists_tilting)], None)
 
 
@@ -202,7 +206,7 @@ def _load_sharing(plane: Plane, sharing: list[int], compliance: Array | None) ->
 
 
 def energies(bodies: Bodies, basis: ComplexArray, v: Array) -> EnergyRates:
-    """Of states with basis ``basis`` (nb, n) and joint rates (nv, n)."""
+    """Energies of states with this ``basis`` (nb, n) and joint rates (nv, n)."""
     plane, mass = bodies.plane, bodies.mass
     rows = plane.origins + plane.centers
     rate = basis_velocity(plane, basis, v)
@@ -213,8 +217,10 @@ def energies(bodies: Bodies, basis: ComplexArray, v: Array) -> EnergyRates:
 
 
 def power_balance(bodies: Bodies, states: ClosedStates, loads: Sequence[AppliedForce]) -> PowerBalance:
-    """The energy's rate is taken body by body from velocities and accelerations: it shares nothing with the recursion that gave the
-    torque."""
+    """The power balance of closed states with their basis; see `PowerBalance`.
+
+    The rate of the energy is summed body by body from velocities and accelerations, independently of the recursion that gives the torque.
+    """
     n = states.v.shape[1]
     balance, total, apparent = np.empty(n), np.empty(n), np.empty(n)
     for start in range(0, n, PIECE):
@@ -225,7 +231,7 @@ def power_balance(bodies: Bodies, states: ClosedStates, loads: Sequence[AppliedF
 
 
 def _powers(bodies: Bodies, states: ClosedStates, loads: Sequence[AppliedForce]) -> tuple[Array, Array]:
-    """Every term (terms, n) of the balance, and the sum (n,) of forces times velocities, whatever their directions."""
+    """Every term (terms, n) of the balance, and the sum (n,) of the magnitudes of forces times those of velocities [W]."""
     plane, basis = bodies.plane, known_basis(states)
     first, second = basis_velocity(plane, basis, states.v), basis_acceleration(plane, basis, states.v, states.a)
     count = len(plane.parents)

@@ -1,12 +1,12 @@
 """Closing a planar linkage at all crank angles at once, with the exact influence coefficients of every joint.
 
 A loop's gap and the columns of its Jacobian are rows of one matrix product with the basis (see `model`). Blocks are solved in the order in
-which they depend on each other; a dyad's 2x2 system a x + b y = c, complex a, b, c and real x, y, has the closed solution
+which they depend on each other. A dyad's 2x2 system a x + b y = c, with complex a, b, c and real x, y, has the closed solution
 
     x = -Im(conj(b) c) / D,   y = Im(conj(a) c) / D,   D = Im(conj(a) b)
 
-Where there are more equations than joints (a second rod to the same slide) their least-squares solution is the solution: the equations that
-say nothing new agree with the others, or the gap shows that they do not.
+Where there are more equations than joints (a second rod to the same slide), the least-squares solution is taken: it fulfils all equations
+if the redundant ones agree with the others, and if they do not, the gap shows it.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ NO_SLIPS = np.empty((0, 1))
 
 
 def close(plane: Plane, angle: Array, guess: Array, with_margins: bool = False) -> Closure:
-    """Close all loops at crank angles (n,) by Newton's method from guesses (nv, n), to rounding.
+    """Close all loops at crank angles (n,) to rounding, by Newton's method from guesses (nv, n).
 
     Where it fails, the gap of that configuration is large or not finite: the caller judges.
     """
@@ -58,7 +58,7 @@ def close(plane: Plane, angle: Array, guess: Array, with_margins: bool = False) 
 
 
 def influence(plane: Plane, basis: ComplexArray) -> tuple[Array, Array]:
-    """First-order and second-order influence coefficients (nv, n) of closed configurations with basis ``basis``."""
+    """First-order and second-order influence coefficients (nv, n) of closed configurations with this ``basis`` (nb, n)."""
     with np.errstate(all="ignore"):
         return _influence(plane, basis, product(plane.closure, basis))
 
@@ -80,7 +80,7 @@ def _influence(plane: Plane, basis: ComplexArray, rows: ComplexArray) -> tuple[A
 
 
 def moves(plane: Plane, drawn: Closure) -> bool:
-    """Whether the driver moves a closed linkage with as many equations as its joints need, or with more that agree."""
+    """Whether the driver moves a linkage in its closed drawn pose: redundant equations could contradict the motion that the others give."""
     if not plane.redundant:
         return True
     rate = basis_velocity(plane, basis_at(plane, drawn.position), drawn.first)
@@ -102,24 +102,24 @@ def basis_at(plane: Plane, x: Array) -> ComplexArray:
 
 
 def known_basis(states: ClosedStates) -> ComplexArray:
-    """The basis of states that have it."""
+    """The basis (nb, n) of states that carry it."""
     assert states.basis is not None
     return states.basis
 
 
 def openings(plane: Plane, x: Array) -> Array:
-    """Distances (nl, 3) of the two sides of the loops at joint coordinates (nv,), point 2 less point 1 in world axes [m]."""
+    """Gaps (nl, 3) of the loops at joint coordinates (nv,), point 2 less point 1 in world axes [m]."""
     return to_world(plane, product(plane.closure[: len(plane.loop_heights)], basis_at(plane, x[:, None]))[:, 0])
 
 
 def gaps(plane: Plane, x: Array, basis: ComplexArray) -> Array:
-    """Largest distance (n,) between the two sides of a loop at joint coordinates (nv, n) with their basis [m], slips of couplings too."""
+    """Largest gap (n,) of a loop or coupling at joint coordinates (nv, n) with their basis (nb, n) [m]."""
     widest: Array = np.abs(product(plane.closure[: len(plane.loop_heights)], basis)).max(axis=0, initial=0.0)
     return np.asarray(np.maximum(widest, np.abs(plane.coupled @ x - plane.offsets[:, None]).max(axis=0, initial=0.0)))
 
 
 def basis_velocity(plane: Plane, basis: ComplexArray, v: Array) -> ComplexArray:
-    """First time derivative of the basis at joint rates (nv, n)."""
+    """First time derivative (nb, n) of the basis at joint rates (nv, n)."""
     turning = len(plane.revolute)
     rate = np.empty_like(basis)
     rate[0] = 0.0
@@ -131,7 +131,8 @@ def basis_velocity(plane: Plane, basis: ComplexArray, v: Array) -> ComplexArray:
 
 
 def basis_acceleration(plane: Plane, basis: ComplexArray, v: Array, a: Array | None) -> ComplexArray:
-    """Second time derivative of the basis at joint rates and accelerations (nv, n); ``a`` None: the centripetal and Coriolis part alone."""
+    """Second time derivative (nb, n) of the basis at joint rates and accelerations (nv, n); without ``a`` only its centripetal and Coriolis
+    part."""
     turning = len(plane.revolute)
     result = np.empty_like(basis)
     result[0] = 0.0
@@ -150,21 +151,26 @@ def basis_acceleration(plane: Plane, basis: ComplexArray, v: Array, a: Array | N
     return result
 
 
-class Dyad(NamedTuple):
-    """conj(a) / D and -conj(b) / D of a 2x2 block; their products with c have y and x as imaginary parts."""
+class DyadFactor(NamedTuple):
+    """The inverse of a dyad's 2x2 system: y = Im(a c) and x = Im(b c), in the terms of the module.
+
+    Attributes:
+        a: (n,) conj(a) / D.
+        b: (n,) -conj(b) / D.
+    """
 
     a: ComplexArray
     b: ComplexArray
 
 
 def dyad_columns(block: Block, rows: ComplexArray) -> tuple[ComplexArray, ComplexArray]:
-    """The two columns (n,) of a 2x2 block's joints."""
+    """The Jacobian's two columns (n,) of a dyad."""
     (_, a), (_, b) = block.own[0]
     return rows[a], rows[b]
 
 
 def block_matrix(plane: Plane, block: Block, rows: ComplexArray) -> Array:
-    """Jacobian (n, equations, joints) of a block: real and imaginary part of every loop, then the couplings."""
+    """Jacobian (n, equations, joints) of a block; its rows are the real and imaginary part of every loop, then the couplings."""
     loops = 2 * len(block.loops)
     matrix = np.zeros((rows.shape[1], loops + len(block.couplings), len(block.joints)))
     for k, columns in enumerate(block.own):
@@ -180,14 +186,15 @@ Factor = Any  # see `factored`
 
 
 def factored(plane: Plane, rows: ComplexArray) -> list[Factor]:
-    """Per block: a dyad's; conj(a) / |a|^2 of a lever; a coupling's coefficient; the matrix of a dense block."""
+    """The Jacobians of all blocks, ready to be solved: `DyadFactor` of a dyad, conj(a) / |a|^2 of a lever with column a, the coefficient of
+    a coupling, the matrix of a dense block."""
     result: list[Factor] = []
     for block in plane.blocks:
         if block.kind == "dyad":
             a, b = dyad_columns(block, rows)
             a = a.conj()
             scale = 1.0 / (a * b).imag
-            result.append(Dyad(a * scale, b.conj() * -scale))
+            result.append(DyadFactor(a * scale, b.conj() * -scale))
         elif block.kind == "lever":
             a = rows[block.own[0][0][1]]
             result.append(a.conj() / (a.real**2 + a.imag**2))
@@ -205,7 +212,15 @@ def solve(
     target: Sequence[ComplexArray | Array | None],
     x: Array,
 ) -> None:
-    """Fill the passive rows of joint rates x (nv, n), so that they move every loop, then coupling, by ``target``, (n,) each, None for 0."""
+    """Fill in the rates of the passive joints that move loops and couplings as wanted.
+
+    Args:
+        plane: constants of the linkage.
+        rows: rows of `Plane.closure` at the configurations.
+        factors: what `factored` made of them.
+        target: rate (n,) of every loop's gap, complex, then of every coupling; None for zero. The driver's part is already taken off.
+        x: (nv, n) joint rates to be filled in.
+    """
     for block, factor in zip(plane.blocks, factors, strict=True):
         sides = []
         for loop, columns in zip(block.loops, block.known, strict=True):
@@ -229,7 +244,7 @@ def solve(
 
 
 def _slip(plane: Plane, block: Block, coupling: int, target: Array | ComplexArray | None, x: Array) -> Array:
-    """What the joints of a block have to move a coupling by (n,), once the joints known before and the driver have done their part."""
+    """By how much (n,) the joints of a block have to move a coupling, less what the joints of earlier blocks do."""
     side = np.zeros(x.shape[1]) if target is None else target.real
     for joint, by in plane.coupling_rows[coupling].items():
         if joint not in block.joints and joint != plane.driver:
@@ -238,18 +253,18 @@ def _slip(plane: Plane, block: Block, coupling: int, target: Array | ComplexArra
 
 
 def _solve_dense(matrix: Array, right: Array) -> Array:
-    """Solutions (n, m) of a stack of systems, by least squares where there are more equations; NaN where one of them is singular."""
+    """Solutions (n, m) of n systems, by least squares where there are more equations than joints; all NaN where one of them is singular."""
     try:
         if matrix.shape[1] > matrix.shape[2]:
-            across, matrix = np.linalg.qr(matrix)
-            right = (across.transpose(0, 2, 1) @ right[:, :, None])[:, :, 0]
+            orthogonal, matrix = np.linalg.qr(matrix)
+            right = (orthogonal.transpose(0, 2, 1) @ right[:, :, None])[:, :, 0]
         return np.asarray(np.linalg.solve(matrix, right[:, :, None])[:, :, 0], dtype=np.float64)
     except np.linalg.LinAlgError:
         return np.full((len(matrix), matrix.shape[2]), np.nan)
 
 
 def _margins(plane: Plane, rows: ComplexArray) -> Array:
-    """`Closure.margins` of every block; one with redundant equations has no determinant and so no sign."""
+    """`Closure.margins` of every block; those of a block with redundant equations, which has no determinant, are positive."""
     margins = []
     for block in plane.blocks:
         if block.kind == "dyad":
@@ -269,8 +284,11 @@ def _margins(plane: Plane, rows: ComplexArray) -> Array:
 
 
 def _dyad_margin(a: ComplexArray, b: ComplexArray) -> Array:
-    """The margin of a 2x2 block with columns (n,). Of columns of unit length, at an angle with the cosine c, the singular values are the
-    roots of 1 + |c| and 1 - |c|, and their product is the determinant: so the smaller one keeps its digits."""
+    """The margin (n,) of a dyad with columns a and b (n,).
+
+    Two columns of unit length whose angle has the cosine c have the singular values sqrt(1 + |c|) and sqrt(1 - |c|). Their product is the
+    determinant, which gives the smaller one without cancellation.
+    """
     between = a.conj() * b
     length = np.abs(between)
     length[length == 0.0] = 1.0

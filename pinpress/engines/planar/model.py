@@ -1,17 +1,17 @@
-"""A planar linkage as constant matrices over rotors, and in which order its equations are solved.
+"""A planar linkage as constant matrices over rotors, and the order in which its equations are solved.
 
-In the plane a vector is a complex number and a rotation a multiplication by a rotor u = exp(i phi). Every point of a linkage is then a
-fixed linear combination of few functions of the configuration, its *basis* (nb, n):
+In the plane a vector is a complex number, and a rotation is a multiplication by a rotor u = exp(i phi). Every point of a linkage is then a
+constant linear combination of a few functions of the configuration, its *basis* (nb, n):
 
     row 0         1                       the frame
     revolute      u of the link it turns  absolute rotor, 1 in the drawn pose
     prismatic     travel x u of its guide
 
-so that positions, loop gaps and the columns of the loop Jacobian are ``rows @ basis``, and velocities and accelerations ``rows`` times the
-basis' derivatives: one matrix product for all links and all crank angles. The rows are read once from the Pinocchio model in its drawn pose
-(all joints at zero); complex numbers are components along ``axes[0]`` and ``axes[1]``, which with ``normal`` make a right-handed frame.
+Positions, loop gaps and the columns of the loop Jacobian are ``rows @ basis``, velocities and accelerations ``rows`` times the derivatives
+of the basis: one matrix product for all links and all crank angles. The rows are read once from the Pinocchio model in its drawn pose (all
+joints at zero). Complex numbers are components along ``axes[0]`` and ``axes[1]``, which with ``normal`` make a right-handed frame.
 
-The equations are solved block by block (`ordered`), as a press linkage is a chain of dyads.
+The equations are solved block by block (`ordered_blocks`), because a press linkage is a chain of dyads.
 """
 
 from __future__ import annotations
@@ -22,56 +22,93 @@ from functools import cached_property
 from graphlib import TopologicalSorter
 from heapq import heapify, heappop, heappush
 from itertools import combinations
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
 from ...common.quantities import Array, ComplexArray
-from ..joints import Coupling, Entries, LoopJoint, Matrix, between, drawn_placements, matrix, plain
+from ..joints import Coupling, Entries, LoopJoint, Matrix, drawn_placements, joints_between, matrix, plain
 from ..joints import axes as joint_axes
 
 if TYPE_CHECKING:
     from scipy.sparse import csr_array
 
 EPSILON = float(np.finfo(float).eps)
-PARALLEL = 1e-12  # joint axes further from the plane's normal than this [rad] make a linkage spatial
+PARALLEL = 1e-12  # a linkage is spatial where a joint axis is further from the plane's normal than this [rad]
+FEW = 8  # loops and couplings up to which the smallest block is found by trying all groups
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Block:
+    """Equations that are solved together, two for each loop and one for each coupling, and the joints that they determine.
+
+    Attributes:
+        loops: indices of the loops.
+        couplings: indices of the couplings.
+        joints: indices in v of the joints that this block determines; where there are more equations than joints, some are redundant.
+        own: for every loop (joint, row of `Plane.closure`) of each column of its Jacobian that belongs to one of these joints.
+        known: for every loop (joint, row of `Plane.closure`) of each column that belongs to a joint of an earlier block.
+    """
+
+    loops: tuple[int, ...]
+    couplings: tuple[int, ...]
+    joints: tuple[int, ...]
+    own: tuple[tuple[tuple[int, int], ...], ...]
+    known: tuple[tuple[tuple[int, int], ...], ...]
+
+    @cached_property
+    def redundant(self) -> int:
+        """Number of redundant equations."""
+        return 2 * len(self.loops) + len(self.couplings) - len(self.joints)
+
+    @cached_property
+    def kind(self) -> str:
+        """Kind of the block. Three have a closed solution: "dyad" (two joints close a loop), "lever" (one joint closes a loop) and "gear"
+        (a coupling determines a joint). All others are "dense"."""
+        shape = len(self.loops), len(self.couplings), len(self.joints)
+        return {(1, 0, 2): "dyad", (1, 0, 1): "lever", (0, 1, 1): "gear"}.get(shape, "dense")
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Plane:
-    """Constants of a planar linkage; joints are counted as in v, loops as declared. See the module for ``basis``, and `engines.joints`
-    for what a matrix is; ``dense`` has all of them as plain arrays.
+    """Constants of a planar linkage. Joints are counted as in v, loops as declared.
+
+    The module says what the basis is, and `engines.joints` what a matrix is; ``dense`` has all matrices as NumPy arrays.
 
     Attributes:
-        normal, axes: (3,) and (2, 3) world directions.
+        normal: (3,) unit normal of the plane in the world.
+        axes: (2, 3) axes of the plane in the world.
         driver: index of the driver joint.
-        parents: index of every joint's parent joint, -1 for the frame.
-        sense: (nv,) +1 or -1 where a revolute axis lies along or against the normal, 0 for a prismatic joint.
-        revolute, prismatic: joint indices in the order of the basis.
-        turn: (nr, nv) absolute angles of the rotors from joint angles.
-        spin: (nv, nv) the same of every link, also where it only slides.
-        frames: (nv, 3, 3) a vector in a joint's frame to its components along axes[0], axes[1], normal in the drawn pose.
-        rotors: (nv,) basis row of the rotor of every joint's link; 0 of links that only translate.
-        guide_rotors: (np,) basis row of the rotor that carries each prismatic direction.
-        origins, centers: (nv, nb) joint origins; centres of mass relative to their joint's origin.
-        heights, center_heights: (nv,) the same along the normal, centres from the world origin [m].
+        parents: (nv,) index of every joint's parent joint, -1 for the frame.
+        sense: (nv,) +1 where a revolute axis lies along the normal, -1 where it lies against it, 0 for a prismatic joint.
+        revolute: indices of the revolute joints, in the order of the basis.
+        prismatic: indices of the prismatic joints, in the order of the basis.
+        turn: (nr, nv) joint angles to the absolute angles of the rotors.
+        spin: (nv, nv) joint angles to the absolute angles of all links, also of those that only slide.
+        frames: (nv, 3, 3) components in a joint's frame to those along axes[0], axes[1] and normal in the drawn pose.
+        rotors: (nv,) basis row of the rotor of every joint's link, 0 for links that only translate.
+        guide_rotors: (np,) basis row of the rotor that turns each prismatic direction, 0 where it does not turn.
+        origins: (nv, nb) joint origins.
+        centers: (nv, nb) centres of mass, from the origin of their joint.
+        heights: (nv,) joint origins along the normal, from the world origin [m].
+        center_heights: (nv,) centres of mass along the normal, from the world origin [m].
         directions: (np, nb) prismatic directions.
-        closure: (nl + columns, nb) loop gaps (point 2 minus point 1), then the columns of the loop Jacobian.
+        closure: (nl + columns, nb) loop gaps (point 2 less point 1), then the columns of the loop Jacobian.
         loop_points: (nl, nb) point 1 of every loop.
-        loop_heights: (nl,) along the normal [m].
-        holding: (nl,) whether the loop's bearing holds its links upright: a revolute one does.
-        coupled: (nc, nv) coefficients of the coupling equations, turning ones in lengths of the linkage.
-        offsets: (nc,) right-hand sides.
-        coupling_rows: the coupling equations row by row: coefficients by joints, rising.
-        followers: (nc,) joints whose coordinate the couplings give.
-        blocks: the order in which equations are solved.
-        driven: per loop, row of the driver's column, None where it does not move the loop.
-        subtree: (nv, nv) 1 where the link of joint k hangs on joint j.
-        crossed: (nv, nl) +1 / -1 where loop l's point 2 / 1 hangs on joint j.
-        round_loops: the same joint by joint, by loops, rising.
-        size: of the largest loop: sum of the lengths round it [m].
+        loop_heights: (nl,) points of the loops along the normal, from the world origin [m].
+        resists_tilting: (nl,) whether the loop's bearing keeps its links from tilting out of the plane: a revolute one does.
+        coupled: (nc, nv) coefficients of the coupling equations; those of followers that turn are multiplied by ``size``.
+        offsets: (nc,) right-hand sides of the coupling equations.
+        coupling_rows: (nc,) coefficients of the coupling equations by joints, rising.
+        followers: (nc,) joints whose coordinates the couplings determine.
+        blocks: the equations in the order in which they are solved.
+        driven: (nl,) row of ``closure`` with the driver's column, None where the driver does not move the loop.
+        subtree: (nv, nv) 1 where joint j (the row) carries the link of joint k.
+        incidence: (nv, nl) +1 where joint j carries only end 2 of loop l, -1 where it carries only end 1.
+        loops_of_joint: (nv,) entries of ``incidence`` by loops, rising.
+        size: sum of the lengths round the largest loop [m].
     """
 
     normal: Array
@@ -113,12 +150,12 @@ class Plane:
 
     @cached_property
     def redundant(self) -> bool:
-        """Whether some of the equations in the plane say nothing new."""
+        """Whether some of the equations in the plane are redundant."""
         return any(block.redundant for block in self.blocks)
 
     @property
     def dense(self) -> Plane:
-        """The constants with plain arrays for matrices."""
+        """These constants with NumPy arrays for all matrices."""
         return self if isinstance(self.closure, np.ndarray) else self._dense
 
     @cached_property
@@ -142,7 +179,7 @@ class Plane:
 
 
 def to_complex(plane: Plane, vectors: Array) -> ComplexArray:
-    """World vectors (..., 3) as complex numbers, what is along the normal left out."""
+    """World vectors (..., 3) as complex numbers; their components along the normal are left out."""
     return np.asarray(vectors @ plane.axes[0] + 1j * (vectors @ plane.axes[1]))
 
 
@@ -152,7 +189,8 @@ def to_world(plane: Plane, vectors: ComplexArray) -> Array:
 
 
 def put_in_plane(plane: Plane, vectors: ComplexArray, out: Array) -> None:
-    """Fill ``out`` (..., 3), zero so far, with complex vectors (...). Most presses stand in a coordinate plane: zeros cost nothing."""
+    """Fill ``out`` (..., 3), zero so far, with complex vectors (...)."""
+    # Most presses stand in a coordinate plane: axes without a component there cost nothing.
     for i, (first, second) in enumerate(plane.axes.T):
         if first:
             np.multiply(vectors.real, first, out=out[..., i])
@@ -163,7 +201,7 @@ def put_in_plane(plane: Plane, vectors: ComplexArray, out: Array) -> None:
 
 
 def put_normal(plane: Plane, values: Array, out: Array) -> None:
-    """Fill ``out`` (n, 3), zero so far, with vectors of lengths (n,) along the normal."""
+    """Fill ``out`` (n, 3), zero so far, with vectors along the normal whose lengths are ``values`` (n,)."""
     for i, share in enumerate(plane.normal):
         if share:
             np.multiply(values, share, out=out[:, i])
@@ -172,87 +210,61 @@ def put_normal(plane: Plane, values: Array, out: Array) -> None:
 def build_plane(
     model: pin.Model, loops: Sequence[LoopJoint], couplings: Sequence[Coupling], driver: int, one_block: bool = False
 ) -> Plane | None:
-    """Constants of a linkage whose driver turns, or None where it is not planar or its equations do not fall into blocks with as many
-    unknown joints, or fewer. ``one_block``: solve all equations together."""
+    """Constants of a linkage whose driver turns.
+
+    None where the linkage is not planar, or where its equations do not fall into blocks with as many unknown joints as equations, or fewer.
+
+    Args:
+        model: Pinocchio's model of the tree.
+        loops: its loop joints.
+        couplings: its gear pairs.
+        driver: index of the driver joint in v.
+        one_block: whether to solve all equations together.
+    """
     place, directions, turning = _drawn_joints(model)
-    if _misalignment(directions, turning, driver) > PARALLEL or not all(_lies_across(loop, place, directions[driver]) for loop in loops):
+    if _misalignment(directions, turning, driver) > PARALLEL or not all(_moves_in_plane(loop, place, directions[driver]) for loop in loops):
         return None
-    count = model.nv
-    normal, axes = _frame(directions[driver])
-    sense = np.array([np.sign(d @ normal) if t else 0.0 for d, t in zip(directions, turning, strict=True)])
-
-    def in_plane(vector: Array) -> complex:
-        return complex(*(axes @ vector))
-
-    parents = tuple(int(parent) - 1 for parent in list(model.parents)[1:])
-    revolute, prismatic = (tuple(j for j in range(count) if turning[j] is turns) for turns in (True, False))
-    position = [in_plane(place[j + 1].translation) for j in range(count)]
-    rotors: list[int] = []
-    row_of = {j: row for row, j in enumerate((*revolute, *prismatic), 1)}  # of the basis
-    origins: list[dict[int, complex]] = []
-    directed: dict[int, dict[int, complex]] = {}
-    for j, parent in enumerate(parents):  # parents come before their children in Pinocchio
-        carrier = rotors[parent] if parent >= 0 else 0
-        rotors.append(row_of[j] if turning[j] else carrier)
-        step = position[j] - (position[parent] if parent >= 0 else 0.0)
-        origins.append(_moved(origins[parent] if parent >= 0 else {}, carrier, step))
-        if not turning[j]:
-            origins[j][row_of[j]] = in_plane(directions[j])
-            directed[j] = {carrier: in_plane(directions[j])}
-
-    def end(joint: int, point: Array) -> tuple[dict[int, complex], float]:
-        world = place[joint].act(point)
-        start, carrier, origin = (origins[joint - 1], rotors[joint - 1], position[joint - 1]) if joint else ({}, 0, 0.0)
-        return _moved(start, carrier, in_plane(world) - origin), float(world @ normal)
-
-    ends = [(end(loop.joint1, loop.point1), end(loop.joint2, loop.point2)) for loop in loops]
-    gaps = [_difference(second, first) for (first, _), (second, _) in ends]
-    if any(abs(first[1] - second[1]) > PARALLEL * _length(gap) for (first, second), gap in zip(ends, gaps, strict=True)):
+    tree, count = _planar_tree(model, place, directions, turning, driver), model.nv
+    ends = [(tree.end(loop.joint1, loop.point1), tree.end(loop.joint2, loop.point2)) for loop in loops]
+    gaps = [_difference(second.row, first.row) for first, second in ends]
+    if any(abs(first.height - second.height) > PARALLEL * _length(gap) for (first, second), gap in zip(ends, gaps, strict=True)):
         return None
-    incidence = [between(parents, loop.joint1 - 1, loop.joint2 - 1) for loop in loops]
-    columns, owners = [], []
-    for k, ((first, _), (second, _)) in enumerate(ends):
-        for joint, sign in incidence[k].items():
-            if turning[joint]:
-                arm = _difference(second if sign > 0 else first, origins[joint])
-                columns.append({row: 1j * sense[joint] * sign * entry for row, entry in arm.items()})
-            else:
-                columns.append({row: sign * entry for row, entry in directed[joint].items()})
-            owners.append((k, joint))
-    blocks = ordered(owners, len(loops), couplings, driver, count, one_block)
+    incidence = [joints_between(tree.parents, loop.joint1 - 1, loop.joint2 - 1) for loop in loops]
+    columns = {
+        (k, joint): _jacobian_column(tree, joint, sign, *ends[k]) for k, signs in enumerate(incidence) for joint, sign in signs.items()
+    }
+    blocks = ordered_blocks(list(columns), len(loops), couplings, driver, count, one_block)
     if blocks is None:
         return None
+    revolute, prismatic = tree.revolute, tree.prismatic
     size = max((_length({row: entry for row, entry in gap.items() if row <= len(revolute)}) for gap in gaps), default=1.0)
     units = [size if turning[coupling.follower] else 1.0 for coupling in couplings]
-    coupling_rows = tuple(
-        dict(sorted({c.follower: unit, c.leader: -unit * c.multiplier}.items())) for c, unit in zip(couplings, units, strict=True)
-    )
-    driven = {k: len(loops) + row for row, (k, joint) in enumerate(owners) if joint == driver}
-    lines = [_ancestry(parents, j) for j in range(count)]
-    spin = [{k: sense[k] for k in line if turning[k]} for line in lines]
+    coupling_rows = [_coupling_row(coupling, unit) for coupling, unit in zip(couplings, units, strict=True)]
+    driven = {k: len(loops) + row for row, (k, joint) in enumerate(columns) if joint == driver}
+    carriers = [_ancestry(tree.parents, j) for j in range(count)]
+    spin = [{k: tree.sense[k] for k in line if turning[k]} for line in carriers]
+    centers = [{tree.rotors[j]: tree.flat(place[j + 1].rotation @ model.inertias[j + 1].lever)} for j in range(count)]
     return Plane(
-        normal=normal,
-        axes=axes,
+        normal=tree.normal,
+        axes=tree.axes,
         driver=driver,
-        parents=parents,
-        sense=sense,
+        parents=tree.parents,
+        sense=tree.sense,
         revolute=revolute,
         prismatic=prismatic,
         turn=matrix([spin[j] for j in revolute], count, count, float),
         spin=matrix(spin, count, count, float),
-        frames=np.array([np.array([*axes, normal]) @ p.rotation for p in place[1:]]),
-        rotors=tuple(rotors),
-        guide_rotors=tuple(next(iter(directed[j])) for j in prismatic),
-        origins=matrix(origins, 1 + count, count),
-        centers=matrix(
-            [{rotors[j]: in_plane(place[j + 1].rotation @ model.inertias[j + 1].lever)} for j in range(count)], 1 + count, count
-        ),
-        heights=np.array([p.translation @ normal for p in place[1:]]),
-        center_heights=np.array([place[j].act(model.inertias[j].lever) @ normal for j in range(1, count + 1)]),
-        directions=matrix([directed[j] for j in prismatic], 1 + count, count),
-        closure=matrix(gaps + columns, 1 + count, count),
-        loop_points=matrix([first for (first, _), _ in ends], 1 + count, count),
-        loop_heights=np.array([height for (_, height), _ in ends]),
+        frames=np.array([np.array([*tree.axes, tree.normal]) @ p.rotation for p in place[1:]]),
+        rotors=tree.rotors,
+        guide_rotors=tuple(next(iter(tree.guides[j])) for j in prismatic),
+        origins=matrix(tree.origins, 1 + count, count),
+        centers=matrix(centers, 1 + count, count),
+        heights=np.array([p.translation @ tree.normal for p in place[1:]]),
+        center_heights=np.array([place[j].act(model.inertias[j].lever) @ tree.normal for j in range(1, count + 1)]),
+        directions=matrix([tree.guides[j] for j in prismatic], 1 + count, count),
+        closure=matrix([*gaps, *columns.values()], 1 + count, count),
+        loop_points=matrix([first.row for first, _ in ends], 1 + count, count),
+        loop_heights=np.array([first.height for first, _ in ends]),
         resists_tilting=np.array([loop.held_rotations > 0 for loop in loops], dtype=bool),
         coupled=matrix(coupling_rows, count, count, float),
         coupling_rows=tuple({joint: by for joint, by in row.items() if by} for row in coupling_rows),
@@ -260,18 +272,10 @@ def build_plane(
         followers=tuple(coupling.follower for coupling in couplings),
         blocks=blocks,
         driven=tuple(driven.get(k) for k in range(len(loops))),
-        subtree=matrix(_turned_over([dict.fromkeys(line, 1.0) for line in lines], count), count, count, float),
-        incidence=matrix(_turned_over(incidence, count), len(loops), count, float),
-        loops_of_joint=tuple(_turned_over(incidence, count)),
+        subtree=matrix(_transposed([dict.fromkeys(line, 1.0) for line in carriers], count), count, count, float),
+        incidence=matrix(_transposed(incidence, count), len(loops), count, float),
+        loops_of_joint=tuple(_transposed(incidence, count)),
         size=size,
-    )
-
-
-def _misalignment(directions: Sequence[Array], turning: Sequence[bool], driver: int) -> float:
-    """Largest angle [rad] by which a turning axis misses the direction of the driver's, or a sliding one the plane across it."""
-    normal = directions[driver]
-    return max(
-        float(np.linalg.norm(np.cross(d, normal)) if turns else abs(d @ normal)) for d, turns in zip(directions, turning, strict=True)
     )
 
 
@@ -281,8 +285,16 @@ def _drawn_joints(model: pin.Model) -> tuple[list[pin.SE3], list[Array], list[bo
     return place, [p.rotation @ axis.direction for p, axis in zip(place[1:], found, strict=True)], [axis.turns for axis in found]
 
 
-def _lies_across(loop: LoopJoint, place: Sequence[pin.SE3], normal: Array) -> bool:
-    """Whether a loop's bearing lets its links move in the plane: a spherical one does, a revolute one with its axis along the normal."""
+def _misalignment(directions: Sequence[Array], turning: Sequence[bool], driver: int) -> float:
+    """Largest angle between a turning axis and the driver's, or between a sliding axis and the plane normal to the driver's [rad]."""
+    normal = directions[driver]
+    return max(
+        float(np.linalg.norm(np.cross(d, normal)) if turns else abs(d @ normal)) for d, turns in zip(directions, turning, strict=True)
+    )
+
+
+def _moves_in_plane(loop: LoopJoint, place: Sequence[pin.SE3], normal: Array) -> bool:
+    """Whether the bearing of a loop lets its links move in the plane: a spherical one, or a revolute one with its axis along the normal."""
     ends = ((loop.joint1, loop.rotation1[:, 0]), (loop.joint2, loop.rotation2[:, 0]))
     return loop.type == "spherical" or (
         loop.type == "revolute"
@@ -290,23 +302,111 @@ def _lies_across(loop: LoopJoint, place: Sequence[pin.SE3], normal: Array) -> bo
     )
 
 
+class _End(NamedTuple):
+    """A point of a link: its row over the basis, and its height along the normal [m]."""
+
+    row: dict[int, complex]
+    height: float
+
+
+class _PlanarTree(NamedTuple):
+    """The tree of a planar linkage in its drawn pose, as rows over the basis; see `Plane` for what has the name of an attribute there.
+
+    Attributes:
+        place: placements of the world and the joints.
+        positions: complex positions of the joint origins [m].
+        origins: rows of the joint origins.
+        guides: rows of the prismatic directions, by joint.
+    """
+
+    place: Sequence[pin.SE3]
+    normal: Array
+    axes: Array
+    parents: tuple[int, ...]
+    sense: Array
+    revolute: tuple[int, ...]
+    prismatic: tuple[int, ...]
+    rotors: tuple[int, ...]
+    positions: list[complex]
+    origins: list[dict[int, complex]]
+    guides: dict[int, dict[int, complex]]
+
+    def flat(self, vector: Array) -> complex:
+        """A world vector (3,) as a complex number."""
+        return complex(*(self.axes @ vector))
+
+    def end(self, joint: int, point: Array) -> _End:
+        """A point (3,) in the frame of a Pinocchio joint, 0 for the frame."""
+        world = self.place[joint].act(point)
+        start, carrier, origin = (self.origins[joint - 1], self.rotors[joint - 1], self.positions[joint - 1]) if joint else ({}, 0, 0.0)
+        return _End(_moved(start, carrier, self.flat(world) - origin), float(world @ self.normal))
+
+
+def _planar_tree(
+    model: pin.Model, place: Sequence[pin.SE3], directions: Sequence[Array], turning: Sequence[bool], driver: int
+) -> _PlanarTree:
+    """The tree from what `_drawn_joints` found."""
+    normal, axes = _axes_of_plane(directions[driver])
+    parents = tuple(int(parent) - 1 for parent in list(model.parents)[1:])
+    revolute, prismatic = (tuple(j for j in range(model.nv) if turning[j] is turns) for turns in (True, False))
+    sense = np.array([np.sign(d @ normal) if t else 0.0 for d, t in zip(directions, turning, strict=True)])
+    positions = [complex(*(axes @ place[j + 1].translation)) for j in range(model.nv)]
+    row_of = {j: row for row, j in enumerate((*revolute, *prismatic), 1)}  # of the basis
+    rotors: list[int] = []
+    origins: list[dict[int, complex]] = []
+    guides: dict[int, dict[int, complex]] = {}
+    for j, parent in enumerate(parents):  # parents come before their children in Pinocchio
+        carrier = rotors[parent] if parent >= 0 else 0
+        rotors.append(row_of[j] if turning[j] else carrier)
+        step = positions[j] - (positions[parent] if parent >= 0 else 0.0)
+        origins.append(_moved(origins[parent] if parent >= 0 else {}, carrier, step))
+        if not turning[j]:
+            direction = complex(*(axes @ directions[j]))
+            origins[j][row_of[j]] = direction
+            guides[j] = {carrier: direction}
+    return _PlanarTree(place, normal, axes, parents, sense, revolute, prismatic, tuple(rotors), positions, origins, guides)
+
+
+def _axes_of_plane(normal: Array) -> tuple[Array, Array]:
+    """Unit normal and axes of the plane: the first axis is world x (world y where x is the normal), projected into the plane."""
+    normal = normal / np.linalg.norm(normal)
+    start = np.eye(3)[1 if abs(normal[0]) > 0.9 else 0]
+    first = start - (start @ normal) * normal
+    first /= np.linalg.norm(first)
+    return normal, np.array([first, np.cross(normal, first)]) + 0.0  # + 0.0 turns -0.0 into 0.0
+
+
+def _jacobian_column(tree: _PlanarTree, joint: int, sign: float, first: _End, second: _End) -> dict[int, complex]:
+    """The row over the basis of a joint's column in the Jacobian of a loop's gap; ``sign``: as in `Plane.incidence`."""
+    if not tree.sense[joint]:
+        return {row: sign * entry for row, entry in tree.guides[joint].items()}
+    arm = _difference(second.row if sign > 0 else first.row, tree.origins[joint])
+    return {row: 1j * tree.sense[joint] * sign * entry for row, entry in arm.items()}
+
+
+def _coupling_row(coupling: Coupling, unit: float) -> dict[int, float]:
+    """Coefficients of a coupling equation by joints, rising."""
+    return dict(sorted({coupling.follower: unit, coupling.leader: -unit * coupling.multiplier}.items()))
+
+
 def _moved(row: Entries, rotor: int, step: complex) -> dict[int, complex]:
-    """The row of a point that is a ``step`` of a rotor's link further on."""
+    """The row of a point that lies a ``step`` further on the link of a rotor."""
     return {**row, rotor: row.get(rotor, 0j) + step}
 
 
 def _difference(row: Entries, other: Entries) -> dict[int, complex]:
-    """One row less another; what is in both alike is left out."""
+    """One row less another, without the entries that cancel."""
     entries = {column: row.get(column, 0j) - other.get(column, 0j) for column in sorted({*row, *other})}
     return {column: entry for column, entry in entries.items() if entry}
 
 
 def _length(row: Entries) -> float:
+    """Sum of the magnitudes of a row's entries."""
     return float(np.abs(np.array(list(row.values()))).sum())
 
 
-def _turned_over(rows: Sequence[Mapping[int, float]], count: int) -> list[dict[int, float]]:
-    """Rows of the transposed matrix."""
+def _transposed(rows: Sequence[Mapping[int, float]], count: int) -> list[dict[int, float]]:
+    """The rows of the transposed matrix, ``count`` of them."""
     result: list[dict[int, float]] = [{} for _ in range(count)]
     for place, row in enumerate(rows):
         for column, entry in row.items():
@@ -323,59 +423,23 @@ def _ancestry(parents: Sequence[int], joint: int) -> list[int]:
     return line[::-1]
 
 
-def _frame(normal: Array) -> tuple[Array, Array]:
-    """Unit normal and the two axes of the plane, world x (or y, where x is the normal) projected into it first."""
-    normal = normal / np.linalg.norm(normal)
-    start = np.eye(3)[1 if abs(normal[0]) > 0.9 else 0]
-    first = start - (start @ normal) * normal
-    first /= np.linalg.norm(first)
-    return normal, np.array([first, np.cross(normal, first)]) + 0.0  # + 0.0 turns -0.0 into 0.0
+# ------------------------------------------------------------------------------------------------ the order in which equations are solved
 
 
-FEW = 8  # loops and couplings of which all groups are tried
-
-
-@dataclass(frozen=True, eq=False, repr=False)
-class Block:
-    """Equations that are solved together, and the joints that they determine: two equations a loop, one a coupling.
-
-    Attributes:
-        loops, couplings: indices.
-        joints: indices (in v) of the joints this block determines; where there are fewer than equations, these are redundant.
-        own: per loop, (joint, row of `Plane.closure`) of the columns of these joints in its Jacobian.
-        known: per loop, the same of the joints of earlier blocks.
-    """
-
-    loops: tuple[int, ...]
-    couplings: tuple[int, ...]
-    joints: tuple[int, ...]
-    own: tuple[tuple[tuple[int, int], ...], ...]
-    known: tuple[tuple[tuple[int, int], ...], ...]
-
-    @cached_property
-    def redundant(self) -> int:
-        """How many of its equations say nothing new."""
-        return 2 * len(self.loops) + len(self.couplings) - len(self.joints)
-
-    @cached_property
-    def kind(self) -> str:
-        """What has a closed solution: "dyad" (two joints close a loop), "lever" (one joint does), "gear" (a coupling); else "dense"."""
-        shape = len(self.loops), len(self.couplings), len(self.joints)
-        return {(1, 0, 2): "dyad", (1, 0, 1): "lever", (0, 1, 1): "gear"}.get(shape, "dense")
-
-
-def ordered(
+def ordered_blocks(
     owners: list[tuple[int, int]], loops: int, couplings: Sequence[Coupling], driver: int, joints: int, one_block: bool
 ) -> tuple[Block, ...] | None:
-    """The smallest blocks in an order in which each needs only the ones before it; None where there is no such order.
+    """The equations in blocks as small as possible, ordered so that each needs only the joints of the ones before it.
 
-    Of blocks equally small, one without redundant equations comes first.
+    Among equally small blocks those without redundant equations come first. None where there is no such order.
 
     Args:
         owners: (loop, joint) of every column of the loop Jacobian, in the order of `Plane.closure`.
-        loops, joints: how many there are.
-        driver: index of its joint.
-        one_block: all equations in one.
+        loops: number of loops.
+        couplings: the gear pairs.
+        driver: index of the driver joint.
+        joints: number of joints.
+        one_block: whether to put all equations into one block.
     """
     waiting = _Waiting(owners, loops, couplings, driver)
     rows = {owner: loops + row for row, owner in enumerate(owners)}
@@ -385,26 +449,26 @@ def ordered(
         if found is None:
             return None
         members = tuple(k for k in found if k < loops)
-        unknown = tuple(sorted(waiting.gives(found)))
-        if len(unknown) > sum(map(waiting.worth, found)):
+        unknown = tuple(sorted(waiting.unknown_of(found)))
+        if len(unknown) > sum(map(waiting.equation_count, found)):
             return None
         own = tuple(tuple((j, rows[k, j]) for j in unknown if j in waiting.involved[k]) for k in members)
         before = tuple(tuple((j, rows[k, j]) for j in sorted(waiting.involved[k] & known - {driver})) for k in members)
         blocks.append(Block(members, tuple(k - loops for k in found if k >= loops), unknown, own, before))
         if blocks[-1].redundant and not members:
-            return None  # a ring of gear pairs: its idle torques reach no bearing, by which they could be shared
+            return None  # a ring of gear pairs: its idle torques load no bearing, so that nothing decides how they are shared
         known |= set(unknown)
-        waiting.take(found, unknown)
+        waiting.settle(found, unknown)
     return tuple(blocks) if len(known) == joints else None
 
 
 class _Waiting:
-    """The loops, then couplings, that are in no block yet.
+    """The loops and couplings that are in no block yet. Couplings are counted after the loops.
 
     Attributes:
-        involved: joints that take part in each.
-        unknown: those of them that no block gives yet, by loop or coupling, couplings first so
-            that it is not them that are found to be redundant.
+        involved: joints on every loop, and of every coupling.
+        unknown: by loop or coupling, those of its joints that no block determines yet. Couplings stand first, so that redundant equations
+            are found among the loops.
     """
 
     def __init__(self, owners: list[tuple[int, int]], loops: int, couplings: Sequence[Coupling], driver: int) -> None:
@@ -419,75 +483,77 @@ class _Waiting:
             for joint in unknown:
                 self._at.setdefault(joint, set()).add(k)
         self._planned: list[tuple[int, ...]] = []
-        self._ready = [(self.spare(k), place, k) for k, place in self._places.items() if self.spare(k) >= 0]
+        self._ready = [(self.surplus(k), place, k) for k, place in self._places.items() if self.surplus(k) >= 0]
         heapify(self._ready)
 
-    def worth(self, k: int) -> int:
-        """How many joints it can determine."""
+    def equation_count(self, k: int) -> int:
+        """Number of equations of a loop or coupling, and of joints that it can determine."""
         return 2 if k < self.loops else 1
 
-    def spare(self, k: int) -> int:
-        """How many of its equations say nothing new once it has determined its joints; below 0 where it cannot do so alone."""
-        return self.worth(k) - len(self.unknown[k])
+    def surplus(self, k: int) -> int:
+        """Number of equations that a loop or coupling has beyond its unknown joints; below 0 where it cannot determine them alone."""
+        return self.equation_count(k) - len(self.unknown[k])
 
-    def gives(self, group: Collection[int]) -> set[int]:
-        """The joints that a group gives."""
+    def unknown_of(self, group: Collection[int]) -> set[int]:
+        """The unknown joints of a group."""
         return set().union(*(self.unknown[k] for k in group))
 
-    def take(self, group: Collection[int], joints: Collection[int]) -> None:
-        """A block of this group determines these joints."""
+    def settle(self, group: Collection[int], joints: Collection[int]) -> None:
+        """Take a group out, because a block of it determines these joints."""
         for k in group:
             del self.unknown[k]
         for joint in joints:
             for k in self._at.pop(joint) & self.unknown.keys():
                 self.unknown[k].discard(joint)
-                if self.spare(k) >= 0:
-                    heappush(self._ready, (self.spare(k), self._places[k], k))
+                if self.surplus(k) >= 0:
+                    heappush(self._ready, (self.surplus(k), self._places[k], k))
 
     def next_group(self) -> tuple[int, ...] | None:
-        """The next block's: one alone if there is one, else as few as possible that determine their joints together."""
+        """The loops and couplings of the next block: a single one if it determines its joints, else as few as possible that do so together.
+        None where there are none."""
         while self._ready:
-            spare, _, k = self._ready[0]
-            if k in self.unknown and spare == self.spare(k):
+            surplus, _, k = self._ready[0]
+            if k in self.unknown and surplus == self.surplus(k):
                 return (k,)
             heappop(self._ready)
-        return self._smallest() if len(self.unknown) <= FEW else self._dependent()
+        return self._smallest_group() if len(self.unknown) <= FEW else self._next_interdependent()
 
-    def _smallest(self) -> tuple[int, ...] | None:
-        """The smallest group, by trying all; None where there is none."""
+    def _smallest_group(self) -> tuple[int, ...] | None:
+        """The smallest group that determines its joints, found by trying all groups; None where there is none."""
         for size in range(2, len(self.unknown) + 1):
             found, fewest = None, 0
             for group in combinations(self.unknown, size):
-                spare = sum(map(self.worth, group)) - len(self.gives(group))
-                if spare >= 0 and (found is None or spare < fewest):
-                    found, fewest = group, spare
+                surplus = sum(map(self.equation_count, group)) - len(self.unknown_of(group))
+                if surplus >= 0 and (found is None or surplus < fewest):
+                    found, fewest = group, surplus
             if found is not None:
                 return found
         return None
 
-    def _dependent(self) -> tuple[int, ...] | None:
-        """Of many: the next group of those that need each other; None where there is none."""
+    def _next_interdependent(self) -> tuple[int, ...] | None:
+        """The next group of loops and couplings that need each other, where there are many; None where there is none."""
         while self._planned and self.unknown.keys().isdisjoint(self._planned[-1]):
             self._planned.pop()
         planned = self._planned[-1] if self._planned else ()
-        if not planned or not self.unknown.keys() >= set(planned) or sum(map(self.worth, planned)) < len(self.gives(planned)):
-            self._planned = groups(self.unknown, self.worth)[::-1]
+        if not planned or not self.unknown.keys() >= set(planned) or sum(map(self.equation_count, planned)) < len(self.unknown_of(planned)):
+            self._planned = interdependent_groups(self.unknown, self.equation_count)[::-1]
         return self._planned.pop() if self._planned else None
 
 
-def groups(unknown: Mapping[int, set[int]], worth: Callable[[int], int]) -> list[tuple[int, ...]]:
-    """Equations in groups that need each other, each group after those that it needs; none where some joint is left without an equation.
+def interdependent_groups(unknown: Mapping[int, set[int]], equation_count: Callable[[int], int]) -> list[tuple[int, ...]]:
+    """Loops and couplings in groups that need each other, each group after those that it needs; empty where a joint has no equation.
 
-    Every joint is given to one equation that determines it, which then needs whoever has its other joints.
+    Every joint is assigned to one equation that determines it. A loop or coupling then needs those to which its other joints are assigned;
+    the groups are the strongly connected components of these needs.
 
     Args:
-        unknown: joints by loop or coupling.
-        worth: how many joints each can determine.
+        unknown: unknown joints by loop or coupling.
+        equation_count: number of equations of a loop or coupling.
     """
     from scipy.sparse.csgraph import connected_components, maximum_bipartite_matching  # see `_graph`
 
     members = list(unknown)
-    equations = [place for place, k in enumerate(members) for _ in range(worth(k))]
+    equations = [place for place, k in enumerate(members) for _ in range(equation_count(k))]
     joints = {joint: place for place, joint in enumerate(sorted(set().union(*unknown.values())))}
     entries = [(row, joints[joint]) for row, place in enumerate(equations) for joint in unknown[members[place]]]
     if not entries:

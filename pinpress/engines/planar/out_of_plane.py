@@ -1,10 +1,10 @@
-"""What a planar linkage carries out of its plane: forces along the normal, and moments that tilt the links.
+"""Forces of a planar linkage along the normal of its plane, and moments that tilt its links.
 
-They come from links in parallel planes, products of inertia, gravity or loads across the plane. How the loops share a force along the
-normal, or where several bearings of a link hold it upright its tilting moment, is not decided by rigid mechanics: it is shared as
-`engines.forces` says, and `Reactions.indeterminate` names it.
+They come from links in parallel planes, products of inertia, and gravity or loads out of the plane. Rigid mechanics does not decide how the
+loops share a force along the normal, nor how several bearings of a link share its tilting moment: they are shared as `engines.forces` says,
+and `Reactions.indeterminate` marks them.
 
-With the axes of `Plane`, normal x f is i f and r x normal is -i r for complex f and r.
+With the axes of `Plane`, normal x f is i f, and r x normal is -i r, for complex f and r.
 """
 
 from __future__ import annotations
@@ -24,15 +24,15 @@ from .model import Plane, to_complex, to_world
 
 
 def is_flat(plane: Plane, load: AppliedForce) -> bool:
-    """Whether a load stays in the plane of the linkage, or acts on the frame, where it reaches no bearing."""
+    """Whether a load acts in the plane of its link, or on the frame, where it loads no bearing."""
     if load.joint == 0:
         return True
-    height = (plane.frames[load.joint - 1] @ load.point)[2]  # over the plane of its link
+    height = (plane.frames[load.joint - 1] @ load.point)[2]  # above the plane of its link
     return bool(height == 0.0 and not np.any(load.force @ plane.normal))
 
 
 def forces(bodies: Bodies, loads: Sequence[AppliedForce], compliance: Array | None, n: int) -> Array:
-    """Forces (bearings, n) of all bearings along the normal."""
+    """Forces (bearings, n) of all bearings along the normal [N]; ``compliance`` as in `AppliedConditions`, ``n`` states."""
     plane = bodies.plane
     axial = np.zeros((len(plane.parents), n)) - bodies.axial_weight[:, None]
     for load in loads:
@@ -52,17 +52,17 @@ def add(
     wanted: Sequence[int],
     result: Wrenches,
 ) -> None:
-    """Add the axial forces and tilting moments of the wanted bearings to a result that has the plane's.
+    """Add the axial forces and tilting moments of the wanted bearings to a result that holds their forces and moments in the plane.
 
     Args:
-        bodies: of the linkage.
-        states: with their basis.
-        tree: with its loops open.
-        pins: (loops, n) loop forces in the plane.
+        bodies: inertial constants of the linkage.
+        states: closed states with their basis.
+        open_tree: its forces with all loops open.
+        pins: (loops, n) complex forces of the loops in the plane [N].
         loads: forces on links.
-        axial: what `forces` returned.
-        wanted: indices of bearings.
-        result: of these.
+        axial: (bearings, n) what `forces` returned [N].
+        wanted: indices of the wanted bearings.
+        result: wrenches of these bearings.
     """
     plane, basis = bodies.plane, known_basis(states)
     count = len(plane.parents)
@@ -94,7 +94,7 @@ def add(
     kept = slice(None) if len(wanted) == len(axial) else list(wanted)
     tilting, axial = bodies.moment_sharing.shared(tilt, kept), axial[kept]
     for i, (along, first, second) in enumerate(zip(plane.normal, *plane.axes, strict=True)):
-        # most presses stand in a coordinate plane: zeros cost nothing
+        # most presses stand in a coordinate plane: axes without a component there cost nothing
         if along:
             result.force[..., i] += along * axial
         if first:
@@ -104,9 +104,12 @@ def add(
 
 
 def indeterminate(plane: Plane, position: Array, axes: Array) -> NDArray[np.bool_]:
-    """Components of bearings (bearings, 6) along ``axes`` (3, 3), its rows, that idle forces reach in any of the positions (nv, n); see
-    `Reactions.indeterminate`. Where all equations in the plane are needed, every loop can carry any force along the normal, and if it
-    holds its links upright any tilting moment: the joints of the tree do without."""
+    """Force and moment components (bearings, 6), along the rows of ``axes`` (3, 3), that rigid mechanics leaves open in any of the
+    positions (nv, n); see `Reactions.indeterminate`.
+
+    This is for a linkage without redundant equations in the plane. There the joints of the tree could carry everything along the normal
+    alone, so that each loop may take any part of it, and any tilting moment if its bearing resists tilting.
+    """
     count = len(plane.parents)
     basis = basis_at(plane, position)
     origins, points = product(plane.origins, basis), product(plane.loop_points, basis)

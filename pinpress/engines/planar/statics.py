@@ -1,12 +1,12 @@
-"""Forces in the loops and gear pairs of a planar linkage, so that no passive joint transmits more than its friction.
+"""Forces in the loops and gear pairs of a planar linkage: they balance the efforts of the passive joints.
 
-Blocks are worked through against the order in which they close. A column c of the loop Jacobian and the force p of the pin do Re(conj(c) p)
-of work per unit rate of the joint; for a dyad with columns a, b:
+The blocks are worked through in the reverse of the order in which they close. The force p of a pin does the work Re(conj(c) p) on a unit
+rate of the joint with the column c in the loop Jacobian. The two joints of a dyad, with columns a and b, need the efforts s and t:
 
     Re(conj(a) p) = s,  Re(conj(b) p) = t    have the solution    p = i (t a - s b) / Im(conj(a) b)
 
-The redundant equations of a block leave idle forces open: the block can hold them, and the earlier blocks answer. Of all their multiples
-those are added that `engines.forces` names.
+The redundant equations of a block leave idle forces open, which earlier blocks balance. `engines.forces` says which multiples of them are
+added.
 """
 
 from __future__ import annotations
@@ -28,14 +28,15 @@ class Statics:
     """The equations at n configurations, ready to be balanced.
 
     Attributes:
-        closure: rows of `Plane.closure`, its columns times i: that spares a factor, and Re(conj(c) p) is -Im(conj(i c) p).
-        subtree_force: (nv, n) of the joints of the open tree.
-        uncrossed: (nv, nl) what pin forces relieve them of.
-        idle: forces that move nothing: of pins (nl, n), multipliers of couplings (nc, n) each.
-        responses: the forces (bearings, n) that these add to all bearings.
-        compliance: (bearings,) or None, see `compliances`.
-        slides: directions (n,) of the coupled prismatic joints. Both only where
-            there are idle forces to be shared.
+        plane: constants of the linkage.
+        closure: rows of `Plane.closure`, whose Jacobian columns c are multiplied by i. This spares a factor, because Re(conj(c) p) is
+            -Im(conj(i c) p).
+        subtree_force: (nv, n) forces of the joints of the open tree [N].
+        minus_incidence: (nv, nl) see `Bodies`: by what pin forces relieve the joints.
+        idle: for every idle force the forces of the pins (nl, n) and the multipliers of the couplings (nc, n).
+        responses: for every idle force what it adds to all bearings (bearings, n).
+        compliance: (bearings,) see `compliances`; None where there is none, or no idle force.
+        slides: directions (n,) of the coupled prismatic joints, by joint; empty where there is no idle force.
     """
 
     plane: Plane
@@ -51,7 +52,7 @@ class Statics:
 def build(
     plane: Plane, closure: ComplexArray, subtree_force: ComplexArray, minus_incidence: Matrix, basis: ComplexArray, compliance: Array | None
 ) -> Statics:
-    """The equations at configurations with basis ``basis``."""
+    """The equations at configurations with this ``basis`` (nb, n); the other arguments are attributes of `Statics`."""
     if not plane.redundant:
         return Statics(plane, closure, subtree_force, minus_incidence, [], [], None, {})
     idle = list(_idle(plane, closure))
@@ -62,9 +63,13 @@ def build(
 
 
 def balance(statics: Statics, joint_efforts: Array, coupling_multipliers: Array, bearings: ComplexArray) -> None:
-    """Fill in the multipliers of the couplings (nc, n) and the forces of all bearings (bearings, n), joints first.
+    """Find the forces that balance the joints.
 
-    ``joint_efforts`` (nv, n): efforts that loops and couplings have to bring about; it is left with the driver's.
+    Args:
+        statics: the equations.
+        joint_efforts: (nv, n) efforts that loops and couplings have to supply; overwritten, the driver's row then holds the driving torque.
+        coupling_multipliers: (nc, n) to be filled in.
+        bearings: (bearings, n) forces of all bearings to be filled in, joints first [N].
     """
     count = len(statics.subtree_force)
     pins = bearings[count:]
@@ -77,8 +82,8 @@ def balance(statics: Statics, joint_efforts: Array, coupling_multipliers: Array,
 
 
 def transmit(plane: Plane, closure: ComplexArray, joint_efforts: Array, pins: ComplexArray, coupling_multipliers: Array) -> None:
-    """Fill in forces of the pins (nl, n) and multipliers of the couplings (nc, n) alone, the idle forces not yet shared: without those of
-    the joints, on which that depends. ``joint_efforts`` as in `balance`."""
+    """Fill in the forces of the pins (nl, n) and the multipliers of the couplings (nc, n), without the forces of the joints and without any
+    idle force. ``joint_efforts`` as in `balance`."""
     _balance(plane, closure, joint_efforts, pins, coupling_multipliers, len(plane.blocks))
 
 
@@ -91,12 +96,12 @@ def torques(plane: Plane, multipliers: Array) -> None:
 def _balance(
     plane: Plane, closure: ComplexArray, joint_efforts: Array, pins: ComplexArray, coupling_multipliers: Array, blocks: int
 ) -> None:
-    """Fill in the forces of the first ``blocks`` blocks."""
+    """Fill in the forces of the first ``blocks`` blocks, in reverse order."""
     for block in reversed(plane.blocks[:blocks]):
         if block.kind == "dyad":
             a, b = dyad_columns(block, closure)
             s, t = joint_efforts[block.joints[0]], joint_efforts[block.joints[1]]
-            scale = 1.0 / (a.conj() * b).imag
+            scale = 1.0 / (a.conj() * b).imag  # i a and i b: their common factor is in ``closure``
             pins[block.loops[0]] = a * (t * scale) - b * (s * scale)
         elif block.kind == "lever":
             a = closure[block.own[0][0][1]]
@@ -113,15 +118,15 @@ def _balance(
 
 
 def _dense(matrix: Array, effort: Array) -> Array:
-    """Multipliers (n, equations) of efforts (n, joints), the least where there are more equations."""
+    """Multipliers (n, equations) that supply efforts (n, joints); those of least norm where there are more equations than joints."""
     if matrix.shape[1] == matrix.shape[2]:
         return np.asarray(np.linalg.solve(matrix.transpose(0, 2, 1), effort[:, :, None])[:, :, 0])
-    across, triangle = np.linalg.qr(matrix)
-    return np.asarray((across @ np.linalg.solve(triangle.transpose(0, 2, 1), effort[:, :, None]))[:, :, 0])
+    orthogonal, triangle = np.linalg.qr(matrix)
+    return np.asarray((orthogonal @ np.linalg.solve(triangle.transpose(0, 2, 1), effort[:, :, None]))[:, :, 0])
 
 
 def _distribute(block: Block, multipliers: Array, pins: ComplexArray, coupling_multipliers: Array) -> None:
-    """Multipliers (n, equations) of a block to its loops and couplings."""
+    """Write the multipliers (n, equations) of a block to its loops and couplings."""
     loops = 2 * len(block.loops)
     pins[list(block.loops)] = multipliers[:, 0:loops:2].T + 1j * multipliers[:, 1:loops:2].T
     coupling_multipliers[list(block.couplings)] = multipliers[:, loops:].T
@@ -130,7 +135,7 @@ def _distribute(block: Block, multipliers: Array, pins: ComplexArray, coupling_m
 def _pass_on(
     plane: Plane, block: Block, closure: ComplexArray, pins: ComplexArray, coupling_multipliers: Array, joint_efforts: Array
 ) -> None:
-    """Relieve the driver and the joints of earlier blocks of what a block's forces do there."""
+    """Subtract what a block's forces do on the driver and on the joints of earlier blocks from the efforts there."""
     for loop, columns in zip(block.loops, block.known, strict=True):
         for joint, row in columns:
             joint_efforts[joint] += (closure[row].conj() * pins[loop]).imag
@@ -144,7 +149,8 @@ def _pass_on(
 
 
 def _idle(plane: Plane, closure: ComplexArray) -> Iterator[tuple[ComplexArray, Array]]:
-    """`Statics.idle`: of every redundant block what it can hold by itself, and the answer of the earlier blocks to it."""
+    """`Statics.idle`: for every redundant equation of a block the forces that balance within the block, and those by which the earlier
+    blocks balance them."""
     n = closure.shape[1]
     for place, block in enumerate(plane.blocks):
         if not block.redundant:
@@ -165,16 +171,16 @@ def _idle(plane: Plane, closure: ComplexArray) -> Iterator[tuple[ComplexArray, A
 
 
 def _shares(statics: Statics, bearings: ComplexArray) -> Array:
-    """How much of every idle force (k, n) there is, beside the forces of all bearings (bearings, n) without them."""
+    """Multiples (k, n) of the idle forces that are added to the forces of all bearings (bearings, n)."""
     parts = np.array([*statics.responses, bearings])
-    for joint, direction in statics.slides.items():  # what a gear pair does along its slide has no weight
+    for joint, direction in statics.slides.items():  # the force of a gear pair along its slide does not count
         parts[:, joint] = 1j * direction * (direction.conj() * parts[:, joint]).imag
     if statics.compliance is not None:
         forces = np.concatenate([parts.real, parts.imag], axis=1).transpose(2, 1, 0)  # (n, 2 bearings, k + 1)
         weights = np.tile(np.sqrt(statics.compliance), 2)[:, None]
         objectives = ((weights * forces, float(weights.max())), (forces, 1.0))
         return np.asarray(lexicographic_least_squares(Objective(parts[:, :, :-1], parts[:, :, -1], scale) for parts, scale in objectives).T)
-    # The normal equations serve: among the squares are those of the idle forces' own pins, so their matrix is far from singular.
+    # The normal equations are good enough: every idle force loads pins of its own, so that their matrix is far from singular.
     count = len(statics.idle)
     products = np.array([[(a.conj() * b).real.sum(axis=0) for b in parts] for a in parts[:count]])
     if count == 1:

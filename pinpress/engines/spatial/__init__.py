@@ -1,1 +1,1 @@
-"""The general engine: Pinocchio, one configuration at a time."""
+"""Pinocchio's engine computes any linkage, one configuration at a time."""

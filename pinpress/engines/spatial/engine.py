@@ -17,10 +17,10 @@ from .model import SpatialModel
 
 @dataclass(frozen=True, eq=False, repr=False)
 class SpatialEngine:
-    """See `Engine`.
+    """Pinocchio's engine for one linkage; see `Engine`.
 
     Attributes:
-        constants: of the linkage.
+        spatial: constants of the linkage.
     """
 
     spatial: SpatialModel

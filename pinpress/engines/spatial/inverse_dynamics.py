@@ -1,7 +1,7 @@
 """Inverse dynamics of any linkage, one configuration at a time, by Pinocchio's recursive Newton-Euler algorithm.
 
-The open tree's efforts and wrenches first; then the multipliers of the equations that leave the passive joints to their friction; what is
-open among them is shared as `engines.forces` says; then the tree once more, under the wrenches of the loops.
+There are three steps: the efforts and wrenches of the open tree; the multipliers of the equations, which balance the efforts of the passive
+joints less their friction (`engines.forces` says how redundant forces are shared); the tree once more, under the wrenches of the loops.
 
 Signs: forces and moments of a joint are the action of parent on child, of a loop the action of link1 on link2.
 """
@@ -26,10 +26,11 @@ Wrench = tuple[int, Array, Array, Array]
 
 
 def inverse_dynamics(spatial: SpatialModel, states: ClosedStates, conditions: AppliedConditions, wanted: Sequence[int]) -> Wrenches:
-    """Driving torque and the wrenches of joints and loops; see `Engine`."""
+    """Driving torque and the wrenches of joints and loops; see `Engine.inverse_dynamics`."""
     n, count, law = states.v.shape[1], spatial.model.nv, conditions.law
     result = Wrenches.zeros(len(spatial.drivers), len(spatial.couplings), count + len(spatial.loops), n, len(wanted))
-    shared = bool(wanted or (conditions.with_gear_torques and spatial.couplings))  # how idle forces are shared changes no driving torque
+    # the driving torque does not depend on how idle forces are shared
+    shared = bool(wanted or (conditions.with_gear_torques and spatial.couplings))
     equations = spatial.equations()
     spins = None if law is None else _loop_spins(spatial, equations, states.position, states.v)
     speeds = None if law is None or spins is None else law.moving(np.concatenate([states.v, np.linalg.norm(spins, axis=2)]))
@@ -47,10 +48,10 @@ def inverse_dynamics(spatial: SpatialModel, states: ClosedStates, conditions: Ap
 
 
 def indeterminate(spatial: SpatialModel, position: Array, axes: Array) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
-    """Components of bearings (bearings, 6) along ``axes`` (3, 3), its rows, and torques of couplings (nc,), that idle forces reach in any
-    of the positions (nv, n); see `Reactions.indeterminate`."""
+    """Force and moment components (bearings, 6) along the rows of ``axes`` (3, 3), and coupling torques (nc,), that idle forces change in
+    any of the positions (nv, n); see `Engine.indeterminate`."""
     equations = spatial.equations()
-    marks, gears = np.zeros((spatial.model.nv + len(spatial.loops), 6), dtype=bool), np.zeros(len(spatial.couplings), dtype=bool)
+    marks, couplings = np.zeros((spatial.model.nv + len(spatial.loops), 6), dtype=bool), np.zeros(len(spatial.couplings), dtype=bool)
     for x in position.T:
         rows = equations.at(x)
         idle = PassiveJacobian(rows.columns, spatial).idle
@@ -61,12 +62,12 @@ def indeterminate(spatial: SpatialModel, position: Array, axes: Array) -> tuple[
             for place, vectors, unit in ((0, forces_shared, 1.0), (3, moments, spatial.size)):
                 along = axes @ vectors.reshape(len(marks), 3, -1)
                 marks[:, place : place + 3] |= np.abs(along).max(axis=2) > RANK * unit
-            gears |= np.abs(idle[len(idle) - len(gears) :]).max(axis=1) > RANK
-    return marks, gears
+            couplings |= np.abs(idle[len(idle) - len(couplings) :]).max(axis=1) > RANK
+    return marks, couplings
 
 
 class _State:
-    """One configuration under its loads: the open tree's efforts, and what the equations answer to them."""
+    """One configuration under its loads: the efforts of the open tree, and the multipliers of the equations that balance them."""
 
     def __init__(self, spatial: SpatialModel, equations: Equations, x: Array, v: Array, a: Array, applied: list[Wrench]) -> None:
         self.spatial, self.equations, self.applied = spatial, equations, applied
@@ -80,19 +81,30 @@ class _State:
         self.effort = pin.rnea(spatial.model, equations.data, self.rows.q, v, a, self._external(applied)).copy()
 
     def multipliers(self, efforts: Array, couples: Array, compliance: Array | None, shared: bool = True) -> Array:
-        """Multipliers (rows,) of the equations under friction efforts (nv,) of the joints and couples (nl, 3) of the loops;
-        the least, where what is open need not be ``shared``."""
+        """Multipliers (rows,) of the equations.
+
+        Args:
+            efforts: (nv,) friction efforts of the joints [N m or N].
+            couples: (nl, 3) friction moments of the loops, world axes [N m].
+            compliance: (bearings,) as in `AppliedConditions`.
+            shared: whether to share idle forces as `engines.forces` says; else the multipliers are those of least norm.
+        """
         found, idle = self.passive.multipliers(self._needed(efforts, couples)), self.passive.idle
-        return (
-            found + idle @ lexicographic_least_squares(self._objectives(found, idle, couples, compliance))
-            if shared and idle.shape[1]
-            else found
-        )
+        if not (shared and idle.shape[1]):
+            return found
+        return found + idle @ lexicographic_least_squares(self._objectives(found, idle, couples, compliance))
 
     def with_friction(self, law: FrictionLaw, speeds: Array, spins: Array, compliance: Array | None) -> tuple[Array, Array, Array, Array]:
-        """Multipliers (rows,), friction efforts (nv,) of the joints and couples (nl, 3) of the loops, and the power lost (bearings,).
+        """Multipliers (rows,), friction efforts (nv,) of the joints, friction couples (nl, 3) of the loops, and power lost (bearings,) [W].
 
-        ``speeds`` (bearings,), those of loops are the lengths of their ``spins`` (nl, 3).
+        Args:
+            law: friction of the bearings.
+            speeds: (bearings,) of the bearings; those of loops are the magnitudes of their ``spins``.
+            spins: (nl, 3) angular velocity of body 2 against body 1, world axes [rad/s].
+            compliance: (bearings,) as in `AppliedConditions`.
+
+        Raises:
+            PinpressError: friction locks the linkage.
         """
         count = len(self.effort)
         sizes = speeds[count:]
@@ -111,7 +123,7 @@ class _State:
         return multipliers(efforts), efforts[:count], efforts[count:, None] * directions[count:], -efforts * speeds
 
     def fill(self, result: Wrenches, i: int, multipliers: Array, efforts: Array, couples: Array, wanted: Sequence[int]) -> None:
-        """Put this configuration into the result, as its state i."""
+        """Write the wrenches of this configuration into the result, as its state i."""
         spatial, count = self.spatial, len(self.effort)
         forces, moments, torques = _parts(spatial, self.rows, multipliers)
         moments = moments + couples
@@ -131,25 +143,26 @@ class _State:
             result.moment[place, i] = self.rotations[j + 1] @ wrench.angular
 
     def _needed(self, efforts: Array, couples: Array) -> Array:
-        """Efforts (nv,) that equations and drives have to bring about."""
+        """Efforts (nv,) that loops, couplings and drives have to supply: those of the open tree less friction."""
         needed: Array = self.effort - efforts
         if couples.any():
             turning = self.equations.data.J.reshape(6, -1)[3:]
-            for couple, incidence in zip(couples, self.spatial.incidence.T, strict=True):
-                needed -= (turning * incidence).T @ couple
+            for couple, signs in zip(couples, self.spatial.incidence.T, strict=True):
+                needed -= (turning * signs).T @ couple
         return needed
 
     def _tree_forces(self) -> Array:
-        """Forces (3 nv,) of the joints of the open tree."""
+        """Forces (3 nv,) of the joints of the open tree, world axes [N]."""
         forces: list[Array] = [self.rotations[j + 1] @ self.wrenches[j + 1].linear for j in range(len(self.effort))]
         return np.concatenate(forces)
 
     def _objectives(self, found: Array, idle: Array, couples: Array, compliance: Array | None) -> Iterator[Objective]:
-        """What is made least, one objective after the other; the next is only worked out where the ones before leave something open."""
+        """The objectives by which idle forces are shared. The generator works out the next one only where the ones before leave something
+        open."""
         spatial, count, k = self.spatial, 3 * len(self.spatial.loops), idle.shape[1]
         forces = spatial.share @ np.concatenate([idle[:count], found[:count, None]], axis=1)
         forces[: 3 * len(self.effort), k] += self._tree_forces()
-        self._across(forces, turning=False)
+        self._remove_free_components(forces, turning=False)
         if compliance is not None:
             weights = np.repeat(np.sqrt(compliance), 3)[:, None]
             yield Objective(weights * forces[:, :k], weights[:, 0] * forces[:, k], float(weights.max()))
@@ -159,18 +172,18 @@ class _State:
         moments = _moments(spatial, self.placements, loop_forces, loop_moments)
         for j in range(len(self.effort)):
             moments[3 * j : 3 * j + 3, k] += self.rotations[j + 1] @ self.wrenches[j + 1].angular
-        self._across(moments, turning=True)
+        self._remove_free_components(moments, turning=True)
         yield Objective(moments[:, :k], moments[:, k], spatial.size)
 
-    def _across(self, vectors: Array, turning: bool) -> None:
-        """Take off vectors (3 bearings, ...) what is along the axis of the joints that turn, or that slide."""
+    def _remove_free_components(self, vectors: Array, turning: bool) -> None:
+        """Subtract from vectors (3 bearings, ...) their components along the axes of the joints that turn, or of those that slide."""
         for j, axis in enumerate(self.spatial.axes):
             if axis.turns == turning:
                 direction, own = self.rotations[j + 1] @ axis.direction, vectors[3 * j : 3 * j + 3]
                 own -= np.outer(direction, direction @ own)
 
     def _external(self, wrenches: Sequence[Wrench]) -> pin.StdVec_Force:
-        """Wrenches on joints' bodies as Pinocchio's external forces in joint frames."""
+        """Wrenches on the joints' bodies as Pinocchio's external forces, in joint frames."""
         totals = [np.zeros(6) for _ in self.rotations]
         for joint, point, force, couple in wrenches:
             local = self.rotations[joint].T @ force
@@ -180,31 +193,32 @@ class _State:
 
 
 def _parts(spatial: SpatialModel, rows: Rows, multipliers: Array) -> tuple[Array, Array, Array]:
-    """Forces and moments (nl, 3) of the loops and torques (nc,) of the couplings; of multipliers (rows, k) all with k behind."""
-    loops, behind = len(spatial.loops), multipliers.shape[1:]
-    forces, moments = multipliers[: 3 * loops].reshape(loops, 3, *behind), np.zeros((loops, 3, *behind))
+    """Forces and moments (nl, 3) of the loops and torques (nc,) of the couplings from multipliers (rows,); from multipliers (rows, k) all
+    have k as a last axis."""
+    loops, last = len(spatial.loops), multipliers.shape[1:]
+    forces, moments = multipliers[: 3 * loops].reshape(loops, 3, *last), np.zeros((loops, 3, *last))
     row = 3 * loops
     for k, loop in enumerate(spatial.loops):
         if loop.held_rotations:
             moments[k] = spatial.size * rows.held_directions[k] @ multipliers[row : row + loop.held_rotations]
             row += loop.held_rotations
     units = np.array([spatial.size if spatial.axes[c.follower].turns else 1.0 for c in spatial.couplings])
-    return forces, moments, units.reshape(-1, *[1] * len(behind)) * multipliers[row:]
+    return forces, moments, units.reshape(-1, *[1] * len(last)) * multipliers[row:]
 
 
 def _moments(spatial: SpatialModel, placements: pin.StdVec_SE3, forces: Array, moments: Array) -> Array:
-    """What forces and moments (nl, 3, k) of the loops add to the moments (3 bearings, k) of all bearings."""
+    """What forces and moments (nl, 3, k) of the loops add to the moments (3 bearings, k) of all bearings, world axes."""
     count, k = spatial.model.nv, forces.shape[2]
     joints = np.zeros((count, 3, k))
-    for loop, incidence, force, moment in zip(spatial.loops, spatial.incidence.T, forces, moments, strict=True):
+    for loop, signs, force, moment in zip(spatial.loops, spatial.incidence.T, forces, moments, strict=True):
         point = placements[loop.joint1].act(loop.point1)
-        for j in map(int, np.flatnonzero(incidence)):
-            joints[j] -= incidence[j] * (moment + pin.skew(point - placements[j + 1].translation) @ force)
+        for j in map(int, np.flatnonzero(signs)):
+            joints[j] -= signs[j] * (moment + pin.skew(point - placements[j + 1].translation) @ force)
     return np.concatenate([joints, moments]).reshape(-1, k)
 
 
 def _loop_spins(spatial: SpatialModel, equations: Equations, position: Array, v: Array) -> Array:
-    """Angular velocities (nl, n, 3) of body 2 against body 1 of the loops, world axes."""
+    """Angular velocities (nl, n, 3) of body 2 against body 1 of the loops, world axes [rad/s]."""
     result = np.zeros((len(spatial.loops), v.shape[1], 3))
     q = configuration(spatial.slots, position)
     for i in range(v.shape[1]):

@@ -1,4 +1,4 @@
-"""Closing any linkage, one configuration at a time, by the singular value decomposition of its equations; motions of points, energies."""
+"""Closing any linkage, one configuration at a time, by the singular value decomposition of its equations; motions of points; energies."""
 
 from __future__ import annotations
 
@@ -22,22 +22,25 @@ def rank(columns: Array) -> int:
 
 
 def singular_values(columns: Array) -> Array:
-    """Of a Jacobian (rows, columns), largest first, its columns scaled to unit length."""
+    """Singular values of a Jacobian (rows, columns) whose columns are scaled to unit length, largest first."""
     return np.asarray(np.linalg.svd(_unit_columns(columns)[0], compute_uv=False))
 
 
 def redundant(spatial: SpatialModel, x: Array) -> bool:
-    """Whether some of the equations say nothing new at joint coordinates (nv,)."""
+    """Whether some of the equations are redundant at joint coordinates (nv,)."""
     rows = spatial.equations().at(x)
     return rank(rows.columns) < len(rows.gaps)
 
 
 def close(spatial: SpatialModel, equations: Equations, drivers: Array, along: Array, guess: Array) -> Closure:
-    """Close all loops at driver positions (drivers, n) by Newton's method from guesses (nv, n), with margins.
+    """Close all loops by Newton's method, with margins. It never raises: the caller judges gap and margins.
 
     Args:
-        equations: of this linkage.
-        along: (drivers,) the rates of the drivers to which the influence coefficients belong; 1 where there is one driver.
+        spatial: constants of the linkage.
+        equations: its equations.
+        drivers: (drivers, n) driver positions [rad].
+        along: (drivers,) rates of the drivers to which the influence coefficients belong; 1 where there is one driver.
+        guess: (nv, n) joint coordinates from which Newton's method starts.
     """
     results = []
     for i in range(guess.shape[1]):
@@ -72,7 +75,7 @@ def rates(spatial: SpatialModel, position: Array, speed: Array, acceleration: Ar
 
 
 def _closed(spatial: SpatialModel, equations: Equations, start: Array) -> tuple[Array, Rows, float, int]:
-    """Joint coordinates, the equations there, their largest gap, not finite where Newton's method failed, and its steps."""
+    """Joint coordinates, the equations there, their largest gap [m] (not finite where Newton's method failed), and the number of steps."""
     x, worst, steps = start, np.inf, 0
     while True:
         rows = equations.at(x)
@@ -87,7 +90,7 @@ def _closed(spatial: SpatialModel, equations: Equations, start: Array) -> tuple[
 
 
 class PassiveJacobian:
-    """Singular value decomposition of the passive columns of the equations' Jacobian, scaled to unit length."""
+    """The columns of the passive joints in the equations' Jacobian, scaled to unit length, by their singular value decomposition."""
 
     def __init__(self, columns: Array, spatial: SpatialModel) -> None:
         self.joints = list(spatial.passive_joints)
@@ -97,24 +100,24 @@ class PassiveJacobian:
         self.count = columns.shape[1]
 
     def rates(self, target: Array) -> Array:
-        """Joint rates (nv,), the drivers' zero, that move the equations by ``target`` (rows,) in the least-squares sense."""
+        """Joint rates (nv,), those of drivers zero, that change the gaps by ``target`` (rows,) in the least-squares sense."""
         r = self.rank
         result = np.zeros(self.count)
         result[self.joints] = self.right[:r].T @ ((self.left[:, :r].T @ target) / self.values[:r]) / self.lengths
         return result
 
     def multipliers(self, effort: Array) -> Array:
-        """Least-norm multipliers (rows,) that balance the joint efforts (nv,) but for the drivers'."""
+        """Multipliers (rows,) of least norm that balance the efforts (nv,) of the passive joints."""
         r = self.rank
         return np.asarray(self.left[:, :r] @ ((self.right[:r] @ (effort[self.joints] / self.lengths)) / self.values[:r]))
 
     @property
     def idle(self) -> Array:
-        """Basis (rows, k) of the multipliers that move nothing."""
+        """Orthonormal basis (rows, k) of the idle multipliers, which balance each other on the passive joints."""
         return np.asarray(self.left[:, self.rank :])
 
     def margin(self) -> float:
-        """`Closure.margins` of the whole linkage, without a sign: redundant rows have no determinant."""
+        """`Closure.margins` of the whole linkage. It has no sign, because redundant equations have no determinant."""
         count = len(self.joints)
         if count == 0:
             return 1.0
@@ -122,6 +125,7 @@ class PassiveJacobian:
 
 
 def _unit_columns(columns: Array) -> tuple[Array, Array]:
+    """The columns scaled to unit length, and the lengths that they had."""
     lengths = np.linalg.norm(columns, axis=0)
     still = lengths <= RANK * lengths.max(initial=0.0)  # rounding: these joints move nothing here
     lengths[still] = 1.0
@@ -168,7 +172,7 @@ def energies(spatial: SpatialModel, states: ClosedStates) -> EnergyRates:
 
 
 def power_balance(spatial: SpatialModel, states: ClosedStates, loads: Sequence[AppliedForce]) -> PowerBalance:
-    """See `Engine`. Body by body."""
+    """See `Engine`. The powers are summed body by body."""
     n = states.v.shape[1]
     model, data = spatial.model, data_of(spatial.model)
     gravity, q = model.gravity.linear, configuration(spatial.slots, states.position)

@@ -1,12 +1,12 @@
-"""Any linkage, one configuration at a time, by Pinocchio's constraint models and recursive Newton-Euler algorithm; and the equations that
-hold it together.
+"""Constants of any linkage, and the equations of its loops and couplings at one configuration, by Pinocchio's constraint models.
 
-The general path, and the judge of the planar one: loops in space, any number of drivers, more equations than are needed. The rank of the
-equations is found from singular values; forces that rigid mechanics does not decide are shared as `engines.forces` says.
+This engine computes loops in space, any number of drivers and redundant equations, and by its results those of the planar engine are
+tested. The rank of the equations is found from their singular values.
 
-Rows, in this order: three a loop, the distance of its ends (point 2 less point 1, world axes); then for every loop the rotations it holds,
-of body 2 against body 1 about axes of end 1; then one a coupling. Rotations [rad] are multiplied by the length of the linkage, so that all
-rows are lengths and may be compared; a multiplier of such a row is a torque divided by that length.
+The equations are, in this order: for every loop the distance of its ends, three rows (point 2 less point 1, world axes); for every loop the
+rotations that its bearing prevents, of body 2 against body 1 about axes of end 1; one row for every coupling. Rotations [rad] are
+multiplied by the length of the linkage, so that all rows are lengths and can be compared. The multiplier of such a row is a torque divided
+by that length.
 """
 
 from __future__ import annotations
@@ -20,22 +20,26 @@ import pinocchio as pin
 from numpy.typing import NDArray
 
 from ...common.quantities import Array
-from ..joints import Axis, Coupling, LoopJoint, Slot, axes, between, configuration, data_of, drawn_placements, slots
+from ..joints import Axis, Coupling, LoopJoint, Slot, axes, configuration, data_of, drawn_placements, joints_between, slots
+
+PARALLEL_TO_ROUNDING = 1e-14  # sine of an angle that rounding leaves between parallel axes: an entry as small is zero
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class SpatialModel:
-    """Constants of a linkage for this engine.
+    """Constants of a linkage, planar or not.
 
     Attributes:
-        model: the Pinocchio model.
-        loops, couplings: in declared order.
+        model: Pinocchio's model of the tree.
+        loops: its loop joints, as declared.
+        couplings: its gear pairs, as declared.
         drivers: indices of the driver joints in v.
         passive_joints: indices of all other joints in v.
-        round_loops: of every loop the joints round it, +1 / -1 where its end 2 / 1 hangs on them.
-        size: length of the linkage [m].
+        joints_of_loop: (nl,) the joints on every loop: +1 where a joint carries only its end 2, -1 where only its end 1.
+        size: length of the linkage [m]: largest extent of joints and loop points in the drawn pose.
         tolerance: gap at which a loop is closed to rounding [m].
-        slots, axes: of the joints.
+        slots: places of the joints in q.
+        axes: axes of the joints.
     """
 
     model: pin.Model
@@ -58,24 +62,28 @@ class SpatialModel:
 
     @cached_property
     def incidence(self) -> Array:
-        """(nv, nl) ``joints_of_loop`` as a matrix."""
-        return incidence(self.model, self.loops)
+        """(nv, nl) ``joints_of_loop`` as a matrix, zero where a joint is not on a loop."""
+        result = np.zeros((self.model.nv, len(self.loops)))
+        for k, joints in enumerate(self.joints_of_loop):
+            for joint, sign in joints.items():
+                result[joint, k] = sign
+        return result
 
     @cached_property
     def share(self) -> Array:
-        """(3 bearings, 3 nl) what loop forces add to the forces of all joints and loops."""
+        """(3 bearings, 3 nl) loop forces to what they add to the forces of all joints and loops, world axes."""
         return np.concatenate([-np.kron(self.incidence, np.eye(3)), np.eye(3 * len(self.loops))])
 
     def equations(self) -> Equations:
-        """The equations of loops and couplings, for use within one call."""
-        return Equations(self.model, self.loops, self.couplings, self.size)
+        """The equations of loops and couplings, for use within one call: they hold Pinocchio's data."""
+        return Equations(self)
 
 
 def build_spatial_model(
     model: pin.Model, loops: tuple[LoopJoint, ...], couplings: tuple[Coupling, ...], drivers: tuple[int, ...]
 ) -> SpatialModel:
-    """Constants of a linkage."""
-    size, reach = extent(model, loops)
+    """Constants of a linkage from Pinocchio's model of its tree, its loops and couplings, and the indices of its drivers in v."""
+    size, reach = _extent(model, loops)
     parents = [int(parent) - 1 for parent in list(model.parents)[1:]]
     return SpatialModel(
         model=model,
@@ -83,15 +91,12 @@ def build_spatial_model(
         couplings=couplings,
         drivers=drivers,
         passive_joints=tuple(j for j in range(model.nv) if j not in drivers),
-        joints_of_loop=tuple(between(parents, loop.joint1 - 1, loop.joint2 - 1) for loop in loops),
+        joints_of_loop=tuple(joints_between(parents, loop.joint1 - 1, loop.joint2 - 1) for loop in loops),
         size=size,
         tolerance=8 * float(np.finfo(float).eps) * (size + reach),
         slots=slots(model),
         axes=axes(model),
     )
-
-
-PARALLEL_TO_ROUNDING = 1e-14  # sine of an angle: axes of one direction are off by so much in rounding, which is no equation of its own
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -100,9 +105,9 @@ class Rows:
 
     Attributes:
         q: (nq,) the configuration.
-        gaps: (rows,) [m].
-        columns: (rows, nv) their Jacobian.
-        held_directions: per loop (3, 0 to 3) world directions, as columns, of the rotations it holds.
+        gaps: (rows,) what each equation misses [m].
+        columns: (rows, nv) Jacobian of the gaps.
+        held_directions: for every loop (3, 0 to 3) world axes, as columns, of the rotations that its bearing prevents.
     """
 
     q: Array
@@ -112,27 +117,27 @@ class Rows:
 
 
 class Equations:
-    """Constraint models and datas of the loops. Built for each call, because they neither copy nor pickle."""
+    """The equations of a linkage, evaluated by Pinocchio's constraint models. They are built for each call, because constraint models can
+    be neither copied nor pickled."""
 
-    def __init__(self, model: pin.Model, loops: tuple[LoopJoint, ...], couplings: tuple[Coupling, ...], size: float) -> None:
-        self.model, self.data = model, data_of(model)
+    def __init__(self, spatial: SpatialModel) -> None:
+        self.model, self.loops, self.size, self.slots = spatial.model, spatial.loops, spatial.size, spatial.slots
+        self.data = data_of(self.model)
         self.placements, self.wrenches = self.data.oMi, self.data.f  # live: fetching them costs more than the algorithm that fills them
-        self.loops, self.size, self.slots = loops, size, slots(model)
         self.anchors = [
-            pin.PointAnchorConstraintModel(model, k.joint1, pin.SE3(np.eye(3), k.point1), k.joint2, pin.SE3(np.eye(3), k.point2))
-            for k in loops
+            pin.PointAnchorConstraintModel(self.model, k.joint1, pin.SE3(np.eye(3), k.point1), k.joint2, pin.SE3(np.eye(3), k.point2))
+            for k in self.loops
         ]
         self.datas = [anchor.createData() for anchor in self.anchors]
-        self.incidence = incidence(model, loops)
-        self.moving = [
-            column != 0 for column in self.incidence.T
-        ]  # a joint that carries both ends moves them by rounding, and by an open gap
-        self.coupled, self.offsets = _coupled(model, couplings, size)
-        self.rows = 3 * len(loops) + sum(loop.held_rotations for loop in loops) + len(couplings)
-        self.rotations_held = any(loop.held_rotations for loop in loops)
+        self.incidence = spatial.incidence
+        # of the joints that carry one end alone: the others would move a gap by rounding, or because it is open
+        self.moving = [column != 0 for column in self.incidence.T]
+        self.coupled, self.offsets = _coupled(spatial)
+        self.rows = 3 * len(self.loops) + sum(loop.held_rotations for loop in self.loops) + len(self.offsets)
+        self.rotations_held = any(loop.held_rotations for loop in self.loops)
 
     def at(self, x: Array) -> Rows:
-        """The equations at joint coordinates (nv,); fills ``data`` with placements."""
+        """The equations at joint coordinates (nv,). Afterwards ``data`` has the placements there."""
         q = configuration(self.slots, x)
         pin.computeJointJacobians(self.model, self.data, q)
         gaps, columns = np.empty(self.rows), np.empty((self.rows, self.model.nv))
@@ -163,13 +168,13 @@ class Equations:
         return result
 
     def widest(self, gaps: Array) -> float:
-        """The largest distance between the two sides of a loop [m], a held rotation or a coupling counted in lengths of the linkage."""
+        """Largest gap of a loop or coupling [m], where rotations are multiplied by the length of the linkage."""
         count = 3 * len(self.loops)
-        between = np.linalg.norm(gaps[:count].reshape(-1, 3), axis=1).max(initial=0.0)
-        return float(max(between, np.abs(gaps[count:]).max(initial=0.0)))
+        of_points = np.linalg.norm(gaps[:count].reshape(-1, 3), axis=1).max(initial=0.0)
+        return float(max(of_points, np.abs(gaps[count:]).max(initial=0.0)))
 
     def worst(self, gaps: Array) -> int:
-        """Index of the loop, or after the loops of the coupling, whose gap is the largest."""
+        """Index of the loop or coupling with the largest gap; couplings are counted after the loops."""
         sizes = [float(np.linalg.norm(gaps[3 * k : 3 * k + 3])) for k in range(len(self.loops))]
         row = 3 * len(self.loops)
         for k, loop in enumerate(self.loops):
@@ -178,7 +183,7 @@ class Equations:
         return int(np.argmax(sizes + list(np.abs(gaps[row:]))))
 
     def _fill_rotation_rows(self, gaps: Array, columns: Array) -> list[Array]:
-        """Fill in the rows of held rotations; their directions."""
+        """Fill in the rows of the rotations that bearings prevent, and return their world axes."""
         turning, row, directions = self.data.J.reshape(6, -1)[3:], 3 * len(self.loops), []
         for k, loop in enumerate(self.loops):
             first, second = (
@@ -186,7 +191,7 @@ class Equations:
                 for joint, rotation in ((loop.joint1, loop.rotation1), (loop.joint2, loop.rotation2))
             )
             if loop.type == "revolute":
-                # two axes are aligned, whichever way round
+                # the two axes are aligned, but may point against each other
                 error = cross(first[:, 0], second[:, 0]) * np.sign(first[:, 0] @ second[:, 0])
             elif loop.type == "fixed":
                 error = first @ pin.log3(first.T @ second)
@@ -202,29 +207,18 @@ class Equations:
         return directions
 
     def _spin(self, joint: int) -> tuple[Array, Array]:
-        """Angular velocity and acceleration of a joint's body, world axes."""
+        """Angular velocity and acceleration (3,) of a joint's body in world axes [rad/s, rad/s2]."""
         rotation = self.placements[joint].rotation
         return rotation @ self.data.v[joint].angular, rotation @ self.data.a[joint].angular
 
 
 def cross(one: Array, other: Array) -> Array:
-    """The vector product of two vectors (3,); `numpy.cross` takes ten times as long of so few numbers."""
+    """The vector product of two vectors (3,); `numpy.cross` takes ten times as long for so few numbers."""
     (a, b, c), (x, y, z) = one.tolist(), other.tolist()
     return np.array([b * z - c * y, c * x - a * z, a * y - b * x])
 
 
-def incidence(model: pin.Model, loops: tuple[LoopJoint, ...]) -> Array:
-    """(nv, nl) +1 / -1 where loop l's end 2 / 1 hangs on joint j."""
-    result = np.zeros((model.nv, len(loops)))
-    for k, loop in enumerate(loops):
-        for joint, sign in ((loop.joint2, 1.0), (loop.joint1, -1.0)):
-            while joint > 0:
-                result[joint - 1, k] += sign
-                joint = model.parents[joint]
-    return result
-
-
-def extent(model: pin.Model, loops: tuple[LoopJoint, ...]) -> tuple[float, float]:
+def _extent(model: pin.Model, loops: tuple[LoopJoint, ...]) -> tuple[float, float]:
     """Largest extent of joints and loop points in the drawn pose, and their largest distance from the world origin [m]."""
     places = drawn_placements(model)
     points = [place.translation.copy() for place in places[1:]]
@@ -234,12 +228,11 @@ def extent(model: pin.Model, loops: tuple[LoopJoint, ...]) -> tuple[float, float
     return size or 1.0, float(np.linalg.norm(cloud, axis=1).max())
 
 
-def _coupled(model: pin.Model, couplings: tuple[Coupling, ...], size: float) -> tuple[Array, Array]:
-    """Rows (nc, nv) and right-hand sides (nc,) of the couplings."""
-    rows, offsets = np.zeros((len(couplings), model.nv)), np.zeros(len(couplings))
-    turns = [axis.turns for axis in axes(model)] if couplings else []
-    for row, coupling in enumerate(couplings):
-        unit = size if turns[coupling.follower] else 1.0
+def _coupled(spatial: SpatialModel) -> tuple[Array, Array]:
+    """Coefficients (nc, nv) and right-hand sides (nc,) of the coupling equations."""
+    rows, offsets = np.zeros((len(spatial.couplings), spatial.model.nv)), np.zeros(len(spatial.couplings))
+    for row, coupling in enumerate(spatial.couplings):
+        unit = spatial.size if spatial.axes[coupling.follower].turns else 1.0
         rows[row, coupling.follower] += unit
         rows[row, coupling.leader] -= unit * coupling.multiplier
         offsets[row] = unit * coupling.offset
