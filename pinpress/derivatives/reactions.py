@@ -29,7 +29,7 @@ from ..engines.planar.bodies import Bodies
 from ..engines.planar.model import Plane, to_complex
 from ..kinematics.motion import Motion
 from ..linkage.linkage import Linkage
-from ..loads.caller_laws import OWN_LOADS, LawError
+from ..loads.caller_laws import LawError, is_known
 from ..loads.link import Load, PointForce
 from ..loads.process import ForceInterval, ProcessLoad
 from .motion import STEP, Rates, Shift, States, Tangent
@@ -123,7 +123,7 @@ def _force_slope(load: ProcessLoad, press: Linkage, motion: Motion, height: Arra
                 raise LawError(
                     f"{type(load).__name__}: force of complex numbers cannot be worked out: {said(error)}; {ANALYTIC}"
                 ) from error
-            if type(load) not in OWN_LOADS and inside.any():
+            if not is_known(load) and inside.any():
                 _refuse_not_analytic(type(load).__name__, interval, *at)
             result[inside] = np.imag(law) / STEP * ((np.real(law) > 0) if interval.one_sided else 1.0)
     return result

@@ -14,17 +14,9 @@ import numpy as np
 
 from ..common.errors import PinpressError, SimulationError, said, shown
 from ..common.parameters import scenario_lengths
-from . import process as own_loads
+from . import process
 from .process import ForceInterval, ProcessLoad, TimeForce
 
-OWN_LOADS = (
-    own_loads.Idle,
-    own_loads.ConstantForce,
-    own_loads.Blanking,
-    own_loads.DeepDrawing,
-    own_loads.ForceStroke,
-    own_loads.ElasticDie,
-)
 OF_LOAD, OF_TIME = (("height", "m"), ("velocity", "m/s")), (("time", "s"),)
 
 
@@ -58,6 +50,11 @@ def name(part: object) -> str:
     return type(part.part if isinstance(part, Asked) else part).__name__
 
 
+def is_known(load: object) -> bool:
+    """Whether a process load is one of the library's."""
+    return type(load).__module__ == process.__name__
+
+
 def asked_loads(loads: Sequence[Any]) -> list[Any]:
     """Loads of a run: a caller's own ones to be asked with care, anything else as it is."""
     return [asked_load(load) for load in loads]
@@ -67,7 +64,7 @@ def asked_load(load: Any) -> Any:
     """A process load or a force in time, as of `asked_loads`."""
     if isinstance(load, TimeForce):
         return load if isinstance(load.force, Law) else TimeForce(Law("TimeForce: force", OF_TIME, load.force, np.geterr()), load.edges)
-    if type(load) in OWN_LOADS or isinstance(load, type | AskedLoad) or not isinstance(load, ProcessLoad):
+    if is_known(load) or isinstance(load, type | AskedLoad) or not isinstance(load, ProcessLoad):
         return load
     return AskedLoad(load, np.geterr())
 

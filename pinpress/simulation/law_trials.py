@@ -21,14 +21,13 @@ from ..common.arguments import any_numbers, suitable_numbers
 from ..common.errors import PinpressError, said, shown
 from ..common.parameters import scenario_lengths
 from ..common.quantities import Array
-from ..drives.motors import ConstantTorque, InductionMotor, InverterMotor, ServoMotor, SlipClutchMotor
+from ..drives import motors
 from ..drives.protocol import Corner, Drive, Values, corners_of
 from ..drives.transmission import Geared
 from ..loads.caller_laws import Asked, AskedLoad, Law, LawError
 from ..loads.caller_laws import name as name_of
 from ..loads.process import ForceInterval, ProcessLoad, TimeForce
 
-OWN_DRIVES = (ConstantTorque, InductionMotor, InverterMotor, ServoMotor, SlipClutchMotor)
 SHARES = np.concatenate([np.linspace(-2.0, 2.0, 33), [1e-3, -1e-3]])  # of the run's speed, at which a drive is tried
 LEAST = 10.0  # speed taken for that of a run that begins more slowly [rad/s]
 ANGLES, TIMES = (0.7, 2.1, -4.0, 9.5), (0.01, 0.3, 2.0, 11.0)  # crank angles [rad] and times [s] at which it is tried
@@ -43,13 +42,16 @@ def asked_drive(drive: Any, speed: float) -> Any:
     """A drive of a run that begins with about this crank speed: a caller's own one to be asked with care, anything else as it is."""
     if isinstance(drive, Mapping):
         return {joint: asked_drive(one, speed) for joint, one in drive.items()}
-    if _own(drive) or isinstance(drive, type) or not isinstance(drive, Drive):
+    if _is_known(drive) or isinstance(drive, type) or not isinstance(drive, Drive):
         return drive
     return AskedDrive(drive, np.geterr(), max(abs(speed), LEAST))
 
 
-def _own(drive: object) -> bool:
-    return isinstance(drive, AskedDrive) or type(drive) in OWN_DRIVES or (isinstance(drive, Geared) and _own(drive.drive))
+def _is_known(drive: object) -> bool:
+    """Whether a drive is one of the library's, or is asked with care already."""
+    if isinstance(drive, Geared):
+        return _is_known(drive.drive)
+    return isinstance(drive, AskedDrive) or type(drive).__module__ == motors.__name__
 
 
 # ------------------------------------------------------------------------------------------------------------------------------- asked
