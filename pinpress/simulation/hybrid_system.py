@@ -247,8 +247,7 @@ class HybridSystem:
         linkage, shaft_speed, states = at = self.at(y)
         torque = self.drive_torque(time, at)
         forces, taken, put_in, squared = self._forces(mode, time, linkage)
-        through = 0.0 if driven.clutch is None else mode.clutch.torque(driven.clutch, time)
-        braking = 0.0 if driven.brake is None else mode.brake.torque(driven.brake, time)
+        through, braking = self._friction(mode, time)
         rigid, result, accelerated = mode.clutch.grip is HOLDING, np.zeros(len(y)), 0.0
         if mode.brake.grip is not HOLDING and not mode.standing:
             on_crank, inertia = (torque, driven.inertia) if rigid else (through, 0.0)
@@ -263,6 +262,13 @@ class HybridSystem:
         lost = through * (shaft_speed - linkage.speed) - braking * linkage.speed
         result[-len(INTEGRALS) :] = (torque * shaft_speed + put_in, taken, motor * motor + squared, lost)
         return result
+
+    def _friction(self, mode: Mode, time: float) -> tuple[float, float]:
+        """Friction torques of clutch and brake on the crank, while they slip [N m]."""
+        clutch, brake = self.driven.clutch, self.driven.brake
+        if clutch is None and brake is None:
+            return 0.0, 0.0
+        return mode.clutch.torque(clutch, time), mode.brake.torque(brake, time)
 
     def _forces(self, mode: Mode, time: float, linkage: Any) -> tuple[list[float], float, float, float]:
         """The forces along every coordinate, the power that they take, that of further drives, and the square of these motors' torque."""
@@ -292,10 +298,10 @@ class HybridSystem:
         """Acceleration of a crank that is free to turn, under so much more torque."""
         driven = self.driven
         forces = self._forces(mode, time, at.linkage)[0]
+        through, braking = self._friction(mode, time)
         rigid = mode.clutch.grip is HOLDING
-        on_crank, inertia = (self.drive_torque(time, at), driven.inertia) if rigid else (mode.clutch.torque(driven.clutch, time), 0.0)
-        torque = on_crank + mode.brake.torque(driven.brake, time) + more
-        return self.dynamics.of_crank(self.dynamics.accelerations(at.linkage, torque, forces, inertia))
+        on_crank, inertia = (self.drive_torque(time, at), driven.inertia) if rigid else (through, 0.0)
+        return self.dynamics.of_crank(self.dynamics.accelerations(at.linkage, on_crank + braking + more, forces, inertia))
 
     def heeds_speed(self, mode: Mode, time: float, y: Array) -> bool:
         """Whether anything but angle and speed of the crank counts, or forces in this state depend on its speed or way."""
