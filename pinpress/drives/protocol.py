@@ -66,7 +66,9 @@ class Drive(Protocol):
 
         Args:
             speed: of the shaft [rad/s], (...) or (..., S); (..., S) where a parameter is (S,). The result has its shape, or broadcasts it.
-            angle: of the shaft [rad], time: [s], state: the drive's states; each broadcasts with the speed.
+            angle: of the shaft [rad]; it broadcasts with the speed, as the following do.
+            time: [s].
+            state: the drive's states.
         """
         ...
 

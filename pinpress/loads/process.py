@@ -239,7 +239,14 @@ class TimeForce:
 def step(x: ArrayLike, x0: float, h0: float, x1: float, h1: float) -> Array:
     """ADAMS' function STEP: h0 up to x0, h1 from x1, between them h0 + (h1 - h0) d^2 (3 - 2 d) with d = (x - x0)/(x1 - x0).
 
-    As in the load functions of Zhang 2007, 5.7.3 to 5.7.5. x: any shape, that of what is returned.
+    As in the load functions of Zhang 2007, 5.7.3 to 5.7.5.
+
+    Args:
+        x: of any shape, that of what is returned.
+        x0: up to which the step is at its start.
+        h0: value at the start.
+        x1: from which the step is at its end, above x0.
+        h1: value at the end.
 
     Raises:
         PinpressError: x1 not above x0, or a value that is not a number.

@@ -61,7 +61,11 @@ OF_DRIVE = ("speed", "rad/s"), ("angle", "rad"), ("time", "s")
 
 @dataclass(frozen=True, eq=False)
 class AskedDrive(Asked):
-    """A caller's own drive, or a `Geared` one; about: speed of the run [rad/s]."""
+    """A caller's own drive, or a `Geared` one.
+
+    Attributes:
+        about: speed of the run [rad/s].
+    """
 
     about: float
 

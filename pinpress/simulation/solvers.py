@@ -291,8 +291,11 @@ def crank_sizes(driven: DrivenPress, y: Array) -> Array:
 
 
 def _joint_sizes(driven: DrivenPress, joints: FullDynamics, speed: Array, y: Array) -> Array:
-    """Sizes of the entries of the vector of all joints: of angles 1, of the speed that gravity gives them; travels count in lengths of the
-    linkage. ``speed``: (drivers,) at the start [rad/s]."""
+    """Sizes of the entries of the vector of all joints.
+
+    That of an angle is 1, that of its rate the speed at the start (drivers,), or the one that gravity gives it; travels count in lengths of
+    the linkage.
+    """
     press = driven.press
     rate = max(float(np.abs(speed).max()), math.sqrt(float(np.linalg.norm(press.model.gravity.linear)) / press.size)) or 1.0
     lengths = np.array([1.0 if axis.turns else press.size for axis in press.axes])

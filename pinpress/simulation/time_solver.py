@@ -319,8 +319,13 @@ class Pacer:
         self.since: tuple[float, int] | None = None
 
     def changes(self, time: float, evaluations: int, swiftness: Callable[[], float]) -> bool:
-        """Whether the other method is to go on after a step; ``evaluations``: of the method in use so far; ``swiftness``: the step beside
-        the shortest time constant."""
+        """Whether the other method is to go on after a step.
+
+        Args:
+            time: at the end of the step [s].
+            evaluations: of the method in use so far.
+            swiftness: gives the step beside the shortest time constant.
+        """
         self.taken, self.steps = self.taken + 1, self.steps + 1
         if self.taken == WINDOW:
             self.since = time, evaluations
