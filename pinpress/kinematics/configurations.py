@@ -46,7 +46,7 @@ def _far(press: Linkage, branch: Branch, angles: Array, engine: str) -> Closure:
     assert branch.period is not None
     turns = np.floor(angles / branch.period)
     closure = closed(press, branch, angles - turns * branch.period, engine)
-    position = closure.position + branch.advance[:, None] * turns
+    position = closure.position + branch.gain_per_period[:, None] * turns
     position[press.driver_indices[0]] = angles
     return replace(closure, position=position)
 
@@ -67,7 +67,7 @@ def _through(press: Linkage, branch: Branch, angles: Array, engine: str) -> Clos
     gap = press.engine().gaps(position)
     if not gap.max() <= ACCEPTED * press.engine("pinocchio").tolerance:
         raise AssemblyError("the loops do not close", float(angles[int(gap.argmax())]), float(gap.max()), 0)
-    position += branch.advance[:, None] * turns
+    position += branch.gain_per_period[:, None] * turns
     position[press.driver_indices[0]] = angles
     return Closure(position, first, second, gap, float(gap.max()), 0)
 

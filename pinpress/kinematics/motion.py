@@ -19,7 +19,7 @@ from ..common.errors import PinpressError
 from ..common.frozen import read_only
 from ..common.quantities import Array, ComplexArray
 from ..common.results import Tabular
-from ..engines.branch import Branch, beyond
+from ..engines.branch import Branch, out_of_branch
 from ..engines.engine import ClosedStates, Closure
 from ..engines.joints import Slot, configuration
 from ..linkage.linkage import Linkage
@@ -291,7 +291,7 @@ def _period(press: Linkage, branch: Branch, speed: ArrayLike, points: int | None
         raise PinpressError("speed is an array, but a turn at constant speed takes one number: write servo_cycle for a servo motion")
     rate = float(given)
     if branch.period is None:  # a prescribed turn does not go through change points
-        raise beyond(branch, upwards=rate > 0)
+        raise out_of_branch(branch, upwards=rate > 0)
     turns = press.period_turns
     period = 2 * np.pi * turns
     if not (rate and math.isfinite(period / rate)):

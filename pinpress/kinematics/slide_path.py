@@ -14,7 +14,7 @@ from ..common.errors import PinpressError
 from ..common.numerics import bracketed_roots
 from ..common.quantities import Array, ComplexArray
 from ..common.results import Record
-from ..engines.branch import beyond
+from ..engines.branch import out_of_branch
 from ..linkage.linkage import Linkage
 from ..linkage.memo import per_linkage
 from .motion import motion_through_change_points
@@ -186,7 +186,7 @@ def dead_centres(press: Linkage) -> DeadCentres:
     _ = press.slide_guide  # it has a slide
     period = press.branch_through_change_points.period
     if period is None:
-        raise beyond(press.branch_through_change_points, upwards=press.branch_through_change_points.locks[True] is not None)
+        raise out_of_branch(press.branch_through_change_points, upwards=press.branch_through_change_points.locks[True] is not None)
 
     def slide(angle: Array) -> tuple[Array, Array, Array]:
         motion = motion_through_change_points(press, angle, 1.0)

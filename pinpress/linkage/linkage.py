@@ -254,7 +254,7 @@ class Linkage(Frozen):
         if self.turns_until_back is not None:
             return self.turns_until_back
         if self.branch_through_change_points.period is None:
-            raise branch.beyond(self.branch_through_change_points, upwards=self.branch_through_change_points.locks[True] is not None)
+            raise branch.out_of_branch(self.branch_through_change_points, upwards=self.branch_through_change_points.locks[True] is not None)
         raise PinpressError(
             f"{self.name} has no period: an unbalanced shaft is geared so that it is not back after {branch.MOST_TURNS} turns; give crank"
             " angles, servo_cycle(press, angle, speed=...), or another gear ratio"
@@ -270,7 +270,7 @@ class Linkage(Frozen):
         if found.period is None:
             return None
         counts = [axis.turns and not self._is_balanced(k) for k, axis in enumerate(self.axes)]  # on loops all are back
-        periods = branch.periods_until_back(found.advance[counts])
+        periods = branch.periods_until_back(found.gain_per_period[counts])
         return None if periods is None else periods * round(found.period / (2 * np.pi))
 
     def _is_balanced(self, joint: int) -> bool:

@@ -228,7 +228,7 @@ class FullDynamics:
             angle = position[self.crank] - turns * (period or 0.0)
             if abs(angle - point.angle) < point.half:
                 at, first, second = (values[:, 0] for values in point.at(np.array([angle])))
-                at = at + turns * self.press.branch_through_change_points.advance
+                at = at + turns * self.press.branch_through_change_points.gain_per_period
                 at[self.crank] = position[self.crank]
                 return at, first, second
         return None

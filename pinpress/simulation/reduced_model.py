@@ -122,7 +122,7 @@ def build_reduced_model(press: Linkage, coordinates: Sequence[Coordinate], panel
         SingularityError, AssemblyError: see `Linkage.branch`.
     """
     branch = press.branch_through_change_points
-    period = None if branch.period is None else branch.period * _periods(press, branch.advance)
+    period = None if branch.period is None else branch.period * _periods(press, branch.gain_per_period)
     low, high = (0.0, period) if period is not None else (float(branch.angles[0]), float(branch.angles[-1]))
     count = panels or max(2, math.ceil(PANELS * (high - low) / (2 * np.pi) - 1e-9))
     borders, points = np.linspace(low, high, count + 1), 0

@@ -92,10 +92,10 @@ def test_a_turn_of_the_zxn2(zxn2):
     """Crank and coupler gain a turn against each other, rocker, rod and slide swing."""
     branch = zxn2.branch
     assert branch.period == 2 * np.pi
-    gained = dict(zip(zxn2.joints, branch.advance, strict=True))
+    gained = dict(zip(zxn2.joints, branch.gain_per_period, strict=True))
     assert gained == {"A": 2 * np.pi, "B": -2 * np.pi, "D": 0.0, "E": 0.0, "slide_guide": 0.0}
-    np.testing.assert_allclose(predict(branch, np.array([2 * np.pi]))[:, 0], zxn2.closed + branch.advance, atol=1e-12)
-    np.testing.assert_allclose(predict(branch, np.array([-6 * np.pi]))[:, 0], zxn2.closed - 3 * branch.advance, atol=1e-12)
+    np.testing.assert_allclose(predict(branch, np.array([2 * np.pi]))[:, 0], zxn2.closed + branch.gain_per_period, atol=1e-12)
+    np.testing.assert_allclose(predict(branch, np.array([-6 * np.pi]))[:, 0], zxn2.closed - 3 * branch.gain_per_period, atol=1e-12)
 
 
 @pytest.mark.parametrize("press_name", ["zxn2_3000b", "crank_slide"])
@@ -242,7 +242,7 @@ def test_a_drag_link_goes_round(tmp_path, bounded):
     """Shortest link on the frame: crank and rocker both turn fully. Unwrapped over several turns, the rocker gains as many as the crank."""
     press = four_bar_press(tmp_path, 0.5, 1.0, 1.1, 0.9, np.radians(70), bounded=bounded)
     assert press.branch.period == pytest.approx(2 * np.pi)
-    gained = dict(zip(press.joints, press.branch.advance, strict=True))
+    gained = dict(zip(press.joints, press.branch.gain_per_period, strict=True))
     assert gained == {"O": 2 * np.pi, "B": 0.0, "D": 2 * np.pi}
     angle = np.linspace(-13, 21, 400)
     motion = pp.servo_cycle(press, angle=angle, speed=1.0)

@@ -465,7 +465,7 @@ def test_the_gap(load):
     dynamics = press.forward_dynamics(np.zeros(5))
     slide = press.slide_guide[0]
     assert dynamics.gap(press.closed + 1e-3 * (np.arange(5) == slide)) == pytest.approx(1e-3, rel=1e-9)
-    x = pp.servo_cycle(press, angle=[0.7], speed=1.0).joint_position[0] + 1e5 * press.branch.advance
+    x = pp.servo_cycle(press, angle=[0.7], speed=1.0).joint_position[0] + 1e5 * press.branch.gain_per_period
     x[slide] += 1e-6
     at, _, gap = dynamics.project(x, np.zeros(5))
     assert gap < 1e-9

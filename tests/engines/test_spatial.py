@@ -125,7 +125,7 @@ def test_rates_are_derivatives_of_configurations(spatial):
 def test_a_full_turn(spatial, direction):
     """Loops closed to 1e-12 m all round, and back at the start to rounding; the crank pin's first joint turns back as the crank turns."""
     assert spatial.branch.period == pytest.approx(2 * np.pi)
-    gained = dict(zip(spatial.joints, spatial.branch.advance, strict=True))
+    gained = dict(zip(spatial.joints, spatial.branch.gain_per_period, strict=True))
     assert gained == {"O": 2 * np.pi, "P": -2 * np.pi, "Q": 0.0, "guide": 0.0}
     motion = pp.cycle(spatial, direction * SPEED, points=60)
     assert motion.closure_error.max() < 1e-12

@@ -256,7 +256,7 @@ def test_equation_of_motion(name, load):
 def test_bennett_goes_round(load):
     """tan(first / 2) tan(second / 2) is constant all round; the fourth pin goes against the second; 1e-13."""
     press = load(bennett())
-    gained = dict(zip(press.joints, press.branch.advance, strict=True))
+    gained = dict(zip(press.joints, press.branch.gain_per_period, strict=True))
     assert gained == pytest.approx({"J1": 2 * np.pi, "J2": -2 * np.pi, "J4": 2 * np.pi}, abs=1e-12)
     motion = pp.cycle(press, 3.0, points=60)
     position, rate = (dict(zip(press.joints, part.T, strict=True)) for part in (motion.joint_position, motion.v))

@@ -1,21 +1,21 @@
 """Forward dynamics of any linkage, one state at a time: accelerations under given joint efforts, and states kept on the loops.
 
-Loops are held at points: a spherical one at its point, a revolute one at two points of its axis, a fixed one at three, the further ones as
-far away as the linkage is long, so that every gap is a length. Three rows a point, one a coupling.
+Loops are held at points: a spherical one at its point, a revolute one at two points of its axis, a fixed one at three points. The further
+points are one length of the linkage away, so that every gap is a length. There are three rows for every point and one for every coupling.
 
-In general, their Jacobian, columns scaled so that all joints move in lengths, is factorised in every state by QR with column pivoting (of
-its transpose: the pivots are rows). As many pivot rows as the closed linkage has independent equations determine all others; the rest of
-the orthogonal factor is a basis N of the motions that the loops allow, and with any a0 that the rows need
+In general, the transposed Jacobian of these rows is factorised in every state by QR with column pivoting, its rows scaled so that all
+joints move in lengths: the pivots are rows of the Jacobian. As many pivot rows as the closed linkage has independent equations determine
+all other rows. The rest of the orthogonal factor is a basis N of the motions that the loops allow, and with any a0 that fulfils the rows
 
     a = a0 + N (N' M N)^-1 N' (efforts - h - M a0),
 
-which makes Gauss's constraint (a - a_free)' M (a - a_free) least (Gauss 1829). This has no multipliers, so that redundant rows do no
-harm, nor those which are redundant in closed states only, nor bodies without mass on joints that others move.
+minimises Gauss's constraint (a - a_free)' M (a - a_free) (Gauss 1829). This way has no multipliers, so that it allows redundant rows, rows
+that are redundant in closed states only, and bodies without mass on joints that others move.
 
-Pinocchio's `constraintDynamics` does the same with multipliers (the proximal iterations of Carpentier, Budhiraja and Mansard, Proximal and
-sparse resolution of constrained dynamic equations, 2021) in a third of the time. It has the first go where it suits: no couplings (it has
-none), and no rows that become independent when a loop opens a little (it would hold them, and lock the linkage). Its pivots are looked at
-each time, and where one of them is near zero that should not be, the general way decides.
+Pinocchio's `constraintDynamics` solves the problem with multipliers (the proximal iterations of Carpentier, Budhiraja and Mansard, Proximal
+and sparse resolution of constrained dynamic equations, 2021) in a third of the time. It is tried first where it suits: it has no couplings,
+and no rows may become independent when a loop opens a little, because it would hold these rows and lock the linkage. Its pivots are checked
+each time, and where one is near zero that should not be, the general way decides.
 """
 
 from __future__ import annotations
@@ -36,34 +36,39 @@ from ..joints import Axis, LoopJoint, data_of
 from .model import SpatialModel
 
 MASSLESS = 1e-13  # share of the largest inertia below which what resists a motion is rounding
-CLEAR = 1e-6  # share of the largest pivot (of an inertia's own size) above which pivots of the quick way count as well away from zero
-PROXIMAL = 1e-10  # its damping, as a share of the largest pivot: each iteration leaves at most 1e-4 of the error (PROXIMAL / CLEAR)
-SETTLED = 1e-13  # change of a multiplier after which it stays [N], of its weight where the linkage weighs less than 1 N
-ITERATIONS = 6  # of these, most: redundant multipliers never settle, though the accelerations have
-OPENED = 1e-2  # how far joints are moved to see whether rows become independent [lengths of the linkage]
+CLEAR = 1e-6  # share of the largest pivot (of an inertia's own size) above which a pivot of the quick way is clearly not zero
+PROXIMAL = (
+    1e-10  # damping of the quick way, as a share of the largest pivot: an iteration leaves at most 1e-4 of the error (PROXIMAL / CLEAR)
+)
+SETTLED = (
+    1e-13  # change of the multipliers at which the quick way stops [N], as a share of the weight where the linkage weighs less than 1 N
+)
+ITERATIONS = 6  # most iterations of the quick way: redundant multipliers never settle, though the accelerations have
+OPENED = 1e-2  # by which joints are moved to see whether rows become independent [lengths of the linkage]
 
 
 _End = tuple[int, pin.SE3, int, pin.SE3]
-"""Two points that a loop holds together: joint and place in its frame, of either side."""
+"""Two points that a loop holds together: for either side the Pinocchio joint, and the point's placement in its frame."""
 
 
 class ForwardDynamics:
-    """Forward dynamics of one linkage, within one call of the caller: it holds Pinocchio's data, which a copy or a pickle makes anew.
+    """Forward dynamics of one linkage. It holds Pinocchio's data, which are made anew for a copy or a pickle; one thread may use it at a
+    time.
 
-    States are joint coordinates x (nv,) (see `coordinates`: angles unwrapped [rad], travels [m]) and rates v (nv,) [rad/s, m/s], efforts
-    (nv,) act along the joints, positive as v [N m, N]. Arrays are float64 of that shape; this is not checked. Results are fresh arrays.
-    NumPy may warn of what is not finite before it is refused: call under ``np.errstate``.
+    States are joint coordinates x (nv,) (see `engines.joints`: angles unwrapped [rad], travels [m]) and rates v (nv,) [rad/s, m/s]. Efforts
+    (nv,) act along the joints, positive as v [N m, N]. Arrays must be float64 of this shape, which is not checked. Results are new arrays.
+    NumPy may warn of numbers that are not finite before they are refused, so call the methods under ``np.errstate``.
     """
 
     def __init__(self, spatial: SpatialModel, closed: Array, rank: int, armature: Array, name: str) -> None:
         """
         Args:
-            spatial: constants of the linkage; its model is left alone.
+            spatial: constants of the linkage; its model is not changed.
             closed: (nv,) joint coordinates of the closed drawn pose.
-            rank: of the equations there.
-            armature: (nv,) inertia of what turns with the joints, of flywheel or motor [kg m2; kg at one that slides], added to what the
-                model has.
-            name: of the linkage, for errors.
+            rank: rank of the equations there.
+            armature: (nv,) inertia that turns with the joints, as of a flywheel or motor, added to the model's own armature [kg m2; kg for
+                a joint that slides].
+            name: name of the linkage, for errors.
 
         Raises:
             PinpressError: an armature of another shape, or not finite.
@@ -122,8 +127,9 @@ class ForwardDynamics:
         """Joint accelerations (nv,) of a closed state under efforts (nv,) [rad/s2, m/s2].
 
         Raises:
-            SingularityError: the loops lose equations here: two assemblies meet, and mechanics does not say which way it goes.
-            PinpressError: a motion that no mass resists, or a state or effort that is not finite.
+            SingularityError: the loops lose equations here: two assemblies meet, and mechanics does not say in which one the motion goes
+                on.
+            PinpressError: no mass resists a motion, or a state or effort is not finite.
         """
         if self.quick is not None:
             _, data, points, data_of_points, settings, pivots, bounds = self.quick
@@ -133,8 +139,8 @@ class ForwardDynamics:
         return self.acceleration_in_null_space(x, v, efforts)
 
     def answer_by(self, settings: pin.ProximalSettings, x: Array, v: Array, efforts: Array) -> tuple[Array, Array]:
-        """What `constraintDynamics` answers with proximal settings of one's own, where it has the quick way; unchecked: accelerations (nv,)
-        and the forces (points, 3) at the loops' points, link1 on link2, world axes [N]."""
+        """The unchecked answer of `constraintDynamics` with other proximal settings, where the linkage has the quick way: accelerations
+        (nv,) and the forces (points, 3) at the loops' points, link1 on link2, world axes [N]."""
         assert self.quick is not None
         data, points, data_of_points = self.quick.data, self.quick.points, self.quick.data_of_points
         result = np.array(pin.constraintDynamics(self.model, data, x, v, efforts, points, data_of_points, settings))
@@ -142,8 +148,18 @@ class ForwardDynamics:
         return result, np.array([-r @ each.contact_force.linear for r, each in zip(turned, data_of_points, strict=True)])
 
     def acceleration_along(self, x: Array, first: Array, second: Array, speed: float, efforts: Array) -> Array:
-        """Joint accelerations (nv,) where all joints are known to move with the driver, by its speed [rad/s] and influence coefficients,
-        see `Closure`: at a change point they say what the equations of the loops do not. Raises as `acceleration`."""
+        """Joint accelerations (nv,) where it is known how all joints move with the driver: at a change point the equations do not say it.
+
+        Args:
+            x: (nv,) joint coordinates.
+            first: (nv,) first-order influence coefficients, see `Closure`.
+            second: (nv,) second-order influence coefficients.
+            speed: of the driver [rad/s].
+            efforts: (nv,) efforts of the joints [N m, N].
+
+        Raises:
+            PinpressError: a state or effort that is not finite.
+        """
         v, drift = first * speed, second * speed**2
         mass = pin.crba(self.model, self.data, x, pin.Convention.WORLD)
         left = first.dot(efforts - pin.rnea(self.model, self.data, x, v, drift))
@@ -155,9 +171,10 @@ class ForwardDynamics:
     def project(self, x: Array, v: Array) -> tuple[Array, Array, float]:
         """The closed state near a state that is nearly closed: positions and rates (nv,), and the gap left [m].
 
-        Newton's method with the shortest steps, all joints in lengths (an angle counts as the arc at the linkage's length), the velocity
-        by the shortest change. No joint is privileged: the driver may be at a dead point of the linkage; and masses do not enter, because
-        links may have none and a flywheel would leave all the correction to the light ones. A closed state is returned as it is.
+        The positions come from Newton's method with the shortest steps, where all joints are measured in lengths (an angle counts as the
+        arc at the linkage's length), the rates from the shortest change. No joint is preferred, because the driver may be at a dead point
+        of the linkage. Masses do not enter, because links may have none, and a flywheel would leave all correction to the light links. A
+        closed state is returned unchanged.
 
         Raises:
             SingularityError: the loops lose equations here, see `acceleration`.
@@ -183,8 +200,8 @@ class ForwardDynamics:
         return at.copy(), rates, gap
 
     def gap(self, x: Array) -> float:
-        """The largest distance between the two sides of a loop [m], at the further points too of one that is not spherical (see the
-        module), a coupling counted in lengths of the linkage.
+        """The largest distance between the two sides of a loop at any of its points (see the module) [m]; for a coupling that turns, its
+        error times the length of the linkage.
 
         Raises:
             PinpressError: a state that is not finite.
@@ -209,8 +226,8 @@ class ForwardDynamics:
         return place.act(point), place.rotation.dot(velocity.linear - pin.skew(point).dot(velocity.angular))
 
     def point_efforts(self, x: Array, joint: int, point: Array, force: Array) -> Array:
-        """Joint efforts (nv,) of a world force (3,) [N] at a point (3,) of the body of a Pinocchio joint, in that joint's frame (0: the
-        frame, where there are none)."""
+        """Joint efforts (nv,) of a force (3,) in world axes [N] that acts at a point (3,) on the body of a Pinocchio joint, given in that
+        joint's frame; zero for joint 0, the frame."""
         if joint == 0:
             return np.zeros(self.model.nv)
         pin.computeJointJacobians(self.model, self.data, x)
@@ -239,11 +256,12 @@ class ForwardDynamics:
         return result
 
     def _factorised(self, x: Array) -> tuple[Array, NDArray[np.int32], Array]:
-        """R, places of the pivot rows, counted from 1, and Q of the scaled rows, where ``data`` has placements and Jacobian; points are
-        worked out too.
+        """The factorisation of the scaled rows: R, the indices of the pivot rows counted from 1, and Q. ``data`` must hold placements and
+        Jacobian; the points' constraint data are updated.
 
         Raises:
-            SingularityError, PinpressError: see `acceleration`.
+            SingularityError: see `acceleration`.
+            PinpressError: a state that is not finite.
         """
         for point, datum in self.anchors:
             point.calc(self.model, self.data, datum)
@@ -259,7 +277,7 @@ class ForwardDynamics:
         return factor, pivots, self.orgqr(factor[:, : len(x)], scales)[0]
 
     def _needed(self, factor: Array, pivots: NDArray[np.int32], orthogonal: Array, rows: Array) -> Array:
-        """The shortest joint step (nv,) that takes off the rows (1 + rows,) what they have."""
+        """The shortest joint step (nv,) that brings the rows from ``rows`` (1 + rows,), of which the first number is unused, to zero."""
         rank = self.rank
         if not rank:
             return np.zeros(len(orthogonal))
@@ -268,7 +286,7 @@ class ForwardDynamics:
         return result
 
     def _widest(self, x: Array) -> float:
-        """`gap` where the points are worked out."""
+        """`gap` where the points' constraint data are up to date."""
         sizes = [math.sqrt(gap.dot(gap)) for gap in self.gaps]
         if len(self.offsets):
             sizes += np.abs(self.coupled.dot(x) - self.offsets).tolist()
@@ -277,11 +295,11 @@ class ForwardDynamics:
         return max(sizes, default=0.0)
 
     def _floor(self, x: Array) -> float:
-        """Gap that rounding may leave: more where a joint has made many turns."""
+        """Gap that rounding may leave [m]: more where a joint has made many turns."""
         return ACCEPTED * self.tolerance + 8 * float(np.finfo(float).eps * np.abs(x * self.units).max())
 
     def _trouble(self, x: Array, v: Array, efforts: Array, otherwise: PinpressError) -> PinpressError:
-        """The error that says what is not finite among these; ``otherwise`` where all is."""
+        """The error that says which of these is not finite; ``otherwise`` where all are."""
         for what, values in (("position", x), ("speed", v), ("effort", efforts)):
             if not np.isfinite(values).all():
                 joint = self.joints[int(np.argmin(np.isfinite(values)))]
@@ -293,12 +311,12 @@ class ForwardDynamics:
         return PinpressError(f"the motion of {self.name} {where} is too fast for floating point: lower speeds or efforts")
 
     def _weight(self) -> float:
-        """Of all links [N]; without gravity what accelerates them at 1 rad/s2."""
+        """Weight of all links [N]; without gravity the force that accelerates them at 1 rad/s2."""
         mass = sum(float(inertia.mass) for inertia in self.model.inertias)
         return mass * (float(np.linalg.norm(self.model.gravity.linear)) or self.size)
 
     def _quick(self, closed: Array, ends: list[_End], mass: Array) -> _Quick | None:
-        """What the quick way needs, None where it does not suit."""
+        """The quick way, None where it does not suit the linkage."""
         if not ends or not ((mass.diagonal() * self.per_unit**2).min() > self.least**2):
             return None
         data, (points, data_of_points) = data_of(self.model), _contacts(self.model, ends)
@@ -313,8 +331,8 @@ class ForwardDynamics:
             return None
         if not 0 < largest < math.inf:
             return None
-        # Its pivots come in the order of the rows. Each point's frame is turned so that the direction in which it moves least, in the plane
-        # none, comes last: else a row may be a combination of others with large coefficients, and its pivot seem to be none of rounding.
+        # Its pivots come in the order of the rows. Each point's frame is turned so that the direction in which the point moves least comes
+        # last: else a row may be a combination of others with large coefficients, whose pivot would not look like rounding.
         lefts = np.linalg.svd(rows.reshape(-1, 3, len(closed)))[0]
         turned = [pin.SE3(left * np.linalg.det(left), end[1].translation) for left, end in zip(lefts, ends, strict=True)]
         points, data_of_points = _contacts(self.model, [(end[0], place, *end[2:]) for place, end in zip(turned, ends, strict=True)])
@@ -331,10 +349,17 @@ class ForwardDynamics:
 
 
 class _Quick(NamedTuple):
-    """`constraintDynamics` and what it works on.
+    """The quick way: arguments of `constraintDynamics`, and how its pivots are checked.
 
-    ``pivots`` (held + nv,), live, are those of its factorisation: of the points' rows, in 1 / kg, then of the inertias of the open tree.
-    They count as away from zero above the ``bounds``, and ``clear`` of them should.
+    Attributes:
+        clear: number of pivots that must be above their bounds.
+        data: Pinocchio's workspace.
+        points: constraint models of the loops' points.
+        data_of_points: their constraint data.
+        settings: of the proximal iterations.
+        pivots: (point rows + nv,) pivots of its factorisation, kept up to date by Pinocchio: of the points' rows [1 / kg], then of the
+            inertias of the open tree.
+        bounds: (point rows + nv,) above which a pivot is clearly not zero.
     """
 
     clear: int
@@ -347,7 +372,7 @@ class _Quick(NamedTuple):
 
 
 def _bounded(model: pin.Model, axes: tuple[Axis, ...]) -> pin.Model:
-    """A tree with the same motions, of joints whose configuration is the joint coordinate itself, unbounded ones too."""
+    """The tree with joints whose configuration is the joint coordinate itself, in place of unbounded ones too."""
     result = pin.Model()
     result.gravity = model.gravity
     for j, axis in enumerate(axes, 1):
@@ -358,12 +383,12 @@ def _bounded(model: pin.Model, axes: tuple[Axis, ...]) -> pin.Model:
 
 
 def _ends_of(loop: LoopJoint, data: pin.Data, size: float) -> list[_End]:
-    """The points at which a loop is held (see the module); ``data`` has the closed pose."""
+    """The points at which a loop is held (see the module); ``data`` must hold the closed pose."""
     result = [(loop.joint1, pin.SE3(np.eye(3), loop.point1), loop.joint2, pin.SE3(np.eye(3), loop.point2))]
     for axis in range({0: 0, 2: 1, 3: 2}[loop.held_rotations]):
         along1, along2 = loop.rotation1[:, axis], loop.rotation2[:, axis]
         worlds = data.oMi[loop.joint1].rotation @ along1, data.oMi[loop.joint2].rotation @ along2
-        turned = float(np.sign(worlds[0] @ worlds[1]))  # the axes of a revolute loop are aligned whichever way round
+        turned = float(np.sign(worlds[0] @ worlds[1]))  # the axes of a revolute loop may point against each other
         places = (pin.SE3(np.eye(3), point) for point in (loop.point1 + size * along1, loop.point2 + turned * size * along2))
         result.append((loop.joint1, next(places), loop.joint2, next(places)))
     return result
