@@ -1,15 +1,20 @@
 """`pinpress build`: a press from a pin table, as URDF and as a sketch."""
 
+from __future__ import annotations
+
 import argparse
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from ..common import files
 from ..common.errors import PinpressError, PinTableError
 from ..linkage.check import check
-from ..pin_table.building import Draft, drafted
+
+if TYPE_CHECKING:
+    from ..pin_table.building import Draft
 
 
-def add(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
+def add(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
     """Put `build` among the subcommands; parsed options have ``run``, see `run`."""
     parser = commands.add_parser(
         "build",
@@ -34,6 +39,8 @@ def run(options: argparse.Namespace) -> int:
         PinTableError: the table makes no press; where lengths do not meet, the sketch that is written shows why.
         PinpressError: the press cannot move as it should, or a file cannot be written.
     """
+    from ..pin_table.building import drafted  # with a parser and shapes that other commands do without
+
     out = options.out or Path(options.file).with_suffix(".urdf")
     if out.suffix == ".svg":
         raise PinpressError(f"--out is {out}: give the URDF's name, press.urdf; the sketch stands beside it")

@@ -12,9 +12,12 @@ from typing import Any
 
 import numpy as np
 
-from ..common.errors import PinTableError, caution, suggestion
+from ..common.errors import AssemblyError, PinTableError, SingularityError, caution, suggestion
+from ..common.quantities import Array
+from ..kinematics.motion import cycle
 from ..linkage.linkage import Linkage
 from ..linkage.loading import load_text
+from ..visual.shapes.appearance import bodies
 from . import sketch
 from .copies import Parts, copied
 from .formulas import CONSTANTS, FUNCTIONS, formula, parameters_of
@@ -53,8 +56,13 @@ class Draft:
 
     @cached_property
     def urdf(self) -> bytes:
-        """The press as URDF."""
-        return urdf_text(self.name, "\n".join(self._comment()), self.parts, self.tree)
+        """The press as URDF, with shapes to look at.
+
+        Raises:
+            PinpressError: what `load` raises.
+        """
+        press = self.press()
+        return urdf_text(self.name, self._comment(), self.parts, self.tree, bodies(press, _positions(press)))
 
     @cached_property
     def sketch(self) -> str:
@@ -70,7 +78,8 @@ class Draft:
         Raises:
             PinpressError: what `load` raises.
         """
-        return load_text(self.urdf, f"{self.file} as URDF", gravity=gravity)
+        text = urdf_text(self.name, self._comment(), self.parts, self.tree)
+        return load_text(text, f"{self.file} as URDF", gravity=gravity)
 
     def bearings(self) -> Iterator[tuple[str, str, str]]:
         """Name of every bearing, the link whose force it has, and the link on which that acts."""
@@ -92,7 +101,10 @@ class Draft:
             if pin.other is not None:
                 yield name, (pin.point[0] / unit, pin.point[2] / unit), (pin.other[0] / unit, pin.other[2] / unit)
 
-    def _comment(self) -> Iterator[str]:
+    def _comment(self) -> str:
+        return "\n".join(self._commented())
+
+    def _commented(self) -> Iterator[str]:
         yield f"{self.name}: written by pinpress from the pin table {Path(self.file).name}."
         yield "Drawn at crank angle 0. x to the right, z up; pins turn about (0, -1, 0), so a positive angle turns x towards z. SI units."
         yield ""
@@ -156,6 +168,14 @@ def drafted(table: str | os.PathLike[str] | None, values: Mapping[str, Any]) -> 
     tree = build_tree(parts, entries)
     name = items["press"].text("a name") if "press" in items else "press"
     return Draft(name, entries.file, unit, pins, links, parts, tree)
+
+
+def _positions(press: Linkage) -> Array:
+    """Joint positions (n, nv) over a turn, or in the drawn pose where the press cannot turn round."""
+    try:
+        return cycle(press, speed=1.0, points=24).joint_position
+    except (AssemblyError, SingularityError):
+        return press.closed[None]
 
 
 _MISSING = {

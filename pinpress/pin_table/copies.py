@@ -96,7 +96,6 @@ class _Copying:
             inertia=move.turn @ link.inertia @ move.turn.T,
             origin=move(link.origin),
             rotation=rotation,
-            solids=tuple(replace(each, centre=move(each.centre), rotation=move.turn @ each.rotation @ move.turn) for each in link.solids),
         )
 
     def gears(self, name: str, follows: tuple[str, float]) -> list[tuple[str, tuple[str, float]]]:

@@ -15,7 +15,7 @@ import numpy as np
 from ..common.errors import suggestion
 from ..common.quantities import Array
 from .formulas import number
-from .placement import AXES, SIDES, Pin
+from .placement import ALIKE, AXES, SIDES, Pin
 from .reading import Entry
 
 FRAME = "frame"
@@ -43,23 +43,6 @@ class Guide:
 
 
 @dataclass(frozen=True, eq=False)
-class Solid:
-    """A plain body, for the URDF's shapes.
-
-    Attributes:
-        kind: "box" or "disc", which is a cylinder about y.
-        size: (3,) lengths along its axes, or radius and thickness [m].
-        centre: (3,) world coordinates.
-        rotation: (3, 3) its axes in the world.
-    """
-
-    kind: str
-    size: tuple[float, ...]
-    centre: Array
-    rotation: Array
-
-
-@dataclass(frozen=True, eq=False)
 class Link:
     """A link in the drawn pose, in world coordinates.
 
@@ -73,7 +56,6 @@ class Link:
         origin: (3,) its first pin.
         rotation: (3, 3) its own axes in the world.
         estimates: what was not given, in words.
-        solids: bodies that it is made of, where the table says so.
         entry: where it stands in the table.
     """
 
@@ -86,8 +68,24 @@ class Link:
     origin: Array
     rotation: Array
     estimates: tuple[str, ...]
-    solids: tuple[Solid, ...]
     entry: Entry
+
+
+@dataclass(frozen=True, eq=False)
+class _Solid:
+    """A plain body.
+
+    Attributes:
+        kind: "box" or "disc", which is a cylinder about y.
+        size: (3,) lengths along its axes, or radius and thickness [m].
+        centre: (3,) world coordinates.
+        rotation: (3, 3) its axes in the world.
+    """
+
+    kind: str
+    size: tuple[float, ...]
+    centre: Array
+    rotation: Array
 
 
 @dataclass(frozen=True, eq=False)
@@ -139,8 +137,8 @@ class _Reader:
         origin = self.pins[pins[0]].point
         rotation = self._rotation(pins, guide)
         space = _Space(self, name, pins, guide, origin, rotation)
-        body, estimates, solids = _Masses(space, items, entry).found()
-        return Link(name, tuple(pins), guide, body.mass, body.centre, body.inertia, origin, rotation, estimates, solids, entry)
+        body, estimates = _Masses(space, items, entry).found()
+        return Link(name, tuple(pins), guide, body.mass, body.centre, body.inertia, origin, rotation, estimates, entry)
 
     def _without(self, entry: Entry) -> bool:
         if entry.value not in ("none", "all"):
@@ -276,10 +274,9 @@ class _Masses:
     def __init__(self, space: _Space, items: Mapping[str, Entry], entry: Entry) -> None:
         self.space, self.items, self.entry = space, items, entry
         self.estimates: list[str] = []
-        self.solids: list[Solid] = []
 
-    def found(self) -> tuple[_Body, tuple[str, ...], tuple[Solid, ...]]:
-        """The link's body, what of it is estimated, and the solids that it is made of."""
+    def found(self) -> tuple[_Body, tuple[str, ...]]:
+        """The link's body, and what of it is estimated."""
         given = [key for key in SOLIDS if key in self.items]
         if len(given) > 1:
             self.items[given[1]].refuse(f"{' and '.join(given)}", "give one of them; weld others on as parts")
@@ -297,7 +294,7 @@ class _Masses:
         else:
             self.entry.refuse("no mass", "give mass, section, box or disc; or say masses: none at the top")
         bodies = [body, *(self._part(each) for each in self._parts())] if not self.space.reader.without else [body]
-        return _sum(bodies), tuple(self.estimates), tuple(self.solids)
+        return _sum(bodies), tuple(self.estimates)
 
     def _weightless(self) -> _Body:
         points = self.space.points()
@@ -340,13 +337,7 @@ class _Masses:
 
     def _plate(self, mass: float, points: Sequence[Array]) -> tuple[Array, Array]:
         """Centroid and inertia of a lamina whose corners are the pins' convex hull."""
-        from scipy.spatial import ConvexHull, QhullError  # only for plates
-
-        flat = np.array(points)[:, [0, 2]]
-        try:
-            corners = flat[ConvexHull(flat).vertices]  # counter-clockwise
-        except QhullError:
-            self.entry.refuse("its pins are on a line, which makes no plate", "give com and inertia, or a section")
+        corners = self._corners(np.array(points)[:, [0, 2]])
         following = np.roll(corners, -1, axis=0)
         cross = corners[:, 0] * following[:, 1] - following[:, 0] * corners[:, 1]
         area = float(cross.sum()) / 2
@@ -362,6 +353,18 @@ class _Masses:
         second = np.zeros((3, 3))
         second[np.ix_([0, 2], [0, 2])] = squares * mass / area
         return np.array([centroid[0], points[0][1], centroid[1]]), np.trace(second) * np.eye(3) - second
+
+    def _corners(self, points: Array) -> Array:
+        """Corners (k, 2) of the convex hull of points, counter-clockwise."""
+        away = points - points[0]
+        areas = away[:, None, 0] * away[None, :, 1] - away[:, None, 1] * away[None, :, 0]
+        if np.abs(areas).max() <= ALIKE * np.square(away).max():
+            self.entry.refuse("its pins are on a line, which makes no plate", "give com and inertia, or a section")
+        if len(points) == 3:
+            return points if areas[1, 2] > 0 else points[::-1]
+        from scipy.spatial import ConvexHull  # half a second to import, for plates of four pins and more
+
+        return np.asarray(points[ConvexHull(points).vertices])
 
     def _inertia(self, mass: float, centre: Array) -> Array:
         """The inertia that is given: about the centre of mass or about a pin, by a radius of gyration, or all three moments."""
@@ -404,14 +407,13 @@ class _Masses:
         else:
             centre = space.place(self.items["com"]) if "com" in self.items else space.points()[0]
             solid = self._solid(kind, entry, centre)
-        self.solids.append(solid)
         density = space.reader._above_zero(self.items["density"], "a density") if "density" in self.items else space.reader.density
         mass = space.reader._above_zero(self.items["mass"], "a mass") if "mass" in self.items else density * _volume(solid)
         centre = space.place(self.items["com"]) if "com" in self.items else solid.centre
         inertia = self._inertia(mass, centre) if "inertia" in self.items or "gyration" in self.items else _inertia_of(solid, mass)
         return _Body(mass, centre, inertia)
 
-    def _prism(self, entry: Entry) -> Solid:
+    def _prism(self, entry: Entry) -> _Solid:
         height, width = self.space.lengths(entry, "section: height x width", 2)
         points = self.space.points()
         if len(points) < 2:
@@ -423,12 +425,12 @@ class _Masses:
         beyond = number(self.items["overhang"], self.space.reader.parameters) * self.space.reader.unit if "overhang" in self.items else 0.0
         if length + 2 * beyond <= 0:
             self.items["overhang"].refuse("nothing is left of the link", "write a larger overhang")
-        return Solid("box", (length + 2 * beyond, width, height), (points[0] + points[1]) / 2, turned(way))
+        return _Solid("box", (length + 2 * beyond, width, height), (points[0] + points[1]) / 2, turned(way))
 
-    def _solid(self, kind: str, entry: Entry, centre: Array) -> Solid:
+    def _solid(self, kind: str, entry: Entry, centre: Array) -> _Solid:
         if kind == "box":
-            return Solid("box", self.space.lengths(entry, "box: length x width x height", 3), centre, self.space.rotation)
-        return Solid("disc", self.space.lengths(entry, "disc: radius x thickness", 2), centre, self.space.rotation)
+            return _Solid("box", self.space.lengths(entry, "box: length x width x height", 3), centre, self.space.rotation)
+        return _Solid("disc", self.space.lengths(entry, "disc: radius x thickness", 2), centre, self.space.rotation)
 
     def _parts(self) -> Iterator[Entry]:
         yield from self.items["parts"].list("parts: [{mass: 20, at: A}]") if "parts" in self.items else ()
@@ -444,7 +446,6 @@ class _Masses:
         inertia = np.zeros((3, 3))
         if kinds:
             solid = self._solid(kinds[0], items[kinds[0]], centre)
-            self.solids.append(solid)
             density = space.reader._above_zero(items["density"], "a density") if "density" in items else space.reader.density
             mass = mass or density * _volume(solid)
             inertia = _inertia_of(solid, mass)
@@ -474,11 +475,11 @@ def _sum(bodies: Sequence[_Body]) -> _Body:
     return bodies[0] if len(bodies) == 1 else _Body(mass, centre, sum((body.about(centre) for body in bodies), np.zeros((3, 3))))
 
 
-def _volume(solid: Solid) -> float:
+def _volume(solid: _Solid) -> float:
     return float(np.prod(solid.size)) if solid.kind == "box" else float(np.pi * solid.size[0] ** 2 * solid.size[1])
 
 
-def _inertia_of(solid: Solid, mass: float) -> Array:
+def _inertia_of(solid: _Solid, mass: float) -> Array:
     if solid.kind == "box":
         x, y, z = (length**2 for length in solid.size)
         own = np.diag([y + z, x + z, x + y]) * mass / 12

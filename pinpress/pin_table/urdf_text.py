@@ -11,6 +11,8 @@ import numpy as np
 import pinocchio as pin
 
 from ..common.quantities import Array
+from ..visual.shapes.appearance import Body
+from ..visual.shapes.solids import Box, Cylinder, Part, Sphere
 from .copies import Parts
 from .links import FRAME, Link, turned
 from .placement import Pin
@@ -18,7 +20,6 @@ from .tree import Joint, Tree
 
 REACH = 2.0  # limits of guides, beside the size of the press: guides end nowhere
 EFFORT, VELOCITY = 1e9, 1e3  # which URDF asks of guides; they limit nothing here
-THIN = 0.03  # radius of a pin's cylinder beside the size of the press
 SHAFT = "_drive"  # added to the name of a driven guide
 CROSS = "_cross"  # added to the name of a ball joint that a link hangs by
 
@@ -39,7 +40,7 @@ class _Place:
         return np.asarray(self.rotation.T @ (world - self.origin))
 
 
-def urdf_text(name: str, comment: str, parts: Parts, tree: Tree) -> bytes:
+def urdf_text(name: str, comment: str, parts: Parts, tree: Tree, bodies: Sequence[Body] = ()) -> bytes:
     """The URDF as UTF-8.
 
     Args:
@@ -47,13 +48,15 @@ def urdf_text(name: str, comment: str, parts: Parts, tree: Tree) -> bytes:
         comment: at the top of the file.
         parts: links and pins in the drawn pose.
         tree: their bearings.
+        bodies: what the links look like; none: the URDF has no shapes.
     """
-    return _Writer(name, comment, parts, tree).text().encode()
+    shapes = {body.name: [_visual(each, body.name) for each in body.parts] for body in bodies}
+    return _Writer(name, comment, parts, tree, shapes).text().encode()
 
 
 class _Writer:
-    def __init__(self, name: str, comment: str, parts: Parts, tree: Tree) -> None:
-        self.name, self.comment, self.parts, self.tree = name, comment, parts, tree
+    def __init__(self, name: str, comment: str, parts: Parts, tree: Tree, shapes: Mapping[str, Sequence[str]]) -> None:
+        self.name, self.comment, self.parts, self.tree, self.shapes = name, comment, parts, tree, shapes
         self.links = {link.name: link for link in parts.links}
         points = np.array([pin.point for pin in parts.pins.values()])
         self.size = float(np.linalg.norm(np.ptp(points, axis=0))) or 1.0
@@ -66,7 +69,7 @@ class _Writer:
     def text(self) -> str:
         """The whole file."""
         lines = ['<?xml version="1.0"?>', "<!--", *(f"  {line}".rstrip() for line in self.comment.replace("--", "- -").splitlines()), "-->"]
-        lines += [f"<robot name={quoteattr(self.name)}>", f'  <link name="{FRAME}"/>']
+        lines += [f"<robot name={quoteattr(self.name)}>", *self._frame()]
         for link in self.links.values():
             lines += ["", *self._link(link)]
         lines.append("")
@@ -81,6 +84,12 @@ class _Writer:
 
     # Links
 
+    def _frame(self) -> list[str]:
+        shapes = self.shapes.get(FRAME)
+        if not shapes:
+            return [f'  <link name="{FRAME}"/>']
+        return [f'  <link name="{FRAME}">', *(f"    {shape}" for shape in shapes), "  </link>"]
+
     def _link(self, link: Link) -> Iterator[str]:
         place = self.places[link.name]
         for estimate in link.estimates:
@@ -91,40 +100,8 @@ class _Writer:
         yield f'  <link name="{link.name}">'
         centre = _vector(place.point(link.centre), self.size)
         yield f'    <inertial><origin xyz="{centre}"/><mass value="{_number(link.mass)}"/>{_tag("inertia", moments)}</inertial>'
-        yield from (f"    {shape}" for shape in self._shapes(link))
+        yield from (f"    {shape}" for shape in self.shapes.get(link.name, ()))
         yield "  </link>"
-
-    def _shapes(self, link: Link) -> Iterator[str]:
-        """Solids that the table gives; else a bar along the pins; a cylinder at every pin."""
-        place, radius = self.places[link.name], THIN * self.size
-        for solid in link.solids:
-            if solid.kind == "box":
-                yield self._visual(place, solid.centre, solid.rotation, f'<box size="{_vector(np.array(solid.size))}"/>')
-            else:
-                along = _axes_with_z(solid.rotation[:, 1])
-                yield self._visual(
-                    place, solid.centre, along, f'<cylinder radius="{_number(solid.size[0])}" length="{_number(solid.size[1])}"/>'
-                )
-        pins = [self.parts.pins[name] for name in link.pins]
-        if not link.solids:
-            for end in pins[1:]:
-                way = end.point - pins[0].point
-                if (length := float(np.linalg.norm(way))) > 0:
-                    size = _vector(np.array([length, 1.2 * radius, 1.6 * radius]))
-                    yield self._visual(place, (pins[0].point + end.point) / 2, turned(way), f'<box size="{size}"/>')
-            if len(pins) == 1 or link.guide is not None:
-                side = _number(max((link.mass / 7850.0) ** (1 / 3), radius))
-                yield self._visual(place, link.centre, place.rotation, f'<box size="{side} {side} {side}"/>')
-        for each in pins:
-            if each.axis is None:
-                yield self._visual(place, each.point, np.eye(3), f'<sphere radius="{_number(radius)}"/>')
-            else:
-                shape = f'<cylinder radius="{_number(0.8 * radius)}" length="{_number(2.4 * radius)}"/>'
-                yield self._visual(place, each.point, _axes_with_z(each.axis), shape)
-
-    def _visual(self, place: _Place, centre: Array, rotation: Array, shape: str) -> str:
-        origin = self._origin(place.inside(_Place(centre, rotation)))
-        return f"<visual>{origin}<geometry>{shape}</geometry></visual>"
 
     # Bearings
 
@@ -209,11 +186,30 @@ class _Writer:
         return any(joint.name == name and joint.pin is None for joint in self.tree.joints)
 
     def _origin(self, place: _Place) -> str:
-        xyz, rpy = _vector(place.origin, self.size), _vector(_rpy(place.rotation), 1.0)
-        return f'<origin xyz="{xyz}"/>' if rpy == "0 0 0" else f'<origin xyz="{xyz}" rpy="{rpy}"/>'
+        return _origin(place.origin, place.rotation, self.size)
 
 
 _MOMENTS = (("x", "x", 0, 0), ("x", "y", 0, 1), ("x", "z", 0, 2), ("y", "y", 1, 1), ("y", "z", 1, 2), ("z", "z", 2, 2))
+
+
+def _origin(point: Array, rotation: Array, size: float) -> str:
+    xyz, rpy = _vector(point, size), _vector(_rpy(rotation), 1.0)
+    return f'<origin xyz="{xyz}"/>' if rpy == "0 0 0" else f'<origin xyz="{xyz}" rpy="{rpy}"/>'
+
+
+def _visual(part: Part, link: str) -> str:
+    """A solid in its colour, to a tenth of a millimetre."""
+    shape = part.shape
+    if isinstance(shape, Box):
+        solid = f'<box size="{_vector(np.round(shape.size, 4))}"/>'
+    elif isinstance(shape, Cylinder):
+        solid = f'<cylinder radius="{_number(round(shape.radius, 4))}" length="{_number(round(shape.length, 4))}"/>'
+    else:
+        assert isinstance(shape, Sphere)
+        solid = f'<sphere radius="{_number(round(shape.radius, 4))}"/>'
+    place = _origin(np.round(part.placement[:3, 3], 4) + 0.0, part.placement[:3, :3], 1.0)
+    colour = _vector(np.round(part.rgba, 3))
+    return f'<visual>{place}<geometry>{solid}</geometry><material name="{link} {colour}"><color rgba="{colour}"/></material></visual>'
 
 
 def _massless(name: str) -> str:

@@ -176,6 +176,16 @@ def test_a_plate_is_a_triangle_of_its_pins():
     assert rocker.inertia[1, 1] == pytest.approx(100 * sides / 36, rel=1e-12)
 
 
+def test_a_plate_of_four_pins_is_two_triangles():
+    """A rectangle 200 x 300 with a fifth pin inside: m (a2 + b2) / 12 about its middle."""
+    pins = {"A": [0, 0], "B": [200, 0], "C": [200, 300], "D": [0, 300], "E": [90, 100]}
+    plate = {"pins": "A B C D E", "mass": 12, "parts": [{"mass": 1e-12, "at": "A"}]}
+    draft = drafted(None, crank_slide(pins=crank_slide()["pins"] | pins, links=links(plate=plate), frame="O A"))
+    made = next(link for link in draft.links if link.name == "plate")
+    assert made.centre == pytest.approx([0.1, 0, 0.15], abs=1e-12)
+    assert made.inertia[1, 1] == pytest.approx(12 * (0.2**2 + 0.3**2) / 12, rel=1e-9)
+
+
 def test_without_masses_the_forces_of_loads_remain():
     """A crank-slide at 30 deg that holds 1 kN by its torque: the closed form of a massless one."""
     table = crank_slide(
