@@ -8,6 +8,7 @@ import tempfile
 from pathlib import Path
 
 import pinpress as pp
+from pinpress.pin_table.building import drafted
 
 HERE = Path(__file__).parent / "tour"
 SPEED = 60 * pp.RPM
@@ -26,7 +27,13 @@ LINK, PIN, THIN, BLUE = "#2b5c8a", "#ffffff", "#7a828c", "#b3392b"
 def main() -> None:
     HERE.mkdir(exist_ok=True)
     (HERE / "sketch.svg").write_text(sketch(), encoding="utf-8")
-    press = pp.load(HERE / "knuckle.urdf")
+    draft = drafted(table("650"), {})
+    (HERE / "drawn_pose.svg").write_text(draft.sketch, encoding="utf-8")
+    try:
+        drafted(table("550"), {})
+    except pp.PinTableError as error:
+        (HERE / "does_not_meet.svg").write_text(str(error.sketch), encoding="utf-8")
+    press = draft.press()
     motion = pp.cycle(press, speed=SPEED, points=720)
     loaded = pp.inverse_dynamics(press, motion, loads=[COINING])
     pp.plots.save(pp.plots.slide(motion), HERE / "slide.svg")
@@ -34,6 +41,15 @@ def main() -> None:
     with tempfile.TemporaryDirectory() as folder:
         page = pp.record(press, motion, Path(folder) / "knuckle.html", reactions=loaded, traces=[("lower", (0.0, 0.0, 0.0))])
         pp.video.image(page, HERE / "knuckle.png", time=NEAR_BOTTOM, size=(900, 720))
+
+
+def table(coupler: str) -> Path:
+    """The tour's pin table with a coupler of this length [mm], in a file."""
+    text = (HERE.parent / "tour.md").read_text(encoding="utf-8")
+    shown = text.partition('```yaml title="knuckle.yaml"\n')[2].partition("```")[0]
+    path = Path(tempfile.mkdtemp()) / "knuckle.yaml"
+    path.write_text(shown.replace("P: 650", f"P: {coupler}"), encoding="utf-8")
+    return path
 
 
 def sketch() -> str:

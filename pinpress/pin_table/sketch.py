@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from xml.etree import ElementTree
 from xml.etree.ElementTree import Element, SubElement
 
@@ -27,8 +27,7 @@ def of_parts(name: str, parts: Parts, unit: float, unit_name: str) -> str:
         sheet.link(link, parts.pins, COLOURS[k % len(COLOURS)])
     for link in parts.links:
         sheet.dimensions(link, parts.pins, unit)
-    for pin in parts.pins.values():
-        sheet.pin(pin, fixed=pin.name in parts.frame)
+    sheet.pins(parts.pins.values(), parts.frame)
     return sheet.text()
 
 
@@ -45,8 +44,7 @@ def of_failure(error: UnreachableError, unit: float, unit_name: str) -> str:
         sheet.circle(centre, radius, f"{radius / unit:.6g}")
     if error.along is not None:
         sheet.line(*error.along)
-    for pin in error.pins:
-        sheet.pin(pin, fixed=False)
+    sheet.pins(error.pins, ())
     return sheet.text()
 
 
@@ -93,22 +91,28 @@ class _Sheet:
 
     def dimensions(self, link: Link, pins: Mapping[str, Pin], unit: float) -> None:
         """Lengths from the first pin of a link to its others."""
-        a = pins[link.pins[0]].point
-        for end in link.pins[1:]:
-            b = pins[end].point
+        a, *others = (pins[name].point for name in link.pins)
+        for b in {tuple(point): point for point in others}.values():
             length = float(np.linalg.norm(b - a))
             if length > 0:
                 x, y = self.at((a + b)[[0, 2]] / 2)
                 self._label(x + 8, y + 16, f"{length / unit:.6g}", None, "dimension")
 
-    def pin(self, pin: Pin, fixed: bool) -> None:
-        """A pin with its name; on hatching where the frame has it."""
-        x, y = self.at(pin.point[[0, 2]])
+    def pins(self, pins: Iterable[Pin], frame: Sequence[str]) -> None:
+        """Pins with their names, one circle for those that cover each other; on a support where the frame has them."""
+        places: dict[tuple[float, float], list[str]] = {}
+        for pin in pins:
+            x, y = self.at(pin.point[[0, 2]])
+            places.setdefault((round(x, 1), round(y, 1)), []).append(pin.name)
+        for (x, y), names in places.items():
+            self._pin(x, y, ", ".join(names), any(name in frame for name in names))
+
+    def _pin(self, x: float, y: float, words: str, fixed: bool) -> None:
         if fixed:
             path = f"M{x:.1f},{y:.1f} l-13,20 h26 z M{x - 16:.1f},{y + 20:.1f} h32"
             SubElement(self.root, "path", {"d": path, "fill": "#fff", "stroke": INK, "stroke-width": "2"})
         SubElement(self.root, "circle", {"cx": f"{x:.1f}", "cy": f"{y:.1f}", "r": "6", "fill": "#fff", "stroke": INK, "stroke-width": "2"})
-        self._label(x + 11, y - 9, pin.name, None)
+        self._label(x + 11, y - 9, words, None)
 
     def circle(self, centre: Array, radius: float, words: str) -> None:
         """A circle about a pin."""

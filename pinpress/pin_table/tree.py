@@ -52,10 +52,10 @@ class Loop:
 
 @dataclass(frozen=True)
 class Tree:
-    """The tree of a press, parents before their children, and the bearings that close its loops.
+    """The tree of a press and the bearings that close its loops.
 
     Attributes:
-        joints: of the tree.
+        joints: of the tree, in the table's order of the links that hang by them.
         loops: others.
         drivers: names of driven joints.
         gears: by the name of a joint, the joint that it follows and how many times it moves as far.
@@ -98,7 +98,7 @@ class _Growing:
             self._hang(name, None, FRAME)
         while len(self.hung) <= len(self.links):
             self._hang(*self._next())
-        joints = tuple(Joint(self._joint_name(name), pin, parent, name) for name, (pin, parent) in self.by.items())
+        joints = tuple(Joint(self._joint_name(name), *self.by[name], name) for name in self.links)
         named = {joint.pin or joint.name: joint.name for joint in reversed(joints)}  # of several at a pin, the first
         gears = {self._bearing(name, named): (self._bearing(leader, named), k) for name, (leader, k) in self.parts.gears.items()}
         return Tree(joints, tuple(self._loops()), tuple(self._bearing(name, named) for name in self.parts.drivers), gears)

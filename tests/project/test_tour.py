@@ -37,7 +37,9 @@ def test_writes_what_it_says(session: tuple[dict[str, Any], list[page_blocks.Sho
     for name, least in (("knuckle.html", 500_000), ("report.html", 1_000_000), ("cycle.csv", 100_000), ("out/recording.html", 500_000)):
         assert Path(name).stat().st_size > least
     complete = (TOUR.parent / "tour" / "knuckle.urdf").read_text(encoding="utf-8")
-    assert Path("knuckle.urdf").read_text(encoding="utf-8") == complete
+    assert Path("by_hand.urdf").read_text(encoding="utf-8") == complete
+    for drawn in ("knuckle.svg", "short.svg"):
+        assert "<circle" in Path(drawn).read_text(encoding="utf-8")
 
 
 def test_masses_are_those_of_steel_prisms(session: tuple[dict[str, Any], list[page_blocks.Shown]]) -> None:
