@@ -1,11 +1,11 @@
-"""What yields between crank and slide: compliance, bottom dead centre over speed, snap-through of a blank.
+"""Elastic parts between crank and slide: compliance, bottom dead centre over speed, snap-through of a blank.
 
     stiffness = pp.elasticity.Stiffness(dict.fromkeys("ABCDEF", 2e9), shaft=3e7, frame=4e9)  # bearings in N/m, shaft in N m/rad
     compliance = pp.elasticity.compliance(press, stiffness)
     compliance.bottom_stiffness  # N/m at the slide
     pp.elasticity.snap_through(force=1e6, stiffness=compliance.bottom_stiffness, mass=7000.0).overshoot  # m
 
-Deflections are small: the parts' springs change where the slide is, not how the linkage moves.
+Deflections are small: the springs of the parts shift the slide, and leave the motion of the linkage as it is.
 """
 
 import lazy_loader

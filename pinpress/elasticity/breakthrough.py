@@ -1,16 +1,17 @@
-"""Snap-through after break-through in blanking: the press, loaded and sprung, is let go and swings through into reverse load.
+"""Snap-through after break-through in blanking: the sprung press is suddenly unloaded and swings through into reverse load.
 
 The slide, of effective mass m, hangs on the spring k of the press with the damping ratio zeta. Its displacement x counts along the guide's
-axis (upwards) from where it would be without force. A force F on the slide holds it at F / k; as the blank breaks it falls linearly to
+axis (upwards) from its place without force. A force F on the slide holds it at F / k. When the blank breaks, the force falls linearly to
 zero within a break-through time tau, or at once. Then m x'' + c x' + k x = F(t), x(0) = F / k, x'(0) = 0, c = 2 zeta sqrt(k m). While x < 0
-the linkage is pulled: k |x| is its reverse load, and |x| the overshoot of the slide, by which the punch goes too deep. The slide's weight
-is taken for balanced, the crank for held, its travel within the snap for small.
+the linkage is pulled: k |x| is its reverse load, and |x| the overshoot of the slide, by which the punch goes too deep. The model takes the
+slide's weight as balanced, the crank as held, and its travel during the snap as small.
 
-With a clearance g in the bearings the spring is in touch for x > 0 and for x < -g; between them the slide flies freely, and is damped no
-more. Every segment is solved in closed form; where it ends is found to rounding.
+With a clearance g in the bearings the spring is in contact for x > 0 and for x < -g; between them the slide flies freely and without
+damping. Every segment is solved in closed form, and its end is found to rounding.
 
-Closed forms, without clearance: at once, reverse load F exp(-zeta pi / sqrt(1 - zeta^2)); within tau, undamped,
-F |sin(w tau / 2) / (w tau / 2)|, w = sqrt(k / m) (a linear drop of force on a linear oscillator; any textbook of vibrations).
+Closed forms without clearance: for a sudden break the reverse load is F exp(-zeta pi / sqrt(1 - zeta^2)). For a break within tau and
+without damping it is F |sin(w tau / 2) / (w tau / 2)|, w = sqrt(k / m) (a linear drop of force on a linear oscillator; any textbook of
+vibrations).
 """
 
 from __future__ import annotations
@@ -29,15 +30,15 @@ from ..common.frozen import read_only
 from ..common.quantities import Array
 from ..common.results import Tabular
 
-WEAKEST = 1e-6  # ratio of reverse load and force, below which no force counts as permitted
-GROWTH = 1.05  # of the force, in the search for one with clearance
-AT_ONCE = 1e-9  # w tau: the reverse load differs by (w tau)^2 / 24
-NO_CLEARANCE = 1e-13  # of the deflection F / k
+WEAKEST = 1e-6  # ratio of reverse load to force; below it the reverse load limits no force
+GROWTH = 1.05  # of the force from trial to trial, in the search with clearance
+AT_ONCE = 1e-9  # w tau below which a break is sudden: the reverse load differs by (w tau)^2 / 24
+NO_CLEARANCE = 1e-13  # of the deflection F / k: a clearance this small is none
 LONGEST = 1e3  # periods that a break-through may take
-STEPS = 32  # into which half a period is divided to look for what happens in it
-PERIODS = 6  # that are shown after the force is gone
-CALM = 1e-24  # of the elastic energy: what is left is rounding
-TOUCHING = 1e-13  # of the deflection F / k: what is beyond an edge by less is on it
+STEPS = 32  # of half a period, in which turning points and edges of the clearance are looked for
+PERIODS = 6  # of vibration after the force is gone
+CALM = 1e-24  # of the elastic energy: less is rounding
+TOUCHING = 1e-13  # of the deflection F / k: a slide this close to an edge of the clearance is on it
 MOST = 20_000  # segments of half a period
 
 
@@ -46,21 +47,21 @@ class SnapThroughResponse(Tabular):
     """Response of the slide and the sprung press to break-through. All arrays are read-only.
 
     Attributes:
-        force: F, at break-through [N].
-        stiffness: k, of the press [N/m].
-        mass: m, of the slide and what yields with it [kg].
-        damping_ratio: zeta [-].
-        break_time: tau, in which the force falls to zero [s].
-        clearance: g, of the bearings together [m].
-        energy: F^2 / (2 k), elastic energy stored at break-through [J].
-        reverse_force: largest pull of the spring k |x| [N].
-        overshoot: of the slide beyond its unloaded position, clearance included [m].
-        peak_acceleration: largest magnitude [m/s2].
-        frequency: of the vibration after it, w sqrt(1 - zeta^2) [rad/s]; without the flights through a clearance, which slow it.
-        time: (n,) in unequal steps, closest where segments meet [s].
-        displacement: (n,) x [m].
-        velocity: (n,) x' [m/s].
-        spring_force: (n,) of the spring on the linkage, positive where it is pressed [N].
+        force: Force F at break-through [N].
+        stiffness: Stiffness k of the press [N/m].
+        mass: Mass m of the slide and the parts that move with it [kg].
+        damping_ratio: Damping ratio zeta [-].
+        break_time: Time tau in which the force falls to zero [s].
+        clearance: Clearance g of the bearings together [m].
+        energy: Elastic energy stored at break-through, F^2 / (2 k) [J].
+        reverse_force: Reverse load, the largest pull of the spring on the linkage [N].
+        overshoot: Largest displacement of the slide beyond its unloaded position, with the clearance [m].
+        peak_acceleration: Largest magnitude of the slide's acceleration [m/s2].
+        frequency: Frequency of the vibration after it, w sqrt(1 - zeta^2) [rad/s]; flights through a clearance slow it further.
+        time: (n,) times from break-through, in unequal steps [s].
+        displacement: (n,) displacement x [m].
+        velocity: (n,) velocity x' [m/s].
+        spring_force: (n,) force of the spring on the linkage, positive in compression [N].
     """
 
     force: float
@@ -81,7 +82,7 @@ class SnapThroughResponse(Tabular):
 
     @property
     def reverse_ratio(self) -> float:
-        """Reverse load beside the force at break-through [-]."""
+        """Reverse load divided by the force at break-through [-]."""
         return self.reverse_force / self.force
 
     @property
@@ -96,7 +97,7 @@ class SnapThroughResponse(Tabular):
         )
 
     def columns(self) -> dict[str, Array]:
-        """The response as (n,) columns under their names with units."""
+        """A row for each time: displacement, velocity and force."""
         return {
             "time [s]": self.time,
             "displacement [m]": self.displacement,
@@ -108,21 +109,22 @@ class SnapThroughResponse(Tabular):
 def snap_through(
     force: float, stiffness: float, mass: float, *, damping_ratio: float = 0.0, break_time: float = 0.0, clearance: float = 0.0
 ) -> SnapThroughResponse:
-    """Reverse load, overshoot and vibration of a press after break-through.
+    """Find reverse load, overshoot and vibration of a press after break-through.
 
     Args:
-        force: of blanking as the blank breaks through [N].
-        stiffness: of the press at that height, 1 / `SlideCompliance.compliance` [N/m].
-        mass: of the slide and what yields with it, with the upper die: `SlideCompliance.effective_mass` and the die's [kg].
-        damping_ratio: zeta, from 0 to below 1 [-].
-        break_time: in which the force falls to zero [s].
-        clearance: of the bearings in the line of force, together [m].
+        force: Force of blanking when the blank breaks through [N].
+        stiffness: Stiffness of the press at that height, 1 / `SlideCompliance.compliance` [N/m].
+        mass: Mass of the slide and the parts that move with it, with the upper die: `SlideCompliance.effective_mass` and the die's mass
+            [kg].
+        damping_ratio: Damping ratio zeta, from 0 to below 1 [-].
+        break_time: Time in which the force falls to zero; 0: at once [s].
+        clearance: Clearance of all bearings in the line of force together [m].
 
     Raises:
-        PinpressError: an argument out of range, a break-through longer than 1000 periods.
+        PinpressError: An argument is out of range, the break-through takes longer than 1000 periods, or the slide does not come to rest.
     """
-    case = _case(force, stiffness, mass, damping_ratio, break_time, clearance)
-    parts = list(segments(_resolved(case)))
+    release = _release(force, stiffness, mass, damping_ratio, break_time, clearance)
+    parts = list(segments(_without_traces(release)))
     lowest, overload = _lowest(parts), 0.0
     time, displacement, velocity = [], [], []
     for segment, span in parts:
@@ -136,14 +138,14 @@ def snap_through(
     last, span = parts[-1]
     end = last.at(span)
     x = np.append(np.concatenate(displacement), end[0])
-    arrays = [np.append(np.concatenate(time), last.start + span), x, np.append(np.concatenate(velocity), end[1]), _spring(case, x)]
+    arrays = [np.append(np.concatenate(time), last.start + span), x, np.append(np.concatenate(velocity), end[1]), _spring(release, x)]
     return SnapThroughResponse(
-        *case,
-        energy=0.5 * case.force**2 / case.stiffness,
-        reverse_force=max(0.0, -case.stiffness * (lowest + case.clearance)),
+        *release,
+        energy=0.5 * release.force**2 / release.stiffness,
+        reverse_force=max(0.0, -release.stiffness * (lowest + release.clearance)),
         overshoot=-lowest,
         peak_acceleration=overload,
-        frequency=case.frequency * math.sqrt(1 - case.damping_ratio**2),
+        frequency=release.frequency * math.sqrt(1 - release.damping_ratio**2),
         time=arrays[0],
         displacement=arrays[1],
         velocity=arrays[2],
@@ -160,23 +162,25 @@ def permissible_breakthrough(
     break_time: float = 0.0,
     clearance: float = 0.0,
 ) -> Array:
-    """Force (n,) at break-through after which the reverse load is just what is permitted [N]; the least, where a clearance gives several
-    that are more than a twentieth apart.
+    """Find the force at break-through after which the reverse load just reaches its permitted value.
+
+    With a clearance several forces may do so; then it is the least of those that are more than a twentieth apart. The first three arguments
+    are (n,) arrays, for example over the height, or single numbers.
 
     Args:
-        reverse_force: permitted; builders often name 10 to 20 % of the nominal force [N].
-        stiffness: of the press, over height: 1 / `SlideCompliance.compliance` [N/m].
-        mass: over height: `SlideCompliance.effective_mass` and that of the upper die [kg].
-        damping_ratio: as of `snap_through` [-].
-        break_time: as of `snap_through` [s].
-        clearance: as of `snap_through` [m].
+        reverse_force: Permitted reverse load; builders often name 10 to 20 % of the nominal force [N].
+        stiffness: Stiffness of the press, 1 / `SlideCompliance.compliance` [N/m].
+        mass: `SlideCompliance.effective_mass` and the mass of the upper die together [kg].
+        damping_ratio: As for `snap_through` [-].
+        break_time: As for `snap_through` [s].
+        clearance: As for `snap_through` [m].
 
     Returns:
-        (n,) of the first three, (n,) each or one number.
+        (n,) forces [N].
 
     Raises:
-        PinpressError: arrays of different lengths, an argument out of range, a break-through so slow that no force brings the reverse load
-            about.
+        PinpressError: Arrays differ in length, an argument is out of range, or the break-through is so slow that no force causes this
+            reverse load.
     """
     asked = {"reverse_force": reverse_force, "stiffness": stiffness, "mass": mass}
     try:
@@ -191,61 +195,8 @@ def permissible_breakthrough(
     return read_only(found)
 
 
-def _permissible(reverse: float, stiffness: float, mass: float, damping_ratio: float, break_time: float, clearance: float) -> float:
-    positive("reverse_force", reverse, "N")
-    linear = snap_through(reverse, stiffness, mass=mass, damping_ratio=damping_ratio, break_time=break_time).reverse_ratio
-    if linear < WEAKEST:
-        raise PinpressError(
-            f"after a break-through of {break_time:g} s the reverse load is below 1e-6 of the force: it permits any force; shorten the time"
-        )
-    if clearance == 0.0:
-        return reverse / linear
-    from scipy.optimize import brentq  # slow to import
-
-    def excess(force: float) -> float:
-        case = _case(force, stiffness, mass, damping_ratio, break_time, clearance)
-        return max(0.0, -case.stiffness * (_lowest(segments(_resolved(case), pressed=False)) + case.clearance)) - reverse
-
-    low = reverse / GROWTH  # without damping, and at once, the reverse load is the force; else it is less
-    while excess(high := GROWTH * low) < 0.0:
-        low = high
-        if low > reverse / WEAKEST:
-            raise PinpressError(f"no force brings about a reverse load of {reverse:g} N within a break-through of {break_time:g} s")
-    return float(brentq(excess, low, high, xtol=1e-12 * high, rtol=1e-14))
-
-
-def _lowest(parts: Iterable[tuple[ResponseSegment, float]]) -> float:
-    """The lowest place of the slide in these segments [m], 0 where it stays above."""
-    return min(0.0, *(float(segment.at(s)[0]) for segment, span in parts for s in (0.0, *turning(segment, span), span)))
-
-
-def _case(force: float, stiffness: float, mass: float, damping_ratio: float, break_time: float, clearance: float) -> Release:
-    sizes = positive("force", force, "N"), positive("stiffness", stiffness, "N/m"), positive("mass", mass, "kg")
-    zeta, tau, gap = number("damping_ratio", damping_ratio), number("break_time", break_time), number("clearance", clearance)
-    if not 0.0 <= zeta < 1.0:
-        raise PinpressError(f"damping_ratio is {zeta:g}: give one from 0 to below 1, of structures 0.01 to 0.1")
-    for name, value in (("break_time", tau), ("clearance", gap)):
-        if value < 0.0:
-            raise PinpressError(f"{name} is {value:g}: it cannot be negative")
-    case = Release(*sizes, zeta, tau, gap)
-    if tau * case.frequency > 2 * np.pi * LONGEST:
-        raise PinpressError(f"break_time is {tau:g} s, more than 1000 periods of the press: nothing snaps through; give a shorter one")
-    return case
-
-
-def _resolved(case: Release) -> Release:
-    """The same, at once where the break-through is so short, or without clearance where it is so small, that only rounding could tell."""
-    at_once = case.break_time * case.frequency < AT_ONCE
-    none = case.clearance * case.stiffness < NO_CLEARANCE * case.force
-    return case._replace(break_time=0.0 if at_once else case.break_time, clearance=0.0 if none else case.clearance)
-
-
-def _spring(case: Release, x: Array) -> Array:
-    return case.stiffness * (np.maximum(x, 0.0) + np.minimum(x + case.clearance, 0.0))
-
-
 class Release(NamedTuple):
-    """F [N], k [N/m], m [kg], zeta, tau [s], g [m]."""
+    """A break-through; attributes as the arguments of `snap_through`."""
 
     force: float
     stiffness: float
@@ -256,25 +207,25 @@ class Release(NamedTuple):
 
     @property
     def frequency(self) -> float:
-        """Without damping and clearance [rad/s]."""
+        """Natural frequency w without damping and clearance [rad/s]."""
         return math.sqrt(self.stiffness / self.mass)
 
 
 @dataclass(frozen=True)
 class ResponseSegment:
-    """The motion over a time s from its start, in closed form: in touch with the spring, or in free flight.
+    """The slide's motion over a time s from the segment's start, in closed form, in contact with the spring or in free flight.
 
     Attributes:
-        case: press and force.
-        start: time at s = 0 [s].
-        x: place at s = 0 [m].
-        v: velocity at s = 0 [m/s].
-        a: force at s = 0 [N].
-        b: rate of the force, a + b s [N/s].
-        slack: place at which the spring is slack [m]; None in free flight.
+        release: The break-through.
+        start: Time at s = 0 [s].
+        x: Displacement at s = 0 [m].
+        v: Velocity at s = 0 [m/s].
+        a: Force at s = 0 [N].
+        b: Rate of the force, which is a + b s [N/s].
+        slack: Displacement at which the spring is slack [m]; None in free flight.
     """
 
-    case: Release
+    release: Release
     start: float
     x: float
     v: float
@@ -284,25 +235,25 @@ class ResponseSegment:
 
     @property
     def _wave(self) -> tuple[float, float, float, float]:
-        """Decay, damped frequency, and the amplitudes of cosine and sine."""
-        case = self.case
-        decay = case.damping_ratio * case.frequency
-        damped = case.frequency * math.sqrt(1 - case.damping_ratio**2)
+        """Decay rate [1/s], damped frequency [rad/s], and the amplitudes of cosine and sine [m]."""
+        release = self.release
+        decay = release.damping_ratio * release.frequency
+        damped = release.frequency * math.sqrt(1 - release.damping_ratio**2)
         at, rate = self._particular(0.0)
         y, w = self.x - at, self.v - rate
         return decay, damped, y, (w + decay * y) / damped
 
     def _particular(self, s: Any) -> tuple[Any, float]:
-        """The particular solution, and its rate."""
-        case = self.case
+        """The particular solution [m], and its rate [m/s]."""
+        release = self.release
         assert self.slack is not None
-        rate = self.b / case.stiffness
-        return self.slack + (self.a + self.b * s) / case.stiffness - 2 * case.damping_ratio / case.frequency * rate, rate
+        rate = self.b / release.stiffness
+        return self.slack + (self.a + self.b * s) / release.stiffness - 2 * release.damping_ratio / release.frequency * rate, rate
 
     def at(self, s: Any) -> Array:
-        """x and v, (2,) or (2, n)."""
+        """Displacement [m] and velocity [m/s] at a time s or (n,) times, (2,) or (2, n)."""
         if self.slack is None:
-            m = self.case.mass
+            m = self.release.mass
             x = self.x + s * (self.v + s * (self.a / 2 + s * self.b / 6) / m)
             return np.array([x, self.v + s * (self.a + s * self.b / 2) / m])
         decay, damped, c, d = self._wave
@@ -313,26 +264,28 @@ class ResponseSegment:
         )
 
     def pressed(self, span: float) -> float:
-        """For how long within the span x is positive whatever the phase of the vibration, in touch with a spring that is slack at 0."""
+        """Time within the span during which x is positive for any phase of the vibration, in contact with a spring that is slack at 0."""
         from scipy.optimize import brentq  # slow to import
 
         decay, _, c, d = self._wave
 
-        def least(s: float) -> float:  # concave, so that it is positive up to a time, or to the end
+        def least(s: float) -> float:  # concave, so that it is positive up to some time, or to the end
             return float(self._particular(s)[0] - math.hypot(c, d) * math.exp(-decay * s))
 
         return span if least(span) > 0.0 else float(brentq(least, 0.0, span)) if least(0.0) > 0.0 else 0.0
 
     def acceleration(self, s: float) -> float:
-        """x'' [m/s2]."""
+        """Acceleration x'' at a time s [m/s2]."""
         if self.slack is None:
-            return (self.a + self.b * s) / self.case.mass
-        case = self.case
+            return (self.a + self.b * s) / self.release.mass
+        release = self.release
         x, v = self.at(s)
-        return float((self.a + self.b * s - case.stiffness * (x - self.slack)) / case.mass - 2 * case.damping_ratio * case.frequency * v)
+        return float(
+            (self.a + self.b * s - release.stiffness * (x - self.slack)) / release.mass - 2 * release.damping_ratio * release.frequency * v
+        )
 
     def jerk_zeros(self, span: float) -> list[float]:
-        """Times within the span at which the acceleration is extreme."""
+        """Times within the span at which the acceleration has an extreme value [s]."""
         if self.slack is None:
             return []
         decay, damped, c, d = self._wave
@@ -342,78 +295,155 @@ class ResponseSegment:
         return [float(s) for s in np.arange(first, span, np.pi / damped)]
 
 
+def segments(release: Release, pressed: bool = True) -> Iterator[tuple[ResponseSegment, float]]:
+    """The segments of the motion, at most half a period each, with their lengths [s].
+
+    They end when the force is gone, the slide has turned in reverse load (or is at rest), and `PERIODS` are over.
+
+    Args:
+        release: The break-through.
+        pressed: Whether to begin at break-through. Otherwise the time is left out during which the slide certainly stays in contact with
+            the spring, which is most of a slow break.
+
+    Raises:
+        PinpressError: The slide does not come to rest.
+    """
+    half = np.pi / release.frequency
+    end = release.break_time + PERIODS * 2 * half
+    t, x, v = _start(release, half, pressed)
+    side, turned = 1, False  # 1: pressed, 0: in flight, -1: pulled
+    for _ in range(MOST):
+        segment, dropping = _segment(release, t, x, v, side), t < release.break_time
+        if side == 0 and not dropping and release.mass * v * v <= CALM * release.force**2 / release.stiffness:
+            yield segment, max(end - t, 0.0)
+            return
+        span = min(half, release.break_time - t) if dropping else half
+        left = _coasting(release, x, v) if side == 0 and not dropping else _leaving(segment, span, side)
+        dropped = dropping and left is None and span == release.break_time - t
+        span = span if left is None else left.after
+        yield segment, span
+        if not dropping and (side < 0 or release.clearance == 0.0):
+            turned = turned or any(segment.at(s)[0] < -release.clearance for s in turning(segment, span))
+        t = release.break_time if dropped else t + span
+        x, v = (float(number) for number in segment.at(span))
+        if left is not None:
+            x, side = left.x, left.side
+        quiet = not dropping and 0.5 * release.mass * v * v + 0.5 * release.stiffness * x * x <= CALM * release.force**2 / release.stiffness
+        if t >= end and (turned or quiet):
+            return
+    raise PinpressError(f"the slide does not come to rest or to reverse load within {MOST} half periods: check clearance and damping")
+
+
+def turning(segment: ResponseSegment, span: float) -> list[float]:
+    """Times within the span at which the slide turns back [s]."""
+    from scipy.optimize import brentq  # slow to import
+
+    times = np.linspace(0.0, span, STEPS + 1)
+    speeds = segment.at(times)[1]
+    signs = np.flatnonzero(speeds[:-1] * speeds[1:] < 0.0)
+    return [float(brentq(lambda s: float(segment.at(s)[1]), times[i], times[i + 1], xtol=1e-300, rtol=1e-15)) for i in signs]
+
+
 class Leaving(NamedTuple):
-    """The slide leaves its side of the clearance: after which time [s], at which x [m], to which side."""
+    """The end of a segment where the slide leaves its side of the clearance.
+
+    Attributes:
+        after: Time from the segment's start [s].
+        x: Displacement there [m].
+        side: Side that it reaches: 1 pressed, 0 in flight, -1 pulled.
+    """
 
     after: float
     x: float
     side: int
 
 
-def segments(case: Release, pressed: bool = True) -> Iterator[tuple[ResponseSegment, float]]:
-    """Segments of at most half a period and how long they last.
+def _permissible(reverse: float, stiffness: float, mass: float, damping_ratio: float, break_time: float, clearance: float) -> float:
+    positive("reverse_force", reverse, "N")
+    linear = snap_through(reverse, stiffness, mass=mass, damping_ratio=damping_ratio, break_time=break_time).reverse_ratio
+    if linear < WEAKEST:
+        raise PinpressError(
+            f"after a break-through of {break_time:g} s the reverse load is below 1e-6 of the force, so that any force is permitted:"
+            " shorten the time"
+        )
+    if clearance == 0.0:
+        return reverse / linear
+    from scipy.optimize import brentq  # slow to import
 
-    They end when the force is gone, the slide has turned round below, and `PERIODS` are over.
+    def excess(force: float) -> float:
+        release = _release(force, stiffness, mass, damping_ratio, break_time, clearance)
+        return max(0.0, -release.stiffness * (_lowest(segments(_without_traces(release), pressed=False)) + release.clearance)) - reverse
 
-    Args:
-        case: press and force.
-        pressed: begin at the start; else not before the slide might leave the spring, which most of a slow drop is before.
-    """
-    half = np.pi / case.frequency
-    end = case.break_time + PERIODS * 2 * half
-    t, x, v = _start(case, half, pressed)
-    side, turned = 1, False  # 1: pressed, 0: in flight, -1: pulled
-    for _ in range(MOST):
-        segment, dropping = _segment(case, t, x, v, side), t < case.break_time
-        if side == 0 and not dropping and case.mass * v * v <= CALM * case.force**2 / case.stiffness:
-            yield segment, max(end - t, 0.0)
-            return
-        span = min(half, case.break_time - t) if dropping else half
-        left = _coasting(case, x, v) if side == 0 and not dropping else _leaving(segment, span, side)
-        dropped = dropping and left is None and span == case.break_time - t
-        span = span if left is None else left.after
-        yield segment, span
-        if not dropping and (side < 0 or case.clearance == 0.0):
-            turned = turned or any(segment.at(s)[0] < -case.clearance for s in turning(segment, span))
-        t = case.break_time if dropped else t + span
-        x, v = (float(number) for number in segment.at(span))
-        if left is not None:
-            x, side = left.x, left.side
-        quiet = not dropping and 0.5 * case.mass * v * v + 0.5 * case.stiffness * x * x <= CALM * case.force**2 / case.stiffness
-        if t >= end and (turned or quiet):
-            return
-    raise PinpressError(f"the slide does not come to rest or to reverse load within {MOST} half periods: check clearance and damping")
+    low = reverse / GROWTH  # without damping, and at once, the reverse load is the force; else it is less
+    while excess(high := GROWTH * low) < 0.0:
+        low = high
+        if low > reverse / WEAKEST:
+            raise PinpressError(f"no force causes a reverse load of {reverse:g} N after a break-through of {break_time:g} s")
+    return float(brentq(excess, low, high, xtol=1e-12 * high, rtol=1e-14))
 
 
-def _start(case: Release, half: float, pressed: bool) -> tuple[float, float, float]:
-    """Time, place and velocity at which the segments begin; see `segments`."""
-    x, v = case.force / case.stiffness, 0.0
-    if pressed or not case.break_time:
+def _lowest(parts: Iterable[tuple[ResponseSegment, float]]) -> float:
+    """Lowest displacement of the slide in some segments, at most 0 [m]."""
+    return min(0.0, *(float(segment.at(s)[0]) for segment, span in parts for s in (0.0, *turning(segment, span), span)))
+
+
+def _release(force: float, stiffness: float, mass: float, damping_ratio: float, break_time: float, clearance: float) -> Release:
+    sizes = positive("force", force, "N"), positive("stiffness", stiffness, "N/m"), positive("mass", mass, "kg")
+    zeta, tau, gap = number("damping_ratio", damping_ratio), number("break_time", break_time), number("clearance", clearance)
+    if not 0.0 <= zeta < 1.0:
+        raise PinpressError(f"damping_ratio is {zeta:g}: give one from 0 to below 1; structures have 0.01 to 0.1")
+    for name, value in (("break_time", tau), ("clearance", gap)):
+        if value < 0.0:
+            raise PinpressError(f"{name} is {value:g}: it cannot be negative")
+    release = Release(*sizes, zeta, tau, gap)
+    if tau * release.frequency > 2 * np.pi * LONGEST:
+        raise PinpressError(f"break_time is {tau:g} s, more than 1000 periods of the press: nothing snaps through; give a shorter one")
+    return release
+
+
+def _without_traces(release: Release) -> Release:
+    """The release without break time or clearance where these are so small that only rounding would show them."""
+    at_once = release.break_time * release.frequency < AT_ONCE
+    none = release.clearance * release.stiffness < NO_CLEARANCE * release.force
+    return release._replace(break_time=0.0 if at_once else release.break_time, clearance=0.0 if none else release.clearance)
+
+
+def _spring(release: Release, x: Array) -> Array:
+    """Force (n,) of the spring at displacements (n,) [N]."""
+    return release.stiffness * (np.maximum(x, 0.0) + np.minimum(x + release.clearance, 0.0))
+
+
+def _start(release: Release, half: float, pressed: bool) -> tuple[float, float, float]:
+    """Time [s], displacement [m] and velocity [m/s] at which the segments begin; see `segments`."""
+    x, v = release.force / release.stiffness, 0.0
+    if pressed or not release.break_time:
         return 0.0, x, v
-    first = _segment(case, 0.0, x, v, 1)
-    t = half * max(0, int(first.pressed(case.break_time) / half) - 1)  # one fewer, far from rounding
+    first = _segment(release, 0.0, x, v, 1)
+    t = half * max(0, int(first.pressed(release.break_time) / half) - 1)  # one fewer, far from rounding
     x, v = (float(number) for number in first.at(t))
     return t, x, v
 
 
-def _segment(case: Release, t: float, x: float, v: float, side: int) -> ResponseSegment:
-    """The segment that begins at a time, in a place, with a velocity, on a side of the clearance."""
-    force, rate = (case.force * (1 - t / case.break_time), -case.force / case.break_time) if t < case.break_time else (0.0, 0.0)
-    slack = None if side == 0 else (0.0 if side > 0 else -case.clearance)
-    return ResponseSegment(case, t, x, v, force, rate, slack)
+def _segment(release: Release, t: float, x: float, v: float, side: int) -> ResponseSegment:
+    """The segment that begins at a time, displacement and velocity, on a side of the clearance."""
+    force, rate = (
+        (release.force * (1 - t / release.break_time), -release.force / release.break_time) if t < release.break_time else (0.0, 0.0)
+    )
+    slack = None if side == 0 else (0.0 if side > 0 else -release.clearance)
+    return ResponseSegment(release, t, x, v, force, rate, slack)
 
 
-def _coasting(case: Release, x: float, v: float) -> Leaving:
-    """When free flight without a force ends."""
-    edge = -case.clearance if v < 0.0 else 0.0
+def _coasting(release: Release, x: float, v: float) -> Leaving:
+    """The end of a free flight without force."""
+    edge = -release.clearance if v < 0.0 else 0.0
     return Leaving((edge - x) / v, edge, -1 if v < 0.0 else 1)
 
 
 def _leaving(segment: ResponseSegment, span: float, side: int) -> Leaving | None:
-    """When within the span the slide leaves its side of the clearance; None: it does not."""
+    """The instant within the span at which the slide leaves its side of the clearance; None: it does not."""
     from scipy.optimize import brentq  # slow to import
 
-    gap = segment.case.clearance
+    gap = segment.release.clearance
     if gap == 0.0:
         return None
     edges = {1: [(0.0, -1, 0)], 0: [(0.0, 1, 1), (-gap, -1, -1)], -1: [(-gap, 1, 0)]}[side]  # x, direction of leaving, next side
@@ -422,20 +452,10 @@ def _leaving(segment: ResponseSegment, span: float, side: int) -> Leaving | None
     places[0] = segment.x
     for i in range(1, len(times)):
         for edge, way, after in edges:
-            if way * (places[i] - edge) > TOUCHING * segment.case.force / segment.case.stiffness:
+            if way * (places[i] - edge) > TOUCHING * segment.release.force / segment.release.stiffness:
                 begin = times[i - 1]
                 if way * (places[i - 1] - edge) >= 0.0:  # on the edge already
                     return Leaving(float(begin), edge, after)
                 found = brentq(lambda s, edge=edge: float(segment.at(s)[0]) - edge, begin, times[i], xtol=1e-300, rtol=1e-15)
                 return Leaving(float(found), edge, after)
     return None
-
-
-def turning(segment: ResponseSegment, span: float) -> list[float]:
-    """Times within the span at which the slide turns round."""
-    from scipy.optimize import brentq  # slow to import
-
-    times = np.linspace(0.0, span, STEPS + 1)
-    speeds = segment.at(times)[1]
-    signs = np.flatnonzero(speeds[:-1] * speeds[1:] < 0.0)
-    return [float(brentq(lambda s: float(segment.at(s)[1]), times[i], times[i + 1], xtol=1e-300, rtol=1e-15)) for i in signs]

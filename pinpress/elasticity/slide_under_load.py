@@ -1,11 +1,11 @@
-"""Where the slide of an elastic press is: its deflection over a motion, and how bottom dead centre moves with the speed.
+"""The slide of an elastic press: its deflection over a motion, and its bottom dead centre over the speed.
 
-The deflection is that of the slide against the table along the guide's axis, positive along the axis (upwards), beside the rigid press with
-its crank at the same angle; of first order, by virtual work, see `compliance`. The slide's own vibrations are not in it: internal forces
-are those of the rigid press in its motion (quasi-static deflection, for speeds well below the first natural frequency).
+The deflection is the displacement of the slide against the table along the guide's axis, positive along the axis (upwards), relative to the
+rigid press at that crank angle. It is of first order, by virtual work, see `compliance`. It does not contain the slide's own vibrations:
+internal forces are those of the rigid press in its motion (quasi-static deflection, for speeds well below the first natural frequency).
 
-Inertia forces grow with the square of the speed: at a given crank angle the deflection of a press at constant speed w is d0 + w^2 d2, d0
-that of weight and other constant forces.
+Inertia forces grow with the square of the speed: at a given crank angle the deflection of a press at constant speed w is d0 + w^2 d2, where
+d0 is caused by weight and other constant forces.
 """
 
 from __future__ import annotations
@@ -14,6 +14,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.polynomial import chebyshev
 from numpy.typing import ArrayLike
 
 from ..common.arguments import LARGEST, numbers, typed
@@ -27,9 +28,9 @@ from ..loads.link import Load, PointForce, SpringDamper
 from .springs import Stiffness
 from .unit_load import HeldPress, hold
 
-WINDOW = np.radians(6.0)  # on both sides of the rigid bottom dead centre, in which the elastic one is looked for [rad]
-NODES = 24  # of the polynomials in it
-UNRESOLVED = 1e-9  # of a polynomial's largest coefficient: what its last ones may be
+WINDOW = np.radians(6.0)  # on both sides of the rigid bottom dead centre, where the elastic one is looked for [rad]
+NODES = 24  # of the polynomials in this window
+UNRESOLVED = 1e-9  # of a polynomial's largest coefficient: its last ones must be smaller
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -37,10 +38,10 @@ class DeflectedSlide(Tabular):
     """Elastic deflection of the slide over a motion of n states. All arrays are read-only.
 
     Attributes:
-        motion: of the rigid press.
-        deflection: (n,) of the slide along the guide's axis [m].
-        parts: name of a part -> (n,) its share of the deflection [m].
-        slide_position: (n,) of the elastic press [m].
+        motion: Motion of the rigid press.
+        deflection: (n,) deflection of the slide along the guide's axis [m].
+        parts: Name of a part -> (n,) its share of the deflection [m].
+        slide_position: (n,) slide position of the elastic press [m].
     """
 
     motion: Motion
@@ -62,7 +63,7 @@ class DeflectedSlide(Tabular):
         )
 
     def columns(self) -> dict[str, Array]:
-        """The motion's crank angle, then positions and deflections as (n,) columns under their names with units."""
+        """A row for each state: crank angle, slide position, deflection and the parts' shares."""
         columns = {"crank_angle [rad]": self.motion.crank_angle, "slide_position [m]": self.slide_position}
         return columns | {"deflection [m]": self.deflection} | {f"deflection_{name} [m]": part for name, part in self.parts.items()}
 
@@ -72,15 +73,15 @@ class ElasticDeadCentre(Tabular):
     """Bottom dead centre of an elastic press over S speeds. Deeper is negative. All arrays are read-only.
 
     Attributes:
-        press_name: of the press.
-        speed: (S,) of the crank [rad/s].
-        rigid_angle: of the crank at bottom dead centre of the rigid press [rad].
-        rigid_position: of its slide there [m].
-        constant: d0, deflection under weight and constant forces with the crank there [m].
-        by_squared_speed: d2, deflection there by the squared speed of the crank [m s2/rad2].
-        crank_angle: (S,) at true bottom dead centre, where the elastic slide is lowest [rad].
-        position: (S,) of the elastic slide there [m].
-        standstill_position: of the elastic slide at the true bottom dead centre of a press that turns infinitely slowly [m].
+        press_name: Name of the press.
+        speed: (S,) speeds of the crank [rad/s].
+        rigid_angle: Crank angle at bottom dead centre of the rigid press [rad].
+        rigid_position: Position of its slide there [m].
+        constant: Deflection d0 under weight and constant forces at this crank angle [m].
+        by_squared_speed: Deflection by inertia at this crank angle, divided by the squared speed of the crank, d2 [m s2/rad2].
+        crank_angle: (S,) crank angles at true bottom dead centre, where the elastic slide is lowest [rad].
+        position: (S,) positions of the elastic slide there [m].
+        standstill_position: Position of the elastic slide at true bottom dead centre of a press that turns infinitely slowly [m].
     """
 
     press_name: str
@@ -100,7 +101,7 @@ class ElasticDeadCentre(Tabular):
 
     @property
     def shift(self) -> Array:
-        """(S,) what speed moves bottom dead centre by: true position less that at standstill [m]."""
+        """(S,) shift of bottom dead centre by the speed: its true position minus that at standstill [m]."""
         return self.position - self.standstill_position
 
     @property
@@ -114,7 +115,7 @@ class ElasticDeadCentre(Tabular):
         return "\n".join(rows)
 
     def columns(self) -> dict[str, Array]:
-        """Speed, angle, position, shift and deflection at the rigid angle as (S,) columns under their names with units."""
+        """A row for each speed: angle, position, shift, and deflection at the rigid angle."""
         return {
             "crank_speed [rad/s]": self.speed,
             "crank_angle [rad]": self.crank_angle,
@@ -126,18 +127,18 @@ class ElasticDeadCentre(Tabular):
 
 @typed
 def slide_deflection(press: Linkage, motion: Motion, stiffness: Stiffness, *, loads: Sequence[Load] = ()) -> DeflectedSlide:
-    """Elastic deflection of the slide over a motion, under loads, weight and inertia.
+    """Find the elastic deflection of the slide over a motion, under loads, weight and inertia.
 
     Args:
-        press: with one driver and a slide.
-        motion: of this press, by `cycle` or of a run.
-        stiffness: of its parts.
-        loads: as of `inverse_dynamics`.
+        press: A press with one driver and a slide.
+        motion: A motion of this press, from `cycle` or a run.
+        stiffness: Stiffnesses of its parts.
+        loads: As for `inverse_dynamics`.
 
     Raises:
-        PinpressError: as `compliance` and `inverse_dynamics`.
-        UnknownNameError: as `compliance` and `inverse_dynamics`.
-        SingularityError: the linkage locks.
+        PinpressError: As `compliance` and `inverse_dynamics`.
+        UnknownNameError: As `compliance` and `inverse_dynamics`.
+        SingularityError: The linkage locks.
     """
     held = hold(press, stiffness, motion)
     shares = held.moved(held.in_motion(loads))
@@ -150,46 +151,38 @@ def slide_deflection(press: Linkage, motion: Motion, stiffness: Stiffness, *, lo
 def dead_centre_shift(
     press: Linkage, stiffness: Stiffness, *, speed: ArrayLike, loads: Sequence[PointForce | SpringDamper] = ()
 ) -> ElasticDeadCentre:
-    """How deep the slide of an elastic press goes at constant speeds, without process load.
+    """Find the bottom dead centre of an elastic press at constant speeds, without process load.
 
     Args:
-        press: with one driver and a slide.
-        stiffness: of its parts.
-        speed: (S,) of the crank, or one number [rad/s].
-        loads: constant forces, and springs without dampers, such as those that balance the slide's weight.
+        press: A press with one driver and a slide.
+        stiffness: Stiffnesses of its parts.
+        speed: (S,) speeds of the crank, or one number [rad/s].
+        loads: Constant forces, and springs without dampers, such as those that balance the slide's weight.
 
     Raises:
-        PinpressError: a speed that is not finite, a load that depends on the speed, a press so soft that it has no bottom dead centre
-            within 6 degrees of the rigid one, a slide that is back before all that moves with it; else as `compliance`.
+        UnknownNameError: As `compliance`.
+        PinpressError: As `compliance`, or a speed is not finite, a load depends on the speed, the press is so soft that it has no bottom
+            dead centre within 6 degrees of the rigid one, or its slide repeats its motion before the other links do.
     """
     speeds = _speeds(speed)
     _refuse_dependent(loads)
     centres = dead_centres(press)
     if press.period_turns != centres.turns:
         raise PinpressError(
-            f"the slide of {press.name} is back after {centres.turns} turns, all that moves with it only after {press.period_turns}: its"
+            f"the slide of {press.name} repeats its motion after {centres.turns} turns, other links only after {press.period_turns}: its"
             " bottom dead centre moves by another distance in each stroke; see slide_deflection of a motion"
         )
-    series = np.polynomial.chebyshev
-    nodes = centres.bottom_angle + WINDOW * series.chebpts1(NODES)
+    nodes = centres.bottom_angle + WINDOW * chebyshev.chebpts1(NODES)
     angles = np.append(nodes, centres.bottom_angle)
     rest, turning = (_total(hold(press, stiffness, servo_cycle(press, speed=w, angle=angles)), loads) for w in (0.0, 1.0))
     constant, inertia = rest, turning - rest
-    way = servo_cycle(press, speed=1.0, angle=nodes).slide_position - centres.bottom_position
-    curves = [_series(press, values) for values in (way, constant[:-1], inertia[:-1])]
+    travel = servo_cycle(press, speed=1.0, angle=nodes).slide_position - centres.bottom_position
+    curves = [_series(press, values) for values in (travel, constant[:-1], inertia[:-1])]
 
     def lowest(w: float) -> tuple[float, float]:
-        """Crank angle and position of the lowest point."""
-        total = curves[0] + curves[1] + w**2 * curves[2]
-        turns = series.chebroots(series.chebder(total))
-        real = turns.real[(abs(turns.imag) < 1e-6) & (abs(turns.real) < 1.0)]
-        depths = series.chebval(real, total)
-        ends = series.chebval(np.array([-1.0, 1.0]), total)
-        if not len(real) or not depths.min() < ends.min():
-            raise PinpressError(
-                f"{press.name} is too soft for {w:.5g} rad/s: no bottom dead centre within 6 deg of the rigid one; check the stiffness"
-            )
-        return centres.bottom_angle + WINDOW * float(real[depths.argmin()]), centres.bottom_position + float(depths.min())
+        """Crank angle and position of the lowest point at a speed."""
+        place, depth = _minimum(press, curves[0] + curves[1] + w**2 * curves[2], w)
+        return centres.bottom_angle + WINDOW * place, centres.bottom_position + depth
 
     found = np.array([lowest(w) for w in speeds])
     return ElasticDeadCentre(
@@ -205,17 +198,38 @@ def dead_centre_shift(
     )
 
 
+def _minimum(press: Linkage, total: Array, speed: float) -> tuple[float, float]:
+    """Place and value of the minimum of a Chebyshev series inside (-1, 1).
+
+    Raises:
+        PinpressError: The minimum is at an end.
+    """
+    turns = chebyshev.chebroots(chebyshev.chebder(total))
+    real = turns.real[(abs(turns.imag) < 1e-6) & (abs(turns.real) < 1.0)]
+    depths = chebyshev.chebval(real, total)
+    ends = chebyshev.chebval(np.array([-1.0, 1.0]), total)
+    if not len(real) or not depths.min() < ends.min():
+        raise PinpressError(
+            f"{press.name} is too soft for {speed:.5g} rad/s: no bottom dead centre within 6 deg of the rigid one; check the stiffness"
+        )
+    return float(real[depths.argmin()]), float(depths.min())
+
+
 def _total(held: HeldPress, loads: Sequence[Load]) -> Array:
+    """Deflection (n,) of the slide under loads [m]."""
     return np.asarray(np.sum(list(held.moved(held.in_motion(loads)).values()), axis=0))
 
 
 def _series(press: Linkage, values: Array) -> Array:
-    """Chebyshev coefficients (NODES,) of what has these values at the nodes."""
-    series = np.polynomial.chebyshev
-    found = np.asarray(series.chebvander(series.chebpts1(NODES), NODES - 1).T @ values * (2 / NODES))
+    """Chebyshev coefficients (NODES,) of a function with these values at the nodes.
+
+    Raises:
+        PinpressError: The nodes do not resolve it.
+    """
+    found = np.asarray(chebyshev.chebvander(chebyshev.chebpts1(NODES), NODES - 1).T @ values * (2 / NODES))
     found[0] *= 0.5
     if not np.abs(found[-3:]).max() <= UNRESOLVED * max(np.abs(found).max(), np.finfo(float).tiny):
-        raise PinpressError(f"{press.name} moves too unevenly about bottom dead centre for its shift to be found: a linkage near its lock")
+        raise PinpressError(f"{press.name} moves too unevenly near bottom dead centre to find its shift: the linkage is close to locking")
     return found
 
 

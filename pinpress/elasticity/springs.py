@@ -1,8 +1,8 @@
-"""The springs of a press: which of its parts yield, and the internal force in each of them over a motion.
+"""The springs of a press: the parts that yield, and the internal force in each of them over a motion.
 
-Every part is a linear spring in series with the rigid linkage. Its internal force N is found by rigid inverse dynamics, so that all of this
-is of first order in the deflections. By virtual work a part with compliance c moves the slide by c N . n, where n is the internal force
-under a unit force on the slide (unit-load method); the sign of N cancels, as n has the same.
+Every part is a linear spring in series with the rigid linkage. Its internal force N is found by rigid inverse dynamics, so that all results
+are of first order in the deflections. By virtual work a part with compliance c moves the slide by c N . n, where n is its internal force
+under a unit force on the slide (unit-load method). The sign of N does not matter, because n has this sign too.
 """
 
 from __future__ import annotations
@@ -23,20 +23,20 @@ from ..kinematics.motion import Motion, bearing_points, loaded_bodies, poses
 from ..linkage.linkage import Linkage
 
 SHAFT, FRAME = "shaft", "frame"  # names of these parts
-MEET = 1e-9  # of the linkage's size: two bearings that are closer have no line between them
+MEET = 1e-9  # of the linkage's size: two bearings that are closer together have no line between them
 
 
 @dataclass(frozen=True)
 class Rod:
     """A link, or an arm of one, that stretches along the line of two of its bearings.
 
-    Its force is the mean of what the two bearings pull along their line: exact for a rod whose mass is spread evenly about its middle. On a
-    link with more bearings it is an arm, which begins at the first of the two where the others meet it, and is loaded by the second alone.
+    The force in a rod is the mean of the pulls of both bearings along their line, which is exact for a rod whose mass is symmetric about
+    its middle. On a link with more bearings it is an arm: it begins at the first of the two bearings, and is loaded by the second alone.
 
     Attributes:
-        link: its name.
-        between: names of two of its bearings.
-        stiffness: E A / l of what lies between them [N/m].
+        link: Name of the link.
+        between: Names of two of its bearings.
+        stiffness: Stiffness E A / l between them [N/m].
     """
 
     link: str
@@ -45,22 +45,22 @@ class Rod:
 
     @property
     def name(self) -> str:
-        """What the part is called in tables."""
+        """Name of the part in tables."""
         return f"{self.link} {self.between[0]}-{self.between[1]}"
 
 
 @dataclass(frozen=True, eq=False)
 class Stiffness(Frozen):
-    """What yields in a press; all that is not named is rigid, gear pairs are. `stiffness` of `inverse_dynamics` means the same bearings.
+    """Stiffnesses of the parts of a press. All parts without one are rigid, and so are gear pairs.
 
     Attributes:
-        bearings: radial stiffness of bearings [N/m], of guides that across them, by their names.
-        moments: stiffness of guides against turning, by their names [N m/rad]; moments are about the origin of the sliding link's joint
-            frame (`Reactions`).
-        rods: stretching links and arms.
-        shaft: torsional stiffness between the driver's crank and where the drive holds it [N m/rad]; None: rigid.
-        frame: stiffness of the columns, between the bearings in the crown, all on the frame, and the table [N/m]; None: rigid. The table
-            stands on the floor: what presses the crown down, weight and inertia forces, loads the columns too.
+        bearings: Name of a bearing -> radial stiffness; of a guide, stiffness across its axis [N/m].
+        moments: Name of a guide -> stiffness against turning [N m/rad]. Its moment is about the origin of the sliding link's joint frame,
+            as in `Reactions`.
+        rods: Links and arms that stretch.
+        shaft: Torsional stiffness of the shaft between the driver's crank and the drive [N m/rad]; None: rigid.
+        frame: Stiffness of the columns between the crown, which has all bearings on the frame, and the table [N/m]; None: rigid. The table
+            stands on the floor, so that weight and inertia forces that press on the crown load the columns too.
     """
 
     bearings: Mapping[str, float] = field(default_factory=dict)
@@ -71,14 +71,14 @@ class Stiffness(Frozen):
 
 
 class Part(NamedTuple):
-    """One spring, and how its internal force is read.
+    """One spring, with the bearings from whose forces its internal force is found.
 
     Attributes:
-        name: what it is called in tables.
-        compliance: of the spring [m/N, rad/(N m)].
+        name: Name in tables.
+        compliance: Compliance of the spring [m/N or rad/(N m)].
         kind: "bearing", "moment", "rod", "shaft" or "frame".
-        bearings: numbers of those whose forces make up its own, with their weights.
-        line: numbers of the two bearings that a rod lies between.
+        bearings: Numbers of the bearings whose forces, times weights, sum to the internal force, each with its weight.
+        line: Numbers of the two bearings that a rod lies between.
     """
 
     name: str
@@ -92,8 +92,9 @@ def parts(press: Linkage, stiffness: Stiffness) -> tuple[Part, ...]:
     """The springs of a press.
 
     Raises:
-        UnknownNameError: a bearing or link that the linkage does not have.
-        PinpressError: several drivers, no slide, no spring, one that is not positive, a rod that is none.
+        UnknownNameError: The linkage has no such bearing or link.
+        PinpressError: The press has several drivers or no slide, there is no spring or one that is not positive, or a rod or guide is not
+            as described.
     """
     if not isinstance(press, Linkage):
         raise PinpressError(f"press is a {type(press).__name__}, no Linkage: give what load returns")
@@ -101,7 +102,7 @@ def parts(press: Linkage, stiffness: Stiffness) -> tuple[Part, ...]:
         raise PinpressError(f"stiffness is a {type(stiffness).__name__}: give a Stiffness(bearings={{...}}, rods=[...], ...)")
     if len(press.drivers) > 1:
         raise PinpressError(f"{press.name} has {len(press.drivers)} drivers: elastic deflection is that of a press with one, held fast")
-    _ = press.slide_guide  # it has a slide
+    _ = press.slide_guide  # raises where there is no slide
     found = [_bearing_spring(press, name, value) for name, value in _named("bearings", stiffness.bearings)]
     found += [_guide_spring(press, name, value) for name, value in _named("moments", stiffness.moments)]
     if not isinstance(stiffness.rods, Sequence) or not all(isinstance(rod, Rod) for rod in stiffness.rods):
@@ -116,15 +117,15 @@ def parts(press: Linkage, stiffness: Stiffness) -> tuple[Part, ...]:
         raise PinpressError(f"no part of {press.name} yields: give Stiffness the stiffness of at least one")
     names = [part.name for part in found]
     if len(set(names)) < len(names):
-        raise PinpressError(f"parts of one name, {', '.join(sorted({n for n in names if names.count(n) > 1}))}: give each once")
+        raise PinpressError(f"several parts are named {', '.join(sorted({n for n in names if names.count(n) > 1}))}: give each once")
     return tuple(found)
 
 
 def sharing(press: Linkage, springs: Sequence[Part]) -> dict[str, float]:
-    """`stiffness` for `inverse_dynamics`, by which bearings share what rigid mechanics leaves open.
+    """Stiffnesses of bearings for `inverse_dynamics`, by which they share the forces that rigid-body mechanics leaves undetermined.
 
-    They are those that yield, each with half of the compliance of the rods that end there. So the idle forces of rods side by side do no
-    work on their total deflection.
+    Each bearing that yields also gets half of the compliance of the rods that end there. So internal forces that parallel rods exert on
+    each other without a load do no work on the deflections, as in the elastic press.
     """
     compliance = dict.fromkeys(range(len(press.bearings)), 0.0)
     for part in springs:
@@ -134,9 +135,12 @@ def sharing(press: Linkage, springs: Sequence[Part]) -> dict[str, float]:
 
 
 def internal_forces(press: Linkage, springs: Sequence[Part], motion: Motion, reactions: Reactions) -> list[Array]:
-    """The internal force of every part over a motion, (n, 3) of bearings, (n, 1) of the others [N, N m].
+    """The internal force of every part over a motion, (n, 3) for bearings, (n, 1) for other parts [N, N m].
 
-    A rod's is positive where it is pulled, the frame's where its columns are.
+    Forces of rods and of the frame's columns are positive in tension.
+
+    Raises:
+        PinpressError: The bearings of a rod meet.
     """
     lines = bearing_points(press, poses(press, motion.joint_position)) if any(part.kind == "rod" for part in springs) else np.empty(0)
     across = _in_plane(press)
@@ -161,21 +165,22 @@ def internal_forces(press: Linkage, springs: Sequence[Part], motion: Motion, rea
 
 
 def _along(press: Linkage, line: Array, force: Array, across: Array, name: str) -> Array:
+    """The component (n, 1) of a force (n, 3) along a rod's line (n, 3), positive in tension."""
     line = line @ across
     length = np.linalg.norm(line, axis=1)
     if not length.min() > MEET * press.size:
-        raise PinpressError(f"rod {shown(name)}: its bearings meet, and it has no direction there; name two that stay apart")
+        raise PinpressError(f"rod {shown(name)}: its bearings meet, so that it has no direction; name two that stay apart")
     return np.asarray((np.einsum("nk,nk->n", force, line) / length)[:, None])
 
 
 def _in_plane(press: Linkage) -> Array:
-    """(3, 3) projector on the plane of a planar press, whose forces across it rigid mechanics leaves open."""
+    """Projector (3, 3) on the plane of a planar press; rigid-body mechanics leaves its forces across the plane undetermined."""
     directions = press.engine().directions
     return np.asarray(directions.T @ directions)
 
 
 def _without_travel(press: Linkage, motion: Motion, bearing: int, force: Array) -> Array:
-    """The force (n, 3) without what a slide carries along its travel, where it is free."""
+    """The force (n, 3) in a bearing, in a guide without the component along its axis, where the slide is free."""
     if bearing >= len(press.joints) or press.axes[bearing].turns:
         return force
     rotation = poses(press, motion.joint_position).rotation[bearing + 1]
@@ -189,7 +194,7 @@ def _bearing_spring(press: Linkage, name: str, stiffness: float) -> Part:
 
 
 def _guide_spring(press: Linkage, name: str, stiffness: float) -> Part:
-    """The spring of a guide against turning."""
+    """The spring of a guide against turning of the slide."""
     guide = _bearing(press, name)
     if guide >= len(press.joints) or press.axes[guide].turns:
         raise PinpressError(f"moments names {shown(name)}, which is no guide and holds no moment in the plane: leave it out")
@@ -218,12 +223,12 @@ def _rod_spring(press: Linkage, rod: Rod) -> Part:
 
 
 def _acting_bodies(press: Linkage) -> tuple[int, ...]:
-    """Parents of joints, link1 of loops."""
+    """For each bearing the body that acts in it: the parent of a joint, link1 of a loop."""
     return (*map(int, list(press.model.parents)[1:]), *(loop.joint1 for loop in press.loops))
 
 
 def _on_crown(press: Linkage) -> list[tuple[int, float]]:
-    """Bearings on the frame, and the sign of their forces' action on it."""
+    """Numbers of the bearings on the frame, with the sign of their forces as actions on it."""
     count = len(press.joints)
     return [(k, 1.0 if k >= count and press.loops[k - count].joint2 == 0 else -1.0) for k in on_frame(press)]
 

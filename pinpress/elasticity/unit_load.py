@@ -1,8 +1,8 @@
 """Elastic compliance of a press at its slide, part by part, by the unit-load method.
 
-The crank is held at its angle. Under a force F on the slide along its guide, positive along the axis (upwards), with its reaction on the
-table, the slide moves by F c beside the rigid press, c = sum of n . n / k over all parts: k their stiffnesses, n their internal forces
-under F = 1 N. (Castigliano's second theorem; any textbook of strength of materials.) Deflections are of first order.
+The crank is held at its angle. A force F on the slide along its guide, positive along the axis (upwards), with its reaction on the table,
+moves the slide by F c relative to the rigid press. Here c is the sum of n . n / k over all parts, with their stiffnesses k and their
+internal forces n under F = 1 N (Castigliano's second theorem; any textbook of strength of materials). Deflections are of first order.
 """
 
 from __future__ import annotations
@@ -30,9 +30,9 @@ from .springs import Part, Stiffness, internal_forces, parts, sharing
 
 RIGID = 1e-12  # of the largest compliance over the motion: less is rounding
 POINTS = 360  # of a turn
-UNSHARED = 1e-9  # of a deflection: what it may err by
-NOTHING_IDLE = 1e-16  # of the work of a force on the slide on itself: idle forces that do less are rounding
-SOFT = 1e9  # stiffness of a bearing without one, to share forces otherwise [N/m]
+UNSHARED = 1e-9  # of a deflection: an error by wrong sharing of forces is accepted up to this
+NOTHING_IDLE = 1e-16  # of the deflection energy under the unit force: idle forces with less are rounding
+SOFT = 1e9  # stiffness given to a rigid bearing in order to share forces in another way [N/m]
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -40,15 +40,15 @@ class SlideCompliance(Tabular):
     """Compliance of a press at its slide, over n crank angles. All arrays are read-only.
 
     Attributes:
-        press_name: of the press.
-        stiffness: what yields.
-        crank_angle: (n,) of the driver joint [rad].
-        slide_position: (n,) of the rigid press [m].
-        height: (n,) of the slide above bottom dead centre [m].
-        compliance: (n,) of the slide against the table along the guide, the crank held [m/N].
-        parts: name of a part -> (n,) its share of the compliance [m/N].
-        bottom_stiffness: stiffness at bottom dead centre [N/m].
-        bottom_shares: name of a part -> its share of the deflection there [-].
+        press_name: Name of the press.
+        stiffness: Stiffnesses of its parts.
+        crank_angle: (n,) angle of the driver joint [rad].
+        slide_position: (n,) slide position of the rigid press [m].
+        height: (n,) height of the slide above bottom dead centre [m].
+        compliance: (n,) compliance of the slide against the table along the guide, with the crank held [m/N].
+        parts: Name of a part -> (n,) its share of the compliance [m/N].
+        bottom_stiffness: Stiffness at bottom dead centre [N/m].
+        bottom_shares: Name of a part -> its share of the deflection at bottom dead centre [-].
     """
 
     press_name: str
@@ -67,45 +67,45 @@ class SlideCompliance(Tabular):
         return f"SlideCompliance of {self.press_name}: {self.bottom_stiffness:.4g} N/m at bottom dead centre"
 
     def __str__(self) -> str:
-        heading = f"{self.press_name}: stiffness at bottom dead centre {1e-6 * self.bottom_stiffness:.5g} kN/mm, of its deflection"
+        heading = f"{self.press_name}: stiffness at bottom dead centre {1e-6 * self.bottom_stiffness:.5g} kN/mm; shares of the deflection"
         width = max(map(len, self.bottom_shares))
         most_first = sorted(self.bottom_shares.items(), key=lambda item: -round(item[1], 9))  # equal ones differ by rounding
         return "\n".join([heading, *(f"  {name:<{width}}  {100 * share:6.2f} %" for name, share in most_first)])
 
     @cached_property
     def effective_mass(self) -> Array:
-        """(n,) mass of the slide and what moves with it while the press yields, the crank held [kg].
+        """(n,) mass of the slide and of the links that move with it while the press yields, with the crank held [kg].
 
         It is twice the kinetic energy at a slide velocity of 1 m/s when everything moves in proportion to the deflection under a force on
-        the slide (Rayleigh's method). The frame's own mass is not in it. It is computed when it is first asked for.
+        the slide (Rayleigh's method). It does not include the frame's own mass. It is computed when first asked for.
         """
         return np.asarray(read_only(_moving_mass(self._held) / self.compliance**2))
 
     def columns(self) -> dict[str, Array]:
-        """Angle, position, height, compliance and its parts as (n,) columns under their names with units."""
+        """A row for each crank angle: angle, position, height, compliance and its parts."""
         columns = {"crank_angle [rad]": self.crank_angle, "slide_position [m]": self.slide_position, "height [m]": self.height}
         return columns | {"compliance [m/N]": self.compliance} | {f"{name} [m/N]": part for name, part in self.parts.items()}
 
 
 @typed
 def compliance(press: Linkage, stiffness: Stiffness, *, angle: ArrayLike | None = None) -> SlideCompliance:
-    """Compliance of a press at its slide over the crank angle, and which part gives how much.
+    """Find the compliance of a press at its slide over the crank angle, and the share of each part.
 
-    Where loops hold the slide several times over, parallel rods share the force as their stiffness and that of their bearings asks. A
-    guide's moment, or an arm of a link with more than two bearings, takes no part in that; where it should, this is refused.
+    Where parallel rods hold the slide, they share the force by their stiffnesses and those of their bearings. The moment of a guide, or an
+    arm of a link with more than two bearings, cannot take part in this sharing; a press in which it would is refused.
 
     Args:
-        press: with one driver and a slide.
-        stiffness: of its parts.
-        angle: (n,) crank angles [rad]; by default 360 a turn of one period, its end left out.
+        press: A press with one driver and a slide.
+        stiffness: Stiffnesses of its parts.
+        angle: (n,) crank angles [rad]; by default 360 a turn over one period, its end left out.
 
     Raises:
-        UnknownNameError: a bearing or link that the linkage does not have.
-        PinpressError: a stiffness that makes no sense, several drivers, no dead centres, a crank angle at which nothing yields, forces
-            shared by what takes no part in that.
-        SingularityError: the linkage locks.
+        UnknownNameError: The linkage has no such bearing or link.
+        PinpressError: A stiffness is not as described, the press has several drivers or no dead centres, nothing yields at some crank
+            angle, or a guide's moment or an arm would share forces with parallel rods.
+        SingularityError: The linkage locks.
     """
-    parts(press, stiffness)  # refuses what makes no sense before anything is computed
+    parts(press, stiffness)  # refuses wrong stiffnesses before anything is computed
     centres = dead_centres(press)
     angles = np.arange(POINTS * press.period_turns) * (2 * np.pi / POINTS) if angle is None else angle
     motion = servo_cycle(press, speed=0.0, angle=angles)
@@ -131,21 +131,15 @@ def compliance(press: Linkage, stiffness: Stiffness, *, angle: ArrayLike | None 
     )
 
 
-def _compliances_at(press: Linkage, stiffness: Stiffness, angle: float) -> dict[str, float]:
-    """Compliances of the parts [m/N] at one crank angle [rad]."""
-    held = hold(press, stiffness, servo_cycle(press, speed=0.0, angle=[angle]))
-    return {name: float(share[0]) for name, share in held.moved(held.unit).items()}
-
-
 @dataclass(frozen=True, eq=False, repr=False)
 class HeldPress:
-    """A press in the poses of a motion, its crank held there against what the deflection does.
+    """An elastic press in the poses of a motion, with its crank held at the crank angle of each.
 
     Attributes:
-        press: the press.
-        springs: its parts.
-        motion: whose poses they are.
-        shared: stiffnesses by which bearings share forces, see `springs.sharing`.
+        press: The press.
+        springs: Its parts that yield.
+        motion: The motion.
+        shared: Stiffnesses by which bearings share forces, see `springs.sharing`.
     """
 
     press: Linkage
@@ -160,7 +154,7 @@ class HeldPress:
 
     @cached_property
     def size(self) -> float:
-        """Of a load beside which weight and inertia do not drown it in rounding [N]."""
+        """Size of a trial load whose effect is not lost in rounding beside weight and inertia [N]."""
         return max([1.0, *(float(np.abs(force).max()) for force in self.unloaded)])
 
     @cached_property
@@ -171,25 +165,36 @@ class HeldPress:
         return self.under(str(self.press.slide), axis, np.zeros(3))
 
     def under(self, link: str, direction: Array, point: Array) -> list[Array]:
-        """Internal forces that 1 N adds, in a world direction at a point of a link: they are linear in loads."""
+        """Internal forces that 1 N adds, which are linear in loads [N, N m].
+
+        Args:
+            link: Name of the link on which it acts.
+            direction: (3,) unit vector in world axes.
+            point: (3,) point in the link's own frame [m].
+        """
         load = PointForce(link, self.size * direction, (float(point[0]), float(point[1]), float(point[2])))
         return [(loaded - none) / self.size for loaded, none in zip(self.in_motion([load]), self.unloaded, strict=True)]
 
     def moved(self, forces: Sequence[Array]) -> dict[str, Array]:
-        """Name of a part -> (n,) what it adds to the slide's position under internal forces [m]."""
+        """Name of a part -> (n,) the slide's displacement by the part under internal forces [m]."""
         return {
             part.name: np.asarray(part.compliance * np.einsum("nk,nk->n", n, force))
             for part, n, force in zip(self.springs, self.unit, forces, strict=True)
         }
 
     def in_motion(self, loads: Sequence[Load]) -> list[Array]:
-        """Internal forces under loads, weight and inertia, at the speeds of the motion."""
+        """Internal forces under loads, weight and inertia, at the speeds of the motion [N, N m]."""
         reactions = inverse_dynamics(self.press, self.motion, loads, stiffness=self.shared)
         return internal_forces(self.press, self.springs, self.motion, reactions)
 
 
 def hold(press: Linkage, stiffness: Stiffness, motion: Motion) -> HeldPress:
-    """The press in the poses of a motion; raises as `springs.parts`, or where parallel rods would share as moments or arms ask."""
+    """The elastic press in the poses of a motion.
+
+    Raises:
+        UnknownNameError: As `springs.parts`.
+        PinpressError: As `springs.parts`, or a guide's moment or an arm would share forces with parallel rods.
+    """
     springs = parts(press, stiffness)
     held = HeldPress(press, springs, motion, sharing(press, springs))
     apart = any(part.kind == "moment" or (part.kind == "rod" and len(part.bearings) == 1) for part in springs)
@@ -198,11 +203,17 @@ def hold(press: Linkage, stiffness: Stiffness, motion: Motion) -> HeldPress:
     return held
 
 
-def _refuse_unshared(held: HeldPress) -> None:
-    """Raise where idle forces do work on the deflection of the parts: the forces are then not those of the elastic press.
+def _compliances_at(press: Linkage, stiffness: Stiffness, angle: float) -> dict[str, float]:
+    """Compliances of the parts [m/N] at one crank angle [rad]."""
+    held = hold(press, stiffness, servo_cycle(press, speed=0.0, angle=[angle]))
+    return {name: float(share[0]) for name, share in held.moved(held.unit).items()}
 
-    Idle forces z are the difference between two ways of sharing; the error of the deflection is (N . z)^2 / (z . z) beside N . N, all by
-    compliance.
+
+def _refuse_unshared(held: HeldPress) -> None:
+    """Raise PinpressError where idle forces do work on the deflections, so that the forces found are not those of the elastic press.
+
+    Idle forces z are the difference between two ways of sharing. With products weighted by compliances the relative error of the deflection
+    is (N . z)^2 / (z . z) / (N . N).
     """
     compliances = [part.compliance for part in held.springs]
 
@@ -218,16 +229,16 @@ def _refuse_unshared(held: HeldPress) -> None:
             there = (size > NOTHING_IDLE * work(held.unit, held.unit)) & (whole > 0.0)
             if np.any(done[there] ** 2 > UNSHARED * size[there] * whole[there]):
                 raise PinpressError(
-                    f"parallel rods of {held.press.name} do not share forces by their springs and their bearings' alone: make both sides"
-                    " alike, or leave out the guides' moments and arms"
+                    f"parallel rods of {held.press.name} do not share forces by their own springs and those of their bearings alone: make"
+                    " both sides alike, or leave out the guides' moments and arms"
                 )
 
 
 def _moving_mass(held: HeldPress) -> Array:
-    """(n,) sum of mass times squared displacement under 1 N on the slide [kg m2/N2].
+    """Sum (n,) of mass times squared displacement under 1 N on the slide [kg m2/N2].
 
-    A rigid body moves as six equal masses would, two on each of its central axes (equimomental bodies): their displacements in world axes
-    are found by unit forces at them.
+    Six equal masses, two on each of its principal axes, have the inertia of a rigid body. Their displacements in world axes are found by
+    unit forces on them.
     """
     press, total = held.press, np.zeros(len(held.motion.crank_angle))
     directions = press.engine().directions

@@ -263,7 +263,7 @@ def test_tables(tmp_path):
         (Stiffness(rods=[Rod("bar", ("P", "W"), 1e9)]), "no moving link 'bar'"),
         (Stiffness(rods=[Rod("rod", ("P", "O"), 1e9)]), "bearing 'O' is not on that link; there are: P, W"),
         (Stiffness(rods=[Rod("rod", ("P", "P"), 1e9)]), "names of two of its bearings"),
-        (Stiffness(rods=[Rod("rod", ("P", "W"), 1e9)] * 2), "parts of one name, rod P-W"),
+        (Stiffness(rods=[Rod("rod", ("P", "W"), 1e9)] * 2), "several parts are named rod P-W"),
         (Stiffness(rods=["rod"]), "give a list of Rod"),
         (Stiffness({"O": 1e9}, shaft=0.0), "stiffness of the shaft is 0.0"),
         (Stiffness({"O": 1e9}, frame=np.nan), "stiffness of the frame is nan"),

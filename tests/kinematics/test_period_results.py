@@ -180,7 +180,7 @@ def test_ratings_of_a_slide_that_is_back_before_other_links(with_cam, alone, spe
 
 
 def test_bottom_dead_centre_that_each_stroke_moves_otherwise_is_refused(with_cam):
-    with pytest.raises(pp.PinpressError, match="is back after 1 turns, all that moves with it only after 2"):
+    with pytest.raises(pp.PinpressError, match="repeats its motion after 1 turns, other links only after 2"):
         pp.elasticity.dead_centre_shift(with_cam, pp.elasticity.Stiffness({"W": 1e9}), speed=[SPEED])
 
 
