@@ -6,15 +6,11 @@ and divides by it again), the number is written that loads to the wanted one.
 
 from __future__ import annotations
 
-import codecs
 import dataclasses
-import html
 import os
-import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from xml.parsers import expat
 
 import numpy as np
 import pinocchio as pin
@@ -30,6 +26,7 @@ from .linkage import Linkage
 from .urdf import reader
 from .urdf.document import Document, Element
 from .urdf.findings import Finding
+from .urdf.text import Text, tag
 
 MOST_TEXTS = 4  # tried to meet the numbers to the last bit; the second mostly does, or none
 ACCEPTED = 1e-12  # relative difference from the linkage with which a text is still it
@@ -378,104 +375,3 @@ def _changed(numbers: Mapping[str, tuple[float, float]]) -> dict[str, str]:
 
 def _written(numbers: Iterable[float]) -> str:
     return " ".join(repr(float(number) + 0.0) for number in numbers)  # + 0.0: no "-0.0"
-
-
-_START_TAG = re.compile(rb"<(?:[^\"'>]|\"[^\"]*\"|'[^']*')*>")
-_ATTRIBUTE = re.compile(rb"([^\s=\"'<>/]+)\s*=\s*(\"[^\"]*\"|'[^']*')")
-_SPACE = re.compile(rb"\s*")
-
-
-class Text:
-    """A document and the edits of it; these do not show in its elements, only in what `edited` gives."""
-
-    def __init__(self, document: Document) -> None:
-        self.robot = document.robot
-        self._mark = codecs.BOM_UTF8 if document.text.startswith(codecs.BOM_UTF8) else b""
-        self._text = document.text[len(self._mark) :]
-        self._spans = dict(zip(_elements(self.robot), _spans(self._text), strict=True))
-        self._edits: list[tuple[int, int, str]] = []
-
-    def set(self, element: Element, attributes: Mapping[str, str]) -> None:
-        """Give an element these attributes, in place of those that it has by their names."""
-        start, opened, _ = self._spans[element]
-        present = {match[1].decode(): match.span(2) for match in _ATTRIBUTE.finditer(self._text, start, opened)}
-        for name, value in attributes.items():
-            if name in present:
-                first, last = present[name]
-                self._edits.append((first + 1, last - 1, html.escape(value)))
-            else:
-                end = self._last_of_tag(opened)
-                self._edits.append((end, end, _attributes({name: value})))
-
-    def set_child(self, element: Element, child: str, attributes: Mapping[str, str]) -> None:
-        """Give the one child of this tag these attributes, if any; make it where there is none."""
-        if element.all(child):
-            self.set(element.all(child)[0], attributes)
-        elif attributes:
-            self.append(element, tag(child, attributes))
-
-    def append(self, parent: Element, element: str) -> None:
-        """Put an element behind the last child of its parent, on a line of its own where the first child has one."""
-        _, opened, end = self._spans[parent]
-        if opened == end:  # <link name="a"/>
-            self._edits.append((self._last_of_tag(opened), end, f">{element}</{parent.tag}>"))
-        else:
-            space = _SPACE.match(self._text, opened)
-            place = self._spans[parent.children[-1]][2] if parent.children else opened
-            self._edits.append((place, place, (space[0].decode() if space and parent.children else "") + element))
-
-    def remove(self, element: Element) -> None:
-        """Take an element out, with the white space before it."""
-        start, _, end = self._spans[element]
-        self._edits.append((len(self._text[:start].rstrip()), end, ""))
-
-    def edited(self) -> bytes:
-        """The document with all that was done to it."""
-        pieces, done = [self._mark], 0
-        for start, end, new in sorted(self._edits, key=lambda edit: edit[:2]):
-            pieces += [self._text[done:start], new.encode(errors="replace")]
-            done = end
-        return b"".join([*pieces, self._text[done:]])
-
-    def _last_of_tag(self, opened: int) -> int:
-        """Where the last attribute of the start tag ends that ends there."""
-        return len(self._text[:opened].removesuffix(b">").removesuffix(b"/").rstrip())
-
-
-def tag(name: str, attributes: Mapping[str, str], content: str = "") -> str:
-    """An element."""
-    return f"<{name}{_attributes(attributes)}" + (f">{content}</{name}>" if content else "/>")
-
-
-def _attributes(attributes: Mapping[str, str]) -> str:
-    return "".join(f' {name}="{html.escape(value)}"' for name, value in attributes.items())
-
-
-def _elements(element: Element) -> Iterator[Element]:
-    """An element and all that is in it, in the order of their start tags."""
-    yield element
-    for child in element.children:
-        yield from _elements(child)
-
-
-def _spans(document: bytes) -> list[tuple[int, int, int]]:
-    """Of each element, in the order of their start tags: where that tag begins and ends, and where the element ends."""
-    parser = expat.ParserCreate("utf-8")
-    spans: list[tuple[int, int, int]] = []
-    open_elements: list[int] = []
-
-    def start(*ignored: object) -> None:
-        found = _START_TAG.match(document, parser.CurrentByteIndex)
-        last = found.end() if found else 0
-        open_elements.append(len(spans))
-        spans.append((parser.CurrentByteIndex, last, last))
-
-    def end(*ignored: object) -> None:
-        k = open_elements.pop()
-        first, last, _ = spans[k]
-        if not document.endswith(b"/>", first, last):
-            spans[k] = (first, last, document.index(b">", parser.CurrentByteIndex) + 1)
-
-    parser.StartElementHandler, parser.EndElementHandler = start, end
-    parser.Parse(document, True)
-    return spans

@@ -23,7 +23,7 @@ from ...linkage import loading
 from ...linkage.linkage import Linkage
 from ...linkage.urdf import findings, reader
 from ...linkage.urdf.document import Document
-from ...linkage.writing import tag
+from ...linkage.urdf.text import tag
 from ..counterweights import combined, rigid_body
 from .crank_slider import CENTRED, CrankSlider, as_crank_slider
 
