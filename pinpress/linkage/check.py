@@ -16,10 +16,11 @@ from ..engines.joints import LoopJoint
 from ..engines.spatial.kinematics import rank as rank_of
 from . import assembly_checks, mobility
 from .assembly_checks import short
+from .formats.reading import document_of
 from .linkage import Linkage
 from .loading import assembled, located
 from .urdf import element_checks, reader
-from .urdf.document import Document, parse
+from .urdf.document import Document
 from .urdf.findings import SEVERITIES, Finding
 
 WIDTH = 120  # of a line of text
@@ -135,8 +136,8 @@ def check(path: str | os.PathLike[str], driver: str | Sequence[str] | None = Non
     file = os.fspath(located(path))
     findings, facts = [], None
     try:
-        document = parse(file)
-        findings += [*reader.errors(document), *element_checks.remarks(document.robot)]
+        document = document_of(file)
+        findings += [*reader.errors(document), *document.remarks, *element_checks.remarks(document.robot)]
         if all(finding.error is None for finding in findings):
             found, facts = _put_together(document, driver, slide)
             findings += found

@@ -15,6 +15,7 @@ from ..common.files import path_of
 from ..common.quantities import Array
 from ..engines.joints import Coupling, LoopJoint
 from . import assembly_checks
+from .formats.reading import document_of
 from .linkage import Linkage
 from .urdf import findings, reader
 from .urdf.document import Document
@@ -34,8 +35,11 @@ def load(
 ) -> Linkage:
     """Read a linkage from a URDF with ``<loop_joint>`` elements, close its drawn pose exactly and check that its driver determines it.
 
+    Files in other formats are turned into such a URDF first (``press.text``): URDF with the loops of Drake, URDF+ and Gazebo, SDF, and MJCF
+    (by the package mujoco). The manual says what of them is read.
+
     Args:
-        path: of the URDF file, or the name of a shipped press (`presses`).
+        path: of the URDF, SDF or MJCF file, or the name of a shipped press (`presses`).
         driver: name of the driven joint, or names of as many as the linkage has degrees of freedom; default: those in the file's
             ``<transmission>`` elements.
         slide: name of the slide link, which a prismatic joint guides on the frame; default: the link "slide", or the child of the joint
@@ -49,22 +53,22 @@ def load(
 
     Warns:
         PinpressWarning: a linkage that is hardly meant: a loop drawn far open, lengths or inertias that are not in SI units, a slide's axis
-            that points down. `check` says more.
+            that points down; what a file of another format says and is not read. `check` says more.
     """
-    return _loaded(reader.checked(located(path)), driver, slide, gravity)
+    return _loaded(document_of(located(path)), driver, slide, gravity)
 
 
 def load_text(text: bytes, file: str, slide: str | None = None, gravity: Sequence[float] = (0.0, 0.0, -9.81)) -> Linkage:
     """`load` of the text of a URDF that is in no file; ``file`` names it in messages."""
-    document = Document(file, text)
-    findings.refuse(reader.errors(document), findings.command(file))
-    return _loaded(document, None, slide, gravity)
+    return _loaded(Document(file, text), None, slide, gravity)
 
 
 def _loaded(document: Document, driver: str | Sequence[str] | None, slide: str | None, gravity: Sequence[float]) -> Linkage:
+    findings.refuse(reader.errors(document), findings.command(document.file))
     press = assembled(document, driver, slide, gravity)
     check_drawn_pose(press, findings.command(press.file, () if driver is None else press.drivers, slide))
-    for finding in assembly_checks.severe(press, document.robot):
+    severe = (finding for finding in document.remarks if finding.severity == "warning")
+    for finding in (*severe, *assembly_checks.severe(press, document.robot)):
         caution(finding.message(press.file))
     return press
 
@@ -81,7 +85,7 @@ def located(path: str | os.PathLike[str]) -> str | os.PathLike[str]:
         return path
     if file in presses():
         return _library() / f"{file}.urdf"
-    if file.endswith((".urdf", ".xml")) or "\0" in file:
+    if file.endswith((".urdf", ".xml", ".sdf", ".mjcf")) or "\0" in file:
         return path  # reading it says what is wrong with it
     raise UrdfError(file, None, None, "no such file", f"name a URDF file or a shipped press ({', '.join(presses())})")
 

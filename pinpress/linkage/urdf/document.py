@@ -6,13 +6,14 @@ import math
 import os
 import re
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Any
+from typing import Any, NamedTuple
 from xml.parsers import expat
 
 from ...common import files
 from ...common.errors import UrdfError, shown
+from .findings import Finding
 
 # The largest URDF that comes with pinpress has 30 kB and 200 elements. These limits are far beyond any press, and small enough for a file
 # that is none to be refused at once.
@@ -43,12 +44,16 @@ class Element:
         children: the elements in it.
         start: the byte at which its start tag begins.
         end: the byte at which its end tag begins.
+        text: the characters directly in it, where they were asked for.
+        origin: what messages call it, where it was written from an element of another format; else None.
     """
 
     def __init__(self, tag: str, attributes: dict[str, str], line: int, parent: Element | None, start: int) -> None:
         self.tag, self.attributes, self.line, self.parent, self.start = tag, attributes, line, parent, start
         self.children: list[Element] = []
         self.end = start
+        self.text = ""
+        self.origin: str | None = None
 
     def get(self, name: str) -> str:
         """The attribute, empty where it is missing."""
@@ -74,12 +79,26 @@ class Element:
         return None if len(words) == count else f"{len(words)} numbers, not {count}"
 
     def __str__(self) -> str:
-        """``<link name="crank">``, or ``<mass> of <link name="crank">``."""
+        """``<link name="crank">``, or ``<mass> of <link name="crank">``; of another format, the element that it was written from."""
+        if self.origin is not None:
+            return self.origin
         shown = f'<{self.tag} name="{self.get("name")}">' if "name" in self.attributes else f"<{self.tag}>"
         above = self.parent
         while above is not None and above.parent is not None and above.parent.parent is not None:
             above = above.parent
         return shown if above is None or above.parent is None else f"{shown} of {above}"
+
+
+class Origin(NamedTuple):
+    """An element of another format, or of another dialect, that elements of a URDF were written from.
+
+    Attributes:
+        element: as messages call it, e.g. ``<body name="crank">``.
+        line: of that element in its file.
+    """
+
+    element: str
+    line: int
 
 
 @dataclass(frozen=True, eq=False)
@@ -88,23 +107,48 @@ class Document:
 
     Attributes:
         file: path of the file.
-        text: its content as read, UTF-8, perhaps with a byte order mark.
+        text: its content as read, UTF-8, perhaps with a byte order mark; of a file in another format, what it is as URDF.
+        origins: of such a file, what elements of the text were written from, by their lines and the tag of the element under ``<robot>``
+            that they are or are in ("robot" of the root).
+        remarks: warnings and notes of what such a file says and a URDF cannot.
     """
 
     file: str
     text: bytes
+    origins: Mapping[tuple[int, str], Origin] = field(default_factory=dict)
+    remarks: tuple[Finding, ...] = ()
 
     @cached_property
     def robot(self) -> Element:
         """The root element; raises UrdfError where the text is no XML, or too large."""
-        return tree(self.file, self.text.decode("utf-8-sig").encode())
+        root = tree(self.file, self.text.decode("utf-8-sig").encode())
+        if self.origins:
+            _name_origins(root, self.origins, root.tag)
+        return root
 
     def __getstate__(self) -> dict[str, Any]:
-        return {"file": self.file, "text": self.text}
+        return {"file": self.file, "text": self.text, "origins": self.origins, "remarks": self.remarks}
+
+
+def _name_origins(element: Element, origins: Mapping[tuple[int, str], Origin], tag: str) -> None:
+    """Give an element and all that is in it the lines and names of what they were written from; ``tag``: see `Document.origins`."""
+    origin = origins.get((element.line, tag))
+    if origin is not None:
+        element.origin, element.line = origin
+    for child in element.children:
+        _name_origins(child, origins, child.tag if element.parent is None else tag)
 
 
 def parse(path: str | os.PathLike[str]) -> Document:
     """The elements of a URDF; raises UrdfError where it is no URDF at all."""
+    found = Document(files.path_of("path", path), read(path))
+    if found.robot.tag != "robot":
+        raise UrdfError(found.file, str(found.robot), found.robot.line, "the root element is not <robot>", "give a URDF file")
+    return found
+
+
+def read(path: str | os.PathLike[str]) -> bytes:
+    """The text of a file, UTF-8, perhaps with a byte order mark; raises UrdfError where it is none, or cannot be read."""
     file = files.path_of("path", path)
     try:
         text = files.read(path, MOST_BYTES)
@@ -120,13 +164,10 @@ def parse(path: str | os.PathLike[str]) -> Document:
         raise UrdfError(file, None, line, f"is not UTF-8 text (byte {odd})", "save it in the UTF-8 encoding")
     if not document.strip():
         raise UrdfError(file, None, None, "is empty", "write a <robot> element")
-    found = Document(file, text)
-    if found.robot.tag != "robot":
-        raise UrdfError(file, str(found.robot), found.robot.line, "the root element is not <robot>", "give a URDF file")
-    return found
+    return text
 
 
-def tree(file: str, document: bytes) -> Element:
+def tree(file: str, document: bytes, with_text: bool = False) -> Element:
     """The root element of an XML document, UTF-8; raises UrdfError, with ``file`` in its message, where it is too large or no XML."""
     # The encoding is given, because Pinocchio reads UTF-8 whatever the XML declaration says. Expat as it is here knows no namespaces, as
     # Pinocchio does not, and so takes <drake:...> without its xmlns:drake.
@@ -157,8 +198,13 @@ def tree(file: str, document: bytes) -> Element:
     def end(_: str) -> None:
         opened.pop().end = parser.CurrentByteIndex
 
+    def characters(text: str) -> None:
+        opened[-1].text += text
+
     parser.StartElementHandler = start
     parser.EndElementHandler = end
+    if with_text:
+        parser.CharacterDataHandler = characters
     parser.StartDoctypeDeclHandler = lambda *_: forbid(
         "has a document type declaration", "write its entities out, and remove <!DOCTYPE ...>"
     )

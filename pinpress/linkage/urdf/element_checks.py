@@ -57,9 +57,9 @@ _ATTRIBUTES = {
     "color": "rgba",
     "texture": "filename",
 }
-# What other programs (ROS, Gazebo, Bullet, MuJoCo) write and Pinocchio does not read; so is all that has a namespace prefix.
+# What other programs (ROS, Gazebo, Bullet, Drake, MuJoCo) write and Pinocchio does not read; so is all that has a namespace prefix.
 _FOREIGN = {
-    "robot": "gazebo ros2_control mujoco sensor fixed_frame",
+    "robot": "gazebo ros2_control mujoco sensor fixed_frame frame",
     "link": "sensor self_collision_checking verbose velocity contact audio_source",
     "collision": "verbose contact_coefficients",
     "joint": "joint_properties sensor",

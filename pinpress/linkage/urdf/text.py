@@ -59,6 +59,11 @@ class Text:
         start, _, end = self._spans[element]
         self._edits.append((len(self._text[:start].rstrip()), end, ""))
 
+    def replace(self, element: Element, new: str) -> None:
+        """Put something in the place of an element, and as many line breaks behind it as the element had, so that all lines stay."""
+        start, _, end = self._spans[element]
+        self._edits.append((start, end, new + "\n" * self._text.count(b"\n", start, end)))
+
     def edited(self) -> bytes:
         """The document with all that was done to it."""
         pieces, done = [self._mark], 0

@@ -1,0 +1,218 @@
+"""Loops as other programs write them into a URDF, turned into ``<loop_joint>`` in its text; everything else stays to the byte.
+
+Read are
+- Drake's ``<drake:ball_constraint>`` and ``<drake:linear_bushing_rpy>`` (multibody/parsing/parsing_doxygen.h of Drake, "Drake Extensions"),
+- ``<loop>`` of URDF+ and ``<constraint>``, as its parser writes it (Chignoli, Slotine, Wensing, Kim: URDF+, arXiv 2411.19753),
+- ``<gazebo><joint>``: a joint of SDF, which Gazebo adds to the tree.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+
+import numpy as np
+import pinocchio as pin
+
+from ...common.quantities import Array
+from ..urdf.document import Document, Element, Origin, tree
+from ..urdf.element_checks import LOOP_TYPES, names
+from ..urdf.findings import Finding
+from ..urdf.text import Text
+from .elements import needed, numbers, optional, origin_of, refuse, remark, unused
+from .mechanism import Loop, loop_element
+
+BALL, BUSHING = "drake:ball_constraint", "drake:linear_bushing_rpy"
+_LOOPS = (BALL, BUSHING, "loop", "constraint")
+_REFUSED = {
+    "drake:joint": "write revolute, continuous, prismatic or fixed joints, or a loop: Pinocchio does not read this element",
+    "drake:tendon_constraint": "write a gear pair, <mimic>, where two joints move together",
+    "coupling": 'write <mimic joint="..." multiplier="..."/> in the driven joint',
+}
+_SPRING = "drake:linear_spring_damper"
+
+
+def plain(document: Document) -> Document:
+    """The same URDF with the loops of other dialects as ``<loop_joint>``; itself where it has none."""
+    robot, file = document.robot, document.file
+    for element in robot.all(*_REFUSED):
+        refuse(file, element, "cannot be read", _REFUSED[element.tag])
+    gazebo = [joint for part in robot.all("gazebo") if not part.attributes for joint in part.all("joint")]
+    foreign = [*robot.all(*_LOOPS), *gazebo]
+    remarks = tuple(_remarks(robot))
+    if not foreign:
+        return Document(file, document.text, remarks=remarks) if remarks else document
+    with_text = tree(file, document.text.decode("utf-8-sig").encode(), with_text=True)
+    worded = {element.start: element for part in with_text.all("gazebo") for element in part.all("joint")}
+    text, taken = Text(document), {*names(robot, "joint"), *names(robot, "loop_joint")}
+    origins: dict[tuple[int, str], Origin] = {}
+    remarks_of_loops: list[Finding] = []
+    for element in foreign:
+        if element.tag == "joint":
+            loop = _gazebo_joint(file, robot, worded[element.start], taken)
+            text.replace(element, f"</gazebo>{loop_element(loop)}<gazebo>")
+        else:
+            reader = _ball if element.tag == BALL else _bushing if element.tag == BUSHING else _urdf_plus_loop
+            loop = reader(file, robot, element, taken)
+            text.replace(element, loop_element(loop))
+        if element.tag == BUSHING:
+            remarks_of_loops.append(bushing_remark(loop.origin))
+        taken.add(loop.name)
+        origins[element.line, "loop_joint"] = loop.origin
+    return Document(file, text.edited(), origins, (*remarks, *remarks_of_loops))
+
+
+def _remarks(robot: Element) -> Iterator[Finding]:
+    for element in robot.all(_SPRING):
+        yield remark("warning", element, "a spring between bodies is not read", "give it as a load: loads=[SpringDamper(...)]")
+    for transmission in robot.all("transmission"):
+        for actuator in transmission.all("actuator"):
+            for element in actuator.all("drake:rotor_inertia"):
+                if any(element.numbers("value")):
+                    remedy = "give the motor's inertia as a flywheel: flywheel=Flywheel(inertia=...)"
+                    yield remark("warning", element, "the inertia of the rotor is not read", remedy)
+
+
+# ------------------------------------------------------------------------------------------------------------------------------------ Drake
+
+
+def _ball(file: str, robot: Element, element: Element, taken: set[str]) -> Loop:
+    """``p_AP``, a point P in body A, coincides with ``p_BQ``, Q in body B."""
+    values = [needed(file, element, f"{BALL}_{name}") for name in ("body_A", "p_AP", "body_B", "p_BQ")]
+    ends = [(body.get("name"), pin.SE3(np.eye(3), numbers(file, point, point.get("value"), 3))) for body, point in (values[:2], values[2:])]
+    name = element.get("name") or unused(f"ball_{ends[0][0]}_{ends[1][0]}", taken)
+    return Loop(name, "spherical", (ends[0], ends[1]), None, _called(element, name))
+
+
+def _bushing(file: str, robot: Element, element: Element, taken: set[str]) -> Loop:
+    """Frames A and C, torque stiffness about x, y, z (roll, pitch, yaw) and force stiffness along them."""
+    frames = {frame.get("name"): _frame(file, frame) for frame in robot.all("frame")}
+    ends = []
+    for side in ("A", "C"):
+        name = needed(file, element, f"drake:bushing_frame{side}").get("name")
+        ends.append(frames.get(name) or (name, pin.SE3.Identity()))  # a link's own frame has its name
+    stiffness = {}
+    for kind in ("torque", "force"):
+        for word in ("stiffness", "damping"):
+            found = needed(file, element, f"drake:bushing_{kind}_{word}")
+            stiffness[kind, word] = numbers(file, found, found.get("value"), 3)
+    axis = bushing_axis(file, element, stiffness)
+    name = element.get("name") or unused(f"bushing_{ends[0][0]}_{ends[1][0]}", taken)
+    return Loop(name, "spherical" if axis is None else "revolute", (ends[0], ends[1]), axis, _called(element, name))
+
+
+def bushing_axis(file: str, element: Element, stiffness: Mapping[tuple[str, str], Array]) -> Array | None:
+    """The axis of the pin that a bushing stands for, None of a ball joint; one that is compliant in another way is refused.
+
+    A pin holds all three directions and two or none of the rotations, with one stiffness each. What holds nothing has neither stiffness nor
+    damping.
+    """
+    holds = [axis for axis in range(3) if stiffness["torque", "stiffness"][axis] or stiffness["torque", "damping"][axis]]
+    stiff = stiffness["force", "stiffness"]
+    if stiff.min() > 0 and not holds:
+        return None
+    if stiff.min() > 0 and len(holds) == 2 and stiffness["torque", "stiffness"][holds].min() > 0:
+        return np.eye(3)[next(axis for axis in range(3) if axis not in holds)]
+    problem = "a bushing is elastic, and this one is neither a pin (held but for the turn about one axis) nor a ball joint (no torques)"
+    remedy = "write a <loop_joint> for a rigid bearing; for elastic ones give pp.elasticity.Stiffness"
+    refuse(file, element, problem, remedy)
+
+
+def bushing_remark(origin: Origin) -> Finding:
+    """What is lost of a bushing."""
+    problem = "it is read as a rigid bearing: its stiffness and damping are not"
+    return remark("warning", origin, problem, "write a ball constraint or <loop_joint>, if that is meant")
+
+
+def _frame(file: str, frame: Element) -> tuple[str, pin.SE3]:
+    """Drake's ``<frame name="..." link="..." xyz="..." rpy="..."/>``."""
+    xyz, rpy = (numbers(file, frame, frame.attributes.get(name, "0 0 0"), 3) for name in ("xyz", "rpy"))
+    return frame.get("link"), pin.SE3(pin.rpy.rpyToMatrix(rpy), xyz)
+
+
+# ------------------------------------------------------------------------------------------------------------------------------------ URDF+
+
+
+def _urdf_plus_loop(file: str, robot: Element, element: Element, taken: set[str]) -> Loop:
+    """The frame of a loop is given in both links; ``type`` is that of a joint, and ``axis`` stands in that frame."""
+    kind = {"continuous": "revolute", "ball": "spherical"}.get(element.get("type"), element.get("type"))
+    if kind not in LOOP_TYPES:
+        said = f"type {kind!r} closes no loop here" if kind else "has no type"
+        refuse(file, element, said, "write revolute, continuous, spherical or fixed; make a prismatic joint one of the tree")
+    ends = []
+    for side in ("predecessor", "successor"):
+        end = needed(file, element, side)
+        origin = optional(file, end, "origin")
+        ends.append((end.get("link"), pin.SE3.Identity() if origin is None else _placed(file, origin)))
+    axis = None
+    if kind == "revolute":
+        found = optional(file, element, "axis")
+        axis = np.array([1.0, 0.0, 0.0]) if found is None else direction(file, found, found.get("xyz"))
+    name = element.get("name") or unused(f"loop_{ends[0][0]}_{ends[1][0]}", taken)
+    return Loop(name, kind, (ends[0], ends[1]), axis, _called(element, name))
+
+
+def direction(file: str, element: Element, text: str) -> Array:
+    """(3,) a direction of length 1."""
+    found = numbers(file, element, text, 3)
+    length = float(np.linalg.norm(found))
+    if length == 0:
+        refuse(file, element, "the axis is zero", "write its direction, for example 0 -1 0")
+    return found / length if abs(length - 1) > 1e-15 else found
+
+
+# ----------------------------------------------------------------------------------------------------------------------------------- Gazebo
+
+
+def _gazebo_joint(file: str, robot: Element, joint: Element, taken: set[str]) -> Loop:
+    """A joint of SDF: its frame is posed in the child's, and it is closed as drawn."""
+    from . import sdf  # seldom needed
+
+    kind = {"ball": "spherical", "continuous": "revolute"}.get(joint.get("type"), joint.get("type"))
+    if kind not in LOOP_TYPES:
+        said = f"a {kind} joint closes no loop here" if kind else "has no type"
+        refuse(file, joint, said, "write revolute, ball or fixed; make a prismatic joint one of the tree")
+    parent, child = (needed(file, joint, end).text.strip() for end in ("parent", "child"))
+    places = _places(file, robot)
+    if parent not in places or child not in places:
+        lost = parent if parent not in places else child
+        refuse(file, joint, f"no link {lost!r} that joints connect to the root", "name a <link> of this file")
+    place = places[child] * sdf.pose_of(file, joint)
+    axis = None
+    if kind == "revolute":
+        element = needed(file, joint, "axis")
+        axis = direction(file, element, needed(file, element, "xyz").text)
+        in_model = optional(file, element, "use_parent_model_frame")
+        if in_model is not None and in_model.text.strip() in ("1", "true"):
+            axis = place.rotation.T @ axis
+    ends = tuple((link, places[link].inverse() * place) for link in (parent, child))
+    name = joint.get("name") or unused(f"loop_{parent}_{child}", taken)
+    return Loop(name, kind, (ends[0], ends[1]), axis, origin_of(joint))
+
+
+def _places(file: str, robot: Element) -> dict[str, pin.SE3]:
+    """Placements of the links in the root's frame, joints at zero, by their names."""
+    joints: dict[str, list[tuple[str, pin.SE3]]] = {}
+    for joint in robot.all("joint"):
+        for parent, child in zip(joint.all("parent"), joint.all("child"), strict=False):
+            origin = optional(file, joint, "origin")
+            place = pin.SE3.Identity() if origin is None else _placed(file, origin)
+            joints.setdefault(parent.get("link"), []).append((child.get("link"), place))
+    children = {child for carried in joints.values() for child, _ in carried}
+    places = {link: pin.SE3.Identity() for link in names(robot, "link") if link not in children}
+    reached = list(places)
+    for parent in reached:  # grows as it goes
+        for child, place in joints.get(parent, ()):
+            if child not in places:
+                places[child] = places[parent] * place
+                reached.append(child)
+    return places
+
+
+def _placed(file: str, origin: Element) -> pin.SE3:
+    xyz, rpy = (numbers(file, origin, origin.attributes.get(name, "0 0 0"), 3) for name in ("xyz", "rpy"))
+    return pin.SE3(pin.rpy.rpyToMatrix(rpy), xyz)
+
+
+def _called(element: Element, name: str) -> Origin:
+    """An element as messages name it, though it may have no name."""
+    return Origin(f'<{element.tag} name="{element.get("name")}">' if element.get("name") else f"<{element.tag}> {name}", element.line)

@@ -1,0 +1,254 @@
+"""Links, joints and loops that a reader has found in another format, and the URDF that says the same.
+
+The frame of a link is that of the joint which carries it, as URDF has it; the drawn pose is that of the file, and joints are at zero there.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import pinocchio as pin
+
+from ...common.quantities import Array
+from ..urdf.document import Document, Origin
+from ..urdf.findings import Finding
+from ..urdf.text import tag
+
+# What a URDF asks of every limited joint, where the other format has no such limit. Nothing here is computed with.
+UNLIMITED = 1000.0  # [rad or m], [rad/s or m/s]
+STRONGEST = 1e9  # [N m or N]
+_MOMENTS = (("ixx", 0, 0), ("ixy", 0, 1), ("ixz", 0, 2), ("iyy", 1, 1), ("iyz", 1, 2), ("izz", 2, 2))
+
+
+@dataclass(frozen=True, eq=False)
+class Inertia:
+    """Of a link.
+
+    Attributes:
+        mass: [kg].
+        place: of the centre of mass, in the link's frame, and the axes of ``tensor``.
+        tensor: (3, 3) about the centre of mass [kg m2].
+        origin: where it was read.
+    """
+
+    mass: float
+    place: pin.SE3
+    tensor: Array
+    origin: Origin
+
+
+@dataclass(frozen=True, eq=False)
+class Shape:
+    """Of a link, to be looked at.
+
+    Attributes:
+        place: in the link's frame.
+        tag: "box", "cylinder", "sphere" or "mesh".
+        attributes: of that element of URDF.
+        colour: red, green, blue and opacity from 0 to 1; None where it has none.
+    """
+
+    place: pin.SE3
+    tag: str
+    attributes: Mapping[str, str]
+    colour: Sequence[float] | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class Link:
+    """A body."""
+
+    name: str
+    inertia: Inertia | None
+    shapes: tuple[Shape, ...]
+    origin: Origin
+
+
+@dataclass(frozen=True)
+class Follow:
+    """The joint's coordinate is ``multiplier`` times that of the joint named ``leader``, plus ``offset`` [rad or m]."""
+
+    leader: str
+    multiplier: float
+    offset: float
+    origin: Origin
+
+
+@dataclass(frozen=True, eq=False)
+class Joint:
+    """A joint of the tree.
+
+    Attributes:
+        name: of the joint.
+        type: "revolute", "prismatic" or "fixed".
+        parent: name of the link that carries it.
+        child: name of the link that it carries.
+        place: in the parent's frame; the child's frame in the drawn pose.
+        axis: (3,) of length 1 in that frame.
+        limits: lowest and highest position from the drawn pose [rad or m]; None where there are none.
+        effort: largest torque [N m] or force [N]; None where there is no such limit.
+        velocity: largest [rad/s or m/s]; None where there is no such limit.
+        damping: [N m s/rad or N s/m].
+        friction: [N m or N].
+        follow: the gear pair that moves it, None where there is none.
+        origin: where it was read.
+    """
+
+    name: str
+    type: str
+    parent: str
+    child: str
+    place: pin.SE3
+    axis: Array
+    origin: Origin
+    limits: tuple[float, float] | None = None
+    effort: float | None = None
+    velocity: float | None = None
+    damping: float = 0.0
+    friction: float = 0.0
+    follow: Follow | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class Loop:
+    """A bearing that closes a loop.
+
+    Attributes:
+        name: of the bearing.
+        type: "spherical", "revolute" or "fixed".
+        ends: names of the two links, and its place in the frame of each.
+        axis: (3,) of a revolute one, in the frames of both ends.
+        origin: where it was read.
+    """
+
+    name: str
+    type: str
+    ends: tuple[tuple[str, pin.SE3], tuple[str, pin.SE3]]
+    axis: Array | None
+    origin: Origin
+
+
+@dataclass(frozen=True, eq=False)
+class Mechanism:
+    """All of a file that makes a linkage.
+
+    Attributes:
+        name: of the model.
+        links: the root first or anywhere.
+        joints: of the tree, in the file's order.
+        loops: in the file's order.
+        drivers: names of joints, and where they were read.
+        remarks: what the file says and is not in here.
+        origin: of the model.
+    """
+
+    name: str
+    links: tuple[Link, ...]
+    joints: tuple[Joint, ...]
+    loops: tuple[Loop, ...]
+    drivers: tuple[tuple[str, Origin], ...]
+    remarks: tuple[Finding, ...]
+    origin: Origin
+
+
+def as_document(file: str, mechanism: Mechanism, source: str) -> Document:
+    """The URDF of a mechanism that was read from this file; ``source``: the name of its format."""
+    lines = [
+        ("<?xml version='1.0'?>", "robot", mechanism.origin),
+        (_opening("robot", {"name": mechanism.name}), "robot", mechanism.origin),
+        (
+            f"  <!-- Written by pinpress from {source}. Joints are at zero in the pose of that file. SI units. -->",
+            "",
+            mechanism.origin,
+        ),
+    ]
+    lines += [(line, "link", origin) for link in mechanism.links for line, origin in _link(link)]
+    lines += [(line, "joint", origin) for joint in mechanism.joints for line, origin in _joint(joint)]
+    lines += [(f"  {loop_element(loop)}", "loop_joint", loop.origin) for loop in mechanism.loops]
+    for name, origin in mechanism.drivers:
+        lines.append((f"  {tag('transmission', {'name': f'{name}_drive'}, tag('joint', {'name': name}))}", "transmission", origin))
+    lines.append(("</robot>", "", mechanism.origin))
+    text = "\n".join(line for line, _, _ in lines) + "\n"
+    return Document(file, text.encode(), {(k, top): origin for k, (_, top, origin) in enumerate(lines, 1)}, mechanism.remarks)
+
+
+Line = tuple[str, Origin]
+
+
+def _link(link: Link) -> Iterator[Line]:
+    if link.inertia is None and not link.shapes:
+        yield f"  {tag('link', {'name': link.name})}", link.origin
+        return
+    yield f"  {_opening('link', {'name': link.name})}", link.origin
+    if link.inertia is not None:
+        inertia, moments = link.inertia, link.inertia.tensor
+        values = {name: _written([moments[i, j]]) for name, i, j in _MOMENTS}
+        content = _origin(inertia.place) + tag("mass", {"value": _written([inertia.mass])}) + tag("inertia", values)
+        yield f"    {tag('inertial', {}, content)}", inertia.origin
+    for shape in link.shapes:
+        content = _origin(shape.place) + tag("geometry", {}, tag(shape.tag, shape.attributes))
+        if shape.colour is not None:
+            rgba = " ".join(f"{min(max(part, 0.0), 1.0):.6g}" for part in shape.colour)
+            content += tag("material", {"name": f"rgba {rgba}"}, tag("color", {"rgba": rgba}))
+        yield f"    {tag('visual', {}, content)}", link.origin
+    yield "  </link>", link.origin
+
+
+def _joint(joint: Joint) -> Iterator[Line]:
+    kind = "continuous" if joint.type == "revolute" and joint.limits is None else joint.type
+    yield f"  {_opening('joint', {'name': joint.name, 'type': kind})}", joint.origin
+    yield f"    {tag('parent', {'link': joint.parent})}{tag('child', {'link': joint.child})}{_origin(joint.place)}", joint.origin
+    if joint.type != "fixed":
+        yield f"    {tag('axis', {'xyz': _written(joint.axis)})}", joint.origin
+        if kind != "continuous":
+            lower, upper = joint.limits or (-UNLIMITED, UNLIMITED)
+            effort = STRONGEST if joint.effort is None else joint.effort
+            velocity = UNLIMITED if joint.velocity is None else joint.velocity
+            values = {"lower": lower, "upper": upper, "effort": effort, "velocity": velocity}
+            yield f"    {tag('limit', {name: _written([value]) for name, value in values.items()})}", joint.origin
+        if joint.damping or joint.friction:
+            values = {"damping": joint.damping, "friction": joint.friction}
+            yield f"    {tag('dynamics', {name: _written([value]) for name, value in values.items()})}", joint.origin
+    if joint.follow is not None:
+        follow = joint.follow
+        ratio = {"multiplier": _written([follow.multiplier]), "offset": _written([follow.offset])}
+        yield f"    {tag('mimic', {'joint': follow.leader} | ratio)}", follow.origin
+    yield "  </joint>", joint.origin
+
+
+def loop_element(loop: Loop) -> str:
+    """Its ``<loop_joint>``."""
+    content = "".join(tag(f"link{k}", {"link": link} | _placed(place)) for k, (link, place) in enumerate(loop.ends, 1))
+    if loop.axis is not None:
+        content += tag("axis", {"xyz": _written(loop.axis)})
+    return tag("loop_joint", {"name": loop.name, "type": loop.type}, content)
+
+
+def _opening(name: str, attributes: Mapping[str, str]) -> str:
+    """A start tag."""
+    return tag(name, attributes).removesuffix("/>") + ">"
+
+
+def _origin(place: pin.SE3) -> str:
+    return tag("origin", _placed(place))
+
+
+def _placed(place: pin.SE3) -> dict[str, str]:
+    turned = not np.array_equal(place.rotation, np.eye(3))
+    return {"xyz": _written(place.translation)} | ({"rpy": _written(pin.rpy.matrixToRpy(place.rotation))} if turned else {})
+
+
+def _written(numbers: Sequence[float] | Array) -> str:
+    return " ".join(repr(float(number) + 0.0) for number in numbers)  # + 0.0: no "-0.0"
+
+
+def capsule(place: pin.SE3, radius: float, length: float, colour: Sequence[float] | None) -> tuple[Shape, ...]:
+    """The shapes of a capsule, which URDF has not; ``length``: between the centres of its spherical ends, along z."""
+    ends = (place * pin.SE3(np.eye(3), np.array([0.0, 0.0, side * length / 2])) for side in (-1, 1))
+    size = {"radius": _written([radius])}
+    return (
+        Shape(place, "cylinder", size | {"length": _written([length])}, colour),
+        *(Shape(end, "sphere", size, colour) for end in ends),
+    )

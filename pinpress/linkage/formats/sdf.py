@@ -1,0 +1,578 @@
+"""SDF, the format of Gazebo: models of links and joints that need not be a tree (sdformat.org/spec, versions 1.4 to 1.12).
+
+A link may be the child of several joints: those that make the tree are chosen here, and the others close loops. Names of links and joints
+are kept. There is no package for Python that reads SDF and installs everywhere, and Pinocchio's wheels are built without it
+(`WITH_SDFORMAT`), so it is read here: the elements that make a linkage; those that say nothing of its mechanics are passed over, and all
+others are refused by name.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+import pinocchio as pin
+
+from ...common.errors import suggestion
+from ...common.quantities import Array
+from ..urdf.document import Document, Element, Origin, tree
+from ..urdf.findings import Finding
+from . import dialects
+from .elements import needed, numbers, optional, origin_of, refuse, refuse_unknown, remark, unused
+from .mechanism import Follow, Inertia, Joint, Link, Loop, Mechanism, Shape, as_document, capsule
+from .spanning_tree import Edge, spanning_tree
+
+WORLD = "world"
+_MODEL = "__model__"
+_DIGITS = 4  # decimals from which an angle that is a quarter turn to all of them is one: 1.5708
+_NONE = 1e16  # what SDF writes for no limit
+
+_KNOWN = {  # elements that are read or say nothing of the mechanics
+    "sdf": "model world light actor",
+    "world": "model include physics light scene gravity magnetic_field atmosphere spherical_coordinates gui audio wind plugin frame"
+    " actor road population state",
+    "model": "static self_collide allow_auto_disable enable_wind pose link joint frame plugin include model gripper",
+    "link": "gravity enable_wind self_collide kinematic must_be_base_link velocity_decay pose inertial collision visual sensor projector"
+    " audio_sink audio_source battery light particle_emitter",
+    "inertial": "pose mass inertia density auto_inertia_params fluid_added_mass",
+    "inertia": "ixx ixy ixz iyy iyz izz",
+    "joint": "pose parent child axis axis2 gearbox_ratio gearbox_reference_body thread_pitch screw_thread_pitch physics sensor",
+    "axis": "xyz use_parent_model_frame initial_position dynamics limit mimic",
+    "dynamics": "damping friction spring_reference spring_stiffness",
+    "limit": "lower upper effort velocity stiffness dissipation",
+    "mimic": "multiplier offset reference",
+}
+_TURNING = ("revolute", "continuous")
+_CHAINS = {"ball": 3, "universal": 2, "revolute2": 2}  # of so many revolute joints, where they are not cut
+_UNREAD = {
+    "screw": "write a prismatic joint",
+    "planar": "write two prismatic joints and a revolute one, with links between them",
+    "floating": "write the joints that guide the link",
+}
+
+
+def read(document: Document) -> Document:
+    """The URDF that says the same as an SDF; raises UrdfError where it says something else than a linkage."""
+    root = tree(document.file, document.text.decode("utf-8-sig").encode(), with_text=True)
+    return as_document(document.file, _Reader(document.file, root).mechanism(), f"SDF {root.get('version')}")
+
+
+@dataclass(frozen=True, eq=False)
+class _Bearing:
+    """A joint of the file: what it connects, and its place in the model."""
+
+    element: Element
+    name: str
+    type: str
+    parent: str
+    child: str
+    place: pin.SE3
+
+
+class _Reader:
+    """One model of a file."""
+
+    def __init__(self, file: str, root: Element) -> None:
+        self.file = file
+        self.version = self._version(root)
+        self.remarks: list[Finding] = []
+        self.model = self._only_model(root)
+        refuse_unknown(file, self.model, _KNOWN["model"].split())
+        for tag, remedy in (("include", "write the model that it names in its place"), ("model", "write its links and joints in this one")):
+            for element in self.model.all(tag):
+                refuse(file, element, f"<{tag}> in a <model> cannot be read", remedy)
+        for element in self.model.all("gripper"):
+            refuse(file, element, "a gripper cannot be read", "write a fixed joint")
+        if self._true(self.model, "static"):
+            refuse(file, self.model.all("static")[0], "a static model does not move", "remove <static>")
+        self.links = self._named("link")
+        self.joints = self._named("joint")
+        self.frames = self._named("frame")
+        self.posed: dict[str, pin.SE3] = {}
+        self.model_place = self._own_pose(self.model)
+
+    # ------------------------------------------------------------------------------------------------------------------------- the file
+
+    def _version(self, root: Element) -> tuple[int, int]:
+        major, _, minor = root.get("version").partition(".")
+        if not (major.isdecimal() and minor.isdecimal() and int(major) == 1):
+            refuse(self.file, root, f"unknown version {root.get('version')!r} of SDF", 'write version="1.6" or another from 1.4 on')
+        return int(major), int(minor)
+
+    def _only_model(self, root: Element) -> Element:
+        refuse_unknown(self.file, root, _KNOWN["sdf"].split())
+        found = list(root.all("model"))
+        for world in root.all("world"):
+            refuse_unknown(self.file, world, _KNOWN["world"].split())
+            found += world.all("model")
+            for element in world.all("include"):
+                self.remarks.append(remark("warning", element, "<include> is not read", "write the model in its place, if it is the press"))
+            for element in world.all("gravity"):
+                gravity = numbers(self.file, element, element.text, 3)
+                if abs(gravity - [0.0, 0.0, -9.81]).max() > 0.02:  # -9.8 is Gazebo's own
+                    remedy = f"load(..., gravity=({', '.join(f'{part:g}' for part in gravity)}))"
+                    self.remarks.append(remark("warning", element, "the gravity of the world is not read", remedy))
+        moving = [model for model in found if not self._true(model, "static")]
+        if len(moving) != 1:
+            where = moving[1] if moving else root
+            refuse(self.file, where, f"there are {len(moving) or 'no'} models that move", "write the one <model> that is the press")
+        return moving[0]
+
+    def _named(self, tag: str) -> dict[str, Element]:
+        found: dict[str, Element] = {}
+        for element in self.model.all(tag):
+            name = element.get("name")
+            if not name:
+                refuse(self.file, element, "has no name", f'write <{tag} name="...">')
+            if name in found:
+                problem = f"the name is already that of the <{tag}> on line {found[name].line}"
+                refuse(self.file, element, problem, f"give each <{tag}> its own name")
+            found[name] = element
+        return found
+
+    def _true(self, element: Element, tag: str) -> bool:
+        found = optional(self.file, element, tag)
+        return found is not None and found.text.strip().lower() in ("1", "true")
+
+    def _number(self, element: Element | None, tag: str, default: float) -> float:
+        found = None if element is None else optional(self.file, element, tag)
+        if found is None or found.text.strip().lower() in ("inf", "+inf", "-inf"):
+            return default
+        return float(numbers(self.file, found, found.text, 1)[0])
+
+    # --------------------------------------------------------------------------------------------------------------------------- places
+
+    def _own_pose(self, element: Element) -> pin.SE3:
+        """The pose of an element in the frame that it is relative to."""
+        found = optional(self.file, element, "pose")
+        if found is None:
+            return pin.SE3.Identity()
+        place, rounded = pose_and_rounding(self.file, found)
+        if rounded and not any("quarter turn" in each.problem for each in self.remarks):
+            problem = "angles such as 1.5708 are read as quarter turns, which they are to all their digits"
+            self.remarks.append(remark("note", found, problem, "write 1.5707963267948966, or an angle that is none"))
+        return place
+
+    def place(self, name: str, at: Element) -> pin.SE3:
+        """Of a link, joint or frame in the model, by its name; ``at``: the element that names it."""
+        if name in (_MODEL, ""):
+            return pin.SE3.Identity()
+        if name == WORLD:
+            return self.model_place.inverse()
+        if name not in self.posed:
+            element = self.links.get(name) or self.frames.get(name) or self.joints.get(name)
+            if element is None:
+                known = [*self.links, *self.joints, *self.frames]
+                refuse(self.file, at, f"no frame {name!r}{suggestion(name, known)}", "name a link, joint or frame of this model")
+            if name in self._searched:
+                refuse(self.file, element, "its pose is relative to itself", "let the poses lead back to the model")
+            self._searched.append(name)
+            own = self._own_pose(element)
+            self.posed[name] = self.place(self._relative_to(element), element) * own
+            self._searched.pop()
+        return self.posed[name]
+
+    @cached_property
+    def _searched(self) -> list[str]:
+        """Names whose places are being found."""
+        return []
+
+    def _relative_to(self, element: Element) -> str:
+        """Name of the frame that the pose of an element is relative to."""
+        for pose in element.all("pose"):
+            if pose.get("frame"):
+                refuse(self.file, pose, "frame=... of SDF 1.5 and 1.6 has no meaning that programs agree on", "leave it out, or use 1.7")
+            if pose.get("relative_to"):
+                return pose.get("relative_to")
+        if element.tag == "joint":
+            return needed(self.file, element, "child").text.strip()
+        return element.get("attached_to") if element.tag == "frame" else _MODEL
+
+    def _link_of(self, name: str, at: Element) -> str:
+        """Name of the link that a frame is fixed to."""
+        seen: list[str] = []
+        while name not in self.links and name not in (WORLD, *seen):
+            seen.append(name)
+            if name in self.frames:
+                name = self.frames[name].get("attached_to") or next(iter(self.links), WORLD)
+            elif name in self.joints:
+                name = needed(self.file, self.joints[name], "child").text.strip()
+        if name not in (WORLD, *self.links):
+            refuse(self.file, at, f"no link {name!r}{suggestion(name, self.links)}", "name a <link> of this model")
+        return name
+
+    # ------------------------------------------------------------------------------------------------------------------------ mechanism
+
+    def mechanism(self) -> Mechanism:
+        if not self.links:
+            refuse(self.file, self.model, "has no <link>", "write the links and joints of the linkage")
+        bearings = {name: self._bearing(name, element) for name, element in self.joints.items()}
+        geared = {name: bearing for name, bearing in bearings.items() if bearing.type == "gearbox"}
+        holding = [bearing for name, bearing in bearings.items() if name not in geared]
+        root, held = self._root(holding)
+        names = [WORLD, *self.links] if root == WORLD else list(self.links)
+        chosen = spanning_tree(root, names, [Edge(b.parent, b.child, _rank(b.type)) for b in holding])
+        if chosen.lost:
+            lost = self.links[chosen.lost[0]]
+            refuse(self.file, lost, f"no joint connects it to {root!r}", "connect it with a <joint>")
+        carried: dict[str, _Bearing] = {}
+        turned_round: set[str] = set()
+        for k, child in chosen.tree.items():
+            carried[child] = holding[k]
+            if child != holding[k].child:
+                turned_round.add(holding[k].name)
+        frames = {name: self._frame(name, carried.get(name)) for name in self.links} | {WORLD: self.place(WORLD, self.model)}
+        links, joints, chains = [], [held] if held else [], []
+        if root == WORLD or held:
+            links.append(Link(WORLD, None, (), origin_of(self.model)))
+        for name, element in self.links.items():
+            links.append(self._link(name, element, frames[name].inverse() * self.place(name, element)))
+        order = {id(bearing): k for k, bearing in enumerate(holding)}
+        for child, bearing in sorted(carried.items(), key=lambda pair: order[id(pair[1])]):
+            parent = bearing.parent if child == bearing.child else bearing.child
+            made, between = self._joint(bearing, parent, child, frames, bearing.name in turned_round)
+            joints += made
+            chains += between
+        loops = [self._loop(bearing, frames) for bearing in holding if bearing not in carried.values()]
+        loops += self._drake_loops(frames)
+        joints = self._with_gears(joints, geared, carried, frames)
+        self._note_turned(turned_round, bearings)
+        drivers = tuple(self._drivers({joint.name for joint in joints}))
+        name, origin = self.model.get("name") or "press", origin_of(self.model)
+        return Mechanism(name, (*links, *chains), tuple(joints), tuple(loops), drivers, tuple(self.remarks), origin)
+
+    def _root(self, bearings: Sequence[_Bearing]) -> tuple[str, Joint | None]:
+        """The world, if joints connect it; or the link that is no joint's child, and what holds it if it is not at the origin."""
+        if any(WORLD in (bearing.parent, bearing.child) for bearing in bearings):
+            return WORLD, None
+        children = {bearing.child for bearing in bearings}
+        free = [name for name in self.links if name not in children]
+        first = free[0] if free else next(iter(self.links))
+        place = self.model_place * self.place(first, self.links[first])
+        name = unused(f"{first}_held", {*self.joints})
+        held = Joint(name, "fixed", WORLD, first, place, np.array([1.0, 0.0, 0.0]), origin_of(self.links[first]))
+        problem = f"no joint connects the model to the world: link {first!r} is held where it is drawn"
+        self.remarks.append(remark("warning", self.links[first], problem, "write a fixed joint whose parent is world"))
+        return first, None if np.array_equal(place.homogeneous, np.eye(4)) else held
+
+    def _bearing(self, name: str, element: Element) -> _Bearing:
+        refuse_unknown(self.file, element, _KNOWN["joint"].split())
+        kind = element.get("type")
+        known = [*_TURNING, "prismatic", "fixed", "gearbox", *_CHAINS]
+        if kind not in known:
+            remedy = _UNREAD.get(kind, f"write one of: {', '.join(known)}")
+            refuse(self.file, element, f"joint type {kind!r} cannot be read{suggestion(kind, known)}", remedy)
+        parent, child = (needed(self.file, element, end) for end in ("parent", "child"))
+        ends = [self._link_of(end.text.strip(), end) for end in (parent, child)]
+        if ends[0] == ends[1]:
+            refuse(self.file, element, f"parent and child are the same link {ends[0]!r}", "write the two links that it connects")
+        return _Bearing(element, name, kind, ends[0], ends[1], self.place(name, element))
+
+    def _frame(self, link: str, carrier: _Bearing | None) -> pin.SE3:
+        """Of a link as URDF has it: as in the file, but for its origin, which is that of the joint about which it turns."""
+        place = self.place(link, self.links[link])
+        if carrier is None or carrier.type not in (*_TURNING, *_CHAINS):
+            return place
+        return pin.SE3(place.rotation, carrier.place.translation)
+
+    def _axis(self, bearing: _Bearing, tag: str = "axis") -> Array:
+        """(3,) in the model's frame."""
+        element = needed(self.file, bearing.element, tag)
+        refuse_unknown(self.file, element, _KNOWN["axis"].split())
+        xyz = optional(self.file, element, "xyz")
+        if xyz is None:
+            return bearing.place.rotation @ np.array([0.0, 0.0, 1.0])
+        own = dialects.direction(self.file, xyz, xyz.text)
+        in_model = self.version < (1, 5) or self._true(element, "use_parent_model_frame")
+        if in_model and self.version < (1, 7):
+            return own
+        named = xyz.get("expressed_in")
+        rotation = self.place(named, xyz).rotation if named else bearing.place.rotation
+        return np.asarray(rotation @ own)
+
+    def _joint(
+        self, bearing: _Bearing, parent: str, child: str, frames: Mapping[str, pin.SE3], turned_round: bool
+    ) -> tuple[list[Joint], list[Link]]:
+        """A joint of the tree; of one that turns about several axes, a joint for each and links without mass between them."""
+        place, origin = frames[parent].inverse() * frames[child], origin_of(bearing.element)
+        sign = -1.0 if turned_round else 1.0
+        if bearing.type == "fixed":
+            return [Joint(bearing.name, "fixed", parent, child, place, np.array([1.0, 0.0, 0.0]), origin)], []
+        to_child = frames[child].rotation.T
+        if bearing.type in _CHAINS:
+            axes = np.eye(3) if bearing.type == "ball" else np.array([to_child @ self._axis(bearing, tag) for tag in ("axis", "axis2")])
+            if turned_round:
+                axes = -axes[::-1]
+            return self._chain(bearing, parent, child, place, axes)
+        element = needed(self.file, bearing.element, "axis")
+        axis = sign * (to_child @ self._axis(bearing))
+        dynamics, limit = optional(self.file, element, "dynamics"), optional(self.file, element, "limit")
+        for part in (dynamics, limit):
+            if part is not None:
+                refuse_unknown(self.file, part, _KNOWN[part.tag].split())
+        if self._number(dynamics, "spring_stiffness", 0.0):
+            remedy = "give it as a load: loads=[SpringDamper(...)]"
+            self.remarks.append(remark("warning", bearing.element, "the spring of the joint is not read", remedy))
+        effort, velocity = self._number(limit, "effort", -1.0), self._number(limit, "velocity", -1.0)
+        return [
+            Joint(
+                bearing.name,
+                "prismatic" if bearing.type == "prismatic" else "revolute",
+                parent,
+                child,
+                place,
+                axis,
+                origin,
+                limits=self._limits(bearing, limit),
+                effort=effort if 0 <= effort < _NONE else None,
+                velocity=velocity if 0 <= velocity < _NONE else None,
+                damping=self._number(dynamics, "damping", 0.0),
+                friction=self._number(dynamics, "friction", 0.0),
+                follow=self._mimic(bearing, element),
+            )
+        ], []
+
+    def _limits(self, bearing: _Bearing, limit: Element | None) -> tuple[float, float] | None:
+        lower, upper = self._number(limit, "lower", -_NONE), self._number(limit, "upper", _NONE)
+        if bearing.type == "continuous" or (lower <= -_NONE and upper >= _NONE):
+            return None
+        if lower > upper:
+            refuse(self.file, limit or bearing.element, f"lower ({lower!r}) is above upper ({upper!r})", "exchange them")
+        return max(lower, -1e9), min(upper, 1e9)
+
+    def _chain(self, bearing: _Bearing, parent: str, child: str, place: pin.SE3, axes: Array) -> tuple[list[Joint], list[Link]]:
+        """Revolute joints in the place of one that turns about several axes."""
+        origin, joints, links = origin_of(bearing.element), [], []
+        for k, axis in enumerate(axes):
+            last = k == len(axes) - 1
+            to = child if last else unused(f"{bearing.name}_{k + 1}", {*self.links})
+            joints.append(Joint(f"{bearing.name}_{'xyz'[k]}", "revolute", parent, to, place, axis, origin))
+            if not last:
+                massless = Inertia(0.0, pin.SE3.Identity(), np.zeros((3, 3)), origin)
+                links.append(Link(to, massless, (), origin))
+            parent, place = to, pin.SE3.Identity()
+        names = ", ".join(joint.name for joint in joints)
+        problem = f"a {bearing.type} joint of the tree is made of revolute joints: {names}"
+        self.remarks.append(remark("note", bearing.element, problem, ""))
+        return joints, links
+
+    def _loop(self, bearing: _Bearing, frames: Mapping[str, pin.SE3]) -> Loop:
+        kinds = {"ball": "spherical", "fixed": "fixed", "revolute": "revolute", "continuous": "revolute"}
+        if bearing.type not in kinds:
+            problem = f"a {bearing.type} joint cannot close a loop here, and the tree has no place for it"
+            refuse(self.file, bearing.element, problem, "close the loop at a revolute or ball joint")
+        kind, place, axis = kinds[bearing.type], bearing.place, None
+        if kind == "revolute":
+            element = needed(self.file, bearing.element, "axis")
+            for mimic in (*element.all("mimic"), *bearing.element.all("drake:mimic")):
+                refuse(self.file, mimic, "the joint closes a loop, and cannot follow another", "let another joint close the loop")
+            axis = place.rotation.T @ self._axis(bearing)
+        if kind == "spherical":
+            place = pin.SE3(frames[bearing.parent].rotation, place.translation)
+        ends = [(link, frames[link].inverse() * place) for link in (bearing.parent, bearing.child)]
+        if kind == "spherical":  # its frames have no direction
+            ends = [(link, pin.SE3(np.eye(3), end.translation)) for link, end in ends]
+        return Loop(bearing.name, kind, (ends[0], ends[1]), axis, origin_of(bearing.element))
+
+    # ------------------------------------------------------------------------------------------------------------------------ gear pairs
+
+    def _mimic(self, bearing: _Bearing, axis: Element) -> Follow | None:
+        """``<mimic>`` of SDF 1.11: multiplier (leader - reference) + offset; or ``<drake:mimic joint multiplier offset>``."""
+        found = optional(self.file, axis, "mimic")
+        if found is not None:
+            refuse_unknown(self.file, found, _KNOWN["mimic"].split())
+            if found.get("axis") not in ("", "axis"):
+                refuse(self.file, found, "it follows a second axis", "let it follow a revolute or prismatic joint")
+            multiplier, offset, reference = (self._number(found, name, 0.0) for name in ("multiplier", "offset", "reference"))
+            return Follow(found.get("joint"), multiplier, offset - multiplier * reference, origin_of(found))
+        found = optional(self.file, bearing.element, "drake:mimic")
+        if found is None:
+            return None
+        values = [float(numbers(self.file, found, found.attributes.get(name, default), 1)[0]) for name, default in _MIMIC]
+        return Follow(found.get("joint"), values[0], values[1], origin_of(found))
+
+    def _with_gears(
+        self, joints: list[Joint], geared: Mapping[str, _Bearing], carried: Mapping[str, _Bearing], frames: Mapping[str, pin.SE3]
+    ) -> list[Joint]:
+        """Joints with what gearboxes couple.
+
+        The angle of the child about axis2 is -ratio times that of the parent about axis, both from the reference body.
+        """
+        by_name = {joint.name: joint for joint in joints}
+        for gearbox in geared.values():
+            ratio = self._number(gearbox.element, "gearbox_ratio", 1.0)
+            body = needed(self.file, gearbox.element, "gearbox_reference_body")
+            reference = self._link_of(body.text.strip(), body)
+            signs, names = [], []
+            for link, tag in ((gearbox.parent, "axis"), (gearbox.child, "axis2")):
+                bearing = carried.get(link)
+                if bearing is None or bearing.type not in _TURNING or reference not in (bearing.parent, bearing.child):
+                    problem = f"link {link!r} does not turn in the reference body {reference!r}"
+                    refuse(self.file, gearbox.element, problem, "write revolute joints between the reference body and both links")
+                along = float(frames[link].rotation @ by_name[bearing.name].axis @ self._axis(gearbox, tag))
+                if abs(abs(along) - 1) > 1e-6:
+                    refuse(self.file, gearbox.element, f"its {tag} is not along that of joint {bearing.name!r}", "give them one direction")
+                signs.append(math.copysign(1.0, along))
+                names.append(bearing.name)
+            if by_name[names[1]].follow is not None:
+                refuse(self.file, gearbox.element, f"joint {names[1]!r} follows another one already", "keep one gear pair of a joint")
+            follow = Follow(names[0], -ratio * signs[0] * signs[1], 0.0, origin_of(gearbox.element))
+            by_name[names[1]] = replace(by_name[names[1]], follow=follow)
+        return list(by_name.values())
+
+    # ---------------------------------------------------------------------------------------------------------------------------- links
+
+    def _link(self, name: str, element: Element, inside: pin.SE3) -> Link:
+        """A link; ``inside``: its frame in the file, seen from that which it has here."""
+        refuse_unknown(self.file, element, _KNOWN["link"].split())
+        if self._true(element, "kinematic"):
+            refuse(self.file, element.all("kinematic")[0], "a kinematic link does not obey mechanics", "remove <kinematic>")
+        for gravity in element.all("gravity"):
+            if gravity.text.strip().lower() in ("0", "false"):
+                refuse(self.file, gravity, "gravity acts on all links or none", "remove it; load(..., gravity=(0, 0, 0)) has none")
+        found = optional(self.file, element, "inertial")
+        inertia = None if found is None else self._inertia(found, inside)
+        shapes = [shape for visual in element.all("visual") for shape in self._shapes(visual, inside)]
+        return Link(name, inertia, tuple(shapes), origin_of(element))
+
+    def _inertia(self, element: Element, inside: pin.SE3) -> Inertia:
+        refuse_unknown(self.file, element, _KNOWN["inertial"].split())
+        if element.get("auto").lower() in ("1", "true"):
+            refuse(self.file, element, "inertia from collision shapes is not computed", "write <mass> and <inertia>")
+        for added in element.all("fluid_added_mass"):
+            refuse(self.file, added, "added mass of a fluid cannot be read", "remove it")
+        mass, moments = needed(self.file, element, "mass"), needed(self.file, element, "inertia")
+        refuse_unknown(self.file, moments, _KNOWN["inertia"].split())
+        for name in ("ixx", "iyy", "izz"):
+            needed(self.file, moments, name)
+        xx, xy, xz, yy, yz, zz = (self._number(moments, name, 0.0) for name in _KNOWN["inertia"].split())
+        tensor = np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
+        for pose in element.all("pose"):
+            if pose.get("relative_to") or pose.get("frame"):
+                refuse(self.file, pose, "the pose of an <inertial> is in the frame of its link", "leave out the name of the frame")
+        kilograms = float(numbers(self.file, mass, mass.text, 1)[0])
+        return Inertia(kilograms, inside * self._own_pose(element), tensor, origin_of(element))
+
+    def _shapes(self, visual: Element, inside: pin.SE3) -> Iterator[Shape]:
+        geometry = optional(self.file, visual, "geometry")
+        for pose in visual.all("pose"):
+            if pose.get("relative_to") or pose.get("frame"):
+                geometry = None
+        if geometry is None:
+            return
+        place, colour = inside * self._own_pose(visual), None
+        for material in visual.all("material"):
+            for part in material.all("diffuse", "ambient")[:1]:
+                words = numbers(self.file, part, part.text, len(part.text.split()))
+                colour = tuple(words) if len(words) == 4 else (*words[:3], 1.0) if len(words) == 3 else None
+        for shape in geometry.children:
+            text = {child.tag: " ".join(child.text.split()) for child in shape.children}
+            if shape.tag == "box" and "size" in text:
+                yield Shape(place, "box", {"size": text["size"]}, colour)
+            elif shape.tag == "sphere" and "radius" in text:
+                yield Shape(place, "sphere", {"radius": text["radius"]}, colour)
+            elif shape.tag == "cylinder" and {"radius", "length"} <= text.keys():
+                yield Shape(place, "cylinder", {"radius": text["radius"], "length": text["length"]}, colour)
+            elif shape.tag == "capsule" and {"radius", "length"} <= text.keys():
+                yield from capsule(place, self._number(shape, "radius", 0.0), self._number(shape, "length", 0.0), colour)
+            elif shape.tag == "mesh" and "uri" in text:
+                scale = {"scale": text["scale"]} if "scale" in text else {}
+                yield Shape(place, "mesh", {"filename": text["uri"].replace("model://", "package://")} | scale, colour)
+            elif shape.tag != "empty":
+                self.remarks.append(remark("note", visual, f"a shape of kind <{shape.tag}> is not drawn", ""))
+
+    # ------------------------------------------------------------------------------------------------------------- everything else in it
+
+    def _drake_loops(self, frames: Mapping[str, pin.SE3]) -> Iterator[Loop]:
+        """Drake's ball constraints and bushings, whose names and numbers are texts in SDF."""
+        taken = {*self.joints}
+        refused = ("drake:joint", "drake:tendon_constraint")
+        for element in self.model.all(*refused):
+            refuse(self.file, element, "cannot be read", "write joints of SDF")
+        for element in self.model.all("drake:linear_spring_damper"):
+            remedy = "give it as a load: loads=[SpringDamper(...)]"
+            self.remarks.append(remark("warning", element, "a spring between bodies is not read", remedy))
+        for element in self.model.all(dialects.BALL):
+            values = [needed(self.file, element, f"{dialects.BALL}_{name}") for name in ("body_A", "p_AP", "body_B", "p_BQ")]
+            ends = []
+            for body, point in (values[:2], values[2:]):
+                link = self._link_of(body.text.strip(), body)
+                inside = frames[link].inverse() * self.place(link, body)
+                ends.append((link, pin.SE3(np.eye(3), inside.act(numbers(self.file, point, point.text, 3)))))
+            name = element.get("name") or unused(f"ball_{ends[0][0]}_{ends[1][0]}", taken)
+            taken.add(name)
+            yield Loop(name, "spherical", (ends[0], ends[1]), None, origin_of(element))
+        for element in self.model.all(dialects.BUSHING):
+            ends = []
+            for side in ("A", "C"):
+                frame = needed(self.file, element, f"drake:bushing_frame{side}")
+                link = self._link_of(frame.text.strip(), frame)
+                ends.append((link, frames[link].inverse() * self.place(frame.text.strip(), frame)))
+            stiffness = {}
+            for kind in ("torque", "force"):
+                for word in ("stiffness", "damping"):
+                    found = needed(self.file, element, f"drake:bushing_{kind}_{word}")
+                    stiffness[kind, word] = numbers(self.file, found, found.text, 3)
+            axis = dialects.bushing_axis(self.file, element, stiffness)
+            name = element.get("name") or unused(f"bushing_{ends[0][0]}_{ends[1][0]}", taken)
+            taken.add(name)
+            self.remarks.append(dialects.bushing_remark(origin_of(element)))
+            yield Loop(name, "spherical" if axis is None else "revolute", (ends[0], ends[1]), axis, origin_of(element))
+
+    def _drivers(self, joints: set[str]) -> Iterator[tuple[str, Origin]]:
+        """Joints that a plugin of Gazebo moves: SDF itself has no drivers."""
+        seen: set[str] = set()
+        for plugin in self.model.all("plugin"):
+            for element in plugin.all("joint_name"):
+                name = element.text.strip()
+                if name in joints and name not in seen and "state" not in (plugin.get("name") + plugin.get("filename")).lower():
+                    seen.add(name)
+                    yield name, origin_of(element)
+
+    def _note_turned(self, names: set[str], bearings: Mapping[str, _Bearing]) -> None:
+        for name in sorted(names):
+            bearing = bearings[name]
+            problem = f"the tree reaches {bearing.parent!r} through {bearing.child!r}: its force is that of {bearing.child!r} on the other"
+            self.remarks.append(remark("note", bearing.element, problem, "exchange <parent> and <child> for the other sign"))
+
+
+_MIMIC = (("multiplier", "1"), ("offset", "0"))
+
+
+def _rank(kind: str) -> int:
+    """Which joints the tree takes first: those that cannot close a loop, then those that hold more."""
+    return {"prismatic": 0, "universal": 0, "revolute2": 0, "fixed": 1, "ball": 3}.get(kind, 2)
+
+
+def pose_of(file: str, element: Element) -> pin.SE3:
+    """The pose of an element in the frame that it is in."""
+    found = optional(file, element, "pose")
+    return pin.SE3.Identity() if found is None else pose_and_rounding(file, found)[0]
+
+
+def pose_and_rounding(file: str, pose: Element) -> tuple[pin.SE3, bool]:
+    """A ``<pose>``, and whether angles in it were quarter turns in rounded digits."""
+    count = 7 if pose.get("rotation_format") == "quat_xyzw" else 6
+    if not pose.text.strip():
+        return pin.SE3.Identity(), False
+    values = numbers(file, pose, pose.text, count)
+    if count == 7:
+        if not np.linalg.norm(values[3:]):
+            refuse(file, pose, "the quaternion is zero", "write 0 0 0 1 for no turn")
+        return pin.SE3(pin.Quaternion(values[3:] / np.linalg.norm(values[3:])).matrix(), values[:3]), False
+    if pose.get("degrees").lower() in ("1", "true"):
+        return pin.SE3(pin.rpy.rpyToMatrix(np.radians(values[3:])), values[:3]), False
+    angles = np.array([_quarter_turns(word) for word in pose.text.split()[3:]])
+    return pin.SE3(pin.rpy.rpyToMatrix(angles), values[:3]), bool((angles != values[3:]).any())
+
+
+def _quarter_turns(word: str) -> float:
+    """An angle [rad]; one that is a quarter turn, or some, to its last digit but for a half of it, is that."""
+    value, decimals = float(word), len(word.partition(".")[2])
+    if "e" in word.lower() or decimals < _DIGITS:
+        return value
+    quarters = round(value / (math.pi / 2)) * (math.pi / 2)
+    return quarters if quarters and abs(value - quarters) <= 0.501 * 10.0**-decimals else value
