@@ -111,7 +111,7 @@ def bushing_axis(file: str, element: Element, stiffness: Mapping[tuple[str, str]
     if stiff.min() > 0 and not holds:
         return None
     if stiff.min() > 0 and len(holds) == 2 and stiffness["torque", "stiffness"][holds].min() > 0:
-        return np.eye(3)[next(axis for axis in range(3) if axis not in holds)]
+        return np.asarray(np.eye(3)[next(axis for axis in range(3) if axis not in holds)])
     problem = "a bushing is elastic, and this one is neither a pin (held but for the turn about one axis) nor a ball joint (no torques)"
     remedy = "write a <loop_joint> for a rigid bearing; for elastic ones give pp.elasticity.Stiffness"
     refuse(file, element, problem, remedy)
@@ -200,11 +200,11 @@ def _places(file: str, robot: Element) -> dict[str, pin.SE3]:
     children = {child for carried in joints.values() for child, _ in carried}
     places = {link: pin.SE3.Identity() for link in names(robot, "link") if link not in children}
     reached = list(places)
-    for parent in reached:  # grows as it goes
-        for child, place in joints.get(parent, ()):
-            if child not in places:
-                places[child] = places[parent] * place
-                reached.append(child)
+    for link in reached:  # grows as it goes
+        for below, place in joints.get(link, ()):
+            if below not in places:
+                places[below] = places[link] * place
+                reached.append(below)
     return places
 
 

@@ -284,7 +284,7 @@ class _Reader:
         refuse_unknown(self.file, element, _KNOWN["axis"].split())
         xyz = optional(self.file, element, "xyz")
         if xyz is None:
-            return bearing.place.rotation @ np.array([0.0, 0.0, 1.0])
+            return np.asarray(bearing.place.rotation[:, 2])
         own = dialects.direction(self.file, xyz, xyz.text)
         in_model = self.version < (1, 5) or self._true(element, "use_parent_model_frame")
         if in_model and self.version < (1, 7):

@@ -1,0 +1,219 @@
+"""Linkages in other formats: the same numbers as from our own, and what cannot be read refused by name."""
+
+import warnings
+
+import numpy as np
+import pytest
+from support.generators.other_formats import FORMATS, Press
+
+import pinpress as pp
+from pinpress.common.errors import UrdfError
+from pinpress.linkage.formats.reading import document_of
+from pinpress.linkage.loading import assembled
+from pinpress.linkage.urdf import reader
+
+SAME = 1e-12  # of the largest value: placements are multiplied up and taken apart again
+
+
+def written(folder, name, text):
+    file = folder / name
+    file.write_text(text, encoding="utf-8")
+    return file
+
+
+def loaded(file, **more):
+    """With what it warned of."""
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        press = pp.load(file, **more)
+    return press, [str(warning.message) for warning in caught]
+
+
+def forces(press):
+    """Driving torque and the forces of all bearings, (n, 1 + 3 bearings), by sorted names."""
+    reactions = pp.inverse_dynamics(press, pp.cycle(press, speed=5.0, points=24))
+    names = sorted(press.bearings)
+    torque = np.reshape(reactions.driving_torque, (24, -1))
+    return names, np.hstack([torque, *(reactions.bearing_force[name] for name in names)])
+
+
+@pytest.mark.parametrize("form", FORMATS)
+@pytest.mark.parametrize("name", pp.presses())
+def test_a_press_in_another_format_has_the_torque_and_bearing_forces_of_ours(name, form, tmp_path):
+    source = Press(pp.load(name).text.decode())
+    write, ending = FORMATS[form]
+    ours = pp.load(written(tmp_path, "ours.urdf", source.urdf()))
+    press, warned = loaded(written(tmp_path, f"theirs.{ending}", write(source)))
+    assert (press.name, press.drivers, press.slide) == (ours.name, ours.drivers, ours.slide)
+    assert bool(warned) == (form == "bushings")
+    names, expected = forces(ours)
+    got_names, got = forces(press)
+    assert got_names == names
+    assert np.abs(got - expected).max() <= SAME * np.abs(expected).max()
+
+    again = pp.load(pp.write_urdf(press, tmp_path / "again.urdf"), slide=press.slide)
+    assert np.abs(forces(again)[1] - got).max() <= SAME * np.abs(expected).max()
+    assert again.text == press.text
+
+
+# ---------------------------------------------------------------------------------------------------------------------------------- MJCF
+
+
+FEATURES = """<mujoco model="features">
+  <compiler angle="degree" eulerseq="xyz"/>
+  <default>
+    <joint axis="0 -2 0" damping="0.5"/>
+    <geom density="7850" rgba="0.1 0.2 0.3 1"/>
+    <default class="guide"><joint type="slide" axis="0 0 1" range="-0.5 0.5"/></default>
+  </default>
+  <worldbody>
+    <geom type="plane" size="1 1 0.1"/>
+    <body name="frame" pos="0.1 0.2 0.3" euler="0 0 30">
+      <body name="crank">
+        <joint name="A" pos="0.02 0 0.01" range="-200 220" ref="20"/>
+        <geom type="box" size="0.1 0.02 0.03" pos="0.08 0 0.01"/>
+        <body name="rod" pos="0.2 0 0" euler="0 10 0">
+          <joint name="B"/>
+          <geom type="capsule" size="0.02" fromto="0 0 0 0.5 0 0"/>
+        </body>
+      </body>
+      <body name="slide" pos="0.6 0 -0.1">
+        <joint name="across" class="guide" axis="1 0 0"/>
+        <joint name="turn" pos="0 0 0.05" axis="0 1 0"/>
+        <joint name="up" class="guide"/>
+        <geom type="cylinder" size="0.05 0.1"/>
+        <geom type="ellipsoid" size="0.05 0.1 0.02"/>
+        <body name="ball" pos="0 0 0.1"><joint name="C" type="ball" pos="0 0 0.02"/><geom type="sphere" size="0.05"/></body>
+      </body>
+    </body>
+  </worldbody>
+  <actuator><position joint="A" kp="10"/><motor joint="A"/></actuator>
+</mujoco>"""
+
+
+def test_bodies_of_an_mjcf_are_where_mujoco_has_them(tmp_path):
+    import mujoco
+    import pinocchio as pin
+
+    model = mujoco.MjModel.from_xml_string(FEATURES)
+    document = document_of(written(tmp_path, "features.xml", FEATURES))
+    ours = pin.buildModelFromXML(document.text.decode())
+    data, there = ours.createData(), mujoco.MjData(model)
+    random = np.random.default_rng(3)
+    for _ in range(5):
+        moved = {joint: random.uniform(-1, 1) for joint in ("A", "B", "across", "turn", "up")}
+        turns = random.uniform(-1, 1, 3)
+        q = pin.neutral(ours)
+        for joint, angle in (*moved.items(), *zip(("C_x", "C_y", "C_z"), turns, strict=True)):
+            slot = ours.joints[ours.getJointId(joint)]
+            q[slot.idx_q : slot.idx_q + slot.nq] = [angle] if slot.nq == 1 else [np.cos(angle), np.sin(angle)]
+        there.qpos[:] = model.qpos0
+        for joint, angle in moved.items():
+            there.joint(joint).qpos[0] += angle
+        ball = pin.Quaternion(pin.exp3(turns[0] * np.eye(3)[0]) @ pin.exp3(turns[1] * np.eye(3)[1]) @ pin.exp3(turns[2] * np.eye(3)[2]))
+        there.joint("C").qpos[:] = [ball.w, ball.x, ball.y, ball.z]
+        mujoco.mj_forward(model, there)
+        pin.framesForwardKinematics(ours, data, q)
+        for body in ("crank", "rod", "slide", "ball"):
+            place = data.oMf[ours.getFrameId(body, pin.BODY)]
+            own = model.body(body)
+            turned = place.rotation @ pin.Quaternion(*np.array(there.body(body).xquat)).matrix().T
+            assert np.abs(turned - np.eye(3)).max() < 1e-12, body
+            joint = ours.frames[ours.getFrameId(body, pin.BODY)].parentJoint
+            centre = data.oMi[joint].act(ours.inertias[joint].lever)
+            assert centre == pytest.approx(there.body(body).xipos, abs=1e-12)
+            assert ours.inertias[joint].mass == pytest.approx(own.mass[0], rel=1e-14)
+        mass = np.zeros((model.nv, model.nv))
+        mujoco.mj_fullM(model, there, mass)
+        hinges = [model.joint(joint).dofadr[0] for joint in moved]
+        columns = [ours.joints[ours.getJointId(joint)].idx_v for joint in moved]
+        own_mass = pin.crba(ours, data, q)
+        own_mass = np.triu(own_mass) + np.triu(own_mass, 1).T
+        assert own_mass[np.ix_(columns, columns)] == pytest.approx(mass[np.ix_(hinges, hinges)], rel=1e-10)
+
+
+def test_an_mjcf_keeps_limits_shapes_and_drivers_and_says_what_is_left_out(tmp_path):
+    file = written(tmp_path, "features.xml", FEATURES)
+    robot = document_of(file).robot
+    joints = {joint.get("name"): joint for joint in robot.all("joint")}
+    (limit,) = joints["A"].all("limit")
+    assert limit.numbers("lower") + limit.numbers("upper") == pytest.approx((np.radians(-220), np.radians(200)))
+    assert joints["A"].all("dynamics")[0].numbers("damping") == (0.5,)
+    assert [transmission.all("joint")[0].get("name") for transmission in robot.all("transmission")] == ["A"]
+    shapes = [shape.tag for link in robot.all("link") for visual in link.all("visual") for shape in visual.all("geometry")[0].children]
+    assert shapes == ["box", "cylinder", "sphere", "sphere", "cylinder", "sphere"]
+    assert (str(joints["B"]), joints["B"].line) == ('<joint name="B">', 15)
+    notes = [(note.severity, note.element, note.line) for note in document_of(file).remarks]
+    assert notes == [("note", '<body name="slide">', 19), ("note", '<joint name="C">', 25)]
+
+
+WELDED = """<mujoco model="welded"><compiler angle="radian"/><worldbody>
+  <body name="crank" pos="0 0 0.4" euler="0 0.3 0"><joint name="A" axis="0 -1 0"/><geom type="box" size="0.1 0.02 0.03"/>
+    <body name="pin" pos="0.1 0 0" euler="0 0 0.4"><joint name="B" axis="0 -1 0" pos="0.01 0 0"/>
+      <geom type="box" size="0.1 0.02 0.03"/></body>
+  </body>
+  <body name="left" pos="-0.3 0 0"><joint name="D" axis="0 -1 0"/><geom type="box" size="0.1 0.02 0.03" pos="0.1 0 0"/></body>
+</worldbody><equality>{}</equality><actuator><motor joint="A"/></actuator></mujoco>"""
+
+
+def test_a_weld_of_an_mjcf_is_a_fixed_loop_in_the_drawn_pose(tmp_path):
+    file = written(tmp_path, "welded.xml", WELDED.format('<weld name="W" body1="pin" body2="left" anchor="0.1 0.2 0.3"/>'))
+    press = assembled(document_of(file), None, None)
+    assert [(loop.name, loop.type) for loop in press.loops] == [("W", "fixed")]
+    assert np.abs(press.drawn_gaps).max() < 1e-15
+
+
+def test_joint_equalities_of_an_mjcf_are_gear_pairs_about_the_drawn_pose(tmp_path):
+    pairs = '<joint joint1="B" joint2="A" polycoef="0 -2 0 0 0"/><joint joint1="B" joint2="D" polycoef="0.1 4 0 0 0"/>'
+    file = written(tmp_path, "geared.xml", WELDED.format(pairs))
+    mimics = {joint.name: joint.mimic for joint in reader.describe(document_of(file)).joints}
+    assert (mimics["B"].leader, mimics["B"].multiplier, mimics["B"].offset) == ("A", -2, 0)
+    assert (mimics["D"].leader, mimics["D"].multiplier, mimics["D"].offset) == ("B", 0.25, -0.025)  # turned round: B follows A already
+    file = written(tmp_path, "held.xml", WELDED.format('<joint joint1="B"/>'))
+    assert reader.describe(document_of(file)).joints[1].type == "fixed"
+
+
+MJCF_REFUSED = {
+    "a polynomial": (
+        '<joint joint1="B" joint2="A" polycoef="0 1 2 0 0"/>',
+        "joint_0.>: joints that follow .* by a polynomial",
+    ),
+    "a joint held beside": ('<joint joint1="B" polycoef="0.5 0 0 0 0"/>', "holds a joint beside the drawn pose"),
+    "no ratio": ('<joint name="g" joint1="B" joint2="A" polycoef="0 0 0 0 0"/>', '<joint name="g">: polycoef has no linear term'),
+    "what MuJoCo refuses": ('<connect body1="nobody" anchor="0 0 0"/>', "MuJoCo cannot read it: .*nobody"),
+    "misspelt": ('<conect body1="pin" anchor="0 0 0"/>', "MuJoCo cannot read it: .*conect"),
+}
+
+
+@pytest.mark.parametrize("case", MJCF_REFUSED)
+def test_an_mjcf_that_says_something_else_is_refused_by_name(case, tmp_path):
+    equality, message = MJCF_REFUSED[case]
+    with pytest.raises(UrdfError, match=message):
+        pp.load(written(tmp_path, "bad.xml", WELDED.format(equality)))
+
+
+def test_what_acts_in_mujoco_and_not_here_is_warned_of(tmp_path):
+    text = WELDED.format('<weld body1="pin" body2="left" active="false"/>')
+    text = text.replace('name="A"', 'name="A" armature="0.1" stiffness="5"').replace("<equality>", '<option gravity="0 0 -1"/><equality>')
+    found = [(remark.severity, remark.problem) for remark in document_of(written(tmp_path, "more.xml", text)).remarks]
+    assert ("warning", "armature=0.1 is not read") in found
+    assert ("warning", "the spring of the joint is not read") in found
+    assert ("warning", "the gravity of the file is not read") in found
+    assert ("note", 'it is left out, as active="false" says') in found
+
+
+def test_a_free_base_is_held_and_a_free_body_beside_others_refused(tmp_path):
+    held = written(
+        tmp_path,
+        "held.xml",
+        WELDED.replace('<joint name="D" axis="0 -1 0"/>', "")
+        .replace('<body name="crank" pos="0 0 0.4" euler="0 0.3 0">', '<body name="base"><freejoint/><geom size="0.1"/><body name="crank">')
+        .replace("</worldbody>", "</body></worldbody>")
+        .replace('<body name="left"', '<body name="left" gravcomp="0"')
+        .format(""),
+    )
+    (remark,) = document_of(held).remarks
+    assert (remark.severity, remark.element) == ("warning", '<body name="base">')
+    loose = written(tmp_path, "loose.xml", WELDED.replace('<joint name="D" axis="0 -1 0"/>', "<freejoint/>").format(""))
+    with pytest.raises(UrdfError, match='<body name="left">: a free joint beside other bodies'):
+        document_of(loose)
