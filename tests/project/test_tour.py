@@ -50,7 +50,7 @@ def test_masses_are_those_of_steel_prisms(session: tuple[dict[str, Any], list[pa
         "P": (COUPLER + 0.12, 0.120, 0.090),
         "U": (UPPER + 0.16, 0.200, 0.140),
         "K": (LOWER + 0.16, 0.200, 0.140),
-        "slide_guide": (0.420, 0.360, 0.400),
+        "slide_guide": (0.360, 0.420, 0.400),
     }
     for joint, size in sizes.items():
         inertia = press.model.inertias[press.model.getJointId(joint)]
