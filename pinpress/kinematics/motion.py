@@ -22,8 +22,8 @@ from ..common.results import Tabular
 from ..engines.branch import Branch, out_of_branch
 from ..engines.engine import ClosedStates, Closure
 from ..engines.joints import Slot, configuration
+from ..linkage.configurations import closed, followed_from, refuse_far
 from ..linkage.linkage import Linkage
-from .configurations import closed, followed, refuse_far
 
 """One revolution per minute [rad/s]."""
 
@@ -230,10 +230,10 @@ def _states(
     press: Linkage, branch: Branch | None, angles: Array, speeds: Array, accelerations: Array, times: Array | None, engine: str
 ) -> Motion:
     """The motion with these driver angles, speeds and accelerations (n,), (n, drivers) where there is no one branch."""
-    closure = None if branch is None else closed(press, branch, angles, engine)
+    closure = None if branch is None else closed(press.engine(engine), press.spatial_model, branch, angles, press.name)
     with np.errstate(all="ignore"):  # what overflows is refused below
         if closure is None:
-            position = followed(press, angles)
+            position = followed_from(press.engine(), press.spatial_model, press.closed, angles, press.name)
             v, a, gap = press.engine(engine).rates(position, speeds.T, accelerations.T)
         else:
             position, gap = closure.position, closure.gap

@@ -9,19 +9,23 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 import pinocchio as pin
+from numpy.typing import ArrayLike
 
+from ..common.arguments import numbers
 from ..common.errors import PinpressError, shown
 from ..common.frozen import Frozen
 from ..common.quantities import Array
 from ..engines import branch
 from ..engines.branch import Branch
 from ..engines.engine import Closure, Engine
-from ..engines.joints import Axis, Coupling, LoopJoint, Slot
+from ..engines.joints import Axis, Coupling, LoopJoint, Slot, configuration
 from ..engines.planar.engine import PlanarEngine
 from ..engines.planar.model import Plane
+from ..engines.spatial.anchors import constraint_models
 from ..engines.spatial.kinematics import rank
 from ..engines.spatial.model import Rows, SpatialModel, build_spatial_model
 from .assembly import Assembly, as_drawn, assembled, followed, through_change_points
+from .configurations import closed, followed_from, refuse_far
 from .memo import Model, keep_geometry, per_linkage
 from .urdf.document import Document
 
@@ -299,6 +303,54 @@ class Linkage(Frozen):
         changed = replace(self, model=model, name=name or self.name)
         keep_geometry(changed, self)
         return changed
+
+    def configuration(self, angle: ArrayLike) -> Array:
+        """Pinocchio's configuration q with the loops closed, in the drawn assembly. An unbounded joint has its cosine and sine in it.
+
+        Args:
+            angle: of the driver, one number or (n,), up to 1e7 rad [rad]; of several drivers (drivers,) or (n, drivers), in the order of
+                ``drivers``: the assembly is followed from the drawn pose to the first and from each to the next, on straight lines.
+
+        Returns:
+            (nq,) of one position of the drivers, (n, nq) of n positions. A new array.
+
+        Raises:
+            PinpressError: an angle that is not finite or too large, or another shape.
+            SingularityError: the linkage locks before it gets there.
+            AssemblyError: the loops do not close.
+        """
+        angles, several = numbers("angle", angle), len(self.drivers) > 1
+        one = angles.ndim == int(several)
+        positions = angles[None] if one else angles
+        if positions.size == 0 or positions.ndim != 1 + several or positions.shape[1:] != (len(self.drivers),) * several:
+            count = len(self.drivers)
+            wanted = f"({count},) or (n, {count}), the angles of all drivers" if several else "one angle or (n,) angles"
+            raise PinpressError(f"angle has shape {angles.shape}: give {wanted} [rad]")
+        refuse_far("angle", positions)
+        if several:
+            x = followed_from(self.engine(), self.spatial_model, self.closed, positions, self.name)
+        else:
+            x = closed(self.engine(), self.spatial_model, self.branch, positions, self.name).position
+        q = np.ascontiguousarray(configuration(self.slots, x).T)
+        return np.array(q[0]) if one else q
+
+    def constraint_models(self) -> tuple[pin.PointAnchorConstraintModel | pin.FrameAnchorConstraintModel, ...]:
+        """Pinocchio's own models of the constraints that close the loops, for its algorithms on ``model``. Made anew in each call.
+
+        They come in the order of ``loops``, each with the name of its loop: of a spherical loop, as every pin of a planar press is one, a
+        `PointAnchorConstraintModel`; of a revolute one two of these, at its point and on its axis, ``size`` further along; of a fixed one a
+        `FrameAnchorConstraintModel`.
+
+        Sides 1 and 2 are link1 and link2 of the loop: ``joint1_id`` and ``joint2_id`` are the joints that carry these links (0: the frame),
+        ``joint1_placement`` and ``joint2_placement`` the loop's ends in the frames of these joints; x is the axis of a revolute loop. A
+        multiplier is the force of link1 on link2 [N], of a frame with the moment about its origin behind it [N m], in the axes of end 1.
+        Turned to the world's by ``data.oMi[joint1_id].rotation @ joint1_placement.rotation``, it is `Reactions.bearing_force`.
+
+        For `constraintDynamics`, ``pinocchio.convertToRigidConstraintModel(press.model, anchor)`` makes a `RigidConstraintModel` of each.
+        Their ``contact_force`` is the opposite one, of link2 on link1, in the same axes. Pinocchio has no constraint model of a gear pair:
+        see ``couplings``.
+        """
+        return constraint_models(self.spatial_model, self.closed)
 
     def forward_dynamics(self, armature: Array) -> ForwardDynamics:
         """Forward dynamics by Pinocchio, of any linkage.

@@ -1,7 +1,7 @@
 """Forward dynamics of any linkage, one state at a time: accelerations under given joint efforts, and states kept on the loops.
 
-Loops are held at points: a spherical one at its point, a revolute one at two points of its axis, a fixed one at three points. The further
-points are one length of the linkage away, so that every gap is a length. There are three rows for every point and one for every coupling.
+Loops are held at points (see `anchors`), a fixed one at three, so that every gap is a length. There are three rows for every point and
+one for every coupling.
 
 In general, the transposed Jacobian of these rows is factorised in every state by QR with column pivoting, its rows scaled so that all
 joints move in lengths: the pivots are rows of the Jacobian. As many pivot rows as the closed linkage has independent equations determine
@@ -32,7 +32,8 @@ from ...common.errors import AssemblyError, PinpressError, SingularityError
 from ...common.quantities import Array
 from ..branch import SMALLEST_MARGIN
 from ..engine import ACCEPTED, MOST_NEWTON_STEPS
-from ..joints import Axis, LoopJoint, data_of
+from ..joints import Axis, data_of
+from .anchors import PointPair, held_points
 from .model import SpatialModel
 
 MASSLESS = 1e-13  # share of the largest inertia below which what resists a motion is rounding
@@ -45,10 +46,6 @@ SETTLED = (
 )
 ITERATIONS = 6  # most iterations of the quick way: redundant multipliers never settle, though the accelerations have
 OPENED = 1e-2  # by which joints are moved to see whether rows become independent [lengths of the linkage]
-
-
-_End = tuple[int, pin.SE3, int, pin.SE3]
-"""Two points that a loop holds together: for either side the Pinocchio joint, and the point's placement in its frame."""
 
 
 class ForwardDynamics:
@@ -90,7 +87,8 @@ class ForwardDynamics:
         self.placements = self.data.oMi  # live: fetching it costs more than the algorithm that fills it
 
         pin.forwardKinematics(self.model, self.data, closed)
-        by_loop = [_ends_of(loop, self.data, self.size) for loop in loops]
+        rotations = [placement.rotation for placement in self.placements]
+        by_loop = [held_points(loop, rotations, self.size) for loop in loops]
         ends = [end for point_rows in by_loop for end in point_rows]
         self.points, self.data_of_points = pin.StdVec_ConstraintModel(), pin.StdVec_ConstraintData()
         for end in ends:
@@ -315,7 +313,7 @@ class ForwardDynamics:
         mass = sum(float(inertia.mass) for inertia in self.model.inertias)
         return mass * (float(np.linalg.norm(self.model.gravity.linear)) or self.size)
 
-    def _quick(self, closed: Array, ends: list[_End], mass: Array) -> _Quick | None:
+    def _quick(self, closed: Array, ends: list[PointPair], mass: Array) -> _Quick | None:
         """The quick way, None where it does not suit the linkage."""
         if not ends or not ((mass.diagonal() * self.per_unit**2).min() > self.least**2):
             return None
@@ -382,19 +380,7 @@ def _bounded(model: pin.Model, axes: tuple[Axis, ...]) -> pin.Model:
     return result
 
 
-def _ends_of(loop: LoopJoint, data: pin.Data, size: float) -> list[_End]:
-    """The points at which a loop is held (see the module); ``data`` must hold the closed pose."""
-    result = [(loop.joint1, pin.SE3(np.eye(3), loop.point1), loop.joint2, pin.SE3(np.eye(3), loop.point2))]
-    for axis in range({0: 0, 2: 1, 3: 2}[loop.held_rotations]):
-        along1, along2 = loop.rotation1[:, axis], loop.rotation2[:, axis]
-        worlds = data.oMi[loop.joint1].rotation @ along1, data.oMi[loop.joint2].rotation @ along2
-        turned = float(np.sign(worlds[0] @ worlds[1]))  # the axes of a revolute loop may point against each other
-        places = (pin.SE3(np.eye(3), point) for point in (loop.point1 + size * along1, loop.point2 + turned * size * along2))
-        result.append((loop.joint1, next(places), loop.joint2, next(places)))
-    return result
-
-
-def _contacts(model: pin.Model, ends: list[_End]) -> tuple[Any, Any]:
+def _contacts(model: pin.Model, ends: list[PointPair]) -> tuple[Any, Any]:
     """Pinocchio's models and data of the points, for `constraintDynamics`."""
     kind = pin.ContactType.CONTACT_3D
     points = pin.StdVec_RigidConstraintModel([pin.RigidConstraintModel(kind, model, *end, pin.LOCAL) for end in ends])

@@ -7,8 +7,8 @@ import numpy as np
 from ..common.errors import AssemblyError, PinpressError, SingularityError
 from ..common.quantities import Array
 from ..engines.branch import LARGEST_CORRECTION, Branch, SingularPosition, follow, predict
-from ..engines.engine import ACCEPTED, PIECE, Closure, joined
-from ..linkage.linkage import Linkage
+from ..engines.engine import ACCEPTED, PIECE, Closure, Engine, joined
+from ..engines.spatial.model import SpatialModel
 
 MANY_PERIODS = 1000  # beyond which a crank angle's rounding is seen in the gaps of loops
 FARTHEST = 1e7  # beyond which the rounding of a crank angle exceeds 1e-9, and the slide is no longer where the angle says [rad]
@@ -24,63 +24,76 @@ def refuse_far(name: str, angles: Array) -> None:
         )
 
 
-def closed(press: Linkage, branch: Branch, angles: Array, engine: str) -> Closure:
-    """Closed configurations at crank angles (n,) on a branch, in pieces that stay in the cache; ``engine`` as of `cycle`.
+def closed(engine: Engine, spatial_model: SpatialModel, branch: Branch, angles: Array, name: str) -> Closure:
+    """Closed configurations at crank angles (n,) on a branch, in pieces that stay in the cache.
+
+    Args:
+        engine: closes the loops.
+        spatial_model: of the same linkage.
+        branch: its assembly.
+        angles: (n,) of the driver [rad].
+        name: of the linkage, for errors.
 
     Raises:
         SingularityError: the linkage locks before it gets there.
         AssemblyError: the loops do not close.
     """
     if branch.change_points:
-        return _through(press, branch, angles, engine)
+        return _through(engine, spatial_model, branch, angles, name)
     if branch.period is not None and np.abs(angles).max() > MANY_PERIODS * branch.period:
-        return _far(press, branch, angles, engine)
+        return _far(engine, spatial_model, branch, angles, name)
     if len(angles) <= PIECE:
-        return _piece(press, angles, predict(branch, angles), engine)
+        return _piece(engine, spatial_model, angles, predict(branch, angles), name)
     parts = [angles[start : start + PIECE] for start in range(0, len(angles), PIECE)]
-    return joined([_piece(press, part, predict(branch, part), engine) for part in parts])
+    return joined([_piece(engine, spatial_model, part, predict(branch, part), name) for part in parts])
 
 
-def _far(press: Linkage, branch: Branch, angles: Array, engine: str) -> Closure:
+def _far(engine: Engine, spatial_model: SpatialModel, branch: Branch, angles: Array, name: str) -> Closure:
     """Closed configurations many periods away: closed within one period, as the rounding of large angles is a gap, and moved on."""
     assert branch.period is not None
     turns = np.floor(angles / branch.period)
-    closure = closed(press, branch, angles - turns * branch.period, engine)
+    closure = closed(engine, spatial_model, branch, angles - turns * branch.period, name)
     position = closure.position + branch.gain_per_period[:, None] * turns
-    position[press.driver_indices[0]] = angles
+    position[spatial_model.drivers[0]] = angles
     return replace(closure, position=position)
 
 
-def _through(press: Linkage, branch: Branch, angles: Array, engine: str) -> Closure:
+def _through(engine: Engine, spatial_model: SpatialModel, branch: Branch, angles: Array, name: str) -> Closure:
     """Closed configurations of a branch with change points, beside which its polynomials stand for the equations."""
     turns = np.zeros(len(angles)) if branch.period is None else np.floor((angles - branch.angles[0]) / branch.period)
     local = angles - turns * (branch.period or 0.0)
-    position, first, second = (np.empty((press.model.nv, len(angles))) for _ in range(3))
+    position, first, second = (np.empty((spatial_model.model.nv, len(angles))) for _ in range(3))
     regular = np.ones(len(angles), dtype=bool)
     for point in branch.change_points:
         beside = np.abs(local - point.angle) < point.inner
         position[:, beside], first[:, beside], second[:, beside] = point.at(local[beside])
         regular &= ~beside
     if regular.any():
-        closure = closed(press, replace(branch, change_points=()), local[regular], engine)
+        closure = closed(engine, spatial_model, replace(branch, change_points=()), local[regular], name)
         position[:, regular], first[:, regular], second[:, regular] = closure.position, closure.first, closure.second
-    gap = press.engine().gaps(position)
-    if not gap.max() <= ACCEPTED * press.engine("pinocchio").tolerance:
+    gap = engine.gaps(position)
+    if not gap.max() <= ACCEPTED * spatial_model.tolerance:
         raise AssemblyError("the loops do not close", float(angles[int(gap.argmax())]), float(gap.max()), 0)
     position += branch.gain_per_period[:, None] * turns
-    position[press.driver_indices[0]] = angles
+    position[spatial_model.drivers[0]] = angles
     return Closure(position, first, second, gap, float(gap.max()), 0)
 
 
-def followed(press: Linkage, angles: Array) -> Array:
+def followed_from(engine: Engine, spatial_model: SpatialModel, start: Array, angles: Array, name: str) -> Array:
     """Closed positions (nv, n) of a linkage with several drivers at positions (n, drivers), each followed from the one before.
+
+    Args:
+        engine: closes the loops.
+        spatial_model: of the same linkage.
+        start: (nv,) closed drawn pose, from which the first is followed.
+        angles: (n, drivers) of the drivers [rad].
+        name: of the linkage, for errors.
 
     Raises:
         SingularityError: the linkage locks on the way.
     """
-    chosen = press.engine()
-    close_drivers, tolerance = chosen.closing_function(), ACCEPTED * chosen.tolerance
-    position, before, positions = press.closed, np.zeros(len(press.drivers)), []
+    close_drivers, tolerance = engine.closing_function(), ACCEPTED * engine.tolerance
+    position, before, positions = start, np.zeros(len(spatial_model.drivers)), []
     for after in angles:
         distance = float(np.linalg.norm(after - before))
         along = (after - before) / distance if distance else np.zeros_like(after)
@@ -89,10 +102,10 @@ def followed(press: Linkage, angles: Array) -> Array:
             drivers = before[:, None] + np.multiply.outer(along, at)
             return close_drivers(drivers, along, guess)
 
-        end = follow(close, position, distance, press.size, tolerance)
+        end = follow(close, position, distance, spatial_model.size, tolerance)
         if isinstance(end, SingularPosition):
             raise SingularityError(
-                f"{press.name} locks between driver positions {np.degrees(before).round(3)} and {np.degrees(after).round(3)} deg",
+                f"{name} locks between driver positions {np.degrees(before).round(3)} and {np.degrees(after).round(3)} deg",
                 float((before + end.angle * along)[0]),
                 end.margin,
             )
@@ -101,17 +114,16 @@ def followed(press: Linkage, angles: Array) -> Array:
     return np.array(positions).T
 
 
-def _piece(press: Linkage, angles: Array, guess: Array, engine: str) -> Closure:
-    chosen = press.engine(engine)
-    closure, tolerance = chosen.close(angles, guess), ACCEPTED * chosen.tolerance
-    near = LARGEST_CORRECTION * (1 + press.size)  # another assembly would be far from the prediction
+def _piece(engine: Engine, spatial_model: SpatialModel, angles: Array, guess: Array, name: str) -> Closure:
+    closure, tolerance = engine.close(angles, guess), ACCEPTED * engine.tolerance
+    near = LARGEST_CORRECTION * (1 + spatial_model.size)  # another assembly would be far from the prediction
     if closure.widest <= tolerance and closure.iterations == 0:
         return closure
     moved = np.abs(closure.position - guess).max(axis=0)
     if not (closure.widest <= tolerance and moved.max() <= near):
         worst = int(np.argmin((closure.gap <= tolerance) & (moved <= near)))
         raise AssemblyError(
-            f"the loops of {press.name} do not close on the drawn branch",
+            f"the loops of {name} do not close on the drawn branch",
             float(angles[worst]),
             float(closure.gap[worst]),
             closure.iterations,
