@@ -577,6 +577,8 @@ def calls() -> dict[str, Call]:
             lambda: {"press": press(), "motion": motion(), "path": PATH, "reactions": reactions(), "traces": [("slide", (0.0, 0.0, 0.0))]},
         ),
         ("report", pp.report, lambda: {"press": press(), "motion": motion(), "path": PATH, "reactions": reactions(), "traces": []}),
+        ("visual_model", pp.visual_model, lambda: {"press": press(), "motion": motion()}),
+        ("Linkage.configuration", lambda angle: press().configuration(angle), lambda: {"angle": [0.1, 0.2]}),
         (
             "video.film",
             pp.video.film,
