@@ -24,7 +24,7 @@ ROOT = Path(__file__).resolve().parents[2]
 DOCS = ROOT / "docs"
 TABLES = ("accuracy", "balancing", "elasticity", "ratings", "synthesis")  # scripts in viz, of the pages of the same names
 RUN = ["balancing", "commands", "elasticity", "foundation", "motion_and_forces", "ratings", "recording", "simulation", "sweep", "synthesis"]
-RUN += ["pin_table", "units_and_signs"]
+RUN += ["pin_table", "pinocchio", "units_and_signs"]
 SPACES = [name for name in dir(pp) if inspect.ismodule(getattr(pp, name))] + ["balancing.classical"]
 SITE_TOOLS = ("mkdocs", "material", "mkdocstrings_handlers")
 
@@ -40,8 +40,17 @@ def test_code_of_a_page_runs_and_prints_what_is_shown(page: str, tmp_path: Path,
     names: dict[str, Any] = {}
     for shown in page_blocks.run(text(page), names):
         assert shown.same, f"{page}.md, line {shown.block.line}, shows\n{shown.wanted}\nbut prints\n{shown.printed}"
+    if page == "pinocchio":
+        _end_the_viewer(names["viewer"].viewer.window)
     if page == "motion_and_forces":
         _point_force_is_seen_by_the_drive_but_not_by_the_foundation(names)
+
+
+def _end_the_viewer(window: Any) -> None:
+    """Meshcat leaves its server to the end of the session."""
+    window.server_proc.kill()
+    window.server_proc.communicate()
+    window.zmq_socket.close()
 
 
 def _point_force_is_seen_by_the_drive_but_not_by_the_foundation(names: dict[str, Any]) -> None:
