@@ -64,6 +64,7 @@ DIMENSIONS: dict[type, dict[str, tuple[int, int, int] | None]] = {
     pp.loads.TimeForce: {"force": FORCE, "edges": TIME},
     link.Friction: {"coefficient": PLAIN, "radius": LENGTH, "viscous": (2, 1, -1)},
     pp.drives.Flywheel: {"inertia": INERTIA, "speed": RATE},
+    pp.drives.Corner: {"speed": RATE, "jump": PLAIN},
     pp.drives.PrescribedSpeed: {"speed": RATE},
     pp.drives.ConstantTorque: {"value": TORQUE},
     pp.drives.Geared: {"drive": INSIDE, "ratio": PLAIN, "gear_inertia": INERTIA, "efficiency": PLAIN},
