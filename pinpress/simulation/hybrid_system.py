@@ -247,7 +247,7 @@ class HybridSystem:
         linkage, shaft_speed, states = at = self.at(y)
         torque = self.drive_torque(time, at)
         forces, taken, put_in, squared = self._forces(mode, time, linkage)
-        through, braking = self._friction(mode, time)
+        through, braking = self._friction(mode, time) if self._coupled else (0.0, 0.0)
         rigid, result, accelerated = mode.clutch.grip is HOLDING, np.zeros(len(y)), 0.0
         if mode.brake.grip is not HOLDING and not mode.standing:
             on_crank, inertia = (torque, driven.inertia) if rigid else (through, 0.0)
@@ -265,10 +265,12 @@ class HybridSystem:
 
     def _friction(self, mode: Mode, time: float) -> tuple[float, float]:
         """Friction torques of clutch and brake on the crank, while they slip [N m]."""
-        clutch, brake = self.driven.clutch, self.driven.brake
-        if clutch is None and brake is None:
-            return 0.0, 0.0
-        return mode.clutch.torque(clutch, time), mode.brake.torque(brake, time)
+        return mode.clutch.torque(self.driven.clutch, time), mode.brake.torque(self.driven.brake, time)
+
+    @cached_property
+    def _coupled(self) -> bool:
+        """Whether there is a clutch or a brake."""
+        return self.driven.clutch is not None or self.driven.brake is not None
 
     def _forces(self, mode: Mode, time: float, linkage: Any) -> tuple[list[float], float, float, float]:
         """The forces along every coordinate, the power that they take, that of further drives, and the square of these motors' torque."""
