@@ -161,6 +161,7 @@ def test_free_run_by_mujocos_terms(presses, made, name):
     assert order([abs(end.energy_error) for end in found]) > 3
 
 
+@pytest.mark.one_in(2)
 @pytest.mark.parametrize("name", ["zxn2_3000b", "crank_slide"])
 def test_free_run_by_mujocos_own_steps(presses, made, name):
     """Loops as stiff as 1 / step^2 allows: second order of angle and gap, whatever the integrator's."""
@@ -235,6 +236,7 @@ def program(name):
     return re.sub(r" [0-9.]+\b", "", name)
 
 
+@pytest.mark.one_in(3)
 @pytest.mark.parametrize(("kind", "step"), [("Mujoco", "5 ms"), ("MujocoSteps", "1 ms"), ("Exudyn", "1 ms")])
 def test_the_published_errors_are_still_so(presses, made, kind, step):
     """Those of `viz/accuracy.csv`, of which tables and picture of docs/accuracy.md are made, within a factor of three."""

@@ -47,7 +47,7 @@ def test_output_that_nobody_reads(unbuffered):
     assert (ended.returncode, ended.stderr) == (0, "")
 
 
-@pytest.mark.one_in(2)
+@pytest.mark.one_in(4)
 @pytest.mark.parametrize(
     ("command", "module"),
     [

@@ -257,6 +257,7 @@ def test_a_drag_link_goes_round(tmp_path, bounded):
         assert abs((rocker[-1] - rocker[0]) - 34) < 2 * np.pi
 
 
+@pytest.mark.one_in(2)
 @pytest.mark.parametrize("engine", ["plane", "pinocchio"])
 def test_links_that_turn_fast_are_followed_in_shorter_steps(tmp_path, engine):
     """Far from any singularity, but the coupler turns so fast that the walk's ordinary steps predict it badly."""
@@ -295,6 +296,7 @@ def five_bar(folder, ratio):
     return pp.load(file)
 
 
+@pytest.mark.one_in(2)
 @pytest.mark.parametrize(("ratio", "turns"), [("-1", 1), ("-0.5", 2), ("0.6", 5)])
 def test_period_of_a_geared_linkage(tmp_path, ratio, turns):
     """Both cranks are back only after as many turns as their ratio says."""
@@ -339,6 +341,7 @@ def test_redundant_loops_that_contradict_each_other_by_little(tmp_path):
     assert 1e-13 < caught.value.gap < 1e-10
 
 
+@pytest.mark.one_in(3)
 @pytest.mark.parametrize("engine", ENGINES)
 @pytest.mark.parametrize("turns", [1500, -1500, 100_000])
 def test_joints_many_turns_away_have_turned_as_often(tmp_path, engine, turns):

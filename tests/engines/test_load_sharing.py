@@ -73,7 +73,7 @@ def errors(press, result, states):
 # ------------------------------------------------------------------------------------------------------------------------------- tests
 
 
-@pytest.mark.one_in(4)
+@pytest.mark.one_in(6)
 @pytest.mark.parametrize("stiff", ["none", "some", "all"])
 @pytest.mark.parametrize(("name", "engine"), BOTH)
 def test_bodies_cut_free(folder, name, engine, stiff):

@@ -54,6 +54,7 @@ def test_ten_seconds(loaded, count, method):
     assert run.stats.closure_error < ROUNDING
 
 
+@pytest.mark.one_in(2)
 @pytest.mark.parametrize("count", [1, 2, 5])
 def test_closed_at_singular_poses(loaded, count):
     """Beside a pose with all rods in one line the loops do not say where the rods are: joints come from polynomials through poses on both

@@ -63,7 +63,7 @@ def test_drives_and_flywheels(legs):
     first, second = legs.drivers[0], legs.drivers[5]
     motor = pp.drives.Geared(pp.drives.InductionMotor(100.0, 1440 * pp.RPM, inertia=1e-4), 50.0)
     drive, flywheel = {first: pp.drives.ConstantTorque(2.0), second: motor}, {first: pp.drives.Flywheel(0.1)}
-    run = pp.simulate(legs, 0.05, method="constraint", drive=drive, flywheel=flywheel)
+    run = pp.simulate(legs, 0.02, method="constraint", drive=drive, flywheel=flywheel)
     needed = np.zeros_like(run.drive_torque)
     needed[:, 0] = 2.0 - 0.1 * run.crank_acceleration[:, 0]
     needed[:, 5] = motor.torque(run.crank_speed[:, 5]) - motor.inertia * run.crank_acceleration[:, 5]

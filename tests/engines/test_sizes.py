@@ -31,6 +31,7 @@ def datas(monkeypatch):
     return made
 
 
+@pytest.mark.one_in(2)
 @pytest.mark.parametrize("kind", KINDS)
 def test_planar_linkages_need_no_pinocchio_data(datas, kind):
     press = large_linkages.load(KINDS[kind](20))
@@ -42,6 +43,7 @@ def test_planar_linkages_need_no_pinocchio_data(datas, kind):
     assert not datas
 
 
+@pytest.mark.one_in(2)
 @pytest.mark.parametrize("kind", KINDS)
 def test_checking_planar_linkages_needs_no_pinocchio_data(datas, kind, tmp_path):
     file = tmp_path / "linkage.urdf"
@@ -73,6 +75,7 @@ def stored(linkage):
     return sum(matrix.nnz for matrix in matrices) + sum(array.size for array in arrays if isinstance(array, np.ndarray))
 
 
+@pytest.mark.one_in(2)
 @pytest.mark.parametrize("kind", KINDS)
 def test_memory_grows_with_the_joints(kind):
     small, large = (stored(large_linkages.load(KINDS[kind](count))) for count in (40, 80))

@@ -178,6 +178,7 @@ def test_forces(spatial):
 ENGINES = ["plane", "pinocchio"]
 
 
+@pytest.mark.one_in(2)
 @pytest.mark.parametrize("engine", ENGINES)
 @pytest.mark.parametrize("turn", [False, True])
 def test_a_redundant_linkage_moves(write, turn, engine):
@@ -197,6 +198,7 @@ def test_a_redundant_linkage_moves(write, turn, engine):
     assert np.abs(motion.a).max() < 1e-10
 
 
+@pytest.mark.one_in(2)
 @pytest.mark.parametrize("engine", ENGINES)
 @pytest.mark.parametrize("offset", [0.0, 0.2])
 def test_a_redundant_linkage_in_closed_form(write, offset, engine):
@@ -272,6 +274,7 @@ def test_no_moment_in_the_plane_is_open(open_components):
         assert not flags[name][4], name
 
 
+@pytest.mark.one_in(3)
 @pytest.mark.parametrize("engine", ["plane", "pinocchio"])
 @pytest.mark.parametrize("name", ["zxn2_3000b", "crank_slide", "jf75g_125_symmetric"])
 def test_the_same_is_open_in_a_press_that_stands_askew(name, engine, tmp_path):

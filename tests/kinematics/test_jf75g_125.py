@@ -149,6 +149,7 @@ def near(values, expected, tolerance, peak=None):
 # ------------------------------------------------------------------------------------------------------------------------ all of them
 
 
+@pytest.mark.one_in(3)
 @pytest.mark.parametrize("name", PRESSES)
 def test_kinematics_equal_the_reference(name, engine):
     """Height above bottom dead centre, speed and acceleration at 300 r/min: 1e-12 of the peak, of the height 1e-12 of the rod: rounding."""
@@ -339,6 +340,7 @@ def test_gear_pair_carries_half_of_the_torque(motion, engine):
         near(-result.bearing_moment[f"O_{side}"][:, 1], torque, 1e-12)
 
 
+@pytest.mark.one_in(2)
 def test_what_the_sides_of_the_symmetric_press_share_is_flagged(engine):
     """Idle forces run along the rods: they reach pins and shafts, load the gears, press sideways on the guides and turn them."""
     flags = solved(load("jf75g_125_symmetric"), engine, "turn").indeterminate

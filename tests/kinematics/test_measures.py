@@ -185,6 +185,7 @@ def test_every_measure_converges_with_the_states(measure):
         assert error(360) < 1e-10
 
 
+@pytest.mark.one_in(3)
 @pytest.mark.parametrize("measure", ALL)
 def test_no_measure_depends_on_the_first_state(measure):
     """At any place of the dead centres among the states; 1e-10 as above."""

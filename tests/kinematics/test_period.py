@@ -8,6 +8,7 @@ import pytest
 from support import texts
 from support.generators import period_presses
 from support.generators.period_presses import TURNS
+from support.sampling import rest_exhaustive
 
 import pinpress as pp
 from pinpress.dynamics.summary import summary
@@ -19,7 +20,7 @@ PARABOLA = 1e-9  # of slide positions [m]
 LATER = 0.4  # of a step, by which the states are off those that the library takes
 
 
-@pytest.fixture(scope="module", params=["half", "third", "geared_down", pytest.param("one_and_a_half", marks=pytest.mark.exhaustive)])
+@pytest.fixture(scope="module", params=rest_exhaustive(("half", "third", "geared_down", "one_and_a_half"), "half", "geared_down"))
 def name(request):
     return request.param
 

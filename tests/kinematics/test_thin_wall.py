@@ -217,6 +217,7 @@ def test_middle_of_the_working_stroke(press, engine):
     assert round(1e3 * (first - last), 2) == 156.63
 
 
+@pytest.mark.one_in(2)
 def test_evenest_120_mm(press, engine):
     """Within the best 120 mm of travel the speed drops by 3.69 % of its highest; both its ends are then equally fast."""
     top = ram_speed(press, engine, fastest(press, engine, (60, 120)))
@@ -250,6 +251,7 @@ def test_pressure_angle(press, engine):
     assert over_a_turn.max() <= pressure + 1e-14
 
 
+@pytest.mark.one_in(2)
 def test_turn_backwards(press, engine):
     """The same configurations and loads as forwards, rates reversed: 1e-12 of the peak, after a whole turn the other way."""
     forward, backward = (pp.cycle(press, speed, points=90, engine=engine) for speed in (SPEED, -SPEED))

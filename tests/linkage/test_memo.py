@@ -58,6 +58,7 @@ ASKED: dict[str, Callable[[pp.Linkage, pp.Motion], object]] = {
 }
 
 
+@pytest.mark.one_in(2)
 @pytest.mark.parametrize("change", CHANGES)
 def test_a_model_changed_in_place_is_refused_by_all(change):
     press = pp.load("crank_slide")
@@ -92,6 +93,7 @@ def test_a_press_of_a_changed_copy_is_that_of_a_press_never_used(change):
     pp.cycle(press, speed=7.0)  # that of the original goes on
 
 
+@pytest.mark.one_in(2)
 @pytest.mark.parametrize("again", [copy.copy, copy.deepcopy, lambda press: pickle.loads(pickle.dumps(press)), dataclasses.replace])
 def test_copies_of_a_linkage_notice_a_change_of_their_own(again):
     press = pp.load("crank_slide")

@@ -33,6 +33,7 @@ def test_every_equation_belongs_to_one_loop_or_gear_pair(text):
             assert set(involved) == {each.by.follower, each.by.leader}
 
 
+@pytest.mark.one_in(3)
 @pytest.mark.parametrize(
     ("text", "problem"),
     [

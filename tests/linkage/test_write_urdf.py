@@ -349,6 +349,7 @@ def test_loop_on_welded_links(press, tmp_path):
     assert len(lines_changed(press, again)[0]) == 1
 
 
+@pytest.mark.one_in(3)
 @pytest.mark.parametrize("content", [bennett(), four_bar("revolute"), four_bar("fixed")], ids=["bennett", "revolute", "fixed"])
 def test_loop_that_holds_rotations(file, tmp_path, content):
     """Turned about its axis, which it may be, or both ends alike; the <axis> is not touched."""
@@ -541,6 +542,7 @@ def test_inertia_of_welded_links_stays_split(press, tmp_path):
     assert again.model.inertias[press.joints.index("O") + 1] == press.model.inertias[press.joints.index("O") + 1]
 
 
+@pytest.mark.one_in(2)
 @pytest.mark.parametrize("tag", ['<link name="frame"/>', '<link name="frame"></link>', '<link name="frame"><!-- heavy --></link>', None])
 def test_frame_gets_a_mass(file, tmp_path, tag):
     """Which it did not have; it carries the shaking force, not the crank."""

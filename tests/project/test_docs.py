@@ -67,7 +67,7 @@ def test_every_page_with_code_is_run() -> None:
     assert with_code - {*RUN, "tour"} == set()  # the tour has a test of its own
 
 
-@pytest.mark.parametrize("name", rest_exhaustive(TABLES, "accuracy", "balancing", "elasticity", "ratings"))
+@pytest.mark.parametrize("name", rest_exhaustive(TABLES, "accuracy", "balancing"))
 def test_tables_are_what_their_scripts_print(name: str) -> None:
     spec = importlib.util.spec_from_file_location(name, ROOT / "viz" / f"{name}.py")
     assert spec is not None

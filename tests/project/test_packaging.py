@@ -10,6 +10,7 @@ from pathlib import Path
 
 import pinocchio
 import pytest
+from support.sampling import rest_exhaustive
 
 ROOT = Path(__file__).parents[2]
 PRESSES = (
@@ -96,7 +97,7 @@ def test_sdist_contents(built):
     assert {"pyproject.toml", "README.md", "LICENSE", "pinpress/py.typed"} | PAGES < names
 
 
-@pytest.mark.parametrize("installed", ["checkout", "editable", pytest.param("wheel", marks=pytest.mark.exhaustive)])
+@pytest.mark.parametrize("installed", rest_exhaustive(["checkout", "editable", "wheel"], "checkout"))
 def test_presses_load_by_name(request, tmp_path, installed):
     folder = request.getfixturevalue(installed)
     code = "import pinpress as pp; print(pp.__file__, *pp.presses()); print(*(pp.load(name).file for name in pp.presses()), sep='\\n')"

@@ -265,7 +265,7 @@ PRESSES = {
 }
 
 
-@pytest.mark.one_in(4)
+@pytest.mark.one_in(6)
 @pytest.mark.parametrize("name", PRESSES)
 def test_other_presses_by_the_constraint_method(name):
     """Pinocchio's constraint dynamics, which share no equation with the reduced ones, come back to the steady state too."""
@@ -591,6 +591,7 @@ def two_discs(tmp_path):
 # ------------------------------------------------------------------------------------------------------------------ duty and strokes
 
 
+@pytest.mark.one_in(2)
 @pytest.mark.parametrize("name", ["slip_clutch", "lossy_induction"])
 def test_duty_of_a_stroke(press, name):
     """From states at the very instants that are looked at, and works and means by Simpson's rule over a finer grid."""

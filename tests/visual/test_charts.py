@@ -143,6 +143,7 @@ def test_a_cycle_against_quadrature():
         np.testing.assert_allclose(amplitude[[0, 2]], sums[[0, 2]], rtol=0, atol=1e-9 * np.abs(force).max())
 
 
+@pytest.mark.one_in(3)
 @pytest.mark.parametrize("start", [0.0, 1.3])
 def test_turns_of_other_states(start):
     """A servo motion of uneven steps over one and a half turns at constant speed: the harmonics are those of the cycle."""
