@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
+from ..common import text
 from ..common.results import Record, Records, Tabular
 from ..common.tables import Column
 
@@ -113,8 +114,8 @@ def _table(rows: Sequence[Measurement]) -> list[str]:
     heads = ("", "time [ms]", "error", "force error", "loop gap [m]", "energy error", "evaluations")
     kept = [k for k in range(len(heads)) if k < 3 or any(_cells(row)[k] for row in rows)]
     width = max(len(_cells(row)[0]) for row in rows) + 2
-    table = [heads, *map(_cells, rows)]
-    return ["  " + "".join(cells[k].ljust(width) if k == 0 else cells[k].rjust(14) for k in kept).rstrip() for cells in table]
+    table = ([cells[k] for k in kept] for cells in (heads, *map(_cells, rows)))
+    return [line.rstrip() for line in text.table(table, [width, 14])]
 
 
 def _cells(row: Measurement) -> tuple[str, ...]:

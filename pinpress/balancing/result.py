@@ -170,6 +170,7 @@ def _text(balanced: BalancedPress) -> str:
     heads = [_condition_words(each) for each in balanced.conditions]
     asked, rest = [list(_cells(balanced, rows)) for rows in (balanced.changes, balanced.side_effects)]
     width = max(len(cells[0]) for cells in [*asked, *rest])
+    proof = "largest violation of the conditions of optimality, relative to before"
     return "\n".join(
         [
             f"{balanced.original.name}, balanced: {heads[0]}" if len(heads) == 1 else f"{balanced.original.name}, balanced in",
@@ -181,7 +182,7 @@ def _text(balanced: BalancedPress) -> str:
             *_measure_lines("The rest of the press", balanced, rest, width),
             "",
             "Checks",
-            f"  {'proof of the optimum':26}{balanced.residual:12.3g} largest violation of the conditions of optimality, relative to before",
+            text.entry("proof of the optimum", f"{balanced.residual:.3g}", proof),
         ]
     )
 
@@ -222,18 +223,17 @@ def _objective_lines(balanced: BalancedPress) -> list[str]:
     return [
         "",
         f"Objective: {what}",
-        f"  {'before':26}{before:12.6g} {unit}".rstrip(),
-        f"  {'reached':26}{balanced.value:12.6g} {unit}".rstrip(),
-        f"  {'proven bound':26}{balanced.bound:12.6g} {unit:7}no counterweights in these regions have less",
-        f"  {'gap':26}{balanced.value - balanced.bound:12.3g} {unit}".rstrip(),
+        text.entry("before", f"{before:.6g}", unit),
+        text.entry("reached", f"{balanced.value:.6g}", unit),
+        text.entry("proven bound", f"{balanced.bound:.6g}", unit, "no counterweights in these regions have less"),
+        text.entry("gap", f"{balanced.value - balanced.bound:.3g}", unit),
     ]
 
 
 def _active_lines(balanced: BalancedPress) -> list[str]:
     if not balanced.active:
         return []
-    width = max(len(active.constraint) for active in balanced.active)
-    return ["", "Held back by", *(f"  {each.constraint:{width}}{_price_words(balanced, each)}".rstrip() for each in balanced.active)]
+    return ["", "Held back by", *text.words([[each.constraint, _price_words(balanced, each)] for each in balanced.active])]
 
 
 def _price_words(balanced: BalancedPress, active: ActiveConstraint) -> str:
@@ -243,7 +243,7 @@ def _price_words(balanced: BalancedPress, active: ActiveConstraint) -> str:
     units = {limit_words(target, limit): target.unit for target, limit in balanced.limits.items()}
     unit = units.get(active.constraint, MASS.unit)  # all other constraints on numbers are on masses of regions
     falls = f"{active.price:.3g} {balanced.unit}".rstrip()
-    return f"   the objective falls by {falls} for each {unit} relaxed"
+    return f"the objective falls by {falls} for each {unit} relaxed"
 
 
 def _cells(balanced: BalancedPress, rows: Sequence[MeasureChange]) -> Iterator[list[str]]:

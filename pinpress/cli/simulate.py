@@ -4,6 +4,7 @@ import argparse
 import math
 import time
 
+from ..common import text
 from ..common.errors import PinpressError
 from ..common.files import make_folder
 from ..common.quantities import RPM
@@ -69,7 +70,7 @@ def add(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None
 
 
 def _scene_help() -> str:
-    kinds = [f"  {name + ':':13}{keys(kind)}" for name, kind in (*DRIVES.items(), *LOADS.items())]
+    kinds = text.table(([f"{name}:", keys(kind)] for name, kind in (*DRIVES.items(), *LOADS.items())), [13, 0])
     split = len(DRIVES)
     return "\n".join(
         [
@@ -134,7 +135,7 @@ def run(options: argparse.Namespace) -> int:
     reactions = inverse_dynamics(press, done, loads=loads)
     took = time.perf_counter() - began
     print(simulation_summary(press, done, reactions, _scene(options, done), options.steady))
-    print(f"  {'time taken':26}{1e3 * done.stats.wall_time:12.1f} ms simulation, {1e3 * took:.1f} ms torque and forces")
+    print(text.entry("time taken", f"{1e3 * done.stats.wall_time:.1f}", f"ms simulation, {1e3 * took:.1f} ms torque and forces"))
     if options.out is not None:
         reactions.to_csv(options.out / "simulation.csv")
         stroke_duties(done).to_csv(options.out / "strokes.csv")

@@ -26,6 +26,7 @@ from functools import cached_property
 import numpy as np
 import pinocchio as pin
 
+from ..common import text
 from ..common.arguments import expect, finite_numbers, typed, whole_number
 from ..common.errors import PinpressError
 from ..common.frozen import read_only
@@ -100,17 +101,15 @@ class MountedPress(Tabular):
     def __str__(self) -> str:
         """Loads, sag and pressure of the mounts at rest."""
         x, y, z = self.centre
-        lines = [
-            f"{self.press.name} on its mounts at rest: {self.total_mass:.6g} kg, centre of mass {x:.4g}, {y:.4g}, {z:.4g} m",
-            f"  {'mount at':<28}{'load':>14}{'share':>10}{'sag':>14}{'pressure':>14}",
-        ]
+        rows = [["mount at", "load", "share", "sag", "pressure"]]
         for mount, load, share, sag, pressure in zip(
             self.mounts, self.mount_load[:, 2], self.load_share, self.sag[:, 2], self.pressure, strict=True
         ):
             place = ", ".join(f"{coordinate:.4g}" for coordinate in mount.point) + " m"
-            last = "" if pressure is None else f"{pressure / 1e6:10.4g} MPa"
-            lines.append(f"  {place:<28}{load:12.5g} N{100 * share:8.2f} %{-1e3 * sag:11.4g} mm{last}")
-        return "\n".join(lines)
+            last = [] if pressure is None else [f"{pressure / 1e6:.4g} MPa"]
+            rows.append([place, f"{load:.5g} N", f"{100 * share:.2f} %", f"{-1e3 * sag:.4g} mm", *last])
+        title = f"{self.press.name} on its mounts at rest: {self.total_mass:.6g} kg, centre of mass {x:.4g}, {y:.4g}, {z:.4g} m"
+        return "\n".join([title, *text.table(rows, [28, 14, 10, 14])])
 
     def columns(self) -> dict[str, Column]:
         """A row for each mount: place, load, share of the weight, sag (downwards positive) and pressure."""
@@ -248,10 +247,10 @@ class VibrationModes(Tabular):
         return f"VibrationModes of {self.press_name}: {', '.join(f'{f / (2 * np.pi):.4g}' for f in self.natural_frequency)} Hz"
 
     def __str__(self) -> str:
-        lines = [f"{self.press_name} on its mounts: modes", f"  {'motion':<18}{'frequency':>12}{'speed':>18}{'damping ratio':>15}"]
+        rows = [["motion", "frequency", "speed", "damping ratio"]]
         for motion, frequency, ratio in zip(self.motion, self.natural_frequency / (2 * np.pi), self.damping_ratio, strict=True):
-            lines.append(f"  {motion:<18}{frequency:9.3f} Hz{60 * frequency:10.1f} per min{ratio:15.4f}")
-        return "\n".join(lines)
+            rows.append([motion, f"{frequency:.3f} Hz", f"{60 * frequency:.1f} per min", f"{ratio:.4f}"])
+        return "\n".join([f"{self.press_name} on its mounts: modes", *text.table(rows, [18, 12, 18, 15])])
 
     def resonance_speeds(self, orders: int = 4) -> Array:
         """(orders, n) speeds of the crank at which its first, second, ... harmonic meets each natural frequency [rad/s].

@@ -15,6 +15,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
+from ..common import text
 from ..common.arguments import expect, finite_numbers, typed
 from ..common.errors import PinpressError, UnknownNameError, shown
 from ..common.frozen import FrozenMapping
@@ -149,25 +150,23 @@ class FrameMotion(Tabular):
     def __str__(self) -> str:
         """Accelerations of the points, forces, and the least load on a mount."""
         over = f"one period of {self.period:.6g} s" if self.period is not None else f"{self.time[-1]:.6g} s from rest"
+        rows = [["acceleration [m/s2]", *(f"{what} {axis}" for what in ("rms", "peak") for axis in "xyz")]]
+        for point in self.acceleration:
+            rows.append([point, *(f"{value:.4g}" for value in (*self.rms(point), *self.peak(point)))])
         lines = [
             f"{self.system.press.name} on {len(self.system.mounts)} mounts: {over}",
-            f"  {'acceleration [m/s2]':<24}{'rms x':>12}{'rms y':>12}{'rms z':>12}{'peak x':>12}{'peak y':>12}{'peak z':>12}",
-        ]
-        for point in self.acceleration:
-            numbers = [*self.rms(point), *self.peak(point)]
-            lines.append(f"  {point:<24}" + "".join(f"{number:12.4g}" for number in numbers))
-        lines += [
-            f"  {'shaking force, rms':<24}{rms_about_mean(self.shaking_force):12.4g} N",
-            f"  {'force on the floor, rms':<24}{rms_about_mean(self.floor_force):12.4g} N",
+            *text.table(rows, [26, 12]),
+            text.entry("shaking force, rms", f"{rms_about_mean(self.shaking_force):.4g}", "N"),
+            text.entry("force on the floor, rms", f"{rms_about_mean(self.floor_force):.4g}", "N"),
         ]
         least = self.least_load
         number = int(least.argmin())
         lifts = ", which lifts off unless it is bolted down" if least[number] < 0 else ""
-        lines.append(f"  {'least load on a mount':<24}{least[number]:12.4g} N on mount {number}{lifts}")
+        lines.append(text.entry("least load on a mount", f"{least[number]:.4g}", f"N on mount {number}{lifts}"))
         pressures = [pressure for pressure in self.system.pressure if pressure is not None]
         if pressures:
-            lines.append(f"  {'mean pressure at rest':<24}{max(pressures) / 1e6:12.4g} MPa at most")
-        lines.append(f"  {'sag at rest':<24}{1e3 * np.abs(self.system.sag[:, 2]).max():12.4g} mm at most")
+            lines.append(text.entry("mean pressure at rest", f"{max(pressures) / 1e6:.4g}", "MPa at most"))
+        lines.append(text.entry("sag at rest", f"{1e3 * np.abs(self.system.sag[:, 2]).max():.4g}", "mm at most"))
         return "\n".join(lines)
 
     @classmethod

@@ -15,6 +15,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import ArrayLike
 
+from ..common import text
 from ..common.arguments import suitable_numbers, typed
 from ..common.errors import PinpressError, shown
 from ..common.frozen import FrozenMapping, read_only
@@ -63,15 +64,12 @@ class SpeedResponse(Tabular):
         return f"SpeedResponse of {self.press_name}: {len(self.speed)} speeds, {speeds}, force on the floor up to {most:.4g} N"
 
     def __str__(self) -> str:
-        head = "".join(f"{point + ' [m/s2]':>20}" for point in self.rms)
-        lines = [
-            f"{self.press_name} idle on its mounts: root mean square of the acceleration, all directions",
-            f"  {'speed':>14}{head}{'shaking':>14}{'floor':>14}",
-        ]
+        rows = [[f"{'speed':>14}", *(f"{point} [m/s2]" for point in self.rms), "shaking", "floor"]]
         for k, speed in enumerate(self.speed):
-            size = "".join(f"{np.linalg.norm(values[k]):20.4g}" for values in self.rms.values())
-            lines.append(f"  {speed / RPM:6.4g} per min{size}{self.shaking_force[k]:12.4g} N{self.floor_force[k]:12.4g} N")
-        return "\n".join(lines)
+            sizes = [f"{np.linalg.norm(values[k]):.4g}" for values in self.rms.values()]
+            rows.append([f"{speed / RPM:6.4g} per min", *sizes, f"{self.shaking_force[k]:.4g} N", f"{self.floor_force[k]:.4g} N"])
+        title = f"{self.press_name} idle on its mounts: root mean square of the acceleration, all directions"
+        return "\n".join([title, *text.table(rows, [14, *(20 for _ in self.rms), 14])])
 
     @property
     def transmitted(self) -> Array:
@@ -191,10 +189,10 @@ class Isolation(Tabular):
         return "\n".join(
             [
                 f"{self.system.press.name}: the stiffest mounts that isolate, {self.factor:.4g} times as stiff as those given",
-                f"  all together        {x:12.4g} {y:12.4g} {z:12.4g} N/m along x, y, z",
-                f"  natural frequencies {frequencies} Hz",
-                f"  sag at rest         {1e3 * self.sag:12.4g} mm",
-                f"  transmitted         {self.transmitted.max():12.4g} at most, at {worst / RPM:.4g} per min",
+                text.entry("all together", f"{x:.4g}", f"{y:12.4g} {z:12.4g} N/m along x, y, z"),
+                text.entry("natural frequencies", f"{frequencies} Hz"),
+                text.entry("sag at rest", f"{1e3 * self.sag:.4g}", "mm"),
+                text.entry("transmitted", f"{self.transmitted.max():.4g}", f"at most, at {worst / RPM:.4g} per min"),
             ]
         )
 

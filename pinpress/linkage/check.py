@@ -9,6 +9,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from ..common import text
 from ..common.errors import UrdfError
 from ..common.results import Record, Records, Tabular
 from ..common.tables import Column
@@ -188,12 +189,13 @@ def _counted(result: CheckResult) -> str:
 
 def _described(facts: Facts) -> list[str]:
     independent = f"{facts.rank} of {facts.equations}" if facts.rank < facts.equations else f"{facts.rank}"
-    lines = [
-        f"  {'driver':12}{', '.join(facts.drivers)}",
-        f"  {'slide':12}{facts.slide or 'none'}",
-        f"  {'mobility':12}{facts.mobility}: {len(facts.joints)} joints, {independent} equations are independent",
-        *([f"  {'engine':12}{facts.engine}"] if facts.engine else []),
+    named = [
+        ("driver", ", ".join(facts.drivers)),
+        ("slide", facts.slide or "none"),
+        ("mobility", f"{facts.mobility}: {len(facts.joints)} joints, {independent} equations are independent"),
+        *([("engine", facts.engine)] if facts.engine else []),
     ]
+    lines = text.table(named, [12, 0])
     if not facts.closings:
         return lines
     rows = [("", "", "", "gap as drawn", "determines" if facts.engine == "plane" else "joints")]
@@ -204,8 +206,7 @@ def _described(facts: Facts) -> list[str]:
         together = before.setdefault(each.joints, each.name)
         joints = ", ".join(each.joints) if together == each.name else f"(with {together})"
         rows.append((each.name, each.type, " - ".join(each.between), ", ".join(gaps), joints or "nothing new"))
-    widths = [max(len(row[k]) for row in rows) for k in range(5)]
-    return [*lines, "", *(("  " + "   ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True))).rstrip() for row in rows)]
+    return [*lines, "", *text.words(rows)]
 
 
 def _said(file: str, finding: Finding) -> list[str]:

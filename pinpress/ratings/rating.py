@@ -8,6 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ..common import text
 from ..common.arguments import positive, suitable_numbers, truth_value, typed, whole_number
 from ..common.errors import PinpressError
 from ..common.quantities import RPM, Array
@@ -101,15 +102,14 @@ class PressRatings(Tabular):
         """Main data, energies, and permissible force at some heights, with units."""
         rpm = abs(self.speed) / RPM / self.turns
         what = "with weights and inertia forces at this speed" if self.at_speed else "the process force alone, as catalogues print it"
-        head = f"{'height [mm]':>14}{'crank angle [deg]':>20}{'torque per force [mm]':>24}{'force [kN]':>14}{'work [kJ]':>13}  limited by"
+        heads = [f"{'height [mm]':>14}", "crank angle [deg]", "torque per force [mm]", "force [kN]", "work [kJ]", "  limited by"]
         return "\n".join(
             [
                 f"{self.press_name}, ratings at {rpm:g} strokes/min{'' if self.speed > 0 else ', backwards'}; forces: {what}",
-                *(f"  {name:38}{value}" for name, value in _data(self)),
+                *text.table(_data(self), [38, 0]),
                 "",
                 "Permissible force",
-                f"  {head}",
-                *(_row(self, k) for k in _shown(self)),
+                *text.table([heads, *(_row(self, k) for k in _shown(self))], [14, 20, 24, 14, 13, 0]),
             ]
         )
 
@@ -273,9 +273,13 @@ def _shown(ratings: PressRatings) -> list[int]:
     return sorted({*even.tolist(), *(int(np.abs(ratings.height - mark).argmin()) for mark in marks)})
 
 
-def _row(ratings: PressRatings, k: int) -> str:
+def _row(ratings: PressRatings, k: int) -> list[str]:
     angle = np.degrees(ratings.crank_angle[k]) % (360 * ratings.turns)
-    return (
-        f"  {1e3 * ratings.height[k]:14.3f}{angle:20.2f}{1e3 * abs(ratings.travel_per_angle[k]):24.4f}"
-        f"{ratings.force[k] / 1e3:14.2f}{ratings.work[k] / 1e3:13.4f}  {ratings.limited_by[k]}"
-    )
+    return [
+        f"{1e3 * ratings.height[k]:14.3f}",
+        f"{angle:.2f}",
+        f"{1e3 * abs(ratings.travel_per_angle[k]):.4f}",
+        f"{ratings.force[k] / 1e3:.2f}",
+        f"{ratings.work[k] / 1e3:.4f}",
+        f"  {ratings.limited_by[k]}",
+    ]

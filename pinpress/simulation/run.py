@@ -11,13 +11,14 @@ from typing import Any
 
 import numpy as np
 
+from ..common import text
 from ..common.arguments import is_number, typed, whole_number
 from ..common.errors import PinpressError, shown
 from ..common.quantities import RPM, Array
 from ..common.results import Record, Records
 from ..drives.protocol import Drive
 from ..dynamics.inverse_dynamics import Reactions
-from ..dynamics.summary import _bearings
+from ..dynamics.summary import bearing_table
 from ..kinematics.motion import Motion, motion_through_change_points, of_states
 from ..kinematics.slide_path import stroke_turns
 from ..linkage.linkage import Linkage
@@ -421,20 +422,20 @@ def simulation_summary(press: Linkage, run: Run, reactions: Reactions, scene: Se
     lines = [
         f"{press.name}: {'a period of its steady state, ' if steady else ''}{run.time[-1]:.6g} s, {len(run.crank_angle)} states,"
         f" method {run.stats.method!r}",
-        *(f"  {name:26}{words}" for name, words in scene),
+        *text.table(scene, [26, 0]),
         *_end(run, steady),
         *_speeds(whole, steady),
         *_work(whole),
         *_motor(run, whole),
         *_torque(reactions),
         *_strokes(stroke_duties(run), stroke_turns(run.problem.driven.press)),
-        *_bearings(run, reactions),
+        *bearing_table(reactions),
         "",
         "Checks",
-        f"  {'largest loop gap':26}{run.stats.closure_error:12.3g} m",
-        f"  {'energy error':26}{run.stats.energy_error:12.3g} of the largest energy",
-        f"  {'largest power residual':26}{np.abs(reactions.power_residual).max():12.3g} of the peak power",
-        f"  {'steps':26}{run.stats.steps:12d}        {run.stats.evaluations} evaluations",
+        text.entry("largest loop gap", f"{run.stats.closure_error:.3g}", "m"),
+        text.entry("energy error", f"{run.stats.energy_error:.3g}", "of the largest energy"),
+        text.entry("largest power residual", f"{np.abs(reactions.power_residual).max():.3g}", "of the peak power"),
+        text.entry("steps", f"{run.stats.steps}", "", f"{run.stats.evaluations} evaluations"),
     ]
     return "\n".join(lines)
 
@@ -445,20 +446,20 @@ def _end(run: Run, steady: bool) -> list[str]:
     return [
         "",
         "At the end, as at the start" if steady else "At the end",
-        f"  {'crank angle':26}{angle[-1]:12.3f} deg    {turns}",
-        f"  {'crank speed':26}{run.crank_speed[-1] / RPM:12.6g} r/min",
+        text.entry("crank angle", f"{angle[-1]:.3f}", "deg", turns),
+        text.entry("crank speed", f"{run.crank_speed[-1] / RPM:.6g}", "r/min"),
     ]
 
 
 def _speeds(whole: MotorDuty, steady: bool) -> list[str]:
-    recovery = [f"  {'from lowest to highest':26}{whole.recovery_time:12.6g} s"] if steady else []
+    recovery = [text.entry("from lowest to highest", f"{whole.recovery_time:.6g}", "s")] if steady else []
     return [
         "",
         "Crank speed",
-        f"  {'mean':26}{whole.mean_speed / RPM:12.6g} r/min",
-        f"  {'highest':26}{whole.highest_speed / RPM:12.6g} r/min",
-        f"  {'lowest':26}{whole.lowest_speed / RPM:12.6g} r/min",
-        f"  {'speed drop':26}{100 * whole.speed_drop:12.6g} %      of the mean",
+        text.entry("mean", f"{whole.mean_speed / RPM:.6g}", "r/min"),
+        text.entry("highest", f"{whole.highest_speed / RPM:.6g}", "r/min"),
+        text.entry("lowest", f"{whole.lowest_speed / RPM:.6g}", "r/min"),
+        text.entry("speed drop", f"{100 * whole.speed_drop:.6g}", "%", "of the mean"),
         *recovery,
     ]
 
@@ -467,22 +468,22 @@ def _work(whole: MotorDuty) -> list[str]:
     return [
         "",
         "Work",
-        f"  {'drive':26}{whole.drive_work:12.6g} J      on the crank's shaft",
-        f"  {'loads':26}{whole.load_work:12.6g} J      taken",
-        f"  {'flywheel':26}{whole.flywheel_work:12.6g} J      given off, with the drive's inertia, from highest to lowest speed",
-        f"  {'lost':26}{whole.lost:12.6g} J      in clutch and brake",
+        text.entry("drive", f"{whole.drive_work:.6g}", "J", "on the crank's shaft"),
+        text.entry("loads", f"{whole.load_work:.6g}", "J", "taken"),
+        text.entry("flywheel", f"{whole.flywheel_work:.6g}", "J", "given off, with the drive's inertia, from highest to lowest speed"),
+        text.entry("lost", f"{whole.lost:.6g}", "J", "in clutch and brake"),
     ]
 
 
 def _motor(run: Run, whole: MotorDuty) -> list[str]:
     if run.problem.driven.drive is None and run.problem.driven.prescribed is None:
         return []
-    use = [] if whole.utilisation is None else [f"  {'utilisation':26}{100 * whole.utilisation:12.6g} %      rms by rated torque"]
+    use = [] if whole.utilisation is None else [text.entry("utilisation", f"{100 * whole.utilisation:.6g}", "%", "rms by rated torque")]
     return [
         "",
         "Motor (torque at its own shaft)",
-        f"  {'rms':26}{whole.motor_rms:12.6g} N m",
-        f"  {'peak':26}{whole.motor_peak:12.6g} N m",
+        text.entry("rms", f"{whole.motor_rms:.6g}", "N m"),
+        text.entry("peak", f"{whole.motor_peak:.6g}", "N m"),
         *use,
     ]
 
@@ -491,7 +492,7 @@ def _torque(reactions: Reactions) -> list[str]:
     lines = ["", "Torque at the crank (flywheel, drive, clutch and brake together)"]
     torque, motion = reactions.driving_torque, reactions.motion
     for name, at in (("largest", int(torque.argmax())), ("smallest", int(torque.argmin()))):
-        lines.append(f"  {name:26}{torque[at]:12.6g} N m    at {motion.crank_degrees[at]:8.3f} deg, {motion.time[at]:.6f} s")
+        lines.append(text.entry(name, f"{torque[at]:.6g}", "N m", f"at {motion.crank_degrees[at]:8.3f} deg, {motion.time[at]:.6f} s"))
     return lines
 
 
@@ -500,12 +501,12 @@ def _strokes(found: Sequence[MotorDuty], turns: int | None) -> list[str]:
         return ["", "Strokes: none, the crank does not get through a period"]
     heads = ["start [s]", "duration [s]", "mean [r/min]", "lowest [r/min]", "drive [J]", "loads [J]"]
     what = "turns of the crank" if turns in (None, 1) else f"each {turns} turns of the crank"
-    lines = ["", f"Strokes ({what}, from the start)", f"  {'':6}" + "".join(f"{head:>16}" for head in heads)]
+    rows = [["", *heads]]
     few = len(found) <= MOST_STROKES
     for k in range(len(found)) if few else [*range(FIRST_STROKES), len(found) - 1]:
         stroke = found[k]
         if not few and k == len(found) - 1:
-            lines.append(f"  {'...':>6}")
+            rows.append([f"{text.GAP:>6}"])
         values = (stroke.start, stroke.duration, stroke.mean_speed / RPM, stroke.lowest_speed / RPM, stroke.drive_work, stroke.load_work)
-        lines.append(f"  {k + 1:6d}" + "".join(f"{value:16.6g}" for value in values))
-    return lines
+        rows.append([f"{k + 1:6d}", *(f"{value:.6g}" for value in values)])
+    return ["", f"Strokes ({what}, from the start)", *text.table(rows, [6, 16])]

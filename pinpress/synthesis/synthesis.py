@@ -23,6 +23,7 @@ from typing import Any
 
 import numpy as np
 
+from ..common import text
 from ..common.arguments import any_numbers, suitable_numbers, typed
 from ..common.errors import AssemblyError, PinpressError, SingularityError, UnknownNameError, shown
 from ..common.frozen import FrozenMapping, read_only
@@ -288,16 +289,16 @@ def _text(found: SynthesisResult) -> str:
     """Objective, variables and constraints with their bounds, active bounds, and the residual of the conditions of the optimum."""
     rows = found.table()
     width = max(12, *(len(row.name) for row in rows)) + 2
-    heads = "".join(head.rjust(WIDE) for head in ("lower", "start", "found", "upper"))
     lines = [
         f"{found.press.name}: {found.evaluations} designs judged, {found.infeasible} that could not be assembled",
         "",
-        f"  {'objective':{width}}{'':{WIDE}}{found.start_value:{WIDE}.6g}{found.value:{WIDE}.6g}",
+        *text.table([["objective", "", f"{found.start_value:.6g}", f"{found.value:.6g}"]], [width, WIDE]),
     ]
     for kind in ("variable", "constraint"):
         some = [row for row in rows if row.kind == kind]
         if some:
-            lines += ["", f"{kind.capitalize() + 's':{width + 2}}{heads}", *(_line(row, width) for row in some)]
+            heads = [f"{kind.capitalize()}s", "lower", "start", "found", "upper"]
+            lines += ["", *text.table([heads], [width + 2, WIDE], indent=""), *text.table(map(_cells, some), [width, WIDE])]
     lines += ["", "Held by" if found.active else "Held by no bound"]
     lines += [
         f"  {bound.name}, {'value' if bound.side == 'equal' else f'{bound.side} bound'} {bound.bound:.6g}:"
@@ -306,9 +307,9 @@ def _text(found: SynthesisResult) -> str:
     ]
     if found.idle:
         lines += [f"Without influence: {', '.join(found.idle)}"]
-    return "\n".join([*lines, "", "Checks", f"  {'conditions of the optimum':{width + 14}}{found.kkt:.2g} of the objective"])
+    checks = text.table([["conditions of the optimum", f"{found.kkt:.2g} of the objective"]], [width + WIDE, 0])
+    return "\n".join([*lines, "", "Checks", *checks])
 
 
-def _line(row: BoundedQuantity, width: int) -> str:
-    numbers = "".join(("-" if value is None else f"{value:.6g}").rjust(WIDE) for value in (row.lower, row.start, row.value, row.upper))
-    return f"  {row.name:{width}}{numbers}"
+def _cells(row: BoundedQuantity) -> list[str]:
+    return [row.name, *("-" if value is None else f"{value:.6g}" for value in (row.lower, row.start, row.value, row.upper))]

@@ -208,7 +208,7 @@ def test_limits(monkeypatch: pytest.MonkeyPatch) -> None:
         (["--region", "crank:raduis=1"], ["no key 'raduis', did you mean 'radius'?"]),
         (["--region", "crank:radius"], ["radius is '', no number"]),
         (["--region", "crank:radius=0,3"], ["no key '3'"]),
-        (["--region", "crank:radius=nan"], ["--region crank:radius=nan: region on 'crank': radius is not finite"]),
+        (["--region", "crank:radius=nan"], ["--region crank:radius=nan: region on 'crank': radius is nan: give a length"]),
         (["--region", "crank:at=1/2"], ["at is '1/2', not x, y, z as 0.1/0/-0.2"]),
         (["--region", "crank:at=1/2/high"], ["at is '1/2/high', not x, y, z"]),
         (["--region", "crank:radius=1,radius=2"], ["radius is given twice"]),
