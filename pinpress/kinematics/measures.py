@@ -1,16 +1,16 @@
-"""Measures in which requirements on a press are stated, of its slide's motion and of the angles between its links (pressure angle and
-transmission angle): plain functions of the motion of one period at constant speed, as `cycle` gives it.
+"""Measures of the slide's motion and of the angles between links, in which requirements on a press are stated.
 
-The working stroke goes against the guide's axis, downwards in an upright press; with ``downwards=False`` the measure is that of the other
-stroke. Heights [m] are those above bottom dead centre, the outermost turning point against the axis. Between its states a motion is taken
-for the quintics through their positions, velocities and accelerations: the measures of the shipped presses are right to 1e-9 with 360
-points and to 1e-5 with 45; fewer than resolve the motion to 1e-5 are refused.
+They are functions of a motion over one period at constant speed, as `cycle` gives it. The working stroke goes against the guide's axis,
+downwards in an upright press; with ``downwards=False`` a measure is that of the other stroke. Heights [m] count from bottom dead centre,
+the outermost turning point against the axis. Between its states a motion is interpolated by quintics through positions, velocities and
+accelerations: the measures of the shipped presses have errors of 1e-9 with 360 points and of 1e-5 with 45. A motion with too few states to
+be resolved to 1e-5 is refused.
 
-All functions are analytic in the arrays of the motion: of complex ones the measure is complex, and derivatives by parameters are found by
-the complex-step method, the imaginary part of the measure for arrays of values + i h derivatives, h about 1e-30, divided by h.
+All functions are analytic in the arrays of the motion, so that the complex-step method gives derivatives by parameters: for arrays of
+values + i h derivatives, with h about 1e-30, the imaginary part of the measure divided by h is its derivative.
 
-All raise PinpressError for a motion that is no such period, has no slide or one that does not turn back, or has too few states; those of
-the working stroke for a slide that turns back more than twice in it too.
+All raise PinpressError for a motion that is not one period at constant speed, has no slide, has a slide that does not turn back, or has too
+few states. Those of the working stroke also raise it for a slide that turns back more than twice in the period.
 """
 
 from __future__ import annotations
@@ -30,20 +30,8 @@ from .motion import Motion, bearing_points, poses
 from .periodic_curve import CrankMotion, Curve, Numbers, curve, step_angle, step_time, zeros
 from .slide_path import SlideMotion, Stroke, slide_path, working_stroke
 
-__all__ = [
-    "SlideMotion",
-    "bearing_positions",
-    "dwell_angle",
-    "dwell_time",
-    "mechanical_advantage",
-    "pressure_angle",
-    "quick_return_ratio",
-    "speed_at",
-    "speed_ratio",
-    "speed_variation",
-    "stroke",
-    "transmission_angle",
-]
+FINER = 8  # places for each state at which an angle's cosine or squared sine is worked out
+UNRESOLVED = 1e-9  # too few states: amplitude above which a harmonic in the last quarter of those that n states carry is not rounding
 
 
 def stroke(motion: SlideMotion) -> float:
@@ -55,9 +43,9 @@ def stroke(motion: SlideMotion) -> float:
 
 @typed
 def quick_return_ratio(motion: SlideMotion, downwards: bool = True) -> float:
-    """Time of the working stroke beside that of the return stroke: more than 1 where the slide returns quickly.
+    """Time of the working stroke divided by that of the return stroke [-]: more than 1 where the slide returns quickly.
 
-    K = (pi + theta) / (pi - theta), the working stroke taking the crank angle pi + theta (Chen 2002).
+    It is K = (pi + theta) / (pi - theta) where the working stroke takes the crank angle pi + theta (Chen 2002).
     """
     way = working_stroke(motion, downwards)
     working = way.end - way.start
@@ -66,7 +54,7 @@ def quick_return_ratio(motion: SlideMotion, downwards: bool = True) -> float:
 
 @typed
 def speed_ratio(motion: SlideMotion, downwards: bool = True) -> float:
-    """Highest speed of the slide in the working stroke beside its mean, stroke by time (objective of Chen 2002)."""
+    """Highest speed of the slide in the working stroke divided by its mean speed there [-] (objective of Chen 2002)."""
     way = working_stroke(motion, downwards)
     speeds = way.speed(way.speed_extremes)
     return way.path.number(speeds[speeds.real.argmax()] * (way.end - way.start) / way.length)
@@ -74,24 +62,31 @@ def speed_ratio(motion: SlideMotion, downwards: bool = True) -> float:
 
 @typed
 def speed_variation(motion: SlideMotion, length: float, downwards: bool = True) -> float:
-    """Least drop of speed, 1 - lowest / highest, over any stretch of this length of the working stroke [-]; 0 is an even speed.
+    """Smallest variation of speed, 1 - lowest / highest, over any part of the working stroke that has this length [-]. 0 is an even speed.
 
     Args:
-        length: of the stretch, less than the stroke [m].
+        motion: one period at constant speed.
+        length: length of the part, less than the stroke [m].
+        downwards: whether the working stroke goes against the guide's axis.
 
     Raises:
-        PinpressError: a length that is not between 0 and the stroke.
+        PinpressError: a length that is not between 0 and the stroke; see the module for the rest.
     """
     way = working_stroke(motion, downwards)
-    return way.path.number(_least_drop(way, _within(way.length, "length", length)))
+    return way.path.number(_least_drop(way, _inside_stroke(way.length, "length", length)))
 
 
 @typed
 def speed_at(motion: SlideMotion, height: float, downwards: bool = True) -> float:
-    """Speed of the slide at a height above bottom dead centre [m], such as that at which the tool meets the work; positive [m/s].
+    """Speed of the slide at a height above bottom dead centre, such as that at which the tool meets the work; positive [m/s].
+
+    Args:
+        motion: one period at constant speed.
+        height: above bottom dead centre [m].
+        downwards: whether the working stroke goes against the guide's axis.
 
     Raises:
-        PinpressError: a height that is not between 0 and the stroke.
+        PinpressError: a height that is not between 0 and the stroke; see the module for the rest.
     """
     path, speed = _speed_by_state(motion, height, downwards)
     return path.number(speed / step_time(motion))
@@ -99,49 +94,124 @@ def speed_at(motion: SlideMotion, height: float, downwards: bool = True) -> floa
 
 @typed
 def mechanical_advantage(motion: SlideMotion, height: float, downwards: bool = True) -> float:
-    """Force on the slide for each N m on the crank at a height above bottom dead centre [m], without losses and inertia: crank speed by
-    slide speed, 1 / |ds/dtheta| [1/m] (virtual work). It grows without bounds towards the dead centres.
+    """Force on the slide for each N m on the crank at a height above bottom dead centre, without losses and inertia [1/m].
+
+    By virtual work it is crank speed divided by slide speed, 1 / |ds/dtheta|. It grows without bounds towards the dead centres.
+
+    Args:
+        motion: one period at constant speed.
+        height: above bottom dead centre [m].
+        downwards: whether the working stroke goes against the guide's axis.
 
     Raises:
-        PinpressError: a height that is not between 0 and the stroke.
+        PinpressError: a height that is not between 0 and the stroke; see the module for the rest.
     """
     path, speed = _speed_by_state(motion, height, downwards)
     return path.number(abs(step_angle(motion)) / speed)
 
 
 def dwell_angle(motion: SlideMotion, tolerance: float) -> float:
-    """Angle by which the crank turns while the slide stays within a tolerance [m] of bottom dead centre, at one stretch [rad].
+    """Angle by which the crank turns while the slide stays near bottom dead centre without a break [rad].
+
+    Args:
+        motion: one period at constant speed.
+        tolerance: height above bottom dead centre up to which the slide counts as near it [m].
 
     Raises:
-        PinpressError: a tolerance that is not between 0 and the stroke.
+        PinpressError: a tolerance that is not between 0 and the stroke; see the module for the rest.
     """
     path, states = _dwell(motion, tolerance)
     return path.number(states * abs(step_angle(motion)))
 
 
 def dwell_time(motion: SlideMotion, tolerance: float) -> float:
-    """The same as a time [s]. Raises as `dwell_angle`."""
+    """Time for which the slide stays near bottom dead centre without a break [s]. Arguments and errors as of `dwell_angle`."""
     path, states = _dwell(motion, tolerance)
     return path.number(states * step_time(motion))
 
 
+def pressure_angle(motion: CrankMotion, driven: Numbers, other: Numbers, axis: ArrayLike) -> float:
+    """Largest angle between a link, taken as the line through two of its pins, and the guide of what it drives, 0 to pi/2 [rad].
+
+    It is the angle between force and velocity if the link carries no load between its pins: sin(angle) = |axis x (driven - other)| /
+        length.
+    pi/2 means that the link is perpendicular to the guide at some crank angle. Chen 2002 asks for at most 40 degrees.
+
+    Args:
+        motion: one period at constant speed.
+        driven: (n, 3) positions of the pin on what the link drives [m], see `bearing_positions`.
+        other: (n, 3) positions of the link's other pin [m].
+        axis: (3,) direction of the guide, of any length.
+
+    Raises:
+        PinpressError: not one period at constant speed; arrays of other shapes or not finite; pins in one place; too few states.
+    """
+    link = _vector_between(motion, "driven", driven, "other", other)
+    way = suitable_numbers("axis", axis, "a direction (3,)", (3,), np.any)
+    way = way / np.abs(way).max()  # so that no square overflows, or is lost
+    way = way / np.linalg.norm(way)
+    along, across = link @ way, np.cross(link, way)
+    squared_sine = _trigonometric_curve("the pressure angle", _dot(across, across) / _dot(link, link), driven, other)
+    largest = squared_sine.extremes()[1]
+    turned_away = along.real.min() <= 0.0 <= along.real.max()
+    return squared_sine.number(0.5 * np.pi if turned_away or largest.real >= 1.0 else np.arcsin(np.sqrt(largest)))
+
+
+def transmission_angle(motion: CrankMotion, pin: Numbers, one: Numbers, another: Numbers) -> float:
+    """Smallest acute angle between the lines of two links at the pin that joins them, 0 to pi/2 [rad].
+
+    |cos(angle)| = |(one - pin) . (another - pin)| / lengths. 0 means that the links come into line at some crank angle.
+
+    Args:
+        motion: one period at constant speed.
+        pin: (n, 3) positions of the pin that joins the links [m], see `bearing_positions`.
+        one: (n, 3) positions of the first link's other pin [m].
+        another: (n, 3) positions of the second link's other pin [m].
+
+    Raises:
+        PinpressError: not one period at constant speed; arrays of other shapes or not finite; pins in one place; too few states.
+    """
+    first, second = _vector_between(motion, "one", one, "pin", pin), _vector_between(motion, "another", another, "pin", pin)
+    cosine = _trigonometric_curve(
+        "the transmission angle", _dot(first, second) / np.sqrt(_dot(first, first) * _dot(second, second)), pin, one, another
+    )
+    least, most = cosine.extremes()
+    sharpest = most if most.real > -least.real else -least
+    across = np.cross(first, second).real
+    in_line = np.any(np.sum(across * np.roll(across, -1, axis=0), axis=1) <= 0)  # they pass each other from one state to the next
+    return cosine.number(0.0 if in_line or sharpest.real >= 1.0 else np.arccos(sharpest))
+
+
+@typed
+def bearing_positions(press: Linkage, motion: Motion) -> Mapping[str, Array]:
+    """World positions (n, 3) of all bearings by their names, where their forces act [m]: the origin of the child's joint frame, or a loop's
+    point.
+
+    Raises:
+        PinpressError: a motion of a linkage with other joints.
+    """
+    if motion.joints != press.joints:
+        raise PinpressError(f"the motion is of {motion.linkage} with other joints than {press.name}: make it with cycle(press, ...)")
+    return NamedArrays(press.bearings, bearing_points(press, poses(press, motion.joint_position)))
+
+
 def _speed_by_state(motion: SlideMotion, height: float, downwards: bool) -> tuple[Curve, complex]:
-    """The slide's path, and its speed at a height, in metres from state to state."""
+    """The slide's path, and its speed at a height [m for each step from state to state]."""
     way = working_stroke(motion, downwards)
-    above = _within(way.length, "height", height)
+    above = _inside_stroke(way.length, "height", height)
     place = way.place_at(np.array([way.length - above if downwards else above + 0j]))
     return way.path, complex(way.speed(place)[0])
 
 
 def _dwell(motion: SlideMotion, tolerance: float) -> tuple[Curve, complex]:
-    """The slide's path, and how many states long it stays within the tolerance."""
+    """The slide's path, and for how many steps from state to state it stays within the tolerance of bottom dead centre."""
     path = slide_path(motion)
     least, most = path.extremes()
-    level = least + _within(most - least, "tolerance", tolerance)
+    level = least + _inside_stroke(most - least, "tolerance", tolerance)
     turning = path.turning_places().real
     bottom = float(turning[path.at(turning)[0].real.argmin()])
     after = bottom + path.states
-    # From bottom to bottom; between two of these the slide goes one way.
+    # From bottom dead centre to the next; between two of these places the slide does not turn back.
     places = np.unique(np.concatenate([[bottom, after], turning + path.states * (turning < bottom), np.arange(np.ceil(bottom), after)]))
     outside = np.flatnonzero(path.at(places)[0].real > level.real)
     if not len(outside):
@@ -156,38 +226,44 @@ def _dwell(motion: SlideMotion, tolerance: float) -> tuple[Curve, complex]:
     return path, complex(until - since) + path.states
 
 
-def _within(stroke: complex, name: str, value: object) -> float:
-    """A distance that is more than nothing and less than the stroke [m]."""
+def _inside_stroke(stroke: complex, name: str, value: object) -> float:
+    """A checked distance, more than 0 and less than the stroke [m]."""
     wanted = f"a distance between 0 and the stroke of {stroke.real:.6g} m"
     return float(suitable_numbers(name, value, wanted, suits=lambda distance: 0.0 < distance < stroke.real))
 
 
-def _least_drop(stroke: Stroke, length: float) -> complex:
-    """Least drop of speed, beside its largest, in a window of a length between nothing and the stroke [m].
+# -------------------------------------------------------------------------------------------------- the window with the least drop of speed
 
-    A window of this length is moved along the stroke. The speed drops in it from its largest to its least value, each of which is at an
-    end of the window or at an extreme of the speed in it. Where the drop is least, either the largest or the least value passes from one
-    of these to another, or both are at the ends and the drop is stationary: these windows are few, and all are tried.
+
+def _least_drop(stroke: Stroke, length: float) -> complex:
+    """Smallest drop of speed, as a share of the largest speed, in a window of this length on the stroke.
+
+    A window of this length is moved along the stroke. The largest and the least speed in it are each at an end of the window or at an
+    extreme of the speed. Where the drop is smallest, either one of them passes from one of these places to another, or both are at the ends
+    and the drop is stationary. There are only few such windows, and all of them are tried.
 
     Raises:
-        PinpressError: The window cannot be found, as states are too far apart.
+        PinpressError: the stroke has no such window, but for rounding.
     """
     last = float(stroke.place_at(np.array([stroke.length - length]))[0].real)
     grid = np.append(stroke.nodes[stroke.nodes < last], last)
     with np.errstate(all="ignore"):  # at the dead centres, where the speed is zero, ratios are not finite
-        starts = np.concatenate([_equal_ends(stroke, length, grid), _stationary(stroke, length, grid), _levels(stroke, length)])
+        starts = np.concatenate(
+            [_equal_speeds_at_ends(stroke, length, grid), _stationary_ratio(stroke, length, grid), _extreme_at_one_end(stroke, length)]
+        )
     starts = starts[(starts.real > grid[0]) & (starts.real < last)]
     if not len(starts):
         raise PinpressError(f"no window of {length:g} m is inside the stroke but for rounding: give a shorter length")
-    drops = _drops(stroke, length, starts)
+    drops = _drops_from(stroke, length, starts)
     return complex(drops[drops.real.argmin()])
 
 
 def _end_of_window(stroke: Stroke, length: float, start: Numbers) -> ComplexArray:
+    """Places of the ends of windows with these starts (m,)."""
     return stroke.place_at(stroke.travel(start) + length)
 
 
-def _equal_ends(stroke: Stroke, length: float, grid: Array) -> ComplexArray:
+def _equal_speeds_at_ends(stroke: Stroke, length: float, grid: Array) -> ComplexArray:
     """Starts of the windows with equal speeds at both ends."""
 
     def difference(start: Numbers) -> tuple[ComplexArray, ComplexArray]:
@@ -197,12 +273,12 @@ def _equal_ends(stroke: Stroke, length: float, grid: Array) -> ComplexArray:
     return zeros(difference, *_sign_changes(difference(grid)[0].real, grid))
 
 
-def _stationary(stroke: Stroke, length: float, grid: Array) -> ComplexArray:
+def _stationary_ratio(stroke: Stroke, length: float, grid: Array) -> ComplexArray:
     """Starts of the windows whose ratio of the speeds at both ends is stationary."""
     inner = grid[1:-1]  # at the stroke's ends the speed is zero
 
     def growth(place: Numbers) -> tuple[ComplexArray, ComplexArray, ComplexArray]:
-        """Of the speed's logarithm with travel; its derivative by the place; the speed."""
+        """Growth of the speed's logarithm with travel, its derivative by the place, and the speed."""
         _, v, a, jerk = stroke.path.at(place)
         return a / v**2, jerk / v**2 - 2 * a**2 / v**3, v
 
@@ -214,8 +290,8 @@ def _stationary(stroke: Stroke, length: float, grid: Array) -> ComplexArray:
     return zeros(difference, *_sign_changes(difference(inner)[0].real, inner))
 
 
-def _levels(stroke: Stroke, length: float) -> ComplexArray:
-    """Starts of the windows that have at one end the speed of one of its extremes."""
+def _extreme_at_one_end(stroke: Stroke, length: float) -> ComplexArray:
+    """Starts of the windows at one of whose ends the speed equals one of its extremes on the stroke."""
     found = [np.empty(0, complex)]
     extremes, nodes = stroke.speed_extremes, stroke.nodes
     speeds = stroke.speed(nodes).real
@@ -225,8 +301,8 @@ def _levels(stroke: Stroke, length: float) -> ComplexArray:
             return stroke.speed(at) - level, stroke.path.at(at)[2]
 
         low, high = _sign_changes(speeds - level.real, nodes)
-        beside = (low == place.real) | (high == place.real)  # where the speed touches its extreme
-        ends = zeros(above, low[~beside], high[~beside])
+        touching = (low == place.real) | (high == place.real)  # at the extreme itself
+        ends = zeros(above, low[~touching], high[~touching])
         travel = stroke.travel(ends)
         found += [ends[(travel + length).real < stroke.length.real]]
         found += [stroke.place_at(travel[travel.real > length] - length)]
@@ -234,14 +310,14 @@ def _levels(stroke: Stroke, length: float) -> ComplexArray:
 
 
 def _sign_changes(values: Array, places: Array) -> tuple[Array, Array]:
-    """Stretches between neighbouring places in which a quantity (m,) changes sign."""
+    """Lower and upper ends of the intervals between neighbouring places (m,) in which a quantity (m,) changes sign."""
     negative = np.signbit(values)
     before = np.flatnonzero(negative[1:] != negative[:-1])
     return places[before], places[before + 1]
 
 
-def _drops(stroke: Stroke, length: float, starts: ComplexArray) -> ComplexArray:
-    """Drop of speed (m,) in windows with these starts."""
+def _drops_from(stroke: Stroke, length: float, starts: ComplexArray) -> ComplexArray:
+    """Drop of speed (m,) in the windows with these starts (m,)."""
     ends = _end_of_window(stroke, length, starts)
     peaks, peak_speeds = stroke.speed_extremes.real, stroke.speed(stroke.speed_extremes)
     drops = []
@@ -251,70 +327,11 @@ def _drops(stroke: Stroke, length: float, starts: ComplexArray) -> ComplexArray:
     return np.array(drops)
 
 
-FINER = 8  # times as many places as states that an angle's cosine or squared sine is worked out at
-UNRESOLVED = 1e-9  # amplitude of one of the last quarter of the harmonics that n states carry, above which these are too few
+# --------------------------------------------------------------------------------------------------------------------- angles between links
 
 
-@typed
-def bearing_positions(press: Linkage, motion: Motion) -> Mapping[str, Array]:
-    """World positions (n, 3) of all bearings [m], where their forces act: the origin of the child's joint frame, of a loop its point.
-
-    Raises:
-        PinpressError: a motion of a linkage with other joints. UnknownNameError: a bearing that is not there.
-    """
-    if motion.joints != press.joints:
-        raise PinpressError(f"the motion is of {motion.linkage} with other joints than {press.name}: make it with cycle(press, ...)")
-    return NamedArrays(press.bearings, bearing_points(press, poses(press, motion.joint_position)))
-
-
-def pressure_angle(motion: CrankMotion, driven: Numbers, other: Numbers, axis: ArrayLike) -> float:
-    """Largest angle between a link, the line of two of its pins, and the way of what it drives, 0 to pi/2 [rad].
-
-    It is the angle between force and velocity where the link bears no load across: sin(angle) = |axis x (driven - other)| / length. pi/2
-    means that the link stands square to the way at some crank angle. Chen 2002 asks for at most 40 degrees.
-
-    Args:
-        motion: one period at constant speed. driven, other: (n, 3) positions of the two pins [m], see `bearing_positions`.
-        axis: (3,) of the guide; of any length.
-
-    Raises:
-        PinpressError: not such a period, arrays of other shapes or not finite, pins in one place, or states too far apart.
-    """
-    link = _line(motion, "driven", driven, "other", other)
-    way = suitable_numbers("axis", axis, "a direction (3,)", (3,), np.any)
-    way = way / np.abs(way).max()  # so that no square overflows, or is lost
-    way = way / np.linalg.norm(way)
-    along, across = link @ way, np.cross(link, way)
-    squared_sine = _smooth("the pressure angle", _dot(across, across) / _dot(link, link), driven, other)
-    largest = squared_sine.extremes()[1]
-    turned_away = along.real.min() <= 0.0 <= along.real.max()
-    return squared_sine.number(0.5 * np.pi if turned_away or largest.real >= 1.0 else np.arcsin(np.sqrt(largest)))
-
-
-def transmission_angle(motion: CrankMotion, pin: Numbers, one: Numbers, another: Numbers) -> float:
-    """Smallest angle between the lines of two links at the pin that joins them, 0 to pi/2 [rad].
-
-    cos(angle) = (one - pin) . (another - pin) / lengths, of an obtuse angle the one that makes it a straight angle. 0 means that the links
-    come into line at some crank angle.
-
-    Args:
-        motion: one period at constant speed. pin, one, another: (n, 3) positions of the pin and of the links' other pins [m], see
-            `bearing_positions`.
-
-    Raises:
-        PinpressError: not such a period, arrays of other shapes or not finite, pins in one place, or states too far apart.
-    """
-    first, second = _line(motion, "one", one, "pin", pin), _line(motion, "another", another, "pin", pin)
-    cosine = _smooth("the transmission angle", _dot(first, second) / np.sqrt(_dot(first, first) * _dot(second, second)), pin, one, another)
-    least, most = cosine.extremes()
-    sharpest = most if most.real > -least.real else -least
-    across = np.cross(first, second).real
-    in_line = np.any(np.sum(across * np.roll(across, -1, axis=0), axis=1) <= 0)  # they pass each other from one state to the next
-    return cosine.number(0.0 if in_line or sharpest.real >= 1.0 else np.arccos(sharpest))
-
-
-def _line(motion: CrankMotion, name: str, to: Numbers, beginning_name: str, beginning: Numbers) -> ComplexArray:
-    """Vectors (n, 3) from one pin to another."""
+def _vector_between(motion: CrankMotion, name: str, to: Numbers, beginning_name: str, beginning: Numbers) -> ComplexArray:
+    """Checked vectors (n, 3) from one pin (``beginning``) to another (``to``), whose names are for messages."""
     step_angle(motion)  # refuses what is no full period
     states = len(motion.crank_angle)
     for what, positions in ((name, to), (beginning_name, beginning)):
@@ -329,12 +346,21 @@ def _line(motion: CrankMotion, name: str, to: Numbers, beginning_name: str, begi
 
 
 def _dot(one: ComplexArray, another: ComplexArray) -> ComplexArray:
-    """Products (n,) without conjugation, which would not be analytic."""
+    """Scalar products (n,) of vectors (n, 3), without conjugation, which would not be analytic."""
     return np.asarray((one * another).sum(axis=1))
 
 
-def _smooth(what: str, values: ComplexArray, *given: Numbers) -> Curve:
-    """A quantity (n,) of about one over the period: its trigonometric polynomial at more places, with derivatives."""
+def _trigonometric_curve(what: str, values: ComplexArray, *given: Numbers) -> Curve:
+    """A quantity (n,) of size about one over the period as a curve, by way of its trigonometric polynomial at more places.
+
+    Args:
+        what: the quantity, for messages.
+        values: (n,) at the states.
+        given: positions that it was worked out from; the measure is real where all of them are.
+
+    Raises:
+        PinpressError: too few states.
+    """
     n = len(values)
     orders = np.arange(n // 2 + 1)
     harmonics = np.fft.rfft(values.real), np.fft.rfft(values.imag)  # apart: one transform would round the one into the other

@@ -1,6 +1,4 @@
-"""The motion of a linkage: every configuration closed, with exact rates, from the motion of its driver; and where its bodies, bearings and
-points are over the states.
-"""
+"""The motion of a linkage, closed in every state and with exact rates, from the motion of its drivers; and the poses of its bodies."""
 
 from __future__ import annotations
 
@@ -25,34 +23,33 @@ from ..engines.joints import Slot, configuration
 from ..linkage.configurations import closed, followed_from, refuse_far
 from ..linkage.linkage import Linkage
 
-"""One revolution per minute [rad/s]."""
-
-POINTS = 360  # of a turn
+POINTS = 360  # states of a turn, by default
 MOST_POINTS = 10**7  # states of one period: half a gigabyte for every quantity of a six-bar press
-KEPT = 1e6  # roundings of time that a step must have, for its length to be known
+FEWEST_ROUNDINGS = 1e6  # of time that a time step must be long, so that its length is known
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Motion(Tabular):
-    """States of a linkage, n of them, closed. All arrays are read-only.
+    """Closed states of a linkage, n of them. All arrays are read-only.
 
     Attributes:
         linkage: Name of the linkage.
         drivers: Names of its driver joints.
         joints: Names of all joints, in the order of ``v``.
-        crank_angle: (n,) angle of the driver joint, unwrapped [rad]; (n, drivers) where there are several, as of speed and acceleration.
+        crank_angle: (n,) angle of the driver joint, unwrapped [rad]. Angle, speed and acceleration are (n, drivers) for several drivers.
         crank_speed: (n,) speed of the driver joint [rad/s].
         crank_acceleration: (n,) acceleration of the driver joint [rad/s2].
         joint_position: (n, nv) joint coordinates, zero in the drawn pose, angles unwrapped [rad or m].
         v: (n, nv) joint rates in Pinocchio's order [rad/s or m/s].
         a: (n, nv) joint accelerations in Pinocchio's order [rad/s2 or m/s2].
-        q: (n, nq) configurations, as Pinocchio has them.
+        q: (n, nq) Pinocchio's configurations.
         closure_error: (n,) largest distance between the two sides of a loop [m].
-        time: (n,) [s]. See `servo_cycle` for states that are not in time.
-        slide_position: (n,) of the slide link's origin along its guide's axis in world coordinates, positive along the axis (upwards) [m].
-        slide_velocity: (n,) along the same axis [m/s].
-        slide_acceleration: (n,) along the same axis [m/s2].
-        period_turns: Turns of the crank in a period, as of `Linkage`; None where the linkage has no period, or several drivers.
+        time: (n,) time of the states [s]. Reading it raises PinpressError for states that have no time, see `servo_cycle`.
+        slide_position: (n,) position of the slide link's origin along its guide's axis in world coordinates, positive along the axis
+            (upwards) [m]. Reading it, or velocity or acceleration, raises PinpressError where the linkage has no slide.
+        slide_velocity: (n,) velocity of the slide along this axis [m/s].
+        slide_acceleration: (n,) acceleration of the slide along this axis [m/s2].
+        period_turns: Turns of the crank in a period, see `Linkage.period_turns`; None where the linkage has no period, or several drivers.
     """
 
     linkage: str
@@ -79,7 +76,7 @@ class Motion(Tabular):
         return f"Motion of {self.linkage}: {len(self.crank_angle)} states, crank at {low} to {high} deg{slide}"
 
     def states(self, press: Linkage) -> ClosedStates:
-        """The states as an engine takes them, with what it knows of them where it closed them for this same linkage."""
+        """The states as an engine takes them. The basis is included where the planar engine closed them for this very linkage."""
         basis = self._closed_as[1] if self._closed_as is not None and self._closed_as[0] is press else None
         return ClosedStates(self.joint_position.T, self.v.T, self.a.T, basis)
 
@@ -100,8 +97,8 @@ class Motion(Tabular):
 
     @property
     def crank_degrees(self) -> Array:
-        """(n,) crank angle within one period, of several drivers that of the first [deg]: 0 to 360, or to as many turns as the period has;
-        unwrapped where there is none."""
+        """(n,) crank angle within one period, from 0 to 360 deg times its turns; unwrapped where there is no period [deg]. For several
+        drivers it is the angle of the first."""
         degrees = np.degrees(self.crank_angle.reshape(len(self.crank_angle), -1)[:, 0])
         return degrees if self.period_turns is None else np.asarray(degrees % (360.0 * self.period_turns))
 
@@ -114,7 +111,7 @@ class Motion(Tabular):
         return self.a[:, self._slide()[0]]
 
     def columns(self) -> dict[str, Array]:
-        """Time, crank and slide as (n,) columns under their names with units, and the closure error."""
+        """Time, crank, slide and closure error as (n,) columns under their names with units."""
         columns = {} if self._time is None else {"time [s]": self._time}
         for name, unit, values in (
             ("crank_angle", "rad", self.crank_angle),
@@ -131,10 +128,15 @@ class Motion(Tabular):
         return columns | {"closure_error [m]": self.closure_error}
 
     def to_mat(self, path: str | os.PathLike[str]) -> None:
-        """Write a MATLAB file with one vector a column (names without units) and the matrices q, v, a."""
+        """Write a MATLAB file with one vector for each column, named without its unit, and the matrices q, v, a.
+
+        Raises:
+            PinpressError: a number is not finite, or the file cannot be written.
+        """
         tables.write_mat(path, self.columns() | {"q": self.q, "v": self.v, "a": self.a})
 
     def _slide(self) -> tuple[int, float]:
+        """Index in v of the slide's guide, and the slide's position in the drawn pose [m]."""
         if self._guide is None:
             raise PinpressError(f"{self.linkage} has no slide: name a link that the frame guides, load(..., slide=...)")
         return self._guide
@@ -144,18 +146,19 @@ class Motion(Tabular):
 def cycle(press: Linkage, speed: float | None = None, *, points: int | None = None, engine: str = "auto") -> Motion:
     """Move a press through one period at constant speed.
 
-    The period is one turn of the crank. Only where gear ratios bring the linkage back later is it several turns, see
-    `Linkage.period_turns`: so peaks and extremes over it are those of all turns. It begins at crank angle 0 and goes on in equal steps,
-    the end left out.
+    The period is one turn of the crank, or several turns where gear ratios bring the linkage back only then (`Linkage.period_turns`), so
+    that extremes over it are those of all turns. It begins at crank angle 0 and goes on in equal steps; the end, which is the beginning of
+    the next period, is left out.
 
     Args:
         press: The press, with one driver.
-        speed: Speed of the driver joint [rad/s], which must be given; backwards where it is negative.
-        points: States in all; by default 360 a turn.
-        engine: "plane" (all crank angles at once), "pinocchio" (any linkage), or "auto": the plane where the linkage is planar.
+        speed: Speed of the driver joint [rad/s]; negative to turn backwards. It must be given.
+        points: Number of states; by default 360 for each turn.
+        engine: "plane" (all crank angles at once), "pinocchio" (any linkage), or "auto": "plane" where the linkage is planar.
 
     Raises:
-        PinpressError: There is no speed or it is 0, fewer than two points, several drivers, or a linkage that is not back after many turns.
+        PinpressError: There is no speed, or it is 0; fewer than two points; several drivers; the linkage is not back after many turns; the
+            motion is too fast for floating point; an unknown or unsuitable engine.
         SingularityError: The linkage locks within the period.
         AssemblyError: The loops do not close.
 
@@ -182,26 +185,27 @@ def servo_cycle(
 ) -> Motion:
     """Move a press as a servo drive prescribes it, state by state.
 
-    A linkage with several drivers takes (n, drivers) of angle, speed and acceleration, in the order of `Linkage.drivers`. There the
+    A linkage with several drivers takes arrays (n, drivers) of angle, speed and acceleration, in the order of `Linkage.drivers`. Its
     assembly is followed from the drawn pose to the first state and from state to state, on straight lines between the drivers' positions.
 
     Args:
         press: The press.
-        angle: (n,) of the driver joint, any angles up to 1e7 rad in any order [rad].
-        speed: (n,) of the driver joint, or one number [rad/s]; it must be given.
-        acceleration: (n,) of the driver joint, or one number [rad/s2]; 0 where it is not given.
-        time: (n,), rising [s]. By default it is found from angle and speed by the trapezoidal rule; states in which these do not fit
-            together have no time, and `Motion.time` says so.
-        engine: "plane" (all crank angles at once), "pinocchio" (any linkage), or "auto": the plane where the linkage is planar.
+        angle: (n,) angles of the driver joint in any order, up to 1e7 rad [rad].
+        speed: (n,) speeds of the driver joint, or one number [rad/s]. They must be given.
+        acceleration: (n,) accelerations of the driver joint, or one number [rad/s2]; 0 where they are not given.
+        time: (n,) rising times [s]. By default they are found from angle and speed by the trapezoidal rule; states in which angle and speed
+            do not fit together have no time.
+        engine: "plane" (all crank angles at once), "pinocchio" (any linkage), or "auto": "plane" where the linkage is planar.
 
     Raises:
-        PinpressError: There is no speed, a number is not finite, arrays differ in length, or time does not rise.
+        PinpressError: There is no speed; a number is not finite, or an angle too large; arrays differ in length; time does not rise, or its
+            steps are lost in rounding; the motion is too fast for floating point; an unknown or unsuitable engine.
         SingularityError: The linkage locks within the motion.
         AssemblyError: The loops do not close.
 
     Warns:
-        PinpressWarning: What is hardly meant: a speed that varies without an acceleration, angle, speed and acceleration that are not each
-            other's derivatives over the ``time`` given, speeds above 1000 rad/s.
+        PinpressWarning: The speed varies, but there is no acceleration; angle, speed and acceleration are not each other's derivatives over
+            the ``time`` given; a speed is above 1000 rad/s.
     """
     press.engine(engine)  # refuses an engine that does not suit before anything is computed
     if speed is None:
@@ -220,16 +224,56 @@ def servo_cycle(
 def motion_through_change_points(
     press: Linkage, angle: Array, speed: Array | float, acceleration: Array | float = 0.0, time: Array | None = None
 ) -> Motion:
-    """As `cycle` of a linkage with one driver and states (n,), but through change points, where momentum decides: see
-    `Linkage.branch_through_change_points`."""
+    """A motion of a linkage with one driver through states (n,), as of `servo_cycle`, but also through change points, where momentum
+    carries the linkage on: see `Linkage.branch_through_change_points`."""
     angles, speeds, accelerations, times = _servo(angle, speed, acceleration, time, 1)
     return _states(press, press.branch_through_change_points, angles, speeds, accelerations, times, "auto")
+
+
+def of_states(
+    press: Linkage, position: Array, v: Array, a: Array, gap: Array, times: Array | None, period_turns: int | None = None
+) -> Motion:
+    """The motion with these closed states.
+
+    Args:
+        press: the linkage.
+        position: (nv, n) joint coordinates [rad or m].
+        v: (nv, n) joint rates [rad/s or m/s].
+        a: (nv, n) joint accelerations [rad/s2 or m/s2].
+        gap: (n,) largest gaps of a loop [m].
+        times: (n,) [s], None where the states have no time.
+        period_turns: turns of the crank in a period, None for none.
+    """
+    drivers = press.driver_indices[0] if len(press.drivers) == 1 else list(press.driver_indices)
+    return Motion(
+        linkage=press.name,
+        drivers=press.drivers,
+        joints=press.joints,
+        crank_angle=position.T[:, drivers].copy(),
+        crank_speed=v.T[:, drivers].copy(),
+        crank_acceleration=a.T[:, drivers].copy(),
+        joint_position=position.T,
+        v=v.T,
+        a=a.T,
+        closure_error=gap,
+        _time=times,
+        _slots=press.slots,
+        _guide=None if press.slide is None else press.slide_guide,
+        period_turns=period_turns,
+    )
+
+
+def as_prescribed(motion: Motion, press: Linkage) -> Motion:
+    """The states of a motion as those of another linkage that moves alike. From a simulated run, which belongs to its press, only the
+    motion is taken."""
+    kept = {each.name: getattr(motion, each.name) for each in fields(Motion) if each.init}
+    return Motion(**(kept | {"linkage": press.name, "period_turns": press.turns_until_back}))
 
 
 def _states(
     press: Linkage, branch: Branch | None, angles: Array, speeds: Array, accelerations: Array, times: Array | None, engine: str
 ) -> Motion:
-    """The motion with these driver angles, speeds and accelerations (n,), (n, drivers) where there is no one branch."""
+    """The motion with these driver angles, speeds and accelerations: (n,) along a ``branch``, (n, drivers) where there is none."""
     closure = None if branch is None else closed(press.engine(engine), press.spatial_model, branch, angles, press.name)
     with np.errstate(all="ignore"):  # what overflows is refused below
         if closure is None:
@@ -248,37 +292,8 @@ def _states(
     return motion
 
 
-def as_prescribed(motion: Motion, press: Linkage) -> Motion:
-    """The same states, prescribed to a linkage that moves alike. A run belongs to the press that was simulated: of it, the motion alone."""
-    kept = {each.name: getattr(motion, each.name) for each in fields(Motion) if each.init}
-    return Motion(**(kept | {"linkage": press.name, "period_turns": press.turns_until_back}))
-
-
-def of_states(
-    press: Linkage, position: Array, v: Array, a: Array, gap: Array, times: Array | None, period_turns: int | None = None
-) -> Motion:
-    """The motion with these closed states: joint coordinates, rates and accelerations (nv, n), gaps (n,) and times (n,)."""
-    drivers = press.driver_indices[0] if len(press.drivers) == 1 else list(press.driver_indices)
-    return Motion(
-        linkage=press.name,
-        drivers=press.drivers,
-        joints=press.joints,
-        crank_angle=read_only(position.T[:, drivers].copy()),
-        crank_speed=read_only(v.T[:, drivers].copy()),
-        crank_acceleration=read_only(a.T[:, drivers].copy()),
-        joint_position=read_only(position.T),
-        v=read_only(v.T),
-        a=read_only(a.T),
-        closure_error=read_only(gap),
-        _time=None if times is None else read_only(times),
-        _slots=press.slots,
-        _guide=None if press.slide is None else press.slide_guide,
-        period_turns=period_turns,
-    )
-
-
 def _rates(closure: Closure, speed: Array | np.float64, acceleration: Array | None) -> tuple[Array, Array]:
-    """Joint rates and accelerations (nv, n) from those of the driver, (n,) or one number; acceleration None for none."""
+    """Joint rates and accelerations (nv, n) from those of the driver, (n,) or one number; without acceleration None."""
     a = closure.second * (speed * speed)
     if acceleration is not None:
         a += closure.first * acceleration
@@ -286,6 +301,7 @@ def _rates(closure: Closure, speed: Array | np.float64, acceleration: Array | No
 
 
 def _period(press: Linkage, branch: Branch, speed: ArrayLike, points: int | None) -> tuple[Array, Array, Array, Array]:
+    """Angles, speeds, accelerations and times (n,) of `cycle`."""
     given = numbers("speed", speed)
     if given.ndim:
         raise PinpressError("speed is an array, but a turn at constant speed takes one number: write servo_cycle for a servo motion")
@@ -304,6 +320,7 @@ def _period(press: Linkage, branch: Branch, speed: ArrayLike, points: int | None
 def _servo(
     angle: ArrayLike, speed: ArrayLike, acceleration: ArrayLike, time: ArrayLike | None, drivers: int
 ) -> tuple[Array, Array, Array, Array | None]:
+    """Checked angles, speeds and accelerations (n,) or (n, drivers), and times (n,), of `servo_cycle`."""
     given = {"angle": angle, "speed": speed, "acceleration": acceleration} | ({} if time is None else {"time": time})
     arrays = {name: numbers(name, values) for name, values in given.items()}
     angles = arrays["angle"]
@@ -322,19 +339,22 @@ def _servo(
     steps = np.diff(arrays["time"])
     if np.any(steps <= 0):
         raise PinpressError("time does not rise throughout")
-    if len(steps) and steps.min() < KEPT * np.spacing(np.abs(arrays["time"]).max()):
+    if len(steps) and steps.min() < FEWEST_ROUNDINGS * np.spacing(np.abs(arrays["time"]).max()):
         latest = np.abs(arrays["time"]).max()
         raise PinpressError(f"time is up to {latest:g} s, where its steps are lost in rounding: count it from where the motion begins")
     return angles, speeds, accelerations, arrays["time"]
 
 
 def _times(angles: Array, speeds: Array) -> Array | None:
-    """Time (n,) from 0 by the trapezoidal rule, None where angles and speeds do not belong together."""
+    """Times (n,) from 0 on by the trapezoidal rule, None where angles and speeds do not fit together."""
     with np.errstate(all="ignore"):
         steps = 2 * np.diff(angles) / (speeds[1:] + speeds[:-1])
     if not np.all(np.isfinite(steps) & (steps > 0)):
         return None
     return np.concatenate([[0.0], np.cumsum(steps)])
+
+
+# ---------------------------------------------------------------------------------------------------------------------- poses of the bodies
 
 
 @dataclass(frozen=True, eq=False)
@@ -371,8 +391,8 @@ def poses(press: Linkage, joint_position: Array) -> Poses:
 
 
 def bearing_points(press: Linkage, at: Poses) -> Array:
-    """(bearings, n, 3) where the bearings' forces act, in the order of `Linkage.bearings`, world axes [m]: the origin of the child's
-    joint frame, of a loop its point."""
+    """(bearings, n, 3) points where the bearing forces act, in the order of `Linkage.bearings`, world axes [m]: origins of the joint
+    frames, then points of the loops."""
     joints = [at.position[j] for j in range(1, press.model.njoints)]
     return np.array([*joints, *(at.points(loop.joint1, loop.point1) for loop in press.loops)])
 
@@ -386,11 +406,12 @@ def point_motion(press: Linkage, motion: Motion, joint: int, point: Array) -> tu
 
 
 def loaded_bodies(press: Linkage) -> tuple[int, ...]:
-    """The Pinocchio joints of the bodies on which the bearings' forces act: child, link2 of a loop."""
+    """The Pinocchio joints on whose bodies the bearing forces act, in the order of `Linkage.bearings`: the child of a joint, link2 of a
+    loop."""
     return (*range(1, press.model.njoints), *(loop.joint2 for loop in press.loops))
 
 
 def _turned(axis: Array, angle: Array) -> Array:
     """(n, 3, 3) rotations by angles (n,) about an axis, by Rodrigues' formula."""
-    across = pin.skew(axis)
-    return np.asarray(np.eye(3) + np.multiply.outer(np.sin(angle), across) + np.multiply.outer(1.0 - np.cos(angle), across @ across))
+    skew = pin.skew(axis)
+    return np.asarray(np.eye(3) + np.multiply.outer(np.sin(angle), skew) + np.multiply.outer(1.0 - np.cos(angle), skew @ skew))

@@ -1,11 +1,11 @@
-"""A quantity over one period at constant speed of the crank, between the states as smooth as they let it be.
+"""A quantity over one period at constant crank speed, interpolated between the states.
 
-A *place* is a number of states since the first one, a fraction included: the period of n states goes from place 0 to n and begins again
-there. From state to state the quantity is the quintic with its value, slope and curvature at both: it misses a smooth motion by the sixth
-power of the step.
+A *place* counts states from the first one and may have a fraction: the period of n states goes from place 0 to n, where it begins again.
+Between two states the quantity is the quintic that has its value, slope and curvature at both. Its error falls with the sixth power of the
+step.
 
-Everything is analytic in the quantity, so that derivatives by the complex-step method pass through: numbers may have imaginary parts, the
-tiny changes with a parameter, while all decisions are made on real parts.
+Everything is analytic in the quantity, so that derivatives can be found by the complex-step method: numbers may have tiny imaginary parts,
+their changes with a parameter, and all decisions are made on real parts.
 """
 
 import cmath
@@ -20,8 +20,8 @@ from ..common.errors import PinpressError
 from ..common.numerics import ValueAndSlope, bracketed_roots
 from ..common.quantities import Array, ComplexArray
 
-MISSED = 1e-5  # of the quantity's range: what the end-corrected trapezoidal rule may miss the next state by; measures err by less
-UNEQUAL = 1e-9  # difference of steps of the crank angle [rad], or of crank speeds beside them, that is none
+MISSED = 1e-5  # accepted error of the end-corrected trapezoidal rule from state to state [share of the quantity's range]; measures err less
+UNEQUAL = 1e-9  # difference of crank angle steps [rad], or share by which crank speeds differ, up to which they are equal
 ROUNDING = 4 * float(np.finfo(float).eps)  # of a place
 
 Numbers = NDArray[np.float64] | NDArray[np.complex128]
@@ -29,15 +29,20 @@ Numbers = NDArray[np.float64] | NDArray[np.complex128]
 
 @runtime_checkable
 class CrankMotion(Protocol):
-    """What is needed to know of a crank: angle [rad] and speed [rad/s], (n,) each, and the turns of a period. A `Motion` is one."""
+    """The part of a motion that measures of the crank need. A `Motion` is one.
+
+    Attributes:
+        crank_angle: (n,) [rad].
+        crank_speed: (n,) [rad/s].
+        period_turns: turns of the crank in a period, None where there is no period.
+    """
 
     @property
     def crank_angle(self) -> Numbers: ...
     @property
     def crank_speed(self) -> Numbers: ...
     @property
-    def period_turns(self) -> int | None:
-        """Turns of the crank after which the linkage is where it was; None where it never is."""
+    def period_turns(self) -> int | None: ...
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -45,8 +50,8 @@ class Curve:
     """A quantity over a period of n states.
 
     Attributes:
-        coefficients: (6, n) of the quintics, of rising powers of the place since a state.
-        real: whether it was given by real numbers.
+        coefficients: (6, n) coefficients of the quintics, for rising powers of the place since a state.
+        real: whether the quantity was given by real numbers.
     """
 
     coefficients: ComplexArray
@@ -54,6 +59,7 @@ class Curve:
 
     @property
     def states(self) -> int:
+        """Number of states of the period."""
         return int(self.coefficients.shape[1])
 
     def at(self, place: Numbers) -> tuple[ComplexArray, ComplexArray, ComplexArray, ComplexArray]:
@@ -71,7 +77,7 @@ class Curve:
         return value, first, second, third
 
     def turning_places(self) -> ComplexArray:
-        """Places (m,), from 0 to n, at which the quantity turns back. Two within one step are taken for none."""
+        """Places (m,), from 0 to n, at which the quantity turns back. Two of them within one step are overlooked."""
         backwards = np.signbit(self.coefficients[1].real)
         before = np.flatnonzero(backwards != np.roll(backwards, -1)).astype(float)
         return zeros(lambda place: self.at(place)[1:3], before, before + 1)
@@ -82,10 +88,10 @@ class Curve:
         return complex(values[values.real.argmin()]), complex(values[values.real.argmax()])
 
     def number(self, value: complex) -> float:
-        """A result as it is returned: a plain number, complex where the quantity was.
+        """A result as it is returned: a plain number, complex where the quantity is complex.
 
         Raises:
-            PinpressError: it is not finite.
+            PinpressError: the number is not finite.
         """
         if not cmath.isfinite(value):
             raise PinpressError("the measure is not finite, or has no derivative by the parameter here: change the parameter a little")
@@ -101,7 +107,7 @@ def step_angle(motion: CrankMotion) -> float:
     """Crank angle from state to state [rad] of one period at constant speed, with its sign.
 
     Raises:
-        PinpressError: the motion is no such period.
+        PinpressError: the motion is not one period at constant speed in equal steps.
     """
     if not isinstance(motion, CrankMotion):
         raise PinpressError(f"motion is a {type(motion).__name__}, no Motion: give what cycle returns")
@@ -125,10 +131,17 @@ def step_angle(motion: CrankMotion) -> float:
 
 
 def curve(what: str, value: Numbers, first: Numbers, second: Numbers, real: bool) -> Curve:
-    """The curve through values (n,) with derivatives by the place (n,).
+    """The curve through values with their derivatives at n states.
+
+    Args:
+        what: the quantity, for messages.
+        value: (n,) values.
+        first: (n,) first derivatives by the place.
+        second: (n,) second derivatives by the place.
+        real: whether the quantity was given by real numbers.
 
     Raises:
-        PinpressError: a number that is not finite, or states too far apart, or another value after the period than at its start.
+        PinpressError: a number that is not finite, too few states, or another value after the period than at its start.
     """
     x, v, a = (np.asarray(values, dtype=complex) for values in (value, first, second))
     if not np.all(np.isfinite(x + v + a)):
@@ -148,9 +161,9 @@ def curve(what: str, value: Numbers, first: Numbers, second: Numbers, real: bool
 
 
 def zeros(function: ValueAndSlope, low: Array, high: Array) -> ComplexArray:
-    """Places (m,) at which a quantity changes sign, one in each of the stretches from ``low`` to ``high``, to rounding."""
+    """Places (m,) at which a quantity changes sign, exact to rounding: one in each of the intervals from ``low`` (m,) to ``high`` (m,)."""
     place = bracketed_roots(function, low, high, relative=ROUNDING)
     value, slope = function(place)
-    with np.errstate(all="ignore"):  # the same step for the imaginary part, which one step makes exact: it is tiny
+    with np.errstate(all="ignore"):  # the imaginary part is tiny, so that one step of Newton's method makes it exact
         moved = np.divide(value.imag, slope.real, out=np.zeros_like(place), where=value.imag != 0)
     return np.asarray(place - 1j * moved)

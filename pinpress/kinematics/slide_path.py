@@ -1,4 +1,4 @@
-"""The slide's path over a period: its dead centres, where it turns back, and its working stroke."""
+"""The path of the slide over a period: its dead centres and its working stroke."""
 
 from __future__ import annotations
 
@@ -21,128 +21,6 @@ from .motion import motion_through_change_points
 from .periodic_curve import CrankMotion, Curve, Numbers, curve, step_angle, step_time, zeros
 
 SAME = 1e-9  # of a range: values that differ by less differ by rounding
-
-
-@runtime_checkable
-class SlideMotion(CrankMotion, Protocol):
-    """What is needed to know of a motion: crank angle [rad] and speed [rad/s], (n,) each, the crank's turns in a period, and position [m],
-    velocity [m/s] and acceleration [m/s2] of the slide along its guide's axis, (n,) each. A `Motion` is one; the arrays may be complex."""
-
-    @property
-    def slide_position(self) -> Numbers: ...
-    @property
-    def slide_velocity(self) -> Numbers: ...
-    @property
-    def slide_acceleration(self) -> Numbers: ...
-
-
-@dataclass(frozen=True, eq=False, repr=False)
-class Stroke:
-    """The way of a slide from one dead centre to the other, travel counted from the start. Speeds are metres a step.
-
-    Attributes:
-        path: slide position, along the stroke rising [m].
-        start, end: places of the dead centres, the end behind the start.
-    """
-
-    path: Curve
-    start: complex
-    end: complex
-
-    @cached_property
-    def nodes(self) -> Array:
-        """Places (m,) from start to end: both, the states and the extremes of speed between them. The speed is monotonic from one to the
-        next."""
-        return np.unique(np.concatenate([self._states, self.speed_extremes.real]))
-
-    @cached_property
-    def speed_extremes(self) -> ComplexArray:
-        """Places (k,) at which the speed is at a local extreme, dead centres left out."""
-        backwards = np.signbit(self.path.at(self._states)[2].real)
-        before = np.flatnonzero(backwards[1:] != backwards[:-1])
-        return zeros(lambda place: self.path.at(place)[2:4], self._states[before], self._states[before + 1])
-
-    @property
-    def _states(self) -> Array:
-        start, end = self.start.real, self.end.real
-        return np.concatenate([[start], np.arange(np.floor(start) + 1, np.ceil(end)), [end]])
-
-    @cached_property
-    def length(self) -> complex:
-        return complex(self.travel(np.array([self.end]))[0])
-
-    def travel(self, place: Numbers) -> ComplexArray:
-        """Distance from the start (m,) [m]."""
-        return np.asarray(self.path.at(place)[0] - self._begin)
-
-    def speed(self, place: Numbers) -> ComplexArray:
-        return self.path.at(place)[1]
-
-    def place_at(self, travel: Numbers) -> ComplexArray:
-        """Places (m,) at which the slide has come so far, from nothing to the length of the stroke [m]."""
-        after = np.clip(np.searchsorted(self._travelled, travel.real), 1, len(self.nodes) - 1)
-
-        def ahead(place: Numbers) -> tuple[ComplexArray, ComplexArray]:
-            position, speed, _, _ = self.path.at(place)
-            return position - (self._begin + travel), speed
-
-        return zeros(ahead, self.nodes[after - 1], self.nodes[after])
-
-    @cached_property
-    def _begin(self) -> complex:
-        return complex(self.path.at(np.array([self.start]))[0][0])
-
-    @cached_property
-    def _travelled(self) -> Array:
-        return self.travel(self.nodes).real
-
-
-def slide_path(motion: SlideMotion) -> Curve:
-    """Slide position over the period [m], or the part of it after which the slide is back, and other links are not.
-
-    Raises:
-        PinpressError: not one period at constant crank speed, no slide, one that does not turn back, or states too far apart.
-    """
-    time = step_time(motion)
-    if not isinstance(motion, SlideMotion):
-        raise PinpressError(f"motion is a {type(motion).__name__} without the slide's position, velocity and acceleration: give a Motion")
-    position, velocity, acceleration = motion.slide_position, motion.slide_velocity, motion.slide_acceleration
-    real = not any(map(np.iscomplexobj, (position, velocity, acceleration, motion.crank_speed)))
-    scaled = [np.asarray(values * scale) for values, scale in ((position, 1.0), (velocity, time), (acceleration, time**2))]
-    states = _until_back(scaled, round(abs(step_angle(motion)) * len(position) / (2 * np.pi)))
-    path = curve("the slide's position", scaled[0][:states], scaled[1][:states], scaled[2][:states], real)
-    if len(path.turning_places()) < 2:
-        raise PinpressError("the slide does not turn back within the period: it has no dead centres, and no stroke to measure")
-    return path
-
-
-def _until_back(scaled: Sequence[Numbers], turns: int) -> int:
-    """States after which position, velocity and acceleration (n,), over so many turns, come again with a whole turn."""
-    count = len(scaled[0])
-    for part in range(1, turns):
-        states, left = divmod(count * part, turns)
-        if not left and all(np.abs(np.roll(x, states) - x).max() <= SAME * np.ptp(x.real) for x in scaled):
-            return states
-    return count
-
-
-def working_stroke(motion: SlideMotion, downwards: bool = True) -> Stroke:
-    """The stroke against the guide's axis, or along it.
-
-    Raises:
-        PinpressError: as of `slide_path`; the slide turns back more than twice in the period.
-    """
-    path = slide_path(motion)
-    places = path.turning_places()
-    if len(places) > 2:
-        raise PinpressError(
-            f"the slide turns back {len(places)} times a period and has no one working stroke: stroke and dwell can be measured, not this"
-        )
-    along = Curve(-path.coefficients if downwards else path.coefficients, path.real)
-    start, end = (complex(place) for place in places[np.argsort(along.at(places)[0].real)])
-    return Stroke(along, start, end if end.real > start.real else end + path.states)
-
-
 ROUNDING = 4 * float(np.finfo(float).eps)  # of a crank angle [rad]
 SAMPLES = 720  # per turn; two dead centres closer than half a degree would be taken for none
 EQUAL = 1e-9  # of the stroke: slide positions that differ by less differ by rounding
@@ -150,16 +28,15 @@ EQUAL = 1e-9  # of the stroke: slide positions that differ by less differ by rou
 
 @dataclass(frozen=True, repr=False)
 class DeadCentres(Record, units={"top_angle": "rad", "top_position": "m", "bottom_angle": "rad", "bottom_position": "m"}):
-    """Outermost turning points of the slide along its guide's axis over one period; of equal ones the first.
+    """Outermost turning points of the slide along its guide's axis over one period; of equally far ones the first.
 
     Attributes:
-        turns: of the driver, after which the slide is where it was; all that moves with it may be back only later
-            (`Linkage.period_turns`).
-        top_angle: Angle of the driver joint at top dead centre, the far end along the axis, upwards in an upright press; from 0 to the end
-            of these turns [rad].
+        top_angle: Angle of the driver joint at top dead centre, the far end along the axis (upwards in an upright press), within the period
+            [rad].
         top_position: Position of the slide at top dead centre [m].
-        bottom_angle: Angle of the driver joint at bottom dead centre, likewise [rad].
+        bottom_angle: Angle of the driver joint at bottom dead centre within the period [rad].
         bottom_position: Position of the slide at bottom dead centre [m].
+        turns: Turns of the driver after which the slide repeats its motion; other links may be back only later (`Linkage.period_turns`).
     """
 
     top_angle: float
@@ -177,10 +54,10 @@ class DeadCentres(Record, units={"top_angle": "rad", "top_position": "m", "botto
 @typed
 @per_linkage(of_geometry=True)
 def dead_centres(press: Linkage) -> DeadCentres:
-    """Dead centres of a press whose crank turns fully, to rounding: zeros of the slide's speed, found once and kept with the press.
+    """Dead centres of a press whose crank turns fully: zeros of the slide's speed, exact to rounding. They are kept with the press.
 
     Raises:
-        PinpressError: the linkage has no slide, its slide never turns back, or it is not back after many turns.
+        PinpressError: the linkage has no slide or several drivers, its slide never turns back, or it is not back after many turns.
         SingularityError: the linkage locks within the period.
     """
     _ = press.slide_guide  # it has a slide
@@ -200,14 +77,15 @@ def dead_centres(press: Linkage) -> DeadCentres:
         raise PinpressError(f"the slide of {press.name} does not turn back within its period: it has no dead centres")
     angles = bracketed_roots(lambda angle: slide(angle)[1:], samples[turning], samples[turning + 1], absolute=ROUNDING)
     positions = slide(angles)[0]
-    angles = np.where(np.abs(angles) < 1e-12, 0.0, angles % period)  # not 360 degrees for one drawn there
+    angles = np.where(np.abs(angles) < 1e-12, 0.0, angles % period)  # 0 and not 360 degrees for a press that is drawn there
     top, bottom = (int(np.argmax(sign * positions >= (sign * positions).max() - EQUAL * np.ptp(positions))) for sign in (1, -1))
     turns = _turns(way[:-1], round(period / (2 * np.pi)))
     return DeadCentres(float(angles[top]), float(positions[top]), float(angles[bottom]), float(positions[bottom]), turns)
 
 
 def stroke_turns(press: Linkage) -> int | None:
-    """Turns of the driver from stroke to stroke; of a linkage without dead centres those of its period, None where it has none."""
+    """Turns of the driver after which the slide repeats its motion; for a linkage without dead centres the turns of its period, None where
+    it has no period."""
     try:
         return dead_centres(press).turns
     except PinpressError:
@@ -215,7 +93,141 @@ def stroke_turns(press: Linkage) -> int | None:
 
 
 def _turns(positions: Array, turns: int) -> int:
-    """Turns after which positions (n,) of the slide, equally spaced over so many turns, come again."""
+    """Number of turns after which positions (n,) of the slide, equally spaced over ``turns``, repeat themselves."""
     by_turn = positions.reshape(turns, -1)
     least = EQUAL * float(np.ptp(positions))
     return next(t for t in range(1, turns + 1) if np.abs(np.roll(by_turn, t, axis=0) - by_turn).max() <= least)
+
+
+# ---------------------------------------------------------------------------------------------------------------------- strokes of a motion
+
+
+@runtime_checkable
+class SlideMotion(CrankMotion, Protocol):
+    """The part of a motion that measures of the slide need: a `CrankMotion` with the slide's motion along its guide's axis. A `Motion` is
+    one. The arrays (n,) may be complex.
+
+    Attributes:
+        slide_position: (n,) [m].
+        slide_velocity: (n,) [m/s].
+        slide_acceleration: (n,) [m/s2].
+    """
+
+    @property
+    def slide_position(self) -> Numbers: ...
+    @property
+    def slide_velocity(self) -> Numbers: ...
+    @property
+    def slide_acceleration(self) -> Numbers: ...
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Stroke:
+    """The way of a slide from one dead centre to the other. Travel counts from the start; speeds are in metres for each step from state to
+    state.
+
+    Attributes:
+        path: slide position, rising along the stroke [m].
+        start: place of the dead centre at which the stroke begins, counted in states.
+        end: place of the dead centre at which it ends, larger than ``start``.
+    """
+
+    path: Curve
+    start: complex
+    end: complex
+
+    @cached_property
+    def nodes(self) -> Array:
+        """Rising places (m,): start and end, and the states and extremes of speed between them. The speed is monotonic between
+        neighbours."""
+        return np.unique(np.concatenate([self._states, self.speed_extremes.real]))
+
+    @cached_property
+    def speed_extremes(self) -> ComplexArray:
+        """Places (k,) of the local extremes of speed, without the dead centres."""
+        backwards = np.signbit(self.path.at(self._states)[2].real)
+        before = np.flatnonzero(backwards[1:] != backwards[:-1])
+        return zeros(lambda place: self.path.at(place)[2:4], self._states[before], self._states[before + 1])
+
+    @property
+    def _states(self) -> Array:
+        start, end = self.start.real, self.end.real
+        return np.concatenate([[start], np.arange(np.floor(start) + 1, np.ceil(end)), [end]])
+
+    @cached_property
+    def length(self) -> complex:
+        """Distance between the dead centres [m]."""
+        return complex(self.travel(np.array([self.end]))[0])
+
+    def travel(self, place: Numbers) -> ComplexArray:
+        """Distance (m,) of places (m,) from the start [m]."""
+        return np.asarray(self.path.at(place)[0] - self._begin)
+
+    def speed(self, place: Numbers) -> ComplexArray:
+        """Speed (m,) at places (m,) [m for each step]."""
+        return self.path.at(place)[1]
+
+    def place_at(self, travel: Numbers) -> ComplexArray:
+        """Places (m,) at which the slide has moved by ``travel`` (m,) from the start, 0 to the length of the stroke [m]."""
+        after = np.clip(np.searchsorted(self._travelled, travel.real), 1, len(self.nodes) - 1)
+
+        def ahead(place: Numbers) -> tuple[ComplexArray, ComplexArray]:
+            position, speed, _, _ = self.path.at(place)
+            return position - (self._begin + travel), speed
+
+        return zeros(ahead, self.nodes[after - 1], self.nodes[after])
+
+    @cached_property
+    def _begin(self) -> complex:
+        return complex(self.path.at(np.array([self.start]))[0][0])
+
+    @cached_property
+    def _travelled(self) -> Array:
+        return self.travel(self.nodes).real
+
+
+def slide_path(motion: SlideMotion) -> Curve:
+    """Slide position over the period [m], or over that part of it after which the slide is back and other links are not.
+
+    Raises:
+        PinpressError: not one period at constant crank speed, no slide, a slide that does not turn back, or too few states.
+    """
+    time = step_time(motion)
+    if not isinstance(motion, SlideMotion):
+        raise PinpressError(f"motion is a {type(motion).__name__} without the slide's position, velocity and acceleration: give a Motion")
+    position, velocity, acceleration = motion.slide_position, motion.slide_velocity, motion.slide_acceleration
+    real = not any(map(np.iscomplexobj, (position, velocity, acceleration, motion.crank_speed)))
+    scaled = [np.asarray(values * scale) for values, scale in ((position, 1.0), (velocity, time), (acceleration, time**2))]
+    states = _until_back(scaled, round(abs(step_angle(motion)) * len(position) / (2 * np.pi)))
+    path = curve("the slide's position", scaled[0][:states], scaled[1][:states], scaled[2][:states], real)
+    if len(path.turning_places()) < 2:
+        raise PinpressError("the slide does not turn back within the period: it has no dead centres, and no stroke to measure")
+    return path
+
+
+def working_stroke(motion: SlideMotion, downwards: bool = True) -> Stroke:
+    """The stroke against the guide's axis, or along it where it is not ``downwards``.
+
+    Raises:
+        PinpressError: as `slide_path`; also where the slide turns back more than twice in the period.
+    """
+    path = slide_path(motion)
+    places = path.turning_places()
+    if len(places) > 2:
+        raise PinpressError(
+            f"the slide turns back {len(places)} times a period and has no one working stroke: stroke and dwell can be measured, not this"
+        )
+    along = Curve(-path.coefficients if downwards else path.coefficients, path.real)
+    start, end = (complex(place) for place in places[np.argsort(along.at(places)[0].real)])
+    return Stroke(along, start, end if end.real > start.real else end + path.states)
+
+
+def _until_back(scaled: Sequence[Numbers], turns: int) -> int:
+    """Number of states after which position, velocity and acceleration (n,) repeat themselves: those of a whole number of turns, of the
+    ``turns`` that they cover."""
+    count = len(scaled[0])
+    for part in range(1, turns):
+        states, left = divmod(count * part, turns)
+        if not left and all(np.abs(np.roll(x, states) - x).max() <= SAME * np.ptp(x.real) for x in scaled):
+            return states
+    return count

@@ -10,84 +10,44 @@ from ..engines.branch import LARGEST_CORRECTION, Branch, SingularPosition, follo
 from ..engines.engine import ACCEPTED, PIECE, Closure, Engine, joined
 from ..engines.spatial.model import SpatialModel
 
-MANY_PERIODS = 1000  # beyond which a crank angle's rounding is seen in the gaps of loops
-FARTHEST = 1e7  # beyond which the rounding of a crank angle exceeds 1e-9, and the slide is no longer where the angle says [rad]
-
-
-def refuse_far(name: str, angles: Array) -> None:
-    """Raise PinpressError where crank angles of any shape [rad] are so large that their rounding would be seen in the results."""
-    worst = float(angles.flat[int(np.abs(angles).argmax())])
-    if abs(worst) > FARTHEST:
-        raise PinpressError(
-            f"{name} is {worst:.6g} rad, {abs(worst) / (2 * np.pi):.3g} turns away: numbers as large are {np.spacing(abs(worst)):.1g} rad"
-            f" apart, and the slide would be somewhere else; stay within {FARTHEST:g} rad, take whole turns off"
-        )
+MANY_PERIODS = 1000  # from so many periods on the rounding of a crank angle is seen in the gaps of loops
+FARTHEST = 1e7  # larger crank angles are rounded by more than 1e-9 rad, which the slide's position would show [rad]
 
 
 def closed(engine: Engine, spatial_model: SpatialModel, branch: Branch, angles: Array, name: str) -> Closure:
     """Closed configurations at crank angles (n,) on a branch, in pieces that stay in the cache.
 
     Args:
-        engine: closes the loops.
-        spatial_model: of the same linkage.
-        branch: its assembly.
-        angles: (n,) of the driver [rad].
-        name: of the linkage, for errors.
+        engine: engine of the linkage.
+        spatial_model: constants of the linkage.
+        branch: its drawn assembly.
+        angles: (n,) crank angles [rad].
+        name: name of the linkage, for errors.
 
     Raises:
-        SingularityError: the linkage locks before it gets there.
+        SingularityError: the linkage locks before one of the angles.
         AssemblyError: the loops do not close.
+        PinpressError: the linkage is not followed as far, see `branch.predict`.
     """
     if branch.change_points:
-        return _through(engine, spatial_model, branch, angles, name)
+        return _closed_through_change_points(engine, spatial_model, branch, angles, name)
     if branch.period is not None and np.abs(angles).max() > MANY_PERIODS * branch.period:
-        return _far(engine, spatial_model, branch, angles, name)
+        return _closed_far_away(engine, spatial_model, branch, angles, name)
     if len(angles) <= PIECE:
-        return _piece(engine, spatial_model, angles, predict(branch, angles), name)
+        return _closed_piece(engine, spatial_model, angles, predict(branch, angles), name)
     parts = [angles[start : start + PIECE] for start in range(0, len(angles), PIECE)]
-    return joined([_piece(engine, spatial_model, part, predict(branch, part), name) for part in parts])
-
-
-def _far(engine: Engine, spatial_model: SpatialModel, branch: Branch, angles: Array, name: str) -> Closure:
-    """Closed configurations many periods away: closed within one period, as the rounding of large angles is a gap, and moved on."""
-    assert branch.period is not None
-    turns = np.floor(angles / branch.period)
-    closure = closed(engine, spatial_model, branch, angles - turns * branch.period, name)
-    position = closure.position + branch.gain_per_period[:, None] * turns
-    position[spatial_model.drivers[0]] = angles
-    return replace(closure, position=position)
-
-
-def _through(engine: Engine, spatial_model: SpatialModel, branch: Branch, angles: Array, name: str) -> Closure:
-    """Closed configurations of a branch with change points, beside which its polynomials stand for the equations."""
-    turns = np.zeros(len(angles)) if branch.period is None else np.floor((angles - branch.angles[0]) / branch.period)
-    local = angles - turns * (branch.period or 0.0)
-    position, first, second = (np.empty((spatial_model.model.nv, len(angles))) for _ in range(3))
-    regular = np.ones(len(angles), dtype=bool)
-    for point in branch.change_points:
-        beside = np.abs(local - point.angle) < point.inner
-        position[:, beside], first[:, beside], second[:, beside] = point.at(local[beside])
-        regular &= ~beside
-    if regular.any():
-        closure = closed(engine, spatial_model, replace(branch, change_points=()), local[regular], name)
-        position[:, regular], first[:, regular], second[:, regular] = closure.position, closure.first, closure.second
-    gap = engine.gaps(position)
-    if not gap.max() <= ACCEPTED * spatial_model.tolerance:
-        raise AssemblyError("the loops do not close", float(angles[int(gap.argmax())]), float(gap.max()), 0)
-    position += branch.gain_per_period[:, None] * turns
-    position[spatial_model.drivers[0]] = angles
-    return Closure(position, first, second, gap, float(gap.max()), 0)
+    return joined([_closed_piece(engine, spatial_model, part, predict(branch, part), name) for part in parts])
 
 
 def followed_from(engine: Engine, spatial_model: SpatialModel, start: Array, angles: Array, name: str) -> Array:
-    """Closed positions (nv, n) of a linkage with several drivers at positions (n, drivers), each followed from the one before.
+    """Closed positions (nv, n) of a linkage with several drivers at driver positions (n, drivers), each followed from the one before.
 
     Args:
-        engine: closes the loops.
-        spatial_model: of the same linkage.
-        start: (nv,) closed drawn pose, from which the first is followed.
-        angles: (n, drivers) of the drivers [rad].
-        name: of the linkage, for errors.
+        engine: engine of the linkage.
+        spatial_model: constants of the linkage.
+        start: (nv,) closed drawn pose, from which the first position is followed.
+        angles: (n, drivers) driver positions [rad].
+        name: name of the linkage, for errors.
 
     Raises:
         SingularityError: the linkage locks on the way.
@@ -114,18 +74,57 @@ def followed_from(engine: Engine, spatial_model: SpatialModel, start: Array, ang
     return np.array(positions).T
 
 
-def _piece(engine: Engine, spatial_model: SpatialModel, angles: Array, guess: Array, name: str) -> Closure:
+def refuse_far(name: str, angles: Array) -> None:
+    """Raise PinpressError where one of the crank angles [rad], of any shape, is so large that its rounding would be seen in results."""
+    worst = float(angles.flat[int(np.abs(angles).argmax())])
+    if abs(worst) > FARTHEST:
+        raise PinpressError(
+            f"{name} is {worst:.6g} rad, {abs(worst) / (2 * np.pi):.3g} turns away: numbers as large are {np.spacing(abs(worst)):.1g} rad"
+            f" apart, and the slide would be somewhere else; stay within {FARTHEST:g} rad, take whole turns off"
+        )
+
+
+def _closed_piece(engine: Engine, spatial_model: SpatialModel, angles: Array, guess: Array, name: str) -> Closure:
+    """Closed configurations at crank angles (n,) from guesses (nv, n) on the branch; raises AssemblyError."""
     closure, tolerance = engine.close(angles, guess), ACCEPTED * engine.tolerance
-    near = LARGEST_CORRECTION * (1 + spatial_model.size)  # another assembly would be far from the prediction
     if closure.widest <= tolerance and closure.iterations == 0:
         return closure
+    near = LARGEST_CORRECTION * (1 + spatial_model.size)  # another assembly would be far from the prediction
     moved = np.abs(closure.position - guess).max(axis=0)
     if not (closure.widest <= tolerance and moved.max() <= near):
         worst = int(np.argmin((closure.gap <= tolerance) & (moved <= near)))
-        raise AssemblyError(
-            f"the loops of {name} do not close on the drawn branch",
-            float(angles[worst]),
-            float(closure.gap[worst]),
-            closure.iterations,
-        )
+        problem = f"the loops of {name} do not close on the drawn branch"
+        raise AssemblyError(problem, float(angles[worst]), float(closure.gap[worst]), closure.iterations)
     return closure
+
+
+def _closed_far_away(engine: Engine, spatial_model: SpatialModel, branch: Branch, angles: Array, name: str) -> Closure:
+    """Closed configurations many periods away. They are closed within one period, because the rounding of large angles would open the
+    loops, and then moved by whole periods."""
+    assert branch.period is not None
+    turns = np.floor(angles / branch.period)
+    closure = closed(engine, spatial_model, branch, angles - turns * branch.period, name)
+    position = closure.position + branch.gain_per_period[:, None] * turns
+    position[spatial_model.drivers[0]] = angles
+    return replace(closure, position=position)
+
+
+def _closed_through_change_points(engine: Engine, spatial_model: SpatialModel, branch: Branch, angles: Array, name: str) -> Closure:
+    """Closed configurations of a branch with change points. Near these its polynomials replace the equations."""
+    turns = np.zeros(len(angles)) if branch.period is None else np.floor((angles - branch.angles[0]) / branch.period)
+    local = angles - turns * (branch.period or 0.0)
+    position, first, second = (np.empty((spatial_model.model.nv, len(angles))) for _ in range(3))
+    regular = np.ones(len(angles), dtype=bool)
+    for point in branch.change_points:
+        beside = np.abs(local - point.angle) < point.inner
+        position[:, beside], first[:, beside], second[:, beside] = point.at(local[beside])
+        regular &= ~beside
+    if regular.any():
+        closure = closed(engine, spatial_model, replace(branch, change_points=()), local[regular], name)
+        position[:, regular], first[:, regular], second[:, regular] = closure.position, closure.first, closure.second
+    gap = engine.gaps(position)
+    if not gap.max() <= ACCEPTED * spatial_model.tolerance:
+        raise AssemblyError("the loops do not close", float(angles[int(gap.argmax())]), float(gap.max()), 0)
+    position += branch.gain_per_period[:, None] * turns
+    position[spatial_model.drivers[0]] = angles
+    return Closure(position, first, second, gap, float(gap.max()), 0)

@@ -126,6 +126,9 @@ class PlanarEngine:
         return energies(self.bodies, self._basis(states), states.v)
 
     def _closed(self, states: ClosedStates) -> ClosedStates:
+        """The states with their basis; raises AssemblyError where they leave the loops open."""
+        if states.basis is not None:
+            return states
         from .inverse_dynamics import closed_basis  # slow to import, and not needed to load
 
-        return states if states.basis is not None else states._replace(basis=closed_basis(self.plane, states.position))
+        return states._replace(basis=closed_basis(self.plane, states.position))
