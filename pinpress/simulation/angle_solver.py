@@ -130,7 +130,7 @@ class AngleSolver:
             self.first, self.periods = self.state.angle, 0
 
     def _goes_on(self, solution: CollocationSolution, count: int) -> bool:
-        """Whether the next period may follow this one; where the press swings for ever, its repetition is added up to the end."""
+        """Prepare the next period, and tell whether there is one. Where the press swings for ever, add its repetition up to the end."""
         kinds, self.before = solution.mesh.kinds, None
         if not solution.speed_free:
             self.swings.stops.clear()
@@ -166,7 +166,8 @@ class AngleSolver:
         return self._resolved(build_mesh(driven, anchor, direction, borders, (self.state.speed == 0, False)), energy, None)
 
     def _resolved(self, mesh: Mesh, energy: Array, guess: Array | None) -> tuple[CollocationSolution, int] | None:
-        """The same, from a mesh that is cut where it is too coarse, with the energy (1,) at its start, and a guess of it at the nodes."""
+        """Solve a period over a mesh, which is cut where it is too coarse, with the energy (1,) at its start and a guess of it at the
+        nodes."""
         driven, anchor, direction = self.driven, self.anchor, mesh.direction
         from_rest, to_rest = self.state.speed == 0, False
         for _ in range(MOST_CUTS):
@@ -204,7 +205,8 @@ class AngleSolver:
 
 
 class _Swings:
-    """Stops of a press under forces that do not depend on its speed: where it stops a second time, it swings on like that for ever."""
+    """Remembers the stops of a press. Where no force depends on its speed, and it stops in the same place again, it repeats that swing for
+    ever."""
 
     def __init__(self, driven: DrivenPress) -> None:
         self.stops: list[tuple[int, float, float]] = []  # segments before, time, crank angle
@@ -239,18 +241,18 @@ def _direction(driven: DrivenPress, state: State) -> int:
 
 
 def _any_energy(driven: DrivenPress, mesh: Mesh) -> Array:
-    """Kinetic energy at 1 rad/s (q, p, 1): where to start from, when there is none yet."""
+    """Kinetic energy at 1 rad/s (q, p, 1): a first guess where there is no better one."""
     return np.asarray(0.5 * (mesh.inertia[:, :, None] + driven.inertia))
 
 
 def _comes_to_rest(solution: CollocationSolution) -> bool:
-    """Whether a crank that is to rest at the end of its panels does so: no force depends on its speed, and all the energy is used up."""
+    """Whether the crank comes to rest at the end of its panels: no force depends on its speed, and all its energy is used up."""
     left = float(solution.ends[0, 0] + (gauss_rule().weights @ (solution.force[:, :, 0] * solution.mesh.measure)).sum())
     return solution.speed_free and abs(left) <= USED_UP * float(solution.ends.max())
 
 
 def _before_stop(solution: CollocationSolution, time: float, until: float) -> tuple[int, bool]:
-    """Panels up to a stop, or to the one in which the time ``until`` is reached; whether it was a stop that ended them."""
+    """Count the panels up to a stop, or to the one in which the time ``until`` is reached; and tell whether a stop ended them."""
     stopping = stopping_panels(solution)[:, 0]
     right = int(np.argmax(stopping)) if stopping.any() else len(stopping)
     if right:
@@ -262,8 +264,8 @@ def _before_stop(solution: CollocationSolution, time: float, until: float) -> tu
 
 
 def _with_rest(solution: CollocationSolution, panel: int, edges: Array, from_rest: bool) -> Array:
-    """Borders up to the stop in a ``panel``, the last of them over the square root of the angle; it starts at the last of the ``edges``,
-    angles travelled, at the latest."""
+    """Borders up to the stop in a ``panel``. The last panel runs over the square root of the angle, and starts at the last of the
+    ``edges``, angles travelled, at the latest."""
     mesh = solution.mesh
     stop = float(mesh.travelled(np.array([panel]), np.array([_stop_in(solution, panel)]))[0][0])
     edges = edges[edges < stop - SAME]
@@ -412,8 +414,8 @@ def _drive_torques(driven: DrivenPress, solution: CollocationSolution, count: in
 
 
 def drive_torque(drive: Drive, solution: CollocationSolution) -> Array:
-    """Torque of a drive along the travel (q, p, S), once more at the speeds that came out of it: so the energy balance tells whether these
-    are right."""
+    """Ask a drive for its torque along the travel (q, p, S) once more, at the speeds that were found: so the energy balance tells whether
+    these are right."""
     direction, speed = solution.mesh.direction, solution.speed
     return np.asarray(direction * drive.torque(direction * speed) + np.zeros_like(speed))
 

@@ -170,7 +170,7 @@ def simulate_batch(
 
 
 def _speeds(speed: ArrayLike, parts: Sequence[Any]) -> Array:
-    """(S,) speeds at the start, S after the arrays that are given, 1 where none is [rad/s]."""
+    """(S,) speeds at the start [rad/s]. S is the length of the arrays that are given, 1 where there are none."""
     wanted = "one finite number, or (S,) of them [rad/s]"
     given = suitable_numbers("speed", speed, wanted, None, lambda values: values.ndim < 2 and values.size)
     counts = {} if given.ndim == 0 else {"speed": len(given)}
@@ -188,7 +188,7 @@ def _is_number(value: Any) -> bool:
 
 @dataclass(frozen=True, eq=False)
 class _Scenarios:
-    """What is simulated.
+    """The scenarios that are to be simulated.
 
     Attributes:
         press: the linkage.
@@ -214,7 +214,7 @@ class _Scenarios:
         return driven_press(self.press, drive, flywheel, loads, None, None)
 
     def alone(self, k: int, end: float | None = None) -> Run:
-        """Scenario k as a run, up to a time or, as the others, with all its states."""
+        """Simulate scenario k: up to a time with two states, or like the others to the end with all states."""
         drive, flywheel, *loads = (pick_scenarios(part, k) for part in self.parts)
         until, points = (self.until, self.points) if end is None else (end, 2)
         return simulate(
@@ -231,7 +231,7 @@ class _Scenarios:
 
 
 def _solved(scenarios: _Scenarios, began: float) -> RunBatch:
-    """All scenarios, together those that can be, the others one by one."""
+    """Solve those scenarios together that can be, and the others one by one."""
     count, times = len(scenarios.speeds), np.linspace(0.0, scenarios.until, scenarios.points)
     angles, speeds, works = np.empty((len(times), count)), np.empty((len(times), count)), np.zeros((2, count))
     errors: list[SimulationError | None] = [None] * count
@@ -374,7 +374,7 @@ class BatchSolver:
         return solution, passed
 
     def _beside_rest(self, solution: CollocationSolution, passed: Array, until: float) -> Mask:
-        """Scenarios (S,) that come nearly to rest: whether that is an unstable one is seen when they are run alone."""
+        """Tell which scenarios (S,) come nearly to rest. Whether that rest is an unstable one is seen when they are run alone."""
         slow = nearly_at_rest(solution.energy, solution.force, self.driven.model.potential_range)
         return np.asarray((slow & (passed[:-1] < until)).any(axis=(0, 1)))
 

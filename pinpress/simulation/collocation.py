@@ -244,11 +244,14 @@ class CollocationSolution:
 
 
 def solve(driven: DrivenPress, mesh: Mesh, energy: Array, guess: Array | None = None, periodic: bool = False) -> CollocationSolution:
-    """Kinetic energy over a mesh, from ``energy`` (S,) at its start; or that of a ``periodic`` motion near this energy, which ends with the
-    energy with which it began.
+    """Find the kinetic energy over a mesh.
 
     Args:
+        driven: what is simulated.
+        mesh: over which it is.
+        energy: (S,) at the start of the mesh [J].
         guess: (q, p, S) kinetic energy from which Newton's method starts; None: that at the start everywhere.
+        periodic: whether the motion is to end with the energy with which it began; ``energy`` is then one near it.
 
     Raises:
         SimulationError: the inertia is not positive somewhere.
@@ -542,7 +545,8 @@ def panel_integrals(solution: CollocationSolution, rate: Array) -> Array:
 
 
 def stopping_panels(solution: CollocationSolution) -> NDArray[np.bool_]:
-    """Panels (p, S) on which the crank stops, or comes so near to it that time may not be resolved; what follows them is of no meaning."""
+    """Tell on which panels (p, S) the crank stops, or comes so near to it that time may not be resolved. What follows them means
+    nothing."""
     lowest = np.minimum(solution.energy.min(axis=0), solution.ends[1:])
     known = np.arange(len(solution.ends))[:, None] <= solution.settled
     least = 0.0 if solution.speed_free else LEAST * np.where(known, solution.ends, 0.0).max(axis=0)

@@ -103,7 +103,7 @@ class Length:
 
 @dataclass(frozen=True, eq=False)
 class WorkOfForce:
-    """Work of a constant force (3,) at a point, in world axes [J]; a force of one along it is that force."""
+    """Work of a constant force (3,) at a point, in world axes [J]. A generalized force of 1 along this coordinate is that force."""
 
     end: End
     force: Array
@@ -328,8 +328,8 @@ def _of_loads(press: Linkage, loads: Sequence[Load]) -> "tuple[list[Coordinate],
 
 
 def _of_load(press: Linkage, load: Load, row: int) -> tuple[Coordinate | None, GeneralizedForce | None]:
-    """The force of a load, None where it does nothing; and its coordinate, which would be that of the ``row``, where it needs one of its
-    own."""
+    """The force of a load, None where it does nothing, and its own coordinate, None where it acts along the slide's. ``row``: of such a
+    coordinate."""
     if isinstance(load, PointForce):
         return _point_force(press, load, row)
     if isinstance(load, SpringDamper):

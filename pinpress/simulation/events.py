@@ -119,7 +119,7 @@ class BorderPassed(Event):
 
 @dataclass(frozen=True, eq=False, slots=True)
 class CoordinateTurns(Event):
-    """The coordinate of a force, which depends on its way, turns back: at a dead centre, or where the crank itself stops."""
+    """The coordinate of a force that depends on its direction turns back: at a dead centre, or where the crank itself stops."""
 
     force: int
     row: int
@@ -149,7 +149,7 @@ class CoordinateTurns(Event):
 
 @dataclass(frozen=True, eq=False, slots=True)
 class ContactChanges(Event):
-    """A one-sided force would pull, or pushes again."""
+    """A one-sided force would begin to pull, or begins to push again."""
 
     force: int
     row: int
@@ -254,7 +254,7 @@ class CouplingSlips(Event):
 
 @dataclass(frozen=True, eq=False, slots=True)
 class PressStarts(Event):
-    """The drive overcomes what resists a standing press one way."""
+    """The drive overcomes what holds a standing press in one direction."""
 
     way: int
 
@@ -272,7 +272,7 @@ class PressStarts(Event):
 
 
 def _relative_speed(side: Side, at: Snapshot) -> float:
-    """Speed of a coupling's other side, beside the crank's."""
+    """Speed of a coupling's other side relative to the crank."""
     return at.shaft_speed - at.linkage.speed if side == "clutch" else -at.linkage.speed  # type: ignore[no-any-return]
 
 

@@ -129,7 +129,8 @@ def force_mode(force: GeneralizedForce, inside: float, rising: bool, value: floa
 
 
 def _at_start(coupling: Coupling | None, angle: float, speed: float, relative: float, missing: Grip) -> CouplingMode:
-    """Mode at the start, at a speed ``relative`` to the crank; one that is ``missing`` is as if it did that for good."""
+    """Mode of a coupling at the start, at a speed ``relative`` to the crank. A coupling that is not there does for good what ``missing``
+    says."""
     if coupling is None:
         return CouplingMode(missing)
     at = coupling.closes or coupling.opens
@@ -149,8 +150,15 @@ def sign_of(value: float) -> int:
 
 @dataclass(frozen=True, eq=False)
 class HybridSystem:
-    """The integrated vector holds positions (size,), speeds (size,), the drive's states, the speed of a clutch's driving side where there
-    is a clutch, and the integrals (4,)."""
+    """A driven press that is integrated over time.
+
+    Its vector holds positions (size,), speeds (size,), the drive's states, the speed of a clutch's driving side if there is a clutch, and
+    the integrals (4,).
+
+    Attributes:
+        dynamics: the linkage, as its crank alone or as all its joints.
+        driven: the press with its parts.
+    """
 
     dynamics: Dynamics
     driven: DrivenPress
@@ -205,7 +213,7 @@ class HybridSystem:
         return torque, motor, own
 
     def past_corner(self, mode: Mode, y: Array) -> Mode:
-        """The mode with the drive on the side of every corner to which its speed tends."""
+        """The mode in which the drive is on the side of every corner to which its speed tends."""
         corners = self.driven.corners
         if not corners:
             return mode
@@ -297,7 +305,7 @@ class HybridSystem:
         return 0.0 if drive is None else drive.torque(at.shaft_speed, at.linkage.angle, time, at.states)
 
     def acceleration(self, mode: Mode, time: float, at: Snapshot, more: float = 0.0) -> float:
-        """Acceleration of a crank that is free to turn, under so much more torque."""
+        """Acceleration of a crank that is free to turn, with ``more`` torque on it."""
         driven = self.driven
         forces = self._forces(mode, time, at.linkage)[0]
         through, braking = self._friction(mode, time)
@@ -306,7 +314,7 @@ class HybridSystem:
         return self.dynamics.of_crank(self.dynamics.accelerations(at.linkage, on_crank + braking + more, forces, inertia))
 
     def heeds_speed(self, mode: Mode, time: float, y: Array) -> bool:
-        """Whether anything but angle and speed of the crank counts, or forces in this state depend on its speed or way."""
+        """Whether more than angle and speed of the crank counts, or a force in this state depends on its speed or direction."""
         n, driven = self.dynamics.size, self.driven
         if n > 1 or len(y) > 2 + len(INTEGRALS) or driven.clutch is not None or driven.brake is not None:
             return True
@@ -358,11 +366,11 @@ class HybridSystem:
         return drives or any(force.time is not None for force in driven.forces)
 
     def starting(self, mode: Mode, position: Array, way: float) -> Mode:
-        """The mode with every force put where it is when the crank starts from rest, one way or the other."""
+        """The mode in which every force is where it is when the crank starts from rest, one way or the other."""
         return self._placed_at(mode, *self.dynamics.moved(position, way * LITTLE), moving=False)
 
     def _placed_at(self, mode: Mode, position: Array, speed: Array, moving: bool) -> Mode:
-        """The mode with every force put where it is at a state a little ahead."""
+        """The mode in which every force is where it is at a state a little ahead."""
         linkage = self.dynamics.at(position, speed)
         places = []
         for force, place in zip(self.driven.forces, mode.forces, strict=True):

@@ -99,7 +99,7 @@ class ReducedModel:
 
 
 def lock_reached(model: ReducedModel, angle: float, time: float | None = None) -> SimulationError:
-    """Why a motion leaves a model without a period."""
+    """The error of a motion that leaves a model without a period, where the linkage locks."""
     low, high = np.degrees([model.borders[0], model.borders[-1]])
     return failure("runs against a lock", time, angle, low=low, high=high)
 

@@ -109,7 +109,7 @@ class Run(Motion):
 
 
 def as_run(problem: SimulationProblem, trajectory: Trajectory, points: int | None, began: float, sensitivity: float | None = None) -> Run:
-    """The states of a trajectory, closed and checked; those of fixed steps may have any energy error."""
+    """Make a run of a trajectory: close its loops, and check its energy balance. A run of fixed steps may have any energy error."""
     driven = problem.driven
     times = np.linspace(0.0, problem.until, state_count(points, trajectory.turns))
     sample = trajectory.at(times)
@@ -147,7 +147,7 @@ def _driver_speeds(driven: DrivenPress, sample: Sample) -> Array:
 
 
 def _audited(problem: SimulationProblem, motion: Motion, sample: Sample) -> float:
-    """The energy error of a motion.
+    """Check the energy balance of a motion, and return its energy error.
 
     Raises:
         PinpressError: the energy is not finite.
@@ -171,8 +171,8 @@ def _audited(problem: SimulationProblem, motion: Motion, sample: Sample) -> floa
 
 
 def energy_error(kinetic: Array, potential: Array, drive_work: Array, load_work: Array, lost: Array) -> Array:
-    """What is missing of the energy, beside the largest of energy and works, at n states: arrays (n,), or (n, S) of scenarios [J]; the
-    works are those since the first state."""
+    """Energy that is missing at n states, beside the largest of energy and works. Arrays are (n,), or (n, S) for scenarios [J]; works count
+    from the first state."""
     missing = np.abs(kinetic + potential - (kinetic[0] + potential[0]) - (drive_work - load_work - lost))
     return np.asarray(missing / energy_size(kinetic, potential, drive_work, load_work, lost))
 
@@ -227,7 +227,7 @@ def _as_run(problem: SimulationProblem, trajectory: Trajectory, motion: Motion, 
 
 
 def allowed_error(tolerance: float) -> float:
-    """Energy error of a run with steps by error that is none."""
+    """Largest energy error that a run with steps by error may have."""
     return max(BALANCED, LOOSE * tolerance)
 
 
@@ -260,7 +260,7 @@ UNITS = {
 
 @dataclass(frozen=True, repr=False)
 class MotorDuty(Record, units=UNITS):
-    """A stroke, or any other part of a run.
+    """What a stroke, or any other part of a run, asks of motor and flywheel.
 
     Attributes:
         start: [s].
@@ -297,7 +297,7 @@ class MotorDuty(Record, units=UNITS):
 
 @typed
 def duty_cycle(run: Run, start: float = 0.0, end: float | None = None) -> MotorDuty:
-    """What a run was to its motor and flywheel, from one time to another; by default in all.
+    """What a run asks of its motor and flywheel from one time to another, by default as a whole.
 
     Extremes are those of 720 states a turn; works and means are exact.
 
@@ -360,7 +360,7 @@ def _check(run: Run) -> None:
 
 
 def _duties(run: Run, times: Array) -> list[MotorDuty]:
-    """One for each interval between the times."""
+    """One duty for each interval between the times."""
     ends = run.trajectory.at(times, complete=False)
     angles, gained = np.abs(np.diff(_crank(run, ends)[0])).tolist(), np.diff(ends.integrals)
     parts = zip(itertools.pairwise(times.tolist()), angles, gained.T, strict=True)
@@ -368,7 +368,7 @@ def _duties(run: Run, times: Array) -> list[MotorDuty]:
 
 
 def _duty(run: Run, start: float, end: float, angle: float, gained: Array) -> MotorDuty:
-    """That from one time to another, in which the crank turns by an angle and the integrals (4,) grow by what is ``gained``."""
+    """The duty from one time to another, in which the crank turns by an angle and the integrals (4,) grow by what is ``gained``."""
     drive, inertia = run.problem.driven.drive, run.problem.driven.inertia
     inner = np.linspace(start, end, STATES * max(1, math.ceil(angle / (2 * np.pi) - 1e-9)) + 1)
     sample = run.trajectory.at(inner, complete=False)

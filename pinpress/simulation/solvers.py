@@ -106,7 +106,8 @@ def _ladder(problem: SimulationProblem, progress: Progress | None) -> tuple[Solv
 
 
 def _least_inertia(driven: DrivenPress, needed: bool = False) -> tuple[float, float]:
-    """The least inertia at the crank [kg m2], and the crank angle [rad]; raise where a positive one is ``needed``."""
+    """The least inertia at the crank [kg m2], and its crank angle [rad]. Raises SimulationError where a positive one is ``needed`` and it
+    is not."""
     inertia, angle = driven.model.lightest
     least = inertia + driven.inertia
     if needed and not least > 0:
@@ -174,7 +175,7 @@ class OverTime:
             self.swings = False
 
     def _integrated(self, system: HybridSystem, state: State, followed: "_Followed | None") -> "tuple[TimeSegment, State]":
-        """What comes after a state, to the end or until it has been ``followed`` for long enough, and where it has come to."""
+        """Integrate from a state to the end, or until the crank has been ``followed`` for long enough; and tell where it has come to."""
         from .time_solver import BY_STIFFNESS, IMPLICIT, Settings, integrate  # SciPy's integrators take long to import: turning needs none
 
         problem, driven = self.problem, self.problem.driven
@@ -223,8 +224,8 @@ def _turning_energy(driven: DrivenPress, state: State, before: Sequence[Segment]
 
 
 def _swinging(system: HybridSystem, segment: "TimeSegment", tolerance: float, until: float) -> "list[Segment] | None":
-    """A crank that swings to and fro under forces that do not depend on its speed: a whole swing, to a tolerance in its own measure, and
-    its repetition. None where it does not come back."""
+    """Follow a crank that swings to and fro, under forces that do not depend on its speed, for a whole swing to a tolerance in its own
+    measure, and repeat that to the end. None where it does not come back."""
     from .time_solver import IMPLICIT, Settings, integrate  # imports SciPy's integrators
 
     begin, turn, again = segment.stops()[-3:]

@@ -88,8 +88,11 @@ class TimeSegment:
         return tuple(self.ran)
 
     def before(self, late: Callable[[Array], float]) -> tuple[float, Mode, Array, float]:
-        """Give up the last step, in which a function of the vector has become positive: when it began, its mode, the vector there,
-        and about when the function is zero."""
+        """Give up the last step, in which a function of the vector has become positive.
+
+        Returns:
+            When the step began, its mode, the vector there, and about when the function is zero.
+        """
         begin = self.times[-2] if len(self.times) > 1 else self.start
         piece, end, modes = self.pieces.pop(), self.times.pop(), self.modes.pop()
         self.speeds.pop()
@@ -187,7 +190,7 @@ class Integration:
 
     @property
     def goes_on(self) -> bool:
-        """Whether the end is still to come; a segment that has come to it ends there, not a rounding before, where an event was."""
+        """Whether the end is still to come. A segment that has come to it ends there, and not a rounding before, where an event was."""
         if self.time < self.until - 8 * EPS * abs(self.until):
             return True
         if self.segment.times:
@@ -195,8 +198,8 @@ class Integration:
         return False
 
     def follow_mode(self, finished: Callable[[Array], bool] | None, progress: Callable[[float], None] | None) -> bool:
-        """Steps of one method in one mode, to an event, an instant at which something is not smooth, or a change of method; whether the
-        run is finished there."""
+        """Take steps of one method in one mode: to an event, to an instant at which something is not smooth, or to a change of method. Tell
+        whether the run is finished there."""
         method, stepper = self._stepper()
         watch = EventFinder(self.system, self.mode, self.time, self.y)
         event: Event | None = None
@@ -309,8 +312,8 @@ def _stepper(
 
 
 class Pacer:
-    """Which method of steps by error gets on faster: each is measured over some steps, and the slower one tried again after ever longer
-    intervals where the steps, beside the shortest time constant, say that it may be the faster one by now."""
+    """Chooses the method of steps by error that gets on faster. Each is measured over some steps. The slower one is tried again after ever
+    longer intervals, where the steps beside the shortest time constant say that it may be the faster one by now."""
 
     def __init__(self) -> None:
         self.using = EXPLICIT
@@ -347,14 +350,14 @@ class Pacer:
 
 
 class Pace:
-    """How a run gets on: one that would take too many evaluations is given up early, and earlier where the crank all but stands."""
+    """Watches how a run gets on. One that would take too many evaluations is given up early, and earlier where the crank all but stands."""
 
     def __init__(self, start: float, until: float) -> None:
         self.until, self.slow = until, 0
         self.before = start, 0, 0.0
 
     def hopeless(self, time: float, evaluations: int, travelled: float) -> bool:
-        """Whether to give up, ``evaluations`` and the angle ``travelled`` [rad] since the start."""
+        """Whether to give up, after so many evaluations, with the angle ``travelled`` [rad] since the start."""
         since, asked, turned = self.before
         if evaluations - asked < LOOK:
             return False
@@ -387,7 +390,7 @@ def _swiftness(integrator: OdeSolver, time: float, y: Array, sizes: Array) -> fl
 
 
 class EventFinder:
-    """The first event in the steps of a mode, one step after the other."""
+    """Finds the first event in the steps of a mode, one step after the other."""
 
     def __init__(self, system: HybridSystem, mode: Mode, time: float, y: Array) -> None:
         self.system, self.mode = system, mode
@@ -452,7 +455,7 @@ class EventFinder:
 
 
 def _zero(value: Callable[[float], float], since: float, until: float, low: float) -> float:
-    """When a function, ``low`` at ``since``, falls below zero, as it has done at ``until``."""
+    """When a function falls below zero, that is ``low`` at the time ``since`` and negative at the time ``until``."""
     if low <= 0 or value(since) <= 0:  # it began at zero: has it risen in between?
         shares = [0.5**k for k in range(1, 40)]
         risen = next((share for share in shares if value(since + share * (until - since)) > 0), None)
@@ -465,7 +468,7 @@ def _zero(value: Callable[[float], float], since: float, until: float, low: floa
 
 
 def _closed(system: HybridSystem, solver: OdeSolver) -> Array:
-    """The integrator's vector with closed loops; the integrator goes on from there."""
+    """Close the loops of the integrator's vector; the integrator goes on from there."""
     y = _project(system, solver.y, solver.t)
     if y is not solver.y:
         solver.y = y
