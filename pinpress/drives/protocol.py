@@ -122,9 +122,9 @@ class SpeedTorqueDrive(Checked):
         return self.torque(speed, angle, time, state)
 
 
-def corners_of(drive: Drive) -> tuple[Corner, ...]:
-    """The corners of a drive's torque, each as a `Corner`: at a plain speed the torque does not jump."""
-    return tuple(corner if isinstance(corner, Corner) else Corner(corner) for corner in drive.corners)
+def corners_of(drive: Drive) -> tuple[tuple[Values, bool], ...]:
+    """The speeds of the corners of a drive's torque [rad/s], and whether it jumps there: at a plain speed it does not."""
+    return tuple((corner.speed, corner.jump) if isinstance(corner, Corner) else (corner, False) for corner in drive.corners)
 
 
 def limited(lowest: float, value: Values, highest: float) -> Values:

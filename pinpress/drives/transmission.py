@@ -105,8 +105,8 @@ class Geared(Checked):
         if self.timed:
             return ()
         lossy = (0.0, *self.reversals) if self.efficiency < 1 else ()
-        speeds = ((corner.speed / self.ratio, corner.jump) for corner in corners_of(self.drive))
-        return (*(Corner(speed, jump=True) if jump else speed for speed, jump in speeds), *lossy)
+        slow = ((speed / self.ratio, jump) for speed, jump in corners_of(self.drive))
+        return (*(Corner(speed, jump) if jump else speed for speed, jump in slow), *lossy)
 
     def torque(self, speed: Values, angle: Values = 0.0, time: Values = 0.0, state: tuple[Values, ...] = ()) -> Values:
         fast = self.ratio * speed

@@ -187,7 +187,7 @@ class DrivenPress:
     @property
     def _jumps(self) -> bool:
         """Whether the drive's torque jumps at a speed, other than at rest."""
-        return self.drive is not None and any(corner.jump and np.any(corner.speed) for corner in corners_of(self.drive))
+        return self.drive is not None and any(jump and np.any(speed) for speed, jump in corners_of(self.drive))
 
     @cached_property
     def model(self) -> ReducedModel:
@@ -222,7 +222,7 @@ class DrivenPress:
     @cached_property
     def corners(self) -> tuple[float, ...]:
         """What is known in speed: speeds of the drive's shaft at which its torque is not smooth, those of the first scenario [rad/s]."""
-        return () if self.drive is None else tuple(float(np.ravel(corner.speed)[0]) for corner in corners_of(self.drive))
+        return () if self.drive is None else tuple(float(np.ravel(speed)[0]) for speed, _ in corners_of(self.drive))
 
 
 def driven_press(press: Linkage, drive: object, flywheel: object, loads: Sequence[Load], clutch: object, brake: object) -> DrivenPress:

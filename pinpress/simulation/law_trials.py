@@ -139,7 +139,7 @@ def check_drive(drive: Drive) -> None:
     rates = _asked(f"{name}: rates", lambda: list(drive.rates(1.0, 0.0, 0.0, states)))
     if rates.shape != state.shape:
         raise PinpressError(f"{name}: rates gives {rates.size} of {state.size} states; give one of each")
-    _asked(f"{name}: corners", lambda: [np.ravel(corner.speed)[0] for corner in corners_of(drive)])
+    _asked(f"{name}: corners", lambda: [np.ravel(speed)[0] for speed, _ in corners_of(drive)])
     for what in (drive.torque, drive.motor_torque):
         call: Callable[..., Any] = what
         _law(f"{name}: {what.__name__}", partial(call, angle=0.0, time=0.0, state=states), drive.timed)

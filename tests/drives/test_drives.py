@@ -481,7 +481,7 @@ def test_inertia_behind_gears_has_the_kinetic_energy_of_its_parts():
 
 
 def corner_speeds(drive):
-    return sorted(np.ravel([corner.speed for corner in corners_of(drive)]).tolist())
+    return sorted(np.ravel([speed for speed, _ in corners_of(drive)]).tolist())
 
 
 def test_gears_in_a_row():

@@ -457,6 +457,19 @@ def test_a_torque_that_jumps(press):
     assert geared.corners == (pp.drives.Corner(12.0, jump=True),)
 
 
+def test_a_corner_at_infinity_is_none(press):
+    """As of a limit that is not there."""
+    law, options = lambda w, a, t, s: -10.0 * w, START | {"points": 5}
+    plain, endless = (pp.simulate(press, 0.2, drive=Own(law, corners=corners), **options) for corners in ((), (math.inf, -math.inf)))
+    np.testing.assert_array_equal(plain.crank_angle, endless.crank_angle)
+
+
+@pytest.mark.parametrize("corners", [("a",), (None,), 3.0])
+def test_corners_that_are_no_speeds(press, corners):
+    with pytest.raises(pp.PinpressError, match="Own: corners"):
+        pp.simulate(press, 0.2, drive=Own(lambda w, a, t, s: -10.0 * w, corners=corners), **START)
+
+
 @pytest.mark.parametrize(("give", "said"), [({"jump": 1}, "jump is 1"), ({"speed": "fast"}, "speed is")])
 def test_a_corner_that_makes_no_sense(give, said):
     with pytest.raises(pp.PinpressError, match=f"Corner: {said}"):
