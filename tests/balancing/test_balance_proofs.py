@@ -88,7 +88,7 @@ def test_masses_change_the_forces_of_planar_linkages(planar, seed, engine):
         check_change(planar(seed), link, engine)
 
 
-@pytest.mark.one_in(3)
+@pytest.mark.one_in(4)
 @pytest.mark.parametrize(
     ("text", "link"),
     [(bennett(), "link2"), (four_bar("revolute"), "back"), (four_bar("revolute", "table"), "crank"), (cassie.urdf(), "left-foot-crank")],

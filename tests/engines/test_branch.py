@@ -325,6 +325,7 @@ def test_a_geared_linkage_that_is_never_back(never_back, engine):
         pp.servo_cycle(press, angle=[101.0], speed=3.0, engine=engine)
 
 
+@pytest.mark.exhaustive
 def test_a_geared_linkage_that_is_never_back_is_remarked(never_back):
     assert any("not back at its drawn pose after 16 turns" in note.problem for note in pp.check(never_back.file).notes)
 

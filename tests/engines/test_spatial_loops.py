@@ -231,6 +231,7 @@ def test_power_and_momentum(case):
     assert np.abs(case.result.shaking_moment - moment).max() <= 1e-12 * max(case.moment, case.force * case.press.size)
 
 
+@pytest.mark.one_in(3)
 @pytest.mark.parametrize("name", [name for name in FAMILIES if np.size(FAMILIES[name].swing) == 1])
 def test_equation_of_motion(name, load):
     """Torque = I x'' + I' x'^2 / 2 + V' of one degree of freedom, I and V from Pinocchio's energies at unit speed, 1e-11 of the peak."""

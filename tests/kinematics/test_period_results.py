@@ -154,6 +154,7 @@ def test_measures_of_a_slide_that_is_back_before_other_links(with_cam, alone):
     assert len(pp.measures.stroke_duties(run)) == int(run.crank_angle[-1] / (2 * np.pi)) > 3
 
 
+@pytest.mark.one_in(2)
 @pytest.mark.parametrize("speed", [SPEED, -SPEED])
 def test_ratings_of_a_slide_that_is_back_before_other_links(with_cam, alone, speed):
     """The process force alone does not know of the shaft; at speed the worse of two strokes counts."""

@@ -859,6 +859,7 @@ def test_works_are_integrals(press, method):
     assert abs(simpson @ ((sprung - unloaded) * run.crank_speed) - run.load_work[-1]) < 1e-7 * np.abs(run.load_work).max()
 
 
+@pytest.mark.one_in(2)
 @pytest.mark.parametrize("options", [{}, {"step": 1e-3}, {"method": "constraint"}, {"clutch": pp.drives.Clutch(5000.0)}])
 def test_a_run_is_reproducible(press, options):
     """Bit by bit, with the press read again too."""

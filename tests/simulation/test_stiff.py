@@ -121,7 +121,7 @@ def test_the_reference_of_swings_is_right():
 def test_wide_swings_are_repeated_too(start, loads):
     ours, other = (
         pp.simulate(
-            MECHANISM.press(), 2.0, speed=0.0, angle=start, flywheel=pp.drives.Flywheel(1.0), loads=loads, method=method, points=200
+            MECHANISM.press(), 1.0, speed=0.0, angle=start, flywheel=pp.drives.Flywheel(1.0), loads=loads, method=method, points=200
         )
         for method in ("auto", "implicit")
     )

@@ -526,6 +526,7 @@ class LocalError(Exception):
         raise TypeError("not to be pickled")
 
 
+@pytest.mark.one_in(3)
 @pytest.mark.parametrize(
     "error", [SystemExit(3), GeneratorExit(), SilentError(), LocalError("x"), MemoryError()], ids=lambda e: type(e).__name__
 )

@@ -17,13 +17,13 @@ from support.time_limit import within
 import pinpress as pp
 from pinpress.sweeps.sweeping import sweep
 
-distributed = pytest.importorskip("distributed")
 HERE = Path(__file__).resolve().parents[1]
 
 
 @pytest.fixture
 def cluster(tmp_path):
     """Client, and the processes of the scheduler and the two workers."""
+    distributed = pytest.importorskip("distributed")  # here, as to import it takes longer than to collect all tests of a room
     environment = os.environ | {
         "PYTHONPATH": str(HERE),
         "OMP_NUM_THREADS": "1",

@@ -20,6 +20,7 @@ from support import texts
 from support.generators.hostile import NAMES, load_hostile
 from support.generators.small_linkages import bolted, geared, two_cranks
 from support.in_browser import data_in, pixels, seek, visible, wait
+from support.sampling import rest_exhaustive
 
 import pinpress as pp
 
@@ -77,7 +78,7 @@ def arrows_at(page: Any, time: float) -> list[dict[str, Any]]:
 @pytest.mark.one_in(3)
 @pytest.mark.parametrize("name", pp.presses())
 def test_loads_are_given_where_the_mechanics_puts_them(name: str, tmp_path: Path) -> None:
-    """Every press, without a browser; the next test sees the one of most links and bearings in one."""
+    """Every press, without a browser; the next test sees the simplest, and the one of most links and bearings, in one."""
     press = texts.shipped(name)
     result = pp.inverse_dynamics(press, pp.cycle(press, speed=SPEED, points=24))
     page = data_in(pp.record(press, result.motion, tmp_path / "out.html", reactions=result))
@@ -107,8 +108,9 @@ def feet_of(press: Any, data: Any) -> list[Any]:
     return joints + [data.oMi[loop.joint1].act(loop.point1) for loop in press.loops]
 
 
-def test_links_and_loads_are_seen_where_the_mechanics_puts_them(view: Callable[..., Any], tmp_path: Path) -> None:
-    press = texts.shipped("jf75g_125_symmetric")
+@pytest.mark.parametrize("name", rest_exhaustive(["crank_slide", "jf75g_125_symmetric"], "crank_slide"))
+def test_links_and_loads_are_seen_where_the_mechanics_puts_them(name: str, view: Callable[..., Any], tmp_path: Path) -> None:
+    press = texts.shipped(name)
     motion = pp.cycle(press, speed=SPEED, points=120)
     result = pp.inverse_dynamics(press, motion)
     path = pp.record(press, motion, tmp_path / "out.html", reactions=result)
