@@ -19,19 +19,19 @@ from ..engines.spatial.engine import SpatialEngine
 from ..engines.spatial.kinematics import PassiveJacobian, close, rank
 from ..engines.spatial.model import Rows, SpatialModel
 
-CLEAR = 1e-2  # margin of a block of redundant equations below which all are solved together
+CLEAR = 1e-2  # smallest margin of a redundant linkage over a turn; below it all its equations are solved in one block
 
 
 class Assembly(NamedTuple):
     """A linkage put together in its drawn pose, the drivers at zero.
 
     Attributes:
-        engines: those that suit the linkage by their names, the fastest first.
-        drawn: the drawn pose, closed as far as Newton's method came.
+        engines: the engines that can compute the linkage, by their names, the fastest first.
+        drawn: the drawn pose, closed as far as Newton's method could.
         gaps: (rows,) of the equations of loops and couplings as drawn, see `engines.spatial.model`.
-        determined: whether the drivers determine there how all joints move.
-        rows: the equations in the closed pose, where they have been worked out.
-        branch: the assembly over the crank angle, where it has been followed.
+        determined: whether the drivers determine how all joints move there.
+        rows: the equations in the closed pose; None where they have not been worked out yet.
+        branch: the assembly over the crank angle; None where it has not been followed yet.
     """
 
     engines: Mapping[str, Engine]
@@ -43,14 +43,14 @@ class Assembly(NamedTuple):
 
 
 def assembled(spatial_model: SpatialModel) -> Assembly:
-    """The drawn pose, closed by the engine that suits."""
+    """The drawn pose of a linkage, closed by the fastest engine that can compute it."""
     start, spatial_engine = as_drawn(spatial_model), SpatialEngine(spatial_model)
     for one_block in (False, True) if len(spatial_model.drivers) == 1 else ():
         planar = PlanarEngine.of(spatial_model, one_block)
         if planar is None:
             break
         drawn = planar.close(np.zeros(1), start[:, None], with_margins=True)
-        # Of a redundant linkage one block may lock where the others hold it: a parallelogram with a third crank at its change point.
+        # A block of a redundant linkage may lock where the other blocks lead it: a parallelogram with a third crank at its change point.
         walked = _full_turn(planar, spatial_model, drawn) if planar.plane.redundant and not one_block else None
         fit = one_block or walked is not None or not planar.plane.redundant
         if fit and drawn.margins is not None and np.abs(drawn.margins).min(initial=1.0) > RANK:
@@ -68,14 +68,14 @@ def _in_space(spatial_engine: SpatialEngine, start: Array) -> Assembly:
     gaps, rows, determined = equations.at(start).gaps, None, False
     if np.isfinite(drawn.position).all():
         rows = equations.at(drawn.position[:, 0])
-        free = spatial_model.model.nv - rank(rows.columns)
-        determined = free == count and PassiveJacobian(rows.columns, spatial_model).rank == len(spatial_model.passive_joints)
+        mobility = spatial_model.model.nv - rank(rows.columns)
+        determined = mobility == count and PassiveJacobian(rows.columns, spatial_model).rank == len(spatial_model.passive_joints)
     return Assembly({spatial_engine.name: spatial_engine}, drawn, gaps, determined, rows, None)
 
 
 def as_drawn(spatial_model: SpatialModel) -> Array:
-    """(nv,) joint coordinates of the drawn pose as the file has it, not yet closed: zero, and of gear pairs with an offset where these
-    put their joints while the drivers are at zero."""
+    """(nv,) joint coordinates of the drawn pose as the file has it, not yet closed: zero, but for joints that a gear pair with an offset
+    moves away from zero while the drivers are there."""
     position, found = np.zeros(spatial_model.model.nv), set(spatial_model.drivers)
     meshed: dict[int, list[tuple[int, float, float]]] = {}
     for each in spatial_model.couplings:
@@ -116,7 +116,7 @@ def followed(
 
 
 def through_change_points(engine: Engine, spatial_model: SpatialModel, found: Branch) -> Branch:
-    """A branch followed further, through change points: where two assemblies meet, a linkage in motion goes on in its own."""
+    """A branch followed further, through change points; see `Linkage.branch_through_change_points`."""
     if found.period is not None or not any(found.locks):
         return found
     middle = 0.5 * float(found.angles[0] + found.angles[-1])  # the drawn pose may be beside a change point
@@ -126,7 +126,7 @@ def through_change_points(engine: Engine, spatial_model: SpatialModel, found: Br
 
 
 def _full_turn(planar: PlanarEngine, spatial_model: SpatialModel, drawn: Closure) -> Branch | None:
-    """The branch where the driver turns fully with the equations in the blocks of this plane, well away from locks; else None."""
+    """The branch, if the driver turns fully with the equations in the blocks of this engine and stays well away from locks; else None."""
     try:
         walked = followed(planar, spatial_model, drawn.position[:, 0], smallest_margin=CLEAR)
     except PinpressError:

@@ -1,5 +1,7 @@
-"""What keeps a linkage from being loaded once its links are put together, that its drawn pose does not close or its drivers do not suit it;
-and what is odd or worth knowing about one that can be loaded: warnings and notes.
+"""Errors, warnings and notes about a linkage whose links are put together.
+
+A linkage is not loaded where its drawn pose does not close, or its drivers do not suit it. Warnings and notes are about one that can be
+loaded.
 """
 
 from collections.abc import Iterator
@@ -25,27 +27,38 @@ CLOSE_TO_DRAWN = 0.25  # how far closing the drawn pose may turn a joint [rad], 
 SEEN = 1e-9  # gaps below are rounding [lengths of the linkage, rad]
 UNSEEN = 1e-8  # axes that miss each other by less change the rank of no equations [rad]
 BESIDE = 1e-3  # how far from the drawn pose the rank is looked at again [rad, lengths of the linkage]
-MASSLESS = 1e-13  # share of the inertia that the heaviest link might have, below which none is left
+MASSLESS = 1e-13  # share of the inertia that the heaviest link might have, below which nothing resists a motion
 ROUNDED = 1e-2  # axes as near to parallel as this are meant to be parallel [rad]
+OPEN = 1e-6  # a loop drawn further open than this is reported [lengths of the linkage, rad]
+FAR_OPEN, CLOSED_FAR = (
+    0.02,
+    0.05,
+)  # a loop drawn as far open [lengths of the linkage], or moved as far to close it [rad or m], is hardly meant
+LARGEST = 50.0  # length of a linkage above which it is hardly meant [m]
+DOWNWARDS, BELOW = 0.9, 0.25  # cosine of an axis that points down; distance of a slide below its crank [lengths of the linkage]
+OUTSIDE = 1e-9  # a joint further beyond its limit than this has left it [rad or m]
+HARDLY = 1.0  # a driver that turns by less hardly moves the linkage [deg]
+SAMPLES = 720  # crank angles of a turn at which limits are looked at
+POSES = 6  # poses in which redundancy is looked for: one alone may be a dead centre, where idle forces do not reach all loops
 
 
 def errors(press: Linkage) -> Iterator[Finding]:
-    """All that is wrong; each carries a UrdfError, AssemblyError or SingularityError."""
+    """Everything that keeps the linkage from being loaded; each finding carries a UrdfError, AssemblyError or SingularityError."""
     assembled = closes(press)
     if assembled and press.determined:
         yield from _unseen(press)
         yield from _massless(press)
         return
     rows = press.closed_rows if assembled else press.equations(press.as_drawn)
-    free = press.model.nv - rank(rows.columns)
+    freedom = press.model.nv - rank(rows.columns)
     yield from _unseen(press)
-    if assembled and free > len(press.drivers) and _free_beside(press) == len(press.drivers):
+    if assembled and freedom > len(press.drivers) and _free_beside(press) == len(press.drivers):
         yield _change_point(press, rows)
-    elif free != len(press.drivers):
-        yield _mobility(press, rows, free)
+    elif freedom != len(press.drivers):
+        yield _mobility(press, rows, freedom)
     if not assembled:
         yield from _open(press, rows)
-    elif free == len(press.drivers):
+    elif freedom == len(press.drivers):
         yield from list(_dead_point(press, rows)) or _massless(press)
 
 
@@ -56,7 +69,7 @@ def closes(press: Linkage) -> bool:
     return bool(press.drawn.gap[0] <= tolerance) and bool(np.abs(press.closed - press.as_drawn).max() <= near)
 
 
-def apart(press: Linkage, each: mobility.Held, gaps: Array) -> str:
+def opening_in_words(press: Linkage, each: mobility.Constraint, gaps: Array) -> str:
     """How far a loop or gear pair is open, in words."""
     distance, angle = mobility.opening(press, each, gaps)
     shown = [f"{short(1e3 * distance)} mm"] if distance > SEEN * press.size or angle <= SEEN else []
@@ -64,12 +77,12 @@ def apart(press: Linkage, each: mobility.Held, gaps: Array) -> str:
 
 
 def short(number: float) -> str:
-    """Three digits, or all before the point; one of what is rounding."""
+    """A number with three digits, or with all digits before the point; with one digit where it is rounding."""
     return f"{number:.0f}" if 100 <= number < 1e9 else f"{number:.3g}" if number > SEEN else f"{number:.0e}"
 
 
 def rounded(press: Linkage) -> str | None:
-    """The remedy for axes that are nearly, but not, parallel; None where they are, or far from it."""
+    """The remedy for axes that are nearly but not quite parallel; None where they are parallel, or far from it."""
     off = _off(press)[0]
     if not PARALLEL < off < ROUNDED:
         return None
@@ -77,7 +90,7 @@ def rounded(press: Linkage) -> str | None:
 
 
 def _off(press: Linkage) -> tuple[float, str, int | None]:
-    """By how much the joint or loop that does so most misses the plane, its element and line."""
+    """The largest angle by which a joint or loop is off the plane [rad], with the element and line of that joint or loop."""
     joints: list[tuple[float, str, int | None]]
     joints = [(off, f'<joint name="{name}">', None) for off, name in zip(mobility.joints_off_plane(press), press.joints, strict=True)]
     loops = [
@@ -87,31 +100,31 @@ def _off(press: Linkage) -> tuple[float, str, int | None]:
 
 
 def _unseen(press: Linkage) -> Iterator[Finding]:
-    """Of axes so nearly parallel that the rank of the equations does not show it, but their gaps do, beyond rounding."""
+    """Errors of axes so nearly parallel that the rank of the equations does not show it, but the gaps do."""
     off, element, line = _off(press)
     if PARALLEL < off < UNSEEN and press.loops and (remedy := rounded(press)):
         problem = f"its axis is {off:.2g} rad from parallel to that of joint {press.driver!r}, or out of the plane across it"
         yield Finding.of(UrdfError(press.file, element, line, problem, remedy))
 
 
-def _mobility(press: Linkage, rows: Rows, free: int) -> Finding:
+def _mobility(press: Linkage, rows: Rows, freedom: int) -> Finding:
     drive = "one joint drives" if len(press.drivers) == 1 else f"{len(press.drivers)} joints drive"
-    problem = f"mobility is {free}, but {drive}"
-    if free > len(press.drivers):
+    problem = f"mobility is {freedom}, but {drive}"
+    if freedom > len(press.drivers):
         problem += f": with {_driver(press)} held still, {_joints(mobility.undetermined(press, rows))} can move"
         remedy = "a <loop_joint> is missing, a link hangs free, or a driver is missing"
     else:
         if alone := mobility.overconstraining(press, rows):
             problem += f": {' or '.join(each.title for each in alone)} contradicts the others"
-        elif free == 0 and (locking := mobility.locking(press, rows)):
+        elif freedom == 0 and (locking := mobility.locking(press, rows)):
             problem += f": held by {', '.join(each.title for each in locking)}"
         stuck = rounded(press) or "a loop, a gear pair or a fixed joint too many: nothing can move"
-        remedy = "drive fewer joints" if free > 0 else stuck
+        remedy = "drive fewer joints" if freedom > 0 else stuck
     return Finding.of(UrdfError(press.file, f'<robot name="{press.name}">', None, problem, remedy))
 
 
 def _free_beside(press: Linkage) -> int:
-    """Degrees of freedom that the equations leave a little beside the drawn pose, where none of them fails by chance."""
+    """Degrees of freedom in a random pose near the drawn one, where no equation fails by chance."""
     count = int(press.model.nv)
     lengths = np.array([1.0 if axis.turns else press.size for axis in press.axes])
     beside = press.closed + BESIDE * lengths * np.random.default_rng(0).uniform(-1, 1, count)
@@ -119,7 +132,7 @@ def _free_beside(press: Linkage) -> int:
 
 
 def _change_point(press: Linkage, rows: Rows) -> Finding:
-    """Of a parallelogram drawn in one line, say: two assemblies meet there."""
+    """The error of a linkage drawn at a change point, such as a parallelogram drawn in one line."""
     problem = "two assemblies meet in the drawn pose, and the loops do not say which of them it is"
     remedy = "draw the linkage a little further on"
     smallest = float(singular_values(rows.columns)[press.model.nv - len(press.drivers) - 1])
@@ -128,11 +141,11 @@ def _change_point(press: Linkage, rows: Rows) -> Finding:
 
 
 def _open(press: Linkage, rows: Rows) -> Iterator[Finding]:
-    """The loops and gear pairs that Newton's method left open, widest as drawn first."""
-    owners = mobility.held(press)
+    """Errors of the loops and gear pairs that Newton's method left open, the one drawn furthest open first."""
+    owners = mobility.constraints(press)
     closest = press.closed_rows.gaps if np.isfinite(press.drawn.gap[0]) else rows.gaps
     gaps, left = ([each.gap(of) for each in owners] for of in (rows.gaps, closest))
-    # Where loops hold each other, all of them may be left open; those that are drawn closed are not to blame.
+    # Where loops overconstrain each other, all of them may be left open; those that are drawn closed are not at fault.
     still_open = [k for k in range(len(owners)) if min(gaps[k], left[k]) > ACCEPTED * press.spatial_model.tolerance]
     still_open = still_open or [int(np.argmax(gaps))]
     remedy = rounded(press) or "draw it closed, or change the link lengths"
@@ -142,7 +155,9 @@ def _open(press: Linkage, rows: Rows) -> Iterator[Finding]:
         each, iterations = owners[k], press.drawn.iterations
         problem = "does not close near the drawn pose"
         error = AssemblyError(f"{press.file}:{each.by.line}: {each.title} {problem}; {remedy}", 0.0, gaps[k], iterations)
-        yield Finding("error", each.element, each.by.line, f"{problem}: {apart(press, each, rows.gaps)} apart as drawn", remedy, error)
+        yield Finding(
+            "error", each.element, each.by.line, f"{problem}: {opening_in_words(press, each, rows.gaps)} apart as drawn", remedy, error
+        )
 
 
 def _dead_point(press: Linkage, rows: Rows) -> Iterator[Finding]:
@@ -159,11 +174,11 @@ def _dead_point(press: Linkage, rows: Rows) -> Iterator[Finding]:
 
 
 def _massless(press: Linkage) -> Iterator[Finding]:
-    """Of a linkage with links that have no mass: a motion that no mass resists."""
+    """The error of a linkage with massless links in which no mass resists a motion."""
     masses = [inertia.mass for inertia in press.model.inertias]
     if all(masses[1:]):
         return
-    # One driver may be drawn where the only heavy link is at its dead centre: there it is about to move.
+    # A single driver may be drawn where the only heavy link stands at its dead centre: its acceleration shows that it will move.
     rates = np.hstack([press.drawn.first, press.drawn.second]) if len(press.drivers) == 1 else _rates(press)
     mass = pin.crba(press.model, data_of(press.model), configuration(press.slots, press.closed))
     resisted = rates.T @ mass @ rates
@@ -195,19 +210,9 @@ def _joints(names: list[str]) -> str:
     return f"joint {names[0]!r}" if len(names) == 1 else f"joints {', '.join(map(repr, names))}"
 
 
-OPEN = 1e-6  # a loop drawn further open than this is said to be [lengths of the linkage, rad]
-FAR_OPEN, CLOSED_FAR = 0.02, 0.05  # a loop that is drawn as far open [lengths], or moved as far to close it [rad or m], is hardly meant
-LARGEST = 50.0  # linkage of a press [m]
-DOWNWARDS, BELOW = 0.9, 0.25  # cosine of an axis that points down; how far below its crank a slide hangs [lengths of the linkage]
-OUTSIDE = 1e-9  # a joint further beyond its limit than this has left it [rad or m]
-HARDLY = 1.0  # a driver that turns by less hardly moves the linkage [deg]
-SAMPLES = 720  # per turn
-POSES = 6  # looked at for redundancy: one may be a dead centre, where idle forces pass some loops by
-
-
 def remarks(press: Linkage, robot: "Element") -> Iterator[Finding]:
-    """All of them; ``robot``: root element of the linkage's URDF."""
-    yield from _drawn_open(press, mobility.held(press), OPEN)
+    """All warnings and notes; ``robot``: root element of the linkage's URDF."""
+    yield from _drawn_open(press, mobility.constraints(press), OPEN)
     yield from _units(press, robot)
     yield from _slide_axis(press, robot)
     poses = press.closed[:, None]
@@ -238,15 +243,15 @@ def remarks(press: Linkage, robot: "Element") -> Iterator[Finding]:
 
 
 def severe(press: Linkage, robot: "Element") -> Iterator[Finding]:
-    """The warnings of what makes results of another linkage than was meant, found in a moment: `load` passes them on."""
+    """The warnings that `load` issues: those found quickly, about files that hardly describe the linkage that was meant."""
     far = np.abs(press.closed - press.as_drawn).max() > CLOSED_FAR
-    yield from _drawn_open(press, mobility.held(press)[: len(press.loops)], OPEN if far else FAR_OPEN)
+    yield from _drawn_open(press, mobility.constraints(press)[: len(press.loops)], OPEN if far else FAR_OPEN)
     yield from _units(press, robot)
     yield from _slide_axis(press, robot)
 
 
 def _units(press: Linkage, robot: "Element") -> Iterator[Finding]:
-    """Of lengths, masses or inertias that are hardly in SI units."""
+    """Warnings of lengths, masses or inertias that are hardly in SI units."""
     if press.size > LARGEST:
         problem = f"the linkage is {press.size:.4g} m long"
         yield Finding("warning", str(robot), robot.line, problem, "write lengths in metres, 0.001 for a millimetre")
@@ -254,7 +259,7 @@ def _units(press: Linkage, robot: "Element") -> Iterator[Finding]:
 
 
 def _slide_axis(press: Linkage, robot: "Element") -> Iterator[Finding]:
-    """Of a slide that hangs below its crank and is guided along an axis that points down, so that top and bottom are exchanged."""
+    """The warning of a slide that hangs below its crank and has an axis that points down, so that top and bottom are exchanged."""
     gravity = float(np.linalg.norm(press.model.gravity.linear))
     if press.slide is None or gravity == 0.0:
         return
@@ -268,26 +273,26 @@ def _slide_axis(press: Linkage, robot: "Element") -> Iterator[Finding]:
         yield Finding("warning", str(joint), joint.line, problem, "turn the <axis> round, so that it points up")
 
 
-def _drawn_open(press: Linkage, among: list[mobility.Held], beyond: float) -> Iterator[Finding]:
-    """Of those among loops and gear pairs that are drawn open by more than a part of the linkage's length."""
+def _drawn_open(press: Linkage, among: list[mobility.Constraint], beyond: float) -> Iterator[Finding]:
+    """Warnings of loops and gear pairs that are drawn open ``beyond`` this share of the linkage's length."""
     gaps, moves = press.drawn_gaps, press.closed - press.as_drawn
     most = int(np.argmax(np.abs(moves)))
     moved = f"joint {press.joints[most]!r} by {_value(press, most, moves[most])}"
     for each in among:
         if each.gap(gaps) > beyond * press.size:
             remedy = f"draw it closed; to close it, load has moved {moved}"
-            yield Finding("warning", each.element, each.by.line, f"it is {apart(press, each, gaps)} apart as drawn", remedy)
+            yield Finding("warning", each.element, each.by.line, f"it is {opening_in_words(press, each, gaps)} apart as drawn", remedy)
 
 
 def _limits(press: Linkage, branch: Branch, robot: "Element") -> Iterator[Finding]:
-    """Of joints that leave their limits in a turn of the driver, or as far as it goes."""
+    """Warnings of joints that leave their limits within a turn of the driver, or as far as it turns."""
     low, high = branch.angles[0], branch.angles[-1]
     angles = np.linspace(low, high, 1 + max(1, round(SAMPLES * (high - low) / (2 * np.pi))))
     positions = predict(branch, angles)
     for name, (lower, upper, element) in element_checks.limits(robot).items():
         joint = press.joints.index(name)
         if not lower <= 0.0 <= upper and not press.as_drawn[joint]:
-            continue  # said of the drawn pose
+            continue  # this is reported of the drawn pose
         for beyond, side, limit in ((lower - positions[joint], "lower", lower), (positions[joint] - upper, "upper", upper)):
             at = int(np.argmax(beyond))
             if beyond[at] > OUTSIDE:
@@ -302,15 +307,17 @@ def _value(press: Linkage, joint: int, value: float) -> str:
 
 
 def _redundant(press: Linkage, poses: Array) -> Iterator[Finding]:
-    across, further, among = mobility.redundancy(press, press.closed)
+    out_of_plane, further, among = mobility.redundancy(press, press.closed)
     robot, shared = f'<robot name="{press.name}">', "is shared by least squares, reactions.indeterminate marks it"
-    if across:
-        problem = f"{_equations(across)} redundant across the plane of the linkage, as in any with parallel pins"
+    if out_of_plane:
+        problem = f"{_equations(out_of_plane)} redundant across the plane of the linkage, as in any with parallel pins"
         yield Finding("note", robot, None, problem, f"what bearings carry across it {shared}")
     if further:
         found = [*among, *(each for x in poses.T for each in mobility.redundancy(press, x).among)]
         where = "in the plane" if mobility.lies_in_plane(press) else "in space"
-        problem = f"{_equations(further)} redundant {where}, of {', '.join(each.title for each in mobility.held(press) if each in found)}"
+        problem = (
+            f"{_equations(further)} redundant {where}, of {', '.join(each.title for each in mobility.constraints(press) if each in found)}"
+        )
         remedy = f"their load {shared}; or give inverse_dynamics a stiffness=; lengths and angles have to fit to all digits"
         yield Finding("note", robot, None, problem, remedy)
 
@@ -327,7 +334,7 @@ def _engine(press: Linkage) -> Iterator[Finding]:
 
 
 def _not_planar(press: Linkage) -> str:
-    """Why the planar engine does not take it."""
+    """Why the planar engine cannot compute it."""
     if len(press.drivers) > 1:
         return f"there are {len(press.drivers)} drivers"
     joints, loops = mobility.joints_off_plane(press), mobility.loops_off_plane(press)

@@ -172,9 +172,9 @@ def _put_together(document: Document, driver: str | Sequence[str] | None, slide:
     return findings, Facts(press.drivers, press.slide, press.joints, len(press.drawn_gaps), rank, engine, Records(Closing, closings))
 
 
-def _in_order(press: Linkage) -> Iterator[tuple[int, mobility.Held, tuple[str, ...]]]:
+def _in_order(press: Linkage) -> Iterator[tuple[int, mobility.Constraint, tuple[str, ...]]]:
     """Index of every loop and gear pair, itself, and names of its joints: see `Closing`."""
-    owners = mobility.held(press)
+    owners = mobility.constraints(press)
     for k, joints in press.engine().closing_order():
         yield k, owners[k], tuple(press.joints[joint] for joint in joints)
 

@@ -32,7 +32,7 @@ from .urdf.document import Document
 if TYPE_CHECKING:
     from ..engines.spatial.forward_dynamics import ForwardDynamics
 
-EVEN = 1e-9  # of its moment of inertia, or of the linkage's size: unbalance of a shaft that is rounding
+EVEN = 1e-9  # unbalance of a shaft that is rounding, as a share of its moment of inertia, or of its mass times the linkage's size
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -85,7 +85,7 @@ class Linkage(Frozen):
 
     @property
     def size(self) -> float:
-        """Largest extent of joints and loops in the drawn pose [m]: the length that angles are weighed by against travels."""
+        """Largest extent of joints and loops in the drawn pose [m]: the length by which angles are compared with travels."""
         return self.spatial_model.size
 
     @property
@@ -115,7 +115,7 @@ class Linkage(Frozen):
 
     @property
     def mobility(self) -> int:
-        """Degrees of freedom of the closed linkage: joints less the rank of the equations. One a driver, or `load` had refused."""
+        """Degrees of freedom of the closed linkage: joints less the rank of the equations. `load` accepts as many as there are drivers."""
         return int(self.model.nv) - self.rank
 
     @property
@@ -127,7 +127,7 @@ class Linkage(Frozen):
     @property
     @per_linkage
     def spatial_model(self) -> SpatialModel:
-        """Constants of the linkage, planar or not."""
+        """Constants of the linkage for Pinocchio's engine."""
         return build_spatial_model(self.model, self.loops, self.couplings, tuple(self.joints.index(driver) for driver in self.drivers))
 
     @property
@@ -173,17 +173,17 @@ class Linkage(Frozen):
 
     @property
     def drawn(self) -> Closure:
-        """The drawn pose, its drivers at zero, closed as far as Newton's method came: `load` judges it."""
+        """The drawn pose with drivers at zero, closed as far as Newton's method could; `load` judges it."""
         return self._assembly.drawn
 
     @property
     def drawn_gaps(self) -> Array:
-        """(rows,) gaps of the equations of loops and couplings as drawn, see `spatial.constraints`."""
+        """(rows,) gaps of the equations of loops and couplings as drawn, see `engines.spatial.model`."""
         return self._assembly.gaps
 
     @property
     def determined(self) -> bool:
-        """Whether the drivers determine in the drawn pose how all joints move."""
+        """Whether the drivers determine how all joints move in the drawn pose."""
         return self._assembly.determined
 
     @property
@@ -240,19 +240,17 @@ class Linkage(Frozen):
     @property
     @per_linkage(of_geometry=True)
     def branch_through_change_points(self) -> Branch:
-        """The branch followed further, through change points: where two assemblies meet, a linkage in motion goes on in its own.
-
-        Raises as `branch`.
-        """
+        """The branch followed further, through change points: where two assemblies meet, a linkage in motion goes on in its own. Raises as
+        `branch`."""
         return through_change_points(self.engine(), self.spatial_model, self.branch)
 
     @property
     def period_turns(self) -> int:
-        """Turns of the driver in one period, after which all that matters to motion and forces is where it was. Mostly one; more where gear
-        ratios bring something back later. A balanced shaft that is geared to a linkage, and on none of its loops, does not count.
+        """Turns of the driver in one period, after which motion and forces repeat themselves. It is one turn, or more where gear ratios
+        bring the linkage back only later. A balanced geared shaft that is on no loop does not count.
 
         Raises:
-            SingularityError: the linkage locks before.
+            SingularityError: the linkage locks within the period.
             PinpressError: it is not back after many turns, or has several drivers.
         """
         if self.turns_until_back is not None:
@@ -278,24 +276,24 @@ class Linkage(Frozen):
         return None if periods is None else periods * round(found.period / (2 * np.pi))
 
     def _is_balanced(self, joint: int) -> bool:
-        """Whether what a joint carries has the same inertia however far it has turned; ``joint``: place in v."""
+        """Whether the inertia of what a joint carries does not change as it turns; ``joint``: index in v."""
         body = joint + 1
         if body in list(self.model.parents)[1:]:
             return False  # it carries other joints
         inertia, axis = self.model.inertias[body], self.axes[joint].direction
-        across = np.eye(3) - np.outer(axis, axis)
-        transverse = across @ inertia.inertia @ across
+        normal_part = np.eye(3) - np.outer(axis, axis)  # projects on the plane normal to the axis
+        transverse = normal_part @ inertia.inertia @ normal_part
         along = axis @ inertia.inertia @ axis
-        uneven = inertia.inertia - along * np.outer(axis, axis) - 0.5 * np.trace(transverse) * across
-        eccentric = inertia.mass * np.linalg.norm(across @ inertia.lever)
+        uneven = inertia.inertia - along * np.outer(axis, axis) - 0.5 * np.trace(transverse) * normal_part
+        eccentric = inertia.mass * np.linalg.norm(normal_part @ inertia.lever)
         return bool(np.abs(uneven).max() <= EVEN * along and eccentric <= EVEN * inertia.mass * self.size)
 
     def with_inertias(self, inertias: Sequence[pin.Inertia], name: str | None = None) -> Linkage:
-        """The linkage with other masses. What is known of its geometry is kept, as loops do not feel masses.
+        """The linkage with other masses. What is known of its geometry is kept, because it does not depend on masses.
 
         Args:
-            inertias: of the bodies of all joints, the frame's first, in their frames.
-            name: of the changed linkage; by default that of this one.
+            inertias: inertias of the bodies of all Pinocchio joints, the frame's first, in the joints' frames.
+            name: name of the changed linkage; by default that of this one.
         """
         model = self.model.copy()
         for joint, inertia in enumerate(inertias):

@@ -1,11 +1,11 @@
-"""What follows from a linkage: worked out when first asked for, kept with it, and refused once its model was changed in place.
+"""Results that follow from a linkage alone: worked out when first asked for, kept with it, and refused once its model was changed in place.
 
-Whatever room works it out, `per_linkage` keeps it. What is kept travels with a linkage that is copied or pickled; a changed linkage,
-made by `dataclasses.replace`, starts with nothing.
+`per_linkage` keeps such results in all rooms. They are copied and pickled with the linkage; a changed linkage, made by
+`dataclasses.replace`, starts without any.
 
-Pinocchio's model cannot be made read-only. A change in place would be seen by whatever is worked out later, and by nothing that was
-worked out before. The model is therefore compared with a copy of what it was whenever it, or anything that follows from it, is read: less
-than a microsecond.
+Pinocchio's model cannot be made read-only. A change in place would be seen by results that are worked out later, and not by those worked
+out before. Whenever the model, or a result, is read, the model is therefore compared with a copy of what it was, which takes less than a
+microsecond.
 """
 
 from collections.abc import Callable
@@ -24,15 +24,19 @@ T = TypeVar("T")
 
 
 class Kept(NamedTuple):
-    """What is kept with a linkage, by the full names of the functions that worked it out: what its masses matter to, and what follows from
-    its geometry alone."""
+    """Results kept with a linkage, by the full names of the functions that worked them out.
+
+    Attributes:
+        of_masses: results that may depend on masses and inertias.
+        of_geometry: results that depend on the geometry alone.
+    """
 
     of_masses: dict[str, Any]
     of_geometry: dict[str, Any]
 
 
 class Model:
-    """The attribute that holds the model."""
+    """The attribute of a linkage that holds its model; reading it raises PinpressError where the model was changed in place."""
 
     def __get__(self, press: object | None, owner: type | None = None) -> Any:
         if press is None:
@@ -49,10 +53,11 @@ def per_linkage(work_out: Callable[[P], T]) -> Callable[[P], T]: ...
 @overload
 def per_linkage(*, of_geometry: bool) -> Callable[[Callable[[P], T]], Callable[[P], T]]: ...
 def per_linkage(work_out: Callable[[Any], Any] | None = None, *, of_geometry: bool = False) -> Any:
-    """A function of a linkage that is worked out once for each. Its arrays are read-only; errors are raised again each time.
+    """Decorate a function of a linkage so that it is worked out once for each. Arrays in its result are read-only; errors are not kept.
 
     Args:
-        of_geometry: it does not depend on masses and inertias, and is kept where these change (`Linkage.with_inertias`).
+        work_out: the function.
+        of_geometry: whether its result does not depend on masses and inertias, and is kept where these change (`Linkage.with_inertias`).
     """
     if work_out is None:
         return partial(per_linkage, of_geometry=of_geometry)
@@ -74,12 +79,12 @@ def per_linkage(work_out: Callable[[Any], Any] | None = None, *, of_geometry: bo
 
 
 def keep_geometry(changed: object, press: object) -> None:
-    """Keep with a linkage that differs only in its masses what is known of its geometry."""
+    """Hand the kept results of geometry to a linkage that differs from ``press`` only in its masses."""
     vars(changed)[_KEPT].of_geometry.update(vars(press)[_KEPT].of_geometry)
 
 
 def keep_all_but(forgotten: Callable[[Any], Any], copied: object, press: object) -> None:
-    """Keep with an equal linkage what is known of it, but for what one function of `per_linkage` worked out."""
+    """Hand all kept results to an equal linkage, without those of one function (``forgotten``) of `per_linkage`."""
     for known, own in zip(vars(copied)[_KEPT], vars(press)[_KEPT], strict=True):
         known.update({name: value for name, value in own.items() if name != _name(forgotten)})
 

@@ -1,6 +1,7 @@
-"""What the equations of a linkage leave free, which of them say nothing new, and which loop or gear pair is one too many.
+"""Mobility of a linkage at one configuration: which joints can move, which equations are redundant, which loop or gear pair is one too
+many.
 
-All of one configuration, from its `Rows`. A joint or an equation takes part where its share of the null vectors is above rounding.
+A joint or an equation takes part in a free motion, or in a redundancy, if its share of the null vectors is above rounding.
 """
 
 from typing import NamedTuple
@@ -14,12 +15,18 @@ from ..engines.spatial.kinematics import PassiveJacobian, rank
 from ..engines.spatial.model import Rows
 from .linkage import Linkage
 
-TAKES_PART = 1e-6  # of a unit null vector
-UPRIGHT = 1e-9  # a plane whose normal is a world axis but for as little has the world's axes
+TAKES_PART = 1e-6  # share of a unit null vector above which a joint or an equation takes part in it
+UPRIGHT = 1e-9  # difference of the normal from a world axis up to which a plane has the world's axes
 
 
-class Held(NamedTuple):
-    """A loop or gear pair and its equations: indices of those that hold points, and of those that hold rotations or couple joints."""
+class Constraint(NamedTuple):
+    """A loop or gear pair, and its equations.
+
+    Attributes:
+        by: the loop joint or coupling.
+        points: indices of its equations of points.
+        turns: indices of its equations of rotations, or of the coupling.
+    """
 
     by: LoopJoint | Coupling
     points: tuple[int, ...]
@@ -35,35 +42,35 @@ class Held(NamedTuple):
         return f'<loop_joint name="{self.by.name}">' if isinstance(self.by, LoopJoint) else f'<mimic> of <joint name="{self.by.name}">'
 
     def gap(self, gaps: Array) -> float:
-        """How far it is from being closed [m], a rotation or a coupling counted in lengths of the linkage."""
+        """How far it is from being closed, from the gaps (rows,) of all equations; rotations count in lengths of the linkage [m]."""
         return max(float(np.linalg.norm(gaps[list(self.points)])), float(np.abs(gaps[list(self.turns)]).max(initial=0.0)))
 
 
 class Redundancy(NamedTuple):
-    """Equations that say nothing new.
+    """Redundant equations.
 
     Attributes:
-        across: those across the plane of a planar linkage, which parallel axes fulfil anyway.
-        further: all others, in the plane or in space.
-        among: the loops and gear pairs that take part in these.
+        out_of_plane: number of those out of the plane of a planar linkage, which parallel axes fulfil in any case.
+        further: number of all others.
+        among: the loops and gear pairs that take part in these others.
     """
 
-    across: int
+    out_of_plane: int
     further: int
-    among: tuple[Held, ...]
+    among: tuple[Constraint, ...]
 
 
-def held(press: Linkage) -> list[Held]:
-    """All loops, then couplings, with their rows (see `spatial.constraints`)."""
+def constraints(press: Linkage) -> list[Constraint]:
+    """All loops, then couplings, with the indices of their equations (see `engines.spatial.model`)."""
     result, row = [], 3 * len(press.loops)
     for k, loop in enumerate(press.loops):
-        result.append(Held(loop, (3 * k, 3 * k + 1, 3 * k + 2), tuple(range(row, row + loop.held_rotations))))
+        result.append(Constraint(loop, (3 * k, 3 * k + 1, 3 * k + 2), tuple(range(row, row + loop.held_rotations))))
         row += loop.held_rotations
-    return result + [Held(coupling, (), (row + k,)) for k, coupling in enumerate(press.couplings)]
+    return result + [Constraint(coupling, (), (row + k,)) for k, coupling in enumerate(press.couplings)]
 
 
-def opening(press: Linkage, each: Held, gaps: Array) -> tuple[float, float]:
-    """How far a loop or gear pair is from being closed: distance [m] and angle [rad]."""
+def opening(press: Linkage, each: Constraint, gaps: Array) -> tuple[float, float]:
+    """How far a loop or gear pair is from being closed, from the gaps (rows,) of all equations: distance [m] and angle [rad]."""
     distance, turned = float(np.linalg.norm(gaps[list(each.points)])), float(np.linalg.norm(gaps[list(each.turns)]))
     if isinstance(each.by, Coupling) and not press.axes[each.by.follower].turns:
         return turned, 0.0
@@ -72,65 +79,68 @@ def opening(press: Linkage, each: Held, gaps: Array) -> tuple[float, float]:
 
 
 def undetermined(press: Linkage, rows: Rows) -> list[str]:
-    """Names of the joints that can still move when the drivers are held still."""
+    """Names of the joints that can still move while the drivers stand still."""
     passive = PassiveJacobian(rows.columns, press.spatial_model)
     shares = np.linalg.norm(passive.right[passive.rank :], axis=0)
     return [press.joints[j] for j, share in zip(passive.joints, shares, strict=True) if share > TAKES_PART]
 
 
-def overconstraining(press: Linkage, rows: Rows) -> list[Held]:
-    """The loops and gear pairs without any one of which the drivers would move the linkage, and determine it."""
+def overconstraining(press: Linkage, rows: Rows) -> list[Constraint]:
+    """The loops and gear pairs that are one too many: without this one alone, the drivers would move the linkage and determine it."""
     wanted = len(press.drivers)
     return [each for each, columns in _without_one(press, rows) if _freedom(press, columns) == (wanted, wanted)]
 
 
-def locking(press: Linkage, rows: Rows) -> list[Held]:
-    """The loops and gear pairs of a linkage that cannot move, without any one of which some of the drivers could."""
+def locking(press: Linkage, rows: Rows) -> list[Constraint]:
+    """The loops and gear pairs that lock a linkage: without this one alone, some of its drivers could move."""
     return [each for each, columns in _without_one(press, rows) if _freedom(press, columns)[1] > 0]
 
 
-def _without_one(press: Linkage, rows: Rows) -> list[tuple[Held, Array]]:
-    """All loops and gear pairs, with the columns of the equations of the others."""
-    return [(each, np.delete(rows.columns, each.points + each.turns, axis=0)) for each in held(press)]
+def _without_one(press: Linkage, rows: Rows) -> list[tuple[Constraint, Array]]:
+    """Every loop and gear pair, with the Jacobian of the equations of all others."""
+    return [(each, np.delete(rows.columns, each.points + each.turns, axis=0)) for each in constraints(press)]
 
 
 def _freedom(press: Linkage, columns: Array) -> tuple[int, int]:
-    """Degrees of freedom, and how many of them are the drivers'."""
+    """Degrees of freedom, and how many of them the drivers determine."""
     passive = columns[:, press.spatial_model.passive_joints]
     mobility = int(columns.shape[1]) - rank(columns)
     return mobility, mobility - (int(passive.shape[1]) - rank(passive))
 
 
 def redundancy(press: Linkage, x: Array) -> Redundancy:
-    """How many equations say nothing new at closed joint coordinates (nv,), and of which loops and gear pairs."""
+    """The redundant equations at closed joint coordinates (nv,)."""
     if not press.engine().redundant(x):
         return Redundancy(sum(1 + loop.held_rotations for loop in press.loops) if lies_in_plane(press) else 0, 0, ())
     rows = press.closed_rows if x is press.closed else press.equations(x)
     single = np.eye(len(rows.gaps))
     parts, owners = [], []
-    for k, each in enumerate(held(press)):
+    for k, each in enumerate(constraints(press)):
         part = single[[*each.points, *each.turns]]
         if each.points and lies_in_plane(press):
             normal = _normal(press)
             part = np.linalg.svd(normal[None])[2][1:] @ single[list(each.points)]
-            if len(each.turns) == 3:  # a weld holds its links in the plane too, a pin across it alone
+            if len(each.turns) == 3:  # a weld holds a rotation in the plane too, a pin only those out of it
                 part = np.vstack([part, normal @ rows.held_directions[k] @ single[list(each.turns)]])
         parts.append(part)
         owners += [each] * len(part)
     equations = np.vstack(parts) if parts else single
     idle = PassiveJacobian(equations @ rows.columns, press.spatial_model).idle
     taking = [each for each, share in zip(owners, np.linalg.norm(idle, axis=1), strict=True) if share > TAKES_PART]
-    return Redundancy(len(single) - len(equations), idle.shape[1], tuple(each for each in held(press) if each in taking))
+    return Redundancy(len(single) - len(equations), idle.shape[1], tuple(each for each in constraints(press) if each in taking))
 
 
 def lies_in_plane(press: Linkage) -> bool:
-    """Whether all axes, those of pins at loops too, are parallel to the driver's, and all guides across it."""
+    """Whether the linkage is planar: the axes of all joints and loops are parallel to the driver's, and all guides perpendicular to it."""
     return all(off <= PARALLEL for off in [*joints_off_plane(press), *loops_off_plane(press)])
 
 
 def own_axes(press: Linkage) -> Array:
-    """(3, 3) directions, as rows, in which what a linkage can move, and what it only carries, are told apart: of a planar linkage whose
-    plane is inclined against all world axes the horizontal in the plane, the normal, and the way up in the plane; else the world's."""
+    """(3, 3) unit vectors, as rows, that separate forces in the plane of motion from forces out of it.
+
+    For a planar linkage whose normal is no world axis they are the horizontal in the plane, the normal, and the upward direction in the
+    plane; else the world axes.
+    """
     normal = _normal(press)
     if np.abs(normal).max() >= 1 - UPRIGHT or not lies_in_plane(press):
         return np.eye(3)
@@ -142,21 +152,22 @@ def own_axes(press: Linkage) -> Array:
 
 
 def joints_off_plane(press: Linkage) -> list[float]:
-    """For every joint, the angle [rad] by which its axis misses the direction of the first driver's, or its guide the plane across that."""
+    """For every joint the angle between its axis and the first driver's, or between its guide and the plane normal to that axis [rad]."""
     normal, turned = _normal(press), _drawn_rotations(press)
     angles = (_angle(turned[j + 1] @ axis.direction, normal) for j, axis in enumerate(press.axes))
     return [angle if axis.turns else np.pi / 2 - angle for angle, axis in zip(angles, press.axes, strict=True)]
 
 
 def loops_off_plane(press: Linkage) -> list[float]:
-    """For every loop, the angle [rad] by which its axis misses the direction of the first driver's at either end; 0 without an axis."""
+    """For every loop the larger of the angles between its axis at both ends and the first driver's axis [rad]; 0 for one without an
+    axis."""
     normal, turned = _normal(press), _drawn_rotations(press)
     ends = [((loop.joint1, loop.rotation1), (loop.joint2, loop.rotation2)) if loop.type == "revolute" else () for loop in press.loops]
     return [max((_angle(turned[joint] @ rotation[:, 0], normal) for joint, rotation in pair), default=0.0) for pair in ends]
 
 
 def _angle(direction: Array, other: Array) -> float:
-    """Between two lines [rad]."""
+    """The angle between two lines [rad]."""
     return float(np.arctan2(np.linalg.norm(np.cross(direction, other)), abs(direction @ other)))
 
 

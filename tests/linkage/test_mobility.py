@@ -25,9 +25,9 @@ def test_every_equation_belongs_to_one_loop_or_gear_pair(text):
     """In its rows are the joints that it holds together, and no others."""
     press = large_linkages.load(text)
     rows = press.equations(press.closed)
-    held = mobility.held(press)
-    assert sorted(row for each in held for row in each.points + each.turns) == list(range(len(rows.gaps)))
-    for each in held:
+    found = mobility.constraints(press)
+    assert sorted(row for each in found for row in each.points + each.turns) == list(range(len(rows.gaps)))
+    for each in found:
         if isinstance(each.by, Coupling):
             involved = np.flatnonzero(rows.columns[list(each.turns)].any(axis=0))
             assert set(involved) == {each.by.follower, each.by.leader}
