@@ -8,7 +8,6 @@ import tempfile
 from pathlib import Path
 
 import pinpress as pp
-from pinpress.pin_table.building import drafted
 
 HERE = Path(__file__).parent / "tour"
 SPEED = 60 * pp.RPM
@@ -27,10 +26,10 @@ LINK, PIN, THIN, BLUE = "#2b5c8a", "#ffffff", "#7a828c", "#b3392b"
 def main() -> None:
     HERE.mkdir(exist_ok=True)
     (HERE / "sketch.svg").write_text(sketch(), encoding="utf-8")
-    draft = drafted(table("650"), {})
+    draft = pp.pin_table.draft(table("650"))
     (HERE / "drawn_pose.svg").write_text(draft.sketch, encoding="utf-8")
     try:
-        drafted(table("550"), {})
+        pp.pin_table.draft(table("550"))
     except pp.PinTableError as error:
         (HERE / "does_not_meet.svg").write_text(str(error.sketch), encoding="utf-8")
     press = draft.press()

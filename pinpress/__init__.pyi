@@ -6,6 +6,7 @@ from . import elasticity as elasticity
 from . import foundation as foundation
 from . import loads as loads
 from . import measures as measures
+from . import pin_table as pin_table
 from . import plots as plots
 from . import ratings as ratings
 from . import sweeps as sweeps

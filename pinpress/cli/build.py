@@ -11,7 +11,7 @@ from ..common.errors import PinpressError, PinTableError
 from ..linkage.check import check
 
 if TYPE_CHECKING:
-    from ..pin_table.building import Draft
+    from ..pin_table.building import DrawnPress
 
 
 def add(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
@@ -39,14 +39,14 @@ def run(options: argparse.Namespace) -> int:
         PinTableError: the table makes no press; where lengths do not meet, the sketch that is written shows why.
         PinpressError: the press cannot move as it should, or a file cannot be written.
     """
-    from ..pin_table.building import drafted  # with a parser and shapes that other commands do without
+    from ..pin_table.building import draft as drawn_up  # with a parser and shapes that other commands do without
 
     out = options.out or Path(options.file).with_suffix(".urdf")
     if out.suffix == ".svg":
         raise PinpressError(f"--out is {out}: give the URDF's name, press.urdf; the sketch stands beside it")
     sketch = out.with_suffix(".svg")
     try:
-        draft = drafted(options.file, dict(_parameter(words) for words in options.parameters))
+        draft = drawn_up(options.file, **dict(_parameter(words) for words in options.parameters))
     except PinTableError as error:
         if error.sketch is not None:
             files.write(sketch, error.sketch.encode())
@@ -68,7 +68,7 @@ def _parameter(words: str) -> tuple[str, str]:
     return name, value
 
 
-def _described(draft: Draft) -> list[str]:
+def _described(draft: DrawnPress) -> list[str]:
     lines = [
         f"{draft.name}: {len(draft.parts.links)} links and the frame",
         "",

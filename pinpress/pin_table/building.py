@@ -18,12 +18,12 @@ from ..kinematics.motion import cycle
 from ..linkage.linkage import Linkage
 from ..linkage.loading import load_text
 from ..visual.shapes.appearance import bodies
-from . import sketch
 from .copies import Parts, copied
 from .formulas import CONSTANTS, FUNCTIONS, formula, parameters_of
 from .links import Link, read_links
 from .placement import UNITS, Pin, UnreachableError, place_pins
 from .reading import Entry, given_table, overlaid, read_table
+from .sketch import sketch_of_failure, sketch_of_parts
 from .tree import Tree, build_tree
 from .urdf_text import urdf_text
 
@@ -33,8 +33,8 @@ NEEDED = ("units", "frame", "pins", "links", "drive")
 
 
 @dataclass(frozen=True, eq=False)
-class Draft:
-    """A press as its table draws it, before it is put together.
+class DrawnPress:
+    """A press as its pin table draws it, before it is put together; `draft` makes it.
 
     Attributes:
         name: of the press.
@@ -67,7 +67,7 @@ class Draft:
     @cached_property
     def sketch(self) -> str:
         """The drawn pose with its dimensions, as SVG."""
-        return sketch.of_parts(self.name, self.parts, UNITS[self.unit], self.unit)
+        return sketch_of_parts(self.name, self.parts, UNITS[self.unit], self.unit)
 
     def press(self, gravity: Sequence[float] = (0.0, 0.0, -9.81)) -> Linkage:
         """The press, loaded from its URDF.
@@ -139,11 +139,22 @@ def build(table: str | os.PathLike[str] | None = None, /, *, gravity: Sequence[f
     Warns:
         PinpressWarning: what `load` warns of, and numbers that are hardly meant: another unit, a centre of mass far outside of its link.
     """
-    return drafted(table, values).press(gravity)
+    return draft(table, **values).press(gravity)
 
 
-def drafted(table: str | os.PathLike[str] | None, values: Mapping[str, Any]) -> Draft:
-    """The draft of a press; arguments, errors and warnings as of `build`."""
+def draft(table: str | os.PathLike[str] | None = None, /, **values: Any) -> DrawnPress:
+    """A press as its pin table draws it: for the sketch, the URDF with shapes, and what was estimated.
+
+    Args:
+        table: as of `build`.
+        values: as of `build`.
+
+    Raises:
+        PinTableError: the table makes no press.
+
+    Warns:
+        PinpressWarning: numbers that are hardly meant.
+    """
     entries = given_table(values) if table is None else _with_parameters(read_table(table), values)
     items = entries.items("keys: units, frame, pins, links and drive")
     for key, entry in items.items():
@@ -157,7 +168,7 @@ def drafted(table: str | os.PathLike[str] | None, values: Mapping[str, Any]) -> 
     try:
         pins = place_pins(items["pins"], parameters, UNITS[unit])
     except UnreachableError as error:
-        drawn = sketch.of_failure(error, UNITS[unit], unit)
+        drawn = sketch_of_failure(error, UNITS[unit], unit)
         raise PinTableError(error.file, error.line, error.element, error.problem, error.remedy, drawn) from error
     _check_sizes(items["pins"], pins, unit)
     links = read_links(items, pins, parameters, UNITS[unit])
@@ -167,7 +178,7 @@ def drafted(table: str | os.PathLike[str] | None, values: Mapping[str, Any]) -> 
         parts = copied(parts, each, parameters, UNITS[unit])
     tree = build_tree(parts, entries)
     name = items["press"].text("a name") if "press" in items else "press"
-    return Draft(name, entries.file, unit, pins, links, parts, tree)
+    return DrawnPress(name, entries.file, unit, pins, links, parts, tree)
 
 
 def _positions(press: Linkage) -> Array:

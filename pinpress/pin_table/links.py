@@ -122,7 +122,7 @@ class _Reader:
         self.items = table["links"].items("links by their names: {crank: {pins: A B, mass: 20}}")
         self.pins, self.parameters, self.unit = pins, parameters, unit
         self.without = "masses" in table and self._without(table["masses"])
-        self.density = self._above_zero(table["density"], "a density") if "density" in table else STEEL
+        self.density = self.above_zero(table["density"], "a density") if "density" in table else STEEL
         self.carried: dict[str, list[str]] = {}
         for name, entry in self.items.items():
             if name == FRAME or not name or any(c.isspace() or c in ",;:[]{}<>\"'&" for c in name):
@@ -209,7 +209,8 @@ class _Reader:
         angle = np.radians(number(replace(entry, value=word), self.parameters))
         return np.array([np.cos(angle), 0.0, np.sin(angle)])
 
-    def _above_zero(self, entry: Entry, what: str) -> float:
+    def above_zero(self, entry: Entry, what: str) -> float:
+        """A number above zero; ``what`` it is in messages."""
         value = number(entry, self.parameters)
         if value <= 0:
             entry.refuse(f"{what} of {value:.6g}", "write one above zero")
@@ -255,7 +256,7 @@ class _Space:
 
     def length(self, entry: Entry, what: str) -> float:
         """A length above zero [m]."""
-        return self.reader._above_zero(entry, what) * self.reader.unit
+        return self.reader.above_zero(entry, what) * self.reader.unit
 
     def lengths(self, entry: Entry, what: str, count: int) -> tuple[float, ...]:
         """Lengths written with x between them [m]."""
@@ -303,7 +304,7 @@ class _Masses:
         return _Body(MASSLESS, centre, MASSLESS * size**2 * np.eye(3))
 
     def _of_mass(self) -> _Body:
-        mass = self.space.reader._above_zero(self.items["mass"], "a mass")
+        mass = self.space.reader.above_zero(self.items["mass"], "a mass")
         centre, inertia, words = self._estimated(mass)
         if "com" in self.items:
             centre = self.space.place(self.items["com"])
@@ -391,7 +392,7 @@ class _Masses:
                 problem = f"{about:.6g} kg m2 about {name} is less than its mass there would have, m d2 = {mass * distance**2:.6g} kg m2"
                 each.refuse(problem, f"give it in kg m2; or it is about the centre of mass: inertia: {about:.6g}")
             return self._about_normal(about - mass * distance**2)
-        value = self.space.reader._above_zero(entry, "a moment of inertia")
+        value = self.space.reader.above_zero(entry, "a moment of inertia")
         if self.space.is_spatial():
             entry.refuse("one moment of inertia of a link in space", "give three: [Ixx, Iyy, Izz]")
         return self._about_normal(value)
@@ -407,8 +408,8 @@ class _Masses:
         else:
             centre = space.place(self.items["com"]) if "com" in self.items else space.points()[0]
             solid = self._solid(kind, entry, centre)
-        density = space.reader._above_zero(self.items["density"], "a density") if "density" in self.items else space.reader.density
-        mass = space.reader._above_zero(self.items["mass"], "a mass") if "mass" in self.items else density * _volume(solid)
+        density = space.reader.above_zero(self.items["density"], "a density") if "density" in self.items else space.reader.density
+        mass = space.reader.above_zero(self.items["mass"], "a mass") if "mass" in self.items else density * _volume(solid)
         centre = space.place(self.items["com"]) if "com" in self.items else solid.centre
         inertia = self._inertia(mass, centre) if "inertia" in self.items or "gyration" in self.items else _inertia_of(solid, mass)
         return _Body(mass, centre, inertia)
@@ -442,11 +443,11 @@ class _Masses:
         if len(kinds) > 1 or not (kinds or "mass" in items):
             entry.refuse("a part without mass" if not kinds else "a disc and a box", "give mass, disc or box")
         centre = space.place(items["at"]) if "at" in items else space.points()[0]
-        mass = space.reader._above_zero(items["mass"], "a mass") if "mass" in items else 0.0
+        mass = space.reader.above_zero(items["mass"], "a mass") if "mass" in items else 0.0
         inertia = np.zeros((3, 3))
         if kinds:
             solid = self._solid(kinds[0], items[kinds[0]], centre)
-            density = space.reader._above_zero(items["density"], "a density") if "density" in items else space.reader.density
+            density = space.reader.above_zero(items["density"], "a density") if "density" in items else space.reader.density
             mass = mass or density * _volume(solid)
             inertia = _inertia_of(solid, mass)
         if "inertia" in items:

@@ -20,7 +20,7 @@ INK, PALE, WRONG = "#30363d", "#9aa2ab", "#c2452d"
 STYLE = "text{font:14px sans-serif;fill:#30363d;paint-order:stroke;stroke:#fff;stroke-width:4px}.dimension{font-size:12px;fill:#57606a}"
 
 
-def of_parts(name: str, parts: Parts, unit: float, unit_name: str) -> str:
+def sketch_of_parts(name: str, parts: Parts, unit: float, unit_name: str) -> str:
     """The drawn pose of a press: links as bars and plates, pins with their names, lengths in the table's unit."""
     sheet = _Sheet([pin.point[[0, 2]] for pin in parts.pins.values()], f"{name}: drawn pose, lengths in {unit_name}")
     for k, link in enumerate(parts.links):
@@ -31,7 +31,7 @@ def of_parts(name: str, parts: Parts, unit: float, unit_name: str) -> str:
     return sheet.text()
 
 
-def of_failure(error: UnreachableError, unit: float, unit_name: str) -> str:
+def sketch_of_failure(error: UnreachableError, unit: float, unit_name: str) -> str:
     """The pins placed so far, with the circles and the line that do not meet."""
     spread = [pin.point[[0, 2]] for pin in error.pins]
     for centre, radius in error.circles:

@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import pinpress as pp
-from pinpress.pin_table.building import drafted
+from pinpress.pin_table import draft
 from pinpress.pin_table.templates import TEMPLATES, template
 
 URDF = Path(__file__).resolve().parents[2] / "urdf"
@@ -118,7 +118,7 @@ def test_any_order_is_the_same_press(name, seed, tmp_path):
 def test_pins_are_where_their_lengths_say(one, two, first, second):
     """Two lengths, a length and a line, and angles from rays: measured again from the places."""
     pins = {"A": [10, 20], "B": {"from": "A", "length": 100, "angle": one}, "C": {"from": "A B", "length": 70, "angle": two}}
-    placed = drafted(None, crank_slide(pins=crank_slide()["pins"] | pins)).pins
+    placed = draft(**crank_slide(pins=crank_slide()["pins"] | pins)).pins
     a, b, c = (placed[name].point[[0, 2]] for name in "ABC")
     assert np.linalg.norm(b - a) == pytest.approx(0.1)
     assert np.linalg.norm(c - a) == pytest.approx(0.07)
@@ -127,7 +127,7 @@ def test_pins_are_where_their_lengths_say(one, two, first, second):
     if abs(first - second) * 99 < 100 < (first + second) * 99:
         for side in ("ccw", "cw"):
             more = pins | {"D": {"A": first * 100, "B": second * 100, "side": side}}
-            d = drafted(None, crank_slide(pins=crank_slide()["pins"] | more)).pins["D"].point[[0, 2]]
+            d = draft(**crank_slide(pins=crank_slide()["pins"] | more)).pins["D"].point[[0, 2]]
             assert np.linalg.norm(d - a) == pytest.approx(first / 10)
             assert np.linalg.norm(d - b) == pytest.approx(second / 10)
             assert ((b - a)[0] * (d - a)[1] > (b - a)[1] * (d - a)[0]) == (side == "ccw")
@@ -135,7 +135,7 @@ def test_pins_are_where_their_lengths_say(one, two, first, second):
 
 def body(link: str, **table):
     """Mass [kg], centre of mass [m] and inertia about y [kg m2] of a link of a crank-slide with changes."""
-    made = next(each for each in drafted(None, crank_slide(**table)).links if each.name == link)
+    made = next(each for each in draft(**crank_slide(**table)).links if each.name == link)
     return made.mass, made.centre[[0, 2]], made.inertia[1, 1]
 
 
@@ -168,9 +168,9 @@ def test_masses_are_those_of_plain_bodies(crank, mass, centre, inertia):
 def test_a_plate_is_a_triangle_of_its_pins():
     """About its centroid m (a2 + b2 + c2) / 36."""
     table = SIX_BAR | {"links": SIX_BAR["links"] | {"rocker": {"pins": "D C E", "mass": "100"}}}
-    draft = drafted(None, table)
-    rocker = next(link for link in draft.links if link.name == "rocker")
-    corners = [draft.pins[name].point for name in "DCE"]
+    drawn = draft(**table)
+    rocker = next(link for link in drawn.links if link.name == "rocker")
+    corners = [drawn.pins[name].point for name in "DCE"]
     sides = sum(float((p - q) @ (p - q)) for p, q in zip(corners, [*corners[1:], corners[0]], strict=True))
     assert rocker.centre == pytest.approx(np.mean(corners, axis=0), abs=1e-15)
     assert rocker.inertia[1, 1] == pytest.approx(100 * sides / 36, rel=1e-12)
@@ -180,8 +180,8 @@ def test_a_plate_of_four_pins_is_two_triangles():
     """A rectangle 200 x 300 with a fifth pin inside: m (a2 + b2) / 12 about its middle."""
     pins = {"A": [0, 0], "B": [200, 0], "C": [200, 300], "D": [0, 300], "E": [90, 100]}
     plate = {"pins": "A B C D E", "mass": 12, "parts": [{"mass": 1e-12, "at": "A"}]}
-    draft = drafted(None, crank_slide(pins=crank_slide()["pins"] | pins, links=links(plate=plate), frame="O A"))
-    made = next(link for link in draft.links if link.name == "plate")
+    drawn = draft(**crank_slide(pins=crank_slide()["pins"] | pins, links=links(plate=plate), frame="O A"))
+    made = next(link for link in drawn.links if link.name == "plate")
     assert made.centre == pytest.approx([0.1, 0, 0.15], abs=1e-12)
     assert made.inertia[1, 1] == pytest.approx(12 * (0.2**2 + 0.3**2) / 12, rel=1e-9)
 
@@ -211,7 +211,7 @@ def test_copies_share_what_one_carried():
     for side in ("_front", "_back"):
         assert split.bearing_force[f"P{side}"] == pytest.approx(whole.bearing_force["P"] / 2, abs=1e-9)
     twice = [*copies, {"links": "rod_front rod_back", "x": [-5, 5], "names": "_left _right"}]
-    assert len(drafted(None, crank_slide(links=half, copies=twice)).parts.links) == 6
+    assert len(draft(**crank_slide(links=half, copies=twice)).parts.links) == 6
 
 
 def test_a_mirrored_half_turns_the_other_way():
@@ -227,9 +227,9 @@ def test_what_is_written_is_a_urdf_for_others(tmp_path):
     import pinocchio as pin
     import yourdfpy
 
-    draft = drafted(URDF / "zxn2_3000b.yaml", {})
+    drawn = draft(URDF / "zxn2_3000b.yaml")
     path = tmp_path / "press.urdf"
-    path.write_bytes(draft.urdf)
+    path.write_bytes(drawn.urdf)
     robot = yourdfpy.URDF.load(str(path), load_meshes=False)
     assert [*robot.link_map] == ["frame", "crank", "coupler", "rocker", "rod", "slide"]
     assert all(robot.link_map[name].visuals for name in robot.link_map if name != "frame")
@@ -237,17 +237,17 @@ def test_what_is_written_is_a_urdf_for_others(tmp_path):
         sum(float(link["mass"]) for link in SIX_BAR["links"].values()), rel=1e-12
     )
     torque = reactions(pp.load(path)).driving_torque
-    assert torque == pytest.approx(reactions(draft.press()).driving_torque, rel=1e-14)
-    assert b"A: frame on crank" in draft.urdf
+    assert torque == pytest.approx(reactions(drawn.press()).driving_torque, rel=1e-14)
+    assert b"A: frame on crank" in drawn.urdf
 
 
 def test_bases_are_laid_under(tmp_path):
     """Pins and keys of links are replaced, ``none`` removes; a base that leads back is refused."""
     (tmp_path / "base.yaml").write_bytes(template("crank-slide"))
     (tmp_path / "press.yaml").write_text("base: base.yaml\nlinks: {rod: {section: none, overhang: none, mass: 15}}\nparameters: {r: 90}\n")
-    draft = drafted(tmp_path / "press.yaml", {})
-    assert draft.parts.links[1].mass == 15
-    assert np.linalg.norm(draft.pins["P"].point) == pytest.approx(0.09)
+    drawn = draft(tmp_path / "press.yaml")
+    assert drawn.parts.links[1].mass == 15
+    assert np.linalg.norm(drawn.pins["P"].point) == pytest.approx(0.09)
     (tmp_path / "base.yaml").write_text("base: press.yaml\n")
     with pytest.raises(pp.PinTableError, match="each other's base"):
         pp.build(tmp_path / "press.yaml")
@@ -257,6 +257,6 @@ def test_sketches_are_drawings():
     """Every pin and length of the six-bar by its number; XML that a browser shows."""
     from xml.etree import ElementTree
 
-    sketch = drafted(URDF / "zxn2_3000b.yaml", {}).sketch
+    sketch = draft(URDF / "zxn2_3000b.yaml").sketch
     words = {each.text for each in ElementTree.fromstring(sketch).iter("{http://www.w3.org/2000/svg}text")}
     assert {"A", "B", "C", "D", "E", "F", "143", "1243", "375", "480", "crank", "slide"} <= words

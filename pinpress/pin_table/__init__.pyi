@@ -1,0 +1,2 @@
+from .building import DrawnPress as DrawnPress
+from .building import draft as draft
