@@ -14,6 +14,8 @@ import numpy as np
 
 from ..common.errors import AssemblyError, PinTableError, SingularityError, caution, suggestion
 from ..common.quantities import Array
+from ..common.results import Tabular
+from ..common.tables import Columns
 from ..kinematics.motion import cycle
 from ..linkage.linkage import Linkage
 from ..linkage.loading import load_text
@@ -32,8 +34,8 @@ MOST, LEAST = 200.0, 0.02  # sizes of presses [m]
 NEEDED = ("units", "frame", "pins", "links", "drive")
 
 
-@dataclass(frozen=True, eq=False)
-class DrawnPress:
+@dataclass(frozen=True, eq=False, repr=False)
+class DrawnPress(Tabular):
     """A press as its pin table draws it, before it is put together; `draft` makes it.
 
     Attributes:
@@ -80,6 +82,24 @@ class DrawnPress:
         """
         text = urdf_text(self.name, self._comment(), self.parts, self.tree)
         return load_text(text, f"{self.file} as URDF", gravity=gravity)
+
+    @property
+    def title(self) -> str:
+        """The press, how many links it has, and its size."""
+        return f"DrawnPress {self.name}: {len(self.parts.links)} links and the frame, {_size(self.parts.pins):.3f} m"
+
+    def columns(self) -> Columns:
+        """Bearings with the links that they connect and their places in the drawn pose."""
+        bearings = list(self.bearings())
+        at = {each.name: each.pin for each in (*self.tree.joints, *self.tree.loops)}
+        origins = {link.guide.name: link.origin for link in self.parts.links if link.guide is not None}
+        points = np.array([self.parts.pins[pin].point if (pin := at[name]) is not None else origins[name] for name, _, _ in bearings])
+        named = {
+            "bearing": [each[0] for each in bearings],
+            "force of": [each[1] for each in bearings],
+            "on": [each[2] for each in bearings],
+        }
+        return named | {f"{axis} [m]": points[:, k] for k, axis in enumerate("xyz")}
 
     def bearings(self) -> Iterator[tuple[str, str, str]]:
         """Name of every bearing, the link whose force it has, and the link on which that acts."""

@@ -37,6 +37,7 @@ MADE |= {"PressRatings", "Reactions", "Run", "DeflectedSlide", "SnapThroughRespo
 MADE |= {
     "Correction",
     "CrankSlider",
+    "DrawnPress",
     "FrameMotion",
     "HarmonicChange",
     "Isolation",

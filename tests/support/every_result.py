@@ -225,6 +225,17 @@ def made():
             ACCURACY,
             MEASUREMENT,
         ),
+        pp.pin_table.draft(
+            units="mm",
+            frame="O",
+            pins={"O": [0, 0], "P": {"from": "O", "length": 100, "angle": -90}, "W": {"P": 400, "x": 0, "side": "down"}},
+            links={
+                "crank": {"pins": "O P", "mass": 20},
+                "rod": {"pins": "P W", "mass": 15},
+                "slide": {"pins": "W", "guide": "up", "mass": 90},
+            },
+            drive="O",
+        ),
         *(
             classical.as_crank_slider(press()),
             classical.unbalance(press(), "crank"),
@@ -253,12 +264,16 @@ DESCRIPTIONS = {
     "AddedMass",
     "Capacities",
     "Frame",
+    "Link",
     "Linkage",
     "Measure",
     "Mount",
     "OperatingCondition",
     "Parameter",
+    "Parts",
+    "Pin",
     "Stiffness",
+    "Tree",
 }  # callers give these
 SOLUTION = {"ClosedStates", "SimulationProblem", "Trajectory"}  # behind a motion: the equations and what solves them
 HOLDERS = {"NamedArrays", "Records"}  # of arrays, and of results

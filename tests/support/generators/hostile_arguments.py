@@ -234,6 +234,7 @@ def calls() -> dict[str, Call]:
         ("Range", pp.balancing.Range, lambda: measured),
         ("Rms", pp.balancing.Rms, lambda: measured),
         ("build", pp.build, table),
+        ("pin_table.draft", pp.pin_table.draft, lambda: {key: value for key, value in table().items() if key != "gravity"}),
         ("PointForce", pp.loads.PointForce, lambda: {"link": "slide", "force": (0.0, 0.0, 1.0), "point": (0.0, 0.0, 0.0)}),
         ("Rod", pp.elasticity.Rod, lambda: {"link": "rod", "between": ("P", "W"), "stiffness": 1e9}),
         (
