@@ -18,7 +18,10 @@ TOP = (
     " steady_state Run RunBatch record report visual_model RPM"
 )
 MADE_BY_FUNCTIONS = ("Linkage", "Motion", "Reactions", "Run", "RunBatch")
-SPACES = "pin_table loads drives measures ratings elasticity foundation balancing balancing.classical synthesis derivatives sweeps plots video accuracy"
+SPACES = (
+    "pin_table loads drives measures ratings elasticity foundation balancing balancing.classical synthesis derivatives sweeps"
+    " plots video accuracy"
+)
 
 INDEX = """\
 # Reference

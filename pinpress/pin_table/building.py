@@ -91,7 +91,7 @@ class DrawnPress(Tabular):
     def columns(self) -> Columns:
         """Bearings with the links that they connect and their places in the drawn pose."""
         bearings = list(self.bearings())
-        at = {each.name: each.pin for each in (*self.tree.joints, *self.tree.loops)}
+        at = {joint.name: joint.pin for joint in self.tree.joints} | {loop.name: loop.pin for loop in self.tree.loops}
         origins = {link.guide.name: link.origin for link in self.parts.links if link.guide is not None}
         points = np.array([self.parts.pins[pin].point if (pin := at[name]) is not None else origins[name] for name, _, _ in bearings])
         named = {
