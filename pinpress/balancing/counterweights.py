@@ -18,7 +18,7 @@ from ..common.errors import PinpressError, UnknownNameError, shown
 from ..common.frozen import Frozen
 from ..common.quantities import Array
 from ..common.results import Record
-from ..dynamics.applied_loads import place
+from ..dynamics.applied_loads import point_on_body
 from ..dynamics.inverse_dynamics import Reactions, inverse_dynamics
 from ..kinematics.motion import Motion
 from ..linkage.linkage import Linkage
@@ -175,7 +175,7 @@ def carrying_joint(press: Linkage, link: str, position: tuple[float, float, floa
     Raises:
         PinpressError: The link does not move, or the position is not three finite numbers.
     """
-    joint, point = place(press, link, position, what, "position")
+    joint, point = point_on_body(press, link, position, what, "position")
     if joint == 0:
         moving = [name for name in press.links if press.model.frames[press.model.getFrameId(name, pin.BODY)].parentJoint]
         raise PinpressError(f"{what}: {shown(link)} does not move, so no mass on it balances anything; moving links: {', '.join(moving)}")
@@ -235,7 +235,7 @@ def _added_inertia(press: Linkage, weight: Counterweight) -> tuple[int, pin.Iner
 
 def _inertia_forces(press: Linkage, motion: Motion, masses: PointMasses) -> tuple[Array, Array]:
     """World positions (p, n, 3) of the masses [m], and weight plus inertia force (p, n, 3) of each [N]."""
-    places = [place(press, masses.link, tuple(point), "counterweight", "position") for point in masses.points]
+    places = [point_on_body(press, masses.link, tuple(point), "counterweight", "position") for point in masses.points]
     joint, points = places[0][0], np.array([point for _, point in places])
     position, acceleration = press.engine().point_accelerations(motion.states(press), joint, points)
     return position, masses.masses[:, None, None] * (press.model.gravity.linear - acceleration)

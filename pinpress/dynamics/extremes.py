@@ -1,7 +1,7 @@
-"""The smallest and largest values of motion, torques and forces, where they are, and how large these are on average; and what of them is
-rounding, so that a bearing that carries nothing is not said to have its peak somewhere.
+"""Smallest, largest and rms values of motion, torques and forces, with the crank angles where they are reached; and what counts as
+rounding, so that no peak is reported for a bearing that carries nothing.
 
-Signs and axes as in `inverse_dynamics`. All raise `PinpressError` for values that are not finite.
+Signs and axes are those of `inverse_dynamics`. All functions raise `PinpressError` for values that are not finite.
 """
 
 from __future__ import annotations
@@ -19,12 +19,14 @@ from ..common.results import Record, Records
 from ..kinematics.motion import Motion, poses
 from .inverse_dynamics import Reactions
 
-NOTHING = 1e-12  # of the largest value: less is rounding
+ROUNDING_OF_VALUES = 1e-12  # share of a quantity's largest value below which a value is rounding
+AXES = ("x", "y", "z")
+ROUNDING = 1e-9  # share of the largest force below which a force, or of the crank speed below which its variation, is rounding
 
 
 @runtime_checkable
 class DrivenMotion(Protocol):
-    """A motion that a drive made, as a `Run` is."""
+    """A motion that results from a drive, as a `Run`."""
 
     @property
     def drive_torque(self) -> Array: ...
@@ -38,12 +40,11 @@ class ExtremeValues(Record, units={"smallest_at": "deg", "largest_at": "deg"}):
         quantity: Its name, for example "shaking force, x".
         unit: Its unit.
         smallest: Smallest value.
-        smallest_at: Crank angle of the smallest value [deg], as of `Motion.crank_degrees`.
+        smallest_at: Crank angle of the smallest value, see `Motion.crank_degrees` [deg].
         largest: Largest value.
         largest_at: Crank angle of the largest value [deg].
         range: Largest value less the smallest.
-        rms: Root of the mean square over the states, which is that over time where the states are equally spaced in time, as in a `cycle`
-            or a run.
+        rms: Root mean square over the states; it is that over time where the states are equally spaced in time, as in a `cycle` or a run.
     """
 
     quantity: str
@@ -58,11 +59,10 @@ class ExtremeValues(Record, units={"smallest_at": "deg", "largest_at": "deg"}):
 
 @typed
 def extremes(reactions: Reactions) -> Records[ExtremeValues]:
-    """Find the extremes of slide, torques, bearing forces and moments, shaking force and shaking moment, and of a crank speed that varies.
+    """Extremes of slide motion, torques, bearing forces and moments, shaking force and shaking moment, and of a crank speed that varies.
 
-    Of vectors these are the components along the world's axes and the magnitude; components that are zero throughout, but for rounding,
-    are left out. Of bearings' moments only those count that hold links against turning. Slide positions are in mm and crank speeds in
-    r/min, all else is in SI units.
+    Vectors are listed by their magnitude and their components along the world axes, without components that are zero to rounding. Bearing
+    moments are those that `held_moments` returns. Slide positions are in mm and crank speeds in r/min, all else is in SI units.
 
     Args:
         reactions: Reactions of all bearings.
@@ -98,7 +98,7 @@ def _series(reactions: Reactions) -> Iterator[tuple[str, str, Array]]:
 
 
 def _by_driver(quantity: str, unit: str, values: Array, motion: Motion) -> Iterator[tuple[str, str, Array]]:
-    """A quantity (n,); of several drivers (n, drivers), one each."""
+    """Name, unit and values (n,) of a quantity of the driver, or of each of several drivers."""
     if values.ndim == 1:
         yield quantity, unit, values
     else:
@@ -117,22 +117,21 @@ def _extreme_values(quantity: str, unit: str, values: Array, angle: Array) -> Ex
     low, high = int(values.argmin()), int(values.argmax())
     smallest, largest = float(values[low]), float(values[high])
     size = float(np.abs(values).max()) or 1.0  # divided by before squaring: squares of large numbers overflow
-    smallest, largest = (0.0 if abs(value) < NOTHING * size else value for value in (smallest, largest))
-    width = largest - smallest if largest - smallest > NOTHING * size else 0.0
+    smallest, largest = (0.0 if abs(value) < ROUNDING_OF_VALUES * size else value for value in (smallest, largest))
+    width = largest - smallest if largest - smallest > ROUNDING_OF_VALUES * size else 0.0
     rms = size * float(np.sqrt(np.mean((values / size) ** 2)))
     return ExtremeValues(quantity, unit, smallest, float(angle[low]), largest, float(angle[high]), width, rms)
 
 
-AXES = ("x", "y", "z")
-ROUNDING = 1e-9  # of the largest force, and of a constant crank speed
+# ------------------------------------------------------------------------------------------------------------------------- what is rounding
 
 
 class Rounding(NamedTuple):
-    """Sizes below which a component is rounding.
+    """Magnitudes below which a component is rounding.
 
     Attributes:
-        force: Of forces [N].
-        moment: Of moments and torques [N m].
+        force: Limit for forces [N].
+        moment: Limit for moments and torques [N m].
     """
 
     force: float
@@ -140,7 +139,7 @@ class Rounding(NamedTuple):
 
 
 def rounding(reactions: Reactions) -> Rounding:
-    """What is rounding beside the largest bearing force, and beside the largest of driving torque and that force times the linkage's size.
+    """Limits of rounding: shares of the largest bearing force, and of the larger of driving torque and that force times the linkage's size.
 
     Raises:
         PinpressError: Bearings were left out of the reactions, or a force is not finite.
@@ -155,7 +154,7 @@ def finite_forces(reactions: Reactions) -> dict[str, Array]:
     """Bearing forces (n, 3) [N] by the bearings' names.
 
     Raises:
-        PinpressError: Bearings were left out, the largest force being what tells rounding, or a force is not finite.
+        PinpressError: Bearings were left out (the largest force decides what is rounding), or a force is not finite.
     """
     if reactions.left_out:
         raise PinpressError(
@@ -165,7 +164,7 @@ def finite_forces(reactions: Reactions) -> dict[str, Array]:
 
 
 def finite(quantity: str, values: Array) -> Array:
-    """The values (n, ...) themselves.
+    """The values (n, ...), after a check.
 
     Raises:
         PinpressError: There is no value, or one is not finite.
@@ -179,21 +178,21 @@ def finite(quantity: str, values: Array) -> Array:
 
 
 def torque_without_rounding(reactions: Reactions) -> Array:
-    """Driving torque (n,) or (n, drivers) [N m], zero where it is rounding throughout."""
+    """Driving torque (n,) or (n, drivers) [N m]; that of a driver is zero if it is rounding in all states."""
     torque = finite("driving torque", reactions.driving_torque)
     return np.where(np.abs(torque).max(axis=0) > rounding(reactions).force * reactions._press.size, torque, 0.0)
 
 
 def is_constant(speed: Array) -> bool:
-    """Whether speeds (n,) or (n, drivers) differ by rounding alone."""
+    """Whether speeds (n,) or (n, drivers) are constant to rounding."""
     return bool(np.all(np.ptp(speed, axis=0) <= ROUNDING * np.abs(speed).max(axis=0)))
 
 
 def held_moments(reactions: Reactions) -> dict[str, Array]:
-    """Moments (n, 3) [N m] that hold links against turning, by bearing.
+    """Moments (n, 3) by which bearings keep their links from tilting, by the bearings' names, world axes [N m].
 
-    About a turning joint's own axis there is but the torque of drive, gear pair and friction, which is left out; a spherical loop holds
-    no moment.
+    The component about the axis of a joint that turns is left out: it is the torque of drive, gear pair and friction. For a spherical loop
+    the moment is zero.
     """
     press, moments = reactions._press, {}
     rotation = poses(press, reactions.motion.joint_position).rotation

@@ -13,8 +13,8 @@ from ..common.quantities import Array
 from ..common.results import Tabular
 from ..kinematics.motion import Motion
 
-EQUAL = 1e-9  # difference of the steps of the crank angle [rad] that is none
-FINER = 8  # times as many angles as states that unequal ones are interpolated at
+EQUAL = 1e-9  # difference up to which steps of the crank angle are equal [rad]
+FINER = 8  # angles for each state at which unequally spaced states are interpolated
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -22,10 +22,10 @@ class HarmonicAnalysis(Tabular):
     """A force over one period as a sum of amplitude cos(order x crank angle + phase) over the orders.
 
     Attributes:
-        orders: (k + 1,) of the crank's speed, from 0: whole numbers, and fractions between them where the linkage repeats only after
-            several turns (`Linkage.period_turns`).
-        amplitude: (k + 1, 3) along the world's axes [N]; of order 0 the mean, with its sign.
-        phase: (k + 1, 3) [rad], -pi to pi; of order 0 zero.
+        orders: (k + 1,) orders, as multiples of the crank speed, from 0: whole numbers, and fractions between them where the linkage
+            repeats itself only after several turns (`Linkage.period_turns`).
+        amplitude: (k + 1, 3) amplitudes along the world axes [N]; for order 0 the mean, with its sign.
+        phase: (k + 1, 3) phases, -pi to pi [rad]; for order 0 zero.
     """
 
     orders: Array
@@ -39,19 +39,25 @@ class HarmonicAnalysis(Tabular):
         return f"HarmonicAnalysis of a force: orders 0 to {self.orders[-1]:g}, mean ({mean}) N, amplitudes up to {largest:.6g} N"
 
     def columns(self) -> dict[str, Array]:
-        """Orders, amplitudes and phases along the axes as columns under their names with units."""
+        """Orders, amplitudes and phases along the world axes as columns under their names with units."""
         return {"order [-]": self.orders, **tables.by_axis("amplitude", "N", self.amplitude), **tables.by_axis("phase", "rad", self.phase)}
 
 
 @typed
 def harmonics(motion: Motion, force: Array, orders: int = 12) -> HarmonicAnalysis | None:
-    """Harmonics of a force (n, 3) [N] over the last full period, up to order ``orders``, or as far as the states carry.
+    """Harmonics of a force over the last full period of a motion.
 
-    The states of a `cycle` of one period are equally spaced, and their sums exact; other motions, runs among them, are interpolated by
-    cubic splines over the crank angle. None where the motion has no full period one way, the linkage none, or there are several drivers.
+    The states of a `cycle` are equally spaced, so that sums over them are exact; other motions, such as runs, are interpolated by cubic
+    splines over the crank angle. None where the motion has no full period in one direction, the linkage has no period, or there are several
+    drivers.
+
+    Args:
+        motion: The motion of n states.
+        force: (n, 3) a force over it, such as the shaking force [N].
+        orders: Highest order; fewer are returned where the states do not resolve it.
 
     Raises:
-        PinpressError: force of another shape or with a value that is not finite, orders that are no whole number from 0.
+        PinpressError: force of another shape or with a value that is not finite, or orders that are no whole number from 0 on.
     """
     if not is_whole_number(orders) or orders < 0:
         raise PinpressError(f"orders is {shown(orders)}: give a whole number from 0")
@@ -81,8 +87,8 @@ def harmonics(motion: Motion, force: Array, orders: int = 12) -> HarmonicAnalysi
 
 
 def last_period(motion: Motion) -> int | None:
-    """Index of the first state of the last full period, which ends with the last state, or a step after it in a motion of one period
-    without its end. None as of `harmonics`."""
+    """Index of the first state of the last full period; None as for `harmonics`. The period ends with the last state, or one step after it
+    where the motion is a `cycle`."""
     angle = motion.crank_angle
     if motion.period_turns is None or len(angle) < 3 or not motion.crank_speed.all():
         return None
@@ -92,11 +98,11 @@ def last_period(motion: Motion) -> int | None:
     travel = np.abs(angle - angle[-1])
     if travel[0] < period - EQUAL and not is_cycle(motion):
         return None
-    return int(np.argmax(travel < period - EQUAL))  # a state a period before the last one is that one again
+    return int(np.argmax(travel < period - EQUAL))  # a state one period before the last state is not counted twice
 
 
 def is_cycle(motion: Motion) -> bool:
-    """Whether the states are one period of a single crank in equal steps, its end left out."""
+    """Whether the states are one period of a single crank in equal steps, without the end of the period."""
     angle = motion.crank_angle
     if motion.period_turns is None or len(angle) < 3:
         return False

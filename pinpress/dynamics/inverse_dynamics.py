@@ -1,10 +1,9 @@
 """Inverse dynamics: the driving torque and every bearing and guide force of a motion.
 
-Signs, in one place: forces and moments of a joint are the action of parent on child, of a loop the action of link1 on link2, in world
-axes, moments about the origin of the child's joint frame (a loop's about its point; a spherical one transmits none but friction). The
-driving torque is positive along the driver's axis; it is part of the driver's bearing moment, as those of gear pairs and friction are of
-their bearings'. Shaking force and moment are the action of the machine on its foundation, its weight
-included.
+Signs: forces and moments of a joint are the action of parent on child, of a loop the action of link1 on link2, in world axes. Moments are
+about the origin of the child's joint frame, those of a loop about its point; a spherical loop transmits only the moment of friction. The
+driving torque is positive along the driver's axis, and is part of the moment of the driver's bearing, as the torques of gear pairs and
+friction are part of the moments of theirs. Shaking force and moment are the action of the machine on its foundation, weight included.
 """
 
 from __future__ import annotations
@@ -31,38 +30,38 @@ from ..linkage.linkage import Linkage
 from ..linkage.mobility import own_axes
 from ..loads.link import Friction, Load
 from ..loads.link import law as friction_law
-from . import applied_loads as forces
+from . import applied_loads
 
-NOTHING: Mapping[str, Any] = FrozenMapping({})
-ROUNDED = 1e-6  # of forces times velocities: powers beside which rounding is small
-DENORMAL = 1e-290  # [W]; numbers below have fewer digits
-CLEAR = 1e-3  # distance from the end of a branch at which no change point can be met any more [rad]
-STATES_LOOKED_AT = 256  # of a motion, to find what is indeterminate: the rank is the same all along it
+NONE_GIVEN: Mapping[str, Any] = FrozenMapping({})
+ROUNDED = 1e-6  # share of the magnitudes of forces times those of velocities above which a power is clearly no rounding
+DENORMAL = 1e-290  # smaller numbers have fewer digits [W]
+CLEAR = 1e-3  # distance from the end of a branch from which on a state is at no change point [rad]
+STATES_LOOKED_AT = 256  # states of a motion in which indeterminate forces are looked for: the rank hardly changes along it
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Reactions(Tabular):
-    """Torque and forces over a motion of n states. All arrays are read-only; signs: see the module.
+    """Torques and forces over a motion of n states. All arrays are read-only; the module gives the signs.
 
     Attributes:
         motion: The motion.
         engine: "plane" or "pinocchio".
-        driving_torque: (n,) on the driver joint, along its axis [N m]; (n, drivers) where there are several.
-        coupling_torque: name of a joint with a ``<mimic>`` -> (n, 2): the torque of the gear pair on it, and on the joint it mimics, along
-            their axes [N m; N on one that slides]. A pair alone: the tooth force across the shafts' bearings is not in their forces. Beside
-            a driving torque alone computed when it is first asked for: what gears share with bearings depends on all of them.
-        bearing_force: Name of a joint or loop -> (n, 3) [N], of those that were asked for.
-        bearing_moment: Name of a joint or loop -> (n, 3) [N m], of the same.
-        left_out: Names of those that were not asked for.
-        friction_power: name of a joint or loop, each of them -> (n,) power lost there [W].
-        shaking_force: (n, 3) [N], computed when it is first asked for, from the bearings on the frame, also where these were left out.
-        shaking_moment: (n, 3) about the world origin [N m], computed with it.
-        indeterminate: name -> (6,) bool: components of force and moment, three each, that rigid mechanics leaves open because a loop closes
-            more than it must; shared by least squares, by default with the least sum of squared bearing forces. In a planar press whose
-            equations in the plane are all needed they are the forces along the normal and the moments that tilt.
-        indeterminate_axes: (3, 3) the directions of these components, as rows: world x, y, z; of a planar linkage whose plane is inclined
-            against all of these the horizontal in the plane, the normal, and the way up in the plane.
-        indeterminate_coupling: name of a joint with a ``<mimic>`` -> bool: the same of the gear pair's torque.
+        driving_torque: (n,) torque on the driver joint along its axis [N m]; (n, drivers) for several drivers.
+        coupling_torque: (n, 2) by the name of a joint with a ``<mimic>``: torques of the gear pair on this joint and on the joint it
+            mimics, along their axes [N m; N on a joint that slides]. They do not include the tooth force on the shafts' bearings. Where no
+            bearings were asked for, they are computed when they are first read.
+        bearing_force: (n, 3) by the names of the joints and loops that were asked for [N].
+        bearing_moment: (n, 3) by the names of the joints and loops that were asked for [N m].
+        left_out: Names of the joints and loops that were not asked for.
+        friction_power: (n,) power lost, by the names of all joints and loops [W].
+        shaking_force: (n, 3) [N]. It is computed when it is first read, from the bearings on the frame, even if they were left out.
+        shaking_moment: (n, 3) about the world origin [N m], computed with the shaking force.
+        indeterminate: (6,) bool by the names of all joints and loops: which components of force and moment, three each, rigid mechanics
+            leaves open because of redundant constraints. They are shared by least squares, by default with the least sum of squared bearing
+            forces. In a planar press without redundant equations in its plane they are the forces along the normal and the tilting moments.
+        indeterminate_axes: (3, 3) directions of these components, as rows: world x, y, z; for a planar linkage whose normal is no world
+            axis the horizontal in the plane, the normal, and the upward direction in the plane.
+        indeterminate_coupling: bool by the name of a joint with a ``<mimic>``: whether rigid mechanics leaves the gear pair's torque open.
     """
 
     motion: Motion
@@ -95,12 +94,15 @@ class Reactions(Tabular):
 
     @cached_property
     def power_residual(self) -> Array:
-        """(n,) power of drive and loads less d/dt (kinetic + potential energy), relative to the motion's largest sum of absolute powers.
+        """(n,) error of the power balance: power of drives and loads less friction and less d/dt (kinetic + potential energy), relative to
+        the motion's largest sum of absolute powers [-].
 
-        Where these are next to nothing beside forces times velocities (a balanced disc, a press kept in its dead centre), so that all of
-        them is rounding, it is relative to a millionth of the latter.
+        Where all powers are rounding (a balanced disc, a press kept in its dead centre), it is relative to a millionth of the sum of
+        magnitudes of forces times those of velocities. It is computed when it is first read, from velocities and accelerations of the
+        bodies, independently of the recursion that gives the torque.
 
-        Computed when it is first asked for, from the bodies' velocities and accelerations, independently of the torque's own recursion.
+        Raises:
+            PinpressError: the powers are too large for floating point.
         """
         with np.errstate(all="ignore"):  # what overflows is refused below
             balance, total, apparent = self._power_balance()
@@ -157,7 +159,7 @@ class Reactions(Tabular):
         return balance + driving.sum(axis=0) - lost, total + np.abs(driving).sum(axis=0) + lost, apparent
 
     def columns(self) -> dict[str, Array]:
-        """The motion's columns, then torque, shaking force and moment and the bearings', under their names with units."""
+        """The motion's columns, then torques, shaking force and moment, bearing forces and moments, under their names with units."""
         columns = self.motion.columns()
         columns |= tables.by_driver("driving_torque", "N m", self.driving_torque, self.motion.drivers)
         for name, torque in self.coupling_torque.items():
@@ -176,32 +178,35 @@ def inverse_dynamics(
     press: Linkage,
     motion: Motion,
     loads: Sequence[Load] = (),
-    friction: Mapping[str, Friction] = NOTHING,
-    stiffness: Mapping[str, float] = NOTHING,
+    friction: Mapping[str, Friction] = NONE_GIVEN,
+    stiffness: Mapping[str, float] = NONE_GIVEN,
     engine: str = "auto",
     bearings: Collection[str] | None = None,
 ) -> Reactions:
     """Driving torque, bearing and guide forces and shaking force of a motion.
 
     Args:
-        loads: forces on links from outside, springs and dampers between links.
-        friction: of bearings and guides, by their names.
-        stiffness: of bearings and guides, by their names [N/m]: where rigid mechanics leaves open how several share a force, it is shared
-            with the least elastic energy (bearings without a stiffness count as rigid), instead of the least sum of squared forces.
-        engine: "plane" (all crank angles at once), "pinocchio" (any linkage, one configuration at a time), or "auto": the plane where the
+        press: The press.
+        motion: Its motion, from `cycle`, `servo_cycle` or `simulate`.
+        loads: Forces on links from outside, springs and dampers between links, process loads.
+        friction: Friction of bearings and guides, by their names.
+        stiffness: Stiffnesses of bearings and guides, by their names [N/m]. Where rigid mechanics leaves open how bearings share a force,
+            it is then shared with the least elastic energy (bearings without a stiffness count as rigid) instead of the least sum of
+            squared bearing forces.
+        engine: "plane" (all crank angles at once), "pinocchio" (any linkage, one configuration at a time), or "auto": "plane" where the
             linkage is planar.
-        bearings: names of the bearings and guides whose force and moment are wanted: by default all, ``()`` for none. Torques, friction's
-            power and shaking force are there in any case. What is left out saves time but where it is needed to find the rest: with
-            friction, where several bearings share a force, and beside a guide little but its memory. Values are those of all bearings to
+        bearings: Names of the bearings and guides whose force and moment are wanted; by default all, ``()`` for none. Torques, friction
+            power and shaking force are available in any case. Leaving bearings out saves time, unless they are needed for the others: with
+            friction, where bearings share redundant forces, and where a guide is wanted. Results agree with those of all bearings to
             rounding.
 
     Raises:
-        PinpressError: a motion of a linkage with other joints, a load of wrong shape, with a value that is not finite, or whose function
-            fails, friction that
-            makes no sense or locks the linkage, a stiffness that is not positive, bearings that are no names.
+        PinpressError: a motion of a linkage with other joints; a load of wrong shape, with a value that is not finite, or whose function
+            fails; friction that makes no sense or locks the linkage; a stiffness that is not positive; bearings that are no names; forces
+            too large for floating point; an unknown or unsuitable engine.
         UnknownNameError: a bearing or link that the linkage does not have.
         AssemblyError: a motion of a linkage with other lengths.
-        SingularityError: a state of a run at a change point.
+        SingularityError: a state of a simulated run at a change point.
     """
     if motion.joints != press.joints or motion.drivers != press.drivers:
         raise PinpressError(f"the motion is of {motion.linkage} with other joints than {press.name}: make it with cycle(press, ...)")
@@ -211,10 +216,10 @@ def inverse_dynamics(
     wanted = _wanted(press, bearings)
     _refuse_change_points(press, motion)
     law, compliance = friction_law(friction, press), compliances(stiffness, press.bearings)
-    asked = forces.asked(loads)
+    asked = applied_loads.asked(loads)
     with np.errstate(all="ignore"):  # what overflows is refused
         with_gear_torques = bool(wanted) or law is not None
-        conditions = AppliedConditions(forces.apply(asked, press, motion), law, compliance, with_gear_torques)
+        conditions = AppliedConditions(applied_loads.apply(asked, press, motion), law, compliance, with_gear_torques)
         wrenches = _solved(press, chosen, motion, conditions, wanted)
     names, several = press.bearings, len(press.drivers) > 1
     kept = names if len(wanted) == len(names) else tuple(names[k] for k in wanted)
@@ -235,7 +240,7 @@ def inverse_dynamics(
 
 
 def _refuse_change_points(press: Linkage, motion: Motion) -> None:
-    """Raise where a run's state is at a change point: rigid links carry forces there that grow without bounds on the way."""
+    """Raise SingularityError where a state of a run is at a change point: towards it the forces of rigid links grow without bounds."""
     if len(press.drivers) > 1 or _between_locks(press, motion) or not press.branch_through_change_points.change_points:
         return
     at = at_change_point(press.branch_through_change_points.change_points, press.branch_through_change_points.period, motion.crank_angle)
@@ -249,14 +254,14 @@ def _refuse_change_points(press: Linkage, motion: Motion) -> None:
 
 
 def _between_locks(press: Linkage, motion: Motion) -> bool:
-    """Whether a motion stays where the linkage was followed without a change point, and clear of the ends: then none need be looked for,
-    which takes as long as following it did."""
+    """Whether a motion stays clear of the ends of the branch that has no change points. Then none need be looked for, which would take as
+    long as walking the branch."""
     angles, crank = press.branch.angles, motion.crank_angle
     return bool(angles[0] + CLEAR < crank.min() and crank.max() < angles[-1] - CLEAR)
 
 
 def _wanted(press: Linkage, bearings: Collection[str] | None) -> Sequence[int]:
-    """Indices of bearings in `Linkage.bearings`, rising."""
+    """Rising indices of the wanted bearings in `Linkage.bearings`; raises as `inverse_dynamics`."""
     if bearings is None:
         return range(len(press.bearings))
     if isinstance(bearings, str) or not isinstance(bearings, Collection):
@@ -270,14 +275,14 @@ def _wanted(press: Linkage, bearings: Collection[str] | None) -> Sequence[int]:
 
 
 def _solved(press: Linkage, engine: str, motion: Motion, conditions: AppliedConditions, wanted: Sequence[int]) -> Wrenches:
-    """Torques, and the wrenches of wanted bearings."""
+    """Torques, and the wrenches of the wanted bearings; raises as `inverse_dynamics`."""
     found = press.engine(engine).inverse_dynamics(motion.states(press), conditions, wanted)
     _refuse_not_finite(motion, found)
     return found
 
 
 def _refuse_not_finite(motion: Motion, wrenches: Wrenches) -> None:
-    """Raise where anything is not finite. A sum is not where a term is not, and costs a pass less than looking at each."""
+    """Raise PinpressError where a number is not finite. A sum shows it, and takes less time than looking at every number."""
     total = 0.0
     if len(wrenches.force):
         total += wrenches.force.sum() + wrenches.moment.sum()
@@ -316,35 +321,35 @@ def shaking(
     Args:
         press: The press.
         motion: Its motion.
-        force: (n, 3) by the bearing's index, of all that are `on_frame`: parent on child, link1 on link2 [N].
-        moment: (n, 3) by the bearing's index, of the same [N m].
-        loads: Those on the frame are passed on, those on other links are in the bearings' forces.
+        force: (n, 3) forces, parent on child (link1 on link2), by the indices of all bearings that are `on_frame` [N].
+        moment: (n, 3) moments by the indices of these bearings [N m].
+        loads: Forces on links; only those on the frame are added, because the bearing forces include the others.
     """
     model, axes, count = press.model, press.axes, len(press.joints)
     total = np.zeros((2, len(motion.crank_angle), 3))
 
-    def put(on_frame: Array, about: Array | float, point: Array) -> None:
+    def add_force(on_frame: Array, about: Array | float, point: Array) -> None:
         total[0] += on_frame
         for i, (j, k) in enumerate(((1, 2), (2, 0), (0, 1))):  # np.cross takes several times as long
             total[1, :, i] += point[..., j] * on_frame[..., k] - point[..., k] * on_frame[..., j]
         total[1] += about
 
     frame = model.inertias[0]
-    put(frame.mass * model.gravity.linear, 0.0, frame.lever)
+    add_force(frame.mass * model.gravity.linear, 0.0, frame.lever)
     for k in on_frame(press):
         if k < count:
             place = model.jointPlacements[k + 1]
             point = place.translation
             if not axes[k].turns:
                 point = point + motion.joint_position[:, k, None] * (place.rotation @ axes[k].direction)
-            put(-force[k], -moment[k], point)
+            add_force(-force[k], -moment[k], point)
             continue
         loop = press.loops[k - count]
         if loop.joint1 == 0:
-            put(-force[k], -moment[k], loop.point1)
+            add_force(-force[k], -moment[k], loop.point1)
         if loop.joint2 == 0:
-            put(force[k], moment[k], loop.point2)
+            add_force(force[k], moment[k], loop.point2)
     for load in loads:
         if load.joint == 0:
-            put(load.force, 0.0, load.point)
+            add_force(load.force, 0.0, load.point)
     return total[0], total[1]

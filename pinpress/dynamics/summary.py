@@ -1,4 +1,4 @@
-"""What an engineer reads off one period of a press, as text."""
+"""The main results over one period of a press, as text."""
 
 from collections.abc import Callable
 
@@ -15,9 +15,9 @@ AXES = "xyz"
 
 
 def summary(press: Linkage, motion: Motion, reactions: Reactions) -> str:
-    """Stroke, peaks and ranges over the period, and how well the equations are fulfilled; units and crank angles beside every number.
+    """Stroke, peaks and ranges over the period, with units and crank angles, and how well the equations are fulfilled.
 
-    Peaks are the largest of the motion's points; dead centres are exact. Signs as in `reactions`.
+    Peaks are the largest values among the motion's states; dead centres are exact. Signs are those of `inverse_dynamics`.
     """
     lines = [
         f"{press.name}: {abs(motion.crank_speed[0]) / RPM:g} r/min of joint {press.driver}, {len(motion.crank_angle)} crank angles,"

@@ -23,7 +23,7 @@ from ..common.arguments import positive, suitable_numbers, typed
 from ..common.errors import PinpressError
 from ..common.quantities import Array
 from ..common.results import Tabular
-from ..dynamics.applied_loads import place
+from ..dynamics.applied_loads import point_on_body
 from ..dynamics.inverse_dynamics import inverse_dynamics
 from ..kinematics.motion import Motion
 from ..linkage.linkage import Linkage
@@ -236,7 +236,7 @@ class _Reaction(NamedTuple):
 def _guide_reaction(press: Linkage, motion: Motion, force: Array, point: Array, guide: Guide, engine: str) -> _Reaction:
     """Action of the guide under a force (3,) in world axes at a point (3,) in the slide's own frame."""
     slide = str(press.slide)
-    joint, _ = place(press, slide, point, "the process force", "offset")
+    joint, _ = point_on_body(press, slide, point, "the process force", "offset")
     name, axis = _slide_guide(press)
     load = PointForce(slide, force, (float(point[0]), float(point[1]), float(point[2])))
     found = inverse_dynamics(without_masses(press), motion, [load], engine=engine, bearings=(name,))

@@ -413,7 +413,7 @@ def _turning_points(press: Linkage, load: ProcessLoad) -> tuple[float, float]:
 
 def _point_force(press: Linkage, load: PointForce, row: int) -> tuple[Coordinate | None, GeneralizedForce | None]:
     what = f"load on {shown(load.link)}"
-    joint, point = applied_loads.place(press, load.link, load.point, what, "point")
+    joint, point = applied_loads.point_on_body(press, load.link, load.point, what, "point")
     if callable(load.force) or np.ndim(load.force) != 1:
         raise PinpressError(
             f"{what}: a simulation takes a constant force, (3,) in world axes [N]; for one that changes write one of pinpress.loads,"

@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike
 from ..common.arguments import expect
 from ..common.errors import PinpressError, shown
 from ..common.quantities import Array
-from ..dynamics import applied_loads as forces
+from ..dynamics import applied_loads
 from ..dynamics.inverse_dynamics import Reactions
 from ..kinematics.motion import Motion, Poses, bearing_points
 from ..linkage.linkage import Linkage
@@ -86,10 +86,10 @@ def traced(press: Linkage, chosen: Sequence[tuple[str, ArrayLike]]) -> list[Trac
     """
     found = []
     if press.slide is not None:
-        joint, origin = forces.place(press, press.slide, (0, 0, 0), "slide", "origin")
+        joint, origin = applied_loads.point_on_body(press, press.slide, (0, 0, 0), "slide", "origin")
         found.append(Trace(press.slide, press.slide, joint, origin))
     for link, point in _listed(chosen):
-        joint, local = forces.place(press, link, point, f"trace of {shown(link)}", "point")
+        joint, local = applied_loads.point_on_body(press, link, point, f"trace of {shown(link)}", "point")
         words = ", ".join(f"{value:g}" for value in np.asarray(point, dtype=float))
         found.append(Trace(f"{link} ({words})", link, joint, local))
     return found
