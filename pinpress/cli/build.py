@@ -3,12 +3,16 @@
 from __future__ import annotations
 
 import argparse
+import math
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from ..common import files
 from ..common.errors import PinpressError, PinTableError
+from ..kinematics.slide_path import dead_centres
 from ..linkage.check import check
+from ..linkage.linkage import Linkage
+from ..linkage.urdf.document import MOST_BYTES
 
 if TYPE_CHECKING:
     from ..pin_table.building import DrawnPress
@@ -39,14 +43,16 @@ def run(options: argparse.Namespace) -> int:
         PinTableError: the table makes no press; where lengths do not meet, the sketch that is written shows why.
         PinpressError: the press cannot move as it should, or a file cannot be written.
     """
-    from ..pin_table.building import draft as drawn_up  # with a parser and shapes that other commands do without
+    from ..pin_table import building  # with a parser and shapes that other commands do without
 
     out = options.out or Path(options.file).with_suffix(".urdf")
     if out.suffix == ".svg":
         raise PinpressError(f"--out is {out}: give the URDF's name, press.urdf; the sketch stands beside it")
+    if out.is_file() and building.MARK not in files.read(out, MOST_BYTES):
+        raise PinpressError(f"{out} is there already, and no pin table made it: give another name by --out")
     sketch = out.with_suffix(".svg")
     try:
-        draft = drawn_up(options.file, **dict(_parameter(words) for words in options.parameters))
+        draft = building.draft(options.file, **dict(_parameter(words) for words in options.parameters))
     except PinTableError as error:
         if error.sketch is not None:
             files.write(sketch, error.sketch.encode())
@@ -55,7 +61,7 @@ def run(options: argparse.Namespace) -> int:
     press = draft.press()
     files.write(out, draft.urdf)
     files.write(sketch, draft.sketch.encode())
-    print("\n".join(_described(draft)))
+    print("\n".join([*_described(draft), *_moved(press), ""]))
     print(check(out))
     print(f"\nwrote {out} and {sketch} of {press.name}")
     return 0
@@ -81,4 +87,18 @@ def _described(draft: DrawnPress) -> list[str]:
     if estimates := list(draft.estimates()):
         lines += ["", "estimated, as the table does not give it"]
         lines += [f"  {link:<24}{words}" for link, words in estimates]
-    return [*lines, ""]
+    return lines
+
+
+def _moved(press: Linkage) -> list[str]:
+    """Stroke and dead centres, or why there are none."""
+    if press.slide is None:
+        return []
+    try:
+        ends = dead_centres(press)
+    except PinpressError as error:
+        return ["", f"the slide has no stroke: {error}"]
+    angles = ", ".join(
+        f"{name} at {math.degrees(angle):.2f} deg" for name, angle in (("top", ends.top_angle), ("bottom", ends.bottom_angle))
+    )
+    return ["", f"stroke {1e3 * ends.stroke:.3f} mm, {angles} of {press.driver}"]

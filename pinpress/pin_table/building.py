@@ -31,6 +31,7 @@ from .urdf_text import urdf_text
 
 KEYS = ("press", "units", "parameters", "frame", "pins", "links", "drive", "base", "density", "masses", "copies", "gears", "note")
 MOST, LEAST = 200.0, 0.02  # sizes of presses [m]
+MARK = b"written by pinpress from the pin table"  # in a URDF: what may be written anew
 NEEDED = ("units", "frame", "pins", "links", "drive")
 
 
@@ -125,7 +126,7 @@ class DrawnPress(Tabular):
         return "\n".join(self._commented())
 
     def _commented(self) -> Iterator[str]:
-        yield f"{self.name}: written by pinpress from the pin table {Path(self.file).name}."
+        yield f"{self.name}: {MARK.decode()} {Path(self.file).name}."
         yield "Drawn at crank angle 0. x to the right, z up; pins turn about (0, -1, 0), so a positive angle turns x towards z. SI units."
         yield ""
         yield "Bearings, and on which link the force of which one is given:"

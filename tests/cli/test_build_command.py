@@ -23,6 +23,7 @@ def test_from_a_template_to_forces(folder, capsys):
     said = capsys.readouterr().out
     assert "upper > lower" in said
     assert "no errors" in said
+    assert "stroke 129." in said
     assert "K                       (" in said  # the knee on the other side
     assert sorted(path.name for path in folder.iterdir()) == ["press.svg", "press.urdf", "press.yaml"]
     outputs = []
@@ -53,6 +54,7 @@ def test_every_template_builds(folder, capsys, name):
         (["build", "there.yaml", "q=1"], "no parameter q"),
         (["build", "there.yaml", "--out", "press.svg"], "give the URDF's name"),
         (["build", "missing.yaml"], "missing.yaml"),
+        (["build", "there.yaml", "--out", "mine.urdf"], "no pin table made it"),
         (["analyse", "there.yaml", "--speed", "60", "--driver", "O"], "leave out --driver"),
         (["build", "there.yaml", "l=20"], "drawn in there.svg"),
     ],
@@ -60,6 +62,7 @@ def test_every_template_builds(folder, capsys, name):
 def test_what_is_refused(folder, capsys, words, said):
     assert main(["new", "there.yaml", "--template", "crank-slide"]) == 0
     (folder / "there.yaml").write_text((folder / "there.yaml").read_text(encoding="utf-8").replace("x: 0", "x: 50"), encoding="utf-8")
+    (folder / "mine.urdf").write_text("<robot/>", encoding="utf-8")
     capsys.readouterr()
     assert main(words) == 2
     assert said in capsys.readouterr().err
