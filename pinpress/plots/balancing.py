@@ -16,17 +16,17 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-HIGH = 6.5  # of a panel [cm]
+HIGH = 6.5  # height of a panel [cm]
 
 
 @typed
 def trade_offs(curves: Mapping[str, TradeOffCurve]) -> Figure:
-    """Draw curves of `trade_off`, the first measure over the second, those of the same two measures in one panel.
+    """Draw curves of `trade_off`, the first measure over the second, with a panel for each pair of measures.
 
-    A grey cross is the press before balancing.
+    A grey cross marks the press before balancing.
 
     Args:
-        curves: what `pinpress.balancing.trade_off` returns, by the curves' names.
+        curves: Results of `pinpress.balancing.trade_off`, by the names of the curves.
 
     Raises:
         PinpressError: Matplotlib is not installed, or there is no curve.
@@ -40,7 +40,7 @@ def trade_offs(curves: Mapping[str, TradeOffCurve]) -> Figure:
     with drawing(HIGH * rows) as figure:
         places = figure.add_gridspec(rows, 2 if len(panels) > 1 else 1)
         for k, shown in enumerate(panels.values()):
-            alone = k == 0 and len(panels) % 2 == 1  # so that none is left alone in its row
+            alone = k == 0 and len(panels) % 2 == 1  # the first of an odd number takes a whole row
             place = k + len(panels) % 2
             _panel(figure.add_subplot(places[0, :] if alone else places[place // 2, place % 2]), shown)
     return figure

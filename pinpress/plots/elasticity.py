@@ -13,23 +13,23 @@ from ..common.quantities import RPM
 from ..elasticity.breakthrough import SnapThroughResponse
 from ..elasticity.slide_under_load import ElasticDeadCentre
 from ..elasticity.unit_load import SlideCompliance
-from .style import COLOURS, GREY, LINES, drawing, grid, legend, plain
+from .style import COLOURS, GREY, LINES, above, drawing, grid, legend, plain
 
 if TYPE_CHECKING:
     from matplotlib.artist import Artist
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-HIGH = 7.0  # of a chart [cm]
-SMALLEST = 5e-3  # of the largest compliance: parts that never give as much are drawn together
+HIGH = 7.0  # height of a chart [cm]
+SMALLEST = 5e-3  # of the largest compliance: parts that never have as much are drawn together
 
 
 @typed
 def compliance(elasticity: SlideCompliance) -> Figure:
-    """Draw the compliance at the slide over the crank angle, the shares of the parts stacked on each other, the largest lowest.
+    """Draw the compliance at the slide over the crank angle, with the shares of the parts stacked, the largest at the bottom.
 
     Args:
-        elasticity: what `pinpress.elasticity.compliance` returns.
+        elasticity: Result of `pinpress.elasticity.compliance`.
 
     Raises:
         PinpressError: Matplotlib is not installed.
@@ -39,10 +39,10 @@ def compliance(elasticity: SlideCompliance) -> Figure:
 
 @typed
 def dead_centre_shift(shifts: Mapping[str, ElasticDeadCentre]) -> Figure:
-    """Draw how much deeper the slides of presses go at speed than at standstill, over the speed.
+    """Draw the shift of bottom dead centre over the speed, relative to standstill.
 
     Args:
-        shifts: what `pinpress.elasticity.dead_centre_shift` returns, by the names of the presses.
+        shifts: Results of `pinpress.elasticity.dead_centre_shift`, by the names of the presses.
 
     Raises:
         PinpressError: Matplotlib is not installed, or there is no press.
@@ -52,19 +52,19 @@ def dead_centre_shift(shifts: Mapping[str, ElasticDeadCentre]) -> Figure:
 
 @typed
 def snap_through(responses: Mapping[str, SnapThroughResponse]) -> Figure:
-    """Draw the force of the sprung press as a share of that at break-through, over time; below zero the linkage is pulled.
+    """Draw the force of the sprung press over time, divided by that at break-through; below zero the linkage is pulled.
 
     Args:
-        responses: what `pinpress.elasticity.snap_through` returns, by the names of the cases.
+        responses: Results of `pinpress.elasticity.snap_through`, by the names of the curves.
 
     Raises:
-        PinpressError: Matplotlib is not installed, or there is no case.
+        PinpressError: Matplotlib is not installed, or there is no curve.
     """
     return _alone(draw_snap_through, responses)
 
 
 def _alone(draw: Callable[[Axes, Any], None], shown: object) -> Figure:
-    """A chart as a figure of its own."""
+    """A chart in a figure of its own."""
     with drawing(HIGH) as figure:
         draw(figure.subplots(), shown)
     return figure
@@ -110,18 +110,18 @@ def draw_dead_centre_shift(axes: Axes, shifts: Mapping[str, ElasticDeadCentre]) 
 def draw_snap_through(axes: Axes, responses: Mapping[str, SnapThroughResponse]) -> None:
     """The chart of `snap_through` on given axes."""
     _refuse_none(responses, "snap_through", SnapThroughResponse)
-    grid(axes, "force by that at break-through [-]")
+    grid(axes, "force / force at break-through [-]")
     axes.axhline(0.0, color=GREY, linewidth=0.6)
     lines: list[Artist] = []
     for i, response in enumerate(responses.values()):
         share = response.spring_force / response.force
         lines += axes.plot(1e3 * response.time, share, color=COLOURS[i % len(COLOURS)], linestyle=_line(i))
     plain(axes.set_xlabel("time [ms]"))
-    legend(axes, lines, list(responses), loc="upper right")
+    above(axes, lines, list(responses))
 
 
 def _line(i: int) -> Any:
-    """Solid, dashed, dotted, ... so that curves that coincide are told apart."""
+    """Solid, dashed, dotted and so on, which tells coinciding curves apart."""
     return LINES[i % len(LINES)]
 
 

@@ -17,25 +17,26 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-HIGH = 13.0  # [cm]
-ROOM = 1.12  # above the nominal force
-HYPERBOLAS = (0.2, 0.4, 0.6, 0.8)  # of constant energy: where they meet the diagonal of the panel
-NEAR = 2.0  # times the largest height of a change that the left panel shows
+HIGH = 13.0  # height of the figure [cm]
+ROOM = 1.12  # highest force of a panel, divided by the nominal force
+HYPERBOLAS = (0.2, 0.4, 0.6, 0.8)  # places on the diagonal of the panel where lines of constant energy cross it
+NEAR = 2.0  # reach of the left panel, divided by the largest height at which another limit begins to govern
 GOVERNING = 3.2  # width of the governing curve [pt]
+HALF_NAME = (0.07, 0.035)  # half width and height of the name of an energy, of the panel
 
 
 @typed
 def ratings(ratings: PressRatings) -> Figure:
     """Draw the permissible force over the slide's height, left near bottom dead centre, right over the stroke.
 
-    Each limit is a thin line; the permissible force of all is thick, in the colour of the limit that governs. Thin hyperbolas are of
-    constant energy. The lower panels show the work that the force takes from a height down, and the energies that limit it.
+    Each limit is a thin line. The permissible force is a thick line in the colour of the limit that governs. Thin hyperbolas are lines of
+    constant energy. The lower panels show the work of the force from a height down to bottom dead centre, and the energies that limit it.
 
     Args:
-        ratings: the ratings of a press.
+        ratings: The ratings of a press.
 
     Raises:
-        PinpressError: Matplotlib is not installed, or no ratings.
+        PinpressError: Matplotlib is not installed, or ``ratings`` is not a `PressRatings`.
     """
     with drawing(HIGH) as figure:
         panels = figure.subplots(2, 2, height_ratios=(1.7, 1.0), width_ratios=(1.0, 1.0))
@@ -54,7 +55,7 @@ def ratings(ratings: PressRatings) -> Figure:
 
 
 def _near(ratings: PressRatings) -> float:
-    """Up to which height the left panel goes [m]."""
+    """Largest height in the left panel [m]."""
     nominal = ratings.capacities.nominal_height
     marks = [height for height in (*ratings.changes, *([] if nominal is None else [nominal])) if height < ratings.stroke / 2]
     return min(NEAR * max(marks, default=0.1 * ratings.stroke), ratings.stroke)
@@ -64,7 +65,7 @@ def _forces(axes: Axes, ratings: PressRatings, reach: float) -> list[Artist]:
     height, top = 1e3 * ratings.height, ROOM * ratings.capacities.nominal_force / 1e3
     grid(axes, "process force [kN]")
     for share in HYPERBOLAS:
-        _hyperbola(axes, float(f"{share**2 * top * reach:.2g}"), 1e3 * reach, top)
+        _hyperbola(axes, float(f"{share**2 * top * reach:.2g}"), 1e3 * reach, top, _clear_of(ratings, 1e3 * reach, top))
     lines: list[Artist] = []
     for i, (name, force) in enumerate(ratings.limits.items()):
         look = _look(i)
@@ -82,7 +83,7 @@ def _forces(axes: Axes, ratings: PressRatings, reach: float) -> list[Artist]:
 
 
 def _meets(ratings: PressRatings, force: Array) -> Array:
-    """Where a limit equals the permissible force."""
+    """Whether a limit equals the permissible force, at every height (n,)."""
     return np.asarray(force <= ratings.force * (1 + 1e-9))
 
 
@@ -97,14 +98,26 @@ def _works(axes: Axes, ratings: PressRatings, reach: float) -> None:
     plain(axes.set_xlabel("height above bottom dead centre [mm]"))
 
 
-def _hyperbola(axes: Axes, energy: float, reach: float, top: float) -> None:
-    """Forces [kN] of constant energy [kJ] over the height [mm], with its name on the diagonal of the panel."""
+def _clear_of(ratings: PressRatings, reach: float, top: float) -> Array:
+    """Points (k, 2) of all limits' curves in a panel, as shares of its reach [mm] and of its top [kN]."""
+    height = 1e3 * ratings.height / reach
+    curves = [np.stack([height, force / 1e3 / top], axis=1) for force in ratings.limits.values()]
+    return np.concatenate(curves)
+
+
+def _hyperbola(axes: Axes, energy: float, reach: float, top: float, taken: Array) -> None:
+    """Forces [kN] of constant energy [kJ] over the height [mm], with its name near the diagonal, where it is clear of points (k, 2)."""
     height = np.geomspace(1e3 * energy / top, reach, 200)
     axes.plot(height, 1e3 * energy / height, color=GREY, linewidth=0.5, linestyle=(0, (1, 2)))
     middle = np.sqrt(1e3 * energy * reach / top)
-    name = axes.text(
-        middle, 1e3 * energy / middle, f"{energy:g} kJ", fontsize=SMALL - 1.5, color=GREY, ha="center", va="center", zorder=1.5
-    )
+
+    def overlap(place: float) -> int:
+        here = np.array([place / reach, 1e3 * energy / place / top])
+        inside = (here > HALF_NAME) & (here < 1 - np.array(HALF_NAME))
+        return int((np.abs(taken - here) < HALF_NAME).all(axis=1).sum()) if inside.all() else len(taken)
+
+    place = min(middle * np.array([1.0, 0.85, 1.18, 0.7, 1.4, 0.6, 1.7, 0.5, 2.0]), key=overlap)
+    name = axes.text(place, 1e3 * energy / place, f"{energy:g} kJ", fontsize=SMALL - 1.5, color=GREY, ha="center", va="center", zorder=1.5)
     plain(name).set_bbox({"facecolor": "white", "edgecolor": "none", "pad": 0.5})
 
 

@@ -17,17 +17,18 @@ from .style import COLOURS, drawing, grid, legend, plain
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-HIGH = 5.0  # of one panel [cm]
+HIGH = 5.0  # height of one panel [cm]
+DECADE = 10.0  # ratio of largest to smallest value up to which an axis is linear
 
 
 @typed
 def vibration(motions: Mapping[str, FrameMotion], axis: str = "z", last: float | None = None) -> Figure:
-    """Draw the acceleration of all points along an axis over time, one panel a motion.
+    """Draw the acceleration of all points along an axis over time, with a panel for each motion.
 
     Args:
-        motions: what `steady_response` or `time_response` returns, by the motions' names.
+        motions: Results of `steady_response` or `time_response`, by the motions' names.
         axis: "x", "y" or "z".
-        last: show this much time at the end of each motion; by default all [s].
+        last: Time shown at the end of each motion; by default all [s].
 
     Raises:
         PinpressError: Matplotlib is not installed, there is no motion, or no such axis.
@@ -43,22 +44,23 @@ def vibration(motions: Mapping[str, FrameMotion], axis: str = "z", last: float |
                 lines += panel.plot(motion.time[shown], values[shown, "xyz".index(axis)], color=COLOURS[k % len(COLOURS)], linewidth=0.9)
             grid(panel, f"acceleration {axis} [m/s²]")
             plain(panel.set_title(name, loc="left"))
-            legend(panel, lines, list(motion.acceleration), loc="upper right", ncols=len(lines))
+            where = {"loc": "lower right", "bbox_to_anchor": (1.01, 0.98), "borderaxespad": 0.2, "columnspacing": 1.4}
+            legend(panel, lines, list(motion.acceleration), ncols=len(lines), **where)  # above the panel, clear of the curves
         plain(panel.set_xlabel("time [s]"))
     return figure
 
 
 @typed
 def speed_response(responses: Mapping[str, SpeedResponse], point: str) -> Figure:
-    """Draw the acceleration of a point, root mean square of all directions, and force on the floor by shaking force, over the speed.
+    """Draw the acceleration of a point (root mean square, all directions) and the share of force on the floor over the speed.
 
     Args:
-        responses: what `over_speeds` returns, by the names of the curves.
-        point: one of the points of all responses.
+        responses: Results of `over_speeds`, by the names of the curves.
+        point: Name of a point that all responses have.
 
     Raises:
         PinpressError: Matplotlib is not installed, or there is no response.
-        UnknownNameError: a response without this point.
+        UnknownNameError: A response does not have this point.
     """
     if not isinstance(responses, Mapping) or not responses or not all(isinstance(each, SpeedResponse) for each in responses.values()):
         raise PinpressError("there is nothing to draw: give what over_speeds returns, under a name")
@@ -73,7 +75,8 @@ def speed_response(responses: Mapping[str, SpeedResponse], point: str) -> Figure
             lines += left.plot(speed, _size(response.rms[point]), color=colour)
             right.plot(speed, response.transmitted, color=colour)
         for panel, label in ((left, f"acceleration of {point}, rms [m/s²]"), (right, "force on the floor / shaking force [-]")):
-            panel.set_yscale("log")
+            low, high = panel.dataLim.intervaly
+            panel.set_yscale("log" if high > DECADE * low else "linear")
             grid(panel, label)
             plain(panel.set_xlabel("strokes per minute"))
         legend(left, lines, list(responses), loc="best")

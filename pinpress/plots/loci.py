@@ -19,22 +19,25 @@ if TYPE_CHECKING:
 
 FRAME, OWN = COLOURS[0], COLOURS[1]
 DASHED = (0, (4, 1.5))
-QUARTER = 90  # between crank angles that are marked [deg]
-CLOSE = 0.12  # of the largest force: marks that are closer have one label
-SAME = 1e-6  # of the largest force: paths that differ by less are one
-TINY = 6.5  # of the letters inside [pt]
+QUARTER = 90  # between marked crank angles [deg]
+CLOSE = 0.12  # of the largest force: marks that are closer together share a label
+SAME = 1e-6  # of the largest force: paths that differ by less are drawn as one
+TINY = 6.5  # size of the letters in a diagram [pt]
 LETTER = 0.16  # width of one of these [cm]
-LARGEST = 8.0  # side of a diagram [cm]
+LARGEST = 8.0  # longest side of a diagram [cm]
 
 
 def draw_loci(motion: Motion, loci: Sequence[Locus]) -> "Figure":
-    """A diagram for each locus, equal scales on both axes, of the last full period; that of a link that does not turn has one path."""
+    """A diagram for each locus in the last full period, with equal scales on both axes.
+
+    A diagram of a force on a link that does not turn has one path.
+    """
     columns = {1: 1, 2: 2, 4: 2}.get(len(loci), 3 if len(loci) < 10 else 4)
     rows = math.ceil(len(loci) / columns)
     side = min(WIDTH / columns, LARGEST)
     with drawing(1.0 + rows * (side + 0.8)) as figure:
         over, marked = Over(motion), _quarters(motion)
-        first = max(0, (last_period(motion) or 0) - 1)  # periods drawn over each other would show nothing more
+        first = max(0, (last_period(motion) or 0) - 1)  # earlier periods would only hide the last
         places = figure.subplots(rows, columns, squeeze=False).ravel()
         for axes, locus in zip(places, loci, strict=False):
             _draw(axes, locus, over, first, marked, side)
@@ -50,7 +53,7 @@ def draw_loci(motion: Motion, loci: Sequence[Locus]) -> "Figure":
 
 
 def _draw(axes: "Axes", locus: Locus, over: Over, first: int, marked: Sequence[tuple[int, int]], side: float) -> None:
-    """Paths from the first state on, with marks; ``side``: of a diagram [cm]."""
+    """Draw both paths from a state on, with marks; ``side`` is that of the diagram [cm]."""
     largest = float(np.hypot(*locus.frame.T).max())
     labels = _paper(axes, locus, largest)
     if not largest:
@@ -76,7 +79,7 @@ def _draw(axes: "Axes", locus: Locus, over: Over, first: int, marked: Sequence[t
 
 
 def _together(path: Array, marked: Sequence[tuple[int, int]], close: float) -> list[tuple[str, int]]:
-    """Crank angles in words, those of states that are close to each other as one, with the first of these states."""
+    """Labels of marked crank angles with their states; marks that are close together share a label at the first of them."""
     groups: list[tuple[list[str], int]] = []
     for degrees, state in marked:
         near = next((words for words, other in groups if np.hypot(*(path[state] - path[other])) < close), None)
@@ -88,7 +91,7 @@ def _together(path: Array, marked: Sequence[tuple[int, int]], close: float) -> l
 
 
 def _free(mark: Array, size: Array, gap: float, taken: Array) -> Array:
-    """Middle (2,) of a label of half this width and height that lies a gap away from its mark, clear of places (k, 2) that are taken."""
+    """Middle (2,) of a label next to its mark, clear of places (k, 2) that are taken; ``size``: its half width and height."""
     angles = np.linspace(0.0, 2 * np.pi, 24, endpoint=False)
     directions = np.stack([np.cos(angles), np.sin(angles)], axis=1)
     middles = mark + directions * (gap + size)
@@ -100,7 +103,7 @@ def _free(mark: Array, size: Array, gap: float, taken: Array) -> Array:
 
 
 def _paper(axes: "Axes", locus: Locus, largest: float) -> Array:
-    """Axes through zero, names, circles of constant force with their values; places (k, 2) of these."""
+    """Draw axes through zero, names, and circles of constant force with their values; return the places (k, 2) of the values."""
     step = _step(largest)
     radii: Array = np.arange(1, max(1, math.ceil(largest / step - 1e-9)) + 1, dtype=float) * step
     turn = np.linspace(0.0, 2 * np.pi, 181)
@@ -127,14 +130,14 @@ def _paper(axes: "Axes", locus: Locus, largest: float) -> Array:
 
 
 def _clearest(locus: Locus, radii: Array) -> Array:
-    """Places (k, 2) on circles of these radii along that diagonal of the axes which keeps clearest of both paths."""
+    """Places (k, 2) on circles of these radii, along the diagonal that is farthest from both paths."""
     paths = np.concatenate([locus.frame, locus.own])
     diagonals = [np.multiply.outer(radii, math.sqrt(0.5) * np.array(signs)) for signs in ((1, 1), (1, -1), (-1, -1), (-1, 1))]
     return max(diagonals, key=lambda places: float(np.hypot(*(places[:, None] - paths).T).min()))
 
 
 def _haloed(text: "Text") -> "Text":
-    """Small and with a white edge, so that it can be read on lines."""
+    """Make a text small, with a white edge that keeps it legible on lines."""
     from matplotlib.patheffects import withStroke  # optional, and slow to import
 
     text.set_fontsize(TINY)
@@ -143,7 +146,7 @@ def _haloed(text: "Text") -> "Text":
 
 
 def _step(largest: float) -> float:
-    """A round number that goes into a size at most three times."""
+    """A round step of which at most three make up a size."""
     if not largest:
         return 1.0
     power = 10.0 ** math.floor(math.log10(largest / 3))
@@ -151,7 +154,7 @@ def _step(largest: float) -> float:
 
 
 def _quarters(motion: Motion) -> list[tuple[int, int]]:
-    """(crank angle, nearest state of the last period) for the quarter turns [deg] that it passes; none of several drivers."""
+    """Quarter turns [deg] in the last period, each with its nearest state; empty for several drivers."""
     angle: Array = motion.crank_angle
     if angle.ndim > 1 or len(angle) < 3:
         return []

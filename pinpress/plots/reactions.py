@@ -1,4 +1,4 @@
-"""Charts of a motion and its reactions, made from `visual.charts`, which has their signs and axes."""
+"""Charts of a motion and its reactions, drawn from the data of `visual.charts`, with its signs and axes."""
 
 from __future__ import annotations
 
@@ -25,10 +25,10 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-SAME = 1e-6  # of the largest value: curves that differ by less are one
-INTERPOLATED = 1e-6  # of the largest value: a mean below it is the error of interpolation
-ROW = 0.45  # of a legend [cm]
-MOST_ABOVE = 4  # names of curves that go into one line above the axes
+SAME = 1e-6  # of the largest value: curves that differ by less are drawn as one
+INTERPOLATED = 1e-6  # of the largest value: a smaller mean is an error of interpolation
+ROW = 0.45  # height of a row of a legend [cm]
+MOST_ABOVE = 4  # names of curves in a legend of one line above the axes
 BEFORE, PALE, AFTER = GREY, "#b0b0b0", COLOURS[0]
 
 
@@ -37,7 +37,7 @@ def slide(motion: Motion) -> Figure:
     """Draw position, velocity and acceleration of the slide, and the speed of the crank where it is not constant.
 
     Args:
-        motion: what `cycle`, `simulate` or `steady_state` returns.
+        motion: Result of `cycle`, `simulate` or `steady_state`.
 
     Raises:
         PinpressError: the linkage has no slide, a value is not finite, or Matplotlib is not installed.
@@ -51,10 +51,10 @@ def slide(motion: Motion) -> Figure:
 
 @typed
 def torque(reactions: Reactions) -> Figure:
-    """Draw the driving torque of every driver; of a run beside the torque of its drive.
+    """Draw the driving torque of every driver, and for a run also the torque of its drive.
 
     Args:
-        reactions: what `inverse_dynamics` returns.
+        reactions: Result of `inverse_dynamics`.
 
     Raises:
         PinpressError: a value is not finite, or Matplotlib is not installed.
@@ -64,12 +64,12 @@ def torque(reactions: Reactions) -> Figure:
 
 @typed
 def bearings(reactions: Reactions) -> Figure:
-    """Draw the magnitudes of all bearing and guide forces, and of the moments they hold, where one does.
+    """Draw the magnitudes of all bearing and guide forces, and of the moments in bearings and guides that hold one.
 
     Curves that coincide are drawn once, under both names.
 
     Args:
-        reactions: what `inverse_dynamics` returns, with all bearings.
+        reactions: Result of `inverse_dynamics`, with all bearings.
 
     Raises:
         PinpressError: a value is not finite, or Matplotlib is not installed.
@@ -84,15 +84,15 @@ def polar(reactions: Reactions, *bearings: str) -> Figure:
     """Draw polar diagrams of bearing forces.
 
     A diagram shows the path of the force vector's tip in world axes (solid) and in axes that turn with the link on which the force acts
-    (dashed), with dots at every quarter turn of the crank in the last period. Circles are of constant force.
+    (dashed), with dots at every quarter turn of the crank in the last period. Circles are lines of constant force.
 
     Args:
-        reactions: what `inverse_dynamics` returns.
-        *bearings: names of bearings and guides; by default all.
+        reactions: Result of `inverse_dynamics`.
+        *bearings: Names of bearings and guides; by default all.
 
     Raises:
-        UnknownNameError: there is no such bearing.
-        PinpressError: a value is not finite, or Matplotlib is not installed.
+        UnknownNameError: There is no such bearing.
+        PinpressError: A value is not finite, or Matplotlib is not installed.
     """
     names = bearings or reactions._press.bearings
     return draw_loci(reactions.motion, [charts.locus(reactions, name) for name in names])
@@ -100,10 +100,10 @@ def polar(reactions: Reactions, *bearings: str) -> Figure:
 
 @typed
 def shaking(reactions: Reactions) -> Figure:
-    """Draw the world components of the shaking force, and the amplitudes of its harmonics in the last full period, where there is one.
+    """Draw the components of the shaking force in world axes, and the amplitudes of its harmonics in the last full period.
 
     Args:
-        reactions: what `inverse_dynamics` returns.
+        reactions: Result of `inverse_dynamics`. Without a full period there are no harmonics.
 
     Raises:
         PinpressError: a value is not finite, or Matplotlib is not installed.
@@ -122,17 +122,17 @@ def shaking(reactions: Reactions) -> Figure:
 
 @typed
 def comparison(before: Reactions, after: Reactions) -> Figure:
-    """Draw two presses, or two operating points of one, over each other.
+    """Draw the reactions of two presses, or of two operating points of one press, over each other.
 
-    Shown are driving torque, shaking force, peaks of the forces in the bearings that both have, and by how much each changes.
+    It shows driving torque, shaking force, and the peaks of the forces in the bearings that both have, each with its change in percent.
 
     Args:
-        before: the reactions that are drawn dashed.
-        after: the reactions that are drawn solid.
+        before: Reactions drawn dashed.
+        after: Reactions drawn solid.
 
     Raises:
-        PinpressError: no bearing of one name in both, two motions that are not drawn over the same quantity, one way, or Matplotlib is not
-            installed.
+        PinpressError: They have no bearing of one name, one motion is over the crank angle and the other over time, they turn in different
+            directions, or Matplotlib is not installed.
     """
     peaks = _pairs(charts.bearing(before), charts.bearing(after))
     if not peaks:
@@ -150,7 +150,7 @@ def comparison(before: Reactions, after: Reactions) -> Figure:
         places = figure.add_gridspec(rows + 1, 2, height_ratios=[4.8] * rows + [high])
         lines = []
         for k, pair in enumerate(pairs):
-            wide = k == 0 and len(pairs) % 2 == 1  # so that none is left alone in its row
+            wide = k == 0 and len(pairs) % 2 == 1  # the first of an odd number takes a whole row
             place = k + len(pairs) % 2
             axes = figure.add_subplot(places[0, :] if wide else places[place // 2, place % 2])
             lines = _compare(axes, overs, pair, wide)
@@ -161,7 +161,7 @@ def comparison(before: Reactions, after: Reactions) -> Figure:
 
 
 def _amplitudes(axes: Axes, chart: Chart, found: HarmonicAnalysis) -> None:
-    """Amplitudes of the harmonics of the components of a chart, beside each other, with the components' means as names."""
+    """Bars of the harmonics' amplitudes of a chart's components, side by side; the legend names their means."""
     factor = charts.factor(chart.quantity, chart.unit)
     apart = float(found.orders[1])
     width, bars, names = 0.8 * apart / len(chart.curves), [], []
@@ -185,7 +185,13 @@ def _backwards(over: Over) -> bool:
 
 
 def _stacked(motion: Motion, shown: Sequence[Chart], *least: float) -> Figure:
-    """Charts one below the other over one abscissa, as high as their names need, at least ``least``, the last for all others [cm]."""
+    """Charts one below the other over one abscissa, as high as their legends need.
+
+    Args:
+        motion: The motion.
+        shown: The charts.
+        *least: Least heights of the charts, the last one for all others [cm].
+    """
     lines = [sum(1 + curve.name.count("\n") for curve in chart.curves) for chart in shown]
     heights = [max(least[min(i, len(least) - 1)], 0.5 + ROW * count) for i, count in enumerate(lines)]
     with drawing(1.0 + sum(heights)) as figure:
@@ -204,7 +210,7 @@ def _panel(axes: Axes, over: Over, chart: Chart) -> None:
     lines, names = draw(axes, over, chart.curves), [curve.name for curve in chart.curves]
     over.label(axes)
     if len(names) == 1 and f" {chart.title.lower()}".endswith(f" {names[0]}"):
-        return  # named by the axis
+        return  # the axis names the only curve
     if len(names) <= MOST_ABOVE:
         above(axes, lines, names)
     else:
@@ -212,12 +218,12 @@ def _panel(axes: Axes, over: Over, chart: Chart) -> None:
 
 
 def _words(chart: Chart) -> str:
-    """What stands at the upright axis."""
+    """Label of the vertical axis."""
     return {"Bearing forces": "bearing force", "Moments in bearings and guides": "moment held"}.get(chart.title, chart.title.lower())
 
 
 def _merged(chart: Chart) -> Chart:
-    """The chart with curves that coincide made one, under both names: the two halves of a symmetric press."""
+    """The chart with coinciding curves as one, under both names, as for the two halves of a symmetric press."""
     least = SAME * max(float(np.abs(curve.values).max()) for curve in chart.curves)
     merged: list[Curve] = []
     for curve in chart.curves:
@@ -252,7 +258,7 @@ def _without_drive(reactions: Reactions) -> Chart:
 
 
 def _shaking(before: Reactions, after: Reactions) -> list[_Pair]:
-    """Components of the shaking force; one that only one of them has is zero in the other."""
+    """Components of the shaking force; a component that only one press has is zero in the other."""
     pair = charts.shaking(before), charts.shaking(after)
     names = sorted({curve.name for chart in pair for curve in chart.curves if curve.values.any()}) or list(AXES)
     first, second = (_with_components(chart, names) for chart in pair)
@@ -303,7 +309,7 @@ def _bars(axes: Axes, peaks: Sequence[_Pair]) -> None:
 
 
 def _change(before: float, after: float) -> str:
-    """The change of a size, in percent where there was one."""
+    """The change of a size in percent, or in words where it was zero before."""
     if before == 0.0:
         return "0 as before" if after == 0.0 else "0 before"
     change = round(100 * (after / before - 1), 1) + 0.0  # no "-0.0"
@@ -311,5 +317,5 @@ def _change(before: float, after: float) -> str:
 
 
 def _number(value: float) -> str:
-    """Three figures, with a minus sign that is one."""
+    """A number with three figures and a typographic minus sign."""
     return f"{value + 0.0:.3g}".replace("-", "−")

@@ -1,4 +1,4 @@
-"""The paper a plot is drawn on: its size, its style, its axes and legends, and the file it is saved to. Matplotlib without pyplot."""
+"""Common parts of all plots: size, style, axes, legends, and saving to a file. They use Matplotlib without pyplot."""
 
 from __future__ import annotations
 
@@ -26,13 +26,13 @@ if TYPE_CHECKING:
 
 NOT_INSTALLED = "plots need Matplotlib, which is not installed: pip install 'pinpress[plots]'"
 CENTIMETRE = 1 / 2.54  # in inches
-WIDTH = 16.0  # of a text column [cm]
+WIDTH = 16.0  # of a text column, and so of every plot [cm]
 COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000")  # Okabe and Ito; its yellow is too light for lines
 LINES = ("-", (0, (5, 1.5)), (0, (1.2, 1.2)), (0, (5, 1.5, 1.2, 1.5)))
 GREY, LIGHT = "#7a7a7a", "#dddddd"
-SMALL, NORMAL = 8.0, 9.0  # of letters [pt]
-LONGEST = 40  # letters of a name
-LINE, THIN = 1.3, 0.6  # widths [pt]
+SMALL, NORMAL = 8.0, 9.0  # sizes of letters [pt]
+LONGEST = 40  # letters of a name; more are cut off
+LINE, THIN = 1.3, 0.6  # widths of lines [pt]
 STYLE = {
     "font.size": NORMAL,
     "axes.titlesize": NORMAL,
@@ -45,12 +45,12 @@ STYLE = {
     "lines.solid_joinstyle": "round",
 }
 FORMATS: dict[str, dict[str, str | None]] = {".svg": {"Date": None}, ".png": {"Software": None}, ".pdf": {"CreationDate": None}}
-DOTS = 300  # per inch
+DOTS = 300  # of a PNG file, per inch
 
 
 @contextmanager
 def drawing(height: float) -> Iterator[Figure]:
-    """A figure to draw on, `WIDTH` wide and ``height`` high [cm], in a style that does not depend on the caller's, laid out at the end.
+    """A figure to draw on, `WIDTH` wide and ``height`` high [cm], in a style of its own. It is laid out when the block ends.
 
     Raises:
         PinpressError: Matplotlib is not installed.
@@ -68,10 +68,14 @@ def drawing(height: float) -> Iterator[Figure]:
 
 
 def save(figure: Figure, path: str | os.PathLike[str]) -> Path:
-    """Write a plot to an SVG, PNG or PDF file, as its suffix says, and return the path. The same plot gives the same bytes.
+    """Write a plot to an SVG, PNG or PDF file, and return the path. Equal plots give equal bytes.
+
+    Args:
+        figure: The plot.
+        path: Path of the file; its suffix decides the format.
 
     Raises:
-        PinpressError: another suffix, or a path that cannot be written.
+        PinpressError: The suffix is another one, the file cannot be written, or ``figure`` is no plot.
     """
     suffix = Path(path).suffix.lower() if isinstance(path, str | os.PathLike) else ""
     if suffix not in FORMATS:
@@ -87,7 +91,7 @@ def save(figure: Figure, path: str | os.PathLike[str]) -> Path:
 
 
 class Over:
-    """What curves are drawn over. One period without its end is closed by its first state."""
+    """The horizontal axis of curves over a motion. One period without its end is closed by its first state."""
 
     def __init__(self, motion: Motion) -> None:
         self.abscissa: Abscissa = abscissa(motion)
@@ -101,7 +105,7 @@ class Over:
         return np.concatenate([values, values[:1]]) if self._closes else values
 
     def label(self, axes: Axes, wide: bool = True) -> None:
-        """Give the last of a column of axes its lower axis: label, limits, ticks; others share it."""
+        """Set label, limits and ticks of the horizontal axis of the lowest chart in a column, which the others share."""
         from matplotlib.ticker import MaxNLocator, MultipleLocator  # optional, and slow to import
 
         plain(axes.set_xlabel(f"{self.abscissa.quantity} [{self.abscissa.unit}]" if self.abscissa.unit else self.abscissa.quantity))
@@ -115,8 +119,8 @@ class Over:
 
 
 def grid(axes: Axes, label: str) -> None:
-    """The look of a chart's axes, and the label of its upright one."""
-    # said of these axes, as ticks are made when they are drawn, when the style is not in force any more
+    """Set the look of a chart's axes, and the label of the vertical one."""
+    # set for these axes, because ticks are made when they are drawn, when the style is not in force any more
     axes.grid(True, color=LIGHT, linewidth=THIN)
     axes.set_axisbelow(True)
     axes.tick_params(labelsize=SMALL, width=THIN, length=3.0)
@@ -125,7 +129,7 @@ def grid(axes: Axes, label: str) -> None:
 
 
 def draw(axes: Axes, over: Over, curves: Sequence[Curve]) -> list[Artist]:
-    """Curves in colours that the colour-blind can tell, then in other kinds of lines; the lines drawn."""
+    """Draw curves in colours that the colour-blind can tell apart, after these in other kinds of lines; return the lines."""
     lines: list[Artist] = []
     for i, curve in enumerate(curves):
         look: dict[str, Any] = {"color": COLOURS[i % len(COLOURS)], "linestyle": LINES[i // len(COLOURS) % len(LINES)]}
@@ -136,24 +140,24 @@ def draw(axes: Axes, over: Over, curves: Sequence[Curve]) -> list[Artist]:
 
 
 def legend(owner: Axes | Figure, handles: Sequence[Artist], names: Sequence[str], **where: Any) -> None:
-    """A legend of any names: Matplotlib would leave out one that begins with "_", and typeset what is between two "$"."""
+    """Draw a legend of any names. Matplotlib itself would leave out names with a leading "_", and typeset text between two "$"."""
     texts = owner.legend(list(handles), ["-"] * len(names), frameon=False, handlelength=1.8, **where).get_texts()
     for text, name in zip(texts, names, strict=True):
         plain(text).set_text("\n".join(brief(line) for line in name.split("\n")))
 
 
 def above(axes: Axes, handles: Sequence[Artist], names: Sequence[str]) -> None:
-    """A legend in one line above the axes, clear of the curves."""
+    """Draw a legend in one line above the axes, clear of the curves."""
     where = {"loc": "lower left", "bbox_to_anchor": (-0.01, 0.98), "borderaxespad": 0.2, "columnspacing": 1.4}
     legend(axes, handles, names, ncols=len(names), **where)
 
 
 def brief(name: str) -> str:
-    """A name that fits, however long it is."""
+    """A name, cut off where it is too long."""
     return name if len(name) <= LONGEST else name[: LONGEST - 1] + "…"
 
 
 def plain(text: Text) -> Text:
-    """The text as it is, without mathematics."""
+    """The text, without typesetting of mathematics."""
     text.set_parse_math(False)
     return text
