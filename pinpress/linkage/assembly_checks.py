@@ -92,9 +92,12 @@ def rounded(press: Linkage) -> str | None:
 def _off(press: Linkage) -> tuple[float, str, int | None]:
     """The largest angle by which a joint or loop is off the plane [rad], with the element and line of that joint or loop."""
     joints: list[tuple[float, str, int | None]]
-    joints = [(off, f'<joint name="{name}">', None) for off, name in zip(mobility.joints_off_plane(press), press.joints, strict=True)]
+    joints = [
+        (off, press.document.called("joint", name), None) for off, name in zip(mobility.joints_off_plane(press), press.joints, strict=True)
+    ]
     loops = [
-        (off, f'<loop_joint name="{loop.name}">', loop.line) for off, loop in zip(mobility.loops_off_plane(press), press.loops, strict=True)
+        (off, press.document.called("loop_joint", loop.name), loop.line)
+        for off, loop in zip(mobility.loops_off_plane(press), press.loops, strict=True)
     ]
     return max([*joints, *loops], key=lambda each: each[0])
 
@@ -120,7 +123,7 @@ def _mobility(press: Linkage, rows: Rows, freedom: int) -> Finding:
             problem += f": held by {', '.join(each.title for each in locking)}"
         stuck = rounded(press) or "a loop, a gear pair or a fixed joint too many: nothing can move"
         remedy = "drive fewer joints" if freedom > 0 else stuck
-    return Finding.of(UrdfError(press.file, f'<robot name="{press.name}">', None, problem, remedy))
+    return Finding.of(UrdfError(press.file, _robot(press), None, problem, remedy))
 
 
 def _free_beside(press: Linkage) -> int:
@@ -137,7 +140,7 @@ def _change_point(press: Linkage, rows: Rows) -> Finding:
     remedy = "draw the linkage a little further on"
     smallest = float(singular_values(rows.columns)[press.model.nv - len(press.drivers) - 1])
     error = SingularityError(f"{press.file}: {problem}; {remedy}", 0.0, smallest)
-    return Finding("error", f'<robot name="{press.name}">', None, problem, remedy, error)
+    return Finding("error", _robot(press), None, problem, remedy, error)
 
 
 def _open(press: Linkage, rows: Rows) -> Iterator[Finding]:
@@ -156,7 +159,12 @@ def _open(press: Linkage, rows: Rows) -> Iterator[Finding]:
         problem = "does not close near the drawn pose"
         error = AssemblyError(f"{press.file}:{each.by.line}: {each.title} {problem}; {remedy}", 0.0, gaps[k], iterations)
         yield Finding(
-            "error", each.element, each.by.line, f"{problem}: {opening_in_words(press, each, rows.gaps)} apart as drawn", remedy, error
+            "error",
+            mobility.element(press, each),
+            each.by.line,
+            f"{problem}: {opening_in_words(press, each, rows.gaps)} apart as drawn",
+            remedy,
+            error,
         )
 
 
@@ -170,7 +178,7 @@ def _dead_point(press: Linkage, rows: Rows) -> Iterator[Finding]:
     remedy = f"draw the linkage away from its dead point ({free} can move with the driver held still)"
     smallest = float(values.min()) if len(values) == columns.shape[1] else 0.0
     error = SingularityError(f"{press.file}: {problem}; {remedy}", 0.0, smallest)
-    yield Finding("error", f'<robot name="{press.name}">', None, problem, remedy, error)
+    yield Finding("error", _robot(press), None, problem, remedy, error)
 
 
 def _massless(press: Linkage) -> Iterator[Finding]:
@@ -189,7 +197,7 @@ def _massless(press: Linkage) -> Iterator[Finding]:
     moving = np.flatnonzero(np.abs(moved).max(axis=1) > SEEN)
     body = next(int(j) + 1 for j in moving if not masses[j + 1])
     problem = "it moves without a mass, as do all links that move with it: nothing resists the drive"
-    error = UrdfError(press.file, f'<link name="{press.link_of(body)}">', None, problem, "write its <mass> and <inertia>")
+    error = UrdfError(press.file, press.document.called("link", press.link_of(body)), None, problem, "write its <mass> and <inertia>")
     yield Finding.of(error)
 
 
@@ -200,6 +208,10 @@ def _rates(press: Linkage) -> Array:
     rates = np.array([passive.rates(-rows.columns[:, driver]) for driver in drivers]).T
     rates[drivers] = np.eye(len(drivers))
     return rates
+
+
+def _robot(press: Linkage) -> str:
+    return press.document.called("robot", press.name)
 
 
 def _driver(press: Linkage) -> str:
@@ -218,7 +230,7 @@ def remarks(press: Linkage, robot: "Element") -> Iterator[Finding]:
     poses = press.closed[:, None]
     if len(press.drivers) == 1:
         line = next(joint.line for joint in robot.all("joint") if joint.get("name") == press.driver)
-        where = f'<joint name="{press.driver}">', line
+        where = press.document.called("joint", press.driver), line
         try:
             branch = press.branch
         except PinpressError as error:
@@ -281,7 +293,13 @@ def _drawn_open(press: Linkage, among: list[mobility.Constraint], beyond: float)
     for each in among:
         if each.gap(gaps) > beyond * press.size:
             remedy = f"draw it closed; to close it, load has moved {moved}"
-            yield Finding("warning", each.element, each.by.line, f"it is {opening_in_words(press, each, gaps)} apart as drawn", remedy)
+            yield Finding(
+                "warning",
+                mobility.element(press, each),
+                each.by.line,
+                f"it is {opening_in_words(press, each, gaps)} apart as drawn",
+                remedy,
+            )
 
 
 def _limits(press: Linkage, branch: Branch, robot: "Element") -> Iterator[Finding]:
@@ -308,7 +326,7 @@ def _value(press: Linkage, joint: int, value: float) -> str:
 
 def _redundant(press: Linkage, poses: Array) -> Iterator[Finding]:
     out_of_plane, further, among = mobility.redundancy(press, press.closed)
-    robot, shared = f'<robot name="{press.name}">', "is shared by least squares, reactions.indeterminate marks it"
+    robot, shared = _robot(press), "is shared by least squares, reactions.indeterminate marks it"
     if out_of_plane:
         problem = f"{_equations(out_of_plane)} redundant across the plane of the linkage, as in any with parallel pins"
         yield Finding("note", robot, None, problem, f"what bearings carry across it {shared}")
@@ -330,7 +348,7 @@ def _engine(press: Linkage) -> Iterator[Finding]:
     if "plane" not in press.engines:
         problem = f"engine 'pinocchio' computes it, one configuration at a time: {_not_planar(press)}"
         remedy, slower = rounded(press), "results are as exact, and take some hundred times longer"
-        yield Finding("warning" if remedy else "note", f'<robot name="{press.name}">', None, problem, remedy or slower)
+        yield Finding("warning" if remedy else "note", _robot(press), None, problem, remedy or slower)
 
 
 def _not_planar(press: Linkage) -> str:

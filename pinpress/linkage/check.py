@@ -25,6 +25,7 @@ from .urdf.document import Document
 from .urdf.findings import SEVERITIES, Finding
 
 WIDTH = 120  # of a line of text
+WHOLE = ("<robot", "<model", "<mujoco")  # what is said of the file as a whole is said of none of its elements
 
 
 @dataclass(frozen=True, repr=False)
@@ -211,7 +212,7 @@ def _described(facts: Facts) -> list[str]:
 
 def _said(file: str, finding: Finding) -> list[str]:
     place = "" if finding.line is None else f"{file}:{finding.line}: "
-    element = "" if finding.element is None or finding.element.startswith("<robot") else f"{finding.element}: "
+    element = "" if finding.element is None or finding.element.startswith(WHOLE) else f"{finding.element}: "
     wrapper = textwrap.TextWrapper(WIDTH, subsequent_indent="    ", break_long_words=False, break_on_hyphens=False)
     lines = wrapper.wrap(f"{place}{finding.severity}: {element}{finding.problem}")
     wrapper.initial_indent = "    "

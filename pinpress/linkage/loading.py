@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 
 import numpy as np
@@ -98,7 +98,7 @@ def assembled(
 ) -> Linkage:
     """The linkage of a URDF without problems, not yet closed; arguments and errors as of `load`."""
     description = reader.describe(document)
-    drivers = _drivers(description, driver)
+    drivers = _drivers(description, driver, document.called)
     try:
         model = pin.buildModelFromXML(description.text.decode())
     except (ValueError, RuntimeError) as error:  # nothing is known that passes the checks and ends here
@@ -110,7 +110,7 @@ def assembled(
     for name in drivers:
         if not model.joints[places[name] + 1].shortname().startswith("JointModelR"):
             raise UrdfError(
-                description.file, f'<joint name="{name}">', _line(description, name), "the driver does not turn", "drive a crank"
+                description.file, document.called("joint", name), _line(description, name), "the driver does not turn", "drive a crank"
             )
     return Linkage(
         name=description.name,
@@ -139,7 +139,7 @@ def _line(description: reader.Urdf, joint: str) -> int:
     return next(j.line for j in description.joints if j.name == joint)
 
 
-def _drivers(description: reader.Urdf, driver: str | Sequence[str] | None) -> tuple[str, ...]:
+def _drivers(description: reader.Urdf, driver: str | Sequence[str] | None, called: Callable[[str, str], str]) -> tuple[str, ...]:
     moving = [joint.name for joint in description.joints if joint.type != "fixed"]
     given: tuple[str, ...] = description.drivers
     if driver is not None:
@@ -152,7 +152,7 @@ def _drivers(description: reader.Urdf, driver: str | Sequence[str] | None) -> tu
     if not given:
         raise UrdfError(
             description.file,
-            f'<robot name="{description.name}">',
+            called("robot", description.name),
             None,
             "no driver",
             'add <transmission name="drive"><joint name="..."/></transmission>, or load(..., driver=...)',

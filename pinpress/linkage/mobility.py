@@ -36,14 +36,16 @@ class Constraint(NamedTuple):
     def title(self) -> str:
         return f"loop {self.by.name!r}" if isinstance(self.by, LoopJoint) else f"gear pair of joint {self.by.name!r}"
 
-    @property
-    def element(self) -> str:
-        """In the URDF."""
-        return f'<loop_joint name="{self.by.name}">' if isinstance(self.by, LoopJoint) else f'<mimic> of <joint name="{self.by.name}">'
-
     def gap(self, gaps: Array) -> float:
         """How far it is from being closed, from the gaps (rows,) of all equations; rotations count in lengths of the linkage [m]."""
         return max(float(np.linalg.norm(gaps[list(self.points)])), float(np.abs(gaps[list(self.turns)]).max(initial=0.0)))
+
+
+def element(press: Linkage, each: Held) -> str:
+    """The element of a loop or gear pair, as messages call it."""
+    if isinstance(each.by, LoopJoint):
+        return press.document.called("loop_joint", each.by.name)
+    return f"<mimic> of {press.document.called('joint', each.by.name)}"
 
 
 class Redundancy(NamedTuple):

@@ -1,5 +1,8 @@
 """Linkages in other formats: the same numbers as from our own, and what cannot be read refused by name."""
 
+import pickle
+import re
+import sys
 import warnings
 
 import numpy as np
@@ -54,6 +57,138 @@ def test_a_press_in_another_format_has_the_torque_and_bearing_forces_of_ours(nam
     again = pp.load(pp.write_urdf(press, tmp_path / "again.urdf"), slide=press.slide)
     assert np.abs(forces(again)[1] - got).max() <= SAME * np.abs(expected).max()
     assert again.text == press.text
+
+
+def test_messages_name_the_element_and_line_of_the_file(tmp_path):
+    source = Press(pp.load("crank_slide").text.decode())
+    sdf, mjcf = source.sdf("1.6"), source.mjcf()
+    locked = written(tmp_path, "locked.sdf", sdf.replace('<joint name="P" type="continuous">', '<joint name="P" type="fixed">'))
+    with pytest.raises(UrdfError, match=re.escape('<model name="crank_slide">: mobility is')) as caught:
+        pp.load(locked)
+    assert caught.value.file == str(locked)
+    heavy = written(tmp_path, "heavy.sdf", sdf.replace("<mass>20.0</mass>", "<mass>-20.0</mass>"))
+    line = next(k for k, text in enumerate(heavy.read_text().splitlines(), 1) if "-20.0" in text)
+    with pytest.raises(UrdfError, match=re.escape(f'{heavy}:{line}: <inertial> of <link name="crank">: the mass -20.0')):
+        pp.load(heavy)
+    apart = written(tmp_path, "apart.xml", re.sub('<site name="W_1" pos="[^"]*"', '<site name="W_1" pos="2 0 0"', mjcf))
+    line = next(k for k, text in enumerate(mjcf.splitlines(), 1) if "<connect" in text)
+    with pytest.raises(pp.PinpressError, match=re.escape(f"{apart}:{line}: ")) as caught:
+        pp.load(apart)
+    (error,) = pp.check(apart).errors
+    assert (error.element, error.line) == ('<connect name="W">', line)
+    assert f"{apart}:{line}: error: <connect" in str(pp.check(apart))
+
+
+def test_a_press_from_another_format_is_kept_whole(tmp_path):
+    press = pp.load(written(tmp_path, "press.sdf", Press(pp.load("crank_slide").text.decode()).sdf()))
+    copy = pickle.loads(pickle.dumps(press))
+    assert (copy.text, copy.document.origins) == (press.text, press.document.origins)
+    assert np.array_equal(forces(copy)[1], forces(press)[1])
+    assert press.file.endswith("press.sdf")
+    heavier = [inertia.copy() for inertia in press.model.inertias]
+    heavier[1].mass *= 2
+    changed = press.with_inertias(heavier)
+    assert pp.load(pp.write_urdf(changed, tmp_path / "heavier.urdf")).model.inertias[1].mass == heavier[1].mass
+
+
+def test_mjcf_without_mujoco_says_what_to_install(tmp_path, monkeypatch):
+    monkeypatch.setitem(sys.modules, "mujoco", None)
+    with pytest.raises(pp.PinpressError, match=r"pip install 'pinpress\[peers\]', or mujoco alone"):
+        pp.load(written(tmp_path, "press.xml", Press(pp.load("crank_slide").text.decode()).mjcf()))
+
+
+def test_another_root_element_is_refused(tmp_path):
+    with pytest.raises(UrdfError, match=":1: <html>: the root element is not <robot>, <sdf> or <mujoco>"):
+        pp.load(written(tmp_path, "page.xml", "<html/>"))
+    with pytest.raises(UrdfError, match="cannot be read: "):
+        pp.load(tmp_path / "missing.sdf")
+
+
+# ---------------------------------------------------------------------------------------------------------------------- dialects of URDF
+
+
+def crank_slide(loop):
+    """The shipped press with another element in the place of its loop."""
+    return re.sub("<loop_joint.*</loop_joint>", lambda _: loop, pp.load("crank_slide").text.decode(), flags=re.DOTALL)
+
+
+BUSHING = (
+    '<drake:linear_bushing_rpy><drake:bushing_frameA name="rod"/><drake:bushing_frameC name="slide"/>'
+    '<drake:bushing_torque_stiffness value="{}"/><drake:bushing_torque_damping value="0 0 0"/>'
+    '<drake:bushing_force_stiffness value="{}"/><drake:bushing_force_damping value="0 0 0"/></drake:linear_bushing_rpy>'
+)
+BALL = (
+    '<drake:ball_constraint><drake:ball_constraint_body_A name="rod"/><drake:ball_constraint_p_AP value="0.4 0 0"/>'
+    '<drake:ball_constraint_body_B name="slide"/><drake:ball_constraint_p_BQ value="0 0 0"/></drake:ball_constraint>'
+)
+LOOP = '<{0} name="W" type="{1}"><predecessor link="rod"><origin xyz="0.4 0 0"/></predecessor><successor link="slide"/>{2}</{0}>'
+GAZEBO = '<gazebo><joint name="W" type="{}"><parent>rod</parent><child>slide</child>{}</joint></gazebo>'
+
+
+@pytest.mark.parametrize(
+    ("loop", "name", "type", "axis"),
+    [
+        (BALL, "ball_rod_slide", "spherical", None),
+        (BUSHING.format("0 0 0", "1 2 3"), "bushing_rod_slide", "spherical", None),
+        (BUSHING.format("5 0 5", "1 2 3"), "bushing_rod_slide", "revolute", (0, 1, 0)),
+        (LOOP.format("loop", "revolute", '<axis xyz="0 -2 0"/>'), "W", "revolute", (0, -1, 0)),
+        (LOOP.format("constraint", "continuous", ""), "W", "revolute", (1, 0, 0)),
+        (LOOP.format("loop", "fixed", ""), "W", "fixed", None),
+        (GAZEBO.format("ball", ""), "W", "spherical", None),
+        (GAZEBO.format("revolute", "<axis><xyz>0 -1 0</xyz></axis>"), "W", "revolute", (0, -1, 0)),
+    ],
+)
+def test_loops_of_other_dialects_are_read(tmp_path, loop, name, type, axis):
+    document = document_of(written(tmp_path, "press.urdf", crank_slide(loop)))
+    (found,) = document.robot.all("loop_joint")
+    assert (found.get("name"), found.get("type")) == (name, type)
+    assert [each.numbers("xyz") for each in found.all("axis")] == [axis] * (axis is not None)
+    before, after = crank_slide("").encode(), document.text.replace(b"<gazebo></gazebo>", b"")
+    assert re.sub(rb"<loop_joint.*</loop_joint>", b"", after) == before  # to the byte
+
+
+def test_a_joint_of_gazebo_may_have_its_axis_in_the_frame_of_the_model(tmp_path):
+    axis = "<axis><xyz>0 -1 0</xyz><use_parent_model_frame>true</use_parent_model_frame></axis>"
+    loop = GAZEBO.format("revolute", axis + "<pose>0 0 0 0.5 0 0</pose>")
+    document = document_of(written(tmp_path, "press.urdf", crank_slide(loop)))
+    press = assembled(document, None, None)
+    assert press.loops[0].rotation1[:, 0] == pytest.approx([0, -1, 0], abs=1e-15)
+
+
+DIALECT_REFUSED = {
+    "elastic": (BUSHING.format("5 0 0", "1 2 3"), "<drake:linear_bushing_rpy>: a bushing is elastic, and this one is neither a pin"),
+    "no force": (BUSHING.format("0 0 0", "1 0 3"), "neither a pin .* nor a ball joint"),
+    "no body": (BALL.replace('name="rod"', 'name="rot"'), "<drake:ball_constraint> ball_rot_slide: no link 'rot', did you mean 'rod'"),
+    "two numbers": (BALL.replace("0.4 0 0", "0.4 0"), "<drake:ball_constraint_p_AP>.*: 2 numbers, not 3"),
+    "no point": (BALL.replace('<drake:ball_constraint_p_BQ value="0 0 0"/>', ""), "has no <drake:ball_constraint_p_BQ>"),
+    "joint of drake": ('<drake:joint name="W" type="ball"/>', '<drake:joint name="W">: cannot be read'),
+    "tendon": ("<drake:tendon_constraint/>", "<drake:tendon_constraint>: cannot be read"),
+    "coupling": ('<coupling name="c"/>', '<coupling name="c">: cannot be read; write <mimic'),
+    "prismatic loop": (LOOP.format("loop", "prismatic", ""), "<loop name=.W.>: type 'prismatic' closes no loop here"),
+    "untyped loop": (LOOP.format("loop", "", ""), "<loop name=.W.>: has no type"),
+    "no axis": (LOOP.format("loop", "revolute", '<axis xyz="0 0 0"/>'), "the axis is zero"),
+    "screw of gazebo": (GAZEBO.format("screw", ""), "<joint name=.W.>: a screw joint closes no loop here"),
+    "link of gazebo": (GAZEBO.format("ball", "").replace("rod", "rot"), "no link 'rot'"),
+    "misspelt": ('<lop_joint name="W"/>', "unknown element <lop_joint>"),
+}
+
+
+@pytest.mark.parametrize("case", DIALECT_REFUSED)
+def test_loops_that_cannot_be_read_are_refused_by_name_and_line(case, tmp_path):
+    loop, message = DIALECT_REFUSED[case]
+    text = crank_slide("\n" + loop)
+    line = text.splitlines().index(loop) + 1
+    with pytest.raises(UrdfError, match=message) as caught:
+        pp.load(written(tmp_path, "press.urdf", text))
+    assert caught.value.line == line
+
+
+def test_springs_and_rotors_of_drake_are_warned_of(tmp_path):
+    text = crank_slide(BALL + "<drake:linear_spring_damper/>")
+    text = text.replace("<mechanicalReduction>", '<drake:rotor_inertia value="0.1"/><mechanicalReduction>')
+    press, warned = loaded(written(tmp_path, "press.urdf", text))
+    assert press.loops[0].name == "ball_rod_slide"
+    assert [re.search("a spring|the rotor", message)[0] for message in warned] == ["a spring", "the rotor"]
 
 
 # ---------------------------------------------------------------------------------------------------------------------------------- MJCF

@@ -37,7 +37,8 @@ def origin_of(element: Element | Origin) -> Origin:
     named: Element | None = element
     while named is not None and not named.get("name"):
         named = named.parent
-    shown = f'<{named.tag} name="{named.get("name")}">' if named is not None else ""
+    whole = named is None or (named.parent is None and named is not element)  # what is under <robot> is not said to be of it
+    shown = "" if named is None or whole else f'<{named.tag} name="{named.get("name")}">'
     return Origin(shown if named is element else " of ".join(filter(None, (f"<{element.tag}>", shown))), element.line)
 
 

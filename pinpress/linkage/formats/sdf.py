@@ -543,7 +543,7 @@ _MIMIC = (("multiplier", "1"), ("offset", "0"))
 
 
 def _rank(kind: str) -> int:
-    """Which joints the tree takes first: those that cannot close a loop, then those that hold more."""
+    """Which joints the tree takes first: those that cannot close a loop, then those that hold more; balls are pins to cut at."""
     return {"prismatic": 0, "universal": 0, "revolute2": 0, "fixed": 1, "ball": 3}.get(kind, 2)
 
 

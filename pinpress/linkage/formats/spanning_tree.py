@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
@@ -27,18 +28,16 @@ class SpanningTree(NamedTuple):
 
 
 def spanning_tree(root: str, links: Sequence[str], edges: Sequence[Edge]) -> SpanningTree:
-    """A tree in which every link is carried by the first joint of which it is the child, as far as that is possible.
+    """A tree with as many joints of the lowest ranks as there can be, in which joints carry their children.
 
-    Where it is not, a joint is taken that has the link for its parent: it then carries its parent.
+    Where a joint is the only one of its rank that could carry a link, and has it for its parent, it carries its parent.
     """
     groups = {link: {link} for link in links}
     taken: list[int] = []
     carried: set[str] = {root}
-    order = sorted(range(len(edges)), key=lambda k: edges[k].rank)
-    for as_written in (True, False):
-        for k in order:
-            parent, child = edges[k].parent, edges[k].child
-            if groups[parent] is groups[child] or (as_written and child in carried):
+    for rank, as_written in itertools.product(sorted({edge.rank for edge in edges}), (True, False)):
+        for k, (parent, child, own) in enumerate(edges):
+            if own != rank or groups[parent] is groups[child] or (as_written and child in carried):
                 continue
             carried.add(child)
             taken.append(k)

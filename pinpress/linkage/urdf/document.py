@@ -126,6 +126,14 @@ class Document:
             _name_origins(root, self.origins, root.tag)
         return root
 
+    def called(self, tag: str, name: str) -> str:
+        """What messages call the element under ``<robot>`` of this tag and name, or ``<robot>`` itself."""
+        if self.origins:
+            for element in (self.robot, *self.robot.all(tag)):
+                if element.tag == tag and element.get("name") == name and element.origin is not None:
+                    return element.origin
+        return f'<{tag} name="{name}">'
+
     def __getstate__(self) -> dict[str, Any]:
         return {"file": self.file, "text": self.text, "origins": self.origins, "remarks": self.remarks}
 

@@ -1,0 +1,305 @@
+"""SDF: poses, axes, frames, the choice of the tree, gearboxes; what is refused, each by its name and line; and the loops of Drake in it."""
+
+import re
+import warnings
+from importlib.metadata import files
+
+import numpy as np
+import pinocchio as pin
+import pytest
+from support.oracles import cassie
+
+import pinpress as pp
+from pinpress.common.errors import PinpressWarning, UrdfError
+from pinpress.linkage.formats.reading import document_of
+from pinpress.linkage.formats.spanning_tree import Edge, spanning_tree
+from pinpress.linkage.loading import assembled
+
+MODEL = """<sdf version="{version}">
+  <model name="slider">
+    {pose}
+    <link name="frame"/>
+    <link name="crank">
+      <pose>0 0 0.4 0 0.3 0</pose>
+      <inertial><pose>0.03 0 0 0 0 0.1</pose><mass>20</mass><inertia><ixx>0.05</ixx><iyy>0.1</iyy><izz>0.06</izz></inertia></inertial>
+    </link>
+    <link name="rod">
+      <pose>0.1 0 0.3 0 0.9 0</pose>
+      <inertial><mass>15</mass><inertia><ixx>0.01</ixx><iyy>0.2</iyy><izz>0.2</izz></inertia></inertial>
+    </link>
+    <link name="slide">
+      <pose>0.2 0 0 0 0 0</pose>
+      <inertial><mass>100</mass><inertia><ixx>1</ixx><iyy>1</iyy><izz>1</izz></inertia></inertial>
+    </link>
+    <joint name="O" type="revolute"><parent>frame</parent><child>crank</child><pose>0.01 0 0.02 0 0 0</pose>{axis}</joint>
+    <joint name="P" type="revolute"><parent>crank</parent><child>rod</child><axis><xyz>0 -1 0</xyz></axis></joint>
+    <joint name="slide_guide" type="prismatic"><parent>frame</parent><child>slide</child><axis><xyz>0 0 1</xyz></axis></joint>
+    <joint name="W" type="revolute"><parent>rod</parent><child>slide</child><axis><xyz>0 -1 0</xyz></axis></joint>
+    {more}
+  </model>
+</sdf>
+"""
+AXIS = "<axis><xyz>0 -1 0</xyz></axis>"
+
+
+@pytest.fixture
+def file(tmp_path):
+    def write(version="1.9", pose="", axis=AXIS, more="", edit=("", "")):
+        path = tmp_path / "slider.sdf"
+        path.write_text(MODEL.format(version=version, pose=pose, axis=axis, more=more).replace(*edit), encoding="utf-8")
+        return path
+
+    return write
+
+
+@pytest.fixture
+def robot(file):
+    return lambda **of: document_of(file(**of)).robot
+
+
+def joint(robot, name):
+    return next(each for each in robot.all("joint") if each.get("name") == name)
+
+
+def axis(robot, name):
+    return joint(robot, name).all("axis")[0].numbers("xyz")
+
+
+def test_the_crank_slide_of_an_sdf_moves(file):
+    with pytest.warns(PinpressWarning, match=re.escape('<link name="frame">: no joint connects the model to the world')):
+        press = pp.load(file(), driver="O")
+    assert (press.name, press.slide, press.bearings) == ("slider", "slide", ("O", "P", "slide_guide", "W"))
+    assert [(loop.name, loop.type) for loop in press.loops] == [("W", "revolute")]
+    model, data = press.model, press.model.createData()
+    pin.framesForwardKinematics(model, data, pin.neutral(model))
+    assert data.oMf[model.getFrameId("crank", pin.BODY)].translation == pytest.approx(
+        pin.rpy.rpyToMatrix(0, 0.3, 0) @ [0.01, 0, 0.02] + [0, 0, 0.4], abs=1e-15
+    )  # of the joint
+    centre = data.oMi[1].act(model.inertias[1].lever)
+    assert centre == pytest.approx(pin.rpy.rpyToMatrix(0, 0.3, 0) @ [0.03, 0, 0] + [0, 0, 0.4], abs=1e-15)
+    moved = pp.servo_cycle(press, np.linspace(-0.5, 0.5, 5), speed=1.0)
+    assert moved.closure_error.max() < 1e-12
+
+
+@pytest.mark.parametrize(
+    ("version", "written", "expected"),
+    [
+        ("1.9", "<xyz>0 -2 0</xyz>", (0, -1, 0)),
+        ("1.9", '<xyz expressed_in="__model__">1 0 0</xyz>', pin.rpy.rpyToMatrix(0, 0.3, 0).T @ [1, 0, 0]),
+        ("1.9", '<xyz expressed_in="rod">1 0 0</xyz>', pin.rpy.rpyToMatrix(0, 0.6, 0) @ [1, 0, 0]),
+        ("1.6", "<xyz>1 0 0</xyz>", (1, 0, 0)),
+        ("1.6", "<xyz>1 0 0</xyz><use_parent_model_frame>1</use_parent_model_frame>", pin.rpy.rpyToMatrix(0, 0.3, 0).T @ [1, 0, 0]),
+        ("1.4", "<xyz>1 0 0</xyz>", pin.rpy.rpyToMatrix(0, 0.3, 0).T @ [1, 0, 0]),
+        ("1.6", "", (0, 0, 1)),
+    ],
+)
+def test_an_axis_is_in_the_frame_that_its_version_says(robot, version, written, expected):
+    assert axis(robot(version=version, axis=f"<axis>{written}</axis>"), "O") == pytest.approx(tuple(expected), abs=1e-15)
+
+
+@pytest.mark.parametrize(
+    "pose",
+    [
+        '<pose relative_to="held">0.1 0 0 0 0 0</pose>',
+        '<pose relative_to="crank" degrees="true">-0.1 0 0.4 0 -17.188733853924695 0</pose>',
+        '<pose rotation_format="quat_xyzw">0.2 0 0 0 0 0 2</pose>',
+    ],
+)
+def test_a_pose_is_relative_to_the_frame_that_it_names(file, pose):
+    more = '<frame name="held" attached_to="frame"><pose relative_to="__model__">0.1 0 0 0 0 0</pose></frame>'
+    press = assembled(document_of(file(more=more, edit=("<pose>0.2 0 0 0 0 0</pose>", pose))), "O", None)
+    place = press.model.jointPlacements[press.model.getJointId("slide_guide")]
+    expected = pin.rpy.rpyToMatrix(0, 0.3, 0) @ [-0.1, 0, 0.4] + [0, 0, 0.4] if "crank" in pose else [0.2, 0, 0]
+    assert place.translation == pytest.approx(expected, abs=1e-15)
+    assert np.abs(place.rotation - np.eye(3)).max() < 1e-15
+
+
+def test_the_model_stands_in_the_world_where_it_is_posed(file):
+    press = assembled(document_of(file(pose="<pose>1 2 3 0 0 1.5708</pose>")), "O", None)
+    place = press.model.jointPlacements[1]
+    assert place.translation == pytest.approx(
+        [1, 2 + 0.01 * np.cos(0.3) + 0.02 * np.sin(0.3), 3.4 + 0.02 * np.cos(0.3) - 0.01 * np.sin(0.3)]
+    )
+    assert press.root == "world"
+
+
+@pytest.mark.parametrize(
+    ("word", "quarter"), [("1.5708", True), ("-3.14159", True), ("1.571", False), ("1.5709", False), ("1.570796", True)]
+)
+def test_an_angle_that_is_a_quarter_turn_to_all_its_digits_is_read_as_one(file, word, quarter):
+    document = document_of(file(edit=("<pose>0.2 0 0 0 0 0</pose>", f"<pose>0.2 0 0 0 0 {word}</pose>")))
+    rotation = assembled(document, "O", None).model.jointPlacements[3].rotation
+    off = np.abs(np.abs(rotation) - np.round(np.abs(rotation))).max()
+    assert (off < 1e-15) == quarter
+    assert any("quarter turns" in remark.problem for remark in document.remarks) == quarter
+
+
+def test_a_gearbox_is_a_gear_pair_with_the_sign_of_its_axes(robot):
+    more = """<link name="wheel"><inertial><mass>1</mass><inertia><ixx>1</ixx><iyy>1</iyy><izz>1</izz></inertia></inertial></link>
+    <joint name="S" type="revolute"><parent>frame</parent><child>wheel</child><axis><xyz>0 1 0</xyz></axis></joint>
+    <joint name="gear" type="gearbox"><parent>crank</parent><child>wheel</child><gearbox_ratio>2.5</gearbox_ratio>
+      <gearbox_reference_body>frame</gearbox_reference_body><axis><xyz>0 -1 0</xyz></axis><axis2><xyz>0 -1 0</xyz></axis2></joint>"""
+    (mimic,) = joint(robot(more=more), "S").all("mimic")
+    assert (mimic.get("joint"), mimic.numbers("multiplier")) == ("O", (2.5,))  # theta2 = -2.5 theta1 about -y, and S turns about +y
+    mimicked = more.replace(
+        "<xyz>0 1 0</xyz>", '<xyz>0 1 0</xyz><mimic joint="O"><multiplier>-2</multiplier><reference>0.1</reference></mimic>'
+    )
+    mimicked = re.sub('<joint name="gear".*</joint>', "", mimicked, flags=re.DOTALL)
+    (mimic,) = joint(robot(more=mimicked), "S").all("mimic")
+    assert mimic.numbers("multiplier") + mimic.numbers("offset") == (-2, 0.2)
+
+
+def test_loops_of_drake_in_an_sdf_are_read(file):
+    loop = MODEL[MODEL.index('    <joint name="W"') : MODEL.index("    {more}")]
+    ball = """<drake:ball_constraint><drake:ball_constraint_body_A>rod</drake:ball_constraint_body_A>
+      <drake:ball_constraint_p_AP>0.1 0 0.2</drake:ball_constraint_p_AP><drake:ball_constraint_body_B>slide</drake:ball_constraint_body_B>
+      <drake:ball_constraint_p_BQ>0 0 0.01</drake:ball_constraint_p_BQ></drake:ball_constraint>"""
+    (loop1,) = document_of(file(edit=(loop, ball))).robot.all("loop_joint")
+    assert (loop1.get("name"), loop1.get("type")) == ("ball_rod_slide", "spherical")
+    assert [end.numbers("xyz") for end in loop1.children] == [(0.1, 0, 0.2), (0, 0, 0.01)]
+    bushing = """<frame name="at" attached_to="rod"><pose>0.1 0 0.2 0 0 0</pose></frame><drake:linear_bushing_rpy>
+      <drake:bushing_frameA>at</drake:bushing_frameA><drake:bushing_frameC>slide</drake:bushing_frameC>
+      <drake:bushing_torque_stiffness>1e4 0 1e4</drake:bushing_torque_stiffness>
+      <drake:bushing_torque_damping>1 0 1</drake:bushing_torque_damping>
+      <drake:bushing_force_stiffness>1e6 1e6 1e6</drake:bushing_force_stiffness>
+      <drake:bushing_force_damping>1 1 1</drake:bushing_force_damping></drake:linear_bushing_rpy>"""
+    document = document_of(file(edit=(loop, bushing)))
+    (loop2,) = document.robot.all("loop_joint")
+    assert (loop2.get("type"), loop2.all("axis")[0].numbers("xyz")) == ("revolute", (0, 1, 0))
+    assert [remark.severity for remark in document.remarks if "rigid bearing" in remark.problem] == ["warning"]
+
+
+def test_a_joint_that_the_tree_takes_the_other_way_round_keeps_its_angle(file):
+    more = '<joint name="weld" type="fixed"><parent>world</parent><child>slide</child></joint>'
+    other = "<parent>frame</parent><child>slide</child>"
+    document = document_of(file(more=more, edit=(other, other)))
+    guide = joint(document.robot, "slide_guide")
+    assert (guide.all("parent")[0].get("link"), axis(document.robot, "slide_guide")) == ("slide", (0, 0, -1))
+    assert any("exchange <parent> and <child>" in remark.remedy for remark in document.remarks)
+
+
+def test_a_ball_joint_of_the_tree_is_three_revolute_joints(robot):
+    found = robot(edit=('<joint name="P" type="revolute"', '<joint name="P" type="ball"'))
+    loops = [loop.get("name") for loop in found.all("loop_joint")]
+    assert loops == ["P"]  # where another joint can carry the rod, that does
+    assert [end.get("link") for end in joint(found, "W").all("parent", "child")] == ["slide", "rod"]
+    loop = MODEL[MODEL.index('    <joint name="W"') : MODEL.index("    {more}")]
+    ball = '<joint name="W" type="ball"><parent>world</parent><child>frame</child></joint>'
+    found = robot(edit=(loop, ball))
+    assert [each.get("name") for each in found.all("joint")][-3:] == ["W_x", "W_y", "W_z"]
+    massless = [link for link in found.all("link") if link.get("name").startswith("W_")]
+    assert [link.all("inertial")[0].all("mass")[0].numbers("value") for link in massless] == [(0.0,), (0.0,)]
+
+
+REFUSED = {
+    "version": ({"version": "2.0"}, r":1: <sdf>: unknown version '2.0' of SDF"),
+    "screw": ({"edit": ('"O" type="revolute"', '"O" type="screw"')}, r':17: <joint name="O">: joint type \'screw\' cannot be read'),
+    "misspelt type": ({"edit": ('"O" type="revolute"', '"O" type="revolut"')}, "did you mean 'revolute'"),
+    "misspelt element": ({"axis": "<axxis/>"}, r":17: <axxis> of <joint name=.O.>: unknown element <axxis>, did you mean 'axis'"),
+    "misspelt moment": ({"edit": ("<ixx>0.05</ixx>", "<Ixx>0.05</Ixx>")}, "unknown element <Ixx>"),
+    "no mass": ({"edit": ("<mass>15</mass>", "")}, r':11: <inertial> of <link name="rod">: has no <mass>'),
+    "comma": ({"edit": ("<mass>15</mass>", "<mass>1,5</mass>")}, r"<mass> of <link name=.rod.>: '1,5' is not a finite number"),
+    "negative mass": ({"edit": ("<mass>15</mass>", "<mass>-15</mass>")}, r':11: <inertial> of <link name="rod">: the mass -15.0'),
+    "unphysical inertia": ({"edit": ("<ixx>1</ixx>", "<ixx>5</ixx>")}, r':15: <inertial> of <link name="slide">: the largest principal'),
+    "zero axis": ({"axis": "<axis><xyz>0 0 0</xyz></axis>"}, "the axis is zero"),
+    "two numbers": ({"axis": "<axis><xyz>0 1</xyz></axis>"}, "2 numbers, not 3"),
+    "no such link": ({"edit": ("<child>rod</child>", "<child>rot</child>")}, "no frame 'rot', did you mean 'rod'|no link 'rot'"),
+    "pose in circles": ({"edit": ("<pose>0.2 0 0 0 0 0</pose>", '<pose relative_to="slide">0 0 0 0 0 0</pose>')}, "relative to itself"),
+    "pose in nothing": ({"edit": ("<pose>0.2 0 0 0 0 0</pose>", '<pose relative_to="x">0 0 0 0 0 0</pose>')}, "no frame 'x'"),
+    "frame of 1.6": ({"edit": ("<pose>0.2 0 0 0 0 0</pose>", '<pose frame="rod">0 0 0 0 0 0</pose>')}, "frame=... of SDF 1.5 and 1.6"),
+    "include": ({"more": "<include><uri>model://x</uri></include>"}, ":21: <include> of <model name=.slider.>: <include> in a <model>"),
+    "nested model": ({"more": '<model name="inner"/>'}, ':21: <model name="inner">: <model> in a <model> cannot be read'),
+    "static": ({"more": "<static>1</static>"}, "a static model does not move|no models that move"),
+    "link apart": ({"more": '<link name="apart"/>'}, ':21: <link name="apart">: no joint connects it'),
+    "two links": ({"more": '<link name="rod"/>'}, "the name is already that of the <link> on line 9"),
+    "prismatic loop": (
+        {"more": '<joint name="X" type="prismatic"><parent>frame</parent><child>slide</child><axis/></joint>'},
+        r'<joint name="X">: a prismatic joint cannot close a loop here',
+    ),
+    "weightless": ({"edit": ("<pose>0.2 0 0 0 0 0</pose>", "<gravity>0</gravity>")}, "gravity acts on all links or none"),
+    "drake joint": ({"more": '<drake:joint name="x"/>'}, '<drake:joint name="x">: cannot be read'),
+    "stiff bushing": (
+        {
+            "more": "<drake:linear_bushing_rpy><drake:bushing_frameA>rod</drake:bushing_frameA><drake:bushing_frameC>slide"
+            "</drake:bushing_frameC><drake:bushing_torque_stiffness>1 0 0</drake:bushing_torque_stiffness>"
+            "<drake:bushing_torque_damping>0 0 0</drake:bushing_torque_damping>"
+            "<drake:bushing_force_stiffness>1 1 1</drake:bushing_force_stiffness>"
+            "<drake:bushing_force_damping>0 0 0</drake:bushing_force_damping></drake:linear_bushing_rpy>"
+        },
+        "a bushing is elastic, and this one is neither a pin",
+    ),
+}
+
+
+@pytest.mark.parametrize("case", REFUSED)
+def test_what_is_no_linkage_is_refused_by_name_and_line(file, case):
+    changed, message = REFUSED[case]
+    with pytest.raises(UrdfError, match=message):
+        pp.load(file(**changed), driver="O")
+    assert pp.check(file(**changed), driver="O").errors
+
+
+def test_a_spanning_tree_takes_joints_as_they_are_written_where_it_can():
+    edges = [Edge("a", "b", 0), Edge("c", "b", 0), Edge("a", "d", 0), Edge("d", "c", 0)]
+    assert spanning_tree("a", "abcd", edges) == ({0: "b", 2: "d", 3: "c"}, ())
+    assert spanning_tree("a", "abcd", edges[:2]) == ({0: "b", 1: "c"}, ("d",))  # c hangs by a joint of which it is the parent
+    assert spanning_tree("a", "abc", [Edge("a", "b", 1), Edge("c", "b", 0), Edge("a", "c", 2)]).tree == {0: "b", 1: "c"}
+
+
+# ------------------------------------------------------------------------------------------------------------------------- public robots
+
+CASSIE = [f"{side}-{joint}" for side in ("left", "right") for joint in (*cassie.MOTORS, "knee-shin-joint")]
+ROBOTS = {  # the files of example-robot-data with loops: None where they load, else why they do not
+    "cassie_v2.sdf": None,
+    "cassie_simple.sdf": "mobility is 11, but 12 joints drive",
+    "cassie_reduced.sdf": "mobility is 11, but 12 joints drive",
+    "cassie_wo_gearbox_spring.sdf": "joint 'static' can move",
+    "cassie.sdf": '<link name="left-foot-reference">: the largest principal moment of inertia exceeds the sum',
+    "cassie.world": "is not well-formed XML",
+}
+
+
+def shipped(name):
+    return next(path.locate() for path in files("example-robot-data") if path.name == name)
+
+
+@pytest.mark.parametrize("name", ROBOTS)
+def test_robots_with_loops_load_or_are_refused_in_words(name):
+    if ROBOTS[name] is not None:
+        with pytest.raises(UrdfError, match=re.escape(ROBOTS[name])):
+            pp.load(shipped(name), driver=CASSIE)
+        return
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        press = pp.load(shipped(name), driver=CASSIE)
+    assert sum("the spring of the joint is not read" in str(warning.message) for warning in caught) == 4
+    assert (press.mobility, len(press.loops)) == (12, 4)
+
+
+def test_no_other_robot_of_the_package_has_loops():
+    every = [path for path in files("example-robot-data") if path.suffix in (".urdf", ".sdf", ".world")]
+    assert len(every) > 50
+    assert {path.name for path in every if path.suffix != ".urdf"} == {*ROBOTS}
+    for path in every:
+        if path.suffix == ".urdf":
+            assert not document_of(path.locate()).robot.all("loop_joint")
+
+
+def test_cassie_weighs_and_is_placed_as_an_independent_reader_has_it(tmp_path):
+    """The oracle draws another pose: what both share is the mass of every link, and its place where joints are as in the SDF."""
+    document = document_of(shipped("cassie_v2.sdf"))
+    ours, theirs = pin.buildModelFromXML(document.text.decode()), pin.buildModelFromXML(cassie.urdf())
+    assert {*theirs.names} == {*ours.names}
+    data, other = ours.createData(), theirs.createData()
+    q = pin.neutral(theirs)
+    for name in list(theirs.names)[1:]:  # back from its drawn pose to that of the SDF
+        slot = theirs.joints[theirs.getJointId(name)]
+        q[slot.idx_q : slot.idx_q + 2] = np.cos(-cassie.drawn(name)), np.sin(-cassie.drawn(name))
+    pin.forwardKinematics(ours, data, pin.neutral(ours))
+    pin.forwardKinematics(theirs, other, q)
+    held = pin.SE3(np.eye(3), np.array([0.0, 0.0, 1.01]))  # the pelvis, which is the oracle's world
+    for name in list(ours.names)[1:]:
+        j, k = ours.getJointId(name), theirs.getJointId(name)
+        assert ours.inertias[j].mass == theirs.inertias[k].mass
+        one, two = data.oMi[j].act(ours.inertias[j].lever), held.act(other.oMi[k].act(theirs.inertias[k].lever))
+        assert one == pytest.approx(two, abs=1e-12), name
