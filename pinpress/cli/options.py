@@ -16,7 +16,7 @@ SIGNS = """\
 angles are in degrees of the driver joint, 0 as the URDF draws it; forces are the action of parent on child (of a loop, of link1 on link2)
 in world axes, z up; the shaking force is the action of the machine on its foundation.
 """
-FILE = f"pin table (.yaml), URDF file, or the name of a shipped press: {', '.join(presses())}"
+FILE = f"pin table (.yaml), URDF, SDF or MJCF file, or the name of a shipped press: {', '.join(presses())}"
 
 
 def add_press_options(parser: argparse.ArgumentParser) -> None:

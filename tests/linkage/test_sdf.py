@@ -3,6 +3,7 @@
 import re
 import warnings
 from importlib.metadata import files
+from pathlib import Path
 
 import numpy as np
 import pinocchio as pin
@@ -303,3 +304,11 @@ def test_cassie_weighs_and_is_placed_as_an_independent_reader_has_it(tmp_path):
         assert ours.inertias[j].mass == theirs.inertias[k].mass
         one, two = data.oMi[j].act(ours.inertias[j].lever), held.act(other.oMi[k].act(theirs.inertias[k].lever))
         assert one == pytest.approx(two, abs=1e-12), name
+
+
+def test_the_manual_lists_these_robots():
+    manual = (Path(__file__).parents[2] / "docs" / "describe.md").read_text(encoding="utf-8")
+    rows = [line for line in manual.splitlines() if line.startswith("| `cassie")]
+    for name, refusal in ROBOTS.items():
+        (row,) = [row for row in rows if f"`{name}`" in row]
+        assert ("refused" in row) == (refusal is not None)
