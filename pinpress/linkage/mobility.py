@@ -41,7 +41,7 @@ class Constraint(NamedTuple):
         return max(float(np.linalg.norm(gaps[list(self.points)])), float(np.abs(gaps[list(self.turns)]).max(initial=0.0)))
 
 
-def element(press: Linkage, each: Held) -> str:
+def element(press: Linkage, each: Constraint) -> str:
     """The element of a loop or gear pair, as messages call it."""
     if isinstance(each.by, LoopJoint):
         return press.document.called("loop_joint", each.by.name)

@@ -72,7 +72,7 @@ def test_messages_name_the_element_and_line_of_the_file(tmp_path):
         pp.load(heavy)
     apart = written(tmp_path, "apart.xml", re.sub('<site name="W_1" pos="[^"]*"', '<site name="W_1" pos="2 0 0"', mjcf))
     line = next(k for k, text in enumerate(mjcf.splitlines(), 1) if "<connect" in text)
-    with pytest.raises(pp.PinpressError, match=re.escape(f"{apart}:{line}: ")) as caught:
+    with pytest.raises(pp.PinpressError, match=re.escape(f"{apart}:{line}: ")):
         pp.load(apart)
     (error,) = pp.check(apart).errors
     assert (error.element, error.line) == ('<connect name="W">', line)

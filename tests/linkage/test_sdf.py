@@ -266,8 +266,9 @@ def shipped(name):
 
 @pytest.mark.parametrize("name", ROBOTS)
 def test_robots_with_loops_load_or_are_refused_in_words(name):
-    if ROBOTS[name] is not None:
-        with pytest.raises(UrdfError, match=re.escape(ROBOTS[name])):
+    refusal = ROBOTS[name]
+    if refusal is not None:
+        with pytest.raises(UrdfError, match=re.escape(refusal)):
             pp.load(shipped(name), driver=CASSIE)
         return
     with warnings.catch_warnings(record=True) as caught:
