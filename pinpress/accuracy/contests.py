@@ -265,7 +265,7 @@ def _returned(press: Linkage, reactions: Reactions) -> float:
 PARAMETERS = (0.0, *(10.0**k for k in range(-14, -1)))
 ITERATIONS = (1, 5, 20)
 SKIPPED = (
-    "proximal settings are skipped: constraintDynamics is for loops, without gear pairs, links without mass, or loops that hold each other"
+    "proximal settings are skipped: they are compared for loops, without gear pairs, links without mass, or loops that hold each other"
 )
 
 
@@ -279,7 +279,7 @@ def proximal_contest(press: Linkage, speed: float, flywheel: float) -> Contest:
     armature = np.zeros(press.model.nv)
     armature[crank] = flywheel
     dynamics = press.forward_dynamics(armature)
-    if dynamics.quick is None:
+    if dynamics.quick is None or press.couplings:
         return Contest(PROXIMAL, (), 0.0, "", (SKIPPED,))
     turn = cycle(press, speed=speed, points=PROXIMAL_STATES)
     states = list(zip(turn.joint_position.copy(), turn.v.copy(), strict=True))

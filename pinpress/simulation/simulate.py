@@ -6,7 +6,8 @@ Two sets of equations give the same run. ``"reduced"`` integrates the one-degree
 angle, all of a period at once, while the crank turns, and over time where it may stop, or where a clutch, a drive's own states or forces in
 time demand it. ``"implicit"`` integrates the same equation over time alone, by Radau IIA.
 ``"constraint"`` integrates all joints, with the loops closed again after every step: any linkage. Its accelerations are those of
-Pinocchio's constraint dynamics, but not with gear pairs, links without mass or loops that hold each other: see `forward_dynamics`.
+Pinocchio's constraint dynamics, but not with more than two gear pairs, links without mass or loops that hold each other: see
+`forward_dynamics`.
 ``"auto"`` is the first where there is one driver, else the last. Over time each of them takes explicit steps, or implicit ones where forces
 are so stiff that these get on faster: `Stats.solvers` says which.
 

@@ -8,7 +8,7 @@ import numpy as np
 import pinocchio as pin
 import pytest
 from support import texts
-from support.generators import random_linkages
+from support.generators import period_presses, random_linkages, redundant_linkages
 from support.generators.random_linkages import Group, Spec
 from support.generators.spatial_linkages import Loops, bennett, bricard, four_bar, null_space
 from support.oracles import cassie
@@ -54,10 +54,16 @@ FAMILIES: dict[str, Any] = dict.fromkeys(pp.presses())
 FAMILIES |= {"three_cranks": three_cranks, "bennett": bennett, "bricard": bricard, "cassie": cassie.urdf}
 FAMILIES |= {f"four_bar_{kind}": lambda kind=kind: four_bar(kind) for kind in ("spherical", "revolute", "fixed")}
 FAMILIES["turntable"] = lambda: four_bar("revolute", table="table")
+FAMILIES["geared_five_bar"] = lambda: redundant_linkages.five_bar(-0.7)
+FAMILIES["train"] = lambda: redundant_linkages.wheels(("s1", "crank", -1.5), ("s2", "s1", 40.0, 0.2))
+FAMILIES["rack"] = lambda: redundant_linkages.wheels(("s1", "crank", -1.5), ("rack", "s1", 0.3))
+FAMILIES["long_train"] = lambda: redundant_linkages.wheels(("s1", "crank", -1.5), ("rack", "s1", 0.3), ("s2", "crank", 40.0, 0.2))
+FAMILIES["geared_ring"] = lambda: redundant_linkages.wheels(("s1", "crank", -1.0), ("s2", "s1", -1.0), ("crank", "s2", 1.0))
 FAMILIES |= {f"random_{seed}": lambda seed=seed: random_text(seed) for seed in RANDOM}
 
-# Couplings, or rows that are redundant in closed states only; all others take Pinocchio's constraint dynamics.
+# Rows that are redundant in closed states only, or many gear pairs; all others take Pinocchio's constraint dynamics.
 GENERAL = {"jf75g_125_symmetric", "jf75g_125_two_point", "three_cranks", "bennett", "bricard", "four_bar_fixed", "turntable", "cassie"}
+GENERAL |= {"geared_ring", "long_train"}
 
 # One of each kind; the others are exhaustive.
 ALWAYS = ("zxn2_3000b", "jf75g_125_symmetric", "three_cranks", "bennett", "cassie", "four_bar_spherical", "random_6")
@@ -172,6 +178,20 @@ def test_both_ways(case):
             if dynamics.quick is not None:
                 pivots = np.abs(dynamics.quick.pivots)
                 assert np.count_nonzero(pivots > dynamics.quick.bounds) == dynamics.quick.clear
+
+
+def test_a_light_shaft_costs_no_digits(tmp_path):
+    """Without its gear pair the rotor of a motor would fly off under the motor's torque, and take the digits of all others with it."""
+    press = period_presses.geared_down(tmp_path)
+    motion = pp.servo_cycle(press, angle=[0.3, 1.0], speed=2.0)
+    motor = np.array([joint == "M" for joint in press.joints], dtype=float)
+    for inertia, torque, quickly in ((1.0, 10.0, True), (1e-7, 1e3, False)):
+        dynamics = press.forward_dynamics(inertia * motor)
+        assert dynamics.quick is not None
+        for x, v in zip(motion.joint_position.copy(), motion.v.copy(), strict=True):
+            found, expected = (way(x, v, torque * motor) for way in (dynamics.acceleration, dynamics.acceleration_in_null_space))
+            assert np.array_equal(found, expected) != quickly
+            assert np.abs(found - expected).max() <= 1e-12 * np.abs(expected).max()
 
 
 def test_a_gap_disturbs_no_more_than_itself(case):

@@ -13,9 +13,11 @@ minimises Gauss's constraint (a - a_free)' M (a - a_free) (Gauss 1829). This way
 that are redundant in closed states only, and bodies without mass on joints that others move.
 
 Pinocchio's `constraintDynamics` solves the problem with multipliers (the proximal iterations of Carpentier, Budhiraja and Mansard, Proximal
-and sparse resolution of constrained dynamic equations, 2021) in a third of the time. It is tried first where it suits: it has no couplings,
-and no rows may become independent when a loop opens a little, because it would hold these rows and lock the linkage. Its pivots are checked
-each time, and where one is near zero that should not be, the general way decides.
+and sparse resolution of constrained dynamic equations, 2021) in a third of the time. It is tried first where it suits: no rows may become
+independent when a loop opens a little, because it would hold these rows and lock the linkage. It has no gear pairs. Accelerations are
+linear in efforts, so the torques of gear pairs are found as those that keep the ratios, with one more call for each pair to see what the
+linkage answers to its torque. The pivots are checked each time, and where one is near zero that should not be, or digits would be lost, the
+general way decides.
 """
 
 from __future__ import annotations
@@ -45,6 +47,8 @@ SETTLED = (
     1e-13  # change of the multipliers at which the quick way stops [N], as a share of the weight where the linkage weighs less than 1 N
 )
 ITERATIONS = 6  # most iterations of the quick way: redundant multipliers never settle, though the accelerations have
+MOST_GEAR_PAIRS = 2  # with more the general way is the faster one
+CANCELLED = 1e-2  # share of the accelerations without gear pairs, and of what these answer to a torque, below which digits are lost
 OPENED = 1e-2  # by which joints are moved to see whether rows become independent [lengths of the linkage]
 
 
@@ -83,6 +87,8 @@ class ForwardDynamics:
         self.size, self.tolerance = spatial.size, spatial.tolerance
         self.model = _bounded(model, spatial.axes)
         self.model.armature = self.armature = np.array(model.armature) + armature
+        self.weightless = self.model.copy()
+        self.weightless.gravity.setZero()
         self.data = data_of(self.model)
         self.placements = self.data.oMi  # live: fetching it costs more than the algorithm that fills it
 
@@ -116,7 +122,7 @@ class ForwardDynamics:
         self.none, self.uncoupled, self.still = np.zeros(1), np.zeros(couplings), np.zeros(count)
         mass = pin.crba(self.model, self.data, closed)
         self.least = math.sqrt(MASSLESS * float((mass.diagonal() * self.per_unit**2).max()))
-        self.quick = None if couplings else self._quick(closed, ends, mass)
+        self.quick = self._quick(closed, ends, mass)
 
     def __reduce__(self) -> tuple[Any, ...]:
         return ForwardDynamics, self._made_of
@@ -130,11 +136,28 @@ class ForwardDynamics:
             PinpressError: no mass resists a motion, or a state or effort is not finite.
         """
         if self.quick is not None:
-            _, data, points, data_of_points, settings, pivots, bounds = self.quick
+            clear, data, points, data_of_points, settings, pivots, bounds, gears = self.quick
             result: Array = pin.constraintDynamics(self.model, data, x, v, efforts, points, data_of_points, settings)
-            if np.count_nonzero(np.abs(pivots) > bounds) == self.quick.clear and math.isfinite(result.dot(result)):
-                return result
+            if np.count_nonzero(np.abs(pivots) > bounds) == clear and math.isfinite(result.dot(result)):
+                geared = self._geared(x, result) if len(gears) else result
+                if geared is not None:
+                    return geared
         return self.acceleration_in_null_space(x, v, efforts)
+
+    def _geared(self, x: Array, without: Array) -> Array | None:
+        """Joint accelerations (nv,) that keep the ratios of gear pairs, from those ``without`` gear pairs; None where rounding would be
+        seen in them."""
+        assert self.quick is not None
+        _, data, points, data_of_points, settings, _, _, gears = self.quick
+        answers = np.array(
+            [pin.constraintDynamics(self.weightless, data, x, self.still, gear, points, data_of_points, settings) for gear in gears]
+        )
+        root, efforts, failed = self.posv(gears.dot(answers.T), gears.dot(without))
+        if failed or not min(root.diagonal().tolist()) > CANCELLED**0.5:
+            return None
+        result: Array = without - efforts.dot(answers)
+        before, after = without * self.units, result * self.units
+        return result if after.dot(after) > CANCELLED**2 * before.dot(before) else None
 
     def answer_by(self, settings: pin.ProximalSettings, x: Array, v: Array, efforts: Array) -> tuple[Array, Array]:
         """The unchecked answer of `constraintDynamics` with other proximal settings, where the linkage has the quick way: accelerations
@@ -315,16 +338,18 @@ class ForwardDynamics:
 
     def _quick(self, closed: Array, ends: list[PointPair], mass: Array) -> _Quick | None:
         """The quick way, None where it does not suit the linkage."""
-        if not ends or not ((mass.diagonal() * self.per_unit**2).min() > self.least**2):
+        if not ends or len(self.offsets) > MOST_GEAR_PAIRS or not ((mass.diagonal() * self.per_unit**2).min() > self.least**2):
             return None
         data, (points, data_of_points) = data_of(self.model), _contacts(self.model, ends)
         opened = closed + OPENED * self.size * self.per_unit * np.random.default_rng(0).uniform(-1, 1, len(closed))
         rows, opened_rows = (_contact_rows(self.model, data, points, data_of_points, x) for x in (closed, opened))
         values = np.linalg.svd(opened_rows * self.per_unit, compute_uv=False)
-        if values[self.rank :].max(initial=0.0) > SMALLEST_MARGIN * values[0]:
+        rank = self.rank - len(self.offsets)  # of the points' rows, where gear pairs add equations of their own
+        if values[rank:].max(initial=0.0) > SMALLEST_MARGIN * values[0]:
             return None
         try:
             largest = float((rows @ np.linalg.solve(mass, rows.T)).diagonal().max())
+            answers = (self.coupled @ np.linalg.solve(mass, self.coupled.T)).diagonal()
         except np.linalg.LinAlgError:
             return None
         if not 0 < largest < math.inf:
@@ -336,13 +361,14 @@ class ForwardDynamics:
         points, data_of_points = _contacts(self.model, [(end[0], place, *end[2:]) for place, end in zip(turned, ends, strict=True)])
         pin.initConstraintDynamics(self.model, data, points, data_of_points)
         return _Quick(
-            clear=self.rank + len(closed),
+            clear=rank + len(closed),
             data=data,
             points=points,
             data_of_points=data_of_points,
             settings=pin.ProximalSettings(0.0, SETTLED * min(1.0, self._weight()), PROXIMAL * largest, ITERATIONS),
             pivots=data.constraint_chol.D,
             bounds=CLEAR * np.concatenate([np.full(self.point_rows, largest), mass.diagonal()]),
+            gears=self.coupled / np.sqrt(answers)[:, None],
         )
 
 
@@ -358,6 +384,7 @@ class _Quick(NamedTuple):
         pivots: (point rows + nv,) pivots of its factorisation, kept up to date by Pinocchio: of the points' rows [1 / kg], then of the
             inertias of the open tree.
         bounds: (point rows + nv,) above which a pivot is clearly not zero.
+        gears: (couplings, nv) efforts of the gear pairs, to which they answer with an acceleration of 1 in the open tree.
     """
 
     clear: int
@@ -367,6 +394,7 @@ class _Quick(NamedTuple):
     settings: pin.ProximalSettings
     pivots: Array
     bounds: Array
+    gears: Array
 
 
 def _bounded(model: pin.Model, axes: tuple[Axis, ...]) -> pin.Model:
