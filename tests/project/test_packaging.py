@@ -25,6 +25,8 @@ PRESSES = (
 )
 MODULES = {path.relative_to(ROOT).as_posix() for path in (ROOT / "pinpress").rglob("*.py*") if path.suffix in (".py", ".pyi")}
 PAGES = {f"pinpress/visual/templates/{path.name}" for path in (ROOT / "pinpress" / "visual" / "templates").iterdir()}
+TABLES = {path.relative_to(ROOT).as_posix() for path in (ROOT / "pinpress" / "pin_table" / "templates").glob("*.yaml")}
+SHIPPED = [f"{name}.{suffix}" for name in PRESSES for suffix in ("urdf", "yaml")]
 
 
 def run(*command: object, **options) -> str:
@@ -80,11 +82,11 @@ def test_wheel_contents(built):
     with zipfile.ZipFile(built[0]) as archive:
         names = {name for name in archive.namelist() if not name.split("/")[0].endswith(".dist-info")}
         info = [name.split("/", 1)[1] for name in archive.namelist() if name.split("/")[0].endswith(".dist-info")]
-        shipped = {name: archive.read(f"pinpress/urdf/{name}.urdf") for name in PRESSES}
-    data = {"pinpress/py.typed"} | PAGES | {f"pinpress/urdf/{name}.urdf" for name in PRESSES}
+        shipped = {name: archive.read(f"pinpress/urdf/{name}") for name in SHIPPED}
+    data = {"pinpress/py.typed"} | PAGES | TABLES | {f"pinpress/urdf/{name}" for name in SHIPPED}
     assert names == MODULES | data
     assert "licenses/LICENSE" in info
-    assert shipped == {name: (ROOT / "urdf" / f"{name}.urdf").read_bytes() for name in PRESSES}
+    assert shipped == {name: (ROOT / "urdf" / name).read_bytes() for name in SHIPPED}
 
 
 @pytest.mark.exhaustive
@@ -92,9 +94,9 @@ def test_sdist_contents(built):
     with tarfile.open(built[1]) as archive:
         names = {name.split("/", 1)[1] for name in archive.getnames() if "/" in name}
     assert names > MODULES
-    assert {f"urdf/{name}.urdf" for name in PRESSES} < names
+    assert {f"urdf/{name}" for name in SHIPPED} < names
     assert {path.relative_to(ROOT).as_posix() for path in (ROOT / "tests").rglob("*.py")} < names
-    assert {"pyproject.toml", "README.md", "LICENSE", "pinpress/py.typed"} | PAGES < names
+    assert {"pyproject.toml", "README.md", "LICENSE", "pinpress/py.typed"} | PAGES | TABLES < names
 
 
 @pytest.mark.parametrize("installed", rest_exhaustive(["checkout", "editable", "wheel"], "checkout"))
