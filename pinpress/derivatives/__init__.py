@@ -3,7 +3,7 @@
     longer = pp.derivatives.reshaped(press, {("B", "crank"): (0.145, 0.0, 0.0)})  # pivot of joint B on the link crank [m]
     by_radius = {("B", "crank"): (1.0, 0.0, 0.0)}  # a direction in which pivots move, m per m
     (change,) = pp.derivatives.motion_derivatives(press, motion, [by_radius])
-    change.slide_position  # m per m, a value a state
+    change.slide_position  # m per m, one value for each state
 
 Pivots are named by a joint or loop and one of its two links, and are given in that link's frame; `pivot_positions` lists them all.
 """

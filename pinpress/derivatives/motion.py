@@ -1,14 +1,14 @@
 """Exact derivatives of a planar linkage's motion by the positions of its pivots, at fixed crank angle, speed and acceleration.
 
 A loop's gap is C b(x): constant rows C, which follow the pivots, times the basis b of the joint coordinates x (see `Plane`). The rows are
-sums of the vectors from pivot to pivot, so they change in proportion to the displacements of the pivots: one function, `shift`, gives what
-a finite change adds and the derivative in a direction. The gap is zero whatever the pivots, and so are its first and second derivative by
-time. Differentiated in a direction of the pivots, written ', these three say
+sums of vectors from pivot to pivot, so that they change in proportion to the displacements of the pivots: `shift` gives both what a finite
+change adds and the derivative in a direction. For all positions of the pivots the gap is zero, and so are its first and second derivative
+by time. Differentiated in a direction of the pivots, written ', these three equations are
 
     J x' = - C' b          J v' = - C' db/dt - C (db/dt)'          J a' = - C' d2b/dt2 - C (d2b/dt2)'
 
-with the Jacobian J of the loops, and on the right what does not hold the unknown on the left: the implicit function theorem. Each is solved
-block by block, as the loops themselves are. Nothing is approximated.
+with the Jacobian J of the loops, and on the right only terms without the unknown on the left (implicit function theorem). Each of them is
+solved block by block, as the loops themselves are. Nothing is approximated.
 """
 
 from __future__ import annotations
@@ -32,25 +32,28 @@ from ..engines.planar.model import Plane
 from ..kinematics.motion import Motion
 from ..linkage.linkage import Linkage
 
-STEP = 1e-30  # of a complex step: its square is nothing beside a number
-CONTRADICTED = 1e-9  # of the displacement: what redundant equations may leave open by rounding
+STEP = 1e-30  # of the complex-step method: its square vanishes beside any number
+CONTRADICTED = 1e-9  # share of the displacement by which rounding may leave redundant equations open
+Pivots = Mapping[tuple[str, str], ArrayLike]
+"""(bearing, link) -> position (3,) of the bearing in the link's own frame [m]."""
+IN_PLANE = 1e-12  # displacement along the normal that is rounding, as a share of the linkage's size or of the others
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class MotionSensitivity(Tabular):
     """Derivatives of a motion of n states in one direction of the pivots.
 
-    They are those of the attributes of `Motion` with the same names, per metre or whatever unit the direction is given per. All arrays are
-    read-only.
+    They belong to the attributes of `Motion` with these names, and are per unit of the direction. All arrays are read-only.
 
     Attributes:
         motion: the motion itself.
-        joint_position: (n, nv), counted from the pose that the changed linkage is drawn in, closed at crank angle 0.
-        v: (n, nv) of the joint rates.
-        a: (n, nv) of the joint accelerations.
-        slide_position: (n,); None where the linkage has no slide.
-        slide_velocity: (n,); None where the linkage has no slide.
-        slide_acceleration: (n,); None where the linkage has no slide.
+        joint_position: (n, nv) of the joint coordinates [rad or m per unit]. Those of the changed linkage are counted from its own drawn
+            pose, closed at crank angle 0.
+        v: (n, nv) of the joint rates [rad/s or m/s per unit].
+        a: (n, nv) of the joint accelerations [rad/s2 or m/s2 per unit].
+        slide_position: (n,) [m per unit]; None where the linkage has no slide.
+        slide_velocity: (n,) [m/s per unit]; None where the linkage has no slide.
+        slide_acceleration: (n,) [m/s2 per unit]; None where the linkage has no slide.
     """
 
     motion: Motion
@@ -88,11 +91,11 @@ class MotionSensitivity(Tabular):
 def motion_derivatives(press: Linkage, motion: Motion, directions: Sequence[Pivots]) -> tuple[MotionSensitivity, ...]:
     """Exact derivatives of a motion by the positions of pivots, at the same crank angles.
 
-    They say to first order how `cycle` of the `reshaped` linkage differs.
+    To first order, they are the change from `cycle` of the linkage to `cycle` of the `reshaped` linkage.
 
     Args:
         press: a planar linkage.
-        motion: of this linkage.
+        motion: a motion of this linkage.
         directions: mappings (bearing, link) -> (3,) derivative of the bearing's position in the link's own frame. A direction may move
             several pivots, as one dimension of a press often does.
 
@@ -100,8 +103,9 @@ def motion_derivatives(press: Linkage, motion: Motion, directions: Sequence[Pivo
         The derivatives in every direction.
 
     Raises:
-        PinpressError: the linkage is not planar, the motion is of another one, a direction leads out of its plane, or bearings that hold
-            each other cannot stay closed in it.
+        PinpressError: the linkage is not planar; the motion belongs to another one; a direction leads out of its plane, or opens loops of a
+            redundant linkage; a link that the bearing is not on, or in which it cannot be moved; a derivative that is not three finite
+            numbers.
         UnknownNameError: a bearing or link that the linkage does not have.
     """
     plane = planar(press)
@@ -122,6 +126,24 @@ def motion_derivatives(press: Linkage, motion: Motion, directions: Sequence[Pivo
     return tuple(result)
 
 
+@typed
+def pivot_positions(press: Linkage) -> dict[tuple[str, str], Array]:
+    """The position of every bearing in each link in which it can be moved.
+
+    Where links are welded together, the first of them is named; where pivots are given, the others may be named as well.
+
+    Returns:
+        (bearing, link) -> (3,) in the link's own frame [m].
+    """
+    positions = {}
+    for j, name in enumerate(press.joints, 1):
+        positions[name, _links(press, press.model.parents[j])[0]] = press.model.jointPlacements[j].translation
+    for loop in press.loops:
+        for joint, point in ((loop.joint1, loop.point1), (loop.joint2, loop.point2)):
+            positions[loop.name, _links(press, joint)[0]] = point
+    return {(name, link): _placement(press, link).actInv(point) for (name, link), point in positions.items()}
+
+
 def planar(press: Linkage) -> Plane:
     """The planar engine's constants of a linkage.
 
@@ -134,9 +156,12 @@ def planar(press: Linkage) -> Plane:
 
 
 def guide_shift(plane: Plane, by: Shift, guide: int) -> float:
-    """How far a guide on the frame is moved along its axis [m], which no joint coordinate shows."""
+    """By how much a guide on the frame is moved along its own axis [m], which no joint coordinate shows."""
     along = plane.directions[plane.prismatic.index(guide), 0]
     return float((along.conjugate() * by.origins[guide, 0]).real)
+
+
+# ------------------------------------------------------------------------------------------------------------- states and their derivatives
 
 
 class States(NamedTuple):
@@ -145,8 +170,8 @@ class States(NamedTuple):
     Attributes:
         plane: the constants of the linkage.
         basis: (nb, n) the basis, see `Plane`.
-        rows: (closure, n) gaps and columns of the loop Jacobian.
-        factors: of the blocks of the Jacobian.
+        rows: (closure, n) gaps and columns of the loop Jacobian, see `Plane.closure`.
+        factors: factors of the blocks of the Jacobian.
     """
 
     plane: Plane
@@ -162,7 +187,7 @@ class States(NamedTuple):
         return States(plane, basis, rows, factored(plane, rows))
 
     def solve(self, opened: ComplexArray) -> Array:
-        """The rates (nv, n) of the joints, the driver's zero, that close loops which open at rates (loops, n)."""
+        """The joint rates (nv, n), that of the driver zero, that close loops which open at rates ``opened`` (loops, n)."""
         result = np.zeros((len(self.plane.parents), self.basis.shape[1]))
         solve(self.plane, self.rows, self.factors, [*-opened, *[None] * len(self.plane.offsets)], result)
         return result
@@ -173,7 +198,7 @@ class States(NamedTuple):
 
 
 class Rates(NamedTuple):
-    """Joint rates and accelerations of states, and what they do to the basis.
+    """Joint rates and accelerations of states, and the derivatives of the basis by time.
 
     Attributes:
         v: (nv, n) joint rates.
@@ -221,115 +246,102 @@ class Tangent(NamedTuple):
         moved, rows = by.closure[:loops], plane.closure[:loops]
         opened = product(moved, states.basis)
         position = states.solve(opened)
-        turned = basis_velocity(plane, states.basis, position)
+        basis_slope = basis_velocity(plane, states.basis, position)
         if plane.redundant:
-            _refuse_contradiction(opened + product(rows, turned), by)
+            _refuse_contradiction(opened + product(rows, basis_slope), by)
         still = np.zeros_like(position)
-        v = states.solve(product(moved, rates.first) + product(rows, _first_turned(plane, states, rates, turned, still)))
-        a = states.solve(product(moved, rates.second) + product(rows, _second_turned(plane, states, rates, turned, v, still)))
-        return Tangent(position, v, a, turned, _second_turned(plane, states, rates, turned, v, a))
+        v = states.solve(product(moved, rates.first) + product(rows, _slope_of_first(plane, states, rates, basis_slope, still)))
+        a = states.solve(product(moved, rates.second) + product(rows, _slope_of_second(plane, states, rates, basis_slope, v, still)))
+        return Tangent(position, v, a, basis_slope, _slope_of_second(plane, states, rates, basis_slope, v, a))
 
 
-def _first_turned(plane: Plane, states: States, rates: Rates, turned: ComplexArray, v: Array) -> ComplexArray:
-    """Derivative (nb, n) of the first derivative of the basis by time.
+def _slope_of_first(plane: Plane, states: States, rates: Rates, basis_slope: ComplexArray, v: Array) -> ComplexArray:
+    """Derivative (nb, n), in a direction of the pivots, of the first derivative of the basis by time.
 
     Args:
-        turned: (nb, n) derivative of the basis.
-        v: (nv, n) derivative of the joint rates.
+        plane: constants of the linkage.
+        states: closed configurations.
+        rates: their rates.
+        basis_slope: (nb, n) derivative of the basis in this direction.
+        v: (nv, n) derivative of the joint rates in this direction.
     """
     turning = len(plane.revolute)
-    spin, spin_turned = plane.turn @ rates.v, plane.turn @ v
-    result = np.zeros_like(turned)
-    result[1 : 1 + turning] = 1j * (spin * turned[1 : 1 + turning] + spin_turned * states.basis[1 : 1 + turning])
+    spin, spin_slope = plane.turn @ rates.v, plane.turn @ v
+    result = np.zeros_like(basis_slope)
+    result[1 : 1 + turning] = 1j * (spin * basis_slope[1 : 1 + turning] + spin_slope * states.basis[1 : 1 + turning])
     for row, (joint, rotor) in enumerate(zip(plane.prismatic, plane.guide_rotors, strict=True), 1 + turning):
         result[row] = v[joint] * states.basis[rotor]
         if rotor:
-            result[row] += rates.v[joint] * turned[rotor]
-            result[row] += 1j * (spin[rotor - 1] * turned[row] + spin_turned[rotor - 1] * states.basis[row])
+            result[row] += rates.v[joint] * basis_slope[rotor]
+            result[row] += 1j * (spin[rotor - 1] * basis_slope[row] + spin_slope[rotor - 1] * states.basis[row])
     return result
 
 
-def _second_turned(plane: Plane, states: States, rates: Rates, turned: ComplexArray, v: Array, a: Array) -> ComplexArray:
-    """Derivative (nb, n) of the second derivative of the basis by time.
+def _slope_of_second(plane: Plane, states: States, rates: Rates, basis_slope: ComplexArray, v: Array, a: Array) -> ComplexArray:
+    """Derivative (nb, n), in a direction of the pivots, of the second derivative of the basis by time.
 
     Args:
-        turned: (nb, n) derivative of the basis.
-        v: (nv, n) derivative of the joint rates.
-        a: (nv, n) derivative of the joint accelerations.
+        plane: constants of the linkage.
+        states: closed configurations.
+        rates: their rates.
+        basis_slope: (nb, n) derivative of the basis in this direction.
+        v: (nv, n) derivative of the joint rates in this direction.
+        a: (nv, n) derivative of the joint accelerations in this direction.
     """
     turning = len(plane.revolute)
-    spin, spin_turned = plane.turn @ rates.v, plane.turn @ v
+    spin, spin_slope = plane.turn @ rates.v, plane.turn @ v
     factor = 1j * (plane.turn @ rates.a) - spin * spin
-    factor_turned = 1j * (plane.turn @ a) - 2 * spin * spin_turned
-    result = np.zeros_like(turned)
-    result[1 : 1 + turning] = factor * turned[1 : 1 + turning] + factor_turned * states.basis[1 : 1 + turning]
+    factor_slope = 1j * (plane.turn @ a) - 2 * spin * spin_slope
+    result = np.zeros_like(basis_slope)
+    result[1 : 1 + turning] = factor * basis_slope[1 : 1 + turning] + factor_slope * states.basis[1 : 1 + turning]
     for row, (joint, rotor) in enumerate(zip(plane.prismatic, plane.guide_rotors, strict=True), 1 + turning):
         if not rotor:
             result[row] = a[joint]
             continue
         k = rotor - 1
         along = rates.a[joint] + 2j * spin[k] * rates.v[joint]
-        along_turned = a[joint] + 2j * (spin_turned[k] * rates.v[joint] + spin[k] * v[joint])
-        result[row] = along * turned[rotor] + along_turned * states.basis[rotor]
-        result[row] += factor[k] * turned[row] + factor_turned[k] * states.basis[row]
+        along_slope = a[joint] + 2j * (spin_slope[k] * rates.v[joint] + spin[k] * v[joint])
+        result[row] = along * basis_slope[rotor] + along_slope * states.basis[rotor]
+        result[row] += factor[k] * basis_slope[row] + factor_slope[k] * states.basis[row]
     return result
 
 
 def _refuse_contradiction(left: ComplexArray, by: Shift) -> None:
-    """Raise PinpressError where loops open in spite of all joints: redundant equations of the linkage contradict each other."""
+    """Raise PinpressError where no joint rates keep the loops closed (they open by ``left``): redundant equations contradict each other."""
     worst = np.abs(left).max(axis=1)
     if worst.max() > CONTRADICTED * np.abs(by.closure).max():
         raise PinpressError("bearings that hold each other do not stay closed in this direction: move the pivots of all of them alike")
 
 
-Pivots = Mapping[tuple[str, str], ArrayLike]
-"""(bearing, link) -> position (3,) of that bearing in the link's own frame [m]."""
+# ------------------------------------------------------------------------------------------------------------------ displacements of pivots
 
 
 class Displacements(NamedTuple):
-    """How far pivots are moved [m]. The frame of a body is that of its Pinocchio joint.
+    """Displacements of pivots. The frame of a body is that of its Pinocchio joint.
 
     Attributes:
-        joints: (nv, 3), in the frames of the bodies that carry the joints.
-        ends: (loops, 2, 3), in the frames of the bodies at both ends of the loops.
+        joints: (nv, 3) displacements of joints, in the frames of the bodies that carry them [m].
+        ends: (loops, 2, 3) displacements of both ends of the loops, in the frames of their bodies [m].
     """
 
     joints: Array
     ends: Array
 
     def less(self, other: Displacements) -> Displacements:
-        """How far these displacements go beyond others."""
+        """The difference between these displacements and others."""
         return Displacements(self.joints - other.joints, self.ends - other.ends)
 
 
 def nowhere(press: Linkage) -> Displacements:
-    """All displacements zero."""
+    """Displacements that are all zero."""
     return Displacements(np.zeros((press.model.nv, 3)), np.zeros((len(press.loops), 2, 3)))
 
 
-@typed
-def pivot_positions(press: Linkage) -> dict[tuple[str, str], Array]:
-    """The position of every bearing in the links in which it can be moved.
-
-    Of links that are welded together the first is named; the others may be named as well where pivots are given.
-
-    Returns:
-        (bearing, link) -> (3,) in the link's own frame [m].
-    """
-    positions = {}
-    for j, name in enumerate(press.joints, 1):
-        positions[name, _links(press, press.model.parents[j])[0]] = press.model.jointPlacements[j].translation
-    for loop in press.loops:
-        for joint, point in ((loop.joint1, loop.point1), (loop.joint2, loop.point2)):
-            positions[loop.name, _links(press, joint)[0]] = point
-    return {(name, link): _placement(press, link).actInv(point) for (name, link), point in positions.items()}
-
-
 def displaced(press: Linkage, pivots: Pivots) -> Displacements:
-    """How far given positions move the pivots of a linkage.
+    """The displacements that bring pivots of a linkage to given positions.
 
     Raises:
-        UnknownNameError: a bearing or link that it does not have.
+        UnknownNameError: a bearing or link that the linkage does not have.
         PinpressError: a link that the bearing is not on, or in which it cannot be moved; a position that is not three finite numbers.
     """
     moved = nowhere(press)
@@ -340,11 +352,7 @@ def displaced(press: Linkage, pivots: Pivots) -> Displacements:
 
 
 def directed(press: Linkage, direction: Pivots) -> Displacements:
-    """Displacements per unit of a direction, which gives (bearing, link) -> (3,) derivative of the position.
-
-    Raises:
-        PinpressError, UnknownNameError: as `displaced` does.
-    """
+    """Displacements per unit of a direction, a mapping (bearing, link) -> (3,) derivative of the position. Raises as `displaced`."""
     moved = nowhere(press)
     for key, derivative in _vectors(direction):
         place, _ = _pivot(press, *key)
@@ -353,7 +361,7 @@ def directed(press: Linkage, direction: Pivots) -> Displacements:
 
 
 def _vectors(pivots: Pivots) -> Iterator[tuple[tuple[str, str], Array]]:
-    """Check pivots, and give every pair of names with its vector."""
+    """Every pair of names with its vector (3,), after a check."""
     if not isinstance(pivots, Mapping):
         raise PinpressError("pivots is no mapping: give {(bearing, link): (x, y, z)}, in the links' own frames [m]")
     for key, values in pivots.items():
@@ -363,7 +371,7 @@ def _vectors(pivots: Pivots) -> Iterator[tuple[tuple[str, str], Array]]:
 
 
 def _pivot(press: Linkage, bearing: str, link: str) -> tuple[tuple[int, ...], Array]:
-    """The place of a pivot in `Displacements`, and where it is, in the frame of the joint that carries the link."""
+    """The index of a pivot in `Displacements`, and its position (3,) in the frame of the joint that carries the link [m]."""
     if bearing not in press.bearings:
         raise UnknownNameError("bearing", bearing, press.bearings)
     if link not in press.links:
@@ -403,18 +411,16 @@ def _links(press: Linkage, joint: int) -> list[str]:
     return [link for link in press.links if _body(press, link) == joint]
 
 
-# ---------- equations of a planar linkage
-
-IN_PLANE = 1e-12  # displacement along the normal that is rounding, beside the others
+# -------------------------------------------------------------------------------------------------- what displacements add to the equations
 
 
 class Shift(NamedTuple):
     """What displacements add to the rows of a `Plane`.
 
     Attributes:
-        closure: of `Plane.closure`.
-        origins: of `Plane.origins`.
-        loop_points: of `Plane.loop_points`.
+        closure: (nl + columns, nb) added to `Plane.closure`.
+        origins: (nv, nb) added to `Plane.origins`.
+        loop_points: (nl, nb) added to `Plane.loop_points`.
     """
 
     closure: ComplexArray
@@ -436,33 +442,34 @@ def shift(press: Linkage, plane: Plane, moved: Displacements) -> Shift:
     for j, parent in enumerate(plane.parents):  # parents come before their children in Pinocchio
         if parent >= 0:
             origins[j] = origins[parent]
-        origins[j, plane.rotor(parent)] += _across(plane, parent, moved.joints[j], press.joints[j])
+        origins[j, plane.rotor(parent)] += _in_plane(plane, parent, moved.joints[j], press.joints[j])
     row = len(press.loops)
     for k, loop in enumerate(press.loops):
         sides = []
         for joint, displacement in ((loop.joint1 - 1, moved.ends[k, 0]), (loop.joint2 - 1, moved.ends[k, 1])):
             side = origins[joint].copy() if joint >= 0 else np.zeros(closure.shape[1], complex)
-            side[plane.rotor(joint)] += _across(plane, joint, displacement, loop.name)
+            side[plane.rotor(joint)] += _in_plane(plane, joint, displacement, loop.name)
             sides.append(side)
         points[k], closure[k] = sides[0], sides[1] - sides[0]
         for joint in map(int, np.flatnonzero(plane.incidence[:, k])):  # in the order of `Plane.closure`
             if joint in plane.revolute:
-                incidence = plane.incidence[joint, k]
-                closure[row] = 1j * plane.sense[joint] * incidence * (sides[1 if incidence > 0 else 0] - origins[joint])
+                sign = plane.incidence[joint, k]
+                closure[row] = 1j * plane.sense[joint] * sign * (sides[1 if sign > 0 else 0] - origins[joint])
             row += 1
     return Shift(closure, origins, points)
 
 
 def shifted(plane: Plane, by: Shift) -> Plane:
-    """The plane of the linkage with its pivots moved, in the drawn pose of the one before."""
+    """The constants of a linkage with its pivots moved; joint coordinates still count from the drawn pose of the linkage before."""
     closure = plane.closure + by.closure
     loops, turning = len(plane.loop_points), len(plane.revolute)
     size = float(np.abs(closure[:loops, : 1 + turning]).sum(axis=1).max(initial=0.0)) or plane.size
     return replace(plane, closure=closure, origins=plane.origins + by.origins, loop_points=plane.loop_points + by.loop_points, size=size)
 
 
-def _across(plane: Plane, joint: int, displacement: Array, name: str) -> complex:
-    """A displacement in a body's frame, in the plane's axes of the drawn pose."""
+def _in_plane(plane: Plane, joint: int, displacement: Array, name: str) -> complex:
+    """A displacement in a body's frame as a complex number in the axes of the plane, in the drawn pose; raises PinpressError where it leads
+    out of the plane."""
     x, y, along = (plane.frames[joint] if joint >= 0 else np.array([*plane.axes, plane.normal])) @ displacement
     if abs(along) > IN_PLANE * max(plane.size, abs(x), abs(y)):
         raise PinpressError(f"bearing {shown(name)} is moved {along:.3g} m out of the plane of the linkage: move it within the plane")

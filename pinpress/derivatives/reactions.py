@@ -5,13 +5,13 @@ The tangent of a force balance is a force balance. For every body, forces F at a
     sum F = m a                     sum F' = (m a)'
     sum r x F + M = h    gives      sum r x F' + M' = h' - sum r' x F
 
-with ' for the derivative in a direction of the pivots: the unknown derivatives are balanced by the same equations as the forces
-(`engines.planar.statics`), against other right-hand sides, in which the forces themselves are known. Inertias stay as they are in the
-frames of their links. Complex numbers and signs are those of `engines.planar.inverse_dynamics`.
+with ' for the derivative in a direction of the pivots. The unknown derivatives are balanced by the equations that balance the forces
+(`engines.planar.statics`), with right-hand sides in which the forces are known. Inertias do not change in the frames of their links.
+Complex numbers and signs are those of `engines.planar.inverse_dynamics`.
 
-A constant load does not depend on the geometry. A process load is a force over the slide's height and speed, which do: its law is
-differentiated by a complex step, exactly, as its intervals are smooth; that of a caller's own load must agree with its differences. No
-other load is known well enough.
+A constant load does not depend on the geometry. A process load is a function of the slide's height and speed, which depend on it. Within
+its intervals this function is smooth, and is differentiated exactly by a complex step; that of a caller's own load must agree with
+differences. Other loads are refused.
 """
 
 from collections.abc import Sequence
@@ -34,21 +34,20 @@ from ..loads.link import Load, PointForce
 from ..loads.process import ForceInterval, ProcessLoad
 from .motion import STEP, Rates, Shift, States, Tangent
 
-DIFFERENCE, ROUGHLY = 1e-5, 1e-3  # share of a range over which a law's slope is taken, and how near that must come
+DIFFERENCE = 1e-5  # share of a range over which a law's slope is found by differences, to check the complex step
+ROUGHLY = 1e-3  # relative difference accepted between the two slopes
 ANALYTIC = "write it with NumPy's functions that are smooth in complex numbers, without abs, max, real or float"
 
 
 class Push(NamedTuple):
-    """A load on a moving link.
-
-    Vectors are complex numbers in the plane's axes.
+    """A load on a moving link. Vectors are complex numbers in the axes of the plane.
 
     Attributes:
-        body: the index of its joint in v.
-        arm: from that joint to the point, in the drawn pose [m].
+        body: index in v of the joint that carries the link.
+        arm: from this joint to the point of action, in the drawn pose [m].
         force: (n,) [N].
-        slope: (n,) derivative of the force.
-        braced: whether the frame takes the opposite force in the same line, so that none of it leaves the machine.
+        slope: (n,) derivative of the force in the direction of the pivots [N per unit].
+        braced: whether the frame takes the opposite force in the same line of action, so that none of it leaves the machine.
     """
 
     body: int
@@ -81,9 +80,13 @@ def refuse_unknown(loads: Sequence[Load]) -> None:
 
 
 def pushes(plane: Plane, press: Linkage, motion: Motion, loads: Sequence[Load], height: Array, velocity: Array) -> list[Push]:
-    """The loads on moving links.
+    """The loads on moving links, with their derivatives in a direction of the pivots.
 
     Args:
+        plane: constants of the linkage.
+        press: the linkage.
+        motion: its motion.
+        loads: loads that `refuse_unknown` accepts.
         height: (n,) derivative of the slide's position.
         velocity: (n,) derivative of the slide's velocity.
 
@@ -110,7 +113,7 @@ def _push(plane: Plane, load: AppliedForce, slope: Array | float, braced: bool) 
 
 
 def _force_slope(load: ProcessLoad, press: Linkage, motion: Motion, height: Array, velocity: Array) -> Array:
-    """Derivative (n,) of the force of a process load along the guide."""
+    """Derivative (n,) of the force of a process load along the guide [N per unit]."""
     above, speed, result = motion.slide_position - (load.datum or 0.0), motion.slide_velocity, np.zeros_like(height)
     down = speed < -REST * press.size * np.abs(motion.crank_speed).max()  # as `apply` decides
     for downwards in (True, False):
@@ -130,7 +133,8 @@ def _force_slope(load: ProcessLoad, press: Linkage, motion: Motion, height: Arra
 
 
 def _refuse_not_analytic(name: str, interval: ForceInterval, height: Array, velocity: Array) -> None:
-    """Raise LawError where a caller's force of complex numbers is not that of its derivative: `abs`, say, loses the imaginary part."""
+    """Raise LawError where a caller's force of complex numbers does not give its derivative: `abs`, for example, loses the imaginary
+    part."""
     for of, a, b in (("height", 1.0, 0.0), ("velocity", 0.0, 1.0)):
         size = DIFFERENCE * (max(float(np.ptp(height)), DIFFERENCE) if a else max(float(np.abs(velocity).max(initial=0.0)), DIFFERENCE))
         exact = np.imag(interval.force(height + 1j * STEP * a, velocity + 1j * STEP * b)) / STEP * np.ones_like(height)
@@ -138,7 +142,7 @@ def _refuse_not_analytic(name: str, interval: ForceInterval, height: Array, velo
         near = (above - below) / (2 * size)
         least = DIFFERENCE * float(np.abs(above).max(initial=0.0)) / (size / DIFFERENCE)
         wrong = np.abs(exact - near) > ROUGHLY * np.maximum(np.abs(exact), np.abs(near)) + least
-        if 2 * wrong.sum() > wrong.size:  # at a kink one or other may differ
+        if 2 * wrong.sum() > wrong.size:  # at a kink some of them may differ
             raise LawError(f"{name}: force of complex numbers does not have its derivative by the {of}; {ANALYTIC}")
 
 
@@ -187,52 +191,53 @@ def tangent(known: Balanced, moved: Tangent, by: Shift, pushes: Sequence[Push]) 
     """Derivatives of reactions.
 
     Args:
-        moved: derivatives of the states.
+        known: states whose reactions are known.
+        moved: derivatives of the states in the direction.
         by: what the direction adds to the rows of the plane.
         pushes: the loads on moving links.
     """
     plane, basis, bodies = known.states.plane, known.states.basis, known.bodies
     count = len(plane.parents)
     origins, centers = product(plane.origins, basis), product(plane.centers, basis)
-    origins_turned = product(plane.origins, moved.basis) + product(by.origins, basis)
-    centers_turned = product(plane.centers, moved.basis)
+    origins_slope = product(plane.origins, moved.basis) + product(by.origins, basis)
+    centers_slope = product(plane.centers, moved.basis)
     second = known.rates.second.copy()
     second[0] = 1.0  # so that the first column of the rows is the weight
     own = product(bodies.forces[:count], second)
-    own_turned = product(bodies.forces[:count], moved.second) + known.mass[:, None] * product(by.origins, known.rates.second)
+    own_slope = product(bodies.forces[:count], moved.second) + known.mass[:, None] * product(by.origins, known.rates.second)
     spin = bodies.inertia @ moved.a
 
-    moment = _moment(centers_turned, own) + _moment(centers, own_turned) + spin
-    _add_bearings(known, moved, by, origins_turned, moment)
-    subtree = plane.subtree @ own_turned
-    shaking_force = -own_turned.sum(axis=0)
-    shaking_moment = -(_moment(origins_turned + centers_turned, own) + _moment(origins + centers, own_turned) + spin).sum(axis=0)
+    moment = _moment(centers_slope, own) + _moment(centers, own_slope) + spin
+    _add_bearings(known, moved, by, origins_slope, moment)
+    subtree = plane.subtree @ own_slope
+    shaking_force = -own_slope.sum(axis=0)
+    shaking_moment = -(_moment(origins_slope + centers_slope, own) + _moment(origins + centers, own_slope) + spin).sum(axis=0)
     for push in pushes:
-        arm, arm_turned = (push.arm * rotor[plane.rotor(push.body)] for rotor in (basis, moved.basis))
-        moment[push.body] -= _moment(arm_turned, push.force) + _moment(arm, push.slope)
+        arm, arm_slope = (push.arm * rotor[plane.rotor(push.body)] for rotor in (basis, moved.basis))
+        moment[push.body] -= _moment(arm_slope, push.force) + _moment(arm, push.slope)
         subtree[plane.carriers(push.body)] -= push.slope
         if not push.braced:
             shaking_force += push.slope
-            shaking_moment += _moment(origins_turned[push.body] + arm_turned, push.force)
+            shaking_moment += _moment(origins_slope[push.body] + arm_slope, push.force)
             shaking_moment += _moment(origins[push.body] + arm, push.slope)
     torque, forces, moments = _balance(known, moved, origins, subtree, moment)
     return ReactionTangent(torque, forces, moments, shaking_force, shaking_moment)
 
 
-def _add_bearings(known: Balanced, moved: Tangent, by: Shift, origins_turned: ComplexArray, moment: Array) -> None:
-    """Add to the moment of every body what the known forces of its bearings do at arms that change; that of its own joint has no arm."""
+def _add_bearings(known: Balanced, moved: Tangent, by: Shift, origins_slope: ComplexArray, moment: Array) -> None:
+    """Add to the moment of every body what the known forces of its bearings do because their arms change; its own joint has no arm."""
     plane, basis = known.states.plane, known.states.basis
     count, loops = len(plane.parents), len(plane.loop_points)
     for joint, parent in enumerate(plane.parents):
         if parent >= 0:
-            moment[parent] += _moment(origins_turned[joint] - origins_turned[parent], known.forces[joint])
+            moment[parent] += _moment(origins_slope[joint] - origins_slope[parent], known.forces[joint])
     first = product(plane.loop_points, moved.basis) + product(by.loop_points, basis)
     second = first + product(plane.closure[:loops], moved.basis) + product(by.closure[:loops], basis)
     for k, (body1, body2) in enumerate(known.sides):
         if body1 >= 0:
-            moment[body1] += _moment(first[k] - origins_turned[body1], known.forces[count + k])
+            moment[body1] += _moment(first[k] - origins_slope[body1], known.forces[count + k])
         if body2 >= 0:
-            moment[body2] -= _moment(second[k] - origins_turned[body2], known.forces[count + k])
+            moment[body2] -= _moment(second[k] - origins_slope[body2], known.forces[count + k])
 
 
 def _balance(
@@ -241,8 +246,11 @@ def _balance(
     """Torque, forces and moments of the bearings, from the tips of the tree to the frame as in `engines.planar.inverse_dynamics`.
 
     Args:
-        subtree: (nv, n) complex force, summed over all that hangs on a joint.
-        moment: (nv, n) moments on the bodies; they are changed.
+        known: states whose reactions are known.
+        moved: derivatives of the states.
+        origins: (nv, n) complex positions of the joint origins [m].
+        subtree: (nv, n) complex forces, summed over all bodies that a joint carries.
+        moment: (nv, n) moments on the bodies; overwritten.
     """
     plane, basis, bodies = known.states.plane, known.states.basis, known.bodies
     count = len(plane.parents)
@@ -250,9 +258,9 @@ def _balance(
         parent = plane.parents[joint]
         moment[parent] += moment[joint] + _moment(origins[joint] - origins[parent], subtree[joint])
     joint_efforts = plane.sense[:, None] * moment
-    slides, slides_turned = product(plane.directions, basis), product(plane.directions, moved.basis)
-    for joint, slide, turned in zip(plane.prismatic, slides, slides_turned, strict=True):
-        joint_efforts[joint] = (slide.conj() * subtree[joint]).real + (turned.conj() * known.forces[joint]).real
+    slides, slides_slope = product(plane.directions, basis), product(plane.directions, moved.basis)
+    for joint, slide, slide_slope in zip(plane.prismatic, slides, slides_slope, strict=True):
+        joint_efforts[joint] = (slide.conj() * subtree[joint]).real + (slide_slope.conj() * known.forces[joint]).real
     closure, coupling_multipliers = product(bodies.closure, basis), np.zeros((len(plane.offsets), basis.shape[1]))
     bearings = np.empty((count + len(plane.loop_points), basis.shape[1]), complex)
     if plane.redundant:
@@ -274,5 +282,5 @@ def _balance(
 
 
 def _moment(arm: ComplexArray, force: ComplexArray) -> Array:
-    """The moment of a force about the normal."""
+    """The moment of a force about the normal, positive along it."""
     return np.asarray((arm.conj() * force).imag)

@@ -1,8 +1,8 @@
 """A linkage with other link lengths: its pivots moved in their links, and the same assembly drawn anew.
 
-Newton's method alone could land in another assembly. So the pivots of a planar linkage move in steps, at all crank angles at once, each
-predicted from the exact derivatives of the joint coordinates, and a step is taken where Newton's method has little left to correct and
-every block of equations stays well away from where two assemblies meet; else half of it.
+Newton's method alone could reach another assembly. The pivots of a planar linkage are therefore moved in steps, at all crank angles at
+once. Each step is predicted from the exact derivatives of the joint coordinates. It is accepted if Newton's method corrects the prediction
+only a little, and if every block of equations stays well away from where two assemblies meet; else it is halved.
 """
 
 from __future__ import annotations
@@ -28,11 +28,11 @@ from ..engines.spatial.kinematics import close as close_drivers
 from ..linkage.linkage import Linkage
 from .motion import Displacements, Pivots, Shift, States, displaced, shift, shifted
 
-SHORTEST = 2.0**-10  # step, as a share of the way: where a shorter one is needed, the linkage locks
-MOST = 40  # steps that are tried: where more are needed, it locks too
+SHORTEST = 2.0**-10  # shortest step, as a share of the way: the linkage counts as locked where a shorter one is needed
+MOST = 40  # most steps that are tried: the linkage counts as locked where more are needed
 CORRECTED = 0.1  # share of its predicted step by which Newton's method may correct a joint
-NEARLY = 1e-3  # what it may correct in any case [rad, or lengths of the linkage]
-KEPT = 0.5  # share of its margin that a block must keep in a step
+NEARLY = 1e-3  # correction that is accepted in any case [rad, or lengths of the linkage]
+MARGIN_LEFT = 0.5  # share of its margin that a block must keep in a step
 
 
 @typed
@@ -40,12 +40,12 @@ def reshaped(press: Linkage, pivots: Pivots) -> Linkage:
     """The linkage with some of its pivots elsewhere in their links, in the assembly it was drawn in.
 
     The assembly is followed from the old lengths to the new ones with the crank at angle 0, and drawn anew there: all joint coordinates are
-    zero in the closed pose with the new lengths. The crank angle keeps its meaning, and so does the slide's position; the limits of
-    the other joints keep theirs, counted from the new pose. Inertias stay as they are in the frames of their links, whatever the lengths:
-    change them with ``dataclasses.replace(press, model=...)`` or counterweights. `write_urdf` writes the linkage.
+    zero in the closed pose with the new lengths. Crank angle and slide position keep their meaning; the limits of the other joints are
+    counted from the new pose, and so stay where they are. Inertias do not change in the frames of their links: change them with
+    ``dataclasses.replace(press, model=...)`` or counterweights. `write_urdf` writes the linkage.
 
     Args:
-        press: planar or not.
+        press: the linkage, planar or not.
         pivots: (bearing, link) -> position (3,) of that bearing in the link's own frame [m], e.g. ``{("B", "crank"): (0.15, 0, 0)}``. A
             joint is moved in its parent link; on its child it is the origin of the link's frame, where nothing can be moved. A loop is
             moved in either link, a guide as a line through the position.
@@ -54,8 +54,8 @@ def reshaped(press: Linkage, pivots: Pivots) -> Linkage:
         UnknownNameError: a bearing or link that the linkage does not have.
         PinpressError: a link that the bearing is not on, or in which it cannot be moved; a position that is not three finite numbers, or
             that is out of the plane of a planar linkage.
-        AssemblyError: with the new lengths the linkage cannot be closed at crank angle 0.
-        SingularityError: it can, but two assemblies meet on the way there.
+        AssemblyError: the linkage cannot be closed with the new lengths at crank angle 0.
+        SingularityError: it can be closed, but two assemblies meet on the way there.
     """
     moved = displaced(press, pivots)
     return redrawn(press, moved, _closed(press, moved))
@@ -65,6 +65,8 @@ def redrawn(press: Linkage, moved: Displacements, position: Array) -> Linkage:
     """The linkage with displaced pivots, drawn anew in the pose that closes it.
 
     Args:
+        press: the linkage.
+        moved: displacements of its pivots.
         position: (nv,) joint coordinates of that pose, those of the drivers zero.
     """
     placed = _placed(press, moved)
@@ -110,7 +112,7 @@ def _closed_by(engine: Engine, press: Linkage, moved: Displacements) -> Array:
     """Joint coordinates (nv,) that close a linkage that need not be planar: its assembly is followed along the way to the new lengths.
 
     Raises:
-        SingularityError: it locks on the way, or cannot be assembled.
+        SingularityError: the linkage locks on the way, or cannot be assembled.
     """
     drivers, target = np.zeros((len(press.drivers), 1)), _placed(press, moved).spatial_model.equations()
 
@@ -145,7 +147,7 @@ def _closed_in_plane(engine: PlanarEngine, press: Linkage, moved: Displacements)
 
 
 class ContinuedGeometry(NamedTuple):
-    """A linkage at the end of the way to other lengths.
+    """A planar linkage with other lengths, closed.
 
     Attributes:
         plane: the constants of the linkage.
@@ -157,15 +159,16 @@ class ContinuedGeometry(NamedTuple):
 
 
 def continue_geometry(plane: Plane, position: Array, by: Shift) -> ContinuedGeometry:
-    """Move the pivots of a closed linkage, its crank held.
+    """Move the pivots of a closed planar linkage while its crank stands still.
 
     Args:
+        plane: constants of the linkage, with NumPy arrays for matrices.
         position: (nv, n) joint coordinates that close it.
         by: what the displacements add to the rows of the plane.
 
     Raises:
-        AssemblyError: with its new lengths the linkage cannot be closed at one of the crank angles.
-        SingularityError: it can, but two assemblies meet on the way there.
+        AssemblyError: the linkage cannot be closed with its new lengths at one of the crank angles.
+        SingularityError: it can be closed, but two assemblies meet on the way there.
     """
     angle = position[plane.driver]
     reached = close(plane, angle, position, with_margins=True)
@@ -185,19 +188,19 @@ def continue_geometry(plane: Plane, position: Array, by: Shift) -> ContinuedGeom
 
 
 def _belongs(plane: Plane, closure: Closure, before: Closure, predicted: Array) -> Array:
-    """Whether configurations (n,) continue the ones before."""
+    """Whether each of n configurations continues the assembly of the one before."""
     assert closure.margins is not None
     assert before.margins is not None
-    with np.errstate(all="ignore"):  # what failed is not finite, and no continuation
+    with np.errstate(all="ignore"):  # a configuration that is not finite is no continuation
         corrected = np.abs(closure.position - before.position - predicted).max(axis=0)
         near = corrected <= CORRECTED * np.abs(predicted).max(axis=0) + NEARLY * (1 + plane.size)
         margins = closure.margins * np.sign(before.margins)
-        kept = (margins >= KEPT * np.abs(before.margins)).all(axis=0)
+        kept = (margins >= MARGIN_LEFT * np.abs(before.margins)).all(axis=0)
         return np.asarray((closure.gap <= ACCEPTED * plane.tolerance) & near & kept)
 
 
 def _lost(there: Plane, target: Plane, closure: Closure, before: Closure, predicted: Array) -> AssemblyError | SingularityError:
-    """Say why the assembly cannot be followed."""
+    """The error that says why the assembly cannot be followed."""
     assert before.margins is not None
     at = int(np.argmin(_belongs(there, closure, before, predicted)))
     angle, margin = float(before.position[there.driver, at]), float(np.abs(before.margins[:, at]).min(initial=1.0))

@@ -5,8 +5,8 @@
     flywheel = pp.drives.Flywheel(inertia=2000.0)  # kg m2 at the crank
     pp.simulate(press, duration=1.0, speed=70 * pp.RPM, drive=drive, flywheel=flywheel).crank_speed
 
-Drives know no press: they give a torque by speed, angle and time, positive along the driver's axis. A drive of your own is a class with the
-methods of `Drive`. `SwitchPoint` says when a clutch or a brake closes and opens.
+A drive does not know the press: it gives a torque as a function of speed, angle and time, positive along the driver's axis. Your own drive
+is a class with the methods of `Drive`. A `SwitchPoint` says when a clutch or a brake closes or opens.
 """
 
 import lazy_loader

@@ -5,8 +5,8 @@
     friction = {"A": pp.loads.Friction(coefficient=0.05, radius=0.2)}
     pp.inverse_dynamics(press, motion, loads=[blanking, weight], friction=friction).driving_torque.max()
 
-The same loads go to `inverse_dynamics`, `simulate`, `steady_state` and most other functions. Process loads depend on the slide's height and
-resist its motion. A process load of your own is a class with the methods of `ProcessLoad`.
+`inverse_dynamics`, `simulate`, `steady_state` and most other functions take these loads. Process loads depend on the slide's height and
+resist its motion. Your own process load is a class with the methods of `ProcessLoad`.
 """
 
 import lazy_loader
