@@ -22,7 +22,7 @@ def add(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None
     """Put `accuracy` among the subcommands; parsed options have ``run``, see `run`."""
     parser = commands.add_parser(
         "accuracy",
-        help="error against run time of everything offered for a press, and of other programs",
+        help="error against run time of all methods for a press, and of other programs",
         description="Measure a press: inverse dynamics by both engines, simulations by all methods over tolerances and\n"
         "steps (freely, with clutch and blank, on a stiff die, under a stiff drive), proximal settings of constraint dynamics, samples\n"
         "of the reduced table, and the same press in other programs. Prints\n"
@@ -31,12 +31,14 @@ def add(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     option = parser.add_argument
-    option("--speed", type=float, required=True, metavar="RPM", help="of the crank, in the turn and in the runs, in r/min")
-    option("--flywheel", metavar="J", help="its inertia at the driver joint, in kg m2 (default: 4 times the linkage's own)")
-    option("--duration", type=float, metavar="S", help="of each run, in s (default: two turns at that speed)")
-    option("--points", type=int, default=360, metavar="N", help="crank angles in the period (default: %(default)s)")
+    option("--speed", type=float, required=True, metavar="RPM", help="crank speed, in the period and at the start of the runs, in r/min")
+    option("--flywheel", metavar="J", help="inertia at the driver joint, in kg m2 (default: 4 times the linkage's own)")
+    option("--duration", type=float, metavar="S", help="length of each run, in s (default: two turns at that speed)")
+    option("--points", type=int, default=360, metavar="N", help="number of crank angles in the period (default: %(default)s)")
     option("--repeats", type=int, default=3, metavar="N", help="rounds of timing (default: %(default)s)")
-    option("--scene", action="append", choices=SCENES, metavar="SCENE", help=f"simulate this one of: {', '.join(SCENES)} (default: all)")
+    option(
+        "--scene", action="append", choices=SCENES, metavar="SCENE", help=f"scene to simulate, one of: {', '.join(SCENES)} (default: all)"
+    )
     add_press_options(parser)
     add_out_option(parser, "accuracy.csv and accuracy.png")
     parser.set_defaults(run=run)
@@ -46,7 +48,7 @@ def run(options: argparse.Namespace) -> int:
     """Print the tables and write the files.
 
     Raises:
-        PinpressError: whatever `load`, `accuracy` and writing raise.
+        PinpressError: Loading, measuring or writing fails.
     """
     from ..accuracy.work_precision import compare  # slow to import: so a mistake in the words above is named at once
 
@@ -73,7 +75,7 @@ def run(options: argparse.Namespace) -> int:
 
 
 def _write(measured: WorkPrecision, folder: Path) -> None:
-    """Write the files and say so; a minute's measurements are not lost where Matplotlib is missing."""
+    """Write the files and say so. The CSV file comes first, so that no measurement is lost where Matplotlib is missing."""
     from ..accuracy import diagram  # slow to import
     from ..plots import style
 

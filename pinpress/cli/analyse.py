@@ -31,22 +31,24 @@ def add(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None
     """Put `analyse` among the subcommands; parsed options have ``run``, see `run`."""
     parser = commands.add_parser(
         "analyse",
-        help="one turn at constant speed: motion, driving torque, every bearing force",
-        description="Turn a press through one period at constant speed: one turn of the crank, or as many as it takes until gears are\n"
-        "back. Prints a summary; with --out also writes cycle.csv (every quantity at every crank angle, units in the header) and\n"
+        help="one period at constant speed: motion, driving torque, every bearing force",
+        description="Turn a press through one period at constant speed: one turn of the crank, or with gears as many turns as it takes until\n"
+        "the press repeats itself. Prints a summary; with --out also writes cycle.csv (every quantity at every crank angle, units in the header) and\n"
         "recording.html (the press turning with its forces, a page to open by double click); with --report also report.html,\n"
-        "which has the curves that matter beside the press.",
+        "which has charts beside the press.",
         epilog=SIGNS,
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     option = parser.add_argument
-    option("--speed", type=float, required=True, metavar="RPM", help="of the crank, in r/min; negative turns it backwards")
+    option("--speed", type=float, required=True, metavar="RPM", help="crank speed, in r/min; negative: backwards")
     add_out_option(parser, "the files")
     add_report_option(parser)
     option("--before", metavar="FILE", help="another press, drawn beside this one in the report at the same speed")
     add_trace_option(parser)
-    option("--points", type=int, metavar="N", help=f"crank angles, in all (default: {POINTS} a turn)")
-    option("--engine", choices=("auto", "plane", "pinocchio"), default="auto", help="how to compute (default: the fast one)")
+    option("--points", type=int, metavar="N", help=f"number of crank angles of the period (default: {POINTS} a turn)")
+    option(
+        "--engine", choices=("auto", "plane", "pinocchio"), default="auto", help="method of computation (default: the fastest that serves)"
+    )
     add_press_options(parser)
     parser.set_defaults(run=run)
 
@@ -55,7 +57,7 @@ def run(options: argparse.Namespace) -> int:
     """Print the summary and write the files.
 
     Raises:
-        PinpressError: options that do not go together, and whatever computing and writing raise.
+        PinpressError: Options do not go together, or computing or writing fails.
     """
     refuse_pages_without_folder(options)
     if options.before is not None and not options.report:

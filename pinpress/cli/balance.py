@@ -29,12 +29,12 @@ MEASURE = f"{'|'.join(KINDS)}:QUANTITY[:BEARING][:AXIS] or {MASS}"
 EPILOG = f"""\
 regions: {REGION}
   a point; a circle in the plane of motion; a segment or polygon of corners; or the link itself, with more or less mass in its own shape.
-  In m, in the link's own frame. All take ,least=KG ,most=KG (without them: 0 and more) and ,gyration=R, the radius of gyration of the
-  counterweight's material. ,replaces behind a place: the counterweight takes the place of the link's own mass.
+  Lengths are in m, in the link's own frame. All take ,least=KG ,most=KG (default: 0 and no limit) and ,gyration=R, the radius of gyration
+  of the counterweight's material. With ,replaces behind a place the counterweight replaces the link's own mass.
 measures: {MEASURE}
   quantities: {", ".join(QUANTITIES)}; the last two need a bearing; axes: {", ".join(AXES)}.
   Range and rms leave the constant part out, peaks count it.
-loads, heights are slide positions above bottom dead centre, or above the slide position datum=:
+loads; heights are slide positions above bottom dead centre, or above the slide position datum=:
 {chr(10).join(text.table(([f"{name}:", keys(kind)] for name, kind in LOADS.items()), [13, 0]))}
 e.g. pinpress balance zxn2_3000b --speed 70 --region crank:radius=0.3 --region rod:radius=0.3,most=200 --minimise range:shaking_force:z
      --limit range:shaking_force:x=1000 --limit added_mass=661 --out out --report
@@ -45,10 +45,11 @@ def add(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None
     """Put `balance` among the subcommands; parsed options have ``run``, see `run`."""
     parser = commands.add_parser(
         "balance",
-        help="the counterweights that make shaking forces, torque or bearing forces least",
+        help="find the counterweights that make shaking forces, torque or bearing forces least",
         description="Find the best counterweights of a press that turns at constant speed, and prove that none are better. Prints them,\n"
-        "what holds them back, and all forces before and after; with --out also writes balanced.urdf, balance.csv (forces before and\n"
-        "after, SI units) and counterweights.csv; with --report also report.html, the balanced press with its curves, dashed before.",
+        "the limits that hold the optimum back, and all forces before and after. With --out it also writes balanced.urdf, balance.csv\n"
+        "(forces before and after, SI units) and counterweights.csv; with --report also report.html, the balanced press with its curves,\n"
+        "those before balancing dashed.",
         epilog=EPILOG,
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
@@ -59,27 +60,31 @@ def add(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None
         action="append",
         required=True,
         metavar="RPM",
-        help="of the crank, in r/min; of several, each given so, the worst counts for every measure",
+        help="crank speed, in r/min; may be given several times: each measure then counts at its worst speed",
     )
     option(
-        "--region", action="append", required=True, metavar="LINK:KEYS", help="for a counterweight, see below; may be given several times"
+        "--region",
+        action="append",
+        required=True,
+        metavar="LINK:KEYS",
+        help="region for a counterweight, see below; may be given several times",
     )
     option(
         "--minimise",
         action="append",
         required=True,
         metavar="MEASURE[=WEIGHT]",
-        help="see below; may be given several times: each then counts relative to before, times its weight (default: 1)",
+        help="measure to minimise, see below; may be given several times: each then counts relative to before, times its weight (default: 1)",
     )
     option(
         "--limit",
         action="append",
         default=[],
         metavar="MEASURE=MOST",
-        help="what a measure may be at most, in its SI unit; may be given several times",
+        help="most of a measure, in its SI unit; may be given several times",
     )
     option("--load", metavar="KIND:KEYS", action="append", default=[], help="process load, see below; may be given several times")
-    option("--points", type=int, metavar="N", help="crank angles, in all (default: 360 a turn)")
+    option("--points", type=int, metavar="N", help="number of crank angles of the period (default: 360 a turn)")
     add_press_options(parser)
     add_out_option(parser, "the files")
     option("--report", action="store_true", help="also write report.html, at the first of the speeds")
@@ -90,7 +95,7 @@ def run(options: argparse.Namespace) -> int:
     """Print the counterweights with what they do, and write the files.
 
     Raises:
-        PinpressError: words that mean no region or measure, --report without --out, and whatever computing and writing raise.
+        PinpressError: Words name no region or measure, --report is given without --out, or computing or writing fails.
     """
     if options.out is None and options.report:
         raise PinpressError("--report needs a folder to write into: give --out DIR too")
@@ -134,7 +139,7 @@ def _region(words: str) -> CounterweightRegion:
 
     link, _, keys = words.rpartition(":")  # a link's name may have a colon in it
     if not link:
-        raise wrong("it does not say where on which link")
+        raise wrong("it names no link and place")
     given: dict[str, list[Any]] = {}
     for word in keys.split(","):
         name, _, text = word.partition("=")
@@ -155,14 +160,14 @@ def _region(words: str) -> CounterweightRegion:
 
 
 def _objective(specs: Sequence[str]) -> Target | Mapping[Target, float]:
-    """What ``range:shaking_force:z`` means, or with weights ``range:shaking_force:z=1`` and ``rms:driving_torque=0.5``."""
+    """The objective from ``range:shaking_force:z``, or with weights ``range:shaking_force:z=1`` and ``rms:driving_torque=0.5``."""
     if len(specs) == 1 and "=" not in specs[0]:
         return _target("--minimise", specs[0], specs[0])
     return _by_target("--minimise", specs, "1")
 
 
 def _by_target(option: str, specs: Sequence[str], default: str) -> Mapping[Target, float]:
-    """Numbers of measures; ``default``: the number where there is none, empty where there must be one."""
+    """Measures with their numbers; ``default``: number of a measure without one; empty: every measure needs one."""
     found: dict[Target, float] = {}
     for spec in specs:
         words, equals, text = spec.rpartition("=")
@@ -170,7 +175,7 @@ def _by_target(option: str, specs: Sequence[str], default: str) -> Mapping[Targe
         if target in found:
             raise _wrong(option, spec, f"the {target.words} is given twice")
         if not equals and not default:
-            raise _wrong(option, spec, "it does not say how much")
+            raise _wrong(option, spec, "it has no number")
         try:
             found[target] = read_number(text if equals else default)
         except ValueError as error:

@@ -29,7 +29,7 @@ def run(options: argparse.Namespace) -> int:
         The exit code: 1 where there are errors, else 0.
 
     Raises:
-        PinpressError: there is no such file, driver or slide.
+        PinpressError: There is no such file, driver or slide.
     """
     result = check(options.file, driver=options.driver, slide=options.slide)
     print(result)

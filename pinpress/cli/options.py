@@ -1,4 +1,4 @@
-"""What the commands share: options that several have, how they explain themselves, show progress, and write their pages."""
+"""Common parts of the commands: options of several commands, their explanations, progress, and writing of pages."""
 
 import argparse
 import sys
@@ -38,17 +38,17 @@ def load_press(options: argparse.Namespace, **more: Any) -> Linkage:
 
 
 def add_out_option(parser: argparse.ArgumentParser, files: str) -> None:
-    """Where to write the files, which are named so in the help."""
+    """Option --out; ``files``: the files that are written, in words for the help."""
     parser.add_argument("--out", type=Path, metavar="DIR", help=f"folder for {files}; made if it is not there")
 
 
 def add_report_option(parser: argparse.ArgumentParser) -> None:
-    """Whether to write a report beside the recording."""
+    """Option --report, which writes a report beside the recording."""
     parser.add_argument("--report", action="store_true", help="also write report.html: the recording and charts that follow it")
 
 
 def add_trace_option(parser: argparse.ArgumentParser) -> None:
-    """Points whose paths are drawn."""
+    """Option --trace, points whose paths are drawn."""
     help = "draw the path of a point, in m in the link's frame; may be given several times"
     parser.add_argument("--trace", type=trace, action="append", default=[], metavar="LINK:X,Y,Z", help=help)
 
@@ -101,7 +101,7 @@ def say_written(folder: Path, names: Sequence[str]) -> None:
 
 @contextmanager
 def progress(total: float, shape: str) -> Iterator[Callable[[float], None] | None]:
-    """A bar on a terminal, once the work takes longer than a second; elsewhere nothing.
+    """Show a bar on a terminal once the work takes longer than a second; elsewhere show nothing.
 
     Args:
         total: what is reached at the end.

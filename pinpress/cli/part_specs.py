@@ -1,7 +1,7 @@
-"""What is to be simulated, in words of the command line: ``induction:rated_power=75e3,rated_speed=1485,ratio=20.7``.
+"""Drives, loads, flywheels, clutches and brakes from words of the command line, ``induction:rated_power=75e3,rated_speed=1485,ratio=20.7``.
 
-Keys are the fields of the classes of `drives` and `loads`. Values are in SI units, but speeds are in r/min, and when a clutch
-or brake is switched is a time, ``0.1s``, or a crank angle, ``180deg``. Sequences of numbers come from CSV files of two columns.
+Keys are the fields of the classes of `drives` and `loads`. Values are in SI units, except speeds, which are in r/min. A clutch or brake is
+switched at a time, ``0.1s``, or at a crank angle, ``180deg``. Sequences of numbers come from CSV files of two columns.
 """
 
 import csv
@@ -26,10 +26,10 @@ class Table:
     """A CSV file of two columns in place of fields.
 
     Attributes:
-        key: under which its path is given.
-        columns: what stands in them.
-        into: the field that takes the pairs, or one field for each column.
-        unit: of the second column, in the field's.
+        key: Key whose value is the path of the file.
+        columns: Names of both columns with units.
+        into: Name of the field that takes the pairs, or of one field for each column.
+        unit: Unit of the second column, in units of the field.
     """
 
     key: str
@@ -43,10 +43,10 @@ class Kind:
     """A kind of drive, load or other part.
 
     Attributes:
-        made: its class.
-        example: words behind the kind's name that make one.
-        table: what it takes from a file; None where it takes none.
-        geared: whether the keys of a `Geared` may stand with its own.
+        made: Class of the part.
+        example: Words behind the kind's name that make one.
+        table: Table that it takes from a file; None where it takes none.
+        geared: Whether it also takes the keys of a `Geared`.
     """
 
     made: type
@@ -76,7 +76,7 @@ DRIVES: Mapping[str, Kind] = {
 
 LOADS: Mapping[str, Kind] = {
     "idle": Kind(Idle, ""),
-    "piling": Kind(ConstantForce, "force=1e6,height=0.0005"),
+    "constant-force": Kind(ConstantForce, "force=1e6,height=0.0005"),
     "blanking": Kind(Blanking, "force=1e6,start=0.006,end=0.002"),
     "drawing": Kind(DeepDrawing, "force=5e5,start=0.05"),
     "table": Kind(ForceStroke, "file=stroke.csv", Table("file", ("height [m]", "force [N]"), ("heights", "forces"))),
@@ -94,7 +94,7 @@ def drive(words: str) -> Drive | PrescribedSpeed:
     """The drive that words such as ``constant:value=567`` mean.
 
     Raises:
-        PinpressError: an unknown kind or key, one that is missing, a value that is none: it lists what there is, with an example.
+        PinpressError: A kind or key is unknown, a key is missing, or a value is wrong; the message lists kinds or keys with an example.
     """
     made: Drive | PrescribedSpeed = _named("--drive", DRIVES, words)
     return made
@@ -126,7 +126,7 @@ def brake(words: str) -> Brake:
 
 
 def keys(kind: Kind) -> str:
-    """The keys that a kind takes, those that may be left out in brackets."""
+    """The keys of a kind, with optional ones in brackets."""
     return " ".join(str(key) for key in _keys(kind).values()) or "(no keys)"
 
 
@@ -135,10 +135,10 @@ class _Key:
     """A key.
 
     Attributes:
-        name: of the key.
-        note: what is shown beside the name.
-        optional: whether the key may be left out.
-        read: makes a value of a text.
+        name: Name of the key.
+        note: Note shown beside the name.
+        optional: Whether the key may be left out.
+        read: Function that makes a value of a text.
     """
 
     name: str
@@ -161,7 +161,7 @@ def _named(option: str, kinds: Mapping[str, Kind], words: str) -> Any:
 
 
 def _made(option: str, kind: Kind, words: str) -> Any:
-    """One of a kind. ``option`` is what stands before the words on the command line."""
+    """A part of a kind; ``option``: the words before on the command line, for messages."""
 
     def line(words: str) -> str:
         return f"{option}{words}".rstrip(": ")
@@ -266,7 +266,7 @@ def _at(text: str) -> SwitchPoint:
 
 
 def _pairs(path: str, columns: tuple[str, str]) -> list[tuple[float, float]]:
-    """The rows of a CSV file of two columns; a first line that is no numbers is its header."""
+    """The rows of a CSV file of two columns; a first line without numbers is its header."""
     wanted = f"a CSV file of two columns, {columns[0]} and {columns[1]}"
     try:
         rows = [row for row in csv.reader(Path(path).read_text("utf-8-sig").splitlines()) if any(cell.strip() for cell in row)]

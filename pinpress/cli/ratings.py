@@ -37,21 +37,25 @@ def add(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None
     parser = commands.add_parser(
         "ratings",
         help="permissible force over the slide's height, energy, and highest speed",
-        description="Print what force a press may exert at which height, limited by torque, bearings and energy, and how fast it may run.\n"
+        description="Print the force that a press may exert at each height, limited by torque, bearings and energy, and its highest speed.\n"
         "With --out also writes ratings.csv (SI units) and, where Matplotlib is installed, ratings.png.",
         epilog=EPILOG,
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     option = parser.add_argument
-    option("--speed", type=float, required=True, metavar="RPM", help="of the crank, in r/min; negative: backwards")
+    option("--speed", type=float, required=True, metavar="RPM", help="crank speed, in r/min; negative: backwards")
     option("--nominal-force", type=float, required=True, metavar="N", help="largest process force at any height")
     for name, (value, words) in NUMBERS.items():
         option(f"--{name}", type=float, metavar=value, help=words)
     option(
         "--bearing", action="append", default=[], metavar="NAME=N", help="largest force in a bearing or guide; may be given several times"
     )
-    option("--at-speed", action="store_true", help="count weights and inertia forces at this speed; else the process force alone")
-    option("--points", type=int, default=181, metavar="N", help="crank angles in the working stroke (default: %(default)s)")
+    option(
+        "--at-speed",
+        action="store_true",
+        help="take weights and inertia forces at this speed into account (default: the process force alone)",
+    )
+    option("--points", type=int, default=181, metavar="N", help="number of crank angles in the working stroke (default: %(default)s)")
     add_press_options(parser)
     add_out_option(parser, "the files")
     parser.set_defaults(run=run)
@@ -61,7 +65,7 @@ def run(options: argparse.Namespace) -> int:
     """Print the ratings, and write the files.
 
     Raises:
-        PinpressError: a bearing's capacity that is none, and whatever computing and writing raise.
+        PinpressError: The capacity of a bearing is no positive number, or computing or writing fails.
     """
     given = {name.replace("-", "_"): getattr(options, name.replace("-", "_")) for name in NUMBERS}
     extra = {name: given.pop(name) for name in NOT_CAPACITIES}

@@ -1,4 +1,4 @@
-"""`pinpress record`: one period of a press as a page, a film, a picture."""
+"""`pinpress record`: one period of a press as a page, a film or a picture."""
 
 import argparse
 import math
@@ -22,29 +22,29 @@ def add(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None
     parser = commands.add_parser(
         "record",
         help="a page, film or picture of a press turning, with its forces",
-        description="Turn a press through one period at constant speed, without process loads, and write what it looks like: a page to\n"
-        "open by double click (--out), a film (--video), a picture (--png); bearing forces and shaking force are drawn as arrows.",
+        description="Turn a press through one period at constant speed, without process loads, and write it as a page to open by\n"
+        "double click (--out), a film (--video) or a picture (--png). Bearing forces and shaking force are drawn as arrows.",
         epilog=EPILOG,
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     option = parser.add_argument
-    option("--speed", type=float, required=True, metavar="RPM", help="of the crank, in r/min; negative turns it backwards")
-    option("--out", type=Path, metavar="HTML", help="the page")
-    option("--video", type=Path, metavar="MP4", help="the film: .mp4, or .gif")
-    option("--png", type=Path, metavar="PNG", help="the picture")
+    option("--speed", type=float, required=True, metavar="RPM", help="crank speed, in r/min; negative: backwards")
+    option("--out", type=Path, metavar="HTML", help="write this page")
+    option("--video", type=Path, metavar="MP4", help="write this film, .mp4 or .gif")
+    option("--png", type=Path, metavar="PNG", help="write this picture")
     option("--at", type=float, default=0.0, metavar="DEG", help="crank angle of the picture (default: 0, as the URDF draws it)")
-    option("--size", type=_size, metavar="WxH", help="of film and picture, in pixels (default: 1280x720 and 1280x960)")
+    option("--size", type=_size, metavar="WxH", help="size of film and picture, in pixels (default: 1280x720 and 1280x960)")
     option("--fps", type=int, default=30, metavar="N", help="frames per second of the film (default: %(default)s)")
     option(
         "--slowdown",
         type=float,
         metavar="X",
-        help="times slower than the press; 1: real time (default: such that a period takes 4 s or more)",
+        help="factor by which the film is slower than the press; 1: real time (default: so that a period takes at least 4 s)",
     )
     option("--repeats", type=int, default=1, metavar="N", help="periods in the film (default: %(default)s)")
     add_trace_option(parser)
     option("--no-forces", dest="forces", action="store_false", help="leave the forces out")
-    option("--points", type=int, metavar="N", help="crank angles, in all (default: 360 a turn)")
+    option("--points", type=int, metavar="N", help="number of crank angles of the period (default: 360 a turn)")
     add_press_options(parser)
     parser.set_defaults(run=run)
 
@@ -53,7 +53,7 @@ def run(options: argparse.Namespace) -> int:
     """Write what was asked for, and say so on stdout.
 
     Raises:
-        PinpressError: nothing asked for, and whatever `load`, `cycle`, `inverse_dynamics`, `record`, `film` and `image` raise.
+        PinpressError: No file is asked for, or computing or writing fails.
     """
     if options.out is options.video is options.png is None:
         raise PinpressError("nothing to write: give --out page.html, --video film.mp4 or --png picture.png")
@@ -84,7 +84,7 @@ def run(options: argparse.Namespace) -> int:
 
 
 def _time(degrees: float, speed: float, turns: int) -> float:
-    """When [s] a crank at constant speed [r/min] is at an angle, from 0 on within a period of so many turns."""
+    """Time [s] within a period of some turns at which a crank at constant speed [r/min] reaches an angle."""
     return (degrees if speed > 0 else -degrees) / 360 % turns * 60 / abs(speed)
 
 

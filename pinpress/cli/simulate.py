@@ -34,8 +34,8 @@ def add(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None
     """Put `simulate` among the subcommands; parsed options have ``run``, see `run`."""
     parser = commands.add_parser(
         "simulate",
-        help="let a press run under motor, flywheel and process load",
-        description="Let a press run under drive, flywheel and process loads, or find its steady state. Prints speeds, energies, the\n"
+        help="simulate a press under motor, flywheel and process load",
+        description="Simulate a press under drive, flywheel and process loads, or find its steady state. Prints speeds, energies, the\n"
         "motor's torque, the strokes and the peak force of every bearing; with --out also writes simulation.csv (every quantity at every\n"
         "instant), strokes.csv (one line a stroke, SI units) and recording.html (the press turning with its forces, a page to open by\n"
         "double click).",
@@ -43,25 +43,25 @@ def add(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     option = parser.add_argument
-    option("--speed", type=float, default=0.0, metavar="RPM", help="of the crank at the start, or about that of the steady state, in r/min")
-    option("--angle", type=float, default=0.0, metavar="DEG", help="of the crank at the start (default: 0, as the URDF draws it)")
+    option("--speed", type=float, default=0.0, metavar="RPM", help="crank speed at the start, or near that of the steady state, in r/min")
+    option("--angle", type=float, default=0.0, metavar="DEG", help="crank angle at the start (default: 0, as the URDF draws it)")
     until = parser.add_mutually_exclusive_group(required=True)
-    until.add_argument("--duration", type=float, metavar="S", help="how long it runs, in s")
-    until.add_argument("--steady", action="store_true", help="a period of the steady state near --speed")
-    option("--drive", metavar="KIND:KEYS", help="what turns the crank, see below (default: nothing)")
+    until.add_argument("--duration", type=float, metavar="S", help="length of the run, in s")
+    until.add_argument("--steady", action="store_true", help="find one period of the steady state near --speed")
+    option("--drive", metavar="KIND:KEYS", help="drive of the crank, see below (default: none)")
     option(
         "--flywheel",
         metavar="J",
-        help="its inertia at the driver joint, in kg m2; inertia=J,speed=RPM where it turns before a clutch closes",
+        help="inertia at the driver joint, in kg m2; inertia=J,speed=RPM where it turns before a clutch closes",
     )
     option("--load", metavar="KIND:KEYS", action="append", default=[], help="process load, see below; may be given several times")
-    option("--clutch", metavar="KEYS", help="between flywheel and crank, see below")
-    option("--brake", metavar="KEYS", help="on the crank, see below")
-    option("--method", choices=METHODS, default="auto", help="how to compute (default: %(default)s, the fast one)")
+    option("--clutch", metavar="KEYS", help="clutch between flywheel and crank, see below")
+    option("--brake", metavar="KEYS", help="brake on the crank, see below")
+    option("--method", choices=METHODS, default="auto", help="method of computation (default: %(default)s, the fastest that serves)")
     option("--step", type=float, metavar="S", help="fixed step of integration, in s (default: steps by error)")
-    option("--tolerance", type=float, default=1e-11, metavar="T", help="of the error of a step, relative (default: %(default)g)")
-    option("--points", type=int, metavar="N", help="states in the results (default: 120 a turn, at least 120)")
-    option("--gravity", type=float, default=9.81, metavar="G", help="downwards, in m/s2 (default: %(default)s)")
+    option("--tolerance", type=float, default=1e-11, metavar="T", help="relative error of a step (default: %(default)g)")
+    option("--points", type=int, metavar="N", help="number of states in the results (default: 120 a turn, at least 120)")
+    option("--gravity", type=float, default=9.81, metavar="G", help="gravity downwards, in m/s2 (default: %(default)s)")
     add_press_options(parser)
     add_out_option(parser, "the three files")
     add_report_option(parser)
@@ -70,13 +70,13 @@ def add(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None
 
 
 def _scene_help() -> str:
-    kinds = text.table(([f"{name}:", keys(kind)] for name, kind in (*DRIVES.items(), *LOADS.items())), [13, 0])
+    kinds = text.table(([f"{name}:", keys(kind)] for name, kind in (*DRIVES.items(), *LOADS.items())), [16, 0])
     split = len(DRIVES)
     return "\n".join(
         [
-            "drives, keys in brackets may be left out; SI units, but speeds in r/min; with ratio= they act on the crank through gears:",
+            "drives; keys in brackets are optional; SI units, but speeds in r/min; with ratio= a drive acts on the crank through gears:",
             *kinds[:split],
-            "loads, heights are slide positions above bottom dead centre, or above the slide position datum=:",
+            "loads; heights are slide positions above bottom dead centre, or above the slide position datum=:",
             *kinds[split:],
             "clutch and brake, switched at a time or a crank angle:",
             f"  {keys(part_specs.CLUTCH)}",
@@ -94,7 +94,7 @@ def run(options: argparse.Namespace) -> int:
     """Print the summary and write the files.
 
     Raises:
-        PinpressError: options that do not go together, and whatever computing and writing raise.
+        PinpressError: Options do not go together, or computing or writing fails.
     """
     refuse_pages_without_folder(options)
     drive = None if options.drive is None else part_specs.drive(options.drive)
@@ -152,7 +152,7 @@ def _refuse_beside_steady(options: argparse.Namespace) -> None:
 
 
 def _scene(options: argparse.Namespace, run: Run) -> list[tuple[str, str]]:
-    """What was asked for, in the words in which it was."""
+    """The problem in words: start, drive and loads as given on the command line."""
     angle = f"crank angle {options.angle:g} deg"
     if options.steady:
         begin = ("looked for near", f"{options.speed:g} r/min, from {angle} on")

@@ -202,8 +202,8 @@ def test_limits(monkeypatch: pytest.MonkeyPatch) -> None:
 @pytest.mark.parametrize(
     ("arguments", "says"),
     [
-        (["--region", "crank"], ["--region crank: it does not say where on which link", "LINK:radius=R", "--region crank:radius=0.3"]),
-        (["--region", ":radius=1"], ["it does not say where on which link"]),
+        (["--region", "crank"], ["--region crank: it names no link and place", "LINK:radius=R", "--region crank:radius=0.3"]),
+        (["--region", ":radius=1"], ["it names no link and place"]),
         (["--region", "crank:"], ["no key ''"]),
         (["--region", "crank:raduis=1"], ["no key 'raduis', did you mean 'radius'?"]),
         (["--region", "crank:radius"], ["radius is '', no number"]),
@@ -228,7 +228,7 @@ def test_limits(monkeypatch: pytest.MonkeyPatch) -> None:
         (["--minimise", "added_mass=much"], ["'much' is no number"]),
         (["--minimise", "added_mass=-1"], ["the weight of the added mass is -1.0"]),
         (["--minimise", "range:shaking_force:z"], ["--minimise range:shaking_force:z: the range of the shaking force, z is given twice"]),
-        (["--limit", "added_mass"], ["--limit added_mass: it does not say how much", "with =MOST", "--limit peak:bearing_force:A=1e5"]),
+        (["--limit", "added_mass"], ["--limit added_mass: it has no number", "with =MOST", "--limit peak:bearing_force:A=1e5"]),
         (["--limit", "added_mass="], ["'' is no number"]),
         (["--limit", "added_mass=nan"], ["the limit of the added mass is nan"]),
         (["--limit", "mass=5"], ["no measure 'mass'; there are: range, rms, peak, added_mass"]),

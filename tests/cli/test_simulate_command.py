@@ -298,7 +298,7 @@ def test_every_kind_of_load(files: dict[str, Path]) -> None:
     cases = {
         "idle": Idle(),
         "idle:datum=0.1": Idle(0.1),
-        "piling:force=1e6,height=0.0005": ConstantForce(1e6, 0.0005),
+        "constant-force:force=1e6,height=0.0005": ConstantForce(1e6, 0.0005),
         "blanking:force=1e6,start=0.006,end=0.002,stripping=3e4,datum=-0.9": Blanking(1e6, 0.006, 0.002, 3e4, -0.9),
         "drawing:force=5e5,start=0.05": DeepDrawing(5e5, 0.05),
         f"table:file={files['force']}": ForceStroke([0.02, 0.001, 0.0], [0.0, 5e5, 6e5]),
@@ -366,7 +366,7 @@ DURATION = ["zxn2_3000b", "--duration", "1"]
             ["--drive", "inverter:rated_torque=1,rated_speed=1485,frequency=40,curve=README.md"],
             ["row 2", "frequency [Hz] and torque [N m]"],
         ),
-        (["--load", "press:force=1"], ["no kind 'press'", "idle, piling, blanking, drawing, table, die"]),
+        (["--load", "press:force=1"], ["no kind 'press'", "idle, constant-force, blanking, drawing, table, die"]),
         (["--load", "table:"], ["--load table: file is missing"]),
         (["--load", "table:file=viz/zxn2_3000b.png"], ["it is no text"]),
         (["--load", "die:height=x,stiffness=1"], ["height is 'x', no number", "--load die:height=0.001"]),
