@@ -1,4 +1,4 @@
-"""Every exception of the library. Each carries its data as attributes, so that a caller need not read the sentence."""
+"""Every exception and warning of the library, and words for their messages. Exceptions carry their data as attributes."""
 
 from __future__ import annotations
 
@@ -14,27 +14,27 @@ _LONGEST_NAME = 200  # characters of a name that alternatives are suggested for:
 
 
 class PinpressError(Exception):
-    """Base of all errors: something the caller can put right; the message says where it is and how.
+    """Base of all errors. Each is something that the caller can put right; the message says where it is, and how.
 
-    Every error travels: it is copied and pickled with its attributes, so that process pools report it.
+    Errors are copied and pickled with their attributes, so that process pools can report them.
     """
 
     def __reduce__(self) -> tuple[Any, ...]:
-        # An exception is rebuilt from its message alone by default, which a class that is made from other arguments does not take.
+        # By default an exception is rebuilt from its message alone, which does not suit a class that takes other arguments.
         return _rebuilt, (type(self), self.args, {name: _sendable(value) for name, value in vars(self).items()})
 
 
 class PinpressWarning(UserWarning):
-    """Something that is legal, but hardly what was meant; the message says where it is, and what to do."""
+    """A warning of something that is allowed but hardly meant; the message says where it is, and what to do."""
 
 
 class UrdfError(PinpressError):
     """A URDF that cannot be used.
 
     Attributes:
-        file: path of the file, or the name it was asked for by.
-        element: the XML element at fault, e.g. ``<joint name="A">``; None where it is the file as a whole.
-        line: line of that element in the file; None where there is none.
+        file: path of the file, or the name by which it was asked for.
+        element: the XML element at fault, e.g. ``<joint name="A">``; None where the file as a whole is at fault.
+        line: line of this element in the file; None where there is none.
         problem: what is wrong.
         remedy: what to write instead.
     """
@@ -79,11 +79,11 @@ class AssemblyError(PinpressError):
 
 
 class SingularityError(PinpressError):
-    """The driver does not determine the linkage at a crank angle: it locks there, or two assemblies meet.
+    """The driver does not determine the linkage at a crank angle: the linkage locks there, or two assemblies meet.
 
     Attributes:
         crank_angle: angle of the driver joint [rad].
-        smallest_singular_value: of the loop Jacobian's columns of the dependent joints, lengths in units of the linkage's size [-].
+        smallest_singular_value: smallest singular value of the passive joints' columns in the loop Jacobian, scaled to unit length [-].
     """
 
     def __init__(self, problem: str, crank_angle: float, smallest_singular_value: float) -> None:
@@ -95,9 +95,9 @@ class SimulationError(PinpressError):
     """A simulation cannot go on, or has no answer.
 
     Attributes:
-        time: [s], None where it is of no instant.
-        crank_angle: [rad], None where it is of none.
-        reason: the kind of failure in a word or two, e.g. "stalls"; None where it is of no kind of its own.
+        time: time of the failure [s]; None where it belongs to no instant.
+        crank_angle: crank angle at the failure [rad]; None where it belongs to none.
+        reason: the kind of failure in a word or two, e.g. "stalls"; None where it has no name.
     """
 
     def __init__(self, problem: str, time: float | None = None, crank_angle: float | None = None, reason: str | None = None) -> None:
@@ -125,10 +125,11 @@ class UnknownNameError(PinpressError, KeyError):
 
 
 class UnknownScenarioError(PinpressError, IndexError):
-    """A scenario that there is not.
+    """A scenario that does not exist.
 
     Attributes:
-        number: asked for. count: of scenarios.
+        number: number of the scenario asked for.
+        count: number of scenarios.
     """
 
     def __init__(self, number: object, count: int) -> None:
@@ -136,8 +137,16 @@ class UnknownScenarioError(PinpressError, IndexError):
         super().__init__(f"there are {count} scenarios, 0 to {count - 1}, not {shown(number)}")
 
 
+def caution(message: str) -> None:
+    """Issue a PinpressWarning that points at the caller of the library, however deep in it this is called."""
+    frame, level = sys._getframe(), 1
+    while frame.f_back is not None and frame.f_globals.get("__name__", "").partition(".")[0] == "pinpress":
+        frame, level = frame.f_back, level + 1
+    warnings.warn(message, PinpressWarning, stacklevel=level)
+
+
 def suggestion(name: str, known: Iterable[str]) -> str:
-    """ ", did you mean 'x'?" where a known name is close to the one given, else an empty string."""
+    """The words ", did you mean 'x'?" where a known name is close to the one given, else an empty string."""
     if len(name) > _LONGEST_NAME:
         return ""
     known = list(known)
@@ -150,7 +159,7 @@ def suggestion(name: str, known: Iterable[str]) -> str:
 
 
 def shown(value: object) -> str:
-    """A value as messages show it: on one line, and cut where it is long."""
+    """A value as messages show it: on one line, and shortened where it is long."""
     if isinstance(value, int) and value.bit_length() > _LONGEST_WHOLE_NUMBER:  # writing one of thousands of digits is an error in Python
         return f"a whole number of {value.bit_length()} bits"
     try:
@@ -161,7 +170,7 @@ def shown(value: object) -> str:
 
 
 def said(error: BaseException) -> str:
-    """What a caller's function has raised, as messages show it."""
+    """An exception that a caller's function has raised, as messages show it."""
     try:
         text = str(error)
     except Exception:  # whatever a caller's own exception raises
@@ -181,17 +190,9 @@ def _rebuilt(kind: type[PinpressError], arguments: tuple[object, ...], attribute
 
 
 def _sendable(value: object) -> object:
-    """An attribute as it can be pickled: what cannot, such as a function that was given for a name, is described."""
+    """An attribute in a form that can be pickled: one that cannot, such as a function given for a name, is replaced by its description."""
     try:
         pickle.dumps(value)
     except Exception:  # whatever pickling says
         return shown(value)
     return value
-
-
-def caution(message: str) -> None:
-    """Issue a PinpressWarning that points at the caller of the library, however deep in it this is called."""
-    frame, level = sys._getframe(), 1
-    while frame.f_back is not None and frame.f_globals.get("__name__", "").partition(".")[0] == "pinpress":
-        frame, level = frame.f_back, level + 1
-    warnings.warn(message, PinpressWarning, stacklevel=level)

@@ -1,4 +1,4 @@
-"""Results and descriptions are read-only, and stay so however they travel: copied, pickled, sent home by another process."""
+"""Results and descriptions that are read-only, and stay so when they are copied, pickled or sent by another process."""
 
 from collections.abc import Iterator, Mapping
 from typing import Any, TypeVar
@@ -35,7 +35,7 @@ class Frozen:
 
 
 class FrozenMapping(Frozen, Mapping[K, V]):
-    """A mapping that is read-only, with the arrays in it, and that, other than ``types.MappingProxyType``, is copied and pickled."""
+    """A read-only mapping with read-only arrays. Unlike ``types.MappingProxyType`` it can be copied and pickled."""
 
     def __init__(self, items: Mapping[K, V]) -> None:
         self._items = dict(items)
@@ -55,7 +55,7 @@ class FrozenMapping(Frozen, Mapping[K, V]):
 
 
 def read_only(value: T) -> T:
-    """The same value, its arrays read-only, those in sequences, dictionaries and dataclasses too."""
+    """The value itself, after its arrays were made read-only, also those in sequences, dictionaries and dataclasses."""
     if isinstance(value, np.ndarray):
         value.setflags(write=False)
         if isinstance(value, np.ma.MaskedArray):

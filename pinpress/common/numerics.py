@@ -1,5 +1,5 @@
-"""Small numerics: Gauss-Legendre quadrature on -1..1 with the polynomials through its nodes, and Newton's method fenced in by a bracket:
-where a step leads out of it, or nowhere, the bracket is halved.
+"""Small numerics: Gauss-Legendre quadrature on -1..1 with the polynomials through its nodes, and Newton's method within a bracket, which is
+halved where a step leads out of it.
 """
 
 import math
@@ -11,22 +11,25 @@ import numpy as np
 
 from .quantities import Array
 
-NODES = 14  # degree of the polynomials is one less
+NODES = 14  # of the quadrature; the polynomials through its nodes have one degree less
+MOST_STEPS = 60  # of Newton's method: as many halve a bracket down to rounding
+ValueAndSlope = Callable[[Array], tuple[Any, Any]]
+"""Places (m,) -> values and derivatives of a function there, (m,) each. They may be complex; decisions are made on their real parts."""
 
 
 class GaussRule(NamedTuple):
     """Quadrature at q nodes on -1..1, and the polynomial through values at them.
 
-    Powers are found from values by way of Legendre polynomials, in two products: the product of the two matrices has entries so large that
-    their rounding would be a hundred times that of the values.
+    The coefficients of powers are found by way of Legendre polynomials, in two matrix products: the product of both matrices would have
+    entries so large that their rounding were a hundred times that of the values.
 
     Attributes:
-        nodes: (q,) from -1 to 1.
-        weights: (q,) of the quadrature.
-        cumulative: (q, q) integrals from -1 to the nodes, of values at them.
-        legendre: (q, q) coefficients of Legendre polynomials, of values at the nodes.
-        powers: (q, q) coefficients in rising powers of the Legendre polynomials.
-        integrals: (q + 1, q) coefficients in rising powers of their integrals from -1.
+        nodes: (q,) nodes from -1 to 1.
+        weights: (q,) weights of the quadrature.
+        cumulative: (q, q) values at the nodes to integrals from -1 to the nodes.
+        legendre: (q, q) values at the nodes to coefficients of Legendre polynomials.
+        powers: (q, q) coefficients of Legendre polynomials to coefficients of rising powers.
+        integrals: (q + 1, q) coefficients of Legendre polynomials to coefficients of rising powers of their integrals from -1.
     """
 
     nodes: Array
@@ -47,7 +50,7 @@ class GaussRule(NamedTuple):
 
 @cache
 def gauss_rule() -> GaussRule:
-    """The rule of `NODES` nodes."""
+    """The Gauss-Legendre rule with `NODES` nodes."""
     legendre = np.polynomial.legendre
     nodes, weights = legendre.leggauss(NODES)
     degrees = np.arange(NODES)
@@ -88,18 +91,15 @@ def horner(falling: Sequence[float], x: float) -> float:
     return value
 
 
-MOST_STEPS = 60  # halve a bracket down to rounding
-
-ValueAndSlope = Callable[[Array], tuple[Any, Any]]
-"""Places (m,) -> values of a function there and its derivatives, (m,) each, which may be complex: their real parts count."""
-
-
 def bracketed_roots(function: ValueAndSlope, low: Array, high: Array, relative: float = 0.0, absolute: float = 0.0) -> Array:
-    """Places (m,) at which a function changes sign, one in each of the brackets from ``low`` (m,) to ``high`` (m,).
+    """Places (m,) at which a function changes sign, one in each of m brackets.
 
     Args:
-        relative: change of a place in a step, beside the place, that is rounding.
-        absolute: change of a place in a step that is rounding.
+        function: gives values and derivatives.
+        low: (m,) lower ends of the brackets.
+        high: (m,) upper ends of the brackets.
+        relative: change of a place in a step, as a share of the place, that counts as rounding.
+        absolute: change of a place in a step that counts as rounding.
     """
     before, place = np.signbit(function(low)[0].real), 0.5 * (low + high)
     for _ in range(MOST_STEPS):
@@ -115,9 +115,9 @@ def bracketed_roots(function: ValueAndSlope, low: Array, high: Array, relative: 
 
 
 def polynomial_root(polynomial: list[float], low: float, high: float) -> float:
-    """The root of one polynomial, coefficients of rising powers, between two places from -1 to 1 at which its signs differ.
+    """The root of one polynomial, given by coefficients of rising powers, between two places from -1 to 1 at which its signs differ.
 
-    Plain numbers: for one polynomial NumPy takes ten times as long.
+    It is found with Python's own numbers, because NumPy takes ten times as long for one polynomial.
     """
     powers_falling = polynomial[::-1]
     falling = horner(powers_falling, low) > 0

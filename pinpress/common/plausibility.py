@@ -1,4 +1,5 @@
-"""Arguments that are legal, but hardly meant: speeds and heights in another unit, columns of a servo motion that do not fit together."""
+"""Warnings of arguments that are allowed but hardly meant: speeds and heights in another unit, columns of a servo motion that do not
+fit."""
 
 import math
 from collections.abc import Sequence
@@ -8,9 +9,9 @@ import numpy as np
 from .errors import caution
 from .quantities import RPM, Array
 
-FASTEST = 1000.0  # crank or motor of a press [rad/s], 9549 r/min
-AMISS = 0.05  # part of a motion by which its columns may miss each other
-FAR = 10.0  # lengths of the linkage: nothing of a press is so far off
+FASTEST = 1000.0  # no crank or motor of a press turns faster [rad/s], 9549 r/min
+AMISS = 0.05  # share of a motion up to which its columns may disagree
+FAR = 10.0  # no part of a press is further away [lengths of the linkage]
 MILLI = 1e-3
 
 
