@@ -1,11 +1,12 @@
-"""Contests of `compare`: methods with their settings, the work that is timed, and how its answer is judged; and those of inverse dynamics.
+"""Contests of `compare`: methods with settings, the work that is timed, and the errors of its answer; and the contests of inverse dynamics.
 
-Run times can be compared because contestants take turns: whatever else the machine does meets all of them.
+Run times can be compared because contestants take turns, so that other work of the machine slows all of them.
 
-Inverse dynamics: a turn at constant speed, from crank angles to the driving torque and every bearing force. The proximal settings of
-Pinocchio's constraint dynamics have a contest beside it: accelerations and loop forces of states in a turn. Equations that say nothing new
-(every planar pin has one, across the plane) make the matrix of constraint dynamics singular. Its proximal parameter mu takes their place,
-and iterations take its error away again: too small a mu, and rounding is divided by it; too large, and the iterations do not get there.
+The contest of inverse dynamics is a period at constant speed, from crank angles to the driving torque and every bearing force. A second one
+compares the proximal settings of Pinocchio's constraint dynamics by accelerations and loop forces at states of a turn. Redundant equations
+(every planar pin has one, across the plane) make the matrix of constraint dynamics singular. Its proximal parameter mu regularises the
+matrix, and iterations remove the error by mu: with too small a mu rounding is divided by it, with too large a mu the iterations do not
+converge.
 """
 
 import gc
@@ -29,8 +30,14 @@ from ..simulation.reduced_model import reduced_model_of
 from .measurements import INVERSE_DYNAMICS, PROXIMAL, PROXIMAL_STATES, Measurement
 from .peers.peer import Answer, Peer
 
-TURN = 0.02  # of calls before the next one's turn: the first call after another contestant finds its data and code evicted [s]
-PATIENCE = 2.0  # after which a contestant, once timed, has had its turns [s]
+TURN = 0.02  # time of a contestant's calls before the next one's turn: its first call finds data and code evicted from the cache [s]
+PATIENCE = 2.0  # time after which a contestant that has been timed gets no more turns [s]
+STATES = 48  # of a turn, in which forward dynamics gives the accelerations back
+PARAMETERS = (0.0, *(10.0**k for k in range(-14, -1)))
+ITERATIONS = (1, 5, 20)
+SKIPPED = (
+    "proximal settings are skipped: they are compared for loops, without gear pairs, links without mass, or loops that hold each other"
+)
 
 
 class Errors(NamedTuple):
@@ -45,15 +52,15 @@ class Errors(NamedTuple):
 
 @dataclass(frozen=True)
 class Contestant:
-    """A method with a setting that takes part in a contest. A `PinpressError` that its work or its judge raises is an answer too.
+    """A method with a setting that takes part in a contest. A `PinpressError` raised by its work or its judge is an answer too.
 
     Attributes:
-        group: of the contest.
-        method: "plane", "reduced", ..., or a peer with its version.
-        setting: in words.
-        number: the setting: a tolerance, a step [s], a proximal parameter, a number of samples; None where it has none.
-        work: what is timed.
-        errors: judges what the work returns.
+        group: Group of the contest.
+        method: "plane", "reduced" and so on, or a peer with its version.
+        setting: The setting in words.
+        number: The setting as a number: a tolerance, a step [s], a proximal parameter or a number of samples; None where it has none.
+        work: Function that is timed.
+        errors: Function that judges what the work returns.
     """
 
     group: str
@@ -69,11 +76,11 @@ class Contest:
     """Contestants of a group, and the reference by which they are judged.
 
     Attributes:
-        group: one of `measurements.GROUPS`.
-        contestants: all that take part.
-        certificate: difference of the two independent methods that make the reference.
-        certified_by: which two these are.
-        skipped: a line for each that takes no part, with the reason.
+        group: One of `measurements.GROUPS`.
+        contestants: All contestants.
+        certificate: Difference of the two independent methods that make the reference.
+        certified_by: Names of these two methods.
+        skipped: A line for each method that takes no part, with the reason.
     """
 
     group: str
@@ -87,9 +94,9 @@ def measured(contestants: Sequence[Contestant], repeats: int, done: Callable[[],
     """Judge every contestant once and time all in turn.
 
     Args:
-        contestants: in the order of the result.
-        repeats: rounds of timing.
-        done: called after every piece of work.
+        contestants: Contestants in the order of the result.
+        repeats: Number of rounds of timing.
+        done: Function called after every piece of work.
     """
     judged: list[tuple[Contestant, Errors | None, str]] = []
     for contestant in contestants:
@@ -100,94 +107,6 @@ def measured(contestants: Sequence[Contestant], repeats: int, done: Callable[[],
         done()
     seconds = least_seconds([_tried(contestant.work) for contestant in contestants], repeats, done)
     return tuple(_measurement(*each, time) for each, time in zip(judged, seconds, strict=True))
-
-
-def force_error(forces: Mapping[str, Array], expected: Reactions, peak: float, determined: bool = False) -> float:
-    """Largest distance of a bearing's force from the expected one, as a share of a peak force [-].
-
-    Args:
-        forces: (n, 3) by bearing [N].
-        expected: has the forces that are right.
-        peak: [N].
-        determined: leave out the components that rigid mechanics leaves open, which other programs share in ways of their own.
-    """
-    found = []
-    for name, force in expected.bearing_force.items():
-        off = forces[name] - force
-        if determined:
-            off = (off @ expected.indeterminate_axes.T)[:, ~expected.indeterminate[name][:3]]
-        found.append(float(np.linalg.norm(off, axis=1).max()))
-    return max(found) / peak
-
-
-def peak_force(forces: Mapping[str, Array]) -> float:
-    """Largest force of any bearing (n, 3) in any state [N]; 1 where there is none."""
-    return max(float(np.linalg.norm(force, axis=1).max()) for force in forces.values()) or 1.0
-
-
-def peak_of(values: Array) -> float:
-    """The largest size among values; 1 where all are zero, of which a share cannot be given."""
-    return float(np.abs(values).max()) or 1.0
-
-
-def least_seconds(works: Sequence[Callable[[], object]], repeats: int, done: Callable[[], None] = lambda: None) -> list[float]:
-    """Least time of a call of each piece of work [s].
-
-    Args:
-        works: called without arguments, in turn.
-        repeats: rounds, without the garbage collector.
-        done: called after every turn.
-    """
-    best, spent = [float("inf")] * len(works), [0.0] * len(works)
-    collecting = gc.isenabled()
-    gc.collect()
-    gc.disable()
-    try:
-        for _ in range(repeats):
-            for k, work in enumerate(works):
-                end = time.perf_counter() + TURN
-                while spent[k] < PATIENCE:
-                    start = time.perf_counter()
-                    work()
-                    now = time.perf_counter()
-                    best[k], spent[k] = min(best[k], now - start), spent[k] + now - start
-                    if now > end:
-                        break
-                done()
-    finally:
-        if collecting:
-            gc.enable()
-    return best
-
-
-def _tried(work: Callable[[], Any]) -> Callable[[], None]:
-    def tried() -> None:
-        with suppress(PinpressError):
-            work()
-
-    return tried
-
-
-def _measurement(contestant: Contestant, errors: Errors | None, problem: str, seconds: float) -> Measurement:
-    """What is not finite is no error, but a problem."""
-    values = errors or Errors(math.nan)
-    error, force, gap, energy, evaluations = (None if value is None or not math.isfinite(value) else value for value in values)
-    return Measurement(
-        group=contestant.group,
-        method=contestant.method,
-        setting=contestant.setting,
-        number=contestant.number,
-        seconds=seconds,
-        error=error,
-        force_error=force,
-        loop_gap=gap,
-        energy_error=None if energy is None else abs(energy),
-        evaluations=None if evaluations is None else int(evaluations),
-        problem=problem or ("not finite" if error is None else ""),
-    )
-
-
-STATES = 48  # of a turn, in which forward dynamics gives the accelerations back
 
 
 def inverse_dynamics_contest(press: Linkage, speed: float, points: int, peers: Sequence[Peer]) -> Contest:
@@ -243,32 +162,6 @@ def inverse_dynamics_contest(press: Linkage, speed: float, points: int, peers: S
     return Contest(INVERSE_DYNAMICS, (*own, *others), certificate, certified_by)
 
 
-def _solved(press: Linkage, speed: float, points: int, engine: str) -> Reactions:
-    return inverse_dynamics(press, cycle(press, speed=speed, points=points, engine=engine), engine=engine)
-
-
-def _off(torque: Array, expected: Array, peak: float) -> float:
-    return float(np.abs(torque - expected).max()) / peak
-
-
-def _returned(press: Linkage, reactions: Reactions) -> float:
-    """Largest difference of the accelerations that forward dynamics gives back under the driving torque, of their peak."""
-    dynamics, motion, crank = press.forward_dynamics(np.zeros(press.model.nv)), reactions.motion, press.driver_indices[0]
-    some = np.arange(0, len(motion.v), max(1, len(motion.v) // STATES))
-    efforts = np.zeros((len(some), press.model.nv))
-    efforts[:, crank] = reactions.driving_torque[some]
-    states = zip(motion.joint_position[some].copy(), motion.v[some].copy(), efforts, strict=True)
-    found = np.array([dynamics.acceleration(*state) for state in states])
-    return float(np.abs(found - motion.a[some]).max()) / peak_of(motion.a[some])
-
-
-PARAMETERS = (0.0, *(10.0**k for k in range(-14, -1)))
-ITERATIONS = (1, 5, 20)
-SKIPPED = (
-    "proximal settings are skipped: they are compared for loops, without gear pairs, links without mass, or loops that hold each other"
-)
-
-
 def proximal_contest(press: Linkage, speed: float, flywheel: float) -> Contest:
     """Settings of `constraintDynamics`, among them the one that method `constraint` takes.
 
@@ -308,3 +201,108 @@ def proximal_contest(press: Linkage, speed: float, flywheel: float) -> Contest:
     settings.append(("as chosen", dynamics.quick.settings))
     entries = [Contestant(PROXIMAL, method, f"mu {each.mu:.0e}", each.mu, partial(answers, each), judged) for method, each in settings]
     return Contest(PROXIMAL, tuple(entries), certificate, "null-space accelerations and the reduced equation")
+
+
+def force_error(forces: Mapping[str, Array], expected: Reactions, peak: float, determined: bool = False) -> float:
+    """Largest distance of a bearing's force from the expected one, as a share of a peak force [-].
+
+    Args:
+        forces: Name of a bearing -> (n, 3) force [N].
+        expected: Reactions with the right forces.
+        peak: Peak force [N].
+        determined: Whether to leave out the components that rigid-body mechanics leaves undetermined, which other programs share in their
+            own ways.
+    """
+    found = []
+    for name, force in expected.bearing_force.items():
+        off = forces[name] - force
+        if determined:
+            off = (off @ expected.indeterminate_axes.T)[:, ~expected.indeterminate[name][:3]]
+        found.append(float(np.linalg.norm(off, axis=1).max()))
+    return max(found) / peak
+
+
+def peak_force(forces: Mapping[str, Array]) -> float:
+    """Largest force of any bearing (n, 3) in any state [N]; 1 where there is none."""
+    return max(float(np.linalg.norm(force, axis=1).max()) for force in forces.values()) or 1.0
+
+
+def peak_of(values: Array) -> float:
+    """The largest magnitude among values; 1 where all are zero, to which no error can be relative."""
+    return float(np.abs(values).max()) or 1.0
+
+
+def least_seconds(works: Sequence[Callable[[], object]], repeats: int, done: Callable[[], None] = lambda: None) -> list[float]:
+    """Least time of a call of each piece of work [s].
+
+    Args:
+        works: Functions without arguments, called in turn.
+        repeats: Number of rounds, without the garbage collector.
+        done: Function called after every turn.
+    """
+    best, spent = [float("inf")] * len(works), [0.0] * len(works)
+    collecting = gc.isenabled()
+    gc.collect()
+    gc.disable()
+    try:
+        for _ in range(repeats):
+            for k, work in enumerate(works):
+                end = time.perf_counter() + TURN
+                while spent[k] < PATIENCE:
+                    start = time.perf_counter()
+                    work()
+                    now = time.perf_counter()
+                    best[k], spent[k] = min(best[k], now - start), spent[k] + now - start
+                    if now > end:
+                        break
+                done()
+    finally:
+        if collecting:
+            gc.enable()
+    return best
+
+
+def _tried(work: Callable[[], Any]) -> Callable[[], None]:
+    def tried() -> None:
+        with suppress(PinpressError):
+            work()
+
+    return tried
+
+
+def _measurement(contestant: Contestant, errors: Errors | None, problem: str, seconds: float) -> Measurement:
+    """A measurement; an error that is not finite becomes a problem."""
+    values = errors or Errors(math.nan)
+    error, force, gap, energy, evaluations = (None if value is None or not math.isfinite(value) else value for value in values)
+    return Measurement(
+        group=contestant.group,
+        method=contestant.method,
+        setting=contestant.setting,
+        number=contestant.number,
+        seconds=seconds,
+        error=error,
+        force_error=force,
+        loop_gap=gap,
+        energy_error=None if energy is None else abs(energy),
+        evaluations=None if evaluations is None else int(evaluations),
+        problem=problem or ("not finite" if error is None else ""),
+    )
+
+
+def _solved(press: Linkage, speed: float, points: int, engine: str) -> Reactions:
+    return inverse_dynamics(press, cycle(press, speed=speed, points=points, engine=engine), engine=engine)
+
+
+def _off(torque: Array, expected: Array, peak: float) -> float:
+    return float(np.abs(torque - expected).max()) / peak
+
+
+def _returned(press: Linkage, reactions: Reactions) -> float:
+    """Largest difference of the accelerations that forward dynamics gives under the driving torque, divided by their peak [-]."""
+    dynamics, motion, crank = press.forward_dynamics(np.zeros(press.model.nv)), reactions.motion, press.driver_indices[0]
+    some = np.arange(0, len(motion.v), max(1, len(motion.v) // STATES))
+    efforts = np.zeros((len(some), press.model.nv))
+    efforts[:, crank] = reactions.driving_torque[some]
+    states = zip(motion.joint_position[some].copy(), motion.v[some].copy(), efforts, strict=True)
+    found = np.array([dynamics.acceleration(*state) for state in states])
+    return float(np.abs(found - motion.a[some]).max()) / peak_of(motion.a[some])

@@ -1,4 +1,4 @@
-"""Contests of simulation: of scenes, to the crank angle and every bearing force at their end; and of the reduced table behind `reduced`."""
+"""Contests of simulation: scenes, judged by crank angle and bearing forces at their end; and the table behind method `reduced`."""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
@@ -40,14 +40,14 @@ class Ended(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Reference:
-    """The end of a scene by which all are judged. No error is said to be less than the difference of the two methods that make it.
+    """The reference end of a scene, by which all runs are judged. No error counts as less than the difference of its two methods.
 
     Attributes:
-        last: forces in the last state.
-        angle: of the crank in the last state, unwrapped [rad].
-        peak: largest force of any bearing in the run [N].
-        certificate: difference of the two methods' crank angles [rad].
-        force_certificate: largest difference of their bearing forces, as a share of the peak [-].
+        last: Reactions in the last state.
+        angle: Crank angle in the last state, unwrapped [rad].
+        peak: Largest force of any bearing in the run [N].
+        certificate: Difference of the two methods' crank angles [rad].
+        force_certificate: Largest difference of their bearing forces, divided by the peak [-].
     """
 
     last: Reactions
@@ -57,7 +57,7 @@ class Reference:
     force_certificate: float
 
     def judge(self, ended: Ended) -> Errors:
-        """Errors of a run of ours."""
+        """Errors of a run by one of our methods."""
         stats = ended.run.stats
         error, force = self._errors(float(ended.run.crank_angle[-1]), force_error(ended.last.bearing_force, self.last, self.peak))
         return Errors(error, force, stats.closure_error, stats.energy_error, stats.evaluations)
@@ -75,8 +75,8 @@ class Reference:
 def simulation_contest(press: Linkage, scene: Scene, peers: Sequence[Peer], solvers: Sequence[Solver]) -> Contest:
     """All methods over tolerances and fixed steps, peers over their steps, and solvers of the closed form over their tolerances.
 
-    The reference is a run of all joints with the least tolerance. The reduced equation, which shares no equation of motion with it, has to
-    give the same.
+    The reference is a run of all joints with the least tolerance. It must agree with the reduced equation, which shares no equation of
+    motion with it.
     """
     reference = _reference(press, scene)
     entries = [*_adaptive_runs(press, scene, reference), *_fixed_step_runs(press, scene, reference)]
@@ -104,7 +104,7 @@ def _reference(press: Linkage, scene: Scene) -> Reference:
 
 
 def _adaptive_runs(press: Linkage, scene: Scene, reference: Reference) -> Iterator[Contestant]:
-    """Runs of ours with steps by error."""
+    """Runs by our methods with steps chosen by their error."""
 
     def toleranced(method: str, tolerance: float, setting: str) -> Contestant:
         work = partial(_ended, press, scene, method, tolerance=tolerance)
@@ -121,7 +121,7 @@ def _adaptive_runs(press: Linkage, scene: Scene, reference: Reference) -> Iterat
 
 
 def _fixed_step_runs(press: Linkage, scene: Scene, reference: Reference) -> Iterator[Contestant]:
-    """Runs of ours with fixed steps, which are stable in all scenes but the one with a stiff law."""
+    """Runs by our methods with fixed steps, which are stable in all scenes except the one with a stiff law."""
     if scene.group == SPEED_LAW:
         return
     for method in ("reduced", "constraint"):
@@ -152,7 +152,7 @@ def _left_out(peers: Sequence[Peer], solvers: Sequence[Solver], scene: Scene) ->
 
 
 def table_contest(press: Linkage) -> Contest:
-    """Tables of the reduced inertia and potential energy with so many samples, judged between them."""
+    """Tables of reduced inertia and potential energy with different numbers of samples, judged between the samples."""
     chosen = reduced_model.build_reduced_model(press, ())
     angles = np.random.default_rng(0).uniform(chosen.borders[0], chosen.borders[-1], BETWEEN)
     exact = reduced_model.sample_rows(press, angles, ())[:2]
@@ -177,7 +177,7 @@ def table_contest(press: Linkage) -> Contest:
 
 
 def _alike(press: Linkage, scene: Scene) -> bool:
-    """Whether runs by the reduced equation are the same whatever their tolerance: then they are one row."""
+    """Whether runs by the reduced equation do not depend on their tolerance, so that one row stands for all."""
     loose, tight = (_run(press, scene, "reduced", points=2, tolerance=tolerance) for tolerance in (TOLERANCES[0], TOLERANCES[-1]))
     return loose.crank_angle[-1] == tight.crank_angle[-1] and loose.stats.evaluations == tight.stats.evaluations
 
@@ -206,7 +206,7 @@ def _run(press: Linkage, scene: Scene, method: str, **how: Any) -> Run:
 
 
 def _without_table(press: Linkage) -> Linkage:
-    """The same linkage, all that is derived from it kept but its table."""
+    """The linkage without its reduced table, with everything else that is derived from it."""
     same = replace(press)
     keep_all_but(reduced_model_of, same, press)
     return same

@@ -1,4 +1,4 @@
-"""Error against run time of everything that is offered for a press, beside other programs.
+"""Error against run time of all methods for a press, beside other programs.
 
 Every error is against a reference that two independent methods agree on; `WorkPrecision.certificates` says how far.
 """
@@ -42,7 +42,7 @@ def compare(
     scenes: Sequence[str] = SCENES,
     progress: Callable[[float], None] | None = None,
 ) -> WorkPrecision:
-    """Measure everything that is offered for a press, and the same press in other programs where they are installed (`peers`).
+    """Measure all methods for a press, and this press in other programs where they are installed (`peers`).
 
     Inverse dynamics of a period at constant speed by both engines. Simulations by all methods over tolerances and steps: a free run from
     crank angle 0, weights on; a start by a clutch under a motor, and a blank; a stiff elastic die, met under a motor; a drive that holds
@@ -50,19 +50,19 @@ def compare(
     Run times are the least of several rounds in which all take turns.
 
     Args:
-        press: a linkage with one driver.
-        speed: of the crank, in the period and in the runs [rad/s].
-        flywheel: of the runs; by default with 4 times the largest reduced inertia of the linkage.
-        duration: of the runs; by default the time of two turns at that speed [s].
-        points: crank angles in the period.
-        repeats: rounds of timing.
-        scenes: which of "free run", "clutch and blanking", "elastic die" and "stiff speed law" to simulate.
-        progress: called with the share done, 0 to 1.
+        press: A linkage with one driver.
+        speed: Speed of the crank, in the period and at the start of the runs [rad/s].
+        flywheel: Flywheel of the runs; by default with 4 times the largest reduced inertia of the linkage.
+        duration: Length of the runs; by default the time of two turns at that speed [s].
+        points: Number of crank angles in the period.
+        repeats: Number of rounds of timing.
+        scenes: Scenes to simulate, among "free run", "clutch and blanking", "elastic die" and "stiff speed law".
+        progress: Function called with the share done, 0 to 1.
 
     Raises:
-        PinpressError: an argument that makes no sense, a linkage with several drivers.
-        SingularityError: the crank does not turn fully.
-        SimulationError: a run has no end.
+        PinpressError: An argument is not as described, or the linkage has several drivers.
+        SingularityError: The crank does not turn fully.
+        SimulationError: A run does not reach its end.
     """
     speed = _checked(press, speed, points, repeats, scenes)
     inertia = _inertia(press, flywheel)
@@ -97,7 +97,7 @@ def compare(
 
 
 def _checked(press: Linkage, speed: object, points: object, repeats: object, scenes: Sequence[str]) -> float:
-    """The speed [rad/s], once all of these make sense."""
+    """The speed as a number, after all arguments are checked [rad/s]."""
     if len(press.drivers) > 1:
         raise PinpressError(f"{press.name} has {len(press.drivers)} drivers: accuracy is measured of a linkage with one")
     turning = number("speed", speed)
@@ -111,7 +111,7 @@ def _checked(press: Linkage, speed: object, points: object, repeats: object, sce
 
 
 def _inertia(press: Linkage, flywheel: Flywheel | None) -> float:
-    """Of the flywheel [kg m2]."""
+    """Moment of inertia of the flywheel [kg m2]."""
     if flywheel is None:
         table = reduced_model_of(press)
         return HEAVY * float(table.at(table.borders)[0][0].max())

@@ -32,10 +32,10 @@ def add(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None
     parser = commands.add_parser(
         "analyse",
         help="one period at constant speed: motion, driving torque, every bearing force",
-        description="Turn a press through one period at constant speed: one turn of the crank, or with gears as many turns as it takes until\n"
-        "the press repeats itself. Prints a summary; with --out also writes cycle.csv (every quantity at every crank angle, units in the header) and\n"
-        "recording.html (the press turning with its forces, a page to open by double click); with --report also report.html,\n"
-        "which has charts beside the press.",
+        description="Turn a press through one period at constant speed: one turn of the crank, or with gears as many turns as it takes\n"
+        "until the press repeats itself. Prints a summary; with --out also writes cycle.csv (every quantity at every crank angle, units\n"
+        "in the header) and recording.html (the press turning with its forces, a page to open by double click); with --report also\n"
+        "report.html, which has charts beside the press.",
         epilog=SIGNS,
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )

@@ -74,7 +74,7 @@ def add(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None
         action="append",
         required=True,
         metavar="MEASURE[=WEIGHT]",
-        help="measure to minimise, see below; may be given several times: each then counts relative to before, times its weight (default: 1)",
+        help="measure to minimise, see below; may be given several times: each counts relative to before, times its weight (default: 1)",
     )
     option(
         "--limit",

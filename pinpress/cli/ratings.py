@@ -37,7 +37,7 @@ def add(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None
     parser = commands.add_parser(
         "ratings",
         help="permissible force over the slide's height, energy, and highest speed",
-        description="Print the force that a press may exert at each height, limited by torque, bearings and energy, and its highest speed.\n"
+        description="Print the force that a press may exert at each height, limited by torque, bearings and energy, and its top speed.\n"
         "With --out also writes ratings.csv (SI units) and, where Matplotlib is installed, ratings.png.",
         epilog=EPILOG,
         formatter_class=argparse.RawDescriptionHelpFormatter,
