@@ -13,7 +13,7 @@ from ..common.quantities import RPM
 from ..elasticity.breakthrough import SnapThroughResponse
 from ..elasticity.slide_under_load import ElasticDeadCentre
 from ..elasticity.unit_load import SlideCompliance
-from .style import COLOURS, GREY, LINES, above, drawing, grid, legend, plain
+from .style import COLOURS, GREY, LINES, drawing, grid, legend, plain
 
 if TYPE_CHECKING:
     from matplotlib.artist import Artist
@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 HIGH = 7.0  # height of a chart [cm]
+ROOM = 0.28  # above a curve of height 1, for each name in the legend
 SMALLEST = 5e-3  # of the largest compliance: parts that never have as much are drawn together
 
 
@@ -117,7 +118,8 @@ def draw_snap_through(axes: Axes, responses: Mapping[str, SnapThroughResponse]) 
         share = response.spring_force / response.force
         lines += axes.plot(1e3 * response.time, share, color=COLOURS[i % len(COLOURS)], linestyle=_line(i))
     plain(axes.set_xlabel("time [ms]"))
-    above(axes, lines, list(responses))
+    axes.set_ylim(-1.1, 1.1 + ROOM * len(responses))
+    legend(axes, lines, list(responses), loc="upper right", borderaxespad=0.1)
 
 
 def _line(i: int) -> Any:
