@@ -1,4 +1,4 @@
-"""What was found in a linkage: errors, of which `load` raises the first and `check` lists all, warnings and notes."""
+"""Findings about a linkage: errors, of which `load` raises the first and `check` lists all, warnings and notes."""
 
 from collections.abc import Iterable
 from dataclasses import dataclass, field
@@ -14,12 +14,12 @@ class Finding(Record):
     """One thing found.
 
     Attributes:
-        severity: "error" (the linkage is not loaded), "warning" (it is, but is hardly what was meant) or "note" (worth knowing).
-        element: the XML element, e.g. ``<joint name="A">``; None where it is the file as a whole.
-        line: of that element in the file; None where there is none.
+        severity: "error" (the linkage is not loaded), "warning" (it is loaded, but hardly what was meant) or "note" (worth knowing).
+        element: the XML element, e.g. ``<joint name="A">``; None where the finding is about the file as a whole.
+        line: line of this element in the file; None where there is none.
         problem: what was found.
         remedy: what to write or to do; empty where nothing need be done.
-        error: of an error, the exception that `load` raises where it is the first.
+        error: the exception that `load` raises if this is the first error; None for warnings and notes.
     """
 
     severity: str

@@ -1,7 +1,7 @@
-"""What a URDF's elements say of links, joints, loops and drivers, and what is wrong with them.
+"""Links, joints, loops and drivers of a URDF, and errors in its elements.
 
 Pinocchio drops much of what it cannot read and carries on: a misspelt ``<axis>`` becomes the x axis, a mass "2,5" no inertia at all. So
-everything that enters the mechanics is checked first, by `element_checks`: Pinocchio reads what passes in full.
+`element_checks` first checks everything that enters the mechanics; Pinocchio then reads all of a file that passes.
 """
 
 import itertools
@@ -13,12 +13,18 @@ from . import element_checks
 from .document import Document, Element, parse
 from .findings import Finding, command, refuse
 
-MOST_ERRORS = 100  # listed: each may compare its name with all others
+MOST_ERRORS = 100  # that are listed: each may compare a name with all others, which takes time
 
 
 @dataclass(frozen=True)
 class LoopEnd:
-    """One side of a loop: a frame on a link, xyz [m] and rpy [rad] in the link's frame."""
+    """One side of a loop: a frame on a link.
+
+    Attributes:
+        link: name of the link.
+        xyz: position in the link's frame [m].
+        rpy: roll, pitch and yaw in the link's frame [rad].
+    """
 
     link: str
     xyz: tuple[float, float, float]
@@ -27,7 +33,16 @@ class LoopEnd:
 
 @dataclass(frozen=True)
 class Loop:
-    """A ``<loop_joint>``: the bearing that closes a loop of the linkage. ``axis`` of a revolute one: in the frames of both ends."""
+    """A ``<loop_joint>``: the bearing that closes a loop of the linkage.
+
+    Attributes:
+        name: of the loop.
+        type: "spherical", "revolute" or "fixed".
+        link1: its first side.
+        link2: its second side.
+        axis: axis of a revolute loop in the frames of both sides.
+        line: line of the element.
+    """
 
     name: str
     type: str
@@ -39,7 +54,14 @@ class Loop:
 
 @dataclass(frozen=True)
 class Mimic:
-    """A ``<mimic>``: the joint's coordinate is ``multiplier`` times that of the joint named ``leader``, plus ``offset`` [rad or m]."""
+    """A ``<mimic>``: the joint's coordinate is multiplier x coordinate of the leader + offset.
+
+    Attributes:
+        leader: name of the joint that is mimicked.
+        multiplier: ratio of the coordinates.
+        offset: [rad or m].
+        line: line of the element.
+    """
 
     leader: str
     multiplier: float
@@ -49,7 +71,16 @@ class Mimic:
 
 @dataclass(frozen=True)
 class Joint:
-    """A ``<joint>`` of the tree."""
+    """A ``<joint>`` of the tree.
+
+    Attributes:
+        name: of the joint.
+        type: "continuous", "revolute", "prismatic" or "fixed".
+        parent: name of the parent link.
+        child: name of the child link.
+        mimic: its gear pair, None where it has none.
+        line: line of the element.
+    """
 
     name: str
     type: str
@@ -61,13 +92,17 @@ class Joint:
 
 @dataclass(frozen=True)
 class Urdf:
-    """A URDF without problems.
+    """The contents of a URDF without errors.
 
     Attributes:
+        file: path of the file.
         text: the file as read, UTF-8, perhaps with a byte order mark.
-        root: the link that is no joint's child.
-        links: in document order, as are joints and loops.
-        drivers: joints named by ``<transmission>`` elements, each once.
+        name: the robot's name.
+        root: name of the link that is no joint's child.
+        links: names of the links, in document order.
+        joints: the joints of the tree, in document order.
+        loops: the loop joints, in document order.
+        drivers: names of the joints in ``<transmission>`` elements, each once.
     """
 
     file: str
@@ -81,29 +116,29 @@ class Urdf:
 
 
 def read(path: str | os.PathLike[str]) -> Urdf:
-    """Reads a URDF; raises UrdfError on its first problem."""
+    """Read a URDF; raises UrdfError for the first error in it."""
     return describe(checked(path))
 
 
 def checked(path: str | os.PathLike[str]) -> Document:
-    """The elements of a URDF without errors; raises UrdfError on its first problem."""
+    """The elements of a URDF without errors; raises UrdfError for the first error in it."""
     document = parse(path)
     refuse(errors(document), command(document.file))
     return document
 
 
 def errors(document: Document) -> list[Finding]:
-    """What is wrong with a URDF before its links are put together: all of it, or the first hundred."""
+    """Errors in the elements of a URDF, before its links are put together: all of them, or the first `MOST_ERRORS`."""
     robot = document.robot
     problems = list(element_checks.size_problems(robot))
-    if not problems:  # checking all of what is too large would take long
+    if not problems:  # checking everything in a file that is too large would take long
         every = itertools.chain(element_checks.problems(robot), element_checks.link_problems(robot))
         problems = list(itertools.islice(every, MOST_ERRORS))
     return [Finding.of(UrdfError(document.file, str(element), element.line, *said)) for element, *said in problems]
 
 
 def describe(document: Document) -> Urdf:
-    """What a URDF without errors says."""
+    """The contents of a URDF without errors."""
     robot = document.robot
     links = tuple(link.get("name") for link in robot.all("link"))
     joints = tuple(_joint(joint) for joint in robot.all("joint"))
