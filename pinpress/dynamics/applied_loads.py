@@ -81,7 +81,7 @@ def _in_height(load: ProcessLoad, press: "Linkage", motion: "Motion") -> Array:
     intervals = [(downwards, interval) for downwards in (True, False) for interval in load.intervals(downwards)]
     if not intervals:  # an idle press needs no datum
         return force
-    zero = datum(load, press)
+    zero = datum(caller_laws.as_given(load), press)
     height, velocity = motion.joint_position[:, guide] + (offset - zero), motion.v[:, guide]
     # At a dead centre the speed is rounding, which must not decide on the direction of travel.
     down = velocity < -REST * press.size * np.abs(motion.crank_speed).max()
@@ -94,12 +94,12 @@ def _in_height(load: ProcessLoad, press: "Linkage", motion: "Motion") -> Array:
         if law.shape not in ((), inside.shape):
             raise PinpressError(f"{name}: force of {inside.shape} heights has shape {law.shape}; give the same")
         force[inside] = np.maximum(law, 0.0) if interval.one_sided else law
-    low, high = (-math.inf, math.inf) if acts else _turning_points(press)
+    low, high = (-math.inf, math.inf) if acts else turning_points(press)
     plausibility.heights(name, [(interval.lower, interval.upper) for _, interval in intervals], low - zero, high - zero, press.size)
     return force
 
 
-def _turning_points(press: "Linkage") -> tuple[float, float]:
+def turning_points(press: "Linkage") -> tuple[float, float]:
     """Slide positions at bottom and top dead centre [m]; infinite where there are none."""
     try:
         ends = dead_centres(press)

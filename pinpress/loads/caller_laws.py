@@ -45,9 +45,14 @@ class Asked:
     errors: Any
 
 
+def as_given(part: Any) -> Any:
+    """A drive or load as the caller wrote it."""
+    return part.part if isinstance(part, Asked) else part
+
+
 def name(part: object) -> str:
     """Name of a drive's or load's class, as the caller wrote it."""
-    return type(part.part if isinstance(part, Asked) else part).__name__
+    return type(as_given(part)).__name__
 
 
 def is_known(load: object) -> bool:

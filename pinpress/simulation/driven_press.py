@@ -15,17 +15,16 @@ import numpy as np
 
 from ..common import plausibility
 from ..common.arguments import numbers
-from ..common.errors import PinpressError, SimulationError, UnknownNameError, shown
+from ..common.errors import PinpressError, UnknownNameError, shown
 from ..common.quantities import Array
 from ..drives.protocol import Drive, corners_of
 from ..drives.transmission import Brake, Clutch, Flywheel, PrescribedSpeed
 from ..dynamics import applied_loads
-from ..kinematics.motion import Motion, motion_through_change_points, point_motion
-from ..kinematics.slide_path import dead_centres
+from ..kinematics.motion import Motion, point_motion
 from ..linkage.linkage import Linkage
 from ..loads import caller_laws
 from ..loads.link import Load, PointForce, SpringDamper
-from ..loads.process import ForceInterval, ProcessLoad, TimeForce
+from ..loads.process import ForceInterval, ProcessLoad, TimeForce, datum
 from .law_trials import check_drive, check_load
 from .reduced_model import COORDINATES, ReducedModel, build_reduced_model, reduced_model_of, roots
 
@@ -364,13 +363,12 @@ def _process_force(press: Linkage, load: ProcessLoad) -> GeneralizedForce | None
     row = _slide_row(press)
     if not rising and not falling:
         return None
-    low, high = _turning_points(press, load)
-    datum = low if load.datum is None else load.datum
+    zero, (low, high) = datum(caller_laws.as_given(load), press), applied_loads.turning_points(press)
     plausibility.heights(
         caller_laws.name(load),
         [(interval.lower, interval.upper) for interval in (*rising, *falling)],
-        low - datum,
-        high - datum,
+        low - zero,
+        high - zero,
         press.size,
     )
     least = THIN * press.size
@@ -381,34 +379,7 @@ def _process_force(press: Linkage, load: ProcessLoad) -> GeneralizedForce | None
                 f" give at least {least:.2g} m"
             )
     rising, falling = tuple(rising), tuple(falling)
-    return GeneralizedForce(row, datum, rising, rising if rising == falling else falling)
-
-
-def _turning_points(press: Linkage, load: ProcessLoad) -> tuple[float, float]:
-    """Slide positions of bottom and top dead centre; of a slide without them, which a load with a datum does not need, no ends at all.
-
-    Raises:
-        PinpressError: there is no bottom dead centre to measure the load's heights from.
-    """
-    name, everywhere = caller_laws.name(load), (-math.inf, math.inf)
-    if len(press.drivers) > 1 or press.branch_through_change_points.period is None:
-        if load.datum is not None:
-            return everywhere
-        raise PinpressError(
-            f"{name}: {press.name} does not turn fully with one driver, so that there is no bottom dead centre to measure heights from;"
-            " give datum=, a slide position [m]"
-        )
-    try:
-        table, row = reduced_model_of(press), COORDINATES + _slide_row(press)
-    except SimulationError:  # its shafts do not come back together: no table, but dead centres all the same
-        return everywhere if load.datum is not None else (dead_centres(press).bottom_position, dead_centres(press).top_position)
-    turns = roots(table, row, 0.0, slope=True)
-    if not len(turns) and load.datum is not None:
-        return everywhere
-    if not len(turns):
-        raise PinpressError(f"{name}: the slide of {press.name} does not turn back; give datum=, a slide position [m]")
-    position = motion_through_change_points(press, turns, 1.0).slide_position  # exact, for stiff dies
-    return float(position.min()), float(position.max())
+    return GeneralizedForce(row, zero, rising, rising if rising == falling else falling)
 
 
 def _point_force(press: Linkage, load: PointForce, row: int) -> tuple[Coordinate | None, GeneralizedForce | None]:
