@@ -40,14 +40,14 @@ def image(
     """Write a PNG of what a recording shows at a time, without its controls, and return its path.
 
     Args:
-        page: the HTML file that `record` or `report` wrote.
-        path: of the picture, ending in `.png`.
-        time: of the recording, from 0 to its duration [s].
-        size: width and height in pixels. A larger picture is sharper; it does not show more.
+        page: HTML file written by `record` or `report`.
+        path: Path of the picture, ending in `.png`.
+        time: Time of the recording, from 0 to its duration [s].
+        size: Width and height in pixels. A larger picture is sharper; it does not show more.
 
     Raises:
-        PinpressError: a page that is no recording or fails in Chromium, a time outside it, a size that makes no sense, a path that cannot
-            be written, Playwright or Chromium missing.
+        PinpressError: The page is no recording or fails in Chromium, the time or size is out of range, the file cannot be written, or
+            Playwright or Chromium is missing.
     """
     size, time = _size(size), number("time", time)
     with files.written(path, _suffix(path, (PNG,))) as part, opened(page, size) as screen:
@@ -75,18 +75,18 @@ def film(
     Frame k shows the recording at k / (frames_per_second slowdown) [s]. One period makes a loop: its last frame is followed by its first.
 
     Args:
-        page: the HTML file that `record` or `report` wrote.
-        path: of the film, ending in `.mp4` (H.264) or `.gif` (whose times are rounded to 0.01 s).
-        size: width and height in pixels, even numbers. A larger picture is sharper; it does not show more.
-        frames_per_second: a whole number from 1 to 120.
-        slowdown: how many times slower than the press the film is; 1 is real time. By default the least of 1, 2, 5, 10, 20, 50, ... with
-            which the recording takes 4 s.
-        repeats: how often the recording is played.
-        progress: called after every frame with the share of frames done, up to 1.
+        page: HTML file written by `record` or `report`.
+        path: Path of the film, ending in `.mp4` (H.264) or `.gif` (whose times are rounded to 0.01 s).
+        size: Width and height in pixels, even numbers. A larger picture is sharper; it does not show more.
+        frames_per_second: Whole number from 1 to 120.
+        slowdown: Factor by which the film is slower than the press; 1 is real time. By default the least of 1, 2, 5, 10, 20, 50, ... with
+            which the recording takes at least 4 s.
+        repeats: Number of times that the recording is played.
+        progress: Function called after every frame with the share of frames done, up to 1.
 
     Raises:
-        PinpressError: a page that is no recording or fails in Chromium, numbers that make no sense, a path that cannot be written,
-            imageio-ffmpeg, Playwright or Chromium missing.
+        PinpressError: The page is no recording or fails in Chromium, a number is out of range, the file cannot be written, or
+            imageio-ffmpeg, Playwright or Chromium is missing.
     """
     size, rate = _size(size, step=2), whole_number("frames_per_second", frames_per_second, 1, 120)
     times = whole_number("repeats", repeats, 1, MOST_FRAMES)
@@ -105,7 +105,7 @@ def film(
 
 
 def slow_enough(duration: float) -> float:
-    """How many times slower a recording of a duration [s] is played for the eye to follow: the default of `film`."""
+    """Factor by which a recording of a duration [s] is slowed down so that the eye can follow; the default of `film`."""
     steps = (step * 10.0**power for power in itertools.count() for step in (1, 2, 5))
     return next(slowdown for slowdown in steps if slowdown * duration >= SHORTEST_FILM) if duration > 0 else 1.0
 

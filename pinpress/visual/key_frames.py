@@ -25,10 +25,10 @@ class Keys:
 
     Attributes:
         states: (k,) indices of states of the motion.
-        time: (k,) from the first one [s].
-        crank: (k,) angle of the (first) driver [rad].
-        slide: (k,) slide position [m]; None where there is no slide.
-        turn: how many keys, from the first, one period takes, after which the linkage repeats its path; all of them where it does not.
+        time: (k,) times from the first one [s].
+        crank: (k,) angles of the (first) driver [rad].
+        slide: (k,) slide positions [m]; None where there is no slide.
+        turn: Number of keys of one period, after which the linkage repeats its path; all of them where it does not.
     """
 
     states: NDArray[np.intp]
@@ -42,8 +42,8 @@ def keys(press: Linkage, motion: Motion) -> Keys:
     """Choose key frames: a motion of one period is closed to a loop, a long one is thinned to `PER_TURN` a turn of the crank.
 
     Raises:
-        PinpressError: a motion of a linkage with other joints, no time in it, a value that is not finite, states that are too far apart,
-            more turns than a page holds.
+        PinpressError: The motion is of a linkage with other joints, has no times, states too far apart or more turns than a page holds, or
+            a value is not finite.
     """
     expect("press", press, Linkage, "load")
     expect("motion", motion, Motion, "cycle or simulate")

@@ -1,7 +1,7 @@
 """A recording: one web page that shows a press turning, with everything it needs inside the file.
 
 The page holds Meshcat's viewer, the commands that build the scene, and a control bar of its own. It opens by double click,
-without a server or a network. World axes as everywhere: metres, z up, a planar press in the x-z plane, seen from -y.
+without a server or a network. World axes are in metres, with z up; a planar press stands in the x-z plane and is seen from -y.
 """
 
 from __future__ import annotations
@@ -38,23 +38,23 @@ def record(
 ) -> Path:
     """Write a self-contained page that shows the press moving, and return its path.
 
-    The page plays in real time; where a period takes less than half a second it begins slowed down. A motion over one period is closed to
-    a loop. Long motions are thinned to 360 key frames per turn of the crank. The same input gives the same bytes. ``#t=0.25`` at the end of
-    the page's address stops it at 0.25 s.
+    The page plays in real time, or slowed down where a period takes less than half a second. A motion over one period is closed to a loop.
+    Long motions are thinned to 360 key frames per turn of the crank. Equal input gives equal bytes. ``#t=0.25`` at the end of the page's
+    address stops it at 0.25 s.
 
     Args:
-        press: the linkage. The boxes, cylinders, spheres and meshes of its URDF's ``<visual>`` are drawn; links without any get shapes from
+        press: The linkage. The boxes, cylinders, spheres and meshes of its URDF's ``<visual>`` are drawn; links without any get shapes from
             their joints.
-        motion: configurations with their times [s].
-        path: the file to write, usually ending in `.html`. It is replaced only once the page is complete.
-        reactions: to this motion. Bearing and guide forces (on child and link2, from where they act) and the shaking force (its tip at the
-            foot of the press) are drawn as arrows, with one scale of length and colour for all.
-        traces: points whose paths are drawn, each the name of a link and x, y, z in its frame [m]. The slide's path is always drawn.
+        motion: Motion of the linkage, with times.
+        path: Path of the file, usually ending in `.html`. An old file is replaced only when the page is complete.
+        reactions: Reactions to this motion. Bearing and guide forces (on child and link2, at their points of action) and the shaking force
+            (with its tip at the foot of the press) are drawn as arrows, with one scale of length and colour for all.
+        traces: Points whose paths are drawn, each the name of a link and x, y, z in its frame [m]. The slide's path is always drawn.
 
     Raises:
-        PinpressError: no time in the motion, states more than 90 deg of the crank apart, more than 555 turns, a value that is not finite,
-            reactions of another motion or press, a shape that cannot be drawn, Meshcat not installed, or a path that cannot be written.
-        UnknownNameError: a trace on a link that the linkage does not have.
+        PinpressError: The motion has no times, states more than 90 deg of the crank apart or more than 555 turns, a value is not finite,
+            the reactions are of another motion or press, a shape cannot be drawn, Meshcat is not installed, or the file cannot be written.
+        UnknownNameError: A trace is on a link that the linkage does not have.
     """
     shown = scene(press, motion, keys(press, motion), reactions, traces)
     return files.write(path, pages.page("recording.html", press.name, shown, pages.meshcat()))

@@ -46,17 +46,18 @@ def report(
     key frames, at most 360 a turn.
 
     Args:
-        press: as of `record`.
-        motion: as of `record`.
-        path: the file to write, as of `record`.
-        reactions: to this motion; by default those without loads and friction, for a motion without.
-        traces: as of `record`.
-        before: reactions of another press, or of this one at another operating point. They are drawn beside these as dashed curves, and
-            their ranges stand beside these in the table.
+        press: As for `record`.
+        motion: As for `record`.
+        path: Path of the file, as for `record`.
+        reactions: Reactions to this motion; by default those without loads and friction. Give them for a run under loads.
+        traces: As for `record`.
+        before: Reactions of another press, or of this one at another operating point. They are drawn as dashed curves, and the table gives
+            their ranges too.
 
     Raises:
-        PinpressError: as `record`; a run under loads without its reactions; Plotly not installed; ``before`` over time where the motion is
-            over crank angles, or vice versa, or turning the other way.
+        PinpressError: As `record`, or a run under loads has no reactions, Plotly is not installed, or ``before`` is over another quantity
+            (time or crank angle) than the motion, or turns the other way.
+        UnknownNameError: As `record`.
     """
     frames = keys(press, motion)
     if reactions is None and isinstance(motion, Run) and any(force.drive is None for force in motion.problem.driven.forces):
@@ -101,7 +102,7 @@ def _sections(reactions: Reactions) -> list[tuple[str, list[Chart]]]:
 
 
 def _other(before: Reactions, motion: Motion, over: str) -> dict[str, Any]:
-    """What is drawn beside: its key frames, abscissas and charts."""
+    """The dashed curves: key frames, abscissas and charts of the reactions before."""
     its = charts.abscissa(before.motion).quantity
     if its != over:
         raise PinpressError(f"before is over {its}, the motion over {over}: compare a cycle with a cycle, or a run with a run")
@@ -114,7 +115,7 @@ def _other(before: Reactions, motion: Motion, over: str) -> dict[str, Any]:
 
 
 def _paired(some: list[Chart], other: dict[str, Any] | None, title: str) -> list[tuple[Chart, tuple[Chart, Keys] | None]]:
-    """Charts with those of the same title that are drawn beside, if there are."""
+    """Charts, each with its counterpart of the reactions before, if there is one."""
     beside = {} if other is None else {chart.title: (chart, other["frames"]) for chart in other["sections"].get(title, ())}
     return [(chart, beside.get(chart.title)) for chart in some]
 
