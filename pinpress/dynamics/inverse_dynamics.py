@@ -9,7 +9,7 @@ friction are part of the moments of theirs. Shaking force and moment are the act
 from __future__ import annotations
 
 import math
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -221,13 +221,20 @@ def inverse_dynamics(
         with_gear_torques = bool(wanted) or law is not None
         conditions = AppliedConditions(applied_loads.apply(asked, press, motion), law, compliance, with_gear_torques)
         wrenches = _solved(press, chosen, motion, conditions, wanted)
+    return _reactions(press, motion, chosen, conditions, wanted, wrenches)
+
+
+def _reactions(
+    press: Linkage, motion: Motion, engine: str, conditions: AppliedConditions, wanted: Sequence[int], wrenches: Wrenches
+) -> Reactions:
+    """The wrenches that an engine has found, by the names of the wanted bearings."""
     names, several = press.bearings, len(press.drivers) > 1
     kept = names if len(wanted) == len(names) else tuple(names[k] for k in wanted)
     left_out = tuple(name for name in names if name not in kept) if len(kept) < len(names) else ()
     read_only(wrenches.torque)
     return Reactions(
         motion=motion,
-        engine=chosen,
+        engine=engine,
         driving_torque=wrenches.torque.T if several else wrenches.torque[0],
         bearing_force=NamedArrays(kept, wrenches.force, left_out),
         bearing_moment=NamedArrays(kept, wrenches.moment, left_out),
@@ -325,7 +332,6 @@ def shaking(
         moment: (n, 3) moments by the indices of these bearings [N m].
         loads: Forces on links; only those on the frame are added, because the bearing forces include the others.
     """
-    model, axes, count = press.model, press.axes, len(press.joints)
     total = np.zeros((2, len(motion.crank_angle), 3))
 
     def add_force(on_frame: Array, about: Array | float, point: Array) -> None:
@@ -334,22 +340,29 @@ def shaking(
             total[1, :, i] += point[..., j] * on_frame[..., k] - point[..., k] * on_frame[..., j]
         total[1] += about
 
-    frame = model.inertias[0]
-    add_force(frame.mass * model.gravity.linear, 0.0, frame.lever)
+    frame = press.model.inertias[0]
+    add_force(frame.mass * press.model.gravity.linear, 0.0, frame.lever)
     for k in on_frame(press):
-        if k < count:
-            place = model.jointPlacements[k + 1]
-            point = place.translation
-            if not axes[k].turns:
-                point = point + motion.joint_position[:, k, None] * (place.rotation @ axes[k].direction)
-            add_force(-force[k], -moment[k], point)
-            continue
-        loop = press.loops[k - count]
-        if loop.joint1 == 0:
-            add_force(-force[k], -moment[k], loop.point1)
-        if loop.joint2 == 0:
-            add_force(force[k], moment[k], loop.point2)
+        for sign, point in _on_frame_at(press, motion, k):
+            add_force(sign * force[k], sign * moment[k], point)
     for load in loads:
         if load.joint == 0:
             add_force(load.force, 0.0, load.point)
     return total[0], total[1]
+
+
+def _on_frame_at(press: Linkage, motion: Motion, bearing: int) -> Iterator[tuple[float, Array]]:
+    """The sign with which the force of a bearing acts on the frame, and its point of action, (3,) or (n, 3), in world axes [m].
+
+    Both sides of a loop may be on the frame.
+    """
+    if bearing < len(press.joints):
+        place, axis = press.model.jointPlacements[bearing + 1], press.axes[bearing]
+        travel = 0.0 if axis.turns else motion.joint_position[:, bearing, None] * (place.rotation @ axis.direction)
+        yield -1.0, place.translation + travel
+        return
+    loop = press.loops[bearing - len(press.joints)]
+    if loop.joint1 == 0:
+        yield -1.0, loop.point1
+    if loop.joint2 == 0:
+        yield 1.0, loop.point2
