@@ -25,7 +25,7 @@ from .dynamics.inverse_dynamics import Reactions as Reactions
 from .dynamics.inverse_dynamics import inverse_dynamics as inverse_dynamics
 from .kinematics.motion import Motion as Motion
 from .kinematics.motion import cycle as cycle
-from .kinematics.motion import servo_cycle as servo_cycle
+from .kinematics.servo_motion import servo_cycle as servo_cycle
 from .kinematics.slide_path import dead_centres as dead_centres
 from .linkage.check import check as check
 from .linkage.linkage import Linkage as Linkage

@@ -24,7 +24,8 @@ import pinocchio as pin
 from ..common.errors import PinpressError
 from ..common.quantities import Array
 from ..dynamics.inverse_dynamics import Reactions, inverse_dynamics
-from ..kinematics.motion import cycle, servo_cycle
+from ..kinematics.motion import cycle
+from ..kinematics.servo_motion import servo_cycle
 from ..linkage.linkage import Linkage
 from ..simulation.reduced_model import reduced_model_of
 from .measurements import INVERSE_DYNAMICS, PROXIMAL, PROXIMAL_STATES, Measurement

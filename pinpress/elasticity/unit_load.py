@@ -23,7 +23,8 @@ from ..common.frozen import FrozenMapping, read_only
 from ..common.quantities import Array
 from ..common.results import Tabular
 from ..dynamics.inverse_dynamics import inverse_dynamics
-from ..kinematics.motion import Motion, servo_cycle
+from ..kinematics.motion import Motion
+from ..kinematics.servo_motion import servo_cycle
 from ..kinematics.slide_path import dead_centres
 from ..linkage.linkage import Linkage
 from ..loads.link import Load, PointForce

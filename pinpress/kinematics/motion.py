@@ -25,7 +25,6 @@ from ..linkage.linkage import Linkage
 
 POINTS = 360  # states of a turn, by default
 MOST_POINTS = 10**7  # states of one period: half a gigabyte for every quantity of a six-bar press
-FEWEST_ROUNDINGS = 1e6  # of time that a time step must be long, so that its length is known
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -170,64 +169,17 @@ def cycle(press: Linkage, speed: float | None = None, *, points: int | None = No
         raise PinpressError("cycle needs the speed of the driver [rad/s]: give one number for a period, cycle(press, 7.0)")
     angles, speeds, accelerations, times = _period(press, press.branch, speed, points)
     plausibility.speeds("speed", speeds)
-    return _states(press, press.branch, angles, speeds, accelerations, times, engine)
-
-
-@typed
-def servo_cycle(
-    press: Linkage,
-    angle: ArrayLike,
-    *,
-    speed: ArrayLike | None = None,
-    acceleration: ArrayLike | None = None,
-    time: ArrayLike | None = None,
-    engine: str = "auto",
-) -> Motion:
-    """Move a press as a servo drive prescribes it, state by state.
-
-    A linkage with several drivers takes arrays (n, drivers) of angle, speed and acceleration, in the order of `Linkage.drivers`. Its
-    assembly is followed from the drawn pose to the first state and from state to state, on straight lines between the drivers' positions.
-
-    Args:
-        press: The press.
-        angle: (n,) angles of the driver joint in any order, up to 1e7 rad [rad].
-        speed: (n,) speeds of the driver joint, or one number [rad/s]. They must be given.
-        acceleration: (n,) accelerations of the driver joint, or one number [rad/s2]; 0 where they are not given.
-        time: (n,) rising times [s]. By default they are found from angle and speed by the trapezoidal rule; states in which angle and speed
-            do not fit together have no time.
-        engine: "plane" (all crank angles at once), "pinocchio" (any linkage), or "auto": "plane" where the linkage is planar.
-
-    Raises:
-        PinpressError: There is no speed; a number is not finite, or an angle too large; arrays differ in length; time does not rise, or its
-            steps are lost in rounding; the motion is too fast for floating point; an unknown or unsuitable engine.
-        SingularityError: The linkage locks within the motion.
-        AssemblyError: The loops do not close.
-
-    Warns:
-        PinpressWarning: The speed varies, but there is no acceleration; angle, speed and acceleration are not each other's derivatives over
-            the ``time`` given; a speed is above 1000 rad/s.
-    """
-    press.engine(engine)  # refuses an engine that does not suit before anything is computed
-    if speed is None:
-        raise PinpressError(
-            "servo_cycle needs the speed of the driver [rad/s]: give one number, or those of all states, e.g."
-            " speed=numpy.gradient(angle, time)"
-        )
-    angles, speeds, accelerations, times = _servo(angle, speed, 0.0 if acceleration is None else acceleration, time, len(press.drivers))
-    given = None if acceleration is None else accelerations, None if time is None else times
-    plausibility.servo_motion(angles, speeds, *given)
-    plausibility.speeds("speed", speeds)
-    branch = None if len(press.drivers) > 1 else press.branch
-    return _states(press, branch, angles, speeds, accelerations, times, engine)
+    return moved(press, press.branch, angles, speeds, accelerations, times, engine)
 
 
 def motion_through_change_points(
     press: Linkage, angle: Array, speed: Array | float, acceleration: Array | float = 0.0, time: Array | None = None
 ) -> Motion:
-    """A motion of a linkage with one driver through states (n,), as of `servo_cycle`, but also through change points, where momentum
-    carries the linkage on: see `Linkage.branch_through_change_points`."""
-    angles, speeds, accelerations, times = _servo(angle, speed, acceleration, time, 1)
-    return _states(press, press.branch_through_change_points, angles, speeds, accelerations, times, "auto")
+    """A motion of a linkage with one driver through states (n,), also through change points, where momentum carries the linkage on: see
+    `Linkage.branch_through_change_points`. Without ``time`` the states have none."""
+    refuse_far("angle", angle)
+    speeds, accelerations = (np.broadcast_to(values, angle.shape) for values in (speed, acceleration))
+    return moved(press, press.branch_through_change_points, angle, speeds, accelerations, time, "auto")
 
 
 def of_states(
@@ -270,7 +222,7 @@ def as_prescribed(motion: Motion, press: Linkage) -> Motion:
     return Motion(**(kept | {"linkage": press.name, "period_turns": press.turns_until_back}))
 
 
-def _states(
+def moved(
     press: Linkage, branch: Branch | None, angles: Array, speeds: Array, accelerations: Array, times: Array | None, engine: str
 ) -> Motion:
     """The motion with these driver angles, speeds and accelerations: (n,) along a ``branch``, (n, drivers) where there is none."""
@@ -315,43 +267,6 @@ def _period(press: Linkage, branch: Branch, speed: ArrayLike, points: int | None
     count = POINTS * turns if points is None else whole_number("points", points, 2, MOST_POINTS)
     angles: Array = np.arange(count, dtype=float) * (math.copysign(period, rate) / count)
     return angles, np.full(count, rate), np.zeros(count), angles / rate
-
-
-def _servo(
-    angle: ArrayLike, speed: ArrayLike, acceleration: ArrayLike, time: ArrayLike | None, drivers: int
-) -> tuple[Array, Array, Array, Array | None]:
-    """Checked angles, speeds and accelerations (n,) or (n, drivers), and times (n,), of `servo_cycle`."""
-    given = {"angle": angle, "speed": speed, "acceleration": acceleration} | ({} if time is None else {"time": time})
-    arrays = {name: numbers(name, values) for name, values in given.items()}
-    angles = arrays["angle"]
-    if drivers == 1 and (angles.ndim != 1 or len(angles) == 0):
-        raise PinpressError(f"angle has shape {angles.shape}: give (n,) crank angles [rad]")
-    if drivers > 1 and (angles.ndim != 2 or len(angles) == 0 or angles.shape[1] != drivers):
-        raise PinpressError(f"angle has shape {angles.shape}: give (n, {drivers}), the angles of all drivers [rad]")
-    for name, values in arrays.items():
-        shape = angles.shape[:1] if name == "time" else angles.shape
-        if values.shape != shape and not (values.ndim == 0 and name in ("speed", "acceleration")):
-            raise PinpressError(f"{name} has shape {values.shape}, but angle has {angles.shape}")
-    refuse_far("angle", angles)
-    speeds, accelerations = (np.broadcast_to(arrays[name], angles.shape).copy() for name in ("speed", "acceleration"))
-    if "time" not in arrays:
-        return angles, speeds, accelerations, _times(angles if drivers == 1 else angles[:, 0], speeds if drivers == 1 else speeds[:, 0])
-    steps = np.diff(arrays["time"])
-    if np.any(steps <= 0):
-        raise PinpressError("time does not rise throughout")
-    if len(steps) and steps.min() < FEWEST_ROUNDINGS * np.spacing(np.abs(arrays["time"]).max()):
-        latest = np.abs(arrays["time"]).max()
-        raise PinpressError(f"time is up to {latest:g} s, where its steps are lost in rounding: count it from where the motion begins")
-    return angles, speeds, accelerations, arrays["time"]
-
-
-def _times(angles: Array, speeds: Array) -> Array | None:
-    """Times (n,) from 0 on by the trapezoidal rule, None where angles and speeds do not fit together."""
-    with np.errstate(all="ignore"):
-        steps = 2 * np.diff(angles) / (speeds[1:] + speeds[:-1])
-    if not np.all(np.isfinite(steps) & (steps > 0)):
-        return None
-    return np.concatenate([[0.0], np.cumsum(steps)])
 
 
 # ---------------------------------------------------------------------------------------------------------------------- poses of the bodies

@@ -12,7 +12,8 @@ import numpy as np
 from ..common.quantities import Array
 from ..derivatives.reshape import reshaped
 from ..kinematics.measures import bearing_positions, pressure_angle, quick_return_ratio, speed_ratio, speed_variation, stroke
-from ..kinematics.motion import Motion, cycle, servo_cycle
+from ..kinematics.motion import Motion, cycle
+from ..kinematics.servo_motion import servo_cycle
 from ..kinematics.slide_path import dead_centres
 from ..linkage.linkage import Linkage
 from ..linkage.loading import load

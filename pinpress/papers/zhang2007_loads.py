@@ -10,7 +10,8 @@ from ..common.quantities import Array
 from ..drives.motors import ConstantTorque
 from ..drives.transmission import Flywheel
 from ..dynamics.inverse_dynamics import inverse_dynamics
-from ..kinematics.motion import cycle, servo_cycle
+from ..kinematics.motion import cycle
+from ..kinematics.servo_motion import servo_cycle
 from ..linkage.linkage import Linkage
 from ..loads.process import Blanking, ConstantForce, DeepDrawing, ProcessLoad, step
 from ..simulation.run import Run

@@ -22,7 +22,8 @@ from ..common.errors import PinpressError, UnknownNameError, shown
 from ..common.frozen import Frozen, FrozenMapping
 from ..common.quantities import RPM, Array
 from ..dynamics.inverse_dynamics import Reactions, inverse_dynamics
-from ..kinematics.motion import Motion, servo_cycle
+from ..kinematics.motion import Motion
+from ..kinematics.servo_motion import servo_cycle
 from ..kinematics.slide_path import dead_centres
 from ..linkage.linkage import Linkage
 from ..loads.process import ConstantForce

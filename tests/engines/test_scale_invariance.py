@@ -178,7 +178,8 @@ def states(units):
     angles = np.concatenate([np.linspace(0.0, 6.0, 13), at_rest()])
     speed, alpha = SPEED * units.of(*RATE), 20.0 * units.of(0, 0, -2)
     times = np.arange(len(angles)) * 0.01 * units.time
-    return pp.servo_cycle(press(units), angle=angles, speed=speed, acceleration=alpha, time=times)
+    each = pp.servo_cycle(press(units), angle=angles, speed=speed, acceleration=alpha)
+    return replace(each, _time=times)  # no motion, but forces in time ask for times
 
 
 def reactions(units, load=None, rubbing=None):

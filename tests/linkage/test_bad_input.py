@@ -385,8 +385,23 @@ def test_points_are_not_clipped(press):
         ({"angle": [0.0, 1.0], "time": [0.0, math.nan]}, "time is not finite at point 1"),
         ({"angle": [0.0, 1.0], "time": [1.0, 1.0]}, "time does not rise"),
         ({"angle": [0.0, 1.0, 2.0], "time": [0.0, 2.0, 1.0]}, "time does not rise"),
-        ({"angle": None}, "angle is not"),
-        ({"speed": None}, "servo_cycle needs the speed of the driver"),
+        ({"angle": None}, "give angle"),
+        ({"angle": None, "time": [0.0, 1.0]}, "give angle, .* or height"),
+        ({"speed": None}, "servo_cycle needs the speed of the driver .*, or time"),
+        ({"angle": 1.0, "speed": None, "time": [0.0, 1.0]}, "angle is that at the start alone: give speed too"),
+        ({"speed": None, "time": [0.0, 1.0]}, "2 states are too few to find speed and acceleration: give 6 or more"),
+        ({"speed": [1.0, 2.0]}, "2 states are too few to find the acceleration"),
+        ({"period": 1.0}, "period is given, but no time"),
+        ({"angle": [0.0, 1.0, 2.0], "time": [0.0, 1.0, 2.0], "period": 3.0}, "2 states are too few to find a closed motion"),
+        ({"angle": np.arange(9.0), "time": np.arange(9.0), "period": 7.0}, "period is 7 s, but the states take 8 s"),
+        ({"angle": np.arange(9.0), "time": np.arange(9.0), "period": 11.0}, "period is 11 s, but the states take 8 s"),
+        ({"angle": np.arange(9.0), "time": np.arange(9.0), "period": "a second"}, "period is 'a second'"),
+        ({"flank": "up"}, "flank is given, but no height"),
+        ({"height": [0.1, 0.1], "flank": "up"}, "height and angle are given: .* leave angle out"),
+        ({"angle": None, "speed": None, "height": [0.1, 0.1], "flank": "up"}, "height is given, but no time"),
+        ({"angle": None, "speed": None, "height": [0.1], "time": [0.0, 1.0], "flank": "up"}, "time has shape .*, but height has"),
+        ({"angle": None, "speed": None, "height": [0.1, 0.1], "time": [0.0, 1.0], "flank": 5}, "flank is 5: give"),
+        ({"angle": None, "speed": None, "height": [0.1, 0.1], "time": [0.0, 1.0]}, "flank is None: give"),
         ({"engine": "mujoco"}, "unknown engine 'mujoco': write 'auto', 'plane' or 'pinocchio'"),
         ({"engine": None}, "unknown engine None"),
     ],
@@ -455,11 +470,6 @@ def test_load_on_unknown_link(press, motion):
     with pytest.raises(pp.UnknownNameError, match="no link 'slid', did you mean 'slide'") as caught:
         pp.inverse_dynamics(press, motion, loads=[pp.loads.PointForce("slid", (0.0, 0.0, 1.0))])
     assert (caught.value.name, caught.value.known) == ("slid", ("frame", "crank", "rod", "slide"))
-
-
-def test_a_servo_motion_needs_its_speed(press):
-    with pytest.raises(pp.PinpressError, match=r"servo_cycle needs the speed of the driver .*speed=numpy.gradient\(angle, time\)"):
-        pp.servo_cycle(press, angle=[0.0, 0.1, 0.3], time=[0.0, 0.1, 0.2])
 
 
 def test_exception_of_the_callers_own_load_is_named(press, motion):

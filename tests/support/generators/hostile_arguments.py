@@ -363,6 +363,17 @@ def calls() -> dict[str, Call]:
                 "engine": "plane",
             },
         ),
+        (
+            "servo_cycle of heights",
+            pp.servo_cycle,
+            lambda: {
+                "press": press(),
+                "time": np.arange(8) / 8,
+                "height": 0.1 + 0.05 * np.cos(np.arange(8) * np.pi / 4),
+                "flank": "down",
+                "period": 1.0,
+            },
+        ),
         ("dead_centres", pp.dead_centres, lambda: {"press": press()}),
         (
             "inverse_dynamics",

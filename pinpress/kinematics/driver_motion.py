@@ -1,0 +1,480 @@
+"""How the drivers of a linkage move: angle, speed, acceleration and time from any consistent part of them.
+
+States in time are a motion: what is missing is derived, what contradicts is refused with the instant. States without time, for which
+angle, speed and acceleration are given, stand each by itself.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ..common.arguments import number, numbers
+from ..common.errors import PinpressError, caution
+from ..common.quantities import Array
+from .configurations import refuse_far
+from .sampled_column import FEWEST, SampledColumn
+
+KEPT = 1e6  # roundings of time that a step must have, for its length to be known
+AMISS = 0.05  # part of a motion by which columns of fewer states than `FEWEST` may miss each other
+LEAST = 1e-6  # of the largest rate: less is no contradiction
+CLOSED = 1e-6  # of a step, by which a motion may end beside the end of its period
+SEAM = 1e-4, 1e-2  # of a turn, and of the largest speed, by which the last state of a closed motion may differ from the first
+NOISY, COARSE = 0.01, 0.05  # uncertainty beside the size of derivatives, from which noise and too long steps make a tenth of them
+SLIGHT = 0.1  # of the square of a speed: an acceleration that moves a press little beside what its speed does
+MOST_ROUNDS = 60  # to find the time of states
+SETTLED = 1e-13  # change of a step of time that is none
+UNSURE = 0.1  # of a step of time, by which the trapezoidal rule and the spline differ where time is not determined
+
+UNITS = ("rad", "rad/s", "rad/s2")
+
+
+@dataclass(frozen=True, eq=False)
+class DriverMotion:
+    """States of the drivers.
+
+    Attributes:
+        angle: (n,) of one driver, (n, drivers) of several, as speed and acceleration [rad].
+        speed: [rad/s].
+        acceleration: [rad/s2].
+        time: (n,) [s]; None where the states are no motion in time.
+    """
+
+    angle: Array
+    speed: Array
+    acceleration: Array
+    time: Array | None
+
+
+class _Contradiction(NamedTuple):
+    """Where a column and its rate do not fit together, and how."""
+
+    state: int
+    driver: int
+    said: str
+
+
+def driver_motion(
+    drivers: Sequence[str],
+    angle: ArrayLike,
+    speed: ArrayLike | None,
+    acceleration: ArrayLike | None,
+    time: ArrayLike | None,
+    period: float | None = None,
+) -> DriverMotion:
+    """The motion of the drivers with these names, with what of it is not given; arguments as of `servo_cycle`.
+
+    Raises:
+        PinpressError: As of `servo_cycle`.
+    """
+    if time is not None:
+        return _InTime(drivers, numbers("time", time), period).motion(angle, speed, acceleration)
+    if period is not None:
+        raise PinpressError("period is given, but no time: give time=..., (n,) [s]; without it a motion is not closed")
+    return _by_state(drivers, angle, speed, acceleration)
+
+
+def _by_state(drivers: Sequence[str], angle: ArrayLike, speed: ArrayLike | None, acceleration: ArrayLike | None) -> DriverMotion:
+    """States that no time is given for."""
+    angles = numbers("angle", angle)
+    _refuse_shape(angles, len(drivers))
+    refuse_far("angle", angles)
+    if speed is None:
+        raise PinpressError(
+            "servo_cycle needs the speed of the driver [rad/s], or time: give one number, or the speeds of all states, or time=..., from"
+            " which speed and acceleration are derived"
+        )
+    speeds = _column("speed", speed, angles.shape)
+    times = _times(*((angles, speeds) if angles.ndim == 1 else (angles[:, 0], speeds[:, 0])))
+    if acceleration is not None:
+        accelerations = _column("acceleration", acceleration, angles.shape)
+        if times is not None and not _is_zero(acceleration):
+            for value, rate, bend in ((angles, speeds, accelerations), (speeds, accelerations, None)):
+                if times is not None and _contradiction(_whole(times), value, rate, bend, "", ""):
+                    times = None
+        return DriverMotion(angles, speeds, accelerations, times)
+    if np.all(speeds == speeds[0]):
+        return DriverMotion(angles, speeds, np.zeros_like(speeds), times)
+    if times is None:
+        raise PinpressError(_no_time(angles, speeds))
+    _refuse_few(len(times), "the acceleration")
+    timing = _whole(times)
+    _refuse(drivers, timing, angles, 0, angles, speeds, None)
+    column = SampledColumn(times, speeds)
+    _doubt("speed", column, 1, speeds)
+    return DriverMotion(angles, speeds, column.derivative(1), times)
+
+
+class _Timing(NamedTuple):
+    """The states of a motion that count: of a closed motion none is at the end of the period.
+
+    Attributes:
+        time: (m,) [s].
+        period: [s], None of a motion that is not closed.
+        repeated: Whether one more state is at the end of the period.
+    """
+
+    time: Array
+    period: float | None
+    repeated: bool
+
+    def column(self, values: Array, advance: Array | float = 0.0) -> SampledColumn:
+        """Values (n,) or (n, drivers) of all states, the one at the end of the period included."""
+        return SampledColumn(self.time, values[: len(self.time)], self.period, advance)
+
+    def all_states(self, values: Array) -> Array:
+        """Values of all states from those that count."""
+        return np.concatenate([values, values[:1]]) if self.repeated else values
+
+
+def _whole(time: Array) -> _Timing:
+    return _Timing(time, None, False)
+
+
+@dataclass(frozen=True, eq=False)
+class _InTime:
+    """States at times (n,)."""
+
+    drivers: Sequence[str]
+    time: Array
+    period: float | None
+
+    def motion(self, angle: ArrayLike | None, speed: ArrayLike | None, acceleration: ArrayLike | None) -> DriverMotion:
+        timing = self._timing()
+        if angle is None:
+            raise PinpressError("give angle, (n,) [rad], or one number: the angle at the start, from which it is found by the speed")
+        given = numbers("angle", angle)
+        begin = given.shape == (() if len(self.drivers) == 1 else (len(self.drivers),))
+        shape = (len(self.time), *given.shape) if begin else given.shape
+        if not begin:
+            _refuse_shape(given, len(self.drivers))
+            if len(self.time) != len(given):
+                raise PinpressError(f"time has shape {self.time.shape}, but angle has {given.shape}")
+        speeds = None if speed is None else self._speeds(speed, acceleration, shape, timing, begin)
+        accelerations = None if acceleration is None else _column("acceleration", acceleration, shape)
+        if begin:
+            if speeds is None:
+                raise PinpressError("angle is that at the start alone: give speed too, (n,) or one number [rad/s]")
+            angles = given + _integral(timing, speeds, "the angle")
+        else:
+            angles = given
+            _refuse_wrap(angles)
+        refuse_far("angle", angles)
+        advance = self._advance(timing, angles, speeds) if timing.period else 0.0
+        if speeds is None:
+            _refuse_few(len(timing.time), "speed and acceleration")
+            of_angle = timing.column(angles, advance)
+            speeds = timing.all_states(of_angle.derivative(1))
+            if accelerations is None:
+                _doubt("angle", of_angle, 2, speeds)
+                return DriverMotion(angles, speeds, timing.all_states(of_angle.derivative(2)), self.time)
+        elif not begin:
+            _refuse(self.drivers, timing, angles, 0, angles, speeds, accelerations, advance)
+        if accelerations is None:
+            return DriverMotion(angles, speeds, self._derived(timing, speeds), self.time)
+        if acceleration is not None and _is_zero(acceleration):
+            if np.any(speeds != speeds[0]):
+                caution(
+                    f"the speed varies over time, from {speeds.min():g} to {speeds.max():g} rad/s, and acceleration=0.0 leaves out what"
+                    " that takes: leave acceleration out, and it is derived"
+                )
+        else:
+            _refuse(self.drivers, timing, angles, 1, speeds, accelerations, None)
+        return DriverMotion(angles, speeds, accelerations, self.time)
+
+    def _timing(self) -> _Timing:
+        """Raises PinpressError where times do not rise, or do not fit the period."""
+        time = self.time
+        if time.ndim != 1 or not len(time):
+            raise PinpressError(f"time has shape {time.shape}: give (n,) times [s]")
+        steps = np.diff(time)
+        if np.any(steps <= 0):
+            raise PinpressError("time does not rise throughout")
+        if len(steps) and steps.min() < KEPT * np.spacing(np.abs(time).max()):
+            latest = np.abs(time).max()
+            raise PinpressError(f"time is up to {latest:g} s, where its steps are lost in rounding: count it from where the motion begins")
+        if self.period is None:
+            return _whole(time)
+        period = number("period", self.period, positive=True)
+        _refuse_few(len(time) - 1, "a closed motion")
+        left = period - float(time[-1] - time[0])
+        if abs(left) <= CLOSED * steps.min():
+            return _Timing(time[:-1], period, True)
+        if not 0 < left <= 2 * steps.max():
+            raise PinpressError(
+                f"period is {period:g} s, but the states take {time[-1] - time[0]:g} s, in steps of up to {steps.max():g} s: after the last"
+                " state, or one step later, the first is to come again"
+            )
+        return _Timing(time, period, False)
+
+    def _speeds(self, speed: ArrayLike, acceleration: ArrayLike | None, shape: tuple[int, ...], timing: _Timing, begin: bool) -> Array:
+        """Speeds of all states: as given, one number of all, or, of a motion of which only the start and the acceleration are given,
+        from that at the start."""
+        given = numbers("speed", speed)
+        if begin and acceleration is not None and given.shape in ((), shape[1:]):
+            return given + _integral(timing, _column("acceleration", acceleration, shape), "the speed")
+        return _column("speed", speed, shape)
+
+    def _advance(self, timing: _Timing, angles: Array, speeds: Array | None) -> Array:
+        """By what angle, a whole number of turns, the drivers have turned after the period.
+
+        Raises:
+            PinpressError: The motion does not come back.
+        """
+        turn = 2 * np.pi
+        if timing.repeated:
+            made = angles[-1] - angles[0]
+            missed = made - turn * np.round(made / turn)
+            if np.any(np.abs(missed) > SEAM[0] * turn):
+                raise PinpressError(
+                    f"after the period of {timing.period:g} s the angle is {np.degrees(np.abs(missed).max()):.4g} deg beside where it"
+                    " began: give a motion over whole turns or to and fro, or leave period out"
+                )
+            if speeds is not None and np.any(np.abs(speeds[-1] - speeds[0]) > SEAM[1] * np.abs(speeds).max(axis=0)):
+                raise PinpressError(
+                    f"after the period of {timing.period:g} s the speed is {speeds[-1]} rad/s, but {speeds[0]} rad/s at its start: leave"
+                    " period out where the motion is not closed"
+                )
+            return np.asarray(turn * np.round(made / turn))
+        steps = np.diff(angles, axis=0)
+        slopes = steps / np.diff(self.time).reshape(-1, *([1] * (angles.ndim - 1)))
+        left = (timing.period or 0.0) - (self.time[-1] - self.time[0])
+        made = angles[-1] - angles[0] + 0.5 * left * (slopes[0] + slopes[-1])
+        advance = turn * np.round(made / turn)
+        if np.any(np.abs(made - advance) > 0.5 * left * np.abs(slopes).max(axis=0) + SEAM[0] * turn):
+            raise PinpressError(
+                f"after the period of {timing.period:g} s the angle is not back: it goes on to {np.degrees(np.max(made)):.4g} deg from its"
+                " start, no whole number of turns; leave period out where the motion is not closed"
+            )
+        return np.asarray(advance)
+
+    def _derived(self, timing: _Timing, speeds: Array) -> Array:
+        """Accelerations of all states from the speeds."""
+        if np.all(speeds == speeds[0]):
+            return np.zeros_like(speeds)
+        _refuse_few(len(timing.time), "the acceleration")
+        column = timing.column(speeds)
+        _doubt("speed", column, 1, speeds)
+        return timing.all_states(column.derivative(1))
+
+
+def _integral(timing: _Timing, rate: Array, what: str) -> Array:
+    """Integrals of a rate from the first state to each."""
+    if np.all(rate == rate[0]):
+        return np.multiply.outer(
+            np.append(timing.time, timing.time[:1] + timing.period if timing.repeated else []) - timing.time[0], rate[0]
+        )
+    _refuse_few(len(timing.time), what)
+    column = timing.column(rate)
+    if not timing.repeated:
+        return column.integral
+    return np.concatenate([column.integral, column.gains[0].sum(axis=0, keepdims=True)])
+
+
+def _refuse_shape(angles: Array, drivers: int) -> None:
+    if drivers == 1 and (angles.ndim != 1 or len(angles) == 0):
+        raise PinpressError(f"angle has shape {angles.shape}: give (n,) crank angles [rad]")
+    if drivers > 1 and (angles.ndim != 2 or len(angles) == 0 or angles.shape[1] != drivers):
+        raise PinpressError(f"angle has shape {angles.shape}: give (n, {drivers}), the angles of all drivers [rad]")
+
+
+def _column(name: str, values: ArrayLike, shape: tuple[int, ...]) -> Array:
+    """Values for all states from as many, or from one number."""
+    given = numbers(name, values)
+    if given.ndim and given.shape != shape:
+        raise PinpressError(f"{name} has shape {given.shape}, but angle has {shape}")
+    return np.broadcast_to(given, shape).copy()
+
+
+def _is_zero(acceleration: ArrayLike) -> bool:
+    """Whether the acceleration is left out on purpose: the number 0."""
+    return np.ndim(acceleration) == 0 and float(np.asarray(acceleration)) == 0.0
+
+
+def _refuse_few(states: int, what: str) -> None:
+    if states < FEWEST:
+        raise PinpressError(f"{states} states are too few to find {what}: give {FEWEST} or more, or angle, speed and acceleration of all")
+
+
+def _refuse_wrap(angles: Array) -> None:
+    """Raise PinpressError where angles begin anew after a turn, as those of an encoder."""
+    steps = np.diff(angles, axis=0)
+    wraps = np.abs(steps) > np.pi
+    if not wraps.any() or len(steps) < FEWEST or np.median(np.abs(steps)) > 0.5 * np.pi:
+        return
+    unwrapped = np.abs(np.diff(np.unwrap(angles, axis=0), axis=0))
+    if unwrapped[wraps].max() <= 2 * unwrapped[~wraps].max():
+        state = int(np.argwhere(wraps)[0][0])
+        ends = np.degrees(angles[state : state + 2].reshape(2, -1)[:, int(np.argmax(wraps[state]))])
+        raise PinpressError(
+            f"angle jumps from {ends[0]:.6g} to {ends[1]:.6g} deg between states {state} and {state + 1}: give it unwrapped,"
+            " numpy.unwrap(angle)"
+        )
+
+
+def _times(angles: Array, speeds: Array) -> Array | None:
+    """Time (n,) from 0, such that the integrals of the speeds are the angles; None where angles and speeds do not belong together.
+
+    At first by the trapezoidal rule, then by the quintic spline through the speeds: each step of time becomes longer as its angle is larger
+    than the spline's, until none does. Near a standstill with little acceleration the two rules differ, as hardly anything tells how
+    long it takes: such states have no time.
+    """
+    with np.errstate(all="ignore"):
+        steps = 2 * np.diff(angles) / (speeds[1:] + speeds[:-1])
+        if not np.all(np.isfinite(steps) & (steps > 0)):
+            return None
+        if len(angles) < FEWEST or np.all(speeds == speeds[0]):
+            return np.concatenate([[0.0], np.cumsum(steps)])
+        trapezoids = steps
+        for _ in range(MOST_ROUNDS):
+            times = np.concatenate([[0.0], np.cumsum(steps)])
+            factors = np.diff(angles) / SampledColumn(times, speeds).gains[0]
+            if not np.all((factors > 0.1) & (factors < 10.0)):
+                return None
+            steps = steps * factors
+            if np.abs(factors - 1).max() < SETTLED:
+                break
+    settled = np.abs(factors - 1).max() < 1e3 * SETTLED and np.abs(steps / trapezoids - 1).max() < UNSURE
+    return np.concatenate([[0.0], np.cumsum(steps)]) if settled else None
+
+
+def _no_time(angles: Array, speeds: Array) -> str:
+    """Why the acceleration does not follow from angle and speed."""
+    angle, speed = (values if values.ndim == 1 else values[:, 0] for values in (angles, speeds))
+    with np.errstate(all="ignore"):
+        steps = 2 * np.diff(angle) / (speed[1:] + speed[:-1])
+    remedy = "give time=..., or acceleration=..., of which 0.0 leaves it out"
+    wrong = np.flatnonzero(~(np.isfinite(steps) & (steps > 0)))
+    if not len(wrong):
+        k = int(np.abs(speed).argmin())
+        return (
+            f"the speed varies, but angle and speed do not determine the acceleration: state {k}, at {np.degrees(angle[k]):.6g} deg, has a"
+            f" speed of {speed[k]:g} rad/s, and how long the crank is there does not show; {remedy}"
+        )
+    k = int(wrong[0])
+    return (
+        f"the speed varies, but angle and speed do not determine the acceleration: from state {k} to {k + 1} the angle goes from"
+        f" {np.degrees(angle[k]):.6g} to {np.degrees(angle[k + 1]):.6g} deg at speeds of {speed[k]:g} and {speed[k + 1]:g} rad/s, which"
+        f" take no definite time; {remedy}"
+    )
+
+
+def _doubt(given: str, column: SampledColumn, order: int, speeds: Array) -> None:
+    """Warn where accelerations, derivatives of a column, depend on how they are found, beside what the speeds themselves accelerate."""
+    acceleration, by_speed = np.mean(column.derivative(order) ** 2, axis=0), np.mean((SLIGHT * speeds**2) ** 2, axis=0)
+    size = np.sqrt(acceleration + by_speed)
+    part = np.max(np.divide(column.uncertainty(order), size, out=np.zeros_like(size), where=size > 0))
+    if part > NOISY and column.is_noisy(order):
+        caution(
+            f"the acceleration derived from the {given} over time is dominated by noise: smooth the {given}, give fewer states, or give"
+            " acceleration=..."
+        )
+    elif part > COARSE:
+        caution(
+            f"the acceleration derived from the {given} over time is uncertain: the states are too far apart for so quick a motion, or"
+            " something jumps; give more states, or acceleration=..."
+        )
+
+
+def _refuse(
+    drivers: Sequence[str],
+    timing: _Timing,
+    angles: Array,
+    order: int,
+    value: Array,
+    rate: Array,
+    bend: Array | None,
+    advance: Array | float = 0.0,
+) -> None:
+    """Raise PinpressError where a column, the angle or its derivative of that order, does not have the rate that is given; of fewer states
+    than `FEWEST`, which may lie too far apart to tell, warn of it."""
+    of, by = ("angle", "speed") if order == 0 else ("speed", "acceleration")
+    found = _contradiction(timing, value, rate, bend, *UNITS[order : order + 2], advance)
+    if found is None:
+        return
+    place = f"state {found.state}, crank angle {np.degrees(angles.reshape(len(angles), -1)[found.state, found.driver]):.6g} deg"
+    who = f" of driver {drivers[found.driver]}" if len(drivers) > 1 else ""
+    said = (
+        f"{of} and {by} do not fit together over time: at {timing.time[found.state]:.6g} s ({place}){who}"
+        f" {found.said.format(of=of, by=by)}; give {by} [{UNITS[order + 1]}] as the derivative of {of} [{UNITS[order]}] by time [s], or"
+        " leave it out: it is derived"
+    )
+    if len(timing.time) >= FEWEST:
+        raise PinpressError(said)
+    caution(said)
+
+
+def _contradiction(
+    timing: _Timing, value: Array, rate: Array, bend: Array | None, unit: str, rate_unit: str, advance: Array | float = 0.0
+) -> _Contradiction | None:
+    """Where a column (n,) or (n, drivers) does not have the rate that is given, beyond what sampling and noise explain; None where it has.
+
+    ``bend`` is the derivative of the rate, where it is given.
+    """
+    states = len(timing.time)
+    for driver, (x, r, growth) in enumerate(
+        zip(_by_driver(value[:states]), _by_driver(rate[:states]), np.atleast_1d(np.broadcast_to(advance, value.shape[1:])), strict=True)
+    ):
+        bends = None if bend is None else _by_driver(bend[:states])[driver]
+        found = _of_few(timing.time, x, r, bends) if states < FEWEST else _of_many(timing, x, r, float(growth))
+        if found is not None:
+            state, said = found
+            return _Contradiction(state, driver, said.replace("[rate]", rate_unit).replace("[unit]", unit))
+    return None
+
+
+def _by_driver(values: Array) -> Array:
+    return values.reshape(len(values), -1).T
+
+
+def _of_few(time: Array, value: Array, rate: Array, bend: Array | None) -> tuple[int, str] | None:
+    """Of few states: beyond what the trapezoidal rule may miss, half the change of rate within a step, and what its derivative at both ends
+    may add."""
+    steps, gained = np.diff(time), np.diff(value)
+    summed, allowed = 0.5 * steps * (rate[1:] + rate[:-1]), 0.5 * steps * np.abs(np.diff(rate))
+    if bend is not None:
+        allowed = allowed + 0.25 * steps**2 * (np.abs(bend[1:]) + np.abs(bend[:-1]))
+    missed = np.maximum(np.abs(gained - summed) - allowed, 0.0)
+    way = float(np.maximum(np.abs(gained), np.abs(summed)).sum())
+    if not missed.sum() > AMISS * way:
+        return None
+    return _step_said(int(missed.argmax()), gained, summed)
+
+
+def _of_many(timing: _Timing, value: Array, rate: Array, advance: float) -> tuple[int, str] | None:
+    of_value, of_rate = timing.column(value, advance), timing.column(rate)
+    least = LEAST * float(np.abs(rate).max())
+    derived = of_value.derivative(1)
+    bound = of_value.derivative_error + of_rate.noise + least
+    beyond = np.abs(rate - derived) - bound
+    if beyond.max() > 0:
+        state = int(beyond.argmax())
+        return state, (
+            f"{{by}} is {rate[state]:.6g} [rate], but the derivative of {{of}} is {derived[state]:.6g} [rate], give or take"
+            f" {bound[state]:.1g}"
+        )
+    ends = np.append(value, value[0] + advance) if timing.period else value
+    gained, (summed, off) = np.diff(ends), of_rate.gains
+    steps = np.diff(np.append(timing.time, timing.time[0] + timing.period) if timing.period else timing.time)
+    rounding = 1e-14 * float(np.abs(value).max())
+    beyond = np.abs(gained - summed) - off - least * steps - 2 * float(of_value.noise) - rounding
+    if beyond.max() > 0:
+        return _step_said(int(beyond.argmax()), gained, summed)
+    drift = np.abs(np.cumsum(gained - summed))
+    beyond = drift - np.cumsum(off + least * steps) - 2 * float(of_value.noise) - rounding * np.arange(1, len(drift) + 1)
+    if beyond.max() > 0:
+        k = int(np.argmax(beyond > 0))
+        state = min(k + 1, len(value) - 1)
+        return state, (
+            f"{{of}} has changed by {np.cumsum(gained)[k]:.6g} [unit] since the start, but {{by}} makes"
+            f" {np.cumsum(summed)[k]:.6g} [unit] of it"
+        )
+    return None
+
+
+def _step_said(step: int, gained: Array, summed: Array) -> tuple[int, str]:
+    return step, f"{{of}} changes by {gained[step]:.6g} [unit] to the next state, but {{by}} makes {summed[step]:.6g} [unit] of it"

@@ -1,0 +1,174 @@
+"""A column of numbers over time, of one driver or of several: its derivatives and its integral, and what these may be wrong by.
+
+Over a period in equal steps they are those of the trigonometric polynomial, where its last harmonics have died away; elsewhere those of the
+quintic spline, periodic or with the not-a-knot condition. What they may be wrong by is told by comparison with the cubic spline and with
+central differences: where a column has a corner, jumps or is noisy, these differ.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from ..common.quantities import Array, ComplexArray
+
+FEWEST = 6  # states that a quintic takes: with fewer there is nothing to compare a derivative with
+EQUAL = 1e-9  # part of a step by which equal steps may differ
+LAST = 4  # the last quarter of the harmonics tells whether they have died away
+CORNER = 20.0  # times the difference of quintic and cubic spline: what a derivative misses beside a corner
+JUMP = 7.0  # times the difference of quintic spline and trapezoidal rule: what an integral misses beside a jump
+DIFFERENCES = 3.0  # times the difference from central differences: who gives those is not contradicted
+NOISE = 20.0  # times the median difference of both splines: six standard deviations of white noise
+ABOUT = 2  # states to either side in which a corner is seen
+ROUNDING = 64 * float(np.finfo(float).eps)
+
+
+@dataclass(frozen=True, eq=False)
+class SampledColumn:
+    """Values over time, in at least `FEWEST` states.
+
+    Attributes:
+        time: (n,) rising [s].
+        values: (n,) or (n, drivers).
+        period: After which the values come again [s], more than the time from first to last state; None where they do not.
+        advance: What they have grown by then, a number or (drivers,).
+    """
+
+    time: Array
+    values: Array
+    period: float | None = None
+    advance: Array | float = 0.0
+
+    def derivative(self, order: int) -> Array:
+        """First or second derivatives by time, of the shape of the values."""
+        trend = self._trend if order == 1 else 0.0
+        if self._harmonics_die_away:
+            found = np.fft.irfft(_stretched(self._rates, self._harmonics) ** order * self._harmonics, len(self.time), axis=0)
+            return np.asarray(found + trend)
+        return np.asarray(self._splines[0](self.time, order) + trend)
+
+    @cached_property
+    def derivative_error(self) -> Array:
+        """What the first derivatives may be wrong by, corners and noise considered, of the shape of the values."""
+        rough = self._roughness(1)
+        rounding = ROUNDING * np.abs(self.values).max(axis=0) / np.diff(self._knots).min()
+        differences = DIFFERENCES * np.abs(self.derivative(1) - self._central_differences)
+        return np.asarray(CORNER * self._about(rough) + NOISE * self.uncertainty(1) + differences + rounding)
+
+    @cached_property
+    def noise(self) -> Array:
+        """What each value may be wrong by, of a smooth column with white noise on it: six standard deviations, a number or (drivers,)."""
+        steps = _stretched(np.gradient(self.time), self.values)
+        return np.asarray(NOISE * np.median(self._roughness(1) * steps, axis=0))
+
+    def uncertainty(self, order: int) -> Array:
+        """The median of what the derivatives depend on how they are found by, a number or (drivers,): of noise a fifth of its deviation."""
+        return np.asarray(np.median(self._roughness(order), axis=0))
+
+    def is_noisy(self, order: int) -> bool:
+        """Whether every second state determines the derivatives better than all do: noise is the less, the longer the steps."""
+        if len(self.time) < 2 * FEWEST:
+            return False
+        every, half = SampledColumn(self.time, self.values), SampledColumn(self.time[::2], self.values[::2])
+        return bool(np.any(half.uncertainty(order) < every.uncertainty(order)))
+
+    @cached_property
+    def gains(self) -> tuple[Array, Array]:
+        """Integrals over the steps, of a periodic column also over that to the next period, and what each may be wrong by."""
+        steps = _stretched(np.diff(self._knots), self.values)
+        gained = np.diff(self._splines[0].antiderivative()(self._knots), axis=0) + steps * self.values[0]
+        trapezoids = 0.5 * steps * (self._extended[1:] + self._extended[:-1])
+        return gained, JUMP * self._about(np.abs(gained - trapezoids)) + steps * self.noise
+
+    @cached_property
+    def integral(self) -> Array:
+        """The integrals from the first state to each, of the shape of the values."""
+        if self._harmonics_die_away:
+            rates = _stretched(self._rates, self._harmonics)
+            waves = np.fft.irfft(
+                np.divide(self._harmonics, rates, out=np.zeros_like(self._harmonics), where=rates != 0), axis=0, n=len(self.time)
+            )
+            mean = self._harmonics[:1].real / len(self.time) + self.values[0]
+            return np.asarray(waves - waves[:1] + mean * _stretched(self.time - self.time[0], self.values))
+        gained = self.gains[0][: len(self.time) - 1]
+        return np.concatenate([np.zeros_like(self.values[:1]), np.cumsum(gained, axis=0)])
+
+    @cached_property
+    def _knots(self) -> Array:
+        return self.time if self.period is None else np.append(self.time, self.time[0] + self.period)
+
+    @cached_property
+    def _extended(self) -> Array:
+        return self.values if self.period is None else np.concatenate([self.values, self.values[:1] + self.advance])
+
+    @property
+    def _trend(self) -> Array | float:
+        return 0.0 if self.period is None else self.advance / self.period
+
+    @cached_property
+    def _even(self) -> Array:
+        """Values at the knots from the first one on, without their trend: of a periodic column the last is the first."""
+        if self.period is None:
+            return self.values - self.values[0]
+        even = self._extended - self.values[0] - np.multiply.outer(self._knots - self.time[0], np.asarray(self._trend))
+        even[-1] = even[0]
+        return np.asarray(even)
+
+    @cached_property
+    def _splines(self) -> tuple[Any, Any]:
+        from scipy.interpolate import make_interp_spline  # slow to import, and motions at constant speed do not need it
+
+        ends = None if self.period is None else "periodic"
+        quintic, cubic = (make_interp_spline(self._knots, self._even, k=degree, bc_type=ends) for degree in (5, 3))
+        return quintic, cubic
+
+    def _roughness(self, order: int) -> Array:
+        quintic, cubic = self._splines
+        return np.abs(quintic(self.time, order) - cubic(self.time, order))
+
+    @property
+    def _central_differences(self) -> Array:
+        if self.period is None:
+            return np.asarray(np.gradient(self.values, self.time, axis=0))
+        times = np.concatenate([[self.time[-1] - self.period], self._knots])
+        values = np.concatenate([self.values[-1:] - self.advance, self._extended])
+        return np.asarray(np.gradient(values, times, axis=0)[1:-1])
+
+    @cached_property
+    def _harmonics(self) -> ComplexArray:
+        return np.asarray(np.fft.rfft(self._even[:-1], axis=0))
+
+    @cached_property
+    def _rates(self) -> ComplexArray:
+        """Factors (harmonics,) of the first derivative. That of an even number of states has none at the last one."""
+        orders = np.arange(len(self.time) // 2 + 1)
+        rates = 2j * np.pi / (self.period or np.inf) * orders
+        if len(self.time) % 2 == 0:
+            rates[-1] = 0.0
+        return np.asarray(rates)
+
+    @cached_property
+    def _harmonics_die_away(self) -> bool:
+        if self.period is None:
+            return False
+        steps = np.diff(self._knots)
+        if np.ptp(steps) > EQUAL * steps.max():
+            return False
+        rates, harmonics = np.abs(self._rates), np.abs(self._harmonics)
+        last = -max(2, len(rates) // LAST)
+        left = 2 / len(self.time) * np.sum(_stretched(rates[last:], harmonics) * harmonics[last:], axis=0)
+        return bool(np.all(left <= self._roughness(1).max(axis=0)))
+
+    def _about(self, values: Array) -> Array:
+        """The largest of each value and those `ABOUT` to either side."""
+        sides = [(ABOUT, ABOUT)] + [(0, 0)] * (values.ndim - 1)
+        padded = np.pad(values, sides, mode="edge" if self.period is None else "wrap")
+        return np.asarray(np.max([padded[shift : shift + len(values)] for shift in range(2 * ABOUT + 1)], axis=0))
+
+
+def _stretched(along: Any, values: Any) -> Any:
+    """Numbers (n,) in the shape in which they multiply values (n,) or (n, drivers)."""
+    return along.reshape(-1, *([1] * (values.ndim - 1)))

@@ -1,0 +1,227 @@
+"""Motions that a servo drive prescribes: of the crank, or of the slide by a table of heights over time."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Iterable, Sequence
+from typing import Literal
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ..common import plausibility
+from ..common.arguments import numbers, typed
+from ..common.errors import PinpressError, shown
+from ..common.numerics import bracketed_roots
+from ..common.quantities import Array
+from ..linkage.linkage import Linkage
+from .driver_motion import driver_motion
+from .motion import Motion, motion_through_change_points, moved
+from .slide_path import EQUAL, ROUNDING, DeadCentres, dead_centres
+
+Flank = Literal["down", "up"]
+NODES = 361  # of a flank, between which the slide's path is inverted
+
+
+@typed
+def servo_cycle(
+    press: Linkage,
+    angle: ArrayLike | None = None,
+    *,
+    speed: ArrayLike | None = None,
+    acceleration: ArrayLike | None = None,
+    time: ArrayLike | None = None,
+    period: float | None = None,
+    height: ArrayLike | None = None,
+    flank: Flank | Sequence[Flank] | None = None,
+    engine: str = "auto",
+) -> Motion:
+    """Move a press as a servo drive prescribes it.
+
+    Give any part of the motion that determines it:
+
+    - ``angle`` and ``time``, where you know them ``speed`` and ``acceleration``: what is missing is derived, what contradicts is refused.
+    - ``speed`` (n,) and ``time`` with one number for ``angle``, that at the start. Or ``acceleration`` (n,) and ``time`` with one number
+      for each of angle and speed at the start.
+    - ``height`` of the slide and ``time``, with the ``flank``.
+    - ``angle`` and ``speed``: the acceleration is that of the motion in which the angles follow each other at these speeds,
+      a = w dw/dangle. It is refused where they determine no time: at standstill over several states, or in any other order.
+    - ``angle``, ``speed`` and ``acceleration`` without time: states that stand each by itself. Nothing is compared, and `Motion.time` is
+      there only where they fit together.
+
+    Derivatives by time are those of the quintic spline through at least six states, with errors of the fifth power of the step of a first
+    derivative, of the fourth of an acceleration from angles. Over a ``period`` in equal steps they are those of the trigonometric
+    polynomial, exact to rounding for a smooth motion. Given columns contradict each other where they differ by more than the derivative
+    may be wrong by, which is found from the cubic spline, central differences and the noise of the columns. Fewer than six states are
+    warned of where they differ by more than 5 %.
+
+    A linkage with several drivers takes (n, drivers) of angle, speed and acceleration, in the order of `Linkage.drivers`. There the
+    assembly is followed from the drawn pose to the first state and from state to state, on straight lines between the drivers' positions.
+
+    Args:
+        press: The press.
+        angle: (n,) of the driver joint, any angles up to 1e7 rad in any order; or one number, the angle at the start [rad].
+        speed: (n,) of the driver joint, or one number: a constant speed, with ``acceleration`` and the angle at the start that at the start
+            [rad/s].
+        acceleration: (n,) of the driver joint, or one number. The number 0 leaves out what a change of speed takes [rad/s2].
+        time: (n,), rising [s].
+        period: Time after which the motion begins again, a whole number of turns on [s]: it is closed. The last state may be at its end,
+            where the first comes again, or one step before. By default the motion is not closed.
+        height: (n,) of the slide above bottom dead centre [m].
+        flank: "down": the crank angles at which the slide goes down, against its guide's axis, where the crank turns positively; "up": the
+            others. One word is that of the first state off the dead centres: at a state in a dead centre the crank goes on to the other
+            flank, where the slide turns back elsewhere it turns back itself. A sequence has a word for each state.
+        engine: "plane" (all crank angles at once), "pinocchio" (any linkage), or "auto": the plane where the linkage is planar.
+
+    Raises:
+        PinpressError: What is given does not determine the motion, or contradicts itself, with the instant; a number is not finite, arrays
+            differ in length, time does not rise, the slide does not reach a height.
+        SingularityError: The linkage locks within the motion.
+        AssemblyError: The loops do not close.
+
+    Warns:
+        PinpressWarning: A derived acceleration is dominated by noise or uncertain, a varying speed in time has the acceleration 0, speeds
+            are above 1000 rad/s.
+    """
+    press.engine(engine)  # refuses an engine that does not suit before anything is computed
+    if height is not None:
+        angle = _angles_at(press, angle, speed, acceleration, time, height, flank)
+    elif flank is not None:
+        raise PinpressError("flank is given, but no height: give height=..., (n,) [m] above bottom dead centre")
+    elif angle is None and time is None:
+        raise PinpressError("give angle, (n,) [rad] and speed=..., or time=... with angle, speed or height")
+    elif angle is None:
+        raise PinpressError("give angle, (n,) [rad]; or one number, the angle at the start, with the speed; or height, (n,) [m]")
+    found = driver_motion(press.drivers, angle, speed, acceleration, time, period)
+    plausibility.speeds("speed", found.speed)
+    branch = None if len(press.drivers) > 1 else press.branch
+    return moved(press, branch, found.angle, found.speed, found.acceleration, found.time, engine)
+
+
+def _angles_at(
+    press: Linkage,
+    angle: ArrayLike | None,
+    speed: ArrayLike | None,
+    acceleration: ArrayLike | None,
+    time: ArrayLike | None,
+    height: ArrayLike,
+    flank: Flank | Sequence[Flank] | None,
+) -> Array:
+    """Crank angles (n,) of a table of heights over time; arguments as of `servo_cycle`."""
+    for name, given in (("angle", angle), ("speed", speed), ("acceleration", acceleration)):
+        if given is not None:
+            raise PinpressError(f"height and {name} are given: the crank's motion follows from the heights over time, leave {name} out")
+    if time is None:
+        raise PinpressError("height is given, but no time: give time=..., (n,) [s]")
+    heights = numbers("height", height, (None,))
+    if numbers("time", time).shape != heights.shape:
+        raise PinpressError(f"time has shape {np.shape(time)}, but height has {heights.shape}")
+    if len(press.drivers) > 1:
+        raise PinpressError(
+            f"{press.name} has {len(press.drivers)} drivers, which a table of heights does not determine: give their angles"
+        )
+    ends = dead_centres(press)
+    _refuse_unreachable(heights, ends.stroke)
+    down = _flanks(heights, ends.stroke, flank)
+    return _on_flanks(press, ends, heights, down)
+
+
+def _refuse_unreachable(heights: Array, stroke: float) -> None:
+    beyond = np.maximum(-heights, heights - stroke)
+    if len(beyond) and beyond.max() > EQUAL * stroke:
+        state = int(beyond.argmax())
+        raise PinpressError(
+            f"height is {heights[state]:.9g} m in state {state}, which the slide does not reach: give heights above bottom dead centre,"
+            f" from 0 to the stroke of {stroke:.9g} m"
+        )
+
+
+def _in_dead_centre(heights: Array, stroke: float) -> Array:
+    return (heights <= EQUAL * stroke) | (heights >= (1 - EQUAL) * stroke)
+
+
+def _flanks(heights: Array, stroke: float, flank: Flank | Sequence[Flank] | None) -> Array:
+    """Whether each state (n,) is on the flank on which the slide goes down; in a dead centre as before it."""
+    words = list(flank) if isinstance(flank, Iterable) and not isinstance(flank, str) else [flank]
+    if any(word not in ("down", "up") for word in words) or not (isinstance(flank, str) or len(words) == len(heights)):
+        raise PinpressError(
+            f'flank is {shown(flank)}: give "down" (the slide goes down where the crank turns positively) or "up"; or one of both for each'
+            f" of the {len(heights)} states"
+        )
+    between = np.flatnonzero(~_in_dead_centre(heights, stroke))
+    if not isinstance(flank, str):
+        given = np.array([word == "down" for word in words])
+        return given[_last_of(between, len(heights))] if len(between) else given
+    _refuse_unclear_turns(heights, stroke)
+    passed = np.cumsum(np.diff(between, prepend=between[:1]) > 1) % 2
+    down = (passed == 0) == (flank == "down")
+    full = np.full(len(heights), flank == "down")
+    full[between] = down
+    return full[_last_of(between, len(heights))] if len(between) else full
+
+
+def _last_of(chosen: Array, count: int) -> Array:
+    """For each of so many states the last one of the chosen that is not behind it, at first the first."""
+    return np.asarray(chosen[np.maximum(np.searchsorted(chosen, np.arange(count), side="right") - 1, 0)])
+
+
+def _refuse_unclear_turns(heights: Array, stroke: float) -> None:
+    """Raise PinpressError where the slide turns back so near to a dead centre that it may have passed it between the states."""
+    steps = np.diff(heights)
+    moving = np.flatnonzero(steps)
+    for before, after in itertools.pairwise(moving):
+        if np.signbit(steps[before]) == np.signbit(steps[after]):
+            continue
+        state = before + 1
+        left = stroke - heights[state] if steps[before] > 0 else heights[state]
+        if EQUAL * stroke < left <= max(abs(steps[before]), abs(steps[after])):
+            name = "top" if steps[before] > 0 else "bottom"
+            raise PinpressError(
+                f"the slide turns back in state {state} at {heights[state]:.6g} m, {left:.3g} m from {name} dead centre and less than a"
+                f" step: whether the crank passes it does not show. Give a state in the dead centre, at a height of"
+                f" {stroke if name == 'top' else 0:.9g} m, or a flank for each state, flank=[...]"
+            )
+
+
+def _on_flanks(press: Linkage, ends: DeadCentres, heights: Array, down: Array) -> Array:
+    """Crank angles (n,) at heights on the flanks, one following the other through the dead centres; the first from 0 to a period."""
+    period = 2 * np.pi * ends.turns
+    top, bottom = ends.top_angle, ends.bottom_angle + (period if ends.bottom_angle < ends.top_angle else 0.0)
+    at_bottom, at_top = heights <= EQUAL * ends.stroke, heights >= (1 - EQUAL) * ends.stroke
+    angles = np.where(at_bottom, bottom, np.where(down, top, top + period))
+    for chosen, low, high in ((down, top, bottom), (~down, bottom, top + period)):
+        between = chosen & ~at_bottom & ~at_top
+        if between.any():
+            angles[between] = _inverted(press, ends, heights[between], low, high)
+    turned = np.zeros(len(heights))
+    for state in np.flatnonzero(down[1:] != down[:-1]) + 1:
+        upwards = at_top[state - 1] or (not at_bottom[state - 1] and heights[state - 1] + heights[state] > ends.stroke)
+        if upwards:  # through top dead centre a new turn begins, or the last one again
+            turned[state:] += period if down[state] else -period
+    angles += turned
+    return np.asarray(angles - period * np.floor(angles[:1] / period))
+
+
+def _inverted(press: Linkage, ends: DeadCentres, heights: Array, low: float, high: float) -> Array:
+    """Crank angles (m,) between two dead centres at which the slide is at heights between them, to rounding.
+
+    Raises:
+        PinpressError: The slide turns back between the dead centres.
+    """
+    nodes = np.linspace(low, high, NODES)
+    way = motion_through_change_points(press, nodes, 1.0).slide_position - ends.bottom_position
+    rises = way[-1] > way[0]
+    if not np.all(np.diff(way) > 0 if rises else np.diff(way) < 0):
+        raise PinpressError(
+            f"the slide of {press.name} turns back between its dead centres, so that a height belongs to several crank angles: give angles"
+        )
+    after = np.searchsorted(way if rises else -way, heights if rises else -heights)
+
+    def short_of(angle: Array) -> tuple[Array, Array]:
+        motion = motion_through_change_points(press, angle, 1.0)
+        above, speed = motion.slide_position - ends.bottom_position - heights, motion.slide_velocity
+        return (-above, -speed) if rises else (above, speed)
+
+    # A bracket of three steps: a height beside a node would change sides by rounding.
+    before, behind = np.clip(after - 2, 0, NODES - 1), np.clip(after + 1, 0, NODES - 1)
+    return bracketed_roots(short_of, nodes[before], nodes[behind], absolute=ROUNDING)
