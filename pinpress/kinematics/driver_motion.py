@@ -16,15 +16,16 @@ from numpy.typing import ArrayLike
 from ..common.arguments import number, numbers
 from ..common.errors import PinpressError, caution
 from ..common.quantities import Array
-from .configurations import refuse_far
+from ..linkage.configurations import refuse_far
 from .sampled_column import FEWEST, SampledColumn
 
 KEPT = 1e6  # roundings of time that a step must have, for its length to be known
 AMISS = 0.05  # part of a motion by which columns of fewer states than `FEWEST` may miss each other
-LEAST = 1e-6  # of the largest rate: less is no contradiction
+LEAST = 1e-3  # of the largest rate: as it is printed
 CLOSED = 1e-6  # of a step, by which a motion may end beside the end of its period
 SEAM = 1e-4, 1e-2  # of a turn, and of the largest speed, by which the last state of a closed motion may differ from the first
-NOISY, COARSE = 0.01, 0.05  # uncertainty beside the size of derivatives, from which noise and too long steps make a tenth of them
+NOISY, COARSE = 0.03, 0.05  # uncertainty beside the size of derivatives, from which noise and too long steps make much of them
+NOISE_SHARE = 8.0, 5.0  # times the uncertainty of a first and of a second derivative: its error by white noise
 SLIGHT = 0.1  # of the square of a speed: an acceleration that moves a press little beside what its speed does
 MOST_ROUNDS = 60  # to find the time of states
 SETTLED = 1e-13  # change of a step of time that is none
@@ -94,7 +95,7 @@ def _by_state(drivers: Sequence[str], angle: ArrayLike, speed: ArrayLike | None,
         accelerations = _column("acceleration", acceleration, angles.shape)
         if times is not None and not _is_zero(acceleration):
             for value, rate, bend in ((angles, speeds, accelerations), (speeds, accelerations, None)):
-                if times is not None and _contradiction(_whole(times), value, rate, bend, "", ""):
+                if times is not None and _contradiction(_whole(times), value, rate, bend):
                     times = None
         return DriverMotion(angles, speeds, accelerations, times)
     if np.all(speeds == speeds[0]):
@@ -265,9 +266,8 @@ class _InTime:
 def _integral(timing: _Timing, rate: Array, what: str) -> Array:
     """Integrals of a rate from the first state to each."""
     if np.all(rate == rate[0]):
-        return np.multiply.outer(
-            np.append(timing.time, timing.time[:1] + timing.period if timing.repeated else []) - timing.time[0], rate[0]
-        )
+        since = timing.time - timing.time[0]
+        return np.asarray(np.multiply.outer(np.append(since, timing.period) if timing.period and timing.repeated else since, rate[0]))
     _refuse_few(len(timing.time), what)
     column = timing.column(rate)
     if not timing.repeated:
@@ -367,11 +367,12 @@ def _doubt(given: str, column: SampledColumn, order: int, speeds: Array) -> None
     """Warn where accelerations, derivatives of a column, depend on how they are found, beside what the speeds themselves accelerate."""
     acceleration, by_speed = np.mean(column.derivative(order) ** 2, axis=0), np.mean((SLIGHT * speeds**2) ** 2, axis=0)
     size = np.sqrt(acceleration + by_speed)
-    part = np.max(np.divide(column.uncertainty(order), size, out=np.zeros_like(size), where=size > 0))
+    part = float(np.max(np.divide(column.uncertainty(order), size, out=np.zeros_like(size), where=size > 0)))
+    share = min(100.0, 100.0 * NOISE_SHARE[order - 1] * part)
     if part > NOISY and column.is_noisy(order):
         caution(
-            f"the acceleration derived from the {given} over time is dominated by noise: smooth the {given}, give fewer states, or give"
-            " acceleration=..."
+            f"the acceleration derived from the {given} over time is dominated by noise, to about {share:.0f} %: smooth the {given}, give"
+            " fewer states, or give acceleration=..."
         )
     elif part > COARSE:
         caution(
@@ -393,24 +394,23 @@ def _refuse(
     """Raise PinpressError where a column, the angle or its derivative of that order, does not have the rate that is given; of fewer states
     than `FEWEST`, which may lie too far apart to tell, warn of it."""
     of, by = ("angle", "speed") if order == 0 else ("speed", "acceleration")
-    found = _contradiction(timing, value, rate, bend, *UNITS[order : order + 2], advance)
+    found = _contradiction(timing, value, rate, bend, advance)
     if found is None:
         return
     place = f"state {found.state}, crank angle {np.degrees(angles.reshape(len(angles), -1)[found.state, found.driver]):.6g} deg"
     who = f" of driver {drivers[found.driver]}" if len(drivers) > 1 else ""
+    unit, rate_unit = UNITS[order : order + 2]
+    how = found.said.format(of=of, by=by, unit=unit, rate=rate_unit)
     said = (
-        f"{of} and {by} do not fit together over time: at {timing.time[found.state]:.6g} s ({place}){who}"
-        f" {found.said.format(of=of, by=by)}; give {by} [{UNITS[order + 1]}] as the derivative of {of} [{UNITS[order]}] by time [s], or"
-        " leave it out: it is derived"
+        f"{of} and {by} do not fit together over time: at {timing.time[found.state]:.6g} s ({place}){who} {how}; give {by} [{rate_unit}] as"
+        f" the derivative of {of} [{unit}] by time [s], or leave it out: it is derived"
     )
     if len(timing.time) >= FEWEST:
         raise PinpressError(said)
     caution(said)
 
 
-def _contradiction(
-    timing: _Timing, value: Array, rate: Array, bend: Array | None, unit: str, rate_unit: str, advance: Array | float = 0.0
-) -> _Contradiction | None:
+def _contradiction(timing: _Timing, value: Array, rate: Array, bend: Array | None, advance: Array | float = 0.0) -> _Contradiction | None:
     """Where a column (n,) or (n, drivers) does not have the rate that is given, beyond what sampling and noise explain; None where it has.
 
     ``bend`` is the derivative of the rate, where it is given.
@@ -422,8 +422,7 @@ def _contradiction(
         bends = None if bend is None else _by_driver(bend[:states])[driver]
         found = _of_few(timing.time, x, r, bends) if states < FEWEST else _of_many(timing, x, r, float(growth))
         if found is not None:
-            state, said = found
-            return _Contradiction(state, driver, said.replace("[rate]", rate_unit).replace("[unit]", unit))
+            return _Contradiction(found[0], driver, found[1])
     return None
 
 
@@ -449,32 +448,33 @@ def _of_many(timing: _Timing, value: Array, rate: Array, advance: float) -> tupl
     of_value, of_rate = timing.column(value, advance), timing.column(rate)
     least = LEAST * float(np.abs(rate).max())
     derived = of_value.derivative(1)
-    bound = of_value.derivative_error + of_rate.noise + least
-    beyond = np.abs(rate - derived) - bound
+    bound = of_value.derivative_error + of_rate.value_error + least
+    beyond = np.minimum(np.abs(rate - derived), np.abs(rate - of_value.central_differences)) - bound
     if beyond.max() > 0:
         state = int(beyond.argmax())
         return state, (
-            f"{{by}} is {rate[state]:.6g} [rate], but the derivative of {{of}} is {derived[state]:.6g} [rate], give or take"
+            f"{{by}} is {rate[state]:.6g} {{rate}}, but the derivative of {{of}} is {derived[state]:.6g} {{rate}}, give or take"
             f" {bound[state]:.1g}"
         )
     ends = np.append(value, value[0] + advance) if timing.period else value
     gained, (summed, off) = np.diff(ends), of_rate.gains
     steps = np.diff(np.append(timing.time, timing.time[0] + timing.period) if timing.period else timing.time)
     rounding = 1e-14 * float(np.abs(value).max())
-    beyond = np.abs(gained - summed) - off - least * steps - 2 * float(of_value.noise) - rounding
+    missed = np.minimum(np.abs(gained - summed), np.abs(gained - of_rate.trapezoids))
+    beyond = missed - off - least * steps - 2 * float(of_value.value_error) - rounding
     if beyond.max() > 0:
         return _step_said(int(beyond.argmax()), gained, summed)
-    drift = np.abs(np.cumsum(gained - summed))
-    beyond = drift - np.cumsum(off + least * steps) - 2 * float(of_value.noise) - rounding * np.arange(1, len(drift) + 1)
+    drift = np.minimum(np.abs(np.cumsum(gained - summed)), np.abs(np.cumsum(gained - of_rate.trapezoids)))
+    beyond = drift - np.cumsum(off + least * steps) - off.max() - 2 * float(of_value.value_error) - rounding * np.arange(1, len(drift) + 1)
     if beyond.max() > 0:
         k = int(np.argmax(beyond > 0))
         state = min(k + 1, len(value) - 1)
         return state, (
-            f"{{of}} has changed by {np.cumsum(gained)[k]:.6g} [unit] since the start, but {{by}} makes"
-            f" {np.cumsum(summed)[k]:.6g} [unit] of it"
+            f"{{of}} has changed by {np.cumsum(gained)[k]:.6g} {{unit}} since the start, but {{by}} makes"
+            f" {np.cumsum(summed)[k]:.6g} {{unit}} of it"
         )
     return None
 
 
 def _step_said(step: int, gained: Array, summed: Array) -> tuple[int, str]:
-    return step, f"{{of}} changes by {gained[step]:.6g} [unit] to the next state, but {{by}} makes {summed[step]:.6g} [unit] of it"
+    return step, f"{{of}} changes by {gained[step]:.6g} {{unit}} to the next state, but {{by}} makes {summed[step]:.6g} {{unit}} of it"

@@ -18,12 +18,16 @@ from ..common.quantities import Array, ComplexArray
 FEWEST = 6  # states that a quintic takes: with fewer there is nothing to compare a derivative with
 EQUAL = 1e-9  # part of a step by which equal steps may differ
 LAST = 4  # the last quarter of the harmonics tells whether they have died away
-CORNER = 20.0  # times the difference of quintic and cubic spline: what a derivative misses beside a corner
-JUMP = 7.0  # times the difference of quintic spline and trapezoidal rule: what an integral misses beside a jump
-DIFFERENCES = 3.0  # times the difference from central differences: who gives those is not contradicted
-NOISE = 20.0  # times the median difference of both splines: six standard deviations of white noise
-ABOUT = 2  # states to either side in which a corner is seen
+CORNER, JUMP = 120.0, 400.0  # times the differences of quintic and cubic spline, of derivatives and of integrals over a step
+DIFFERENCES = 3.0  # times those from central differences and from the trapezoidal rule
+BENT = 3.0  # times what slopes or values differ from those on a line between their neighbours: a corner's part is larger, and a jump's
+NOISE = 35.0  # times the median difference of both splines: six standard deviations of white noise
+STEPPED = 12.0  # times the largest difference of both splines: what steps of a rounded column are no larger than
+AT_ENDS = 4.0  # times as much at the first and the last state, beside which a corner is seen from one side alone
+ABOUT = 3  # states to either side in which a corner or a jump is seen
 ROUNDING = 64 * float(np.finfo(float).eps)
+SAME = 1e-9  # of the values: differences that are rounding
+SHOWN = 100  # differences of which a common step is found
 
 
 @dataclass(frozen=True, eq=False)
@@ -50,19 +54,37 @@ class SampledColumn:
             return np.asarray(found + trend)
         return np.asarray(self._splines[0](self.time, order) + trend)
 
-    @cached_property
-    def derivative_error(self) -> Array:
-        """What the first derivatives may be wrong by, corners and noise considered, of the shape of the values."""
-        rough = self._roughness(1)
-        rounding = ROUNDING * np.abs(self.values).max(axis=0) / np.diff(self._knots).min()
-        differences = DIFFERENCES * np.abs(self.derivative(1) - self._central_differences)
-        return np.asarray(CORNER * self._about(rough) + NOISE * self.uncertainty(1) + differences + rounding)
+    @property
+    def central_differences(self) -> Array:
+        """First derivatives by central differences, at the ends of a column by those of one side."""
+        if self.period is None:
+            return np.asarray(np.gradient(self.values, self.time, axis=0))
+        times = np.concatenate([[self.time[-1] - self.period], self._knots])
+        values = np.concatenate([self.values[-1:] - self.advance, self._extended])
+        return np.asarray(np.gradient(values, times, axis=0)[1:-1])
 
     @cached_property
-    def noise(self) -> Array:
-        """What each value may be wrong by, of a smooth column with white noise on it: six standard deviations, a number or (drivers,)."""
+    def derivative_error(self) -> Array:
+        """What the first derivatives may be wrong by, corners, rounded values and noise considered, of the shape of the values."""
+        rough, steps = self._roughness(1), np.diff(self._knots)
+        slopes = np.diff(self._extended, axis=0) / _stretched(steps, self.values)
+        bent = self._off_the_line(self._knots[:-1] + 0.5 * steps, slopes)
+        beside = np.concatenate([bent[-1:] if self.period else bent[:1], bent, bent[-1:]])[: len(self.time) + 1]
+        corner = np.minimum(
+            CORNER * self._about(rough) + DIFFERENCES * np.abs(self.derivative(1) - self.central_differences),
+            BENT * self._about(np.maximum(beside[1:], beside[:-1])),
+        )
+        if self.period is None:
+            corner[[0, -1]] *= AT_ENDS
+        shortest = steps.min()
+        rounding = ROUNDING * np.abs(self.values).max(axis=0) / shortest
+        return np.asarray(corner + NOISE * self.uncertainty(1) + 2 * self._graduation / shortest + rounding)
+
+    @cached_property
+    def value_error(self) -> Array:
+        """What each value may be wrong by, of a smooth column that is rounded or has white noise on it, a number or (drivers,)."""
         steps = _stretched(np.gradient(self.time), self.values)
-        return np.asarray(NOISE * np.median(self._roughness(1) * steps, axis=0))
+        return np.asarray(NOISE * np.median(self._roughness(1) * steps, axis=0) + self._graduation)
 
     def uncertainty(self, order: int) -> Array:
         """The median of what the derivatives depend on how they are found by, a number or (drivers,): of noise a fifth of its deviation."""
@@ -80,8 +102,18 @@ class SampledColumn:
         """Integrals over the steps, of a periodic column also over that to the next period, and what each may be wrong by."""
         steps = _stretched(np.diff(self._knots), self.values)
         gained = np.diff(self._splines[0].antiderivative()(self._knots), axis=0) + steps * self.values[0]
-        trapezoids = 0.5 * steps * (self._extended[1:] + self._extended[:-1])
-        return gained, JUMP * self._about(np.abs(gained - trapezoids)) + steps * self.noise
+        cubic = np.diff(self._splines[1].antiderivative()(self._knots), axis=0) + steps * self.values[0]
+        bent = self._off_the_line(self._knots, self._extended)
+        jump = np.minimum(
+            JUMP * self._about(np.abs(gained - cubic)) + DIFFERENCES * np.abs(gained - self.trapezoids),
+            BENT * self._about(steps) * self._about(np.maximum(bent[1:], bent[:-1])),
+        )
+        return gained, jump + steps * self.value_error
+
+    @property
+    def trapezoids(self) -> Array:
+        """Integrals over the steps by the trapezoidal rule."""
+        return np.asarray(0.5 * _stretched(np.diff(self._knots), self.values) * (self._extended[1:] + self._extended[:-1]))
 
     @cached_property
     def integral(self) -> Array:
@@ -112,7 +144,7 @@ class SampledColumn:
     def _even(self) -> Array:
         """Values at the knots from the first one on, without their trend: of a periodic column the last is the first."""
         if self.period is None:
-            return self.values - self.values[0]
+            return np.asarray(self.values - self.values[0])
         even = self._extended - self.values[0] - np.multiply.outer(self._knots - self.time[0], np.asarray(self._trend))
         even[-1] = even[0]
         return np.asarray(even)
@@ -127,15 +159,7 @@ class SampledColumn:
 
     def _roughness(self, order: int) -> Array:
         quintic, cubic = self._splines
-        return np.abs(quintic(self.time, order) - cubic(self.time, order))
-
-    @property
-    def _central_differences(self) -> Array:
-        if self.period is None:
-            return np.asarray(np.gradient(self.values, self.time, axis=0))
-        times = np.concatenate([[self.time[-1] - self.period], self._knots])
-        values = np.concatenate([self.values[-1:] - self.advance, self._extended])
-        return np.asarray(np.gradient(values, times, axis=0)[1:-1])
+        return np.asarray(np.abs(quintic(self.time, order) - cubic(self.time, order)))
 
     @cached_property
     def _harmonics(self) -> ComplexArray:
@@ -162,6 +186,20 @@ class SampledColumn:
         left = 2 / len(self.time) * np.sum(_stretched(rates[last:], harmonics) * harmonics[last:], axis=0)
         return bool(np.all(left <= self._roughness(1).max(axis=0)))
 
+    @cached_property
+    def _graduation(self) -> Array:
+        """The step in which the values are rounded, as those of a table or an encoder, where they show it; a number or (drivers,)."""
+        steps = _stretched(np.gradient(self.time), self.values)
+        largest = STEPPED * np.max(self._roughness(1) * steps, axis=0)
+        common = np.array([_common_step(values) for values in self.values.reshape(len(self.time), -1).T])
+        return np.asarray(np.minimum(largest, common.reshape(largest.shape)))
+
+    def _off_the_line(self, at: Array, values: Array) -> Array:
+        """What values are off the line between their neighbours, at the ends as beside them."""
+        part = _stretched((at[1:-1] - at[:-2]) / (at[2:] - at[:-2]), values)
+        off = np.abs(values[1:-1] - (1 - part) * values[:-2] - part * values[2:])
+        return np.concatenate([off[:1], off, off[-1:]])
+
     def _about(self, values: Array) -> Array:
         """The largest of each value and those `ABOUT` to either side."""
         sides = [(ABOUT, ABOUT)] + [(0, 0)] * (values.ndim - 1)
@@ -172,3 +210,21 @@ class SampledColumn:
 def _stretched(along: Any, values: Any) -> Any:
     """Numbers (n,) in the shape in which they multiply values (n,) or (n, drivers)."""
     return along.reshape(-1, *([1] * (values.ndim - 1)))
+
+
+def _common_step(values: Array) -> float:
+    """The step of which all differences of values (n,) are multiples; 0 where there is none."""
+    least = SAME * float(np.abs(values).max())
+    steps = np.diff(np.unique(values))
+    steps = steps[steps > least]
+    common = 0.0
+    different = np.unique(np.round(steps / least), return_index=True)[1]
+    for step in steps[different[:SHOWN]]:  # by Euclid
+        larger, smaller = float(step), common
+        while smaller > least:
+            larger, smaller = smaller, abs(larger - smaller * round(larger / smaller))
+        common = larger
+        if common <= least:
+            return 0.0
+    multiples = steps / common
+    return common if np.all(np.abs(multiples - np.round(multiples)) < 0.01) else 0.0

@@ -7,7 +7,7 @@ from collections.abc import Iterable, Sequence
 from typing import Literal
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from ..common import plausibility
 from ..common.arguments import numbers, typed
@@ -136,11 +136,11 @@ def _refuse_unreachable(heights: Array, stroke: float) -> None:
         )
 
 
-def _in_dead_centre(heights: Array, stroke: float) -> Array:
+def _in_dead_centre(heights: Array, stroke: float) -> NDArray[np.bool_]:
     return (heights <= EQUAL * stroke) | (heights >= (1 - EQUAL) * stroke)
 
 
-def _flanks(heights: Array, stroke: float, flank: Flank | Sequence[Flank] | None) -> Array:
+def _flanks(heights: Array, stroke: float, flank: Flank | Sequence[Flank] | None) -> NDArray[np.bool_]:
     """Whether each state (n,) is on the flank on which the slide goes down; in a dead centre as before it."""
     words = list(flank) if isinstance(flank, Iterable) and not isinstance(flank, str) else [flank]
     if any(word not in ("down", "up") for word in words) or not (isinstance(flank, str) or len(words) == len(heights)):
@@ -160,7 +160,7 @@ def _flanks(heights: Array, stroke: float, flank: Flank | Sequence[Flank] | None
     return full[_last_of(between, len(heights))] if len(between) else full
 
 
-def _last_of(chosen: Array, count: int) -> Array:
+def _last_of(chosen: NDArray[np.int64], count: int) -> NDArray[np.int64]:
     """For each of so many states the last one of the chosen that is not behind it, at first the first."""
     return np.asarray(chosen[np.maximum(np.searchsorted(chosen, np.arange(count), side="right") - 1, 0)])
 
@@ -183,7 +183,7 @@ def _refuse_unclear_turns(heights: Array, stroke: float) -> None:
             )
 
 
-def _on_flanks(press: Linkage, ends: DeadCentres, heights: Array, down: Array) -> Array:
+def _on_flanks(press: Linkage, ends: DeadCentres, heights: Array, down: NDArray[np.bool_]) -> Array:
     """Crank angles (n,) at heights on the flanks, one following the other through the dead centres; the first from 0 to a period."""
     period = 2 * np.pi * ends.turns
     top, bottom = ends.top_angle, ends.bottom_angle + (period if ends.bottom_angle < ends.top_angle else 0.0)
