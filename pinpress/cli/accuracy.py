@@ -9,6 +9,7 @@ from ..common.files import make_folder
 from ..common.quantities import RPM
 from . import part_specs
 from .options import add_out_option, add_press_options, load_press, progress, say_written
+from .units import quantity
 
 EPILOG = """\
 every error is against a reference that two independent methods agree on; the table says how far. Times are the least of several rounds
@@ -31,9 +32,15 @@ def add(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     option = parser.add_argument
-    option("--speed", type=float, required=True, metavar="RPM", help="crank speed, in the period and at the start of the runs, in r/min")
+    option(
+        "--speed",
+        type=quantity("r/min"),
+        required=True,
+        metavar="RPM",
+        help="crank speed, in the period and at the start of the runs, in r/min",
+    )
     option("--flywheel", metavar="J", help="inertia at the driver joint, in kg m2 (default: 4 times the linkage's own)")
-    option("--duration", type=float, metavar="S", help="length of each run, in s (default: two turns at that speed)")
+    option("--duration", type=quantity("s"), metavar="S", help="length of each run, in s (default: two turns at that speed)")
     option("--points", type=int, default=360, metavar="N", help="number of crank angles in the period (default: %(default)s)")
     option("--repeats", type=int, default=3, metavar="N", help="rounds of timing (default: %(default)s)")
     option(

@@ -23,6 +23,7 @@ from .options import (
     refuse_pages_without_folder,
     write_pages,
 )
+from .units import quantity
 
 POINTS = 720  # of a turn
 
@@ -40,7 +41,7 @@ def add(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     option = parser.add_argument
-    option("--speed", type=float, required=True, metavar="RPM", help="crank speed, in r/min; negative: backwards")
+    option("--speed", type=quantity("r/min"), required=True, metavar="RPM", help="crank speed, in r/min; negative: backwards")
     add_out_option(parser, "the files")
     add_report_option(parser)
     option("--before", metavar="FILE", help="another press, drawn beside this one in the report at the same speed")

@@ -3,6 +3,7 @@
 import argparse
 import math
 from collections.abc import Callable, Mapping, Sequence
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -20,7 +21,8 @@ from ..kinematics.motion import cycle
 from ..linkage.writing import write_urdf
 from . import part_specs
 from .options import add_out_option, add_press_options, load_press, say_written
-from .part_specs import LOADS, keys, read_number
+from .part_specs import LOADS, keys
+from .units import quantity, read_quantity
 
 KINDS = {"range": Range, "rms": Rms, "peak": Peak}
 MASS = "added_mass"
@@ -56,7 +58,7 @@ def add(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None
     option = parser.add_argument
     option(
         "--speed",
-        type=float,
+        type=quantity("r/min"),
         action="append",
         required=True,
         metavar="RPM",
@@ -177,7 +179,7 @@ def _by_target(option: str, specs: Sequence[str], default: str) -> Mapping[Targe
         if not equals and not default:
             raise _wrong(option, spec, "it has no number")
         try:
-            found[target] = read_number(text if equals else default)
+            found[target] = read_quantity(text if equals else default, "-")
         except ValueError as error:
             raise _wrong(option, spec, f"{text!r} is {error}") from None
     return found
@@ -213,7 +215,7 @@ def _wrong(option: str, spec: str, problem: str) -> PinpressError:
 
 def _point(text: str) -> Vector:
     try:
-        x, y, z = map(float, text.split("/"))
+        x, y, z = (read_quantity(part, "m") for part in text.split("/"))
     except ValueError:
         raise ValueError("not x, y, z as 0.1/0/-0.2") from None
     return x, y, z
@@ -227,11 +229,11 @@ def _alone(text: str) -> bool:
 
 KEYS: Mapping[str, Callable[[str], Any]] = {
     "at": _point,
-    "radius": read_number,
+    "radius": partial(read_quantity, unit="m"),
     "centre": _point,
     "corner": _point,
-    "least": read_number,
-    "most": read_number,
-    "gyration": read_number,
+    "least": partial(read_quantity, unit="kg"),
+    "most": partial(read_quantity, unit="kg"),
+    "gyration": partial(read_quantity, unit="m"),
     "replaces": _alone,
 }

@@ -4,6 +4,7 @@ Keys are the fields of the classes of `drives` and `loads`. Values are in SI uni
 switched at a time, ``0.1s``, or at a crank angle, ``180deg``. Sequences of numbers come from CSV files of two columns.
 """
 
+import contextlib
 import csv
 import math
 import re
@@ -14,11 +15,13 @@ from pathlib import Path
 from typing import Any
 
 from ..common.errors import PinpressError, suggestion
+from ..common.parameters import unit_of
 from ..common.quantities import RPM
 from ..drives.motors import ConstantTorque, InductionMotor, InverterMotor, ServoMotor, SlipClutchMotor
 from ..drives.protocol import Drive
 from ..drives.transmission import Brake, Clutch, Flywheel, Geared, PrescribedSpeed, SwitchPoint
 from ..loads.process import Blanking, ConstantForce, DeepDrawing, ElasticDie, ForceStroke, Idle, ProcessLoad
+from .units import UNITS, read_quantity
 
 
 @dataclass(frozen=True)
@@ -168,7 +171,8 @@ def _made(option: str, kind: Kind, words: str) -> Any:
 
     def wrong(problem: str) -> PinpressError:
         speeds = ", speeds in r/min" if any(_is_speed(key) for key in known) else ""
-        return PinpressError(f"{line(words)}: {problem}; it takes {keys(kind)}, SI units{speeds}; write e.g. {line(kind.example)}")
+        takes = f"it takes {keys(kind)}, SI units{speeds} or units of their own (12mm, 4000kN)"
+        return PinpressError(f"{line(words)}: {problem}; {takes}; write e.g. {line(kind.example)}")
 
     known = _keys(kind)
     values: dict[str, Any] = {}
@@ -225,7 +229,9 @@ def _reader(field: Field[Any]) -> Callable[[str], Any]:
         return _at
     if field.type in (int, "int"):
         return _whole
-    return _speed if _is_speed(field.name) else read_number
+    if _is_speed(field.name):
+        return _speed
+    return partial(read_quantity, unit=unit_of(field) or "-")
 
 
 def _is_speed(name: str) -> bool:
@@ -236,15 +242,8 @@ def _is_at(field: Field[Any]) -> bool:
     return SwitchPoint.__name__ in re.findall(r"\w+", str(field.type))
 
 
-def read_number(text: str) -> float:
-    try:
-        return float(text)
-    except ValueError:
-        raise ValueError("no number") from None
-
-
 def _speed(text: str) -> float:
-    return read_number(text) * RPM
+    return read_quantity(text, "r/min") * RPM
 
 
 def _whole(text: str) -> int:
@@ -255,13 +254,11 @@ def _whole(text: str) -> int:
 
 
 def _at(text: str) -> SwitchPoint:
-    try:
-        if text.endswith("deg"):
-            return SwitchPoint(angle=math.radians(float(text.removesuffix("deg"))))
-        if text.endswith("s"):
-            return SwitchPoint(time=float(text.removesuffix("s")))
-    except (ValueError, PinpressError):
-        pass
+    with contextlib.suppress(ValueError, PinpressError):
+        if text.endswith(tuple(UNITS["deg"])):
+            return SwitchPoint(angle=math.radians(read_quantity(text, "deg")))
+        if text.endswith(tuple(UNITS["s"])):
+            return SwitchPoint(time=read_quantity(text, "s"))
     raise ValueError("neither a time as 0.1s nor a crank angle as 180deg")
 
 

@@ -11,6 +11,7 @@ from ..common.quantities import RPM
 from ..ratings.permissible_force import Capacities
 from ..ratings.rating import PressRatings, rate
 from .options import add_out_option, add_press_options, load_press, say_written
+from .units import quantity, read_quantity
 
 EPILOG = """\
 numbers are in SI units, heights above bottom dead centre in m, but the speed is in r/min.
@@ -18,15 +19,15 @@ e.g. pinpress ratings zxn2_3000b --speed 70 --nominal-force 3000e3 --nominal-hei
      --out out
 """
 NUMBERS = {
-    "nominal-height": ("H", "height from which down the crank's torque lets the nominal force act"),
-    "torque": ("NM", "torque capacity at the driver joint, in place of --nominal-height"),
-    "flywheel": ("KGM2", "inertia of the flywheel, reduced to the driver joint; goes with --speed-drop"),
-    "speed-drop": ("D", "largest drop of the flywheel's speed in a stroke, a fraction, e.g. 0.2"),
-    "motor-power": ("W", "that restores the energy in continuous use; leave it out for single strokes"),
-    "slide-acceleration": ("A", "largest that tool and feed allow"),
-    "shaking-force": ("N", "largest on the foundation, the weight left out"),
-    "contact-height": ("H", "where the tool meets the work; default: the nominal height"),
-    "dwell-tolerance": ("H", "distance from bottom dead centre that counts as dwell; default: a hundredth of the stroke"),
+    "nominal-height": ("H", "m", "height from which down the crank's torque lets the nominal force act"),
+    "torque": ("NM", "N m", "torque capacity at the driver joint, in place of --nominal-height"),
+    "flywheel": ("KGM2", "kg m2", "inertia of the flywheel, reduced to the driver joint; goes with --speed-drop"),
+    "speed-drop": ("D", "-", "largest drop of the flywheel's speed in a stroke, a fraction, e.g. 0.2"),
+    "motor-power": ("W", "W", "that restores the energy in continuous use; leave it out for single strokes"),
+    "slide-acceleration": ("A", "m/s2", "largest that tool and feed allow"),
+    "shaking-force": ("N", "N", "largest on the foundation, the weight left out"),
+    "contact-height": ("H", "m", "where the tool meets the work; default: the nominal height"),
+    "dwell-tolerance": ("H", "m", "distance from bottom dead centre that counts as dwell; default: a hundredth of the stroke"),
 }
 CAPACITIES = {"flywheel": "flywheel_inertia"}
 NOT_CAPACITIES = ("contact_height", "dwell_tolerance")
@@ -43,10 +44,10 @@ def add(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     option = parser.add_argument
-    option("--speed", type=float, required=True, metavar="RPM", help="crank speed, in r/min; negative: backwards")
-    option("--nominal-force", type=float, required=True, metavar="N", help="largest process force at any height")
-    for name, (value, words) in NUMBERS.items():
-        option(f"--{name}", type=float, metavar=value, help=words)
+    option("--speed", type=quantity("r/min"), required=True, metavar="RPM", help="crank speed, in r/min; negative: backwards")
+    option("--nominal-force", type=quantity("N"), required=True, metavar="N", help="largest process force at any height")
+    for name, (value, unit, words) in NUMBERS.items():
+        option(f"--{name}", type=quantity(unit), metavar=value, help=words)
     option(
         "--bearing", action="append", default=[], metavar="NAME=N", help="largest force in a bearing or guide; may be given several times"
     )
@@ -99,7 +100,7 @@ def _bearings(specs: Sequence[str]) -> dict[str, float]:
     for spec in specs:
         name, equals, text = spec.rpartition("=")  # a bearing's name may have an equals sign in it
         try:
-            number = float(text)
+            number = read_quantity(text, "N")
         except ValueError:
             number = float("nan")
         if not equals or not name or not number > 0:

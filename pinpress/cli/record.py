@@ -10,6 +10,7 @@ from ..common.quantities import RPM
 from ..dynamics.inverse_dynamics import inverse_dynamics
 from ..kinematics.motion import cycle
 from .options import SIGNS, add_press_options, add_trace_option, load_press, progress
+from .units import quantity
 
 EPILOG = f"""\
 {SIGNS}Films and pictures need Chromium and pip install 'pinpress[video]'.
@@ -28,11 +29,11 @@ def add(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     option = parser.add_argument
-    option("--speed", type=float, required=True, metavar="RPM", help="crank speed, in r/min; negative: backwards")
+    option("--speed", type=quantity("r/min"), required=True, metavar="RPM", help="crank speed, in r/min; negative: backwards")
     option("--out", type=Path, metavar="HTML", help="write this page")
     option("--video", type=Path, metavar="MP4", help="write this film, .mp4 or .gif")
     option("--png", type=Path, metavar="PNG", help="write this picture")
-    option("--at", type=float, default=0.0, metavar="DEG", help="crank angle of the picture (default: 0, as the URDF draws it)")
+    option("--at", type=quantity("deg"), default=0.0, metavar="DEG", help="crank angle of the picture (default: 0, as the URDF draws it)")
     option("--size", type=_size, metavar="WxH", help="size of film and picture, in pixels (default: 1280x720 and 1280x960)")
     option("--fps", type=int, default=30, metavar="N", help="frames per second of the film (default: %(default)s)")
     option(

@@ -26,6 +26,7 @@ from .options import (
     write_pages,
 )
 from .part_specs import DRIVES, LOADS, keys
+from .units import quantity
 
 BAR = "{percentage:3.0f} % |{bar}| {n:.3f} of {total:.3f} s, {remaining} to go"
 
@@ -43,10 +44,16 @@ def add(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     option = parser.add_argument
-    option("--speed", type=float, default=0.0, metavar="RPM", help="crank speed at the start, or near that of the steady state, in r/min")
-    option("--angle", type=float, default=0.0, metavar="DEG", help="crank angle at the start (default: 0, as the URDF draws it)")
+    option(
+        "--speed",
+        type=quantity("r/min"),
+        default=0.0,
+        metavar="RPM",
+        help="crank speed at the start, or near that of the steady state, in r/min",
+    )
+    option("--angle", type=quantity("deg"), default=0.0, metavar="DEG", help="crank angle at the start (default: 0, as the URDF draws it)")
     until = parser.add_mutually_exclusive_group(required=True)
-    until.add_argument("--duration", type=float, metavar="S", help="length of the run, in s")
+    until.add_argument("--duration", type=quantity("s"), metavar="S", help="length of the run, in s")
     until.add_argument("--steady", action="store_true", help="find one period of the steady state near --speed")
     option("--drive", metavar="KIND:KEYS", help="drive of the crank, see below (default: none)")
     option(
@@ -58,10 +65,10 @@ def add(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None
     option("--clutch", metavar="KEYS", help="clutch between flywheel and crank, see below")
     option("--brake", metavar="KEYS", help="brake on the crank, see below")
     option("--method", choices=METHODS, default="auto", help="method of computation (default: %(default)s, the fastest that serves)")
-    option("--step", type=float, metavar="S", help="fixed step of integration, in s (default: steps by error)")
+    option("--step", type=quantity("s"), metavar="S", help="fixed step of integration, in s (default: steps by error)")
     option("--tolerance", type=float, default=1e-11, metavar="T", help="relative error of a step (default: %(default)g)")
     option("--points", type=int, metavar="N", help="number of states in the results (default: 120 a turn, at least 120)")
-    option("--gravity", type=float, default=9.81, metavar="G", help="gravity downwards, in m/s2 (default: %(default)s)")
+    option("--gravity", type=quantity("m/s2"), default=9.81, metavar="G", help="gravity downwards, in m/s2 (default: %(default)s)")
     add_press_options(parser)
     add_out_option(parser, "the three files")
     add_report_option(parser)

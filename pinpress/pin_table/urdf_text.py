@@ -130,10 +130,11 @@ class _Writer:
         mimic = self._mimic(joint.name)
         lines = []
         if joint.name in self.tree.drivers:
-            # A guide is driven by a massless shaft of 1 m per radian: its angle is the travel in m, its torque the force in N.
+            # A guide is driven by a shaft of 1 m per radian: its angle is the travel in m, its torque the force in N. A shaft must have
+            # some mass: its inertia adds 1e-9 kg to what the guide moves.
             shaft = f"{joint.name}{SHAFT}"
             lines = [
-                _massless(f"{shaft}_shaft"),
+                _light(f"{shaft}_shaft", 1e-6, 1e-9),
                 self._hinge(shaft, FRAME, f"{shaft}_shaft", np.array([0.0, -1.0, 0.0]), self.places[FRAME]),
             ]
             mimic = f'<mimic joint="{shaft}" multiplier="1" offset="0"/>'
@@ -149,7 +150,7 @@ class _Writer:
         lines, parent, place = [], joint.parent, None
         for k, axis in enumerate(axes[:-1]):
             cross = f"{joint.name}{CROSS}{k + 1 if len(axes) > 2 else ''}"
-            lines.append(_massless(f"{cross}_link"))
+            lines.append(_light(f"{cross}_link", 0.0, 0.0))
             own = _Place(at.point, np.eye(3))
             lines.append(self._hinge(cross, parent, f"{cross}_link", axis, own, place))
             parent, place = f"{cross}_link", own
@@ -212,9 +213,10 @@ def _visual(part: Part, link: str) -> str:
     return f'<visual>{place}<geometry>{solid}</geometry><material name="{link} {colour}"><color rgba="{colour}"/></material></visual>'
 
 
-def _massless(name: str) -> str:
-    zeros = _tag("inertia", {f"i{a}{b}": "0" for a, b, _, _ in _MOMENTS})
-    return f'  <link name="{name}"><inertial><mass value="0"/>{zeros}</inertial></link>'
+def _light(name: str, mass: float, moment: float) -> str:
+    """A link of hardly any mass or none, with the same moment of inertia about all axes."""
+    moments = {f"i{a}{b}": _number(moment if a == b else 0.0) for a, b, _, _ in _MOMENTS}
+    return f'  <link name="{name}"><inertial><mass value="{_number(mass)}"/>{_tag("inertia", moments)}</inertial></link>'
 
 
 def _rpy(rotation: Array) -> Array:

@@ -114,6 +114,9 @@ def _balance(
             _distribute(
                 block, _dense(block_matrix(plane, block, -1j * closure), joint_efforts[list(block.joints)].T), pins, coupling_multipliers
             )
+        else:  # all its equations are redundant: its forces are idle ones, which `balance` adds
+            pins[list(block.loops)] = 0.0
+            coupling_multipliers[list(block.couplings)] = 0.0
         _pass_on(plane, block, closure, pins, coupling_multipliers, joint_efforts)
 
 

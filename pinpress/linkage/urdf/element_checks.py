@@ -361,12 +361,8 @@ def _inertia_problems(robot: Element) -> Iterator[Problem]:
 
 
 def _connected(robot: Element, bodies: dict[str, str]) -> Counter[str]:
-    """How many bearings, of joints and loops, and gear pairs every body has."""
+    """How many bearings, of joints and loops, every body has."""
     found: Counter[str] = Counter()
-    children = {joint.get("name"): child.get("link") for joint in robot.all("joint") for child in joint.all("child")}
-    for joint in robot.all("joint"):
-        for mimic in joint.all("mimic"):
-            found.update(bodies[link] for link in (children.get(joint.get("name")), children.get(mimic.get("joint"))) if link in bodies)
     for element in robot.all("joint", "loop_joint"):
         if element.get("type") != "fixed" or element.tag == "loop_joint":
             ends = _ends(element, "link1", "link2") if element.tag == "loop_joint" else _ends(element)
