@@ -11,7 +11,7 @@ from ..common.errors import suggestion
 _ROWS: tuple[Mapping[str, float], ...] = (
     {"m": 1.0, "mm": 1e-3, "um": 1e-6, "cm": 1e-2, "in": 0.0254},
     {"N": 1.0, "kN": 1e3, "MN": 1e6, "tf": 9806.65},
-    {"r/min": 1.0, "rpm": 1.0, "spm": 1.0, "rad/s": 30 / math.pi, "deg/s": 1 / 6},
+    {"r/min": 1.0, "rpm": 1.0, "spm": 1.0, "Hz": 60.0, "rad/s": 30 / math.pi, "deg/s": 1 / 6},
     {"deg": 1.0, "rad": 180 / math.pi},
     {"s": 1.0, "ms": 1e-3, "min": 60.0, "h": 3600.0},
     {"kg": 1.0, "g": 1e-3, "t": 1e3},
@@ -28,7 +28,7 @@ _ROWS: tuple[Mapping[str, float], ...] = (
     {"-": 1.0, "%": 1e-2},
 )
 UNITS = {next(iter(row)): row for row in _ROWS}
-_NUMBER = re.compile(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*(.*?)\s*")
+_NUMBER = re.compile(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*([A-Za-z%].*?)?\s*")
 
 
 def read_quantity(text: str, unit: str) -> float:

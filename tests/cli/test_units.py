@@ -1,0 +1,105 @@
+"""Numbers of the command line with units: the same run as without; what is wrong with them is said."""
+
+import contextlib
+import math
+
+import pytest
+
+from pinpress.cli.main import main
+from pinpress.cli.units import UNITS, read_quantity
+
+
+@pytest.mark.parametrize(
+    ("text", "unit", "value"),
+    [
+        ("12mm", "m", 0.012),
+        ("12 mm", "m", 0.012),
+        ("1.5e3kN", "N", 1.5e6),
+        ("-70rpm", "r/min", -70),
+        ("7.5rad/s", "r/min", 7.5 * 30 / math.pi),
+        ("420deg/s", "r/min", 70),
+        ("0.5rad", "deg", math.degrees(0.5)),
+        ("20%", "-", 0.2),
+        ("1e3", "N", 1000),
+        (".5", "m", 0.5),
+        ("inf", "m", math.inf),
+        ("120kN/mm", "N/m", 1.2e8),
+    ],
+)
+def test_quantities(text, unit, value):
+    assert read_quantity(text, unit) == pytest.approx(value, rel=1e-15)
+
+
+@pytest.mark.parametrize(
+    ("text", "said"), [("12kn", "did you mean 'kN'"), ("12mm", "none of N, kN"), ("1,5", "after a point"), ("", "no number"), ("x", "no")]
+)
+def test_what_is_none(text, said):
+    with pytest.raises(ValueError, match=said):
+        read_quantity(text, "N")
+
+
+def test_first_units_are_those_that_help_names():
+    assert all(units[unit] == 1.0 for unit, units in UNITS.items())
+
+
+SAID_ELSE = ("time taken", "flywheel  ", "drawing:")  # the words as they were given
+
+
+def figures(capsys, *words):
+    assert main([*words]) == 0
+    return [line for line in capsys.readouterr().out.splitlines() if not any(word in line for word in SAID_ELSE)]
+
+
+@pytest.mark.parametrize(
+    ("plain", "named"),
+    [
+        (("analyse", "crank_slide", "--speed", "60"), ("analyse", "crank_slide", "--speed", "1Hz")),
+        (
+            ("ratings", "crank_slide", "--speed", "60", "--nominal-force", "1e5", "--nominal-height", "0.01", "--bearing", "W=2e5"),
+            ("ratings", "crank_slide", "--speed", "60rpm", "--nominal-force", "100kN", "--nominal-height", "10mm", "--bearing", "W=200kN"),
+        ),
+        (
+            (
+                "simulate",
+                "crank_slide",
+                "--speed",
+                "60",
+                "--duration",
+                "0.2",
+                "--flywheel",
+                "2000",
+                "--load",
+                "drawing:force=1e5,start=0.05",
+            ),
+            (
+                "simulate",
+                "crank_slide",
+                "--speed",
+                "60spm",
+                "--duration",
+                "200ms",
+                "--flywheel",
+                "2000kgm2",
+                "--load",
+                "drawing:force=100kN,start=50mm",
+            ),
+        ),
+    ],
+)
+def test_commands_take_them(capsys, plain, named):
+    assert figures(capsys, *named) == figures(capsys, *plain)
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (("analyse", "crank_slide", "--speed", "60mm"), "whose unit 'mm' is none of r/min"),
+        (("analyse", "crank_slide", "--speed", "60,5"), "write decimals after a point"),
+        (("simulate", "crank_slide", "--duration", "1", "--load", "drawing:force=100km,start=50mm"), "whose unit 'km' is none of N"),
+        (("ratings", "crank_slide", "--speed", "60", "--nominal-force", "1e5", "--bearing", "W=2mm"), "it takes NAME=N"),
+    ],
+)
+def test_wrong_units_are_refused(capsys, words, said):
+    with contextlib.suppress(SystemExit):
+        assert main([*words]) == 2
+    assert said in capsys.readouterr().err
