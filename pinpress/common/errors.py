@@ -29,7 +29,7 @@ class PinpressWarning(UserWarning):
 
 
 class UrdfError(PinpressError):
-    """A URDF that cannot be used.
+    """A URDF that cannot be used, or a file in another format that would be turned into one.
 
     Attributes:
         file: path of the file, or the name by which it was asked for.

@@ -337,6 +337,15 @@ def test_what_acts_in_mujoco_and_not_here_is_warned_of(tmp_path):
     assert ("note", 'it is left out, as active="false" says') in found
 
 
+def test_what_mujoco_warns_of_is_passed_on_and_leaves_no_file(tmp_path, monkeypatch, capfd):
+    monkeypatch.chdir(tmp_path)
+    text = WELDED.format("").replace('<body name="left"', '<site name="s" rgba="nan 0 0 1"/><body name="left"')
+    (found,) = document_of(written(tmp_path, "nan.xml", text)).remarks
+    assert (found.severity, found.problem) == ("warning", "MuJoCo warns: XML contains a 'NaN'. Please check it carefully.")
+    assert [path.name for path in tmp_path.iterdir()] == ["nan.xml"]
+    assert capfd.readouterr() == ("", "")
+
+
 def test_a_free_base_is_held_and_a_free_body_beside_others_refused(tmp_path):
     held = written(
         tmp_path,

@@ -40,6 +40,9 @@ def read(document: Document) -> Document:
         raise PinpressError(
             f"{document.file}: MJCF is read by the package mujoco; pip install 'pinpress[peers]', or mujoco alone"
         ) from error
+    warned: list[str] = []
+    before = mujoco.get_mju_user_warning()
+    mujoco.set_mju_user_warning(warned.append)  # or it writes them to stderr, and to a file in the working directory
     try:
         spec = _parsed(mujoco, document)
         spec.compiler.fusestatic = False
@@ -47,7 +50,11 @@ def read(document: Document) -> Document:
     except (ValueError, RuntimeError) as error:
         said = " ".join(str(error).split())
         raise UrdfError(document.file, "<mujoco>", None, f"MuJoCo cannot read it: {said}", "correct the file") from error
-    return as_document(document.file, _Reader(document, mujoco, spec, model).mechanism(), f"MJCF by MuJoCo {mujoco.__version__}")
+    finally:
+        mujoco.set_mju_user_warning(before)
+    reader = _Reader(document, mujoco, spec, model)
+    reader.remarks += [remark("warning", reader.root, f"MuJoCo warns: {' '.join(text.split())}", "correct the file") for text in warned]
+    return as_document(document.file, reader.mechanism(), f"MJCF by MuJoCo {mujoco.__version__}")
 
 
 def _parsed(mujoco: Any, document: Document) -> Any:
