@@ -183,6 +183,11 @@ def test_loops_that_cannot_be_read_are_refused_by_name_and_line(case, tmp_path):
     assert caught.value.line == line
 
 
+def test_more_loops_than_a_press_can_have_are_refused(tmp_path):
+    with pytest.raises(UrdfError, match="there are 501 loops, more than 500"):
+        document_of(written(tmp_path, "press.urdf", crank_slide(501 * BALL)))
+
+
 def test_springs_and_rotors_of_drake_are_warned_of(tmp_path):
     text = crank_slide(BALL + "<drake:linear_spring_damper/>")
     text = text.replace("<mechanicalReduction>", '<drake:rotor_inertia value="0.1"/><mechanicalReduction>')

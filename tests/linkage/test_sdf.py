@@ -240,6 +240,20 @@ def test_what_is_no_linkage_is_refused_by_name_and_line(file, case):
     assert pp.check(file(**changed), driver="O").errors
 
 
+@pytest.mark.parametrize(
+    ("each", "count", "message"),
+    [
+        ('<frame name="f{}"/>', 1001, "there are 1001 <frame>, more than 1000"),
+        ('<frame name="f{}" attached_to="f{next}"/>', 999, "its pose is more than 500 frames away"),
+    ],
+)
+def test_a_file_that_is_too_large_is_refused(file, each, count, message):
+    more = "".join(each.format(k, next=k + 1) for k in range(count)) + f'<frame name="f{count}"/>'
+    guide = '<joint name="slide_guide" type="prismatic">'
+    with pytest.raises(UrdfError, match=message):
+        document_of(file(more=more.replace('<frame name="f1001"/>', ""), edit=(guide, guide + '<pose relative_to="f0"/>')))
+
+
 def test_a_spanning_tree_takes_joints_as_they_are_written_where_it_can():
     edges = [Edge("a", "b", 0), Edge("c", "b", 0), Edge("a", "d", 0), Edge("d", "c", 0)]
     assert spanning_tree("a", "abcd", edges) == ({0: "b", 2: "d", 3: "c"}, ())

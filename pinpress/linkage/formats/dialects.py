@@ -15,7 +15,7 @@ import pinocchio as pin
 
 from ...common.quantities import Array
 from ..urdf.document import Document, Element, Origin, tree
-from ..urdf.element_checks import LOOP_TYPES, names
+from ..urdf.element_checks import LOOP_TYPES, MOST, names
 from ..urdf.findings import Finding
 from ..urdf.text import Text
 from .elements import needed, numbers, optional, origin_of, refuse, remark, unused
@@ -28,6 +28,7 @@ _REFUSED = {
     "drake:tendon_constraint": "write a gear pair, <mimic>, where two joints move together",
     "coupling": 'write <mimic joint="..." multiplier="..."/> in the driven joint',
 }
+TOO_LARGE = "write the linkage of the press alone"
 _SPRING = "drake:linear_spring_damper"
 
 
@@ -41,6 +42,8 @@ def plain(document: Document) -> Document:
     remarks = tuple(_remarks(robot))
     if not foreign:
         return Document(file, document.text, remarks=remarks) if remarks else document
+    if len(foreign) > MOST["loop_joint"]:
+        refuse(file, foreign[MOST["loop_joint"]], f"there are {len(foreign)} loops, more than {MOST['loop_joint']}", TOO_LARGE)
     with_text = tree(file, document.text.decode("utf-8-sig").encode(), with_text=True)
     worded = {element.start: element for part in with_text.all("gazebo") for element in part.all("joint")}
     text, taken = Text(document), {*names(robot, "joint"), *names(robot, "loop_joint")}

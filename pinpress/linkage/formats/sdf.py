@@ -19,6 +19,7 @@ import pinocchio as pin
 from ...common.errors import suggestion
 from ...common.quantities import Array
 from ..urdf.document import Document, Element, Origin, tree
+from ..urdf.element_checks import DEEPEST_JOINTS, MOST
 from ..urdf.findings import Finding
 from . import dialects
 from .elements import needed, numbers, optional, origin_of, refuse, refuse_unknown, remark, unused
@@ -123,7 +124,10 @@ class _Reader:
 
     def _named(self, tag: str) -> dict[str, Element]:
         found: dict[str, Element] = {}
-        for element in self.model.all(tag):
+        elements, most = self.model.all(tag), MOST["joint"]
+        if len(elements) > most:
+            refuse(self.file, elements[most], f"there are {len(elements)} <{tag}>, more than {most}", dialects.TOO_LARGE)
+        for element in elements:
             name = element.get("name")
             if not name:
                 refuse(self.file, element, "has no name", f'write <{tag} name="...">')
@@ -169,6 +173,8 @@ class _Reader:
                 refuse(self.file, at, f"no frame {name!r}{suggestion(name, known)}", "name a link, joint or frame of this model")
             if name in self._searched:
                 refuse(self.file, element, "its pose is relative to itself", "let the poses lead back to the model")
+            if len(self._searched) > DEEPEST_JOINTS:
+                refuse(self.file, element, f"its pose is more than {DEEPEST_JOINTS} frames away from the model's", dialects.TOO_LARGE)
             self._searched.append(name)
             own = self._own_pose(element)
             self.posed[name] = self.place(self._relative_to(element), element) * own
