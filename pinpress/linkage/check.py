@@ -17,9 +17,8 @@ from ..engines.joints import LoopJoint
 from ..engines.spatial.kinematics import rank as rank_of
 from . import assembly_checks, mobility
 from .assembly_checks import short
-from .formats.reading import document_of
 from .linkage import Linkage
-from .loading import assembled, located
+from .loading import assembled, document_of, located
 from .urdf import element_checks, reader
 from .urdf.document import Document
 from .urdf.findings import SEVERITIES, Finding

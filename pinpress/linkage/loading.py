@@ -15,10 +15,10 @@ from ..common.files import path_of
 from ..common.quantities import Array
 from ..engines.joints import Coupling, LoopJoint
 from . import assembly_checks
-from .formats.reading import document_of
+from .formats import dialects
 from .linkage import Linkage
 from .urdf import findings, reader
-from .urdf.document import Document
+from .urdf.document import Document, read
 
 
 def presses() -> tuple[str, ...]:
@@ -88,6 +88,24 @@ def located(path: str | os.PathLike[str]) -> str | os.PathLike[str]:
     if file.endswith((".urdf", ".xml", ".sdf", ".mjcf")) or "\0" in file:
         return path  # reading it says what is wrong with it
     raise UrdfError(file, None, None, "no such file", f"name a URDF file or a shipped press ({', '.join(presses())})")
+
+
+def document_of(path: str | os.PathLike[str]) -> Document:
+    """The URDF that a file is, or that says the same; raises UrdfError where there is none."""
+    found = Document(path_of("path", path), read(path))
+    root = found.robot
+    if root.tag == "robot":
+        return dialects.plain(found)
+    if root.tag == "sdf":
+        from .formats import sdf  # seldom needed
+
+        return sdf.read(found)
+    if root.tag == "mujoco":
+        from .formats import mjcf  # seldom needed, and it takes the package mujoco
+
+        return mjcf.read(found)
+    remedy = "give a URDF, an SDF or an MJCF file"
+    raise UrdfError(found.file, str(root), root.line, "the root element is not <robot>, <sdf> or <mujoco>", remedy)
 
 
 def assembled(

@@ -11,8 +11,7 @@ from support.generators.other_formats import FORMATS, Press
 
 import pinpress as pp
 from pinpress.common.errors import UrdfError
-from pinpress.linkage.formats.reading import document_of
-from pinpress.linkage.loading import assembled
+from pinpress.linkage.loading import assembled, document_of
 from pinpress.linkage.urdf import reader
 
 SAME = 1e-12  # of the largest value: placements are multiplied up and taken apart again

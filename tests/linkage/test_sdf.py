@@ -12,9 +12,8 @@ from support.oracles import cassie
 
 import pinpress as pp
 from pinpress.common.errors import PinpressWarning, UrdfError
-from pinpress.linkage.formats.reading import document_of
 from pinpress.linkage.formats.spanning_tree import Edge, spanning_tree
-from pinpress.linkage.loading import assembled
+from pinpress.linkage.loading import assembled, document_of
 
 MODEL = """<sdf version="{version}">
   <model name="slider">

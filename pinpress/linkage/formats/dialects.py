@@ -1,35 +1,32 @@
 """Loops as other programs write them into a URDF, turned into ``<loop_joint>`` in its text; everything else stays to the byte.
 
 Read are
-- Drake's ``<drake:ball_constraint>`` and ``<drake:linear_bushing_rpy>`` (multibody/parsing/parsing_doxygen.h of Drake, "Drake Extensions"),
+- Drake's ``<drake:ball_constraint>`` and ``<drake:linear_bushing_rpy>`` (see `drake`),
 - ``<loop>`` of URDF+ and ``<constraint>``, as its parser writes it (Chignoli, Slotine, Wensing, Kim: URDF+, arXiv 2411.19753),
 - ``<gazebo><joint>``: a joint of SDF, which Gazebo adds to the tree.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 
 import numpy as np
 import pinocchio as pin
 
-from ...common.quantities import Array
 from ..urdf.document import Document, Element, Origin, tree
 from ..urdf.element_checks import LOOP_TYPES, MOST, names
 from ..urdf.findings import Finding
 from ..urdf.text import Text
-from .elements import needed, numbers, optional, origin_of, refuse, remark, unused
+from . import drake
+from .elements import ALONE, direction, needed, numbers, optional, origin_of, pose_of, refuse, remark, unused
 from .mechanism import Loop, loop_element
 
-BALL, BUSHING = "drake:ball_constraint", "drake:linear_bushing_rpy"
-_LOOPS = (BALL, BUSHING, "loop", "constraint")
+_LOOPS = (drake.BALL, drake.BUSHING, "loop", "constraint")
 _REFUSED = {
     "drake:joint": "write revolute, continuous, prismatic or fixed joints, or a loop: Pinocchio does not read this element",
     "drake:tendon_constraint": "write a gear pair, <mimic>, where two joints move together",
     "coupling": 'write <mimic joint="..." multiplier="..."/> in the driven joint',
 }
-TOO_LARGE = "write the linkage of the press alone"
-_SPRING = "drake:linear_spring_damper"
 
 
 def plain(document: Document) -> Document:
@@ -43,7 +40,7 @@ def plain(document: Document) -> Document:
     if not foreign:
         return Document(file, document.text, remarks=remarks) if remarks else document
     if len(foreign) > MOST["loop_joint"]:
-        refuse(file, foreign[MOST["loop_joint"]], f"there are {len(foreign)} loops, more than {MOST['loop_joint']}", TOO_LARGE)
+        refuse(file, foreign[MOST["loop_joint"]], f"there are {len(foreign)} loops, more than {MOST['loop_joint']}", ALONE)
     with_text = tree(file, document.text.decode("utf-8-sig").encode(), with_text=True)
     worded = {element.start: element for part in with_text.all("gazebo") for element in part.all("joint")}
     text, taken = Text(document), {*names(robot, "joint"), *names(robot, "loop_joint")}
@@ -54,19 +51,19 @@ def plain(document: Document) -> Document:
             loop = _gazebo_joint(file, robot, worded[element.start], taken)
             text.replace(element, f"</gazebo>{loop_element(loop)}<gazebo>")
         else:
-            reader = _ball if element.tag == BALL else _bushing if element.tag == BUSHING else _urdf_plus_loop
+            reader = _ball if element.tag == drake.BALL else _bushing if element.tag == drake.BUSHING else _urdf_plus_loop
             loop = reader(file, robot, element, taken)
             text.replace(element, loop_element(loop))
-        if element.tag == BUSHING:
-            remarks_of_loops.append(bushing_remark(loop.origin))
+        if element.tag == drake.BUSHING:
+            remarks_of_loops.append(drake.bushing_remark(loop.origin))
         taken.add(loop.name)
         origins[element.line, "loop_joint"] = loop.origin
     return Document(file, text.edited(), origins, (*remarks, *remarks_of_loops))
 
 
 def _remarks(robot: Element) -> Iterator[Finding]:
-    for element in robot.all(_SPRING):
-        yield remark("warning", element, "a spring between bodies is not read", "give it as a load: loads=[SpringDamper(...)]")
+    for element in robot.all(drake.SPRING):
+        yield drake.spring_remark(element)
     for transmission in robot.all("transmission"):
         for actuator in transmission.all("actuator"):
             for element in actuator.all("drake:rotor_inertia"):
@@ -79,51 +76,22 @@ def _remarks(robot: Element) -> Iterator[Finding]:
 
 
 def _ball(file: str, robot: Element, element: Element, taken: set[str]) -> Loop:
-    """``p_AP``, a point P in body A, coincides with ``p_BQ``, Q in body B."""
-    values = [needed(file, element, f"{BALL}_{name}") for name in ("body_A", "p_AP", "body_B", "p_BQ")]
-    ends = [(body.get("name"), pin.SE3(np.eye(3), numbers(file, point, point.get("value"), 3))) for body, point in (values[:2], values[2:])]
+    ends = [(body.get("name"), pin.SE3(np.eye(3), point)) for body, point in drake.ball_ends(file, element, _value)]
     name = element.get("name") or unused(f"ball_{ends[0][0]}_{ends[1][0]}", taken)
     return Loop(name, "spherical", (ends[0], ends[1]), None, _called(element, name))
 
 
 def _bushing(file: str, robot: Element, element: Element, taken: set[str]) -> Loop:
-    """Frames A and C, torque stiffness about x, y, z (roll, pitch, yaw) and force stiffness along them."""
     frames = {frame.get("name"): _frame(file, frame) for frame in robot.all("frame")}
-    ends = []
-    for side in ("A", "C"):
-        name = needed(file, element, f"drake:bushing_frame{side}").get("name")
-        ends.append(frames.get(name) or (name, pin.SE3.Identity()))  # a link's own frame has its name
-    stiffness = {}
-    for kind in ("torque", "force"):
-        for word in ("stiffness", "damping"):
-            found = needed(file, element, f"drake:bushing_{kind}_{word}")
-            stiffness[kind, word] = numbers(file, found, found.get("value"), 3)
-    axis = bushing_axis(file, element, stiffness)
+    named = [end.get("name") for end in drake.bushing_ends(file, element)]
+    ends = [frames.get(name) or (name, pin.SE3.Identity()) for name in named]  # a link's own frame has its name
+    axis = drake.bushing_axis(file, element, _value)
     name = element.get("name") or unused(f"bushing_{ends[0][0]}_{ends[1][0]}", taken)
     return Loop(name, "spherical" if axis is None else "revolute", (ends[0], ends[1]), axis, _called(element, name))
 
 
-def bushing_axis(file: str, element: Element, stiffness: Mapping[tuple[str, str], Array]) -> Array | None:
-    """The axis of the pin that a bushing stands for, None of a ball joint; one that is compliant in another way is refused.
-
-    A pin holds all three directions and two or none of the rotations, with one stiffness each. What holds nothing has neither stiffness nor
-    damping.
-    """
-    holds = [axis for axis in range(3) if stiffness["torque", "stiffness"][axis] or stiffness["torque", "damping"][axis]]
-    stiff = stiffness["force", "stiffness"]
-    if stiff.min() > 0 and not holds:
-        return None
-    if stiff.min() > 0 and len(holds) == 2 and stiffness["torque", "stiffness"][holds].min() > 0:
-        return np.asarray(np.eye(3)[next(axis for axis in range(3) if axis not in holds)])
-    problem = "a bushing is elastic, and this one is neither a pin (held but for the turn about one axis) nor a ball joint (no torques)"
-    remedy = "write a <loop_joint> for a rigid bearing; for elastic ones give pp.elasticity.Stiffness"
-    refuse(file, element, problem, remedy)
-
-
-def bushing_remark(origin: Origin) -> Finding:
-    """What is lost of a bushing."""
-    problem = "it is read as a rigid bearing: its stiffness and damping are not"
-    return remark("warning", origin, problem, "write a ball constraint or <loop_joint>, if that is meant")
+def _value(element: Element) -> str:
+    return element.get("value")
 
 
 def _frame(file: str, frame: Element) -> tuple[str, pin.SE3]:
@@ -154,22 +122,11 @@ def _urdf_plus_loop(file: str, robot: Element, element: Element, taken: set[str]
     return Loop(name, kind, (ends[0], ends[1]), axis, _called(element, name))
 
 
-def direction(file: str, element: Element, text: str) -> Array:
-    """(3,) a direction of length 1."""
-    found = numbers(file, element, text, 3)
-    length = float(np.linalg.norm(found))
-    if length == 0:
-        refuse(file, element, "the axis is zero", "write its direction, for example 0 -1 0")
-    return found / length if abs(length - 1) > 1e-15 else found
-
-
 # ----------------------------------------------------------------------------------------------------------------------------------- Gazebo
 
 
 def _gazebo_joint(file: str, robot: Element, joint: Element, taken: set[str]) -> Loop:
     """A joint of SDF: its frame is posed in the child's, and it is closed as drawn."""
-    from . import sdf  # seldom needed
-
     kind = {"ball": "spherical", "continuous": "revolute"}.get(joint.get("type"), joint.get("type"))
     if kind not in LOOP_TYPES:
         said = f"a {kind} joint closes no loop here" if kind else "has no type"
@@ -179,7 +136,7 @@ def _gazebo_joint(file: str, robot: Element, joint: Element, taken: set[str]) ->
     if parent not in places or child not in places:
         lost = parent if parent not in places else child
         refuse(file, joint, f"no link {lost!r} that joints connect to the root", "name a <link> of this file")
-    place = places[child] * sdf.pose_of(file, joint)
+    place = places[child] * pose_of(file, joint)
     axis = None
     if kind == "revolute":
         element = needed(file, joint, "axis")

@@ -1,4 +1,5 @@
-"""What readers ask of the elements of a file: numbers in their text, the one child of a name; and how they refuse and remark on them."""
+"""What readers ask of the elements of a file: numbers, directions and poses in their text, the one child of a tag; and how they refuse and
+remark on them."""
 
 from __future__ import annotations
 
@@ -8,13 +9,16 @@ from collections.abc import Collection, Iterable
 from typing import NoReturn
 
 import numpy as np
+import pinocchio as pin
 
 from ...common.errors import UrdfError, shown, suggestion
 from ...common.quantities import Array
 from ..urdf.document import Element, Origin
 from ..urdf.findings import Finding
 
+ALONE = "write the linkage of the press alone"
 LARGEST = 1e12  # that is computed with
+_DIGITS = 4  # decimals from which an angle that is a quarter turn to all of them is one: 1.5708
 _NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?", re.ASCII)
 
 
@@ -55,6 +59,15 @@ def numbers(file: str, element: Element, text: str, count: int) -> Array:
     return np.array([float(word) for word in words])
 
 
+def direction(file: str, element: Element, text: str) -> Array:
+    """(3,) a direction of length 1."""
+    found = numbers(file, element, text, 3)
+    length = float(np.linalg.norm(found))
+    if length == 0:
+        refuse(file, element, "the axis is zero", "write its direction, for example 0 -1 0")
+    return found / length if abs(length - 1) > 1e-15 else found
+
+
 def optional(file: str, element: Element, tag: str) -> Element | None:
     """The one child with this tag, None where there is none; a second is refused."""
     found = element.all(tag)
@@ -87,3 +100,34 @@ def unused(name: str, taken: Collection[str]) -> str:
         count += 1
         found = f"{name}_{count}"
     return found
+
+
+def pose_of(file: str, element: Element) -> pin.SE3:
+    """The pose of an element in the frame that it is in."""
+    found = optional(file, element, "pose")
+    return pin.SE3.Identity() if found is None else pose_and_rounding(file, found)[0]
+
+
+def pose_and_rounding(file: str, pose: Element) -> tuple[pin.SE3, bool]:
+    """A ``<pose>``, and whether angles in it were quarter turns in rounded digits."""
+    count = 7 if pose.get("rotation_format") == "quat_xyzw" else 6
+    if not pose.text.strip():
+        return pin.SE3.Identity(), False
+    values = numbers(file, pose, pose.text, count)
+    if count == 7:
+        if not np.linalg.norm(values[3:]):
+            refuse(file, pose, "the quaternion is zero", "write 0 0 0 1 for no turn")
+        return pin.SE3(pin.Quaternion(values[3:] / np.linalg.norm(values[3:])).matrix(), values[:3]), False
+    if pose.get("degrees").lower() in ("1", "true"):
+        return pin.SE3(pin.rpy.rpyToMatrix(np.radians(values[3:])), values[:3]), False
+    angles = np.array([_quarter_turns(word) for word in pose.text.split()[3:]])
+    return pin.SE3(pin.rpy.rpyToMatrix(angles), values[:3]), bool((angles != values[3:]).any())
+
+
+def _quarter_turns(word: str) -> float:
+    """An angle [rad]; one that is a quarter turn, or some, to its last digit but for a half of it, is that."""
+    value, decimals = float(word), len(word.partition(".")[2])
+    if "e" in word.lower() or decimals < _DIGITS:
+        return value
+    quarters = round(value / (math.pi / 2)) * (math.pi / 2)
+    return quarters if quarters and abs(value - quarters) <= 0.501 * 10.0**-decimals else value

@@ -21,14 +21,13 @@ from ...common.quantities import Array
 from ..urdf.document import Document, Element, Origin, tree
 from ..urdf.element_checks import DEEPEST_JOINTS, MOST
 from ..urdf.findings import Finding
-from . import dialects
-from .elements import needed, numbers, optional, origin_of, refuse, refuse_unknown, remark, unused
+from . import drake
+from .elements import ALONE, direction, needed, numbers, optional, origin_of, pose_and_rounding, refuse, refuse_unknown, remark, unused
 from .mechanism import Follow, Inertia, Joint, Link, Loop, Mechanism, Shape, as_document, capsule
 from .spanning_tree import Edge, spanning_tree
 
 WORLD = "world"
 _MODEL = "__model__"
-_DIGITS = 4  # decimals from which an angle that is a quarter turn to all of them is one: 1.5708
 _NONE = 1e16  # what SDF writes for no limit
 
 _KNOWN = {  # elements that are read or say nothing of the mechanics
@@ -126,7 +125,7 @@ class _Reader:
         found: dict[str, Element] = {}
         elements, most = self.model.all(tag), MOST["joint"]
         if len(elements) > most:
-            refuse(self.file, elements[most], f"there are {len(elements)} <{tag}>, more than {most}", dialects.TOO_LARGE)
+            refuse(self.file, elements[most], f"there are {len(elements)} <{tag}>, more than {most}", ALONE)
         for element in elements:
             name = element.get("name")
             if not name:
@@ -174,7 +173,7 @@ class _Reader:
             if name in self._searched:
                 refuse(self.file, element, "its pose is relative to itself", "let the poses lead back to the model")
             if len(self._searched) > DEEPEST_JOINTS:
-                refuse(self.file, element, f"its pose is more than {DEEPEST_JOINTS} frames away from the model's", dialects.TOO_LARGE)
+                refuse(self.file, element, f"its pose is more than {DEEPEST_JOINTS} frames away from the model's", ALONE)
             self._searched.append(name)
             own = self._own_pose(element)
             self.posed[name] = self.place(self._relative_to(element), element) * own
@@ -291,7 +290,7 @@ class _Reader:
         xyz = optional(self.file, element, "xyz")
         if xyz is None:
             return np.asarray(bearing.place.rotation[:, 2])
-        own = dialects.direction(self.file, xyz, xyz.text)
+        own = direction(self.file, xyz, xyz.text)
         in_model = self.version < (1, 5) or self._true(element, "use_parent_model_frame")
         if in_model and self.version < (1, 7):
             return own
@@ -498,34 +497,25 @@ class _Reader:
         refused = ("drake:joint", "drake:tendon_constraint")
         for element in self.model.all(*refused):
             refuse(self.file, element, "cannot be read", "write joints of SDF")
-        for element in self.model.all("drake:linear_spring_damper"):
-            remedy = "give it as a load: loads=[SpringDamper(...)]"
-            self.remarks.append(remark("warning", element, "a spring between bodies is not read", remedy))
-        for element in self.model.all(dialects.BALL):
-            values = [needed(self.file, element, f"{dialects.BALL}_{name}") for name in ("body_A", "p_AP", "body_B", "p_BQ")]
+        self.remarks += [drake.spring_remark(element) for element in self.model.all(drake.SPRING)]
+        for element in self.model.all(drake.BALL):
             ends = []
-            for body, point in (values[:2], values[2:]):
-                link = self._link_of(body.text.strip(), body)
+            for body, point in drake.ball_ends(self.file, element, _text):
+                link = self._link_of(_text(body), body)
                 inside = frames[link].inverse() * self.place(link, body)
-                ends.append((link, pin.SE3(np.eye(3), inside.act(numbers(self.file, point, point.text, 3)))))
+                ends.append((link, pin.SE3(np.eye(3), inside.act(point))))
             name = element.get("name") or unused(f"ball_{ends[0][0]}_{ends[1][0]}", taken)
             taken.add(name)
             yield Loop(name, "spherical", (ends[0], ends[1]), None, origin_of(element))
-        for element in self.model.all(dialects.BUSHING):
+        for element in self.model.all(drake.BUSHING):
             ends = []
-            for side in ("A", "C"):
-                frame = needed(self.file, element, f"drake:bushing_frame{side}")
-                link = self._link_of(frame.text.strip(), frame)
-                ends.append((link, frames[link].inverse() * self.place(frame.text.strip(), frame)))
-            stiffness = {}
-            for kind in ("torque", "force"):
-                for word in ("stiffness", "damping"):
-                    found = needed(self.file, element, f"drake:bushing_{kind}_{word}")
-                    stiffness[kind, word] = numbers(self.file, found, found.text, 3)
-            axis = dialects.bushing_axis(self.file, element, stiffness)
+            for frame in drake.bushing_ends(self.file, element):
+                link = self._link_of(_text(frame), frame)
+                ends.append((link, frames[link].inverse() * self.place(_text(frame), frame)))
+            axis = drake.bushing_axis(self.file, element, _text)
             name = element.get("name") or unused(f"bushing_{ends[0][0]}_{ends[1][0]}", taken)
             taken.add(name)
-            self.remarks.append(dialects.bushing_remark(origin_of(element)))
+            self.remarks.append(drake.bushing_remark(origin_of(element)))
             yield Loop(name, "spherical" if axis is None else "revolute", (ends[0], ends[1]), axis, origin_of(element))
 
     def _drivers(self, joints: set[str]) -> Iterator[tuple[str, Origin]]:
@@ -545,40 +535,13 @@ class _Reader:
             self.remarks.append(remark("note", bearing.element, problem, "exchange <parent> and <child> for the other sign"))
 
 
+def _text(element: Element) -> str:
+    return element.text.strip()
+
+
 _MIMIC = (("multiplier", "1"), ("offset", "0"))
 
 
 def _rank(kind: str) -> int:
     """Which joints the tree takes first: those that cannot close a loop, then those that hold more; balls are pins to cut at."""
     return {"prismatic": 0, "universal": 0, "revolute2": 0, "fixed": 1, "ball": 3}.get(kind, 2)
-
-
-def pose_of(file: str, element: Element) -> pin.SE3:
-    """The pose of an element in the frame that it is in."""
-    found = optional(file, element, "pose")
-    return pin.SE3.Identity() if found is None else pose_and_rounding(file, found)[0]
-
-
-def pose_and_rounding(file: str, pose: Element) -> tuple[pin.SE3, bool]:
-    """A ``<pose>``, and whether angles in it were quarter turns in rounded digits."""
-    count = 7 if pose.get("rotation_format") == "quat_xyzw" else 6
-    if not pose.text.strip():
-        return pin.SE3.Identity(), False
-    values = numbers(file, pose, pose.text, count)
-    if count == 7:
-        if not np.linalg.norm(values[3:]):
-            refuse(file, pose, "the quaternion is zero", "write 0 0 0 1 for no turn")
-        return pin.SE3(pin.Quaternion(values[3:] / np.linalg.norm(values[3:])).matrix(), values[:3]), False
-    if pose.get("degrees").lower() in ("1", "true"):
-        return pin.SE3(pin.rpy.rpyToMatrix(np.radians(values[3:])), values[:3]), False
-    angles = np.array([_quarter_turns(word) for word in pose.text.split()[3:]])
-    return pin.SE3(pin.rpy.rpyToMatrix(angles), values[:3]), bool((angles != values[3:]).any())
-
-
-def _quarter_turns(word: str) -> float:
-    """An angle [rad]; one that is a quarter turn, or some, to its last digit but for a half of it, is that."""
-    value, decimals = float(word), len(word.partition(".")[2])
-    if "e" in word.lower() or decimals < _DIGITS:
-        return value
-    quarters = round(value / (math.pi / 2)) * (math.pi / 2)
-    return quarters if quarters and abs(value - quarters) <= 0.501 * 10.0**-decimals else value
