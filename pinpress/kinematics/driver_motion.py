@@ -26,6 +26,7 @@ CLOSED = 1e-6  # of a step, by which a motion may end beside the end of its peri
 SEAM = 1e-4, 1e-2  # of a turn, and of the largest speed, by which the last state of a closed motion may differ from the first
 NOISY, COARSE = 0.03, 0.05  # uncertainty beside the size of derivatives, from which noise and too long steps make much of them
 NOISE_SHARE = 8.0, 5.0  # times the uncertainty of a first and of a second derivative: its error by white noise
+UNCLEAR = 0.5  # roughness beside the size of derivatives, from which single states are uncertain
 SLIGHT = 0.1  # of the square of a speed: an acceleration that moves a press little beside what its speed does
 MOST_ROUNDS = 60  # to find the time of states
 SETTLED = 1e-13  # change of a step of time that is none
@@ -378,6 +379,13 @@ def _doubt(given: str, column: SampledColumn, order: int, speeds: Array) -> None
         caution(
             f"the acceleration derived from the {given} over time is uncertain: the states are too far apart for so quick a motion, or"
             " something jumps; give more states, or acceleration=..."
+        )
+    elif np.any((rough := column.roughness(order)) > UNCLEAR * size):
+        state = int(np.argmax(rough.reshape(len(rough), -1).max(axis=1)))
+        caution(
+            f"the acceleration derived from the {given} over time is uncertain at {column.time[state]:.6g} s (state {state}), by"
+            f" {rough[state].max():.3g} rad/s2 or more: the {given} jumps there, or is too coarsely rounded, as heights near a dead centre;"
+            " smooth it, or give acceleration=..."
         )
 
 

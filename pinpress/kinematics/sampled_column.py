@@ -66,7 +66,7 @@ class SampledColumn:
     @cached_property
     def derivative_error(self) -> Array:
         """What the first derivatives may be wrong by, corners, rounded values and noise considered, of the shape of the values."""
-        rough, steps = self._roughness(1), np.diff(self._knots)
+        rough, steps = self.roughness(1), np.diff(self._knots)
         slopes = np.diff(self._extended, axis=0) / _stretched(steps, self.values)
         bent = self._off_the_line(self._knots[:-1] + 0.5 * steps, slopes)
         beside = np.concatenate([bent[-1:] if self.period else bent[:1], bent, bent[-1:]])[: len(self.time) + 1]
@@ -84,11 +84,16 @@ class SampledColumn:
     def value_error(self) -> Array:
         """What each value may be wrong by, of a smooth column that is rounded or has white noise on it, a number or (drivers,)."""
         steps = _stretched(np.gradient(self.time), self.values)
-        return np.asarray(NOISE * np.median(self._roughness(1) * steps, axis=0) + self._graduation)
+        return np.asarray(NOISE * np.median(self.roughness(1) * steps, axis=0) + self._graduation)
+
+    def roughness(self, order: int) -> Array:
+        """By what the derivatives depend on how they are found, of the shape of the values."""
+        quintic, cubic = self._splines
+        return np.asarray(np.abs(quintic(self.time, order) - cubic(self.time, order)))
 
     def uncertainty(self, order: int) -> Array:
-        """The median of what the derivatives depend on how they are found by, a number or (drivers,): of noise a fifth of its deviation."""
-        return np.asarray(np.median(self._roughness(order), axis=0))
+        """The median of the roughness, a number or (drivers,): of noise a fifth of its deviation."""
+        return np.asarray(np.median(self.roughness(order), axis=0))
 
     def is_noisy(self, order: int) -> bool:
         """Whether every second state determines the derivatives better than all do: noise is the less, the longer the steps."""
@@ -157,10 +162,6 @@ class SampledColumn:
         quintic, cubic = (make_interp_spline(self._knots, self._even, k=degree, bc_type=ends) for degree in (5, 3))
         return quintic, cubic
 
-    def _roughness(self, order: int) -> Array:
-        quintic, cubic = self._splines
-        return np.asarray(np.abs(quintic(self.time, order) - cubic(self.time, order)))
-
     @cached_property
     def _harmonics(self) -> ComplexArray:
         return np.asarray(np.fft.rfft(self._even[:-1], axis=0))
@@ -184,13 +185,13 @@ class SampledColumn:
         rates, harmonics = np.abs(self._rates), np.abs(self._harmonics)
         last = -max(2, len(rates) // LAST)
         left = 2 / len(self.time) * np.sum(_stretched(rates[last:], harmonics) * harmonics[last:], axis=0)
-        return bool(np.all(left <= self._roughness(1).max(axis=0)))
+        return bool(np.all(left <= self.roughness(1).max(axis=0)))
 
     @cached_property
     def _graduation(self) -> Array:
         """The step in which the values are rounded, as those of a table or an encoder, where they show it; a number or (drivers,)."""
         steps = _stretched(np.gradient(self.time), self.values)
-        largest = STEPPED * np.max(self._roughness(1) * steps, axis=0)
+        largest = STEPPED * np.max(self.roughness(1) * steps, axis=0)
         common = np.array([_common_step(values) for values in self.values.reshape(len(self.time), -1).T])
         return np.asarray(np.minimum(largest, common.reshape(largest.shape)))
 

@@ -557,6 +557,7 @@ def test_heights_on_either_flank(name, flank):
     np.testing.assert_allclose(motion.slide_acceleration, true.slide_acceleration, atol=1e-6 * np.abs(true.slide_acceleration).max())
 
 
+@pytest.mark.filterwarnings("ignore:the acceleration derived from the angle")  # where forward and return take unlike times it jumps
 @pytest.mark.parametrize("name", SLIDES)
 @pytest.mark.parametrize("way", [1.0, -1.0])
 def test_a_table_goes_through_the_dead_centres_that_it_reaches(name, way):
@@ -605,6 +606,19 @@ def test_flanks_state_by_state():
     angle = bottom - 0.6 * np.linspace(-1, 1, 13) ** 2
     motion = pp.servo_cycle(press, height=heights(press, angle, exact=[6]), flank=["down"] * 13, time=np.arange(13.0))
     np.testing.assert_allclose(same_turn(motion.crank_angle, angle), angle, atol=1e-12)
+
+
+def test_heights_that_are_rounded_tell_little_near_a_dead_centre():
+    """0.01 mm there are 0.01 rad, of which the second derivative is many times the true acceleration."""
+    press, time = texts.shipped("crank_slide"), even(201)
+    top = flanks("crank_slide")[0]
+    angle = top + TURN * time - 0.5 * np.sin(TURN * time)
+    above = heights(press, angle, exact=(0, 100, 200))
+    found = pp.servo_cycle(press, height=above, flank="down", time=time, period=1.0)
+    np.testing.assert_allclose(same_turn(found.crank_angle, angle), angle, atol=1e-12)
+    assert np.abs(found.crank_acceleration - 0.5 * TURN**2 * np.sin(TURN * time)).max() < 1e-5
+    with pytest.warns(pp.PinpressWarning, match=r"is uncertain at .* s \(state .* as heights near a dead centre"):
+        pp.servo_cycle(press, height=np.round(above, 5), flank="down", time=time, period=1.0)
 
 
 @pytest.mark.parametrize(
