@@ -1,7 +1,7 @@
 """SDF, the format of Gazebo: models of links and joints that need not be a tree (sdformat.org/spec, versions 1.4 to 1.12).
 
 A link may be the child of several joints: those that make the tree are chosen here, and the others close loops. Names of links and joints
-are kept. There is no package for Python that reads SDF and installs everywhere, and Pinocchio's wheels are built without it
+are kept. The bindings of SDF's own library on PyPI are for Python 3.11 alone, and Pinocchio's wheels are built without it
 (`WITH_SDFORMAT`), so it is read here: the elements that make a linkage; those that say nothing of its mechanics are passed over, and all
 others are refused by name.
 """
