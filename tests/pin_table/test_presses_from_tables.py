@@ -222,6 +222,7 @@ def test_a_mirrored_half_turns_the_other_way():
     assert np.abs(shaking[:, 0]).max() < 1e-9 * np.abs(shaking[:, 2]).max()
 
 
+@pytest.mark.filterwarnings("ignore:Conversion of an array:DeprecationWarning")  # of yourdfpy 0.0.56
 def test_what_is_written_is_a_urdf_for_others(tmp_path):
     """Read by yourdfpy and Pinocchio: links, masses and shapes; loaded by us, the same forces."""
     import pinocchio as pin
