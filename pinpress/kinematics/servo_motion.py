@@ -143,7 +143,9 @@ def _in_dead_centre(heights: Array, stroke: float) -> NDArray[np.bool_]:
 def _flanks(heights: Array, stroke: float, flank: Flank | Sequence[Flank] | None) -> NDArray[np.bool_]:
     """Whether each state (n,) is on the flank on which the slide goes down; in a dead centre as before it."""
     words = list(flank) if isinstance(flank, Iterable) and not isinstance(flank, str) else [flank]
-    if any(word not in ("down", "up") for word in words) or not (isinstance(flank, str) or len(words) == len(heights)):
+    if any(not isinstance(word, str) or word not in ("down", "up") for word in words) or not (
+        isinstance(flank, str) or len(words) == len(heights)
+    ):
         raise PinpressError(
             f'flank is {shown(flank)}: give "down" (the slide goes down where the crank turns positively) or "up"; or one of both for each'
             f" of the {len(heights)} states"
