@@ -37,6 +37,7 @@ def test_from_a_template_to_forces(folder, capsys):
     assert figures(capsys.readouterr().out) == figures(outputs[1])
 
 
+@pytest.mark.one_in(4)
 @pytest.mark.parametrize("name", TEMPLATES)
 def test_every_template_builds(folder, capsys, name):
     assert main(["new", "press.yml", "--template", name]) == 0
