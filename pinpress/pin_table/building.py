@@ -87,7 +87,7 @@ class DrawnPress(Tabular):
     @property
     def title(self) -> str:
         """The press, how many links it has, and its size."""
-        return f"DrawnPress {self.name}: {len(self.parts.links)} links and the frame, {_size(self.parts.pins):.3f} m"
+        return f"DrawnPress {self.name}: {len(self.parts.links)} links and the frame, {_size(self.parts.pins):.3f} m across"
 
     def columns(self) -> Columns:
         """Bearings with the links that they connect and their places in the drawn pose."""
@@ -285,9 +285,9 @@ def _check_links(links: tuple[Link, ...], pins: Mapping[str, Pin], unit: str) ->
     """Warn of centres of mass far outside of their links."""
     size = _size(pins)
     for link in links:
-        reach = max((float(np.linalg.norm(pins[name].point - link.origin)) for name in link.pins), default=0.0)
         if link.guide is not None:
             continue
+        reach = max(float(np.linalg.norm(pins[name].point - link.origin)) for name in link.pins)
         away = float(np.linalg.norm(link.centre - link.origin))
         if away > 3 * max(reach, 0.2 * size):
             where = f"{link.entry.file}: links: {link.name}"

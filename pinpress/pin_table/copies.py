@@ -159,7 +159,9 @@ def _copied_pins(pins: Mapping[str, Pin], own: set[str], moves: Sequence[_Move],
             yield name, pin
         for move, suffix in zip(moves, suffixes, strict=True):
             if name in own:
-                yield f"{name}{suffix}", replace(pin, name=f"{name}{suffix}", point=move(pin.point), other=None)
+                # A mirror image turns about the mirrored axis the other way, which is what gears of mirrored shafts say.
+                axis = None if pin.axis is None else move.turn @ pin.axis
+                yield f"{name}{suffix}", replace(pin, name=f"{name}{suffix}", point=move(pin.point), axis=axis, other=None)
 
 
 def _geared(entry: Entry, known: set[str], suffixes: Sequence[str], ratio: float) -> dict[str, tuple[str, float]]:

@@ -283,9 +283,8 @@ class _Masses:
             self.items[given[1]].refuse(f"{' and '.join(given)}", "give one of them; weld others on as parts")
         if "overhang" in self.items and "section" not in self.items:
             self.items["overhang"].refuse("an overhang without a section", "give section: height x width too")
-        for both in (("inertia", "gyration"),):
-            if all(key in self.items for key in both):
-                self.items[both[1]].refuse(" and ".join(both), "give one of them")
+        if "inertia" in self.items and "gyration" in self.items:
+            self.items["gyration"].refuse("inertia and gyration", "give one of them")
         if self.space.reader.without:
             body = self._weightless()
         elif given:

@@ -7,7 +7,7 @@ is wanted.
 from __future__ import annotations
 
 import os
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, NoReturn
@@ -54,9 +54,8 @@ class Entry:
 
     def names(self, what: str) -> list[str]:
         """Names, separated by blanks or in a list."""
-        if isinstance(self.value, tuple):
-            return [each.text(what) for each in self.value]
-        names = self.text(what).split()
+        listed = isinstance(self.value, tuple)
+        names = [each.text(what) for each in self.list(what)] if listed else self.text(what).split()
         if not names:
             self.refuse("it is empty", f"write {what}")
         for name in names:
@@ -103,13 +102,6 @@ class Entry:
             "keys with values" if isinstance(self.value, Mapping) else "a number",
         )
 
-    def within(self) -> Iterator[Entry]:
-        """This entry and all in it."""
-        yield self
-        inner = self.value.values() if isinstance(self.value, Mapping) else self.value if isinstance(self.value, tuple) else ()
-        for entry in inner:
-            yield from entry.within()
-
 
 def read_table(path: str | os.PathLike[str]) -> Entry:
     """The table of a YAML file, laid over the one that it names as its ``base``.
@@ -122,8 +114,7 @@ def read_table(path: str | os.PathLike[str]) -> Entry:
 
 def given_table(values: Mapping[str, Any]) -> Entry:
     """The table of a call's arguments: numbers, texts, lists and mappings as they would stand in a file."""
-    entry = _given(values, "build(...)", ())
-    return entry
+    return _given(values, "build(...)", ())
 
 
 def overlaid(below: Entry, above: Entry) -> Entry:

@@ -57,6 +57,7 @@ MISTAKES = {
     "a link drives": ("drive: A", "drive: crank", 16, "crank is a link; name its bearing: A"),
     "unknown driver": ("drive: A", "drive: Z", 16, "no pin or guide Z"),
     "link in the air": ("pins: E F", "pins: F", 14, "a section of a link with one pin"),
+    "an empty list of pins": ("pins: E F", "pins: []", 14, "names of pins"),
     "no pins": ("pins: F, guide", "guide", 15, "no pins"),
     "empty": (GOOD, "", None, "it is empty"),
     "not a table": (GOOD, "hello", 1, "where keys"),

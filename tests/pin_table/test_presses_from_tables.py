@@ -225,6 +225,26 @@ def test_a_mirrored_half_turns_the_other_way():
     assert np.abs(shaking[:, 0]).max() < 1e-9 * np.abs(shaking[:, 2]).max()
 
 
+def test_a_mirrored_crank_in_space_is_the_image_of_the_other():
+    """Two cranks about x, one the mirror image of the other, geared: their slides move alike."""
+    pins = {
+        "O": {"x": 30, "y": 0, "z": 0, "axis": "x"},
+        "B": {"x": 90, "y": -80, "z": 0, "joint": "ball"},
+        "S": {"x": 180, "y": 30, "z": -420, "joint": "ball"},
+    }
+    made = {
+        "crank": {"pins": "O B", "mass": 12, "com": {"x": 30, "y": -30}, "inertia": [0.04, 0.03, 0.05]},
+        "rod": {"pins": "B S", "mass": 6},
+        "slide": {"pins": "S", "guide": "up", "mass": 60},
+    }
+    copies = [{"links": "crank rod slide", "mirror": "x", "names": "_left _right", "gear": "O"}]
+    press = draft(units="mm", frame="O", pins=pins, links=made, drive="O", copies=copies).press()
+    motion = pp.cycle(press, speed=TURN, points=12)
+    left, right = (motion.joint_position[:, press.joints.index(f"slide_guide{side}")] for side in ("_left", "_right"))
+    assert np.ptp(left) > 0.1
+    assert right == pytest.approx(left, abs=1e-12)
+
+
 @pytest.mark.filterwarnings("ignore:Conversion of an array:DeprecationWarning")  # of yourdfpy 0.0.56
 def test_what_is_written_is_a_urdf_for_others(tmp_path):
     """Read by yourdfpy and Pinocchio: links, masses and shapes; loaded by us, the same forces."""
