@@ -23,11 +23,11 @@ from .common.errors import UrdfError as UrdfError
 from .common.quantities import RPM as RPM
 from .dynamics.inverse_dynamics import Reactions as Reactions
 from .dynamics.inverse_dynamics import inverse_dynamics as inverse_dynamics
+from .kinematics.check import check as check
 from .kinematics.motion import Motion as Motion
 from .kinematics.motion import cycle as cycle
 from .kinematics.servo_motion import servo_cycle as servo_cycle
 from .kinematics.slide_path import dead_centres as dead_centres
-from .linkage.check import check as check
 from .linkage.linkage import Linkage as Linkage
 from .linkage.loading import load as load
 from .linkage.loading import presses as presses

@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING
 
 from ..common import files
 from ..common.errors import PinpressError, PinTableError
+from ..kinematics.check import check
 from ..kinematics.slide_path import dead_centres
-from ..linkage.check import check
 from ..linkage.linkage import Linkage
 from ..linkage.urdf.document import MOST_BYTES
 

@@ -2,7 +2,7 @@
 
 import argparse
 
-from ..linkage.check import check
+from ..kinematics.check import check
 
 
 def add(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:

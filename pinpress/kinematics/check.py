@@ -15,13 +15,13 @@ from ..common.results import Record, Records, Tabular
 from ..common.tables import Column
 from ..engines.joints import LoopJoint
 from ..engines.spatial.kinematics import rank as rank_of
-from . import assembly_checks, mobility
-from .assembly_checks import short
-from .linkage import Linkage
-from .loading import assembled, document_of, located
-from .urdf import element_checks, reader
-from .urdf.document import Document
-from .urdf.findings import SEVERITIES, Finding
+from ..linkage import assembly_checks, mobility
+from ..linkage.assembly_checks import short
+from ..linkage.linkage import Linkage
+from ..linkage.loading import assembled, document_of, located
+from ..linkage.urdf import element_checks, reader
+from ..linkage.urdf.document import Document
+from ..linkage.urdf.findings import SEVERITIES, Finding
 
 WIDTH = 120  # of a line of text
 WHOLE = ("<robot", "<model", "<mujoco")  # what is said of the file as a whole is said of none of its elements
